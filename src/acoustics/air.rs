@@ -1,0 +1,84 @@
+//! Air: sound speed, density and absorption from temperature, humidity and pressure.
+
+use crate::scene::Medium;
+
+/// dB per neper, 20/ln 10.
+const DB_PER_NEPER: f64 = 20.0 / std::f64::consts::LN_10;
+/// K at 0 °C.
+const ZERO_CELSIUS: f64 = 273.15;
+
+/// What a wave needs to know of the air at one frequency.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Air {
+    /// m/s
+    pub sound_speed: f64,
+    /// kg/m³
+    pub density: f64,
+    /// Np/m: pressure falls by e^{-attenuation · r}.
+    pub attenuation: f64,
+}
+
+impl Air {
+    /// The medium at `frequency` (Hz); what the scene gives outright goes before what follows from the weather.
+    ///
+    /// Sound speed and density are those of dry air, c = 331.3 √(T/273.15 K) and ρ = p/(287.05 T): humidity would
+    /// raise c by less than 0.3 % below 30 °C.
+    pub fn new(medium: &Medium, frequency: f64) -> Self {
+        let kelvin = medium.temperature + ZERO_CELSIUS;
+        let absorption = medium
+            .absorption
+            .unwrap_or_else(|| absorption(frequency, medium.temperature, medium.humidity, medium.pressure));
+        Self {
+            sound_speed: medium.sound_speed.unwrap_or_else(|| 331.3 * (kelvin / ZERO_CELSIUS).sqrt()),
+            density: medium.density.unwrap_or_else(|| medium.pressure / (287.05 * kelvin)),
+            attenuation: absorption / DB_PER_NEPER,
+        }
+    }
+}
+
+/// Atmospheric absorption in dB/m by ISO 9613-1, equations (3) to (5) and (B.1) to (B.3).
+///
+/// `frequency` in Hz, `temperature` in °C, relative `humidity` in %, `pressure` in Pa.
+pub fn absorption(frequency: f64, temperature: f64, humidity: f64, pressure: f64) -> f64 {
+    let kelvin = temperature + ZERO_CELSIUS;
+    let (relative_temperature, relative_pressure) = (kelvin / 293.15, pressure / 101_325.0);
+    let saturation = 10f64.powf(-6.8346 * (273.16 / kelvin).powf(1.261) + 4.6151);
+    let vapour = humidity * saturation / relative_pressure;
+    let oxygen = relative_pressure * (24.0 + 4.04e4 * vapour * (0.02 + vapour) / (0.391 + vapour));
+    let nitrogen = relative_pressure
+        * relative_temperature.powf(-0.5)
+        * (9.0 + 280.0 * vapour * (-4.170 * (relative_temperature.powf(-1.0 / 3.0) - 1.0)).exp());
+    let square = frequency * frequency;
+    let relaxation = 0.01275 * (-2239.1 / kelvin).exp() / (oxygen + square / oxygen)
+        + 0.1068 * (-3352.0 / kelvin).exp() / (nitrogen + square / nitrogen);
+    8.686
+        * square
+        * (1.84e-11 / relative_pressure * relative_temperature.sqrt()
+            + relative_temperature.powf(-2.5) * relaxation)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_default_air_is_that_of_the_design() {
+        let air = Air::new(&Medium::default(), 40_000.0);
+        assert!((air.sound_speed - 343.2).abs() < 0.05, "{air:?}");
+        assert!((air.density - 1.204).abs() < 5e-4, "{air:?}");
+        assert!((air.attenuation - 0.152).abs() < 1e-3, "{air:?}");
+    }
+
+    #[test]
+    fn what_the_scene_gives_goes_first() {
+        let medium = Medium {
+            sound_speed: Some(346.0),
+            density: Some(1.184),
+            absorption: Some(8.0),
+            ..Medium::default()
+        };
+        let air = Air::new(&medium, 40_000.0);
+        assert_eq!((air.sound_speed, air.density), (346.0, 1.184));
+        assert!(((-air.attenuation).exp() - 10f64.powf(-8.0 / 20.0)).abs() < 1e-15);
+    }
+}

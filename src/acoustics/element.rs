@@ -1,0 +1,185 @@
+//! One element: the complex pressure it makes at a point per unit of drive.
+//!
+//! Pressure is p(t) = Re{P e^{+jωt}} with P the complex peak amplitude, and the far field of an element is
+//! P = S · D(θ)/r · j e^{-jkr} · e^{-αr} with S = ρ u a² ω/2 for a piston of surface velocity u: equation (1) of
+//! Long et al. 2022. The element lies in z = 0 in a rigid baffle: nothing is radiated to z < 0.
+
+use std::f64::consts::PI;
+
+use glam::DVec3;
+use num_complex::Complex64;
+
+use crate::scene::ElementModel;
+
+/// m. An element is no point: a far-field distance never counts as less, and a point this little behind the array
+/// still counts as on it, so that rounding does not decide.
+pub const NEAREST: f64 = 1e-5;
+/// Relative error of the exact piston's integral that [`piston_nodes`] is asked for in f64.
+const PISTON_ERROR: f64 = 1e-14;
+/// Nodes beyond which the exact piston is not refined: points on the rim itself.
+const MOST_NODES: usize = 4096;
+
+/// An element and the wave it sends out.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Element {
+    pub model: ElementModel,
+    /// rad/m
+    pub wavenumber: f64,
+    /// m
+    pub radius: f64,
+    /// Pa·m, peak, on axis at full drive
+    pub strength: f64,
+    /// Np/m
+    pub attenuation: f64,
+}
+
+impl Element {
+    /// Complex pressure (Pa, peak) at `offset` (m) from the element's centre, driven fully and with phase 0.
+    pub fn transfer(&self, offset: DVec3) -> Complex64 {
+        if offset.z < -NEAREST {
+            return Complex64::ZERO;
+        }
+        let r = offset.length().max(NEAREST);
+        let wave = match self.model {
+            ElementModel::Point => spherical(self.wavenumber, r),
+            ElementModel::Piston => {
+                spherical(self.wavenumber, r) * self.directivity(offset.truncate().length() / r)
+            }
+            ElementModel::ExactPiston => self.exact_piston(offset.truncate().length(), offset.z.max(0.0)),
+        };
+        wave * self.strength * (-self.attenuation * r).exp()
+    }
+
+    /// D = 2 J1(x)/x with x = ka sinθ.
+    pub fn directivity(&self, sin: f64) -> f64 {
+        match self.model {
+            ElementModel::Point => 1.0,
+            ElementModel::Piston | ElementModel::ExactPiston => {
+                directivity(self.wavenumber * self.radius * sin)
+            }
+        }
+    }
+
+    /// The baffled piston by McGough's single integral (JASA 115:1942, 2004), per unit strength and without
+    /// absorption, at distance `rho` from the axis and `z` from the plane.
+    ///
+    /// The difference of exponentials over the squared distance to the rim is written as a sinc, which removes the
+    /// removable singularity of the textbook form.
+    fn exact_piston(&self, rho: f64, z: f64) -> Complex64 {
+        let (a, k) = (self.radius, self.wavenumber);
+        let nodes = piston_nodes(k * a, rho / a, z / a, PISTON_ERROR).min(MOST_NODES);
+        let mut sum = Complex64::ZERO;
+        for node in 0..nodes {
+            let psi = PI * (node as f64 + 0.5) / nodes as f64;
+            let (sin_half, cos) = ((psi / 2.0).sin(), psi.cos());
+            let rim_squared = (rho - a).powi(2) + 4.0 * a * rho * sin_half * sin_half;
+            let path = (rim_squared + z * z).sqrt() + z;
+            let sinc = sinc(0.5 * k * rim_squared / path);
+            sum += Complex64::from_polar((a - rho * cos) / path * sinc, PI / 2.0 - 0.5 * k * path);
+        }
+        sum * (2.0 / (a * nodes as f64))
+    }
+}
+
+/// Midpoint nodes with which the piston's integral has a relative error of about `error`.
+///
+/// `ka` is the wavenumber times the radius, `rho` and `z` the point in radii. The integrand is periodic and analytic
+/// in a strip about the real axis, so the midpoint rule converges like e^{-2nτ} times the integrand's growth e^{ka
+/// sinh τ} for every τ inside the strip, whose half-width η (cosh η = (ρ² + 1 + z²)/2ρ) the rim sets.
+pub fn piston_nodes(ka: f64, rho: f64, z: f64, error: f64) -> usize {
+    let excess = ((rho - 1.0).powi(2) + z * z) / (2.0 * rho.max(1e-12));
+    // acosh(1 + e) without the loss of small e.
+    let strip = (excess + (excess * (2.0 + excess)).sqrt()).ln_1p();
+    let tau = (0.9 * strip).min(2.0).max(1e-3);
+    // The factor in front of the exponential grows like one over the distance to the strip's edge.
+    let growth = ka * tau.sinh() + (2.0 / tau).ln().max(0.0);
+    (((-error.ln() + growth) / (2.0 * tau)).ceil() as usize).max(2)
+}
+
+fn spherical(wavenumber: f64, r: f64) -> Complex64 {
+    Complex64::from_polar(1.0 / r, PI / 2.0 - wavenumber * r)
+}
+
+/// 2 J1(x)/x.
+pub fn directivity(x: f64) -> f64 {
+    if x.abs() < 1e-4 { 1.0 - x * x / 8.0 } else { 2.0 * libm::j1(x) / x }
+}
+
+fn sinc(x: f64) -> f64 {
+    if x.abs() < 1e-4 { 1.0 - x * x / 6.0 } else { x.sin() / x }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn element(model: ElementModel) -> Element {
+        Element { model, wavenumber: 732.7, radius: 0.005, strength: 1.0, attenuation: 0.0 }
+    }
+
+    #[test]
+    fn the_exact_piston_meets_its_closed_form_on_the_axis() {
+        let element = element(ElementModel::ExactPiston);
+        for z in [0.0, 1e-4, 0.003, 0.05, 0.5] {
+            let (k, a) = (element.wavenumber, element.radius);
+            let rim = f64::hypot(z, a);
+            // 2 ρcU |sin(k(R - z)/2)| with ρcU = 2S/(k a²)
+            let amplitude = 4.0 / (k * a * a) * (0.5 * k * a * a / (rim + z)).sin();
+            let expected = Complex64::from_polar(amplitude, PI / 2.0 - 0.5 * k * (rim + z));
+            let got = element.transfer(DVec3::new(0.0, 0.0, z));
+            assert!((got - expected).norm() < 1e-12 * amplitude.abs(), "z = {z}: {got} {expected}");
+        }
+    }
+
+    #[test]
+    fn the_stated_error_of_the_piston_is_kept() {
+        let ka: f64 = 3.7;
+        let sum = |nodes: usize, rho: f64, z: f64| -> Complex64 {
+            let terms = (0..nodes).map(|i| {
+                let psi = PI * (i as f64 + 0.5) / nodes as f64;
+                let path = (1.0 + rho * rho - 2.0 * rho * psi.cos() + z * z).sqrt() + z;
+                let rim_squared = path * (path - 2.0 * z);
+                Complex64::from_polar(
+                    (1.0 - rho * psi.cos()) / path * sinc(0.5 * ka * rim_squared / path),
+                    -0.5 * ka * path,
+                )
+            });
+            terms.sum::<Complex64>() / nodes as f64
+        };
+        for (rho, z) in [(0.3, 0.2), (0.9, 0.3), (1.5, 0.1), (3.0, 1.0), (20.0, 20.0), (40.0, 0.1)] {
+            let truth = sum(2000, rho, z);
+            for error in [1e-3, 1e-6, 1e-9] {
+                let nodes = piston_nodes(ka, rho, z, error);
+                let scale = 1.0 / (rho * rho + z * z).sqrt().max(1.0);
+                let reached = (sum(nodes, rho, z) - truth).norm() / scale;
+                assert!(reached < error, "({rho}, {z}) {error}: {nodes} nodes reach {reached}");
+            }
+        }
+    }
+
+    #[test]
+    fn the_directivity_has_its_limit_and_its_null() {
+        assert_eq!(directivity(0.0), 1.0);
+        assert!((directivity(1.1e-4) - directivity(0.9e-4)).abs() < 1e-8);
+        assert!(directivity(3.831_705_970_207_512).abs() < 1e-15);
+    }
+
+    #[test]
+    fn nothing_is_radiated_backwards_and_nothing_is_infinite() {
+        for model in [ElementModel::Point, ElementModel::Piston, ElementModel::ExactPiston] {
+            let element = element(model);
+            assert_eq!(element.transfer(DVec3::new(0.0, 0.01, -0.01)), Complex64::ZERO);
+            for offset in [DVec3::ZERO, DVec3::new(0.005, 0.0, 0.0), DVec3::new(0.0, 0.0, -1e-7)] {
+                assert!(element.transfer(offset).is_finite(), "{model:?} {offset}");
+            }
+        }
+    }
+
+    #[test]
+    fn absorption_is_what_the_medium_says() {
+        let lossy = Element { attenuation: 0.5, ..element(ElementModel::Piston) };
+        let offset = DVec3::new(0.1, 0.0, 0.2);
+        let ratio = lossy.transfer(offset) / element(ElementModel::Piston).transfer(offset);
+        assert!((ratio - (-0.5 * offset.length()).exp()).norm() < 1e-14);
+    }
+}

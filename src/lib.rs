@@ -1,0 +1,8 @@
+//! Sonoglyph: ultrasound focal points, shapes and letters for a phased array, and the field they make.
+//!
+//! The flow is `Scene` → solver → `Drive` → field → picture; `ARCHITECTURE.md` tells it in one page.
+
+pub mod acoustics;
+pub mod drive;
+pub mod scene;
+pub mod solver;

@@ -1,0 +1,282 @@
+//! The limits of every number in a scene, and the error that names the key that breaks one.
+
+use std::fmt;
+
+use glam::DVec3;
+
+use crate::scene::{
+    Array, Liquid, Medium, Modulation, Motion, MotionPath, Plane, Sampling, Scene, Shape, Target,
+};
+
+/// Elements that an array may have: 256 x 256.
+pub const MOST_ELEMENTS: u64 = 65_536;
+/// Focal points that a scene may ask for; the solver's work grows with the cube of this.
+pub const MOST_FOCI: usize = 1024;
+/// m; lengths beyond are slips of the unit, not scenes.
+const LONGEST: f64 = 100.0;
+
+/// One step of the way to a key in the file.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Key {
+    Name(&'static str),
+    Index(usize),
+}
+
+impl From<&'static str> for Key {
+    fn from(name: &'static str) -> Self {
+        Self::Name(name)
+    }
+}
+
+impl From<usize> for Key {
+    fn from(index: usize) -> Self {
+        Self::Index(index)
+    }
+}
+
+/// What is wrong with the value at one key. [`crate::scene::file`] adds file, line and value.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct KeyError {
+    pub path: Vec<Key>,
+    pub message: String,
+}
+
+impl KeyError {
+    pub fn new(path: impl Into<Vec<Key>>, message: impl Into<String>) -> Self {
+        Self { path: path.into(), message: message.into() }
+    }
+
+    /// The same error seen from one level further up.
+    fn under(mut self, above: &[Key]) -> Self {
+        self.path.splice(0..0, above.iter().cloned());
+        self
+    }
+
+    /// The path as a reader writes it: `target[1].radius`, counted from 1 as the tables stand in the file.
+    pub fn key(&self) -> String {
+        let mut text = String::new();
+        for key in &self.path {
+            match key {
+                Key::Name(name) if text.is_empty() => text.push_str(name),
+                Key::Name(name) => text.push_str(&format!(".{name}")),
+                Key::Index(index) => text.push_str(&format!("[{}]", index + 1)),
+            }
+        }
+        text
+    }
+}
+
+impl fmt::Display for KeyError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}: {}", self.key(), self.message)
+    }
+}
+
+impl std::error::Error for KeyError {}
+
+/// Checks every number of the scene.
+///
+/// # Errors
+/// The first key whose value is outside its limits.
+pub fn check(scene: &Scene) -> Result<(), KeyError> {
+    medium(&scene.medium).map_err(|e| e.under(&["medium".into()]))?;
+    array(&scene.array).map_err(|e| e.under(&["array".into()]))?;
+    for (index, target) in scene.targets.iter().enumerate() {
+        self::target(target).map_err(|e| e.under(&["target".into(), index.into()]))?;
+    }
+    plane(&scene.plane).map_err(|e| e.under(&["plane".into()]))?;
+    liquid(&scene.liquid).map_err(|e| e.under(&["liquid".into()]))?;
+    modulation(&scene.modulation).map_err(|e| e.under(&["modulation".into()]))?;
+    motion(&scene.motion).map_err(|e| e.under(&["motion".into()]))
+}
+
+fn medium(medium: &Medium) -> Result<(), KeyError> {
+    within("temperature", medium.temperature, -50.0, 100.0, "°C")?;
+    within("humidity", medium.humidity, 0.0, 100.0, "%")?;
+    within("pressure", medium.pressure, 1e3, 1e6, "Pa")?;
+    if let Some(sound_speed) = medium.sound_speed {
+        within("sound_speed", sound_speed, 1.0, 1e4, "m/s")?;
+    }
+    if let Some(density) = medium.density {
+        within("density", density, 1e-3, 1e4, "kg/m³")?;
+    }
+    if let Some(absorption) = medium.absorption {
+        within("absorption", absorption, 0.0, 1e3, "dB/m")?;
+    }
+    Ok(())
+}
+
+fn array(array: &Array) -> Result<(), KeyError> {
+    count("rows", u64::from(array.rows), 1, MOST_ELEMENTS)?;
+    count("columns", u64::from(array.columns), 1, MOST_ELEMENTS)?;
+    let elements = u64::from(array.rows) * u64::from(array.columns);
+    if elements > MOST_ELEMENTS {
+        return refuse(
+            "rows",
+            format!("{elements} elements are more than the {MOST_ELEMENTS} that an array may have"),
+        );
+    }
+    length("pitch", array.pitch)?;
+    length("element_radius", array.element_radius)?;
+    within("frequency", array.frequency, 1e3, 1e6, "Hz")?;
+    within("strength", array.strength, 1e-9, 1e6, "Pa·m")?;
+    for (position, &element) in array.off.iter().enumerate() {
+        if element as u64 >= elements {
+            return Err(KeyError::new(
+                [Key::from("off"), Key::from(position)],
+                format!("the elements are numbered 0 to {}", elements - 1),
+            ));
+        }
+    }
+    let off: std::collections::BTreeSet<_> = array.off.iter().collect();
+    if off.len() as u64 == elements {
+        return refuse("off", "every element is off: nothing is left to drive");
+    }
+    Ok(())
+}
+
+fn target(target: &Target) -> Result<(), KeyError> {
+    shape(&target.shape)?;
+    within("pressure", target.pressure, 1e-6, 1e9, "relative to the other foci")?;
+    finite("angle", target.angle)?;
+    direction("normal", target.normal)?;
+    match target.sampling {
+        Sampling::Whole => Ok(()),
+        Sampling::Spacing(spacing) => length("spacing", spacing),
+        Sampling::Points(points) => count("points", points as u64, 1, MOST_FOCI as u64),
+    }
+}
+
+fn shape(shape: &Shape) -> Result<(), KeyError> {
+    match shape {
+        Shape::Point { at } => point("at", *at),
+        Shape::Line { from, to } => {
+            point("from", *from)?;
+            point("to", *to)?;
+            if from == to { refuse("to", "the line ends where it begins") } else { Ok(()) }
+        }
+        Shape::Circle { at, radius } => {
+            point("at", *at)?;
+            length("radius", *radius)
+        }
+        Shape::Rectangle { at, width, height } => {
+            point("at", *at)?;
+            length("width", *width)?;
+            length("height", *height)
+        }
+        Shape::Triangle { at, size } => {
+            point("at", *at)?;
+            length("size", *size)
+        }
+        Shape::Polygon { at, radius, sides } => {
+            point("at", *at)?;
+            length("radius", *radius)?;
+            count("sides", u64::from(*sides), 3, MOST_FOCI as u64)
+        }
+        Shape::Path { vertices, .. } => {
+            if vertices.len() < 2 {
+                return refuse("vertices", "a path needs at least two vertices");
+            }
+            if vertices.len() > MOST_FOCI {
+                return refuse("vertices", format!("a path may have at most {MOST_FOCI} vertices"));
+            }
+            for (index, vertex) in vertices.iter().enumerate() {
+                point("vertices", *vertex).map_err(|mut e| {
+                    e.path.push(index.into());
+                    e
+                })?;
+            }
+            if vertices.windows(2).all(|pair| pair[0] == pair[1]) {
+                return refuse("vertices", "the path has no length");
+            }
+            Ok(())
+        }
+        Shape::Text { text, at, height } => {
+            if text.trim().is_empty() {
+                return refuse("text", "there is nothing to write");
+            }
+            point("at", *at)?;
+            length("height", *height)
+        }
+    }
+}
+
+fn plane(plane: &Plane) -> Result<(), KeyError> {
+    point("centre", plane.centre)?;
+    direction("x_axis", plane.x_axis)?;
+    direction("y_axis", plane.y_axis)?;
+    if plane.axes().is_none() {
+        return refuse("y_axis", "lies along `x_axis`: the two do not span a plane");
+    }
+    for length in plane.size.to_array() {
+        self::length("size", length)?;
+    }
+    within("tolerance", plane.tolerance, 0.0, 1.0, "of the map's peak")
+}
+
+fn liquid(liquid: &Liquid) -> Result<(), KeyError> {
+    within("density", liquid.density, 1.0, 1e5, "kg/m³")?;
+    within("surface_tension", liquid.surface_tension, 1e-6, 10.0, "N/m")?;
+    within("gravity", liquid.gravity, 1e-3, 1e3, "m/s²")
+}
+
+fn modulation(modulation: &Modulation) -> Result<(), KeyError> {
+    within("frequency", modulation.frequency, 1.0, 1000.0, "Hz")?;
+    within("depth", modulation.depth, 0.0, 1.0, "(0: none, 1: full)")
+}
+
+fn motion(motion: &Motion) -> Result<(), KeyError> {
+    length("size", motion.size)?;
+    within("rate", motion.rate, 1e-6, 1e5, "rounds per second")?;
+    count("frames", u64::from(motion.frames), 1, 10_000)?;
+    for offset in &motion.points {
+        point("points", *offset)?;
+    }
+    if motion.path == MotionPath::Points && motion.points.is_empty() {
+        return refuse("points", "path = \"points\" needs the offsets to visit");
+    }
+    Ok(())
+}
+
+fn refuse<T>(key: &'static str, message: impl Into<String>) -> Result<T, KeyError> {
+    Err(KeyError::new([Key::from(key)], message))
+}
+
+fn within(key: &'static str, value: f64, least: f64, most: f64, unit: &str) -> Result<(), KeyError> {
+    if value.is_finite() && (least..=most).contains(&value) {
+        return Ok(());
+    }
+    refuse(key, format!("must be a number from {least} to {most} {unit}"))
+}
+
+fn count(key: &'static str, value: u64, least: u64, most: u64) -> Result<(), KeyError> {
+    if (least..=most).contains(&value) {
+        return Ok(());
+    }
+    refuse(key, format!("must be a whole number from {least} to {most}"))
+}
+
+fn length(key: &'static str, value: f64) -> Result<(), KeyError> {
+    if value.is_finite() && value > 0.0 && value <= LONGEST {
+        return Ok(());
+    }
+    refuse(key, format!("must be a length in metres, more than 0 and at most {LONGEST}"))
+}
+
+fn finite(key: &'static str, value: f64) -> Result<(), KeyError> {
+    if value.is_finite() { Ok(()) } else { refuse(key, "must be a finite number") }
+}
+
+fn point(key: &'static str, value: DVec3) -> Result<(), KeyError> {
+    if value.is_finite() && value.abs().max_element() <= LONGEST {
+        return Ok(());
+    }
+    refuse(key, format!("must be a point in metres, every coordinate from -{LONGEST} to {LONGEST}"))
+}
+
+fn direction(key: &'static str, value: DVec3) -> Result<(), KeyError> {
+    if value.is_finite() && value.try_normalize().is_some() {
+        return Ok(());
+    }
+    refuse(key, "must be a direction: three finite numbers, not all zero")
+}

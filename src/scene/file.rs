@@ -1,0 +1,261 @@
+//! The scene file: TOML to [`Scene`] and back, with errors that name file, line and value.
+
+use std::fmt;
+use std::ops::Range;
+use std::path::{Path, PathBuf};
+
+use serde::Deserialize;
+use toml::de::{DeTable, DeValue};
+
+use crate::scene::check::{Key, KeyError, check};
+use crate::scene::target::TargetTable;
+use crate::scene::{Array, Liquid, Medium, Modulation, Motion, Plane, Scene, Solver, outline};
+
+/// The version of the file format that this program reads and writes.
+pub const FORMAT: u32 = 1;
+
+/// Why a scene file could not be used.
+#[derive(Debug, thiserror::Error)]
+pub enum FileError {
+    #[error("{}: {source}", file.display())]
+    Read { file: PathBuf, source: std::io::Error },
+    #[error("{}", Place(file, *line, None, message))]
+    Syntax { file: PathBuf, line: usize, message: String },
+    #[error("{}", Place(file, *line, Some((key, value.as_deref())), message))]
+    Value { file: PathBuf, line: usize, key: String, value: Option<String>, message: String },
+}
+
+/// `file:line: key = value: message`, without what is not known.
+struct Place<'a>(&'a Path, usize, Option<(&'a str, Option<&'a str>)>, &'a str);
+
+impl fmt::Display for Place<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self(file, line, key, message) = self;
+        write!(f, "{}:{line}: ", file.display())?;
+        match key {
+            Some((key, Some(value))) => write!(f, "{key} = {value}: ")?,
+            Some((key, None)) => write!(f, "{key}: ")?,
+            None => {}
+        }
+        f.write_str(message)
+    }
+}
+
+/// Reads and checks a scene file; every target has become focal points once, so that [`outline::foci`] cannot fail
+/// on what comes back but for a scene without targets.
+///
+/// # Errors
+/// An unreadable file, broken TOML, an unknown key, or a value outside its limits.
+pub fn read(path: &Path) -> Result<Scene, FileError> {
+    let unreadable = |source| FileError::Read { file: path.to_owned(), source };
+    parse(&std::fs::read_to_string(path).map_err(unreadable)?, path)
+}
+
+/// Like [`read`], from text; `path` only names it.
+///
+/// # Errors
+/// As [`read`].
+pub fn parse(text: &str, path: &Path) -> Result<Scene, FileError> {
+    let table: SceneTable = toml::from_str(text).map_err(|error| FileError::Syntax {
+        file: path.to_owned(),
+        line: error.span().map_or(1, |span| line_of(text, span.start)),
+        message: error.message().trim().replace('\n', ", "),
+    })?;
+    table.into_scene().and_then(|scene| checked(scene)).map_err(|error| located(&error, text, path))
+}
+
+/// The scene as a file.
+pub fn write(scene: &Scene) -> String {
+    toml::to_string(scene).expect("a scene is tables of plain values")
+}
+
+fn checked(scene: Scene) -> Result<Scene, KeyError> {
+    check(&scene)?;
+    if !scene.targets.is_empty() {
+        outline::foci(&scene)?;
+    }
+    Ok(scene)
+}
+
+/// The file as written, before the keys of each target are sorted out.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct SceneTable {
+    format: u32,
+    #[serde(default)]
+    medium: Medium,
+    #[serde(default)]
+    array: Array,
+    #[serde(default)]
+    target: Vec<TargetTable>,
+    #[serde(default)]
+    solver: Solver,
+    #[serde(default)]
+    plane: Plane,
+    #[serde(default)]
+    liquid: Liquid,
+    #[serde(default)]
+    modulation: Modulation,
+    #[serde(default)]
+    motion: Motion,
+}
+
+impl SceneTable {
+    fn into_scene(self) -> Result<Scene, KeyError> {
+        let Self { format, medium, array, target, solver, plane, liquid, modulation, motion } = self;
+        if format != FORMAT {
+            return Err(KeyError::new([Key::from("format")], format!("this program reads format {FORMAT}")));
+        }
+        let targets = target
+            .into_iter()
+            .enumerate()
+            .map(|(index, table)| table.into_target(index))
+            .collect::<Result<_, _>>()?;
+        Ok(Scene { format, medium, array, targets, solver, plane, liquid, modulation, motion })
+    }
+}
+
+/// Finds the line and the value as written of the key that an error speaks of.
+fn located(error: &KeyError, text: &str, path: &Path) -> FileError {
+    let span = span_of(&error.path, text);
+    // A whole table says nothing that the key does not.
+    let value = span
+        .clone()
+        .map(|span| text[span].to_owned())
+        .filter(|value| !value.contains(['\n', '[']) || is_array(value));
+    FileError::Value {
+        file: path.to_owned(),
+        line: span.map_or(1, |span| line_of(text, span.start)),
+        key: error.key(),
+        value,
+        message: error.message.clone(),
+    }
+}
+
+fn is_array(value: &str) -> bool {
+    value.starts_with('[') && value.ends_with(']') && value.contains(',') && !value.contains('\n')
+}
+
+/// Where the value at `path` stands; for a key that is not written, where the nearest table above it does.
+fn span_of(path: &[Key], text: &str) -> Option<Range<usize>> {
+    let document = DeTable::parse(text).ok()?;
+    let (first, rest) = path.split_first()?;
+    let Key::Name(name) = first else { return None };
+    let mut value = document.get_ref().get(*name)?;
+    for key in rest {
+        let next = match (key, value.get_ref()) {
+            (Key::Name(name), DeValue::Table(table)) => table.get(*name),
+            (Key::Index(index), DeValue::Array(array)) => array.get(*index),
+            _ => None,
+        };
+        match next {
+            Some(next) => value = next,
+            None => break,
+        }
+    }
+    Some(value.span())
+}
+
+fn line_of(text: &str, offset: usize) -> usize {
+    text[..offset].matches('\n').count() + 1
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn error(text: &str) -> String {
+        parse(text, Path::new("a.toml")).unwrap_err().to_string()
+    }
+
+    #[test]
+    fn an_empty_scene_has_the_defaults() {
+        assert_eq!(parse("format = 1", Path::new("a.toml")).unwrap(), Scene::default());
+    }
+
+    #[test]
+    fn unknown_keys_are_named_with_their_line() {
+        for (text, line, key) in [
+            ("format = 1\n\n[array]\nrows = 8\npich = 0.01\n", 5, "pich"),
+            ("format = 1\ncolour = 3\n", 2, "colour"),
+            ("format = 1\n[[target]]\nkind = \"circle\"\nradis = 0.01\n", 4, "radis"),
+            ("format = 1\n[[target]]\n[[target]]\nkind = \"line\"\nradius = 0.01\n", 5, "radius"),
+        ] {
+            let error = error(text);
+            assert!(error.starts_with(&format!("a.toml:{line}: ")) && error.contains(key), "{error}");
+        }
+    }
+
+    #[test]
+    fn values_out_of_range_are_named_with_key_line_and_value() {
+        for (body, line, parts) in [
+            ("[array]\npitch = nan", 3, "array.pitch = nan"),
+            ("[array]\npitch = -0.01", 3, "array.pitch = -0.01"),
+            ("[array]\nrows = 0", 3, "array.rows = 0"),
+            ("[array]\nrows = 3000\ncolumns = 3334", 3, "10002000 elements"),
+            ("[plane]\nsize = [0.1, 0]", 3, "plane.size = [0.1, 0]"),
+            ("[plane]\ny_axis = [2, 0, 0]", 3, "lies along `x_axis`"),
+            ("[[target]]\nat = [0, 0, inf]", 3, "target[1].at = [0, 0, inf]"),
+            ("[[target]]\nat = [0, 0, -0.1]", 2, "on or behind the array"),
+            ("[[target]]\nat = [0.001, 0, 0]", 2, "on or behind the array"),
+            ("[[target]]\n[[target]]\nkind = \"text\"\ntext = \"H木\"", 3, "no glyph for `木`"),
+            ("[[target]]\nkind = \"line\"\nspacing = 1e-9", 2, "focal points are asked for"),
+            ("[[target]]\nkind = \"line\"\npoints = 1000000", 4, "target[1].points = 1000000"),
+            ("[[target]]\nkind = \"line\"\npoints = 4\nspacing = 0.1", 4, "not both"),
+            ("[modulation]\nfrequency = 0", 3, "modulation.frequency = 0"),
+        ] {
+            let error = error(&format!("format = 1\n{body}\n"));
+            assert!(error.starts_with(&format!("a.toml:{line}: ")), "{body}: {error}");
+            assert!(error.contains(parts) && !error.contains('\n'), "{body}: {error}");
+        }
+    }
+
+    #[test]
+    fn broken_files_are_refused() {
+        for text in ["", "format = 2", "format = 1\n[array\n", "format = 1\n[array]\nrows = \"8\"", "\u{0}"] {
+            assert!(error(text).starts_with("a.toml:"), "{text:?}");
+        }
+    }
+
+    #[test]
+    fn every_kind_survives_the_file() {
+        let text = r#"
+            format = 1
+            [[target]]
+            kind = "point"
+            pressure = 0.5
+            [[target]]
+            kind = "line"
+            points = 5
+            angle = 0.5
+            [[target]]
+            kind = "circle"
+            normal = [1, 0, 1]
+            [[target]]
+            kind = "rectangle"
+            width = 0.03
+            [[target]]
+            kind = "triangle"
+            size = 0.05
+            [[target]]
+            kind = "polygon"
+            sides = 5
+            spacing = 0.007
+            [[target]]
+            kind = "path"
+            vertices = [[0, 0, 0.1], [0.01, 0.02, 0.1]]
+            closed = true
+            [[target]]
+            kind = "text"
+            text = "é \"α\""
+            [medium]
+            sound_speed = 346.0
+            [motion]
+            path = "points"
+            points = [[0, 0, 0.01]]
+        "#;
+        let scene = parse(text, Path::new("a.toml")).unwrap();
+        assert_eq!(scene.targets.len(), 8);
+        assert_eq!(parse(&write(&scene), Path::new("b.toml")).unwrap(), scene);
+    }
+}

@@ -1,0 +1,317 @@
+//! What the user edits: the array, the medium, the targets and how they are looked at. Plain data, SI units.
+//!
+//! A [`Scene`] is a value: everything the program shows or sends is a function of it. The TOML file is read and
+//! written by [`file`], the limits of every number are held by [`check`], and shapes and letters become focal
+//! points in [`outline`].
+
+pub mod check;
+pub mod file;
+pub mod font;
+pub mod outline;
+pub mod target;
+
+use glam::{DVec2, DVec3};
+use serde::{Deserialize, Serialize};
+
+pub use check::KeyError;
+pub use target::{Sampling, Shape, Target};
+
+/// Everything a scene file holds.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Scene {
+    pub format: u32,
+    pub medium: Medium,
+    pub array: Array,
+    #[serde(rename = "target")]
+    pub targets: Vec<Target>,
+    pub solver: Solver,
+    pub plane: Plane,
+    pub liquid: Liquid,
+    pub modulation: Modulation,
+    pub motion: Motion,
+}
+
+impl Default for Scene {
+    fn default() -> Self {
+        Self {
+            format: file::FORMAT,
+            medium: Medium::default(),
+            array: Array::default(),
+            targets: Vec::new(),
+            solver: Solver::default(),
+            plane: Plane::default(),
+            liquid: Liquid::default(),
+            modulation: Modulation::default(),
+            motion: Motion::default(),
+        }
+    }
+}
+
+/// A point at which sound is wanted.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Focus {
+    /// m
+    pub position: DVec3,
+    /// Wanted pressure relative to the other foci.
+    pub target: f64,
+}
+
+/// The air. What is `None` follows from temperature, humidity and pressure.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Medium {
+    /// °C
+    pub temperature: f64,
+    /// Relative humidity, %
+    pub humidity: f64,
+    /// Pa
+    pub pressure: f64,
+    /// m/s
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub sound_speed: Option<f64>,
+    /// kg/m³
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub density: Option<f64>,
+    /// dB/m
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub absorption: Option<f64>,
+}
+
+impl Default for Medium {
+    fn default() -> Self {
+        Self {
+            temperature: 20.0,
+            humidity: 50.0,
+            pressure: 101_325.0,
+            sound_speed: None,
+            density: None,
+            absorption: None,
+        }
+    }
+}
+
+/// A rectangular array of equal elements in z = 0, centred on the origin, radiating towards +z.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Array {
+    pub rows: u32,
+    pub columns: u32,
+    /// m, centre to centre
+    pub pitch: f64,
+    /// m
+    pub element_radius: f64,
+    /// Hz
+    pub frequency: f64,
+    /// Pa·m, peak, on axis at full drive
+    pub strength: f64,
+    pub element: ElementModel,
+    /// Elements that are not driven.
+    pub off: Vec<usize>,
+}
+
+impl Default for Array {
+    fn default() -> Self {
+        Self {
+            rows: 16,
+            columns: 16,
+            pitch: 0.0105,
+            element_radius: 0.005,
+            frequency: 40_000.0,
+            strength: 3.4,
+            element: ElementModel::Piston,
+            off: Vec::new(),
+        }
+    }
+}
+
+impl Array {
+    /// Number of elements, driven or not.
+    pub fn elements(&self) -> usize {
+        self.rows as usize * self.columns as usize
+    }
+}
+
+/// How one element radiates.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum ElementModel {
+    /// Far field of a baffled circular piston, the paper's equation (1).
+    Piston,
+    /// The baffled circular piston itself, near field too.
+    ExactPiston,
+    /// The same strength in every direction.
+    Point,
+}
+
+/// How phases are found.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Solver {
+    pub method: Method,
+    /// 0: the method's own default.
+    pub iterations: u32,
+}
+
+impl Default for Solver {
+    fn default() -> Self {
+        Self { method: Method::Best, iterations: 0 }
+    }
+}
+
+/// The solver's method. What each does stands in `crate::solver`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Method {
+    Focus,
+    Pinv,
+    Weighted,
+    Naive,
+    Gs,
+    Gspat,
+    Wgs,
+    Greedy,
+    Best,
+}
+
+impl Method {
+    pub const ALL: [Self; 9] = [
+        Self::Focus,
+        Self::Pinv,
+        Self::Weighted,
+        Self::Naive,
+        Self::Gs,
+        Self::Gspat,
+        Self::Wgs,
+        Self::Greedy,
+        Self::Best,
+    ];
+
+    /// The name in scene files and on the command line.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Focus => "focus",
+            Self::Pinv => "pinv",
+            Self::Weighted => "weighted",
+            Self::Naive => "naive",
+            Self::Gs => "gs",
+            Self::Gspat => "gspat",
+            Self::Wgs => "wgs",
+            Self::Greedy => "greedy",
+            Self::Best => "best",
+        }
+    }
+}
+
+/// The rectangle on which the field is shown.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Plane {
+    /// m
+    pub centre: DVec3,
+    /// Towards the right of the picture; any length but zero.
+    pub x_axis: DVec3,
+    /// Upwards in the picture; made orthogonal to `x_axis` by [`Plane::axes`].
+    pub y_axis: DVec3,
+    /// m
+    pub size: DVec2,
+    /// Largest error wanted, relative to the map's peak; 0 asks for direct evaluation.
+    pub tolerance: f64,
+}
+
+impl Default for Plane {
+    fn default() -> Self {
+        Self {
+            centre: DVec3::new(0.0, 0.0, 0.1),
+            x_axis: DVec3::X,
+            y_axis: DVec3::Y,
+            size: DVec2::new(0.2, 0.2),
+            tolerance: 1e-3,
+        }
+    }
+}
+
+impl Plane {
+    /// The two unit vectors that span the plane, or `None` where the given ones are zero or parallel.
+    pub fn axes(&self) -> Option<(DVec3, DVec3)> {
+        const PARALLEL: f64 = 1e-9;
+        let x = self.x_axis.try_normalize()?;
+        let y = self.y_axis.try_normalize()?;
+        let y = y - x * x.dot(y);
+        (y.length() > PARALLEL).then(|| (x, y.normalize_or_zero()))
+    }
+}
+
+/// The liquid whose surface is pressed.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Liquid {
+    /// kg/m³
+    pub density: f64,
+    /// N/m
+    pub surface_tension: f64,
+    /// m/s²
+    pub gravity: f64,
+}
+
+impl Default for Liquid {
+    fn default() -> Self {
+        Self { density: 998.2, surface_tension: 0.0728, gravity: 9.80665 }
+    }
+}
+
+/// The envelope that makes a hand feel the sound.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Modulation {
+    pub shape: Envelope,
+    /// Hz
+    pub frequency: f64,
+    pub depth: f64,
+}
+
+impl Default for Modulation {
+    fn default() -> Self {
+        Self { shape: Envelope::Off, frequency: 200.0, depth: 1.0 }
+    }
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Envelope {
+    Off,
+    Sine,
+    Square,
+}
+
+/// The path along which the targets move.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Motion {
+    pub path: MotionPath,
+    /// m
+    pub size: f64,
+    /// Rounds per second.
+    pub rate: f64,
+    /// Frames per round.
+    pub frames: u32,
+    /// The offsets (m) that `path = "points"` visits.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub points: Vec<DVec3>,
+}
+
+impl Default for Motion {
+    fn default() -> Self {
+        Self { path: MotionPath::None, size: 0.03, rate: 5.0, frames: 64, points: Vec::new() }
+    }
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum MotionPath {
+    None,
+    Line,
+    Circle,
+    Square,
+    Triangle,
+    Points,
+}

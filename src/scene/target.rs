@@ -1,0 +1,243 @@
+//! Targets: the points, shapes and letters that a scene asks for, and their table in the file.
+
+use glam::DVec3;
+use serde::{Deserialize, Serialize};
+
+use crate::scene::check::{Key, KeyError};
+
+/// A shape that becomes focal points.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Target {
+    #[serde(flatten)]
+    pub shape: Shape,
+    /// Wanted pressure relative to the other targets.
+    pub pressure: f64,
+    #[serde(flatten, skip_serializing_if = "is_of_point")]
+    pub sampling: Sampling,
+    /// rad, about the target's centre.
+    #[serde(skip_serializing_if = "is_zero")]
+    pub angle: f64,
+    /// What a flat shape faces; +z lies parallel to the array.
+    #[serde(skip_serializing_if = "is_z")]
+    pub normal: DVec3,
+}
+
+impl Target {
+    /// A target of this shape with everything else at its default.
+    pub fn new(shape: Shape) -> Self {
+        let sampling =
+            if matches!(shape, Shape::Point { .. }) { Sampling::Whole } else { Sampling::default() };
+        Self { shape, pressure: 1.0, sampling, angle: 0.0, normal: DVec3::Z }
+    }
+}
+
+/// The outline of a target. Lengths in m.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[serde(tag = "kind", rename_all = "lowercase")]
+pub enum Shape {
+    Point { at: DVec3 },
+    Line { from: DVec3, to: DVec3 },
+    Circle { at: DVec3, radius: f64 },
+    Rectangle { at: DVec3, width: f64, height: f64 },
+    Triangle { at: DVec3, size: f64 },
+    Polygon { at: DVec3, radius: f64, sides: u32 },
+    Path { vertices: Vec<DVec3>, closed: bool },
+    Text { text: String, at: DVec3, height: f64 },
+}
+
+/// How many focal points an outline gets.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Sampling {
+    /// A point target is its one focal point.
+    #[serde(skip)]
+    Whole,
+    /// m between neighbours along the outline, met as nearly as the corners allow.
+    Spacing(f64),
+    /// Focal points on the whole outline.
+    Points(usize),
+}
+
+impl Default for Sampling {
+    /// A little over one wavelength at 40 kHz.
+    fn default() -> Self {
+        Self::Spacing(0.01)
+    }
+}
+
+fn is_of_point(sampling: &Sampling) -> bool {
+    *sampling == Sampling::Whole
+}
+
+fn is_zero(angle: &f64) -> bool {
+    *angle == 0.0
+}
+
+fn is_z(normal: &DVec3) -> bool {
+    *normal == DVec3::Z
+}
+
+/// The `[[target]]` table as written: every key of every kind, so that a stray one is found where it stands.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct TargetTable {
+    #[serde(default)]
+    kind: Kind,
+    at: Option<DVec3>,
+    from: Option<DVec3>,
+    to: Option<DVec3>,
+    radius: Option<f64>,
+    width: Option<f64>,
+    height: Option<f64>,
+    size: Option<f64>,
+    sides: Option<u32>,
+    vertices: Option<Vec<DVec3>>,
+    closed: Option<bool>,
+    text: Option<String>,
+    pressure: Option<f64>,
+    spacing: Option<f64>,
+    points: Option<usize>,
+    angle: Option<f64>,
+    normal: Option<DVec3>,
+}
+
+#[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize)]
+#[serde(rename_all = "lowercase")]
+enum Kind {
+    #[default]
+    Point,
+    Line,
+    Circle,
+    Rectangle,
+    Triangle,
+    Polygon,
+    Path,
+    Text,
+}
+
+impl TargetTable {
+    /// The target that this table, the `index`-th in the file, stands for.
+    pub(crate) fn into_target(mut self, index: usize) -> Result<Target, KeyError> {
+        let table = &mut self;
+        let at = DVec3::new(0.0, 0.0, 0.1);
+        let side = DVec3::new(0.02, 0.0, 0.0);
+        let shape = match table.kind {
+            Kind::Point => Shape::Point { at: table.at.take().unwrap_or(at) },
+            Kind::Line => Shape::Line {
+                from: table.from.take().unwrap_or(at - side),
+                to: table.to.take().unwrap_or(at + side),
+            },
+            Kind::Circle => Shape::Circle {
+                at: table.at.take().unwrap_or(at),
+                radius: table.radius.take().unwrap_or(0.02),
+            },
+            Kind::Rectangle => Shape::Rectangle {
+                at: table.at.take().unwrap_or(at),
+                width: table.width.take().unwrap_or(0.04),
+                height: table.height.take().unwrap_or(0.04),
+            },
+            Kind::Triangle => {
+                Shape::Triangle { at: table.at.take().unwrap_or(at), size: table.size.take().unwrap_or(0.04) }
+            }
+            Kind::Polygon => Shape::Polygon {
+                at: table.at.take().unwrap_or(at),
+                radius: table.radius.take().unwrap_or(0.02),
+                sides: table.sides.take().unwrap_or(6),
+            },
+            Kind::Path => Shape::Path {
+                vertices: table.vertices.take().unwrap_or_default(),
+                closed: table.closed.take().unwrap_or(false),
+            },
+            Kind::Text => Shape::Text {
+                text: table.text.take().unwrap_or_else(|| "HIT".to_owned()),
+                at: table.at.take().unwrap_or(at),
+                height: table.height.take().unwrap_or(0.04),
+            },
+        };
+        let mut target = Target::new(shape);
+        target.pressure = table.pressure.take().unwrap_or(target.pressure);
+        if table.kind != Kind::Point {
+            target.angle = table.angle.take().unwrap_or(target.angle);
+            target.sampling = table.sampling(index)?.unwrap_or(target.sampling);
+        }
+        if !matches!(table.kind, Kind::Point | Kind::Line | Kind::Path) {
+            target.normal = table.normal.take().unwrap_or(target.normal);
+        }
+        match self.stray_key() {
+            None => Ok(target),
+            Some(key) => Err(KeyError::new(
+                [Key::from("target"), Key::from(index), Key::from(key)],
+                format!("a target of kind `{}` has no such key", self.kind.name()),
+            )),
+        }
+    }
+
+    fn sampling(&mut self, index: usize) -> Result<Option<Sampling>, KeyError> {
+        match (self.spacing.take(), self.points.take()) {
+            (Some(_), Some(_)) => Err(KeyError::new(
+                [Key::from("target"), Key::from(index), Key::from("points")],
+                "give either `spacing` or `points`, not both",
+            )),
+            (Some(spacing), None) => Ok(Some(Sampling::Spacing(spacing))),
+            (None, Some(points)) => Ok(Some(Sampling::Points(points))),
+            (None, None) => Ok(None),
+        }
+    }
+
+    /// A key that is still there after the kind has taken its own.
+    fn stray_key(&self) -> Option<&'static str> {
+        let Self {
+            kind: _,
+            at,
+            from,
+            to,
+            radius,
+            width,
+            height,
+            size,
+            sides,
+            vertices,
+            closed,
+            text,
+            pressure: _,
+            spacing,
+            points,
+            angle,
+            normal,
+        } = self;
+        [
+            ("at", at.is_some()),
+            ("from", from.is_some()),
+            ("to", to.is_some()),
+            ("radius", radius.is_some()),
+            ("width", width.is_some()),
+            ("height", height.is_some()),
+            ("size", size.is_some()),
+            ("sides", sides.is_some()),
+            ("vertices", vertices.is_some()),
+            ("closed", closed.is_some()),
+            ("text", text.is_some()),
+            ("spacing", spacing.is_some()),
+            ("points", points.is_some()),
+            ("angle", angle.is_some()),
+            ("normal", normal.is_some()),
+        ]
+        .into_iter()
+        .find_map(|(key, given)| given.then_some(key))
+    }
+}
+
+impl Kind {
+    fn name(self) -> &'static str {
+        match self {
+            Self::Point => "point",
+            Self::Line => "line",
+            Self::Circle => "circle",
+            Self::Rectangle => "rectangle",
+            Self::Triangle => "triangle",
+            Self::Polygon => "polygon",
+            Self::Path => "path",
+            Self::Text => "text",
+        }
+    }
+}

@@ -1,0 +1,115 @@
+//! Methods that prescribe the focal field: the pseudo-inverse and its weighted iteration.
+
+use faer::Mat;
+use faer::linalg::solvers::Svd;
+use num_complex::Complex64;
+
+use crate::acoustics::Transfer;
+use crate::solver::{Excitation, Problem};
+
+/// Singular values below this part of the largest are noise: the directions they stand for are left alone.
+const RANK_TOLERANCE: f64 = 1e-6;
+/// Part of the mean |u| below which an element's weight grows no further in one iteration: without it an element that
+/// passes through zero would blow up.
+const WEIGHT_FLOOR: f64 = 1e-3;
+/// The largest weight over the mean one, for the same reason over many iterations.
+const MOST_WEIGHT: f64 = 1e4;
+
+/// u = H* (H H*)^{-1} p: equation (13) of Long et al. 2022, all focal phases 0.
+pub fn pinv(problem: &Problem) -> Excitation {
+    let weights = vec![1.0; problem.transfer.elements];
+    let (values, residual) = weighted_inverse(problem, &weights);
+    Excitation { values, iterations: 0, residual: Some(residual) }
+}
+
+/// Table I of Long et al. 2022 read with cumulative weights: W ← W · diag(1/|u|), u = W H* (H W H*)^{-1} p.
+pub fn weighted(problem: &Problem, iterations: u32) -> Excitation {
+    let mut weights = vec![1.0; problem.transfer.elements];
+    let (mut values, mut residual) = weighted_inverse(problem, &weights);
+    for _ in 0..iterations {
+        let mean = mean(values.iter().map(|u| u.norm()));
+        for (weight, u) in weights.iter_mut().zip(&values) {
+            *weight *= mean / u.norm().max(WEIGHT_FLOOR * mean);
+        }
+        let mean = self::mean(weights.iter().copied());
+        for weight in &mut weights {
+            *weight = (*weight / mean).clamp(1.0 / MOST_WEIGHT, MOST_WEIGHT);
+        }
+        (values, residual) = weighted_inverse(problem, &weights);
+    }
+    Excitation { values, iterations, residual: Some(residual) }
+}
+
+/// W H* (H W H*)⁺ p and its relative residual, by way of the singular values of √W, so that nothing is squared.
+fn weighted_inverse(problem: &Problem, weights: &[f64]) -> (Vec<Complex64>, f64) {
+    let transfer = &problem.transfer;
+    let targets = problem.targets();
+    let roots: Vec<_> = weights.iter().map(|weight| weight.sqrt()).collect();
+    let (matrix, norms) = normalised(transfer, &roots);
+    let scaled: Vec<_> =
+        targets.iter().zip(&norms).map(|(target, norm)| Complex64::from(target / norm)).collect();
+    let values: Vec<_> = match Spectrum::new(&matrix) {
+        Some(spectrum) => spectrum.solve(&scaled).iter().zip(&roots).map(|(u, root)| u * root).collect(),
+        // The decomposition of finite numbers does not fail; if it ever did, this is still a drive.
+        None => transfer.back(&scaled),
+    };
+    let error = transfer
+        .pressure(&values)
+        .iter()
+        .zip(&targets)
+        .map(|(p, target)| (p - target).norm_sqr())
+        .sum::<f64>();
+    let norm = targets.iter().map(|target| target * target).sum::<f64>();
+    (values, (error / norm).sqrt())
+}
+
+/// The transfer with its columns scaled and its rows brought to norm 1, and the norms.
+///
+/// Foci far and near then weigh the same in what "small" means for a singular value.
+fn normalised(transfer: &Transfer, columns: &[f64]) -> (Mat<Complex64>, Vec<f64>) {
+    let scaled = |m: usize, n: usize| transfer.row(m)[n] * columns[n];
+    let norm = |m: usize| (0..transfer.elements).map(|n| scaled(m, n).norm_sqr()).sum::<f64>().sqrt();
+    let norms: Vec<_> = (0..transfer.points).map(|m| norm(m).max(f64::MIN_POSITIVE)).collect();
+    (Mat::from_fn(transfer.points, transfer.elements, |m, n| scaled(m, n) / norms[m]), norms)
+}
+
+/// Numerical rank, and the ratio of the largest singular value to the smallest, of H with rows of norm 1.
+///
+/// The condition ends at 1/ε, where f64 can no longer tell.
+pub fn rank_and_condition(transfer: &Transfer) -> (usize, f64) {
+    let (matrix, _) = normalised(transfer, &vec![1.0; transfer.elements]);
+    let Ok(values) = matrix.singular_values() else { return (0, 1.0 / f64::EPSILON) };
+    let largest = values.iter().copied().fold(0.0, f64::max);
+    let smallest = values.iter().copied().fold(f64::INFINITY, f64::min);
+    let rank = values.iter().filter(|&&value| value > RANK_TOLERANCE * largest).count();
+    // More foci than elements: some combination of foci cannot be set at all.
+    let smallest = if transfer.points > transfer.elements { 0.0 } else { smallest };
+    (rank, largest / smallest.max(largest * f64::EPSILON))
+}
+
+struct Spectrum(Svd<Complex64>);
+
+impl Spectrum {
+    fn new(matrix: &Mat<Complex64>) -> Option<Self> {
+        matrix.thin_svd().ok().map(Self)
+    }
+
+    /// The shortest x that meets A x = b as nearly as the trusted singular values allow.
+    fn solve(&self, b: &[Complex64]) -> Vec<Complex64> {
+        let (u, v, s) = (self.0.U(), self.0.V(), self.0.S().column_vector());
+        let largest = s[0].re;
+        let mut x = vec![Complex64::ZERO; v.nrows()];
+        for i in (0..s.nrows()).filter(|&i| s[i].re > RANK_TOLERANCE * largest) {
+            let along = (0..b.len()).map(|m| u[(m, i)].conj() * b[m]).sum::<Complex64>() / s[i].re;
+            for (n, x) in x.iter_mut().enumerate() {
+                *x += v[(n, i)] * along;
+            }
+        }
+        x
+    }
+}
+
+fn mean(values: impl ExactSizeIterator<Item = f64>) -> f64 {
+    let count = values.len() as f64;
+    values.sum::<f64>() / count
+}

@@ -1,0 +1,193 @@
+//! From focal points to a drive, and how good that drive is.
+//!
+//! Every method is a function from a [`Problem`] to an [`Excitation`]; [`solve`] makes the excitation uniform, since
+//! that is what most boards can play, and measures the result. The inverses (`pinv`, `weighted`) are in [`inverse`],
+//! the phase iterations (`naive`, `gs`, `gspat`, `wgs`, `greedy`, `best`) in [`iteration`].
+
+mod inverse;
+mod iteration;
+mod quality;
+
+use std::time::Instant;
+
+use num_complex::Complex64;
+
+use crate::acoustics::{Aperture, Transfer};
+use crate::drive::Drive;
+use crate::scene::{Focus, KeyError, Method, Scene, outline};
+
+pub use quality::Quality;
+
+/// What a method gets to see.
+#[derive(Clone, Debug)]
+pub struct Problem {
+    pub foci: Vec<Focus>,
+    /// Foci x driven elements.
+    pub transfer: Transfer,
+    /// rad: the wave's way from each driven element to each focus, k r, foci x driven elements.
+    pub path: Vec<f64>,
+}
+
+impl Problem {
+    pub fn new(aperture: &Aperture, foci: Vec<Focus>) -> Self {
+        let points: Vec<_> = foci.iter().map(|focus| focus.position).collect();
+        let distance = |point: glam::DVec3| {
+            aperture.driven.iter().map(move |&n| point.distance(aperture.positions[n].extend(0.0)))
+        };
+        let path = points
+            .iter()
+            .flat_map(|point| distance(*point))
+            .map(|r| aperture.element.wavenumber * r)
+            .collect();
+        Self { transfer: aperture.transfer(&points), foci, path }
+    }
+
+    /// Wanted pressure of every focus, relative.
+    pub fn targets(&self) -> Vec<f64> {
+        self.foci.iter().map(|focus| focus.target).collect()
+    }
+}
+
+/// What a method wants the driven elements to do, before it is made uniform.
+#[derive(Clone, Debug)]
+pub struct Excitation {
+    /// u of each driven element, to any scale.
+    pub values: Vec<Complex64>,
+    pub iterations: u32,
+    /// ‖H u - p‖/‖p‖ where the method prescribes p with its phases.
+    pub residual: Option<f64>,
+}
+
+/// A drive and what it does at the foci.
+#[derive(Clone, Debug)]
+pub struct Solution {
+    pub method: Method,
+    /// Uniform amplitude on every element that is not off.
+    pub drive: Drive,
+    /// |u| of the method's own excitation over its largest, per element of the array; 0 for elements that are off.
+    pub excitation: Vec<f64>,
+    pub foci: Vec<Focus>,
+    /// Complex pressure (Pa, peak) that the drive makes at each focus.
+    pub pressures: Vec<Complex64>,
+    pub quality: Quality,
+    pub iterations: u32,
+    /// Time that the method took, transfer included, quality not.
+    pub seconds: f64,
+    /// What the user should know before trusting the result, a sentence each.
+    pub warnings: Vec<String>,
+}
+
+/// Why there is no drive.
+#[derive(Debug, thiserror::Error)]
+pub enum SolveError {
+    #[error(transparent)]
+    Scene(#[from] KeyError),
+    #[error(
+        "method `focus` steers one focus and the scene has {0}: take `pinv`, `weighted` or `best` for several at once"
+    )]
+    SeveralFoci(usize),
+}
+
+/// Solves the scene with the method that it names.
+///
+/// # Errors
+/// A scene without usable focal points, or `focus` with several.
+pub fn solve(scene: &Scene) -> Result<Solution, SolveError> {
+    let start = Instant::now();
+    let foci = outline::foci(scene)?;
+    let aperture = Aperture::new(scene);
+    let problem = Problem::new(&aperture, foci);
+    let excitation = excite(&problem, scene.solver.method, scene.solver.iterations)?;
+    let seconds = start.elapsed().as_secs_f64();
+
+    let drive = Drive::uniform(aperture.positions.len(), &aperture.driven, &excitation.values);
+    let pressures = problem.transfer.pressure(&drive.excitation(&aperture.driven));
+    let quality = Quality::new(&problem, &excitation, &pressures);
+    let mut amplitudes = vec![0.0; aperture.positions.len()];
+    let largest = excitation.values.iter().map(|u| u.norm()).fold(0.0, f64::max);
+    for (&element, u) in aperture.driven.iter().zip(&excitation.values) {
+        amplitudes[element] = if largest > 0.0 { u.norm() / largest } else { 0.0 };
+    }
+    Ok(Solution {
+        method: scene.solver.method,
+        drive,
+        excitation: amplitudes,
+        warnings: warnings(&aperture, &problem.foci, &quality),
+        foci: problem.foci,
+        pressures,
+        quality,
+        iterations: excitation.iterations,
+        seconds,
+    })
+}
+
+/// The excitation that a method finds; `iterations` 0 takes the method's own default.
+///
+/// # Errors
+/// `focus` with several foci.
+pub fn excite(problem: &Problem, method: Method, iterations: u32) -> Result<Excitation, SolveError> {
+    let or = |default: u32| if iterations == 0 { default } else { iterations };
+    Ok(match method {
+        Method::Focus => focus(problem)?,
+        Method::Pinv => inverse::pinv(problem),
+        Method::Weighted => inverse::weighted(problem, or(7)),
+        Method::Naive => iteration::naive(problem),
+        Method::Gs => iteration::gs(problem, or(100)),
+        Method::Gspat => iteration::gspat(problem, or(100)),
+        Method::Wgs => iteration::wgs(problem, or(100)),
+        Method::Greedy => iteration::greedy(problem, or(1)),
+        Method::Best => iteration::best(problem, or(30)),
+    })
+}
+
+/// Time of flight, equations (4) and (5) of Long et al. 2022: φ_n = k r_n.
+fn focus(problem: &Problem) -> Result<Excitation, SolveError> {
+    if problem.foci.len() != 1 {
+        return Err(SolveError::SeveralFoci(problem.foci.len()));
+    }
+    let values = problem.path.iter().map(|&phase| Complex64::from_polar(1.0, phase)).collect();
+    Ok(Excitation { values, iterations: 0, residual: None })
+}
+
+fn warnings(aperture: &Aperture, foci: &[Focus], quality: &Quality) -> Vec<String> {
+    let mut warnings = Vec::new();
+    let (mut coincident, mut close, mut closest) = (0, 0, (f64::INFINITY, 0.0));
+    for (i, focus) in foci.iter().enumerate() {
+        for other in &foci[..i] {
+            let distance = focus.position.distance(other.position);
+            let resolution = aperture.resolution((focus.position + other.position) / 2.0);
+            coincident += usize::from(distance < 1e-9);
+            close += usize::from(distance < resolution);
+            if distance < closest.0 {
+                closest = (distance, resolution);
+            }
+        }
+    }
+    if coincident > 0 {
+        warnings.push(format!("{coincident} pairs of foci coincide: they get the same pressure"));
+    }
+    if close > coincident {
+        warnings.push(format!(
+            "{} pairs of foci are closer than the array resolves: the closest stand {:.2} mm apart, and λ/(2 NA) is \
+             {:.2} mm there; they blur into one, and inverse methods waste power on them",
+            close - coincident,
+            closest.0 * 1e3,
+            closest.1 * 1e3
+        ));
+    }
+    let elements = aperture.driven.len();
+    if foci.len() > elements {
+        warnings.push(format!(
+            "{} foci are more than the {elements} driven elements can set: the pressures are a compromise",
+            foci.len()
+        ));
+    } else if quality.rank < foci.len() {
+        warnings.push(format!(
+            "the {} foci have only {} independent directions (condition {:.1e}): the rest is a compromise",
+            foci.len(),
+            quality.rank,
+            quality.condition
+        ));
+    }
+    warnings
+}

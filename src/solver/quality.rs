@@ -1,0 +1,132 @@
+//! How good a drive is, and a bound on how good any drive can be.
+
+use faer::{Mat, Side};
+use num_complex::Complex64;
+
+use crate::solver::{Excitation, Problem, inverse, iteration};
+
+/// Figures of a solution. Pressures in Pa (peak), of the drive that will be played.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Quality {
+    pub mean_pressure: f64,
+    pub min_pressure: f64,
+    /// Standard deviation over mean of pressure/target.
+    pub spread: f64,
+    /// η = Σ|u|²/(N max|u|²) of the method's own excitation.
+    pub efficiency: f64,
+    /// Mean over foci of |p_m| √M / Σ_n |H_mn|: 1 for a single focus by time of flight.
+    pub relative_to_single: f64,
+    /// No drive with |u_n| ≤ 1 brings every focus to this pressure times its target.
+    pub bound: f64,
+    /// The smallest pressure/target over the bound.
+    pub certified: f64,
+    /// ‖H u - p‖/‖p‖ of the excitation; methods that leave the focal phases free are measured at their own phases and
+    /// best scale.
+    pub residual: f64,
+    /// Of H with rows of norm 1, as [`inverse::rank_and_condition`] defines it.
+    pub rank: usize,
+    pub condition: f64,
+}
+
+impl Quality {
+    pub fn new(problem: &Problem, excitation: &Excitation, pressures: &[Complex64]) -> Self {
+        let targets = problem.targets();
+        let moduli: Vec<_> = pressures.iter().map(|p| p.norm()).collect();
+        let relative: Vec<_> =
+            moduli.iter().zip(&targets).map(|(modulus, target)| modulus / target).collect();
+        let single: Vec<_> =
+            problem.transfer.rows().map(|row| row.iter().map(|h| h.norm()).sum::<f64>()).collect();
+        let (rank, condition) = inverse::rank_and_condition(&problem.transfer);
+        let bound = bound(problem, pressures);
+        let weakest = relative.iter().copied().fold(f64::INFINITY, f64::min);
+        Self {
+            mean_pressure: mean(&moduli),
+            min_pressure: moduli.iter().copied().fold(f64::INFINITY, f64::min),
+            spread: deviation(&relative) / mean(&relative).max(f64::MIN_POSITIVE),
+            efficiency: efficiency(&excitation.values),
+            relative_to_single: moduli
+                .iter()
+                .zip(&single)
+                .map(|(p, single)| p / single.max(f64::MIN_POSITIVE))
+                .sum::<f64>()
+                / (moduli.len() as f64).sqrt(),
+            bound,
+            certified: weakest / bound.max(f64::MIN_POSITIVE),
+            residual: excitation.residual.unwrap_or_else(|| modulus_residual(problem, excitation)),
+            rank,
+            condition,
+        }
+    }
+}
+
+/// η = Σ|u|²/(N max|u|²).
+pub fn efficiency(values: &[Complex64]) -> f64 {
+    let largest = values.iter().map(|u| u.norm_sqr()).fold(0.0, f64::max);
+    let total = values.iter().map(|u| u.norm_sqr()).sum::<f64>();
+    if largest > 0.0 { total / (values.len() as f64 * largest) } else { 0.0 }
+}
+
+/// How far the moduli of H u are from a multiple of the targets.
+fn modulus_residual(problem: &Problem, excitation: &Excitation) -> f64 {
+    let targets = problem.targets();
+    let moduli: Vec<_> = problem.transfer.pressure(&excitation.values).iter().map(|p| p.norm()).collect();
+    let power = targets.iter().map(|target| target * target).sum::<f64>();
+    let scale = moduli.iter().zip(&targets).map(|(modulus, target)| modulus * target).sum::<f64>() / power;
+    let miss =
+        moduli.iter().zip(&targets).map(|(modulus, target)| (modulus - scale * target).powi(2)).sum::<f64>();
+    (miss / power).sqrt() / scale.max(f64::MIN_POSITIVE)
+}
+
+/// An upper bound on min_m |p_m|/A_m over all drives with |u_n| ≤ 1.
+///
+/// For weights w ≥ 0 and d > 0, min (|p_m|/A_m)² Σ w_m A_m² ≤ Σ w_m |p_m|² = u* H* W H u ≤ λmax(D^-½ H* W H D^-½) Σ d_n,
+/// the last because Σ d_n |u_n|² ≤ Σ d_n. Every choice of w and d is valid; the smallest of two is taken: equal
+/// weights, and those to which the weighted iteration converges (w_m/|p_m|, with d_n what element n then hears).
+fn bound(problem: &Problem, pressures: &[Complex64]) -> f64 {
+    let (transfer, targets) = (&problem.transfer, problem.targets());
+    let equal: Vec<_> = targets.iter().map(|target| 1.0 / (target * target)).collect();
+    let plain = dual(problem, &equal, &vec![1.0; transfer.elements]);
+    let (u, weights) = iteration::weighted_phases(
+        transfer,
+        &targets,
+        transfer.back(pressures).iter().map(phase).collect(),
+        60,
+    );
+    let reached = transfer.pressure(&u);
+    let floor = 1e-6 * reached.iter().map(|p| p.norm()).fold(0.0, f64::max);
+    let weights: Vec<_> =
+        weights.iter().zip(&reached).map(|(w, p)| w / p.norm().max(floor).max(f64::MIN_POSITIVE)).collect();
+    let weighted: Vec<_> = reached.iter().zip(&weights).map(|(p, w)| p * w).collect();
+    let heard: Vec<_> = transfer.back(&weighted).iter().map(|h| h.norm()).collect();
+    let least = 1e-3 * mean(&heard);
+    let heard: Vec<_> = heard.iter().map(|h| h.max(least).max(f64::MIN_POSITIVE)).collect();
+    plain.min(dual(problem, &weights, &heard))
+}
+
+fn phase(value: &Complex64) -> Complex64 {
+    Complex64::from_polar(1.0, value.arg())
+}
+
+/// The bound that one choice of weights gives; infinite if its eigenvalue cannot be had.
+fn dual(problem: &Problem, w: &[f64], d: &[f64]) -> f64 {
+    let (transfer, targets) = (&problem.transfer, problem.targets());
+    let entry = |i: usize, j: usize| -> Complex64 {
+        let dot: Complex64 =
+            transfer.row(i).iter().zip(transfer.row(j)).zip(d).map(|((a, b), d)| a * b.conj() / d).sum();
+        dot * (w[i] * w[j]).sqrt()
+    };
+    let matrix = Mat::from_fn(transfer.points, transfer.points, entry);
+    let Ok(values) = matrix.self_adjoint_eigenvalues(Side::Lower) else { return f64::INFINITY };
+    let largest = values.iter().copied().fold(0.0, f64::max);
+    let wanted = w.iter().zip(&targets).map(|(w, target)| w * target * target).sum::<f64>();
+    (d.iter().sum::<f64>() * largest / wanted).sqrt()
+}
+
+fn mean(values: &[f64]) -> f64 {
+    values.iter().sum::<f64>() / values.len() as f64
+}
+
+fn deviation(values: &[f64]) -> f64 {
+    let mean = mean(values);
+    (values.iter().map(|value| (value - mean).powi(2)).sum::<f64>() / values.len() as f64).sqrt()
+}
