@@ -3,6 +3,9 @@
 //! The flow is `Scene` → solver → `Drive` → field → picture; `ARCHITECTURE.md` tells it in one page.
 
 pub mod acoustics;
+pub mod cli;
 pub mod drive;
+pub mod field;
+pub mod picture;
 pub mod scene;
 pub mod solver;

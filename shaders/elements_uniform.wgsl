@@ -1,0 +1,3 @@
+// The elements, few enough for a uniform array: x, y (m), phase (turns), amplitude (Pa·m).
+
+@group(0) @binding(1) var<uniform> elements: array<vec4f, UNIFORM_ELEMENTS>;

@@ -1,0 +1,13 @@
+// The far field of one element at four points: S D(θ)/r e^{-αr} e^{j(φ - kr)}. The phase holds the transfer's j.
+
+fn wave(x: vec4f, y: vec4f, z: vec4f, element: vec4f) -> Phasor {
+    let dx = x - element.x;
+    let dy = y - element.y;
+    let rho2 = dx * dx + dy * dy;
+    let r = sqrt(max(rho2 + z * z, vec4f(NEAREST * NEAREST)));
+    let inverse = 1.0 / r;
+    let s = 2.0 * rho2 * inverse * inverse - 1.0;
+    let amplitude = element.w * inverse * directivity(s) * decay(r);
+    let wave = phasor(element.z - turns_along(r));
+    return Phasor(amplitude * wave.re, amplitude * wave.im);
+}

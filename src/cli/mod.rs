@@ -1,0 +1,224 @@
+//! The command line: arguments in, values through the library, files and text out.
+
+mod devices;
+mod evaluator;
+mod output;
+mod probe;
+mod render;
+mod solve;
+
+use std::path::PathBuf;
+
+use clap::{Args, Parser, Subcommand, ValueEnum};
+
+use crate::picture::ColourMap;
+use crate::scene::{Method, Scene, file};
+
+/// The scene that is shown when none is named.
+const EXAMPLE: &str = include_str!("../../assets/scenes/hit.toml");
+/// What the sheet of a scene is called when nobody named a file.
+const DEFAULT_SHEET: &str = "sonoglyph.png";
+
+/// Draw a shape, see the ultrasound field of a phased array, feel it in the air.
+///
+/// Without a command, the scene (or an example) is solved and its sheet written to sonoglyph.png: wanted points, phase
+/// and amplitude per element, and the map of RMS pressure.
+#[derive(Debug, Parser)]
+#[command(name = "sonoglyph", version, args_conflicts_with_subcommands = true, max_term_width = 100)]
+struct Cli {
+    /// Scene file (TOML); assets/scenes holds examples.
+    scene: Option<PathBuf>,
+    #[command(subcommand)]
+    command: Option<Command>,
+}
+
+#[derive(Debug, Subcommand)]
+enum Command {
+    /// Solve scenes and write pictures of them
+    ///
+    /// Maps are drawn y upwards with samples at pixel centres. Examples:
+    ///
+    ///   sonoglyph render assets/scenes/hit.toml -o hit.png --quantity sheet
+    ///
+    ///   sonoglyph render assets/scenes/*.toml -o pictures/ --size 1024
+    ///
+    ///   sonoglyph render hit.toml -o hit.png --data hit.npy --backend reference
+    #[command(verbatim_doc_comment)]
+    Render(RenderArgs),
+    /// Find the drive of a scene and say how good it is
+    ///
+    /// Examples:
+    ///
+    ///   sonoglyph solve assets/scenes/hit.toml
+    ///
+    ///   sonoglyph solve assets/scenes/circle.toml --method all
+    ///
+    ///   sonoglyph solve hit.toml --json --csv drive.csv
+    #[command(verbatim_doc_comment)]
+    Solve(SolveArgs),
+    /// Compute the complex pressure at points from a CSV file
+    ///
+    /// The file has the columns x, y, z in metres; the answer adds re, im (Pa, peak) and rms (Pa). Example:
+    ///
+    ///   sonoglyph probe hit.toml --points points.csv -o pressures.csv
+    #[command(verbatim_doc_comment)]
+    Probe(ProbeArgs),
+    /// List the adapters and evaluators found, and which would be used
+    Devices,
+}
+
+#[derive(Debug, Args)]
+struct RenderArgs {
+    /// Scene files
+    #[arg(required = true)]
+    scenes: Vec<PathBuf>,
+    /// A file, or a folder for one PNG per scene
+    #[arg(short, long)]
+    output: PathBuf,
+    /// What to show
+    #[arg(long, value_enum, default_value_t = Quantity::Rms)]
+    quantity: Quantity,
+    /// Pixels: W, or WxH; W alone keeps the plane's shape [default: 512, sheets 1600]
+    #[arg(long, value_name = "W[xH]", value_parser = render::parse_size)]
+    size: Option<render::Size>,
+    /// Solver method, instead of the scene's
+    #[arg(long, value_parser = parse_method)]
+    method: Option<Method>,
+    #[command(flatten)]
+    backend: BackendArgs,
+    /// Largest error wanted, relative to the map's peak, or `exact`; instead of the scene's
+    ///
+    /// The field is summed directly, which keeps 2e-5; a tolerance below that takes the f64 reference.
+    #[arg(long, value_name = "T|exact", value_parser = render::parse_tolerance)]
+    tolerance: Option<f64>,
+    /// Colours of pressure maps
+    #[arg(long, value_enum, default_value_t = Colours::Inferno)]
+    colours: Colours,
+    /// Write the numbers too: NPY, float32, (H, W), row 0 at the smallest y; rms in Pa, phase in rad. For `drive` the
+    /// shape is (2, rows, columns): phase in rad, amplitude before it is made uniform
+    #[arg(long, value_name = "FILE.npy")]
+    data: Option<PathBuf>,
+    /// Say what was used and how long it took
+    #[arg(short, long)]
+    verbose: bool,
+}
+
+#[derive(Debug, Args)]
+struct SolveArgs {
+    /// Scene file
+    scene: PathBuf,
+    /// Solver method, instead of the scene's, or `all` to compare them
+    #[arg(long, value_parser = solve::parse_methods)]
+    method: Option<solve::Methods>,
+    /// Print JSON; an array of objects for `--method all`
+    #[arg(long)]
+    json: bool,
+    /// Write the drive: element, x, y (m), phase (rad), amplitude
+    #[arg(long, value_name = "FILE")]
+    csv: Option<PathBuf>,
+}
+
+#[derive(Debug, Args)]
+struct ProbeArgs {
+    /// Scene file
+    scene: PathBuf,
+    /// CSV with the columns x, y, z (m)
+    #[arg(long, value_name = "FILE.csv")]
+    points: PathBuf,
+    #[command(flatten)]
+    backend: BackendArgs,
+    /// Drive as `solve --csv` writes it, instead of the solver's
+    #[arg(long, value_name = "FILE.csv")]
+    drive: Option<PathBuf>,
+    /// Where to write; standard output otherwise
+    #[arg(short, long, value_name = "FILE.csv")]
+    output: Option<PathBuf>,
+}
+
+#[derive(Clone, Copy, Debug, Args)]
+struct BackendArgs {
+    /// Who computes the field. `auto`: for maps the GPU if there is one that is not software, else the CPU; for points
+    /// the f64 reference
+    #[arg(long, value_enum, default_value_t = Backend::Auto)]
+    backend: Backend,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum Backend {
+    Auto,
+    Gpu,
+    Cpu,
+    /// f64 and slow
+    Reference,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum Quantity {
+    /// RMS pressure
+    Rms,
+    /// Phase of the pressure
+    Phase,
+    /// Phase and amplitude per element
+    Drive,
+    /// Everything on one page with axes
+    Sheet,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum Colours {
+    Inferno,
+    Viridis,
+    Magma,
+    Grey,
+}
+
+impl Colours {
+    fn map(self) -> ColourMap {
+        match self {
+            Self::Inferno => ColourMap::Inferno,
+            Self::Viridis => ColourMap::Viridis,
+            Self::Magma => ColourMap::Magma,
+            Self::Grey => ColourMap::Grey,
+        }
+    }
+}
+
+fn parse_method(name: &str) -> Result<Method, String> {
+    let names = || Method::ALL.map(Method::name).join(", ");
+    Method::ALL
+        .into_iter()
+        .find(|method| method.name() == name)
+        .ok_or_else(|| format!("the methods are {}", names()))
+}
+
+/// Runs the command line that the program was given.
+///
+/// # Errors
+/// Bad input, or output that cannot be written; the message is for the user as it stands.
+pub fn run() -> anyhow::Result<()> {
+    match Cli::parse() {
+        Cli { command: Some(Command::Render(args)), .. } => render::run(&args),
+        Cli { command: Some(Command::Solve(args)), .. } => solve::run(&args),
+        Cli { command: Some(Command::Probe(args)), .. } => probe::run(&args),
+        Cli { command: Some(Command::Devices), .. } => devices::run(),
+        Cli { command: None, scene } => render::default_sheet(scene.as_deref()),
+    }
+}
+
+/// The scene in a file, with the method that the command line may ask for instead.
+fn read_scene(path: &std::path::Path, method: Option<Method>) -> Result<Scene, file::FileError> {
+    let mut scene = file::read(path)?;
+    if let Some(method) = method {
+        scene.solver.method = method;
+    }
+    Ok(scene)
+}
+
+/// Says something that is no result and no error.
+fn note(text: &str) {
+    eprintln!("note: {text}");
+}
+
+fn warn(text: &str) {
+    eprintln!("warning: {text}");
+}

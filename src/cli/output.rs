@@ -1,0 +1,46 @@
+//! Files are written whole or not at all.
+
+use std::io::Write;
+use std::path::Path;
+
+use anyhow::Context;
+
+/// Writes through a temporary file beside the target and renames it.
+pub fn write(path: &Path, bytes: &[u8]) -> anyhow::Result<()> {
+    write_file(path, bytes).with_context(|| format!("{}: cannot write", path.display()))
+}
+
+fn write_file(path: &Path, bytes: &[u8]) -> std::io::Result<()> {
+    if path.is_dir() {
+        return Err(std::io::Error::from(std::io::ErrorKind::IsADirectory));
+    }
+    let folder = folder_of(path);
+    let mut builder = tempfile::Builder::new();
+    // A temporary file is private; the umask makes what comes out an ordinary one.
+    #[cfg(unix)]
+    builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
+    let mut file = builder.prefix(".sonoglyph-").tempfile_in(folder)?;
+    file.write_all(bytes)?;
+    file.persist(path).map_err(|e| e.error)?;
+    Ok(())
+}
+
+/// Fails early where [`write`] would fail after the work.
+pub fn check_writable(path: &Path) -> anyhow::Result<()> {
+    let folder = folder_of(path);
+    if path.is_dir() {
+        anyhow::bail!("{}: cannot write: it is a folder", path.display());
+    }
+    tempfile::Builder::new()
+        .prefix(".sonoglyph-")
+        .tempfile_in(folder)
+        .with_context(|| format!("{}: cannot write", path.display()))?;
+    Ok(())
+}
+
+fn folder_of(path: &Path) -> &Path {
+    match path.parent() {
+        Some(parent) if parent != Path::new("") => parent,
+        _ => Path::new("."),
+    }
+}

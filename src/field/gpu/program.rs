@@ -1,0 +1,216 @@
+//! The WGSL programs: which files make one, the constants that Rust writes into them, and the structs they share.
+
+use bytemuck::{Pod, Zeroable};
+
+use crate::acoustics::element::NEAREST;
+use crate::field::sources::{COSINE, MOST_NODES, SINE};
+
+/// Invocations in a workgroup.
+pub const WORKGROUP: u32 = 64;
+/// Samples that one invocation of the field computes.
+pub const SAMPLES_PER_INVOCATION: u32 = 8;
+/// Elements that fit the smallest uniform buffer that WebGPU promises.
+pub const UNIFORM_ELEMENTS: usize = 4096;
+
+/// The same struct as in `shaders/params.wgsl`.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
+pub struct Params {
+    pub directivity: [[f32; 4]; 6],
+    pub decay: [[f32; 4]; 4],
+    pub decay_scale: [f32; 2],
+    pub turns_per_metre: [f32; 2],
+    pub directivity_terms: u32,
+    pub decay_terms: u32,
+    pub first_element: u32,
+    pub last_element: u32,
+    pub columns: u32,
+    pub first: u32,
+    pub count: u32,
+    pub written: u32,
+    pub nodes: u32,
+    pub radius: f32,
+    pub piston_scale: f32,
+    pub padding: f32,
+}
+
+/// The same struct as in `shaders/peak.wgsl`.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+pub struct PeakParams {
+    pub count: u32,
+    pub invocations: u32,
+}
+
+/// The same struct as in `shaders/picture.wgsl`.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+pub struct PictureParams {
+    pub count: u32,
+    pub invocations: u32,
+    pub quantity: u32,
+    pub full: f32,
+}
+
+/// The field's program comes in four forms.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct FieldProgram {
+    pub exact_piston: bool,
+    /// More than [`UNIFORM_ELEMENTS`].
+    pub many_elements: bool,
+}
+
+impl FieldProgram {
+    pub const ALL: [Self; 4] = [
+        Self { exact_piston: false, many_elements: false },
+        Self { exact_piston: false, many_elements: true },
+        Self { exact_piston: true, many_elements: false },
+        Self { exact_piston: true, many_elements: true },
+    ];
+
+    pub fn source(self) -> String {
+        let element = if self.exact_piston {
+            include_str!("../../../shaders/exact_piston.wgsl")
+        } else {
+            include_str!("../../../shaders/piston.wgsl")
+        };
+        let elements = if self.many_elements {
+            include_str!("../../../shaders/elements_storage.wgsl")
+        } else {
+            include_str!("../../../shaders/elements_uniform.wgsl")
+        };
+        let params = include_str!("../../../shaders/params.wgsl");
+        let phase = include_str!("../../../shaders/phase.wgsl");
+        [&constants(), params, phase, elements, element, include_str!("../../../shaders/field.wgsl")]
+            .join("\n")
+    }
+}
+
+pub fn peak_source() -> String {
+    [&constants(), include_str!("../../../shaders/peak.wgsl")].join("\n")
+}
+
+pub fn picture_source() -> String {
+    [&constants(), include_str!("../../../shaders/picture.wgsl")].join("\n")
+}
+
+/// What Rust and WGSL must agree on is written once, here.
+fn constants() -> String {
+    let polynomial = |name: &'static str, coefficients: &[f32]| {
+        coefficients
+            .iter()
+            .enumerate()
+            .map(|(i, c)| format!("const {name}_{i}: f32 = {c:?};\n"))
+            .collect::<String>()
+    };
+    format!(
+        "const WORKGROUP: u32 = {WORKGROUP}u;\n\
+         const UNIFORM_ELEMENTS: u32 = {UNIFORM_ELEMENTS}u;\n\
+         const MOST_NODES: u32 = {MOST_NODES}u;\n\
+         const NEAREST: f32 = {NEAREST:?};\n\
+         const PI: f32 = {:?};\n{}{}",
+        std::f32::consts::PI,
+        polynomial("SINE", &SINE),
+        polynomial("COSINE", &COSINE)
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use std::mem::{offset_of, size_of};
+
+    use naga::valid::{Capabilities, ValidationFlags, Validator};
+    use naga::{Module, TypeInner};
+
+    use super::*;
+
+    /// Parses and validates with no capability beyond the portable ones.
+    fn module(name: &str, source: &str) -> Module {
+        let module = naga::front::wgsl::parse_str(source)
+            .unwrap_or_else(|e| panic!("{}", e.emit_to_string_with_path(source, name)));
+        Validator::new(ValidationFlags::all(), Capabilities::empty())
+            .validate(&module)
+            .unwrap_or_else(|e| panic!("{}", e.emit_to_string_with_path(source, name)));
+        module
+    }
+
+    /// Names and offsets of a WGSL struct's members, and its size.
+    fn layout(module: &Module, name: &str) -> (Vec<(String, usize)>, usize) {
+        let found = module.types.iter().find(|(_, ty)| ty.name.as_deref() == Some(name));
+        let (_, ty) = found.unwrap_or_else(|| panic!("no struct {name}"));
+        let TypeInner::Struct { members, span } = &ty.inner else { panic!("{name} is no struct") };
+        let members =
+            members.iter().map(|m| (m.name.clone().unwrap_or_default(), m.offset as usize)).collect();
+        (members, *span as usize)
+    }
+
+    macro_rules! assert_same_layout {
+        ($module:expr, $name:ident { $($field:ident),* }) => {
+            let expected = (vec![$((stringify!($field).to_owned(), offset_of!($name, $field))),*], size_of::<$name>());
+            assert_eq!(layout($module, stringify!($name)), expected, stringify!($name));
+        };
+    }
+
+    #[test]
+    fn every_program_is_valid_and_has_the_workgroup_that_rust_divides_by() {
+        let mut sources: Vec<_> =
+            FieldProgram::ALL.iter().map(|program| (format!("{program:?}"), program.source())).collect();
+        sources.push(("peak".to_owned(), peak_source()));
+        sources.push(("picture".to_owned(), picture_source()));
+        for (name, source) in sources {
+            let module = module(&name, &source);
+            assert_eq!(module.entry_points.len(), 1, "{name}");
+            assert_eq!(module.entry_points[0].workgroup_size, [WORKGROUP, 1, 1], "{name}");
+        }
+    }
+
+    #[test]
+    fn every_shader_file_is_part_of_a_program() {
+        let programs: String = FieldProgram::ALL
+            .iter()
+            .map(|program| program.source())
+            .chain([peak_source(), picture_source()])
+            .collect();
+        let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/shaders");
+        let mut files = 0;
+        for entry in std::fs::read_dir(folder).unwrap() {
+            let path = entry.unwrap().path();
+            assert!(
+                programs.contains(&std::fs::read_to_string(&path).unwrap()),
+                "{} is in no program",
+                path.display()
+            );
+            files += 1;
+        }
+        assert!(files >= 8);
+    }
+
+    #[test]
+    fn structs_are_laid_out_as_in_rust() {
+        let field = module("field", &FieldProgram::ALL[0].source());
+        assert_same_layout!(
+            &field,
+            Params {
+                directivity,
+                decay,
+                decay_scale,
+                turns_per_metre,
+                directivity_terms,
+                decay_terms,
+                first_element,
+                last_element,
+                columns,
+                first,
+                count,
+                written,
+                nodes,
+                radius,
+                piston_scale,
+                padding
+            }
+        );
+        assert_same_layout!(&module("peak", &peak_source()), PeakParams { count, invocations });
+        let picture = module("picture", &picture_source());
+        assert_same_layout!(&picture, PictureParams { count, invocations, quantity, full });
+    }
+}

@@ -1,0 +1,131 @@
+//! The pressure that a drive makes at many points: in f64 as the reference, and twice in f32 for speed, on the CPU and
+//! on the GPU.
+//!
+//! The two f32 evaluators do the same sums with the same polynomials from the same [`Sources`]; tests hold them to
+//! the reference.
+
+pub mod cpu;
+pub mod gpu;
+pub mod reference;
+pub mod sources;
+
+use glam::DVec3;
+use num_complex::Complex32;
+
+use crate::acoustics::Aperture;
+use crate::drive::Drive;
+use crate::scene::Plane;
+
+pub use gpu::{Gpu, GpuError};
+pub use sources::Sources;
+
+/// Where the field is wanted: sample (i, j) stands at `columns[i] + rows[j]`.
+///
+/// A grid on a plane has as many of each as it is wide and high; a list of points is one row.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Samples {
+    /// m
+    pub columns: Vec<DVec3>,
+    /// m
+    pub rows: Vec<DVec3>,
+}
+
+impl Samples {
+    /// Samples at the centres of `width` x `height` pixels that fill the plane, row 0 at the smallest y.
+    ///
+    /// `None` where the plane's axes span no plane, which a checked scene's do.
+    pub fn on_plane(plane: &Plane, width: usize, height: usize) -> Option<Self> {
+        let (x_axis, y_axis) = plane.axes()?;
+        let along = |axis: DVec3, length: f64, count: usize| {
+            (0..count).map(move |i| axis * (length * ((i as f64 + 0.5) / count as f64 - 0.5)))
+        };
+        Some(Self {
+            columns: along(x_axis, plane.size.x, width).map(|offset| plane.centre + offset).collect(),
+            rows: along(y_axis, plane.size.y, height).collect(),
+        })
+    }
+
+    /// The points themselves.
+    pub fn at(points: Vec<DVec3>) -> Self {
+        Self { columns: points, rows: vec![DVec3::ZERO] }
+    }
+
+    pub fn len(&self) -> usize {
+        self.columns.len() * self.rows.len()
+    }
+
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// Sample number `index`, row by row.
+    pub fn point(&self, index: usize) -> DVec3 {
+        self.columns[index % self.columns.len()] + self.rows[index / self.columns.len()]
+    }
+
+    /// A box that holds every sample: its smallest and its largest corner.
+    fn bounds(&self) -> (DVec3, DVec3) {
+        let range = |points: &[DVec3]| {
+            points.iter().fold((DVec3::MAX, DVec3::MIN), |(low, high), p| (low.min(*p), high.max(*p)))
+        };
+        let ((column_low, column_high), (row_low, row_high)) = (range(&self.columns), range(&self.rows));
+        (column_low + row_low, column_high + row_high)
+    }
+}
+
+/// Who computes the field.
+#[derive(Debug)]
+pub enum Evaluator {
+    /// f64, point by point: slow and right.
+    Reference,
+    Cpu,
+    Gpu(Box<Gpu>),
+}
+
+impl Evaluator {
+    /// Complex pressure (Pa, peak) at every sample.
+    ///
+    /// # Errors
+    /// Only the GPU fails: on a lost device or memory that it does not have.
+    pub fn pressure(
+        &self,
+        aperture: &Aperture,
+        drive: &Drive,
+        samples: &Samples,
+    ) -> Result<Vec<Complex32>, GpuError> {
+        let narrow = |p: num_complex::Complex64| Complex32::new(p.re as f32, p.im as f32);
+        Ok(match (self, Sources::new(aperture, drive, samples)) {
+            (Self::Cpu, Some(sources)) => cpu::pressure(&sources, samples),
+            (Self::Gpu(gpu), Some(sources)) => gpu.pressure(&sources, samples)?.read()?,
+            // What f32 cannot do well, f64 does slowly.
+            (Self::Reference, _) | (_, None) => {
+                reference::pressure(aperture, drive, samples).into_iter().map(narrow).collect()
+            }
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::{DVec2, dvec3};
+
+    use super::*;
+
+    #[test]
+    fn samples_stand_at_pixel_centres_row_0_at_the_smallest_y() {
+        let plane = Plane { size: DVec2::new(0.4, 0.2), ..Plane::default() };
+        let samples = Samples::on_plane(&plane, 4, 2).unwrap();
+        assert_eq!(samples.len(), 8);
+        assert!(samples.point(0).distance(dvec3(-0.15, -0.05, 0.1)) < 1e-15);
+        assert!(samples.point(3).distance(dvec3(0.15, -0.05, 0.1)) < 1e-15);
+        assert!(samples.point(4).distance(dvec3(-0.15, 0.05, 0.1)) < 1e-15);
+    }
+
+    #[test]
+    fn a_vertical_plane_has_its_own_up() {
+        let plane = Plane { y_axis: dvec3(3.0, 0.0, 2.0), ..Plane::default() };
+        let samples = Samples::on_plane(&plane, 1, 2).unwrap();
+        assert!(samples.point(0).distance(dvec3(0.0, 0.0, 0.05)) < 1e-15);
+        assert!(samples.point(1).distance(dvec3(0.0, 0.0, 0.15)) < 1e-15);
+    }
+}

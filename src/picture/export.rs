@@ -1,0 +1,63 @@
+//! Pictures and numbers as the bytes of files: PNG and NPY.
+
+use std::io::Cursor;
+
+use image::{ExtendedColorType, ImageEncoder};
+use npyz::WriterBuilder;
+
+use crate::picture::Picture;
+
+/// A PNG; opaque, so without an alpha channel.
+///
+/// # Errors
+/// The encoder refuses the picture: a side of more than 2³¹ pixels.
+pub fn png(picture: &Picture) -> Result<Vec<u8>, image::ImageError> {
+    let rgb: Vec<u8> =
+        picture.rgba.chunks_exact(4).flat_map(|pixel| [pixel[0], pixel[1], pixel[2]]).collect();
+    let mut bytes = Vec::new();
+    image::codecs::png::PngEncoder::new(Cursor::new(&mut bytes)).write_image(
+        &rgb,
+        picture.width as u32,
+        picture.height as u32,
+        ExtendedColorType::Rgb8,
+    )?;
+    Ok(bytes)
+}
+
+/// An NPY file of float32 in C order, which `numpy.load` opens.
+///
+/// # Errors
+/// The shape does not hold as many numbers as there are.
+pub fn npy(shape: &[u64], values: &[f32]) -> std::io::Result<Vec<u8>> {
+    let mut bytes = Vec::new();
+    let mut writer = npyz::WriteOptions::new().default_dtype().shape(shape).writer(&mut bytes).begin_nd()?;
+    writer.extend(values.iter().copied())?;
+    writer.finish()?;
+    Ok(bytes)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_png_holds_the_pixels_top_row_first() {
+        let bottom_then_top = [[1, 2, 3, 255], [4, 5, 6, 255], [7, 8, 9, 255], [10, 11, 12, 255]].concat();
+        let picture = Picture::from_field_order(2, 2, &bottom_then_top);
+        let image = image::load_from_memory(&png(&picture).unwrap()).unwrap().to_rgb8();
+        assert_eq!((image.width(), image.height()), (2, 2));
+        assert_eq!(image.get_pixel(0, 0).0, [7, 8, 9]);
+        assert_eq!(image.get_pixel(1, 1).0, [4, 5, 6]);
+    }
+
+    #[test]
+    fn an_npy_is_little_endian_float32_in_c_order() {
+        let bytes = npy(&[2, 3], &[1.0, 2.0, 3.0, 4.0, 5.0, 6.0]).unwrap();
+        assert_eq!(&bytes[..6], b"\x93NUMPY");
+        let header = String::from_utf8_lossy(&bytes[10..bytes.len() - 24]).into_owned();
+        for part in ["'descr': '<f4'", "'fortran_order': False", "'shape': (2, 3)"] {
+            assert!(header.contains(part), "{header}");
+        }
+        assert_eq!(&bytes[bytes.len() - 4..], 6.0f32.to_le_bytes());
+    }
+}

@@ -1,0 +1,422 @@
+//! The paper's figure on one page: wanted points, phase and amplitude per element, and the pressure map, with axes.
+
+use std::sync::Once;
+
+use glam::{DVec2, DVec3};
+use plotters::coord::types::RangedCoordf64;
+use plotters::prelude::*;
+
+use crate::acoustics::Aperture;
+use crate::picture::colour::phase_index;
+use crate::picture::{ColourMap, Picture};
+use crate::scene::{Plane, Scene, outline};
+use crate::solver::Solution;
+
+/// Width and height of a sheet for which the measures below are meant; other sizes scale them.
+const PAGE: (f64, f64) = (1600.0, 1560.0);
+/// The part of a page that [`drive`] needs.
+const DRIVE_PAGE: (f64, f64) = (1600.0, 840.0);
+/// Side of the square in which a plot lies.
+const PLOT: f64 = 560.0;
+/// Left edge of the plots in the two columns, top edge in the two rows.
+const COLUMNS: [f64; 2] = [100.0, 880.0];
+const ROWS: [f64; 2] = [190.0, 905.0];
+
+const INK: RGBColor = RGBColor(30, 30, 34);
+const FAINT: RGBColor = RGBColor(205, 205, 210);
+const EMPTY: [u8; 3] = [244, 244, 246];
+
+/// Why a sheet could not be drawn.
+#[derive(Debug, thiserror::Error)]
+#[error("the sheet could not be drawn: {0}")]
+pub struct SheetError(String);
+
+impl<E: std::error::Error + Send + Sync> From<DrawingAreaErrorKind<E>> for SheetError {
+    fn from(error: DrawingAreaErrorKind<E>) -> Self {
+        Self(error.to_string())
+    }
+}
+
+/// Height of a sheet of this width.
+pub fn height(width: usize) -> usize {
+    (width as f64 * PAGE.1 / PAGE.0).round() as usize
+}
+
+/// Height of a picture by [`drive`] of this width.
+pub fn drive_height(width: usize) -> usize {
+    (width as f64 * DRIVE_PAGE.1 / DRIVE_PAGE.0).round() as usize
+}
+
+/// Width and height in pixels of the map on a sheet of this size: compute the field for that many.
+pub fn map_size(plane: &Plane, width: usize, height: usize) -> (usize, usize) {
+    let (columns, rows) = Page::new(PAGE, width, height).plot(1, 1, plane.size).size;
+    (columns as usize, rows as usize)
+}
+
+/// Draws the whole sheet; `map` shows RMS pressure up to `peak_rms` (Pa) and has the size that [`map_size`] says.
+///
+/// # Errors
+/// The page is too small for its axes.
+pub fn sheet(
+    scene: &Scene,
+    solution: &Solution,
+    title: &str,
+    map: &Picture,
+    peak_rms: f64,
+    (width, height): (usize, usize),
+) -> Result<Picture, SheetError> {
+    let page = Page::new(PAGE, width, height);
+    page.draw(title, &summary(solution), |root| {
+        page.wanted_points(root, scene, solution)?;
+        page.phases(root, scene, solution, (1, 0))?;
+        page.amplitudes(root, scene, solution, (0, 1))?;
+        page.map(root, scene, map, peak_rms)
+    })
+}
+
+/// Draws phase and amplitude per element alone.
+///
+/// # Errors
+/// The page is too small for its axes.
+pub fn drive(
+    scene: &Scene,
+    solution: &Solution,
+    title: &str,
+    (width, height): (usize, usize),
+) -> Result<Picture, SheetError> {
+    let page = Page::new(DRIVE_PAGE, width, height);
+    page.draw(title, &summary(solution), |root| {
+        page.phases(root, scene, solution, (0, 0))?;
+        page.amplitudes(root, scene, solution, (1, 0))
+    })
+}
+
+fn summary(solution: &Solution) -> String {
+    let quality = &solution.quality;
+    format!(
+        "{}, {} {}     mean {}, weakest {}, spread {:.1} %     η {:.1} %     at least {:.0} % of the best any drive can do",
+        solution.method.name(),
+        solution.foci.len(),
+        if solution.foci.len() == 1 { "focus" } else { "foci" },
+        pascals(quality.mean_pressure),
+        pascals(quality.min_pressure),
+        100.0 * quality.spread,
+        100.0 * quality.efficiency,
+        (100.0 * quality.certified).floor(),
+    )
+}
+
+/// A pressure with the unit that suits it.
+pub fn pascals(pressure: f64) -> String {
+    if pressure >= 1000.0 { format!("{:.2} kPa", pressure / 1000.0) } else { format!("{pressure:.3} Pa") }
+}
+
+type Root<'a> = DrawingArea<BitMapBackend<'a>, plotters::coord::Shift>;
+type Chart<'a, 'b> = ChartContext<'a, BitMapBackend<'b>, Cartesian2d<RangedCoordf64, RangedCoordf64>>;
+
+/// A page in pixels, and the scale from the nominal measures to them.
+struct Page {
+    width: usize,
+    height: usize,
+    scale: f64,
+}
+
+/// Where a plot lies on the page, in pixels.
+#[derive(Clone, Copy)]
+struct Plot {
+    corner: (i32, i32),
+    size: (i32, i32),
+}
+
+impl Page {
+    fn new(nominal: (f64, f64), width: usize, height: usize) -> Self {
+        Self { width, height, scale: (width as f64 / nominal.0).min(height as f64 / nominal.1) }
+    }
+
+    fn px(&self, nominal: f64) -> i32 {
+        (nominal * self.scale).round() as i32
+    }
+
+    fn font(&self, nominal: f64) -> TextStyle<'static> {
+        ("sans-serif", (nominal * self.scale).max(1.0)).into_font().color(&INK)
+    }
+
+    fn draw(
+        &self,
+        title: &str,
+        summary: &str,
+        panels: impl FnOnce(&Root<'_>) -> Result<(), SheetError>,
+    ) -> Result<Picture, SheetError> {
+        register_font();
+        let mut rgb = vec![255; self.width * self.height * 3];
+        {
+            let root = BitMapBackend::with_buffer(&mut rgb, (self.width as u32, self.height as u32))
+                .into_drawing_area();
+            root.fill(&WHITE)?;
+            let left = self.px(COLUMNS[0]);
+            root.draw(&Text::new(title.to_owned(), (left, self.px(40.0)), self.font(44.0)))?;
+            root.draw(&Text::new(summary.to_owned(), (left, self.px(98.0)), self.font(23.0)))?;
+            panels(&root)?;
+            root.present()?;
+        }
+        let rgba = rgb.chunks_exact(3).flat_map(|pixel| [pixel[0], pixel[1], pixel[2], 255]).collect();
+        Ok(Picture { width: self.width, height: self.height, rgba })
+    }
+
+    /// The largest rectangle of the given shape in the square at a column and a row, centred from left to right.
+    fn plot(&self, column: usize, row: usize, shape: DVec2) -> Plot {
+        let size = shape * (PLOT / shape.max_element());
+        let (width, height) = (self.px(size.x).max(1), self.px(size.y).max(1));
+        let left = self.px(COLUMNS[column] + (PLOT - size.x) / 2.0);
+        let top = self.px(ROWS[row] + (PLOT - size.y) / 2.0);
+        Plot { corner: (left, top), size: (width, height) }
+    }
+
+    /// Axes around a plot, `low` to `high` in mm.
+    fn chart<'a, 'b>(
+        &self,
+        root: &Root<'b>,
+        plot: Plot,
+        title: &str,
+        (low, high): (DVec2, DVec2),
+        labels: (&str, &str),
+    ) -> Result<Chart<'a, 'b>, SheetError> {
+        let (left, below) = (self.px(88.0), self.px(66.0));
+        let above = self.px(44.0);
+        root.draw(&Text::new(title.to_owned(), (plot.corner.0, plot.corner.1 - above), self.font(27.0)))?;
+        let area = root
+            .clone()
+            .shrink((plot.corner.0 - left, plot.corner.1), (plot.size.0 + left, plot.size.1 + below));
+        let mut chart = ChartBuilder::on(&area)
+            .x_label_area_size(below)
+            .y_label_area_size(left)
+            .build_cartesian_2d(low.x..high.x, low.y..high.y)?;
+        chart
+            .configure_mesh()
+            .disable_mesh()
+            .axis_style(INK)
+            .x_desc(labels.0)
+            .y_desc(labels.1)
+            .axis_desc_style(self.font(22.0))
+            .label_style(self.font(20.0))
+            .x_labels(7)
+            .y_labels(7)
+            .x_label_formatter(&|v| format!("{v:.0}"))
+            .y_label_formatter(&|v| format!("{v:.0}"))
+            .set_all_tick_mark_size(self.px(7.0))
+            .draw()?;
+        Ok(chart)
+    }
+
+    /// A colour bar to the right of a plot.
+    fn legend(
+        &self,
+        root: &Root<'_>,
+        plot: Plot,
+        map: ColourMap,
+        (low, high): (f64, f64),
+        ticks: &[(f64, String)],
+    ) -> Result<(), SheetError> {
+        let (left, top) = (plot.corner.0 + plot.size.0 + self.px(18.0), plot.corner.1);
+        let (width, height) = (self.px(20.0).max(1), plot.size.1);
+        let table = map.table();
+        for y in 0..height {
+            let step = (255.0 * f64::from(height - 1 - y) / f64::from((height - 1).max(1))).round() as usize;
+            let [r, g, b, _] = table[step];
+            root.draw(&Rectangle::new(
+                [(left, top + y), (left + width, top + y)],
+                RGBColor(r, g, b).filled(),
+            ))?;
+        }
+        root.draw(&Rectangle::new([(left, top), (left + width, top + height - 1)], INK))?;
+        for (value, label) in ticks {
+            let y = top + ((high - value) / (high - low) * f64::from(height - 1)).round() as i32;
+            root.draw(&PathElement::new([(left + width, y), (left + width + self.px(6.0), y)], INK))?;
+            let at = (left + width + self.px(11.0), y - self.px(10.0));
+            root.draw(&Text::new(label.clone(), at, self.font(20.0)))?;
+        }
+        Ok(())
+    }
+
+    fn wanted_points(&self, root: &Root<'_>, scene: &Scene, solution: &Solution) -> Result<(), SheetError> {
+        let plane = &scene.plane;
+        let plot = self.plot(0, 0, plane.size);
+        let half = plane.size / 2.0 * 1e3;
+        let title = format!("Wanted points ({})", solution.foci.len());
+        let mut chart = self.chart(root, plot, &title, ranges(plane), labels(plane))?;
+        let place = |point: DVec3| on_plane(plane, point).map(|p| (p.x, p.y));
+        for target in &scene.targets {
+            for stroke in outline::strokes(target).map_err(SheetError)? {
+                let line: Vec<_> = stroke.into_iter().filter_map(place).collect();
+                chart
+                    .draw_series([PathElement::new(line, FAINT.stroke_width(self.px(3.0).max(1) as u32))])?;
+            }
+        }
+        let most = solution.foci.iter().map(|focus| focus.target).fold(0.0, f64::max);
+        let inside = |&(x, y): &(f64, f64)| {
+            let offset = DVec2::new(x, y) - centre(plane);
+            offset.x.abs() <= half.x && offset.y.abs() <= half.y
+        };
+        let dots = solution.foci.iter().filter_map(|focus| Some((place(focus.position)?, focus.target)));
+        // A weaker focus is a smaller dot.
+        let dot = |((x, y), target): ((f64, f64), f64)| {
+            Circle::new((x, y), self.px(8.0 * (target / most).sqrt()).max(1), RGBColor(196, 43, 60).filled())
+        };
+        chart.draw_series(dots.filter(|(at, _)| inside(at)).map(dot))?;
+        Ok(())
+    }
+
+    fn phases(
+        &self,
+        root: &Root<'_>,
+        scene: &Scene,
+        solution: &Solution,
+        (column, row): (usize, usize),
+    ) -> Result<(), SheetError> {
+        let table = ColourMap::Cyclic.table();
+        let colour = |n: usize| table[phase_index(solution.drive.phases[n])];
+        let plot = self.element_map(root, scene, solution, (column, row), "Phase per element", colour)?;
+        let pi = std::f64::consts::PI;
+        let tick = |(value, label): (f64, &str)| (value, label.to_owned());
+        let ticks =
+            [(-pi, "−π"), (-pi / 2.0, "−π/2"), (0.0, "0"), (pi / 2.0, "π/2"), (pi, "π rad")].map(tick);
+        self.legend(root, plot, ColourMap::Cyclic, (-pi, pi), &ticks)
+    }
+
+    /// The method's own amplitudes: what is played is uniform, and what that costs is the efficiency.
+    fn amplitudes(
+        &self,
+        root: &Root<'_>,
+        scene: &Scene,
+        solution: &Solution,
+        (column, row): (usize, usize),
+    ) -> Result<(), SheetError> {
+        let table = ColourMap::Viridis.table();
+        let colour = |n: usize| table[(solution.excitation[n] * 255.0).round() as usize];
+        let title = "Amplitude per element, before it is made uniform";
+        let plot = self.element_map(root, scene, solution, (column, row), title, colour)?;
+        let ticks = [0.0, 0.25, 0.5, 0.75, 1.0].map(|value| (value, format!("{value}")));
+        self.legend(root, plot, ColourMap::Viridis, (0.0, 1.0), &ticks)
+    }
+
+    /// The array seen from the front, every driven element a disk of its colour.
+    fn element_map(
+        &self,
+        root: &Root<'_>,
+        scene: &Scene,
+        solution: &Solution,
+        (column, row): (usize, usize),
+        title: &str,
+        colour: impl Fn(usize) -> [u8; 4],
+    ) -> Result<Plot, SheetError> {
+        let aperture = Aperture::new(scene);
+        let array = &scene.array;
+        let size = DVec2::new(f64::from(array.columns), f64::from(array.rows)) * array.pitch;
+        let plot = self.plot(column, row, size);
+        let chart = self.chart(root, plot, title, (-size * 500.0, size * 500.0), ("x / mm", "y / mm"))?;
+        let radius = array.element_radius.min(array.pitch * 0.5);
+        let (width, height) = (plot.size.0 as usize, plot.size.1 as usize);
+        let mut rgb = Vec::with_capacity(width * height * 3);
+        for y in 0..height {
+            for x in 0..width {
+                let part =
+                    DVec2::new((x as f64 + 0.5) / width as f64, 1.0 - (y as f64 + 0.5) / height as f64);
+                let cell = part * DVec2::new(f64::from(array.columns), f64::from(array.rows));
+                let n = (cell.y as usize).min(array.rows as usize - 1) * array.columns as usize
+                    + (cell.x as usize).min(array.columns as usize - 1);
+                let at = (part - 0.5) * size;
+                let within = at.distance(aperture.positions[n]) <= radius;
+                let driven = solution.drive.amplitudes[n] > 0.0;
+                let [r, g, b, _] = if within && driven {
+                    colour(n)
+                } else {
+                    let [r, g, b] = if within { [214, 214, 218] } else { EMPTY };
+                    [r, g, b, 255]
+                };
+                rgb.extend([r, g, b]);
+            }
+        }
+        paste(&chart, (-size.x * 500.0, size.y * 500.0), (width, height), rgb)?;
+        Ok(plot)
+    }
+
+    fn map(&self, root: &Root<'_>, scene: &Scene, map: &Picture, peak_rms: f64) -> Result<(), SheetError> {
+        let plane = &scene.plane;
+        let plot = self.plot(1, 1, plane.size);
+        let (low, high) = ranges(plane);
+        let chart = self.chart(root, plot, "RMS pressure", (low, high), labels(plane))?;
+        let rgb = map.rgba.chunks_exact(4).flat_map(|pixel| [pixel[0], pixel[1], pixel[2]]).collect();
+        paste(&chart, (low.x, high.y), (map.width, map.height), rgb)?;
+        let (unit, divisor) = if peak_rms >= 1000.0 { ("kPa", 1000.0) } else { ("Pa", 1.0) };
+        let full = (peak_rms / divisor).max(1e-9);
+        let decimals = if full >= 100.0 {
+            0
+        } else if full >= 10.0 {
+            1
+        } else {
+            2
+        };
+        let tick = |part: f64| {
+            let unit = if part == 1.0 { format!(" {unit}") } else { String::new() };
+            (part * full, format!("{:.decimals$}{unit}", part * full))
+        };
+        self.legend(root, plot, ColourMap::Inferno, (0.0, full), &[0.0, 0.25, 0.5, 0.75, 1.0].map(tick))
+    }
+}
+
+/// Puts pixels into a chart with their top left corner at a place in its coordinates.
+fn paste(
+    chart: &Chart<'_, '_>,
+    corner: (f64, f64),
+    (width, height): (usize, usize),
+    rgb: Vec<u8>,
+) -> Result<(), SheetError> {
+    let size = (width as u32, height as u32);
+    let picture: BitMapElement<'_, _> = BitMapElement::with_owned_buffer(corner, size, rgb)
+        .ok_or_else(|| SheetError("a map has the wrong number of pixels".to_owned()))?;
+    chart.plotting_area().draw(&picture)?;
+    Ok(())
+}
+
+/// Coordinates (mm) of a point's projection on the plane, along the axes that label it.
+fn on_plane(plane: &Plane, point: DVec3) -> Option<DVec2> {
+    let (x, y) = plane.axes()?;
+    let offset = point - plane.centre;
+    Some(centre(plane) + DVec2::new(offset.dot(x), offset.dot(y)) * 1e3)
+}
+
+/// The plane's corners in mm.
+fn ranges(plane: &Plane) -> (DVec2, DVec2) {
+    let half = plane.size * 500.0;
+    (centre(plane) - half, centre(plane) + half)
+}
+
+/// A plane along two axes of space is labelled with their coordinates, any other from its own centre.
+fn centre(plane: &Plane) -> DVec2 {
+    let along = |axis: DVec3| axis_name(axis).map_or(0.0, |_| plane.centre.dot(axis));
+    plane.axes().map_or(DVec2::ZERO, |(x, y)| DVec2::new(along(x), along(y)) * 1e3)
+}
+
+fn labels(plane: &Plane) -> (&'static str, &'static str) {
+    let (x, y) = plane.axes().unwrap_or((DVec3::X, DVec3::Y));
+    (
+        axis_name(x).unwrap_or("along the plane's x axis / mm"),
+        axis_name(y).unwrap_or("along the plane's y axis / mm"),
+    )
+}
+
+fn axis_name(axis: DVec3) -> Option<&'static str> {
+    [(DVec3::X, "x / mm"), (DVec3::Y, "y / mm"), (DVec3::Z, "z / mm")]
+        .into_iter()
+        .find_map(|(unit, name)| (axis.dot(unit) > 1.0 - 1e-9).then_some(name))
+}
+
+fn register_font() {
+    static ONCE: Once = Once::new();
+    ONCE.call_once(|| {
+        let font = include_bytes!("../../assets/fonts/Inter-Regular.otf");
+        if plotters::style::register_font("sans-serif", FontStyle::Normal, font).is_err() {
+            unreachable!("the font in assets/ is a font");
+        }
+    });
+}

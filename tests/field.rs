@@ -1,0 +1,165 @@
+//! The fast evaluators against the f64 reference.
+
+use glam::{DVec2, DVec3, dvec3};
+use num_complex::{Complex32, Complex64};
+use sonoglyph::acoustics::Aperture;
+use sonoglyph::drive::Drive;
+use sonoglyph::field::gpu::adapter;
+use sonoglyph::field::{Gpu, GpuError, Samples, Sources, cpu, reference};
+use sonoglyph::scene::{ElementModel, Plane, Scene, file};
+use sonoglyph::solver;
+
+/// Largest |P - P_ref| over the largest |P_ref|.
+fn error(field: &[Complex32], reference: &[Complex64]) -> f64 {
+    let peak = reference.iter().map(|p| p.norm()).fold(0.0, f64::max);
+    let off = |(p, r): (&Complex32, &Complex64)| {
+        let off = (Complex64::new(p.re.into(), p.im.into()) - r).norm();
+        // `max` would pass over a NaN.
+        if off.is_nan() { f64::INFINITY } else { off }
+    };
+    assert_eq!(field.len(), reference.len());
+    field.iter().zip(reference).map(off).fold(0.0, f64::max) / peak
+}
+
+/// The software adapter is as good as any here. A machine without one fails the test where a GPU is required.
+fn gpu() -> Option<Gpu> {
+    match adapter::open_best(true) {
+        Ok(gpu) => Some(gpu),
+        Err(error) => {
+            let required = std::env::var("SONOGLYPH_REQUIRE").unwrap_or_default();
+            assert!(!required.split(',').any(|what| what == "gpu"), "a GPU is required: {error}");
+            eprintln!("NOT TESTED ON THE GPU: {error}");
+            None
+        }
+    }
+}
+
+/// Deterministic phases without pattern.
+fn scattered(elements: usize, off: &[usize]) -> Drive {
+    let phase = |n: usize| ((n as f64 * 0.754_877_666).fract() - 0.5) * std::f64::consts::TAU;
+    let amplitude =
+        |n: usize| if off.contains(&n) { 0.0 } else { 0.3 + 0.7 * (n as f64 * 0.569_840_29).fract() };
+    Drive { amplitudes: (0..elements).map(amplitude).collect(), phases: (0..elements).map(phase).collect() }
+}
+
+fn assert_evaluators_agree(name: &str, scene: &Scene, drive: &Drive, samples: &Samples, gpu: Option<&Gpu>) {
+    // Millimetres from a rim the exact piston's integrand is sharp, and f32 sums 64 large terms.
+    let near_the_rim = scene.array.element == ElementModel::ExactPiston && name.contains("through the array");
+    let agreement = if near_the_rim { 4e-5 } else { 2e-5 };
+    let aperture = Aperture::new(scene);
+    let sources = Sources::new(&aperture, drive, samples).unwrap();
+    let reference = reference::pressure(&aperture, drive, samples);
+    for isa in cpu::Isa::available() {
+        let error = error(&cpu::pressure_with(isa, &sources, samples), &reference);
+        println!("{name}: CPU {} {error:.2e}", isa.name());
+        assert!(error < agreement, "{name}: CPU {} is {error:.1e} of the peak off", isa.name());
+    }
+    if let Some(gpu) = gpu {
+        let error = error(&gpu.pressure(&sources, samples).unwrap().read().unwrap(), &reference);
+        println!("{name}: GPU {error:.2e}");
+        assert!(error < agreement, "{name}: the GPU is {error:.1e} of the peak off");
+    }
+}
+
+#[test]
+fn evaluators_agree_on_every_scene() {
+    let gpu = gpu();
+    let mut scenes = 0;
+    for entry in std::fs::read_dir(concat!(env!("CARGO_MANIFEST_DIR"), "/assets/scenes")).unwrap() {
+        let path = entry.unwrap().path();
+        let scene = file::read(&path).unwrap();
+        let drive = solver::solve(&scene).unwrap().drive;
+        let samples = Samples::on_plane(&scene.plane, 96, 96).unwrap();
+        assert_evaluators_agree(&path.display().to_string(), &scene, &drive, &samples, gpu.as_ref());
+        scenes += 1;
+    }
+    assert!(scenes >= 16, "{scenes} scenes");
+}
+
+#[test]
+fn evaluators_agree_on_tilted_and_vertical_planes_and_other_arrays() {
+    let gpu = gpu();
+    let planes = [
+        ("tilted", Plane { x_axis: dvec3(1.0, 0.2, 0.4), y_axis: dvec3(0.0, 1.0, -0.5), ..Plane::default() }),
+        ("vertical", Plane { y_axis: DVec3::Z, centre: dvec3(0.003, 0.001, 0.12), ..Plane::default() }),
+        (
+            "through the array",
+            Plane {
+                y_axis: DVec3::Z,
+                centre: dvec3(0.0, 0.002, 0.05),
+                size: DVec2::splat(0.16),
+                ..Plane::default()
+            },
+        ),
+        ("far", Plane { centre: dvec3(0.1, -0.2, 1.0), size: DVec2::new(0.5, 0.3), ..Plane::default() }),
+    ];
+    let arrays: [(&str, u32, u32, &[usize]); 4] = [
+        ("1 element", 1, 1, &[]),
+        ("37 elements, some off", 37, 1, &[0, 5, 36]),
+        ("64 x 64", 64, 64, &[]),
+        ("65 x 64", 65, 64, &[17]),
+    ];
+    for (plane_name, plane) in &planes {
+        for (array_name, rows, columns, off) in arrays {
+            for model in [ElementModel::Piston, ElementModel::ExactPiston, ElementModel::Point] {
+                // An odd number of samples, so that the last block and workgroup are not full.
+                let samples = Samples::on_plane(plane, 41, 27).unwrap();
+                let mut scene = Scene { plane: plane.clone(), ..Scene::default() };
+                scene.array.rows = rows;
+                scene.array.columns = columns;
+                scene.array.off = off.to_vec();
+                scene.array.element = model;
+                let drive = scattered(scene.array.elements(), off);
+                let name = format!("{plane_name}, {array_name}, {model:?}");
+                assert_evaluators_agree(&name, &scene, &drive, &samples, gpu.as_ref());
+            }
+        }
+    }
+}
+
+#[test]
+fn evaluators_agree_with_large_elements_and_strong_absorption() {
+    let gpu = gpu();
+    let mut scene = Scene::default();
+    scene.array.rows = 8;
+    scene.array.columns = 8;
+    scene.array.pitch = 0.03;
+    scene.array.element_radius = 0.014;
+    scene.medium.absorption = Some(60.0);
+    let samples = Samples::on_plane(&scene.plane, 40, 40).unwrap();
+    let drive = scattered(64, &[]);
+    assert_evaluators_agree("large elements", &scene, &drive, &samples, gpu.as_ref());
+}
+
+#[test]
+fn scattered_points_are_evaluated_like_grids() {
+    let gpu = gpu();
+    let point = |i: usize| {
+        let unit = |step: f64| (i as f64 * step).fract();
+        dvec3(unit(0.618) * 0.2 - 0.1, unit(0.7548) * 0.2 - 0.1, 0.02 + unit(0.5698) * 0.2)
+    };
+    let samples = Samples::at((0..333).map(point).collect());
+    let scene = Scene::default();
+    assert_evaluators_agree("points", &scene, &scattered(256, &[]), &samples, gpu.as_ref());
+}
+
+#[test]
+fn nothing_sounds_behind_the_array() {
+    let samples = Samples::at(vec![dvec3(0.0, 0.0, -0.02), dvec3(0.01, 0.0, -2e-5), dvec3(0.0, 0.0, 0.02)]);
+    let scene = Scene::default();
+    let sources = Sources::new(&Aperture::new(&scene), &scattered(256, &[]), &samples).unwrap();
+    let mut fields = vec![cpu::pressure(&sources, &samples)];
+    fields.extend(gpu().map(|gpu| gpu.pressure(&sources, &samples).unwrap().read().unwrap()));
+    for field in fields {
+        assert_eq!(field[..2], [Complex32::ZERO; 2]);
+        assert!(field[2].norm() > 0.0);
+    }
+}
+
+#[test]
+fn an_absent_adapter_is_an_error_and_not_a_panic() {
+    let wanted = adapter::adapters().into_iter().all(|info| info.kind == adapter::Kind::Software);
+    if wanted {
+        assert!(matches!(adapter::open_best(false), Err(GpuError::NoAdapter(_))));
+    }
+}
