@@ -108,7 +108,9 @@ fn summary(solution: &Solution) -> String {
 
 /// A pressure with the unit that suits it.
 pub fn pascals(pressure: f64) -> String {
-    if pressure >= 1000.0 { format!("{:.2} kPa", pressure / 1000.0) } else { format!("{pressure:.3} Pa") }
+    let (value, unit) = if pressure >= 1000.0 { (pressure / 1000.0, "kPa") } else { (pressure, "Pa") };
+    let decimals = if value >= 100.0 { 1 } else if value >= 10.0 { 2 } else { 3 };
+    format!("{value:.decimals$} {unit}")
 }
 
 type Root<'a> = DrawingArea<BitMapBackend<'a>, plotters::coord::Shift>;
@@ -220,15 +222,10 @@ impl Page {
         let (left, top) = (plot.corner.0 + plot.size.0 + self.px(18.0), plot.corner.1);
         let (width, height) = (self.px(20.0).max(1), plot.size.1);
         let table = map.table();
-        for y in 0..height {
-            let step = (255.0 * f64::from(height - 1 - y) / f64::from((height - 1).max(1))).round() as usize;
-            let [r, g, b, _] = table[step];
-            root.draw(&Rectangle::new(
-                [(left, top + y), (left + width, top + y)],
-                RGBColor(r, g, b).filled(),
-            ))?;
-        }
-        root.draw(&Rectangle::new([(left, top), (left + width, top + height - 1)], INK))?;
+        let step = |y: i32| (255.0 * f64::from(height - 1 - y) / f64::from((height - 1).max(1))).round() as usize;
+        let row = |y: i32| std::iter::repeat_n(table[step(y)], width as usize).flat_map(|[r, g, b, _]| [r, g, b]);
+        root.draw(&bitmap((left, top), (width as usize, height as usize), (0..height).flat_map(row).collect())?)?;
+        frame(root, (left, top), (width, height))?;
         for (value, label) in ticks {
             let y = top + ((high - value) / (high - low) * f64::from(height - 1)).round() as i32;
             root.draw(&PathElement::new([(left + width, y), (left + width + self.px(6.0), y)], INK))?;
@@ -263,7 +260,7 @@ impl Page {
             Circle::new((x, y), self.px(8.0 * (target / most).sqrt()).max(1), RGBColor(196, 43, 60).filled())
         };
         chart.draw_series(dots.filter(|(at, _)| inside(at)).map(dot))?;
-        Ok(())
+        frame(root, plot.corner, plot.size)
     }
 
     fn phases(
@@ -313,7 +310,7 @@ impl Page {
         let array = &scene.array;
         let size = DVec2::new(f64::from(array.columns), f64::from(array.rows)) * array.pitch;
         let plot = self.plot(column, row, size);
-        let chart = self.chart(root, plot, title, (-size * 500.0, size * 500.0), ("x / mm", "y / mm"))?;
+        self.chart(root, plot, title, (-size * 500.0, size * 500.0), ("x / mm", "y / mm"))?;
         let radius = array.element_radius.min(array.pitch * 0.5);
         let (width, height) = (plot.size.0 as usize, plot.size.1 as usize);
         let mut rgb = Vec::with_capacity(width * height * 3);
@@ -336,7 +333,8 @@ impl Page {
                 rgb.extend([r, g, b]);
             }
         }
-        paste(&chart, (-size.x * 500.0, size.y * 500.0), (width, height), rgb)?;
+        root.draw(&bitmap(plot.corner, (width, height), rgb)?)?;
+        frame(root, plot.corner, plot.size)?;
         Ok(plot)
     }
 
@@ -344,9 +342,10 @@ impl Page {
         let plane = &scene.plane;
         let plot = self.plot(1, 1, plane.size);
         let (low, high) = ranges(plane);
-        let chart = self.chart(root, plot, "RMS pressure", (low, high), labels(plane))?;
+        self.chart(root, plot, "RMS pressure", (low, high), labels(plane))?;
         let rgb = map.rgba.chunks_exact(4).flat_map(|pixel| [pixel[0], pixel[1], pixel[2]]).collect();
-        paste(&chart, (low.x, high.y), (map.width, map.height), rgb)?;
+        root.draw(&bitmap(plot.corner, (map.width, map.height), rgb)?)?;
+        frame(root, plot.corner, plot.size)?;
         let (unit, divisor) = if peak_rms >= 1000.0 { ("kPa", 1000.0) } else { ("Pa", 1.0) };
         let full = (peak_rms / divisor).max(1e-9);
         let decimals = if full >= 100.0 {
@@ -364,18 +363,18 @@ impl Page {
     }
 }
 
-/// Puts pixels into a chart with their top left corner at a place in its coordinates.
-fn paste(
-    chart: &Chart<'_, '_>,
-    corner: (f64, f64),
+/// Pixels with their top left corner at a place.
+fn bitmap<C>(
+    corner: C,
     (width, height): (usize, usize),
     rgb: Vec<u8>,
-) -> Result<(), SheetError> {
-    let size = (width as u32, height as u32);
-    let picture: BitMapElement<'_, _> = BitMapElement::with_owned_buffer(corner, size, rgb)
-        .ok_or_else(|| SheetError("a map has the wrong number of pixels".to_owned()))?;
-    chart.plotting_area().draw(&picture)?;
-    Ok(())
+) -> Result<BitMapElement<'static, C>, SheetError> {
+    BitMapElement::with_owned_buffer(corner, (width as u32, height as u32), rgb)
+        .ok_or_else(|| SheetError("a map has the wrong number of pixels".to_owned()))
+}
+
+fn frame(root: &Root<'_>, (left, top): (i32, i32), (width, height): (i32, i32)) -> Result<(), SheetError> {
+    Ok(root.draw(&Rectangle::new([(left, top), (left + width, top + height)], INK))?)
 }
 
 /// Coordinates (mm) of a point's projection on the plane, along the axes that label it.
