@@ -1,5 +1,6 @@
 // The baffled circular piston at four points, by McGough's single integral with the midpoint rule; the formula is
-// derived in `src/acoustics/element.rs`.
+// derived in `src/acoustics/element.rs`. With h = (R - z)/λ half-turns its wave is e^{-jkz} e^{-jπh}, and its sinc is
+// that of the same angle.
 
 // cos ψ and 4 a sin²(ψ/2) at the nodes.
 @group(0) @binding(5) var<uniform> nodes: array<vec4f, MOST_NODES>;
@@ -15,18 +16,15 @@ fn wave(x: vec4f, y: vec4f, z: vec4f, element: vec4f) -> Phasor {
     for (var i = 0u; i < params.nodes; i++) {
         let node = nodes[i];
         let rim2 = rho * node.y + beyond * beyond;
-        let path = sqrt(rim2 + z * z) + z;
-        let wave = phasor(element.z - turns_along(0.5 * path));
-        let weight = (params.radius - rho * node.x) / path * sinc(rim2 / path * params.turns_per_metre.x);
-        sum.re += weight * wave.re;
-        sum.im += weight * wave.im;
+        let inverse = 1.0 / (sqrt(rim2 + z * z) + z);
+        // Small enough for a sinc of 1, large enough to divide by.
+        let h = max(rim2 * inverse * params.turns_per_metre, vec4f(1e-6));
+        let turned = phasor(0.5 * h);
+        let weight = (params.radius - rho * node.x) * inverse * turned.im / (PI * h);
+        sum.re += weight * turned.re;
+        sum.im -= weight * turned.im;
     }
     let amplitude = element.w * params.piston_scale * decay(r);
-    return Phasor(amplitude * sum.re, amplitude * sum.im);
-}
-
-// sin(πh)/(πh), h ≥ 0; below 1e-6 it is 1 to f32.
-fn sinc(half_turns: vec4f) -> vec4f {
-    let h = max(half_turns, vec4f(1e-6));
-    return phasor(0.5 * h).im / (PI * h);
+    let own = phasor(vec4f(element.z));
+    return Phasor(amplitude * (own.re * sum.re - own.im * sum.im), amplitude * (own.re * sum.im + own.im * sum.re));
 }

@@ -1,23 +1,32 @@
 // Complex pressure (Pa, peak) at many points by direct summation over the elements, added to what is there.
 //
-// Sample i stands at columns[i % width] + rows[i / width]. Every invocation takes eight samples, a workgroup's width
+// Sample i stands at columns[i % width] + rows[i / width]; the fourth component is the part of a turn that its height
+// above the array makes, which is common to all elements and applied last. Every invocation takes eight samples, a workgroup's width
 // apart: one element is then read once for eight points, which on software drivers is worth a factor of four.
 
 @group(0) @binding(2) var<storage, read> columns: array<vec4f>;
 @group(0) @binding(3) var<storage, read> rows: array<vec4f>;
 @group(0) @binding(4) var<storage, read_write> pressure: array<vec2f>;
 
-fn sample(offset: u32) -> vec3f {
+fn sample(offset: u32) -> vec4f {
     // Beyond the end the last sample is computed again and not written.
     let index = params.first + min(offset, params.count - 1u);
-    return columns[index % params.columns].xyz + rows[index / params.columns].xyz;
+    return columns[index % params.columns] + rows[index / params.columns];
 }
 
-fn write(offset: u32, z: f32, re: f32, im: f32) {
-    if offset < params.count {
-        // The array stands in a baffle: nothing goes backwards.
-        let in_front = z >= -NEAREST;
-        pressure[params.written + offset] += select(vec2f(0.0), vec2f(re, im), in_front);
+// Four sums, turned by what is common and added to what is there.
+fn write(offset: u32, z: vec4f, turns: vec4f, sum: Phasor) {
+    // A sample a little behind the array counts as on it, and so does its phase.
+    let onward = phasor(select(-turns, vec4f(0.0), z < vec4f(0.0)));
+    // The array stands in a baffle: nothing goes backwards.
+    let in_front = select(vec4f(0.0), vec4f(1.0), z >= vec4f(-NEAREST));
+    let re = in_front * (sum.re * onward.re - sum.im * onward.im);
+    let im = in_front * (sum.re * onward.im + sum.im * onward.re);
+    for (var i = 0u; i < 4u; i++) {
+        let at = offset + i * WORKGROUP;
+        if at < params.count {
+            pressure[params.written + at] += vec2f(re[i], im[i]);
+        }
     }
 }
 
@@ -41,26 +50,18 @@ fn field_main(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_ind
     let front_low = max(z_low, vec4f(0.0));
     let front_high = max(z_high, vec4f(0.0));
 
-    var re_low = vec4f(0.0);
-    var im_low = vec4f(0.0);
-    var re_high = vec4f(0.0);
-    var im_high = vec4f(0.0);
+    var low = Phasor(vec4f(0.0), vec4f(0.0));
+    var high = Phasor(vec4f(0.0), vec4f(0.0));
     for (var n = params.first_element; n < params.last_element; n++) {
         let element = elements[n];
-        let low = wave(x_low, y_low, front_low, element);
-        let high = wave(x_high, y_high, front_high, element);
-        re_low += low.re;
-        im_low += low.im;
-        re_high += high.re;
-        im_high += high.im;
+        let to_low = wave(x_low, y_low, front_low, element);
+        let to_high = wave(x_high, y_high, front_high, element);
+        low.re += to_low.re;
+        low.im += to_low.im;
+        high.re += to_high.re;
+        high.im += to_high.im;
     }
 
-    write(start, z_low.x, re_low.x, im_low.x);
-    write(start + WORKGROUP, z_low.y, re_low.y, im_low.y);
-    write(start + 2u * WORKGROUP, z_low.z, re_low.z, im_low.z);
-    write(start + 3u * WORKGROUP, z_low.w, re_low.w, im_low.w);
-    write(start + 4u * WORKGROUP, z_high.x, re_high.x, im_high.x);
-    write(start + 5u * WORKGROUP, z_high.y, re_high.y, im_high.y);
-    write(start + 6u * WORKGROUP, z_high.z, re_high.z, im_high.z);
-    write(start + 7u * WORKGROUP, z_high.w, re_high.w, im_high.w);
+    write(start, z_low, vec4f(p0.w, p1.w, p2.w, p3.w), low);
+    write(start + 4u * WORKGROUP, z_high, vec4f(p4.w, p5.w, p6.w, p7.w), high);
 }

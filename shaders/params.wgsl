@@ -7,7 +7,7 @@ struct Params {
     directivity: array<vec4f, 6>,
     decay: array<vec4f, 4>,
     decay_scale: vec2f,
-    turns_per_metre: vec2f,
+    turns_per_metre: f32,
     directivity_terms: u32,
     decay_terms: u32,
     // The run adds the elements first_element .. last_element to what the samples hold already.
@@ -21,7 +21,7 @@ struct Params {
     nodes: u32,
     radius: f32,
     piston_scale: f32,
-    padding: f32,
+    padding: vec2f,
 }
 
 @group(0) @binding(0) var<uniform> params: Params;
@@ -51,10 +51,4 @@ fn decay(distance: vec4f) -> vec4f {
 // Four more steps of Horner's rule.
 fn four_terms(sum: vec4f, s: vec4f, coefficients: vec4f) -> vec4f {
     return (((sum * s + coefficients.w) * s + coefficients.z) * s + coefficients.y) * s + coefficients.x;
-}
-
-// The part of a turn in a distance: the product is reduced before what rounding 1/λ left is added.
-fn turns_along(distance: vec4f) -> vec4f {
-    let turns = distance * params.turns_per_metre.x;
-    return turns - round(turns) + distance * params.turns_per_metre.y;
 }

@@ -1,13 +1,16 @@
-// The far field of one element at four points: S D(θ)/r e^{-αr} e^{j(φ - kr)}. The phase holds the transfer's j.
+// The far field of one element at four points: S D(θ)/r e^{-αr} e^{j(φ - k(r - z))}. The phase holds the transfer's j.
 
 fn wave(x: vec4f, y: vec4f, z: vec4f, element: vec4f) -> Phasor {
     let dx = x - element.x;
     let dy = y - element.y;
     let rho2 = dx * dx + dy * dy;
     let r = sqrt(max(rho2 + z * z, vec4f(NEAREST * NEAREST)));
-    let inverse = 1.0 / r;
+    let path = r + z;
+    // One division for the two that are needed.
+    let both = 1.0 / (r * path);
+    let inverse = path * both;
     let s = 2.0 * rho2 * inverse * inverse - 1.0;
     let amplitude = element.w * inverse * directivity(s) * decay(r);
-    let wave = phasor(element.z - turns_along(r));
+    let wave = phasor(element.z - rho2 * (r * both) * params.turns_per_metre);
     return Phasor(amplitude * wave.re, amplitude * wave.im);
 }

@@ -1,5 +1,7 @@
 //! Agreement with the 40-digit values in `tests/reference/`.
 
+#![expect(clippy::unwrap_used, reason = "a test's helper may panic")]
+
 use std::f64::consts::{PI, TAU};
 use std::path::Path;
 

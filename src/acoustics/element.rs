@@ -90,7 +90,7 @@ pub fn piston_nodes(ka: f64, rho: f64, z: f64, error: f64) -> usize {
     let excess = ((rho - 1.0).powi(2) + z * z) / (2.0 * rho.max(1e-12));
     // acosh(1 + e) without the loss of small e.
     let strip = (excess + (excess * (2.0 + excess)).sqrt()).ln_1p();
-    let tau = (0.9 * strip).min(2.0).max(1e-3);
+    let tau = (0.9 * strip).clamp(1e-3, 2.0);
     // The factor in front of the exponential grows like one over the distance to the strip's edge.
     let growth = ka * tau.sinh() + (2.0 / tau).ln().max(0.0);
     (((-error.ln() + growth) / (2.0 * tau)).ceil() as usize).max(2)

@@ -2,6 +2,7 @@
 
 mod devices;
 mod evaluator;
+mod map;
 mod output;
 mod probe;
 mod render;
@@ -89,7 +90,7 @@ struct RenderArgs {
     /// Largest error wanted, relative to the map's peak, or `exact`; instead of the scene's
     ///
     /// The field is summed directly, which keeps 2e-5; a tolerance below that takes the f64 reference.
-    #[arg(long, value_name = "T|exact", value_parser = render::parse_tolerance)]
+    #[arg(long, value_name = "T|exact", allow_negative_numbers = true, value_parser = render::parse_tolerance)]
     tolerance: Option<f64>,
     /// Colours of pressure maps
     #[arg(long, value_enum, default_value_t = Colours::Inferno)]

@@ -5,19 +5,15 @@ use std::time::Instant;
 
 use anyhow::{Context, bail};
 use indicatif::{ProgressBar, ProgressStyle};
-use num_complex::Complex32;
 
-use crate::acoustics::Aperture;
+use crate::cli::map::{self, Wanted};
 use crate::cli::{
-    Backend, DEFAULT_SHEET, EXAMPLE, Quantity, RenderArgs, evaluator, note, output, read_scene, warn,
+    Backend, Colours, DEFAULT_SHEET, EXAMPLE, Quantity, RenderArgs, evaluator, note, output, read_scene, warn,
 };
-use crate::drive::Drive;
-use crate::field::gpu::Colouring;
-use crate::field::{Evaluator, Samples, Sources, cpu};
-use crate::picture::colour::{self, ColourMap};
-use crate::picture::{Picture, export, sheet};
+use crate::field::Evaluator;
+use crate::picture::{Picture, colour, export, sheet};
 use crate::scene::{Scene, file};
-use crate::solver;
+use crate::solver::{self, Solution};
 
 /// Pixels per side that a picture may have, and in all: half a gigabyte of field.
 const LARGEST_SIDE: usize = 16_384;
@@ -55,20 +51,21 @@ pub fn parse_tolerance(text: &str) -> Result<f64, String> {
 }
 
 /// The sheet of a scene, or of the example, in the current folder.
-pub fn default_sheet(scene: Option<&Path>) -> anyhow::Result<()> {
-    let (scene, name) = match scene {
-        Some(path) => (file::read(path)?, stem(path)?),
-        None => (file::parse(EXAMPLE, Path::new("the example scene"))?, "hit".to_owned()),
-    };
+pub fn default_sheet(path: Option<&Path>) -> anyhow::Result<()> {
     let output = PathBuf::from(DEFAULT_SHEET);
+    let scene = match path {
+        Some(path) => file::read(path)?,
+        None => file::parse(EXAMPLE, Path::new("the example scene"))?,
+    };
+    let solved = Solved::new(scene, path.unwrap_or(Path::new("hit.toml")))?;
     output::check_writable(&output)?;
     let evaluator = evaluator::for_maps(Backend::Auto)?;
-    let look = Look { quantity: Quantity::Sheet, map: ColourMap::Inferno, size: None, with_numbers: false };
-    let rendered = render(&scene, &name, &evaluator, &look).with_context(|| name.clone())?;
-    write_rendered(&rendered, &output, None)?;
+    let look = Look { quantity: Quantity::Sheet, colours: Colours::Inferno, size: None, numbers: false };
+    let rendered = render(&solved, &evaluator, &look)?;
+    rendered.write(&output, None)?;
     println!("{}", rendered.line(&output));
     println!(
-        "`sonoglyph render SCENE -o FILE.png` draws other scenes and quantities; `sonoglyph --help` lists the rest."
+        "`sonoglyph render SCENE -o FILE.png` draws other scenes and quantities, and `sonoglyph --help` lists the rest."
     );
     Ok(())
 }
@@ -78,32 +75,34 @@ pub fn run(args: &RenderArgs) -> anyhow::Result<()> {
     if args.data.is_some() && args.scenes.len() > 1 {
         bail!("--data takes the numbers of one scene, and {} are given", args.scenes.len());
     }
-    // Every scene is read before the first is drawn: a slip in the last one costs no work.
+    let look = Look {
+        quantity: args.quantity,
+        colours: args.colours,
+        size: args.size,
+        numbers: args.data.is_some(),
+    };
+    // Every scene is read and solved before the first is drawn: a slip in the last one costs no work.
     let mut scenes = Vec::new();
     for path in &args.scenes {
         let mut scene = read_scene(path, args.method)?;
         scene.plane.tolerance = args.tolerance.unwrap_or(scene.plane.tolerance);
-        scenes.push((stem(path)?, scene, path));
+        look.pixels(&scene)?;
+        scenes.push(Solved::new(scene, path)?);
     }
+    make_folder(args, &outputs)?;
     for path in outputs.iter().chain(&args.data) {
         output::check_writable(path)?;
     }
-    let finest =
-        scenes.iter().map(|(_, scene, _)| scene.plane.tolerance).filter(|&t| t > 0.0).fold(1.0, f64::min);
-    let evaluator = evaluator_for(args.backend.backend, finest)?;
-    let look = Look {
-        quantity: args.quantity,
-        map: args.colours.map(),
-        size: args.size,
-        with_numbers: args.data.is_some(),
-    };
+    let tolerances = scenes.iter().map(|solved| solved.scene.plane.tolerance);
+    let evaluator =
+        choose_evaluator(args.backend.backend, tolerances.filter(|&t| t > 0.0).fold(1.0, f64::min))?;
 
     let bar = progress(scenes.len());
-    for ((name, scene, path), output) in scenes.iter().zip(&outputs) {
-        bar.set_message(name.clone());
+    for (solved, output) in scenes.iter().zip(&outputs) {
+        bar.set_message(solved.name.clone());
         let start = Instant::now();
-        let rendered = render(scene, name, &evaluator, &look).with_context(|| path.display().to_string())?;
-        write_rendered(&rendered, output, args.data.as_deref())?;
+        let rendered = render(solved, &evaluator, &look).with_context(|| solved.name.clone())?;
+        rendered.write(output, args.data.as_deref())?;
         bar.suspend(|| {
             println!("{}", rendered.line(output));
             if args.verbose {
@@ -116,7 +115,7 @@ pub fn run(args: &RenderArgs) -> anyhow::Result<()> {
     Ok(())
 }
 
-fn evaluator_for(backend: Backend, tolerance: f64) -> anyhow::Result<Evaluator> {
+fn choose_evaluator(backend: Backend, tolerance: f64) -> anyhow::Result<Evaluator> {
     let too_fine = tolerance < DIRECT_ERROR;
     if too_fine && backend == Backend::Auto {
         note(&format!(
@@ -130,7 +129,7 @@ fn evaluator_for(backend: Backend, tolerance: f64) -> anyhow::Result<Evaluator> 
     Ok(evaluator::for_maps(backend)?)
 }
 
-/// One output per scene: the file itself, or files in a folder, which is made if it is not there.
+/// One output per scene: the file itself, or files in a folder.
 fn outputs(scenes: &[PathBuf], output: &Path) -> anyhow::Result<Vec<PathBuf>> {
     let named_as_folder = output.as_os_str().to_string_lossy().ends_with(std::path::is_separator);
     if scenes.len() == 1 && !output.is_dir() && !named_as_folder {
@@ -141,37 +140,92 @@ fn outputs(scenes: &[PathBuf], output: &Path) -> anyhow::Result<Vec<PathBuf>> {
     }
     let mut outputs = Vec::new();
     for scene in scenes {
-        let path = output.join(stem(scene)?).with_extension("png");
+        let path = output.join(stem(scene)).with_extension("png");
         if outputs.contains(&path) {
             bail!("{}: two scenes would be written to this file", path.display());
         }
         outputs.push(path);
     }
-    std::fs::create_dir_all(output)
-        .with_context(|| format!("{}: cannot make the folder", output.display()))?;
     Ok(outputs)
 }
 
-fn stem(path: &Path) -> anyhow::Result<String> {
-    let stem = path.file_stem().with_context(|| format!("{}: this is no file", path.display()))?;
-    Ok(stem.to_string_lossy().into_owned())
+/// The name of a file without folder and extension.
+fn stem(path: &Path) -> String {
+    path.file_stem().unwrap_or(path.as_os_str()).to_string_lossy().into_owned()
+}
+
+/// Makes the folder that outputs go to, unless a single file was named: its folder must be there.
+fn make_folder(args: &RenderArgs, outputs: &[PathBuf]) -> anyhow::Result<()> {
+    if outputs.len() == 1 && outputs[0] == args.output {
+        return Ok(());
+    }
+    std::fs::create_dir_all(&args.output)
+        .with_context(|| format!("{}: cannot make the folder", args.output.display()))
 }
 
 fn progress(scenes: usize) -> ProgressBar {
     if scenes < 2 {
         return ProgressBar::hidden();
     }
-    let style = ProgressStyle::with_template("{bar:30} {pos}/{len} {msg}")
-        .unwrap_or_else(|_| ProgressStyle::default_bar());
-    ProgressBar::new(scenes as u64).with_style(style)
+    let style = ProgressStyle::with_template("{bar:30} {pos}/{len} {msg}");
+    ProgressBar::new(scenes as u64).with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()))
 }
 
+/// A scene with its drive.
+struct Solved {
+    name: String,
+    scene: Scene,
+    solution: Solution,
+}
+
+impl Solved {
+    fn new(scene: Scene, path: &Path) -> anyhow::Result<Self> {
+        let name = stem(path);
+        let solution = solver::solve(&scene).with_context(|| path.display().to_string())?;
+        for warning in &solution.warnings {
+            warn(&format!("{name}: {warning}"));
+        }
+        Ok(Self { name, scene, solution })
+    }
+}
+
+/// What the pictures of all scenes have in common.
 struct Look {
     quantity: Quantity,
-    map: ColourMap,
+    colours: Colours,
     size: Option<Size>,
     /// The numbers are wanted, not only their picture.
-    with_numbers: bool,
+    numbers: bool,
+}
+
+impl Look {
+    /// Width and height of a scene's picture: what was asked for, or the quantity's own default in the plane's shape.
+    fn pixels(&self, scene: &Scene) -> anyhow::Result<(usize, usize)> {
+        let is_page = matches!(self.quantity, Quantity::Sheet | Quantity::Drive);
+        let default = if is_page { SHEET_WIDTH } else { MAP_WIDTH };
+        let Size { width, height } = self.size.unwrap_or(Size { width: default, height: None });
+        let natural = match self.quantity {
+            Quantity::Sheet => sheet::height(width),
+            Quantity::Drive => sheet::drive_height(width),
+            Quantity::Rms | Quantity::Phase => {
+                let shape = scene.plane.size.y / scene.plane.size.x;
+                ((width as f64 * shape).round() as usize).clamp(1, LARGEST_SIDE)
+            }
+        };
+        let height = height.unwrap_or(natural);
+        if width * height > MOST_PIXELS {
+            let mebibytes = (width * height * 8) >> 20;
+            bail!(
+                "{width} x {height} pixels need {mebibytes} MiB for their field; {MOST_PIXELS} pixels are the most"
+            );
+        }
+        if is_page && width.min(height) < SMALLEST_SHEET {
+            bail!(
+                "a sheet of {width} x {height} pixels has no room for its axes: {SMALLEST_SHEET} a side are the least"
+            );
+        }
+        Ok((width, height))
+    }
 }
 
 struct Rendered {
@@ -190,146 +244,47 @@ impl Rendered {
             .map_or(String::new(), |peak| format!(", RMS pressure up to {}", sheet::pascals(peak)));
         format!("{}: {} x {} pixels{peak}", output.display(), self.picture.width, self.picture.height)
     }
+
+    fn write(&self, output: &Path, data: Option<&Path>) -> anyhow::Result<()> {
+        let png =
+            export::png(&self.picture).with_context(|| format!("{}: cannot encode", output.display()))?;
+        // The numbers first: a picture that is there is complete.
+        if let (Some(data), Some((shape, values))) = (data, &self.numbers) {
+            output::write(data, &export::npy(shape, values)?)?;
+        }
+        output::write(output, &png)
+    }
 }
 
-fn write_rendered(rendered: &Rendered, output: &Path, data: Option<&Path>) -> anyhow::Result<()> {
-    let png =
-        export::png(&rendered.picture).with_context(|| format!("{}: cannot encode", output.display()))?;
-    // The numbers first: a picture that is there is complete.
-    if let (Some(data), Some((shape, values))) = (data, &rendered.numbers) {
-        output::write(data, &export::npy(shape, values)?)?;
+fn render(solved: &Solved, evaluator: &Evaluator, look: &Look) -> anyhow::Result<Rendered> {
+    let Solved { name, scene, solution } = solved;
+    let page = look.pixels(scene)?;
+    let time = format!("{} took {:.1} ms", solution.method.name(), solution.seconds * 1e3);
+    if look.quantity == Quantity::Drive {
+        let values = solution.drive.phases.iter().chain(&solution.excitation).map(|&value| value as f32);
+        let shape = vec![2, u64::from(scene.array.rows), u64::from(scene.array.columns)];
+        return Ok(Rendered {
+            picture: sheet::drive(scene, solution, name, page)?,
+            numbers: look.numbers.then(|| (shape, values.collect())),
+            peak_rms: None,
+            how: time,
+        });
     }
-    output::write(output, &png)
-}
-
-fn render(scene: &Scene, name: &str, evaluator: &Evaluator, look: &Look) -> anyhow::Result<Rendered> {
-    let (width, height) = size(scene, look)?;
-    let solution = solver::solve(scene)?;
-    for warning in &solution.warnings {
-        warn(&format!("{name}: {warning}"));
-    }
-    let solved = format!("{} took {:.1} ms", solution.method.name(), solution.seconds * 1e3);
-    Ok(match look.quantity {
-        Quantity::Drive => {
-            let numbers =
-                || solution.drive.phases.iter().chain(&solution.excitation).map(|&v| v as f32).collect();
-            let shape = vec![2, u64::from(scene.array.rows), u64::from(scene.array.columns)];
-            Rendered {
-                picture: sheet::drive(scene, &solution, name, (width, height))?,
-                numbers: look.with_numbers.then(|| (shape, numbers())),
-                peak_rms: None,
-                how: solved,
-            }
-        }
-        Quantity::Sheet => {
-            let (columns, rows) = sheet::map_size(&scene.plane, width, height);
-            let map = map(scene, &solution.drive, evaluator, (columns, rows), look)?;
-            let peak_rms = f64::from(map.peak) / std::f64::consts::SQRT_2;
-            Rendered {
-                picture: sheet::sheet(scene, &solution, name, &map.picture, peak_rms, (width, height))?,
-                numbers: map.numbers(columns, rows, colour::Quantity::Rms),
-                peak_rms: Some(peak_rms),
-                how: format!("{solved}; {}", map.how),
-            }
-        }
-        Quantity::Rms | Quantity::Phase => {
-            let map = map(scene, &solution.drive, evaluator, (width, height), look)?;
-            Rendered {
-                numbers: map.numbers(width, height, shown(look.quantity)),
-                peak_rms: Some(f64::from(map.peak) / std::f64::consts::SQRT_2),
-                how: format!("{solved}; {}", map.how),
-                picture: map.picture,
-            }
-        }
+    let is_sheet = look.quantity == Quantity::Sheet;
+    let (width, height) = if is_sheet { sheet::map_size(&scene.plane, page.0, page.1) } else { page };
+    let quantity =
+        if look.quantity == Quantity::Phase { colour::Quantity::Phase } else { colour::Quantity::Rms };
+    let wanted = Wanted { width, height, quantity, colours: look.colours.map(), numbers: look.numbers };
+    let map = map::draw(scene, &solution.drive, evaluator, &wanted)?;
+    let picture = if is_sheet {
+        sheet::sheet(scene, solution, name, &map.picture, (look.colours.map(), map.peak_rms), page)?
+    } else {
+        map.picture
+    };
+    Ok(Rendered {
+        picture,
+        numbers: map.numbers.map(|values| (vec![height as u64, width as u64], values)),
+        peak_rms: Some(map.peak_rms),
+        how: format!("{time}; {}", map.how),
     })
-}
-
-/// Pixels of the picture: what was asked for, or the quantity's own default in the plane's shape.
-fn size(scene: &Scene, look: &Look) -> anyhow::Result<(usize, usize)> {
-    let default = if matches!(look.quantity, Quantity::Sheet) { SHEET_WIDTH } else { MAP_WIDTH };
-    let default = if matches!(look.quantity, Quantity::Drive) { SHEET_WIDTH } else { default };
-    let Size { width, height } = look.size.unwrap_or(Size { width: default, height: None });
-    let natural = match look.quantity {
-        Quantity::Sheet => sheet::height(width),
-        Quantity::Drive => sheet::drive_height(width),
-        Quantity::Rms | Quantity::Phase => {
-            let shape = scene.plane.size.y / scene.plane.size.x;
-            ((width as f64 * shape).round() as usize).clamp(1, LARGEST_SIDE)
-        }
-    };
-    let height = height.unwrap_or(natural);
-    if width * height > MOST_PIXELS {
-        bail!(
-            "a picture of {width} x {height} needs {} MiB for its field alone; {MOST_PIXELS} pixels are the most",
-            width * height * 8 >> 20
-        );
-    }
-    if matches!(look.quantity, Quantity::Sheet | Quantity::Drive) && width.min(height) < SMALLEST_SHEET {
-        bail!(
-            "a sheet of {width} x {height} pixels has no room for its axes; {SMALLEST_SHEET} a side are the least"
-        );
-    }
-    Ok((width, height))
-}
-
-fn shown(quantity: Quantity) -> colour::Quantity {
-    if quantity == Quantity::Phase { colour::Quantity::Phase } else { colour::Quantity::Rms }
-}
-
-struct Map {
-    picture: Picture,
-    /// The largest |p|, Pa.
-    peak: f32,
-    /// Read back from the GPU only if wanted.
-    field: Option<Vec<Complex32>>,
-    how: String,
-}
-
-impl Map {
-    fn numbers(
-        &self,
-        width: usize,
-        height: usize,
-        quantity: colour::Quantity,
-    ) -> Option<(Vec<u64>, Vec<f32>)> {
-        let field = self.field.as_ref()?;
-        Some((vec![height as u64, width as u64], field.iter().map(|&p| quantity.of(p)).collect()))
-    }
-}
-
-fn map(
-    scene: &Scene,
-    drive: &Drive,
-    evaluator: &Evaluator,
-    (width, height): (usize, usize),
-    look: &Look,
-) -> anyhow::Result<Map> {
-    let start = Instant::now();
-    let aperture = Aperture::new(scene);
-    let samples = Samples::on_plane(&scene.plane, width, height).context("the plane's axes span no plane")?;
-    let quantity = shown(look.quantity);
-    let table = if quantity == colour::Quantity::Phase { ColourMap::Cyclic } else { look.map }.table();
-    let milliseconds = |start: Instant| start.elapsed().as_secs_f64() * 1e3;
-    if let (Evaluator::Gpu(gpu), Some(sources)) = (evaluator, Sources::new(&aperture, drive, &samples)) {
-        let field = gpu.pressure(&sources, &samples)?;
-        let colouring = Colouring { table: &table, phase: quantity == colour::Quantity::Phase, full: None };
-        let picture = Picture::from_field_order(width, height, &field.colours(&colouring)?);
-        let peak = field.peak()?;
-        let how = format!("{} took {:.1} ms for the field and its colours", gpu.info(), milliseconds(start));
-        return Ok(Map { picture, peak, field: look.with_numbers.then(|| field.read()).transpose()?, how });
-    }
-    let field = evaluator.pressure(&aperture, drive, &samples)?;
-    let who = match evaluator {
-        Evaluator::Cpu if Sources::new(&aperture, drive, &samples).is_some() => {
-            format!("the CPU evaluator ({})", cpu::Isa::best().name())
-        }
-        Evaluator::Reference => "the f64 reference".to_owned(),
-        Evaluator::Cpu | Evaluator::Gpu(_) => {
-            "the f64 reference, since f32 has no room for such elements,".to_owned()
-        }
-    };
-    let how = format!("{who} took {:.1} ms for the field", milliseconds(start));
-    let peak = colour::peak(&field);
-    let colours = colour::colours(&field, quantity, &table, peak);
-    Ok(Map { picture: Picture::from_field_order(width, height, &colours), peak, field: Some(field), how })
 }

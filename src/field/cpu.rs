@@ -71,12 +71,10 @@ pub fn pressure_with(isa: Isa, sources: &Sources, samples: &Samples) -> Vec<Comp
     let block = block_of(isa, sources);
     let mut field = vec![Complex32::ZERO; samples.len()];
     field.par_chunks_mut(LANES).enumerate().for_each(|(index, chunk)| {
-        let points = Points::new(samples, index * LANES, chunk.len());
+        let points = Points::new(sources, samples, index * LANES, chunk.len());
         let sum = block(sources, &points);
         for (lane, p) in chunk.iter_mut().enumerate() {
-            if points.in_front[lane] {
-                *p = Complex32::new(sum.re[lane], sum.im[lane]);
-            }
+            *p = Complex32::new(sum.re[lane], sum.im[lane]) * points.onward[lane];
         }
     });
     field
@@ -87,19 +85,24 @@ struct Points {
     x: [f32; LANES],
     y: [f32; LANES],
     z: [f32; LANES],
-    in_front: [bool; LANES],
+    /// e^{-jkz}, or 0 behind the array.
+    onward: [Complex32; LANES],
 }
 
 impl Points {
     /// `count` samples from number `first` on; lanes beyond repeat the last.
-    fn new(samples: &Samples, first: usize, count: usize) -> Self {
-        let mut points = Self { x: [0.0; LANES], y: [0.0; LANES], z: [0.0; LANES], in_front: [false; LANES] };
+    fn new(sources: &Sources, samples: &Samples, first: usize, count: usize) -> Self {
+        let mut points =
+            Self { x: [0.0; LANES], y: [0.0; LANES], z: [0.0; LANES], onward: [Complex32::ZERO; LANES] };
         for lane in 0..LANES {
             let point = samples.point(first + lane.min(count - 1));
+            let z = point.z.max(0.0);
             points.x[lane] = point.x as f32;
             points.y[lane] = point.y as f32;
-            points.z[lane] = point.z.max(0.0) as f32;
-            points.in_front[lane] = point.z >= -NEAREST;
+            points.z[lane] = z as f32;
+            if point.z >= -NEAREST {
+                points.onward[lane] = Complex32::from_polar(1.0, -std::f32::consts::TAU * sources.turns(z));
+            }
         }
         points
     }
@@ -132,7 +135,9 @@ fn block_of(isa: Isa, sources: &Sources) -> Block {
     reason = "a call of these is sound only on a machine that has the set, and an `Isa` proves that"
 )]
 mod wide {
-    use super::{Block, FEW_DECAY, FEW_DIRECTIVITY, Points, Set, Sources, Sum, exact_piston, far_field};
+    use crate::field::cpu::{
+        Block, FEW_DECAY, FEW_DIRECTIVITY, Points, Set, Sources, Sum, exact_piston, far_field,
+    };
 
     pub(super) fn block_of(set: Set, sources: &Sources, common: bool) -> Block {
         match (set, &sources.piston, common) {
@@ -168,26 +173,28 @@ mod wide {
     }
 }
 
-/// S · D(θ)/r · e^{-αr} · e^{j(φ - kr)} summed over the elements, with D of `D` terms and the decay of `A`.
+/// S · D(θ)/r · e^{-αr} · e^{j(φ - k(r - z))} summed over the elements, with D of `D` terms and the decay of `A`.
 #[inline(always)]
 fn far_field<const FMA: bool, const D: usize, const A: usize>(sources: &Sources, points: &Points) -> Sum {
     let directivity: [f32; D] = first(&sources.directivity.coefficients);
     let decay: [f32; A] = first(&sources.decay.coefficients);
     let [decay_slope, decay_offset] = sources.decay_scale;
-    let [high, low] = sources.turns_per_metre.map(|turns| 2.0 * turns);
+    let half_turns_per_metre = 2.0 * sources.turns_per_metre;
     let mut sum = Sum { re: [0.0; LANES], im: [0.0; LANES] };
     for &[x, y, phase, strength] in &sources.elements {
         let phase = 2.0 * phase;
         for lane in 0..LANES {
             let (dx, dy, z) = (points.x[lane] - x, points.y[lane] - y, points.z[lane]);
             let rho2 = add::<FMA>(dx, dx, dy * dy);
-            let r2 = add::<FMA>(z, z, rho2).max((NEAREST * NEAREST) as f32);
-            let r = r2.sqrt();
-            let inverse = 1.0 / r;
+            let r = add::<FMA>(z, z, rho2).max((NEAREST * NEAREST) as f32).sqrt();
+            let path = r + z;
+            // One division for the two that are needed.
+            let both = 1.0 / (r * path);
+            let inverse = path * both;
             let s = add::<FMA>(2.0 * rho2 * inverse, inverse, -1.0);
             let decayed = horner::<FMA, A>(&decay, add::<FMA>(r, decay_slope, decay_offset));
             let amplitude = strength * inverse * horner::<FMA, D>(&directivity, s) * decayed;
-            let (cos, sin) = turn::<FMA>(r, high, low, phase);
+            let (cos, sin) = turn::<FMA>(rho2 * (r * both), half_turns_per_metre, phase);
             sum.re[lane] = add::<FMA>(amplitude, cos, sum.re[lane]);
             sum.im[lane] = add::<FMA>(amplitude, -sin, sum.im[lane]);
         }
@@ -196,66 +203,63 @@ fn far_field<const FMA: bool, const D: usize, const A: usize>(sources: &Sources,
 }
 
 /// The baffled piston's integral (`acoustics::element`) summed over the elements.
+///
+/// With h = (R - z)/λ half-turns its wave is e^{-jkz} e^{-jπh}, and its sinc is that of the same angle.
 #[inline(always)]
 fn exact_piston<const FMA: bool>(sources: &Sources, points: &Points) -> Sum {
     let mut sum = Sum { re: [0.0; LANES], im: [0.0; LANES] };
     let Some(Piston { radius, nodes }) = &sources.piston else { return sum };
     let decay: [f32; 16] = sources.decay.coefficients;
     let [decay_slope, decay_offset] = sources.decay_scale;
-    // Half the path counts: k (R + z)/2 is (R + z)/λ half-turns.
-    let [high, low] = sources.turns_per_metre;
     let scale = 2.0 / (radius * nodes.len() as f32);
     for &[x, y, phase, strength] in &sources.elements {
-        let phase = 2.0 * phase;
-        let mut rho = [0.0; LANES];
-        let mut amplitude = [0.0; LANES];
+        let (cos_phase, sin_phase) = turn::<FMA>(phase, 2.0, 0.0);
+        let mut rho2 = [0.0; LANES];
+        let mut wave = Sum { re: [0.0; LANES], im: [0.0; LANES] };
         for lane in 0..LANES {
-            let (dx, dy, z) = (points.x[lane] - x, points.y[lane] - y, points.z[lane]);
-            let rho2 = add::<FMA>(dx, dx, dy * dy);
-            rho[lane] = rho2.sqrt();
-            let r = add::<FMA>(z, z, rho2).max((NEAREST * NEAREST) as f32).sqrt();
-            let decayed = horner::<FMA, 16>(&decay, add::<FMA>(r, decay_slope, decay_offset));
-            amplitude[lane] = strength * scale * decayed;
+            let (dx, dy) = (points.x[lane] - x, points.y[lane] - y);
+            rho2[lane] = add::<FMA>(dx, dx, dy * dy);
         }
         for &[cos_psi, four_a_sin2] in nodes {
             for lane in 0..LANES {
-                let (rho, z) = (rho[lane], points.z[lane]);
+                let (rho, z) = (rho2[lane].sqrt(), points.z[lane]);
                 let beyond = rho - radius;
                 let rim2 = add::<FMA>(rho, four_a_sin2, beyond * beyond);
-                let path = add::<FMA>(z, z, rim2).sqrt() + z;
-                let sinc = sinc::<FMA>(rim2 / path * high);
-                let (cos, sin) = turn::<FMA>(path, high, low, phase);
-                let weight = amplitude[lane] * add::<FMA>(-rho, cos_psi, *radius) / path * sinc;
-                sum.re[lane] = add::<FMA>(weight, cos, sum.re[lane]);
-                sum.im[lane] = add::<FMA>(weight, -sin, sum.im[lane]);
+                let inverse = 1.0 / (add::<FMA>(z, z, rim2).sqrt() + z);
+                // Small enough for a sinc of 1, large enough to divide by.
+                let h = (rim2 * inverse * sources.turns_per_metre).max(1e-6);
+                let (cos, sin) = turn::<FMA>(h, 1.0, 0.0);
+                let weight = add::<FMA>(-rho, cos_psi, *radius) * inverse * sin / (std::f32::consts::PI * h);
+                wave.re[lane] = add::<FMA>(weight, cos, wave.re[lane]);
+                wave.im[lane] = add::<FMA>(weight, -sin, wave.im[lane]);
             }
+        }
+        for lane in 0..LANES {
+            let z = points.z[lane];
+            let r = add::<FMA>(z, z, rho2[lane]).max((NEAREST * NEAREST) as f32).sqrt();
+            let decayed = horner::<FMA, 16>(&decay, add::<FMA>(r, decay_slope, decay_offset));
+            let amplitude = strength * scale * decayed;
+            let (re, im) = (amplitude * cos_phase, amplitude * sin_phase);
+            sum.re[lane] += re * wave.re[lane] - im * wave.im[lane];
+            sum.im[lane] += re * wave.im[lane] + im * wave.re[lane];
         }
     }
     sum
 }
 
-/// cos and sin of π (r · (high + low) - phase), phase in half-turns.
+/// cos and sin of π (distance · rate - phase), phase in half-turns and rate in half-turns per metre.
 #[inline(always)]
-fn turn<const FMA: bool>(r: f32, high: f32, low: f32, phase: f32) -> (f32, f32) {
-    let rounded = add::<FMA>(r, high, -phase) + ROUNDER;
+fn turn<const FMA: bool>(distance: f32, rate: f32, phase: f32) -> (f32, f32) {
+    let rounded = add::<FMA>(distance, rate, -phase) + ROUNDER;
     let whole = rounded - ROUNDER;
     // With FMA the product is not rounded before the whole half-turns are taken away.
-    let f = add::<FMA>(r, low, add::<FMA>(r, high, -whole) - phase);
+    let f = add::<FMA>(distance, rate, -whole) - phase;
     // The last bit of the rounded sum is the parity of `whole`; an odd number of half-turns changes both signs.
     let flip = rounded.to_bits() << 31;
     let f2 = f * f;
     let cos = horner::<FMA, 6>(&COSINE, f2);
     let sin = f * horner::<FMA, 5>(&SINE, f2);
     (f32::from_bits(cos.to_bits() ^ flip), f32::from_bits(sin.to_bits() ^ flip))
-}
-
-/// sin(πh)/(πh), h ≥ 0.
-#[inline(always)]
-fn sinc<const FMA: bool>(h: f32) -> f32 {
-    // Small enough to be 1, large enough to divide by.
-    let h = h.max(1e-6);
-    let (_, sin) = turn::<FMA>(h, 1.0, 0.0, 0.0);
-    sin / (std::f32::consts::PI * h)
 }
 
 #[inline(always)]

@@ -2,6 +2,10 @@
 //!
 //! Phase is counted in turns and reduced by `t - round(t)`: shading languages promise nothing for the sine of a large
 //! angle. Sine, cosine and directivity are polynomials of our own, so that both evaluators mean the same thing.
+//!
+//! All elements lie in z = 0, so a distance is r = z + ρ²/(r + z), and e^{-jkz} is common to all elements: it is applied
+//! once per sample with a phase reduced in f64, and f32 sees the small second part alone. That keeps far planes as
+//! exact as near ones.
 
 use std::f64::consts::{PI, TAU};
 
@@ -12,7 +16,7 @@ use crate::field::Samples;
 use crate::scene::ElementModel;
 
 /// Coefficients of sin(πf)/f in f², |f| ≤ ½, lowest first; 7e-9 off before rounding.
-pub const SINE: [f32; 5] = [3.141_592_6, -5.167_71, 2.550_077_4, -0.598_290_4, 0.077_655_91];
+pub const SINE: [f32; 5] = [std::f32::consts::PI, -5.167_71, 2.550_077_4, -0.598_290_4, 0.077_655_91];
 /// Coefficients of cos(πf) in f², |f| ≤ ½, lowest first; 1e-9 off before rounding.
 pub const COSINE: [f32; 6] = [1.0, -4.934_802, 4.058_711_5, -1.335_24, 0.235_074_37, -0.024_627_112];
 
@@ -28,8 +32,9 @@ pub struct Sources {
     /// x (m), y (m), phase (turns, the quarter turn of the transfer's j included), amplitude (Pa·m, what is lost up to the nearest distance taken
     /// off).
     pub elements: Vec<[f32; 4]>,
-    /// 1/λ in turns per metre, and what rounding it left.
-    pub turns_per_metre: [f32; 2],
+    /// 1/λ, as f32 has it for distances and as f64 has it for [`Sources::turns`].
+    pub turns_per_metre: f32,
+    exact_turns_per_metre: f64,
     /// D in s = 2 sin²θ - 1.
     pub directivity: Polynomial<24>,
     /// e^{-α(r - near)} in s = `decay_scale[0]` · r + `decay_scale[1]`, which runs from -1 at the nearest to 1 at the
@@ -67,8 +72,7 @@ impl Sources {
     /// 40 dB between the nearest and the farthest distance.
     pub fn new(aperture: &Aperture, drive: &Drive, samples: &Samples) -> Option<Self> {
         let element = &aperture.element;
-        let turns = element.wavenumber / TAU;
-        let high = turns as f32;
+        let turns_per_metre = element.wavenumber / TAU;
         let sought = |s: f64| element.directivity(((s + 1.0) / 2.0).max(0.0).sqrt());
         let directivity = Polynomial::fit(FEW_DIRECTIVITY, sought)?;
         let (near, far) = distances(aperture, samples);
@@ -84,12 +88,19 @@ impl Sources {
         };
         Some(Self {
             elements: sounding.map(source).collect(),
-            turns_per_metre: [high, (turns - f64::from(high)) as f32],
+            turns_per_metre: turns_per_metre as f32,
+            exact_turns_per_metre: turns_per_metre,
             directivity,
             decay,
             decay_scale: [(1.0 / half) as f32, (-middle / half) as f32],
             piston: (element.model == ElementModel::ExactPiston).then(|| piston(aperture, samples)),
         })
+    }
+
+    /// The part of a turn, in [-½, ½], in a way of `z` (m).
+    pub fn turns(&self, z: f64) -> f32 {
+        let turns = z * self.exact_turns_per_metre;
+        (turns - turns.round()) as f32
     }
 }
 

@@ -49,11 +49,12 @@ pub fn drive_height(width: usize) -> usize {
 
 /// Width and height in pixels of the map on a sheet of this size: compute the field for that many.
 pub fn map_size(plane: &Plane, width: usize, height: usize) -> (usize, usize) {
-    let (columns, rows) = Page::new(PAGE, width, height).plot(1, 1, plane.size).size;
+    let (columns, rows) = Page::new(PAGE, width, height).plot((1, 1), plane.size).size;
     (columns as usize, rows as usize)
 }
 
-/// Draws the whole sheet; `map` shows RMS pressure up to `peak_rms` (Pa) and has the size that [`map_size`] says.
+/// Draws the whole sheet; `map` shows RMS pressure in these colours up to `peak_rms` (Pa) and has the size that
+/// [`map_size`] says.
 ///
 /// # Errors
 /// The page is too small for its axes.
@@ -62,15 +63,16 @@ pub fn sheet(
     solution: &Solution,
     title: &str,
     map: &Picture,
-    peak_rms: f64,
+    (colours, peak_rms): (ColourMap, f64),
     (width, height): (usize, usize),
 ) -> Result<Picture, SheetError> {
     let page = Page::new(PAGE, width, height);
     page.draw(title, &summary(solution), |root| {
-        page.wanted_points(root, scene, solution)?;
-        page.phases(root, scene, solution, (1, 0))?;
-        page.amplitudes(root, scene, solution, (0, 1))?;
-        page.map(root, scene, map, peak_rms)
+        let panels = Panels { page: &page, root, scene, solution };
+        panels.wanted_points((0, 0))?;
+        panels.phases((1, 0))?;
+        panels.amplitudes((0, 1))?;
+        panels.map((1, 1), map, (colours, peak_rms))
     })
 }
 
@@ -86,8 +88,9 @@ pub fn drive(
 ) -> Result<Picture, SheetError> {
     let page = Page::new(DRIVE_PAGE, width, height);
     page.draw(title, &summary(solution), |root| {
-        page.phases(root, scene, solution, (0, 0))?;
-        page.amplitudes(root, scene, solution, (1, 0))
+        let panels = Panels { page: &page, root, scene, solution };
+        panels.phases((0, 0))?;
+        panels.amplitudes((1, 0))
     })
 }
 
@@ -109,7 +112,13 @@ fn summary(solution: &Solution) -> String {
 /// A pressure with the unit that suits it.
 pub fn pascals(pressure: f64) -> String {
     let (value, unit) = if pressure >= 1000.0 { (pressure / 1000.0, "kPa") } else { (pressure, "Pa") };
-    let decimals = if value >= 100.0 { 1 } else if value >= 10.0 { 2 } else { 3 };
+    let decimals = if value >= 100.0 {
+        1
+    } else if value >= 10.0 {
+        2
+    } else {
+        3
+    };
     format!("{value:.decimals$} {unit}")
 }
 
@@ -166,7 +175,7 @@ impl Page {
     }
 
     /// The largest rectangle of the given shape in the square at a column and a row, centred from left to right.
-    fn plot(&self, column: usize, row: usize, shape: DVec2) -> Plot {
+    fn plot(&self, (column, row): (usize, usize), shape: DVec2) -> Plot {
         let size = shape * (PLOT / shape.max_element());
         let (width, height) = (self.px(size.x).max(1), self.px(size.y).max(1));
         let left = self.px(COLUMNS[column] + (PLOT - size.x) / 2.0);
@@ -222,9 +231,15 @@ impl Page {
         let (left, top) = (plot.corner.0 + plot.size.0 + self.px(18.0), plot.corner.1);
         let (width, height) = (self.px(20.0).max(1), plot.size.1);
         let table = map.table();
-        let step = |y: i32| (255.0 * f64::from(height - 1 - y) / f64::from((height - 1).max(1))).round() as usize;
-        let row = |y: i32| std::iter::repeat_n(table[step(y)], width as usize).flat_map(|[r, g, b, _]| [r, g, b]);
-        root.draw(&bitmap((left, top), (width as usize, height as usize), (0..height).flat_map(row).collect())?)?;
+        let step =
+            |y: i32| (255.0 * f64::from(height - 1 - y) / f64::from((height - 1).max(1))).round() as usize;
+        let row =
+            |y: i32| std::iter::repeat_n(table[step(y)], width as usize).flat_map(|[r, g, b, _]| [r, g, b]);
+        root.draw(&bitmap(
+            (left, top),
+            (width as usize, height as usize),
+            (0..height).flat_map(row).collect(),
+        )?)?;
         frame(root, (left, top), (width, height))?;
         for (value, label) in ticks {
             let y = top + ((high - value) / (high - low) * f64::from(height - 1)).round() as i32;
@@ -234,19 +249,30 @@ impl Page {
         }
         Ok(())
     }
+}
 
-    fn wanted_points(&self, root: &Root<'_>, scene: &Scene, solution: &Solution) -> Result<(), SheetError> {
+/// What the panels of one sheet share. Each is drawn in the cell at a column and a row.
+struct Panels<'a, 'b> {
+    page: &'a Page,
+    root: &'a Root<'b>,
+    scene: &'a Scene,
+    solution: &'a Solution,
+}
+
+impl Panels<'_, '_> {
+    fn wanted_points(&self, cell: (usize, usize)) -> Result<(), SheetError> {
+        let Self { page, root, scene, solution } = self;
         let plane = &scene.plane;
-        let plot = self.plot(0, 0, plane.size);
+        let plot = page.plot(cell, plane.size);
         let half = plane.size / 2.0 * 1e3;
         let title = format!("Wanted points ({})", solution.foci.len());
-        let mut chart = self.chart(root, plot, &title, ranges(plane), labels(plane))?;
+        let mut chart = page.chart(root, plot, &title, ranges(plane), labels(plane))?;
         let place = |point: DVec3| on_plane(plane, point).map(|p| (p.x, p.y));
         for target in &scene.targets {
             for stroke in outline::strokes(target).map_err(SheetError)? {
                 let line: Vec<_> = stroke.into_iter().filter_map(place).collect();
                 chart
-                    .draw_series([PathElement::new(line, FAINT.stroke_width(self.px(3.0).max(1) as u32))])?;
+                    .draw_series([PathElement::new(line, FAINT.stroke_width(page.px(3.0).max(1) as u32))])?;
             }
         }
         let most = solution.foci.iter().map(|focus| focus.target).fold(0.0, f64::max);
@@ -257,60 +283,48 @@ impl Page {
         let dots = solution.foci.iter().filter_map(|focus| Some((place(focus.position)?, focus.target)));
         // A weaker focus is a smaller dot.
         let dot = |((x, y), target): ((f64, f64), f64)| {
-            Circle::new((x, y), self.px(8.0 * (target / most).sqrt()).max(1), RGBColor(196, 43, 60).filled())
+            Circle::new((x, y), page.px(8.0 * (target / most).sqrt()).max(1), RGBColor(196, 43, 60).filled())
         };
         chart.draw_series(dots.filter(|(at, _)| inside(at)).map(dot))?;
         frame(root, plot.corner, plot.size)
     }
 
-    fn phases(
-        &self,
-        root: &Root<'_>,
-        scene: &Scene,
-        solution: &Solution,
-        (column, row): (usize, usize),
-    ) -> Result<(), SheetError> {
+    fn phases(&self, cell: (usize, usize)) -> Result<(), SheetError> {
+        let Self { page, root, solution, .. } = self;
         let table = ColourMap::Cyclic.table();
         let colour = |n: usize| table[phase_index(solution.drive.phases[n])];
-        let plot = self.element_map(root, scene, solution, (column, row), "Phase per element", colour)?;
+        let plot = self.element_map(cell, "Phase per element", colour)?;
         let pi = std::f64::consts::PI;
         let tick = |(value, label): (f64, &str)| (value, label.to_owned());
         let ticks =
             [(-pi, "−π"), (-pi / 2.0, "−π/2"), (0.0, "0"), (pi / 2.0, "π/2"), (pi, "π rad")].map(tick);
-        self.legend(root, plot, ColourMap::Cyclic, (-pi, pi), &ticks)
+        page.legend(root, plot, ColourMap::Cyclic, (-pi, pi), &ticks)
     }
 
     /// The method's own amplitudes: what is played is uniform, and what that costs is the efficiency.
-    fn amplitudes(
-        &self,
-        root: &Root<'_>,
-        scene: &Scene,
-        solution: &Solution,
-        (column, row): (usize, usize),
-    ) -> Result<(), SheetError> {
+    fn amplitudes(&self, cell: (usize, usize)) -> Result<(), SheetError> {
+        let Self { page, root, solution, .. } = self;
         let table = ColourMap::Viridis.table();
         let colour = |n: usize| table[(solution.excitation[n] * 255.0).round() as usize];
         let title = "Amplitude per element, before it is made uniform";
-        let plot = self.element_map(root, scene, solution, (column, row), title, colour)?;
+        let plot = self.element_map(cell, title, colour)?;
         let ticks = [0.0, 0.25, 0.5, 0.75, 1.0].map(|value| (value, format!("{value}")));
-        self.legend(root, plot, ColourMap::Viridis, (0.0, 1.0), &ticks)
+        page.legend(root, plot, ColourMap::Viridis, (0.0, 1.0), &ticks)
     }
 
     /// The array seen from the front, every driven element a disk of its colour.
     fn element_map(
         &self,
-        root: &Root<'_>,
-        scene: &Scene,
-        solution: &Solution,
-        (column, row): (usize, usize),
+        cell: (usize, usize),
         title: &str,
         colour: impl Fn(usize) -> [u8; 4],
     ) -> Result<Plot, SheetError> {
+        let Self { page, root, scene, solution } = self;
         let aperture = Aperture::new(scene);
         let array = &scene.array;
         let size = DVec2::new(f64::from(array.columns), f64::from(array.rows)) * array.pitch;
-        let plot = self.plot(column, row, size);
-        self.chart(root, plot, title, (-size * 500.0, size * 500.0), ("x / mm", "y / mm"))?;
+        let plot = page.plot(cell, size);
+        page.chart(root, plot, title, (-size * 500.0, size * 500.0), ("x / mm", "y / mm"))?;
         let radius = array.element_radius.min(array.pitch * 0.5);
         let (width, height) = (plot.size.0 as usize, plot.size.1 as usize);
         let mut rgb = Vec::with_capacity(width * height * 3);
@@ -338,11 +352,17 @@ impl Page {
         Ok(plot)
     }
 
-    fn map(&self, root: &Root<'_>, scene: &Scene, map: &Picture, peak_rms: f64) -> Result<(), SheetError> {
+    fn map(
+        &self,
+        cell: (usize, usize),
+        map: &Picture,
+        (colours, peak_rms): (ColourMap, f64),
+    ) -> Result<(), SheetError> {
+        let Self { page, root, scene, .. } = self;
         let plane = &scene.plane;
-        let plot = self.plot(1, 1, plane.size);
+        let plot = page.plot(cell, plane.size);
         let (low, high) = ranges(plane);
-        self.chart(root, plot, "RMS pressure", (low, high), labels(plane))?;
+        page.chart(root, plot, "RMS pressure", (low, high), labels(plane))?;
         let rgb = map.rgba.chunks_exact(4).flat_map(|pixel| [pixel[0], pixel[1], pixel[2]]).collect();
         root.draw(&bitmap(plot.corner, (map.width, map.height), rgb)?)?;
         frame(root, plot.corner, plot.size)?;
@@ -359,7 +379,7 @@ impl Page {
             let unit = if part == 1.0 { format!(" {unit}") } else { String::new() };
             (part * full, format!("{:.decimals$}{unit}", part * full))
         };
-        self.legend(root, plot, ColourMap::Inferno, (0.0, full), &[0.0, 0.25, 0.5, 0.75, 1.0].map(tick))
+        page.legend(root, plot, colours, (0.0, full), &[0.0, 0.25, 0.5, 0.75, 1.0].map(tick))
     }
 }
 

@@ -61,7 +61,7 @@ pub fn parse(text: &str, path: &Path) -> Result<Scene, FileError> {
         line: error.span().map_or(1, |span| line_of(text, span.start)),
         message: error.message().trim().replace('\n', ", "),
     })?;
-    table.into_scene().and_then(|scene| checked(scene)).map_err(|error| located(&error, text, path))
+    table.into_scene().and_then(checked).map_err(|error| located(&error, text, path))
 }
 
 /// The scene as a file.

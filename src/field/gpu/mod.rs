@@ -231,7 +231,7 @@ fn watch(device: &wgpu::Device, failure: &Arc<Mutex<Option<GpuError>>>) {
     };
     let refused = Arc::clone(failure);
     device.on_uncaptured_error(Arc::new(move |error: wgpu::Error| {
-        keep(&refused, GpuError::Refused(error.to_string()))
+        keep(&refused, GpuError::Refused(error.to_string()));
     }));
     let lost = Arc::clone(failure);
     device.set_device_lost_callback(move |_, message| keep(&lost, GpuError::Lost(message)));
@@ -266,7 +266,7 @@ struct Inputs {
 impl Inputs {
     fn new(gpu: &Gpu, program: FieldProgram, sources: &Sources, samples: &Samples) -> Self {
         let wide = |points: &[glam::DVec3]| -> Vec<[f32; 4]> {
-            points.iter().map(|p| [p.x as f32, p.y as f32, p.z as f32, 0.0]).collect()
+            points.iter().map(|p| [p.x as f32, p.y as f32, p.z as f32, sources.turns(p.z)]).collect()
         };
         let storage = |label, values: &[[f32; 4]]| {
             gpu.filled(label, bytemuck::cast_slice(values), wgpu::BufferUsages::STORAGE)

@@ -19,7 +19,7 @@ pub struct Params {
     pub directivity: [[f32; 4]; 6],
     pub decay: [[f32; 4]; 4],
     pub decay_scale: [f32; 2],
-    pub turns_per_metre: [f32; 2],
+    pub turns_per_metre: f32,
     pub directivity_terms: u32,
     pub decay_terms: u32,
     pub first_element: u32,
@@ -31,7 +31,7 @@ pub struct Params {
     pub nodes: u32,
     pub radius: f32,
     pub piston_scale: f32,
-    pub padding: f32,
+    pub padding: [f32; 2],
 }
 
 /// The same struct as in `shaders/peak.wgsl`.

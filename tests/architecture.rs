@@ -1,0 +1,235 @@
+//! The rules of ARCHITECTURE.md that a compiler does not hold: layers, file heads, sizes and names.
+
+#![expect(clippy::unwrap_used, reason = "a test's helper may panic")]
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+/// The layers, the uppermost first, with the outside crates each may name. A module uses itself and what stands above.
+const LAYERS: &[(&str, &[&str])] = &[
+    ("scene", &["serde", "toml", "glam", "thiserror"]),
+    ("acoustics", &["glam", "num_complex", "libm"]),
+    ("drive", &["num_complex"]),
+    ("solver", &["faer", "glam", "num_complex", "thiserror"]),
+    ("field", &["bytemuck", "glam", "num_complex", "rayon"]),
+    ("field::gpu", &["bytemuck", "glam", "naga", "num_complex", "pollster", "thiserror", "wgpu"]),
+    ("picture", &["colorous", "glam", "image", "npyz", "num_complex", "plotters", "thiserror"]),
+    (
+        "cli",
+        &[
+            "anyhow",
+            "clap",
+            "comfy_table",
+            "csv",
+            "glam",
+            "indicatif",
+            "num_complex",
+            "rayon",
+            "serde_json",
+            "tempfile",
+        ],
+    ),
+    ("main", &["sonoglyph"]),
+];
+/// Crates that any layer may name.
+const COMMON: &[&str] = &["std", "crate", "self"];
+const LONGEST_FILE: usize = 500;
+const BAD_NAMES: &[&str] = &["utils", "util", "common", "helpers", "helper", "manager", "misc", "wrapper"];
+
+fn rust_files(folder: &Path) -> Vec<PathBuf> {
+    let mut files = Vec::new();
+    for entry in fs::read_dir(folder).unwrap() {
+        let path = entry.unwrap().path();
+        if path.is_dir() {
+            files.extend(rust_files(&path));
+        } else if path.extension().is_some_and(|extension| extension == "rs") {
+            files.push(path);
+        }
+    }
+    files.sort();
+    files
+}
+
+fn root() -> &'static Path {
+    Path::new(env!("CARGO_MANIFEST_DIR"))
+}
+
+/// `src/field/gpu/mod.rs` is `field::gpu`.
+fn module_of(path: &Path) -> String {
+    let inside = path.strip_prefix(root().join("src")).unwrap().with_extension("");
+    let mut parts: Vec<_> = inside.iter().map(|part| part.to_str().unwrap()).collect();
+    if parts.last() == Some(&"mod") {
+        parts.pop();
+    }
+    parts.join("::")
+}
+
+/// The innermost layer that a module is in.
+fn layer_of(module: &str) -> Option<usize> {
+    let inside = |layer: &str| module == layer || module.starts_with(&format!("{layer}::"));
+    (0..LAYERS.len()).filter(|&i| inside(LAYERS[i].0)).max_by_key(|&i| LAYERS[i].0.len())
+}
+
+/// Code without comments and strings, line by line.
+fn code_lines(text: &str) -> impl Iterator<Item = (usize, String)> {
+    let strip = |line: &str| {
+        let mut code = String::new();
+        let mut in_string = false;
+        for part in line.split("//").next().unwrap_or_default().split('"') {
+            if !in_string {
+                code.push_str(part);
+            }
+            in_string = !in_string;
+        }
+        code
+    };
+    text.lines().map(strip).collect::<Vec<_>>().into_iter().enumerate().map(|(i, line)| (i + 1, line))
+}
+
+/// First segments of every path in a line of code, and the second where the first is `crate`.
+fn paths(line: &str) -> Vec<String> {
+    let mut paths = Vec::new();
+    let is_word = |c: char| c.is_alphanumeric() || c == '_';
+    let mut rest = line;
+    while let Some(at) = rest.find("::") {
+        let before = &rest[..at];
+        let start =
+            before.rfind(|c| !is_word(c)).map_or(0, |i| i + before[i..].chars().next().unwrap().len_utf8());
+        let first = &before[start..];
+        let continues = before[..start].ends_with("::");
+        let after = &rest[at + 2..];
+        let second: String = after.chars().take_while(|&c| is_word(c)).collect();
+        if !continues && first.starts_with(char::is_lowercase) {
+            let through_crate = first == "crate";
+            paths.push(if through_crate { format!("crate::{second}") } else { first.to_owned() });
+        }
+        // Skip the rest of this path.
+        rest = after.trim_start_matches(|c| is_word(c) || c == ':');
+    }
+    paths
+}
+
+/// What a file does that its layer may not, one line each.
+fn violations(path: &Path, text: &str) -> Vec<String> {
+    let module = module_of(path);
+    let shown = path.strip_prefix(root()).unwrap().display().to_string();
+    let Some(layer) = layer_of(&module) else { return vec![format!("{shown}: is in no layer")] };
+    let mut found = Vec::new();
+    let (_, crates) = LAYERS[layer];
+    let modules: Vec<_> = LAYERS.iter().map(|(name, _)| name.split("::").next().unwrap()).collect();
+    let own = module.split("::").next().unwrap();
+    for (number, line) in code_lines(text) {
+        if line.contains("use crate::{") || (line.contains("super::") && line.trim() != "use super::*;") {
+            found.push(format!("{shown}:{number}: write whole paths from `crate`"));
+        }
+        for name in paths(&line) {
+            if let Some(used) = name.strip_prefix("crate::") {
+                let upwards =
+                    LAYERS.iter().position(|(layer, _)| *layer == used).is_some_and(|used| used <= layer);
+                if modules.contains(&used) && used != own && !upwards {
+                    found.push(format!("{shown}:{number}: `{own}` uses `{used}`, which is not above it"));
+                }
+            }
+        }
+        let declared = line
+            .trim_start()
+            .trim_start_matches("pub ")
+            .strip_prefix("use ")
+            .and_then(|used| used.split("::").next());
+        let named = declared.map(str::trim_end).into_iter().map(str::to_owned).chain(paths(&line));
+        for name in named {
+            let outside = OUTSIDE.contains(&name.as_str());
+            if outside && !crates.contains(&name.as_str()) && !COMMON.contains(&name.as_str()) {
+                found.push(format!(
+                    "{shown}:{number}: `{}` names `{name}`, which it may not",
+                    LAYERS[layer].0
+                ));
+            }
+        }
+    }
+    found.dedup();
+    found
+}
+
+/// Every crate that the layers are about: the union of what they may name, and what nobody may but the last.
+const OUTSIDE: &[&str] = &[
+    "anyhow",
+    "bytemuck",
+    "clap",
+    "colorous",
+    "comfy_table",
+    "csv",
+    "eframe",
+    "egui",
+    "faer",
+    "glam",
+    "image",
+    "indicatif",
+    "libm",
+    "naga",
+    "npyz",
+    "num_complex",
+    "plotters",
+    "pollster",
+    "rayon",
+    "serde",
+    "serde_json",
+    "serialport",
+    "sonoglyph",
+    "tempfile",
+    "thiserror",
+    "toml",
+    "wgpu",
+];
+
+#[test]
+fn every_module_uses_only_what_stands_above_it() {
+    let mut found = Vec::new();
+    for path in rust_files(&root().join("src")) {
+        if !path.ends_with("src/lib.rs") {
+            found.extend(violations(&path, &fs::read_to_string(&path).unwrap()));
+        }
+    }
+    assert!(found.is_empty(), "{}", found.join("\n"));
+}
+
+#[test]
+fn the_rule_finds_what_breaks_it() {
+    let in_file = |path: &str, text: &str| violations(&root().join("src").join(path), text);
+    for (path, text) in [
+        ("solver/gs.rs", "use crate::field::Samples;"),
+        ("scene/mod.rs", "let x = crate::cli::run();"),
+        ("solver/mod.rs", "use wgpu::Device;"),
+        ("field/cpu.rs", "fn f(d: &wgpu::Device) {}"),
+        ("picture/mod.rs", "pub use clap::Parser;"),
+        ("solver/mod.rs", "use crate::{field, scene};"),
+        ("utilities.rs", ""),
+    ] {
+        assert_eq!(in_file(path, text).len(), 1, "{path}: {text}");
+    }
+    for (path, text) in [
+        ("solver/mod.rs", "use crate::acoustics::Aperture;\nuse faer::Mat;"),
+        ("solver/mod.rs", "// like wgpu::Device and crate::field::Samples"),
+        ("field/gpu/mod.rs", "let d: wgpu::Device = crate::field::gpu::open();"),
+        ("cli/mod.rs", "let f = crate::field::cpu::pressure;"),
+    ] {
+        assert_eq!(in_file(path, text), Vec::<String>::new(), "{path}: {text}");
+    }
+}
+
+#[test]
+fn every_file_says_what_it_holds_and_stays_short() {
+    for folder in ["src", "tests", "benches"] {
+        for path in rust_files(&root().join(folder)) {
+            let text = fs::read_to_string(&path).unwrap();
+            assert!(text.starts_with("//! "), "{}: opens without a //! line", path.display());
+            assert!(
+                text.lines().count() <= LONGEST_FILE,
+                "{}: more than {LONGEST_FILE} lines",
+                path.display()
+            );
+            let name = path.file_stem().unwrap().to_str().unwrap();
+            assert!(!BAD_NAMES.contains(&name), "{}: the name says nothing", path.display());
+        }
+    }
+}

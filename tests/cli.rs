@@ -1,0 +1,325 @@
+//! The program as its users and their scripts call it: the contract, and what bad input gets.
+
+#![expect(clippy::unwrap_used, reason = "a test's helper may panic")]
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+use serde_json::Value;
+use tempfile::TempDir;
+
+fn program(folder: &Path, args: &[&str]) -> Command {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_sonoglyph"));
+    command.args(args).current_dir(folder);
+    command
+}
+
+fn run(folder: &Path, args: &[&str]) -> Output {
+    program(folder, args).output().unwrap()
+}
+
+fn succeed(folder: &Path, args: &[&str]) -> String {
+    let output = run(folder, args);
+    assert!(output.status.success(), "{args:?}: {}", String::from_utf8_lossy(&output.stderr));
+    String::from_utf8(output.stdout).unwrap()
+}
+
+/// Runs a command that must fail as bad input does, and returns its message.
+fn refuse(folder: &Path, args: &[&str]) -> String {
+    let before = listing(folder);
+    let output = run(folder, args);
+    let message = String::from_utf8(output.stderr).unwrap();
+    assert_eq!(output.status.code(), Some(2), "{args:?}: {message}");
+    assert!(!message.contains("panicked"), "{args:?}: {message}");
+    assert!(!message.trim().is_empty(), "{args:?}");
+    assert_eq!(listing(folder), before, "{args:?} left something behind");
+    message
+}
+
+fn listing(folder: &Path) -> Vec<PathBuf> {
+    let mut names: Vec<_> = fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()).collect();
+    names.sort();
+    names
+}
+
+fn example(name: &str) -> String {
+    format!("{}/assets/scenes/{name}.toml", env!("CARGO_MANIFEST_DIR"))
+}
+
+fn folder_with(files: &[(&str, &str)]) -> TempDir {
+    let folder = tempfile::tempdir().unwrap();
+    for (name, text) in files {
+        fs::write(folder.path().join(name), text).unwrap();
+    }
+    folder
+}
+
+const POINT: &str = "format = 1\n[[target]]\nat = [0.01, 0, 0.1]\n[solver]\nmethod = \"focus\"\n";
+
+#[test]
+fn solve_prints_the_json_that_other_programs_read() {
+    let folder = folder_with(&[]);
+    let text = succeed(folder.path(), &["solve", &example("points-4"), "--json"]);
+    let value: Value = serde_json::from_str(&text).unwrap();
+    let keys = |value: &Value| value.as_object().unwrap().keys().cloned().collect::<Vec<_>>();
+    let sorted = |mut keys: Vec<&'static str>| {
+        keys.sort_unstable();
+        keys
+    };
+    assert_eq!(
+        keys(&value),
+        sorted(vec![
+            "method",
+            "elements",
+            "foci",
+            "quality",
+            "seconds",
+            "iterations",
+            "phases",
+            "amplitudes"
+        ])
+    );
+    assert_eq!(keys(&value["foci"][0]), sorted(vec!["position", "target", "pressure", "phase"]));
+    assert_eq!(
+        keys(&value["quality"]),
+        sorted(vec![
+            "mean_pressure",
+            "min_pressure",
+            "spread",
+            "efficiency",
+            "relative_to_single",
+            "bound",
+            "certified",
+            "residual",
+            "rank",
+            "condition"
+        ])
+    );
+    assert_eq!(value["method"], "weighted");
+    assert_eq!(value["elements"], 256);
+    assert_eq!(value["iterations"], 7);
+    assert_eq!(value["foci"].as_array().unwrap().len(), 4);
+    assert_eq!(value["phases"].as_array().unwrap().len(), 256);
+    assert_eq!(value["amplitudes"].as_array().unwrap().len(), 256);
+    let pressures: Vec<_> =
+        value["foci"].as_array().unwrap().iter().map(|f| f["pressure"].as_f64().unwrap()).collect();
+    let mean = pressures.iter().sum::<f64>() / 4.0;
+    assert!((value["quality"]["mean_pressure"].as_f64().unwrap() / mean - 1.0).abs() < 1e-12);
+}
+
+#[test]
+fn solve_compares_methods_and_writes_the_drive() {
+    let folder = folder_with(&[("a.toml", POINT)]);
+    let all: Value =
+        serde_json::from_str(&succeed(folder.path(), &["solve", "a.toml", "--method", "all", "--json"]))
+            .unwrap();
+    assert_eq!(all.as_array().unwrap().len(), 9);
+    let table = succeed(folder.path(), &["solve", &example("circle"), "--method", "all"]);
+    assert!(table.contains("weighted") && table.contains("best") && !table.contains("focus "), "{table}");
+    succeed(folder.path(), &["solve", "a.toml", "--csv", "drive.csv"]);
+    let csv = fs::read_to_string(folder.path().join("drive.csv")).unwrap();
+    assert_eq!(csv.lines().next(), Some("element,x,y,phase,amplitude"));
+    assert_eq!(csv.lines().count(), 257);
+}
+
+#[test]
+fn probe_answers_in_pascals_and_takes_a_drive_from_a_file() {
+    let points = "x,y,z\n0.01,0,0.1\n0,0.02,0.15\n";
+    let folder = folder_with(&[("a.toml", POINT), ("points.csv", points)]);
+    let solved: Value =
+        serde_json::from_str(&succeed(folder.path(), &["solve", "a.toml", "--json", "--csv", "d.csv"]))
+            .unwrap();
+    let answer = succeed(folder.path(), &["probe", "a.toml", "--points", "points.csv"]);
+    let rows: Vec<Vec<f64>> =
+        answer.lines().skip(1).map(|line| line.split(',').map(|v| v.parse().unwrap()).collect()).collect();
+    assert_eq!(answer.lines().next(), Some("x,y,z,re,im,rms"));
+    assert_eq!(rows.len(), 2);
+    let pressure = solved["foci"][0]["pressure"].as_f64().unwrap();
+    assert!((rows[0][3].hypot(rows[0][4]) / pressure - 1.0).abs() < 1e-12);
+    assert!((rows[0][5] * 2f64.sqrt() / pressure - 1.0).abs() < 1e-12);
+    for backend in ["auto", "cpu", "reference"] {
+        let args = [
+            "probe",
+            "a.toml",
+            "--points",
+            "points.csv",
+            "--drive",
+            "d.csv",
+            "--backend",
+            backend,
+            "-o",
+            "out.csv",
+        ];
+        succeed(folder.path(), &args);
+        let out = fs::read_to_string(folder.path().join("out.csv")).unwrap();
+        let re: f64 = out.lines().nth(1).unwrap().split(',').nth(3).unwrap().parse().unwrap();
+        assert!((re - rows[0][3]).abs() < 2e-5 * pressure, "{backend}");
+    }
+}
+
+#[test]
+fn render_writes_pictures_and_the_numbers_behind_them() {
+    let folder = folder_with(&[("a.toml", &format!("{POINT}[plane]\nsize = [0.2, 0.1]\n"))]);
+    let args = ["render", "a.toml", "-o", "a.png", "--size", "64", "--data", "a.npy"];
+    succeed(folder.path(), &args);
+    let picture = image::open(folder.path().join("a.png")).unwrap().to_rgb8();
+    assert_eq!((picture.width(), picture.height()), (64, 32), "W alone keeps the plane's shape");
+    let bytes = fs::read(folder.path().join("a.npy")).unwrap();
+    let npy = npyz::NpyFile::new(&bytes[..]).unwrap();
+    assert_eq!(npy.shape(), [32, 64]);
+    let values: Vec<f32> = npy.into_vec().unwrap();
+    // Column 35 of 64 over 0.2 m is the pixel around x = 10.9 mm, and rows 15 and 16 lie beside y = 0.
+    let peak = values.iter().copied().fold(0.0, f32::max);
+    let at = values.iter().position(|&value| value == peak).unwrap();
+    assert!([34, 35].contains(&(at % 64)) && [15, 16].contains(&(at / 64)), "{at}");
+    let brightest = |x: u32, y: u32| picture.get_pixel(x, y).0.iter().map(|&v| u32::from(v)).sum::<u32>();
+    assert!(brightest((at % 64) as u32, 31 - (at / 64) as u32) > 600, "row 0 is the bottom of the picture");
+}
+
+#[test]
+fn every_backend_renders_the_same_numbers() {
+    let folder = folder_with(&[("a.toml", POINT)]);
+    let mut fields: Vec<Vec<f32>> = Vec::new();
+    let required = std::env::var("SONOGLYPH_REQUIRE").unwrap_or_default().contains("gpu");
+    for backend in ["reference", "cpu", "auto", "gpu"] {
+        let args =
+            ["render", "a.toml", "-o", "a.png", "--size", "48x40", "--data", "a.npy", "--backend", backend];
+        let output = run(folder.path(), &args);
+        if backend == "gpu" && !required && !output.status.success() {
+            eprintln!("NOT TESTED ON THE GPU: {}", String::from_utf8_lossy(&output.stderr));
+            continue;
+        }
+        assert!(output.status.success(), "{backend}: {}", String::from_utf8_lossy(&output.stderr));
+        let bytes = fs::read(folder.path().join("a.npy")).unwrap();
+        fields.push(npyz::NpyFile::new(&bytes[..]).unwrap().into_vec().unwrap());
+    }
+    let peak = fields[0].iter().copied().fold(0.0, f32::max);
+    for field in &fields[1..] {
+        for (a, b) in fields[0].iter().zip(field) {
+            assert!((a - b).abs() < 2e-5 * peak);
+        }
+    }
+}
+
+#[test]
+fn render_fills_a_folder_and_draws_every_quantity() {
+    let folder = folder_with(&[("a.toml", POINT), ("b.toml", POINT)]);
+    succeed(folder.path(), &["render", "a.toml", "b.toml", "-o", "out/", "--size", "32"]);
+    assert_eq!(listing(&folder.path().join("out")).len(), 2);
+    for (quantity, size) in [("phase", (32, 32)), ("drive", (400, 210)), ("sheet", (400, 390))] {
+        let width = size.0.to_string();
+        succeed(
+            folder.path(),
+            &["render", "a.toml", "-o", "q.png", "--quantity", quantity, "--size", &width, "-v"],
+        );
+        let picture = image::open(folder.path().join("q.png")).unwrap();
+        assert_eq!((picture.width(), picture.height()), size, "{quantity}");
+    }
+}
+
+#[test]
+fn no_arguments_draw_the_example_even_without_a_driver_and_a_display() {
+    let folder = folder_with(&[]);
+    let output = program(folder.path(), &[])
+        .env("VK_DRIVER_FILES", "/nonexistent/icd.json")
+        .env("VK_ICD_FILENAMES", "/nonexistent/icd.json")
+        .env_remove("DISPLAY")
+        .env_remove("WAYLAND_DISPLAY")
+        .output()
+        .unwrap();
+    let (said, noted) = (String::from_utf8_lossy(&output.stdout), String::from_utf8_lossy(&output.stderr));
+    assert!(output.status.success(), "{noted}");
+    assert!(said.contains("sonoglyph.png") && said.contains("render"), "{said}");
+    assert!(noted.contains("the CPU computes the field"), "{noted}");
+    assert!(image::open(folder.path().join("sonoglyph.png")).unwrap().width() > 1000);
+    let gpu = program(folder.path(), &["render", &example("line"), "-o", "a.png", "--backend", "gpu"])
+        .env("VK_DRIVER_FILES", "/nonexistent/icd.json")
+        .env("VK_ICD_FILENAMES", "/nonexistent/icd.json")
+        .output()
+        .unwrap();
+    assert_eq!(gpu.status.code(), Some(2), "an absent GPU that was asked for is an error");
+    assert!(String::from_utf8_lossy(&gpu.stderr).contains("no usable GPU adapter"));
+}
+
+#[test]
+fn bad_scenes_are_refused_with_file_line_and_value() {
+    for (text, parts) in [
+        ("format = 1\n[array\n", &["bad.toml:2"][..]),
+        ("format = 1\n[array]\npich = 0.01\n", &["bad.toml:3", "pich"]),
+        ("format = 1\n[array]\npitch = nan\n", &["bad.toml:3", "array.pitch = nan"]),
+        ("format = 1\n[array]\nrows = 0\n", &["bad.toml:3", "array.rows = 0"]),
+        ("format = 1\n[array]\nrows = 10000\ncolumns = 1000\n", &["bad.toml:3", "10000000 elements"]),
+        ("format = 1\n[[target]]\nat = [0, 0, 0]\n", &["bad.toml:2", "on or behind the array"]),
+        ("format = 1\n", &["bad.toml", "no target"]),
+        ("format = 1\n[[target]]\nkind = \"circle\"\npoints = 1000000\n", &["bad.toml:4", "1000000"]),
+        ("format = 1\n[[target]]\nkind = \"text\"\ntext = \"H→T\"\n", &["bad.toml:2", "→"]),
+    ] {
+        let folder = folder_with(&[("bad.toml", text)]);
+        for args in [&["render", "bad.toml", "-o", "a.png"][..], &["solve", "bad.toml", "--json"]] {
+            let message = refuse(folder.path(), args);
+            for part in parts {
+                assert!(message.contains(part), "{text}: {message}");
+            }
+            assert_eq!(message.trim_end().lines().count(), 1, "{message}");
+        }
+    }
+}
+
+#[test]
+fn bad_arguments_and_files_are_refused() {
+    let folder = folder_with(&[
+        ("a.toml", POINT),
+        ("two.toml", "format = 1\n[[target]]\n[[target]]\nat = [0.02, 0, 0.1]\n"),
+        ("points.csv", "x,y,z\n0,0,0.1\n"),
+        ("no-z.csv", "x,y\n0,0\n"),
+        ("word.csv", "x,y,z\n0,0,0.1\n0,zero,0.1\n"),
+        ("short.csv", "x,y,z\n0,0\n"),
+        ("empty.csv", "x,y,z\n"),
+        ("drive.csv", "phase\n0\n0\n"),
+    ]);
+    for (args, part) in [
+        (&["render", "none.toml", "-o", "x.png"][..], "none.toml"),
+        (&["render", "a.toml", "-o", "no/such/folder/x.png"], "no/such/folder/x.png"),
+        (&["render", "a.toml", "two.toml", "-o", "a.toml"], "need a folder"),
+        (&["render", "a.toml", "-o", "x.png", "--size", "0"], "pixels"),
+        (&["render", "a.toml", "-o", "x.png", "--size", "20000x20000"], "pixels"),
+        (&["render", "a.toml", "-o", "x.png", "--size", "16384x16384"], "MiB"),
+        (&["render", "a.toml", "-o", "x.png", "--quantity", "sheet", "--size", "20"], "no room"),
+        (&["render", "a.toml", "-o", "x.png", "--tolerance", "-1"], "tolerance"),
+        (&["render", "a.toml", "-o", "x.png", "--quantity", "colour"], "colour"),
+        (&["solve", "a.toml", "--method", "magic"], "weighted"),
+        (&["solve", "two.toml", "--method", "focus"], "`weighted`"),
+        (&["solve", "a.toml", "--csv", "no/such/folder/x.csv"], "no/such/folder/x.csv"),
+        (&["probe", "a.toml", "--points", "none.csv"], "none.csv"),
+        (&["probe", "a.toml", "--points", "no-z.csv"], "no-z.csv:1: the column `z` is missing"),
+        (&["probe", "a.toml", "--points", "word.csv"], "word.csv:3: y = `zero`"),
+        (&["probe", "a.toml", "--points", "short.csv"], "short.csv"),
+        (&["probe", "a.toml", "--points", "empty.csv"], "there are no points"),
+        (
+            &["probe", "a.toml", "--points", "points.csv", "--drive", "drive.csv"],
+            "element 2 of 256 is missing",
+        ),
+        (&["dance"], "dance"),
+    ] {
+        let message = refuse(folder.path(), args);
+        assert!(message.contains(part), "{args:?}: {message}");
+    }
+}
+
+#[test]
+fn devices_says_what_would_be_used() {
+    let said = succeed(folder_with(&[]).path(), &["devices"]);
+    assert!(said.contains("CPU evaluator") && said.contains("auto"), "{said}");
+}
+
+#[test]
+fn help_shows_every_command_with_an_example() {
+    let folder = folder_with(&[]);
+    let help = succeed(folder.path(), &["--help"]);
+    for command in ["render", "solve", "probe", "devices"] {
+        assert!(help.contains(command), "{help}");
+        let own = succeed(folder.path(), &[command, "--help"]);
+        assert!(command == "devices" || own.contains(&format!("sonoglyph {command} ")), "{own}");
+    }
+}

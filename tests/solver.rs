@@ -1,0 +1,163 @@
+//! Properties of every solver method: finite, never above the bound, as good as it says.
+
+#![expect(clippy::unwrap_used, reason = "a test's helper may panic")]
+
+use std::f64::consts::TAU;
+
+use glam::{DVec3, dvec3};
+use num_complex::Complex64;
+use proptest::prelude::*;
+use sonoglyph::acoustics::Aperture;
+use sonoglyph::scene::{Method, Scene, Shape, Target};
+use sonoglyph::solver::{self, Solution, SolveError};
+
+fn scene(points: &[DVec3]) -> Scene {
+    let target = |&at: &DVec3| Target::new(Shape::Point { at });
+    Scene { targets: points.iter().map(target).collect(), ..Scene::default() }
+}
+
+fn solve(scene: &Scene, method: Method) -> Solution {
+    let mut scene = scene.clone();
+    scene.solver.method = method;
+    solver::solve(&scene).unwrap()
+}
+
+fn several() -> impl Iterator<Item = Method> {
+    Method::ALL.into_iter().filter(|&method| method != Method::Focus)
+}
+
+fn assert_sound(solution: &Solution) {
+    let method = solution.method;
+    let quality = &solution.quality;
+    assert!(solution.drive.phases.iter().all(|phase| phase.is_finite()), "{method:?}");
+    for figure in [
+        quality.mean_pressure,
+        quality.min_pressure,
+        quality.spread,
+        quality.efficiency,
+        quality.relative_to_single,
+        quality.bound,
+        quality.certified,
+        quality.residual,
+        quality.condition,
+    ] {
+        assert!(figure.is_finite() && figure >= 0.0, "{method:?}: {quality:?}");
+    }
+    assert!(quality.mean_pressure > 0.0, "{method:?}: a useful drive makes sound");
+    assert!(quality.certified <= 1.0 + 1e-9, "{method:?}: {quality:?}");
+    assert!(quality.efficiency <= 1.0 + 1e-12, "{method:?}: {quality:?}");
+}
+
+#[test]
+fn difficult_sets_give_a_finite_drive_and_a_warning() {
+    let at = dvec3(0.01, 0.0, 0.1);
+    let ring = |count: usize, radius: f64| -> Vec<DVec3> {
+        let point = |i: usize| {
+            let angle = TAU * i as f64 / count as f64;
+            dvec3(radius * angle.cos(), radius * angle.sin(), 0.1)
+        };
+        (0..count).map(point).collect()
+    };
+    let mut few_elements = scene(&ring(9, 0.02));
+    few_elements.array.rows = 2;
+    few_elements.array.columns = 2;
+    let sets = [
+        ("coincident", scene(&[at, at]), "coincide"),
+        ("a micrometre apart", scene(&[at, at + 1e-6 * DVec3::X]), "closer than the array resolves"),
+        ("dense ring", scene(&ring(48, 0.02)), "closer than the array resolves"),
+        ("rank loss", scene(&ring(120, 0.02)), "independent directions"),
+        ("more foci than elements", few_elements, "more than the 4 driven elements"),
+    ];
+    for (name, scene, expected) in sets {
+        for method in several() {
+            let solution = solve(&scene, method);
+            assert_sound(&solution);
+            let warned = solution.warnings.iter().any(|warning| warning.contains(expected));
+            assert!(warned, "{name}, {method:?}: {:?}", solution.warnings);
+        }
+    }
+}
+
+#[test]
+fn focus_steers_one_focus_and_refuses_more() {
+    let at = dvec3(0.02, -0.01, 0.15);
+    let solution = solve(&scene(&[at]), Method::Focus);
+    let aperture = Aperture::new(&Scene::default());
+    let most: f64 = aperture.transfer(&[at]).row(0).iter().map(|h| h.norm()).sum();
+    assert!((solution.quality.mean_pressure / most - 1.0).abs() < 1e-12);
+    assert!((solution.quality.relative_to_single - 1.0).abs() < 1e-12);
+    assert!((solution.quality.certified - 1.0).abs() < 1e-6, "one focus has no better drive");
+    let mut two = scene(&[at, DVec3::Z]);
+    two.solver.method = Method::Focus;
+    assert!(matches!(solver::solve(&two), Err(SolveError::SeveralFoci(2))));
+}
+
+#[test]
+fn the_pseudo_inverse_makes_the_field_that_it_prescribes() {
+    let solution = solve(&scene(&[dvec3(-0.02, 0.0, 0.1), dvec3(0.02, 0.01, 0.12)]), Method::Pinv);
+    assert!(solution.quality.residual < 1e-12, "{:?}", solution.quality);
+    assert_eq!(solution.quality.rank, 2);
+}
+
+#[test]
+fn relative_targets_are_met_by_the_methods_that_level() {
+    let mut scene = scene(&[dvec3(-0.02, 0.0, 0.1), dvec3(0.02, 0.01, 0.1), dvec3(0.0, -0.02, 0.12)]);
+    scene.targets[1].pressure = 0.5;
+    for method in [Method::Weighted, Method::Wgs, Method::Best] {
+        let mut scene = scene.clone();
+        scene.solver.iterations = 60;
+        let quality = solve(&scene, method).quality;
+        assert!(quality.spread < 0.01, "{method:?}: {quality:?}");
+    }
+}
+
+#[test]
+fn elements_that_are_off_stay_off() {
+    let mut scene = scene(&[dvec3(0.0, 0.0, 0.1), dvec3(0.03, 0.0, 0.1)]);
+    scene.array.off = vec![0, 100, 255];
+    for method in several() {
+        let drive = solve(&scene, method).drive;
+        assert_eq!(drive.amplitudes.iter().filter(|&&amplitude| amplitude == 0.0).count(), 3);
+        assert_eq!(drive.amplitudes[100], 0.0);
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 40, failure_persistence: None, ..ProptestConfig::default() })]
+
+    #[test]
+    fn random_sets_are_solved_soundly_and_best_is_best(
+        points in prop::collection::vec((-0.05..0.05, -0.05..0.05, 0.1..0.2f64), 2..12)
+    ) {
+        let points: Vec<_> = points.into_iter().map(|(x, y, z)| DVec3::new(x, y, z)).collect();
+        let scene = scene(&points);
+        for method in several() {
+            assert_sound(&solve(&scene, method));
+        }
+        let best = solve(&scene, Method::Best).quality;
+        prop_assert!(best.min_pressure >= 0.98 * solve(&scene, Method::Pinv).quality.min_pressure, "{:?}", best);
+    }
+
+    /// Three elements, every phase in steps of 15° and two amplitudes: nothing beats the bound.
+    #[test]
+    fn the_bound_is_never_exceeded_on_small_arrays(
+        points in prop::collection::vec((-0.02..0.02, -0.02..0.02, 0.02..0.06f64), 2..4)
+    ) {
+        let points: Vec<_> = points.into_iter().map(|(x, y, z)| DVec3::new(x, y, z)).collect();
+        let mut scene = scene(&points);
+        scene.array.rows = 1;
+        scene.array.columns = 3;
+        let bound = solve(&scene, Method::Best).quality.bound;
+        let transfer = Aperture::new(&scene).transfer(&points);
+        let steps = || (0..24).map(|i| Complex64::from_polar(1.0, TAU * f64::from(i) / 24.0));
+        for second in steps() {
+            for third in steps() {
+                for amplitude in [0.5, 1.0] {
+                    let pressures = transfer.pressure(&[Complex64::ONE, second * amplitude, third]);
+                    let weakest = pressures.iter().map(|p| p.norm()).fold(f64::INFINITY, f64::min);
+                    prop_assert!(weakest <= bound * (1.0 + 1e-9), "{weakest} is more than {bound}");
+                }
+            }
+        }
+    }
+}
