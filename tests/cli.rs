@@ -253,7 +253,7 @@ fn bad_scenes_are_refused_with_file_line_and_value() {
         ("format = 1\n[[target]]\nat = [0, 0, 0]\n", &["bad.toml:2", "on or behind the array"]),
         ("format = 1\n", &["bad.toml", "no target"]),
         ("format = 1\n[[target]]\nkind = \"circle\"\npoints = 1000000\n", &["bad.toml:4", "1000000"]),
-        ("format = 1\n[[target]]\nkind = \"text\"\ntext = \"H→T\"\n", &["bad.toml:2", "→"]),
+        ("format = 1\n[[target]]\nkind = \"text\"\ntext = \"H→T\"\n", &["bad.toml:4", "→"]),
     ] {
         let folder = folder_with(&[("bad.toml", text)]);
         for args in [&["render", "bad.toml", "-o", "a.png"][..], &["solve", "bad.toml", "--json"]] {

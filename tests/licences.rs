@@ -1,7 +1,5 @@
 //! Every dependency may be used: its licence is one of those that deny.toml allows.
 
-#![expect(clippy::unwrap_used, reason = "a test's helper may panic")]
-
 use std::process::Command;
 
 #[derive(serde::Deserialize)]

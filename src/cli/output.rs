@@ -3,11 +3,9 @@
 use std::io::Write;
 use std::path::Path;
 
-use anyhow::Context;
-
 /// Writes through a temporary file beside the target and renames it.
 pub fn write(path: &Path, bytes: &[u8]) -> anyhow::Result<()> {
-    write_file(path, bytes).with_context(|| format!("{}: cannot write", path.display()))
+    write_file(path, bytes).map_err(|error| refusal(path, &error))
 }
 
 fn write_file(path: &Path, bytes: &[u8]) -> std::io::Result<()> {
@@ -25,17 +23,22 @@ fn write_file(path: &Path, bytes: &[u8]) -> std::io::Result<()> {
     Ok(())
 }
 
-/// Fails early where [`write`] would fail after the work.
+/// Fails early where [`write()`] would fail after the work.
 pub fn check_writable(path: &Path) -> anyhow::Result<()> {
     let folder = folder_of(path);
     if path.is_dir() {
-        anyhow::bail!("{}: cannot write: it is a folder", path.display());
+        return Err(refusal(path, &std::io::Error::from(std::io::ErrorKind::IsADirectory)));
     }
     tempfile::Builder::new()
         .prefix(".sonoglyph-")
         .tempfile_in(folder)
-        .with_context(|| format!("{}: cannot write", path.display()))?;
+        .map_err(|error| refusal(path, &error))?;
     Ok(())
+}
+
+/// Speaks of the file that the user named, not of the temporary one.
+fn refusal(path: &Path, error: &std::io::Error) -> anyhow::Error {
+    anyhow::anyhow!("{}: cannot write: {}", path.display(), error.kind())
 }
 
 fn folder_of(path: &Path) -> &Path {

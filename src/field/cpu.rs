@@ -4,6 +4,8 @@
 //! instruction set; the best one that the machine has is chosen when the program runs. It does what
 //! `shaders/field.wgsl` does.
 
+#![expect(clippy::needless_range_loop, reason = "lanes are what is looped over, in several arrays at once")]
+
 use num_complex::Complex32;
 use rayon::prelude::*;
 

@@ -269,7 +269,7 @@ impl Panels<'_, '_> {
         let mut chart = page.chart(root, plot, &title, ranges(plane), labels(plane))?;
         let place = |point: DVec3| on_plane(plane, point).map(|p| (p.x, p.y));
         for target in &scene.targets {
-            for stroke in outline::strokes(target).map_err(SheetError)? {
+            for stroke in outline::strokes(target).map_err(|e| SheetError(e.to_string()))? {
                 let line: Vec<_> = stroke.into_iter().filter_map(place).collect();
                 chart
                     .draw_series([PathElement::new(line, FAINT.stroke_width(page.px(3.0).max(1) as u32))])?;

@@ -47,7 +47,7 @@ impl KeyError {
     }
 
     /// The same error seen from one level further up.
-    fn under(mut self, above: &[Key]) -> Self {
+    pub fn under(mut self, above: &[Key]) -> Self {
         self.path.splice(0..0, above.iter().cloned());
         self
     }

@@ -17,8 +17,8 @@ pub const FORMAT: u32 = 1;
 /// Why a scene file could not be used.
 #[derive(Debug, thiserror::Error)]
 pub enum FileError {
-    #[error("{}: {source}", file.display())]
-    Read { file: PathBuf, source: std::io::Error },
+    #[error("{}: {cause}", file.display())]
+    Read { file: PathBuf, cause: std::io::Error },
     #[error("{}", Place(file, *line, None, message))]
     Syntax { file: PathBuf, line: usize, message: String },
     #[error("{}", Place(file, *line, Some((key, value.as_deref())), message))]
@@ -47,7 +47,7 @@ impl fmt::Display for Place<'_> {
 /// # Errors
 /// An unreadable file, broken TOML, an unknown key, or a value outside its limits.
 pub fn read(path: &Path) -> Result<Scene, FileError> {
-    let unreadable = |source| FileError::Read { file: path.to_owned(), source };
+    let unreadable = |cause| FileError::Read { file: path.to_owned(), cause };
     parse(&std::fs::read_to_string(path).map_err(unreadable)?, path)
 }
 
@@ -198,8 +198,16 @@ mod tests {
             ("[[target]]\nat = [0, 0, inf]", 3, "target[1].at = [0, 0, inf]"),
             ("[[target]]\nat = [0, 0, -0.1]", 2, "on or behind the array"),
             ("[[target]]\nat = [0.001, 0, 0]", 2, "on or behind the array"),
-            ("[[target]]\n[[target]]\nkind = \"text\"\ntext = \"H木\"", 3, "no glyph for `木`"),
-            ("[[target]]\nkind = \"line\"\nspacing = 1e-9", 2, "focal points are asked for"),
+            (
+                "[[target]]\n[[target]]\nkind = \"text\"\ntext = \"H木\"",
+                5,
+                "target[2].text = \"H木\": the stroke font has no",
+            ),
+            (
+                "[[target]]\nkind = \"line\"\nspacing = 1e-9",
+                4,
+                "target[1].spacing = 1e-9: 40000001 focal points",
+            ),
             ("[[target]]\nkind = \"line\"\npoints = 1000000", 4, "target[1].points = 1000000"),
             ("[[target]]\nkind = \"line\"\npoints = 4\nspacing = 0.1", 4, "not both"),
             ("[modulation]\nfrequency = 0", 3, "modulation.frequency = 0"),

@@ -27,14 +27,15 @@ pub fn foci(scene: &Scene) -> Result<Vec<Focus>, KeyError> {
     }
     let mut foci = Vec::new();
     for (index, target) in scene.targets.iter().enumerate() {
-        let refuse = |message| KeyError::new([Key::from("target"), Key::from(index)], message);
+        let refuse = |error: KeyError| error.under(&[Key::from("target"), Key::from(index)]);
         let points = points(target, MOST_FOCI - foci.len()).map_err(refuse)?;
         if let Some(point) = points.iter().find(|point| point.z <= 0.0) {
             let [x, y, z] = point.to_array();
-            return Err(refuse(format!(
+            let message = format!(
                 "the focal point ({x}, {y}, {z}) lies on or behind the array, which stands in z = 0 and radiates \
                  towards +z"
-            )));
+            );
+            return Err(refuse(KeyError::new([], message)));
         }
         foci.extend(points.into_iter().map(|position| Focus { position, target: target.pressure }));
     }
@@ -45,7 +46,7 @@ pub fn foci(scene: &Scene) -> Result<Vec<Focus>, KeyError> {
 ///
 /// # Errors
 /// A glyph that the font lacks.
-pub fn strokes(target: &Target) -> Result<Vec<Vec<DVec3>>, String> {
+pub fn strokes(target: &Target) -> Result<Vec<Vec<DVec3>>, KeyError> {
     let centre = centre(&target.shape);
     let facing = DQuat::from_rotation_arc(DVec3::Z, target.normal.try_normalize().unwrap_or(DVec3::Z));
     let placed = |vertex: &DVec2| centre + facing * DQuat::from_rotation_z(target.angle) * vertex.extend(0.0);
@@ -70,7 +71,7 @@ pub fn strokes(target: &Target) -> Result<Vec<Vec<DVec3>>, String> {
         Shape::Triangle { size, .. } => flat(ring(size / 3.0_f64.sqrt(), 3, TAU / 4.0)),
         Shape::Polygon { radius, sides, .. } => flat(ring(*radius, *sides as usize, TAU / 4.0)),
         Shape::Text { text, height, .. } => font::lay_out(text, *height)
-            .map_err(|glyph| format!("the stroke font has no glyph for `{glyph}`"))?
+            .map_err(|glyph| refusal("text", format!("the stroke font has no glyph for `{glyph}`")))?
             .iter()
             .map(|stroke| stroke.iter().map(placed).collect())
             .collect(),
@@ -97,7 +98,7 @@ fn ring(radius: f64, vertices: usize, start: f64) -> Vec<DVec2> {
     (0..=vertices).map(vertex).collect()
 }
 
-fn points(target: &Target, most: usize) -> Result<Vec<DVec3>, String> {
+fn points(target: &Target, most: usize) -> Result<Vec<DVec3>, KeyError> {
     let runs = runs(&strokes(target)?);
     let pieces = match target.sampling {
         Sampling::Whole => vec![1; runs.len()],
@@ -106,7 +107,11 @@ fn points(target: &Target, most: usize) -> Result<Vec<DVec3>, String> {
     };
     let wanted = corners(&runs) + interior(&runs, &pieces);
     if wanted > most {
-        return Err(format!("{wanted} focal points are asked for, and a scene may have {MOST_FOCI}"));
+        let key = if matches!(target.sampling, Sampling::Spacing(_)) { "spacing" } else { "points" };
+        return Err(refusal(
+            key,
+            format!("{wanted} focal points are asked for, and a scene may have {MOST_FOCI}"),
+        ));
     }
     // A circle is no polygon: its points are computed, not taken from the one that is drawn.
     if let (Shape::Circle { at, radius }, [pieces]) = (&target.shape, &pieces[..]) {
@@ -118,6 +123,10 @@ fn points(target: &Target, most: usize) -> Result<Vec<DVec3>, String> {
         return Ok((0..*pieces).map(place).collect());
     }
     Ok(divide(&runs, &pieces))
+}
+
+fn refusal(key: &'static str, message: impl Into<String>) -> KeyError {
+    KeyError::new([Key::from(key)], message)
 }
 
 /// A smooth part of an outline, from corner to corner or once round.
@@ -240,11 +249,11 @@ fn pieces_by_spacing(runs: &[Run], spacing: f64) -> Vec<usize> {
 }
 
 /// Shares `points` out among the runs so that the longest piece is as short as can be.
-fn pieces_by_count(runs: &[Run], points: usize) -> Result<Vec<usize>, String> {
+fn pieces_by_count(runs: &[Run], points: usize) -> Result<Vec<usize>, KeyError> {
     let mut pieces: Vec<_> = runs.iter().map(Run::fewest).collect();
     let fewest = corners(runs) + interior(runs, &pieces);
     let Some(spare) = points.checked_sub(fewest) else {
-        return Err(format!("{points} focal points are too few: the outline's corners alone need {fewest}"));
+        return Err(refusal("points", format!("too few: the outline's corners alone need {fewest}")));
     };
     for _ in 0..spare {
         let longest = |&i: &usize, &j: &usize| {
@@ -253,7 +262,7 @@ fn pieces_by_count(runs: &[Run], points: usize) -> Result<Vec<usize>, String> {
         };
         match (0..runs.len()).filter(|&i| runs[i].length > 0.0).max_by(longest) {
             Some(run) => pieces[run] += 1,
-            None => return Err("an outline without length cannot be divided".to_owned()),
+            None => return Err(refusal("points", "an outline without length cannot be divided")),
         }
     }
     Ok(pieces)
@@ -368,7 +377,7 @@ mod tests {
             sampling: Sampling::Spacing(1e-9),
             ..Target::new(Shape::Line { from: AT, to: AT + DVec3::X })
         };
-        assert!(points(&target, MOST_FOCI).unwrap_err().contains("1000000001 focal points"));
+        assert!(points(&target, MOST_FOCI).unwrap_err().message.contains("1000000001 focal points"));
     }
 
     #[test]
@@ -377,6 +386,6 @@ mod tests {
             sampling: Sampling::Points(3),
             ..Target::new(Shape::Rectangle { at: AT, width: 0.04, height: 0.02 })
         };
-        assert!(points(&target, MOST_FOCI).unwrap_err().contains("need 4"));
+        assert!(points(&target, MOST_FOCI).unwrap_err().message.contains("need 4"));
     }
 }
