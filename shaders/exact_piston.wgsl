@@ -10,7 +10,7 @@ fn wave(x: vec4f, y: vec4f, z: vec4f, element: vec4f) -> Phasor {
     let dy = y - element.y;
     let rho2 = dx * dx + dy * dy;
     let rho = sqrt(rho2);
-    let r = sqrt(max(rho2 + z * z, vec4f(NEAREST * NEAREST)));
+    let r = sqrt(rho2 + z * z);
     let beyond = rho - params.radius;
     var sum = Phasor(vec4f(0.0), vec4f(0.0));
     for (var i = 0u; i < params.nodes; i++) {

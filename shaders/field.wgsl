@@ -16,8 +16,8 @@ fn sample(offset: u32) -> vec4f {
 
 // Four sums, turned by what is common and added to what is there.
 fn write(offset: u32, z: vec4f, turns: vec4f, sum: Phasor) {
-    // A sample a little behind the array counts as on it, and so does its phase.
-    let onward = phasor(select(-turns, vec4f(0.0), z < vec4f(0.0)));
+    let nearest = vec4f(-NEAREST * params.turns_per_metre);
+    let onward = phasor(select(-turns, nearest, z < vec4f(NEAREST)));
     // The array stands in a baffle: nothing goes backwards.
     let in_front = select(vec4f(0.0), vec4f(1.0), z >= vec4f(-NEAREST));
     let re = in_front * (sum.re * onward.re - sum.im * onward.im);
@@ -47,8 +47,8 @@ fn field_main(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_ind
     let x_high = vec4f(p4.x, p5.x, p6.x, p7.x);
     let y_high = vec4f(p4.y, p5.y, p6.y, p7.y);
     let z_high = vec4f(p4.z, p5.z, p6.z, p7.z);
-    let front_low = max(z_low, vec4f(0.0));
-    let front_high = max(z_high, vec4f(0.0));
+    let front_low = max(z_low, vec4f(NEAREST));
+    let front_high = max(z_high, vec4f(NEAREST));
 
     var low = Phasor(vec4f(0.0), vec4f(0.0));
     var high = Phasor(vec4f(0.0), vec4f(0.0));

@@ -4,7 +4,7 @@ fn wave(x: vec4f, y: vec4f, z: vec4f, element: vec4f) -> Phasor {
     let dx = x - element.x;
     let dy = y - element.y;
     let rho2 = dx * dx + dy * dy;
-    let r = sqrt(max(rho2 + z * z, vec4f(NEAREST * NEAREST)));
+    let r = sqrt(rho2 + z * z);
     let path = r + z;
     // One division for the two that are needed.
     let both = 1.0 / (r * path);

@@ -11,8 +11,8 @@ use num_complex::Complex64;
 
 use crate::scene::ElementModel;
 
-/// m. An element is no point: a far-field distance never counts as less, and a point this little behind the array
-/// still counts as on it, so that rounding does not decide.
+/// m. An element is no point: a height above the array never counts as less, which keeps every value finite, and a
+/// point this little behind the array still counts as in front, so that rounding does not decide.
 pub const NEAREST: f64 = 1e-5;
 /// Relative error of the exact piston's integral that [`piston_nodes`] is asked for in f64.
 const PISTON_ERROR: f64 = 1e-14;
@@ -39,13 +39,12 @@ impl Element {
         if offset.z < -NEAREST {
             return Complex64::ZERO;
         }
-        let r = offset.length().max(NEAREST);
+        let (rho, z) = (offset.truncate().length(), offset.z.max(NEAREST));
+        let r = rho.hypot(z);
         let wave = match self.model {
             ElementModel::Point => spherical(self.wavenumber, r),
-            ElementModel::Piston => {
-                spherical(self.wavenumber, r) * self.directivity(offset.truncate().length() / r)
-            }
-            ElementModel::ExactPiston => self.exact_piston(offset.truncate().length(), offset.z.max(0.0)),
+            ElementModel::Piston => spherical(self.wavenumber, r) * self.directivity(rho / r),
+            ElementModel::ExactPiston => self.exact_piston(rho, z),
         };
         wave * self.strength * (-self.attenuation * r).exp()
     }
@@ -120,7 +119,7 @@ mod tests {
     #[test]
     fn the_exact_piston_meets_its_closed_form_on_the_axis() {
         let element = element(ElementModel::ExactPiston);
-        for z in [0.0, 1e-4, 0.003, 0.05, 0.5] {
+        for z in [NEAREST, 1e-4, 0.003, 0.05, 0.5] {
             let (k, a) = (element.wavenumber, element.radius);
             let rim = f64::hypot(z, a);
             // 2 ρcU |sin(k(R - z)/2)| with ρcU = 2S/(k a²)

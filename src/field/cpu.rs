@@ -98,7 +98,7 @@ impl Points {
             Self { x: [0.0; LANES], y: [0.0; LANES], z: [0.0; LANES], onward: [Complex32::ZERO; LANES] };
         for lane in 0..LANES {
             let point = samples.point(first + lane.min(count - 1));
-            let z = point.z.max(0.0);
+            let z = point.z.max(NEAREST);
             points.x[lane] = point.x as f32;
             points.y[lane] = point.y as f32;
             points.z[lane] = z as f32;
@@ -188,7 +188,7 @@ fn far_field<const FMA: bool, const D: usize, const A: usize>(sources: &Sources,
         for lane in 0..LANES {
             let (dx, dy, z) = (points.x[lane] - x, points.y[lane] - y, points.z[lane]);
             let rho2 = add::<FMA>(dx, dx, dy * dy);
-            let r = add::<FMA>(z, z, rho2).max((NEAREST * NEAREST) as f32).sqrt();
+            let r = add::<FMA>(z, z, rho2).sqrt();
             let path = r + z;
             // One division for the two that are needed.
             let both = 1.0 / (r * path);
@@ -238,7 +238,7 @@ fn exact_piston<const FMA: bool>(sources: &Sources, points: &Points) -> Sum {
         }
         for lane in 0..LANES {
             let z = points.z[lane];
-            let r = add::<FMA>(z, z, rho2[lane]).max((NEAREST * NEAREST) as f32).sqrt();
+            let r = add::<FMA>(z, z, rho2[lane]).sqrt();
             let decayed = horner::<FMA, 16>(&decay, add::<FMA>(r, decay_slope, decay_offset));
             let amplitude = strength * scale * decayed;
             let (re, im) = (amplitude * cos_phase, amplitude * sin_phase);
