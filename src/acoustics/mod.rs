@@ -44,6 +44,11 @@ impl Aperture {
         TAU / self.element.wavenumber
     }
 
+    /// The centres of the first and the last element: opposite corners of the array.
+    pub fn corners(&self) -> (DVec2, DVec2) {
+        (self.positions[0], self.positions[self.positions.len() - 1])
+    }
+
     /// H: one row of complex pressures (Pa, peak) per point, one column per driven element.
     pub fn transfer(&self, points: &[DVec3]) -> Transfer {
         let row = |point: &DVec3| {

@@ -9,7 +9,7 @@ use num_complex::Complex32;
 use crate::acoustics::Aperture;
 use crate::drive::Drive;
 use crate::field::gpu::Colouring;
-use crate::field::{Evaluator, Samples, Sources, cpu};
+use crate::field::{Evaluator, Plan, cpu, map};
 use crate::picture::Picture;
 use crate::picture::colour::{self, ColourMap, Quantity};
 use crate::scene::Scene;
@@ -32,51 +32,61 @@ pub struct Map {
     pub peak_rms: f64,
     /// Pa (RMS) or rad, row 0 at the smallest y; there if wanted.
     pub numbers: Option<Vec<f32>>,
-    /// Who computed it and how long it took, for people.
+    /// The largest deviation from the f64 reference at some pixels, relative to the peak.
+    pub error: f64,
+    /// Who computed it, how, and how long it took, for people.
     pub how: String,
 }
 
 /// Evaluates and colours the field that a drive makes on the scene's plane.
 pub fn draw(scene: &Scene, drive: &Drive, evaluator: &Evaluator, wanted: &Wanted) -> anyhow::Result<Map> {
     let start = Instant::now();
+    let (width, height) = (wanted.width, wanted.height);
     let aperture = Aperture::new(scene);
-    let samples = Samples::on_plane(&scene.plane, wanted.width, wanted.height)
+    let plan = Plan::new(&aperture, &scene.plane, (width, height), scene.plane.tolerance)
         .context("the plane's axes span no plane")?;
-    let sources = Sources::new(&aperture, drive, &samples);
+    let probes = map::probes(&plan);
     let phase = wanted.quantity == Quantity::Phase;
     let table = if phase { ColourMap::Cyclic } else { wanted.colours }.table();
     let numbers = |field: &[Complex32]| field.iter().map(|&p| wanted.quantity.of(p)).collect();
 
-    let (colours, peak, numbers, who) = match (evaluator, sources) {
-        (Evaluator::Gpu(gpu), Some(sources)) => {
-            let field = gpu.pressure(&sources, &samples)?;
-            let colours = field.colours(&Colouring { table: &table, phase, full: None })?;
-            // Only numbers that somebody wants leave the GPU.
-            let numbers = if wanted.numbers { Some(numbers(&field.read()?)) } else { None };
-            (colours, field.peak()?, numbers, gpu.info().to_string())
-        }
-        (evaluator, sources) => {
-            let field = evaluator.pressure(&aperture, drive, &samples)?;
-            let peak = colour::peak(&field);
-            let colours = colour::colours(&field, wanted.quantity, &table, peak);
-            let who = match (evaluator, sources) {
-                (Evaluator::Cpu, Some(_)) => format!("the CPU evaluator ({})", cpu::Isa::best().name()),
-                (Evaluator::Reference, _) => "the f64 reference".to_owned(),
-                (_, None) => {
-                    "the f64 reference (f32 has no room for such elements or such absorption)".to_owned()
-                }
-                (Evaluator::Gpu(_), Some(_)) => unreachable!("taken above"),
-            };
-            (colours, peak, wanted.numbers.then(|| numbers(&field)), who)
-        }
+    let on_gpu = match evaluator {
+        Evaluator::Gpu(gpu) => map::on_gpu(gpu, &plan, &aperture, drive)?.map(|field| (gpu, field)),
+        Evaluator::Cpu | Evaluator::Reference => None,
     };
+    let (colours, peak, numbers, probed, who) = if let Some((gpu, field)) = on_gpu {
+        let colours = field.colours(&Colouring { table: &table, phase, full: None })?;
+        // Only numbers that somebody wants leave the GPU.
+        let numbers = if wanted.numbers { Some(numbers(&field.read()?)) } else { None };
+        (colours, field.peak()?, numbers, field.at(&probes)?, gpu.info().to_string())
+    } else {
+        let (field, who) = match evaluator {
+            Evaluator::Reference => {
+                (map::by_reference(&plan, &aperture, drive), "the f64 reference".to_owned())
+            }
+            Evaluator::Cpu | Evaluator::Gpu(_) => (
+                map::on_cpu(&plan, &aperture, drive),
+                format!("the CPU evaluator ({})", cpu::Isa::best().name()),
+            ),
+        };
+        let peak = colour::peak(&field);
+        let colours = colour::colours(&field, wanted.quantity, &table, peak);
+        let probed = probes.iter().map(|&pixel| field[pixel]).collect();
+        (colours, peak, wanted.numbers.then(|| numbers(&field)), probed, who)
+    };
+    let milliseconds = start.elapsed().as_secs_f64() * 1e3;
+    let error = map::measured_error(&plan, &aperture, drive, &probes, &probed, peak);
+    let reason =
+        if matches!(evaluator, Evaluator::Reference) { "every pixel is evaluated" } else { &plan.reason };
     Ok(Map {
-        picture: Picture::from_field_order(wanted.width, wanted.height, &colours),
+        picture: Picture::from_field_order(width, height, &colours),
         peak_rms: f64::from(peak) / SQRT_2,
         numbers,
+        error,
         how: format!(
-            "{who} took {:.1} ms for the field and its colours",
-            start.elapsed().as_secs_f64() * 1e3
+            "{who} took {milliseconds:.1} ms for the field and its colours\n  {reason}\n  measured error {error:.1e} of \
+             the peak at {} pixels",
+            probes.len()
         ),
     })
 }

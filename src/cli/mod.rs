@@ -89,7 +89,7 @@ struct RenderArgs {
     backend: BackendArgs,
     /// Largest error wanted, relative to the map's peak, or `exact`; instead of the scene's
     ///
-    /// The field is summed directly, which keeps 2e-5; a tolerance below that takes the f64 reference.
+    /// A looser tolerance evaluates fewer points and interpolates; `exact` evaluates every pixel.
     #[arg(long, value_name = "T|exact", allow_negative_numbers = true, value_parser = render::parse_tolerance)]
     tolerance: Option<f64>,
     /// Colours of pressure maps

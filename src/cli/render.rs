@@ -10,7 +10,7 @@ use crate::cli::map::{self, Wanted};
 use crate::cli::{
     Backend, Colours, DEFAULT_SHEET, EXAMPLE, Quantity, RenderArgs, evaluator, note, output, read_scene, warn,
 };
-use crate::field::Evaluator;
+use crate::field::{Evaluator, GpuError};
 use crate::picture::{Picture, colour, export, sheet};
 use crate::scene::{Scene, file};
 use crate::solver::{self, Solution};
@@ -21,8 +21,6 @@ const MOST_PIXELS: usize = 1 << 26;
 const SMALLEST_SHEET: usize = 200;
 const MAP_WIDTH: usize = 512;
 const SHEET_WIDTH: usize = 1600;
-/// What direct summation in f32 keeps, relative to the peak; tests hold the evaluators to it.
-const DIRECT_ERROR: f64 = 2e-5;
 
 /// `W` or `WxH`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -93,15 +91,22 @@ pub fn run(args: &RenderArgs) -> anyhow::Result<()> {
     for path in outputs.iter().chain(&args.data) {
         output::check_writable(path)?;
     }
-    let tolerances = scenes.iter().map(|solved| solved.scene.plane.tolerance);
-    let evaluator =
-        choose_evaluator(args.backend.backend, tolerances.filter(|&t| t > 0.0).fold(1.0, f64::min))?;
+    let mut evaluator = evaluator::for_maps(args.backend.backend)?;
 
     let bar = progress(scenes.len());
     for (solved, output) in scenes.iter().zip(&outputs) {
         bar.set_message(solved.name.clone());
         let start = Instant::now();
-        let rendered = render(solved, &evaluator, &look).with_context(|| solved.name.clone())?;
+        let rendered = match render(solved, &evaluator, &look) {
+            // A GPU that nobody asked for by name may fail without failing the job.
+            Err(error) if args.backend.backend == Backend::Auto && error.is::<GpuError>() => {
+                note(&format!("{error}; the CPU computes the field"));
+                evaluator = Evaluator::Cpu;
+                render(solved, &evaluator, &look)
+            }
+            rendered => rendered,
+        };
+        let rendered = rendered.with_context(|| solved.name.clone())?;
         rendered.write(output, args.data.as_deref())?;
         bar.suspend(|| {
             println!("{}", rendered.line(output));
@@ -113,20 +118,6 @@ pub fn run(args: &RenderArgs) -> anyhow::Result<()> {
     }
     bar.finish_and_clear();
     Ok(())
-}
-
-fn choose_evaluator(backend: Backend, tolerance: f64) -> anyhow::Result<Evaluator> {
-    let too_fine = tolerance < DIRECT_ERROR;
-    if too_fine && backend == Backend::Auto {
-        note(&format!(
-            "a tolerance of {tolerance:e} is finer than f32 keeps; the f64 reference computes the field"
-        ));
-        return Ok(Evaluator::Reference);
-    }
-    if too_fine && matches!(backend, Backend::Gpu | Backend::Cpu) {
-        warn(&format!("a tolerance of {tolerance:e} may not be reached: f32 keeps {DIRECT_ERROR:e}"));
-    }
-    Ok(evaluator::for_maps(backend)?)
 }
 
 /// One output per scene: the file itself, or files in a folder.
@@ -276,6 +267,13 @@ fn render(solved: &Solved, evaluator: &Evaluator, look: &Look) -> anyhow::Result
         if look.quantity == Quantity::Phase { colour::Quantity::Phase } else { colour::Quantity::Rms };
     let wanted = Wanted { width, height, quantity, colours: look.colours.map(), numbers: look.numbers };
     let map = map::draw(scene, &solution.drive, evaluator, &wanted)?;
+    let tolerance = scene.plane.tolerance;
+    if tolerance > 0.0 && map.error > tolerance {
+        warn(&format!(
+            "{name}: the map's error is {:.1e} of its peak, more than the {tolerance:e} wanted",
+            map.error
+        ));
+    }
     let picture = if is_sheet {
         sheet::sheet(scene, solution, name, &map.picture, (look.colours.map(), map.peak_rms), page)?
     } else {

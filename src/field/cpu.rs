@@ -82,6 +82,37 @@ pub fn pressure_with(isa: Isa, sources: &Sources, samples: &Samples) -> Vec<Comp
     field
 }
 
+/// Adds up lines of numbers, each `stride` after the one before, with a weight each: the interpolation's inner loop.
+pub fn weighted_sum(lines: &[f32], stride: usize, weights: &[f32], sum: &mut [f32]) {
+    match Isa::best().0 {
+        Set::Baseline => weighted_lines::<false>(lines, stride, weights, sum),
+        #[cfg(target_arch = "x86_64")]
+        set => wide::weighted_sum(set, lines, stride, weights, sum),
+    }
+}
+
+#[inline(always)]
+fn weighted_lines<const FMA: bool>(lines: &[f32], stride: usize, weights: &[f32], sum: &mut [f32]) {
+    const RUN: usize = 64;
+    let (runs, rest) = sum.as_chunks_mut::<RUN>();
+    for (index, run) in runs.iter_mut().enumerate() {
+        let mut total = [0.0; RUN];
+        for (line, weight) in weights.iter().enumerate() {
+            let start = line * stride + index * RUN;
+            let values: &[f32; RUN] = lines[start..].first_chunk().expect("a line is as long as the sum");
+            for lane in 0..RUN {
+                total[lane] = add::<FMA>(*weight, values[lane], total[lane]);
+            }
+        }
+        *run = total;
+    }
+    let first = runs.len() * RUN;
+    for (index, value) in rest.iter_mut().enumerate() {
+        let at = |line: usize| lines[line * stride + first + index];
+        *value = weights.iter().enumerate().map(|(line, weight)| weight * at(line)).sum();
+    }
+}
+
 /// The places of one block.
 struct Points {
     x: [f32; LANES],
@@ -138,7 +169,7 @@ fn block_of(isa: Isa, sources: &Sources) -> Block {
 )]
 mod wide {
     use crate::field::cpu::{
-        Block, FEW_DECAY, FEW_DIRECTIVITY, Points, Set, Sources, Sum, exact_piston, far_field,
+        Block, FEW_DECAY, FEW_DIRECTIVITY, Points, Set, Sources, Sum, exact_piston, far_field, weighted_lines,
     };
 
     pub(super) fn block_of(set: Set, sources: &Sources, common: bool) -> Block {
@@ -162,6 +193,24 @@ mod wide {
     #[target_feature(enable = "avx512f,avx512dq,avx2,fma")]
     fn far_field_avx512<const D: usize, const A: usize>(sources: &Sources, points: &Points) -> Sum {
         far_field::<true, D, A>(sources, points)
+    }
+
+    pub(super) fn weighted_sum(set: Set, lines: &[f32], stride: usize, weights: &[f32], sum: &mut [f32]) {
+        if set == Set::Avx512 {
+            unsafe { weighted_sum_avx512(lines, stride, weights, sum) }
+        } else {
+            unsafe { weighted_sum_avx2(lines, stride, weights, sum) }
+        }
+    }
+
+    #[target_feature(enable = "avx2,fma")]
+    fn weighted_sum_avx2(lines: &[f32], stride: usize, weights: &[f32], sum: &mut [f32]) {
+        weighted_lines::<true>(lines, stride, weights, sum);
+    }
+
+    #[target_feature(enable = "avx512f,avx512dq,avx2,fma")]
+    fn weighted_sum_avx512(lines: &[f32], stride: usize, weights: &[f32], sum: &mut [f32]) {
+        weighted_lines::<true>(lines, stride, weights, sum);
     }
 
     #[target_feature(enable = "avx2,fma")]

@@ -6,6 +6,9 @@
 
 pub mod cpu;
 pub mod gpu;
+pub mod interpolation;
+pub mod map;
+pub mod plan;
 pub mod reference;
 pub mod sources;
 
@@ -17,6 +20,7 @@ use crate::drive::Drive;
 use crate::scene::Plane;
 
 pub use gpu::{Gpu, GpuError};
+pub use plan::Plan;
 pub use sources::Sources;
 
 /// Where the field is wanted: sample (i, j) stands at `columns[i] + rows[j]`.

@@ -127,9 +127,8 @@ impl<const MOST: usize> Polynomial<MOST> {
 /// Bounds of every distance (m) between an element and a sample.
 fn distances(aperture: &Aperture, samples: &Samples) -> (f64, f64) {
     let (low, high) = samples.bounds();
-    let (first, last) =
-        (aperture.positions[0].extend(0.0), aperture.positions[aperture.positions.len() - 1].extend(0.0));
-    let far = (high - first).abs().max((low - last).abs()).length();
+    let (first, last) = aperture.corners();
+    let far = (high - first.extend(0.0)).abs().max((low - last.extend(0.0)).abs()).length();
     let near = low.z.max(0.0);
     // A single point straight above a single element still needs a range to scale by.
     (near, far.max(near + 0.01))

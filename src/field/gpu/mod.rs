@@ -4,22 +4,21 @@
 //! changes from run to run travels in `Params`.
 
 pub mod adapter;
+mod field;
 pub mod program;
 
 use std::cell::RefCell;
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex};
 
-use num_complex::Complex32;
 use wgpu::util::DeviceExt;
 
 use crate::field::Samples;
 use crate::field::sources::{MOST_NODES, Sources};
-use program::{
-    FieldProgram, Params, PeakParams, PictureParams, SAMPLES_PER_INVOCATION, UNIFORM_ELEMENTS, WORKGROUP,
-};
+use program::{FieldProgram, Params, SAMPLES_PER_INVOCATION, UNIFORM_ELEMENTS, WORKGROUP};
 
 pub use adapter::AdapterInfo;
+pub use field::{Colouring, GpuField};
 
 /// Samples in one buffer; larger fields are cut into bands.
 const MOST_SAMPLES_PER_BAND: u64 = 1 << 24;
@@ -28,8 +27,6 @@ const MOST_PAIRS_PER_RUN: u64 = 1 << 31;
 /// Rounds of loops in one invocation of the field: llvmpipe leaves a shader's loops after 65 535 of them in all, and
 /// says nothing.
 const MOST_ROUNDS_PER_RUN: u32 = 1 << 15;
-/// Workgroups of the passes that walk over a whole band.
-const WALKING_GROUPS: u32 = 1024;
 /// How long one submission may take.
 const TIMEOUT: std::time::Duration = std::time::Duration::from_secs(120);
 
@@ -53,6 +50,7 @@ pub struct Gpu {
     fields: RefCell<HashMap<FieldProgram, wgpu::ComputePipeline>>,
     peak: wgpu::ComputePipeline,
     picture: wgpu::ComputePipeline,
+    interpolation: wgpu::ComputePipeline,
     /// The first error that no call was there to return.
     failure: Arc<Mutex<Option<GpuError>>>,
 }
@@ -77,8 +75,10 @@ impl Gpu {
         watch(&device, &failure);
         let peak = pipeline(&device, "peak", &program::peak_source());
         let picture = pipeline(&device, "picture", &program::picture_source());
+        let interpolation = pipeline(&device, "interpolation", &program::interpolation_source());
         let info = AdapterInfo::new(adapter);
-        let gpu = Self { device, queue, info, fields: RefCell::default(), peak, picture, failure };
+        let fields = RefCell::default();
+        let gpu = Self { device, queue, info, fields, peak, picture, interpolation, failure };
         gpu.check()?;
         Ok(gpu)
     }
@@ -98,7 +98,7 @@ impl Gpu {
         };
         let pipeline = self.field_pipeline(program);
         let inputs = Inputs::new(self, program, sources, samples);
-        let mut field = GpuField { gpu: self, bands: Vec::new() };
+        let mut field = GpuField::empty(self);
         let total = samples.len() as u64;
         let band_length = self.samples_per_band();
         for first in (0..total).step_by(band_length as usize) {
@@ -122,7 +122,7 @@ impl Gpu {
                     self.run_field(&pipeline, &inputs, &params, &buffer);
                 }
             }
-            field.bands.push(Band { buffer, count: count as u32 });
+            field.push(buffer, count as u32);
         }
         self.check()?;
         Ok(field)
@@ -319,90 +319,5 @@ fn params(sources: &Sources, samples: &Samples) -> Params {
         radius,
         piston_scale: if nodes > 0 { 2.0 / (radius * nodes as f32) } else { 0.0 },
         ..Params::default()
-    }
-}
-
-/// Samples that share a buffer.
-#[derive(Debug)]
-struct Band {
-    buffer: wgpu::Buffer,
-    count: u32,
-}
-
-/// A field that lies on the GPU.
-#[derive(Debug)]
-pub struct GpuField<'a> {
-    gpu: &'a Gpu,
-    bands: Vec<Band>,
-}
-
-/// What the picture pass makes of a field.
-#[derive(Clone, Copy, Debug)]
-pub struct Colouring<'a> {
-    /// Colours as the bytes r, g, b, a.
-    pub table: &'a [[u8; 4]; 256],
-    /// Phase, rather than magnitude.
-    pub phase: bool,
-    /// |p| (Pa, peak) that gets the last colour; the field's peak if `None`.
-    pub full: Option<f32>,
-}
-
-impl GpuField<'_> {
-    /// The field as numbers.
-    ///
-    /// # Errors
-    /// The device was lost.
-    pub fn read(&self) -> Result<Vec<Complex32>, GpuError> {
-        let mut field = Vec::new();
-        for band in &self.bands {
-            field.extend_from_slice(bytemuck::cast_slice(&self.gpu.read(&band.buffer)?));
-        }
-        Ok(field)
-    }
-
-    /// The largest |p|, Pa.
-    ///
-    /// # Errors
-    /// The device was lost.
-    pub fn peak(&self) -> Result<f32, GpuError> {
-        let bytes = self.gpu.read(&self.peak_buffer())?;
-        Ok(bytemuck::pod_read_unaligned(&bytes))
-    }
-
-    /// The field as colours, r, g, b, a of every sample in the field's order.
-    ///
-    /// # Errors
-    /// The device was lost.
-    pub fn colours(&self, colouring: &Colouring<'_>) -> Result<Vec<u8>, GpuError> {
-        let table =
-            self.gpu.filled("colours", bytemuck::cast_slice(colouring.table), wgpu::BufferUsages::STORAGE);
-        let peak = self.peak_buffer();
-        let mut picture = Vec::new();
-        for band in &self.bands {
-            let params = PictureParams {
-                count: band.count,
-                invocations: WALKING_GROUPS * WORKGROUP,
-                quantity: u32::from(colouring.phase),
-                full: colouring.full.unwrap_or(0.0),
-            };
-            let params = self.gpu.filled("params", bytemuck::bytes_of(&params), wgpu::BufferUsages::UNIFORM);
-            let usage = wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_SRC;
-            let out = self.gpu.buffer("picture", u64::from(band.count) * 4, usage);
-            let bindings = [(0, &params), (1, &band.buffer), (2, &peak), (3, &table), (4, &out)];
-            self.gpu.dispatch(&self.gpu.picture, &bindings, WALKING_GROUPS);
-            picture.extend(self.gpu.read(&out)?);
-        }
-        Ok(picture)
-    }
-
-    fn peak_buffer(&self) -> wgpu::Buffer {
-        let usage = wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_SRC;
-        let peak = self.gpu.filled("peak", &[0; 4], usage);
-        for band in &self.bands {
-            let params = PeakParams { count: band.count, invocations: WALKING_GROUPS * WORKGROUP };
-            let params = self.gpu.filled("params", bytemuck::bytes_of(&params), wgpu::BufferUsages::UNIFORM);
-            self.gpu.dispatch(&self.gpu.peak, &[(0, &params), (1, &band.buffer), (2, &peak)], WALKING_GROUPS);
-        }
-        peak
     }
 }

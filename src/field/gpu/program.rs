@@ -52,6 +52,19 @@ pub struct PictureParams {
     pub full: f32,
 }
 
+/// The same struct as in `shaders/interpolation.wgsl`.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+pub struct ResampleParams {
+    pub pixels: u32,
+    pub lines: u32,
+    pub taps: u32,
+    pub tap_stride: u32,
+    pub line_stride: u32,
+    pub across: u32,
+    pub invocations: u32,
+}
+
 /// The field's program comes in four forms.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct FieldProgram {
@@ -92,6 +105,10 @@ pub fn peak_source() -> String {
 
 pub fn picture_source() -> String {
     [&constants(), include_str!("../../../shaders/picture.wgsl")].join("\n")
+}
+
+pub fn interpolation_source() -> String {
+    [&constants(), include_str!("../../../shaders/interpolation.wgsl")].join("\n")
 }
 
 /// What Rust and WGSL must agree on is written once, here.
@@ -157,6 +174,7 @@ mod tests {
             FieldProgram::ALL.iter().map(|program| (format!("{program:?}"), program.source())).collect();
         sources.push(("peak".to_owned(), peak_source()));
         sources.push(("picture".to_owned(), picture_source()));
+        sources.push(("interpolation".to_owned(), interpolation_source()));
         for (name, source) in sources {
             let module = module(&name, &source);
             assert_eq!(module.entry_points.len(), 1, "{name}");
@@ -169,7 +187,7 @@ mod tests {
         let programs: String = FieldProgram::ALL
             .iter()
             .map(|program| program.source())
-            .chain([peak_source(), picture_source()])
+            .chain([peak_source(), picture_source(), interpolation_source()])
             .collect();
         let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/shaders");
         let mut files = 0;
@@ -212,5 +230,10 @@ mod tests {
         assert_same_layout!(&module("peak", &peak_source()), PeakParams { count, invocations });
         let picture = module("picture", &picture_source());
         assert_same_layout!(&picture, PictureParams { count, invocations, quantity, full });
+        let interpolation = module("interpolation", &interpolation_source());
+        assert_same_layout!(
+            &interpolation,
+            ResampleParams { pixels, lines, taps, tap_stride, line_stride, across, invocations }
+        );
     }
 }
