@@ -7,6 +7,7 @@ use std::f64::consts::TAU;
 use glam::{DVec3, dvec3};
 use num_complex::Complex64;
 use proptest::prelude::*;
+use proptest::test_runner::RngSeed;
 use sonoglyph::acoustics::Aperture;
 use sonoglyph::scene::{Method, Scene, Shape, Target};
 use sonoglyph::solver::{self, Solution, SolveError};
@@ -123,7 +124,7 @@ fn elements_that_are_off_stay_off() {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 40, failure_persistence: None, ..ProptestConfig::default() })]
+    #![proptest_config(ProptestConfig { cases: 40, failure_persistence: None, rng_seed: RngSeed::Fixed(40_000), ..ProptestConfig::default() })]
 
     #[test]
     fn random_sets_are_solved_soundly_and_best_is_best(

@@ -41,52 +41,49 @@ pub struct Map {
 /// Evaluates and colours the field that a drive makes on the scene's plane.
 pub fn draw(scene: &Scene, drive: &Drive, evaluator: &Evaluator, wanted: &Wanted) -> anyhow::Result<Map> {
     let start = Instant::now();
-    let (width, height) = (wanted.width, wanted.height);
     let aperture = Aperture::new(scene);
-    let plan = Plan::new(&aperture, &scene.plane, (width, height), scene.plane.tolerance)
+    let plan = Plan::new(&aperture, &scene.plane, (wanted.width, wanted.height), scene.plane.tolerance)
         .context("the plane's axes span no plane")?;
-    let probes = map::probes(&plan);
+    let tolerance = scene.plane.tolerance;
     let phase = wanted.quantity == Quantity::Phase;
     let table = if phase { ColourMap::Cyclic } else { wanted.colours }.table();
     let numbers = |field: &[Complex32]| field.iter().map(|&p| wanted.quantity.of(p)).collect();
 
     let on_gpu = match evaluator {
-        Evaluator::Gpu(gpu) => map::on_gpu(gpu, &plan, &aperture, drive)?.map(|field| (gpu, field)),
+        Evaluator::Gpu(gpu) => map::by_gpu(gpu, &plan, &aperture, drive, tolerance)?.map(|map| (gpu, map)),
         Evaluator::Cpu | Evaluator::Reference => None,
     };
-    let (colours, peak, numbers, probed, who) = if let Some((gpu, field)) = on_gpu {
-        let colours = field.colours(&Colouring { table: &table, phase, full: None })?;
+    if let Some((gpu, map)) = on_gpu {
+        let colours = map.field.colours(&Colouring { table: &table, phase, full: Some(map.peak) })?;
         // Only numbers that somebody wants leave the GPU.
-        let numbers = if wanted.numbers { Some(numbers(&field.read()?)) } else { None };
-        (colours, field.peak()?, numbers, field.at(&probes)?, gpu.info().to_string())
-    } else {
-        let (field, who) = match evaluator {
-            Evaluator::Reference => {
-                (map::by_reference(&plan, &aperture, drive), "the f64 reference".to_owned())
-            }
-            Evaluator::Cpu | Evaluator::Gpu(_) => (
-                map::on_cpu(&plan, &aperture, drive),
-                format!("the CPU evaluator ({})", cpu::Isa::best().name()),
-            ),
-        };
-        let peak = colour::peak(&field);
-        let colours = colour::colours(&field, wanted.quantity, &table, peak);
-        let probed = probes.iter().map(|&pixel| field[pixel]).collect();
-        (colours, peak, wanted.numbers.then(|| numbers(&field)), probed, who)
-    };
-    let milliseconds = start.elapsed().as_secs_f64() * 1e3;
-    let error = map::measured_error(&plan, &aperture, drive, &probes, &probed, peak);
-    let reason =
-        if matches!(evaluator, Evaluator::Reference) { "every pixel is evaluated" } else { &plan.reason };
-    Ok(Map {
-        picture: Picture::from_field_order(width, height, &colours),
-        peak_rms: f64::from(peak) / SQRT_2,
-        numbers,
-        error,
-        how: format!(
-            "{who} took {milliseconds:.1} ms for the field and its colours\n  {reason}\n  measured error {error:.1e} of \
-             the peak at {} pixels",
-            probes.len()
+        let numbers = if wanted.numbers { Some(numbers(&map.field.read()?)) } else { None };
+        return Ok(finish(&map, &gpu.info().to_string(), &colours, numbers, start));
+    }
+    let (map, who) = match evaluator {
+        Evaluator::Reference => (map::by_reference(plan, &aperture, drive), "the f64 reference".to_owned()),
+        Evaluator::Cpu | Evaluator::Gpu(_) => (
+            map::by_cpu(plan, &aperture, drive, tolerance),
+            format!("the CPU evaluator ({})", cpu::Isa::best().name()),
         ),
-    })
+    };
+    let colours = colour::colours(&map.field, wanted.quantity, &table, map.peak);
+    let numbers = wanted.numbers.then(|| numbers(&map.field));
+    Ok(finish(&map, &who, &colours, numbers, start))
+}
+
+fn finish<F>(map: &map::Map<F>, who: &str, colours: &[u8], numbers: Option<Vec<f32>>, start: Instant) -> Map {
+    let plan = &map.plan;
+    Map {
+        picture: Picture::from_field_order(plan.width, plan.height, colours),
+        peak_rms: f64::from(map.peak) / SQRT_2,
+        numbers,
+        error: map.error,
+        how: format!(
+            "{who} took {:.1} ms for the field and its colours\n  {}{}\n  measured error {:.1e} of the peak",
+            start.elapsed().as_secs_f64() * 1e3,
+            plan.reason,
+            if plan.double { "; in f64, since f32 rounds too much for the tolerance" } else { "" },
+            map.error
+        ),
+    }
 }

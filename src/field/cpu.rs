@@ -6,6 +6,8 @@
 
 #![expect(clippy::needless_range_loop, reason = "lanes are what is looped over, in several arrays at once")]
 
+use std::sync::LazyLock;
+
 use num_complex::Complex32;
 use rayon::prelude::*;
 
@@ -14,7 +16,7 @@ use crate::field::Samples;
 use crate::field::sources::{COSINE, FEW_DECAY, FEW_DIRECTIVITY, Piston, SINE, Sources};
 
 /// Points computed together.
-const LANES: usize = 32;
+const LANES: usize = 64;
 /// Adding and taking away this rounds an f32 of less than 2²² to the nearest whole number.
 const ROUNDER: f32 = 12_582_912.0;
 
@@ -49,7 +51,8 @@ impl Isa {
 
     /// The best that this machine has.
     pub fn best() -> Self {
-        Self::available().pop().unwrap_or(Self(Set::Baseline))
+        static BEST: LazyLock<Isa> = LazyLock::new(|| Isa::available().pop().unwrap_or(Isa(Set::Baseline)));
+        *BEST
     }
 
     pub fn name(self) -> &'static str {
@@ -234,20 +237,29 @@ fn far_field<const FMA: bool, const D: usize, const A: usize>(sources: &Sources,
     let mut sum = Sum { re: [0.0; LANES], im: [0.0; LANES] };
     for &[x, y, phase, strength] in &sources.elements {
         let phase = 2.0 * phase;
+        // Stage by stage over all lanes: neighbouring instructions then do not wait for each other.
+        let mut rho2 = [0.0; LANES];
+        let mut r = [0.0; LANES];
+        let mut both = [0.0; LANES];
+        let mut amplitude = [0.0; LANES];
         for lane in 0..LANES {
             let (dx, dy, z) = (points.x[lane] - x, points.y[lane] - y, points.z[lane]);
-            let rho2 = add::<FMA>(dx, dx, dy * dy);
-            let r = add::<FMA>(z, z, rho2).sqrt();
-            let path = r + z;
-            // One division for the two that are needed.
-            let both = 1.0 / (r * path);
-            let inverse = path * both;
-            let s = add::<FMA>(2.0 * rho2 * inverse, inverse, -1.0);
-            let decayed = horner::<FMA, A>(&decay, add::<FMA>(r, decay_slope, decay_offset));
-            let amplitude = strength * inverse * horner::<FMA, D>(&directivity, s) * decayed;
-            let (cos, sin) = turn::<FMA>(rho2 * (r * both), half_turns_per_metre, phase);
-            sum.re[lane] = add::<FMA>(amplitude, cos, sum.re[lane]);
-            sum.im[lane] = add::<FMA>(amplitude, -sin, sum.im[lane]);
+            rho2[lane] = add::<FMA>(dx, dx, dy * dy);
+            r[lane] = add::<FMA>(z, z, rho2[lane]).sqrt();
+        }
+        for lane in 0..LANES {
+            both[lane] = 1.0 / (r[lane] * (r[lane] + points.z[lane]));
+        }
+        for lane in 0..LANES {
+            let inverse = (r[lane] + points.z[lane]) * both[lane];
+            let s = add::<FMA>(2.0 * rho2[lane] * inverse, inverse, -1.0);
+            let decayed = horner::<FMA, A>(&decay, add::<FMA>(r[lane], decay_slope, decay_offset));
+            amplitude[lane] = strength * inverse * horner::<FMA, D>(&directivity, s) * decayed;
+        }
+        for lane in 0..LANES {
+            let (cos, sin) = turn::<FMA>(rho2[lane] * (r[lane] * both[lane]), half_turns_per_metre, phase);
+            sum.re[lane] = add::<FMA>(amplitude[lane], cos, sum.re[lane]);
+            sum.im[lane] = add::<FMA>(amplitude[lane], -sin, sum.im[lane]);
         }
     }
     sum

@@ -7,6 +7,9 @@ use rayon::prelude::*;
 
 use crate::field::cpu;
 
+/// Values behind every line: lines a power of two apart would share the few places that a cache has for each address.
+const PADDING: usize = 8;
+
 /// For every pixel along an axis, the first of the samples it is made of and their weights.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Resampling {
@@ -21,15 +24,17 @@ impl Resampling {
     /// `positions` of the pixels in samples, none below `half_width` - 1; a window of 2 `half_width` taps and shape β.
     pub fn new(positions: impl Iterator<Item = f64>, half_width: usize, beta: f64) -> Self {
         let taps = 2 * half_width;
+        let peak = bessel_i0(beta);
         let (mut first, mut weights) = (Vec::new(), Vec::new());
         for position in positions {
             // Rounding may put the first pixel a hair before its sample.
             let below = (position + 1e-9).floor().max((half_width - 1) as f64);
             let start = below as usize - (half_width - 1);
             first.push(start as u32);
-            weights.extend(
-                (0..taps).map(|tap| kernel(position - (start + tap) as f64, half_width as f64, beta) as f32),
-            );
+            weights
+                .extend((0..taps).map(|tap| {
+                    kernel(position - (start + tap) as f64, half_width as f64, beta, peak) as f32
+                }));
         }
         Self { taps, first, weights }
     }
@@ -54,14 +59,14 @@ impl Resampling {
     }
 }
 
-/// sinc(x) times the Kaiser window of half-width K at x.
-fn kernel(x: f64, half_width: f64, beta: f64) -> f64 {
+/// sinc(x) times the Kaiser window of half-width K at x, `peak` being I0(β).
+fn kernel(x: f64, half_width: f64, beta: f64, peak: f64) -> f64 {
     let inside = 1.0 - (x / half_width).powi(2);
     if inside <= 0.0 {
         return 0.0;
     }
     let sinc = if x.abs() < 1e-9 { 1.0 } else { (PI * x).sin() / (PI * x) };
-    sinc * bessel_i0(beta * inside.sqrt()) / bessel_i0(beta)
+    sinc * bessel_i0(beta * inside.sqrt()) / peak
 }
 
 /// The modified Bessel function I0 by its power series, all of whose terms are positive.
@@ -78,37 +83,97 @@ fn bessel_i0(x: f64) -> f64 {
     sum
 }
 
-/// Interpolates samples (row by row, `columns` in a row) across and up; the pixels come out row by row.
+/// Interpolates samples (row by row, `columns` in a row) across and up into pixels, row by row.
 pub fn interpolate(
     samples: &[Complex32],
     columns: usize,
     across: &Resampling,
     up: &Resampling,
-) -> Vec<Complex32> {
+    pixels: &mut [Complex32],
+) {
     let rows = samples.len() / columns;
     // Both passes work along the slow axis, where whole runs of neighbours share their weights.
-    let wide = resample(&transposed(samples, columns), rows, across);
-    resample(&transposed(&wide, rows), across.len(), up)
+    let mut wide = vec![Complex32::ZERO; across.len() * rows];
+    resample(&transposed(samples, columns), across, &mut wide, rows);
+    resample(&transposed(&wide, rows), up, pixels, across.len());
 }
 
-/// From lines of `length` values to one line per pixel.
-fn resample(lines: &[Complex32], length: usize, resampling: &Resampling) -> Vec<Complex32> {
-    let mut pixels = vec![Complex32::ZERO; resampling.len() * length];
-    pixels.par_chunks_mut(length).enumerate().for_each(|(pixel, line)| {
-        let (first, weights) = resampling.of(pixel);
-        weighted_sum(&lines[first * length..(first + weights.len()) * length], weights, line);
+/// From lines of `length` values (and [`PADDING`]), one per sample, to one line per pixel.
+fn resample(samples: &[Complex32], resampling: &Resampling, pixels: &mut [Complex32], length: usize) {
+    /// Pixels that one task makes: most of them share their samples, which then stay in the nearest cache.
+    const PIXELS: usize = 32;
+    /// Values of a line that are worked on together.
+    const RUN: usize = 128;
+    pixels.par_chunks_mut(PIXELS * length).enumerate().for_each(|(task, lines)| {
+        for start in (0..length).step_by(RUN) {
+            let run = start..length.min(start + RUN);
+            for (offset, line) in lines.chunks_exact_mut(length).enumerate() {
+                let (first, weights) = resampling.of(task * PIXELS + offset);
+                let samples = &samples[first * (length + PADDING) + start..];
+                cpu::weighted_sum(
+                    bytemuck::cast_slice(samples),
+                    2 * (length + PADDING),
+                    weights,
+                    bytemuck::cast_slice_mut(&mut line[run.clone()]),
+                );
+            }
+        }
     });
-    pixels
 }
 
-/// The sum of as many lines as there are weights.
-fn weighted_sum(lines: &[Complex32], weights: &[f32], sum: &mut [Complex32]) {
-    let length = sum.len();
-    let (lines, sum): (&[f32], &mut [f32]) = (bytemuck::cast_slice(lines), bytemuck::cast_slice_mut(sum));
-    cpu::weighted_sum(lines, 2 * length, weights, sum);
-}
-
+/// Columns as rows, each followed by [`PADDING`].
 fn transposed(values: &[Complex32], columns: usize) -> Vec<Complex32> {
     let rows = values.len() / columns;
-    (0..columns).flat_map(|column| (0..rows).map(move |row| values[row * columns + column])).collect()
+    let mut lines = vec![Complex32::ZERO; columns * (rows + PADDING)];
+    lines.par_chunks_mut(rows + PADDING).enumerate().for_each(|(column, line)| {
+        for (row, value) in line[..rows].iter_mut().enumerate() {
+            *value = values[row * columns + column];
+        }
+    });
+    lines
+}
+
+#[cfg(test)]
+mod tests {
+    use std::f64::consts::TAU;
+
+    use super::*;
+
+    #[test]
+    fn a_wave_within_the_band_is_met_and_one_beyond_is_not() {
+        // Half-width 8 and β = 12 pass 0.5 - 12/(16 π) = 0.26 cycles per sample.
+        let positions = |i: usize| 7.0 + 0.113 * i as f64;
+        let resampling = Resampling::new((0..200).map(positions), 8, 12.0);
+        let worst = |cycles: f64| {
+            let at = |position: f64| (TAU * cycles * position).cos();
+            let off = |pixel: usize| {
+                let (first, weights) = resampling.of(pixel);
+                let sum: f64 =
+                    weights.iter().enumerate().map(|(i, w)| f64::from(*w) * at((first + i) as f64)).sum();
+                (sum - at(positions(pixel))).abs()
+            };
+            (0..200).map(off).fold(0.0, f64::max)
+        };
+        assert!(worst(0.0) < 1e-5 && worst(0.13) < 1e-5 && worst(0.25) < 1e-5, "{}", worst(0.25));
+        assert!(worst(0.45) > 1e-2);
+    }
+
+    #[test]
+    fn a_plane_of_samples_comes_out_as_many_pixels_across_and_up() {
+        let wave = |x: f64, y: f64| {
+            Complex32::new((0.3 * x + 0.5 * y).cos() as f32, (0.2 * x - 0.4 * y).sin() as f32)
+        };
+        let (columns, rows) = (40, 30);
+        let samples: Vec<_> =
+            (0..columns * rows).map(|i| wave((i % columns) as f64, (i / columns) as f64)).collect();
+        let place = |i: usize| 7.0 + 0.15 * i as f64;
+        let (width, height) = (131, 77);
+        let across = Resampling::new((0..width).map(place), 8, 12.0);
+        let up = Resampling::new((0..height).map(place), 8, 12.0);
+        let mut pixels = vec![Complex32::ZERO; width * height];
+        interpolate(&samples, columns, &across, &up, &mut pixels);
+        for (i, pixel) in pixels.iter().enumerate() {
+            assert!((pixel - wave(place(i % width), place(i / width))).norm() < 1e-5, "pixel {i}");
+        }
+    }
 }

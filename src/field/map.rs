@@ -11,34 +11,88 @@ use crate::field::{Gpu, GpuError, Plan, Samples, Sources, cpu, gpu::GpuField, re
 
 /// Pixels at which the reached error is measured.
 const PROBES: usize = 48;
+/// Rounding is spread evenly, so that the largest error of all pixels is less than this times the largest of [`PROBES`].
+const PROBE_MARGIN: f64 = 2.0;
+
+/// A map, and how well it keeps the tolerance.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Map<F> {
+    pub plan: Plan,
+    pub field: F,
+    /// The largest |P|, Pa.
+    pub peak: f32,
+    /// The largest deviation from the f64 reference at 48 pixels, relative to the peak. The largest of all pixels can be
+    /// several times that: six times was seen.
+    pub error: f64,
+}
 
 /// Complex pressure (Pa, peak) of every pixel, row by row, by the CPU.
-pub fn on_cpu(plan: &Plan, aperture: &Aperture, drive: &Drive) -> Vec<Complex32> {
+///
+/// Rounding in f32 is relative to what arrives, and where the elements cancel, the peak is less than that; the map is
+/// then made again in f64. A `tolerance` of 0 takes f32 as it is.
+pub fn by_cpu(mut plan: Plan, aperture: &Aperture, drive: &Drive, tolerance: f64) -> Map<Vec<Complex32>> {
+    let field = on_cpu(&plan, aperture, drive);
+    let peak = field.iter().map(|p| p.norm_sqr()).fold(0.0, f32::max).sqrt();
+    let probes = probes(&plan);
+    let probed: Vec<_> = probes.iter().map(|&pixel| field[pixel]).collect();
+    let error = measured_error(&plan, aperture, drive, &probes, &probed, peak);
+    if !plan.double && rounds_too_much(error, tolerance) {
+        plan.double = true;
+        return by_cpu(plan, aperture, drive, tolerance);
+    }
+    Map { plan, field, peak, error }
+}
+
+/// The same by the GPU, where the field stays. `None` where the tolerance needs f64.
+///
+/// # Errors
+/// The device was lost or has not enough memory.
+pub fn by_gpu<'a>(
+    gpu: &'a Gpu,
+    plan: &Plan,
+    aperture: &Aperture,
+    drive: &Drive,
+    tolerance: f64,
+) -> Result<Option<Map<GpuField<'a>>>, GpuError> {
+    let Some(field) = on_gpu(gpu, plan, aperture, drive)? else { return Ok(None) };
+    let (peak, probes) = (field.peak()?, probes(plan));
+    let error = measured_error(plan, aperture, drive, &probes, &field.at(&probes)?, peak);
+    Ok((!rounds_too_much(error, tolerance)).then(|| Map { plan: plan.clone(), field, peak, error }))
+}
+
+fn rounds_too_much(error: f64, tolerance: f64) -> bool {
+    tolerance > 0.0 && PROBE_MARGIN * error > tolerance
+}
+
+fn on_cpu(plan: &Plan, aperture: &Aperture, drive: &Drive) -> Vec<Complex32> {
     let evaluate = |samples: &Samples| match Sources::new(aperture, drive, samples) {
         Some(sources) if !plan.double => cpu::pressure(&sources, samples),
         // What f32 cannot do well, f64 does slowly.
         _ => reference::pressure(aperture, drive, samples).into_iter().map(narrow).collect(),
     };
     let Some(grid) = &plan.grid else { return evaluate(&plan.pixels()) };
-    let mut field = Vec::with_capacity(plan.width * plan.height);
-    let direct =
-        |rows: Range<usize>| if rows.is_empty() { Vec::new() } else { evaluate(&plan.pixel_rows(rows)) };
-    field.extend(direct(0..plan.interpolated.start));
-    field.extend(interpolate(&evaluate(&grid.samples), grid.samples.columns.len(), &grid.across, &grid.up));
-    field.extend(direct(plan.interpolated.end..plan.height));
+    let mut field = vec![Complex32::ZERO; plan.width * plan.height];
+    let pixels_of = |rows: &Range<usize>| rows.start * plan.width..rows.end * plan.width;
+    let interpolated = &mut field[pixels_of(&plan.interpolated)];
+    interpolate(&evaluate(&grid.samples), grid.samples.columns.len(), &grid.across, &grid.up, interpolated);
+    for rows in [0..plan.interpolated.start, plan.interpolated.end..plan.height] {
+        if !rows.is_empty() {
+            field[pixels_of(&rows)].copy_from_slice(&evaluate(&plan.pixel_rows(rows)));
+        }
+    }
     field
 }
 
 /// The same by the f64 reference at every pixel.
-pub fn by_reference(plan: &Plan, aperture: &Aperture, drive: &Drive) -> Vec<Complex32> {
-    reference::pressure(aperture, drive, &plan.pixels()).into_iter().map(narrow).collect()
+pub fn by_reference(mut plan: Plan, aperture: &Aperture, drive: &Drive) -> Map<Vec<Complex32>> {
+    let field: Vec<_> =
+        reference::pressure(aperture, drive, &plan.pixels()).into_iter().map(narrow).collect();
+    let peak = field.iter().map(|p| p.norm_sqr()).fold(0.0, f32::max).sqrt();
+    plan.reason = "every pixel is evaluated".to_owned();
+    Map { plan, field, peak, error: f64::from(f32::EPSILON) }
 }
 
-/// The same by the GPU, where the map stays. `None` where the plan needs f64.
-///
-/// # Errors
-/// The device was lost or has not enough memory.
-pub fn on_gpu<'a>(
+fn on_gpu<'a>(
     gpu: &'a Gpu,
     plan: &Plan,
     aperture: &Aperture,
@@ -76,14 +130,14 @@ pub fn on_gpu<'a>(
 }
 
 /// Pixels, spread without pattern, at which to measure the error.
-pub fn probes(plan: &Plan) -> Vec<usize> {
+fn probes(plan: &Plan) -> Vec<usize> {
     const GOLDEN: f64 = 0.618_033_988_749_894_8;
     let pixels = plan.width * plan.height;
     (1..=PROBES).map(|i| ((i as f64 * GOLDEN).fract() * pixels as f64) as usize).collect()
 }
 
 /// The largest deviation of `values` at the pixels `probes` from the f64 reference, relative to `peak` (Pa).
-pub fn measured_error(
+fn measured_error(
     plan: &Plan,
     aperture: &Aperture,
     drive: &Drive,

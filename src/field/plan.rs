@@ -22,6 +22,9 @@ const TAP_WORK: f64 = 0.1;
 /// Rounding of one turn of path, relative to a full turn, in f32.
 const F32_TURN_ERROR: f64 = 1.2e-7 * TAU;
 
+/// Fresnel zones by which the local frequency is blurred; found on random scenes.
+const BLUR: f64 = 0.15;
+
 /// What to evaluate for a map of a given size.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Plan {
@@ -89,13 +92,12 @@ impl Plan {
         }
         let grid = view.grid(&layout);
         let reason = format!(
-            "{} x {} samples of {:.2} x {:.2} wavelengths are evaluated{} and interpolated with {} taps to rows {} to {} \
+            "{} x {} samples of {:.2} x {:.2} wavelengths are evaluated and interpolated with {} taps to rows {} to {} \
              of {height}{}",
             grid.samples.columns.len(),
             grid.samples.rows.len(),
             layout.step.x / view.wavelength,
             layout.step.y / view.wavelength,
-            if double { " in f64" } else { "" },
             2 * layout.half_width,
             layout.rows.start,
             layout.rows.end - 1,
@@ -180,7 +182,7 @@ impl View {
     /// A Kaiser window of half-width K and shape β passes what lies below ½ - β/2πK cycles per sample and stops what lies
     /// above ½ + β/2πK, to about e^{-β}.
     fn layout(&self, half_width: usize, tolerance: f64) -> Option<Layout> {
-        const SHARE: f64 = 0.3;
+        const SHARE: f64 = 0.2;
         let beta = -(SHARE * tolerance).ln();
         let cycles_per_sample = 0.5 - beta / (TAU * half_width as f64);
         if cycles_per_sample < 0.05 {
@@ -195,8 +197,8 @@ impl View {
             if rows.is_empty() {
                 return None;
             }
-            let sines = DVec2::new(self.steepest(0, &rows, margin), self.steepest(1, &rows, margin));
-            step = cycles_per_sample * self.wavelength / sines;
+            let highest = |axis| self.highest_frequency(axis, &rows, margin, beta);
+            step = cycles_per_sample * self.wavelength / DVec2::new(highest(0), highest(1));
         }
         let rows = self.clear_rows(step * half_width as f64);
         (!rows.is_empty()).then_some(Layout { half_width, beta, step, rows })
@@ -207,9 +209,15 @@ impl View {
         let [x_axis, y_axis] = self.axes;
         let sagging = (self.half.x + margin.x) * x_axis.z.abs() + margin.y * y_axis.z.abs();
         let clear = |row: usize| self.centre.z + self.offset(1, row) * y_axis.z - sagging >= self.wavelength;
-        let first = (0..self.pixels[1]).find(|&row| clear(row)).unwrap_or(self.pixels[1]);
-        let end = (first..self.pixels[1]).find(|&row| !clear(row)).unwrap_or(self.pixels[1]);
-        first..end
+        // The height is linear in the row, so one end of the rows is clear and the other perhaps not.
+        let rows = self.pixels[1];
+        let upwards = y_axis.z >= 0.0;
+        let (mut low, mut high) = (0, rows);
+        while low < high {
+            let middle = low + (high - low) / 2;
+            if clear(middle) == upwards { high = middle } else { low = middle + 1 }
+        }
+        if upwards { low..rows } else { 0..low }
     }
 
     /// Distance (m) of a pixel from the plane's centre along an axis.
@@ -218,22 +226,28 @@ impl View {
         self.half[axis] * (2.0 * pixel as f64 / last - 1.0)
     }
 
-    /// A bound of |sin θ| along an axis over all rays to the rows and their margin.
-    fn steepest(&self, axis: usize, rows: &Range<usize>, margin: DVec2) -> f64 {
+    /// The highest spatial frequency along an axis, in cycles per wavelength, of which more than e^{-β} is left on the
+    /// rows and their margin.
+    ///
+    /// It is the sine of the steepest ray, blurred by the curvature of the wave fronts over one Fresnel zone; but no more
+    /// than what of the evanescent field, which falls by e^{-2πz√(f²-1)/λ}, comes so far.
+    fn highest_frequency(&self, axis: usize, rows: &Range<usize>, margin: DVec2, beta: f64) -> f64 {
         let along = self.axes[axis];
-        if along.z.abs() > 1e-9 {
-            return 1.0;
-        }
-        let reach = |corner: &DVec3| corner.dot(along).abs();
-        let array = self.corners.iter().map(reach).fold(0.0, f64::max).max(
-            // The other two corners.
-            DVec3::new(self.corners[0].x, self.corners[1].y, 0.0).dot(along).abs(),
-        );
-        let longest = self.centre.dot(along).abs() + self.half[axis] + margin[axis] + array;
         let [x_axis, y_axis] = self.axes;
-        let lowest = [rows.start, rows.end - 1].map(|row| self.centre.z + self.offset(1, row) * y_axis.z);
+        let heights = [rows.start, rows.end - 1].map(|row| self.centre.z + self.offset(1, row) * y_axis.z);
         let sagging = (self.half.x + margin.x) * x_axis.z.abs() + margin.y * y_axis.z.abs();
-        longest / longest.hypot(lowest[0].min(lowest[1]) - sagging)
+        let height = heights[0].min(heights[1]) - sagging;
+        let evanescent = beta / (TAU * height / self.wavelength);
+        let most = 1f64.hypot(evanescent);
+        if along.z.abs() > 1e-9 {
+            return most;
+        }
+        let [low, high] = self.corners;
+        let reach = [low, high, DVec3::new(low.x, high.y, 0.0)].map(|corner| corner.dot(along).abs());
+        let array = reach.into_iter().fold(0.0, f64::max);
+        let longest = self.centre.dot(along).abs() + self.half[axis] + margin[axis] + array;
+        let blur = BLUR * (beta * self.wavelength / height).sqrt();
+        (longest / longest.hypot(height) + blur).min(most)
     }
 
     fn sample_counts(&self, layout: &Layout) -> [usize; 2] {

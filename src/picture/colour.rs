@@ -63,11 +63,16 @@ pub fn peak(field: &[Complex32]) -> f32 {
 /// The field as colours r, g, b, a, in its own order; `full` is the |p| (Pa, peak) that gets the last colour. What
 /// `shaders/picture.wgsl` does.
 pub fn colours(field: &[Complex32], quantity: Quantity, table: &[[u8; 4]; 256], full: f32) -> Vec<u8> {
-    let index = |p: &Complex32| match quantity {
-        Quantity::Rms => ((p.norm() / full.max(1e-30)).clamp(0.0, 1.0) * 255.0 + 0.5) as usize,
-        Quantity::Phase => phase_index(f64::from(p.arg())),
+    let per_pascal = 255.0 / full.max(1e-30);
+    let coloured: Vec<[u8; 4]> = match quantity {
+        // No hypotenuse that guards against overflow: pressures are nowhere near it.
+        Quantity::Rms => field
+            .iter()
+            .map(|p| table[(p.norm_sqr().sqrt() * per_pascal + 0.5).min(255.0) as usize])
+            .collect(),
+        Quantity::Phase => field.iter().map(|p| table[phase_index(f64::from(p.arg()))]).collect(),
     };
-    field.iter().flat_map(|p| table[index(p)]).collect()
+    coloured.into_flattened()
 }
 
 /// The place of a phase (rad) in a cyclic table.
