@@ -9,7 +9,8 @@ use num_complex::Complex32;
 use crate::acoustics::Aperture;
 use crate::drive::Drive;
 use crate::field::gpu::Colouring;
-use crate::field::{Evaluator, Plan, cpu, map};
+use crate::field::map::{self, Map};
+use crate::field::{Evaluator, Plan, cpu};
 use crate::picture::Picture;
 use crate::picture::colour::{self, ColourMap, Quantity};
 use crate::scene::Scene;
@@ -26,7 +27,8 @@ pub struct Wanted {
     pub numbers: bool,
 }
 
-pub struct Map {
+/// A map as drawn.
+pub struct DrawnMap {
     pub picture: Picture,
     /// The largest RMS pressure, Pa.
     pub peak_rms: f64,
@@ -39,7 +41,12 @@ pub struct Map {
 }
 
 /// Evaluates and colours the field that a drive makes on the scene's plane.
-pub fn draw(scene: &Scene, drive: &Drive, evaluator: &Evaluator, wanted: &Wanted) -> anyhow::Result<Map> {
+pub fn draw(
+    scene: &Scene,
+    drive: &Drive,
+    evaluator: &Evaluator,
+    wanted: &Wanted,
+) -> anyhow::Result<DrawnMap> {
     let start = Instant::now();
     let aperture = Aperture::new(scene);
     let plan = Plan::new(&aperture, &scene.plane, (wanted.width, wanted.height), scene.plane.tolerance)
@@ -71,9 +78,9 @@ pub fn draw(scene: &Scene, drive: &Drive, evaluator: &Evaluator, wanted: &Wanted
     Ok(finish(&map, &who, &colours, numbers, start))
 }
 
-fn finish<F>(map: &map::Map<F>, who: &str, colours: &[u8], numbers: Option<Vec<f32>>, start: Instant) -> Map {
+fn finish<F>(map: &Map<F>, who: &str, colours: &[u8], numbers: Option<Vec<f32>>, start: Instant) -> DrawnMap {
     let plan = &map.plan;
-    Map {
+    DrawnMap {
         picture: Picture::from_field_order(plan.width, plan.height, colours),
         peak_rms: f64::from(map.peak) / SQRT_2,
         numbers,

@@ -30,17 +30,13 @@ pub struct Map<F> {
 ///
 /// Rounding in f32 is relative to what arrives, and where the elements cancel, the peak is less than that; the map is
 /// then made again in f64. A `tolerance` of 0 takes f32 as it is.
-pub fn by_cpu(mut plan: Plan, aperture: &Aperture, drive: &Drive, tolerance: f64) -> Map<Vec<Complex32>> {
+pub fn by_cpu(plan: Plan, aperture: &Aperture, drive: &Drive, tolerance: f64) -> Map<Vec<Complex32>> {
     let field = on_cpu(&plan, aperture, drive);
-    let peak = field.iter().map(|p| p.norm_sqr()).fold(0.0, f32::max).sqrt();
-    let probes = probes(&plan);
-    let probed: Vec<_> = probes.iter().map(|&pixel| field[pixel]).collect();
-    let error = measured_error(&plan, aperture, drive, &probes, &probed, peak);
-    if !plan.double && rounds_too_much(error, tolerance) {
-        plan.double = true;
-        return by_cpu(plan, aperture, drive, tolerance);
+    let map = measured(plan, field, aperture, drive);
+    if !map.plan.double && rounds_too_much(map.error, tolerance) {
+        return by_cpu(map.plan.in_f64(), aperture, drive, tolerance);
     }
-    Map { plan, field, peak, error }
+    map
 }
 
 /// The same by the GPU, where the field stays. `None` where the tolerance needs f64.
@@ -87,9 +83,16 @@ fn on_cpu(plan: &Plan, aperture: &Aperture, drive: &Drive) -> Vec<Complex32> {
 pub fn by_reference(mut plan: Plan, aperture: &Aperture, drive: &Drive) -> Map<Vec<Complex32>> {
     let field: Vec<_> =
         reference::pressure(aperture, drive, &plan.pixels()).into_iter().map(narrow).collect();
-    let peak = field.iter().map(|p| p.norm_sqr()).fold(0.0, f32::max).sqrt();
     plan.reason = "every pixel is evaluated".to_owned();
-    Map { plan, field, peak, error: f64::from(f32::EPSILON) }
+    measured(plan, field, aperture, drive)
+}
+
+fn measured(plan: Plan, field: Vec<Complex32>, aperture: &Aperture, drive: &Drive) -> Map<Vec<Complex32>> {
+    let peak = field.iter().map(|p| p.norm_sqr()).fold(0.0, f32::max).sqrt();
+    let probes = probes(&plan);
+    let probed: Vec<_> = probes.iter().map(|&pixel| field[pixel]).collect();
+    let error = measured_error(&plan, aperture, drive, &probes, &probed, peak);
+    Map { plan, field, peak, error }
 }
 
 fn on_gpu<'a>(

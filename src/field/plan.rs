@@ -1,7 +1,7 @@
 //! Which points to evaluate for a map, so that its error stays within a tolerance.
 //!
-//! Complex pressure on a plane has no spatial frequency above sinθ/λ, θ being the steepest angle at which a ray from the
-//! array meets the plane's axis. It is sampled a little finer than that asks for, with a margin, and interpolated with
+//! Complex pressure on a plane has hardly any spatial frequency above sinθ/λ, θ being the steepest angle at which a ray
+//! from the array meets the plane's axis. It is sampled a little finer than that asks for, with a margin, and interpolated with
 //! a Kaiser-windowed sinc; moduli are formed afterwards, since |p|² has twice the band. Where samples would come
 //! within a wavelength of the array, or would be more work than the map itself, every pixel is evaluated.
 
@@ -19,11 +19,12 @@ use crate::scene::Plane;
 const HALF_WIDTHS: [usize; 8] = [2, 3, 4, 5, 6, 8, 10, 12];
 /// Work of one tap of the interpolation, in evaluations of one sample-element pair.
 const TAP_WORK: f64 = 0.1;
-/// Rounding of one turn of path, relative to a full turn, in f32.
+/// rad by which f32 rounds a path, per turn of it.
 const F32_TURN_ERROR: f64 = 1.2e-7 * TAU;
-
-/// Fresnel zones by which the local frequency is blurred; found on random scenes.
+/// Fresnel zones by which the local frequency is blurred, and the part of the tolerance that the window is designed for;
+/// with these, 12 000 random scenes kept their tolerance.
 const BLUR: f64 = 0.15;
+const SHARE: f64 = 0.2;
 
 /// What to evaluate for a map of a given size.
 #[derive(Clone, Debug, PartialEq)]
@@ -110,6 +111,11 @@ impl Plan {
         Some(Self { interpolated: layout.rows, grid: Some(grid), double, ..direct(&reason) })
     }
 
+    /// The same plan with its samples evaluated in f64.
+    pub fn in_f64(self) -> Self {
+        Self { double: true, ..self }
+    }
+
     /// Every pixel of the map.
     pub fn pixels(&self) -> Samples {
         self.pixel_rows(0..self.height)
@@ -182,7 +188,6 @@ impl View {
     /// A Kaiser window of half-width K and shape β passes what lies below ½ - β/2πK cycles per sample and stops what lies
     /// above ½ + β/2πK, to about e^{-β}.
     fn layout(&self, half_width: usize, tolerance: f64) -> Option<Layout> {
-        const SHARE: f64 = 0.2;
         let beta = -(SHARE * tolerance).ln();
         let cycles_per_sample = 0.5 - beta / (TAU * half_width as f64);
         if cycles_per_sample < 0.05 {
