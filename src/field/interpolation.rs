@@ -54,9 +54,37 @@ impl Resampling {
         Self { taps: self.taps, first: self.first[pixels].to_vec(), weights }
     }
 
+    /// The same weights for `together` neighbouring pixels at a time.
+    pub fn blocks(&self, together: usize) -> Blocks {
+        let first: Vec<_> = self.first.chunks(together).map(|pixels| pixels[0]).collect();
+        let ends = self.first.chunks(together).map(|pixels| pixels[pixels.len() - 1] as usize + self.taps);
+        let span = first.iter().zip(ends).map(|(&first, end)| end - first as usize).max().unwrap_or(0);
+        let mut weights = vec![0.0; first.len() * span * together];
+        for pixel in 0..self.len() {
+            let block = pixel / together;
+            let (start, of_pixel) = self.of(pixel);
+            let offset = start - first[block] as usize;
+            for (tap, weight) in of_pixel.iter().enumerate() {
+                weights[(block * span + offset + tap) * together + pixel % together] = *weight;
+            }
+        }
+        Blocks { first, span, weights }
+    }
+
     fn of(&self, pixel: usize) -> (usize, &[f32]) {
         (self.first[pixel] as usize, &self.weights[pixel * self.taps..(pixel + 1) * self.taps])
     }
+}
+
+/// Weights of neighbouring pixels, for every sample that any of them needs.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Blocks {
+    /// The first sample of every block.
+    pub first: Vec<u32>,
+    /// Samples per block; of the last blocks some may lie beyond the last sample, with weight 0.
+    pub span: usize,
+    /// One weight per pixel, for every sample of every block.
+    pub weights: Vec<f32>,
 }
 
 /// sinc(x) times the Kaiser window of half-width K at x, `peak` being I0(β).

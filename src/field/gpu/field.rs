@@ -66,7 +66,7 @@ impl<'a> GpuField<'a> {
         let usage = wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_SRC;
         let rows = samples.count as usize / columns;
         let wide = gpu.buffer("wide", (rows * across.len() * 8) as u64, usage);
-        let lines = Lines { count: rows, stride: columns, tap_stride: 1, across: true };
+        let lines = Lines { count: rows, strides: [columns, across.len()], steps: [1, 1] };
         resample(gpu, &samples.buffer, &wide, across, &lines);
         let mut field = Self::empty(gpu);
         let rows_per_band = (gpu.samples_per_band() as usize / across.len()).max(1);
@@ -74,7 +74,7 @@ impl<'a> GpuField<'a> {
             let part = up.part(first..up.len().min(first + rows_per_band));
             let count = part.len() * across.len();
             let buffer = gpu.buffer("pressure", count as u64 * 8, usage);
-            let lines = Lines { count: across.len(), stride: 1, tap_stride: across.len(), across: false };
+            let lines = Lines { count: across.len(), strides: [1, 1], steps: [across.len(), across.len()] };
             resample(gpu, &wide, &buffer, &part, &lines);
             field.push(buffer, count as u32);
         }
@@ -145,7 +145,7 @@ impl<'a> GpuField<'a> {
             let usage = wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_SRC;
             let out = self.gpu.buffer("picture", u64::from(band.count) * 4, usage);
             let bindings = [(0, &params), (1, &band.buffer), (2, &peak), (3, &table), (4, &out)];
-            self.gpu.dispatch(&self.gpu.picture, &bindings, WALKING_GROUPS);
+            self.gpu.dispatch(&self.gpu.picture, &bindings, (WALKING_GROUPS, 1));
             picture.extend(self.gpu.read(&out)?);
         }
         Ok(picture)
@@ -157,37 +157,42 @@ impl<'a> GpuField<'a> {
         for band in &self.bands {
             let params = PeakParams { count: band.count, invocations: WALKING_GROUPS * WORKGROUP };
             let params = self.gpu.filled("params", bytemuck::bytes_of(&params), wgpu::BufferUsages::UNIFORM);
-            self.gpu.dispatch(&self.gpu.peak, &[(0, &params), (1, &band.buffer), (2, &peak)], WALKING_GROUPS);
+            self.gpu.dispatch(
+                &self.gpu.peak,
+                &[(0, &params), (1, &band.buffer), (2, &peak)],
+                (WALKING_GROUPS, 1),
+            );
         }
         peak
     }
 }
 
-/// How the lines lie that are resampled together.
+/// How the lines lie that are resampled together: in the samples, and in the pixels.
 struct Lines {
     count: usize,
     /// From one line to the next.
-    stride: usize,
-    /// From one sample of a line to the next.
-    tap_stride: usize,
-    /// The pixels of one line are neighbours in the output, rather than pixels of neighbouring lines.
-    across: bool,
+    strides: [usize; 2],
+    /// From one sample or pixel of a line to the next.
+    steps: [usize; 2],
 }
 
 fn resample(gpu: &Gpu, samples: &wgpu::Buffer, out: &wgpu::Buffer, resampling: &Resampling, lines: &Lines) {
+    const TOGETHER: usize = 8;
+    let blocks = resampling.blocks(TOGETHER);
     let params = ResampleParams {
         pixels: resampling.len() as u32,
         lines: lines.count as u32,
-        taps: resampling.taps as u32,
-        tap_stride: lines.tap_stride as u32,
-        line_stride: lines.stride as u32,
-        across: u32::from(lines.across),
-        invocations: WALKING_GROUPS * WORKGROUP,
+        span: blocks.span as u32,
+        tap_stride: lines.steps[0] as u32,
+        line_stride: lines.strides[0] as u32,
+        pixel_stride: lines.steps[1] as u32,
+        pixel_line_stride: lines.strides[1] as u32,
     };
     let params = gpu.filled("params", bytemuck::bytes_of(&params), wgpu::BufferUsages::UNIFORM);
     let storage = |label, bytes: &[u8]| gpu.filled(label, bytes, wgpu::BufferUsages::STORAGE);
-    let first = storage("first", bytemuck::cast_slice(&resampling.first));
-    let weights = storage("weights", bytemuck::cast_slice(&resampling.weights));
+    let first = storage("first", bytemuck::cast_slice(&blocks.first));
+    let weights = storage("weights", bytemuck::cast_slice(&blocks.weights));
     let bindings = [(0, &params), (1, samples), (2, &first), (3, &weights), (4, out)];
-    gpu.dispatch(&gpu.interpolation, &bindings, WALKING_GROUPS);
+    let workgroups = ((lines.count as u32).div_ceil(WORKGROUP), blocks.first.len() as u32);
+    gpu.dispatch(&gpu.interpolation, &bindings, workgroups);
 }

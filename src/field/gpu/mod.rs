@@ -153,10 +153,15 @@ impl Gpu {
             (4, out),
         ];
         bindings.extend(inputs.nodes.as_ref().map(|nodes| (5, nodes)));
-        self.dispatch(pipeline, &bindings, params.count.div_ceil(WORKGROUP * SAMPLES_PER_INVOCATION));
+        self.dispatch(pipeline, &bindings, (params.count.div_ceil(WORKGROUP * SAMPLES_PER_INVOCATION), 1));
     }
 
-    fn dispatch(&self, pipeline: &wgpu::ComputePipeline, bindings: &[(u32, &wgpu::Buffer)], workgroups: u32) {
+    fn dispatch(
+        &self,
+        pipeline: &wgpu::ComputePipeline,
+        bindings: &[(u32, &wgpu::Buffer)],
+        (across, up): (u32, u32),
+    ) {
         let entries: Vec<_> = bindings
             .iter()
             .map(|&(binding, buffer)| wgpu::BindGroupEntry { binding, resource: buffer.as_entire_binding() })
@@ -171,7 +176,7 @@ impl Gpu {
         let mut pass = encoder.begin_compute_pass(&Default::default());
         pass.set_pipeline(pipeline);
         pass.set_bind_group(0, &group, &[]);
-        pass.dispatch_workgroups(workgroups, 1, 1);
+        pass.dispatch_workgroups(across, up, 1);
         drop(pass);
         self.queue.submit([encoder.finish()]);
     }

@@ -58,11 +58,11 @@ pub struct PictureParams {
 pub struct ResampleParams {
     pub pixels: u32,
     pub lines: u32,
-    pub taps: u32,
+    pub span: u32,
     pub tap_stride: u32,
     pub line_stride: u32,
-    pub across: u32,
-    pub invocations: u32,
+    pub pixel_stride: u32,
+    pub pixel_line_stride: u32,
 }
 
 /// The field's program comes in four forms.
@@ -233,7 +233,7 @@ mod tests {
         let interpolation = module("interpolation", &interpolation_source());
         assert_same_layout!(
             &interpolation,
-            ResampleParams { pixels, lines, taps, tap_stride, line_stride, across, invocations }
+            ResampleParams { pixels, lines, span, tap_stride, line_stride, pixel_stride, pixel_line_stride }
         );
     }
 }
