@@ -135,7 +135,7 @@ impl Plan {
 
 /// An estimate of the f32 evaluators' error relative to the peak: the rounding of the longest path that they see, which
 /// partly averages out over the elements.
-pub fn f32_error(aperture: &Aperture, samples: &Samples) -> f64 {
+fn f32_error(aperture: &Aperture, samples: &Samples) -> f64 {
     let (low, high) = samples.bounds();
     let (first, last) = aperture.corners();
     let across = (high.truncate() - first).abs().max((low.truncate() - last).abs()).length();

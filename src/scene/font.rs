@@ -59,11 +59,6 @@ pub fn lay_out(text: &str, height: f64) -> Result<Vec<Stroke>, char> {
     Ok(strokes)
 }
 
-/// Every character that [`lay_out`] can write, but for the space.
-pub fn characters() -> impl Iterator<Item = char> {
-    FONT.glyphs.keys().copied()
-}
-
 impl Font {
     fn parse(text: &str) -> Result<Self, String> {
         #[derive(Deserialize)]
