@@ -105,6 +105,25 @@ fn rows_near_the_array_and_small_maps_are_evaluated_pixel_by_pixel() {
     assert!(Plan::new(&aperture, &inside, (400, 400), 1e-3).unwrap().grid.is_none());
 }
 
+#[test]
+fn where_the_elements_cancel_samples_are_evaluated_in_f64() {
+    let mut scene = Scene::default();
+    scene.array.pitch = 0.004;
+    scene.array.element_radius = 0.0018;
+    scene.plane = Plane { centre: DVec3::new(0.0, 0.0, 0.3), ..Plane::default() };
+    let aperture = Aperture::new(&scene);
+    // Neighbours less than half a wavelength apart and in opposite phase: next to nothing leaves the array, and f32
+    // rounds what cancels.
+    let phase = |n: usize| TAU / 2.0 * ((n / 16 + n) % 2) as f64;
+    let drive = Drive { amplitudes: vec![1.0; 256], phases: (0..256).map(phase).collect() };
+    let tolerance = 1.2e-5;
+    let plan = Plan::new(&aperture, &scene.plane, (200, 200), tolerance).unwrap();
+    assert!(!plan.double);
+    let map::Map { plan, field, .. } = map::by_cpu(plan, &aperture, &drive, tolerance);
+    assert!(plan.double);
+    assert!(error(&plan, &aperture, &drive, &field, 17) < tolerance);
+}
+
 fn planes() -> impl Strategy<Value = Plane> {
     let number = -1.0..1.0f64;
     let vector = || (number.clone(), number.clone(), number.clone()).prop_map(DVec3::from);
@@ -129,7 +148,7 @@ fn planes() -> impl Strategy<Value = Plane> {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 200, failure_persistence: None, rng_seed: RngSeed::Fixed(40_000), ..ProptestConfig::default() })]
+    #![proptest_config(ProptestConfig { cases: 400, failure_persistence: None, rng_seed: RngSeed::Fixed(9), ..ProptestConfig::default() })]
 
     #[test]
     fn the_tolerance_is_kept_on_random_scenes(
