@@ -1,12 +1,12 @@
-//! Pairs (sample times element) per second of every evaluator, with the f64 reference as the baseline.
+//! Pairs (sample times element) per second of every evaluator, with the f64 reference as the baseline, and whole maps.
 
 use std::hint::black_box;
 
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use sonoglyph::acoustics::Aperture;
 use sonoglyph::field::gpu::adapter;
-use sonoglyph::field::{Samples, Sources, cpu, reference};
-use sonoglyph::scene::{ElementModel, Scene, Shape, Target};
+use sonoglyph::field::{Plan, Samples, Sources, cpu, map, reference};
+use sonoglyph::scene::{ElementModel, Scene, Shape, Target, file};
 use sonoglyph::solver;
 
 fn kernels(criterion: &mut Criterion) {
@@ -45,5 +45,32 @@ fn kernels(criterion: &mut Criterion) {
     }
 }
 
-criterion_group!(benches, kernels);
+/// A whole map of 1024 x 1024 pixels, planned and measured: `exact` is the baseline of the tolerances.
+fn maps(criterion: &mut Criterion) {
+    let gpu = adapter::open_best(true).ok();
+    let mut scene =
+        file::parse(include_str!("../assets/scenes/hit.toml"), "hit.toml".as_ref()).expect("a scene");
+    let drive = solver::solve(&scene).expect("it can be solved").drive;
+    let aperture = Aperture::new(&scene);
+    let mut group = criterion.benchmark_group("map");
+    group.sample_size(10);
+    for (name, tolerance) in [("exact", 0.0), ("1e-3", 1e-3), ("1e-5", 1e-5)] {
+        scene.plane.tolerance = tolerance;
+        let plan = || Plan::new(&aperture, &scene.plane, (1024, 1024), tolerance).expect("a plane");
+        println!("{name}: error {:.1e} of the peak", map::by_cpu(plan(), &aperture, &drive, tolerance).error);
+        group.bench_function(BenchmarkId::new("CPU", name), |bencher| {
+            bencher.iter(|| map::by_cpu(plan(), &aperture, &drive, tolerance));
+        });
+        if let Some(gpu) = &gpu {
+            group.bench_function(BenchmarkId::new("GPU", name), |bencher| {
+                bencher.iter(|| {
+                    map::by_gpu(gpu, &plan(), &aperture, &drive, tolerance).map(|map| map.is_some())
+                });
+            });
+        }
+    }
+    group.finish();
+}
+
+criterion_group!(benches, kernels, maps);
 criterion_main!(benches);

@@ -173,7 +173,7 @@ fn the_gpu_colours_a_field_like_the_cpu() {
     let sources = Sources::new(&Aperture::new(&scene), &scattered(256, &[]), &samples).unwrap();
     let on_gpu = gpu.pressure(&sources, &samples).unwrap();
     let field = on_gpu.read().unwrap();
-    let peak = colour::peak(&field);
+    let peak = sonoglyph::field::peak(&field);
     assert!((on_gpu.peak().unwrap() - peak).abs() <= 1e-6 * peak);
     for (quantity, map) in [(Quantity::Rms, ColourMap::Inferno), (Quantity::Phase, ColourMap::Cyclic)] {
         for full in [None, Some(0.5 * peak)] {

@@ -12,7 +12,6 @@ use sonoglyph::acoustics::Aperture;
 use sonoglyph::drive::Drive;
 use sonoglyph::field::gpu::adapter;
 use sonoglyph::field::{Plan, Samples, map, reference};
-use sonoglyph::picture::colour;
 use sonoglyph::scene::{ElementModel, Plane, Scene, file};
 use sonoglyph::solver;
 
@@ -33,7 +32,7 @@ fn error(plan: &Plan, aperture: &Aperture, drive: &Drive, field: &[Complex32], s
         let got = field[pixel];
         (Complex64::new(got.re.into(), got.im.into()) - expected).norm()
     };
-    chosen.iter().zip(&expected).map(off).fold(0.0, f64::max) / f64::from(colour::peak(field))
+    chosen.iter().zip(&expected).map(off).fold(0.0, f64::max) / f64::from(sonoglyph::field::peak(field))
 }
 
 #[test]

@@ -86,11 +86,16 @@ fn finish<F>(map: &Map<F>, who: &str, colours: &[u8], numbers: Option<Vec<f32>>,
         numbers,
         error: map.error,
         how: format!(
-            "{who} took {:.1} ms for the field and its colours\n  {}{}\n  measured error {:.1e} of the peak",
+            "{who} took {:.1} ms for the field and its colours\n  {}{}\n  measured error {:.1e} of the peak at {} pixels",
             start.elapsed().as_secs_f64() * 1e3,
             plan.reason,
-            if plan.double { "; in f64, since f32 rounds too much for the tolerance" } else { "" },
-            map.error
+            if plan.double {
+                "; in f64, since f32 does not keep the tolerance or has no room for such elements"
+            } else {
+                ""
+            },
+            map.error,
+            map::PROBES
         ),
     }
 }

@@ -91,7 +91,11 @@ pub fn run(args: &RenderArgs) -> anyhow::Result<()> {
     for path in outputs.iter().chain(&args.data) {
         output::check_writable(path)?;
     }
-    let mut evaluator = evaluator::for_maps(args.backend.backend)?;
+    // A drive has no field to compute, and so no word is needed on who would.
+    let mut evaluator = match args.quantity {
+        Quantity::Drive => Evaluator::Cpu,
+        _ => evaluator::for_maps(args.backend.backend)?,
+    };
 
     let bar = progress(scenes.len());
     for (solved, output) in scenes.iter().zip(&outputs) {

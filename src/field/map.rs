@@ -7,10 +7,10 @@ use num_complex::{Complex32, Complex64};
 use crate::acoustics::Aperture;
 use crate::drive::Drive;
 use crate::field::interpolation::interpolate;
-use crate::field::{Gpu, GpuError, Plan, Samples, Sources, cpu, gpu::GpuField, reference};
+use crate::field::{self, Gpu, GpuError, Plan, Samples, Sources, gpu::GpuField, reference};
 
 /// Pixels at which the reached error is measured.
-const PROBES: usize = 48;
+pub const PROBES: usize = 48;
 /// Rounding is spread evenly, so that the largest error of all pixels is less than this times the largest of [`PROBES`].
 const PROBE_MARGIN: f64 = 2.0;
 
@@ -28,9 +28,11 @@ pub struct Map<F> {
 
 /// Complex pressure (Pa, peak) of every pixel, row by row, by the CPU.
 ///
-/// Rounding in f32 is relative to what arrives, and where the elements cancel, the peak is less than that; the map is
+/// Where f32 has no room for the elements, samples are evaluated in f64. Rounding in f32 is relative to what arrives, and where the elements cancel, the peak is less than that; the map is
 /// then made again in f64. A `tolerance` of 0 takes f32 as it is.
 pub fn by_cpu(plan: Plan, aperture: &Aperture, drive: &Drive, tolerance: f64) -> Map<Vec<Complex32>> {
+    let declined = Sources::new(aperture, drive, &plan.pixels()).is_none();
+    let plan = if declined { plan.in_f64() } else { plan };
     let field = on_cpu(&plan, aperture, drive);
     let map = measured(plan, field, aperture, drive);
     if !map.plan.double && rounds_too_much(map.error, tolerance) {
@@ -61,11 +63,7 @@ fn rounds_too_much(error: f64, tolerance: f64) -> bool {
 }
 
 fn on_cpu(plan: &Plan, aperture: &Aperture, drive: &Drive) -> Vec<Complex32> {
-    let evaluate = |samples: &Samples| match Sources::new(aperture, drive, samples) {
-        Some(sources) if !plan.double => cpu::pressure(&sources, samples),
-        // What f32 cannot do well, f64 does slowly.
-        _ => reference::pressure(aperture, drive, samples).into_iter().map(narrow).collect(),
-    };
+    let evaluate = |samples: &Samples| field::on_cpu(aperture, drive, samples, plan.double);
     let Some(grid) = &plan.grid else { return evaluate(&plan.pixels()) };
     let mut field = vec![Complex32::ZERO; plan.width * plan.height];
     let pixels_of = |rows: &Range<usize>| rows.start * plan.width..rows.end * plan.width;
@@ -81,14 +79,13 @@ fn on_cpu(plan: &Plan, aperture: &Aperture, drive: &Drive) -> Vec<Complex32> {
 
 /// The same by the f64 reference at every pixel.
 pub fn by_reference(mut plan: Plan, aperture: &Aperture, drive: &Drive) -> Map<Vec<Complex32>> {
-    let field: Vec<_> =
-        reference::pressure(aperture, drive, &plan.pixels()).into_iter().map(narrow).collect();
+    let field = field::on_cpu(aperture, drive, &plan.pixels(), true);
     plan.reason = "every pixel is evaluated".to_owned();
     measured(plan, field, aperture, drive)
 }
 
 fn measured(plan: Plan, field: Vec<Complex32>, aperture: &Aperture, drive: &Drive) -> Map<Vec<Complex32>> {
-    let peak = field.iter().map(|p| p.norm_sqr()).fold(0.0, f32::max).sqrt();
+    let peak = field::peak(&field);
     let probes = probes(&plan);
     let probed: Vec<_> = probes.iter().map(|&pixel| field[pixel]).collect();
     let error = measured_error(&plan, aperture, drive, &probes, &probed, peak);
@@ -156,8 +153,4 @@ fn measured_error(
     let largest =
         reference::pressure(aperture, drive, &points).into_iter().zip(values).map(off).fold(0.0, f64::max);
     largest / f64::from(peak).max(f64::MIN_POSITIVE)
-}
-
-fn narrow(p: Complex64) -> Complex32 {
-    Complex32::new(p.re as f32, p.im as f32)
 }

@@ -13,7 +13,7 @@ pub mod reference;
 pub mod sources;
 
 use glam::DVec3;
-use num_complex::Complex32;
+use num_complex::{Complex32, Complex64};
 
 use crate::acoustics::Aperture;
 use crate::drive::Drive;
@@ -97,16 +97,28 @@ impl Evaluator {
         drive: &Drive,
         samples: &Samples,
     ) -> Result<Vec<Complex32>, GpuError> {
-        let narrow = |p: num_complex::Complex64| Complex32::new(p.re as f32, p.im as f32);
         Ok(match (self, Sources::new(aperture, drive, samples)) {
-            (Self::Cpu, Some(sources)) => cpu::pressure(&sources, samples),
             (Self::Gpu(gpu), Some(sources)) => gpu.pressure(&sources, samples)?.read()?,
-            // What f32 cannot do well, f64 does slowly.
-            (Self::Reference, _) | (_, None) => {
-                reference::pressure(aperture, drive, samples).into_iter().map(narrow).collect()
-            }
+            (Self::Reference, _) => on_cpu(aperture, drive, samples, true),
+            (Self::Cpu | Self::Gpu(_), _) => on_cpu(aperture, drive, samples, false),
         })
     }
+}
+
+/// Complex pressure (Pa, peak) at every sample by the CPU, in f64 if `double` or if f32 declines.
+fn on_cpu(aperture: &Aperture, drive: &Drive, samples: &Samples, double: bool) -> Vec<Complex32> {
+    match Sources::new(aperture, drive, samples) {
+        Some(sources) if !double => cpu::pressure(&sources, samples),
+        _ => {
+            let narrow = |p: Complex64| Complex32::new(p.re as f32, p.im as f32);
+            reference::pressure(aperture, drive, samples).into_iter().map(narrow).collect()
+        }
+    }
+}
+
+/// The largest |p| of a field, Pa.
+pub fn peak(field: &[Complex32]) -> f32 {
+    field.iter().map(|p| p.norm_sqr()).fold(0.0, f32::max).sqrt()
 }
 
 #[cfg(test)]

@@ -55,11 +55,6 @@ impl Quantity {
     }
 }
 
-/// The largest |p| of a field, Pa.
-pub fn peak(field: &[Complex32]) -> f32 {
-    field.iter().map(|p| p.norm_sqr()).fold(0.0, f32::max).sqrt()
-}
-
 /// The field as colours r, g, b, a, in its own order; `full` is the |p| (Pa, peak) that gets the last colour. What
 /// `shaders/picture.wgsl` does.
 pub fn colours(field: &[Complex32], quantity: Quantity, table: &[[u8; 4]; 256], full: f32) -> Vec<u8> {
@@ -102,7 +97,7 @@ mod tests {
     fn the_peak_gets_the_last_colour_and_silence_the_first() {
         let field = [Complex32::new(0.0, -3.0), Complex32::ZERO, Complex32::new(1.5, 0.0)];
         let table = ColourMap::Grey.table();
-        let colours = colours(&field, Quantity::Rms, &table, peak(&field));
+        let colours = colours(&field, Quantity::Rms, &table, 3.0);
         assert_eq!([colours[0], colours[4], colours[8]], [255, 0, 128]);
     }
 

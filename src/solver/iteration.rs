@@ -208,7 +208,7 @@ fn multiply(matrix: &Mat<Complex64>, vector: &[Complex64]) -> Vec<Complex64> {
 }
 
 /// The same phases with modulus 1; phase 0 where there is none.
-fn phases(values: &[Complex64]) -> Vec<Complex64> {
+pub fn phases(values: &[Complex64]) -> Vec<Complex64> {
     values.iter().map(|value| phase(*value)).collect()
 }
 

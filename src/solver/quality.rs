@@ -86,12 +86,8 @@ fn bound(problem: &Problem, pressures: &[Complex64]) -> f64 {
     let (transfer, targets) = (&problem.transfer, problem.targets());
     let equal: Vec<_> = targets.iter().map(|target| 1.0 / (target * target)).collect();
     let plain = dual(problem, &equal, &vec![1.0; transfer.elements]);
-    let (u, weights) = iteration::weighted_phases(
-        transfer,
-        &targets,
-        transfer.back(pressures).iter().map(phase).collect(),
-        60,
-    );
+    let (u, weights) =
+        iteration::weighted_phases(transfer, &targets, iteration::phases(&transfer.back(pressures)), 60);
     let reached = transfer.pressure(&u);
     let floor = 1e-6 * reached.iter().map(|p| p.norm()).fold(0.0, f64::max);
     let weights: Vec<_> =
@@ -101,10 +97,6 @@ fn bound(problem: &Problem, pressures: &[Complex64]) -> f64 {
     let least = 1e-3 * mean(&heard);
     let heard: Vec<_> = heard.iter().map(|h| h.max(least).max(f64::MIN_POSITIVE)).collect();
     plain.min(dual(problem, &weights, &heard))
-}
-
-fn phase(value: &Complex64) -> Complex64 {
-    Complex64::from_polar(1.0, value.arg())
 }
 
 /// The bound that one choice of weights gives; infinite if its eigenvalue cannot be had.

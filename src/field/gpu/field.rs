@@ -52,7 +52,7 @@ impl<'a> GpuField<'a> {
     /// This field, as rows of samples, interpolated across and up to pixels.
     ///
     /// # Errors
-    /// The samples do not fit one buffer, which plans avoid, or the device was lost.
+    /// The samples or the rows between the two passes do not fit one buffer, or the device was lost.
     pub fn interpolated(
         &self,
         across: &Resampling,
