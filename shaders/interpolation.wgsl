@@ -6,6 +6,8 @@
 struct ResampleParams {
     pixels: u32,
     lines: u32,
+    // Of the first sample.
+    start: u32,
     // Samples that eight pixels need.
     span: u32,
     // From one sample to the next along the axis, and from one line to the next.
@@ -30,7 +32,7 @@ fn resample_main(@builtin(global_invocation_id) id: vec3u, @builtin(workgroup_id
     if line >= params.lines {
         return;
     }
-    var at = first[group.y] * params.tap_stride + line * params.line_stride;
+    var at = params.start + first[group.y] * params.tap_stride + line * params.line_stride;
     var weight = group.y * params.span * 2u;
     var re_low = vec4f(0.0);
     var im_low = vec4f(0.0);

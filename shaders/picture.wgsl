@@ -4,7 +4,7 @@ struct PictureParams {
     count: u32,
     invocations: u32,
     quantity: u32,
-    // |p| that gets the last colour; 0 takes the field's peak.
+    // |p| that gets the last colour.
     full: f32,
 }
 
@@ -12,17 +12,15 @@ const QUANTITY_PHASE: u32 = 1u;
 
 @group(0) @binding(0) var<uniform> params: PictureParams;
 @group(0) @binding(1) var<storage, read> pressure: array<vec2f>;
-@group(0) @binding(2) var<storage, read> peak: u32;
-@group(0) @binding(3) var<storage, read> colours: array<u32, 256>;
-@group(0) @binding(4) var<storage, read_write> picture: array<u32>;
+@group(0) @binding(2) var<storage, read> colours: array<u32, 256>;
+@group(0) @binding(3) var<storage, read_write> picture: array<u32>;
 
 fn colour_index(p: vec2f) -> u32 {
     if params.quantity == QUANTITY_PHASE {
         // A cyclic map: every colour has the same share of a turn.
         return min(u32((atan2(p.y, p.x) / (2.0 * PI) + 0.5) * 256.0), 255u);
     }
-    let full = select(params.full, bitcast<f32>(peak), params.full == 0.0);
-    return u32(clamp(length(p) / max(full, 1e-30), 0.0, 1.0) * 255.0 + 0.5);
+    return u32(clamp(length(p) / max(params.full, 1e-30), 0.0, 1.0) * 255.0 + 0.5);
 }
 
 @compute @workgroup_size(WORKGROUP)

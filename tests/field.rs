@@ -6,9 +6,9 @@ use glam::{DVec2, DVec3, dvec3};
 use num_complex::{Complex32, Complex64};
 use sonoglyph::acoustics::Aperture;
 use sonoglyph::drive::Drive;
-use sonoglyph::field::gpu::{Colouring, adapter};
-use sonoglyph::field::{Gpu, GpuError, Samples, Sources, cpu, reference};
-use sonoglyph::picture::colour::{self, ColourMap, Quantity};
+use sonoglyph::field::gpu::adapter;
+use sonoglyph::field::{Colouring, Gpu, GpuError, Quantity, Samples, Sources, cpu, reference};
+use sonoglyph::picture::ColourMap;
 use sonoglyph::scene::{ElementModel, Plane, Scene, file};
 use sonoglyph::solver;
 
@@ -37,6 +37,10 @@ fn gpu() -> Option<Gpu> {
     }
 }
 
+fn on_gpu(gpu: &Gpu, sources: &Sources, samples: &Samples) -> Vec<Complex32> {
+    gpu.read(&gpu.pressure(sources, samples).unwrap()).unwrap()
+}
+
 /// Deterministic phases without pattern.
 fn scattered(elements: usize, off: &[usize]) -> Drive {
     let phase = |n: usize| ((n as f64 * 0.754_877_666).fract() - 0.5) * std::f64::consts::TAU;
@@ -56,7 +60,7 @@ fn assert_evaluators_agree(name: &str, scene: &Scene, drive: &Drive, samples: &S
         assert!(error < AGREEMENT, "{name}: CPU {} is {error:.1e} of the peak off", isa.name());
     }
     if let Some(gpu) = gpu {
-        let error = error(&gpu.pressure(&sources, samples).unwrap().read().unwrap(), &reference);
+        let error = error(&on_gpu(gpu, &sources, samples), &reference);
         println!("{name}: GPU {error:.2e}");
         assert!(error < AGREEMENT, "{name}: the GPU is {error:.1e} of the peak off");
     }
@@ -150,7 +154,7 @@ fn nothing_sounds_behind_the_array() {
     let scene = Scene::default();
     let sources = Sources::new(&Aperture::new(&scene), &scattered(256, &[]), &samples).unwrap();
     let mut fields = vec![cpu::pressure(&sources, &samples)];
-    fields.extend(gpu().map(|gpu| gpu.pressure(&sources, &samples).unwrap().read().unwrap()));
+    fields.extend(gpu().map(|gpu| on_gpu(&gpu, &sources, &samples)));
     for field in fields {
         assert_eq!(field[..2], [Complex32::ZERO; 2]);
         assert!(field[2].norm() > 0.0);
@@ -172,18 +176,23 @@ fn the_gpu_colours_a_field_like_the_cpu() {
     let samples = Samples::on_plane(&scene.plane, 61, 43).unwrap();
     let sources = Sources::new(&Aperture::new(&scene), &scattered(256, &[]), &samples).unwrap();
     let on_gpu = gpu.pressure(&sources, &samples).unwrap();
-    let field = on_gpu.read().unwrap();
+    let field = gpu.read(&on_gpu).unwrap();
     let peak = sonoglyph::field::peak(&field);
-    assert!((on_gpu.peak().unwrap() - peak).abs() <= 1e-6 * peak);
+    let (measured, probed) = gpu.measure(&on_gpu, &[7, 0, 61 * 43 - 1]).unwrap();
+    assert!((measured - peak).abs() <= 1e-6 * peak);
+    assert_eq!(probed, [field[7], field[0], field[61 * 43 - 1]]);
     for (quantity, map) in [(Quantity::Rms, ColourMap::Inferno), (Quantity::Phase, ColourMap::Cyclic)] {
         for full in [None, Some(0.5 * peak)] {
-            let table = map.table();
-            let colouring = Colouring { table: &table, phase: quantity == Quantity::Phase, full };
-            let got = on_gpu.colours(&colouring).unwrap();
-            let expected = colour::colours(&field, quantity, &table, full.unwrap_or(peak));
+            let colouring = Colouring { quantity, table: map.table(), full };
+            let (mut got, mut expected) = (Vec::new(), Vec::new());
+            gpu.colours(&on_gpu, &colouring, peak, &mut got).unwrap();
+            colouring.colours(&field, peak, &mut expected);
+            assert_eq!(got.len(), expected.len());
             // Next to a step of the table rounding may go either way, and atan2 may be 4096 ulp off.
-            let place = |pixel: &[u8]| table.iter().position(|colour| colour == pixel).unwrap() as i32;
-            for (got, expected) in got.chunks_exact(4).zip(expected.chunks_exact(4)) {
+            let place = |pixel: &[u8; 4]| {
+                colouring.table.iter().position(|colour| colour == pixel).unwrap() as i32
+            };
+            for (got, expected) in got.iter().zip(&expected) {
                 let apart = (place(got) - place(expected)).rem_euclid(256);
                 assert!(apart.min(256 - apart) <= 1, "{quantity:?}: {got:?}, not {expected:?}");
             }

@@ -11,7 +11,7 @@ use proptest::test_runner::RngSeed;
 use sonoglyph::acoustics::Aperture;
 use sonoglyph::drive::Drive;
 use sonoglyph::field::gpu::adapter;
-use sonoglyph::field::{Plan, Samples, map, reference};
+use sonoglyph::field::{By, Evaluator, Map, Plan, Raster, Samples, Stages, Wanted, reference};
 use sonoglyph::scene::{ElementModel, Plane, Scene, file};
 use sonoglyph::solver;
 
@@ -22,86 +22,135 @@ fn hit() -> (Scene, Drive) {
     (scene, drive)
 }
 
-/// The largest deviation at every `stride`-th pixel, relative to the map's peak.
-fn error(plan: &Plan, aperture: &Aperture, drive: &Drive, field: &[Complex32], stride: usize) -> f64 {
-    let pixels = plan.pixels();
-    let chosen: Vec<_> = (0..pixels.len()).step_by(stride).collect();
-    let points = Samples::at(chosen.iter().map(|&pixel| pixels.point(pixel)).collect());
-    let expected = reference::pressure(aperture, drive, &points);
-    let off = |(&pixel, expected): (&usize, &Complex64)| {
-        let got = field[pixel];
-        (Complex64::new(got.re.into(), got.im.into()) - expected).norm()
-    };
-    chosen.iter().zip(&expected).map(off).fold(0.0, f64::max) / f64::from(sonoglyph::field::peak(field))
-}
-
-#[test]
-fn a_looser_tolerance_evaluates_less_and_is_kept() {
-    let (scene, drive) = hit();
-    let aperture = Aperture::new(&scene);
-    let mut before = usize::MAX;
-    for tolerance in [0.0, 1e-6, 1e-5, 1e-4, 1e-3, 1e-2] {
-        let plan = Plan::new(&aperture, &scene.plane, (500, 300), tolerance).unwrap();
-        assert!(plan.evaluated() < before, "{tolerance:e}: {}", plan.reason);
-        before = plan.evaluated();
-        let map::Map { plan, field, error: measured, .. } = map::by_cpu(plan, &aperture, &drive, tolerance);
-        let error = error(&plan, &aperture, &drive, &field, 37);
-        assert!(measured < 2.0 * error && error < 10.0 * measured, "{error:e} was measured as {measured:e}");
-        assert!(
-            error < if tolerance == 0.0 { 2e-5 } else { tolerance },
-            "{tolerance:e}: {error:e}, {}",
-            plan.reason
-        );
-    }
-    assert!(before * 20 < 500 * 300, "{before} points");
-}
-
-#[test]
-fn the_gpu_follows_the_same_plan() {
+fn gpu(buffer_bytes: u64) -> Option<Stages> {
     let Ok(gpu) = adapter::open_best(true) else {
         let required = std::env::var("SONOGLYPH_REQUIRE").unwrap_or_default();
         assert!(!required.split(',').any(|what| what == "gpu"), "a GPU is required");
         eprintln!("NOT TESTED ON THE GPU");
-        return;
+        return None;
     };
+    Some(Stages::new(Evaluator::Gpu(Box::new(gpu.with_small_buffers(buffer_bytes)))))
+}
+
+/// A map with its pixels and its largest deviation at every `stride`-th of them, relative to the peak.
+fn made(
+    stages: &mut Stages,
+    scene: &Scene,
+    drive: &Drive,
+    (width, height): (usize, usize),
+    stride: usize,
+) -> (Map, Vec<Complex32>, f64) {
+    let aperture = Aperture::new(scene);
+    let wanted = Wanted { aperture: &aperture, plane: &scene.plane, drive, width, height };
+    let map = stages.map(&wanted).unwrap().clone();
+    let field = stages.read(&wanted).unwrap();
+    assert_eq!(field.len(), width * height);
+    let pixels = Samples::on_plane(&scene.plane, width, height).unwrap();
+    let chosen: Vec<_> = (0..pixels.len()).step_by(stride).collect();
+    let points = Samples::at(chosen.iter().map(|&pixel| pixels.point(pixel)).collect());
+    let expected = reference::pressure(&aperture, drive, &points);
+    let off = |(&pixel, expected): (&usize, &Complex64)| {
+        (Complex64::new(field[pixel].re.into(), field[pixel].im.into()) - expected).norm()
+    };
+    let worst = chosen.iter().zip(&expected).map(off).fold(0.0, f64::max);
+    let error = worst / f64::from(sonoglyph::field::peak(&field));
+    (map, field, error)
+}
+
+fn scattered(elements: usize) -> Drive {
+    let phase = |n: usize| TAU * (n as f64 * 0.754_877_666).fract();
+    Drive { amplitudes: vec![1.0; elements], phases: (0..elements).map(phase).collect() }
+}
+
+#[test]
+fn a_looser_tolerance_evaluates_no_more_and_is_kept() {
     let (mut scene, drive) = hit();
-    let tilted = Plane { y_axis: DVec3::new(0.0, 1.0, 1.0), ..Plane::default() };
-    let through = Plane { y_axis: DVec3::Z, centre: DVec3::new(0.0, 0.0, 0.05), ..Plane::default() };
-    for plane in [Plane::default(), tilted, through] {
-        scene.plane = plane;
-        let aperture = Aperture::new(&scene);
+    let mut stages = Stages::new(Evaluator::Cpu);
+    let mut before = usize::MAX;
+    for tolerance in [0.0, 1e-6, 1e-5, 1e-4, 1e-3, 1e-2] {
+        scene.plane.tolerance = tolerance;
+        let (map, _, error) = made(&mut stages, &scene, &drive, (500, 300), 37);
+        assert!(map.evaluated <= before, "{tolerance:e}: {}", map.how);
+        before = map.evaluated;
+        let measured = map.error;
+        assert!(measured < 2.0 * error && error < 10.0 * measured, "{error:e} was measured as {measured:e}");
+        let most = if tolerance == 0.0 { 2e-5 } else { tolerance };
+        assert!(error < most, "{tolerance:e}: {error:e}, {}", map.how);
+    }
+    assert!(before * 20 < 500 * 300, "{before} points");
+}
+
+fn slanted_planes() -> [Plane; 7] {
+    let d = DVec3::new;
+    let parallel = Plane { centre: d(0.011, -0.007, 0.09), ..Plane::default() };
+    [
+        Plane { y_axis: d(0.0, 1.0, 1.0), ..Plane::default() },
+        Plane { y_axis: DVec3::Z, centre: d(0.0, 0.0, 0.05), ..Plane::default() },
+        Plane { x_axis: DVec3::Z, y_axis: DVec3::X, centre: d(0.0, 0.02, 0.17), ..Plane::default() },
+        Plane { x_axis: -DVec3::X, ..parallel.clone() },
+        Plane { x_axis: DVec3::Y, y_axis: -DVec3::X, ..parallel.clone() },
+        Plane { x_axis: d(1.0, 0.3, 0.0), ..parallel.clone() },
+        parallel,
+    ]
+}
+
+#[test]
+fn the_gpu_follows_the_same_plan() {
+    let (mut scene, drive) = hit();
+    let Some(mut on_gpu) = gpu(u64::MAX) else { return };
+    let mut on_cpu = Stages::new(Evaluator::Cpu);
+    for plane in slanted_planes() {
         for tolerance in [0.0, 1e-4] {
-            let plan = Plan::new(&aperture, &scene.plane, (301, 203), tolerance).unwrap();
-            let on_gpu = map::by_gpu(&gpu, &plan, &aperture, &drive, tolerance).unwrap().unwrap();
-            let map::Map { plan, field: on_cpu, peak, .. } = map::by_cpu(plan, &aperture, &drive, tolerance);
-            let on_gpu = on_gpu.field;
-            let read = on_gpu.read().unwrap();
-            for (a, b) in on_cpu.iter().zip(&read) {
-                assert!((a - b).norm() < 2e-5 * peak, "{tolerance:e}: {}", plan.reason);
+            scene.plane = Plane { tolerance, ..plane.clone() };
+            let (map, by_gpu, error) = made(&mut on_gpu, &scene, &drive, (301, 203), 97);
+            assert_eq!(map.by, By::Gpu);
+            assert!(error < if tolerance == 0.0 { 2e-5 } else { tolerance }, "{error:e}: {}", map.how);
+            let (Map { peak, .. }, by_cpu, _) = made(&mut on_cpu, &scene, &drive, (301, 203), 9999);
+            for (a, b) in by_cpu.iter().zip(&by_gpu) {
+                assert!((a - b).norm() < 2e-5 * peak, "{tolerance:e}: {}", map.how);
             }
-            assert_eq!(
-                on_gpu.at(&[0, 301 * 203 - 1, 301 * 100]).unwrap(),
-                [read[0], read[301 * 203 - 1], read[30_100]]
-            );
         }
     }
+    assert_eq!(on_gpu.work(), on_cpu.work());
+}
+
+#[test]
+fn small_buffers_are_filled_one_after_the_other() {
+    let (mut scene, drive) = hit();
+    // Room for the samples, and for neither their table nor the pixels.
+    let Some(mut stages) = gpu(120_000) else { return };
+    for plane in slanted_planes() {
+        scene.plane = Plane { tolerance: 1e-3, ..plane };
+        let (map, _, error) = made(&mut stages, &scene, &drive, (301, 203), 97);
+        assert!(error < 1e-3, "{error:e}: {}", map.how);
+        assert_eq!(map.by, By::Gpu, "{}", map.how);
+    }
+    // Not even for the samples: the CPU has.
+    let Some(mut stages) = gpu(2000) else { return };
+    let (map, _, error) = made(&mut stages, &scene, &drive, (301, 203), 97);
+    assert!(error < 1e-3 && map.by == By::Cpu, "{error:e}: {}", map.how);
 }
 
 #[test]
 fn rows_near_the_array_and_small_maps_are_evaluated_pixel_by_pixel() {
     let scene = Scene::default();
     let aperture = Aperture::new(&scene);
+    let planned = |plane: &Plane, size| {
+        let plan = Plan::new(&aperture, plane).unwrap();
+        let raster = Raster::new(&plan, size).unwrap();
+        (plan, raster)
+    };
     let through = Plane { y_axis: DVec3::Z, centre: DVec3::new(0.0, 0.0, 0.05), ..Plane::default() };
-    let plan = Plan::new(&aperture, &through, (400, 400), 1e-3).unwrap();
-    assert!(plan.interpolated.start > 100 && plan.interpolated.end == 400, "{}", plan.reason);
+    let (plan, raster) = planned(&through, (400, 400));
+    assert!(raster.interpolated.start > 100 && raster.interpolated.end == 400, "{}", raster.describe(&plan));
     let lowest = plan.grid.as_ref().unwrap().samples.point(0).z;
     assert!(lowest > aperture.wavelength(), "{lowest}");
-    let small = Plan::new(&aperture, &Plane::default(), (20, 20), 1e-3).unwrap();
-    assert_eq!((small.grid.is_none(), small.evaluated()), (true, 400), "{}", small.reason);
-    let one = Plan::new(&aperture, &Plane::default(), (1, 1), 1e-3).unwrap();
-    assert_eq!(one.evaluated(), 1);
+    let (plan, raster) = planned(&Plane::default(), (20, 20));
+    assert_eq!((raster.interpolated.len(), raster.evaluated(&plan)), (0, 400));
+    let (plan, raster) = planned(&Plane::default(), (1, 1));
+    assert_eq!(raster.evaluated(&plan), 1);
     let inside = Plane { centre: DVec3::ZERO, ..Plane::default() };
-    assert!(Plan::new(&aperture, &inside, (400, 400), 1e-3).unwrap().grid.is_none());
+    assert!(planned(&inside, (400, 400)).0.grid.is_none());
 }
 
 #[test]
@@ -109,18 +158,18 @@ fn where_the_elements_cancel_samples_are_evaluated_in_f64() {
     let mut scene = Scene::default();
     scene.array.pitch = 0.004;
     scene.array.element_radius = 0.0018;
-    scene.plane = Plane { centre: DVec3::new(0.0, 0.0, 0.3), ..Plane::default() };
-    let aperture = Aperture::new(&scene);
+    let tolerance = 1.2e-5;
+    scene.plane = Plane { centre: DVec3::new(0.0, 0.0, 0.3), tolerance, ..Plane::default() };
     // Neighbours less than half a wavelength apart and in opposite phase: next to nothing leaves the array, and f32
     // rounds what cancels.
     let phase = |n: usize| TAU / 2.0 * ((n / 16 + n) % 2) as f64;
     let drive = Drive { amplitudes: vec![1.0; 256], phases: (0..256).map(phase).collect() };
-    let tolerance = 1.2e-5;
-    let plan = Plan::new(&aperture, &scene.plane, (200, 200), tolerance).unwrap();
-    assert!(!plan.double);
-    let map::Map { plan, field, .. } = map::by_cpu(plan, &aperture, &drive, tolerance);
-    assert!(plan.double);
-    assert!(error(&plan, &aperture, &drive, &field, 17) < tolerance);
+    let mut stages = Stages::new(Evaluator::Cpu);
+    let (map, _, error) = made(&mut stages, &scene, &drive, (200, 200), 17);
+    assert!(map.by == By::CpuInF64 && error < tolerance, "{error:e}");
+    // Another drive does well with f32.
+    let (map, _, error) = made(&mut stages, &scene, &scattered(256), (200, 200), 17);
+    assert!(map.by == By::Cpu && error < tolerance, "{error:e}");
 }
 
 fn planes() -> impl Strategy<Value = Plane> {
@@ -161,7 +210,7 @@ proptest! {
         seed in 0.0..1.0f64,
     ) {
         let tolerance = 10f64.powf(exponent);
-        let mut scene = Scene { plane, ..Scene::default() };
+        let mut scene = Scene { plane: Plane { tolerance, ..plane }, ..Scene::default() };
         scene.array.rows = rows;
         scene.array.columns = columns;
         scene.array.pitch = pitch;
@@ -178,10 +227,7 @@ proptest! {
             TAU * (seed + n as f64 * 0.754_877_666).fract()
         };
         let drive = Drive { amplitudes: vec![1.0; elements], phases: (0..elements).map(phase).collect() };
-        let plan = Plan::new(&aperture, &scene.plane, (width, height), tolerance).unwrap();
-        let map::Map { plan, field, .. } = map::by_cpu(plan, &aperture, &drive, tolerance);
-        prop_assert_eq!(field.len(), width * height);
-        let error = error(&plan, &aperture, &drive, &field, 211);
-        prop_assert!(error < tolerance, "{:e} for {:e}: {}", error, tolerance, plan.reason);
+        let (map, _, error) = made(&mut Stages::new(Evaluator::Cpu), &scene, &drive, (width, height), 211);
+        prop_assert!(error < tolerance, "{:e} for {:e}: {}", error, tolerance, map.how);
     }
 }

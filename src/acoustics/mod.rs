@@ -19,6 +19,10 @@ pub struct Aperture {
     pub element: Element,
     /// m, in z = 0; element n = row · columns + column, column 0 at smallest x, row 0 at smallest y.
     pub positions: Vec<DVec2>,
+    /// m, between neighbours.
+    pub pitch: f64,
+    /// Elements along x; `positions` holds whole rows of them.
+    pub columns: usize,
     /// Indices into `positions` of the elements that are not off, in rising order.
     pub driven: Vec<usize>,
 }
@@ -36,7 +40,13 @@ impl Aperture {
         };
         let off: std::collections::HashSet<_> = array.off.iter().copied().collect();
         let driven = (0..array.elements()).filter(|n| !off.contains(n)).collect();
-        Self { element, positions: positions(array), driven }
+        Self {
+            element,
+            positions: positions(array),
+            pitch: array.pitch,
+            columns: array.columns as usize,
+            driven,
+        }
     }
 
     /// m

@@ -6,12 +6,12 @@ use std::time::Instant;
 use anyhow::{Context, bail};
 use indicatif::{ProgressBar, ProgressStyle};
 
-use crate::cli::map::{self, Wanted};
+use crate::cli::map;
 use crate::cli::{
-    Backend, Colours, DEFAULT_SHEET, EXAMPLE, Quantity, RenderArgs, evaluator, note, output, read_scene, warn,
+    Backend, Colours, DEFAULT_SHEET, EXAMPLE, Quantity, RenderArgs, evaluator, output, read_scene, warn,
 };
-use crate::field::{Evaluator, GpuError};
-use crate::picture::{Picture, colour, export, sheet};
+use crate::field::{self, Evaluator, Stages};
+use crate::picture::{Picture, export, sheet};
 use crate::scene::{Scene, file};
 use crate::solver::{self, Solution};
 
@@ -57,9 +57,15 @@ pub fn default_sheet(path: Option<&Path>) -> anyhow::Result<()> {
     };
     let solved = Solved::new(scene, path.unwrap_or(Path::new("hit.toml")))?;
     output::check_writable(&output)?;
-    let evaluator = evaluator::for_maps(Backend::Auto)?;
-    let look = Look { quantity: Quantity::Sheet, colours: Colours::Inferno, size: None, numbers: false };
-    let rendered = render(&solved, &evaluator, &look)?;
+    let mut stages = Stages::new(evaluator::for_maps(Backend::Auto)?);
+    let look = Look {
+        quantity: Quantity::Sheet,
+        colours: Colours::Inferno,
+        size: None,
+        numbers: false,
+        backend: Backend::Auto,
+    };
+    let rendered = render(&solved, &mut stages, &look)?;
     rendered.write(&output, None)?;
     println!("{}", rendered.line(&output));
     println!(
@@ -78,6 +84,7 @@ pub fn run(args: &RenderArgs) -> anyhow::Result<()> {
         colours: args.colours,
         size: args.size,
         numbers: args.data.is_some(),
+        backend: args.backend.backend,
     };
     // Every scene is read and solved before the first is drawn: a slip in the last one costs no work.
     let mut scenes = Vec::new();
@@ -92,25 +99,16 @@ pub fn run(args: &RenderArgs) -> anyhow::Result<()> {
         output::check_writable(path)?;
     }
     // A drive has no field to compute, and so no word is needed on who would.
-    let mut evaluator = match args.quantity {
+    let mut stages = Stages::new(match args.quantity {
         Quantity::Drive => Evaluator::Cpu,
-        _ => evaluator::for_maps(args.backend.backend)?,
-    };
+        _ => evaluator::for_maps(look.backend)?,
+    });
 
     let bar = progress(scenes.len());
     for (solved, output) in scenes.iter().zip(&outputs) {
         bar.set_message(solved.name.clone());
         let start = Instant::now();
-        let rendered = match render(solved, &evaluator, &look) {
-            // A GPU that nobody asked for by name may fail without failing the job.
-            Err(error) if args.backend.backend == Backend::Auto && error.is::<GpuError>() => {
-                note(&format!("{error}; the CPU computes the field"));
-                evaluator = Evaluator::Cpu;
-                render(solved, &evaluator, &look)
-            }
-            rendered => rendered,
-        };
-        let rendered = rendered.with_context(|| solved.name.clone())?;
+        let rendered = render(solved, &mut stages, &look).with_context(|| solved.name.clone())?;
         rendered.write(output, args.data.as_deref())?;
         bar.suspend(|| {
             println!("{}", rendered.line(output));
@@ -191,6 +189,7 @@ struct Look {
     size: Option<Size>,
     /// The numbers are wanted, not only their picture.
     numbers: bool,
+    backend: Backend,
 }
 
 impl Look {
@@ -251,7 +250,7 @@ impl Rendered {
     }
 }
 
-fn render(solved: &Solved, evaluator: &Evaluator, look: &Look) -> anyhow::Result<Rendered> {
+fn render(solved: &Solved, stages: &mut Stages, look: &Look) -> anyhow::Result<Rendered> {
     let Solved { name, scene, solution } = solved;
     let page = look.pixels(scene)?;
     let time = format!("{} took {:.1} ms", solution.method.name(), solution.seconds * 1e3);
@@ -268,9 +267,10 @@ fn render(solved: &Solved, evaluator: &Evaluator, look: &Look) -> anyhow::Result
     let is_sheet = look.quantity == Quantity::Sheet;
     let (width, height) = if is_sheet { sheet::map_size(&scene.plane, page.0, page.1) } else { page };
     let quantity =
-        if look.quantity == Quantity::Phase { colour::Quantity::Phase } else { colour::Quantity::Rms };
-    let wanted = Wanted { width, height, quantity, colours: look.colours.map(), numbers: look.numbers };
-    let map = map::draw(scene, &solution.drive, evaluator, &wanted)?;
+        if look.quantity == Quantity::Phase { field::Quantity::Phase } else { field::Quantity::Rms };
+    let map_look = map::Look { width, height, quantity, colours: look.colours.map(), numbers: look.numbers };
+    let gpu_is_asked_for = look.backend == Backend::Gpu;
+    let map = map::draw_anyhow(scene, &solution.drive, stages, &map_look, gpu_is_asked_for)?;
     let tolerance = scene.plane.tolerance;
     if tolerance > 0.0 && map.error > tolerance {
         warn(&format!(

@@ -5,13 +5,15 @@ use std::f64::consts::PI;
 use num_complex::Complex32;
 use rayon::prelude::*;
 
-use crate::field::cpu;
+use crate::field::{cpu, polynomial};
 
 /// Values behind every line: lines a power of two apart would share the few places that a cache has for each address.
 const PADDING: usize = 8;
+/// Terms of the window's polynomial: 1e-9 off for the sharpest tolerance.
+const WINDOW_TERMS: usize = 18;
 
 /// For every pixel along an axis, the first of the samples it is made of and their weights.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Resampling {
     /// Samples per pixel.
     pub taps: usize,
@@ -24,17 +26,22 @@ impl Resampling {
     /// `positions` of the pixels in samples, none below `half_width` - 1; a window of 2 `half_width` taps and shape β.
     pub fn new(positions: impl Iterator<Item = f64>, half_width: usize, beta: f64) -> Self {
         let taps = 2 * half_width;
-        let peak = bessel_i0(beta);
+        let window = window(beta);
         let (mut first, mut weights) = (Vec::new(), Vec::new());
         for position in positions {
             // Rounding may put the first pixel a hair before its sample.
             let below = (position + 1e-9).floor().max((half_width - 1) as f64);
             let start = below as usize - (half_width - 1);
             first.push(start as u32);
-            weights
-                .extend((0..taps).map(|tap| {
-                    kernel(position - (start + tap) as f64, half_width as f64, beta, peak) as f32
-                }));
+            let beyond = position - start as f64;
+            // The sine of all taps, but for its sign.
+            let sine = (PI * beyond).sin();
+            weights.extend((0..taps).map(|tap| {
+                let x = beyond - tap as f64;
+                let sinc = if x.abs() < 1e-9 { 1.0 } else { [sine, -sine][tap % 2] / (PI * x) };
+                let inside = (x / half_width as f64).powi(2).min(1.0);
+                (sinc * polynomial::evaluate(&window, 2.0 * inside - 1.0)) as f32
+            }));
         }
         Self { taps, first, weights }
     }
@@ -87,14 +94,10 @@ pub struct Blocks {
     pub weights: Vec<f32>,
 }
 
-/// sinc(x) times the Kaiser window of half-width K at x, `peak` being I0(β).
-fn kernel(x: f64, half_width: f64, beta: f64, peak: f64) -> f64 {
-    let inside = 1.0 - (x / half_width).powi(2);
-    if inside <= 0.0 {
-        return 0.0;
-    }
-    let sinc = if x.abs() < 1e-9 { 1.0 } else { (PI * x).sin() / (PI * x) };
-    sinc * bessel_i0(beta * inside.sqrt()) / peak
+/// The Kaiser window of shape β as a polynomial in 2x² - 1, x being the place in half-widths: I0(β √(1 - x²)) / I0(β).
+fn window(beta: f64) -> Vec<f64> {
+    let peak = bessel_i0(beta);
+    polynomial::fit(|s| bessel_i0(beta * ((1.0 - s) / 2.0).max(0.0).sqrt()) / peak, WINDOW_TERMS)
 }
 
 /// The modified Bessel function I0 by its power series, all of whose terms are positive.
@@ -111,19 +114,30 @@ fn bessel_i0(x: f64) -> f64 {
     sum
 }
 
+/// What lies between the two passes; kept for the next map, since fresh memory costs more than the work on it.
+#[derive(Clone, Debug, Default)]
+pub struct Between {
+    lines: Vec<Complex32>,
+    wide: Vec<Complex32>,
+}
+
 /// Interpolates samples (row by row, `columns` in a row) across and up into pixels, row by row.
 pub fn interpolate(
     samples: &[Complex32],
     columns: usize,
     across: &Resampling,
     up: &Resampling,
+    between: &mut Between,
     pixels: &mut [Complex32],
 ) {
     let rows = samples.len() / columns;
+    let Between { lines, wide } = between;
     // Both passes work along the slow axis, where whole runs of neighbours share their weights.
-    let mut wide = vec![Complex32::ZERO; across.len() * rows];
-    resample(&transposed(samples, columns), across, &mut wide, rows);
-    resample(&transposed(&wide, rows), up, pixels, across.len());
+    transpose(samples, columns, lines);
+    wide.resize(across.len() * rows, Complex32::ZERO);
+    resample(lines, across, wide, rows);
+    transpose(wide, rows, lines);
+    resample(lines, up, pixels, across.len());
 }
 
 /// From lines of `length` values (and [`PADDING`]), one per sample, to one line per pixel.
@@ -149,16 +163,21 @@ fn resample(samples: &[Complex32], resampling: &Resampling, pixels: &mut [Comple
     });
 }
 
-/// Columns as rows, each followed by [`PADDING`].
-fn transposed(values: &[Complex32], columns: usize) -> Vec<Complex32> {
+/// Columns as lines, each followed by [`PADDING`].
+fn transpose(values: &[Complex32], columns: usize, lines: &mut Vec<Complex32>) {
+    /// A square of values stays in the nearest cache.
+    const SIDE: usize = 16;
     let rows = values.len() / columns;
-    let mut lines = vec![Complex32::ZERO; columns * (rows + PADDING)];
-    lines.par_chunks_mut(rows + PADDING).enumerate().for_each(|(column, line)| {
-        for (row, value) in line[..rows].iter_mut().enumerate() {
-            *value = values[row * columns + column];
+    lines.resize(columns * (rows + PADDING), Complex32::ZERO);
+    lines.par_chunks_mut(SIDE * (rows + PADDING)).enumerate().for_each(|(task, lines)| {
+        for first in (0..rows).step_by(SIDE) {
+            for (offset, line) in lines.chunks_exact_mut(rows + PADDING).enumerate() {
+                for row in first..rows.min(first + SIDE) {
+                    line[row] = values[row * columns + task * SIDE + offset];
+                }
+            }
         }
     });
-    lines
 }
 
 #[cfg(test)]
@@ -199,7 +218,7 @@ mod tests {
         let across = Resampling::new((0..width).map(place), 8, 12.0);
         let up = Resampling::new((0..height).map(place), 8, 12.0);
         let mut pixels = vec![Complex32::ZERO; width * height];
-        interpolate(&samples, columns, &across, &up, &mut pixels);
+        interpolate(&samples, columns, &across, &up, &mut Between::default(), &mut pixels);
         for (i, pixel) in pixels.iter().enumerate() {
             assert!((pixel - wave(place(i % width), place(i / width))).norm() < 1e-5, "pixel {i}");
         }

@@ -4,13 +4,17 @@
 //! The two f32 evaluators do the same sums with the same polynomials from the same [`Sources`]; tests hold them to
 //! the reference.
 
+pub mod colouring;
 pub mod cpu;
 pub mod gpu;
 pub mod interpolation;
-pub mod map;
 pub mod plan;
+pub mod polynomial;
+pub mod raster;
 pub mod reference;
 pub mod sources;
+pub mod stages;
+pub mod transfer;
 
 use glam::DVec3;
 use num_complex::{Complex32, Complex64};
@@ -19,9 +23,12 @@ use crate::acoustics::Aperture;
 use crate::drive::Drive;
 use crate::scene::Plane;
 
+pub use colouring::{Colouring, Quantity};
 pub use gpu::{Gpu, GpuError};
 pub use plan::Plan;
-pub use sources::Sources;
+pub use raster::Raster;
+pub use sources::{Sources, Wave};
+pub use stages::{By, FieldError, Map, Stages, Wanted, Work};
 
 /// Where the field is wanted: sample (i, j) stands at `columns[i] + rows[j]`.
 ///
@@ -98,7 +105,7 @@ impl Evaluator {
         samples: &Samples,
     ) -> Result<Vec<Complex32>, GpuError> {
         Ok(match (self, Sources::new(aperture, drive, samples)) {
-            (Self::Gpu(gpu), Some(sources)) => gpu.pressure(&sources, samples)?.read()?,
+            (Self::Gpu(gpu), Some(sources)) => gpu.read(&gpu.pressure(&sources, samples)?)?,
             (Self::Reference, _) => on_cpu(aperture, drive, samples, true),
             (Self::Cpu | Self::Gpu(_), _) => on_cpu(aperture, drive, samples, false),
         })

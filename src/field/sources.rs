@@ -9,10 +9,12 @@
 
 use std::f64::consts::{PI, TAU};
 
+use glam::DVec2;
+
 use crate::acoustics::Aperture;
 use crate::acoustics::element::{self, NEAREST};
 use crate::drive::Drive;
-use crate::field::Samples;
+use crate::field::{Samples, polynomial};
 use crate::scene::ElementModel;
 
 /// Coefficients of sin(πf)/f in f², |f| ≤ ½, lowest first; 7e-9 off before rounding.
@@ -26,15 +28,23 @@ const POLYNOMIAL_ERROR: f64 = 1e-6;
 pub const MOST_NODES: usize = 64;
 const NODE_ERROR: f64 = 1e-7;
 
-/// The driven, sounding elements and the constants of the wave.
+/// The sounding elements and the constants of their waves.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Sources {
-    /// x (m), y (m), phase (turns, the quarter turn of the transfer's j included), amplitude (Pa·m, what is lost up to the nearest distance taken
-    /// off).
+    pub wave: Wave,
+    /// x (m), y (m), phase (turns, the quarter turn of the transfer's j included), amplitude (Pa·m, what is lost up to
+    /// the nearest distance taken off).
     pub elements: Vec<[f32; 4]>,
-    /// 1/λ, as f32 has it for distances and as f64 has it for [`Sources::turns`].
+}
+
+/// The constants of the wave that every element sends to some samples.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Wave {
+    /// 1/λ, as f32 has it for distances and as f64 has it for [`Wave::turns`].
     pub turns_per_metre: f32,
     exact_turns_per_metre: f64,
+    /// Of an element at full drive, as in [`Sources::elements`].
+    strength: f64,
     /// D in s = 2 sin²θ - 1.
     pub directivity: Polynomial<24>,
     /// e^{-α(r - near)} in s = `decay_scale[0]` · r + `decay_scale[1]`, which runs from -1 at the nearest to 1 at the
@@ -68,9 +78,21 @@ pub struct Piston {
 }
 
 impl Sources {
+    /// What a drive makes of the array; silent elements are left out. `None` where [`Wave::new`] gives none.
+    pub fn new(aperture: &Aperture, drive: &Drive, samples: &Samples) -> Option<Self> {
+        let wave = Wave::new(aperture, samples)?;
+        let sounding = aperture.driven.iter().filter(|&&n| drive.amplitudes[n] != 0.0);
+        let elements = sounding
+            .map(|&n| wave.element(aperture.positions[n], drive.amplitudes[n], drive.phases[n]))
+            .collect();
+        Some(Self { wave, elements })
+    }
+}
+
+impl Wave {
     /// `None` for elements and absorption beyond f32's polynomials: a radius above four wavelengths, or more than about
     /// 40 dB between the nearest and the farthest distance.
-    pub fn new(aperture: &Aperture, drive: &Drive, samples: &Samples) -> Option<Self> {
+    pub fn new(aperture: &Aperture, samples: &Samples) -> Option<Self> {
         let element = &aperture.element;
         let turns_per_metre = element.wavenumber / TAU;
         let sought = |s: f64| element.directivity(((s + 1.0) / 2.0).max(0.0).sqrt());
@@ -78,23 +100,22 @@ impl Sources {
         let (near, far) = distances(aperture, samples);
         let (middle, half) = ((far + near) / 2.0, (far - near) / 2.0);
         let decay = Polynomial::fit(FEW_DECAY, |s| (-element.attenuation * half * (1.0 + s)).exp())?;
-        let strength = element.strength * (-element.attenuation * near).exp();
-        let sounding = aperture.driven.iter().filter(|&&n| drive.amplitudes[n] != 0.0);
-        let source = |&n: &usize| {
-            let phase = drive.phases[n] / TAU + 0.25;
-            let amplitude = strength * drive.amplitudes[n];
-            let position = aperture.positions[n];
-            [position.x as f32, position.y as f32, (phase - phase.round()) as f32, amplitude as f32]
-        };
         Some(Self {
-            elements: sounding.map(source).collect(),
             turns_per_metre: turns_per_metre as f32,
             exact_turns_per_metre: turns_per_metre,
+            strength: element.strength * (-element.attenuation * near).exp(),
             directivity,
             decay,
             decay_scale: [(1.0 / half) as f32, (-middle / half) as f32],
             piston: (element.model == ElementModel::ExactPiston).then(|| piston(aperture, samples)),
         })
+    }
+
+    /// An element at a position (m) with an amplitude and a phase (rad), as in [`Sources::elements`].
+    pub fn element(&self, position: DVec2, amplitude: f64, phase: f64) -> [f32; 4] {
+        let turns = phase / TAU + 0.25;
+        let amplitude = self.strength * amplitude;
+        [position.x as f32, position.y as f32, (turns - turns.round()) as f32, amplitude as f32]
     }
 
     /// The part of a turn, in [-½, ½], in a way of `z` (m).
@@ -108,10 +129,10 @@ impl<const MOST: usize> Polynomial<MOST> {
     /// Chebyshev interpolation with `few` terms, with all there is room for, or `None` if neither is near enough.
     fn fit(few: usize, sought: impl Fn(f64) -> f64) -> Option<Self> {
         let fitting = |terms: usize| {
-            let found = interpolate(&sought, terms);
+            let found = polynomial::fit(&sought, terms);
             let off = |i: usize| {
                 let s = i as f64 / 100.0 - 1.0;
-                (evaluate(&found, s) - sought(s)).abs()
+                (polynomial::evaluate(&found, s) - sought(s)).abs()
             };
             (0..=200).all(|i| off(i) < POLYNOMIAL_ERROR).then_some(found)
         };
@@ -132,31 +153,6 @@ fn distances(aperture: &Aperture, samples: &Samples) -> (f64, f64) {
     let near = low.z.max(0.0);
     // A single point straight above a single element still needs a range to scale by.
     (near, far.max(near + 0.01))
-}
-
-/// The polynomial (lowest coefficient first) that meets `f` at the Chebyshev nodes of [-1, 1].
-fn interpolate(f: impl Fn(f64) -> f64, terms: usize) -> Vec<f64> {
-    let node = |i: usize| PI * (i as f64 + 0.5) / terms as f64;
-    let values: Vec<_> = (0..terms).map(|i| f(node(i).cos())).collect();
-    let (mut power, mut before, mut now) = (vec![0.0; terms], vec![0.0; terms], vec![0.0; terms]);
-    now[0] = 1.0;
-    for order in 0..terms {
-        let sum: f64 =
-            values.iter().enumerate().map(|(i, value)| value * (order as f64 * node(i)).cos()).sum();
-        let weight = sum * if order == 0 { 1.0 } else { 2.0 } / terms as f64;
-        for (coefficient, chebyshev) in power.iter_mut().zip(&now) {
-            *coefficient += weight * chebyshev;
-        }
-        // T(n+1) = 2 s T(n) - T(n-1), and T(1) = s.
-        let twice = if order == 0 { 1.0 } else { 2.0 };
-        let next = (0..terms).map(|i| if i == 0 { 0.0 } else { twice * now[i - 1] } - before[i]).collect();
-        before = std::mem::replace(&mut now, next);
-    }
-    power
-}
-
-fn evaluate(coefficients: &[f64], s: f64) -> f64 {
-    coefficients.iter().rev().fold(0.0, |sum, coefficient| sum * s + coefficient)
 }
 
 /// As many nodes as the sample nearest to a rim needs.
@@ -182,9 +178,8 @@ mod tests {
         aperture
     }
 
-    fn sources(aperture: &Aperture) -> Option<Sources> {
-        let drive = Drive { amplitudes: vec![1.0; 256], phases: vec![0.0; 256] };
-        Sources::new(aperture, &drive, &Samples::on_plane(&Plane::default(), 4, 4)?)
+    fn wave(aperture: &Aperture) -> Option<Wave> {
+        Wave::new(aperture, &Samples::on_plane(&Plane::default(), 4, 4)?)
     }
 
     #[test]
@@ -192,7 +187,7 @@ mod tests {
         for (ka, expected) in [(3.66, Some(FEW_DIRECTIVITY)), (9.2, Some(24)), (20.0, Some(24)), (60.0, None)]
         {
             assert_eq!(
-                sources(&aperture(ka)).map(|sources| sources.directivity.terms),
+                wave(&aperture(ka)).map(|wave| wave.directivity.terms),
                 expected,
                 "ka = {ka}"
             );
@@ -206,7 +201,7 @@ mod tests {
         {
             let mut aperture = aperture(3.66);
             aperture.element.attenuation = attenuation;
-            assert_eq!(sources(&aperture).map(|sources| sources.decay.terms), expected, "{attenuation} Np/m");
+            assert_eq!(wave(&aperture).map(|wave| wave.decay.terms), expected, "{attenuation} Np/m");
         }
     }
 
@@ -232,7 +227,7 @@ mod tests {
     fn the_directivity_is_met_in_f32() {
         for (ka, error) in [(3.66, 2e-7), (9.2, 5e-7), (20.0, 4e-6)] {
             let aperture = aperture(ka);
-            let coefficients = sources(&aperture).unwrap().directivity.coefficients;
+            let coefficients = wave(&aperture).unwrap().directivity.coefficients;
             for i in 0..=1000 {
                 let sin = f64::from(i) / 1000.0;
                 let s = (2.0 * sin * sin - 1.0) as f32;

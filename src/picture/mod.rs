@@ -4,7 +4,7 @@ pub mod colour;
 pub mod export;
 pub mod sheet;
 
-pub use colour::{ColourMap, Quantity};
+pub use colour::ColourMap;
 
 /// Colours of a grid of pixels, r, g, b, a from the top left.
 #[derive(Clone, Debug, PartialEq, Eq)]

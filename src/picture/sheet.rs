@@ -7,7 +7,7 @@ use plotters::coord::types::RangedCoordf64;
 use plotters::prelude::*;
 
 use crate::acoustics::Aperture;
-use crate::picture::colour::phase_index;
+use crate::field::colouring::phase_index;
 use crate::picture::{ColourMap, Picture};
 use crate::scene::{Plane, Scene, outline};
 use crate::solver::Solution;

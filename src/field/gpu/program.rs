@@ -31,7 +31,8 @@ pub struct Params {
     pub nodes: u32,
     pub radius: f32,
     pub piston_scale: f32,
-    pub padding: [f32; 2],
+    pub layers: u32,
+    pub run: u32,
 }
 
 /// The same struct as in `shaders/peak.wgsl`.
@@ -52,12 +53,24 @@ pub struct PictureParams {
     pub full: f32,
 }
 
+/// The same struct as in `shaders/superposition.wgsl`.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+pub struct SuperpositionParams {
+    pub samples: u32,
+    pub line: u32,
+    pub line_stride: u32,
+    pub first_term: u32,
+    pub last_term: u32,
+}
+
 /// The same struct as in `shaders/interpolation.wgsl`.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 pub struct ResampleParams {
     pub pixels: u32,
     pub lines: u32,
+    pub start: u32,
     pub span: u32,
     pub tap_stride: u32,
     pub line_stride: u32,
@@ -97,6 +110,10 @@ impl FieldProgram {
         [&constants(), params, phase, elements, element, include_str!("../../../shaders/field.wgsl")]
             .join("\n")
     }
+}
+
+pub fn superposition_source() -> String {
+    [&constants(), include_str!("../../../shaders/superposition.wgsl")].join("\n")
 }
 
 pub fn peak_source() -> String {
@@ -172,6 +189,7 @@ mod tests {
     fn every_program_is_valid_and_has_the_workgroup_that_rust_divides_by() {
         let mut sources: Vec<_> =
             FieldProgram::ALL.iter().map(|program| (format!("{program:?}"), program.source())).collect();
+        sources.push(("superposition".to_owned(), superposition_source()));
         sources.push(("peak".to_owned(), peak_source()));
         sources.push(("picture".to_owned(), picture_source()));
         sources.push(("interpolation".to_owned(), interpolation_source()));
@@ -187,7 +205,7 @@ mod tests {
         let programs: String = FieldProgram::ALL
             .iter()
             .map(|program| program.source())
-            .chain([peak_source(), picture_source(), interpolation_source()])
+            .chain([superposition_source(), peak_source(), picture_source(), interpolation_source()])
             .collect();
         let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/shaders");
         let mut files = 0;
@@ -224,16 +242,21 @@ mod tests {
                 nodes,
                 radius,
                 piston_scale,
-                padding
+                layers,
+                run
             }
         );
         assert_same_layout!(&module("peak", &peak_source()), PeakParams { count, invocations });
         let picture = module("picture", &picture_source());
         assert_same_layout!(&picture, PictureParams { count, invocations, quantity, full });
+        assert_same_layout!(
+            &module("superposition", &superposition_source()),
+            SuperpositionParams { samples, line, line_stride, first_term, last_term }
+        );
         let interpolation = module("interpolation", &interpolation_source());
         assert_same_layout!(
             &interpolation,
-            ResampleParams { pixels, lines, span, tap_stride, line_stride, pixel_stride, pixel_line_stride }
+            ResampleParams { pixels, lines, start, span, tap_stride, line_stride, pixel_stride, pixel_line_stride }
         );
     }
 }

@@ -1,0 +1,112 @@
+//! The pixels of a map, and which of them are interpolated from a plan's samples.
+
+use std::ops::Range;
+
+use glam::DVec3;
+
+use crate::field::interpolation::Resampling;
+use crate::field::{Plan, Samples};
+
+/// The pixels of one map on a plan's plane.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Raster {
+    pub width: usize,
+    pub height: usize,
+    /// Rows that are interpolated; the rest is evaluated pixel by pixel.
+    pub interpolated: Range<usize>,
+    /// From sample columns to pixel columns.
+    pub across: Resampling,
+    /// From sample rows to the interpolated pixel rows.
+    pub up: Resampling,
+    columns: Vec<DVec3>,
+    rows: Vec<DVec3>,
+}
+
+impl Raster {
+    /// `None` where the plane's axes span no plane.
+    pub fn new(plan: &Plan, (width, height): (usize, usize)) -> Option<Self> {
+        let Samples { columns, rows } = Samples::on_plane(&plan.plane, width, height)?;
+        let direct = Self {
+            width,
+            height,
+            interpolated: 0..0,
+            across: Resampling::default(),
+            up: Resampling::default(),
+            columns,
+            rows,
+        };
+        let Some(grid) = &plan.grid else { return Some(direct) };
+        let size = plan.plane.size;
+        let column = |i: usize| size.x * ((i as f64 + 0.5) / width as f64 - 0.5);
+        let row = |j: usize| size.y * ((j as f64 + 0.5) / height as f64 - 0.5);
+        let below = |place: f64| (0..height).filter(|&j| row(j) < place).count();
+        let interpolated = below(grid.covered.start)..below(grid.covered.end);
+        if interpolated.len() * width <= grid.samples.len() {
+            return Some(direct);
+        }
+        let resampling = |axis: usize, places: &mut dyn Iterator<Item = f64>| {
+            let in_samples = places.map(|place| (place - grid.first[axis]) / grid.step[axis]);
+            Resampling::new(in_samples, grid.half_width, grid.beta)
+        };
+        Some(Self {
+            across: resampling(0, &mut (0..width).map(column)),
+            up: resampling(1, &mut interpolated.clone().map(row)),
+            interpolated,
+            ..direct
+        })
+    }
+
+    /// Pixels.
+    pub fn len(&self) -> usize {
+        self.width * self.height
+    }
+
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// Every pixel of the map.
+    pub fn pixels(&self) -> Samples {
+        self.pixel_rows(0..self.height)
+    }
+
+    /// Some rows of the map.
+    pub fn pixel_rows(&self, rows: Range<usize>) -> Samples {
+        Samples { columns: self.columns.clone(), rows: self.rows[rows].to_vec() }
+    }
+
+    /// The rows that are evaluated pixel by pixel, below and above the interpolated ones.
+    pub fn direct(&self) -> impl Iterator<Item = Range<usize>> {
+        [0..self.interpolated.start, self.interpolated.end..self.height]
+            .into_iter()
+            .filter(|rows| !rows.is_empty())
+    }
+
+    /// Points at which anything is evaluated.
+    pub fn evaluated(&self, plan: &Plan) -> usize {
+        let direct: usize = self.direct().map(|rows| rows.len() * self.width).sum();
+        let samples = plan.grid.as_ref().filter(|_| !self.interpolated.is_empty());
+        direct + samples.map_or(0, |grid| grid.samples.len())
+    }
+
+    /// How the pixels are made, for people.
+    pub fn describe(&self, plan: &Plan) -> String {
+        let reason = &plan.reason;
+        match &plan.grid {
+            None => reason.clone(),
+            Some(grid) if self.interpolated.is_empty() => {
+                format!("every pixel is evaluated: they are fewer than the {} samples needed", grid.samples.len())
+            }
+            Some(_) if self.interpolated == (0..self.height) => {
+                format!("{reason}: every pixel is interpolated")
+            }
+            Some(_) => format!(
+                "{reason}: rows {} to {} of {} are interpolated, and the rest, too near to the array, is evaluated \
+                 pixel by pixel",
+                self.interpolated.start,
+                self.interpolated.end - 1,
+                self.height
+            ),
+        }
+    }
+}

@@ -1,0 +1,345 @@
+//! The stages of a map with what each made last: plan, transfer, superposition, interpolation, picture.
+//!
+//! Every stage keeps its result together with the values that it was made from, and runs again only when they differ.
+//! [`Work`] counts how often each ran.
+
+mod on_cpu;
+mod on_gpu;
+
+use std::convert::Infallible;
+
+use num_complex::{Complex32, Complex64};
+
+use crate::acoustics::{self, Aperture};
+use crate::drive::Drive;
+use crate::field::{self, Colouring, Evaluator, Gpu, GpuError, Plan, Raster, Samples};
+use crate::scene::Plane;
+use on_cpu::OnCpu;
+use on_gpu::OnGpu;
+
+/// Pixels at which the reached error is measured.
+pub const PROBES: usize = 48;
+/// Rounding is spread evenly, so that the largest error of all pixels is less than this times the largest of [`PROBES`].
+const PROBE_MARGIN: f64 = 2.0;
+
+/// How often each stage ran.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Work {
+    pub plan: u64,
+    /// Tables of the transfer to the samples.
+    pub transfer: u64,
+    /// Sums over the elements, at the samples or at pixels.
+    pub superposition: u64,
+    pub interpolation: u64,
+    pub picture: u64,
+}
+
+/// What a map is made from.
+#[derive(Clone, Copy, Debug)]
+pub struct Wanted<'a> {
+    pub aperture: &'a Aperture,
+    pub plane: &'a Plane,
+    pub drive: &'a Drive,
+    /// Pixels.
+    pub width: usize,
+    pub height: usize,
+}
+
+/// A map, and how well it keeps the tolerance. Its pixels stay where they were made; [`Stages::read`] gives them out.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Map {
+    pub width: usize,
+    pub height: usize,
+    /// The largest |P|, Pa.
+    pub peak: f32,
+    /// The largest deviation from the f64 reference at 48 pixels, relative to the peak. The largest of all pixels can be
+    /// several times that: six times was seen.
+    pub error: f64,
+    /// Points at which the waves of the elements were added up.
+    pub evaluated: usize,
+    pub by: By,
+    /// How it was made, for people.
+    pub how: String,
+}
+
+/// Who made a map.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum By {
+    /// In f64, each pixel for itself.
+    Reference,
+    Cpu,
+    /// By the CPU with samples in f64, since f32 does not keep the tolerance or has no room for such elements.
+    CpuInF64,
+    Gpu,
+}
+
+/// Why there is no map.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum FieldError {
+    #[error("the plane's axes span no plane")]
+    NoPlane,
+    #[error(transparent)]
+    Gpu(#[from] GpuError),
+}
+
+/// What the plan and the transfer depend on: where the elements and the plane are, in what medium.
+#[derive(Clone, Debug, PartialEq)]
+struct Setting {
+    /// With every element driven: which of them are makes no difference here.
+    aperture: Aperture,
+    plane: Plane,
+}
+
+/// What the pressure at the samples depends on.
+#[derive(Clone, Debug, PartialEq)]
+struct Sounding {
+    setting: Setting,
+    /// u of every element of the array; 0 for those that are off.
+    excitation: Vec<Complex64>,
+}
+
+/// What the pixels depend on.
+#[derive(Clone, Debug, PartialEq)]
+struct Drawn {
+    sounding: Sounding,
+    size: (usize, usize),
+}
+
+/// What the picture depends on.
+#[derive(Clone, Debug, PartialEq)]
+struct Painted {
+    drawn: Drawn,
+    by: By,
+    colouring: Colouring,
+}
+
+/// Everything that a stage may need.
+struct Job<'a> {
+    wanted: Wanted<'a>,
+    plan: &'a Plan,
+    raster: &'a Raster,
+    probes: &'a Probes,
+    drawn: &'a Drawn,
+}
+
+/// A value and what it was made from.
+#[derive(Clone, Debug)]
+struct Kept<K, V> {
+    key: Option<K>,
+    value: V,
+}
+
+impl<K, V: Default> Default for Kept<K, V> {
+    fn default() -> Self {
+        Self { key: None, value: V::default() }
+    }
+}
+
+impl<K: Clone + PartialEq, V> Kept<K, V> {
+    /// The value for `key`, remade in place (its memory is worth keeping) if it was made from something else.
+    fn update(&mut self, key: &K, remake: impl FnOnce(&mut V)) -> &V {
+        let remake = |value: &mut V| {
+            remake(value);
+            Ok::<_, Infallible>(())
+        };
+        match self.try_update(key, remake) {
+            Ok(value) => value,
+        }
+    }
+
+    /// The same for what may fail; the value then belongs to nothing.
+    fn try_update<E>(&mut self, key: &K, remake: impl FnOnce(&mut V) -> Result<(), E>) -> Result<&V, E> {
+        if self.key.as_ref() != Some(key) {
+            self.key = None;
+            remake(&mut self.value)?;
+            self.key = Some(key.clone());
+        }
+        Ok(&self.value)
+    }
+}
+
+/// The stages of one evaluator.
+#[derive(Debug)]
+pub struct Stages {
+    /// Everything in f64, pixel by pixel.
+    exact: bool,
+    gpu: Option<OnGpu>,
+    cpu: OnCpu,
+    plan: Kept<Setting, Option<Plan>>,
+    raster: Kept<(Setting, (usize, usize)), Option<(Raster, Probes)>>,
+    map: Kept<Drawn, Option<Map>>,
+    work: Work,
+}
+
+impl Stages {
+    pub fn new(evaluator: Evaluator) -> Self {
+        Self {
+            exact: matches!(evaluator, Evaluator::Reference),
+            gpu: if let Evaluator::Gpu(gpu) = evaluator { Some(OnGpu::new(*gpu)) } else { None },
+            cpu: OnCpu::default(),
+            plan: Kept::default(),
+            raster: Kept::default(),
+            map: Kept::default(),
+            work: Work::default(),
+        }
+    }
+
+    /// How often each stage has run.
+    pub fn work(&self) -> Work {
+        self.work
+    }
+
+    /// The GPU, if there is one.
+    pub fn gpu(&self) -> Option<&Gpu> {
+        self.gpu.as_ref().map(|gpu| &gpu.gpu)
+    }
+
+    /// Brings the map up to date.
+    ///
+    /// # Errors
+    /// The plane is none, or the GPU failed.
+    pub fn map(&mut self, wanted: &Wanted<'_>) -> Result<&Map, FieldError> {
+        let drawn = Drawn::new(wanted, self.exact);
+        let Self { gpu, cpu, plan, raster, map, work, exact } = self;
+        let map = map.try_update(&drawn, |map| {
+            let setting = &drawn.sounding.setting;
+            let plan = plan.update(setting, |plan| {
+                work.plan += 1;
+                *plan = Plan::new(&setting.aperture, &setting.plane);
+            });
+            let plan = plan.as_ref().ok_or(FieldError::NoPlane)?;
+            let raster = raster.update(&(setting.clone(), drawn.size), |pixels| {
+                *pixels = Raster::new(plan, drawn.size).map(|raster| {
+                    let probes = Probes::new(&setting.aperture, &raster);
+                    (raster, probes)
+                });
+            });
+            let (raster, probes) = raster.as_ref().ok_or(FieldError::NoPlane)?;
+            let job = Job { wanted: *wanted, plan, raster, probes, drawn: &drawn };
+            let on_gpu = match gpu {
+                Some(gpu) if !plan.double => job.on_gpu(gpu, work)?,
+                _ => None,
+            };
+            let Made { by, peak, error } = on_gpu.unwrap_or_else(|| job.on_cpu(cpu, *exact, work));
+            let (width, height) = drawn.size;
+            let (evaluated, how) = (raster.evaluated(plan), raster.describe(plan));
+            *map = Some(Map { width, height, peak, error, evaluated, by, how });
+            Ok::<_, FieldError>(())
+        })?;
+        map.as_ref().ok_or(FieldError::NoPlane)
+    }
+
+    /// Complex pressure (Pa, peak) of every pixel of the map, row by row; the map is brought up to date first.
+    ///
+    /// # Errors
+    /// As [`Stages::map`].
+    pub fn read(&mut self, wanted: &Wanted<'_>) -> Result<Vec<Complex32>, FieldError> {
+        let by = self.map(wanted)?.by;
+        match &self.gpu {
+            Some(gpu) if by == By::Gpu => Ok(gpu.read()?),
+            _ => Ok(self.cpu.field().to_vec()),
+        }
+    }
+
+    /// The map as colours r, g, b, a of every pixel, row by row; it is brought up to date first.
+    ///
+    /// # Errors
+    /// As [`Stages::map`].
+    pub fn colours(&mut self, wanted: &Wanted<'_>, colouring: &Colouring) -> Result<&[[u8; 4]], FieldError> {
+        let Map { by, peak, .. } = *self.map(wanted)?;
+        let painted = Painted { drawn: Drawn::new(wanted, self.exact), by, colouring: colouring.clone() };
+        match &mut self.gpu {
+            Some(gpu) if by == By::Gpu => Ok(gpu.colours(&painted, peak, &mut self.work)?),
+            _ => Ok(self.cpu.colours(&painted, peak, &mut self.work)),
+        }
+    }
+}
+
+/// Who made the pixels, the largest |P| (Pa), and the error.
+struct Made {
+    by: By,
+    peak: f32,
+    error: f64,
+}
+
+impl Job<'_> {
+    /// `None` where f32 does not keep the tolerance.
+    fn on_gpu(&self, gpu: &mut OnGpu, work: &mut Work) -> Result<Option<Made>, GpuError> {
+        if !gpu.pixels(self, work)? {
+            return Ok(None);
+        }
+        let (peak, at_probes) = gpu.measure(&self.probes.pixels)?;
+        let error = self.error(&at_probes, peak);
+        Ok((!self.rounds_too_much(error)).then_some(Made { by: By::Gpu, peak, error }))
+    }
+
+    /// In f64 where f32 does not keep the tolerance.
+    fn on_cpu(&self, cpu: &mut OnCpu, exact: bool, work: &mut Work) -> Made {
+        let mut make = |by| {
+            cpu.pixels(self, by != By::Cpu, work);
+            let field = cpu.field();
+            let peak = field::peak(field);
+            let at_probes: Vec<_> = self.probes.pixels.iter().map(|&pixel| field[pixel]).collect();
+            Made { by, peak, error: self.error(&at_probes, peak) }
+        };
+        match (exact, self.plan.double) {
+            (true, _) => make(By::Reference),
+            (false, true) => make(By::CpuInF64),
+            (false, false) => {
+                let made = make(By::Cpu);
+                if self.rounds_too_much(made.error) { make(By::CpuInF64) } else { made }
+            }
+        }
+    }
+
+    /// Rounding in f32 is relative to what arrives, and where the elements cancel, the peak is less than that.
+    fn rounds_too_much(&self, error: f64) -> bool {
+        let tolerance = self.wanted.plane.tolerance;
+        tolerance > 0.0 && PROBE_MARGIN * error > tolerance
+    }
+
+    /// The largest deviation of the values at the probes from the f64 reference, relative to `peak` (Pa).
+    fn error(&self, at_probes: &[Complex32], peak: f32) -> f64 {
+        let expected = self.probes.transfer.pressure(&self.drawn.sounding.excitation);
+        let off = |(expected, got): (Complex64, &Complex32)| {
+            (expected - Complex64::new(got.re.into(), got.im.into())).norm()
+        };
+        let largest = expected.into_iter().zip(at_probes).map(off).fold(0.0, f64::max);
+        largest / f64::from(peak).max(f64::MIN_POSITIVE)
+    }
+}
+
+impl Drawn {
+    fn new(wanted: &Wanted<'_>, exact: bool) -> Self {
+        let all = (0..wanted.aperture.positions.len()).collect();
+        let mut plane = wanted.plane.clone();
+        if exact {
+            plane.tolerance = 0.0;
+        }
+        let mut excitation = vec![Complex64::ZERO; wanted.aperture.positions.len()];
+        for (&n, u) in wanted.aperture.driven.iter().zip(wanted.drive.excitation(&wanted.aperture.driven)) {
+            excitation[n] = u;
+        }
+        let setting = Setting { aperture: Aperture { driven: all, ..wanted.aperture.clone() }, plane };
+        Self { sounding: Sounding { setting, excitation }, size: (wanted.width, wanted.height) }
+    }
+}
+
+/// Pixels at which the error is measured, with their f64 transfer from every element.
+#[derive(Clone, Debug)]
+struct Probes {
+    pixels: Vec<usize>,
+    transfer: acoustics::Transfer,
+}
+
+impl Probes {
+    /// Spread without pattern.
+    fn new(aperture: &Aperture, raster: &Raster) -> Self {
+        const GOLDEN: f64 = 0.618_033_988_749_894_8;
+        let pixel = |i: usize| ((i as f64 * GOLDEN).fract() * raster.len() as f64) as usize;
+        let pixels: Vec<_> = (1..=PROBES).map(pixel).collect();
+        let samples: Samples = raster.pixels();
+        let points: Vec<_> = pixels.iter().map(|&pixel| samples.point(pixel)).collect();
+        Self { pixels, transfer: aperture.transfer(&points) }
+    }
+}

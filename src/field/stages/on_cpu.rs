@@ -1,0 +1,90 @@
+//! The stages on the CPU.
+
+use std::ops::Range;
+
+use num_complex::Complex32;
+
+use crate::field::interpolation::{Between, interpolate};
+use crate::field::plan::Grid;
+use crate::field::stages::{Job, Kept, Painted, Setting, Sounding, Work};
+use crate::field::transfer::{CEILING, Layout, Transfer};
+use crate::field::{self, Samples, Wave};
+
+#[derive(Debug, Default)]
+pub(super) struct OnCpu {
+    transfer: Kept<Setting, Option<Transfer>>,
+    samples: Kept<(Sounding, bool), Vec<Complex32>>,
+    between: Between,
+    field: Vec<Complex32>,
+    picture: Kept<Painted, Vec<[u8; 4]>>,
+}
+
+impl OnCpu {
+    /// Makes the pixels.
+    pub(super) fn pixels(&mut self, job: &Job<'_>, double: bool, work: &mut Work) {
+        let raster = job.raster;
+        self.field.resize(raster.len(), Complex32::ZERO);
+        let pixels_of = |rows: &Range<usize>| rows.start * raster.width..rows.end * raster.width;
+        for rows in raster.direct() {
+            work.superposition += 1;
+            let evaluated = job.evaluate(&raster.pixel_rows(rows.clone()), double);
+            self.field[pixels_of(&rows)].copy_from_slice(&evaluated);
+        }
+        if let Some(grid) = job.grid() {
+            self.sample(job, grid, double, work);
+            work.interpolation += 1;
+            let columns = grid.samples.columns.len();
+            let pixels = &mut self.field[pixels_of(&raster.interpolated)];
+            interpolate(&self.samples.value, columns, &raster.across, &raster.up, &mut self.between, pixels);
+        }
+    }
+
+    /// Superposition at the samples, from a table where there is room for one.
+    fn sample(&mut self, job: &Job<'_>, grid: &Grid, double: bool, work: &mut Work) {
+        let sounding = &job.drawn.sounding;
+        let aperture = &sounding.setting.aperture;
+        self.samples.update(&(sounding.clone(), double), |samples| {
+            work.superposition += 1;
+            if double {
+                *samples = job.evaluate(&grid.samples, true);
+                return;
+            }
+            let table = self.transfer.update(&sounding.setting, |table| {
+                let layout = Layout::new(aperture, grid);
+                let wave = Wave::new(aperture, &grid.samples).filter(|_| layout.fits(CEILING));
+                work.transfer += u64::from(wave.is_some());
+                let old = table.take();
+                *table = wave.map(|wave| Transfer::new(aperture, &wave, layout, old));
+            });
+            *samples = match table {
+                Some(table) => {
+                    let terms = table.layout.terms(aperture, &sounding.excitation);
+                    table.superpose(&[terms], grid.samples.len()).swap_remove(0)
+                }
+                None => job.evaluate(&grid.samples, false),
+            };
+        });
+    }
+
+    pub(super) fn field(&self) -> &[Complex32] {
+        &self.field
+    }
+
+    pub(super) fn colours(&mut self, key: &Painted, peak: f32, work: &mut Work) -> &[[u8; 4]] {
+        self.picture.update(key, |colours| {
+            work.picture += 1;
+            key.colouring.colours(&self.field, peak, colours);
+        })
+    }
+}
+
+impl Job<'_> {
+    /// The samples that pixels are interpolated from, if any are.
+    pub(super) fn grid(&self) -> Option<&Grid> {
+        self.plan.grid.as_ref().filter(|_| !self.raster.interpolated.is_empty())
+    }
+
+    fn evaluate(&self, samples: &Samples, double: bool) -> Vec<Complex32> {
+        field::on_cpu(self.wanted.aperture, self.wanted.drive, samples, double)
+    }
+}

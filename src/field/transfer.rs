@@ -1,0 +1,183 @@
+//! The transfer from every element to every sample of a plan as a table in memory, and its product with drives.
+//!
+//! Where a sample axis is shared ([`crate::field::plan::Shared`]), what element n sends to sample i is what element 0 sends to
+//! the sample `n · shared.samples` before it. One longer line of samples then serves all elements along that axis: the table of a
+//! parallel plane is 16² or 64² times smaller, is made in no time, and stays in the caches.
+
+use glam::DVec3;
+use num_complex::{Complex32, Complex64};
+use rayon::prelude::*;
+
+use crate::acoustics::Aperture;
+use crate::field::cpu::{self, LANES, OVERHANG, Points, Split, Term};
+use crate::field::plan::Grid;
+use crate::field::sources::Wave;
+use crate::field::{Samples, plan};
+
+/// Bytes that a table may take; above, every superposition evaluates its waves anew.
+pub const CEILING: usize = 256 << 20;
+
+/// Where in the table the transfer of an element to a sample stands.
+///
+/// Sample number p, row by row, is `p % line` on line `p / line`; line `l` of the element (column, row) starts at
+/// `base + l · line_stride + column · element_strides[0] + row · element_strides[1]`.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Layout {
+    pub line: usize,
+    pub line_stride: usize,
+    pub base: usize,
+    pub element_strides: [isize; 2],
+    /// Elements of different transfer, by column and row; the others repeat the first's.
+    pub distinct: [usize; 2],
+    /// Points of the table: for each of its rows and each distinct element one run of as many as it has columns.
+    pub points: Samples,
+    /// Length of a run.
+    pub run: usize,
+}
+
+impl Layout {
+    pub fn new(aperture: &Aperture, grid: &Grid) -> Self {
+        let counts = [aperture.columns, aperture.positions.len() / aperture.columns];
+        let Samples { columns, rows } = &grid.samples;
+        if grid.shared == [None; 2] {
+            // Blocks of neighbouring samples, all elements after each other: read from end to end.
+            return Self {
+                line: LANES,
+                line_stride: LANES * aperture.positions.len(),
+                base: 0,
+                element_strides: [LANES as isize, (LANES * counts[0]) as isize],
+                distinct: counts,
+                points: grid.samples.clone(),
+                run: LANES,
+            };
+        }
+        let extended = [(0, columns), (1, rows)].map(|(axis, places)| Extended::new(grid, axis, places, &counts));
+        let [columns, rows] = &extended;
+        let mut distinct = counts;
+        for shared in grid.shared.into_iter().flatten() {
+            distinct[shared.element_axis] = 1;
+        }
+        let run = columns.places.len();
+        let line_stride = run * distinct[0] * distinct[1];
+        let mut element_strides = [run as isize, (run * distinct[0]) as isize];
+        for (shared, stride) in grid.shared.iter().zip([1, line_stride as isize]) {
+            if let Some(shared) = shared {
+                element_strides[shared.element_axis] = -shared.samples * stride;
+            }
+        }
+        Self {
+            line: grid.samples.columns.len(),
+            line_stride,
+            base: columns.before + rows.before * line_stride,
+            element_strides,
+            distinct,
+            points: Samples { columns: columns.places.clone(), rows: rows.places.clone() },
+            run,
+        }
+    }
+
+    /// Values of the table.
+    pub fn len(&self) -> usize {
+        self.points.len().next_multiple_of(self.run) * self.distinct[0] * self.distinct[1]
+    }
+
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// Whether the table may be kept.
+    pub fn fits(&self, most_bytes: usize) -> bool {
+        self.len().saturating_mul(size_of::<Complex32>()) <= most_bytes
+    }
+
+    /// The elements whose waves the table holds, at full drive.
+    pub fn elements(&self, aperture: &Aperture, wave: &Wave) -> Vec<[f32; 4]> {
+        let number = |i: usize| i / self.distinct[0] * aperture.columns + i % self.distinct[0];
+        (0..self.distinct[0] * self.distinct[1])
+            .map(|i| wave.element(aperture.positions[number(i)], 1.0, 0.0))
+            .collect()
+    }
+
+    /// The sounding elements of an excitation (one value per element of the array): where their runs for the first line
+    /// start, and u.
+    pub fn terms(&self, aperture: &Aperture, excitation: &[Complex64]) -> Vec<Term> {
+        let start = |n: usize| {
+            let place = [n % aperture.columns, n / aperture.columns];
+            let offset = [0, 1].map(|axis| place[axis] as isize * self.element_strides[axis]);
+            self.base.wrapping_add_signed(offset[0] + offset[1])
+        };
+        let sounding = excitation.iter().enumerate().filter(|(_, u)| **u != Complex64::ZERO);
+        sounding.map(|(n, u)| Term { start: start(n), re: u.re as f32, im: u.im as f32 }).collect()
+    }
+}
+
+/// The samples along one axis and those that elements beyond the first see instead.
+struct Extended {
+    places: Vec<DVec3>,
+    /// How many of them come before the samples themselves.
+    before: usize,
+}
+
+impl Extended {
+    fn new(grid: &Grid, axis: usize, places: &[DVec3], counts: &[usize; 2]) -> Self {
+        let Some(plan::Shared { element_axis, samples }) = grid.shared[axis] else {
+            return Self { places: places.to_vec(), before: 0 };
+        };
+        let more = samples.unsigned_abs() * (counts[element_axis] - 1);
+        let before = if samples > 0 { more } else { 0 };
+        let step = if places.len() > 1 { places[1] - places[0] } else { DVec3::ZERO };
+        let place = |i: usize| places[0] + step * (i as f64 - before as f64);
+        Self { places: (0..places.len() + more).map(place).collect(), before }
+    }
+}
+
+/// The table itself.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Transfer {
+    pub layout: Layout,
+    table: Split,
+}
+
+impl Transfer {
+    /// Evaluates the waves of all distinct elements, in the memory of `old`.
+    pub fn new(aperture: &Aperture, wave: &Wave, layout: Layout, old: Option<Self>) -> Self {
+        let mut table = old.map_or_else(Split::default, |old| old.table);
+        for part in [&mut table.re, &mut table.im] {
+            part.resize(layout.len() + OVERHANG, 0.0);
+        }
+        let elements = layout.elements(aperture, wave);
+        let row = layout.run * elements.len();
+        let whole = layout.len();
+        let parts = (table.re[..whole].par_chunks_mut(row), table.im[..whole].par_chunks_mut(row));
+        parts.into_par_iter().enumerate().for_each(|(index, (re, im))| {
+            for start in (0..layout.run).step_by(LANES) {
+                let first = index * layout.run + start;
+                let count = LANES.min(layout.run - start).min(layout.points.len() - first);
+                let points = Points::new(wave, count, |lane| layout.points.point(first + lane));
+                cpu::single_waves(wave, &elements, &points, |element, (wave_re, wave_im)| {
+                    let run = element * layout.run + start..element * layout.run + start + count;
+                    re[run.clone()].copy_from_slice(&wave_re[..count]);
+                    im[run].copy_from_slice(&wave_im[..count]);
+                });
+            }
+        });
+        Self { layout, table }
+    }
+
+    /// Complex pressure (Pa, peak) at the `samples` of the plan for each of several drives: a product of matrices, in
+    /// which every part of the table is read once for all drives.
+    pub fn superpose(&self, drives: &[Vec<Term>], samples: usize) -> Vec<Vec<Complex32>> {
+        let Layout { line, line_stride, .. } = self.layout;
+        let of_line = |index: usize| -> Vec<Vec<Complex32>> {
+            let count = line.min(samples - index * line);
+            let of_drive = |terms: &Vec<Term>| {
+                let mut sum = vec![Complex32::ZERO; count];
+                cpu::superpose(&self.table, terms, index * line_stride, &mut sum);
+                sum
+            };
+            drives.iter().map(of_drive).collect()
+        };
+        let lines: Vec<_> = (0..samples.div_ceil(line)).into_par_iter().with_min_len(4).map(of_line).collect();
+        (0..drives.len()).map(|drive| lines.iter().flat_map(|line| &line[drive]).copied().collect()).collect()
+    }
+}
