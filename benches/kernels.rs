@@ -1,12 +1,17 @@
-//! Pairs (sample times element) per second of every evaluator, with the f64 reference as the baseline, and whole maps.
+//! Pairs (sample times element) per second of every evaluator, with the f64 reference as the baseline, and the stages that
+//! take turns with them. `sonoglyph bench field` measures whole maps.
 
 use std::hint::black_box;
 
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
+use num_complex::{Complex32, Complex64};
 use sonoglyph::acoustics::Aperture;
 use sonoglyph::field::gpu::adapter;
-use sonoglyph::field::{Plan, Samples, Sources, cpu, map, reference};
-use sonoglyph::scene::{ElementModel, Scene, Shape, Target, file};
+use sonoglyph::field::interpolation::{Between, interpolate};
+use sonoglyph::field::plan::Costs;
+use sonoglyph::field::transfer::{Layout, Transfer};
+use sonoglyph::field::{Plan, Raster, Samples, Sources, Wave, cpu, reference};
+use sonoglyph::scene::{ElementModel, Scene, Shape, Target};
 use sonoglyph::solver;
 
 fn kernels(criterion: &mut Criterion) {
@@ -33,7 +38,7 @@ fn kernels(criterion: &mut Criterion) {
         if let Some(gpu) = &gpu {
             group.bench_function(BenchmarkId::new("GPU", &gpu.info().name), |bencher| {
                 bencher.iter(|| {
-                    gpu.pressure(black_box(&sources), black_box(&samples)).and_then(|field| field.read())
+                    gpu.pressure(black_box(&sources), black_box(&samples)).and_then(|field| gpu.read(&field))
                 });
             });
         }
@@ -45,32 +50,45 @@ fn kernels(criterion: &mut Criterion) {
     }
 }
 
-/// A whole map of 1024 x 1024 pixels, planned and measured: `exact` is the baseline of the tolerances.
-fn maps(criterion: &mut Criterion) {
-    let gpu = adapter::open_best(true).ok();
-    let mut scene =
-        file::parse(include_str!("../assets/scenes/hit.toml"), "hit.toml".as_ref()).expect("a scene");
-    let drive = solver::solve(&scene).expect("it can be solved").drive;
+/// The CPU's other inner loops: a table's product with a drive, and interpolation.
+fn stages(criterion: &mut Criterion) {
+    let scene = Scene::default();
     let aperture = Aperture::new(&scene);
-    let mut group = criterion.benchmark_group("map");
-    group.sample_size(10);
-    for (name, tolerance) in [("exact", 0.0), ("1e-3", 1e-3), ("1e-5", 1e-5)] {
-        scene.plane.tolerance = tolerance;
-        let plan = || Plan::new(&aperture, &scene.plane, (1024, 1024), tolerance).expect("a plane");
-        println!("{name}: error {:.1e} of the peak", map::by_cpu(plan(), &aperture, &drive, tolerance).error);
-        group.bench_function(BenchmarkId::new("CPU", name), |bencher| {
-            bencher.iter(|| map::by_cpu(plan(), &aperture, &drive, tolerance));
-        });
-        if let Some(gpu) = &gpu {
-            group.bench_function(BenchmarkId::new("GPU", name), |bencher| {
-                bencher.iter(|| {
-                    map::by_gpu(gpu, &plan(), &aperture, &drive, tolerance).map(|map| map.is_some())
-                });
+    let plan = Plan::new(&aperture, &scene.plane, Costs::CPU).expect("a plane");
+    let grid = plan.grid.as_ref().expect("the default plane is interpolated");
+    let wave = Wave::new(&aperture, &grid.samples).expect("the default element fits f32");
+    let transfer = Transfer::new(&aperture, &wave, Layout::new(&aperture, grid), None);
+    let excitation = vec![Complex64::ONE; aperture.positions.len()];
+    let terms = [transfer.layout.terms(&aperture, &excitation)];
+    let samples = transfer.superpose(&terms, grid.samples.len()).swap_remove(0);
+
+    let mut group = criterion.benchmark_group("superposition");
+    group.throughput(Throughput::Elements((samples.len() * excitation.len()) as u64));
+    group.bench_function("one drive", |bencher| {
+        bencher.iter(|| transfer.superpose(black_box(&terms), grid.samples.len()));
+    });
+    group.finish();
+    let mut group = criterion.benchmark_group("interpolation");
+    for side in [256, 1024] {
+        let raster = Raster::new(&plan, (side, side)).expect("a plane");
+        let mut pixels = vec![Complex32::ZERO; raster.len()];
+        let (mut between, columns) = (Between::default(), grid.samples.columns.len());
+        group.throughput(Throughput::Elements(raster.len() as u64));
+        group.bench_function(BenchmarkId::new("pixels", side), |bencher| {
+            bencher.iter(|| {
+                interpolate(
+                    black_box(&samples),
+                    columns,
+                    &raster.across,
+                    &raster.up,
+                    &mut between,
+                    &mut pixels,
+                );
             });
-        }
+        });
     }
     group.finish();
 }
 
-criterion_group!(benches, kernels, maps);
+criterion_group!(benches, kernels, stages);
 criterion_main!(benches);

@@ -3,9 +3,6 @@
 // Sample i stands at columns[i % width] + rows[i / width]; the fourth component is the part of a turn that its height
 // above the array makes, which is common to all elements and applied last. Every invocation takes eight samples, a workgroup's width
 // apart: one element is then read once for eight points, which on software drivers is worth a factor of four.
-//
-// A table of single waves is made by the same program in as many layers as there are elements: `run` samples of the first
-// element are followed by the same samples of the next.
 
 @group(0) @binding(2) var<storage, read> columns: array<vec4f>;
 @group(0) @binding(3) var<storage, read> rows: array<vec4f>;
@@ -18,7 +15,7 @@ fn sample(offset: u32) -> vec4f {
 }
 
 // Four sums, turned by what is common and added to what is there.
-fn write(offset: u32, layer: u32, z: vec4f, turns: vec4f, sum: Phasor) {
+fn write(offset: u32, z: vec4f, turns: vec4f, sum: Phasor) {
     let nearest = vec4f(-NEAREST * params.turns_per_metre);
     let onward = phasor(select(-turns, nearest, z < vec4f(NEAREST)));
     // The array stands in a baffle: nothing goes backwards.
@@ -28,8 +25,7 @@ fn write(offset: u32, layer: u32, z: vec4f, turns: vec4f, sum: Phasor) {
     for (var i = 0u; i < 4u; i++) {
         let at = offset + i * WORKGROUP;
         if at < params.count {
-            let place = (at / params.run * params.layers + layer) * params.run + at % params.run;
-            pressure[params.written + place] += vec2f(re[i], im[i]);
+            pressure[params.written + at] += vec2f(re[i], im[i]);
         }
     }
 }
@@ -56,9 +52,7 @@ fn field_main(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_ind
 
     var low = Phasor(vec4f(0.0), vec4f(0.0));
     var high = Phasor(vec4f(0.0), vec4f(0.0));
-    let elements_per_layer = (params.last_element - params.first_element) / params.layers;
-    let first_element = params.first_element + group.y * elements_per_layer;
-    for (var n = first_element; n < first_element + elements_per_layer; n++) {
+    for (var n = params.first_element; n < params.last_element; n++) {
         let element = elements[n];
         let to_low = wave(x_low, y_low, front_low, element);
         let to_high = wave(x_high, y_high, front_high, element);
@@ -68,6 +62,6 @@ fn field_main(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_ind
         high.im += to_high.im;
     }
 
-    write(start, group.y, z_low, vec4f(p0.w, p1.w, p2.w, p3.w), low);
-    write(start + 4u * WORKGROUP, group.y, z_high, vec4f(p4.w, p5.w, p6.w, p7.w), high);
+    write(start, z_low, vec4f(p0.w, p1.w, p2.w, p3.w), low);
+    write(start + 4u * WORKGROUP, z_high, vec4f(p4.w, p5.w, p6.w, p7.w), high);
 }

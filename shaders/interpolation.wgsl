@@ -1,14 +1,15 @@
 // From samples to pixels along one axis: every pixel is a weighted sum of neighbouring samples.
 //
-// Eight neighbouring pixels are made from the samples that any of them needs, with weight 0 for the others: when many
-// pixels lie between two samples, each sample is then read once for eight of them.
+// An invocation makes 16 neighbouring pixels on each of 4 lines, a workgroup's width apart, from the samples that any of them
+// needs, with weight 0 for the others. A sample is then read once for 16 pixels, and a weight for 4 lines: on software drivers
+// reading is what takes the time.
 
 struct ResampleParams {
     pixels: u32,
     lines: u32,
     // Of the first sample.
     start: u32,
-    // Samples that eight pixels need.
+    // Samples that 16 pixels need.
     span: u32,
     // From one sample to the next along the axis, and from one line to the next.
     tap_stride: u32,
@@ -20,43 +21,100 @@ struct ResampleParams {
 
 @group(0) @binding(0) var<uniform> params: ResampleParams;
 @group(0) @binding(1) var<storage, read> samples: array<vec2f>;
-// The first sample of every eight pixels.
+// The first sample of every 16 pixels.
 @group(0) @binding(2) var<storage, read> first: array<u32>;
-// Eight weights for every sample of every eight pixels.
+// 16 weights for every sample of every 16 pixels.
 @group(0) @binding(3) var<storage, read> weights: array<vec4f>;
 @group(0) @binding(4) var<storage, read_write> interpolated: array<vec2f>;
 
-@compute @workgroup_size(WORKGROUP)
-fn resample_main(@builtin(global_invocation_id) id: vec3u, @builtin(workgroup_id) group: vec3u) {
-    let line = id.x;
-    if line >= params.lines {
-        return;
-    }
-    var at = params.start + first[group.y] * params.tap_stride + line * params.line_stride;
-    var weight = group.y * params.span * 2u;
-    var re_low = vec4f(0.0);
-    var im_low = vec4f(0.0);
-    var re_high = vec4f(0.0);
-    var im_high = vec4f(0.0);
-    for (var tap = 0u; tap < params.span; tap++) {
-        let value = samples[at];
-        let low = weights[weight];
-        let high = weights[weight + 1u];
-        re_low += low * value.x;
-        im_low += low * value.y;
-        re_high += high * value.x;
-        im_high += high * value.y;
-        at += params.tap_stride;
-        weight += 2u;
-    }
-    for (var i = 0u; i < 4u; i++) {
-        write(group.y * 8u + i, line, vec2f(re_low[i], im_low[i]));
-        write(group.y * 8u + 4u + i, line, vec2f(re_high[i], im_high[i]));
-    }
+// Bits of the largest |p|, a float that is not negative: they order as the float does.
+@group(0) @binding(5) var<storage, read_write> peak: atomic<u32>;
+
+// 16 pixels of one line.
+struct Sums {
+    re0: vec4f,
+    im0: vec4f,
+    re1: vec4f,
+    im1: vec4f,
+    re2: vec4f,
+    im2: vec4f,
+    re3: vec4f,
+    im3: vec4f,
 }
 
-fn write(pixel: u32, line: u32, value: vec2f) {
-    if pixel < params.pixels {
-        interpolated[pixel * params.pixel_stride + line * params.pixel_line_stride] = value;
+fn plus(sums: Sums, value: vec2f, w0: vec4f, w1: vec4f, w2: vec4f, w3: vec4f) -> Sums {
+    return Sums(
+        sums.re0 + w0 * value.x,
+        sums.im0 + w0 * value.y,
+        sums.re1 + w1 * value.x,
+        sums.im1 + w1 * value.y,
+        sums.re2 + w2 * value.x,
+        sums.im2 + w2 * value.y,
+        sums.re3 + w3 * value.x,
+        sums.im3 + w3 * value.y,
+    );
+}
+
+@compute @workgroup_size(WORKGROUP)
+fn resample_main(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_index) local: u32) {
+    let line = group.x * (4u * WORKGROUP) + local;
+    // Beyond the end the last line is made again and not written.
+    let last = params.lines - 1u;
+    let start = params.start + first[group.y] * params.tap_stride;
+    var at0 = start + min(line, last) * params.line_stride;
+    var at1 = start + min(line + WORKGROUP, last) * params.line_stride;
+    var at2 = start + min(line + 2u * WORKGROUP, last) * params.line_stride;
+    var at3 = start + min(line + 3u * WORKGROUP, last) * params.line_stride;
+    var sums0 = Sums(vec4f(0.0), vec4f(0.0), vec4f(0.0), vec4f(0.0), vec4f(0.0), vec4f(0.0), vec4f(0.0), vec4f(0.0));
+    var sums1 = Sums(vec4f(0.0), vec4f(0.0), vec4f(0.0), vec4f(0.0), vec4f(0.0), vec4f(0.0), vec4f(0.0), vec4f(0.0));
+    var sums2 = Sums(vec4f(0.0), vec4f(0.0), vec4f(0.0), vec4f(0.0), vec4f(0.0), vec4f(0.0), vec4f(0.0), vec4f(0.0));
+    var sums3 = Sums(vec4f(0.0), vec4f(0.0), vec4f(0.0), vec4f(0.0), vec4f(0.0), vec4f(0.0), vec4f(0.0), vec4f(0.0));
+    var weight = group.y * params.span * 4u;
+    for (var tap = 0u; tap < params.span; tap++) {
+        let w0 = weights[weight];
+        let w1 = weights[weight + 1u];
+        let w2 = weights[weight + 2u];
+        let w3 = weights[weight + 3u];
+        sums0 = plus(sums0, samples[at0], w0, w1, w2, w3);
+        at0 += params.tap_stride;
+        sums1 = plus(sums1, samples[at1], w0, w1, w2, w3);
+        at1 += params.tap_stride;
+        sums2 = plus(sums2, samples[at2], w0, w1, w2, w3);
+        at2 += params.tap_stride;
+        sums3 = plus(sums3, samples[at3], w0, w1, w2, w3);
+        at3 += params.tap_stride;
+        weight += 4u;
+    }
+    let pixel = group.y * 16u;
+    // Pixels beyond the last have no weights.
+    var norm2 = vec4f(0.0);
+    norm2 = max(norm2, finish(pixel, line, sums0));
+    norm2 = max(norm2, finish(pixel, line + 1u * WORKGROUP, sums1));
+    norm2 = max(norm2, finish(pixel, line + 2u * WORKGROUP, sums2));
+    norm2 = max(norm2, finish(pixel, line + 3u * WORKGROUP, sums3));
+    atomicMax(&peak, bitcast<u32>(sqrt(max(max(norm2.x, norm2.y), max(norm2.z, norm2.w)))));
+}
+
+// Writes the pixels of a line and gives the largest |p|² of them.
+fn finish(pixel: u32, line: u32, sums: Sums) -> vec4f {
+    if line < params.lines {
+        write(pixel + 0u, line, sums.re0, sums.im0);
+        write(pixel + 4u, line, sums.re1, sums.im1);
+        write(pixel + 8u, line, sums.re2, sums.im2);
+        write(pixel + 12u, line, sums.re3, sums.im3);
+    }
+    var norm2 = vec4f(0.0);
+    norm2 = max(norm2, sums.re0 * sums.re0 + sums.im0 * sums.im0);
+    norm2 = max(norm2, sums.re1 * sums.re1 + sums.im1 * sums.im1);
+    norm2 = max(norm2, sums.re2 * sums.re2 + sums.im2 * sums.im2);
+    norm2 = max(norm2, sums.re3 * sums.re3 + sums.im3 * sums.im3);
+    return norm2;
+}
+
+fn write(pixel: u32, line: u32, re: vec4f, im: vec4f) {
+    for (var i = 0u; i < 4u; i++) {
+        if pixel + i < params.pixels {
+            interpolated[(pixel + i) * params.pixel_stride + line * params.pixel_line_stride] = vec2f(re[i], im[i]);
+        }
     }
 }

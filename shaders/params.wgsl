@@ -21,10 +21,7 @@ struct Params {
     nodes: u32,
     radius: f32,
     piston_scale: f32,
-    // Sums that are made of every sample, each from its own share of the elements, and how many samples of one sum lie
-    // together.
-    layers: u32,
-    run: u32,
+    padding: vec2f,
 }
 
 @group(0) @binding(0) var<uniform> params: Params;

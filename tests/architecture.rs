@@ -11,7 +11,7 @@ const LAYERS: &[(&str, &[&str])] = &[
     ("acoustics", &["glam", "num_complex", "libm"]),
     ("drive", &["num_complex"]),
     ("solver", &["faer", "glam", "num_complex", "thiserror"]),
-    ("field", &["bytemuck", "glam", "num_complex", "rayon"]),
+    ("field", &["bytemuck", "glam", "num_complex", "rayon", "thiserror"]),
     ("field::gpu", &["bytemuck", "glam", "naga", "num_complex", "pollster", "thiserror", "wgpu"]),
     ("picture", &["colorous", "glam", "image", "npyz", "num_complex", "plotters", "thiserror"]),
     (
@@ -20,6 +20,7 @@ const LAYERS: &[(&str, &[&str])] = &[
             "anyhow",
             "clap",
             "comfy_table",
+            "cpu_time",
             "csv",
             "glam",
             "indicatif",

@@ -189,9 +189,8 @@ fn the_gpu_colours_a_field_like_the_cpu() {
             colouring.colours(&field, peak, &mut expected);
             assert_eq!(got.len(), expected.len());
             // Next to a step of the table rounding may go either way, and atan2 may be 4096 ulp off.
-            let place = |pixel: &[u8; 4]| {
-                colouring.table.iter().position(|colour| colour == pixel).unwrap() as i32
-            };
+            let place =
+                |pixel: &[u8; 4]| colouring.table.iter().position(|colour| colour == pixel).unwrap() as i32;
             for (got, expected) in got.iter().zip(&expected) {
                 let apart = (place(got) - place(expected)).rem_euclid(256);
                 assert!(apart.min(256 - apart) <= 1, "{quantity:?}: {got:?}, not {expected:?}");

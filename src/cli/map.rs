@@ -125,10 +125,8 @@ mod tests {
         stages.gpu().unwrap().lose();
         // Something new must be made: what is kept needs no GPU.
         scene.plane = Plane { tolerance: 2e-3, ..scene.plane };
-        assert!(matches!(
-            draw_anyhow(&scene, &drive, &mut stages, &look, true),
-            Err(FieldError::Gpu(crate::field::GpuError::Lost(_)))
-        ));
+        let lost = draw_anyhow(&scene, &drive, &mut stages, &look, true).err();
+        assert!(matches!(lost, Some(FieldError::Gpu(crate::field::GpuError::Lost(_)))), "{lost:?}");
         let drawn = draw_anyhow(&scene, &drive, &mut stages, &look, false).unwrap();
         assert!(drawn.how.contains("CPU evaluator"), "{}", drawn.how);
         assert!((drawn.peak_rms - by_cpu.peak_rms).abs() < 2e-3 * by_cpu.peak_rms);

@@ -1,5 +1,6 @@
 //! The command line: arguments in, values through the library, files and text out.
 
+mod bench;
 mod devices;
 mod evaluator;
 mod map;
@@ -64,6 +65,15 @@ enum Command {
     ///   sonoglyph probe hit.toml --points points.csv -o pressures.csv
     #[command(verbatim_doc_comment)]
     Probe(ProbeArgs),
+    /// Measure time against error, beside a baseline in the same run
+    ///
+    /// Examples:
+    ///
+    ///   sonoglyph bench field --quick
+    ///
+    ///   sonoglyph bench field --json field.json --plots plots/
+    #[command(verbatim_doc_comment)]
+    Bench(BenchArgs),
     /// List the adapters and evaluators found, and which would be used
     Devices,
 }
@@ -136,6 +146,28 @@ struct ProbeArgs {
     output: Option<PathBuf>,
 }
 
+#[derive(Debug, Args)]
+struct BenchArgs {
+    /// What to measure
+    #[arg(value_enum, default_value_t = Subject::Field)]
+    subject: Subject,
+    /// Write every record as JSON
+    #[arg(long, value_name = "FILE")]
+    json: Option<PathBuf>,
+    /// Write charts as PNG into a folder
+    #[arg(long, value_name = "DIR")]
+    plots: Option<PathBuf>,
+    /// Fewer cases: 16 x 16 elements, two sizes, three tolerances
+    #[arg(long)]
+    quick: bool,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum Subject {
+    /// Maps of the field
+    Field,
+}
+
 #[derive(Clone, Copy, Debug, Args)]
 struct BackendArgs {
     /// Who computes the field. `auto`: for maps the GPU if there is one that is not software, else the CPU; for points
@@ -201,6 +233,7 @@ pub fn run() -> anyhow::Result<()> {
         Cli { command: Some(Command::Render(args)), .. } => render::run(&args),
         Cli { command: Some(Command::Solve(args)), .. } => solve::run(&args),
         Cli { command: Some(Command::Probe(args)), .. } => probe::run(&args),
+        Cli { command: Some(Command::Bench(args)), .. } => bench::run(&args),
         Cli { command: Some(Command::Devices), .. } => devices::run(),
         Cli { command: None, scene } => render::default_sheet(scene.as_deref()),
     }

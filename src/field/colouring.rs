@@ -5,6 +5,8 @@ use std::f64::consts::{FRAC_1_SQRT_2, TAU};
 use num_complex::Complex32;
 use rayon::prelude::*;
 
+use crate::field::cpu;
+
 /// What of a complex pressure is shown.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Quantity {
@@ -15,6 +17,8 @@ pub enum Quantity {
 }
 
 impl Quantity {
+    pub const ALL: [Self; 2] = [Self::Rms, Self::Phase];
+
     /// The number that is shown: Pa, or rad in (-π, π].
     pub fn of(self, p: Complex32) -> f32 {
         match self {
@@ -40,19 +44,23 @@ impl Colouring {
         /// Pixels whose places in the table are found together.
         const RUN: usize = 1024;
         let per_pascal = 255.0 / self.full.unwrap_or(peak).max(1e-30);
-        // No hypotenuse that guards against overflow: pressures are nowhere near it.
-        let magnitude = |p: &Complex32| (p.norm_sqr().sqrt() * per_pascal + 0.5).min(255.0) as u8;
-        let phase = |p: &Complex32| phase_index(f64::from(p.arg())) as u8;
         colours.resize(field.len(), [0; 4]);
-        colours.par_chunks_mut(RUN).zip(field.par_chunks(RUN)).with_min_len(16).for_each(|(colours, field)| {
-            let mut places = [0; RUN];
-            for (place, p) in places.iter_mut().zip(field) {
-                *place = if self.quantity == Quantity::Phase { phase(p) } else { magnitude(p) };
-            }
-            for (colour, place) in colours.iter_mut().zip(places) {
-                *colour = self.table[usize::from(place)];
-            }
-        });
+        colours.par_chunks_mut(RUN).zip(field.par_chunks(RUN)).with_min_len(16).for_each(
+            |(colours, field)| {
+                let mut places = [0; RUN];
+                match self.quantity {
+                    Quantity::Rms => cpu::places(field, per_pascal, &mut places[..field.len()]),
+                    Quantity::Phase => {
+                        for (place, p) in places.iter_mut().zip(field) {
+                            *place = phase_index(f64::from(p.arg())) as u8;
+                        }
+                    }
+                }
+                for (colour, place) in colours.iter_mut().zip(places) {
+                    *colour = self.table[usize::from(place)];
+                }
+            },
+        );
     }
 }
 

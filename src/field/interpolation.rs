@@ -2,13 +2,15 @@
 
 use std::f64::consts::PI;
 
+use bytemuck::{Pod, Zeroable};
 use num_complex::Complex32;
 use rayon::prelude::*;
 
-use crate::field::{cpu, polynomial};
+use crate::field::cpu::{self, Lines, ROWS, Rows};
+use crate::field::polynomial;
 
-/// Values behind every line: lines a power of two apart would share the few places that a cache has for each address.
-const PADDING: usize = 8;
+/// Values in a line of a cache.
+const ALIGNED: usize = 8;
 /// Terms of the window's polynomial: 1e-9 off for the sharpest tolerance.
 const WINDOW_TERMS: usize = 18;
 
@@ -69,7 +71,7 @@ impl Resampling {
         let mut weights = vec![0.0; first.len() * span * together];
         for pixel in 0..self.len() {
             let block = pixel / together;
-            let (start, of_pixel) = self.of(pixel);
+            let (start, of_pixel) = self.of(pixel, 1);
             let offset = start - first[block] as usize;
             for (tap, weight) in of_pixel.iter().enumerate() {
                 weights[(block * span + offset + tap) * together + pixel % together] = *weight;
@@ -78,8 +80,15 @@ impl Resampling {
         Blocks { first, span, weights }
     }
 
-    fn of(&self, pixel: usize) -> (usize, &[f32]) {
-        (self.first[pixel] as usize, &self.weights[pixel * self.taps..(pixel + 1) * self.taps])
+    /// The first sample of some neighbouring pixels that are alike, and the weights of each.
+    fn of(&self, pixel: usize, count: usize) -> (usize, &[f32]) {
+        (self.first[pixel] as usize, &self.weights[pixel * self.taps..(pixel + count) * self.taps])
+    }
+
+    /// [`ROWS`] if the pixels from this one on are made of the same samples, else 1.
+    fn alike(&self, pixel: usize, end: usize) -> usize {
+        let alike = pixel + ROWS <= end && self.first[pixel] == self.first[pixel + ROWS - 1];
+        if alike { ROWS } else { 1 }
     }
 }
 
@@ -114,10 +123,15 @@ fn bessel_i0(x: f64) -> f64 {
     sum
 }
 
+/// Complex numbers that fill a line of a cache.
+#[derive(Clone, Copy, Debug, Zeroable, Pod)]
+#[repr(C, align(64))]
+struct Aligned([Complex32; ALIGNED]);
+
 /// What lies between the two passes; kept for the next map, since fresh memory costs more than the work on it.
 #[derive(Clone, Debug, Default)]
 pub struct Between {
-    lines: Vec<Complex32>,
+    lines: Vec<Aligned>,
     wide: Vec<Complex32>,
 }
 
@@ -140,38 +154,58 @@ pub fn interpolate(
     resample(lines, up, pixels, across.len());
 }
 
-/// From lines of `length` values (and [`PADDING`]), one per sample, to one line per pixel.
-fn resample(samples: &[Complex32], resampling: &Resampling, pixels: &mut [Complex32], length: usize) {
+/// From lines of `length` values (and what [`stride`] adds), one per sample, to one line per pixel.
+fn resample(samples: &[Aligned], resampling: &Resampling, pixels: &mut [Complex32], length: usize) {
     /// Pixels that one task makes: most of them share their samples, which then stay in the nearest cache.
     const PIXELS: usize = 32;
     /// Values of a line that are worked on together.
     const RUN: usize = 128;
+    let samples: &[Complex32] = bytemuck::cast_slice(samples);
     pixels.par_chunks_mut(PIXELS * length).enumerate().for_each(|(task, lines)| {
+        let pixels = task * PIXELS..task * PIXELS + lines.len() / length;
         for start in (0..length).step_by(RUN) {
-            let run = start..length.min(start + RUN);
-            for (offset, line) in lines.chunks_exact_mut(length).enumerate() {
-                let (first, weights) = resampling.of(task * PIXELS + offset);
-                let samples = &samples[first * (length + PADDING) + start..];
-                cpu::weighted_sum(
-                    bytemuck::cast_slice(samples),
-                    2 * (length + PADDING),
-                    weights,
-                    bytemuck::cast_slice_mut(&mut line[run.clone()]),
+            let count = RUN.min(length - start);
+            let mut pixel = pixels.start;
+            while pixel < pixels.end {
+                let rows = resampling.alike(pixel, pixels.end);
+                let (first, weights) = resampling.of(pixel, rows);
+                let to = (pixel - pixels.start) * length + start;
+                cpu::weighted_sums(
+                    rows,
+                    &Lines {
+                        values: bytemuck::cast_slice(&samples[first * stride(length) + start..]),
+                        stride: 2 * stride(length),
+                        weights,
+                    },
+                    &mut Rows {
+                        values: bytemuck::cast_slice_mut(&mut lines[to..]),
+                        stride: 2 * length,
+                        length: 2 * count,
+                    },
                 );
+                pixel += rows;
             }
         }
     });
 }
 
-/// Columns as lines, each followed by [`PADDING`].
-fn transpose(values: &[Complex32], columns: usize, lines: &mut Vec<Complex32>) {
+/// Values from one line to the next: lines a power of two apart would share the few places that a cache has for each
+/// address, and lines that start within a cache line would be read in two pieces.
+fn stride(length: usize) -> usize {
+    length.next_multiple_of(ALIGNED) + ALIGNED
+}
+
+/// Columns as lines.
+fn transpose(values: &[Complex32], columns: usize, lines: &mut Vec<Aligned>) {
     /// A square of values stays in the nearest cache.
     const SIDE: usize = 16;
     let rows = values.len() / columns;
-    lines.resize(columns * (rows + PADDING), Complex32::ZERO);
-    lines.par_chunks_mut(SIDE * (rows + PADDING)).enumerate().for_each(|(task, lines)| {
+    let stride = stride(rows);
+    lines.resize(columns * stride / ALIGNED, Aligned::zeroed());
+    let lines: &mut [Complex32] = bytemuck::cast_slice_mut(lines);
+    lines.par_chunks_mut(SIDE * stride).enumerate().for_each(|(task, lines)| {
         for first in (0..rows).step_by(SIDE) {
-            for (offset, line) in lines.chunks_exact_mut(rows + PADDING).enumerate() {
+            for (offset, line) in lines.chunks_exact_mut(stride).enumerate() {
                 for row in first..rows.min(first + SIDE) {
                     line[row] = values[row * columns + task * SIDE + offset];
                 }
@@ -194,7 +228,7 @@ mod tests {
         let worst = |cycles: f64| {
             let at = |position: f64| (TAU * cycles * position).cos();
             let off = |pixel: usize| {
-                let (first, weights) = resampling.of(pixel);
+                let (first, weights) = resampling.of(pixel, 1);
                 let sum: f64 =
                     weights.iter().enumerate().map(|(i, w)| f64::from(*w) * at((first + i) as f64)).sum();
                 (sum - at(positions(pixel))).abs()

@@ -18,6 +18,7 @@ pub mod transfer;
 
 use glam::DVec3;
 use num_complex::{Complex32, Complex64};
+use rayon::prelude::*;
 
 use crate::acoustics::Aperture;
 use crate::drive::Drive;
@@ -125,7 +126,18 @@ fn on_cpu(aperture: &Aperture, drive: &Drive, samples: &Samples, double: bool) -
 
 /// The largest |p| of a field, Pa.
 pub fn peak(field: &[Complex32]) -> f32 {
-    field.iter().map(|p| p.norm_sqr()).fold(0.0, f32::max).sqrt()
+    const LANES: usize = 16;
+    let of_part = |part: &[Complex32]| {
+        let (runs, rest) = part.as_chunks::<LANES>();
+        let mut largest = [0.0f32; LANES];
+        for run in runs {
+            for (largest, p) in largest.iter_mut().zip(run) {
+                *largest = largest.max(p.norm_sqr());
+            }
+        }
+        rest.iter().map(|p| p.norm_sqr()).chain(largest).fold(0.0, f32::max)
+    };
+    field.par_chunks(1 << 14).map(of_part).reduce(|| 0.0, f32::max).sqrt()
 }
 
 #[cfg(test)]

@@ -22,9 +22,6 @@ use crate::scene::Plane;
 const HALF_WIDTHS: [usize; 8] = [2, 3, 4, 5, 6, 8, 10, 12];
 /// Pixels of a usual large map, for which the window is chosen.
 const USUAL_PIXELS: f64 = 1024.0 * 1024.0;
-/// Work of one tap of the interpolation and of one sample-element pair read from a table, in evaluations of one pair.
-const TAP_WORK: f64 = 0.06;
-const PAIR_WORK: f64 = 0.1;
 /// rad by which f32 rounds a path, per turn of it.
 const F32_TURN_ERROR: f64 = 1.2e-7 * TAU;
 /// Fresnel zones by which the local frequency is blurred, and the part of the tolerance that the window is designed for;
@@ -33,6 +30,22 @@ const BLUR: f64 = 0.15;
 const SHARE: f64 = 0.2;
 /// What is left of the component of one axis across another that runs along it.
 const ALIGNED: f64 = 1e-12;
+
+/// What things cost an evaluator, in evaluations of one sample-element pair.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Costs {
+    /// One tap of the interpolation.
+    pub tap: f64,
+    /// A pair that is read from a table that stays in the caches, and from one that does not.
+    pub shared_pair: f64,
+    pub kept_pair: f64,
+}
+
+impl Costs {
+    pub const CPU: Self = Self { tap: 0.06, shared_pair: 0.1, kept_pair: 0.2 };
+    /// Without a table.
+    pub const GPU: Self = Self { tap: 0.5, shared_pair: 1.0, kept_pair: 1.0 };
+}
 
 /// What to evaluate for maps of a plane.
 #[derive(Clone, Debug, PartialEq)]
@@ -73,9 +86,9 @@ pub struct Shared {
 }
 
 impl Plan {
-    /// The plan for a plane and its tolerance, which is relative to the map's peak; 0 asks for direct evaluation.
+    /// The plan for a plane and its tolerance by an evaluator with these costs. The tolerance is relative to the map's peak; 0 asks for direct evaluation.
     /// `None` where the plane's axes span no plane.
-    pub fn new(aperture: &Aperture, plane: &Plane) -> Option<Self> {
+    pub fn new(aperture: &Aperture, plane: &Plane, costs: Costs) -> Option<Self> {
         let corners = corners(plane)?;
         let too_much = plane.tolerance > 0.0 && plane.tolerance < f32_error(aperture, &corners);
         let double = too_much || Wave::new(aperture, &corners).is_none();
@@ -88,7 +101,7 @@ impl Plan {
         if plane.tolerance == 0.0 {
             return Some(direct("exact was asked for"));
         }
-        let view = View::new(aperture, plane)?;
+        let view = View::new(aperture, plane, costs)?;
         let best = [false, true]
             .into_iter()
             .flat_map(|sharing| HALF_WIDTHS.map(|half_width| view.layout(half_width, sharing)))
@@ -117,14 +130,14 @@ fn corners(plane: &Plane) -> Option<Samples> {
 }
 
 /// An estimate of the f32 evaluators' error relative to the peak: the rounding of the longest path that they see, which
-/// partly averages out over the elements.
+/// mostly averages out over the elements. Where it does not, the measured error tells.
 fn f32_error(aperture: &Aperture, samples: &Samples) -> f64 {
     let (low, high) = samples.bounds();
     let (first, last) = aperture.corners();
     let across = (high.truncate() - first).abs().max((low.truncate() - last).abs()).length();
     let z = low.z.max(0.0);
     let turns = (across.hypot(z) - z) / aperture.wavelength();
-    let averaging = if aperture.positions.len() > 1 { 0.5 } else { 1.0 };
+    let averaging = if aperture.positions.len() > 1 { 0.1 } else { 1.0 };
     averaging * F32_TURN_ERROR * (turns + 1.0)
 }
 
@@ -135,6 +148,7 @@ struct View {
     /// m
     half: DVec2,
     tolerance: f64,
+    costs: Costs,
     elements: usize,
     pitch: f64,
     wavelength: f64,
@@ -153,7 +167,7 @@ struct Layout {
 }
 
 impl View {
-    fn new(aperture: &Aperture, plane: &Plane) -> Option<Self> {
+    fn new(aperture: &Aperture, plane: &Plane, costs: Costs) -> Option<Self> {
         let (x_axis, y_axis) = plane.axes()?;
         let (first, last) = aperture.corners();
         Some(Self {
@@ -161,6 +175,7 @@ impl View {
             axes: [x_axis, y_axis],
             half: plane.size / 2.0,
             tolerance: plane.tolerance,
+            costs,
             elements: aperture.positions.len(),
             pitch: aperture.pitch,
             wavelength: aperture.wavelength(),
@@ -260,13 +275,12 @@ impl View {
         let [columns, rows] = self.sample_counts(layout);
         let taps = USUAL_PIXELS * (2 * layout.half_width) as f64;
         let is_kept = columns * rows * self.elements * size_of::<Complex32>() <= transfer::CEILING;
-        let reading = match layout.shared {
-            [None, None] if is_kept => 2.0 * PAIR_WORK,
+        let pair = match layout.shared {
+            [None, None] if is_kept => self.costs.kept_pair,
             [None, None] => 1.0,
-            // What is shared stays in the nearest caches.
-            _ => PAIR_WORK,
+            _ => self.costs.shared_pair,
         };
-        reading * (columns * rows * self.elements) as f64 + TAP_WORK * taps
+        pair * (columns * rows * self.elements) as f64 + self.costs.tap * taps
     }
 
     fn grid(&self, layout: &Layout) -> Grid {

@@ -95,7 +95,10 @@ impl Raster {
         match &plan.grid {
             None => reason.clone(),
             Some(grid) if self.interpolated.is_empty() => {
-                format!("every pixel is evaluated: they are fewer than the {} samples needed", grid.samples.len())
+                format!(
+                    "every pixel is evaluated: they are fewer than the {} samples needed",
+                    grid.samples.len()
+                )
             }
             Some(_) if self.interpolated == (0..self.height) => {
                 format!("{reason}: every pixel is interpolated")

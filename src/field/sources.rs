@@ -186,11 +186,7 @@ mod tests {
     fn few_terms_serve_the_usual_element_and_more_the_large_one() {
         for (ka, expected) in [(3.66, Some(FEW_DIRECTIVITY)), (9.2, Some(24)), (20.0, Some(24)), (60.0, None)]
         {
-            assert_eq!(
-                wave(&aperture(ka)).map(|wave| wave.directivity.terms),
-                expected,
-                "ka = {ka}"
-            );
+            assert_eq!(wave(&aperture(ka)).map(|wave| wave.directivity.terms), expected, "ka = {ka}");
         }
     }
 

@@ -51,7 +51,8 @@ impl Layout {
                 run: LANES,
             };
         }
-        let extended = [(0, columns), (1, rows)].map(|(axis, places)| Extended::new(grid, axis, places, &counts));
+        let extended =
+            [(0, columns), (1, rows)].map(|(axis, places)| Extended::new(grid, axis, places, &counts));
         let [columns, rows] = &extended;
         let mut distinct = counts;
         for shared in grid.shared.into_iter().flatten() {
@@ -177,7 +178,8 @@ impl Transfer {
             };
             drives.iter().map(of_drive).collect()
         };
-        let lines: Vec<_> = (0..samples.div_ceil(line)).into_par_iter().with_min_len(4).map(of_line).collect();
+        let lines: Vec<_> =
+            (0..samples.div_ceil(line)).into_par_iter().with_min_len(4).map(of_line).collect();
         (0..drives.len()).map(|drive| lines.iter().flat_map(|line| &line[drive]).copied().collect()).collect()
     }
 }

@@ -1,8 +1,11 @@
-//! From numbers to what a person looks at: colour maps, PNG and NPY, and sheets with axes.
+//! From numbers to what a person looks at: colour maps, PNG and NPY, sheets with axes, and charts.
 
+pub mod chart;
 pub mod colour;
 pub mod export;
 pub mod sheet;
+
+use std::sync::Once;
 
 pub use colour::ColourMap;
 
@@ -27,4 +30,15 @@ impl Picture {
         let at = (y * self.width + x) * 4;
         [self.rgba[at], self.rgba[at + 1], self.rgba[at + 2], self.rgba[at + 3]]
     }
+}
+
+/// Makes the font in assets/ the one that plots are lettered with.
+fn register_font() {
+    static ONCE: Once = Once::new();
+    ONCE.call_once(|| {
+        let font = include_bytes!("../../assets/fonts/Inter-Regular.otf");
+        if plotters::style::register_font("sans-serif", plotters::style::FontStyle::Normal, font).is_err() {
+            unreachable!("the font in assets/ is a font");
+        }
+    });
 }

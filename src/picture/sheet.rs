@@ -1,14 +1,12 @@
 //! The paper's figure on one page: wanted points, phase and amplitude per element, and the pressure map, with axes.
 
-use std::sync::Once;
-
 use glam::{DVec2, DVec3};
 use plotters::coord::types::RangedCoordf64;
 use plotters::prelude::*;
 
 use crate::acoustics::Aperture;
 use crate::field::colouring::phase_index;
-use crate::picture::{ColourMap, Picture};
+use crate::picture::{ColourMap, Picture, register_font};
 use crate::scene::{Plane, Scene, outline};
 use crate::solver::Solution;
 
@@ -428,14 +426,4 @@ fn axis_name(axis: DVec3) -> Option<&'static str> {
     [(DVec3::X, "x / mm"), (DVec3::Y, "y / mm"), (DVec3::Z, "z / mm")]
         .into_iter()
         .find_map(|(unit, name)| (axis.dot(unit) > 1.0 - 1e-9).then_some(name))
-}
-
-fn register_font() {
-    static ONCE: Once = Once::new();
-    ONCE.call_once(|| {
-        let font = include_bytes!("../../assets/fonts/Inter-Regular.otf");
-        if plotters::style::register_font("sans-serif", FontStyle::Normal, font).is_err() {
-            unreachable!("the font in assets/ is a font");
-        }
-    });
 }

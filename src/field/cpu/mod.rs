@@ -15,7 +15,7 @@ use crate::field::Samples;
 use crate::field::sources::{FEW_DECAY, FEW_DIRECTIVITY, Sources, Wave};
 use waves::Block;
 
-pub use sums::{OVERHANG, Split, Term};
+pub use sums::{Lines, OVERHANG, ROWS, Rows, Split, Term};
 pub use waves::{LANES, Points};
 
 /// An instruction set that this machine has.
@@ -110,12 +110,22 @@ fn block_of(isa: Isa, wave: &Wave) -> Block {
     }
 }
 
-/// Adds up lines of numbers, each `stride` after the one before, with a weight each: the interpolation's inner loop.
-pub fn weighted_sum(lines: &[f32], stride: usize, weights: &[f32], sum: &mut [f32]) {
-    match Isa::best().0 {
-        Set::Baseline => sums::weighted_sum::<Baseline>(lines, stride, weights, sum),
+/// Weighted sums of lines, one or [`ROWS`] rows of them: the interpolation's inner loop.
+pub fn weighted_sums(rows: usize, lines: &Lines<'_>, sums: &mut Rows<'_>) {
+    match (Isa::best().0, rows) {
+        (Set::Baseline, ROWS) => sums::weighted_sums::<Baseline, ROWS, 8>(lines, sums),
+        (Set::Baseline, _) => sums::weighted_sums::<Baseline, 1, 32>(lines, sums),
         #[cfg(target_arch = "x86_64")]
-        set => wide::weighted_sum(set, lines, stride, weights, sum),
+        (set, _) => wide::weighted_sums(set, rows, lines, sums),
+    }
+}
+
+/// The places in a colour table of magnitudes: |p| times `scale`, rounded.
+pub fn places(field: &[Complex32], scale: f32, places: &mut [u8]) {
+    match Isa::best().0 {
+        Set::Baseline => sums::places(field, scale, places),
+        #[cfg(target_arch = "x86_64")]
+        _ => wide::places(field, scale, places),
     }
 }
 
@@ -164,7 +174,7 @@ mod wide {
 
     use num_complex::Complex32;
 
-    use crate::field::cpu::sums::{self, Split, Term};
+    use crate::field::cpu::sums::{self, Lines, ROWS, Rows, Split, Term};
     use crate::field::cpu::waves::{self, Block, LANES, Points, Sum};
     use crate::field::cpu::{Instructions, Set};
     use crate::field::sources::{FEW_DECAY, FEW_DIRECTIVITY, Wave};
@@ -192,7 +202,9 @@ mod wide {
         fn rough_inverse_roots(x: &[f32; LANES]) -> [f32; LANES] {
             let mut roots = [0.0; LANES];
             for (x, root) in x.as_chunks::<16>().0.iter().zip(roots.as_chunks_mut::<16>().0) {
-                unsafe { _mm512_storeu_ps(root.as_mut_ptr(), _mm512_rsqrt14_ps(_mm512_loadu_ps(x.as_ptr()))) };
+                unsafe {
+                    _mm512_storeu_ps(root.as_mut_ptr(), _mm512_rsqrt14_ps(_mm512_loadu_ps(x.as_ptr())));
+                };
             }
             roots
         }
@@ -231,22 +243,31 @@ mod wide {
         waves::exact_piston::<Avx512>(w, elements, p)
     }
 
-    pub(super) fn weighted_sum(set: Set, lines: &[f32], stride: usize, weights: &[f32], sum: &mut [f32]) {
-        if set == Set::Avx512 {
-            unsafe { weighted_sum_avx512(lines, stride, weights, sum) }
-        } else {
-            unsafe { weighted_sum_avx2(lines, stride, weights, sum) }
+    pub(super) fn weighted_sums(set: Set, rows: usize, lines: &Lines<'_>, sums: &mut Rows<'_>) {
+        match (set, rows) {
+            (Set::Avx512, ROWS) => unsafe { weighted_sums_avx512::<ROWS, 32>(lines, sums) },
+            (Set::Avx512, _) => unsafe { weighted_sums_avx512::<1, 64>(lines, sums) },
+            (_, ROWS) => unsafe { weighted_sums_avx2::<ROWS, 16>(lines, sums) },
+            (_, _) => unsafe { weighted_sums_avx2::<1, 64>(lines, sums) },
         }
     }
 
     #[target_feature(enable = "avx2,fma")]
-    fn weighted_sum_avx2(lines: &[f32], stride: usize, weights: &[f32], sum: &mut [f32]) {
-        sums::weighted_sum::<Avx2>(lines, stride, weights, sum);
+    fn weighted_sums_avx2<const R: usize, const RUN: usize>(lines: &Lines<'_>, sums: &mut Rows<'_>) {
+        sums::weighted_sums::<Avx2, R, RUN>(lines, sums);
     }
 
     #[target_feature(enable = "avx512f,avx512dq,avx2,fma")]
-    fn weighted_sum_avx512(lines: &[f32], stride: usize, weights: &[f32], sum: &mut [f32]) {
-        sums::weighted_sum::<Avx512>(lines, stride, weights, sum);
+    fn weighted_sums_avx512<const R: usize, const RUN: usize>(lines: &Lines<'_>, sums: &mut Rows<'_>) {
+        sums::weighted_sums::<Avx512, R, RUN>(lines, sums);
+    }
+
+    pub(super) fn places(field: &[Complex32], scale: f32, places: &mut [u8]) {
+        #[target_feature(enable = "avx2,fma")]
+        fn places_avx2(field: &[Complex32], scale: f32, places: &mut [u8]) {
+            sums::places(field, scale, places);
+        }
+        unsafe { places_avx2(field, scale, places) }
     }
 
     pub(super) fn superpose(set: Set, table: &Split, terms: &[Term], first: usize, sum: &mut [Complex32]) {

@@ -66,24 +66,79 @@ fn superpose_run<I: Instructions, const RUN: usize>(
     }
 }
 
+/// Rows that are weighted from the same lines.
+pub const ROWS: usize = 4;
+
+/// `R` rows of weighted sums, `RUN` neighbours at a time.
 #[inline(always)]
-pub(super) fn weighted_sum<I: Instructions>(lines: &[f32], stride: usize, weights: &[f32], sum: &mut [f32]) {
-    const RUN: usize = 64;
-    let (runs, rest) = sum.as_chunks_mut::<RUN>();
-    for (index, run) in runs.iter_mut().enumerate() {
-        let mut total = [0.0; RUN];
-        for (line, weight) in weights.iter().enumerate() {
-            let start = line * stride + index * RUN;
-            let values: &[f32; RUN] = lines[start..].first_chunk().expect("a line is as long as the sum");
-            for lane in 0..RUN {
-                total[lane] = fused::<I>(*weight, values[lane], total[lane]);
+pub(super) fn weighted_sums<I: Instructions, const R: usize, const RUN: usize>(
+    lines: &Lines<'_>,
+    sums: &mut Rows<'_>,
+) {
+    let taps = lines.weights.len() / R;
+    let whole = sums.length / RUN * RUN;
+    for start in (0..whole).step_by(RUN) {
+        let mut totals = [[0.0; RUN]; R];
+        for tap in 0..taps {
+            let values: &[f32; RUN] = lines.values[tap * lines.stride + start..]
+                .first_chunk()
+                .expect("a line is as long as the sum");
+            for (row, total) in totals.iter_mut().enumerate() {
+                let weight = lines.weights[row * taps + tap];
+                for lane in 0..RUN {
+                    total[lane] = fused::<I>(weight, values[lane], total[lane]);
+                }
             }
         }
-        *run = total;
+        for (row, total) in totals.iter().enumerate() {
+            sums.values[row * sums.stride + start..][..RUN].copy_from_slice(total);
+        }
     }
-    let first = runs.len() * RUN;
-    for (index, value) in rest.iter_mut().enumerate() {
-        let at = |line: usize| lines[line * stride + first + index];
-        *value = weights.iter().enumerate().map(|(line, weight)| weight * at(line)).sum();
+    for (row, weights) in lines.weights.chunks_exact(taps).enumerate() {
+        for index in whole..sums.length {
+            let at = |tap: usize| lines.values[tap * lines.stride + index];
+            let sum = weights.iter().enumerate().map(|(tap, weight)| weight * at(tap)).sum();
+            sums.values[row * sums.stride + index] = sum;
+        }
+    }
+}
+
+/// Lines of numbers, each `stride` after the one before, with a weight for every row and line.
+#[derive(Clone, Copy, Debug)]
+pub struct Lines<'a> {
+    pub values: &'a [f32],
+    pub stride: usize,
+    /// Those of the first row, then of the next.
+    pub weights: &'a [f32],
+}
+
+/// Where sums go: rows of `length` numbers, each `stride` after the one before.
+#[derive(Debug)]
+pub struct Rows<'a> {
+    pub values: &'a mut [f32],
+    pub stride: usize,
+    pub length: usize,
+}
+
+/// The places in a colour table of magnitudes: |p| times `scale`, rounded.
+#[inline(always)]
+pub(super) fn places(field: &[Complex32], scale: f32, places: &mut [u8]) {
+    const RUN: usize = 32;
+    /// Adding this rounds a small number into the last bits.
+    const ROUNDER: f32 = 8_388_608.0;
+    // No hypotenuse that guards against overflow: pressures are nowhere near it.
+    let place = |p: &Complex32| {
+        let magnitude = (p.re * p.re + p.im * p.im).sqrt();
+        ((magnitude * scale).min(255.0) + ROUNDER).to_bits() as u8
+    };
+    let (runs, rest) = places.as_chunks_mut::<RUN>();
+    let (fields, field_rest) = field.as_chunks::<RUN>();
+    for (run, field) in runs.iter_mut().zip(fields) {
+        for (to, p) in run.iter_mut().zip(field) {
+            *to = place(p);
+        }
+    }
+    for (to, p) in rest.iter_mut().zip(field_rest) {
+        *to = place(p);
     }
 }

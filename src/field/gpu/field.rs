@@ -8,20 +8,27 @@ use crate::field::gpu::{Gpu, GpuError};
 use crate::field::{Colouring, Quantity};
 
 /// Workgroups of the passes that walk over a whole band.
-const WALKING_GROUPS: u32 = 1024;
+const WALKING_GROUPS: u32 = 256;
 
 /// A field that lies on the GPU, in bands that have a buffer each.
 #[derive(Debug, Default)]
 pub struct GpuField {
-    bands: Vec<wgpu::Buffer>,
+    bands: Vec<Band>,
+}
+
+#[derive(Debug)]
+pub(super) struct Band {
+    pub(super) pressure: wgpu::Buffer,
+    /// The largest |p|, where what made the band has found it on the way.
+    pub(super) peak: Option<wgpu::Buffer>,
 }
 
 impl GpuField {
-    pub(super) fn bands(&self) -> &[wgpu::Buffer] {
+    pub(super) fn bands(&self) -> &[Band] {
         &self.bands
     }
 
-    pub(super) fn push(&mut self, band: wgpu::Buffer) {
+    pub(super) fn push(&mut self, band: Band) {
         self.bands.push(band);
     }
 
@@ -31,15 +38,21 @@ impl GpuField {
     }
 }
 
-fn count(band: &wgpu::Buffer) -> u32 {
-    (band.size() / 8) as u32
+impl Band {
+    /// Samples.
+    pub(super) fn len(&self) -> u32 {
+        (self.pressure.size() / 8) as u32
+    }
 }
 
 impl Gpu {
     /// A field of zeros.
     pub(super) fn empty_field(&self, samples: usize) -> GpuField {
         let most = self.samples_per_band();
-        let band = |first: usize| self.storage("pressure", (most.min(samples - first) * 8) as u64);
+        let band = |first: usize| Band {
+            pressure: self.storage("pressure", (most.min(samples - first) * 8) as u64),
+            peak: None,
+        };
         GpuField { bands: (0..samples).step_by(most).map(band).collect() }
     }
 
@@ -48,28 +61,45 @@ impl Gpu {
     /// # Errors
     /// The device was lost.
     pub fn measure(&self, field: &GpuField, samples: &[usize]) -> Result<(f32, Vec<Complex32>), GpuError> {
-        // The peak stands in front of the samples.
-        let gathered = self.storage("gathered", (samples.len() as u64 + 1) * 8);
+        // The peaks of the bands stand in front of the samples.
+        let peaks = field.bands.len();
+        let gathered = self.storage("gathered", ((peaks + samples.len()) * 8) as u64);
         let mut encoder = self.encoder();
-        for band in &field.bands {
-            let params = PeakParams { count: count(band), invocations: WALKING_GROUPS * WORKGROUP };
-            let params = self.params(bytemuck::bytes_of(&params));
-            let bindings = [(0, &params), (1, band), (2, &gathered)];
-            self.dispatch(&mut encoder, &self.peak, &bindings, (WALKING_GROUPS, 1));
+        for (index, band) in field.bands.iter().enumerate() {
+            let found;
+            let peak = match &band.peak {
+                Some(peak) => peak,
+                None => {
+                    found = self.band_peak(&mut encoder, band);
+                    &found
+                }
+            };
+            encoder.copy_buffer_to_buffer(peak, 0, &gathered, index as u64 * 8, 4);
         }
         for (index, &sample) in samples.iter().enumerate() {
             let mut sample = sample as u64;
             for band in &field.bands {
-                if sample < u64::from(count(band)) {
-                    encoder.copy_buffer_to_buffer(band, sample * 8, &gathered, (index as u64 + 1) * 8, 8);
+                if sample < u64::from(band.len()) {
+                    let to = (peaks + index) as u64 * 8;
+                    encoder.copy_buffer_to_buffer(&band.pressure, sample * 8, &gathered, to, 8);
                     break;
                 }
-                sample -= u64::from(count(band));
+                sample -= u64::from(band.len());
             }
         }
         let bytes = self.read_buffer(encoder, &gathered)?;
         let numbers: &[Complex32] = bytemuck::cast_slice(&bytes);
-        Ok((numbers[0].re, numbers[1..].to_vec()))
+        let peak = numbers[..peaks].iter().map(|p| p.re).fold(0.0, f32::max);
+        Ok((peak, numbers[peaks..].to_vec()))
+    }
+
+    fn band_peak(&self, encoder: &mut wgpu::CommandEncoder, band: &Band) -> wgpu::Buffer {
+        let peak = self.storage("peak", 4);
+        let params = PeakParams { count: band.len(), invocations: WALKING_GROUPS * WORKGROUP };
+        let params = self.params(bytemuck::bytes_of(&params));
+        let bindings = [(0, &params), (1, &band.pressure), (2, &peak)];
+        self.dispatch(encoder, &self.peak, &bindings, (WALKING_GROUPS, 1));
+        peak
     }
 
     /// The field as numbers.
@@ -79,7 +109,8 @@ impl Gpu {
     pub fn read(&self, field: &GpuField) -> Result<Vec<Complex32>, GpuError> {
         let mut numbers = Vec::new();
         for band in &field.bands {
-            numbers.extend_from_slice(bytemuck::cast_slice(&self.read_buffer(self.encoder(), band)?));
+            numbers
+                .extend_from_slice(bytemuck::cast_slice(&self.read_buffer(self.encoder(), &band.pressure)?));
         }
         Ok(numbers)
     }
@@ -95,20 +126,24 @@ impl Gpu {
         peak: f32,
         colours: &mut Vec<[u8; 4]>,
     ) -> Result<(), GpuError> {
+        let pipeline = match colouring.quantity {
+            Quantity::Rms => &self.magnitude,
+            Quantity::Phase => &self.argument,
+        };
         let table = self.filled("colours", bytemuck::cast_slice(&colouring.table), BufferUsages::STORAGE);
         colours.clear();
         for band in &field.bands {
             let params = PictureParams {
-                count: count(band),
+                count: band.len(),
                 invocations: WALKING_GROUPS * WORKGROUP,
-                quantity: u32::from(colouring.quantity == Quantity::Phase),
                 full: colouring.full.unwrap_or(peak),
+                padding: 0,
             };
             let params = self.params(bytemuck::bytes_of(&params));
-            let out = self.storage("picture", u64::from(count(band)) * 4);
+            let out = self.storage("picture", u64::from(band.len()) * 4);
             let mut encoder = self.encoder();
-            let bindings = [(0, &params), (1, band), (2, &table), (3, &out)];
-            self.dispatch(&mut encoder, &self.picture, &bindings, (WALKING_GROUPS, 1));
+            let bindings = [(0, &params), (1, &band.pressure), (2, &table), (3, &out)];
+            self.dispatch(&mut encoder, pipeline, &bindings, (WALKING_GROUPS, 1));
             colours.extend_from_slice(bytemuck::cast_slice(&self.read_buffer(encoder, &out)?));
         }
         Ok(())

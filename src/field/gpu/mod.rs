@@ -1,7 +1,7 @@
 //! The GPU: finding one, and running the field's programs on it.
 //!
-//! Objects are sorted by lifetime: [`Gpu`] holds the device and its pipelines, [`GpuTransfer`] and [`GpuResampling`] what a
-//! plan needs, [`GpuField`] one field's buffers. What changes from run to run travels in `Params`.
+//! Objects are sorted by lifetime: [`Gpu`] holds the device and its pipelines, [`GpuResampling`] the weights
+//! of one map's pixels, [`GpuField`] one field's buffers. What changes from run to run travels in `Params`.
 
 pub mod adapter;
 mod field;
@@ -14,14 +14,13 @@ use std::collections::HashMap;
 use std::sync::{Arc, Mutex};
 
 use wgpu::BufferUsages;
-use wgpu::util::DeviceExt;
 
+use crate::field::Quantity;
 use program::FieldProgram;
 
 pub use adapter::AdapterInfo;
 pub use field::GpuField;
 pub use resampling::GpuResampling;
-pub use waves::GpuTransfer;
 
 /// Samples in one buffer; larger fields are cut into bands.
 const MOST_SAMPLES_PER_BAND: u64 = 1 << 24;
@@ -48,10 +47,10 @@ pub struct Gpu {
     /// Bytes in one buffer.
     buffer_limit: u64,
     fields: RefCell<HashMap<FieldProgram, wgpu::ComputePipeline>>,
-    superposition: wgpu::ComputePipeline,
     interpolation: wgpu::ComputePipeline,
     peak: wgpu::ComputePipeline,
-    picture: wgpu::ComputePipeline,
+    magnitude: wgpu::ComputePipeline,
+    argument: wgpu::ComputePipeline,
     /// The first error that no call was there to return.
     failure: Arc<Mutex<Option<GpuError>>>,
 }
@@ -76,10 +75,10 @@ impl Gpu {
         let failure = Arc::new(Mutex::new(None));
         watch(&device, &failure);
         let gpu = Self {
-            superposition: pipeline(&device, "superposition", &program::superposition_source()),
             interpolation: pipeline(&device, "interpolation", &program::interpolation_source()),
             peak: pipeline(&device, "peak", &program::peak_source()),
-            picture: pipeline(&device, "picture", &program::picture_source()),
+            magnitude: pipeline(&device, "magnitude", &program::picture_source(Quantity::Rms)),
+            argument: pipeline(&device, "argument", &program::picture_source(Quantity::Phase)),
             info: AdapterInfo::new(adapter),
             buffer_limit,
             fields: RefCell::default(),
@@ -151,11 +150,15 @@ impl Gpu {
     }
 
     fn filled(&self, label: &str, contents: &[u8], usage: BufferUsages) -> wgpu::Buffer {
-        self.device.create_buffer_init(&wgpu::util::BufferInitDescriptor {
+        // Not by mapping it: that would panic on a lost device.
+        let buffer = self.device.create_buffer(&wgpu::BufferDescriptor {
             label: Some(label),
-            contents,
-            usage,
-        })
+            size: contents.len() as u64,
+            usage: usage | BufferUsages::COPY_DST,
+            mapped_at_creation: false,
+        });
+        self.queue.write_buffer(&buffer, 0, contents);
+        buffer
     }
 
     fn params(&self, contents: &[u8]) -> wgpu::Buffer {
@@ -163,7 +166,11 @@ impl Gpu {
     }
 
     /// Copies a buffer back, after what the encoder holds, and waits for it.
-    fn read_buffer(&self, mut encoder: wgpu::CommandEncoder, buffer: &wgpu::Buffer) -> Result<Vec<u8>, GpuError> {
+    fn read_buffer(
+        &self,
+        mut encoder: wgpu::CommandEncoder,
+        buffer: &wgpu::Buffer,
+    ) -> Result<Vec<u8>, GpuError> {
         let staging = self.device.create_buffer(&wgpu::BufferDescriptor {
             label: Some("staging"),
             size: buffer.size(),
@@ -189,17 +196,23 @@ impl Gpu {
 
     /// The failure that the driver has reported meanwhile.
     fn check(&self) -> Result<(), GpuError> {
-        match &*self.failure.lock().unwrap_or_else(std::sync::PoisonError::into_inner) {
-            Some(failure) => Err(failure.clone()),
-            None => Ok(()),
+        let failure = || self.failure.lock().unwrap_or_else(std::sync::PoisonError::into_inner).clone();
+        if matches!(failure(), Some(GpuError::Refused(_))) {
+            // A lost device refuses everything, and says only when it is asked that it is lost.
+            self.device.poll(wgpu::PollType::Poll).ok();
         }
+        failure().map_or(Ok(()), Err)
     }
 }
 
 /// Keeps what would otherwise be a panic or go unseen.
 fn watch(device: &wgpu::Device, failure: &Arc<Mutex<Option<GpuError>>>) {
+    // The first refusal tells most, and a loss explains all.
     let keep = |failure: &Mutex<Option<GpuError>>, error| {
-        failure.lock().unwrap_or_else(std::sync::PoisonError::into_inner).get_or_insert(error);
+        let mut kept = failure.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
+        if kept.is_none() || matches!(error, GpuError::Lost(_)) {
+            *kept = Some(error);
+        }
     };
     let refused = Arc::clone(failure);
     device.on_uncaptured_error(Arc::new(move |error: wgpu::Error| {

@@ -3,6 +3,7 @@
 use bytemuck::{Pod, Zeroable};
 
 use crate::acoustics::element::NEAREST;
+use crate::field::Quantity;
 use crate::field::sources::{COSINE, MOST_NODES, SINE};
 
 /// Invocations in a workgroup.
@@ -31,8 +32,7 @@ pub struct Params {
     pub nodes: u32,
     pub radius: f32,
     pub piston_scale: f32,
-    pub layers: u32,
-    pub run: u32,
+    pub padding: [f32; 2],
 }
 
 /// The same struct as in `shaders/peak.wgsl`.
@@ -43,25 +43,14 @@ pub struct PeakParams {
     pub invocations: u32,
 }
 
-/// The same struct as in `shaders/picture.wgsl`.
+/// The same struct as in `shaders/picture_params.wgsl`.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 pub struct PictureParams {
     pub count: u32,
     pub invocations: u32,
-    pub quantity: u32,
     pub full: f32,
-}
-
-/// The same struct as in `shaders/superposition.wgsl`.
-#[repr(C)]
-#[derive(Clone, Copy, Debug, Pod, Zeroable)]
-pub struct SuperpositionParams {
-    pub samples: u32,
-    pub line: u32,
-    pub line_stride: u32,
-    pub first_term: u32,
-    pub last_term: u32,
+    pub padding: u32,
 }
 
 /// The same struct as in `shaders/interpolation.wgsl`.
@@ -112,16 +101,18 @@ impl FieldProgram {
     }
 }
 
-pub fn superposition_source() -> String {
-    [&constants(), include_str!("../../../shaders/superposition.wgsl")].join("\n")
-}
-
 pub fn peak_source() -> String {
     [&constants(), include_str!("../../../shaders/peak.wgsl")].join("\n")
 }
 
-pub fn picture_source() -> String {
-    [&constants(), include_str!("../../../shaders/picture.wgsl")].join("\n")
+/// A program for each quantity: software drivers run both sides of a branch.
+pub fn picture_source(quantity: Quantity) -> String {
+    let colour_index = match quantity {
+        Quantity::Rms => include_str!("../../../shaders/magnitude.wgsl"),
+        Quantity::Phase => include_str!("../../../shaders/argument.wgsl"),
+    };
+    let params = include_str!("../../../shaders/picture_params.wgsl");
+    [&constants(), params, colour_index, include_str!("../../../shaders/picture.wgsl")].join("\n")
 }
 
 pub fn interpolation_source() -> String {
@@ -189,9 +180,8 @@ mod tests {
     fn every_program_is_valid_and_has_the_workgroup_that_rust_divides_by() {
         let mut sources: Vec<_> =
             FieldProgram::ALL.iter().map(|program| (format!("{program:?}"), program.source())).collect();
-        sources.push(("superposition".to_owned(), superposition_source()));
         sources.push(("peak".to_owned(), peak_source()));
-        sources.push(("picture".to_owned(), picture_source()));
+        sources.extend(Quantity::ALL.map(|quantity| (format!("{quantity:?}"), picture_source(quantity))));
         sources.push(("interpolation".to_owned(), interpolation_source()));
         for (name, source) in sources {
             let module = module(&name, &source);
@@ -205,7 +195,8 @@ mod tests {
         let programs: String = FieldProgram::ALL
             .iter()
             .map(|program| program.source())
-            .chain([superposition_source(), peak_source(), picture_source(), interpolation_source()])
+            .chain([peak_source(), interpolation_source()])
+            .chain(Quantity::ALL.map(picture_source))
             .collect();
         let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/shaders");
         let mut files = 0;
@@ -242,21 +233,25 @@ mod tests {
                 nodes,
                 radius,
                 piston_scale,
-                layers,
-                run
+                padding
             }
         );
         assert_same_layout!(&module("peak", &peak_source()), PeakParams { count, invocations });
-        let picture = module("picture", &picture_source());
-        assert_same_layout!(&picture, PictureParams { count, invocations, quantity, full });
-        assert_same_layout!(
-            &module("superposition", &superposition_source()),
-            SuperpositionParams { samples, line, line_stride, first_term, last_term }
-        );
+        let picture = module("picture", &picture_source(Quantity::Rms));
+        assert_same_layout!(&picture, PictureParams { count, invocations, full, padding });
         let interpolation = module("interpolation", &interpolation_source());
         assert_same_layout!(
             &interpolation,
-            ResampleParams { pixels, lines, start, span, tap_stride, line_stride, pixel_stride, pixel_line_stride }
+            ResampleParams {
+                pixels,
+                lines,
+                start,
+                span,
+                tap_stride,
+                line_stride,
+                pixel_stride,
+                pixel_line_stride
+            }
         );
     }
 }

@@ -2,24 +2,26 @@
 
 use wgpu::BufferUsages;
 
+use crate::field::gpu::field::Band;
 use crate::field::gpu::program::{ResampleParams, WORKGROUP};
 use crate::field::gpu::{Gpu, GpuError, GpuField};
 use crate::field::interpolation::Resampling;
 
-/// Pixels that one invocation makes.
-const TOGETHER: usize = 8;
+/// Pixels that one invocation makes of a line, and lines.
+const TOGETHER: usize = 16;
+const LINES: u32 = 4;
 
 /// From samples to pixels in both directions, in bands of pixel rows that fit one buffer each.
 #[derive(Debug)]
 pub struct GpuResampling {
     across: Pass,
-    bands: Vec<Band>,
+    bands: Vec<BandPass>,
     /// Sample columns, pixel columns.
     columns: [usize; 2],
 }
 
 #[derive(Debug)]
-struct Band {
+struct BandPass {
     /// The sample rows that the band's pixels are made of.
     first_row: usize,
     rows: usize,
@@ -68,7 +70,7 @@ impl Gpu {
             let first_row = part.first[0] as usize;
             let rows = part.first[count - 1] as usize + part.taps - first_row;
             part.first.iter_mut().for_each(|sample| *sample -= first_row as u32);
-            bands.push(Band { first_row, rows, up: self.pass(&part) });
+            bands.push(BandPass { first_row, rows, up: self.pass(&part) });
             first += count;
         }
         Some(GpuResampling { across: self.pass(across), bands, columns: [columns, width] })
@@ -95,7 +97,7 @@ impl Gpu {
         samples: &GpuField,
         resampling: &GpuResampling,
     ) -> Result<Option<GpuField>, GpuError> {
-        let [samples] = samples.bands() else { return Ok(None) };
+        let [Band { pressure: samples, .. }] = samples.bands() else { return Ok(None) };
         let [columns, width] = resampling.columns;
         let mut field = GpuField::default();
         let mut encoder = self.encoder();
@@ -107,11 +109,14 @@ impl Gpu {
                 strides: [columns, width],
                 steps: [1, 1],
             };
-            self.resample(&mut encoder, samples, &wide, &resampling.across, &lines);
+            let peak = self.storage("peak", 4);
+            self.resample(&mut encoder, samples, [&wide, &peak], &resampling.across, &lines);
             let pixels = self.storage("pressure", (band.up.pixels * width * 8) as u64);
             let lines = Lines { count: width, start: 0, strides: [1, 1], steps: [width, width] };
-            self.resample(&mut encoder, &wide, &pixels, &band.up, &lines);
-            field.push(pixels);
+            // What lies between the passes has a peak of its own, which nobody wants.
+            let peak = self.storage("peak", 4);
+            self.resample(&mut encoder, &wide, [&pixels, &peak], &band.up, &lines);
+            field.push(Band { pressure: pixels, peak: Some(peak) });
         }
         self.submit(encoder);
         self.check()?;
@@ -122,7 +127,7 @@ impl Gpu {
         &self,
         encoder: &mut wgpu::CommandEncoder,
         samples: &wgpu::Buffer,
-        out: &wgpu::Buffer,
+        [out, peak]: [&wgpu::Buffer; 2],
         pass: &Pass,
         lines: &Lines,
     ) {
@@ -137,8 +142,9 @@ impl Gpu {
             pixel_line_stride: lines.strides[1] as u32,
         };
         let params = self.params(bytemuck::bytes_of(&params));
-        let bindings = [(0, &params), (1, samples), (2, &pass.first), (3, &pass.weights), (4, out)];
-        let workgroups = ((lines.count as u32).div_ceil(WORKGROUP), pass.blocks as u32);
+        let bindings =
+            [(0, &params), (1, samples), (2, &pass.first), (3, &pass.weights), (4, out), (5, peak)];
+        let workgroups = ((lines.count as u32).div_ceil(LINES * WORKGROUP), pass.blocks as u32);
         self.dispatch(encoder, &self.interpolation, &bindings, workgroups);
     }
 }

@@ -1,28 +1,19 @@
-//! Sums over the elements on the GPU: of waves, evaluated there, and of a table of them.
+//! Sums over the elements on the GPU.
+//!
+//! There is no table of transfer values as on the CPU: to read a value took three times as long as to compute it with llvmpipe, and
+//! a real GPU computes faster still.
 
 use wgpu::BufferUsages;
 
-use crate::acoustics::Aperture;
-use crate::field::cpu::Term;
-use crate::field::gpu::program::{
-    FieldProgram, Params, SAMPLES_PER_INVOCATION, SuperpositionParams, UNIFORM_ELEMENTS, WORKGROUP,
-};
+use crate::field::gpu::program::{FieldProgram, Params, SAMPLES_PER_INVOCATION, UNIFORM_ELEMENTS, WORKGROUP};
 use crate::field::gpu::{Gpu, GpuError, GpuField, pipeline};
 use crate::field::sources::MOST_NODES;
-use crate::field::transfer::{CEILING, Layout};
 use crate::field::{Samples, Sources, Wave};
 
 /// Samples times elements in one submission, so that no driver thinks that the device hangs.
 const MOST_PAIRS_PER_RUN: u64 = 1 << 31;
 /// Rounds of loops in one invocation: llvmpipe leaves a shader's loops after 65 535 of them in all, and says nothing.
 const MOST_ROUNDS_PER_RUN: u32 = 1 << 15;
-
-/// A table of transfer values on the GPU.
-#[derive(Debug)]
-pub struct GpuTransfer {
-    pub layout: Layout,
-    table: wgpu::Buffer,
-}
 
 impl Gpu {
     /// Computes the field at every sample and leaves it on the GPU.
@@ -34,7 +25,7 @@ impl Gpu {
         let field = self.empty_field(samples.len());
         let mut first = 0;
         for band in field.bands() {
-            let count = (band.size() / 8) as u32;
+            let count = band.len();
             for elements in inputs.element_runs() {
                 let run_length = (MOST_PAIRS_PER_RUN / elements.len() as u64).min(u64::from(count)) as u32;
                 for written in (0..count).step_by(run_length as usize) {
@@ -46,78 +37,13 @@ impl Gpu {
                         written,
                         ..inputs.params
                     };
-                    self.run_field(&inputs, &params, band);
+                    self.run_field(&inputs, &params, &band.pressure);
                 }
             }
             first += count;
         }
         self.check()?;
         Ok(field)
-    }
-
-    /// The table of a layout, or `None` if it has no room for it.
-    ///
-    /// # Errors
-    /// The device was lost.
-    pub fn transfer(
-        &self,
-        aperture: &Aperture,
-        wave: &Wave,
-        layout: Layout,
-    ) -> Result<Option<GpuTransfer>, GpuError> {
-        if !layout.fits(CEILING.min(self.buffer_limit as usize)) {
-            return Ok(None);
-        }
-        let elements = layout.elements(aperture, wave);
-        let inputs = Inputs::new(self, wave, &elements, &layout.points);
-        let table = self.storage("transfer", layout.len() as u64 * 8);
-        let params = Params {
-            last_element: elements.len() as u32,
-            count: layout.points.len() as u32,
-            layers: elements.len() as u32,
-            run: layout.run as u32,
-            ..inputs.params
-        };
-        self.run_field(&inputs, &params, &table);
-        self.check()?;
-        Ok(Some(GpuTransfer { layout, table }))
-    }
-
-    /// The field that a drive's `terms` make at as many `samples` as the table's layout is for, or `None` if one buffer has
-    /// no room for them.
-    ///
-    /// # Errors
-    /// The device was lost.
-    pub fn superpose(
-        &self,
-        transfer: &GpuTransfer,
-        terms: &[Term],
-        samples: usize,
-    ) -> Result<Option<GpuField>, GpuError> {
-        let field = self.empty_field(samples);
-        let [band] = field.bands() else { return Ok(None) };
-        let packed: Vec<_> =
-            terms.iter().map(|term| [term.start as u32, term.re.to_bits(), term.im.to_bits(), 0]).collect();
-        // An empty binding is none.
-        let packed = if packed.is_empty() { vec![[0; 4]] } else { packed };
-        let packed = self.filled("terms", bytemuck::cast_slice(&packed), BufferUsages::STORAGE);
-        let mut encoder = self.encoder();
-        for first in (0..terms.len()).step_by(MOST_ROUNDS_PER_RUN as usize) {
-            let params = SuperpositionParams {
-                samples: samples as u32,
-                line: transfer.layout.line as u32,
-                line_stride: transfer.layout.line_stride as u32,
-                first_term: first as u32,
-                last_term: terms.len().min(first + MOST_ROUNDS_PER_RUN as usize) as u32,
-            };
-            let params = self.params(bytemuck::bytes_of(&params));
-            let bindings = [(0, &params), (1, &transfer.table), (2, &packed), (3, band)];
-            let workgroups = (samples as u32).div_ceil(WORKGROUP * SAMPLES_PER_INVOCATION);
-            self.dispatch(&mut encoder, &self.superposition, &bindings, (workgroups, 1));
-        }
-        self.submit(encoder);
-        self.check()?;
-        Ok(Some(field))
     }
 
     fn run_field(&self, inputs: &Inputs, params: &Params, out: &wgpu::Buffer) {
@@ -133,7 +59,7 @@ impl Gpu {
         ];
         bindings.extend(inputs.nodes.as_ref().map(|nodes| (5, nodes)));
         let mut encoder = self.encoder();
-        let workgroups = (params.count.div_ceil(WORKGROUP * SAMPLES_PER_INVOCATION), params.layers);
+        let workgroups = (params.count.div_ceil(WORKGROUP * SAMPLES_PER_INVOCATION), 1);
         self.dispatch(&mut encoder, &pipeline, &bindings, workgroups);
         self.submit(encoder);
     }
@@ -197,8 +123,7 @@ impl Inputs {
 }
 
 fn params(wave: &Wave, samples: &Samples) -> Params {
-    let (radius, nodes) =
-        wave.piston.as_ref().map_or((0.0, 0), |piston| (piston.radius, piston.nodes.len()));
+    let (radius, nodes) = wave.piston.as_ref().map_or((0.0, 0), |piston| (piston.radius, piston.nodes.len()));
     Params {
         directivity: bytemuck::cast(wave.directivity.coefficients),
         decay: bytemuck::cast(wave.decay.coefficients),
@@ -210,8 +135,6 @@ fn params(wave: &Wave, samples: &Samples) -> Params {
         nodes: nodes as u32,
         radius,
         piston_scale: if nodes > 0 { 2.0 / (radius * nodes as f32) } else { 0.0 },
-        layers: 1,
-        run: u32::MAX,
         ..Params::default()
     }
 }

@@ -12,6 +12,7 @@ use num_complex::{Complex32, Complex64};
 
 use crate::acoustics::{self, Aperture};
 use crate::drive::Drive;
+use crate::field::plan::Costs;
 use crate::field::{self, Colouring, Evaluator, Gpu, GpuError, Plan, Raster, Samples};
 use crate::scene::Plane;
 use on_cpu::OnCpu;
@@ -98,6 +99,13 @@ struct Sounding {
     excitation: Vec<Complex64>,
 }
 
+/// What the pixels' places depend on.
+#[derive(Clone, Debug, PartialEq)]
+struct Frame {
+    setting: Setting,
+    size: (usize, usize),
+}
+
 /// What the pixels depend on.
 #[derive(Clone, Debug, PartialEq)]
 struct Drawn {
@@ -166,7 +174,7 @@ pub struct Stages {
     gpu: Option<OnGpu>,
     cpu: OnCpu,
     plan: Kept<Setting, Option<Plan>>,
-    raster: Kept<(Setting, (usize, usize)), Option<(Raster, Probes)>>,
+    raster: Kept<Frame, Option<(Raster, Probes)>>,
     map: Kept<Drawn, Option<Map>>,
     work: Work,
 }
@@ -181,6 +189,17 @@ impl Stages {
             raster: Kept::default(),
             map: Kept::default(),
             work: Work::default(),
+        }
+    }
+
+    /// Forgets every result, but for its memory and the work counted.
+    pub fn forget(&mut self) {
+        self.plan.key = None;
+        self.raster.key = None;
+        self.map.key = None;
+        self.cpu.forget();
+        if let Some(gpu) = &mut self.gpu {
+            gpu.forget();
         }
     }
 
@@ -205,10 +224,11 @@ impl Stages {
             let setting = &drawn.sounding.setting;
             let plan = plan.update(setting, |plan| {
                 work.plan += 1;
-                *plan = Plan::new(&setting.aperture, &setting.plane);
+                let costs = if gpu.is_some() { Costs::GPU } else { Costs::CPU };
+                *plan = Plan::new(&setting.aperture, &setting.plane, costs);
             });
             let plan = plan.as_ref().ok_or(FieldError::NoPlane)?;
-            let raster = raster.update(&(setting.clone(), drawn.size), |pixels| {
+            let raster = raster.update(&drawn.frame(), |pixels| {
                 *pixels = Raster::new(plan, drawn.size).map(|raster| {
                     let probes = Probes::new(&setting.aperture, &raster);
                     (raster, probes)
@@ -310,6 +330,10 @@ impl Job<'_> {
 }
 
 impl Drawn {
+    fn frame(&self) -> Frame {
+        Frame { setting: self.sounding.setting.clone(), size: self.size }
+    }
+
     fn new(wanted: &Wanted<'_>, exact: bool) -> Self {
         let all = (0..wanted.aperture.positions.len()).collect();
         let mut plane = wanted.plane.clone();

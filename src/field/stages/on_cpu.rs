@@ -20,6 +20,12 @@ pub(super) struct OnCpu {
 }
 
 impl OnCpu {
+    pub(super) fn forget(&mut self) {
+        self.transfer.key = None;
+        self.samples.key = None;
+        self.picture.key = None;
+    }
+
     /// Makes the pixels.
     pub(super) fn pixels(&mut self, job: &Job<'_>, double: bool, work: &mut Work) {
         let raster = job.raster;

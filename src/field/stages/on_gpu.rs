@@ -2,18 +2,16 @@
 
 use num_complex::Complex32;
 
-use crate::field::gpu::{GpuField, GpuResampling, GpuTransfer};
+use crate::field::gpu::{GpuField, GpuResampling};
 use crate::field::plan::Grid;
-use crate::field::stages::{Job, Kept, Painted, Setting, Sounding, Work};
-use crate::field::transfer::Layout;
-use crate::field::{Gpu, GpuError, Samples, Sources, Wave};
+use crate::field::stages::{Frame, Job, Kept, Painted, Sounding, Work};
+use crate::field::{Gpu, GpuError, Samples, Sources};
 
 #[derive(Debug)]
 pub(super) struct OnGpu {
     pub(super) gpu: Gpu,
-    transfer: Kept<Setting, Option<GpuTransfer>>,
     samples: Kept<Sounding, Option<GpuField>>,
-    resampling: Kept<(Setting, (usize, usize)), Option<GpuResampling>>,
+    resampling: Kept<Frame, Option<GpuResampling>>,
     field: GpuField,
     picture: Kept<Painted, Vec<[u8; 4]>>,
 }
@@ -22,12 +20,17 @@ impl OnGpu {
     pub(super) fn new(gpu: Gpu) -> Self {
         Self {
             gpu,
-            transfer: Kept::default(),
             samples: Kept::default(),
             resampling: Kept::default(),
             field: GpuField::default(),
             picture: Kept::default(),
         }
+    }
+
+    pub(super) fn forget(&mut self) {
+        self.samples.key = None;
+        self.resampling.key = None;
+        self.picture.key = None;
     }
 
     /// Makes the pixels; `false` where f32 has no room for the elements or a buffer none for the samples.
@@ -67,9 +70,8 @@ impl OnGpu {
         work: &mut Work,
     ) -> Result<Option<GpuField>, GpuError> {
         self.sample(job, grid, work)?;
-        let key = (job.drawn.sounding.setting.clone(), job.drawn.size);
         let columns = grid.samples.columns.len();
-        let resampling = self.resampling.update(&key, |resampling| {
+        let resampling = self.resampling.update(&job.drawn.frame(), |resampling| {
             *resampling = self.gpu.resampling(&job.raster.across, &job.raster.up, columns);
         });
         let (Some(samples), Some(resampling)) = (&self.samples.value, resampling) else { return Ok(None) };
@@ -78,36 +80,14 @@ impl OnGpu {
         Ok(interpolated)
     }
 
-    /// Superposition at the samples, from a table where there is room for one.
+    /// Superposition at the samples.
     fn sample(&mut self, job: &Job<'_>, grid: &Grid, work: &mut Work) -> Result<(), GpuError> {
         let sounding = &job.drawn.sounding;
-        let aperture = &sounding.setting.aperture;
-        let table = self.transfer.try_update(&sounding.setting, |table| {
-            let wave = Wave::new(aperture, &grid.samples);
-            let layout = Layout::new(aperture, grid);
-            *table = match wave {
-                Some(wave) => self.gpu.transfer(aperture, &wave, layout)?,
-                None => None,
-            };
-            work.transfer += u64::from(table.is_some());
-            Ok(())
-        })?;
-        if self.samples.key.as_ref() == Some(sounding) {
-            return Ok(());
+        if self.samples.key.as_ref() != Some(sounding) {
+            work.superposition += 1;
+            let value = self.evaluated(job, &grid.samples)?;
+            self.samples = Kept { key: Some(sounding.clone()), value };
         }
-        work.superposition += 1;
-        let superposed = match table {
-            Some(table) => {
-                let terms = table.layout.terms(aperture, &sounding.excitation);
-                self.gpu.superpose(table, &terms, grid.samples.len())?
-            }
-            None => None,
-        };
-        let evaluated = match superposed {
-            Some(field) => Some(field),
-            None => self.evaluated(job, &grid.samples)?,
-        };
-        self.samples = Kept { key: Some(sounding.clone()), value: evaluated };
         Ok(())
     }
 

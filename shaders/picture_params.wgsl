@@ -1,0 +1,11 @@
+// What the picture's programs need besides their buffers.
+
+struct PictureParams {
+    count: u32,
+    invocations: u32,
+    // |p| that gets the last colour.
+    full: f32,
+    padding: u32,
+}
+
+@group(0) @binding(0) var<uniform> params: PictureParams;
