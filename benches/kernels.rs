@@ -12,6 +12,7 @@ use sonoglyph::field::plan::Costs;
 use sonoglyph::field::transfer::{Layout, Transfer};
 use sonoglyph::field::{Plan, Raster, Samples, Sources, Wave, cpu, reference};
 use sonoglyph::scene::{ElementModel, Scene, Shape, Target};
+use sonoglyph::simd::Isa;
 use sonoglyph::solver;
 
 fn kernels(criterion: &mut Criterion) {
@@ -30,7 +31,7 @@ fn kernels(criterion: &mut Criterion) {
         let mut group = criterion.benchmark_group(name);
         group.sample_size(10);
         group.throughput(Throughput::Elements((samples.len() * sources.elements.len()) as u64));
-        for isa in cpu::Isa::available() {
+        for isa in Isa::available() {
             group.bench_function(BenchmarkId::new("CPU", isa.name()), |bencher| {
                 bencher.iter(|| cpu::pressure_with(isa, black_box(&sources), black_box(&samples)));
             });

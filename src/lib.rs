@@ -8,4 +8,5 @@ pub mod drive;
 pub mod field;
 pub mod picture;
 pub mod scene;
+pub mod simd;
 pub mod solver;

@@ -8,6 +8,7 @@ use std::path::{Path, PathBuf};
 /// The layers, the uppermost first, with the outside crates each may name. A module uses itself and what stands above.
 const LAYERS: &[(&str, &[&str])] = &[
     ("scene", &["serde", "toml", "glam", "thiserror"]),
+    ("simd", &[]),
     ("acoustics", &["glam", "num_complex", "libm"]),
     ("drive", &["num_complex"]),
     ("solver", &["faer", "glam", "num_complex", "thiserror"]),

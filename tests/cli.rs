@@ -314,10 +314,40 @@ fn devices_says_what_would_be_used() {
 }
 
 #[test]
+fn bench_measures_time_beside_error() {
+    let folder = tempfile::tempdir().unwrap();
+    let table =
+        succeed(folder.path(), &["bench", "field", "--quick", "--json", "field.json", "--plots", "plots"]);
+    assert!(table.contains("new drive") && table.contains("error"), "{table}");
+    let json: Value =
+        serde_json::from_str(&fs::read_to_string(folder.path().join("field.json")).unwrap()).unwrap();
+    let records = json["field"].as_array().unwrap();
+    let mut interpolated = 0;
+    for record in records {
+        let (error, tolerance) = (record["error"].as_f64().unwrap(), record["tolerance"].as_f64().unwrap());
+        assert!(error < if tolerance == 0.0 { 2e-5 } else { tolerance }, "{record}");
+        for time in ["cold", "new_plane", "new_drive", "new_colours"] {
+            assert!(record[time]["cpu_ms"].as_f64().unwrap() >= 0.0, "{record}");
+        }
+        if tolerance > 0.0 {
+            assert!(record["new_drive_ratio"].as_f64().unwrap() > 0.0, "{record}");
+            interpolated += 1;
+        }
+    }
+    assert!(interpolated >= 4, "{interpolated} of {} records", records.len());
+    for chart in ["field-error", "field-pixels", "field-elements"] {
+        let path = folder.path().join("plots").join(chart).with_extension("png");
+        assert_eq!(image::open(path).unwrap().width(), 1200);
+    }
+    let message = refuse(folder.path(), &["bench", "field", "--quick", "--json", "no/field.json"]);
+    assert!(message.contains("no/field.json"), "{message}");
+}
+
+#[test]
 fn help_shows_every_command_with_an_example() {
     let folder = folder_with(&[]);
     let help = succeed(folder.path(), &["--help"]);
-    for command in ["render", "solve", "probe", "devices"] {
+    for command in ["render", "solve", "probe", "devices", "bench"] {
         assert!(help.contains(command), "{help}");
         let own = succeed(folder.path(), &[command, "--help"]);
         assert!(command == "devices" || own.contains(&format!("sonoglyph {command} ")), "{own}");

@@ -10,6 +10,7 @@ use sonoglyph::field::gpu::adapter;
 use sonoglyph::field::{Colouring, Gpu, GpuError, Quantity, Samples, Sources, cpu, reference};
 use sonoglyph::picture::ColourMap;
 use sonoglyph::scene::{ElementModel, Plane, Scene, file};
+use sonoglyph::simd::Isa;
 use sonoglyph::solver;
 
 /// Largest |P - P_ref| over the largest |P_ref|.
@@ -54,7 +55,7 @@ fn assert_evaluators_agree(name: &str, scene: &Scene, drive: &Drive, samples: &S
     let aperture = Aperture::new(scene);
     let sources = Sources::new(&aperture, drive, samples).unwrap();
     let reference = reference::pressure(&aperture, drive, samples);
-    for isa in cpu::Isa::available() {
+    for isa in Isa::available() {
         let error = error(&cpu::pressure_with(isa, &sources, samples), &reference);
         println!("{name}: CPU {} {error:.2e}", isa.name());
         assert!(error < AGREEMENT, "{name}: CPU {} is {error:.1e} of the peak off", isa.name());

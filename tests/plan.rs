@@ -12,7 +12,9 @@ use sonoglyph::acoustics::Aperture;
 use sonoglyph::drive::Drive;
 use sonoglyph::field::gpu::adapter;
 use sonoglyph::field::plan::Costs;
-use sonoglyph::field::{By, Evaluator, Map, Plan, Raster, Samples, Stages, Wanted, reference};
+use sonoglyph::field::{
+    By, Colouring, Evaluator, Map, Plan, Quantity, Raster, Samples, Stages, Wanted, reference,
+};
 use sonoglyph::scene::{ElementModel, Plane, Scene, file};
 use sonoglyph::solver;
 
@@ -129,6 +131,25 @@ fn small_buffers_are_filled_one_after_the_other() {
     let Some(mut stages) = gpu(2000) else { return };
     let (map, _, error) = made(&mut stages, &scene, &drive, (301, 203), 97);
     assert!(error < 1e-3 && map.by == By::Cpu, "{error:e}: {}", map.how);
+}
+
+#[test]
+fn a_tight_tolerance_and_exact_evaluation_give_the_same_picture() {
+    let (mut scene, drive) = hit();
+    let aperture = Aperture::new(&scene);
+    let table = std::array::from_fn(|i| [i as u8; 4]);
+    let colouring = Colouring { quantity: Quantity::Rms, table, full: None };
+    let mut pictures = [0.0, 1e-5].map(|tolerance| {
+        scene.plane.tolerance = tolerance;
+        let wanted =
+            Wanted { aperture: &aperture, plane: &scene.plane, drive: &drive, width: 512, height: 512 };
+        Stages::new(Evaluator::Cpu).colours(&wanted, &colouring).unwrap().to_vec()
+    });
+    let interpolated = std::mem::take(&mut pictures[1]);
+    let other = pictures[0].iter().zip(&interpolated).filter(|(a, b)| a != b).count();
+    let furthest = pictures[0].iter().zip(&interpolated).map(|(a, b)| a[0].abs_diff(b[0])).max();
+    // Rounding may put a pixel on the other side of a step between two colours.
+    assert!(furthest <= Some(1) && other < pictures[0].len() / 100, "{other} pixels, by up to {furthest:?}");
 }
 
 #[test]

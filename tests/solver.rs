@@ -90,7 +90,7 @@ fn focus_steers_one_focus_and_refuses_more() {
     let at = dvec3(0.02, -0.01, 0.15);
     let solution = solve(&scene(&[at]), Method::Focus);
     let aperture = Aperture::new(&Scene::default());
-    let most: f64 = aperture.transfer(&[at]).row(0).iter().map(|h| h.norm()).sum();
+    let most: f64 = aperture.transfer(&[at]).row(0).map(|h| h.norm()).sum();
     assert!((solution.quality.mean_pressure / most - 1.0).abs() < 1e-12);
     assert!((solution.quality.relative_to_single - 1.0).abs() < 1e-12);
     assert!((solution.quality.certified - 1.0).abs() < 1e-6, "one focus has no better drive");

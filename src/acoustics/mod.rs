@@ -2,16 +2,20 @@
 
 pub mod air;
 pub mod element;
+mod row;
+mod transfer;
 
 use std::f64::consts::TAU;
 
 use glam::{DVec2, DVec3};
-use num_complex::Complex64;
 
 use crate::scene::{Array, Scene};
 
 pub use air::Air;
+use row::Elements;
+
 pub use element::Element;
+pub use transfer::{Phasors, Sums, Transfer};
 
 /// The array as a radiator: equal elements at known places, some of them driven.
 #[derive(Clone, Debug, PartialEq)]
@@ -61,15 +65,13 @@ impl Aperture {
 
     /// H: one row of complex pressures (Pa, peak) per point, one column per driven element.
     pub fn transfer(&self, points: &[DVec3]) -> Transfer {
-        let row = |point: &DVec3| {
-            let point = *point;
-            self.driven.iter().map(move |&n| self.element.transfer(point - self.positions[n].extend(0.0)))
-        };
-        Transfer {
-            points: points.len(),
-            elements: self.driven.len(),
-            values: points.iter().flat_map(row).collect(),
+        let elements = Elements::new(&self.element, self.driven.iter().map(|&n| self.positions[n]));
+        let mut transfer = Transfer::zeros(points.len(), self.driven.len());
+        for (index, &point) in points.iter().enumerate() {
+            let (re, im) = transfer.row_mut(index);
+            elements.fill(point, re, im);
         }
+        transfer
     }
 
     /// The distance (m) below which two foci near `point` are not told apart: λ/(2 NA), NA the sine of half the angle
@@ -95,43 +97,6 @@ fn positions(array: &Array) -> Vec<DVec2> {
     (0..array.rows).flat_map(|row| (0..array.columns).map(move |column| place(row, column))).collect()
 }
 
-/// A matrix of transfer values, row by row.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Transfer {
-    pub points: usize,
-    pub elements: usize,
-    /// `points` x `elements`, Pa per unit of drive.
-    pub values: Vec<Complex64>,
-}
-
-impl Transfer {
-    /// From the driven elements to one point.
-    pub fn row(&self, point: usize) -> &[Complex64] {
-        &self.values[point * self.elements..(point + 1) * self.elements]
-    }
-
-    /// All rows.
-    pub fn rows(&self) -> impl Iterator<Item = &[Complex64]> {
-        (0..self.points).map(|point| self.row(point))
-    }
-
-    /// H u: the pressure at every point.
-    pub fn pressure(&self, excitation: &[Complex64]) -> Vec<Complex64> {
-        self.rows().map(|row| row.iter().zip(excitation).map(|(h, u)| h * u).sum()).collect()
-    }
-
-    /// H* p: what every element would hear.
-    pub fn back(&self, pressure: &[Complex64]) -> Vec<Complex64> {
-        let mut heard = vec![Complex64::ZERO; self.elements];
-        for (row, p) in self.rows().zip(pressure) {
-            for (sum, h) in heard.iter_mut().zip(row) {
-                *sum += h.conj() * p;
-            }
-        }
-        heard
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -155,8 +120,8 @@ mod tests {
         assert!(!aperture.driven.contains(&3));
         let point = DVec3::new(0.0, 0.0, 0.1);
         assert_eq!(
-            aperture.transfer(&[point]).row(0)[3],
-            Aperture::new(&Scene::default()).transfer(&[point]).row(0)[4]
+            aperture.transfer(&[point]).at(0, 3),
+            Aperture::new(&Scene::default()).transfer(&[point]).at(0, 4)
         );
     }
 

@@ -1,7 +1,7 @@
 //! `sonoglyph devices`: what could compute the field here, and what would.
 
-use crate::field::cpu::Isa;
 use crate::field::gpu::adapter::{self, Kind};
+use crate::simd::Isa;
 
 pub fn run() -> anyhow::Result<()> {
     let adapters = adapter::adapters();

@@ -7,9 +7,10 @@ use crate::acoustics::Aperture;
 use crate::cli::note;
 use crate::drive::Drive;
 use crate::field::stages::PROBES;
-use crate::field::{By, Colouring, Evaluator, FieldError, Quantity, Stages, Wanted, cpu};
+use crate::field::{By, Colouring, Evaluator, FieldError, Quantity, Stages, Wanted};
 use crate::picture::{ColourMap, Picture};
 use crate::scene::Scene;
+use crate::simd::Isa;
 
 /// How a map is wanted.
 #[derive(Clone, Copy)]
@@ -70,7 +71,7 @@ fn draw(scene: &Scene, drive: &Drive, stages: &mut Stages, look: &Look) -> Resul
         true => Some(stages.read(&wanted)?.iter().map(|&p| look.quantity.of(p)).collect()),
         false => None,
     };
-    let cpu = || format!("the CPU evaluator ({})", cpu::Isa::best().name());
+    let cpu = || format!("the CPU evaluator ({})", Isa::best().name());
     let who = match map.by {
         By::Reference => "the f64 reference".to_owned(),
         By::Cpu => cpu(),

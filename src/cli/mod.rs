@@ -157,7 +157,7 @@ struct BenchArgs {
     /// Write charts as PNG into a folder
     #[arg(long, value_name = "DIR")]
     plots: Option<PathBuf>,
-    /// Fewer cases: 16 x 16 elements, two sizes, three tolerances
+    /// Fewer cases: a parallel plane, 16 x 16 elements, two sizes, three tolerances
     #[arg(long)]
     quick: bool,
 }

@@ -16,14 +16,14 @@ const WEIGHT_FLOOR: f64 = 1e-3;
 const MOST_WEIGHT: f64 = 1e4;
 
 /// u = H* (H H*)^{-1} p: equation (13) of Long et al. 2022, all focal phases 0.
-pub fn pinv(problem: &Problem) -> Excitation {
+pub fn pinv(problem: &Problem<'_>) -> Excitation {
     let weights = vec![1.0; problem.transfer.elements];
     let (values, residual) = weighted_inverse(problem, &weights);
     Excitation { values, iterations: 0, residual: Some(residual) }
 }
 
 /// Table I of Long et al. 2022 read with cumulative weights: W ← W · diag(1/|u|), u = W H* (H W H*)^{-1} p.
-pub fn weighted(problem: &Problem, iterations: u32) -> Excitation {
+pub fn weighted(problem: &Problem<'_>, iterations: u32) -> Excitation {
     let mut weights = vec![1.0; problem.transfer.elements];
     let (mut values, mut residual) = weighted_inverse(problem, &weights);
     for _ in 0..iterations {
@@ -41,7 +41,7 @@ pub fn weighted(problem: &Problem, iterations: u32) -> Excitation {
 }
 
 /// W H* (H W H*)⁺ p and its relative residual, by way of the singular values of √W, so that nothing is squared.
-fn weighted_inverse(problem: &Problem, weights: &[f64]) -> (Vec<Complex64>, f64) {
+fn weighted_inverse(problem: &Problem<'_>, weights: &[f64]) -> (Vec<Complex64>, f64) {
     let transfer = &problem.transfer;
     let targets = problem.targets();
     let roots: Vec<_> = weights.iter().map(|weight| weight.sqrt()).collect();
@@ -67,7 +67,7 @@ fn weighted_inverse(problem: &Problem, weights: &[f64]) -> (Vec<Complex64>, f64)
 ///
 /// Foci far and near then weigh the same in what "small" means for a singular value.
 fn normalised(transfer: &Transfer, columns: &[f64]) -> (Mat<Complex64>, Vec<f64>) {
-    let scaled = |m: usize, n: usize| transfer.row(m)[n] * columns[n];
+    let scaled = |m: usize, n: usize| transfer.at(m, n) * columns[n];
     let norm = |m: usize| (0..transfer.elements).map(|n| scaled(m, n).norm_sqr()).sum::<f64>().sqrt();
     let norms: Vec<_> = (0..transfer.points).map(|m| norm(m).max(f64::MIN_POSITIVE)).collect();
     (Mat::from_fn(transfer.points, transfer.elements, |m, n| scaled(m, n) / norms[m]), norms)

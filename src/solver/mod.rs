@@ -7,6 +7,7 @@
 mod inverse;
 mod iteration;
 mod quality;
+mod starts;
 
 use std::time::Instant;
 
@@ -20,26 +21,17 @@ pub use quality::Quality;
 
 /// What a method gets to see.
 #[derive(Clone, Debug)]
-pub struct Problem {
+pub struct Problem<'a> {
+    pub aperture: &'a Aperture,
     pub foci: Vec<Focus>,
     /// Foci x driven elements.
     pub transfer: Transfer,
-    /// rad: the wave's way from each driven element to each focus, k r, foci x driven elements.
-    pub path: Vec<f64>,
 }
 
-impl Problem {
-    pub fn new(aperture: &Aperture, foci: Vec<Focus>) -> Self {
+impl<'a> Problem<'a> {
+    pub fn new(aperture: &'a Aperture, foci: Vec<Focus>) -> Self {
         let points: Vec<_> = foci.iter().map(|focus| focus.position).collect();
-        let distance = |point: glam::DVec3| {
-            aperture.driven.iter().map(move |&n| point.distance(aperture.positions[n].extend(0.0)))
-        };
-        let path = points
-            .iter()
-            .flat_map(|point| distance(*point))
-            .map(|r| aperture.element.wavenumber * r)
-            .collect();
-        Self { transfer: aperture.transfer(&points), foci, path }
+        Self { aperture, transfer: aperture.transfer(&points), foci }
     }
 
     /// Wanted pressure of every focus, relative.
@@ -125,7 +117,7 @@ pub fn solve(scene: &Scene) -> Result<Solution, SolveError> {
 ///
 /// # Errors
 /// `focus` with several foci.
-pub fn excite(problem: &Problem, method: Method, iterations: u32) -> Result<Excitation, SolveError> {
+pub fn excite(problem: &Problem<'_>, method: Method, iterations: u32) -> Result<Excitation, SolveError> {
     let or = |default: u32| if iterations == 0 { default } else { iterations };
     Ok(match method {
         Method::Focus => focus(problem)?,
@@ -136,16 +128,19 @@ pub fn excite(problem: &Problem, method: Method, iterations: u32) -> Result<Exci
         Method::Gspat => iteration::gspat(problem, or(100)),
         Method::Wgs => iteration::wgs(problem, or(100)),
         Method::Greedy => iteration::greedy(problem, or(1)),
-        Method::Best => iteration::best(problem, or(30)),
+        Method::Best => iteration::best(problem, or(20)),
     })
 }
 
 /// Time of flight, equations (4) and (5) of Long et al. 2022: φ_n = k r_n.
-fn focus(problem: &Problem) -> Result<Excitation, SolveError> {
+fn focus(problem: &Problem<'_>) -> Result<Excitation, SolveError> {
     if problem.foci.len() != 1 {
         return Err(SolveError::SeveralFoci(problem.foci.len()));
     }
-    let values = problem.path.iter().map(|&phase| Complex64::from_polar(1.0, phase)).collect();
+    let Aperture { element, positions, driven, .. } = problem.aperture;
+    let distance = |&n: &usize| problem.foci[0].position.distance(positions[n].extend(0.0));
+    let values =
+        driven.iter().map(|n| Complex64::from_polar(1.0, element.wavenumber * distance(n))).collect();
     Ok(Excitation { values, iterations: 0, residual: None })
 }
 

@@ -29,13 +29,12 @@ pub struct Quality {
 }
 
 impl Quality {
-    pub fn new(problem: &Problem, excitation: &Excitation, pressures: &[Complex64]) -> Self {
+    pub fn new(problem: &Problem<'_>, excitation: &Excitation, pressures: &[Complex64]) -> Self {
         let targets = problem.targets();
         let moduli: Vec<_> = pressures.iter().map(|p| p.norm()).collect();
         let relative: Vec<_> =
             moduli.iter().zip(&targets).map(|(modulus, target)| modulus / target).collect();
-        let single: Vec<_> =
-            problem.transfer.rows().map(|row| row.iter().map(|h| h.norm()).sum::<f64>()).collect();
+        let single: Vec<_> = problem.transfer.rows().map(|row| row.map(|h| h.norm()).sum::<f64>()).collect();
         let (rank, condition) = inverse::rank_and_condition(&problem.transfer);
         let bound = bound(problem, pressures);
         let weakest = relative.iter().copied().fold(f64::INFINITY, f64::min);
@@ -67,7 +66,7 @@ pub fn efficiency(values: &[Complex64]) -> f64 {
 }
 
 /// How far the moduli of H u are from a multiple of the targets.
-fn modulus_residual(problem: &Problem, excitation: &Excitation) -> f64 {
+fn modulus_residual(problem: &Problem<'_>, excitation: &Excitation) -> f64 {
     let targets = problem.targets();
     let moduli: Vec<_> = problem.transfer.pressure(&excitation.values).iter().map(|p| p.norm()).collect();
     let power = targets.iter().map(|target| target * target).sum::<f64>();
@@ -82,13 +81,11 @@ fn modulus_residual(problem: &Problem, excitation: &Excitation) -> f64 {
 /// For weights w ≥ 0 and d > 0, min (|p_m|/A_m)² Σ w_m A_m² ≤ Σ w_m |p_m|² = u* H* W H u ≤ λmax(D^-½ H* W H D^-½) Σ d_n,
 /// the last because Σ d_n |u_n|² ≤ Σ d_n. Every choice of w and d is valid; the smallest of two is taken: equal
 /// weights, and those to which the weighted iteration converges (w_m/|p_m|, with d_n what element n then hears).
-fn bound(problem: &Problem, pressures: &[Complex64]) -> f64 {
+fn bound(problem: &Problem<'_>, pressures: &[Complex64]) -> f64 {
     let (transfer, targets) = (&problem.transfer, problem.targets());
     let equal: Vec<_> = targets.iter().map(|target| 1.0 / (target * target)).collect();
     let plain = dual(problem, &equal, &vec![1.0; transfer.elements]);
-    let (u, weights) =
-        iteration::weighted_phases(transfer, &targets, iteration::phases(&transfer.back(pressures)), 60);
-    let reached = transfer.pressure(&u);
+    let (reached, weights) = iteration::weighted_from(transfer, &targets, pressures, 60);
     let floor = 1e-6 * reached.iter().map(|p| p.norm()).fold(0.0, f64::max);
     let weights: Vec<_> =
         weights.iter().zip(&reached).map(|(w, p)| w / p.norm().max(floor).max(f64::MIN_POSITIVE)).collect();
@@ -100,13 +97,11 @@ fn bound(problem: &Problem, pressures: &[Complex64]) -> f64 {
 }
 
 /// The bound that one choice of weights gives; infinite if its eigenvalue cannot be had.
-fn dual(problem: &Problem, w: &[f64], d: &[f64]) -> f64 {
+fn dual(problem: &Problem<'_>, w: &[f64], d: &[f64]) -> f64 {
     let (transfer, targets) = (&problem.transfer, problem.targets());
-    let entry = |i: usize, j: usize| -> Complex64 {
-        let dot: Complex64 =
-            transfer.row(i).iter().zip(transfer.row(j)).zip(d).map(|((a, b), d)| a * b.conj() / d).sum();
-        dot * (w[i] * w[j]).sqrt()
-    };
+    let inverse: Vec<_> = d.iter().map(|d| 1.0 / d).collect();
+    let gram = transfer.gram(Some(&inverse));
+    let entry = |i: usize, j: usize| gram.at(i * transfer.points + j) * (w[i] * w[j]).sqrt();
     let matrix = Mat::from_fn(transfer.points, transfer.points, entry);
     let Ok(values) = matrix.self_adjoint_eigenvalues(Side::Lower) else { return f64::INFINITY };
     let largest = values.iter().copied().fold(0.0, f64::max);

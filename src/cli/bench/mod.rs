@@ -10,9 +10,9 @@ use cpu_time::ProcessTime;
 use serde_json::json;
 
 use crate::cli::{BenchArgs, Subject, output};
-use crate::field::cpu::Isa;
 use crate::picture::chart::Chart;
 use crate::picture::export;
+use crate::simd::Isa;
 
 /// What one measurement takes: as many runs as fit, at least one and at most [`MOST_RUNS`].
 const BUDGET: Duration = Duration::from_millis(300);

@@ -2,7 +2,7 @@
 
 use num_complex::Complex32;
 
-use crate::field::cpu::{Instructions, fused};
+use crate::simd::{Instructions, Isa, Kernel, fused};
 
 /// Values that a run of [`superpose`] may read beyond its end.
 pub const OVERHANG: usize = 16;
@@ -22,20 +22,45 @@ pub struct Term {
     pub im: f32,
 }
 
-#[inline(always)]
-pub(super) fn superpose<I: Instructions, const RUN: usize>(
-    table: &Split,
-    terms: &[Term],
+/// Adds up runs of `table`, one per term, with the term's excitation: sum[i] = Σ u table[start + first + i].
+///
+/// The table must have [`OVERHANG`] values more than the runs reach.
+pub fn superpose(table: &Split, terms: &[Term], first: usize, sum: &mut [Complex32]) {
+    Isa::best().run(Superposition { table, terms, first, sum });
+}
+
+struct Superposition<'a> {
+    table: &'a Split,
+    terms: &'a [Term],
     first: usize,
-    sum: &mut [Complex32],
-) {
-    let (runs, rest) = sum.as_chunks_mut::<RUN>();
-    for (index, run) in runs.iter_mut().enumerate() {
-        superpose_run::<I, RUN>(table, terms, first + index * RUN, run);
+    sum: &'a mut [Complex32],
+}
+
+impl Kernel for Superposition<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<I: Instructions>(self) {
+        match I::WIDTH {
+            16 => self.in_runs::<I, 64>(),
+            8 => self.in_runs::<I, 32>(),
+            _ => self.in_runs::<I, 16>(),
+        }
     }
-    let first = first + runs.len() * RUN;
-    for (index, run) in rest.chunks_mut(OVERHANG).enumerate() {
-        superpose_run::<I, OVERHANG>(table, terms, first + index * OVERHANG, run);
+}
+
+impl Superposition<'_> {
+    #[inline(always)]
+    fn in_runs<I: Instructions, const RUN: usize>(self) {
+        let Self { table, terms, first, sum } = self;
+        let (runs, rest) = sum.as_chunks_mut::<RUN>();
+        for (index, run) in runs.iter_mut().enumerate() {
+            superpose_run::<I, RUN>(table, terms, first + index * RUN, run);
+        }
+        let first = first + runs.len() * RUN;
+        for (index, run) in rest.chunks_mut(OVERHANG).enumerate() {
+            superpose_run::<I, OVERHANG>(table, terms, first + index * OVERHANG, run);
+        }
     }
 }
 
@@ -69,12 +94,53 @@ fn superpose_run<I: Instructions, const RUN: usize>(
 /// Rows that are weighted from the same lines.
 pub const ROWS: usize = 4;
 
+/// Lines of numbers, each `stride` after the one before, with a weight for every row and line.
+#[derive(Clone, Copy, Debug)]
+pub struct Lines<'a> {
+    pub values: &'a [f32],
+    pub stride: usize,
+    /// Those of the first row, then of the next.
+    pub weights: &'a [f32],
+}
+
+/// Where sums go: rows of `length` numbers, each `stride` after the one before.
+#[derive(Debug)]
+pub struct Rows<'a> {
+    pub values: &'a mut [f32],
+    pub stride: usize,
+    pub length: usize,
+}
+
+/// Weighted sums of lines, one or [`ROWS`] rows of them: the interpolation's inner loop.
+pub fn weighted_sums(rows: usize, lines: &Lines<'_>, sums: &mut Rows<'_>) {
+    Isa::best().run(WeightedSums { rows, lines, sums });
+}
+
+struct WeightedSums<'a, 'b, 'c> {
+    rows: usize,
+    lines: &'a Lines<'b>,
+    sums: &'a mut Rows<'c>,
+}
+
+impl Kernel for WeightedSums<'_, '_, '_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<I: Instructions>(self) {
+        let Self { rows, lines, sums } = self;
+        match (I::WIDTH, rows) {
+            (16, ROWS) => weighted_runs::<I, ROWS, 32>(lines, sums),
+            (8, ROWS) => weighted_runs::<I, ROWS, 16>(lines, sums),
+            (_, ROWS) => weighted_runs::<I, ROWS, 8>(lines, sums),
+            (4, _) => weighted_runs::<I, 1, 32>(lines, sums),
+            (_, _) => weighted_runs::<I, 1, 64>(lines, sums),
+        }
+    }
+}
+
 /// `R` rows of weighted sums, `RUN` neighbours at a time.
 #[inline(always)]
-pub(super) fn weighted_sums<I: Instructions, const R: usize, const RUN: usize>(
-    lines: &Lines<'_>,
-    sums: &mut Rows<'_>,
-) {
+fn weighted_runs<I: Instructions, const R: usize, const RUN: usize>(lines: &Lines<'_>, sums: &mut Rows<'_>) {
     let taps = lines.weights.len() / R;
     let whole = sums.length / RUN * RUN;
     for start in (0..whole).step_by(RUN) {
@@ -103,42 +169,40 @@ pub(super) fn weighted_sums<I: Instructions, const R: usize, const RUN: usize>(
     }
 }
 
-/// Lines of numbers, each `stride` after the one before, with a weight for every row and line.
-#[derive(Clone, Copy, Debug)]
-pub struct Lines<'a> {
-    pub values: &'a [f32],
-    pub stride: usize,
-    /// Those of the first row, then of the next.
-    pub weights: &'a [f32],
+/// The places in a colour table of magnitudes: |p| times `scale`, rounded. There are as many as pressures.
+pub fn places(field: &[Complex32], scale: f32, places: &mut [u8]) {
+    Isa::best().run(Places { field, scale, places });
 }
 
-/// Where sums go: rows of `length` numbers, each `stride` after the one before.
-#[derive(Debug)]
-pub struct Rows<'a> {
-    pub values: &'a mut [f32],
-    pub stride: usize,
-    pub length: usize,
+struct Places<'a> {
+    field: &'a [Complex32],
+    scale: f32,
+    places: &'a mut [u8],
 }
 
-/// The places in a colour table of magnitudes: |p| times `scale`, rounded.
-#[inline(always)]
-pub(super) fn places(field: &[Complex32], scale: f32, places: &mut [u8]) {
-    const RUN: usize = 32;
-    /// Adding this rounds a small number into the last bits.
-    const ROUNDER: f32 = 8_388_608.0;
-    // No hypotenuse that guards against overflow: pressures are nowhere near it.
-    let place = |p: &Complex32| {
-        let magnitude = (p.re * p.re + p.im * p.im).sqrt();
-        ((magnitude * scale).min(255.0) + ROUNDER).to_bits() as u8
-    };
-    let (runs, rest) = places.as_chunks_mut::<RUN>();
-    let (fields, field_rest) = field.as_chunks::<RUN>();
-    for (run, field) in runs.iter_mut().zip(fields) {
-        for (to, p) in run.iter_mut().zip(field) {
+impl Kernel for Places<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<I: Instructions>(self) {
+        let Self { field, scale, places } = self;
+        const RUN: usize = 32;
+        /// Adding this rounds a small number into the last bits.
+        const ROUNDER: f32 = 8_388_608.0;
+        // No hypotenuse that guards against overflow: pressures are nowhere near it.
+        let place = |p: &Complex32| {
+            let magnitude = (p.re * p.re + p.im * p.im).sqrt();
+            ((magnitude * scale).min(255.0) + ROUNDER).to_bits() as u8
+        };
+        let (runs, rest) = places.as_chunks_mut::<RUN>();
+        let (fields, field_rest) = field.as_chunks::<RUN>();
+        for (run, field) in runs.iter_mut().zip(fields) {
+            for (to, p) in run.iter_mut().zip(field) {
+                *to = place(p);
+            }
+        }
+        for (to, p) in rest.iter_mut().zip(field_rest) {
             *to = place(p);
         }
-    }
-    for (to, p) in rest.iter_mut().zip(field_rest) {
-        *to = place(p);
     }
 }

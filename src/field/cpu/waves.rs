@@ -8,8 +8,8 @@ use std::f32::consts::SQRT_2;
 use glam::DVec3;
 
 use crate::acoustics::element::NEAREST;
-use crate::field::cpu::{Instructions, fused};
 use crate::field::sources::{COSINE, Piston, SINE, Wave};
+use crate::simd::{Instructions, Kernel, fused};
 
 /// Points computed together.
 pub const LANES: usize = 64;
@@ -72,12 +72,25 @@ impl Sum {
     }
 }
 
-/// Adds up the waves of elements (`Sources::elements`), less what [`Sum::onward`] adds.
-pub(super) type Block = fn(&Wave, &[[f32; 4]], &Points) -> Sum;
+/// S · D(θ)/r · e^{-αr} · e^{j(φ - k(r - z))} summed over the elements (`Sources::elements`), with D of `D` terms and the
+/// decay of `A`; [`Sum::onward`] adds the rest.
+pub(super) struct FarField<'a, const D: usize, const A: usize> {
+    pub(super) wave: &'a Wave,
+    pub(super) elements: &'a [[f32; 4]],
+    pub(super) points: &'a Points,
+}
 
-/// S · D(θ)/r · e^{-αr} · e^{j(φ - k(r - z))} summed over the elements, with D of `D` terms and the decay of `A`.
+impl<const D: usize, const A: usize> Kernel for FarField<'_, D, A> {
+    type Output = Sum;
+
+    #[inline(always)]
+    fn run<I: Instructions>(self) -> Sum {
+        far_field::<I, D, A>(self.wave, self.elements, self.points)
+    }
+}
+
 #[inline(always)]
-pub(super) fn far_field<I: Instructions, const D: usize, const A: usize>(
+fn far_field<I: Instructions, const D: usize, const A: usize>(
     wave: &Wave,
     elements: &[[f32; 4]],
     points: &Points,
@@ -128,10 +141,30 @@ pub(super) fn far_field<I: Instructions, const D: usize, const A: usize>(
 /// The baffled piston's integral (`acoustics::element`) summed over the elements.
 ///
 /// With h = (R - z)/λ half-turns its wave is e^{-jkz} e^{-jπh}, and its sinc is that of the same angle.
+pub(super) struct ExactPiston<'a> {
+    pub(super) piston: &'a Piston,
+    pub(super) wave: &'a Wave,
+    pub(super) elements: &'a [[f32; 4]],
+    pub(super) points: &'a Points,
+}
+
+impl Kernel for ExactPiston<'_> {
+    type Output = Sum;
+
+    #[inline(always)]
+    fn run<I: Instructions>(self) -> Sum {
+        exact_piston::<I>(self.piston, self.wave, self.elements, self.points)
+    }
+}
+
 #[inline(always)]
-pub(super) fn exact_piston<I: Instructions>(wave: &Wave, elements: &[[f32; 4]], points: &Points) -> Sum {
+fn exact_piston<I: Instructions>(
+    Piston { radius, nodes }: &Piston,
+    wave: &Wave,
+    elements: &[[f32; 4]],
+    points: &Points,
+) -> Sum {
     let mut sum = Sum::ZERO;
-    let Some(Piston { radius, nodes }) = &wave.piston else { return sum };
     let decay: [f32; 16] = wave.decay.coefficients;
     let [decay_slope, decay_offset] = wave.decay_scale;
     let scale = 2.0 / (radius * nodes.len() as f32);

@@ -1,0 +1,245 @@
+//! The transfer from many elements to one point at once: [`Element::transfer`] in vector registers, in f64.
+
+use std::f64::consts::PI;
+
+use glam::{DVec2, DVec3};
+
+use crate::acoustics::Element;
+use crate::acoustics::element::NEAREST;
+use crate::scene::ElementModel;
+use crate::simd::{Instructions, Isa, Kernel, fused64, lanes};
+
+/// Elements that are worked on together.
+const LANES: usize = 8;
+/// Adding and taking away this rounds an f64 of less than 2⁵¹ to the nearest whole number.
+const ROUNDER: f64 = 6_755_399_441_055_744.0;
+/// Terms of the directivity's series for a ka of up to 4, and of up to 10: 1e-14 off.
+const FEW_TERMS: usize = 14;
+const MANY_TERMS: usize = 26;
+/// Terms of e^x for |x| ≤ 0.1: 3e-15 off.
+const DECAY_TERMS: usize = 9;
+const MOST_DECAY: f64 = 0.1;
+
+/// Equal elements at known places, ready for [`Elements::fill`].
+#[derive(Clone, Debug)]
+pub struct Elements<'a> {
+    element: &'a Element,
+    /// m, padded with zeros to whole blocks.
+    x: Vec<f64>,
+    y: Vec<f64>,
+    count: usize,
+    /// The largest distance (m) of an element from the origin.
+    reach: f64,
+}
+
+impl<'a> Elements<'a> {
+    pub fn new(element: &'a Element, positions: impl Iterator<Item = DVec2> + Clone) -> Self {
+        let mut x: Vec<_> = positions.clone().map(|position| position.x).collect();
+        let mut y: Vec<_> = positions.clone().map(|position| position.y).collect();
+        let count = x.len();
+        x.resize(count.next_multiple_of(LANES), 0.0);
+        y.resize(count.next_multiple_of(LANES), 0.0);
+        let reach = positions.map(DVec2::length).fold(0.0, f64::max);
+        Self { element, x, y, count, reach }
+    }
+
+    /// Writes real and imaginary parts of the transfer to a point, one per element.
+    pub fn fill(&self, point: DVec3, re: &mut [f64], im: &mut [f64]) {
+        let element = self.element;
+        let half_ka = match element.model {
+            ElementModel::Point => 0.0,
+            ElementModel::Piston | ElementModel::ExactPiston => element.wavenumber * element.radius / 2.0,
+        };
+        let is_series = element.model != ElementModel::ExactPiston
+            && half_ka <= 5.0
+            && element.attenuation * self.reach <= MOST_DECAY
+            && point.z >= -NEAREST;
+        if !is_series {
+            for n in 0..self.count {
+                let transfer = element.transfer(point - DVec3::new(self.x[n], self.y[n], 0.0));
+                (re[n], im[n]) = (transfer.re, transfer.im);
+            }
+            return;
+        }
+        let whole = self.x.len();
+        let row = Row { elements: self, half_ka, point, re: &mut re[..whole], im: &mut im[..whole] };
+        if half_ka <= 2.0 {
+            Isa::best().run(FewTerms(row));
+        } else {
+            Isa::best().run(ManyTerms(row));
+        }
+        // Padding sends nothing.
+        re[self.count..].fill(0.0);
+        im[self.count..].fill(0.0);
+    }
+}
+
+struct Row<'a> {
+    elements: &'a Elements<'a>,
+    half_ka: f64,
+    point: DVec3,
+    re: &'a mut [f64],
+    im: &'a mut [f64],
+}
+
+struct FewTerms<'a>(Row<'a>);
+
+struct ManyTerms<'a>(Row<'a>);
+
+impl Kernel for FewTerms<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<I: Instructions>(self) {
+        row::<I, FEW_TERMS>(self.0);
+    }
+}
+
+impl Kernel for ManyTerms<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<I: Instructions>(self) {
+        row::<I, MANY_TERMS>(self.0);
+    }
+}
+
+/// S · D(θ)/r · j e^{-jkr} · e^{-αr}.
+#[inline(always)]
+fn row<I: Instructions, const TERMS: usize>(Row { elements, half_ka, point, re, im }: Row<'_>) {
+    let element = elements.element;
+    let z = point.z.max(NEAREST);
+    let half_turns_per_metre = element.wavenumber / PI;
+    // e^{-αr} relative to what it is at the origin.
+    let middle = point.with_z(z).length();
+    let strength = element.strength * (-element.attenuation * middle).exp();
+    let directivity = directivity_series::<TERMS>(half_ka * half_ka);
+    let (decay, sine, cosine) = (decay_series(), sine_series(), cosine_series());
+    let (xs, _) = elements.x.as_chunks::<LANES>();
+    let (ys, _) = elements.y.as_chunks::<LANES>();
+    let (res, _) = re.as_chunks_mut::<LANES>();
+    let (ims, _) = im.as_chunks_mut::<LANES>();
+    for ((x, y), (re, im)) in xs.iter().zip(ys).zip(res.iter_mut().zip(ims)) {
+        let dx = lanes::<LANES>(|i| point.x - x[i]);
+        let dy = lanes::<LANES>(|i| point.y - y[i]);
+        let dy2 = lanes::<LANES>(|i| fused64::<I>(dy[i], dy[i], z * z));
+        let r2 = lanes::<LANES>(|i| fused64::<I>(dx[i], dx[i], dy2[i]));
+        let r = lanes::<LANES>(|i| r2[i].sqrt());
+        let inverse = lanes::<LANES>(|i| 1.0 / r[i]);
+        let cos = lanes::<LANES>(|i| z * inverse[i]);
+        let sin2 = lanes::<LANES>(|i| fused64::<I>(-cos[i], cos[i], 1.0));
+        let pattern = horner::<I, TERMS>(&directivity, &sin2);
+        let nearer = lanes::<LANES>(|i| element.attenuation * (middle - r[i]));
+        let decayed = horner::<I, DECAY_TERMS>(&decay, &nearer);
+        let amplitude = lanes::<LANES>(|i| strength * inverse[i] * pattern[i] * decayed[i]);
+        // arg H = π/2 - kr, in half-turns.
+        let half_turns = lanes::<LANES>(|i| fused64::<I>(-r[i], half_turns_per_metre, 0.5));
+        let rounded = lanes::<LANES>(|i| half_turns[i] + ROUNDER);
+        let f = lanes::<LANES>(|i| half_turns[i] - (rounded[i] - ROUNDER));
+        let f2 = lanes::<LANES>(|i| f[i] * f[i]);
+        // An odd number of half-turns changes both signs.
+        let amplitude =
+            lanes::<LANES>(|i| f64::from_bits(amplitude[i].to_bits() ^ (rounded[i].to_bits() << 63)));
+        let cosine = horner::<I, 11>(&cosine, &f2);
+        let sine = horner::<I, 10>(&sine, &f2);
+        *re = lanes(|i| amplitude[i] * cosine[i]);
+        *im = lanes(|i| amplitude[i] * f[i] * sine[i]);
+    }
+}
+
+/// The polynomial's value in every lane.
+#[inline(always)]
+fn horner<I: Instructions, const N: usize>(coefficients: &[f64; N], x: &[f64; LANES]) -> [f64; LANES] {
+    let mut sum = [coefficients[N - 1]; LANES];
+    for i in (0..N - 1).rev() {
+        sum = lanes(|lane| fused64::<I>(sum[lane], x[lane], coefficients[i]));
+    }
+    sum
+}
+
+/// 2 J1(x)/x = Σ (-1)^n (x/2)^{2n}/(n! (n+1)!) in sin²θ, x = ka sinθ.
+fn directivity_series<const TERMS: usize>(quarter_ka2: f64) -> [f64; TERMS] {
+    let mut term = 1.0;
+    std::array::from_fn(|n| {
+        let this = term;
+        term *= -quarter_ka2 / ((n + 1) * (n + 2)) as f64;
+        this
+    })
+}
+
+/// e^x.
+fn decay_series() -> [f64; DECAY_TERMS] {
+    let mut term = 1.0;
+    std::array::from_fn(|n| {
+        let this = term;
+        term /= (n + 1) as f64;
+        this
+    })
+}
+
+/// sin(πf)/f in f².
+fn sine_series() -> [f64; 10] {
+    let mut term = PI;
+    std::array::from_fn(|n| {
+        let this = term;
+        term *= -PI * PI / ((2 * n + 2) * (2 * n + 3)) as f64;
+        this
+    })
+}
+
+/// cos(πf) in f².
+fn cosine_series() -> [f64; 11] {
+    let mut term = 1.0;
+    std::array::from_fn(|n| {
+        let this = term;
+        term *= -PI * PI / ((2 * n + 1) * (2 * n + 2)) as f64;
+        this
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::acoustics::Aperture;
+    use crate::scene::Scene;
+
+    #[test]
+    fn rows_are_the_single_transfers() {
+        let models = [ElementModel::Piston, ElementModel::Point, ElementModel::ExactPiston];
+        // Radii for few and many terms, and for none; absorptions for the series and not.
+        for (model, radius, absorption) in [
+            (0, 0.005, None),
+            (0, 0.012, Some(0.0)),
+            (0, 0.03, None),
+            (0, 0.005, Some(60.0)),
+            (1, 0.005, None),
+            (2, 0.005, None),
+        ] {
+            let mut scene = Scene::default();
+            (scene.array.rows, scene.array.columns) = (7, 9);
+            (scene.array.element, scene.array.element_radius) = (models[model], radius);
+            scene.medium.absorption = absorption;
+            let aperture = Aperture::new(&scene);
+            let elements = Elements::new(&aperture.element, aperture.positions.iter().copied());
+            for point in [
+                DVec3::new(0.01, -0.02, 0.1),
+                DVec3::new(0.3, 0.2, 1.0),
+                DVec3::new(0.004, 0.0, 0.001),
+                DVec3::new(0.0, 0.01, -1e-6),
+                DVec3::new(0.0, 0.01, -0.1),
+                DVec3::new(1.0, -2.0, 10.0),
+            ] {
+                let (mut re, mut im) = (vec![1.0; 64], vec![1.0; 64]);
+                elements.fill(point, &mut re, &mut im);
+                for (n, position) in aperture.positions.iter().enumerate() {
+                    let expected = aperture.element.transfer(point - position.extend(0.0));
+                    let off = (expected.re - re[n]).hypot(expected.im - im[n]);
+                    // Both round the phase, by 1e-16 of it.
+                    let most =
+                        (1e-12 + 4e-16 * aperture.element.wavenumber * point.length()) * expected.norm();
+                    assert!(off <= most, "{model} {radius} {point}: {off:e} of {expected}");
+                }
+            }
+        }
+    }
+}

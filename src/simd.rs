@@ -1,0 +1,242 @@
+//! Vector instruction sets: which this machine has, and how one body of plain loops is compiled for each of them.
+//!
+//! A [`Kernel`] is written over arrays of lanes, which the compiler turns into vector code. [`Isa::run`] calls the copy that
+//! was compiled for a set; an `Isa` proves that the machine has it.
+
+use std::sync::LazyLock;
+
+/// An instruction set that this machine has.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Isa(Set);
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Set {
+    Baseline,
+    #[cfg(target_arch = "x86_64")]
+    Avx2,
+    #[cfg(target_arch = "x86_64")]
+    Avx512,
+}
+
+/// What the sets differ in.
+pub trait Instructions {
+    /// a b + c in one instruction.
+    const FMA: bool;
+    /// f32 in one register.
+    const WIDTH: usize;
+
+    /// 1/√x to at least eleven bits.
+    fn rough_inverse_roots<const N: usize>(x: &[f32; N]) -> [f32; N];
+}
+
+/// Loops to be compiled for every set; `run` must be `#[inline(always)]`, and so must be what it calls.
+pub trait Kernel {
+    type Output;
+
+    fn run<I: Instructions>(self) -> Self::Output;
+}
+
+impl Isa {
+    /// Every set that this machine has, the best last.
+    pub fn available() -> Vec<Self> {
+        let mut sets = vec![Self(Set::Baseline)];
+        #[cfg(target_arch = "x86_64")]
+        {
+            if is_x86_feature_detected!("avx2") && is_x86_feature_detected!("fma") {
+                sets.push(Self(Set::Avx2));
+            }
+            if is_x86_feature_detected!("avx512f") && is_x86_feature_detected!("avx512dq") {
+                sets.push(Self(Set::Avx512));
+            }
+        }
+        sets
+    }
+
+    /// The best that this machine has.
+    pub fn best() -> Self {
+        static BEST: LazyLock<Isa> = LazyLock::new(|| Isa::available().pop().unwrap_or(Isa(Set::Baseline)));
+        *BEST
+    }
+
+    pub fn name(self) -> &'static str {
+        match self.0 {
+            Set::Baseline => "baseline",
+            #[cfg(target_arch = "x86_64")]
+            Set::Avx2 => "AVX2 + FMA",
+            #[cfg(target_arch = "x86_64")]
+            Set::Avx512 => "AVX-512",
+        }
+    }
+
+    /// Runs the copy of a kernel that was compiled for this set.
+    pub fn run<K: Kernel>(self, kernel: K) -> K::Output {
+        match self.0 {
+            Set::Baseline => kernel.run::<Baseline>(),
+            #[cfg(target_arch = "x86_64")]
+            Set::Avx2 => wide::avx2(kernel),
+            #[cfg(target_arch = "x86_64")]
+            Set::Avx512 => wide::avx512(kernel),
+        }
+    }
+}
+
+/// a b + c; fused where the machine does it in one instruction, since elsewhere `mul_add` is a slow library call.
+#[inline(always)]
+pub fn fused<I: Instructions>(a: f32, b: f32, c: f32) -> f32 {
+    if I::FMA { a.mul_add(b, c) } else { a * b + c }
+}
+
+/// The same in f64.
+#[inline(always)]
+pub fn fused64<I: Instructions>(a: f64, b: f64, c: f64) -> f64 {
+    if I::FMA { a.mul_add(b, c) } else { a * b + c }
+}
+
+/// One value for every lane. A loop of one expression becomes vector code whatever stands around it; loops of several may
+/// not.
+#[inline(always)]
+pub fn lanes<const N: usize>(value: impl Fn(usize) -> f64) -> [f64; N] {
+    let mut values = [0.0; N];
+    for (lane, to) in values.iter_mut().enumerate() {
+        *to = value(lane);
+    }
+    values
+}
+
+/// sum += a b in every lane.
+#[inline(always)]
+pub fn accumulate<I: Instructions, const N: usize>(sum: &mut [f64; N], a: &[f64; N], b: f64) {
+    for lane in 0..N {
+        sum[lane] = fused64::<I>(a[lane], b, sum[lane]);
+    }
+}
+
+/// sum += a b, lane by lane.
+#[inline(always)]
+pub fn accumulate_product<I: Instructions, const N: usize>(sum: &mut [f64; N], a: &[f64; N], b: &[f64; N]) {
+    for lane in 0..N {
+        sum[lane] = fused64::<I>(a[lane], b[lane], sum[lane]);
+    }
+}
+
+/// sum -= a b, lane by lane.
+#[inline(always)]
+pub fn deduct_product<I: Instructions, const N: usize>(sum: &mut [f64; N], a: &[f64; N], b: &[f64; N]) {
+    for lane in 0..N {
+        sum[lane] = fused64::<I>(-a[lane], b[lane], sum[lane]);
+    }
+}
+
+struct Baseline;
+
+impl Instructions for Baseline {
+    const FMA: bool = false;
+    const WIDTH: usize = 4;
+
+    #[inline(always)]
+    fn rough_inverse_roots<const N: usize>(x: &[f32; N]) -> [f32; N] {
+        x.map(|x| 1.0 / x.sqrt())
+    }
+}
+
+/// Sets that the build's target does not promise.
+#[cfg(target_arch = "x86_64")]
+#[expect(
+    unsafe_code,
+    reason = "a call of these is sound only on a machine that has the set, and an `Isa` proves that"
+)]
+mod wide {
+    use std::arch::x86_64::{
+        _mm256_loadu_ps, _mm256_rsqrt_ps, _mm256_storeu_ps, _mm512_loadu_ps, _mm512_rsqrt14_ps,
+        _mm512_storeu_ps,
+    };
+
+    use crate::simd::{Instructions, Kernel};
+
+    struct Avx2;
+    struct Avx512;
+
+    impl Instructions for Avx2 {
+        const FMA: bool = true;
+        const WIDTH: usize = 8;
+
+        #[inline(always)]
+        fn rough_inverse_roots<const N: usize>(x: &[f32; N]) -> [f32; N] {
+            let mut roots = [0.0; N];
+            let (runs, rest) = x.as_chunks::<8>();
+            let (root_runs, root_rest) = roots.as_chunks_mut::<8>();
+            for (x, root) in runs.iter().zip(root_runs) {
+                unsafe { _mm256_storeu_ps(root.as_mut_ptr(), _mm256_rsqrt_ps(_mm256_loadu_ps(x.as_ptr()))) };
+            }
+            for (x, root) in rest.iter().zip(root_rest) {
+                *root = 1.0 / x.sqrt();
+            }
+            roots
+        }
+    }
+
+    impl Instructions for Avx512 {
+        const FMA: bool = true;
+        const WIDTH: usize = 16;
+
+        #[inline(always)]
+        fn rough_inverse_roots<const N: usize>(x: &[f32; N]) -> [f32; N] {
+            let mut roots = [0.0; N];
+            let (runs, rest) = x.as_chunks::<16>();
+            let (root_runs, root_rest) = roots.as_chunks_mut::<16>();
+            for (x, root) in runs.iter().zip(root_runs) {
+                unsafe {
+                    _mm512_storeu_ps(root.as_mut_ptr(), _mm512_rsqrt14_ps(_mm512_loadu_ps(x.as_ptr())))
+                };
+            }
+            for (x, root) in rest.iter().zip(root_rest) {
+                *root = 1.0 / x.sqrt();
+            }
+            roots
+        }
+    }
+
+    pub(super) fn avx2<K: Kernel>(kernel: K) -> K::Output {
+        #[target_feature(enable = "avx2,fma")]
+        fn run<K: Kernel>(kernel: K) -> K::Output {
+            kernel.run::<Avx2>()
+        }
+        unsafe { run(kernel) }
+    }
+
+    pub(super) fn avx512<K: Kernel>(kernel: K) -> K::Output {
+        #[target_feature(enable = "avx512f,avx512dq,avx2,fma")]
+        fn run<K: Kernel>(kernel: K) -> K::Output {
+            kernel.run::<Avx512>()
+        }
+        unsafe { run(kernel) }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    struct Roots([f32; 19]);
+
+    impl Kernel for Roots {
+        type Output = [f32; 19];
+
+        #[inline(always)]
+        fn run<I: Instructions>(self) -> [f32; 19] {
+            let rough = I::rough_inverse_roots(&self.0);
+            std::array::from_fn(|i| fused::<I>(rough[i], rough[i], 1.0))
+        }
+    }
+
+    #[test]
+    fn every_set_does_the_same() {
+        let x: [f32; 19] = std::array::from_fn(|i| 1e-9 * 7f32.powi(i as i32));
+        for isa in Isa::available() {
+            for (x, got) in x.iter().zip(isa.run(Roots(x))) {
+                let expected = 1.0 / x + 1.0;
+                assert!((got / expected - 1.0).abs() < 2e-3, "{}: {got} for {x}", isa.name());
+            }
+        }
+    }
+}

@@ -1,0 +1,145 @@
+//! Focal phases that let the foci help each other, found from several starts at once.
+
+use std::f64::consts::TAU;
+
+use num_complex::Complex64;
+
+use crate::acoustics::Phasors;
+use crate::simd::{Instructions, Isa, Kernel, fused};
+
+/// Starts that climb side by side, one in each lane of a register.
+const STARTS: usize = 8;
+/// Steps of the golden section are never near a fraction: 1/φ.
+const GOLDEN: f64 = 0.618_033_988_749_894_8;
+
+/// Gerchberg-Saxton on R = H H*: p ← A ph(R p) climbs to a maximum of the power p* R p that the foci can share. The
+/// strongest of several starts, as one complex pressure per focus.
+///
+/// Equal phases are a fixed point of every symmetric set, and a poor one, so the starts are scattered.
+pub fn strongest(gram: &Phasors, targets: &[f64], iterations: usize) -> Phasors {
+    let count = targets.len();
+    // Only phases come out, so any scale will do, and f32.
+    let scale = (0..count).map(|m| gram.re[m * count + m]).fold(f64::MIN_POSITIVE, f64::max).recip();
+    let loudest = targets.iter().copied().fold(f64::MIN_POSITIVE, f64::max);
+    let narrow = |values: &[f64]| values.iter().map(|value| (value * scale) as f32).collect::<Vec<_>>();
+    let mut lanes = Lanes { re: vec![[0.0; STARTS]; count], im: vec![[0.0; STARTS]; count] };
+    for m in 0..count {
+        for start in 0..STARTS {
+            let phase = TAU * start as f64 * scatter(m + start);
+            lanes.re[m][start] = (targets[m] / loudest * phase.cos()) as f32;
+            lanes.im[m][start] = (targets[m] / loudest * phase.sin()) as f32;
+        }
+    }
+    let powers = Isa::best().run(Climb {
+        gram_re: &narrow(&gram.re),
+        gram_im: &narrow(&gram.im),
+        targets: &targets.iter().map(|target| (target / loudest) as f32).collect::<Vec<_>>(),
+        heard: Lanes { re: lanes.re.clone(), im: lanes.im.clone() },
+        lanes: &mut lanes,
+        iterations,
+    });
+    let best = (0..STARTS).max_by(|&a, &b| powers[a].total_cmp(&powers[b])).unwrap_or(0);
+    let of_best = |m: usize| Complex64::new(f64::from(lanes.re[m][best]), f64::from(lanes.im[m][best]));
+    (0..count).map(of_best).collect()
+}
+
+/// A number in [0, 1) that is far from that of every near index.
+pub fn scatter(index: usize) -> f64 {
+    (index as f64 * GOLDEN).fract()
+}
+
+/// A complex number per focus and start.
+struct Lanes {
+    re: Vec<[f32; STARTS]>,
+    im: Vec<[f32; STARTS]>,
+}
+
+struct Climb<'a> {
+    gram_re: &'a [f32],
+    gram_im: &'a [f32],
+    targets: &'a [f32],
+    lanes: &'a mut Lanes,
+    heard: Lanes,
+    iterations: usize,
+}
+
+impl Kernel for Climb<'_> {
+    /// p* R p of every start.
+    type Output = [f32; STARTS];
+
+    #[inline(always)]
+    fn run<I: Instructions>(mut self) -> [f32; STARTS] {
+        for _ in 0..self.iterations {
+            self.hear::<I>();
+            self.turn::<I>();
+        }
+        self.hear::<I>();
+        let mut powers = [0.0; STARTS];
+        for m in 0..self.targets.len() {
+            for start in 0..STARTS {
+                powers[start] += self.lanes.re[m][start] * self.heard.re[m][start]
+                    + self.lanes.im[m][start] * self.heard.im[m][start];
+            }
+        }
+        powers
+    }
+}
+
+impl Climb<'_> {
+    /// heard = R p, two foci at a time.
+    #[inline(always)]
+    fn hear<I: Instructions>(&mut self) {
+        let count = self.targets.len();
+        let mut m = 0;
+        while m < count {
+            if m + 2 <= count {
+                self.hear_some::<I, 2>(m);
+                m += 2;
+            } else {
+                self.hear_some::<I, 1>(m);
+                m += 1;
+            }
+        }
+    }
+
+    #[inline(always)]
+    fn hear_some<I: Instructions, const FOCI: usize>(&mut self, first: usize) {
+        let count = self.targets.len();
+        let (mut re, mut im) = ([[0.0f32; STARTS]; FOCI], [[0.0f32; STARTS]; FOCI]);
+        for (from, (p_re, p_im)) in self.lanes.re.iter().zip(&self.lanes.im).enumerate() {
+            for to in 0..FOCI {
+                let at = (first + to) * count + from;
+                let (r_re, r_im) = (self.gram_re[at], self.gram_im[at]);
+                for start in 0..STARTS {
+                    re[to][start] = fused::<I>(r_re, p_re[start], re[to][start]);
+                    im[to][start] = fused::<I>(r_re, p_im[start], im[to][start]);
+                    re[to][start] = fused::<I>(-r_im, p_im[start], re[to][start]);
+                    im[to][start] = fused::<I>(r_im, p_re[start], im[to][start]);
+                }
+            }
+        }
+        for to in 0..FOCI {
+            (self.heard.re[first + to], self.heard.im[first + to]) = (re[to], im[to]);
+        }
+    }
+
+    /// p = A ph(heard).
+    #[inline(always)]
+    fn turn<I: Instructions>(&mut self) {
+        for m in 0..self.targets.len() {
+            let (re, im) = (self.heard.re[m], self.heard.im[m]);
+            let mut norm2 = [0.0; STARTS];
+            for start in 0..STARTS {
+                norm2[start] = fused::<I>(re[start], re[start], im[start] * im[start]).max(1e-30);
+            }
+            let rough = I::rough_inverse_roots(&norm2);
+            for start in 0..STARTS {
+                // Newton's step for 1/√x.
+                let inverse =
+                    -0.5 * rough[start] * fused::<I>(norm2[start] * rough[start], rough[start], -3.0);
+                self.lanes.re[m][start] = self.targets[m] * re[start] * inverse;
+                self.lanes.im[m][start] = self.targets[m] * im[start] * inverse;
+            }
+        }
+    }
+}
