@@ -186,7 +186,7 @@ mod wide {
             let (root_runs, root_rest) = roots.as_chunks_mut::<16>();
             for (x, root) in runs.iter().zip(root_runs) {
                 unsafe {
-                    _mm512_storeu_ps(root.as_mut_ptr(), _mm512_rsqrt14_ps(_mm512_loadu_ps(x.as_ptr())))
+                    _mm512_storeu_ps(root.as_mut_ptr(), _mm512_rsqrt14_ps(_mm512_loadu_ps(x.as_ptr())));
                 };
             }
             for (x, root) in rest.iter().zip(root_rest) {

@@ -317,10 +317,14 @@ fn devices_says_what_would_be_used() {
 fn bench_measures_time_beside_error() {
     let folder = tempfile::tempdir().unwrap();
     let table =
-        succeed(folder.path(), &["bench", "field", "--quick", "--json", "field.json", "--plots", "plots"]);
-    assert!(table.contains("new drive") && table.contains("error"), "{table}");
+        succeed(folder.path(), &["bench", "all", "--quick", "--json", "bench.json", "--plots", "plots"]);
+    assert!(table.contains("new drive") && table.contains("certified"), "{table}");
     let json: Value =
-        serde_json::from_str(&fs::read_to_string(folder.path().join("field.json")).unwrap()).unwrap();
+        serde_json::from_str(&fs::read_to_string(folder.path().join("bench.json")).unwrap()).unwrap();
+    for record in json["solve"].as_array().unwrap() {
+        let part = record["certified_least"].as_f64().unwrap();
+        assert!(part > 0.0 && part <= 1.0 + 1e-9, "{record}");
+    }
     let records = json["field"].as_array().unwrap();
     let mut interpolated = 0;
     for record in records {
@@ -335,12 +339,12 @@ fn bench_measures_time_beside_error() {
         }
     }
     assert!(interpolated >= 4, "{interpolated} of {} records", records.len());
-    for chart in ["field-error", "field-pixels", "field-elements"] {
+    for chart in ["field-error", "field-pixels", "field-elements", "solve-8", "solve-32"] {
         let path = folder.path().join("plots").join(chart).with_extension("png");
         assert_eq!(image::open(path).unwrap().width(), 1200);
     }
-    let message = refuse(folder.path(), &["bench", "field", "--quick", "--json", "no/field.json"]);
-    assert!(message.contains("no/field.json"), "{message}");
+    let message = refuse(folder.path(), &["bench", "solve", "--quick", "--json", "no/bench.json"]);
+    assert!(message.contains("no/bench.json"), "{message}");
 }
 
 #[test]

@@ -9,8 +9,8 @@ use num_complex::Complex64;
 use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
 use sonoglyph::acoustics::Aperture;
-use sonoglyph::scene::{Method, Scene, Shape, Target};
-use sonoglyph::solver::{self, Solution, SolveError};
+use sonoglyph::scene::{Focus, Method, Scene, Shape, Target};
+use sonoglyph::solver::{self, Problem, Solution, SolveError};
 
 fn scene(points: &[DVec3]) -> Scene {
     let target = |&at: &DVec3| Target::new(Shape::Point { at });
@@ -127,6 +127,64 @@ fn elements_that_are_off_stay_off() {
         assert_eq!(drive.amplitudes.iter().filter(|&&amplitude| amplitude == 0.0).count(), 3);
         assert_eq!(drive.amplitudes[100], 0.0);
     }
+}
+
+/// Foci that the array tells apart, scattered over a square of 10 cm.
+fn apart(count: usize) -> Vec<DVec3> {
+    let mut points: Vec<DVec3> = Vec::new();
+    let unit = |i: usize, step: f64| (i as f64 * step).fract() - 0.5;
+    let candidates = (1..).map(|i| dvec3(0.1 * unit(i, 0.754_877_666), 0.1 * unit(i, 0.569_840_29), 0.1));
+    for point in candidates {
+        if points.len() == count {
+            break;
+        }
+        if points.iter().all(|other| other.distance(point) > 0.012) {
+            points.push(point);
+        }
+    }
+    points
+}
+
+fn weakest(problem: &Problem<'_>, values: &[Complex64]) -> f64 {
+    problem.transfer.pressure(values).iter().map(|p| p.norm()).fold(f64::INFINITY, f64::min)
+}
+
+#[test]
+fn best_is_level_stronger_than_long_iteration_and_certified() {
+    for count in [2, 3, 8, 16] {
+        let points = apart(count);
+        let quality = solve(&scene(&points), Method::Best).quality;
+        assert!(quality.spread < 2e-3, "{count}: {quality:?}");
+        assert!(quality.certified > 0.89, "{count}: {quality:?}");
+        let aperture = Aperture::new(&Scene::default());
+        let foci = points.iter().map(|&position| Focus { position, target: 1.0 }).collect();
+        let problem = Problem::new(&aperture, foci);
+        let long = solver::excite(&problem, Method::Wgs, 200).unwrap();
+        assert!(quality.min_pressure > 0.99 * weakest(&problem, &long.values), "{count}: {quality:?}");
+    }
+}
+
+#[test]
+fn moving_foci_are_followed_from_the_last_solution() {
+    let aperture = Aperture::new(&Scene::default());
+    let problem = |step: usize| {
+        let moved = apart(8).into_iter().map(|point| point + 0.0005 * step as f64 * DVec3::X);
+        Problem::new(&aperture, moved.map(|position| Focus { position, target: 1.0 }).collect())
+    };
+    let mut followed = solver::excite(&problem(0), Method::Best, 0).unwrap();
+    let mut part = 0.0;
+    for step in 1..=20 {
+        let problem = problem(step);
+        let next = solver::excite_from(&problem, &followed);
+        // Uniform drives that differ by less than what half a millimetre asks for: nothing jumps.
+        let turned = |(a, b): (&Complex64, &Complex64)| (a / b).arg().abs();
+        let mean = next.values.iter().zip(&followed.values).map(turned).sum::<f64>() / 256.0;
+        assert!(mean < 0.6, "{mean} rad at step {step}");
+        followed = next;
+        let anew = solver::excite(&problem, Method::Best, 0).unwrap();
+        part += weakest(&problem, &followed.values) / weakest(&problem, &anew.values) / 20.0;
+    }
+    assert!(part > 0.985, "{part} of what a search finds");
 }
 
 proptest! {

@@ -121,8 +121,16 @@ impl Transfer {
 
     /// One step of a phase iteration: u ← ph(keep · u + H* p), each element at full drive, and H u.
     ///
-    /// `excitation` is [`Transfer::excitation`]; `pressure` goes in as p, a value per point, and comes out as H u.
-    pub fn drive_by(&self, keep: f64, excitation: &mut Phasors, pressure: &mut Phasors, sums: &mut Sums) {
+    /// `excitation` is [`Transfer::excitation`]; `pressure` goes in as p, a value per point, and comes out as H u. With
+    /// several channels an element's values in all of them have norm 1 together: a drive that plays different things one after
+    /// the other, as bounds imagine it.
+    pub fn drive_by<const CHANNELS: usize>(
+        &self,
+        keep: f64,
+        excitation: &mut [Phasors; CHANNELS],
+        pressure: &mut [Phasors; CHANNELS],
+        sums: &mut Sums,
+    ) {
         Isa::best().run(Step { transfer: self, keep, excitation, pressure, sums });
     }
 
@@ -222,15 +230,15 @@ fn halves(block: &[f64; BLOCK]) -> [&[f64; LANES]; 2] {
     [&halves[0], &halves[1]]
 }
 
-struct Step<'a> {
+struct Step<'a, const CHANNELS: usize> {
     transfer: &'a Transfer,
     keep: f64,
-    excitation: &'a mut Phasors,
-    pressure: &'a mut Phasors,
+    excitation: &'a mut [Phasors; CHANNELS],
+    pressure: &'a mut [Phasors; CHANNELS],
     sums: &'a mut Sums,
 }
 
-impl Kernel for Step<'_> {
+impl<const CHANNELS: usize> Kernel for Step<'_, CHANNELS> {
     type Output = ();
 
     #[inline(always)]
@@ -238,32 +246,47 @@ impl Kernel for Step<'_> {
         let Self { transfer, keep, excitation, pressure, sums } = self;
         for part in [&mut sums.re, &mut sums.im] {
             part.clear();
-            part.resize(transfer.points, [0.0; LANES]);
+            part.resize(CHANNELS * transfer.points, [0.0; LANES]);
         }
         for start in (0..transfer.stride).step_by(BLOCK) {
-            let (heard_re, heard_im) = back_block::<I>(transfer, pressure, start);
-            let u_re: &mut [f64; BLOCK] = excitation.re[start..].first_chunk_mut().expect("as long as a row");
-            let u_im: &mut [f64; BLOCK] = excitation.im[start..].first_chunk_mut().expect("as long as a row");
-            let re = lanes::<BLOCK>(|i| fused64::<I>(keep, u_re[i], heard_re[i]));
-            let im = lanes::<BLOCK>(|i| fused64::<I>(keep, u_im[i], heard_im[i]));
-            let norm2 = lanes::<BLOCK>(|i| fused64::<I>(re[i], re[i], im[i] * im[i]));
+            let mut u = [([0.0; BLOCK], [0.0; BLOCK]); CHANNELS];
+            let mut norm2 = [0.0; BLOCK];
+            for (channel, (re, im)) in u.iter_mut().enumerate() {
+                let (heard_re, heard_im) = back_block::<I>(transfer, &pressure[channel], start);
+                let before = &excitation[channel];
+                let before_re: &[f64; BLOCK] = before.re[start..].first_chunk().expect("as long as a row");
+                let before_im: &[f64; BLOCK] = before.im[start..].first_chunk().expect("as long as a row");
+                *re = lanes(|i| fused64::<I>(keep, before_re[i], heard_re[i]));
+                *im = lanes(|i| fused64::<I>(keep, before_im[i], heard_im[i]));
+                accumulate_product::<I, BLOCK>(&mut norm2, re, re);
+                accumulate_product::<I, BLOCK>(&mut norm2, im, im);
+            }
             // An element that hears nothing plays with phase 0.
-            let inverse =
-                lanes::<BLOCK>(|i| if norm2[i] > f64::MIN_POSITIVE { 1.0 / norm2[i].sqrt() } else { 0.0 });
-            let silent = lanes::<BLOCK>(|i| if norm2[i] > f64::MIN_POSITIVE { 0.0 } else { 1.0 });
-            let re = lanes::<BLOCK>(|i| fused64::<I>(re[i], inverse[i], silent[i]));
-            let im = lanes::<BLOCK>(|i| im[i] * inverse[i]);
-            (*u_re, *u_im) = (re, im);
-            for (point, (sum_re, sum_im)) in sums.re.iter_mut().zip(&mut sums.im).enumerate() {
-                let (h_re, h_im) = block(transfer, point, start);
-                // Copies: what may lie in the same memory is not made vector code of.
-                let (mut to_re, mut to_im) = (*sum_re, *sum_im);
-                multiply::<I>((h_re, h_im), (&re, &im), (&mut to_re, &mut to_im));
-                (*sum_re, *sum_im) = (to_re, to_im);
+            let is_silent = |i: usize| norm2[i] <= f64::MIN_POSITIVE;
+            let inverse = lanes::<BLOCK>(|i| if is_silent(i) { 0.0 } else { 1.0 / norm2[i].sqrt() });
+            let silent = lanes::<BLOCK>(|i| if is_silent(i) { 1.0 } else { 0.0 });
+            for (channel, (re, im)) in u.iter_mut().enumerate() {
+                let first = if channel == 0 { 1.0 } else { 0.0 };
+                *re = lanes(|i| fused64::<I>(re[i], inverse[i], first * silent[i]));
+                *im = lanes(|i| im[i] * inverse[i]);
+                excitation[channel].re[start..start + BLOCK].copy_from_slice(re);
+                excitation[channel].im[start..start + BLOCK].copy_from_slice(im);
+                let own = channel * transfer.points..(channel + 1) * transfer.points;
+                let own = sums.re[own.clone()].iter_mut().zip(&mut sums.im[own]);
+                for (point, (sum_re, sum_im)) in own.enumerate() {
+                    // Copies: what may lie in the same memory is not made vector code of.
+                    let (mut to_re, mut to_im) = (*sum_re, *sum_im);
+                    multiply::<I>(block(transfer, point, start), (re, im), (&mut to_re, &mut to_im));
+                    (*sum_re, *sum_im) = (to_re, to_im);
+                }
             }
         }
-        for (p, sum) in pressure.re.iter_mut().zip(&sums.re).chain(pressure.im.iter_mut().zip(&sums.im)) {
-            *p = sum.iter().sum();
+        for (channel, p) in pressure.iter_mut().enumerate() {
+            let first = channel * transfer.points;
+            for point in 0..transfer.points {
+                p.re[point] = sums.re[first + point].iter().sum();
+                p.im[point] = sums.im[first + point].iter().sum();
+            }
         }
     }
 }
@@ -295,5 +318,92 @@ impl Kernel for Gram<'_> {
                 gram.set(j * points + i, value.conj());
             }
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Numbers without pattern.
+    fn scattered(index: usize) -> Complex64 {
+        let unit = |step: f64| (index as f64 * step).fract() - 0.5;
+        Complex64::new(unit(0.618_033_988), unit(0.754_877_666))
+    }
+
+    fn transfer(points: usize, elements: usize) -> Transfer {
+        let mut transfer = Transfer::zeros(points, elements);
+        for point in 0..points {
+            for element in 0..elements {
+                transfer.set(point, element, scattered(1 + point * elements + element));
+            }
+        }
+        transfer
+    }
+
+    fn assert_near(got: impl Iterator<Item = Complex64>, expected: &[Complex64]) {
+        let got: Vec<_> = got.collect();
+        assert_eq!(got.len(), expected.len());
+        for (got, expected) in got.iter().zip(expected) {
+            assert!((got - expected).norm() < 1e-12, "{got} is not {expected}");
+        }
+    }
+
+    #[test]
+    fn a_step_sends_back_normalises_and_sends_again() {
+        // Elements that fill no block, one block and more.
+        for elements in [1, 15, 16, 37] {
+            let transfer = transfer(3, elements);
+            for keep in [0.0, 1.0] {
+                let p: [Vec<_>; 2] = [7, 11].map(|seed| (0..3).map(|i| scattered(seed + 5 * i)).collect());
+                let before: [Vec<_>; 2] =
+                    [3, 5].map(|seed| (0..elements).map(|i| scattered(seed * i + 1)).collect());
+                let mut u = [transfer.excitation(), transfer.excitation()];
+                for (u, before) in u.iter_mut().zip(&before) {
+                    before.iter().enumerate().for_each(|(n, value)| u.set(n, *value));
+                }
+                let mut pressure = p.clone().map(|p| p.into_iter().collect());
+                transfer.drive_by(keep, &mut u, &mut pressure, &mut Sums::default());
+
+                let heard = |n: usize, channel: usize| {
+                    let back: Complex64 = (0..3).map(|m| transfer.at(m, n).conj() * p[channel][m]).sum();
+                    before[channel][n] * keep + back
+                };
+                let norm = |n: usize| (heard(n, 0).norm_sqr() + heard(n, 1).norm_sqr()).sqrt();
+                for channel in [0, 1] {
+                    let expected: Vec<_> = (0..elements).map(|n| heard(n, channel) / norm(n)).collect();
+                    assert_near(u[channel].to_vec(elements).into_iter(), &expected);
+                    assert_near(pressure[channel].iter(), &transfer.pressure(&expected));
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn an_element_that_hears_nothing_plays_with_phase_0() {
+        let transfer = transfer(2, 5);
+        let mut u = [transfer.excitation()];
+        let mut pressure = [Phasors::zeros(2)];
+        transfer.drive_by(0.0, &mut u, &mut pressure, &mut Sums::default());
+        assert_near(u[0].to_vec(5).into_iter(), &[Complex64::ONE; 5]);
+    }
+
+    #[test]
+    fn products_are_those_of_matrices() {
+        let transfer = transfer(4, 21);
+        let weights: Vec<_> = (0..21).map(|n| 0.5 + f64::from(n)).collect();
+        for weights in [None, Some(&weights[..])] {
+            let gram = transfer.gram(weights);
+            for (i, j) in [(0, 0), (1, 3), (3, 1), (2, 0)] {
+                let expected: Complex64 = (0..21)
+                    .map(|n| transfer.at(i, n) * transfer.at(j, n).conj() * weights.map_or(1.0, |w| w[n]))
+                    .sum();
+                assert!((gram.at(i * 4 + j) - expected).norm() < 1e-10, "{i} {j}");
+            }
+        }
+        let p: Vec<_> = (0..4).map(scattered).collect();
+        let expected: Vec<_> =
+            (0..21).map(|n| (0..4).map(|m| transfer.at(m, n).conj() * p[m]).sum()).collect();
+        assert_near(transfer.back(&p).into_iter(), &expected);
     }
 }

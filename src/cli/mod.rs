@@ -149,7 +149,7 @@ struct ProbeArgs {
 #[derive(Debug, Args)]
 struct BenchArgs {
     /// What to measure
-    #[arg(value_enum, default_value_t = Subject::Field)]
+    #[arg(value_enum, default_value_t = Subject::All)]
     subject: Subject,
     /// Write every record as JSON
     #[arg(long, value_name = "FILE")]
@@ -157,7 +157,7 @@ struct BenchArgs {
     /// Write charts as PNG into a folder
     #[arg(long, value_name = "DIR")]
     plots: Option<PathBuf>,
-    /// Fewer cases: a parallel plane, 16 x 16 elements, two sizes, three tolerances
+    /// Fewer cases: two sizes, one plane or few sets
     #[arg(long)]
     quick: bool,
 }
@@ -166,6 +166,9 @@ struct BenchArgs {
 enum Subject {
     /// Maps of the field
     Field,
+    /// Solver methods
+    Solve,
+    All,
 }
 
 #[derive(Clone, Copy, Debug, Args)]

@@ -21,7 +21,7 @@ const LEVEL: f64 = 1e-6;
 /// Conjugate superposition, u = H* A.
 pub fn naive(problem: &Problem<'_>) -> Excitation {
     let pressure: Vec<_> = problem.targets().into_iter().map(Complex64::from).collect();
-    Excitation { values: problem.transfer.back(&pressure), iterations: 0, residual: None }
+    Excitation { values: problem.transfer.back(&pressure), iterations: 0, residual: None, weights: None }
 }
 
 /// Gerchberg-Saxton (iterative back-propagation): u ← ph(H* (A ph(H u))).
@@ -31,11 +31,11 @@ pub fn gs(problem: &Problem<'_>, iterations: u32) -> Excitation {
         State::from_foci(&problem.transfer, targets.iter().copied().map(Complex64::from).collect());
     for _ in 0..iterations {
         for (m, target) in targets.iter().enumerate() {
-            state.pressure.set(m, phase(state.pressure.at(m)) * target);
+            state.scale(m, *target);
         }
         state.step(0.0);
     }
-    Excitation { values: state.excitation(), iterations, residual: None }
+    Excitation { values: state.excitation(), iterations, residual: None, weights: None }
 }
 
 /// GS-PAT (Plasencia et al., ACM TOG 39(4), 2020): the iteration on the M x M matrix of foci alone.
@@ -57,12 +57,12 @@ pub fn gspat(problem: &Problem<'_>, iterations: u32) -> Excitation {
         gamma[m] * (targets[m] * targets[m] / gamma[m].norm_sqr().max(f64::MIN_POSITIVE) / power[m])
     };
     let corrected: Vec<_> = (0..count).map(correct).collect();
-    Excitation { values: transfer.back(&corrected), iterations, residual: None }
+    Excitation { values: transfer.back(&corrected), iterations, residual: None, weights: None }
 }
 
 /// Weighted Gerchberg-Saxton (Di Leonardo et al., Opt. Express 15:1913, 2007), damped.
 pub fn wgs(problem: &Problem<'_>, iterations: u32) -> Excitation {
-    Excitation { values: weighted(problem, iterations).0, iterations, residual: None }
+    Excitation { values: weighted(problem, iterations).0, iterations, residual: None, weights: None }
 }
 
 /// The same: the excitation, and the pressure at the foci.
@@ -70,8 +70,8 @@ fn weighted(problem: &Problem<'_>, iterations: u32) -> (Vec<Complex64>, Vec<Comp
     let targets = problem.targets();
     let mut state =
         State::from_foci(&problem.transfer, targets.iter().copied().map(Complex64::from).collect());
-    state.weigh(&targets, iterations);
-    (state.excitation(), state.pressure.to_vec(targets.len()))
+    state.weigh(&targets, targets.clone(), iterations);
+    (state.excitation(), state.pressure[0].to_vec(targets.len()))
 }
 
 /// Every element in turn takes the one of 16 phases that brings the foci nearest to their targets (Suzuki 2021).
@@ -106,7 +106,7 @@ pub fn greedy(problem: &Problem<'_>, sweeps: u32) -> Excitation {
             }
         }
     }
-    Excitation { values: u, iterations: sweeps, residual: None }
+    Excitation { values: u, iterations: sweeps, residual: None, weights: None }
 }
 
 /// Focal phases from the strongest of several starts on the Gram matrix, then damped weighted iteration, then
@@ -115,40 +115,51 @@ pub fn best(problem: &Problem<'_>, iterations: u32) -> Excitation {
     let (transfer, targets) = (&problem.transfer, problem.targets());
     let gram = transfer.gram(None);
     let state = State::from_foci(transfer, starts::strongest(&gram, &targets, CLIMB));
-    level(state, &gram, &targets, iterations)
+    level(state, &gram, &targets, targets.clone(), iterations)
 }
 
-/// `best` for a problem near one that `excitation` (a value per driven element) solves: no start is searched for, and
-/// the phases move as little as they must.
-pub fn best_from(problem: &Problem<'_>, excitation: &[Complex64], iterations: u32) -> Excitation {
+/// `best` for a problem near one that `before` solves: no start is searched for, and the phases move as little as they
+/// must.
+pub fn best_from(problem: &Problem<'_>, before: &Excitation, iterations: u32) -> Excitation {
     let (transfer, targets) = (&problem.transfer, problem.targets());
-    let gram = transfer.gram(None);
-    let state = State::from_foci(transfer, transfer.pressure(excitation).into_iter().collect());
-    level(state, &gram, &targets, iterations)
+    let weights = before.weights.clone().filter(|weights| weights.len() == targets.len());
+    let weights = weights.unwrap_or_else(|| targets.clone());
+    // The phases that the foci had, weighted as they were.
+    let phases = transfer.pressure(&before.values);
+    let weighted = phases.iter().zip(&weights).map(|(p, weight)| phase(*p) * weight).collect();
+    let state = State::from_foci(transfer, weighted);
+    level(state, &transfer.gram(None), &targets, weights, iterations)
 }
 
-fn level(mut state: State<'_>, gram: &Phasors, targets: &[f64], iterations: u32) -> Excitation {
-    state.weigh(targets, iterations);
+fn level(
+    mut state: State<'_, 1>,
+    gram: &Phasors,
+    targets: &[f64],
+    weights: Vec<f64>,
+    iterations: u32,
+) -> Excitation {
+    let weights = Some(state.weigh(targets, weights, iterations));
     let weighted = (state.weakest(targets), state.excitation());
     let polished = state.polish(gram, targets);
     let values =
         if polished && state.weakest(targets) > weighted.0 { state.excitation() } else { weighted.1 };
-    Excitation { values, iterations, residual: None }
+    Excitation { values, iterations, residual: None, weights }
 }
 
 /// A uniform drive on its way, and what it makes at the foci.
-struct State<'a> {
+struct State<'a, const CHANNELS: usize> {
     transfer: &'a Transfer,
-    u: Phasors,
+    u: [Phasors; CHANNELS],
     /// H u after a step; what the next step sends back before it.
-    pressure: Phasors,
+    pressure: [Phasors; CHANNELS],
     sums: Sums,
 }
 
-impl<'a> State<'a> {
+impl<'a, const CHANNELS: usize> State<'a, CHANNELS> {
     /// u = ph(H* p).
-    fn from_foci(transfer: &'a Transfer, pressure: Phasors) -> Self {
-        let mut state = Self { transfer, u: transfer.excitation(), pressure, sums: Sums::default() };
+    fn new(transfer: &'a Transfer, pressure: [Phasors; CHANNELS]) -> Self {
+        let u = std::array::from_fn(|_| transfer.excitation());
+        let mut state = Self { transfer, u, pressure, sums: Sums::default() };
         state.step(0.0);
         state
     }
@@ -158,17 +169,59 @@ impl<'a> State<'a> {
         self.transfer.drive_by(keep, &mut self.u, &mut self.pressure, &mut self.sums);
     }
 
+    /// |p| of a focus.
+    fn modulus(&self, m: usize) -> f64 {
+        self.pressure.iter().map(|p| p.at(m).norm_sqr()).sum::<f64>().sqrt()
+    }
+
+    /// Brings |p| of a focus to a modulus.
+    fn scale(&mut self, m: usize, modulus: f64) {
+        let now = self.modulus(m);
+        for (channel, p) in self.pressure.iter_mut().enumerate() {
+            let along =
+                if now > 0.0 { p.at(m) / now } else { Complex64::from(f64::from(u8::from(channel == 0))) };
+            p.set(m, along * modulus);
+        }
+    }
+
+    /// Pressures over their targets.
+    fn relative(&self, targets: &[f64]) -> impl Iterator<Item = f64> {
+        targets.iter().enumerate().map(|(m, target)| self.modulus(m) / target)
+    }
+
+    /// Damped weighted Gerchberg-Saxton: what is too weak gets more weight. Gives the weights of the foci.
+    ///
+    /// The correction is the root of the ratio: undamped, two foci swap for ever.
+    fn weigh(&mut self, targets: &[f64], mut weights: Vec<f64>, iterations: u32) -> Vec<f64> {
+        let count = targets.len() as f64;
+        for _ in 0..iterations {
+            let mean = self.relative(targets).sum::<f64>() / count;
+            for (weight, relative) in weights.iter_mut().zip(self.relative(targets)) {
+                *weight *= (mean / relative.max(1e-3 * mean)).sqrt();
+            }
+            let scale = count / weights.iter().sum::<f64>();
+            for (m, weight) in weights.iter_mut().enumerate() {
+                *weight *= scale;
+                self.scale(m, *weight);
+            }
+            self.step(0.0);
+        }
+        weights
+    }
+}
+
+impl State<'_, 1> {
+    fn from_foci(transfer: &Transfer, pressure: Phasors) -> State<'_, 1> {
+        State::new(transfer, [pressure])
+    }
+
     fn excitation(&self) -> Vec<Complex64> {
-        self.u.to_vec(self.transfer.elements)
+        self.u[0].to_vec(self.transfer.elements)
     }
 
     /// The smallest pressure over its target.
     fn weakest(&self, targets: &[f64]) -> f64 {
         self.relative(targets).fold(f64::INFINITY, f64::min)
-    }
-
-    fn relative(&self, targets: &[f64]) -> impl Iterator<Item = f64> {
-        self.pressure.iter().zip(targets).map(|(p, target)| p.norm_sqr().sqrt() / target)
     }
 
     /// Standard deviation over mean of the pressures over their targets.
@@ -178,27 +231,6 @@ impl<'a> State<'a> {
             self.relative(targets).fold((0.0, 0.0), |(sum, squares), p| (sum + p, squares + p * p));
         let mean = sum / count;
         (squares / count - mean * mean).max(0.0).sqrt() / mean.max(f64::MIN_POSITIVE)
-    }
-
-    /// Damped weighted Gerchberg-Saxton: what is too weak gets more weight. Gives the weights of the foci.
-    ///
-    /// The correction is the root of the ratio: undamped, two foci swap for ever.
-    fn weigh(&mut self, targets: &[f64], iterations: u32) -> Vec<f64> {
-        let count = targets.len() as f64;
-        let mut weights = targets.to_vec();
-        for _ in 0..iterations {
-            let mean = self.relative(targets).sum::<f64>() / count;
-            for (weight, relative) in weights.iter_mut().zip(self.relative(targets)) {
-                *weight *= (mean / relative.max(1e-3 * mean)).sqrt();
-            }
-            let scale = count / weights.iter().sum::<f64>();
-            for (m, weight) in weights.iter_mut().enumerate() {
-                *weight *= scale;
-                self.pressure.set(m, phase(self.pressure.at(m)) * *weight);
-            }
-            self.step(0.0);
-        }
-        weights
     }
 
     /// Alternating projections between "every element plays fully" and "the foci are as wanted", with one Cholesky factor
@@ -218,33 +250,50 @@ impl<'a> State<'a> {
                 break;
             }
             // The multiple of the targets, at the phases that the foci have, that is nearest.
-            let scale =
-                self.pressure.iter().zip(targets).map(|(p, target)| p.norm() * target).sum::<f64>() / power;
+            let scale = (0..count).map(|m| self.modulus(m) * targets[m]).sum::<f64>() / power;
             for (m, target) in targets.iter().enumerate() {
-                let p = self.pressure.at(m);
+                let p = self.pressure[0].at(m);
                 miss[(m, 0)] = phase(p) * (target * scale) - p;
             }
             factor.solve_in_place(miss.as_mut());
             for m in 0..count {
-                self.pressure.set(m, miss[(m, 0)]);
+                self.pressure[0].set(m, miss[(m, 0)]);
             }
             self.step(1.0);
         }
-        self.pressure.iter().all(|p| p.is_finite())
+        self.pressure[0].iter().all(|p| p.is_finite())
     }
 }
 
-/// The uniform excitation to which the damped weighted iteration leads from `pressure` at the foci, what it makes there,
-/// and the weights of the foci.
-pub fn weighted_from(
+/// Multipliers of the foci and of the elements at the best drive that may play `CHANNELS` things at once: what a bound
+/// is made of (`quality::bound`).
+///
+/// With one channel the weighted iteration ends in one of many local optima; with a few there are none, and what it ends in is
+/// the optimum of the relaxation that the bound is the dual of (Burer and Monteiro).
+pub fn multipliers<const CHANNELS: usize>(
     transfer: &Transfer,
     targets: &[f64],
-    pressure: &[Complex64],
     iterations: u32,
-) -> (Vec<Complex64>, Vec<f64>) {
-    let mut state = State::from_foci(transfer, pressure.iter().copied().collect());
-    let weights = state.weigh(targets, iterations);
-    (state.pressure.to_vec(targets.len()), weights)
+) -> (Vec<f64>, Vec<f64>) {
+    let scattered = |channel: usize| {
+        let phase = |m: usize| TAU * starts::scatter(3 * m + 7 * channel * channel + channel);
+        let part = |m: usize| 0.3 + starts::scatter(5 * m + 11 * channel);
+        (0..targets.len()).map(|m| Complex64::from_polar(targets[m] * part(m), phase(m))).collect()
+    };
+    let mut state: State<'_, CHANNELS> = State::new(transfer, std::array::from_fn(scattered));
+    let weights = state.weigh(targets, targets.to_vec(), iterations);
+    let floor = 1e-6 * (0..targets.len()).map(|m| state.modulus(m)).fold(f64::MIN_POSITIVE, f64::max);
+    let foci: Vec<_> =
+        weights.iter().enumerate().map(|(m, weight)| weight / state.modulus(m).max(floor)).collect();
+    // What every element hears of the weighted foci.
+    let mut heard = vec![0.0; transfer.elements];
+    for p in &state.pressure {
+        let weighted: Vec<_> = p.iter().zip(&foci).map(|(p, weight)| p * weight).collect();
+        for (heard, h) in heard.iter_mut().zip(transfer.back(&weighted)) {
+            *heard += h.norm_sqr();
+        }
+    }
+    (foci, heard.into_iter().map(f64::sqrt).collect())
 }
 
 /// The same phase with modulus 1; phase 0 where there is none.

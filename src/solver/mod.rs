@@ -17,7 +17,7 @@ use crate::acoustics::{Aperture, Transfer};
 use crate::drive::Drive;
 use crate::scene::{Focus, KeyError, Method, Scene, outline};
 
-pub use quality::Quality;
+pub use quality::{Quality, bound};
 
 /// What a method gets to see.
 #[derive(Clone, Debug)]
@@ -48,6 +48,8 @@ pub struct Excitation {
     pub iterations: u32,
     /// ‖H u - p‖/‖p‖ where the method prescribes p with its phases.
     pub residual: Option<f64>,
+    /// Weights of the foci that level them, where the method has such: where [`excite_from`] goes on.
+    pub weights: Option<Vec<f64>>,
 }
 
 /// A drive and what it does at the foci.
@@ -132,6 +134,14 @@ pub fn excite(problem: &Problem<'_>, method: Method, iterations: u32) -> Result<
     })
 }
 
+/// What `best` finds for foci that have moved a little since `before` was found for them: in a part of the time, and with
+/// phases that go on from there.
+pub fn excite_from(problem: &Problem<'_>, before: &Excitation) -> Excitation {
+    /// Enough for a step of half a millimetre.
+    const ITERATIONS: u32 = 4;
+    iteration::best_from(problem, before, ITERATIONS)
+}
+
 /// Time of flight, equations (4) and (5) of Long et al. 2022: φ_n = k r_n.
 fn focus(problem: &Problem<'_>) -> Result<Excitation, SolveError> {
     if problem.foci.len() != 1 {
@@ -141,7 +151,7 @@ fn focus(problem: &Problem<'_>) -> Result<Excitation, SolveError> {
     let distance = |&n: &usize| problem.foci[0].position.distance(positions[n].extend(0.0));
     let values =
         driven.iter().map(|n| Complex64::from_polar(1.0, element.wavenumber * distance(n))).collect();
-    Ok(Excitation { values, iterations: 0, residual: None })
+    Ok(Excitation { values, iterations: 0, residual: None, weights: None })
 }
 
 fn warnings(aperture: &Aperture, foci: &[Focus], quality: &Quality) -> Vec<String> {

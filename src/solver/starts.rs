@@ -1,5 +1,7 @@
 //! Focal phases that let the foci help each other, found from several starts at once.
 
+#![expect(clippy::needless_range_loop, reason = "lanes are what is looped over, in several arrays at once")]
+
 use std::f64::consts::TAU;
 
 use num_complex::Complex64;

@@ -1,6 +1,7 @@
 //! `sonoglyph bench`: time against error, measured beside a baseline in the same run.
 
 mod field;
+mod solve;
 
 use std::path::Path;
 use std::time::{Duration, Instant};
@@ -26,20 +27,26 @@ pub fn run(args: &BenchArgs) -> anyhow::Result<()> {
         std::fs::create_dir_all(folder)
             .with_context(|| format!("{}: cannot make the folder", folder.display()))?;
     }
-    let report = match args.subject {
-        Subject::Field => field::run(args.quick)?,
+    let mut value = json!({ "machine": machine(), "version": env!("CARGO_PKG_VERSION") });
+    let mut show = |name: &str, report: Report| {
+        println!("{}", report.table);
+        for line in &report.notes {
+            println!("{line}");
+        }
+        value[name] = report.records.into();
+        match &args.plots {
+            Some(folder) => write_charts(folder, &report.charts),
+            None => Ok(()),
+        }
     };
-    println!("{}", report.table);
-    for line in &report.notes {
-        println!("{line}");
+    if args.subject != Subject::Solve {
+        show("field", field::run(args.quick)?)?;
+    }
+    if args.subject != Subject::Field {
+        show("solve", solve::run(args.quick)?)?;
     }
     if let Some(path) = &args.json {
-        let value =
-            json!({ "machine": machine(), "version": env!("CARGO_PKG_VERSION"), "field": report.records });
         output::write(path, serde_json::to_string_pretty(&value)?.as_bytes())?;
-    }
-    if let Some(folder) = &args.plots {
-        write_charts(folder, &report.charts)?;
     }
     Ok(())
 }
