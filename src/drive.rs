@@ -25,6 +25,15 @@ impl Drive {
         drive
     }
 
+    /// The same drive as a board with `levels` phases per period plays it.
+    pub fn at_levels(&self, levels: u32) -> Self {
+        let played = |&phase: &f64| {
+            let turns = -f64::from(delay_level(phase, levels)) / f64::from(levels);
+            TAU * if turns <= -0.5 { turns + 1.0 } else { turns }
+        };
+        Self { amplitudes: self.amplitudes.clone(), phases: self.phases.iter().map(played).collect() }
+    }
+
     /// u of each of the `driven` elements.
     pub fn excitation(&self, driven: &[usize]) -> Vec<Complex64> {
         driven.iter().map(|&n| Complex64::from_polar(self.amplitudes[n], self.phases[n])).collect()
@@ -54,6 +63,25 @@ mod tests {
     fn rounding_up_to_a_whole_period_wraps() {
         assert_eq!(delay_level(1e-9, 128), 0);
         assert_eq!(delay_level(TAU * 0.002, 128), 0);
+    }
+
+    #[test]
+    fn played_phases_are_the_nearest_levels() {
+        let drive =
+            Drive { amplitudes: vec![1.0; 41], phases: (-20..=20).map(|i| f64::from(i) / 6.4).collect() };
+        for levels in [2, 3, 8, 32, 256] {
+            let played = drive.at_levels(levels);
+            for (wanted, phase) in drive.phases.iter().zip(&played.phases) {
+                let off = (wanted - phase).rem_euclid(TAU);
+                assert!(
+                    off.min(TAU - off) <= TAU / 2.0 / f64::from(levels) + 1e-12,
+                    "{levels}: {wanted} as {phase}"
+                );
+                assert!(*phase > -TAU / 2.0 - 1e-12 && *phase <= TAU / 2.0 + 1e-12, "{phase}");
+                let level = delay_level(*phase, levels);
+                assert_eq!(level, delay_level(*wanted, levels), "playing what is played changes nothing");
+            }
+        }
     }
 
     #[test]

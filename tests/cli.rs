@@ -325,6 +325,8 @@ fn bench_measures_time_beside_error() {
         let part = record["certified_least"].as_f64().unwrap();
         assert!(part > 0.0 && part <= 1.0 + 1e-9, "{record}");
     }
+    let sets = json["stability"].as_array().unwrap();
+    assert!(sets.len() > 100 && sets.iter().all(|record| record["sound"] == true), "{sets:?}");
     let records = json["field"].as_array().unwrap();
     let mut interpolated = 0;
     for record in records {

@@ -9,7 +9,9 @@ use num_complex::Complex64;
 use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
 use sonoglyph::acoustics::Aperture;
+use sonoglyph::drive::Drive;
 use sonoglyph::scene::{Focus, Method, Scene, Shape, Target};
+use sonoglyph::solver::levels::{self, Reached};
 use sonoglyph::solver::{self, Problem, Solution, SolveError};
 
 fn scene(points: &[DVec3]) -> Scene {
@@ -161,6 +163,30 @@ fn best_is_level_stronger_than_long_iteration_and_certified() {
         let problem = Problem::new(&aperture, foci);
         let long = solver::excite(&problem, Method::Wgs, 200).unwrap();
         assert!(quality.min_pressure > 0.99 * weakest(&problem, &long.values), "{count}: {quality:?}");
+    }
+}
+
+#[test]
+fn few_levels_cost_what_theory_says_and_a_search_wins_some_of_it_back() {
+    let aperture = Aperture::new(&Scene::default());
+    let foci = apart(8).into_iter().map(|position| Focus { position, target: 1.0 }).collect();
+    let problem = Problem::new(&aperture, foci);
+    let drive = {
+        let values = solver::excite(&problem, Method::Best, 0).unwrap().values;
+        Drive::uniform(256, &aperture.driven, &values)
+    };
+    let ideal = Reached::new(&problem, &drive);
+    for count in [4, 8, 16, 32, 128] {
+        let rounded = Reached::new(&problem, &drive.at_levels(count));
+        let part = rounded.mean_pressure / ideal.mean_pressure;
+        assert!((part - levels::expected_part(count)).abs() < 0.15 / f64::from(count), "{count}: {part}");
+        let refined = levels::refined(&problem, &drive, count);
+        assert_eq!(refined, refined.at_levels(count), "{count}: on the levels");
+        let reached = Reached::new(&problem, &refined);
+        assert!(reached.weakest >= rounded.weakest, "{count}: {reached:?} after {rounded:?}");
+        if count <= 32 {
+            assert!(reached.weakest > 1.005 * rounded.weakest, "{count}: {reached:?} after {rounded:?}");
+        }
     }
 }
 

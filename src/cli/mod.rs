@@ -127,6 +127,9 @@ struct SolveArgs {
     /// Write the drive: element, x, y (m), phase (rad), amplitude
     #[arg(long, value_name = "FILE")]
     csv: Option<PathBuf>,
+    /// Say what a board with L phase levels per period reaches, and find the best drive on these levels; --csv writes it
+    #[arg(long, value_name = "L", value_parser = clap::value_parser!(u32).range(2..=65536))]
+    levels: Option<u32>,
 }
 
 #[derive(Debug, Args)]
@@ -168,6 +171,8 @@ enum Subject {
     Field,
     /// Solver methods
     Solve,
+    /// Solver methods on sets of foci that are hard to solve
+    Stability,
     All,
 }
 

@@ -5,9 +5,11 @@ use serde_json::{Value, json};
 
 use crate::acoustics::Aperture;
 use crate::cli::{SolveArgs, output, parse_method, read_scene, warn};
+use crate::drive::{Drive, delay_level};
 use crate::picture::sheet::pascals;
 use crate::scene::{Method, Scene};
-use crate::solver::{self, Solution, SolveError};
+use crate::solver::levels::{self, Reached};
+use crate::solver::{self, Problem, Solution, SolveError};
 
 /// Which methods to run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -36,20 +38,92 @@ pub fn run(args: &SolveArgs) -> anyhow::Result<()> {
         output::check_writable(path)?;
     }
     if args.method == Some(Methods::All) {
+        if args.levels.is_some() {
+            anyhow::bail!("--levels looks at one drive: name one method");
+        }
         return compare(&scene, args.json);
     }
     let in_file = |error: SolveError| anyhow::anyhow!("{}: {error}", args.scene.display());
     let solution = solver::solve(&scene).map_err(in_file)?;
     report_warnings(&solution);
+    let aperture = Aperture::new(&scene);
+    let played = args.levels.map(|levels| Played::new(&aperture, &solution, levels));
     if let Some(path) = &args.csv {
-        output::write(path, csv(&scene, &solution).as_bytes())?;
+        let drive = played.as_ref().map_or(&solution.drive, |played| &played.refined.0);
+        output::write(path, csv(&aperture, drive).as_bytes())?;
     }
     if args.json {
-        println!("{}", serde_json::to_string_pretty(&json(&solution))?);
+        let mut value = json(&solution);
+        if let Some(played) = &played {
+            value["played"] = played.json();
+        }
+        println!("{}", serde_json::to_string_pretty(&value)?);
     } else {
         print(&solution);
+        if let Some(played) = &played {
+            played.print();
+        }
     }
     Ok(())
+}
+
+/// What a board with few phase levels makes of a drive.
+struct Played {
+    levels: u32,
+    ideal: Reached,
+    rounded: Reached,
+    refined: (Drive, Reached),
+}
+
+impl Played {
+    fn new(aperture: &Aperture, solution: &Solution, levels: u32) -> Self {
+        let problem = Problem::new(aperture, solution.foci.clone());
+        let reached = |drive: &Drive| Reached::new(&problem, drive);
+        let refined = levels::refined(&problem, &solution.drive, levels);
+        Self {
+            levels,
+            ideal: reached(&solution.drive),
+            rounded: reached(&solution.drive.at_levels(levels)),
+            refined: (refined.clone(), reached(&refined)),
+        }
+    }
+
+    fn print(&self) {
+        println!(
+            "\nOn {} phase levels (rounding leaves {} of the mean on the average):",
+            self.levels,
+            percent(levels::expected_part(self.levels))
+        );
+        for (name, reached) in [("rounded", self.rounded), ("refined", self.refined.1)] {
+            println!(
+                "{name:<20}mean {} ({}), weakest {} ({}), spread {}",
+                pascals(reached.mean_pressure),
+                percent(reached.mean_pressure / self.ideal.mean_pressure),
+                pascals(reached.weakest),
+                percent(reached.weakest / self.ideal.weakest),
+                percent(reached.spread)
+            );
+        }
+    }
+
+    fn json(&self) -> Value {
+        let reached = |reached: Reached| {
+            json!({
+                "mean_pressure": reached.mean_pressure,
+                "min_pressure": reached.weakest,
+                "spread": reached.spread,
+            })
+        };
+        let delays: Vec<_> =
+            self.refined.0.phases.iter().map(|&phase| delay_level(phase, self.levels)).collect();
+        json!({
+            "levels": self.levels,
+            "expected_part": levels::expected_part(self.levels),
+            "rounded": reached(self.rounded),
+            "refined": reached(self.refined.1),
+            "delays": delays,
+        })
+    }
 }
 
 fn compare(scene: &Scene, as_json: bool) -> anyhow::Result<()> {
@@ -207,10 +281,9 @@ fn json(solution: &Solution) -> Value {
     })
 }
 
-fn csv(scene: &Scene, solution: &Solution) -> String {
+fn csv(aperture: &Aperture, drive: &Drive) -> String {
     let mut text = String::from("element,x,y,phase,amplitude\n");
-    let drive = &solution.drive;
-    for (element, position) in Aperture::new(scene).positions.iter().enumerate() {
+    for (element, position) in aperture.positions.iter().enumerate() {
         let (phase, amplitude) = (drive.phases[element], drive.amplitudes[element]);
         text.push_str(&format!("{element},{:?},{:?},{phase:?},{amplitude:?}\n", position.x, position.y));
     }

@@ -5,6 +5,8 @@ use plotters::prelude::*;
 use crate::picture::{Picture, register_font};
 
 const SIZE: (u32, u32) = (1200, 800);
+/// Width of the column that names the series.
+const LEGEND: u32 = 190;
 const INK: RGBColor = RGBColor(30, 30, 34);
 const FAINT: RGBColor = RGBColor(225, 225, 230);
 /// Colours that stay apart for most eyes (Okabe and Ito).
@@ -69,13 +71,14 @@ impl Chart {
         &self,
         root: &DrawingArea<B, plotters::coord::Shift>,
     ) -> Result<(), ChartError> {
-        let all = || self.series.iter().flat_map(|series| series.drawable());
+        let all = || self.series.iter().flat_map(Series::drawable);
         let (Some(x), Some(y)) = (range(all().map(|p| p.0)), range(all().map(|p| p.1))) else {
             return Err(ChartError(format!("{}: there are no points", self.title)));
         };
         let text = |size: f64| ("sans-serif", size).into_font().color(&INK);
-        let mut chart = ChartBuilder::on(root)
-            .caption(&self.title, text(26.0))
+        let (plot, legend) = root.split_horizontally(SIZE.0 - LEGEND);
+        let mut chart = ChartBuilder::on(&plot)
+            .caption(&self.title, text(24.0))
             .margin(20)
             .x_label_area_size(60)
             .y_label_area_size(100)
@@ -95,20 +98,20 @@ impl Chart {
         for (index, series) in self.series.iter().enumerate() {
             let colour = COLOURS[index % COLOURS.len()];
             let points: Vec<_> = series.drawable().collect();
-            chart
-                .draw_series(LineSeries::new(points.iter().copied(), colour.stroke_width(3)))?
-                .label(&series.name)
-                .legend(move |(x, y)| PathElement::new([(x, y), (x + 24, y)], colour.stroke_width(3)));
-            chart.draw_series(points.iter().map(|&point| Circle::new(point, 6, colour.filled())))?;
+            chart.draw_series(LineSeries::new(points.iter().copied(), colour.stroke_width(3)))?;
+            // Where colours come again, triangles take the place of circles.
+            let is_second = index >= COLOURS.len();
+            let place = (10, 80 + 30 * index as i32);
+            if is_second {
+                let marker = |point| TriangleMarker::new(point, 8, colour.filled());
+                chart.draw_series(points.iter().copied().map(marker))?;
+                legend.draw(&TriangleMarker::new(place, 8, colour.filled()))?;
+            } else {
+                chart.draw_series(points.iter().map(|&point| Circle::new(point, 6, colour.filled())))?;
+                legend.draw(&Circle::new(place, 6, colour.filled()))?;
+            }
+            legend.draw(&Text::new(series.name.clone(), (place.0 + 18, place.1 - 9), text(18.0)))?;
         }
-        chart
-            .configure_series_labels()
-            .position(SeriesLabelPosition::UpperRight)
-            .background_style(WHITE.mix(0.9))
-            .border_style(FAINT)
-            .label_font(text(18.0))
-            .margin(14)
-            .draw()?;
         Ok(())
     }
 }
@@ -125,13 +128,21 @@ fn range(values: impl Iterator<Item = f64>) -> Option<(f64, f64)> {
     (low <= high).then_some((low / 1.5, high * 1.5))
 }
 
+/// Three digits tell ticks apart; more are rounding.
 fn label(value: &f64) -> String {
-    if (0.01..100_000.0).contains(value) { format!("{value}") } else { format!("{value:e}") }
+    let rounded = format!("{value:.2e}").parse().unwrap_or(*value);
+    if (0.01..100_000.0).contains(&rounded) { format!("{rounded}") } else { format!("{rounded:e}") }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn ticks_are_round_numbers() {
+        let labels = [0.300_000_000_000_000_04, 9.999_999_999_999_999e-6, 1000.0].map(|tick| label(&tick));
+        assert_eq!(labels, ["0.3", "1e-5", "1000"]);
+    }
 
     #[test]
     fn points_are_drawn_and_nothing_is_an_error() {

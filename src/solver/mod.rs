@@ -6,6 +6,7 @@
 
 mod inverse;
 mod iteration;
+pub mod levels;
 mod quality;
 mod starts;
 
@@ -140,6 +141,12 @@ pub fn excite_from(problem: &Problem<'_>, before: &Excitation) -> Excitation {
     /// Enough for a step of half a millimetre.
     const ITERATIONS: u32 = 4;
     iteration::best_from(problem, before, ITERATIONS)
+}
+
+/// The strongest drive of `batches` of eight starts, levelled for long: a baseline for `best`, and hundreds of times slower.
+pub fn search(problem: &Problem<'_>, batches: usize) -> Excitation {
+    const ITERATIONS: u32 = 200;
+    iteration::search(problem, batches, ITERATIONS)
 }
 
 /// Time of flight, equations (4) and (5) of Long et al. 2022: φ_n = k r_n.

@@ -17,8 +17,9 @@ const GOLDEN: f64 = 0.618_033_988_749_894_8;
 /// Gerchberg-Saxton on R = H H*: p ← A ph(R p) climbs to a maximum of the power p* R p that the foci can share. The
 /// strongest of several starts, as one complex pressure per focus.
 ///
-/// Equal phases are a fixed point of every symmetric set, and a poor one, so the starts are scattered.
-pub fn strongest(gram: &Phasors, targets: &[f64], iterations: usize) -> Phasors {
+/// Equal phases are a fixed point of every symmetric set, and a poor one, so the starts are scattered; those of another
+/// `batch` are others.
+pub fn strongest(gram: &Phasors, targets: &[f64], iterations: usize, batch: usize) -> Phasors {
     let count = targets.len();
     // Only phases come out, so any scale will do, and f32.
     let scale = (0..count).map(|m| gram.re[m * count + m]).fold(f64::MIN_POSITIVE, f64::max).recip();
@@ -27,7 +28,8 @@ pub fn strongest(gram: &Phasors, targets: &[f64], iterations: usize) -> Phasors 
     let mut lanes = Lanes { re: vec![[0.0; STARTS]; count], im: vec![[0.0; STARTS]; count] };
     for m in 0..count {
         for start in 0..STARTS {
-            let phase = TAU * start as f64 * scatter(m + start);
+            let number = batch * STARTS + start;
+            let phase = TAU * number as f64 * scatter(m + number);
             lanes.re[m][start] = (targets[m] / loudest * phase.cos()) as f32;
             lanes.im[m][start] = (targets[m] / loudest * phase.sin()) as f32;
         }

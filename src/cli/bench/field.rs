@@ -301,11 +301,13 @@ fn charts(records: &[Record]) -> Vec<(String, Chart)> {
     let mut by_error = Vec::new();
     let (mut by_size, mut by_array) = (Vec::new(), Vec::new());
     for evaluator in evaluators {
-        by_error.push(series(
+        let mut pareto = series(
             evaluator.to_owned(),
             &|case| usual(case, evaluator) && (case.size, case.array) == (largest, 16),
             &|record| (record.error, ms(record)),
-        ));
+        );
+        pareto.points.sort_by(|a, b| a.0.total_cmp(&b.0));
+        by_error.push(pareto);
         for tolerance in [0.0, 1e-3, 1e-5] {
             let tolerance_name =
                 if tolerance == 0.0 { "exact".to_owned() } else { format!("{tolerance:.0e}") };

@@ -2,6 +2,7 @@
 
 mod field;
 mod solve;
+mod stability;
 
 use std::path::Path;
 use std::time::{Duration, Instant};
@@ -16,7 +17,7 @@ use crate::picture::export;
 use crate::simd::Isa;
 
 /// What one measurement takes: as many runs as fit, at least one and at most [`MOST_RUNS`].
-const BUDGET: Duration = Duration::from_millis(300);
+const BUDGET: Duration = Duration::from_millis(150);
 const MOST_RUNS: usize = 15;
 
 pub fn run(args: &BenchArgs) -> anyhow::Result<()> {
@@ -39,11 +40,15 @@ pub fn run(args: &BenchArgs) -> anyhow::Result<()> {
             None => Ok(()),
         }
     };
-    if args.subject != Subject::Solve {
+    let is_wanted = |subject| [Subject::All, subject].contains(&args.subject);
+    if is_wanted(Subject::Field) {
         show("field", field::run(args.quick)?)?;
     }
-    if args.subject != Subject::Field {
+    if is_wanted(Subject::Solve) {
         show("solve", solve::run(args.quick)?)?;
+    }
+    if is_wanted(Subject::Stability) {
+        show("stability", stability::run(args.quick)?)?;
     }
     if let Some(path) = &args.json {
         output::write(path, serde_json::to_string_pretty(&value)?.as_bytes())?;

@@ -1,0 +1,217 @@
+//! `sonoglyph bench stability`: sets of foci that break solvers, and what each method makes of them.
+
+use std::f64::consts::TAU;
+
+use comfy_table::{CellAlignment, Table};
+use glam::DVec3;
+use serde_json::json;
+
+use crate::acoustics::Aperture;
+use crate::cli::bench::{Report, Spent};
+use crate::drive::Drive;
+use crate::scene::{Focus, Method, Scene};
+use crate::solver::{self, Problem, Quality, SolveError};
+
+/// Starts of the search that is the baseline of strength, eight at a time.
+const SEARCHES: usize = 25;
+/// Foci beyond which that search is not waited for.
+const MOST_SEARCHED: usize = 64;
+
+/// A difficult set.
+struct Case {
+    name: &'static str,
+    aperture: Aperture,
+    foci: Vec<Focus>,
+}
+
+struct Record {
+    case: &'static str,
+    foci: usize,
+    method: Method,
+    cpu: f64,
+    /// Every number finite, no element above full drive.
+    is_sound: bool,
+    quality: Quality,
+    /// Of the weakest focus, against the best of 200 starts.
+    loss: Option<f64>,
+}
+
+pub fn run(quick: bool) -> Result<Report, SolveError> {
+    let mut records = Vec::new();
+    for case in cases(quick) {
+        let problem = Problem::new(&case.aperture, case.foci.clone());
+        let is_searched = !quick && case.foci.len() <= MOST_SEARCHED;
+        let strongest = is_searched.then(|| weakest(&problem, &solver::search(&problem, SEARCHES).values));
+        for method in Method::ALL.into_iter().filter(|&method| method != Method::Focus) {
+            records.push(measure(&case, &problem, method, strongest)?);
+        }
+    }
+    Ok(Report {
+        table: table(&records),
+        notes: vec![
+            "sound: every number finite and no element above full drive. loss: of the weakest focus, relative to its target, \
+             against the strongest of 200 starts; below 0 the method did better."
+                .to_owned(),
+        ],
+        records: records.iter().map(json).collect(),
+        charts: Vec::new(),
+    })
+}
+
+fn measure(
+    case: &Case,
+    problem: &Problem<'_>,
+    method: Method,
+    strongest: Option<f64>,
+) -> Result<Record, SolveError> {
+    let mut excitation = solver::excite(problem, method, 0)?;
+    let spent = Spent::on(|_| {
+        excitation = solver::excite(problem, method, 0)?;
+        Ok::<_, SolveError>(())
+    })?;
+    let Aperture { positions, driven, .. } = problem.aperture;
+    let drive = Drive::uniform(positions.len(), driven, &excitation.values);
+    let pressures = problem.transfer.pressure(&drive.excitation(driven));
+    let quality = Quality::without_bound(problem, &excitation, &pressures);
+    let figures = [quality.mean_pressure, quality.min_pressure, quality.spread, quality.residual];
+    let is_sound = drive.phases.iter().chain(&figures).all(|value| value.is_finite())
+        && drive.amplitudes.iter().all(|amplitude| (0.0..=1.0).contains(amplitude))
+        && excitation.values.iter().all(|u| u.is_finite());
+    let loss = strongest.map(|strongest| 1.0 - weakest(problem, &excitation.values) / strongest);
+    Ok(Record { case: case.name, foci: case.foci.len(), method, cpu: spent.cpu, is_sound, quality, loss })
+}
+
+/// The smallest pressure over its target that the uniform drive makes.
+fn weakest(problem: &Problem<'_>, values: &[num_complex::Complex64]) -> f64 {
+    let Aperture { positions, driven, .. } = problem.aperture;
+    let drive = Drive::uniform(positions.len(), driven, values);
+    let pressures = problem.transfer.pressure(&drive.excitation(driven));
+    let relative = pressures.iter().zip(&problem.foci).map(|(p, focus)| p.norm() / focus.target);
+    relative.fold(f64::INFINITY, f64::min)
+}
+
+fn cases(quick: bool) -> Vec<Case> {
+    let foci = |points: &[DVec3]| -> Vec<Focus> {
+        points.iter().map(|&position| Focus { position, target: 1.0 }).collect()
+    };
+    let ring = |count: usize, radius: f64, z: f64| -> Vec<DVec3> {
+        let point = |i: usize| {
+            let (sin, cos) = (TAU * i as f64 / count as f64).sin_cos();
+            DVec3::new(radius * cos, radius * sin, z)
+        };
+        (0..count).map(point).collect()
+    };
+    let aperture = |change: fn(&mut Scene)| {
+        let mut scene = Scene::default();
+        change(&mut scene);
+        Aperture::new(&scene)
+    };
+    let usual = || aperture(|_| ());
+    let small = |rows: u32, columns: u32| {
+        let mut scene = Scene::default();
+        (scene.array.rows, scene.array.columns) = (rows, columns);
+        Aperture::new(&scene)
+    };
+    let at = DVec3::new(0.01, 0.0, 0.1);
+    let wavelength = usual().wavelength();
+    let mut unequal = foci(&ring(4, 0.02, 0.1));
+    (unequal[0].target, unequal[2].target) = (1000.0, 1e-3);
+    let case = |name, aperture, foci| Case { name, aperture, foci };
+    let mut cases = vec![
+        case("coincident", usual(), foci(&[at, at])),
+        case("λ/1000 apart", usual(), foci(&[at, at + wavelength / 1000.0 * DVec3::X, at.with_x(-0.03)])),
+        case("ring of 48", usual(), foci(&ring(48, 0.02, 0.1))),
+        case("as many as elements", small(4, 4), foci(&ring(16, 0.03, 0.1))),
+        case("more than elements", small(3, 3), foci(&ring(20, 0.03, 0.1))),
+        case("one element", small(1, 1), foci(&ring(5, 0.02, 0.1))),
+        case(
+            "most elements off",
+            aperture(|scene| scene.array.off = (3..256).collect()),
+            foci(&ring(4, 0.02, 0.1)),
+        ),
+        case("targets 1 : 10⁶", usual(), unequal),
+        case("1 mm away", usual(), foci(&ring(4, 0.02, 1e-3))),
+        case("10 m away", usual(), foci(&ring(4, 0.5, 10.0))),
+        case("20 kHz", aperture(|scene| scene.array.frequency = 20e3), foci(&ring(8, 0.02, 0.1))),
+        case("1 MHz", aperture(|scene| scene.array.frequency = 1e6), foci(&ring(8, 0.02, 0.1))),
+        case("scaled by 10⁻⁶", scaled(usual(), 1e-6), foci(&ring(8, 0.02e-6, 0.1e-6))),
+        case("scaled by 10⁶", scaled(usual(), 1e6), foci(&ring(8, 0.02e6, 0.1e6))),
+    ];
+    if !quick {
+        let spiral = |i: usize| {
+            let (sin, cos) = (2.4 * i as f64).sin_cos();
+            DVec3::new(cos, sin, 0.0) * 0.05 * (i as f64 / 1000.0).sqrt() + DVec3::Z * 0.1
+        };
+        let spiral: Vec<_> = (0..1000).map(spiral).collect();
+        cases.push(case("1000 foci", usual(), foci(&spiral)));
+    }
+    cases
+}
+
+/// The same array and wave, all lengths times `scale`, in a medium without absorption.
+fn scaled(mut aperture: Aperture, scale: f64) -> Aperture {
+    aperture.element.wavenumber /= scale;
+    aperture.element.radius *= scale;
+    aperture.element.attenuation = 0.0;
+    aperture.pitch *= scale;
+    for position in &mut aperture.positions {
+        *position *= scale;
+    }
+    aperture
+}
+
+fn table(records: &[Record]) -> Table {
+    let mut table = Table::new();
+    table.set_header([
+        "set",
+        "M",
+        "method",
+        "CPU ms",
+        "sound",
+        "rank",
+        "condition",
+        "residual",
+        "spread",
+        "weakest Pa",
+        "loss",
+    ]);
+    for record in records {
+        let quality = &record.quality;
+        table.add_row([
+            record.case.to_owned(),
+            record.foci.to_string(),
+            record.method.name().to_owned(),
+            format!("{:.3}", record.cpu * 1e3),
+            if record.is_sound { "yes" } else { "NO" }.to_owned(),
+            quality.rank.to_string(),
+            format!("{:.1e}", quality.condition),
+            format!("{:.1e}", quality.residual),
+            format!("{:.1e}", quality.spread),
+            format!("{:.3e}", quality.min_pressure),
+            record.loss.map_or("-".to_owned(), |loss| format!("{:.1} %", 100.0 * loss)),
+        ]);
+    }
+    for column in [1, 3, 5, 6, 7, 8, 9, 10] {
+        if let Some(column) = table.column_mut(column) {
+            column.set_cell_alignment(CellAlignment::Right);
+        }
+    }
+    table
+}
+
+fn json(record: &Record) -> serde_json::Value {
+    let quality = &record.quality;
+    json!({
+        "set": record.case,
+        "foci": record.foci,
+        "method": record.method.name(),
+        "cpu_ms": record.cpu * 1e3,
+        "sound": record.is_sound,
+        "rank": quality.rank,
+        "condition": quality.condition,
+        "residual": quality.residual,
+        "spread": quality.spread,
+        "min_pressure": quality.min_pressure,
+        "loss": record.loss,
+    })
+}

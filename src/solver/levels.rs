@@ -1,0 +1,113 @@
+//! Drives for boards that know few phases: rounding to their levels, and a search on the levels themselves.
+
+use std::f64::consts::TAU;
+
+use num_complex::Complex64;
+
+use crate::drive::{Drive, delay_level};
+use crate::solver::{Problem, starts};
+
+/// Levels up to which every one is tried for an element; of more, the neighbours are.
+const ALL_TRIED: u32 = 16;
+/// Passes over all elements; few need more than three until nothing changes.
+const PASSES: usize = 6;
+/// The power of 1/pressure whose sum is made small: what is weakest counts most.
+const EMPHASIS: i32 = 64;
+
+/// What a uniform drive does at the foci.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Reached {
+    /// Pa, peak.
+    pub mean_pressure: f64,
+    /// The smallest pressure over its target, Pa.
+    pub weakest: f64,
+    /// Standard deviation over mean of pressure/target.
+    pub spread: f64,
+}
+
+impl Reached {
+    pub fn new(problem: &Problem<'_>, drive: &Drive) -> Self {
+        let moduli: Vec<_> = problem
+            .transfer
+            .pressure(&drive.excitation(&problem.aperture.driven))
+            .iter()
+            .map(|p| p.norm())
+            .collect();
+        let count = moduli.len() as f64;
+        let relative: Vec<_> = moduli.iter().zip(&problem.foci).map(|(p, focus)| p / focus.target).collect();
+        let mean = relative.iter().sum::<f64>() / count;
+        let variance = relative.iter().map(|p| (p - mean).powi(2)).sum::<f64>() / count;
+        Self {
+            mean_pressure: moduli.iter().sum::<f64>() / count,
+            weakest: relative.iter().copied().fold(f64::INFINITY, f64::min),
+            spread: variance.sqrt() / mean.max(f64::MIN_POSITIVE),
+        }
+    }
+}
+
+/// What rounding to `levels` phases leaves of the pressure of a focus on the average: sin(π/L)/(π/L).
+pub fn expected_part(levels: u32) -> f64 {
+    let x = TAU / 2.0 / f64::from(levels);
+    x.sin() / x
+}
+
+/// The drive on `levels` phases whose weakest focus is strongest, as far as changing one element after the other leads
+/// from the rounded one.
+pub fn refined(problem: &Problem<'_>, drive: &Drive, levels: u32) -> Drive {
+    let transfer = &problem.transfer;
+    let targets = problem.targets();
+    let driven = &problem.aperture.driven;
+    let mut chosen: Vec<_> = driven.iter().map(|&n| delay_level(drive.phases[n], levels)).collect();
+    let turned = |element: usize, level: u32| {
+        let amplitude = drive.amplitudes[driven[element]];
+        Complex64::from_polar(amplitude, -TAU * f64::from(level) / f64::from(levels))
+    };
+    let u: Vec<_> = (0..driven.len()).map(|element| turned(element, chosen[element])).collect();
+    let mut pressure = transfer.pressure(&u);
+    let mut order: Vec<_> = (0..driven.len()).collect();
+    order.sort_by(|&a, &b| starts::scatter(a).total_cmp(&starts::scatter(b)));
+    let scale = Reached::new(problem, drive).mean_pressure.max(f64::MIN_POSITIVE);
+    for _ in 0..PASSES {
+        let before = chosen.clone();
+        for &element in &order {
+            let u = turned(element, chosen[element]);
+            let cost = |level: u32| -> f64 {
+                let change = turned(element, level) - u;
+                let weakness = |m: usize| {
+                    let p = (pressure[m] + transfer.at(m, element) * change).norm() / (targets[m] * scale);
+                    p.max(1e-3).powi(-EMPHASIS)
+                };
+                (0..targets.len()).map(weakness).sum()
+            };
+            let now = chosen[element];
+            let tried: Vec<_> = if levels <= ALL_TRIED {
+                (0..levels).collect()
+            } else {
+                [levels - 2, levels - 1, 0, 1, 2].map(|step| (now + step) % levels).to_vec()
+            };
+            let best = tried.into_iter().min_by(|&a, &b| cost(a).total_cmp(&cost(b))).unwrap_or(now);
+            if cost(best) < cost(now) {
+                let change = turned(element, best) - u;
+                for (m, p) in pressure.iter_mut().enumerate() {
+                    *p += transfer.at(m, element) * change;
+                }
+                chosen[element] = best;
+            }
+        }
+        if chosen == before {
+            break;
+        }
+    }
+    let mut refined = drive.clone();
+    for (&n, level) in driven.iter().zip(chosen) {
+        refined.phases[n] = -TAU * f64::from(level) / f64::from(levels);
+    }
+    let refined = refined.at_levels(levels);
+    // A sum of powers is not the weakest: what rounding already reached is never given away.
+    let rounded = drive.at_levels(levels);
+    if Reached::new(problem, &refined).weakest > Reached::new(problem, &rounded).weakest {
+        refined
+    } else {
+        rounded
+    }
+}
