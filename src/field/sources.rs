@@ -22,7 +22,7 @@ pub const SINE: [f32; 5] = [std::f32::consts::PI, -5.167_71, 2.550_077_4, -0.598
 /// Coefficients of cos(πf) in f², |f| ≤ ½, lowest first; 1e-9 off before rounding.
 pub const COSINE: [f32; 6] = [1.0, -4.934_802, 4.058_711_5, -1.335_24, 0.235_074_37, -0.024_627_112];
 
-/// Largest error of [`Sources::directivity`] and [`Sources::decay`]; beyond, the f32 evaluators decline.
+/// Largest error of [`Wave::directivity`] and [`Wave::decay`]; beyond, the f32 evaluators decline.
 const POLYNOMIAL_ERROR: f64 = 1e-6;
 /// Nodes of the exact piston that the evaluators have room for, and the relative error they are chosen for.
 pub const MOST_NODES: usize = 64;

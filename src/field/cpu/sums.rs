@@ -22,7 +22,7 @@ pub struct Term {
     pub im: f32,
 }
 
-/// Adds up runs of `table`, one per term, with the term's excitation: sum[i] = Σ u table[start + first + i].
+/// Adds up runs of `table`, one per term, with the term's excitation: sum_i = Σ u · table(start + first + i).
 ///
 /// The table must have [`OVERHANG`] values more than the runs reach.
 pub fn superpose(table: &Split, terms: &[Term], first: usize, sum: &mut [Complex32]) {
