@@ -1,8 +1,8 @@
 // Complex pressure (Pa, peak) at many points by direct summation over the elements, added to what is there.
 //
 // Sample i stands at columns[i % width] + rows[i / width]; the fourth component is the part of a turn that its height
-// above the array makes, which is common to all elements and applied last. Every invocation takes eight samples, a workgroup's width
-// apart: one element is then read once for eight points, which on software drivers is worth a factor of four.
+// above the array makes, which is common to all elements and applied last. Every invocation takes eight samples, a
+// workgroup's width apart: one element is then read once for eight points, which on software drivers is worth a factor of four.
 
 @group(0) @binding(2) var<storage, read> columns: array<vec4f>;
 @group(0) @binding(3) var<storage, read> rows: array<vec4f>;

@@ -283,7 +283,7 @@ fn bad_arguments_and_files_are_refused() {
         (&["render", "a.toml", "-o", "no/such/folder/x.png"], "no/such/folder/x.png"),
         (&["render", "a.toml", "two.toml", "-o", "a.toml"], "need a folder"),
         (&["render", "a.toml", "-o", "x.png", "--size", "0"], "pixels"),
-        (&["render", "a.toml", "-o", "x.png", "--size", "20000x20000"], "pixels"),
+        (&["render", "a.toml", "-o", "x.png", "--size", "20000x20000"], "3051 MiB"),
         (&["render", "a.toml", "-o", "x.png", "--size", "16384x16384"], "MiB"),
         (&["render", "a.toml", "-o", "x.png", "--quantity", "sheet", "--size", "20"], "no room"),
         (&["render", "a.toml", "-o", "x.png", "--tolerance", "-1"], "tolerance"),

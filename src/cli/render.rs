@@ -16,7 +16,7 @@ use crate::scene::{Scene, file};
 use crate::solver::{self, Solution};
 
 /// Pixels per side that a picture may have, and in all: half a gigabyte of field.
-const LARGEST_SIDE: usize = 16_384;
+const LARGEST_SIDE: usize = 1_000_000;
 const MOST_PIXELS: usize = 1 << 26;
 const SMALLEST_SHEET: usize = 200;
 const MAP_WIDTH: usize = 512;

@@ -86,7 +86,8 @@ pub struct Shared {
 }
 
 impl Plan {
-    /// The plan for a plane and its tolerance by an evaluator with these costs. The tolerance is relative to the map's peak; 0 asks for direct evaluation.
+    /// The plan for a plane and its tolerance, by an evaluator with these costs. The tolerance is relative to the map's
+    /// peak; 0 asks for direct evaluation.
     /// `None` where the plane's axes span no plane.
     pub fn new(aperture: &Aperture, plane: &Plane, costs: Costs) -> Option<Self> {
         let corners = corners(plane)?;

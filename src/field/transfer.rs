@@ -1,8 +1,8 @@
 //! The transfer from every element to every sample of a plan as a table in memory, and its product with drives.
 //!
 //! Where a sample axis is shared ([`crate::field::plan::Shared`]), what element n sends to sample i is what element 0 sends to
-//! the sample `n · shared.samples` before it. One longer line of samples then serves all elements along that axis: the table of a
-//! parallel plane is 16² or 64² times smaller, is made in no time, and stays in the caches.
+//! the sample `n · shared.samples` before it. One longer line of samples then serves all elements along that axis: the
+//! table of a parallel plane is a hundred to a thousand times smaller, is made in no time, and stays in the caches.
 
 use glam::DVec3;
 use num_complex::{Complex32, Complex64};
