@@ -107,6 +107,8 @@ fn the_gpu_follows_the_same_plan() {
             scene.plane = Plane { tolerance, ..plane.clone() };
             let (map, by_gpu, error) = made(&mut on_gpu, &scene, &drive, (301, 203), 97);
             assert_eq!(map.by, By::Gpu);
+            let peak = sonoglyph::field::peak(&by_gpu);
+            assert!((map.peak - peak).abs() < 1e-5 * peak, "{} is not {peak}: {}", map.peak, map.how);
             assert!(error < if tolerance == 0.0 { 2e-5 } else { tolerance }, "{error:e}: {}", map.how);
             let (Map { peak, .. }, by_cpu, _) = made(&mut on_cpu, &scene, &drive, (301, 203), 9999);
             for (a, b) in by_cpu.iter().zip(&by_gpu) {
