@@ -213,6 +213,24 @@ fn moving_foci_are_followed_from_the_last_solution() {
     assert!(part > 0.985, "{part} of what a search finds");
 }
 
+#[test]
+fn crowded_foci_are_followed_with_the_weights_that_level_them() {
+    let aperture = Aperture::new(&Scene::default());
+    let problem = |shift: f64| {
+        let point = |i: usize| {
+            let part = i as f64 / 64.0;
+            let (sin, cos) = (TAU * part).sin_cos();
+            dvec3(0.03 * cos + shift, 0.03 * sin, 0.1 + 0.1 * part)
+        };
+        Problem::new(&aperture, (0..64).map(|i| Focus { position: point(i), target: 1.0 }).collect())
+    };
+    let before = solver::excite(&problem(0.0005), Method::Best, 0).unwrap();
+    let problem = problem(0.0);
+    let certified =
+        weakest(&problem, &solver::excite_from(&problem, &before).values) / solver::bound(&problem);
+    assert!(certified > 0.78, "{certified}");
+}
+
 proptest! {
     #![proptest_config(ProptestConfig { cases: 40, failure_persistence: None, rng_seed: RngSeed::Fixed(40_000), ..ProptestConfig::default() })]
 

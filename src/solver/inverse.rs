@@ -19,7 +19,7 @@ const MOST_WEIGHT: f64 = 1e4;
 pub fn pinv(problem: &Problem<'_>) -> Excitation {
     let weights = vec![1.0; problem.transfer.elements];
     let (values, residual) = weighted_inverse(problem, &weights);
-    Excitation { values, iterations: 0, residual: Some(residual) }
+    Excitation { values, iterations: 0, residual: Some(residual), weights: None }
 }
 
 /// Table I of Long et al. 2022 read with cumulative weights: W ← W · diag(1/|u|), u = W H* (H W H*)^{-1} p.
@@ -37,7 +37,7 @@ pub fn weighted(problem: &Problem<'_>, iterations: u32) -> Excitation {
         }
         (values, residual) = weighted_inverse(problem, &weights);
     }
-    Excitation { values, iterations, residual: Some(residual) }
+    Excitation { values, iterations, residual: Some(residual), weights: None }
 }
 
 /// W H* (H W H*)⁺ p and its relative residual, by way of the singular values of √W, so that nothing is squared.

@@ -21,7 +21,7 @@ const LEVEL: f64 = 1e-6;
 /// Conjugate superposition, u = H* A.
 pub fn naive(problem: &Problem<'_>) -> Excitation {
     let pressure: Vec<_> = problem.targets().into_iter().map(Complex64::from).collect();
-    Excitation { values: problem.transfer.back(&pressure), iterations: 0, residual: None }
+    Excitation { values: problem.transfer.back(&pressure), iterations: 0, residual: None, weights: None }
 }
 
 /// Gerchberg-Saxton (iterative back-propagation): u ← ph(H* (A ph(H u))).
@@ -35,7 +35,7 @@ pub fn gs(problem: &Problem<'_>, iterations: u32) -> Excitation {
         }
         state.step(0.0);
     }
-    Excitation { values: state.excitation(), iterations, residual: None }
+    Excitation { values: state.excitation(), iterations, residual: None, weights: None }
 }
 
 /// GS-PAT (Plasencia et al., ACM TOG 39(4), 2020): the iteration on the M x M matrix of foci alone.
@@ -57,12 +57,12 @@ pub fn gspat(problem: &Problem<'_>, iterations: u32) -> Excitation {
         gamma[m] * (targets[m] * targets[m] / gamma[m].norm_sqr().max(f64::MIN_POSITIVE) / power[m])
     };
     let corrected: Vec<_> = (0..count).map(correct).collect();
-    Excitation { values: transfer.back(&corrected), iterations, residual: None }
+    Excitation { values: transfer.back(&corrected), iterations, residual: None, weights: None }
 }
 
 /// Weighted Gerchberg-Saxton (Di Leonardo et al., Opt. Express 15:1913, 2007), damped.
 pub fn wgs(problem: &Problem<'_>, iterations: u32) -> Excitation {
-    Excitation { values: weighted(problem, iterations).0, iterations, residual: None }
+    Excitation { values: weighted(problem, iterations).0, iterations, residual: None, weights: None }
 }
 
 /// The same: the excitation, and the pressure at the foci.
@@ -70,7 +70,7 @@ fn weighted(problem: &Problem<'_>, iterations: u32) -> (Vec<Complex64>, Vec<Comp
     let targets = problem.targets();
     let mut state =
         State::from_foci(&problem.transfer, targets.iter().copied().map(Complex64::from).collect());
-    state.weigh(&targets, iterations);
+    state.weigh(&targets, targets.clone(), iterations);
     (state.excitation(), state.pressure[0].to_vec(targets.len()))
 }
 
@@ -106,7 +106,7 @@ pub fn greedy(problem: &Problem<'_>, sweeps: u32) -> Excitation {
             }
         }
     }
-    Excitation { values: u, iterations: sweeps, residual: None }
+    Excitation { values: u, iterations: sweeps, residual: None, weights: None }
 }
 
 /// Focal phases from the strongest of several starts on the Gram matrix, then damped weighted iteration, then
@@ -115,7 +115,7 @@ pub fn best(problem: &Problem<'_>, iterations: u32) -> Excitation {
     let (transfer, targets) = (&problem.transfer, problem.targets());
     let gram = transfer.gram(None);
     let state = State::from_foci(transfer, starts::strongest(&gram, &targets, CLIMB, 0));
-    level(state, &gram, &targets, iterations)
+    level(state, &gram, &targets, targets.clone(), iterations)
 }
 
 /// The strongest that levelling from many batches of starts finds: slow, and what `best` is measured against.
@@ -128,7 +128,7 @@ pub fn search(problem: &Problem<'_>, batches: usize, iterations: u32) -> Excitat
     };
     let from = |batch: usize| {
         let state = State::from_foci(transfer, starts::strongest(&gram, &targets, CLIMB, batch));
-        level(state, &gram, &targets, iterations)
+        level(state, &gram, &targets, targets.clone(), iterations)
     };
     let first = from(0);
     (1..batches)
@@ -140,17 +140,28 @@ pub fn search(problem: &Problem<'_>, batches: usize, iterations: u32) -> Excitat
 /// must.
 pub fn best_from(problem: &Problem<'_>, before: &Excitation, iterations: u32) -> Excitation {
     let (transfer, targets) = (&problem.transfer, problem.targets());
-    let state = State::from_foci(transfer, transfer.pressure(&before.values).into_iter().collect());
-    level(state, &transfer.gram(None), &targets, iterations)
+    let weights = before.weights.clone().filter(|weights| weights.len() == targets.len());
+    let weights = weights.unwrap_or_else(|| targets.clone());
+    // The phases that the foci had, weighted as they were.
+    let phases = transfer.pressure(&before.values);
+    let weighted = phases.iter().zip(&weights).map(|(p, weight)| phase(*p) * weight).collect();
+    let state = State::from_foci(transfer, weighted);
+    level(state, &transfer.gram(None), &targets, weights, iterations)
 }
 
-fn level(mut state: State<'_, 1>, gram: &Phasors, targets: &[f64], iterations: u32) -> Excitation {
-    state.weigh(targets, iterations);
+fn level(
+    mut state: State<'_, 1>,
+    gram: &Phasors,
+    targets: &[f64],
+    weights: Vec<f64>,
+    iterations: u32,
+) -> Excitation {
+    let weights = Some(state.weigh(targets, weights, iterations));
     let weighted = (state.weakest(targets), state.excitation());
     let polished = state.polish(gram, targets);
     let values =
         if polished && state.weakest(targets) > weighted.0 { state.excitation() } else { weighted.1 };
-    Excitation { values, iterations, residual: None }
+    Excitation { values, iterations, residual: None, weights }
 }
 
 /// A uniform drive on its way, and what it makes at the foci.
@@ -199,9 +210,8 @@ impl<'a, const CHANNELS: usize> State<'a, CHANNELS> {
     /// Damped weighted Gerchberg-Saxton: what is too weak gets more weight. Gives the weights of the foci.
     ///
     /// The correction is the root of the ratio: undamped, two foci swap for ever.
-    fn weigh(&mut self, targets: &[f64], iterations: u32) -> Vec<f64> {
+    fn weigh(&mut self, targets: &[f64], mut weights: Vec<f64>, iterations: u32) -> Vec<f64> {
         let count = targets.len() as f64;
-        let mut weights = targets.to_vec();
         for _ in 0..iterations {
             let mean = self.relative(targets).sum::<f64>() / count;
             for (weight, relative) in weights.iter_mut().zip(self.relative(targets)) {
@@ -289,7 +299,7 @@ pub fn multipliers<const CHANNELS: usize>(
         (0..targets.len()).map(|m| Complex64::from_polar(targets[m] * part(m), phase(m))).collect()
     };
     let mut state: State<'_, CHANNELS> = State::new(transfer, std::array::from_fn(scattered));
-    let weights = state.weigh(targets, iterations);
+    let weights = state.weigh(targets, targets.to_vec(), iterations);
     let floor = 1e-6 * (0..targets.len()).map(|m| state.modulus(m)).fold(f64::MIN_POSITIVE, f64::max);
     let foci: Vec<_> =
         weights.iter().enumerate().map(|(m, weight)| weight / state.modulus(m).max(floor)).collect();

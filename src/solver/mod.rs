@@ -49,6 +49,8 @@ pub struct Excitation {
     pub iterations: u32,
     /// ‖H u - p‖/‖p‖ where the method prescribes p with its phases.
     pub residual: Option<f64>,
+    /// Weights of the foci that level them, where the method has such: where [`excite_from`] goes on.
+    pub weights: Option<Vec<f64>>,
 }
 
 /// A drive and what it does at the foci.
@@ -156,7 +158,7 @@ fn focus(problem: &Problem<'_>) -> Result<Excitation, SolveError> {
     let distance = |&n: &usize| problem.foci[0].position.distance(positions[n].extend(0.0));
     let values =
         driven.iter().map(|n| Complex64::from_polar(1.0, element.wavenumber * distance(n))).collect();
-    Ok(Excitation { values, iterations: 0, residual: None })
+    Ok(Excitation { values, iterations: 0, residual: None, weights: None })
 }
 
 fn warnings(aperture: &Aperture, foci: &[Focus], quality: &Quality) -> Vec<String> {
