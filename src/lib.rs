@@ -10,3 +10,4 @@ pub mod picture;
 pub mod scene;
 pub mod simd;
 pub mod solver;
+pub mod surface;

@@ -215,9 +215,11 @@ fn plane(plane: &Plane) -> Result<(), KeyError> {
 }
 
 fn liquid(liquid: &Liquid) -> Result<(), KeyError> {
-    within("density", liquid.density, 1.0, 1e5, "kg/m³")?;
-    within("surface_tension", liquid.surface_tension, 1e-6, 10.0, "N/m")?;
-    within("gravity", liquid.gravity, 1e-3, 1e3, "m/s²")
+    within("density", liquid.density(), 1.0, 1e5, "kg/m³")?;
+    within("surface_tension", liquid.surface_tension(), 1e-6, 10.0, "N/m")?;
+    within("viscosity", liquid.viscosity(), 0.0, 1e4, "Pa·s")?;
+    within("gravity", liquid.gravity, 1e-3, 1e3, "m/s²")?;
+    length("depth", liquid.depth)
 }
 
 fn modulation(modulation: &Modulation) -> Result<(), KeyError> {

@@ -7,6 +7,8 @@
 pub mod check;
 pub mod file;
 pub mod font;
+pub mod liquid;
+pub mod modulation;
 pub mod outline;
 pub mod target;
 
@@ -14,6 +16,8 @@ use glam::{DVec2, DVec3};
 use serde::{Deserialize, Serialize};
 
 pub use check::KeyError;
+pub use liquid::{Liquid, LiquidName};
+pub use modulation::{Envelope, Modulation};
 pub use target::{Sampling, Shape, Target};
 
 /// Everything a scene file holds.
@@ -239,48 +243,6 @@ impl Plane {
         let y = y - x * x.dot(y);
         (y.length() > PARALLEL).then(|| (x, y.normalize_or_zero()))
     }
-}
-
-/// The liquid whose surface is pressed.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(default, deny_unknown_fields)]
-pub struct Liquid {
-    /// kg/m³
-    pub density: f64,
-    /// N/m
-    pub surface_tension: f64,
-    /// m/s²
-    pub gravity: f64,
-}
-
-impl Default for Liquid {
-    fn default() -> Self {
-        Self { density: 998.2, surface_tension: 0.0728, gravity: 9.80665 }
-    }
-}
-
-/// The envelope that makes a hand feel the sound.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(default, deny_unknown_fields)]
-pub struct Modulation {
-    pub shape: Envelope,
-    /// Hz
-    pub frequency: f64,
-    pub depth: f64,
-}
-
-impl Default for Modulation {
-    fn default() -> Self {
-        Self { shape: Envelope::Off, frequency: 200.0, depth: 1.0 }
-    }
-}
-
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "lowercase")]
-pub enum Envelope {
-    Off,
-    Sine,
-    Square,
 }
 
 /// The path along which the targets move.

@@ -1,0 +1,279 @@
+//! The dent that a pressure presses into a liquid at rest: ρ g h - σ ∇²h = p, h being the depth.
+
+use std::f64::consts::PI;
+use std::fmt;
+use std::sync::Arc;
+
+use rustdct::{DctPlanner, TransformType2And3};
+
+use crate::scene::Liquid;
+
+/// Slope of the surface above which the linear theory no longer holds.
+pub const STEEPEST: f64 = 0.3;
+
+/// A rectangle of a liquid's surface, divided into cells. Its walls, half a cell beyond the centres of the outermost, are met at
+/// a right angle: every shape of the surface is a sum of cosines.
+#[derive(Clone)]
+pub struct Tank {
+    /// Columns and rows.
+    pub counts: [usize; 2],
+    /// m, between the centres of neighbouring cells, along a row and from row to row.
+    pub step: [f64; 2],
+    transforms: [Arc<dyn TransformType2And3<f64>>; 2],
+}
+
+impl fmt::Debug for Tank {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Tank").field("counts", &self.counts).field("step", &self.step).finish_non_exhaustive()
+    }
+}
+
+/// The shape that a pressure gives to a liquid, in numbers.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Dent {
+    /// m, positive down, for every cell, row by row.
+    pub depth: Vec<f64>,
+    /// The largest, m.
+    pub deepest: f64,
+    /// The steepest slope of the surface.
+    pub slope: f64,
+    /// m³ that are displaced, F/(ρ g).
+    pub volume: f64,
+    /// N that press on the whole surface.
+    pub force: f64,
+}
+
+impl Dent {
+    /// The largest factor on the drive's amplitude for which the linear theory holds; the dent goes with its square.
+    pub fn largest_drive(&self) -> f64 {
+        if self.slope > 0.0 { (STEEPEST / self.slope).sqrt() } else { f64::INFINITY }
+    }
+}
+
+impl Tank {
+    pub fn new(counts: [usize; 2], step: [f64; 2]) -> Self {
+        let mut planner = DctPlanner::new();
+        Self { counts, step, transforms: counts.map(|count| planner.plan_dct2(count)) }
+    }
+
+    pub fn len(&self) -> usize {
+        self.counts[0] * self.counts[1]
+    }
+
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// The dent under a pressure (Pa) given for every cell, row by row.
+    pub fn dent(&self, liquid: &Liquid, pressure: &[f64]) -> Dent {
+        let cell = self.step[0] * self.step[1];
+        let force = pressure.iter().sum::<f64>() * cell;
+        let mut modes = self.modes(pressure);
+        for (mode, square) in modes.iter_mut().zip(self.squares()) {
+            *mode *= compliance(liquid, square);
+        }
+        let slopes = [0, 1].map(|axis| self.slope(&modes, axis));
+        let steepest = slopes[0].iter().zip(&slopes[1]).map(|(x, y)| x * x + y * y).fold(0.0, f64::max).sqrt();
+        let depth = self.surface(modes);
+        Dent {
+            deepest: depth.iter().copied().fold(0.0, f64::max),
+            slope: steepest,
+            volume: depth.iter().sum::<f64>() * cell,
+            force,
+            depth,
+        }
+    }
+
+    /// The amplitudes of the cosines that a shape is the sum of: a_kl of a_kl cos(πkx/X) cos(πly/Y), row by row.
+    pub fn modes(&self, shape: &[f64]) -> Vec<f64> {
+        let [columns, rows] = self.counts;
+        let mut modes = shape.to_vec();
+        self.along_both(&mut modes, |transform, line, scratch| transform.process_dct2_with_scratch(line, scratch));
+        for (index, mode) in modes.iter_mut().enumerate() {
+            let half = |is_first: bool| if is_first { 1.0 } else { 2.0 };
+            let share = half(index % columns == 0) * half(index < columns);
+            *mode *= share / (columns * rows) as f64;
+        }
+        modes
+    }
+
+    /// The shape with these modes.
+    pub fn surface(&self, mut modes: Vec<f64>) -> Vec<f64> {
+        self.along_both(&mut modes, |transform, line, scratch| {
+            line[0] *= 2.0;
+            transform.process_dct3_with_scratch(line, scratch);
+        });
+        modes
+    }
+
+    /// The slope along an axis of the shape with these modes.
+    pub fn slope(&self, modes: &[f64], axis: usize) -> Vec<f64> {
+        let length = self.step[axis] * self.counts[axis] as f64;
+        let derive = |line: &mut [f64]| {
+            // -πk/X of the sine that the k-th cosine becomes; the sines begin with the first.
+            line.rotate_left(1);
+            for (k, amplitude) in line.iter_mut().enumerate() {
+                *amplitude *= -PI * (k + 1) as f64 / length;
+            }
+            if let Some(last) = line.last_mut() {
+                *last = 0.0;
+            }
+        };
+        let mut slope = modes.to_vec();
+        self.along_each(&mut slope, |current, transform, line, scratch| {
+            if current == axis {
+                derive(line);
+                transform.process_dst3_with_scratch(line, scratch);
+            } else {
+                line[0] *= 2.0;
+                transform.process_dct3_with_scratch(line, scratch);
+            }
+        });
+        slope
+    }
+
+    /// q² (1/m²) of every mode, row by row.
+    pub fn squares(&self) -> impl Iterator<Item = f64> {
+        let [columns, rows] = self.counts;
+        let along = move |axis: usize, k: usize| (PI * k as f64 / (self.step[axis] * self.counts[axis] as f64)).powi(2);
+        (0..rows).flat_map(move |l| (0..columns).map(move |k| along(0, k) + along(1, l)))
+    }
+
+    fn along_both(
+        &self,
+        values: &mut Vec<f64>,
+        mut process: impl FnMut(&dyn TransformType2And3<f64>, &mut [f64], &mut [f64]),
+    ) {
+        self.along_each(values, |_, transform, line, scratch| process(transform, line, scratch));
+    }
+
+    /// Every row, then every column; `process` is told the axis.
+    fn along_each(
+        &self,
+        values: &mut Vec<f64>,
+        mut process: impl FnMut(usize, &dyn TransformType2And3<f64>, &mut [f64], &mut [f64]),
+    ) {
+        for axis in [0, 1] {
+            let transform = &*self.transforms[axis];
+            let mut scratch = vec![0.0; transform.get_scratch_len()];
+            for line in values.chunks_exact_mut(self.counts[axis]) {
+                process(axis, transform, line, &mut scratch);
+            }
+            *values = transposed(values, self.counts[axis]);
+        }
+    }
+}
+
+/// 1/(ρ g + σ q²), m/Pa: how a mode gives way.
+pub fn compliance(liquid: &Liquid, square: f64) -> f64 {
+    1.0 / (liquid.density() * liquid.gravity + liquid.surface_tension() * square)
+}
+
+/// Columns as lines; `columns` values stand in a row.
+fn transposed(values: &[f64], columns: usize) -> Vec<f64> {
+    /// A square of values stays in the nearest cache.
+    const SIDE: usize = 16;
+    let rows = values.len() / columns;
+    let mut lines = vec![0.0; values.len()];
+    for first in (0..columns).step_by(SIDE) {
+        for start in (0..rows).step_by(SIDE) {
+            for column in first..columns.min(first + SIDE) {
+                for row in start..rows.min(start + SIDE) {
+                    lines[column * rows + row] = values[row * columns + column];
+                }
+            }
+        }
+    }
+    lines
+}
+
+#[cfg(test)]
+mod tests {
+    use serde_json::Value;
+
+    use super::*;
+
+    /// Pressure for every cell from its place (m) from the middle.
+    fn load(tank: &Tank, at: impl Fn(f64, f64) -> f64) -> Vec<f64> {
+        let place = |axis: usize, i: usize| (i as f64 + 0.5 - tank.counts[axis] as f64 / 2.0) * tank.step[axis];
+        (0..tank.len()).map(|i| at(place(0, i % tank.counts[0]), place(1, i / tank.counts[0]))).collect()
+    }
+
+    fn reference() -> Value {
+        serde_json::from_str(include_str!("../../tests/reference/liquid_dent.json")).unwrap()
+    }
+
+    fn liquid() -> Liquid {
+        let given = &reference()["liquid"];
+        Liquid {
+            density: given["density"].as_f64(),
+            surface_tension: given["surface_tension"].as_f64(),
+            gravity: given["gravity"].as_f64().unwrap(),
+            ..Liquid::default()
+        }
+    }
+
+    #[test]
+    fn gaussian_loads_dent_as_the_reference_says() {
+        let tank = Tank::new([151, 135], [0.0008, 0.0009]);
+        for case in reference()["gaussian"].as_array().unwrap() {
+            let [p0, w, centre] = ["p0", "w", "centre"].map(|key| case[key].as_f64().unwrap());
+            let pressure = load(&tank, |x, y| p0 * (-(x * x + y * y) / (w * w)).exp());
+            let dent = tank.dent(&liquid(), &pressure);
+            assert!((dent.deepest / centre - 1.0).abs() < 1e-6, "{case}: {}", dent.deepest);
+            assert!((dent.volume * liquid().density() * liquid().gravity / dent.force - 1.0).abs() < 1e-12);
+            assert!((dent.force / (p0 * PI * w * w) - 1.0).abs() < 1e-6);
+        }
+    }
+
+    #[test]
+    fn discs_dent_as_the_reference_says() {
+        const STEP: f64 = 0.0001;
+        /// Parts of a cell, along each axis, of which those within the disc count.
+        const PARTS: usize = 8;
+        let tank = Tank::new([801, 801], [STEP, STEP]);
+        for case in reference()["disk"].as_array().unwrap() {
+            let [p0, a, r, depth] = ["p0", "a", "r", "depth"].map(|key| case[key].as_f64().unwrap());
+            let pressure = load(&tank, |x, y| {
+                if (x.hypot(y) - a).abs() > STEP {
+                    return if x.hypot(y) < a { p0 } else { 0.0 };
+                }
+                let part = |place: f64, i: usize| place + STEP * ((i as f64 + 0.5) / PARTS as f64 - 0.5);
+                let inside = (0..PARTS * PARTS).filter(|i| part(x, i % PARTS).hypot(part(y, i / PARTS)) < a).count();
+                p0 * inside as f64 / (PARTS * PARTS) as f64
+            });
+            let found = tank.dent(&liquid(), &pressure).depth[400 * 801 + 400 + (r / STEP).round() as usize];
+            assert!((found / depth - 1.0).abs() < 1e-4, "{case}: {found}");
+        }
+    }
+
+    #[test]
+    fn slopes_are_those_of_the_surface() {
+        let tank = Tank::new([60, 45], [0.001, 0.0012]);
+        let (w, p0) = (0.005, 20.0);
+        let dent = tank.dent(&liquid(), &load(&tank, |x, y| p0 * (-(x * x + y * y) / (w * w)).exp()));
+        let fine = Tank::new([600, 540], [0.0001, 0.0001]);
+        let finer = fine.dent(&liquid(), &load(&fine, |x, y| p0 * (-(x * x + y * y) / (w * w)).exp()));
+        let row = &finer.depth[270 * 600..271 * 600];
+        let steepest = row.windows(2).map(|pair| (pair[1] - pair[0]).abs() / 0.0001).fold(0.0, f64::max);
+        assert!((finer.slope / steepest - 1.0).abs() < 1e-3, "{} {steepest}", finer.slope);
+        // Coarser cells miss the steepest place by a little.
+        assert!(dent.slope < finer.slope && dent.slope > 0.98 * finer.slope, "{} {}", dent.slope, finer.slope);
+        assert!((dent.largest_drive().powi(2) * dent.slope - STEEPEST).abs() < 1e-12);
+    }
+
+    #[test]
+    fn modes_come_back_as_the_shape() {
+        let tank = Tank::new([7, 12], [0.01, 0.02]);
+        let shape: Vec<_> = (0..84).map(|i| f64::from(i * i % 29)).collect();
+        let back = tank.surface(tank.modes(&shape));
+        assert!(shape.iter().zip(&back).all(|(a, b)| (a - b).abs() < 1e-12));
+        let mut single = vec![0.0; 84];
+        single[7 * 2 + 3] = 1.0;
+        let wave = tank.surface(single);
+        let expected = |i: usize| {
+            (PI * 3.0 * ((i % 7) as f64 + 0.5) / 7.0).cos() * (PI * 2.0 * ((i / 7) as f64 + 0.5) / 12.0).cos()
+        };
+        assert!((0..84).all(|i| (wave[i] - expected(i)).abs() < 1e-12));
+    }
+}
