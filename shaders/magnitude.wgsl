@@ -1,5 +1,5 @@
-// The colour of a magnitude.
+// |p| of a pressure.
 
-fn colour_index(p: vec2f) -> u32 {
-    return u32(clamp(sqrt(dot(p, p)) / max(params.full, 1e-30), 0.0, 1.0) * 255.0 + 0.5);
+fn shown(p: vec2f) -> f32 {
+    return sqrt(dot(p, p));
 }

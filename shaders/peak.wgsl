@@ -1,4 +1,4 @@
-// The largest |p| of the field, so that a picture can be scaled without reading the field back.
+// The largest number that is shown of a field, so that a picture can be scaled without reading the field back.
 
 struct PeakParams {
     count: u32,
@@ -14,7 +14,7 @@ struct PeakParams {
 fn peak_main(@builtin(global_invocation_id) id: vec3u) {
     var largest = 0.0;
     for (var i = id.x; i < params.count; i += params.invocations) {
-        largest = max(largest, dot(pressure[i], pressure[i]));
+        largest = max(largest, shown(pressure[i]));
     }
-    atomicMax(&peak, bitcast<u32>(sqrt(largest)));
+    atomicMax(&peak, bitcast<u32>(largest));
 }

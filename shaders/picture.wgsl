@@ -1,4 +1,4 @@
-// From complex pressure to colour: one quantity, scaled, looked up in a table of 256 colours.
+// From values to colours: one number of each, scaled, looked up in a table of 256 colours.
 
 @group(0) @binding(1) var<storage, read> pressure: array<vec2f>;
 @group(0) @binding(2) var<storage, read> colours: array<u32, 256>;

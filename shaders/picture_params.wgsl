@@ -3,7 +3,7 @@
 struct PictureParams {
     count: u32,
     invocations: u32,
-    // |p| that gets the last colour.
+    // The number that gets the last colour.
     full: f32,
     padding: u32,
 }

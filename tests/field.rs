@@ -179,7 +179,7 @@ fn the_gpu_colours_a_field_like_the_cpu() {
     let on_gpu = gpu.pressure(&sources, &samples).unwrap();
     let field = gpu.read(&on_gpu).unwrap();
     let peak = sonoglyph::field::peak(&field);
-    let (measured, probed) = gpu.measure(&on_gpu, &[7, 0, 61 * 43 - 1]).unwrap();
+    let (measured, probed) = gpu.measure(&on_gpu, Quantity::Rms, &[7, 0, 61 * 43 - 1]).unwrap();
     assert!((measured - peak).abs() <= 1e-6 * peak);
     assert_eq!(probed, [field[7], field[0], field[61 * 43 - 1]]);
     for (quantity, map) in [(Quantity::Rms, ColourMap::Inferno), (Quantity::Phase, ColourMap::Cyclic)] {

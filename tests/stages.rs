@@ -61,6 +61,8 @@ impl Shown {
             transfer: after.transfer - before.transfer,
             superposition: after.superposition - before.superposition,
             interpolation: after.interpolation - before.interpolation,
+            squares: after.squares - before.squares,
+            dent: after.dent - before.dent,
             picture: after.picture - before.picture,
         }
     }
@@ -68,7 +70,8 @@ impl Shown {
 
 #[test]
 fn only_what_depends_on_the_change_runs() {
-    const EVERYTHING: Work = Work { plan: 1, transfer: 1, superposition: 1, interpolation: 1, picture: 1 };
+    const EVERYTHING: Work =
+        Work { plan: 1, transfer: 1, superposition: 1, interpolation: 1, squares: 0, dent: 0, picture: 1 };
     const NEW_DRIVE: Work = Work { plan: 0, transfer: 0, ..EVERYTHING };
     const NEW_SIZE: Work = Work { superposition: 0, ..NEW_DRIVE };
     const NEW_COLOURS: Work = Work { interpolation: 0, ..NEW_SIZE };
@@ -83,7 +86,7 @@ fn only_what_depends_on_the_change_runs() {
         ("a silent element", |s| s.drive.amplitudes[7] = 0.0, NEW_DRIVE),
         ("an element off", |s| s.scene.array.off = vec![9], NEW_DRIVE),
         ("targets", |s| s.scene.targets.clear(), Work::default()),
-        ("liquid", |s| s.scene.liquid.density = 790.0, Work::default()),
+        ("liquid", |s| s.scene.liquid.density = Some(790.0), Work::default()),
         ("plane", |s| s.scene.plane.centre.z = 0.11, EVERYTHING),
         ("tolerance", |s| s.scene.plane.tolerance = 1e-4, EVERYTHING),
         ("medium", |s| s.scene.medium.temperature = 30.0, EVERYTHING),

@@ -27,8 +27,36 @@ pub struct Resampling {
 impl Resampling {
     /// `positions` of the pixels in samples, none below `half_width` - 1; a window of 2 `half_width` taps and shape β.
     pub fn new(positions: impl Iterator<Item = f64>, half_width: usize, beta: f64) -> Self {
-        let taps = 2 * half_width;
         let window = window(beta);
+        Self::with(positions, half_width, |x, sine, inside| {
+            let sinc = if x.abs() < 1e-9 { 1.0 } else { sine / (PI * x) };
+            sinc * polynomial::evaluate(&window, 2.0 * inside - 1.0)
+        })
+    }
+
+    /// The same for the slope at the pixels, in units per sample.
+    pub fn slopes(positions: impl Iterator<Item = f64>, half_width: usize, beta: f64) -> Self {
+        let (window, decline) = (window(beta), decline(beta));
+        Self::with(positions, half_width, |x, sine, inside| {
+            let s = 2.0 * inside - 1.0;
+            // Away from its centre the sinc is a quotient of small numbers.
+            let (sinc, sinc_slope) = if x.abs() < 1e-4 {
+                (1.0, -PI * PI * x / 3.0)
+            } else {
+                (sine / (PI * x), ((PI * x).cos() - sine / (PI * x)) / x)
+            };
+            let falling = polynomial::evaluate(&decline, s) * x / (half_width * half_width) as f64;
+            sinc_slope * polynomial::evaluate(&window, s) + sinc * falling
+        })
+    }
+
+    /// With a weight for every distance in samples, the sine of π times it, and the square of its part of the half-width.
+    fn with(
+        positions: impl Iterator<Item = f64>,
+        half_width: usize,
+        weight: impl Fn(f64, f64, f64) -> f64,
+    ) -> Self {
+        let taps = 2 * half_width;
         let (mut first, mut weights) = (Vec::new(), Vec::new());
         for position in positions {
             // Rounding may put the first pixel a hair before its sample.
@@ -40,9 +68,8 @@ impl Resampling {
             let sine = (PI * beyond).sin();
             weights.extend((0..taps).map(|tap| {
                 let x = beyond - tap as f64;
-                let sinc = if x.abs() < 1e-9 { 1.0 } else { [sine, -sine][tap % 2] / (PI * x) };
                 let inside = (x / half_width as f64).powi(2).min(1.0);
-                (sinc * polynomial::evaluate(&window, 2.0 * inside - 1.0)) as f32
+                weight(x, [sine, -sine][tap % 2], inside) as f32
             }));
         }
         Self { taps, first, weights }
@@ -107,6 +134,27 @@ pub struct Blocks {
 fn window(beta: f64) -> Vec<f64> {
     let peak = bessel_i0(beta);
     polynomial::fit(|s| bessel_i0(beta * ((1.0 - s) / 2.0).max(0.0).sqrt()) / peak, WINDOW_TERMS)
+}
+
+/// Its slope over the place in half-widths, in the same way: -β I1(β √(1 - x²)) / (√(1 - x²) I0(β)).
+fn decline(beta: f64) -> Vec<f64> {
+    let peak = bessel_i0(beta);
+    // I1(z)/z is the series of I0, each term divided by one more; at s = 1 it is ½.
+    polynomial::fit(|s| -beta * beta * bessel_i1_over(beta * ((1.0 - s) / 2.0).max(0.0).sqrt()) / peak, WINDOW_TERMS)
+}
+
+/// I1(x)/x by its power series.
+fn bessel_i1_over(x: f64) -> f64 {
+    let quarter = x * x / 4.0;
+    let (mut term, mut sum) = (0.5, 0.5);
+    for n in 1..200 {
+        term *= quarter / f64::from(n * (n + 1));
+        sum += term;
+        if term < 1e-17 * sum {
+            break;
+        }
+    }
+    sum
 }
 
 /// The modified Bessel function I0 by its power series, all of whose terms are positive.
@@ -237,6 +285,22 @@ mod tests {
         };
         assert!(worst(0.0) < 1e-5 && worst(0.13) < 1e-5 && worst(0.25) < 1e-5, "{}", worst(0.25));
         assert!(worst(0.45) > 1e-2);
+    }
+
+    #[test]
+    fn the_slope_of_a_wave_within_the_band_is_met() {
+        let positions = |i: usize| 7.0 + 0.113 * i as f64;
+        let slopes = Resampling::slopes((0..200).map(positions), 8, 12.0);
+        for cycles in [0.0, 0.13, 0.25] {
+            let off = |pixel: usize| {
+                let (first, weights) = slopes.of(pixel, 1);
+                let at = |i: usize| (TAU * cycles * (first + i) as f64).cos();
+                let sum: f64 = weights.iter().enumerate().map(|(i, w)| f64::from(*w) * at(i)).sum();
+                (sum + TAU * cycles * (TAU * cycles * positions(pixel)).sin()).abs()
+            };
+            let worst = (0..200).map(off).fold(0.0, f64::max);
+            assert!(worst < 3e-5, "{cycles}: {worst}");
+        }
     }
 
     #[test]

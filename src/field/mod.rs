@@ -4,6 +4,7 @@
 //! The two f32 evaluators do the same sums with the same polynomials from the same [`Sources`]; tests hold them to
 //! the reference.
 
+pub mod cells;
 pub mod colouring;
 pub mod cpu;
 pub mod gpu;
@@ -29,7 +30,7 @@ pub use gpu::{Gpu, GpuError};
 pub use plan::Plan;
 pub use raster::Raster;
 pub use sources::{Sources, Wave};
-pub use stages::{By, FieldError, Map, Stages, Wanted, Work};
+pub use stages::{Average, AverageMap, By, FieldError, Map, Mean, Stages, Wanted, Work};
 
 /// Where the field is wanted: sample (i, j) stands at `columns[i] + rows[j]`.
 ///

@@ -15,6 +15,7 @@ use glam::{DVec2, DVec3};
 use num_complex::Complex32;
 
 use crate::acoustics::Aperture;
+use crate::field::interpolation::Resampling;
 use crate::field::{Samples, Wave, transfer};
 use crate::scene::Plane;
 
@@ -69,11 +70,29 @@ pub struct Grid {
     pub step: DVec2,
     /// Places (m) along the plane's second axis between which pixels may be interpolated.
     pub covered: Range<f64>,
+    /// The highest spatial frequency (1/m) that matters along each axis.
+    pub highest: DVec2,
     /// Half-width (samples) and shape of the window.
     pub half_width: usize,
     pub beta: f64,
     /// For sample columns and sample rows: how they repeat from element to element.
     pub shared: [Option<Shared>; 2],
+}
+
+impl Grid {
+    /// How values at `places` (m) along an axis, from the plane's centre, are interpolated.
+    pub fn resampling(&self, axis: usize, places: impl Iterator<Item = f64>) -> Resampling {
+        let in_samples = places.map(|place| (place - self.first[axis]) / self.step[axis]);
+        Resampling::new(in_samples, self.half_width, self.beta)
+    }
+
+    /// How slopes there are, per metre.
+    pub fn slopes(&self, axis: usize, places: impl Iterator<Item = f64>) -> Resampling {
+        let in_samples = places.map(|place| (place - self.first[axis]) / self.step[axis]);
+        let mut slopes = Resampling::slopes(in_samples, self.half_width, self.beta);
+        slopes.weights.iter_mut().for_each(|weight| *weight /= self.step[axis] as f32);
+        slopes
+    }
 }
 
 /// A sample axis that runs along the array with a step that divides the pitch.
@@ -164,6 +183,8 @@ struct Layout {
     /// m
     step: DVec2,
     covered: Range<f64>,
+    /// Cycles per wavelength.
+    highest: DVec2,
     shared: [Option<Shared>; 2],
 }
 
@@ -195,12 +216,13 @@ impl View {
             return None;
         }
         // The steepest ray depends on the margin, and the margin on the step that the ray allows.
+        let mut highest = DVec2::ONE;
         let mut step = DVec2::splat(cycles_per_sample * self.wavelength);
         for _ in 0..3 {
             let margin = step * half_width as f64;
             let covered = self.covered(margin)?;
-            let highest = |axis| self.highest_frequency(axis, &covered, margin, beta);
-            step = cycles_per_sample * self.wavelength / DVec2::new(highest(0), highest(1));
+            highest = DVec2::from([0, 1].map(|axis| self.highest_frequency(axis, &covered, margin, beta)));
+            step = cycles_per_sample * self.wavelength / highest;
         }
         let mut shared = [None; 2];
         if sharing {
@@ -216,7 +238,7 @@ impl View {
             }
         }
         let covered = self.covered(step * half_width as f64)?;
-        Some(Layout { half_width, beta, step, covered, shared })
+        Some(Layout { half_width, beta, step, covered, highest, shared })
     }
 
     /// The array's axis along which an axis of the plane runs, and whether forwards (1) or backwards (-1).
@@ -298,6 +320,7 @@ impl View {
             first,
             step: layout.step,
             covered: layout.covered.clone(),
+            highest: layout.highest / self.wavelength,
             half_width: layout.half_width,
             beta: layout.beta,
             shared: layout.shared,

@@ -44,13 +44,9 @@ impl Raster {
         if interpolated.len() * width <= grid.samples.len() {
             return Some(direct);
         }
-        let resampling = |axis: usize, places: &mut dyn Iterator<Item = f64>| {
-            let in_samples = places.map(|place| (place - grid.first[axis]) / grid.step[axis]);
-            Resampling::new(in_samples, grid.half_width, grid.beta)
-        };
         Some(Self {
-            across: resampling(0, &mut (0..width).map(column)),
-            up: resampling(1, &mut interpolated.clone().map(row)),
+            across: grid.resampling(0, (0..width).map(column)),
+            up: grid.resampling(1, interpolated.clone().map(row)),
             interpolated,
             ..direct
         })

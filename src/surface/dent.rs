@@ -44,6 +44,17 @@ pub struct Dent {
 }
 
 impl Dent {
+    /// The dent under that part of the pressure.
+    pub fn times(&self, part: f64) -> Self {
+        Self {
+            depth: self.depth.iter().map(|depth| depth * part).collect(),
+            deepest: self.deepest * part,
+            slope: self.slope * part,
+            volume: self.volume * part,
+            force: self.force * part,
+        }
+    }
+
     /// The largest factor on the drive's amplitude for which the linear theory holds; the dent goes with its square.
     pub fn largest_drive(&self) -> f64 {
         if self.slope > 0.0 { (STEEPEST / self.slope).sqrt() } else { f64::INFINITY }
@@ -66,20 +77,28 @@ impl Tank {
 
     /// The dent under a pressure (Pa) given for every cell, row by row.
     pub fn dent(&self, liquid: &Liquid, pressure: &[f64]) -> Dent {
-        let cell = self.step[0] * self.step[1];
-        let force = pressure.iter().sum::<f64>() * cell;
         let mut modes = self.modes(pressure);
         for (mode, square) in modes.iter_mut().zip(self.squares()) {
             *mode *= compliance(liquid, square);
         }
+        self.dent_with(modes, pressure.iter().sum())
+    }
+
+    /// The dent with this depth (m) for every cell, under a pressure with this sum (Pa) over the cells.
+    pub fn dent_of(&self, depth: &[f64], sum: f64) -> Dent {
+        self.dent_with(self.modes(depth), sum)
+    }
+
+    fn dent_with(&self, modes: Vec<f64>, sum: f64) -> Dent {
+        let cell = self.step[0] * self.step[1];
         let slopes = [0, 1].map(|axis| self.slope(&modes, axis));
-        let steepest = slopes[0].iter().zip(&slopes[1]).map(|(x, y)| x * x + y * y).fold(0.0, f64::max).sqrt();
+        let steepest = slopes[0].iter().zip(&slopes[1]).map(|(x, y)| x * x + y * y).fold(0.0, f64::max);
         let depth = self.surface(modes);
         Dent {
             deepest: depth.iter().copied().fold(0.0, f64::max),
-            slope: steepest,
+            slope: steepest.sqrt(),
             volume: depth.iter().sum::<f64>() * cell,
-            force,
+            force: sum * cell,
             depth,
         }
     }

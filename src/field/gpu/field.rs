@@ -8,7 +8,7 @@ use crate::field::gpu::{Gpu, GpuError};
 use crate::field::{Colouring, Quantity};
 
 /// Workgroups of the passes that walk over a whole band.
-const WALKING_GROUPS: u32 = 256;
+pub(super) const WALKING_GROUPS: u32 = 256;
 
 /// A field that lies on the GPU, in bands that have a buffer each.
 #[derive(Debug, Default)]
@@ -47,7 +47,7 @@ impl Band {
 
 impl Gpu {
     /// A field of zeros.
-    pub(super) fn empty_field(&self, samples: usize) -> GpuField {
+    pub fn zeros(&self, samples: usize) -> GpuField {
         let most = self.samples_per_band();
         let band = |first: usize| Band {
             pressure: self.storage("pressure", (most.min(samples - first) * 8) as u64),
@@ -56,11 +56,16 @@ impl Gpu {
         GpuField { bands: (0..samples).step_by(most).map(band).collect() }
     }
 
-    /// The largest |p| (Pa) and some samples as numbers.
+    /// The largest number that a quantity shows (of |p|, Pa, for pressures) and some samples as they are.
     ///
     /// # Errors
     /// The device was lost.
-    pub fn measure(&self, field: &GpuField, samples: &[usize]) -> Result<(f32, Vec<Complex32>), GpuError> {
+    pub fn measure(
+        &self,
+        field: &GpuField,
+        quantity: Quantity,
+        samples: &[usize],
+    ) -> Result<(f32, Vec<Complex32>), GpuError> {
         // The peaks of the bands stand in front of the samples.
         let peaks = field.bands.len();
         let gathered = self.storage("gathered", ((peaks + samples.len()) * 8) as u64);
@@ -68,9 +73,9 @@ impl Gpu {
         for (index, band) in field.bands.iter().enumerate() {
             let found;
             let peak = match &band.peak {
-                Some(peak) => peak,
-                None => {
-                    found = self.band_peak(&mut encoder, band);
+                Some(peak) if matches!(quantity, Quantity::Rms | Quantity::Phase) => peak,
+                _ => {
+                    found = self.band_peak(&mut encoder, band, quantity);
                     &found
                 }
             };
@@ -93,12 +98,17 @@ impl Gpu {
         Ok((peak, numbers[peaks..].to_vec()))
     }
 
-    fn band_peak(&self, encoder: &mut wgpu::CommandEncoder, band: &Band) -> wgpu::Buffer {
+    fn band_peak(
+        &self,
+        encoder: &mut wgpu::CommandEncoder,
+        band: &Band,
+        quantity: Quantity,
+    ) -> wgpu::Buffer {
         let peak = self.storage("peak", 4);
         let params = PeakParams { count: band.len(), invocations: WALKING_GROUPS * WORKGROUP };
         let params = self.params(bytemuck::bytes_of(&params));
         let bindings = [(0, &params), (1, &band.pressure), (2, &peak)];
-        self.dispatch(encoder, &self.peak, &bindings, (WALKING_GROUPS, 1));
+        self.dispatch(encoder, &self.peak_pipeline(quantity), &bindings, (WALKING_GROUPS, 1));
         peak
     }
 
@@ -126,10 +136,7 @@ impl Gpu {
         peak: f32,
         colours: &mut Vec<[u8; 4]>,
     ) -> Result<(), GpuError> {
-        let pipeline = match colouring.quantity {
-            Quantity::Rms => &self.magnitude,
-            Quantity::Phase => &self.argument,
-        };
+        let pipeline = self.picture_pipeline(colouring.quantity);
         let table = self.filled("colours", bytemuck::cast_slice(&colouring.table), BufferUsages::STORAGE);
         colours.clear();
         for band in &field.bands {
@@ -143,7 +150,7 @@ impl Gpu {
             let out = self.storage("picture", u64::from(band.len()) * 4);
             let mut encoder = self.encoder();
             let bindings = [(0, &params), (1, &band.pressure), (2, &table), (3, &out)];
-            self.dispatch(&mut encoder, pipeline, &bindings, (WALKING_GROUPS, 1));
+            self.dispatch(&mut encoder, &pipeline, &bindings, (WALKING_GROUPS, 1));
             colours.extend_from_slice(bytemuck::cast_slice(&self.read_buffer(encoder, &out)?));
         }
         Ok(())

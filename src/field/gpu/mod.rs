@@ -4,6 +4,7 @@
 //! of one map's pixels, [`GpuField`] one field's buffers. What changes from run to run travels in `Params`.
 
 pub mod adapter;
+mod average;
 mod field;
 pub mod program;
 mod resampling;
@@ -19,6 +20,7 @@ use crate::field::Quantity;
 use program::FieldProgram;
 
 pub use adapter::AdapterInfo;
+pub use average::GpuTank;
 pub use field::GpuField;
 pub use resampling::GpuResampling;
 
@@ -38,7 +40,7 @@ pub enum GpuError {
     Lost(String),
 }
 
-/// A device with the field's pipelines, of which those of the field are made when first needed.
+/// A device with its pipelines, most of which are made when first needed.
 #[derive(Debug)]
 pub struct Gpu {
     device: wgpu::Device,
@@ -48,9 +50,8 @@ pub struct Gpu {
     buffer_limit: u64,
     fields: RefCell<HashMap<FieldProgram, wgpu::ComputePipeline>>,
     interpolation: wgpu::ComputePipeline,
-    peak: wgpu::ComputePipeline,
-    magnitude: wgpu::ComputePipeline,
-    argument: wgpu::ComputePipeline,
+    /// Programs besides those of the field, by name and quantity.
+    others: RefCell<HashMap<(&'static str, Option<Quantity>), wgpu::ComputePipeline>>,
     /// The first error that no call was there to return.
     failure: Arc<Mutex<Option<GpuError>>>,
 }
@@ -76,12 +77,10 @@ impl Gpu {
         watch(&device, &failure);
         let gpu = Self {
             interpolation: pipeline(&device, "interpolation", &program::interpolation_source()),
-            peak: pipeline(&device, "peak", &program::peak_source()),
-            magnitude: pipeline(&device, "magnitude", &program::picture_source(Quantity::Rms)),
-            argument: pipeline(&device, "argument", &program::picture_source(Quantity::Phase)),
             info: AdapterInfo::new(adapter),
             buffer_limit,
             fields: RefCell::default(),
+            others: RefCell::default(),
             device,
             queue,
             failure,
@@ -102,6 +101,25 @@ impl Gpu {
     /// Gives the device up, as a driver may at any time: every later call fails.
     pub fn lose(&self) {
         self.device.destroy();
+    }
+
+    fn peak_pipeline(&self, quantity: Quantity) -> wgpu::ComputePipeline {
+        self.other("peak", Some(quantity), || program::peak_source(quantity))
+    }
+
+    fn picture_pipeline(&self, quantity: Quantity) -> wgpu::ComputePipeline {
+        self.other("picture", Some(quantity), || program::picture_source(quantity))
+    }
+
+    /// A pipeline that is made when first needed.
+    fn other(
+        &self,
+        name: &'static str,
+        quantity: Option<Quantity>,
+        source: impl FnOnce() -> String,
+    ) -> wgpu::ComputePipeline {
+        let mut others = self.others.borrow_mut();
+        others.entry((name, quantity)).or_insert_with(|| pipeline(&self.device, name, &source())).clone()
     }
 
     fn samples_per_band(&self) -> usize {

@@ -67,6 +67,41 @@ pub struct ResampleParams {
     pub pixel_line_stride: u32,
 }
 
+/// The same struct as in `shaders/squares.wgsl`.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+pub struct SquaresParams {
+    pub count: u32,
+    pub invocations: u32,
+    pub of_pressure: f32,
+    pub of_gradient: f32,
+    pub share: f32,
+    pub padding: u32,
+}
+
+/// The same struct as in `shaders/compliance.wgsl`.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+pub struct ComplianceParams {
+    pub count: u32,
+    pub invocations: u32,
+    pub columns: u32,
+    pub weight: f32,
+    pub tension: f32,
+    pub padding: u32,
+    pub wavenumber: [f32; 2],
+}
+
+/// The same struct as in `shaders/join.wgsl`.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+pub struct JoinParams {
+    pub count: u32,
+    pub invocations: u32,
+    pub of_shape: f32,
+    pub of_radiation: f32,
+}
+
 /// The field's program comes in four forms.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct FieldProgram {
@@ -101,18 +136,46 @@ impl FieldProgram {
     }
 }
 
-pub fn peak_source() -> String {
-    [&constants(), include_str!("../../../shaders/peak.wgsl")].join("\n")
+/// The number that is shown of a value and scaled by the largest: a program for each quantity, since software drivers run
+/// both sides of a branch. `None` for a phase, which is not scaled.
+fn shown(quantity: Quantity) -> Option<&'static str> {
+    match quantity {
+        Quantity::Rms => Some(include_str!("../../../shaders/magnitude.wgsl")),
+        Quantity::Phase => None,
+        Quantity::MeanRms => Some(include_str!("../../../shaders/mean_rms.wgsl")),
+        Quantity::Dent => Some(include_str!("../../../shaders/dent.wgsl")),
+        Quantity::Radiation => Some(include_str!("../../../shaders/radiation.wgsl")),
+    }
 }
 
-/// A program for each quantity: software drivers run both sides of a branch.
+/// The largest number that is shown; of a phase the largest magnitude.
+pub fn peak_source(quantity: Quantity) -> String {
+    let shown = shown(quantity).unwrap_or(include_str!("../../../shaders/magnitude.wgsl"));
+    [&constants(), shown, include_str!("../../../shaders/peak.wgsl")].join("\n")
+}
+
 pub fn picture_source(quantity: Quantity) -> String {
-    let colour_index = match quantity {
-        Quantity::Rms => include_str!("../../../shaders/magnitude.wgsl"),
-        Quantity::Phase => include_str!("../../../shaders/argument.wgsl"),
-    };
     let params = include_str!("../../../shaders/picture_params.wgsl");
-    [&constants(), params, colour_index, include_str!("../../../shaders/picture.wgsl")].join("\n")
+    let colour_index = match shown(quantity) {
+        Some(shown) => [shown, include_str!("../../../shaders/scaled.wgsl")].join("\n"),
+        None => include_str!("../../../shaders/argument.wgsl").to_owned(),
+    };
+    [&constants(), params, &colour_index, include_str!("../../../shaders/picture.wgsl")].join("\n")
+}
+
+/// Squares of the pressure at the cells, from it and its slopes.
+pub fn squares_source() -> String {
+    [&constants(), include_str!("../../../shaders/squares.wgsl")].join("\n")
+}
+
+/// What every mode of a liquid's surface gives way.
+pub fn compliance_source() -> String {
+    [&constants(), include_str!("../../../shaders/compliance.wgsl")].join("\n")
+}
+
+/// A dent or a square beside the radiation pressure.
+pub fn join_source() -> String {
+    [&constants(), include_str!("../../../shaders/join.wgsl")].join("\n")
 }
 
 pub fn interpolation_source() -> String {
@@ -180,9 +243,12 @@ mod tests {
     fn every_program_is_valid_and_has_the_workgroup_that_rust_divides_by() {
         let mut sources: Vec<_> =
             FieldProgram::ALL.iter().map(|program| (format!("{program:?}"), program.source())).collect();
-        sources.push(("peak".to_owned(), peak_source()));
+        sources.extend(Quantity::ALL.map(|quantity| (format!("peak {quantity:?}"), peak_source(quantity))));
         sources.extend(Quantity::ALL.map(|quantity| (format!("{quantity:?}"), picture_source(quantity))));
         sources.push(("interpolation".to_owned(), interpolation_source()));
+        sources.push(("squares".to_owned(), squares_source()));
+        sources.push(("compliance".to_owned(), compliance_source()));
+        sources.push(("join".to_owned(), join_source()));
         for (name, source) in sources {
             let module = module(&name, &source);
             assert_eq!(module.entry_points.len(), 1, "{name}");
@@ -195,7 +261,8 @@ mod tests {
         let programs: String = FieldProgram::ALL
             .iter()
             .map(|program| program.source())
-            .chain([peak_source(), interpolation_source()])
+            .chain([interpolation_source(), squares_source(), compliance_source(), join_source()])
+            .chain(Quantity::ALL.map(peak_source))
             .chain(Quantity::ALL.map(picture_source))
             .collect();
         let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/shaders");
@@ -236,7 +303,19 @@ mod tests {
                 padding
             }
         );
-        assert_same_layout!(&module("peak", &peak_source()), PeakParams { count, invocations });
+        assert_same_layout!(&module("peak", &peak_source(Quantity::Rms)), PeakParams { count, invocations });
+        assert_same_layout!(
+            &module("squares", &squares_source()),
+            SquaresParams { count, invocations, of_pressure, of_gradient, share, padding }
+        );
+        assert_same_layout!(
+            &module("compliance", &compliance_source()),
+            ComplianceParams { count, invocations, columns, weight, tension, padding, wavenumber }
+        );
+        assert_same_layout!(
+            &module("join", &join_source()),
+            JoinParams { count, invocations, of_shape, of_radiation }
+        );
         let picture = module("picture", &picture_source(Quantity::Rms));
         assert_same_layout!(&picture, PictureParams { count, invocations, full, padding });
         let interpolation = module("interpolation", &interpolation_source());

@@ -22,7 +22,7 @@ impl Gpu {
     /// The device was lost or has not enough memory.
     pub fn pressure(&self, sources: &Sources, samples: &Samples) -> Result<GpuField, GpuError> {
         let inputs = Inputs::new(self, &sources.wave, &sources.elements, samples);
-        let field = self.empty_field(samples.len());
+        let field = self.zeros(samples.len());
         let mut first = 0;
         for band in field.bands() {
             let count = band.len();

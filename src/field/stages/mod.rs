@@ -3,6 +3,7 @@
 //! Every stage keeps its result together with the values that it was made from, and runs again only when they differ.
 //! [`Work`] counts how often each ran.
 
+mod average;
 mod on_cpu;
 mod on_gpu;
 
@@ -15,8 +16,11 @@ use crate::drive::Drive;
 use crate::field::plan::Costs;
 use crate::field::{self, Colouring, Evaluator, Gpu, GpuError, Plan, Raster, Samples};
 use crate::scene::Plane;
+use average::Averaging;
 use on_cpu::OnCpu;
 use on_gpu::OnGpu;
+
+pub use average::{Average, AverageMap, Mean};
 
 /// Pixels at which the reached error is measured.
 pub const PROBES: usize = 48;
@@ -32,6 +36,9 @@ pub struct Work {
     /// Sums over the elements, at the samples or at pixels.
     pub superposition: u64,
     pub interpolation: u64,
+    /// Squares of the pressure at the cells, per drive.
+    pub squares: u64,
+    pub dent: u64,
     pub picture: u64,
 }
 
@@ -79,6 +86,20 @@ pub enum By {
 pub enum FieldError {
     #[error("the plane's axes span no plane")]
     NoPlane,
+    #[error(
+        "the plane comes nearer than a wavelength to the array: averages, radiation pressure and dents are of a plane that \
+         stays clear of it"
+    )]
+    TooNear,
+    #[error(
+        "a liquid's surface is level: its plane lies parallel to the array, `x_axis` and `y_axis` without a part along z"
+    )]
+    NotLevel,
+    #[error(
+        "the plane and what a dent needs around it, 14 capillary lengths √(σ/ρg), are too wide: take a smaller plane, or a \
+         liquid with less tension or more weight"
+    )]
+    TooManyCells,
     #[error(transparent)]
     Gpu(#[from] GpuError),
 }
@@ -176,6 +197,7 @@ pub struct Stages {
     plan: Kept<Setting, Option<Plan>>,
     raster: Kept<Frame, Option<(Raster, Probes)>>,
     map: Kept<Drawn, Option<Map>>,
+    averaging: Averaging,
     work: Work,
 }
 
@@ -188,6 +210,7 @@ impl Stages {
             plan: Kept::default(),
             raster: Kept::default(),
             map: Kept::default(),
+            averaging: Averaging::default(),
             work: Work::default(),
         }
     }
@@ -197,6 +220,7 @@ impl Stages {
         self.plan.key = None;
         self.raster.key = None;
         self.map.key = None;
+        self.averaging.forget();
         self.cpu.forget();
         if let Some(gpu) = &mut self.gpu {
             gpu.forget();
@@ -219,7 +243,7 @@ impl Stages {
     /// The plane is none, or the GPU failed.
     pub fn map(&mut self, wanted: &Wanted<'_>) -> Result<&Map, FieldError> {
         let drawn = Drawn::new(wanted, self.exact);
-        let Self { gpu, cpu, plan, raster, map, work, exact } = self;
+        let Self { gpu, cpu, plan, raster, map, work, exact, .. } = self;
         let map = map.try_update(&drawn, |map| {
             let setting = &drawn.sounding.setting;
             let plan = plan.update(setting, |plan| {
@@ -335,18 +359,30 @@ impl Drawn {
     }
 
     fn new(wanted: &Wanted<'_>, exact: bool) -> Self {
-        let all = (0..wanted.aperture.positions.len()).collect();
         let mut plane = wanted.plane.clone();
         if exact {
             plane.tolerance = 0.0;
         }
-        let mut excitation = vec![Complex64::ZERO; wanted.aperture.positions.len()];
-        for (&n, u) in wanted.aperture.driven.iter().zip(wanted.drive.excitation(&wanted.aperture.driven)) {
-            excitation[n] = u;
-        }
-        let setting = Setting { aperture: Aperture { driven: all, ..wanted.aperture.clone() }, plane };
+        let setting = Setting::new(wanted.aperture, plane);
+        let excitation = excitation(wanted.aperture, wanted.drive);
         Self { sounding: Sounding { setting, excitation }, size: (wanted.width, wanted.height) }
     }
+}
+
+impl Setting {
+    fn new(aperture: &Aperture, plane: Plane) -> Self {
+        let all = (0..aperture.positions.len()).collect();
+        Self { aperture: Aperture { driven: all, ..aperture.clone() }, plane }
+    }
+}
+
+/// u of every element of the array; 0 for those that are off.
+fn excitation(aperture: &Aperture, drive: &Drive) -> Vec<Complex64> {
+    let mut excitation = vec![Complex64::ZERO; aperture.positions.len()];
+    for (&n, u) in aperture.driven.iter().zip(drive.excitation(&aperture.driven)) {
+        excitation[n] = u;
+    }
+    excitation
 }
 
 /// Pixels at which the error is measured, with their f64 transfer from every element.

@@ -4,24 +4,66 @@ use std::ops::Range;
 
 use num_complex::Complex32;
 
+use crate::acoustics::Aperture;
+use crate::drive::Drive;
 use crate::field::interpolation::{Between, interpolate};
 use crate::field::plan::Grid;
-use crate::field::stages::{Job, Kept, Painted, Setting, Sounding, Work};
+use crate::field::stages::{Job, Kept, Painted, Setting, Sounding, Wanted, Work, excitation};
 use crate::field::transfer::{CEILING, Layout, Transfer};
 use crate::field::{self, Samples, Wave};
 
 #[derive(Debug, Default)]
 pub(super) struct OnCpu {
-    transfer: Kept<Setting, Option<Transfer>>,
+    superposition: Superposition,
     samples: Kept<(Sounding, bool), Vec<Complex32>>,
     between: Between,
     field: Vec<Complex32>,
     picture: Kept<Painted, Vec<[u8; 4]>>,
 }
 
-impl OnCpu {
+/// Sums over the elements at the samples of a plan, from a table where there is room for one.
+#[derive(Debug, Default)]
+pub(super) struct Superposition {
+    transfer: Kept<Setting, Option<Transfer>>,
+}
+
+impl Superposition {
     pub(super) fn forget(&mut self) {
         self.transfer.key = None;
+    }
+
+    /// Complex pressure (Pa, peak) at the samples for every drive.
+    pub(super) fn at(
+        &mut self,
+        setting: &Setting,
+        grid: &Grid,
+        aperture: &Aperture,
+        drives: &[Drive],
+        double: bool,
+        work: &mut Work,
+    ) -> Vec<Vec<Complex32>> {
+        work.superposition += 1;
+        let each = |drive: &Drive| field::on_cpu(aperture, drive, &grid.samples, double);
+        if double {
+            return drives.iter().map(each).collect();
+        }
+        let table = self.transfer.update(setting, |table| {
+            let layout = Layout::new(&setting.aperture, grid);
+            let wave = Wave::new(&setting.aperture, &grid.samples).filter(|_| layout.fits(CEILING));
+            work.transfer += u64::from(wave.is_some());
+            let old = table.take();
+            *table = wave.map(|wave| Transfer::new(&setting.aperture, &wave, layout, old));
+        });
+        let Some(table) = table else { return drives.iter().map(each).collect() };
+        let terms = |drive| table.layout.terms(aperture, &excitation(aperture, drive));
+        let terms: Vec<_> = drives.iter().map(terms).collect();
+        table.superpose(&terms, grid.samples.len())
+    }
+}
+
+impl OnCpu {
+    pub(super) fn forget(&mut self) {
+        self.superposition.forget();
         self.samples.key = None;
         self.picture.key = None;
     }
@@ -45,30 +87,13 @@ impl OnCpu {
         }
     }
 
-    /// Superposition at the samples, from a table where there is room for one.
     fn sample(&mut self, job: &Job<'_>, grid: &Grid, double: bool, work: &mut Work) {
         let sounding = &job.drawn.sounding;
-        let aperture = &sounding.setting.aperture;
-        self.samples.update(&(sounding.clone(), double), |samples| {
-            work.superposition += 1;
-            if double {
-                *samples = job.evaluate(&grid.samples, true);
-                return;
-            }
-            let table = self.transfer.update(&sounding.setting, |table| {
-                let layout = Layout::new(aperture, grid);
-                let wave = Wave::new(aperture, &grid.samples).filter(|_| layout.fits(CEILING));
-                work.transfer += u64::from(wave.is_some());
-                let old = table.take();
-                *table = wave.map(|wave| Transfer::new(aperture, &wave, layout, old));
-            });
-            *samples = match table {
-                Some(table) => {
-                    let terms = table.layout.terms(aperture, &sounding.excitation);
-                    table.superpose(&[terms], grid.samples.len()).swap_remove(0)
-                }
-                None => job.evaluate(&grid.samples, false),
-            };
+        let Self { superposition, samples, .. } = self;
+        samples.update(&(sounding.clone(), double), |samples| {
+            let Wanted { aperture, drive, .. } = job.wanted;
+            let drives = std::slice::from_ref(drive);
+            *samples = superposition.at(&sounding.setting, grid, aperture, drives, double, work).swap_remove(0);
         });
     }
 

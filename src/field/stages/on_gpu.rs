@@ -5,7 +5,7 @@ use num_complex::Complex32;
 use crate::field::gpu::{GpuField, GpuResampling};
 use crate::field::plan::Grid;
 use crate::field::stages::{Frame, Job, Kept, Painted, Sounding, Work};
-use crate::field::{Gpu, GpuError, Samples, Sources};
+use crate::field::{Gpu, GpuError, Quantity, Samples, Sources};
 
 #[derive(Debug)]
 pub(super) struct OnGpu {
@@ -93,7 +93,7 @@ impl OnGpu {
 
     /// The largest |P| (Pa) and the pressure at some pixels.
     pub(super) fn measure(&self, pixels: &[usize]) -> Result<(f32, Vec<Complex32>), GpuError> {
-        self.gpu.measure(&self.field, pixels)
+        self.gpu.measure(&self.field, Quantity::Rms, pixels)
     }
 
     pub(super) fn read(&self) -> Result<Vec<Complex32>, GpuError> {

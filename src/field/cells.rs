@@ -1,0 +1,129 @@
+//! The cells of a plane at which squares of the pressure are formed: fine enough for twice its band.
+
+use glam::DVec2;
+
+use crate::acoustics::Aperture;
+use crate::field::interpolation::Resampling;
+use crate::scene::Plane;
+use crate::surface::Tank;
+
+/// Cells per wavelength. A square has at most two cycles per wavelength, of which three could be told.
+const PER_WAVELENGTH: f64 = 6.0;
+/// Cycles per wavelength of a pressure whose square the window passes: evanescent sound has a little more than one.
+const HIGHEST: f64 = 1.05;
+/// Cells that a plane may have.
+const MOST: usize = 1 << 23;
+
+/// Square cells that fill a plane and a margin around it, the same on opposite sides.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Cells {
+    /// What the cells fill, with the tolerance that the pressure at them is to keep.
+    pub plane: Plane,
+    /// Columns and rows; products of 2, 3 and 5, which transforms like.
+    pub counts: [usize; 2],
+    /// m
+    pub step: f64,
+    /// Half-width (cells) and shape of the window from cells to pixels.
+    half_width: usize,
+    beta: f64,
+}
+
+impl Cells {
+    /// For a `plane`, at least `margin` (m) beyond it, so that interpolated squares are off by at most `accuracy`, relative to
+    /// their peak. `None` if they would be too many.
+    pub fn new(aperture: &Aperture, plane: &Plane, margin: f64, accuracy: f64) -> Option<Self> {
+        /// Of the accuracy, what the window may take.
+        const SHARE: f64 = 0.2;
+        let step = aperture.wavelength() / PER_WAVELENGTH;
+        let beta = -(SHARE * accuracy).ln();
+        let half_width = (beta / (std::f64::consts::TAU * (0.5 - 2.0 * HIGHEST / PER_WAVELENGTH))).ceil();
+        let margin = margin.max(half_width * step);
+        let counts = plane.size.to_array().map(|length| ((length + 2.0 * margin) / step).ceil());
+        if counts[0] * counts[1] > MOST as f64 {
+            return None;
+        }
+        let counts = counts.map(|count| smooth(count as usize));
+        let size = DVec2::from(counts.map(|count| count as f64 * step));
+        Some(Self {
+            plane: Plane { size, ..plane.clone() },
+            counts,
+            step,
+            half_width: half_width as usize,
+            beta,
+        })
+    }
+
+    pub fn len(&self) -> usize {
+        self.counts[0] * self.counts[1]
+    }
+
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// The centres of the cells along an axis, in m from the plane's centre.
+    pub fn places(&self, axis: usize) -> impl Iterator<Item = f64> {
+        let (count, step) = (self.counts[axis], self.step);
+        (0..count).map(move |i| (i as f64 + 0.5 - count as f64 / 2.0) * step)
+    }
+
+    /// How values at `places` (m) are interpolated from the cells along an axis.
+    pub fn resampling(&self, axis: usize, places: impl Iterator<Item = f64>) -> Resampling {
+        let in_cells = places.map(|place| place / self.step + self.counts[axis] as f64 / 2.0 - 0.5);
+        Resampling::new(in_cells, self.half_width, self.beta)
+    }
+
+    /// The same cells as a liquid's surface.
+    pub fn tank(&self) -> Tank {
+        Tank::new(self.counts, [self.step; 2])
+    }
+
+    /// The integral of a value given for every cell over the part of them that a plane of this `size` (m) covers.
+    pub fn integral(&self, size: DVec2, values: impl Iterator<Item = f64>) -> f64 {
+        let covered = [0, 1].map(|axis| -> Vec<f64> {
+            let part = |place: f64| ((size[axis] / 2.0 - place.abs()) / self.step + 0.5).clamp(0.0, 1.0);
+            self.places(axis).map(part).collect()
+        });
+        let weighted = values.enumerate().map(|(i, value)| {
+            covered[0][i % self.counts[0]] * covered[1][i / self.counts[0]] * value
+        });
+        weighted.sum::<f64>() * self.step * self.step
+    }
+}
+
+/// The smallest product of 2, 3 and 5 that is not below `least`.
+fn smooth(least: usize) -> usize {
+    let is_smooth = |count: &usize| {
+        let mut rest = *count;
+        for factor in [2, 3, 5] {
+            while rest.is_multiple_of(factor) {
+                rest /= factor;
+            }
+        }
+        rest == 1
+    };
+    (least.max(1)..).find(is_smooth).unwrap_or(least)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::Scene;
+
+    #[test]
+    fn cells_fill_the_plane_and_its_margin() {
+        let scene = Scene::default();
+        let aperture = Aperture::new(&scene);
+        let cells = Cells::new(&aperture, &scene.plane, 0.03, 1e-3).unwrap();
+        for axis in [0, 1] {
+            let places: Vec<_> = cells.places(axis).collect();
+            assert!(places[0] <= -0.13 + cells.step && (places[0] + places[places.len() - 1]).abs() < 1e-12);
+            assert_eq!(smooth(cells.counts[axis]), cells.counts[axis]);
+        }
+        let area = cells.integral(scene.plane.size, (0..cells.len()).map(|_| 1.0));
+        assert!((area - 0.04).abs() < 1e-12, "{area}");
+        assert_eq!((smooth(7), smooth(121), smooth(0)), (8, 125, 1));
+        let endless = Plane { size: DVec2::splat(50.0), ..scene.plane };
+        assert_eq!(Cells::new(&aperture, &endless, 0.0, 1e-3), None);
+    }
+}

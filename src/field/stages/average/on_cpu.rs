@@ -1,0 +1,118 @@
+//! Averages on the CPU.
+
+use num_complex::Complex32;
+
+use crate::field::interpolation::{Between, Resampling, interpolate};
+use crate::field::plan::Grid;
+use crate::field::stages::average::{Job, Made, Mean, Sounding, Squares};
+use crate::field::stages::on_cpu::Superposition;
+use crate::field::stages::{Kept, Setting, Work};
+use crate::scene::Liquid;
+use crate::surface::{Dent, Reflector};
+
+/// Drives whose samples are there at the same time.
+const TOGETHER: usize = 64;
+
+#[derive(Debug, Default)]
+pub(super) struct OnCpu {
+    superposition: Superposition,
+    /// For samples in f64, or not.
+    squares: Kept<(Sounding, bool), Squares>,
+    dent: Kept<(Sounding, bool, Liquid), Dent>,
+    between: Between,
+    pub(super) pixels: Vec<Complex32>,
+}
+
+impl OnCpu {
+    pub(super) fn forget(&mut self) {
+        self.superposition.forget();
+        self.squares.key = None;
+        self.dent.key = None;
+    }
+}
+
+impl Job<'_> {
+    /// Makes the pixels, with samples in f64 if `double`.
+    pub(super) fn on_cpu(&self, cpu: &mut OnCpu, double: bool, work: &mut Work) -> Made {
+        let OnCpu { superposition, squares, dent, between, pixels } = cpu;
+        let (sounding, part) = (&self.drawn.sounding, self.drawn.part);
+        let squares = squares.update(&(sounding.clone(), double), |squares| {
+            self.squares(double, superposition, between, squares, work);
+        });
+        let dent = match (&self.wanted.mean, self.tank) {
+            (Mean::Dent(_, liquid), Some(tank)) => {
+                let key = (sounding.clone(), double, liquid.clone());
+                let full = dent.update(&key, |dent| {
+                    work.dent += 1;
+                    let pressure: Vec<_> = squares.iter().map(|[_, radiation]| *radiation).collect();
+                    *dent = tank.dent(liquid, &pressure);
+                });
+                Some(full.times(part))
+            }
+            _ => None,
+        };
+        let value = |(cell, [square, radiation]): (usize, &[f64; 2])| {
+            let shape = dent.as_ref().map_or(*square, |dent| dent.depth[cell]);
+            Complex32::new(shape as f32, (part * radiation) as f32)
+        };
+        let cells: Vec<_> = squares.iter().enumerate().map(value).collect();
+        pixels.resize(self.drawn.size.0 * self.drawn.size.1, Complex32::ZERO);
+        work.interpolation += 1;
+        let frame = self.frame;
+        interpolate(&cells, self.filled.cells.counts[0], &frame.across, &frame.up, between, pixels);
+        let quantity = self.wanted.mean.quantity();
+        Made {
+            largest: pixels.iter().map(|&value| quantity.of(value)).fold(0.0, f32::max),
+            at_probes: frame.probes.iter().map(|&pixel| pixels[pixel]).collect(),
+            squares: squares.clone(),
+            dent,
+        }
+    }
+
+    /// Mean squares at the cells.
+    fn squares(
+        &self,
+        double: bool,
+        superposition: &mut Superposition,
+        between: &mut Between,
+        squares: &mut Squares,
+        work: &mut Work,
+    ) {
+        let Some(grid) = &self.filled.plan.grid else { return };
+        squares.clear();
+        squares.resize(self.filled.cells.len(), [0.0; 2]);
+        let setting = Setting::new(self.wanted.aperture, self.filled.cells.plane.clone());
+        for drives in self.wanted.drives.chunks(TOGETHER) {
+            let all = superposition.at(&setting, grid, self.wanted.aperture, drives, double, work);
+            for samples in &all {
+                work.squares += 1;
+                self.add(samples, grid, between, squares);
+            }
+        }
+        let share = 1.0 / self.wanted.drives.len() as f64;
+        squares.iter_mut().for_each(|square| *square = square.map(|value| value * share));
+    }
+
+    /// Adds the squares of one drive.
+    fn add(&self, samples: &[Complex32], grid: &Grid, between: &mut Between, squares: &mut Squares) {
+        let mut at_cells = |across: &Resampling, up: &Resampling| {
+            let mut cells = vec![Complex32::ZERO; squares.len()];
+            interpolate(samples, grid.samples.columns.len(), across, up, between, &mut cells);
+            cells
+        };
+        let [[across, up], [across_slope, up_slope]] = [&self.filled.values, &self.filled.slopes];
+        let pressure = at_cells(across, up);
+        let Some(Reflector { of_pressure, of_gradient }) = self.drawn.sounding.reflector else {
+            for (square, p) in squares.iter_mut().zip(&pressure) {
+                square[0] += f64::from(p.norm_sqr());
+            }
+            return;
+        };
+        let slopes = [at_cells(across_slope, up), at_cells(across, up_slope)];
+        for ((square, p), (x, y)) in squares.iter_mut().zip(&pressure).zip(slopes[0].iter().zip(&slopes[1])) {
+            let (p, gradient) = (f64::from(p.norm_sqr()), f64::from(x.norm_sqr() + y.norm_sqr()));
+            square[0] += p;
+            square[1] += of_pressure * p - of_gradient * gradient;
+        }
+    }
+}
