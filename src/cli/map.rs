@@ -3,14 +3,15 @@
 use std::f64::consts::SQRT_2;
 use std::time::Instant;
 
-use crate::acoustics::Aperture;
+use crate::acoustics::{Air, Aperture};
 use crate::cli::note;
 use crate::drive::Drive;
 use crate::field::stages::PROBES;
-use crate::field::{By, Colouring, Evaluator, FieldError, Quantity, Stages, Wanted};
+use crate::field::{Average, By, Colouring, Evaluator, FieldError, Mean, Quantity, Stages, Wanted};
 use crate::picture::{ColourMap, Picture};
 use crate::scene::Scene;
 use crate::simd::Isa;
+use crate::surface::{Dent, Reflector};
 
 /// How a map is wanted.
 #[derive(Clone, Copy)]
@@ -24,43 +25,84 @@ pub struct Look {
     pub numbers: bool,
 }
 
+/// What is seen on a map.
+#[derive(Clone, Copy)]
+pub struct Sound<'a> {
+    pub scene: &'a Scene,
+    /// Played one after the other, each for the same time. A field is that of the first, an average that of all.
+    pub drives: &'a [Drive],
+}
+
 /// A map as drawn.
 pub struct DrawnMap {
     pub picture: Picture,
-    /// The largest RMS pressure, Pa.
-    pub peak_rms: f64,
-    /// Pa (RMS) or rad, row 0 at the smallest y; there if wanted.
+    /// The largest value: Pa (RMS), Pa, or m.
+    pub largest: f64,
+    /// In these units, or rad; row 0 at the smallest y; there if wanted.
     pub numbers: Option<Vec<f32>>,
     /// The largest deviation from the f64 reference at some pixels, relative to the peak.
     pub error: f64,
+    /// What an average presses.
+    pub pressed: Option<Pressed>,
     /// Who computed it, how, and how long it took, for people.
     pub how: String,
 }
 
+/// The effect of radiation pressure.
+pub struct Pressed {
+    /// N on the plane.
+    pub force: f64,
+    pub dent: Option<Dent>,
+}
+
 /// Like [`draw`]; a GPU that fails is replaced by the CPU, once and with a word, if it was not asked for by name.
 pub fn draw_anyhow(
-    scene: &Scene,
-    drive: &Drive,
+    sound: Sound<'_>,
     stages: &mut Stages,
     look: &Look,
     gpu_is_asked_for: bool,
 ) -> Result<DrawnMap, FieldError> {
-    match draw(scene, drive, stages, look) {
+    match draw(sound, stages, look) {
         Err(FieldError::Gpu(error)) if !gpu_is_asked_for => {
             note(&format!("{error}; the CPU computes the field"));
             *stages = Stages::new(Evaluator::Cpu);
-            draw(scene, drive, stages, look)
+            draw(sound, stages, look)
         }
         drawn => drawn,
     }
 }
 
-/// Evaluates and colours the field that a drive makes on the scene's plane.
-fn draw(scene: &Scene, drive: &Drive, stages: &mut Stages, look: &Look) -> Result<DrawnMap, FieldError> {
+/// Evaluates and colours what the drives make on the scene's plane.
+fn draw(sound: Sound<'_>, stages: &mut Stages, look: &Look) -> Result<DrawnMap, FieldError> {
+    match mean(sound.scene, look.quantity) {
+        None => field(sound, stages, look),
+        Some(mean) => average(sound, stages, look, mean),
+    }
+}
+
+/// What a quantity is the average of; `None` for a field.
+fn mean(scene: &Scene, quantity: Quantity) -> Option<Mean> {
+    let reflector =
+        || Reflector::new(&Air::new(&scene.medium, scene.array.frequency), scene.array.frequency);
+    match quantity {
+        Quantity::Rms | Quantity::Phase => None,
+        Quantity::MeanRms => Some(Mean::Square),
+        Quantity::Radiation => Some(Mean::Radiation(reflector())),
+        Quantity::Dent => Some(Mean::Dent(reflector(), scene.liquid.clone())),
+    }
+}
+
+fn field(sound: Sound<'_>, stages: &mut Stages, look: &Look) -> Result<DrawnMap, FieldError> {
     let start = Instant::now();
+    let Sound { scene, drives } = sound;
     let aperture = Aperture::new(scene);
-    let wanted =
-        Wanted { aperture: &aperture, plane: &scene.plane, drive, width: look.width, height: look.height };
+    let wanted = Wanted {
+        aperture: &aperture,
+        plane: &scene.plane,
+        drive: &drives[0],
+        width: look.width,
+        height: look.height,
+    };
     let map = stages.map(&wanted)?.clone();
     let colours = if look.quantity == Quantity::Phase { ColourMap::Cyclic } else { look.colours };
     let colouring = Colouring { quantity: look.quantity, table: colours.table(), full: None };
@@ -71,8 +113,54 @@ fn draw(scene: &Scene, drive: &Drive, stages: &mut Stages, look: &Look) -> Resul
         true => Some(stages.read(&wanted)?.iter().map(|&p| look.quantity.of(p)).collect()),
         false => None,
     };
+    let how = how(stages, map.by, start, &format!("{}\n  measured error {:.1e} of the peak at {PROBES} pixels", map.how, map.error));
+    Ok(DrawnMap {
+        picture,
+        largest: f64::from(map.peak) / SQRT_2,
+        numbers,
+        error: map.error,
+        pressed: None,
+        how,
+    })
+}
+
+fn average(
+    sound: Sound<'_>,
+    stages: &mut Stages,
+    look: &Look,
+    mean: Mean,
+) -> Result<DrawnMap, FieldError> {
+    let start = Instant::now();
+    let Sound { scene, drives } = sound;
+    let wanted = Average {
+        aperture: &Aperture::new(scene),
+        plane: &scene.plane,
+        drives,
+        mean,
+        part: scene.modulation.mean_square(),
+        width: look.width,
+        height: look.height,
+    };
+    let map = stages.average(&wanted)?.clone();
+    let colouring = Colouring { quantity: look.quantity, table: look.colours.table(), full: None };
+    let colours = stages.average_colours(&wanted, &colouring)?;
+    let picture = Picture::from_field_order(look.width, look.height, colours.as_flattened());
+    let numbers = if look.numbers { Some(stages.read_average(&wanted)?) } else { None };
+    let how = how(stages, map.by, start, &format!("{}\n  measured error {:.1e} of the largest at some pixels", map.how, map.error));
+    Ok(DrawnMap {
+        picture,
+        largest: f64::from(map.largest),
+        numbers,
+        error: map.error,
+        pressed: (look.quantity != Quantity::MeanRms).then_some(Pressed { force: map.force, dent: map.dent }),
+        how,
+    })
+}
+
+/// Who took how long for what, for people.
+fn how(stages: &Stages, by: By, start: Instant, what: &str) -> String {
     let cpu = || format!("the CPU evaluator ({})", Isa::best().name());
-    let who = match map.by {
+    let who = match by {
         By::Reference => "the f64 reference".to_owned(),
         By::Cpu => cpu(),
         By::CpuInF64 => format!(
@@ -81,19 +169,8 @@ fn draw(scene: &Scene, drive: &Drive, stages: &mut Stages, look: &Look) -> Resul
         ),
         By::Gpu => stages.gpu().map_or_else(cpu, |gpu| gpu.info().to_string()),
     };
-    Ok(DrawnMap {
-        picture,
-        peak_rms: f64::from(map.peak) / SQRT_2,
-        numbers,
-        error: map.error,
-        how: format!(
-            "{who} took {:.1} ms for the field and its colours\n  {}\n  measured error {:.1e} of the peak at {PROBES} \
-             pixels",
-            start.elapsed().as_secs_f64() * 1e3,
-            map.how,
-            map.error,
-        ),
-    })
+    let milliseconds = start.elapsed().as_secs_f64() * 1e3;
+    format!("{who} took {milliseconds:.1} ms for the field and its colours\n  {what}")
 }
 
 #[cfg(test)]
@@ -112,7 +189,7 @@ mod tests {
             return;
         };
         let mut scene = crate::scene::file::parse(crate::cli::EXAMPLE, "hit.toml".as_ref()).unwrap();
-        let drive = solver::solve(&scene).unwrap().drive;
+        let drives = [solver::solve(&scene).unwrap().drive];
         let look = Look {
             width: 300,
             height: 200,
@@ -120,17 +197,17 @@ mod tests {
             colours: ColourMap::Grey,
             numbers: true,
         };
-        let by_cpu = draw(&scene, &drive, &mut Stages::new(Evaluator::Cpu), &look).unwrap();
+        let by_cpu = draw(Sound { scene: &scene, drives: &drives }, &mut Stages::new(Evaluator::Cpu), &look).unwrap();
         let mut stages = Stages::new(Evaluator::Gpu(Box::new(gpu)));
-        draw_anyhow(&scene, &drive, &mut stages, &look, true).unwrap();
+        draw_anyhow(Sound { scene: &scene, drives: &drives }, &mut stages, &look, true).unwrap();
         stages.gpu().unwrap().lose();
         // Something new must be made: what is kept needs no GPU.
         scene.plane = Plane { tolerance: 2e-3, ..scene.plane };
-        let lost = draw_anyhow(&scene, &drive, &mut stages, &look, true).err();
+        let lost = draw_anyhow(Sound { scene: &scene, drives: &drives }, &mut stages, &look, true).err();
         assert!(matches!(lost, Some(FieldError::Gpu(crate::field::GpuError::Lost(_)))), "{lost:?}");
-        let drawn = draw_anyhow(&scene, &drive, &mut stages, &look, false).unwrap();
+        let drawn = draw_anyhow(Sound { scene: &scene, drives: &drives }, &mut stages, &look, false).unwrap();
         assert!(drawn.how.contains("CPU evaluator"), "{}", drawn.how);
-        assert!((drawn.peak_rms - by_cpu.peak_rms).abs() < 2e-3 * by_cpu.peak_rms);
+        assert!((drawn.largest - by_cpu.largest).abs() < 2e-3 * by_cpu.largest);
         assert_eq!(drawn.numbers.unwrap().len(), 300 * 200);
     }
 }

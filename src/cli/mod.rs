@@ -3,6 +3,7 @@
 mod bench;
 mod devices;
 mod evaluator;
+mod liquid;
 mod map;
 mod output;
 mod probe;
@@ -43,6 +44,8 @@ enum Command {
     ///   sonoglyph render assets/scenes/hit.toml -o hit.png --quantity sheet
     ///
     ///   sonoglyph render assets/scenes/*.toml -o pictures/ --size 1024
+    ///
+    ///   sonoglyph render water-two-points.toml -o dents.png --quantity dent --view shaded
     ///
     ///   sonoglyph render hit.toml -o hit.png --data hit.npy --backend reference
     #[command(verbatim_doc_comment)]
@@ -92,6 +95,9 @@ struct RenderArgs {
     /// Pixels: W, or WxH; W alone keeps the plane's shape [default: 512, sheets 1600]
     #[arg(long, value_name = "W[xH]", value_parser = render::parse_size)]
     size: Option<render::Size>,
+    /// How a dent is shown
+    #[arg(long, value_enum, default_value_t = View::Flat)]
+    view: View,
     /// Solver method, instead of the scene's
     #[arg(long, value_parser = parse_method)]
     method: Option<Method>,
@@ -105,7 +111,8 @@ struct RenderArgs {
     /// Colours of pressure maps
     #[arg(long, value_enum, default_value_t = Colours::Inferno)]
     colours: Colours,
-    /// Write the numbers too: NPY, float32, (H, W), row 0 at the smallest y; rms in Pa, phase in rad. For `drive` the
+    /// Write the numbers too: NPY, float32, (H, W), row 0 at the smallest y; rms and radiation in Pa, phase in rad, dent
+    /// in m (positive down). For `drive` the
     /// shape is (2, rows, columns): phase in rad, amplitude before it is made uniform
     #[arg(long, value_name = "FILE.npy")]
     data: Option<PathBuf>,
@@ -199,10 +206,22 @@ enum Quantity {
     Rms,
     /// Phase of the pressure
     Phase,
+    /// Radiation pressure on the plane as a reflecting surface
+    Radiation,
+    /// Depth of the dent in the liquid whose surface the plane is
+    Dent,
     /// Phase and amplitude per element
     Drive,
     /// Everything on one page with axes
     Sheet,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum View {
+    /// A map of its depth
+    Flat,
+    /// The surface seen at an angle
+    Shaded,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]

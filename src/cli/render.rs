@@ -6,12 +6,13 @@ use std::time::Instant;
 use anyhow::{Context, bail};
 use indicatif::{ProgressBar, ProgressStyle};
 
-use crate::cli::map;
+use crate::cli::map::{self, Sound};
 use crate::cli::{
-    Backend, Colours, DEFAULT_SHEET, EXAMPLE, Quantity, RenderArgs, evaluator, output, read_scene, warn,
+    Backend, Colours, DEFAULT_SHEET, EXAMPLE, Quantity, RenderArgs, View, evaluator, liquid, output, read_scene,
+    warn,
 };
 use crate::field::{self, Evaluator, Stages};
-use crate::picture::{Picture, export, sheet};
+use crate::picture::{Picture, export, relief, sheet};
 use crate::scene::{Scene, file};
 use crate::solver::{self, Solution};
 
@@ -60,6 +61,7 @@ pub fn default_sheet(path: Option<&Path>) -> anyhow::Result<()> {
     let mut stages = Stages::new(evaluator::for_maps(Backend::Auto)?);
     let look = Look {
         quantity: Quantity::Sheet,
+        view: View::Flat,
         colours: Colours::Inferno,
         size: None,
         numbers: false,
@@ -81,6 +83,7 @@ pub fn run(args: &RenderArgs) -> anyhow::Result<()> {
     }
     let look = Look {
         quantity: args.quantity,
+        view: args.view,
         colours: args.colours,
         size: args.size,
         numbers: args.data.is_some(),
@@ -185,6 +188,7 @@ impl Solved {
 /// What the pictures of all scenes have in common.
 struct Look {
     quantity: Quantity,
+    view: View,
     colours: Colours,
     size: Option<Size>,
     /// The numbers are wanted, not only their picture.
@@ -193,15 +197,20 @@ struct Look {
 }
 
 impl Look {
+    fn is_shaded(&self) -> bool {
+        self.quantity == Quantity::Dent && self.view == View::Shaded
+    }
+
     /// Width and height of a scene's picture: what was asked for, or the quantity's own default in the plane's shape.
     fn pixels(&self, scene: &Scene) -> anyhow::Result<(usize, usize)> {
-        let is_page = matches!(self.quantity, Quantity::Sheet | Quantity::Drive);
+        let is_page = matches!(self.quantity, Quantity::Sheet | Quantity::Drive) || self.is_shaded();
         let default = if is_page { SHEET_WIDTH } else { MAP_WIDTH };
         let Size { width, height } = self.size.unwrap_or(Size { width: default, height: None });
         let natural = match self.quantity {
             Quantity::Sheet => sheet::height(width),
             Quantity::Drive => sheet::drive_height(width),
-            Quantity::Rms | Quantity::Phase => {
+            Quantity::Dent if self.is_shaded() => relief::height(width),
+            Quantity::Rms | Quantity::Phase | Quantity::Radiation | Quantity::Dent => {
                 let shape = scene.plane.size.y / scene.plane.size.x;
                 ((width as f64 * shape).round() as usize).clamp(1, LARGEST_SIDE)
             }
@@ -215,7 +224,7 @@ impl Look {
         }
         if is_page && width.min(height) < SMALLEST_SHEET {
             bail!(
-                "a sheet of {width} x {height} pixels has no room for its axes: {SMALLEST_SHEET} a side are the least"
+                "a page of {width} x {height} pixels has no room for its words: {SMALLEST_SHEET} a side are the least"
             );
         }
         Ok((width, height))
@@ -226,17 +235,14 @@ struct Rendered {
     picture: Picture,
     /// Shape and values of the NPY file.
     numbers: Option<(Vec<u64>, Vec<f32>)>,
-    /// The largest RMS pressure (Pa) of the map, if there is one.
-    peak_rms: Option<f64>,
+    /// What the picture shows, in words.
+    what: String,
     how: String,
 }
 
 impl Rendered {
     fn line(&self, output: &Path) -> String {
-        let peak = self
-            .peak_rms
-            .map_or(String::new(), |peak| format!(", RMS pressure up to {}", sheet::pascals(peak)));
-        format!("{}: {} x {} pixels{peak}", output.display(), self.picture.width, self.picture.height)
+        format!("{}: {} x {} pixels{}", output.display(), self.picture.width, self.picture.height, self.what)
     }
 
     fn write(&self, output: &Path, data: Option<&Path>) -> anyhow::Result<()> {
@@ -254,23 +260,22 @@ fn render(solved: &Solved, stages: &mut Stages, look: &Look) -> anyhow::Result<R
     let Solved { name, scene, solution } = solved;
     let page = look.pixels(scene)?;
     let time = format!("{} took {:.1} ms", solution.method.name(), solution.seconds * 1e3);
-    if look.quantity == Quantity::Drive {
-        let values = solution.drive.phases.iter().chain(&solution.excitation).map(|&value| value as f32);
-        let shape = vec![2, u64::from(scene.array.rows), u64::from(scene.array.columns)];
-        return Ok(Rendered {
-            picture: sheet::drive(scene, solution, name, page)?,
-            numbers: look.numbers.then(|| (shape, values.collect())),
-            peak_rms: None,
-            how: time,
-        });
-    }
-    let is_sheet = look.quantity == Quantity::Sheet;
-    let (width, height) = if is_sheet { sheet::map_size(&scene.plane, page.0, page.1) } else { page };
-    let quantity =
-        if look.quantity == Quantity::Phase { field::Quantity::Phase } else { field::Quantity::Rms };
-    let map_look = map::Look { width, height, quantity, colours: look.colours.map(), numbers: look.numbers };
-    let gpu_is_asked_for = look.backend == Backend::Gpu;
-    let map = map::draw_anyhow(scene, &solution.drive, stages, &map_look, gpu_is_asked_for)?;
+    let quantity = match look.quantity {
+        Quantity::Drive => return drive(solved, look, page, time),
+        Quantity::Sheet | Quantity::Rms => field::Quantity::Rms,
+        Quantity::Phase => field::Quantity::Phase,
+        Quantity::Radiation => field::Quantity::Radiation,
+        Quantity::Dent => field::Quantity::Dent,
+    };
+    let (width, height) = match look.quantity {
+        Quantity::Sheet => sheet::map_size(&scene.plane, page.0, page.1),
+        Quantity::Dent if look.is_shaded() => liquid::points(&scene.plane),
+        _ => page,
+    };
+    let numbers = look.numbers || look.is_shaded();
+    let map_look = map::Look { width, height, quantity, colours: look.colours.map(), numbers };
+    let sound = Sound { scene, drives: std::slice::from_ref(&solution.drive) };
+    let map = map::draw_anyhow(sound, stages, &map_look, look.backend == Backend::Gpu)?;
     let tolerance = scene.plane.tolerance;
     if tolerance > 0.0 && map.error > tolerance {
         warn(&format!(
@@ -278,15 +283,39 @@ fn render(solved: &Solved, stages: &mut Stages, look: &Look) -> anyhow::Result<R
             map.error
         ));
     }
-    let picture = if is_sheet {
-        sheet::sheet(scene, solution, name, &map.picture, (look.colours.map(), map.peak_rms), page)?
-    } else {
-        map.picture
+    let what = match &map.pressed {
+        None => format!(", RMS pressure up to {}", sheet::pascals(map.largest)),
+        Some(pressed) => format!("\n  {}", liquid::describe(scene, pressed, map.largest)),
+    };
+    let picture = match look.quantity {
+        Quantity::Sheet => {
+            sheet::sheet(scene, solution, name, &map.picture, (look.colours.map(), map.largest), page)?
+        }
+        Quantity::Dent => liquid::picture(name, scene, &map, look.is_shaded().then_some((width, page)))?,
+        _ => map.picture,
     };
     Ok(Rendered {
         picture,
         numbers: map.numbers.map(|values| (vec![height as u64, width as u64], values)),
-        peak_rms: Some(map.peak_rms),
+        what,
         how: format!("{time}; {}", map.how),
+    })
+}
+
+/// Phase and amplitude per element.
+fn drive(
+    solved: &Solved,
+    look: &Look,
+    page: (usize, usize),
+    how: String,
+) -> anyhow::Result<Rendered> {
+    let Solved { name, scene, solution } = solved;
+    let values = solution.drive.phases.iter().chain(&solution.excitation).map(|&value| value as f32);
+    let shape = vec![2, u64::from(scene.array.rows), u64::from(scene.array.columns)];
+    Ok(Rendered {
+        picture: sheet::drive(scene, solution, name, page)?,
+        numbers: look.numbers.then(|| (shape, values.collect())),
+        what: String::new(),
+        how,
     })
 }

@@ -2,7 +2,7 @@
 
 use plotters::prelude::*;
 
-use crate::picture::{Picture, register_font};
+use crate::picture::{Picture, PictureError, register_font};
 
 const SIZE: (u32, u32) = (1200, 800);
 /// Width of the column that names the series.
@@ -37,23 +37,12 @@ pub struct Series {
     pub points: Vec<(f64, f64)>,
 }
 
-/// Why a chart could not be drawn.
-#[derive(Debug, thiserror::Error)]
-#[error("the chart could not be drawn: {0}")]
-pub struct ChartError(String);
-
-impl<E: std::error::Error + Send + Sync> From<DrawingAreaErrorKind<E>> for ChartError {
-    fn from(error: DrawingAreaErrorKind<E>) -> Self {
-        Self(error.to_string())
-    }
-}
-
 impl Chart {
     /// The chart as a picture of 1200 x 800 pixels.
     ///
     /// # Errors
     /// There is nothing to draw.
-    pub fn draw(&self) -> Result<Picture, ChartError> {
+    pub fn draw(&self) -> Result<Picture, PictureError> {
         register_font();
         let (width, height) = SIZE;
         let mut rgb = vec![255; (width * height * 3) as usize];
@@ -70,10 +59,10 @@ impl Chart {
     fn draw_on<B: DrawingBackend>(
         &self,
         root: &DrawingArea<B, plotters::coord::Shift>,
-    ) -> Result<(), ChartError> {
+    ) -> Result<(), PictureError> {
         let all = || self.series.iter().flat_map(Series::drawable);
         let (Some(x), Some(y)) = (range(all().map(|p| p.0)), range(all().map(|p| p.1))) else {
-            return Err(ChartError(format!("{}: there are no points", self.title)));
+            return Err(PictureError(format!("{}: there are no points", self.title)));
         };
         let text = |size: f64| ("sans-serif", size).into_font().color(&INK);
         let (plot, legend) = root.split_horizontally(SIZE.0 - LEGEND);

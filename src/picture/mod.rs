@@ -3,11 +3,25 @@
 pub mod chart;
 pub mod colour;
 pub mod export;
+pub mod relief;
 pub mod sheet;
 
 use std::sync::Once;
 
+use plotters::drawing::DrawingAreaErrorKind;
+
 pub use colour::ColourMap;
+
+/// Why a picture could not be drawn.
+#[derive(Debug, thiserror::Error)]
+#[error("the picture could not be drawn: {0}")]
+pub struct PictureError(String);
+
+impl<E: std::error::Error + Send + Sync> From<DrawingAreaErrorKind<E>> for PictureError {
+    fn from(error: DrawingAreaErrorKind<E>) -> Self {
+        Self(error.to_string())
+    }
+}
 
 /// Colours of a grid of pixels, r, g, b, a from the top left.
 #[derive(Clone, Debug, PartialEq, Eq)]

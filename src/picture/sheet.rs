@@ -6,7 +6,7 @@ use plotters::prelude::*;
 
 use crate::acoustics::Aperture;
 use crate::field::colouring::phase_index;
-use crate::picture::{ColourMap, Picture, register_font};
+use crate::picture::{ColourMap, Picture, PictureError, register_font};
 use crate::scene::{Plane, Scene, outline};
 use crate::solver::Solution;
 
@@ -23,17 +23,6 @@ const ROWS: [f64; 2] = [190.0, 905.0];
 const INK: RGBColor = RGBColor(30, 30, 34);
 const FAINT: RGBColor = RGBColor(205, 205, 210);
 const EMPTY: [u8; 3] = [244, 244, 246];
-
-/// Why a sheet could not be drawn.
-#[derive(Debug, thiserror::Error)]
-#[error("the sheet could not be drawn: {0}")]
-pub struct SheetError(String);
-
-impl<E: std::error::Error + Send + Sync> From<DrawingAreaErrorKind<E>> for SheetError {
-    fn from(error: DrawingAreaErrorKind<E>) -> Self {
-        Self(error.to_string())
-    }
-}
 
 /// Height of a sheet of this width.
 pub fn height(width: usize) -> usize {
@@ -63,7 +52,7 @@ pub fn sheet(
     map: &Picture,
     (colours, peak_rms): (ColourMap, f64),
     (width, height): (usize, usize),
-) -> Result<Picture, SheetError> {
+) -> Result<Picture, PictureError> {
     let page = Page::new(PAGE, width, height);
     page.draw(title, &summary(solution), |root| {
         let panels = Panels { page: &page, root, scene, solution };
@@ -83,7 +72,7 @@ pub fn drive(
     solution: &Solution,
     title: &str,
     (width, height): (usize, usize),
-) -> Result<Picture, SheetError> {
+) -> Result<Picture, PictureError> {
     let page = Page::new(DRIVE_PAGE, width, height);
     page.draw(title, &summary(solution), |root| {
         let panels = Panels { page: &page, root, scene, solution };
@@ -154,8 +143,8 @@ impl Page {
         &self,
         title: &str,
         summary: &str,
-        panels: impl FnOnce(&Root<'_>) -> Result<(), SheetError>,
-    ) -> Result<Picture, SheetError> {
+        panels: impl FnOnce(&Root<'_>) -> Result<(), PictureError>,
+    ) -> Result<Picture, PictureError> {
         register_font();
         let mut rgb = vec![255; self.width * self.height * 3];
         {
@@ -189,7 +178,7 @@ impl Page {
         title: &str,
         (low, high): (DVec2, DVec2),
         labels: (&str, &str),
-    ) -> Result<Chart<'a, 'b>, SheetError> {
+    ) -> Result<Chart<'a, 'b>, PictureError> {
         let (left, below) = (self.px(88.0), self.px(66.0));
         let above = self.px(44.0);
         root.draw(&Text::new(title.to_owned(), (plot.corner.0, plot.corner.1 - above), self.font(27.0)))?;
@@ -225,7 +214,7 @@ impl Page {
         map: ColourMap,
         (low, high): (f64, f64),
         ticks: &[(f64, String)],
-    ) -> Result<(), SheetError> {
+    ) -> Result<(), PictureError> {
         let (left, top) = (plot.corner.0 + plot.size.0 + self.px(18.0), plot.corner.1);
         let (width, height) = (self.px(20.0).max(1), plot.size.1);
         let table = map.table();
@@ -258,7 +247,7 @@ struct Panels<'a, 'b> {
 }
 
 impl Panels<'_, '_> {
-    fn wanted_points(&self, cell: (usize, usize)) -> Result<(), SheetError> {
+    fn wanted_points(&self, cell: (usize, usize)) -> Result<(), PictureError> {
         let Self { page, root, scene, solution } = self;
         let plane = &scene.plane;
         let plot = page.plot(cell, plane.size);
@@ -267,7 +256,7 @@ impl Panels<'_, '_> {
         let mut chart = page.chart(root, plot, &title, ranges(plane), labels(plane))?;
         let place = |point: DVec3| on_plane(plane, point).map(|p| (p.x, p.y));
         for target in &scene.targets {
-            for stroke in outline::strokes(target).map_err(|e| SheetError(e.to_string()))? {
+            for stroke in outline::strokes(target).map_err(|e| PictureError(e.to_string()))? {
                 let line: Vec<_> = stroke.into_iter().filter_map(place).collect();
                 chart
                     .draw_series([PathElement::new(line, FAINT.stroke_width(page.px(3.0).max(1) as u32))])?;
@@ -287,7 +276,7 @@ impl Panels<'_, '_> {
         frame(root, plot.corner, plot.size)
     }
 
-    fn phases(&self, cell: (usize, usize)) -> Result<(), SheetError> {
+    fn phases(&self, cell: (usize, usize)) -> Result<(), PictureError> {
         let Self { page, root, solution, .. } = self;
         let table = ColourMap::Cyclic.table();
         let colour = |n: usize| table[phase_index(solution.drive.phases[n])];
@@ -300,7 +289,7 @@ impl Panels<'_, '_> {
     }
 
     /// The method's own amplitudes: what is played is uniform, and what that costs is the efficiency.
-    fn amplitudes(&self, cell: (usize, usize)) -> Result<(), SheetError> {
+    fn amplitudes(&self, cell: (usize, usize)) -> Result<(), PictureError> {
         let Self { page, root, solution, .. } = self;
         let table = ColourMap::Viridis.table();
         let colour = |n: usize| table[(solution.excitation[n] * 255.0).round() as usize];
@@ -316,7 +305,7 @@ impl Panels<'_, '_> {
         cell: (usize, usize),
         title: &str,
         colour: impl Fn(usize) -> [u8; 4],
-    ) -> Result<Plot, SheetError> {
+    ) -> Result<Plot, PictureError> {
         let Self { page, root, scene, solution } = self;
         let aperture = Aperture::new(scene);
         let array = &scene.array;
@@ -355,7 +344,7 @@ impl Panels<'_, '_> {
         cell: (usize, usize),
         map: &Picture,
         (colours, peak_rms): (ColourMap, f64),
-    ) -> Result<(), SheetError> {
+    ) -> Result<(), PictureError> {
         let Self { page, root, scene, .. } = self;
         let plane = &scene.plane;
         let plot = page.plot(cell, plane.size);
@@ -386,12 +375,12 @@ fn bitmap<C>(
     corner: C,
     (width, height): (usize, usize),
     rgb: Vec<u8>,
-) -> Result<BitMapElement<'static, C>, SheetError> {
+) -> Result<BitMapElement<'static, C>, PictureError> {
     BitMapElement::with_owned_buffer(corner, (width as u32, height as u32), rgb)
-        .ok_or_else(|| SheetError("a map has the wrong number of pixels".to_owned()))
+        .ok_or_else(|| PictureError("a map has the wrong number of pixels".to_owned()))
 }
 
-fn frame(root: &Root<'_>, (left, top): (i32, i32), (width, height): (i32, i32)) -> Result<(), SheetError> {
+fn frame(root: &Root<'_>, (left, top): (i32, i32), (width, height): (i32, i32)) -> Result<(), PictureError> {
     Ok(root.draw(&Rectangle::new([(left, top), (left + width, top + height)], INK))?)
 }
 

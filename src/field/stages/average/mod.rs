@@ -25,7 +25,7 @@ use on_gpu::OnGpu;
 /// Pixels at which the reached error is measured.
 const PROBES: usize = 16;
 /// The plan's part of the tolerance: squares double an error, and slopes do not lessen it.
-const SHARE: f64 = 0.25;
+const SHARE: f64 = 0.5;
 /// What f32 keeps of a square.
 const FINEST: f64 = 1e-6;
 /// Capillary lengths from the plane to the walls: what lies beyond changes the dent by e^-14 of itself.
