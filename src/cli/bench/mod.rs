@@ -1,5 +1,6 @@
 //! `sonoglyph bench`: time against error, measured beside a baseline in the same run.
 
+mod average;
 mod field;
 mod solve;
 mod stability;
@@ -43,6 +44,7 @@ pub fn run(args: &BenchArgs) -> anyhow::Result<()> {
     let is_wanted = |subject| [Subject::All, subject].contains(&args.subject);
     if is_wanted(Subject::Field) {
         show("field", field::run(args.quick)?)?;
+        show("average", average::run(args.quick)?)?;
     }
     if is_wanted(Subject::Solve) {
         show("solve", solve::run(args.quick)?)?;
