@@ -11,10 +11,10 @@ const LAYERS: &[(&str, &[&str])] = &[
     ("simd", &[]),
     ("acoustics", &["glam", "num_complex", "libm"]),
     ("drive", &["num_complex"]),
-    ("solver", &["faer", "glam", "num_complex", "thiserror"]),
+    ("solver", &["faer", "glam", "num_complex", "rayon", "thiserror"]),
     ("field", &["bytemuck", "glam", "num_complex", "rayon", "thiserror"]),
     ("field::gpu", &["bytemuck", "glam", "naga", "num_complex", "pollster", "thiserror", "wgpu"]),
-    ("picture", &["colorous", "glam", "image", "npyz", "num_complex", "plotters", "thiserror"]),
+    ("picture", &["colorous", "gif", "glam", "image", "npyz", "num_complex", "plotters", "png", "thiserror"]),
     (
         "cli",
         &[
@@ -164,6 +164,7 @@ const OUTSIDE: &[&str] = &[
     "eframe",
     "egui",
     "faer",
+    "gif",
     "glam",
     "image",
     "indicatif",
@@ -172,6 +173,7 @@ const OUTSIDE: &[&str] = &[
     "npyz",
     "num_complex",
     "plotters",
+    "png",
     "pollster",
     "rayon",
     "serde",
