@@ -1,9 +1,11 @@
 //! The command line: arguments in, values through the library, files and text out.
 
+mod animate;
 mod bench;
 mod devices;
 mod evaluator;
 mod map;
+mod motion;
 mod output;
 mod probe;
 mod render;
@@ -45,6 +47,8 @@ enum Command {
     ///   sonoglyph render assets/scenes/*.toml -o pictures/ --size 1024
     ///
     ///   sonoglyph render hit.toml -o hit.png --data hit.npy --backend reference
+    ///
+    ///   sonoglyph render assets/scenes/water-moving-square.toml --motion -o square.gif
     #[command(verbatim_doc_comment)]
     Render(RenderArgs),
     /// Find the drive of a scene and say how good it is
@@ -56,6 +60,8 @@ enum Command {
     ///   sonoglyph solve assets/scenes/circle.toml --method all
     ///
     ///   sonoglyph solve hit.toml --json --csv drive.csv
+    ///
+    ///   sonoglyph solve assets/scenes/water-moving-square.toml --motion --csv frames.csv
     #[command(verbatim_doc_comment)]
     Solve(SolveArgs),
     /// Compute the complex pressure at points from a CSV file
@@ -109,6 +115,12 @@ struct RenderArgs {
     /// shape is (2, rows, columns): phase in rad, amplitude before it is made uniform
     #[arg(long, value_name = "FILE.npy")]
     data: Option<PathBuf>,
+    /// Animate a round of the scene's motion: FILE.gif, an animated FILE.png or FILE.apng, or a PNG per frame in FOLDER/
+    ///
+    /// All frames share one range of colours. A round takes as long as it really does, unless frames would be shown for less
+    /// than 20 ms.
+    #[arg(long)]
+    motion: bool,
     /// Say what was used and how long it took
     #[arg(short, long)]
     verbose: bool,
@@ -130,6 +142,12 @@ struct SolveArgs {
     /// Say what a board with L phase levels per period reaches, and find the best drive on these levels; --csv writes it
     #[arg(long, value_name = "L", value_parser = clap::value_parser!(u32).range(2..=65536))]
     levels: Option<u32>,
+    /// Solve every frame of the scene's motion, each going on from the one before
+    ///
+    /// --csv then writes a row per frame: frame, time (s), and phase_0, phase_1, ... (rad), `nan` for elements that are
+    /// off. --json prints one object whose `frames` hold time, foci, pressures (Pa, peak) and phases.
+    #[arg(long, conflicts_with = "levels")]
+    motion: bool,
 }
 
 #[derive(Debug, Args)]
@@ -238,7 +256,9 @@ fn parse_method(name: &str) -> Result<Method, String> {
 /// Bad input, or output that cannot be written; the message is for the user as it stands.
 pub fn run() -> anyhow::Result<()> {
     match Cli::parse() {
+        Cli { command: Some(Command::Render(args)), .. } if args.motion => animate::run(&args),
         Cli { command: Some(Command::Render(args)), .. } => render::run(&args),
+        Cli { command: Some(Command::Solve(args)), .. } if args.motion => motion::run(&args),
         Cli { command: Some(Command::Solve(args)), .. } => solve::run(&args),
         Cli { command: Some(Command::Probe(args)), .. } => probe::run(&args),
         Cli { command: Some(Command::Bench(args)), .. } => bench::run(&args),

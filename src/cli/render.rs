@@ -79,13 +79,7 @@ pub fn run(args: &RenderArgs) -> anyhow::Result<()> {
     if args.data.is_some() && args.scenes.len() > 1 {
         bail!("--data takes the numbers of one scene, and {} are given", args.scenes.len());
     }
-    let look = Look {
-        quantity: args.quantity,
-        colours: args.colours,
-        size: args.size,
-        numbers: args.data.is_some(),
-        backend: args.backend.backend,
-    };
+    let look = Look::new(args);
     // Every scene is read and solved before the first is drawn: a slip in the last one costs no work.
     let mut scenes = Vec::new();
     for path in &args.scenes {
@@ -143,7 +137,7 @@ fn outputs(scenes: &[PathBuf], output: &Path) -> anyhow::Result<Vec<PathBuf>> {
 }
 
 /// The name of a file without folder and extension.
-fn stem(path: &Path) -> String {
+pub fn stem(path: &Path) -> String {
     path.file_stem().unwrap_or(path.as_os_str()).to_string_lossy().into_owned()
 }
 
@@ -183,7 +177,7 @@ impl Solved {
 }
 
 /// What the pictures of all scenes have in common.
-struct Look {
+pub struct Look {
     quantity: Quantity,
     colours: Colours,
     size: Option<Size>,
@@ -193,8 +187,18 @@ struct Look {
 }
 
 impl Look {
+    pub fn new(args: &RenderArgs) -> Self {
+        Self {
+            quantity: args.quantity,
+            colours: args.colours,
+            size: args.size,
+            numbers: args.data.is_some(),
+            backend: args.backend.backend,
+        }
+    }
+
     /// Width and height of a scene's picture: what was asked for, or the quantity's own default in the plane's shape.
-    fn pixels(&self, scene: &Scene) -> anyhow::Result<(usize, usize)> {
+    pub fn pixels(&self, scene: &Scene) -> anyhow::Result<(usize, usize)> {
         let is_page = matches!(self.quantity, Quantity::Sheet | Quantity::Drive);
         let default = if is_page { SHEET_WIDTH } else { MAP_WIDTH };
         let Size { width, height } = self.size.unwrap_or(Size { width: default, height: None });

@@ -57,6 +57,22 @@ pub enum MotionPath {
     Steps,
 }
 
+impl MotionPath {
+    /// The name in scene files.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::None => "none",
+            Self::Line => "line",
+            Self::Circle => "circle",
+            Self::Square => "square",
+            Self::Triangle => "triangle",
+            Self::Points => "points",
+            Self::FigureEight => "figure-eight",
+            Self::Steps => "steps",
+        }
+    }
+}
+
 impl Motion {
     /// How far the targets are from their own places (m) after a part of a round, in [0, 1).
     pub fn offset(&self, part: f64) -> DVec3 {
@@ -377,15 +393,15 @@ mod tests {
     fn frames_move_every_focus_and_leave_a_still_scene_alone() {
         let at = [DVec3::new(0.0, 0.0, 0.1), DVec3::new(0.02, 0.0, 0.12)];
         let moving = scene(Motion { frames: 8, ..motion(MotionPath::Circle) }, &at);
-        let frames = super::frames(&moving).unwrap();
-        assert_eq!(frames.len(), 8);
-        for (i, foci) in frames.iter().enumerate() {
+        let moved = frames(&moving).unwrap();
+        assert_eq!(moved.len(), 8);
+        for (i, foci) in moved.iter().enumerate() {
             let offset = (DVec2::from_angle(TAU * i as f64 / 8.0) * 0.02).extend(0.0);
             for (focus, at) in foci.iter().zip(at) {
                 assert!(focus.position.distance(at + offset) < 1e-12);
             }
         }
-        assert_eq!(super::frames(&scene(Motion::default(), &at)).unwrap().len(), 1);
+        assert_eq!(frames(&scene(Motion::default(), &at)).unwrap().len(), 1);
     }
 
     #[test]
@@ -394,7 +410,7 @@ mod tests {
         let mut scene = scene(Motion { frames: 5, ..motion(MotionPath::Steps) }, &at);
         scene.targets[0].step = Some(1);
         scene.targets[1].step = Some(0);
-        let frames = super::frames(&scene).unwrap();
+        let frames = frames(&scene).unwrap();
         let shown: Vec<Vec<_>> =
             frames.iter().map(|foci| foci.iter().map(|focus| focus.position).collect()).collect();
         let (first, second) = (vec![at[1], at[2]], vec![at[0], at[2]]);
