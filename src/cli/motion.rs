@@ -142,10 +142,14 @@ fn print(scene: &Scene, sequence: &Sequence) {
         (
             "method",
             format!(
-                "{}, {:.3} ms per frame; {} of {count} searched for, the others go on from a neighbour",
+                "{}, {:.3} ms per frame{}",
                 scene.solver.method.name(),
                 summary.seconds * 1e3,
-                summary.searched
+                match count - summary.searched {
+                    0 => String::new(),
+                    followed =>
+                        format!("; {followed} of {count} go on from a neighbour, the rest is searched for"),
+                }
             ),
         ),
         ("mean pressure", pascals(summary.mean_pressure)),
@@ -157,7 +161,9 @@ fn print(scene: &Scene, sequence: &Sequence) {
             "largest spread",
             format!("{:.2} %, in frame {}", 100.0 * summary.spread.value, summary.spread.frame + 1),
         ),
-        (
+    ]);
+    if count > 1 {
+        rows.push((
             "phase steps",
             format!(
                 "{:.3} rad rms; the largest is {:.3} rad, of one element into frame {}",
@@ -165,8 +171,8 @@ fn print(scene: &Scene, sequence: &Sequence) {
                 sequence.steps.largest,
                 sequence.steps.to + 1
             ),
-        ),
-    ]);
+        ));
+    }
     for (name, value) in rows {
         println!("{name:<20}{value}");
     }

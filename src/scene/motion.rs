@@ -248,8 +248,9 @@ fn check_steps(scene: &Scene) -> Result<(), KeyError> {
 fn check_memory(scene: &Scene, foci: usize) -> Result<(), KeyError> {
     const FLOAT: usize = size_of::<f64>();
     let elements = scene.array.elements();
-    // Phase and amplitude of an element; position, target and complex pressure of a focus.
-    let bytes = (elements * 2 * FLOAT + foci * (size_of::<Focus>() + 2 * FLOAT)) as u64;
+    // Phase and amplitude of an element, and the complex number that they are made from; position, target and complex
+    // pressure of a focus.
+    let bytes = (elements * 4 * FLOAT + foci * (size_of::<Focus>() + 2 * FLOAT)) as u64;
     let frames = u64::from(scene.motion.frames);
     if frames * bytes <= MOST_BYTES {
         return Ok(());
@@ -257,8 +258,8 @@ fn check_memory(scene: &Scene, foci: usize) -> Result<(), KeyError> {
     refuse(
         "frames",
         format!(
-            "{frames} frames of {elements} elements and {foci} foci need {:.1} GiB, and 1 GiB is the most: \
-             take up to {}",
+            "{frames} frames of {elements} elements and {foci} {} need {:.1} GiB, and 1 GiB is the most: take up to {}",
+            if foci == 1 { "focus" } else { "foci" },
             (frames * bytes) as f64 / MOST_BYTES as f64,
             MOST_BYTES / bytes
         ),
@@ -371,7 +372,7 @@ mod tests {
                 DVec3::new(0.0, 0.04 / 3.0_f64.sqrt(), 0.0),
                 DVec3::new(-0.5, -0.866, 0.0),
             ),
-            (MotionPath::FigureEight, DVec3::ZERO, DVec3::new(0.7071, 0.7071, 0.0)),
+            (MotionPath::FigureEight, DVec3::ZERO, (DVec3::X + DVec3::Y) * std::f64::consts::FRAC_1_SQRT_2),
         ] {
             let motion = motion(path);
             assert!(motion.offset(0.0).distance(start) < 1e-12, "{path:?}");
@@ -436,8 +437,8 @@ mod tests {
             (stepped([Some(0), Some(2)], 4), "motion.path", "`step = 1`"),
             (stepped([Some(0), Some(u32::MAX)], 4), "motion.path", "`step = 1`"),
             (stepped([Some(0), Some(1)], 1), "motion.frames", "2 steps"),
-            (circle(1_000_000), "motion.frames", "1000000 frames of 256 elements and 2 foci need 3.9 GiB"),
-            (circle(u32::MAX), "motion.frames", "take up to 256"),
+            (circle(1_000_000), "motion.frames", "1000000 frames of 256 elements and 2 foci need 7.7 GiB"),
+            (circle(u32::MAX), "motion.frames", "take up to 129"),
             (scene(motion(MotionPath::Points), &at), "motion.points", "in frame 44 of 64"),
         ] {
             let error = check(&scene).unwrap_err();
