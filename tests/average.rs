@@ -30,8 +30,8 @@ fn evaluators() -> Vec<Evaluator> {
 
 /// Three foci, one after the other, over a small plane.
 fn scene() -> (Scene, Vec<Drive>) {
-    let mut scene = Scene::default();
-    scene.plane = Plane { size: DVec2::new(0.06, 0.05), ..Plane::default() };
+    let plane = Plane { size: DVec2::new(0.06, 0.05), ..Plane::default() };
+    let scene = Scene { plane, ..Scene::default() };
     let drive = |at: DVec3| {
         let targets = vec![Target::new(Shape::Point { at })];
         solver::solve(&Scene { targets, ..scene.clone() }).unwrap().drive
@@ -113,7 +113,10 @@ fn averages_keep_the_tolerance() {
                 let got = stages.read_average(&wanted).unwrap();
                 let map = stages.average(&wanted).unwrap();
                 let error = largest_error(&got, expected);
-                println!("{:?} {:?} {tolerance:e}: {error:.1e}, measured {:.1e}", map.by, wanted.mean, map.error);
+                println!(
+                    "{:?} {:?} {tolerance:e}: {error:.1e}, measured {:.1e}",
+                    map.by, wanted.mean, map.error
+                );
                 assert!(error < tolerance, "{:?} {:?}: {error}", map.by, wanted.mean);
                 assert!(map.error < tolerance && error < 20.0 * map.error + 1e-5, "{error} {}", map.error);
                 let largest = got.iter().copied().fold(0.0, f32::max);
@@ -234,15 +237,8 @@ impl Shown {
 
 #[test]
 fn only_what_depends_on_the_change_runs() {
-    const PICTURE: Work = Work {
-        plan: 0,
-        transfer: 0,
-        superposition: 0,
-        interpolation: 0,
-        squares: 0,
-        dent: 0,
-        picture: 1,
-    };
+    const PICTURE: Work =
+        Work { plan: 0, transfer: 0, superposition: 0, interpolation: 0, squares: 0, dent: 0, picture: 1 };
     const PIXELS: Work = Work { interpolation: 1, ..PICTURE };
     const LIQUID: Work = Work { dent: 1, ..PIXELS };
     type Change = fn(&mut Shown);
@@ -254,20 +250,16 @@ fn only_what_depends_on_the_change_runs() {
         ("targets", |s| s.scene.targets.clear(), Work::default()),
         ("viscosity", |s| s.scene.liquid.viscosity = Some(1.0), LIQUID),
         ("a drive", |s| s.drives[0].phases[9] += 1.0, Work { superposition: 1, squares: 1, ..LIQUID }),
-        ("plane", |s| s.scene.plane.centre.z = 0.11, Work {
-            plan: 1,
-            transfer: 1,
-            superposition: 1,
-            squares: 1,
-            ..LIQUID
-        }),
-        ("the mean square instead", |s| s.quantity = Quantity::MeanRms, Work {
-            plan: 1,
-            transfer: 1,
-            superposition: 1,
-            squares: 1,
-            ..PIXELS
-        }),
+        (
+            "plane",
+            |s| s.scene.plane.centre.z = 0.11,
+            Work { plan: 1, transfer: 1, superposition: 1, squares: 1, ..LIQUID },
+        ),
+        (
+            "the mean square instead",
+            |s| s.quantity = Quantity::MeanRms,
+            Work { plan: 1, transfer: 1, superposition: 1, squares: 1, ..PIXELS },
+        ),
     ];
     for evaluator in [0, 2].map(|i| evaluators().into_iter().nth(i)).into_iter().flatten() {
         let on_gpu = matches!(evaluator, Evaluator::Gpu(_));

@@ -7,7 +7,7 @@ use crate::picture::sheet::pascals;
 use crate::picture::{Picture, PictureError};
 use crate::scene::{Envelope, Plane, Scene};
 use crate::surface::Dent;
-use crate::surface::dent::STEEPEST;
+use crate::surface::dent::{STEEPEST, largest_drive};
 
 /// Columns of the surface that is shaded.
 const COLUMNS: usize = 1200;
@@ -21,11 +21,9 @@ pub fn points(plane: &Plane) -> (usize, usize) {
 /// The figures of a pressed surface whose largest radiation pressure (Pa) or depth (m) is `largest`.
 pub fn describe(scene: &Scene, pressed: &Pressed, largest: f64) -> String {
     let mut words = match &pressed.dent {
-        None => format!(
-            "radiation pressure up to {}, {} on the plane",
-            pascals(largest),
-            newtons(pressed.force)
-        ),
+        None => {
+            format!("radiation pressure up to {}, {} on the plane", pascals(largest), newtons(pressed.force))
+        }
         Some(dent) => format!("{}: {}", liquid(scene), figures(dent)),
     };
     let part = scene.modulation.mean_square();
@@ -46,14 +44,17 @@ pub fn picture(
     shaded: Option<(usize, (usize, usize))>,
 ) -> Result<Picture, PictureError> {
     let dent = map.pressed.as_ref().and_then(|pressed| pressed.dent.as_ref());
-    let beyond = dent.and_then(beyond_linear_theory);
+    let beyond = dent.and_then(|dent| beyond_linear_theory(dent.slope));
     if let Some(beyond) = &beyond {
         warn(&format!("{name}: {beyond}"));
     }
     let (Some((columns, page)), Some(depth), Some(dent)) = (shaded, &map.numbers, dent) else {
         let mut picture = map.picture.clone();
         if let Some(dent) = dent.filter(|_| beyond.is_some()) {
-            let holds = format!("beyond linear theory, true up to {:.0} % of this drive", 100.0 * dent.largest_drive());
+            let holds = format!(
+                "beyond linear theory, true up to {:.0} % of this drive",
+                100.0 * largest_drive(dent.slope)
+            );
             relief::label(&mut picture, &holds)?;
         }
         return Ok(picture);
@@ -64,7 +65,12 @@ pub fn picture(
     let mut words = vec![
         format!("{name}: {}", liquid(scene)),
         figures(dent),
-        format!("{:.0} x {:.0} mm seen from the front, dents drawn {} times as deep", size.x, size.y, relief.exaggeration()),
+        format!(
+            "{:.0} x {:.0} mm seen from the front, dents drawn {} times as deep",
+            size.x,
+            size.y,
+            relief.exaggeration()
+        ),
     ];
     if scene.modulation.mean_square() < 1.0 {
         words[2] = format!("{}; {}", words[2], envelope(scene));
@@ -109,14 +115,13 @@ fn envelope(scene: &Scene) -> String {
     )
 }
 
-/// A sentence where the dent is too steep for what it was computed with.
-fn beyond_linear_theory(dent: &Dent) -> Option<String> {
-    (dent.slope > STEEPEST).then(|| {
+/// A sentence where a surface is too steep for what it was computed with.
+pub fn beyond_linear_theory(slope: f64) -> Option<String> {
+    (slope > STEEPEST).then(|| {
         format!(
-            "slope {:.2} is beyond linear theory, which holds to {STEEPEST}: true up to {:.0} % of this drive's amplitude, \
-             above it a sketch",
-            dent.slope,
-            100.0 * dent.largest_drive()
+            "slope {slope:.2} is beyond linear theory, which holds to {STEEPEST}: true up to {:.0} % of this drive's \
+             amplitude, above it a sketch",
+            100.0 * largest_drive(slope)
         )
     })
 }

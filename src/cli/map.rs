@@ -81,9 +81,8 @@ fn draw(sound: Sound<'_>, stages: &mut Stages, look: &Look) -> Result<DrawnMap, 
 }
 
 /// What a quantity is the average of; `None` for a field.
-fn mean(scene: &Scene, quantity: Quantity) -> Option<Mean> {
-    let reflector =
-        || Reflector::new(&Air::new(&scene.medium, scene.array.frequency), scene.array.frequency);
+pub fn mean(scene: &Scene, quantity: Quantity) -> Option<Mean> {
+    let reflector = || Reflector::new(&Air::new(&scene.medium, scene.array.frequency), scene.array.frequency);
     match quantity {
         Quantity::Rms | Quantity::Phase => None,
         Quantity::MeanRms => Some(Mean::Square),
@@ -113,7 +112,12 @@ fn field(sound: Sound<'_>, stages: &mut Stages, look: &Look) -> Result<DrawnMap,
         true => Some(stages.read(&wanted)?.iter().map(|&p| look.quantity.of(p)).collect()),
         false => None,
     };
-    let how = how(stages, map.by, start, &format!("{}\n  measured error {:.1e} of the peak at {PROBES} pixels", map.how, map.error));
+    let how = how(
+        stages,
+        map.by,
+        start,
+        &format!("{}\n  measured error {:.1e} of the peak at {PROBES} pixels", map.how, map.error),
+    );
     Ok(DrawnMap {
         picture,
         largest: f64::from(map.peak) / SQRT_2,
@@ -124,12 +128,7 @@ fn field(sound: Sound<'_>, stages: &mut Stages, look: &Look) -> Result<DrawnMap,
     })
 }
 
-fn average(
-    sound: Sound<'_>,
-    stages: &mut Stages,
-    look: &Look,
-    mean: Mean,
-) -> Result<DrawnMap, FieldError> {
+fn average(sound: Sound<'_>, stages: &mut Stages, look: &Look, mean: Mean) -> Result<DrawnMap, FieldError> {
     let start = Instant::now();
     let Sound { scene, drives } = sound;
     let wanted = Average {
@@ -146,7 +145,12 @@ fn average(
     let colours = stages.average_colours(&wanted, &colouring)?;
     let picture = Picture::from_field_order(look.width, look.height, colours.as_flattened());
     let numbers = if look.numbers { Some(stages.read_average(&wanted)?) } else { None };
-    let how = how(stages, map.by, start, &format!("{}\n  measured error {:.1e} of the largest at some pixels", map.how, map.error));
+    let how = how(
+        stages,
+        map.by,
+        start,
+        &format!("{}\n  measured error {:.1e} of the largest at some pixels", map.how, map.error),
+    );
     Ok(DrawnMap {
         picture,
         largest: f64::from(map.largest),
@@ -197,7 +201,8 @@ mod tests {
             colours: ColourMap::Grey,
             numbers: true,
         };
-        let by_cpu = draw(Sound { scene: &scene, drives: &drives }, &mut Stages::new(Evaluator::Cpu), &look).unwrap();
+        let by_cpu =
+            draw(Sound { scene: &scene, drives: &drives }, &mut Stages::new(Evaluator::Cpu), &look).unwrap();
         let mut stages = Stages::new(Evaluator::Gpu(Box::new(gpu)));
         draw_anyhow(Sound { scene: &scene, drives: &drives }, &mut stages, &look, true).unwrap();
         stages.gpu().unwrap().lose();

@@ -1,14 +1,17 @@
 //! The command line: arguments in, values through the library, files and text out.
 
+mod animate;
 mod bench;
 mod devices;
 mod evaluator;
 mod liquid;
 mod map;
+mod motion;
 mod output;
 mod probe;
 mod render;
 mod solve;
+mod swell;
 
 use std::path::PathBuf;
 
@@ -48,6 +51,10 @@ enum Command {
     ///   sonoglyph render water-two-points.toml -o dents.png --quantity dent --view shaded
     ///
     ///   sonoglyph render hit.toml -o hit.png --data hit.npy --backend reference
+    ///
+    ///   sonoglyph render assets/scenes/water-moving-square.toml --motion -o square.gif
+    ///
+    ///   sonoglyph render assets/scenes/water-moving-square.toml --quantity dent --waves -o waves.gif
     #[command(verbatim_doc_comment)]
     Render(RenderArgs),
     /// Find the drive of a scene and say how good it is
@@ -59,6 +66,8 @@ enum Command {
     ///   sonoglyph solve assets/scenes/circle.toml --method all
     ///
     ///   sonoglyph solve hit.toml --json --csv drive.csv
+    ///
+    ///   sonoglyph solve assets/scenes/water-moving-square.toml --motion --csv frames.csv
     #[command(verbatim_doc_comment)]
     Solve(SolveArgs),
     /// Compute the complex pressure at points from a CSV file
@@ -116,6 +125,25 @@ struct RenderArgs {
     /// shape is (2, rows, columns): phase in rad, amplitude before it is made uniform
     #[arg(long, value_name = "FILE.npy")]
     data: Option<PathBuf>,
+    /// Animate a round of the scene's motion: FILE.gif, an animated FILE.png or FILE.apng, or a PNG per frame in FOLDER/
+    ///
+    /// All frames share one range of colours. A round takes as long as it really does, unless frames would be shown for less
+    /// than 20 ms.
+    #[arg(long)]
+    motion: bool,
+    /// Animate the liquid's surface from the moment that the sound begins: waves, for --quantity dent
+    ///
+    /// The envelope swings and the targets move as the scene says. The walls, 14 capillary lengths beyond the plane, reflect.
+    #[arg(long, conflicts_with = "motion")]
+    waves: bool,
+    /// How long --waves goes on [default: a round of the motion, or 0.25 s where nothing moves]
+    #[arg(long, value_name = "S", requires = "waves")]
+    seconds: Option<f64>,
+    /// What a still picture of a scene with motion shows: a frame, counted from 1, or the mean of a round
+    ///
+    /// Otherwise targets stand where the scene puts them, but for `radiation` and `dent`: a liquid is slow and feels the mean.
+    #[arg(long, value_name = "N|mean", value_parser = render::parse_moment, conflicts_with_all = ["motion", "waves"])]
+    frame: Option<render::Moment>,
     /// Say what was used and how long it took
     #[arg(short, long)]
     verbose: bool,
@@ -137,6 +165,12 @@ struct SolveArgs {
     /// Say what a board with L phase levels per period reaches, and find the best drive on these levels; --csv writes it
     #[arg(long, value_name = "L", value_parser = clap::value_parser!(u32).range(2..=65536))]
     levels: Option<u32>,
+    /// Solve every frame of the scene's motion, each going on from the one before
+    ///
+    /// --csv then writes a row per frame: frame, time (s), and phase_0, phase_1, ... (rad), `nan` for elements that are
+    /// off. --json prints one object whose `frames` hold time, foci, pressures (Pa, peak) and phases.
+    #[arg(long, conflicts_with = "levels")]
+    motion: bool,
 }
 
 #[derive(Debug, Args)]
@@ -257,7 +291,9 @@ fn parse_method(name: &str) -> Result<Method, String> {
 /// Bad input, or output that cannot be written; the message is for the user as it stands.
 pub fn run() -> anyhow::Result<()> {
     match Cli::parse() {
+        Cli { command: Some(Command::Render(args)), .. } if args.motion || args.waves => animate::run(&args),
         Cli { command: Some(Command::Render(args)), .. } => render::run(&args),
+        Cli { command: Some(Command::Solve(args)), .. } if args.motion => motion::run(&args),
         Cli { command: Some(Command::Solve(args)), .. } => solve::run(&args),
         Cli { command: Some(Command::Probe(args)), .. } => probe::run(&args),
         Cli { command: Some(Command::Bench(args)), .. } => bench::run(&args),

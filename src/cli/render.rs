@@ -8,12 +8,13 @@ use indicatif::{ProgressBar, ProgressStyle};
 
 use crate::cli::map::{self, Sound};
 use crate::cli::{
-    Backend, Colours, DEFAULT_SHEET, EXAMPLE, Quantity, RenderArgs, View, evaluator, liquid, output, read_scene,
-    warn,
+    Backend, Colours, DEFAULT_SHEET, EXAMPLE, Quantity, RenderArgs, View, evaluator, liquid, motion, output,
+    read_scene, warn,
 };
+use crate::drive::Drive;
 use crate::field::{self, Evaluator, Stages};
 use crate::picture::{Picture, export, relief, sheet};
-use crate::scene::{Scene, file};
+use crate::scene::{MotionPath, Scene, file};
 use crate::solver::{self, Solution};
 
 /// Pixels per side that a picture may have, and in all: half a gigabyte of field.
@@ -38,6 +39,22 @@ pub fn parse_size(text: &str) -> Result<Size, String> {
     match text.split_once(['x', 'X']) {
         Some((width, height)) => Ok(Size { width: side(width)?, height: Some(side(height)?) }),
         None => Ok(Size { width: side(text)?, height: None }),
+    }
+}
+
+/// Which part of a motion a still picture shows.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Moment {
+    /// Counted from 0.
+    Frame(usize),
+    Mean,
+}
+
+pub fn parse_moment(text: &str) -> Result<Moment, String> {
+    match text.parse::<usize>() {
+        _ if text == "mean" => Ok(Moment::Mean),
+        Ok(number) if number > 0 => Ok(Moment::Frame(number - 1)),
+        _ => Err("give a frame's number, counted from 1, or `mean`".to_owned()),
     }
 }
 
@@ -66,6 +83,7 @@ pub fn default_sheet(path: Option<&Path>) -> anyhow::Result<()> {
         size: None,
         numbers: false,
         backend: Backend::Auto,
+        moment: None,
     };
     let rendered = render(&solved, &mut stages, &look)?;
     rendered.write(&output, None)?;
@@ -81,14 +99,7 @@ pub fn run(args: &RenderArgs) -> anyhow::Result<()> {
     if args.data.is_some() && args.scenes.len() > 1 {
         bail!("--data takes the numbers of one scene, and {} are given", args.scenes.len());
     }
-    let look = Look {
-        quantity: args.quantity,
-        view: args.view,
-        colours: args.colours,
-        size: args.size,
-        numbers: args.data.is_some(),
-        backend: args.backend.backend,
-    };
+    let look = Look::new(args);
     // Every scene is read and solved before the first is drawn: a slip in the last one costs no work.
     let mut scenes = Vec::new();
     for path in &args.scenes {
@@ -146,7 +157,7 @@ fn outputs(scenes: &[PathBuf], output: &Path) -> anyhow::Result<Vec<PathBuf>> {
 }
 
 /// The name of a file without folder and extension.
-fn stem(path: &Path) -> String {
+pub fn stem(path: &Path) -> String {
     path.file_stem().unwrap_or(path.as_os_str()).to_string_lossy().into_owned()
 }
 
@@ -186,7 +197,7 @@ impl Solved {
 }
 
 /// What the pictures of all scenes have in common.
-struct Look {
+pub struct Look {
     quantity: Quantity,
     view: View,
     colours: Colours,
@@ -194,15 +205,53 @@ struct Look {
     /// The numbers are wanted, not only their picture.
     numbers: bool,
     backend: Backend,
+    moment: Option<Moment>,
 }
 
 impl Look {
+    /// The drives whose field or mean is shown.
+    fn drives(&self, solved: &Solved) -> anyhow::Result<Vec<Drive>> {
+        let Solved { scene, solution, .. } = solved;
+        let presses = matches!(self.quantity, Quantity::Radiation | Quantity::Dent);
+        let moment = match self.moment {
+            None if presses && scene.motion.path != MotionPath::None => Moment::Mean,
+            None => return Ok(vec![solution.drive.clone()]),
+            Some(moment) => moment,
+        };
+        if matches!(self.quantity, Quantity::Sheet | Quantity::Drive) {
+            bail!("--frame chooses among maps: --quantity rms, phase, radiation or dent");
+        }
+        let mut frames = motion::follow(scene, &solved.name)?.frames;
+        match moment {
+            Moment::Mean if self.quantity == Quantity::Phase => {
+                bail!("a mean over frames has no phase: give a frame's number")
+            }
+            Moment::Mean => Ok(frames.into_iter().map(|frame| frame.drive).collect()),
+            Moment::Frame(number) if number >= frames.len() => {
+                bail!("there is no frame {}: a round has {}", number + 1, frames.len())
+            }
+            Moment::Frame(number) => Ok(vec![frames.swap_remove(number).drive]),
+        }
+    }
+
     fn is_shaded(&self) -> bool {
         self.quantity == Quantity::Dent && self.view == View::Shaded
     }
 
+    pub fn new(args: &RenderArgs) -> Self {
+        Self {
+            quantity: args.quantity,
+            view: args.view,
+            colours: args.colours,
+            size: args.size,
+            numbers: args.data.is_some(),
+            backend: args.backend.backend,
+            moment: args.frame,
+        }
+    }
+
     /// Width and height of a scene's picture: what was asked for, or the quantity's own default in the plane's shape.
-    fn pixels(&self, scene: &Scene) -> anyhow::Result<(usize, usize)> {
+    pub fn pixels(&self, scene: &Scene) -> anyhow::Result<(usize, usize)> {
         let is_page = matches!(self.quantity, Quantity::Sheet | Quantity::Drive) || self.is_shaded();
         let default = if is_page { SHEET_WIDTH } else { MAP_WIDTH };
         let Size { width, height } = self.size.unwrap_or(Size { width: default, height: None });
@@ -260,8 +309,10 @@ fn render(solved: &Solved, stages: &mut Stages, look: &Look) -> anyhow::Result<R
     let Solved { name, scene, solution } = solved;
     let page = look.pixels(scene)?;
     let time = format!("{} took {:.1} ms", solution.method.name(), solution.seconds * 1e3);
+    let drives = look.drives(solved)?;
     let quantity = match look.quantity {
         Quantity::Drive => return drive(solved, look, page, time),
+        Quantity::Rms if look.moment == Some(Moment::Mean) => field::Quantity::MeanRms,
         Quantity::Sheet | Quantity::Rms => field::Quantity::Rms,
         Quantity::Phase => field::Quantity::Phase,
         Quantity::Radiation => field::Quantity::Radiation,
@@ -274,7 +325,7 @@ fn render(solved: &Solved, stages: &mut Stages, look: &Look) -> anyhow::Result<R
     };
     let numbers = look.numbers || look.is_shaded();
     let map_look = map::Look { width, height, quantity, colours: look.colours.map(), numbers };
-    let sound = Sound { scene, drives: std::slice::from_ref(&solution.drive) };
+    let sound = Sound { scene, drives: &drives };
     let map = map::draw_anyhow(sound, stages, &map_look, look.backend == Backend::Gpu)?;
     let tolerance = scene.plane.tolerance;
     if tolerance > 0.0 && map.error > tolerance {
@@ -303,12 +354,7 @@ fn render(solved: &Solved, stages: &mut Stages, look: &Look) -> anyhow::Result<R
 }
 
 /// Phase and amplitude per element.
-fn drive(
-    solved: &Solved,
-    look: &Look,
-    page: (usize, usize),
-    how: String,
-) -> anyhow::Result<Rendered> {
+fn drive(solved: &Solved, look: &Look, page: (usize, usize), how: String) -> anyhow::Result<Rendered> {
     let Solved { name, scene, solution } = solved;
     let values = solution.drive.phases.iter().chain(&solution.excitation).map(|&value| value as f32);
     let shape = vec![2, u64::from(scene.array.rows), u64::from(scene.array.columns)];

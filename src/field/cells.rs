@@ -84,9 +84,9 @@ impl Cells {
             let part = |place: f64| ((size[axis] / 2.0 - place.abs()) / self.step + 0.5).clamp(0.0, 1.0);
             self.places(axis).map(part).collect()
         });
-        let weighted = values.enumerate().map(|(i, value)| {
-            covered[0][i % self.counts[0]] * covered[1][i / self.counts[0]] * value
-        });
+        let weighted = values
+            .enumerate()
+            .map(|(i, value)| covered[0][i % self.counts[0]] * covered[1][i / self.counts[0]] * value);
         weighted.sum::<f64>() * self.step * self.step
     }
 }

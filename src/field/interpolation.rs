@@ -140,7 +140,10 @@ fn window(beta: f64) -> Vec<f64> {
 fn decline(beta: f64) -> Vec<f64> {
     let peak = bessel_i0(beta);
     // I1(z)/z is the series of I0, each term divided by one more; at s = 1 it is ½.
-    polynomial::fit(|s| -beta * beta * bessel_i1_over(beta * ((1.0 - s) / 2.0).max(0.0).sqrt()) / peak, WINDOW_TERMS)
+    polynomial::fit(
+        |s| -beta * beta * bessel_i1_over(beta * ((1.0 - s) / 2.0).max(0.0).sqrt()) / peak,
+        WINDOW_TERMS,
+    )
 }
 
 /// I1(x)/x by its power series.

@@ -1,5 +1,6 @@
-//! From numbers to what a person looks at: colour maps, PNG and NPY, sheets with axes, and charts.
+//! From numbers to what a person looks at: colour maps, PNG and NPY, sheets with axes, animations and charts.
 
+pub mod animation;
 pub mod chart;
 pub mod colour;
 pub mod export;

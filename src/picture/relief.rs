@@ -69,11 +69,10 @@ impl Relief<'_> {
         let mut rgb = Vec::with_capacity(width * height * 3);
         for pixel in 0..width * height {
             let (x, y) = (pixel % width * FINENESS, pixel / width * FINENESS);
-            for channel in 0..3 {
-                let part = |i: usize| fine[(y + i / FINENESS) * wide + x + i % FINENESS][channel];
-                let mean = (0..FINENESS * FINENESS).map(part).sum::<f64>() / (FINENESS * FINENESS) as f64;
-                rgb.push((mean.clamp(0.0, 1.0) * 255.0).round() as u8);
-            }
+            let parts = (0..FINENESS * FINENESS).map(|i| fine[(y + i / FINENESS) * wide + x + i % FINENESS]);
+            let sum = parts.fold(DVec3::ZERO, |sum, colour| sum + DVec3::from(colour));
+            let mean = sum / (FINENESS * FINENESS) as f64;
+            rgb.extend((mean.clamp(DVec3::ZERO, DVec3::ONE) * 255.0).round().to_array().map(|c| c as u8));
         }
         self.letter(&mut rgb, (width, height))?;
         let rgba = rgb.chunks_exact(3).flat_map(|pixel| [pixel[0], pixel[1], pixel[2], 255]).collect();
@@ -128,7 +127,7 @@ impl<'a> View<'a> {
             left: (width - scale * relief.size.x) / 2.0,
             front,
             bottom: (front + 0.7 * BOTTOM * unit).min(height - 1.0),
-            light: DVec3::new(-0.55, -0.25, 0.8).normalize(),
+            light: DVec3::new(-0.55, -0.25, 0.8).normalize_or_zero(),
         }
     }
 
@@ -179,7 +178,7 @@ impl<'a> View<'a> {
         let slope_x = self.depth(across + hair.x, along) - self.depth(across - hair.x, along);
         let slope_y = self.depth(across, along + hair.y) - self.depth(across, along - hair.y);
         let slope = self.exaggeration * DVec2::new(slope_x, slope_y) / (2.0 * hair * size);
-        let normal = DVec3::new(slope.x, slope.y, 1.0).normalize();
+        let normal = DVec3::new(slope.x, slope.y, 1.0).normalize_or_zero();
         let eye = DVec3::new(0.0, -ELEVATION.cos(), ELEVATION.sin());
         let lit = normal.dot(self.light).max(0.0);
         let mirrored = 2.0 * normal.dot(eye) * normal - eye;
@@ -247,7 +246,12 @@ mod tests {
         let bowl = bowl(1e-4);
         let dented = relief(&bowl).draw((400, 250)).unwrap();
         let changed = |x: usize, y: usize| {
-            dented.pixel(x, y).iter().zip(flat.pixel(x, y)).map(|(a, b)| i32::from(a.abs_diff(b))).sum::<i32>()
+            dented
+                .pixel(x, y)
+                .iter()
+                .zip(flat.pixel(x, y))
+                .map(|(a, b)| i32::from(a.abs_diff(b)))
+                .sum::<i32>()
         };
         assert!((90..170).map(|y| changed(200, y)).sum::<i32>() > 500);
         assert_eq!(changed(60, 125), 0, "far from the dent nothing changes");

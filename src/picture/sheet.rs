@@ -255,7 +255,7 @@ impl Panels<'_, '_> {
         let title = format!("Wanted points ({})", solution.foci.len());
         let mut chart = page.chart(root, plot, &title, ranges(plane), labels(plane))?;
         let place = |point: DVec3| on_plane(plane, point).map(|p| (p.x, p.y));
-        for target in &scene.targets {
+        for target in scene.targets.iter().filter(|target| target.is_in(0)) {
             for stroke in outline::strokes(target).map_err(|e| PictureError(e.to_string()))? {
                 let line: Vec<_> = stroke.into_iter().filter_map(place).collect();
                 chart

@@ -230,12 +230,16 @@ fn modulation(modulation: &Modulation) -> Result<(), KeyError> {
 fn motion(motion: &Motion) -> Result<(), KeyError> {
     length("size", motion.size)?;
     within("rate", motion.rate, 1e-6, 1e5, "rounds per second")?;
-    count("frames", u64::from(motion.frames), 1, 10_000)?;
-    for offset in &motion.points {
-        point("points", *offset)?;
+    // How many are too many depends on the array: `motion::check` knows.
+    count("frames", u64::from(motion.frames), 1, u64::from(u32::MAX))?;
+    for (index, offset) in motion.points.iter().enumerate() {
+        point("points", *offset).map_err(|mut e| {
+            e.path.push(index.into());
+            e
+        })?;
     }
     if motion.path == MotionPath::Points && motion.points.is_empty() {
-        return refuse("points", "path = \"points\" needs the offsets to visit");
+        return refuse("points", "`path = \"points\"` needs the offsets to visit");
     }
     Ok(())
 }

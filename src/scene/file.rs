@@ -9,7 +9,7 @@ use toml::de::{DeTable, DeValue};
 
 use crate::scene::check::{Key, KeyError, check};
 use crate::scene::target::TargetTable;
-use crate::scene::{Array, Liquid, Medium, Modulation, Motion, Plane, Scene, Solver, outline};
+use crate::scene::{Array, Liquid, Medium, Modulation, Motion, Plane, Scene, Solver, motion};
 
 /// The version of the file format that this program reads and writes.
 pub const FORMAT: u32 = 1;
@@ -41,8 +41,8 @@ impl fmt::Display for Place<'_> {
     }
 }
 
-/// Reads and checks a scene file; every target has become focal points once, so that [`outline::foci`] cannot fail
-/// on what comes back but for a scene without targets.
+/// Reads and checks a scene file; every target has become focal points once, so that [`motion::frames`] cannot
+/// fail on what comes back but for a scene without targets.
 ///
 /// # Errors
 /// An unreadable file, broken TOML, an unknown key, or a value outside its limits.
@@ -72,7 +72,7 @@ pub fn write(scene: &Scene) -> String {
 fn checked(scene: Scene) -> Result<Scene, KeyError> {
     check(&scene)?;
     if !scene.targets.is_empty() {
-        outline::foci(&scene)?;
+        motion::check(&scene)?;
     }
     Ok(scene)
 }
@@ -211,6 +211,13 @@ mod tests {
             ("[[target]]\nkind = \"line\"\npoints = 1000000", 4, "target[1].points = 1000000"),
             ("[[target]]\nkind = \"line\"\npoints = 4\nspacing = 0.1", 4, "not both"),
             ("[modulation]\nfrequency = 0", 3, "modulation.frequency = 0"),
+            ("[motion]\nframes = 0", 3, "motion.frames = 0"),
+            ("[motion]\nrate = nan", 3, "motion.rate = nan"),
+            ("[motion]\npath = \"points\"\npoints = []", 4, "needs the offsets"),
+            ("[motion]\npath = \"points\"\npoints = [[0, 0, nan]]", 4, "motion.points[1] = [0, 0, nan]"),
+            ("[motion]\npath = \"circle\"\nframes = 1000000\n[[target]]", 4, "and 1 focus need 7.7 GiB"),
+            ("[motion]\npath = \"steps\"\n[[target]]\nstep = 1", 3, "no target has `step = 0`"),
+            ("[[target]]\nstep = 1", 3, "target[1].step = 1: only `path = \"steps\"`"),
         ] {
             let error = error(&format!("format = 1\n{body}\n"));
             assert!(error.starts_with(&format!("a.toml:{line}: ")), "{body}: {error}");
@@ -262,6 +269,18 @@ mod tests {
             path = "points"
             points = [[0, 0, 0.01]]
         "#;
+        let steps = r#"
+            format = 1
+            [[target]]
+            step = 1
+            [[target]]
+            step = 0
+            [motion]
+            path = "steps"
+            frames = 2
+        "#;
+        let scene = parse(steps, Path::new("a.toml")).unwrap();
+        assert_eq!(parse(&write(&scene), Path::new("b.toml")).unwrap(), scene);
         let scene = parse(text, Path::new("a.toml")).unwrap();
         assert_eq!(scene.targets.len(), 8);
         assert_eq!(parse(&write(&scene), Path::new("b.toml")).unwrap(), scene);

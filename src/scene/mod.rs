@@ -2,13 +2,14 @@
 //!
 //! A [`Scene`] is a value: everything the program shows or sends is a function of it. The TOML file is read and
 //! written by [`mod@file`], the limits of every number are held by [`check`], and shapes and letters become focal
-//! points in [`outline`].
+//! points in [`outline`], frame by frame in [`motion`].
 
 pub mod check;
 pub mod file;
 pub mod font;
 pub mod liquid;
 pub mod modulation;
+pub mod motion;
 pub mod outline;
 pub mod target;
 
@@ -18,6 +19,7 @@ use serde::{Deserialize, Serialize};
 pub use check::KeyError;
 pub use liquid::{Liquid, LiquidName};
 pub use modulation::{Envelope, Modulation};
+pub use motion::{Motion, MotionPath};
 pub use target::{Sampling, Shape, Target};
 
 /// Everything a scene file holds.
@@ -243,37 +245,4 @@ impl Plane {
         let y = y - x * x.dot(y);
         (y.length() > PARALLEL).then(|| (x, y.normalize_or_zero()))
     }
-}
-
-/// The path along which the targets move.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(default, deny_unknown_fields)]
-pub struct Motion {
-    pub path: MotionPath,
-    /// m
-    pub size: f64,
-    /// Rounds per second.
-    pub rate: f64,
-    /// Frames per round.
-    pub frames: u32,
-    /// The offsets (m) that `path = "points"` visits.
-    #[serde(skip_serializing_if = "Vec::is_empty")]
-    pub points: Vec<DVec3>,
-}
-
-impl Default for Motion {
-    fn default() -> Self {
-        Self { path: MotionPath::None, size: 0.03, rate: 5.0, frames: 64, points: Vec::new() }
-    }
-}
-
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "lowercase")]
-pub enum MotionPath {
-    None,
-    Line,
-    Circle,
-    Square,
-    Triangle,
-    Points,
 }

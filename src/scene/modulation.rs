@@ -65,7 +65,8 @@ mod tests {
                 let at = |i: u32| modulation.envelope((f64::from(i) + 0.5) / f64::from(STEPS) / 200.0);
                 let mean = (0..STEPS).map(|i| at(i).powi(2)).sum::<f64>() / f64::from(STEPS);
                 assert!((mean - modulation.mean_square()).abs() < 1e-12, "{modulation:?}: {mean}");
-                let range = (0..STEPS).map(at).fold((1.0f64, 0.0f64), |(low, high), m| (low.min(m), high.max(m)));
+                let range =
+                    (0..STEPS).map(at).fold((1.0f64, 0.0f64), |(low, high), m| (low.min(m), high.max(m)));
                 assert!(range.0 >= 1.0 - depth - 1e-12 && range.1 <= 1.0 + 1e-12, "{range:?}");
             }
         }

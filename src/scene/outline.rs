@@ -16,17 +16,25 @@ const CORNER_COS: f64 = 0.866;
 /// Vertices of a circle that is drawn rather than sampled.
 const CIRCLE_VERTICES: usize = 96;
 
-/// The focal points of the whole scene, target by target in the order of the file.
+/// The focal points of the scene at rest, target by target in the order of the file; of its first step, if it has several.
 ///
 /// # Errors
 /// No targets, a glyph that the font lacks, more focal points than [`MOST_FOCI`], fewer points than corners, or a
 /// focal point on or behind the array.
 pub fn foci(scene: &Scene) -> Result<Vec<Focus>, KeyError> {
+    foci_of_step(scene, 0)
+}
+
+/// The focal points of one step of the motion.
+///
+/// # Errors
+/// As [`foci`].
+pub fn foci_of_step(scene: &Scene, step: u32) -> Result<Vec<Focus>, KeyError> {
     if scene.targets.is_empty() {
         return Err(KeyError::new([Key::from("target")], "the scene has no target: nothing to focus on"));
     }
     let mut foci = Vec::new();
-    for (index, target) in scene.targets.iter().enumerate() {
+    for (index, target) in scene.targets.iter().enumerate().filter(|(_, target)| target.is_in(step)) {
         let refuse = |error: KeyError| error.under(&[Key::from("target"), Key::from(index)]);
         let points = points(target, MOST_FOCI - foci.len()).map_err(refuse)?;
         if let Some(point) = points.iter().find(|point| point.z <= 0.0) {

@@ -20,6 +20,9 @@ pub struct Target {
     /// What a flat shape faces; +z lies parallel to the array.
     #[serde(skip_serializing_if = "is_z")]
     pub normal: DVec3,
+    /// When it is shown, counted from 0, if the motion goes in steps; always if `None`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub step: Option<u32>,
 }
 
 impl Target {
@@ -27,7 +30,12 @@ impl Target {
     pub fn new(shape: Shape) -> Self {
         let sampling =
             if matches!(shape, Shape::Point { .. }) { Sampling::Whole } else { Sampling::default() };
-        Self { shape, pressure: 1.0, sampling, angle: 0.0, normal: DVec3::Z }
+        Self { shape, pressure: 1.0, sampling, angle: 0.0, normal: DVec3::Z, step: None }
+    }
+
+    /// Whether it is there in a step of the motion.
+    pub fn is_in(&self, step: u32) -> bool {
+        self.step.is_none_or(|own| own == step)
     }
 }
 
@@ -99,6 +107,7 @@ pub(crate) struct TargetTable {
     points: Option<usize>,
     angle: Option<f64>,
     normal: Option<DVec3>,
+    step: Option<u32>,
 }
 
 #[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize)]
@@ -155,6 +164,7 @@ impl TargetTable {
             },
         };
         let mut target = Target::new(shape);
+        target.step = table.step;
         target.pressure = table.pressure.take().unwrap_or(target.pressure);
         if table.kind != Kind::Point {
             target.angle = table.angle.take().unwrap_or(target.angle);
@@ -204,6 +214,7 @@ impl TargetTable {
             points,
             angle,
             normal,
+            step: _,
         } = self;
         [
             ("at", at.is_some()),

@@ -15,6 +15,8 @@ const GREEDY_LEVELS: usize = 16;
 /// Iterations on the Gram matrix, and of the last levelling, in `best`.
 const CLIMB: usize = 50;
 const POLISH: usize = 10;
+/// Of the last levelling where a solution is near.
+const TOUCH_UP: usize = 3;
 /// Spread of the focal pressures below which levelling stops.
 const LEVEL: f64 = 1e-6;
 
@@ -115,7 +117,7 @@ pub fn best(problem: &Problem<'_>, iterations: u32) -> Excitation {
     let (transfer, targets) = (&problem.transfer, problem.targets());
     let gram = transfer.gram(None);
     let state = State::from_foci(transfer, starts::strongest(&gram, &targets, CLIMB, 0));
-    level(state, &gram, &targets, targets.clone(), iterations)
+    level(state, &gram, &targets, targets.clone(), iterations, POLISH)
 }
 
 /// The strongest that levelling from many batches of starts finds: slow, and what `best` is measured against.
@@ -128,7 +130,7 @@ pub fn search(problem: &Problem<'_>, batches: usize, iterations: u32) -> Excitat
     };
     let from = |batch: usize| {
         let state = State::from_foci(transfer, starts::strongest(&gram, &targets, CLIMB, batch));
-        level(state, &gram, &targets, targets.clone(), iterations)
+        level(state, &gram, &targets, targets.clone(), iterations, POLISH)
     };
     let first = from(0);
     (1..batches)
@@ -146,7 +148,7 @@ pub fn best_from(problem: &Problem<'_>, before: &Excitation, iterations: u32) ->
     let phases = transfer.pressure(&before.values);
     let weighted = phases.iter().zip(&weights).map(|(p, weight)| phase(*p) * weight).collect();
     let state = State::from_foci(transfer, weighted);
-    level(state, &transfer.gram(None), &targets, weights, iterations)
+    level(state, &transfer.gram(None), &targets, weights, iterations, TOUCH_UP)
 }
 
 fn level(
@@ -155,10 +157,11 @@ fn level(
     targets: &[f64],
     weights: Vec<f64>,
     iterations: u32,
+    projections: usize,
 ) -> Excitation {
     let weights = Some(state.weigh(targets, weights, iterations));
     let weighted = (state.weakest(targets), state.excitation());
-    let polished = state.polish(gram, targets);
+    let polished = state.polish(gram, targets, projections);
     let values =
         if polished && state.weakest(targets) > weighted.0 { state.excitation() } else { weighted.1 };
     Excitation { values, iterations, residual: None, weights }
@@ -253,7 +256,7 @@ impl State<'_, 1> {
 
     /// Alternating projections between "every element plays fully" and "the foci are as wanted", with one Cholesky factor
     /// of the Gram matrix. `false` where the foci are too dependent for the second.
-    fn polish(&mut self, gram: &Phasors, targets: &[f64]) -> bool {
+    fn polish(&mut self, gram: &Phasors, targets: &[f64], projections: usize) -> bool {
         const DAMPING: f64 = 1e-9;
         let count = targets.len();
         let trace = (0..count).map(|m| gram.re[m * count + m]).sum::<f64>();
@@ -263,7 +266,7 @@ impl State<'_, 1> {
         let Ok(factor): Result<Llt<Complex64>, _> = damped.llt(Side::Lower) else { return false };
         let power = targets.iter().map(|target| target * target).sum::<f64>();
         let mut miss = Mat::zeros(count, 1);
-        for _ in 0..POLISH {
+        for _ in 0..projections {
             if self.spread(targets) < LEVEL {
                 break;
             }

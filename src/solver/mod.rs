@@ -2,8 +2,9 @@
 //!
 //! Every method is a function from a [`Problem`] to an [`Excitation`]; [`solve`] makes the excitation uniform, since
 //! that is what most boards can play, and measures the result. The inverses (`pinv`, `weighted`) are in [`inverse`],
-//! the phase iterations (`naive`, `gs`, `gspat`, `wgs`, `greedy`, `best`) in [`iteration`].
+//! the phase iterations (`naive`, `gs`, `gspat`, `wgs`, `greedy`, `best`) in [`iteration`]. [`frames`] solves a scene that moves.
 
+pub mod frames;
 mod inverse;
 mod iteration;
 pub mod levels;

@@ -54,11 +54,12 @@ impl Dent {
             force: self.force * part,
         }
     }
+}
 
-    /// The largest factor on the drive's amplitude for which the linear theory holds; the dent goes with its square.
-    pub fn largest_drive(&self) -> f64 {
-        if self.slope > 0.0 { (STEEPEST / self.slope).sqrt() } else { f64::INFINITY }
-    }
+/// The largest factor on the drive's amplitude for which the linear theory holds, where it makes this slope; dents go with its
+/// square.
+pub fn largest_drive(slope: f64) -> f64 {
+    if slope > 0.0 { (STEEPEST / slope).sqrt() } else { f64::INFINITY }
 }
 
 impl Tank {
@@ -107,7 +108,9 @@ impl Tank {
     pub fn modes(&self, shape: &[f64]) -> Vec<f64> {
         let [columns, rows] = self.counts;
         let mut modes = shape.to_vec();
-        self.along_both(&mut modes, |transform, line, scratch| transform.process_dct2_with_scratch(line, scratch));
+        self.along_both(&mut modes, |transform, line, scratch| {
+            transform.process_dct2_with_scratch(line, scratch)
+        });
         for (index, mode) in modes.iter_mut().enumerate() {
             let half = |is_first: bool| if is_first { 1.0 } else { 2.0 };
             let share = half(index % columns == 0) * half(index < columns);
@@ -154,7 +157,9 @@ impl Tank {
     /// q² (1/m²) of every mode, row by row.
     pub fn squares(&self) -> impl Iterator<Item = f64> {
         let [columns, rows] = self.counts;
-        let along = move |axis: usize, k: usize| (PI * k as f64 / (self.step[axis] * self.counts[axis] as f64)).powi(2);
+        let along = move |axis: usize, k: usize| {
+            (PI * k as f64 / (self.step[axis] * self.counts[axis] as f64)).powi(2)
+        };
         (0..rows).flat_map(move |l| (0..columns).map(move |k| along(0, k) + along(1, l)))
     }
 
@@ -214,7 +219,8 @@ mod tests {
 
     /// Pressure for every cell from its place (m) from the middle.
     fn load(tank: &Tank, at: impl Fn(f64, f64) -> f64) -> Vec<f64> {
-        let place = |axis: usize, i: usize| (i as f64 + 0.5 - tank.counts[axis] as f64 / 2.0) * tank.step[axis];
+        let place =
+            |axis: usize, i: usize| (i as f64 + 0.5 - tank.counts[axis] as f64 / 2.0) * tank.step[axis];
         (0..tank.len()).map(|i| at(place(0, i % tank.counts[0]), place(1, i / tank.counts[0]))).collect()
     }
 
@@ -258,7 +264,8 @@ mod tests {
                     return if x.hypot(y) < a { p0 } else { 0.0 };
                 }
                 let part = |place: f64, i: usize| place + STEP * ((i as f64 + 0.5) / PARTS as f64 - 0.5);
-                let inside = (0..PARTS * PARTS).filter(|i| part(x, i % PARTS).hypot(part(y, i / PARTS)) < a).count();
+                let inside =
+                    (0..PARTS * PARTS).filter(|i| part(x, i % PARTS).hypot(part(y, i / PARTS)) < a).count();
                 p0 * inside as f64 / (PARTS * PARTS) as f64
             });
             let found = tank.dent(&liquid(), &pressure).depth[400 * 801 + 400 + (r / STEP).round() as usize];
@@ -277,8 +284,13 @@ mod tests {
         let steepest = row.windows(2).map(|pair| (pair[1] - pair[0]).abs() / 0.0001).fold(0.0, f64::max);
         assert!((finer.slope / steepest - 1.0).abs() < 1e-3, "{} {steepest}", finer.slope);
         // Coarser cells miss the steepest place by a little.
-        assert!(dent.slope < finer.slope && dent.slope > 0.98 * finer.slope, "{} {}", dent.slope, finer.slope);
-        assert!((dent.largest_drive().powi(2) * dent.slope - STEEPEST).abs() < 1e-12);
+        assert!(
+            dent.slope < finer.slope && dent.slope > 0.98 * finer.slope,
+            "{} {}",
+            dent.slope,
+            finer.slope
+        );
+        assert!((largest_drive(dent.slope).powi(2) * dent.slope - STEEPEST).abs() < 1e-12);
     }
 
     #[test]

@@ -7,3 +7,4 @@ pub mod waves;
 
 pub use dent::{Dent, Tank};
 pub use radiation::Reflector;
+pub use waves::{Rest, Waves};

@@ -50,7 +50,8 @@ mod tests {
             let incident = Complex64::from_polar(842.0 * 2f64.sqrt(), 0.7);
             let along = Complex64::new(0.0, wavenumber * angle.sin()) * incident;
             let pressure = reflector.pressure(incident, [along * turn.cos(), along * turn.sin()]);
-            let expected = 2.0 * 842f64.powi(2) / (air.density * air.sound_speed.powi(2)) * angle.cos().powi(2);
+            let expected =
+                2.0 * 842f64.powi(2) / (air.density * air.sound_speed.powi(2)) * angle.cos().powi(2);
             assert!((pressure - expected).abs() < 1e-12 * 10.0, "{pressure} {expected}");
             // 842 Pa RMS straight on press with 10 Pa.
             assert!((expected - 10.0 * angle.cos().powi(2)).abs() < 0.01);

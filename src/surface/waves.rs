@@ -2,7 +2,6 @@
 
 use crate::scene::Liquid;
 use crate::surface::Tank;
-use crate::surface::dent::compliance;
 
 /// A surface in motion, as amplitudes of its modes ([`Tank::modes`]).
 ///
@@ -13,9 +12,24 @@ pub struct Waves {
     depth: Vec<f64>,
     /// m/s
     speed: Vec<f64>,
-    /// Depth at which each mode would rest under the steady pressure, m.
-    rest: Vec<f64>,
     steps: Vec<Step>,
+}
+
+/// Depth (m) at which each mode would rest under a steady pressure.
+#[derive(Clone, Debug)]
+pub struct Rest(Vec<f64>);
+
+impl Rest {
+    /// From the dent that the pressure makes, m for every cell of the tank.
+    ///
+    /// The liquid as a whole stays where it is: unlike a dent in an endless bath, waves displace nothing.
+    pub fn new(tank: &Tank, depth: &[f64]) -> Self {
+        let mut modes = tank.modes(depth);
+        if let Some(level) = modes.first_mut() {
+            *level = 0.0;
+        }
+        Self(modes)
+    }
 }
 
 /// What a time step does to a mode's distance y from rest and its speed v: y ← a y + b v, v ← c y + d v.
@@ -28,22 +42,16 @@ struct Step {
 }
 
 impl Waves {
-    /// A surface at rest that is about to feel a pressure (Pa, for every cell of the tank), in steps of `step` (s).
-    ///
-    /// The liquid as a whole stays where it is: unlike a dent in an endless bath, waves displace nothing.
-    pub fn new(tank: &Tank, liquid: &Liquid, pressure: &[f64], step: f64) -> Self {
-        let mut rest = tank.modes(pressure);
-        for (mode, square) in rest.iter_mut().zip(tank.squares()) {
-            *mode *= if square > 0.0 { compliance(liquid, square) } else { 0.0 };
-        }
+    /// A level surface, to go on in steps of `step` (s).
+    pub fn new(tank: &Tank, liquid: &Liquid, step: f64) -> Self {
         let steps = tank.squares().map(|square| Step::new(liquid, square.sqrt(), step)).collect();
-        Self { depth: vec![0.0; rest.len()], speed: vec![0.0; rest.len()], rest, steps }
+        Self { depth: vec![0.0; tank.len()], speed: vec![0.0; tank.len()], steps }
     }
 
-    /// Goes on by one step, in which the pressure is `part` of the steady one.
-    pub fn advance(&mut self, part: f64) {
+    /// Goes on by one step, in which `part` of a pressure acts.
+    pub fn advance(&mut self, Rest(rest): &Rest, part: f64) {
         let motion = self.depth.iter_mut().zip(&mut self.speed);
-        for ((depth, speed), (rest, step)) in motion.zip(self.rest.iter().zip(&self.steps)) {
+        for ((depth, speed), (rest, step)) in motion.zip(rest.iter().zip(&self.steps)) {
             let (y, v) = (*depth - part * rest, *speed);
             *depth = part * rest + step.a * y + step.b * v;
             *speed = step.c * y + step.d * v;
@@ -59,8 +67,8 @@ impl Waves {
 impl Step {
     fn new(liquid: &Liquid, q: f64, time: f64) -> Self {
         let density = liquid.density();
-        let square = (liquid.gravity * q + liquid.surface_tension() * q.powi(3) / density)
-            * (q * liquid.depth).tanh();
+        let square =
+            (liquid.gravity * q + liquid.surface_tension() * q.powi(3) / density) * (q * liquid.depth).tanh();
         let damping = 2.0 * liquid.viscosity() / density * q * q;
         // e^{-γt} cos and e^{-γt} sin/ω of the damped mode, or their hyperbolic likes of one that creeps.
         let (cosine, sine) = if square > damping * damping {
@@ -72,8 +80,7 @@ impl Step {
             let fast = damping + apart;
             let slow = if fast > 0.0 { square / fast } else { 0.0 };
             let (slowly, quickly) = ((-slow * time).exp(), (-fast * time).exp());
-            let sine =
-                if apart * time > 1e-6 { (slowly - quickly) / (2.0 * apart) } else { time * slowly };
+            let sine = if apart * time > 1e-6 { (slowly - quickly) / (2.0 * apart) } else { time * slowly };
             ((slowly + quickly) / 2.0, sine)
         };
         Self { a: cosine + damping * sine, b: sine, c: -square * sine, d: cosine - damping * sine }
@@ -86,6 +93,10 @@ mod tests {
 
     use super::*;
     use crate::scene::LiquidName;
+
+    fn rest(tank: &Tank, liquid: &Liquid, pressure: &[f64]) -> Rest {
+        Rest::new(tank, &tank.dent(liquid, pressure).depth)
+    }
 
     /// One cosine along a row of cells.
     fn single(tank: &Tank, mode: usize) -> Vec<f64> {
@@ -111,12 +122,17 @@ mod tests {
             for steps in [7, 100] {
                 let time = 0.083;
                 let pressure: Vec<_> = single(&tank, 6).iter().map(|p| 3.0 * p).collect();
-                let mut waves = Waves::new(&tank, &liquid, &pressure, time / f64::from(steps));
-                (0..steps).for_each(|_| waves.advance(1.0));
+                let pressed = self::rest(&tank, &liquid, &pressure);
+                let mut waves = Waves::new(&tank, &liquid, time / f64::from(steps));
+                (0..steps).for_each(|_| waves.advance(&pressed, 1.0));
                 let swing = num_complex::Complex64::from(square - damping * damping).sqrt();
                 let answer = (swing * time).cos() + damping * (swing * time).sin() / swing;
                 let expected = rest * (1.0 - (-damping * time).exp() * answer.re);
-                assert!((waves.depth[6] / expected - 1.0).abs() < 1e-9, "{name:?}: {} {expected}", waves.depth[6]);
+                assert!(
+                    (waves.depth[6] / expected - 1.0).abs() < 1e-9,
+                    "{name:?}: {} {expected}",
+                    waves.depth[6]
+                );
             }
         }
     }
@@ -129,17 +145,17 @@ mod tests {
         let (q, square, damping) = properties(&liquid, &tank, 8);
         let rest = 1.0 / (liquid.density() * liquid.gravity + liquid.surface_tension() * q * q);
         for frequency in [10.0, 35.0, 80.0] {
-            let mut waves = Waves::new(&tank, &liquid, &single(&tank, 8), 1.0 / (frequency * f64::from(STEPS)));
+            let pressed = self::rest(&tank, &liquid, &single(&tank, 8));
+            let mut waves = Waves::new(&tank, &liquid, 1.0 / (frequency * f64::from(STEPS)));
             let mut largest = 0.0f64;
             for period in 0..200 {
                 for i in 0..STEPS {
-                    waves.advance((TAU * (f64::from(i) + 0.5) / f64::from(STEPS)).sin());
+                    waves.advance(&pressed, (TAU * (f64::from(i) + 0.5) / f64::from(STEPS)).sin());
                     largest = if period < 199 { 0.0 } else { largest.max(waves.depth[8].abs()) };
                 }
             }
             let angular = TAU * frequency;
-            let expected =
-                rest * square / (square - angular * angular).hypot(2.0 * damping * angular);
+            let expected = rest * square / (square - angular * angular).hypot(2.0 * damping * angular);
             assert!((largest / expected - 1.0).abs() < 1e-3, "{frequency} Hz: {largest} {expected}");
         }
     }
@@ -150,10 +166,11 @@ mod tests {
         for name in LiquidName::ALL {
             let liquid = Liquid { name, ..Liquid::default() };
             let pressure: Vec<_> = (0..tank.len()).map(|i| f64::from(u8::from(i == 370))).collect();
-            let mut waves = Waves::new(&tank, &liquid, &pressure, 0.004);
-            waves.advance(1.0);
+            let pressed = rest(&tank, &liquid, &pressure);
+            let mut waves = Waves::new(&tank, &liquid, 0.004);
+            waves.advance(&pressed, 1.0);
             let pushed = waves.surface(&tank).iter().fold(0.0f64, |most, h| most.max(h.abs()));
-            (0..30_000).for_each(|_| waves.advance(0.0));
+            (0..30_000).for_each(|_| waves.advance(&pressed, 0.0));
             let left = waves.surface(&tank).iter().fold(0.0f64, |most, h| most.max(h.abs()));
             assert!(pushed > 0.0 && left < 1e-3 * pushed, "{name:?}: {pushed} {left}");
         }

@@ -61,8 +61,8 @@ fn measure(
     tolerance: f64,
     records: &mut Vec<Record>,
 ) -> Result<(), FieldError> {
-    let mut scene = Scene::default();
-    scene.plane = Plane { size: DVec2::splat(0.2), tolerance, ..Plane::default() };
+    let plane = Plane { size: DVec2::splat(0.2), tolerance, ..Plane::default() };
+    let scene = Scene { plane, ..Scene::default() };
     let aperture = Aperture::new(&scene);
     let reflector = Reflector::new(&Air::new(&scene.medium, scene.array.frequency), scene.array.frequency);
     // Two rounds, so that every run has new drives.
@@ -133,7 +133,16 @@ fn round(aperture: &Aperture, turned: f64) -> Vec<Drive> {
 
 fn table(records: &[Record]) -> Table {
     let mut table = Table::new();
-    table.set_header(["evaluator", "picture", "frames", "pixels", "tolerance", "CPU ms (wall)", "error", "x"]);
+    table.set_header([
+        "evaluator",
+        "picture",
+        "frames",
+        "pixels",
+        "tolerance",
+        "CPU ms (wall)",
+        "error",
+        "x",
+    ]);
     for record in records {
         table.add_row([
             record.evaluator.to_owned(),

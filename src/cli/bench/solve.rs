@@ -11,8 +11,8 @@ use crate::acoustics::Aperture;
 use crate::cli::bench::{Report, Spent, median};
 use crate::drive::Drive;
 use crate::picture::chart::{Chart, Series};
-use crate::scene::{Focus, Method, Scene};
-use crate::solver::{self, Excitation, Problem, Quality, SolveError};
+use crate::scene::{Focus, Method, Motion, MotionPath, Sampling, Scene, Shape, Target, motion};
+use crate::solver::{self, Excitation, Problem, Quality, SolveError, frames};
 
 const RADIUS: f64 = 0.03;
 const SIZES: [usize; 8] = [1, 2, 4, 5, 8, 16, 32, 64];
@@ -69,6 +69,9 @@ pub fn run(quick: bool) -> Result<Report, SolveError> {
         }
         records.push(measure_moved(&workload, &problems, &bounds)?);
     }
+    let [searched, followed] = measure_frames()?;
+    let part = followed.cpu / searched.cpu;
+    records.extend([searched, followed]);
     Ok(Report {
         table: table(&records),
         notes: vec![
@@ -80,6 +83,10 @@ pub fn run(quick: bool) -> Result<Report, SolveError> {
                  0.5 mm away.",
                 RADIUS * 1e3,
                 if quick { QUICK_RANDOM_SETS } else { RANDOM_SETS }
+            ),
+            format!(
+                "moving: 64 frames of a ring of 8 foci that moves along a circle, times per frame; following takes {part:.2} of \
+                 searching for each."
             ),
         ],
         charts: charts(&records),
@@ -110,26 +117,39 @@ fn measure(
     for problem in problems {
         qualities.push(quality(problem, &solve(problem)?));
     }
-    let count = problems.len() as f64;
-    let average = |of: fn(&Quality) -> f64| qualities.iter().map(of).sum::<f64>() / count;
-    let certified: Vec<_> =
-        qualities.iter().zip(bounds).map(|(quality, bound)| quality.min_pressure / bound).collect();
-    Ok(Record {
-        workload: workload.name,
-        elements: workload.aperture.positions.len(),
-        foci: workload.sets[0].len(),
-        method,
-        cpu: median(cpu),
-        wall: median(wall),
-        mean: average(|quality| quality.mean_pressure),
-        weakest: average(|quality| quality.min_pressure),
-        spread: qualities.iter().map(|quality| quality.spread).fold(0.0, f64::max),
-        relative_to_single: average(|quality| quality.relative_to_single),
-        certified: [
-            certified.iter().copied().fold(f64::INFINITY, f64::min),
-            certified.iter().sum::<f64>() / count,
-        ],
-    })
+    let head = (workload.name, workload.aperture.positions.len(), workload.sets[0].len(), method);
+    Ok(Record::new(head, Spent { cpu: median(cpu), wall: median(wall) }, &qualities, bounds))
+}
+
+impl Record {
+    /// Of workload, elements, foci and method; a quality and a bound per set.
+    fn new(
+        (workload, elements, foci, method): (&'static str, usize, usize, String),
+        spent: Spent,
+        qualities: &[Quality],
+        bounds: &[f64],
+    ) -> Self {
+        let count = qualities.len() as f64;
+        let average = |of: fn(&Quality) -> f64| qualities.iter().map(of).sum::<f64>() / count;
+        let certified: Vec<_> =
+            qualities.iter().zip(bounds).map(|(quality, bound)| quality.min_pressure / bound).collect();
+        Self {
+            workload,
+            elements,
+            foci,
+            method,
+            cpu: spent.cpu,
+            wall: spent.wall,
+            mean: average(|quality| quality.mean_pressure),
+            weakest: average(|quality| quality.min_pressure),
+            spread: qualities.iter().map(|quality| quality.spread).fold(0.0, f64::max),
+            relative_to_single: average(|quality| quality.relative_to_single),
+            certified: [
+                certified.iter().copied().fold(f64::INFINITY, f64::min),
+                certified.iter().sum::<f64>() / count,
+            ],
+        }
+    }
 }
 
 /// `best` with a warm start: from the solution for foci that stood 0.5 mm away.
@@ -154,6 +174,42 @@ fn measure_moved(
         }
     };
     measure(workload, problems, bounds, "best, moved".to_owned(), solve)
+}
+
+/// All frames of a moving ring: each searched for alone, and each going on from the one before.
+fn measure_frames() -> Result<[Record; 2], SolveError> {
+    let ring = Shape::Circle { at: DVec3::new(0.0, 0.0, 0.1), radius: 0.02 };
+    let scene = Scene {
+        targets: vec![Target { sampling: Sampling::Points(8), ..Target::new(ring) }],
+        motion: Motion { path: MotionPath::Circle, ..Motion::default() },
+        ..Scene::default()
+    };
+    let foci = motion::frames(&scene)?;
+    let count = foci.len() as f64;
+    let aperture = Aperture::new(&scene);
+    let elements = aperture.positions.len();
+    let search = |foci: &Vec<Focus>| {
+        let problem = Problem::new(&aperture, foci.clone());
+        let excitation = solver::excite(&problem, Method::Best, 0)?;
+        Ok::<_, SolveError>(Drive::uniform(elements, &aperture.driven, &excitation.values))
+    };
+    let searching =
+        Spent::on(|_| foci.iter().try_for_each(|foci| search(foci).map(|drive| drop(black_box(drive)))))?;
+    let following = Spent::on(|_| frames::follow(&scene).map(|sequence| drop(black_box(sequence))))?;
+    let searched = foci.iter().map(search).collect::<Result<Vec<_>, _>>()?;
+    let followed = frames::follow(&scene)?.frames.into_iter().map(|frame| frame.drive).collect();
+    let record = |method: &str, spent: Spent, drives: Vec<Drive>| {
+        let problems: Vec<_> = foci.iter().map(|foci| Problem::new(&aperture, foci.clone())).collect();
+        let played = |(problem, drive): (&Problem<'_>, &Drive)| {
+            let values = drive.excitation(&aperture.driven);
+            quality(problem, &Excitation { values, iterations: 0, residual: None, weights: None })
+        };
+        let qualities: Vec<_> = problems.iter().zip(&drives).map(played).collect();
+        let bounds: Vec<_> = problems.iter().map(solver::bound).collect();
+        let spent = Spent { cpu: spent.cpu / count, wall: spent.wall / count };
+        Record::new(("moving", elements, 8, method.to_owned()), spent, &qualities, &bounds)
+    };
+    Ok([record("best", searching, searched), record("best, followed", following, followed)])
 }
 
 fn quality(problem: &Problem<'_>, excitation: &Excitation) -> Quality {

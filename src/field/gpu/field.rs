@@ -98,12 +98,7 @@ impl Gpu {
         Ok((peak, numbers[peaks..].to_vec()))
     }
 
-    fn band_peak(
-        &self,
-        encoder: &mut wgpu::CommandEncoder,
-        band: &Band,
-        quantity: Quantity,
-    ) -> wgpu::Buffer {
+    fn band_peak(&self, encoder: &mut wgpu::CommandEncoder, band: &Band, quantity: Quantity) -> wgpu::Buffer {
         let peak = self.storage("peak", 4);
         let params = PeakParams { count: band.len(), invocations: WALKING_GROUPS * WORKGROUP };
         let params = self.params(bytemuck::bytes_of(&params));

@@ -93,7 +93,8 @@ impl OnCpu {
         samples.update(&(sounding.clone(), double), |samples| {
             let Wanted { aperture, drive, .. } = job.wanted;
             let drives = std::slice::from_ref(drive);
-            *samples = superposition.at(&sounding.setting, grid, aperture, drives, double, work).swap_remove(0);
+            *samples =
+                superposition.at(&sounding.setting, grid, aperture, drives, double, work).swap_remove(0);
         });
     }
 

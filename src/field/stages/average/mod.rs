@@ -84,7 +84,7 @@ pub struct Average<'a> {
 }
 
 /// An average as a map. Its pixels stay where they were made; [`Stages::read_average`] gives them out.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug)]
 pub struct AverageMap {
     /// The largest value: Pa (RMS), Pa, or m.
     pub largest: f32,
@@ -95,6 +95,8 @@ pub struct AverageMap {
     /// N that press on the plane; 0 where that was not asked for.
     pub force: f64,
     pub dent: Option<Dent>,
+    /// The cells in which the dent is given.
+    pub tank: Option<Tank>,
     /// How it was made, for people.
     pub how: String,
 }
@@ -204,6 +206,21 @@ impl Stages {
         }
     }
 
+    /// The pixels of another shape of the same surface, m, from its depth (m) in every cell of the map's tank.
+    ///
+    /// # Errors
+    /// As [`Stages::average`].
+    pub fn read_shape(&mut self, wanted: &Average<'_>, depth: &[f64]) -> Result<Vec<f32>, FieldError> {
+        self.average(wanted)?;
+        let Averaging { frame, filled, cpu, .. } = &mut self.averaging;
+        let (Some(frame), Some(filled)) = (&frame.value, &filled.value) else {
+            return Err(FieldError::NoPlane);
+        };
+        let size = wanted.width * wanted.height;
+        let shape = cpu.shape(depth, filled.cells.counts[0], [&frame.across, &frame.up], size);
+        Ok(shape.iter().map(|value| value.re).collect())
+    }
+
     /// An average as colours r, g, b, a of every pixel, row by row.
     ///
     /// # Errors
@@ -311,7 +328,12 @@ impl Job<'_> {
             by,
             force: self.filled.cells.integral(size, squares.iter().map(|[_, radiation]| radiation * part)),
             dent,
-            how: format!("{}; squares at {columns} x {rows} cells of {:.2} mm", self.filled.plan.reason, step * 1e3),
+            tank: self.tank.cloned(),
+            how: format!(
+                "{}; squares at {columns} x {rows} cells of {:.2} mm",
+                self.filled.plan.reason,
+                step * 1e3
+            ),
         }
     }
 }
@@ -329,7 +351,8 @@ impl Drawn {
             _ => FINEST,
         };
         // The root of a square that is off by a millionth is off by a thousandth.
-        let accuracy = if wanted.mean == Mean::Square { (tolerance * tolerance).max(1e-8) } else { tolerance };
+        let accuracy =
+            if wanted.mean == Mean::Square { (tolerance * tolerance).max(1e-8) } else { tolerance };
         let setting = Setting::new(wanted.aperture, Plane { tolerance, ..wanted.plane.clone() });
         let excitations = wanted.drives.iter().map(|drive| excitation(wanted.aperture, drive)).collect();
         let basin = Basin { setting, margin: wanted.mean.margin(), accuracy };
@@ -345,7 +368,8 @@ impl Drawn {
 impl Filled {
     fn new(basin: &Basin, costs: Costs) -> Result<Self, FieldError> {
         let Setting { aperture, plane } = &basin.setting;
-        let cells = Cells::new(aperture, plane, basin.margin, basin.accuracy).ok_or(FieldError::TooManyCells)?;
+        let cells =
+            Cells::new(aperture, plane, basin.margin, basin.accuracy).ok_or(FieldError::TooManyCells)?;
         let plan = Plan::new(aperture, &cells.plane, costs).ok_or(FieldError::NoPlane)?;
         let grid = plan.grid.as_ref().ok_or(FieldError::TooNear)?;
         let half = cells.plane.size.y / 2.0;
@@ -401,7 +425,8 @@ impl Frame {
         }
         let is_square = sounding.reflector.is_none();
         let shown = |value: f64| if is_square { value.max(0.0).sqrt() } else { value };
-        let of_cell = |[square, radiation]: &[f64; 2]| shown(if is_square { *square } else { part * radiation });
+        let of_cell =
+            |[square, radiation]: &[f64; 2]| shown(if is_square { *square } else { part * radiation });
         let largest = squares.iter().map(of_cell).fold(f64::MIN_POSITIVE, f64::max);
         let of_probe = |value: &Complex32| shown(f64::from(if is_square { value.re } else { value.im }));
         let off = |(expected, got): (&f64, &Complex32)| (shown(*expected) - of_probe(got)).abs();

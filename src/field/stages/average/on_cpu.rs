@@ -29,6 +29,20 @@ impl OnCpu {
         self.squares.key = None;
         self.dent.key = None;
     }
+
+    /// So many pixels of a shape that is given for every cell, `columns` in a row.
+    pub(super) fn shape(
+        &mut self,
+        cells: &[f64],
+        columns: usize,
+        [across, up]: [&Resampling; 2],
+        pixels: usize,
+    ) -> Vec<Complex32> {
+        let cells: Vec<_> = cells.iter().map(|&value| Complex32::from(value as f32)).collect();
+        let mut shape = vec![Complex32::ZERO; pixels];
+        interpolate(&cells, columns, across, up, &mut self.between, &mut shape);
+        shape
+    }
 }
 
 impl Job<'_> {

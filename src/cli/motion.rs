@@ -1,0 +1,259 @@
+//! `sonoglyph solve --motion`: the drives of all frames of a round and their quality, as a table, JSON or CSV.
+
+use std::io::{BufWriter, Write};
+
+use anyhow::bail;
+use serde_json::{Value, json};
+
+use crate::cli::solve::Methods;
+use crate::cli::{SolveArgs, note, output, read_scene, warn};
+use crate::picture::sheet::pascals;
+use crate::scene::{MotionPath, Scene};
+use crate::solver::frames::{self, Frame, Sequence};
+
+/// m/s at which a moving focus is felt most: about the speed of waves on skin (Frier et al. 2018).
+const FELT_MOST: (f64, f64) = (5.0, 8.0);
+/// Frames per second of 256 elements that serial links carry, the slowest first.
+const LINKS: [(f64, &str); 2] =
+    [(89.0, "SonicSurface at 230400 baud"), (1124.0, "Sonoglyph's own protocol at 3 Mbaud")];
+
+pub fn run(args: &SolveArgs) -> anyhow::Result<()> {
+    let method = match args.method {
+        Some(Methods::All) => bail!("--motion follows one solution from frame to frame: name one method"),
+        Some(Methods::One(method)) => Some(method),
+        None => None,
+    };
+    let scene = read_scene(&args.scene, method)?;
+    if let Some(path) = &args.csv {
+        output::check_writable(path)?;
+    }
+    let sequence = follow(&scene, &args.scene.display().to_string())?;
+    warn_of_rate(&scene);
+    if let Some(path) = &args.csv {
+        output::write_by(path, |file| Ok(write_csv(file, &scene, &sequence)?))?;
+    }
+    if args.json {
+        let mut out = BufWriter::new(std::io::stdout().lock());
+        write_json(&mut out, &scene, &sequence)?;
+        out.flush()?;
+    } else {
+        print(&scene, &sequence);
+    }
+    Ok(())
+}
+
+/// Solves all frames and passes on what the user should know; `name` tells whose they are.
+pub fn follow(scene: &Scene, name: &str) -> anyhow::Result<Sequence> {
+    if scene.motion.path == MotionPath::None {
+        note("nothing moves: `path` in [motion] is \"none\", so there is one frame");
+    }
+    let sequence = frames::follow(scene).map_err(|error| anyhow::anyhow!("{name}: {error}"))?;
+    for warning in &sequence.warnings {
+        warn(&format!("in the first frame, {warning}"));
+    }
+    Ok(sequence)
+}
+
+/// Frames per second where there are several.
+fn rate(scene: &Scene) -> Option<f64> {
+    (scene.motion.path != MotionPath::None).then(|| scene.motion.frames_per_second())
+}
+
+fn warn_of_rate(scene: &Scene) {
+    let carrier = scene.array.frequency;
+    if let Some(rate) = rate(scene).filter(|&rate| rate > carrier) {
+        warn(&format!(
+            "{rate:.0} frames/s are more than the {carrier:.0} periods that the array plays in a second: none can follow; \
+             take fewer frames or a lower rate"
+        ));
+    }
+}
+
+/// What could play so many frames per second.
+fn playable(rate: f64, carrier: f64) -> String {
+    if rate > carrier {
+        return "by no array".to_owned();
+    }
+    match LINKS.iter().find(|(most, _)| rate <= *most) {
+        Some((most, link)) => format!("over {link}, which carries {most} frames/s of 256 elements"),
+        None => format!(
+            "only from a board's memory: {} carries {} frames/s of 256 elements",
+            LINKS[1].1, LINKS[1].0
+        ),
+    }
+}
+
+/// What is said of the whole round.
+struct Summary {
+    mean_pressure: f64,
+    weakest: Extreme,
+    spread: Extreme,
+    searched: usize,
+    /// s per frame
+    seconds: f64,
+}
+
+/// A figure and the frame, counted from 0, that it is of.
+#[derive(Clone, Copy)]
+struct Extreme {
+    frame: usize,
+    value: f64,
+}
+
+impl Summary {
+    fn new(sequence: &Sequence) -> Self {
+        let frames = &sequence.frames;
+        let largest = |of: &dyn Fn(&Frame) -> f64| {
+            let values = frames.iter().map(of).enumerate().map(|(frame, value)| Extreme { frame, value });
+            values
+                .reduce(|a, b| if b.value > a.value { b } else { a })
+                .unwrap_or(Extreme { frame: 0, value: 0.0 })
+        };
+        let weakest = largest(&|frame| -frame.min_pressure());
+        Self {
+            mean_pressure: frames.iter().map(Frame::mean_pressure).sum::<f64>() / frames.len() as f64,
+            weakest: Extreme { value: -weakest.value, ..weakest },
+            spread: largest(&Frame::spread),
+            searched: frames.iter().filter(|frame| frame.cold).count(),
+            seconds: sequence.seconds / frames.len() as f64,
+        }
+    }
+}
+
+fn print(scene: &Scene, sequence: &Sequence) {
+    let (motion, summary, count) = (&scene.motion, Summary::new(sequence), sequence.frames.len());
+    let mut rows = vec![("path", motion.path.name().to_owned())];
+    let length = motion.length();
+    if length > 0.0 {
+        rows[0].1 += &format!(", {:.1} mm a round", length * 1e3);
+    }
+    match rate(scene) {
+        Some(rate) => {
+            rows.push(("rate", format!("{} rounds/s of {count} frames: {rate} frames/s", motion.rate)));
+            rows.push(("can be played", playable(rate, scene.array.frequency)));
+        }
+        None => rows.push(("frames", count.to_string())),
+    }
+    if length > 0.0 {
+        let (from, to) = FELT_MOST;
+        rows.push(("focus speed", format!("{:.3} m/s; {from} to {to} m/s feel strongest", motion.speed())));
+    }
+    rows.extend([
+        (
+            "method",
+            format!(
+                "{}, {:.3} ms per frame{}",
+                scene.solver.method.name(),
+                summary.seconds * 1e3,
+                match count - summary.searched {
+                    0 => String::new(),
+                    followed =>
+                        format!("; {followed} of {count} go on from a neighbour, the rest is searched for"),
+                }
+            ),
+        ),
+        ("mean pressure", pascals(summary.mean_pressure)),
+        (
+            "weakest focus",
+            format!("{}, in frame {}", pascals(summary.weakest.value), summary.weakest.frame + 1),
+        ),
+        (
+            "largest spread",
+            format!("{:.2} %, in frame {}", 100.0 * summary.spread.value, summary.spread.frame + 1),
+        ),
+    ]);
+    if count > 1 {
+        rows.push((
+            "phase steps",
+            format!(
+                "{:.3} rad rms; the largest is {:.3} rad, of one element into frame {}",
+                sequence.steps.rms,
+                sequence.steps.largest,
+                sequence.steps.to + 1
+            ),
+        ));
+    }
+    for (name, value) in rows {
+        println!("{name:<20}{value}");
+    }
+}
+
+/// One object; its frames stand a line each, and are never all in memory as text.
+fn write_json(out: &mut dyn Write, scene: &Scene, sequence: &Sequence) -> anyhow::Result<()> {
+    let (motion, summary) = (&scene.motion, Summary::new(sequence));
+    let head = json!({
+        "method": scene.solver.method.name(),
+        "elements": scene.array.elements(),
+        "path": motion.path.name(),
+        "rate": motion.rate,
+        "frames_per_second": rate(scene),
+        "length": motion.length(),
+        "speed": motion.speed(),
+        "seconds": sequence.seconds,
+        "searched": summary.searched,
+        "mean_pressure": summary.mean_pressure,
+        "min_pressure": summary.weakest.value,
+        "spread": summary.spread.value,
+        "largest_phase_step": sequence.steps.largest,
+        "rms_phase_step": sequence.steps.rms,
+        "amplitudes": sequence.frames[0].drive.amplitudes,
+    });
+    writeln!(out, "{{")?;
+    for (key, value) in head.as_object().into_iter().flatten() {
+        writeln!(out, "  {}: {value},", Value::from(key.as_str()))?;
+    }
+    writeln!(out, "  \"frames\": [")?;
+    for (index, frame) in sequence.frames.iter().enumerate() {
+        let comma = if index + 1 < sequence.frames.len() { "," } else { "" };
+        writeln!(out, "    {}{comma}", frame_json(frame, time(scene, index)))?;
+    }
+    writeln!(out, "  ]\n}}")?;
+    Ok(())
+}
+
+/// s since the round began.
+fn time(scene: &Scene, frame: usize) -> f64 {
+    rate(scene).map_or(0.0, |rate| frame as f64 / rate)
+}
+
+fn frame_json(frame: &Frame, time: f64) -> Value {
+    let foci = frame.foci.iter().map(|focus| json!(focus.position.to_array())).collect::<Vec<_>>();
+    let pressures = frame.pressures.iter().map(|p| p.norm()).collect::<Vec<_>>();
+    json!({ "time": time, "foci": foci, "pressures": pressures, "phases": frame.drive.phases })
+}
+
+/// A row per frame: the phase (rad) of every element, and `nan` for those that are off.
+fn write_csv(out: &mut dyn Write, scene: &Scene, sequence: &Sequence) -> std::io::Result<()> {
+    write!(out, "frame,time")?;
+    for element in 0..scene.array.elements() {
+        write!(out, ",phase_{element}")?;
+    }
+    writeln!(out)?;
+    for (index, frame) in sequence.frames.iter().enumerate() {
+        write!(out, "{index},{:?}", time(scene, index))?;
+        for (phase, amplitude) in frame.drive.phases.iter().zip(&frame.drive.amplitudes) {
+            if *amplitude > 0.0 { write!(out, ",{phase:?}")? } else { write!(out, ",nan")? }
+        }
+        writeln!(out)?;
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_can_play_it_depends_on_the_rate() {
+        for (rate, part) in [
+            (89.0, "SonicSurface"),
+            (320.0, "3 Mbaud, which carries 1124"),
+            (5000.0, "memory"),
+            (40_000.0, "memory"),
+            (40_001.0, "no array"),
+        ] {
+            let said = playable(rate, 40_000.0);
+            assert!(said.contains(part), "{rate}: {said}");
+        }
+    }
+}

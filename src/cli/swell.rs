@@ -1,0 +1,109 @@
+//! The surface of a liquid in motion: waves from the moment that the sound begins, picture by picture.
+
+use anyhow::bail;
+
+use crate::field::{Average, FieldError, Stages};
+use crate::scene::{Envelope, MotionPath, Scene};
+use crate::surface::{Rest, Tank, Waves};
+
+/// Pictures of a second that really passes, and how many there may be.
+const PICTURES_PER_SECOND: f64 = 400.0;
+const MOST_PICTURES: f64 = 5000.0;
+/// How long waves go on where nothing moves, s.
+const STILL: f64 = 0.25;
+/// Bytes that the rests of all frames may take.
+const MOST_BYTES: usize = 1 << 30;
+/// Time steps of an envelope's period; the square of the envelope is taken as constant in each.
+const STEPS_PER_PERIOD: f64 = 64.0;
+
+/// When what happens.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Schedule {
+    pub pictures: usize,
+    /// Time steps from one picture to the next.
+    steps: usize,
+    /// s
+    step: f64,
+}
+
+impl Schedule {
+    /// For so many seconds, or for as long as the scene suggests.
+    ///
+    /// # Errors
+    /// No time, or more than can be shown.
+    pub fn new(scene: &Scene, seconds: Option<f64>) -> anyhow::Result<Self> {
+        let moves = scene.motion.path != MotionPath::None;
+        let seconds = seconds.unwrap_or(if moves { 1.0 / scene.motion.rate } else { STILL });
+        let pictures = (seconds * PICTURES_PER_SECOND).round();
+        if !(1.0..=MOST_PICTURES).contains(&pictures) {
+            bail!(
+                "waves are shown for {} to {} s, {PICTURES_PER_SECOND} pictures each; {seconds} s were asked for",
+                1.0 / PICTURES_PER_SECOND,
+                MOST_PICTURES / PICTURES_PER_SECOND
+            );
+        }
+        let fastest = match scene.modulation.shape {
+            Envelope::Off => 0.0,
+            Envelope::Sine | Envelope::Square => STEPS_PER_PERIOD * scene.modulation.frequency,
+        };
+        let frames = if moves { scene.motion.frames_per_second() } else { 0.0 };
+        let between = seconds / pictures;
+        let steps = (between * fastest.max(frames)).ceil().max(1.0);
+        Ok(Self { pictures: pictures as usize, steps: steps as usize, step: between / steps })
+    }
+
+    /// Pictures of a second that really passes.
+    pub fn rate(self) -> f64 {
+        1.0 / (self.step * self.steps as f64)
+    }
+}
+
+/// Waves on their way.
+#[derive(Debug)]
+pub struct Swell<'a> {
+    scene: &'a Scene,
+    schedule: Schedule,
+    tank: Tank,
+    /// Under the steady sound of every frame of the motion.
+    rests: Vec<Rest>,
+    waves: Waves,
+    /// Time steps made.
+    done: usize,
+}
+
+impl<'a> Swell<'a> {
+    /// A level surface above which the drives of `wanted`, a dent, are about to sound.
+    pub fn new(
+        scene: &'a Scene,
+        schedule: Schedule,
+        wanted: &Average<'_>,
+        stages: &mut Stages,
+    ) -> Result<Self, FieldError> {
+        let (mut rests, mut found) = (Vec::new(), None);
+        for index in 0..wanted.drives.len() {
+            let drives = &wanted.drives[index..=index];
+            let map = stages.average(&Average { drives, part: 1.0, ..wanted.clone() })?;
+            let (Some(tank), Some(dent)) = (&map.tank, &map.dent) else { return Err(FieldError::NotLevel) };
+            if wanted.drives.len() * tank.len() * size_of::<f64>() > MOST_BYTES {
+                return Err(FieldError::TooManyCells);
+            }
+            rests.push(Rest::new(tank, &dent.depth));
+            found = Some(tank.clone());
+        }
+        let tank = found.ok_or(FieldError::NoPlane)?;
+        let waves = Waves::new(&tank, &scene.liquid, schedule.step);
+        Ok(Self { scene, schedule, tank, rests, waves, done: 0 })
+    }
+
+    /// The depth (m, positive down) of every cell at the next picture.
+    pub fn next(&mut self) -> Vec<f64> {
+        for _ in 0..self.schedule.steps {
+            let time = (self.done as f64 + 0.5) * self.schedule.step;
+            let rounds = time * self.scene.motion.rate;
+            let frame = (rounds.fract() * self.rests.len() as f64) as usize;
+            self.waves.advance(&self.rests[frame], self.scene.modulation.envelope(time).powi(2));
+            self.done += 1;
+        }
+        self.waves.surface(&self.tank)
+    }
+}

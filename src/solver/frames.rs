@@ -1,0 +1,409 @@
+//! The drives of all frames of a motion, each going on from the one before: phases move no more than they must.
+//!
+//! Keyframes follow each other closely and are solved one after the other; what lies between two of them goes on from the
+//! first, on all cores. How a frame is found depends on its neighbours and on nothing else, so that any number of threads gives the
+//! same drives.
+
+use std::f64::consts::TAU;
+use std::time::Instant;
+
+use num_complex::Complex64;
+use rayon::prelude::*;
+
+use crate::acoustics::Aperture;
+use crate::drive::Drive;
+use crate::scene::{Focus, Method, Scene, Solver, motion};
+use crate::solver::{self, Excitation, Problem, Quality, SolveError};
+
+/// Wavelengths that a focus may go from one keyframe to the next, if there are frames between them.
+const STRIDE: f64 = 0.15;
+/// Wavelengths beyond which nothing of the frame before is worth going on from.
+const FARTHEST: f64 = 0.5;
+/// The part of what the frames before reached that a frame may fall to before it is searched for anew.
+const KEPT: f64 = 0.96;
+
+/// All frames of a round, each with its drive.
+#[derive(Clone, Debug)]
+pub struct Sequence {
+    pub frames: Vec<Frame>,
+    pub steps: PhaseSteps,
+    /// Time that finding all drives took.
+    pub seconds: f64,
+    /// What the user should know of the first frame, a sentence each.
+    pub warnings: Vec<String>,
+}
+
+/// What is played for a part of a round.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Frame {
+    pub foci: Vec<Focus>,
+    /// Uniform amplitude on every element that is not off.
+    pub drive: Drive,
+    /// Complex pressure (Pa, peak) that the drive makes at each focus.
+    pub pressures: Vec<Complex64>,
+    /// Found without going on from another frame.
+    pub cold: bool,
+}
+
+/// How far phases go from one frame to the next, from the last to the first included; rad.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct PhaseSteps {
+    /// Of any driven element.
+    pub largest: f64,
+    /// The frame, counted from 0, that it leads to.
+    pub to: usize,
+    /// The root mean square over all driven elements and frames.
+    pub rms: f64,
+}
+
+impl Frame {
+    /// Pa, peak.
+    pub fn mean_pressure(&self) -> f64 {
+        self.pressures.iter().map(|p| p.norm()).sum::<f64>() / self.pressures.len() as f64
+    }
+
+    /// Of the weakest focus, Pa, peak.
+    pub fn min_pressure(&self) -> f64 {
+        self.pressures.iter().map(|p| p.norm()).fold(f64::INFINITY, f64::min)
+    }
+
+    /// Standard deviation over mean of pressure/target.
+    pub fn spread(&self) -> f64 {
+        let relative: Vec<_> = self.relative().collect();
+        let mean = relative.iter().sum::<f64>() / relative.len() as f64;
+        let variance = relative.iter().map(|p| (p - mean).powi(2)).sum::<f64>() / relative.len() as f64;
+        variance.sqrt() / mean.max(f64::MIN_POSITIVE)
+    }
+
+    fn relative(&self) -> impl Iterator<Item = f64> {
+        self.pressures.iter().zip(&self.foci).map(|(p, focus)| p.norm() / focus.target)
+    }
+}
+
+/// Solves every frame of the scene's motion with the method that the scene names. `best` goes on from frame to frame; the other
+/// methods solve each frame for itself.
+///
+/// # Errors
+/// As [`solver::solve`], and frames that [`motion::frames`] refuses.
+pub fn follow(scene: &Scene) -> Result<Sequence, SolveError> {
+    let start = Instant::now();
+    let frames = motion::frames(scene)?;
+    let aperture = Aperture::new(scene);
+    // What stands still is solved once.
+    let stands: Vec<_> = frames.chunk_by(|a, b| a == b).collect();
+    let problem = |stand: &&[Vec<Focus>]| Problem::new(&aperture, stand[0].clone());
+    let Solver { method, iterations } = scene.solver;
+    let excite = |problem: &Problem<'_>| solver::excite(problem, method, iterations);
+    let solved = if method == Method::Best {
+        chained(&aperture, &stands.iter().map(|stand| &stand[0][..]).collect::<Vec<_>>(), &excite)?
+    } else {
+        let alone = |stand| {
+            let problem = problem(stand);
+            Ok(Found::new(&problem, &excite(&problem)?, true))
+        };
+        stands.par_iter().map(alone).collect::<Result<Vec<_>, SolveError>>()?
+    };
+    let angles = turns(&solved);
+    let frame = |(found, &angle): (Found, &f64)| found.into_frame(&aperture, angle);
+    let solved: Vec<_> = solved.into_par_iter().zip(&angles).with_min_len(16).map(frame).collect();
+    let seconds = start.elapsed().as_secs_f64();
+
+    let mut steps = phase_steps(&solved, &aperture.driven, frames.len());
+    steps.to = stands[..steps.to].iter().map(|stand| stand.len()).sum();
+    let first = problem(&stands[0]);
+    let quality = Quality::without_bound(&first, &excite(&first)?, &solved[0].pressures);
+    let repeated =
+        solved.into_iter().zip(&stands).flat_map(|(frame, stand)| std::iter::repeat_n(frame, stand.len()));
+    Ok(Sequence {
+        frames: repeated.collect(),
+        steps,
+        seconds,
+        warnings: solver::warnings(&aperture, &first.foci, &quality),
+    })
+}
+
+/// What is found for a frame, before it is turned as a whole.
+struct Found {
+    foci: Vec<Focus>,
+    /// u of the driven elements, of modulus 1.
+    u: Vec<Complex64>,
+    /// Pa, peak, at the foci.
+    pressures: Vec<Complex64>,
+    cold: bool,
+}
+
+impl Found {
+    fn new(problem: &Problem<'_>, excitation: &Excitation, cold: bool) -> Self {
+        let unit = |u: &Complex64| {
+            let norm = u.norm_sqr().sqrt();
+            if norm > 0.0 { u / norm } else { Complex64::ONE }
+        };
+        let u: Vec<_> = excitation.values.iter().map(unit).collect();
+        Self { foci: problem.foci.clone(), pressures: problem.transfer.pressure(&u), u, cold }
+    }
+
+    /// The weakest pressure/target.
+    fn weakest(&self) -> f64 {
+        let relative = self.pressures.iter().zip(&self.foci).map(|(p, focus)| p.norm() / focus.target);
+        relative.fold(f64::INFINITY, f64::min)
+    }
+
+    fn into_frame(self, aperture: &Aperture, angle: f64) -> Frame {
+        let Aperture { positions, driven, .. } = aperture;
+        let turn = Complex64::from_polar(1.0, angle);
+        let turned =
+            |values: Vec<Complex64>| values.into_iter().map(|value| value * turn).collect::<Vec<_>>();
+        Frame {
+            foci: self.foci,
+            drive: Drive::uniform(positions.len(), driven, &turned(self.u)),
+            pressures: turned(self.pressures),
+            cold: self.cold,
+        }
+    }
+}
+
+/// A frame with what the next needs to go on from it.
+struct Link {
+    found: Found,
+    excitation: Excitation,
+    /// The weakest pressure/target over √(Σ|H|²/M): comparable wherever the foci are.
+    part: f64,
+    /// The most that this was since the last search.
+    most: f64,
+}
+
+impl Link {
+    fn new(problem: &Problem<'_>, excitation: Excitation, cold: bool) -> Self {
+        let found = Found::new(problem, &excitation, cold);
+        let power = problem.transfer.rows().map(|row| row.map(|h| h.norm_sqr()).sum::<f64>()).sum::<f64>();
+        let part = found.weakest() / (power / problem.foci.len() as f64).sqrt().max(f64::MIN_POSITIVE);
+        Self { found, excitation, part, most: part }
+    }
+}
+
+type Excite<'a> = dyn Fn(&Problem<'_>) -> Result<Excitation, SolveError> + Sync + 'a;
+
+fn chained(aperture: &Aperture, foci: &[&[Focus]], excite: &Excite<'_>) -> Result<Vec<Found>, SolveError> {
+    let problem = |frame: usize| Problem::new(aperture, foci[frame].to_vec());
+    let keys = keyframes(foci, STRIDE * aperture.wavelength());
+    let first = problem(keys[0]);
+    let mut links = vec![Link::new(&first, excite(&first)?, true)];
+    for (before, &key) in keys[1..].iter().enumerate() {
+        links.push(go_on(&problem(key), &links[before], excite)?);
+    }
+    let between = |&frame: &usize| {
+        let before = keys.partition_point(|&key| key < frame) - 1;
+        Ok((frame, go_on(&problem(frame), &links[before], excite)?.found))
+    };
+    let gaps: Vec<_> = (0..foci.len()).filter(|frame| keys.binary_search(frame).is_err()).collect();
+    let mut found = gaps.par_iter().map(between).collect::<Result<Vec<_>, SolveError>>()?;
+    found.extend(keys.iter().copied().zip(links.into_iter().map(|link| link.found)));
+    found.sort_by_key(|&(frame, _)| frame);
+    Ok(found.into_iter().map(|(_, found)| found).collect())
+}
+
+/// The first frame, and then always the last one that is near the one before, or the next.
+fn keyframes(foci: &[&[Focus]], stride: f64) -> Vec<usize> {
+    let mut keys = vec![0];
+    let mut key = 0;
+    for frame in 1..foci.len() {
+        if farthest(foci[key], foci[frame]) > stride {
+            key = (frame - 1).max(key + 1);
+            keys.push(key);
+        }
+    }
+    keys
+}
+
+/// How far (m) the focus that goes farthest goes; infinite where they are not as many.
+fn farthest(from: &[Focus], to: &[Focus]) -> f64 {
+    if from.len() != to.len() {
+        return f64::INFINITY;
+    }
+    from.iter().zip(to).map(|(a, b)| a.position.distance(b.position)).fold(0.0, f64::max)
+}
+
+/// Goes on from a frame; where that is too far away, or ends in something worse than before, a search decides.
+fn go_on(problem: &Problem<'_>, before: &Link, excite: &Excite<'_>) -> Result<Link, SolveError> {
+    let near = farthest(&before.found.foci, &problem.foci) <= FARTHEST * problem.aperture.wavelength();
+    let search = || Ok(Link::new(problem, excite(problem)?, true));
+    if !near {
+        return search();
+    }
+    let warm = Link::new(problem, solver::excite_from(problem, &before.excitation), false);
+    if warm.part >= KEPT * before.most {
+        return Ok(Link { most: warm.part.max(before.most), ..warm });
+    }
+    let cold: Link = search()?;
+    Ok(if cold.part > warm.part { cold } else { warm })
+}
+
+/// How far (rad) to turn each frame as a whole, so that phases move as little as can be from the one before, and from the last to
+/// the first: what is left over at the end of the round is shared out among all.
+fn turns(frames: &[Found]) -> Vec<f64> {
+    let count = frames.len();
+    let ahead = |i: usize| {
+        let before = &frames[(i + count - 1) % count];
+        before.u.iter().zip(&frames[i].u).map(|(from, to)| from.conj() * to).sum::<Complex64>().arg()
+    };
+    let ahead: Vec<_> = (0..count).map(ahead).collect();
+    let left_over = Complex64::from_polar(1.0, ahead.iter().sum()).arg();
+    let mut angle = 0.0;
+    let turn = |ahead: &f64| {
+        angle += left_over / count as f64 - ahead;
+        angle
+    };
+    std::iter::once(0.0).chain(ahead[1..].iter().map(turn)).collect()
+}
+
+/// `frames` is how many are played, those that stand still included.
+fn phase_steps(solved: &[Frame], driven: &[usize], frames: usize) -> PhaseSteps {
+    let mut steps = PhaseSteps::default();
+    let mut squares = 0.0;
+    for to in 0..solved.len() {
+        let before = &solved[(to + solved.len() - 1) % solved.len()].drive.phases;
+        for &n in driven {
+            let apart = (solved[to].drive.phases[n] - before[n]).abs();
+            let step = apart.min(TAU - apart);
+            squares += step * step;
+            if step > steps.largest {
+                (steps.largest, steps.to) = (step, to);
+            }
+        }
+    }
+    steps.rms = (squares / (driven.len() * frames) as f64).sqrt();
+    steps
+}
+
+#[cfg(test)]
+mod tests {
+    use std::f64::consts::TAU;
+
+    use glam::DVec3;
+
+    use super::*;
+    use crate::scene::{Motion, MotionPath, Shape, Target};
+
+    fn scene(points: &[DVec3], frames: u32) -> Scene {
+        let target = |&at: &DVec3| Target::new(Shape::Point { at });
+        Scene {
+            targets: points.iter().map(target).collect(),
+            motion: Motion { path: MotionPath::Circle, frames, ..Motion::default() },
+            ..Scene::default()
+        }
+    }
+
+    fn ring(count: usize) -> Vec<DVec3> {
+        let at = |i: usize| {
+            let (sin, cos) = (TAU * i as f64 / count as f64).sin_cos();
+            DVec3::new(0.02 * cos, 0.02 * sin, 0.1)
+        };
+        (0..count).map(at).collect()
+    }
+
+    /// The weakest focus of every frame over that of a search for this frame alone.
+    fn beside_search(scene: &Scene, sequence: &Sequence) -> Vec<f64> {
+        let aperture = Aperture::new(scene);
+        let part = |frame: &Frame| {
+            let problem = Problem::new(&aperture, frame.foci.clone());
+            let cold = Found::new(&problem, &solver::excite(&problem, Method::Best, 0).unwrap(), true);
+            frame.min_pressure() / cold.weakest()
+        };
+        sequence.frames.iter().map(part).collect()
+    }
+
+    #[test]
+    fn going_on_from_frame_to_frame_reaches_what_searching_does() {
+        let scene = scene(&ring(8), 64);
+        let sequence = follow(&scene).unwrap();
+        let parts = beside_search(&scene, &sequence);
+        let mean = parts.iter().sum::<f64>() / 64.0;
+        assert!(mean > 0.995, "{mean}");
+        assert!(parts.iter().all(|&part| part > 0.98), "{parts:?}");
+        let cold = sequence.frames.iter().filter(|frame| frame.cold).count();
+        assert!((1..=4).contains(&cold), "{cold} searches");
+    }
+
+    #[test]
+    fn crowded_foci_are_searched_for_where_going_on_fails() {
+        let row: Vec<_> =
+            (0..16).map(|i| DVec3::new(-0.035 + 0.07 * f64::from(i) / 15.0, 0.0, 0.1)).collect();
+        let scene = scene(&row, 64);
+        let sequence = follow(&scene).unwrap();
+        let parts = beside_search(&scene, &sequence);
+        assert!(parts.iter().all(|&part| part > 0.85), "{parts:?}");
+        assert!(sequence.frames.iter().filter(|frame| frame.cold).count() > 4);
+    }
+
+    #[test]
+    fn any_number_of_threads_finds_the_same_drives() {
+        let scene = scene(&ring(5), 300);
+        let with = |threads: usize| {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+            pool.install(|| follow(&scene).unwrap())
+        };
+        let (one, four) = (with(1), with(4));
+        assert_eq!(one.frames, four.frames);
+        assert_eq!(one.steps, four.steps);
+    }
+
+    #[test]
+    fn slow_foci_move_phases_by_little_even_where_the_round_closes() {
+        for method in [Method::Focus, Method::Best, Method::Weighted] {
+            let mut scene = scene(&[DVec3::new(0.01, 0.0, 0.1)], 512);
+            scene.solver.method = method;
+            let steps = follow(&scene).unwrap().steps;
+            let step = scene.motion.length() / 512.0;
+            let farthest = Aperture::new(&scene).element.wavenumber * step;
+            assert!(steps.largest < farthest, "{method:?}: {steps:?}, more than the way in wavelengths");
+            assert!(steps.rms > 0.2 * farthest, "{method:?}: {steps:?}");
+        }
+    }
+
+    #[test]
+    fn frames_are_what_their_drives_play() {
+        let mut scene = scene(&ring(3), 24);
+        scene.array.off = vec![0, 100];
+        for method in [Method::Best, Method::Weighted, Method::Naive] {
+            scene.solver.method = method;
+            let aperture = Aperture::new(&scene);
+            for frame in follow(&scene).unwrap().frames {
+                let problem = Problem::new(&aperture, frame.foci.clone());
+                let played = problem.transfer.pressure(&frame.drive.excitation(&aperture.driven));
+                let largest = frame.pressures.iter().map(|p| p.norm()).fold(0.0, f64::max);
+                for (played, said) in played.iter().zip(&frame.pressures) {
+                    assert!((played - said).norm() < 1e-9 * largest, "{method:?}: {played} and {said}");
+                }
+                assert_eq!(frame.drive.amplitudes[100], 0.0);
+            }
+        }
+    }
+
+    #[test]
+    fn steps_are_searched_for_once_and_stand_still() {
+        let mut scene = scene(&ring(4), 12);
+        scene.motion.path = MotionPath::Steps;
+        for (target, step) in scene.targets.iter_mut().zip([0, 1, 2, 2]) {
+            target.step = Some(step);
+        }
+        let sequence = follow(&scene).unwrap();
+        for (i, frame) in sequence.frames.iter().enumerate() {
+            let first = &sequence.frames[i / 4 * 4];
+            assert!(frame.cold && frame == first, "frame {i}");
+        }
+        assert_eq!(sequence.frames[8].foci.len(), 2);
+        assert_eq!(sequence.steps.to % 4, 0, "a step begins where phases jump");
+    }
+
+    #[test]
+    fn a_scene_that_stands_still_is_one_frame() {
+        let mut scene = scene(&ring(2), 9);
+        scene.motion.path = MotionPath::None;
+        let sequence = follow(&scene).unwrap();
+        let alone = solver::solve(&scene).unwrap();
+        assert_eq!(sequence.frames.len(), 1);
+        assert_eq!(sequence.steps, PhaseSteps::default());
+        assert!((sequence.frames[0].min_pressure() / alone.quality.min_pressure - 1.0).abs() < 1e-9);
+        assert!((sequence.frames[0].spread() - alone.quality.spread).abs() < 1e-9);
+    }
+}
