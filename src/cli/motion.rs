@@ -48,7 +48,7 @@ pub fn follow(scene: &Scene, name: &str) -> anyhow::Result<Sequence> {
         note("nothing moves: `path` in [motion] is \"none\", so there is one frame");
     }
     let sequence = frames::follow(scene).map_err(|error| anyhow::anyhow!("{name}: {error}"))?;
-    for warning in &sequence.warnings {
+    for warning in frames::warnings(scene, &sequence) {
         warn(&format!("in the first frame, {warning}"));
     }
     Ok(sequence)

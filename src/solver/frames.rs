@@ -29,8 +29,6 @@ pub struct Sequence {
     pub steps: PhaseSteps,
     /// Time that finding all drives took.
     pub seconds: f64,
-    /// What the user should know of the first frame, a sentence each.
-    pub warnings: Vec<String>,
 }
 
 /// What is played for a part of a round.
@@ -110,16 +108,19 @@ pub fn follow(scene: &Scene) -> Result<Sequence, SolveError> {
 
     let mut steps = phase_steps(&solved, &aperture.driven, frames.len());
     steps.to = stands[..steps.to].iter().map(|stand| stand.len()).sum();
-    let first = problem(&stands[0]);
-    let quality = Quality::without_bound(&first, &excite(&first)?, &solved[0].pressures);
     let repeated =
         solved.into_iter().zip(&stands).flat_map(|(frame, stand)| std::iter::repeat_n(frame, stand.len()));
-    Ok(Sequence {
-        frames: repeated.collect(),
-        steps,
-        seconds,
-        warnings: solver::warnings(&aperture, &first.foci, &quality),
-    })
+    Ok(Sequence { frames: repeated.collect(), steps, seconds })
+}
+
+/// What the user should know of the first frame, a sentence each.
+pub fn warnings(scene: &Scene, sequence: &Sequence) -> Vec<String> {
+    let aperture = Aperture::new(scene);
+    let Frame { foci, drive, pressures, .. } = &sequence.frames[0];
+    let problem = Problem::new(&aperture, foci.clone());
+    let values = drive.excitation(&aperture.driven);
+    let played = Excitation { values, iterations: 0, residual: None, weights: None };
+    solver::warnings(&aperture, foci, &Quality::without_bound(&problem, &played, pressures))
 }
 
 /// What is found for a frame, before it is turned as a whole.
