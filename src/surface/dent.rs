@@ -109,7 +109,7 @@ impl Tank {
         let [columns, rows] = self.counts;
         let mut modes = shape.to_vec();
         self.along_both(&mut modes, |transform, line, scratch| {
-            transform.process_dct2_with_scratch(line, scratch)
+            transform.process_dct2_with_scratch(line, scratch);
         });
         for (index, mode) in modes.iter_mut().enumerate() {
             let half = |is_first: bool| if is_first { 1.0 } else { 2.0 };
