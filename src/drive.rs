@@ -25,6 +25,24 @@ impl Drive {
         drive
     }
 
+    /// The `excitation` itself (one value per driven element), its largest at full amplitude.
+    pub fn free(elements: usize, driven: &[usize], excitation: &[Complex64]) -> Self {
+        let mut drive = Self::uniform(elements, driven, excitation);
+        let largest = excitation.iter().map(|u| u.norm()).fold(f64::MIN_POSITIVE, f64::max);
+        for (&element, u) in driven.iter().zip(excitation) {
+            drive.amplitudes[element] = (u.norm() / largest).min(1.0);
+        }
+        drive
+    }
+
+    /// The same drive with every amplitude times `part`, 0 to 1.
+    pub fn turned_down(mut self, part: f64) -> Self {
+        for amplitude in &mut self.amplitudes {
+            *amplitude *= part;
+        }
+        self
+    }
+
     /// The same drive as a board with `levels` phases per period plays it.
     pub fn at_levels(&self, levels: u32) -> Self {
         let played = |&phase: &f64| {
@@ -82,6 +100,17 @@ mod tests {
                 assert_eq!(level, delay_level(*wanted, levels), "playing what is played changes nothing");
             }
         }
+    }
+
+    #[test]
+    fn a_free_drive_keeps_ratios_and_its_loudest_element_plays_fully() {
+        let values = [(3.0, 1.0), (0.0, 0.0), (6.0, -2.0)].map(|(r, phase)| Complex64::from_polar(r, phase));
+        let drive = Drive::free(4, &[0, 1, 3], &values);
+        assert_eq!(drive.amplitudes, [0.5, 0.0, 0.0, 1.0]);
+        assert!((drive.phases[3] + 2.0).abs() < 1e-15);
+        assert_eq!(drive.clone().turned_down(0.5).amplitudes, [0.25, 0.0, 0.0, 0.5]);
+        assert_eq!(drive.clone().turned_down(0.5).phases, drive.phases);
+        assert_eq!(Drive::free(1, &[0], &[Complex64::ZERO]).amplitudes, [0.0], "nothing stays nothing");
     }
 
     #[test]

@@ -14,7 +14,7 @@ use std::path::PathBuf;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 
 use crate::picture::ColourMap;
-use crate::scene::{Method, Scene, file};
+use crate::scene::{Listener, Method, Scene, file};
 
 /// The scene that is shown when none is named.
 const EXAMPLE: &str = include_str!("../../assets/scenes/hit.toml");
@@ -56,6 +56,8 @@ enum Command {
     ///   sonoglyph solve assets/scenes/circle.toml --method all
     ///
     ///   sonoglyph solve hit.toml --json --csv drive.csv
+    ///
+    ///   sonoglyph solve hit.toml --listener 0,-0.4,0.3
     #[command(verbatim_doc_comment)]
     Solve(SolveArgs),
     /// Compute the complex pressure at points from a CSV file
@@ -130,6 +132,9 @@ struct SolveArgs {
     /// Say what a board with L phase levels per period reaches, and find the best drive on these levels; --csv writes it
     #[arg(long, value_name = "L", value_parser = clap::value_parser!(u32).range(2..=65536))]
     levels: Option<u32>,
+    /// Say how loud it is for an ear at a point (m), instead of the scene's
+    #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true, value_parser = solve::parse_listener)]
+    listener: Option<Listener>,
 }
 
 #[derive(Debug, Args)]

@@ -6,8 +6,10 @@
 
 pub mod colouring;
 pub mod cpu;
+pub mod ghost;
 pub mod gpu;
 pub mod interpolation;
+pub mod listener;
 pub mod plan;
 pub mod polynomial;
 pub mod raster;
@@ -25,7 +27,9 @@ use crate::drive::Drive;
 use crate::scene::Plane;
 
 pub use colouring::{Colouring, Quantity};
+pub use ghost::{Ghost, NoGhost};
 pub use gpu::{Gpu, GpuError};
+pub use listener::Heard;
 pub use plan::Plan;
 pub use raster::Raster;
 pub use sources::{Sources, Wave};

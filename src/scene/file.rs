@@ -9,7 +9,7 @@ use toml::de::{DeTable, DeValue};
 
 use crate::scene::check::{Key, KeyError, check};
 use crate::scene::target::TargetTable;
-use crate::scene::{Array, Liquid, Medium, Modulation, Motion, Plane, Scene, Solver, outline};
+use crate::scene::{Array, Liquid, Listener, Medium, Modulation, Motion, Plane, Scene, Solver, outline};
 
 /// The version of the file format that this program reads and writes.
 pub const FORMAT: u32 = 1;
@@ -98,11 +98,13 @@ struct SceneTable {
     modulation: Modulation,
     #[serde(default)]
     motion: Motion,
+    listener: Option<Listener>,
 }
 
 impl SceneTable {
     fn into_scene(self) -> Result<Scene, KeyError> {
-        let Self { format, medium, array, target, solver, plane, liquid, modulation, motion } = self;
+        let Self { format, medium, array, target, solver, plane, liquid, modulation, motion, listener } =
+            self;
         if format != FORMAT {
             return Err(KeyError::new([Key::from("format")], format!("this program reads format {FORMAT}")));
         }
@@ -111,7 +113,7 @@ impl SceneTable {
             .enumerate()
             .map(|(index, table)| table.into_target(index))
             .collect::<Result<_, _>>()?;
-        Ok(Scene { format, medium, array, targets, solver, plane, liquid, modulation, motion })
+        Ok(Scene { format, medium, array, targets, solver, plane, liquid, modulation, motion, listener })
     }
 }
 
@@ -211,6 +213,12 @@ mod tests {
             ("[[target]]\nkind = \"line\"\npoints = 1000000", 4, "target[1].points = 1000000"),
             ("[[target]]\nkind = \"line\"\npoints = 4\nspacing = 0.1", 4, "not both"),
             ("[modulation]\nfrequency = 0", 3, "modulation.frequency = 0"),
+            ("[[target]]\npressure = 0", 3, "0 or less is no target: leave the target out"),
+            ("[[target]]\npressure = -2.5", 3, "1000000000 relative to the other foci"),
+            ("[[target]]\npressure = -2.5\n[solver]\npressures = \"pascal\"", 3, "1000000000 Pa (peak)"),
+            ("[[target]]\npressure = 1e10", 3, "must be a number from"),
+            ("[listener]\nat = [0, 0.3, -0.1]", 3, "listener.at = [0, 0.3, -0.1]: behind the array"),
+            ("[listener]\nat = [0, 0, 200]", 3, "listener.at"),
         ] {
             let error = error(&format!("format = 1\n{body}\n"));
             assert!(error.starts_with(&format!("a.toml:{line}: ")), "{body}: {error}");
@@ -261,6 +269,11 @@ mod tests {
             [motion]
             path = "points"
             points = [[0, 0, 0.01]]
+            [solver]
+            pressures = "pascal"
+            amplitudes = "free"
+            [listener]
+            at = [0, -0.3, 0.4]
         "#;
         let scene = parse(text, Path::new("a.toml")).unwrap();
         assert_eq!(scene.targets.len(), 8);

@@ -159,7 +159,7 @@ fn measure_moved(
 fn quality(problem: &Problem<'_>, excitation: &Excitation) -> Quality {
     let Aperture { positions, driven, .. } = problem.aperture;
     let drive = Drive::uniform(positions.len(), driven, &excitation.values);
-    Quality::without_bound(problem, excitation, &problem.transfer.pressure(&drive.excitation(driven)))
+    Quality::new(problem, excitation, &problem.transfer.pressure(&drive.excitation(driven)))
 }
 
 fn workloads(quick: bool) -> Vec<Workload> {
