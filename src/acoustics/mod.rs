@@ -4,6 +4,7 @@ pub mod air;
 pub mod element;
 mod row;
 mod transfer;
+mod turns;
 
 use std::f64::consts::TAU;
 
@@ -16,6 +17,7 @@ use row::Elements;
 
 pub use element::Element;
 pub use transfer::{Phasors, Sums, Transfer};
+pub use turns::Turns;
 
 /// The array as a radiator: equal elements at known places, some of them driven.
 #[derive(Clone, Debug, PartialEq)]
