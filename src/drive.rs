@@ -25,6 +25,22 @@ impl Drive {
         drive
     }
 
+    /// The `excitation` itself (one value per driven element, of modulus 1 at most).
+    pub fn of(elements: usize, driven: &[usize], excitation: &[Complex64]) -> Self {
+        let mut drive = Self::uniform(elements, driven, excitation);
+        for (&element, u) in driven.iter().zip(excitation) {
+            drive.amplitudes[element] = u.norm().min(1.0);
+        }
+        drive
+    }
+
+    /// The `excitation` to such a scale that its largest is at full amplitude.
+    pub fn free(elements: usize, driven: &[usize], excitation: &[Complex64]) -> Self {
+        let largest = excitation.iter().map(|u| u.norm()).fold(f64::MIN_POSITIVE, f64::max);
+        let scaled: Vec<_> = excitation.iter().map(|u| u / largest).collect();
+        Self::of(elements, driven, &scaled)
+    }
+
     /// The same drive as a board with `levels` phases per period plays it.
     pub fn at_levels(&self, levels: u32) -> Self {
         let played = |&phase: &f64| {
@@ -82,6 +98,15 @@ mod tests {
                 assert_eq!(level, delay_level(*wanted, levels), "playing what is played changes nothing");
             }
         }
+    }
+
+    #[test]
+    fn a_free_drive_keeps_ratios_and_its_loudest_element_plays_fully() {
+        let values = [(3.0, 1.0), (0.0, 0.0), (6.0, -2.0)].map(|(r, phase)| Complex64::from_polar(r, phase));
+        let drive = Drive::free(4, &[0, 1, 3], &values);
+        assert_eq!(drive.amplitudes, [0.5, 0.0, 0.0, 1.0]);
+        assert!((drive.phases[3] + 2.0).abs() < 1e-15);
+        assert_eq!(Drive::free(1, &[0], &[Complex64::ZERO]).amplitudes, [0.0], "nothing stays nothing");
     }
 
     #[test]

@@ -127,6 +127,20 @@ pub fn deduct_product<I: Instructions, const N: usize>(sum: &mut [f64; N], a: &[
     }
 }
 
+/// The sum of all lanes, folded in half until one is left: a chain of sums is waited for.
+#[inline(always)]
+pub fn total<const N: usize>(sum: &[f64; N]) -> f64 {
+    let mut sum = *sum;
+    let mut width = N;
+    while width > 1 {
+        width /= 2;
+        for lane in 0..width {
+            sum[lane] += sum[lane + width];
+        }
+    }
+    sum[0]
+}
+
 struct Baseline;
 
 impl Instructions for Baseline {

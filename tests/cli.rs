@@ -91,6 +91,8 @@ fn solve_prints_the_json_that_other_programs_read() {
             "relative_to_single",
             "bound",
             "certified",
+            "ghost",
+            "ghost_position",
             "residual",
             "rank",
             "condition"
@@ -106,6 +108,60 @@ fn solve_prints_the_json_that_other_programs_read() {
         value["foci"].as_array().unwrap().iter().map(|f| f["pressure"].as_f64().unwrap()).collect();
     let mean = pressures.iter().sum::<f64>() / 4.0;
     assert!((value["quality"]["mean_pressure"].as_f64().unwrap() / mean - 1.0).abs() < 1e-12);
+}
+
+#[test]
+fn solve_answers_in_the_pascals_asked_for() {
+    let text = |pressure: f64| {
+        format!("{POINT}pressures = \"pascal\"\n[[target]]\nat = [-0.02, 0, 0.1]\npressure = {pressure}\n")
+            .replace("method = \"focus\"\n", "")
+            .replace("0.1]\n[solver]", "0.1]\npressure = 300\n[solver]")
+    };
+    let folder = folder_with(&[("quiet.toml", &text(600.0)), ("loud.toml", &text(60000.0))]);
+    let args = ["solve", "quiet.toml", "--json", "--csv", "drive.csv"];
+    let quiet: Value = serde_json::from_str(&succeed(folder.path(), &args)).unwrap();
+    let amplitude = quiet["amplitudes"][0].as_f64().unwrap();
+    assert!(0.05 < amplitude && amplitude < 0.9, "{amplitude}");
+    for (focus, asked) in quiet["foci"].as_array().unwrap().iter().zip([300.0, 600.0]) {
+        assert_eq!(focus["target"], asked);
+        assert!((focus["pressure"].as_f64().unwrap() / asked - 1.0).abs() < 1e-3, "{focus}");
+    }
+    let row = fs::read_to_string(folder.path().join("drive.csv")).unwrap().lines().nth(1).unwrap().to_owned();
+    let written: f64 = row.split(',').next_back().unwrap().parse().unwrap();
+    assert!((written / amplitude - 1.0).abs() < 1e-12, "{row} is what is played");
+    // What is rendered is what is played: the loudest pixel is the louder focus.
+    succeed(folder.path(), &["render", "quiet.toml", "-o", "a.png", "--size", "200", "--data", "a.npy"]);
+    let bytes = fs::read(folder.path().join("a.npy")).unwrap();
+    let values: Vec<f32> = npyz::NpyFile::new(&bytes[..]).unwrap().into_vec().unwrap();
+    let peak = f64::from(values.iter().copied().fold(0.0, f32::max)) * 2f64.sqrt();
+    assert!((peak / 600.0 - 1.0).abs() < 0.03, "{peak}");
+    let output = run(folder.path(), &["solve", "loud.toml"]);
+    let (said, warned) = (String::from_utf8_lossy(&output.stdout), String::from_utf8_lossy(&output.stderr));
+    assert!(warned.contains("30150.0 Pa") && warned.contains("full drive is played"), "{warned}");
+    assert!(warned.contains("no drive of this array brings every focus to more than"), "{warned}");
+    assert!(said.contains("each at 100.00 % of full drive"), "{said}");
+}
+
+#[test]
+fn solve_says_how_loud_it_is_for_a_listener() {
+    let folder =
+        folder_with(&[("a.toml", POINT), ("b.toml", &format!("{POINT}[listener]\nat = [0, 0, 9]\n"))]);
+    let heard = |args: &[&str]| -> Value {
+        serde_json::from_str::<Value>(&succeed(folder.path(), &[args, &["--json"]].concat())).unwrap()["listener"].clone()
+    };
+    assert_eq!(heard(&["solve", "a.toml"]), Value::Null);
+    assert_eq!(heard(&["solve", "b.toml"])["position"][2], 9.0);
+    let aside = heard(&["solve", "b.toml", "--listener", "-0.5, 0.1,0.3"]);
+    assert_eq!(aside["position"][0], -0.5);
+    let (rms, spl) = (aside["rms"].as_f64().unwrap(), aside["spl"].as_f64().unwrap());
+    assert!((spl - 20.0 * (rms / 20e-6).log10()).abs() < 1e-9, "{aside}");
+    fs::write(folder.path().join("ear.csv"), "x,y,z\n-0.5,0.1,0.3\n").unwrap();
+    let probed = succeed(folder.path(), &["probe", "b.toml", "--points", "ear.csv"]);
+    let probed: f64 = probed.lines().nth(1).unwrap().split(',').next_back().unwrap().parse().unwrap();
+    assert!((probed / rms - 1.0).abs() < 1e-12, "{probed} is not {rms}");
+    let output = run(folder.path(), &["solve", "a.toml", "--listener", "0,0,0.5"]);
+    let (said, warned) = (String::from_utf8_lossy(&output.stdout), String::from_utf8_lossy(&output.stderr));
+    assert!(said.contains("dB re 20 µPa") && warned.contains("louder than 110 dB"), "{said} {warned}");
 }
 
 #[test]
@@ -252,6 +308,12 @@ fn bad_scenes_are_refused_with_file_line_and_value() {
         ("format = 1\n[array]\nrows = 10000\ncolumns = 1000\n", &["bad.toml:3", "10000000 elements"]),
         ("format = 1\n[[target]]\nat = [0, 0, 0]\n", &["bad.toml:2", "on or behind the array"]),
         ("format = 1\n", &["bad.toml", "no target"]),
+        (
+            "format = 1\n[[target]]\npressure = -3\n",
+            &["bad.toml:3", "target[1].pressure = -3", "leave the target out"],
+        ),
+        ("format = 1\n[solver]\namplitudes = \"any\"\n", &["bad.toml:3", "uniform"]),
+        ("format = 1\n[listener]\nat = [0, 0, 0]\n", &["bad.toml:3", "listener.at", "behind the array"]),
         ("format = 1\n[[target]]\nkind = \"circle\"\npoints = 1000000\n", &["bad.toml:4", "1000000"]),
         ("format = 1\n[[target]]\nkind = \"text\"\ntext = \"H→T\"\n", &["bad.toml:4", "→"]),
     ] {
@@ -290,6 +352,8 @@ fn bad_arguments_and_files_are_refused() {
         (&["render", "a.toml", "-o", "x.png", "--quantity", "colour"], "colour"),
         (&["solve", "a.toml", "--method", "magic"], "weighted"),
         (&["solve", "two.toml", "--method", "focus"], "`weighted`"),
+        (&["solve", "a.toml", "--listener", "0,-0.3,-0.1"], "behind the array"),
+        (&["solve", "a.toml", "--listener", "0,0.3"], "three numbers"),
         (&["solve", "a.toml", "--csv", "no/such/folder/x.csv"], "no/such/folder/x.csv"),
         (&["probe", "a.toml", "--points", "none.csv"], "none.csv"),
         (&["probe", "a.toml", "--points", "no-z.csv"], "no-z.csv:1: the column `z` is missing"),

@@ -82,7 +82,7 @@ fn a_focused_array_agrees_to_1e_10() {
         let array = square(&reference["array"]["rows"], &reference["array"]["pitch"]);
         let mut scene = scene(&reference["medium"], array);
         scene.targets = vec![Target::new(Shape::Point { at: point(&case["focus"]) })];
-        scene.solver = Solver { method: Method::Focus, iterations: 0 };
+        scene.solver = Solver { method: Method::Focus, ..Solver::default() };
         let drive = solver::solve(&scene).unwrap().drive;
         let aperture = Aperture::new(&scene);
         let points: Vec<_> = case["points"].as_array().unwrap().iter().map(point).collect();
@@ -117,7 +117,7 @@ fn the_weighted_iteration_agrees_at_every_step() {
         for (iterations, expected) in case["efficiency_percent"].as_array().unwrap().iter().enumerate() {
             // 0 iterations in a scene mean the method's default; the table's entry 0 is the pseudo-inverse.
             let method = if iterations == 0 { Method::Pinv } else { Method::Weighted };
-            scene.solver = Solver { method, iterations: iterations as u32 };
+            scene.solver = Solver { method, iterations: iterations as u32, ..Solver::default() };
             let efficiency = 100.0 * solver::solve(&scene).unwrap().quality.efficiency;
             let expected = number(expected);
             assert!(

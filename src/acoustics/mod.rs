@@ -4,6 +4,7 @@ pub mod air;
 pub mod element;
 mod row;
 mod transfer;
+mod turns;
 
 use std::f64::consts::TAU;
 
@@ -16,6 +17,7 @@ use row::Elements;
 
 pub use element::Element;
 pub use transfer::{Phasors, Sums, Transfer};
+pub use turns::Turns;
 
 /// The array as a radiator: equal elements at known places, some of them driven.
 #[derive(Clone, Debug, PartialEq)]
@@ -63,6 +65,14 @@ impl Aperture {
         (self.positions[0], self.positions[self.positions.len() - 1])
     }
 
+    /// The box around the centres of the driven elements: its smallest and its largest corner, m.
+    pub fn extent(&self) -> (DVec2, DVec2) {
+        self.driven
+            .iter()
+            .map(|&n| self.positions[n])
+            .fold((DVec2::MAX, DVec2::MIN), |(low, high), position| (low.min(position), high.max(position)))
+    }
+
     /// H: one row of complex pressures (Pa, peak) per point, one column per driven element.
     pub fn transfer(&self, points: &[DVec3]) -> Transfer {
         let elements = Elements::new(&self.element, self.driven.iter().map(|&n| self.positions[n]));
@@ -77,11 +87,7 @@ impl Aperture {
     /// The distance (m) below which two foci near `point` are not told apart: λ/(2 NA), NA the sine of half the angle
     /// under which the array is seen along its wider side.
     pub fn resolution(&self, point: DVec3) -> f64 {
-        let (low, high) = self
-            .driven
-            .iter()
-            .map(|&n| self.positions[n])
-            .fold((DVec2::MAX, DVec2::MIN), |(low, high), position| (low.min(position), high.max(position)));
+        let (low, high) = self.extent();
         let half_angle = |low: f64, high: f64, x: f64| {
             (((high - x) / point.z).atan() - ((low - x) / point.z).atan()) / 2.0
         };

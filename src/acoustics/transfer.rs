@@ -5,13 +5,13 @@
 use num_complex::Complex64;
 
 use crate::simd::{
-    Instructions, Isa, Kernel, accumulate, accumulate_product, deduct_product, fused64, lanes,
+    Instructions, Isa, Kernel, accumulate, accumulate_product, deduct_product, fused64, lanes, total,
 };
 
 /// Elements that are worked on together; rows are padded to a multiple of it.
-const BLOCK: usize = 16;
+pub(super) const BLOCK: usize = 16;
 /// Partial sums of a row's product, added up at the end.
-const LANES: usize = 8;
+pub(super) const LANES: usize = 8;
 
 /// Complex numbers with their real and imaginary parts apart.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -64,7 +64,7 @@ pub struct Transfer {
     pub points: usize,
     pub elements: usize,
     /// Values from one row to the next: the elements, and zeros.
-    stride: usize,
+    pub(super) stride: usize,
     values: Phasors,
 }
 
@@ -198,8 +198,9 @@ fn back_block<I: Instructions>(
     (re, im)
 }
 
+/// Real and imaginary parts of a block of a row.
 #[inline(always)]
-fn block(transfer: &Transfer, point: usize, start: usize) -> (&[f64; BLOCK], &[f64; BLOCK]) {
+pub(super) fn block(transfer: &Transfer, point: usize, start: usize) -> (&[f64; BLOCK], &[f64; BLOCK]) {
     let at = point * transfer.stride + start;
     let re = transfer.values.re[at..].first_chunk().expect("rows are padded to whole blocks");
     let im = transfer.values.im[at..].first_chunk().expect("rows are padded to whole blocks");
@@ -225,7 +226,7 @@ fn multiply<I: Instructions>(
 }
 
 #[inline(always)]
-fn halves(block: &[f64; BLOCK]) -> [&[f64; LANES]; 2] {
+pub(super) fn halves(block: &[f64; BLOCK]) -> [&[f64; LANES]; 2] {
     let (halves, _) = block.as_chunks::<LANES>();
     [&halves[0], &halves[1]]
 }
@@ -284,8 +285,8 @@ impl<const CHANNELS: usize> Kernel for Step<'_, CHANNELS> {
         for (channel, p) in pressure.iter_mut().enumerate() {
             let first = channel * transfer.points;
             for point in 0..transfer.points {
-                p.re[point] = sums.re[first + point].iter().sum();
-                p.im[point] = sums.im[first + point].iter().sum();
+                p.re[point] = total(&sums.re[first + point]);
+                p.im[point] = total(&sums.im[first + point]);
             }
         }
     }
@@ -305,17 +306,24 @@ impl Kernel for Gram<'_> {
         let Self { left, right, gram } = self;
         let points = left.points;
         for i in 0..points {
-            for j in 0..=i {
-                let (mut re, mut im) = ([0.0; LANES], [0.0; LANES]);
+            // Two at a time keep the adders busy; beyond the diagonal the second is the conjugate of what comes later.
+            for j in (0..=i).step_by(2) {
+                let others = [j, (j + 1).min(points - 1)];
+                let mut sums = [([0.0; LANES], [0.0; LANES]); 2];
                 for start in (0..left.stride).step_by(BLOCK) {
-                    // H_j* comes from the right.
-                    let (b_re, b_im) = block(right, j, start);
-                    let b_im = lanes::<BLOCK>(|lane| -b_im[lane]);
-                    multiply::<I>(block(left, i, start), (b_re, &b_im), (&mut re, &mut im));
+                    let of_i = block(left, i, start);
+                    for ((re, im), other) in sums.iter_mut().zip(others) {
+                        // H_j* comes from the right.
+                        let (b_re, b_im) = block(right, other, start);
+                        let b_im = lanes::<BLOCK>(|lane| -b_im[lane]);
+                        multiply::<I>(of_i, (b_re, &b_im), (re, im));
+                    }
                 }
-                let value = Complex64::new(re.iter().sum(), im.iter().sum());
-                gram.set(i * points + j, value);
-                gram.set(j * points + i, value.conj());
+                for ((re, im), other) in sums.iter().zip(others) {
+                    let value = Complex64::new(total(re), total(im));
+                    gram.set(i * points + other, value);
+                    gram.set(other * points + i, value.conj());
+                }
             }
         }
     }

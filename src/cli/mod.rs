@@ -18,7 +18,7 @@ use std::path::PathBuf;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 
 use crate::picture::ColourMap;
-use crate::scene::{Method, Scene, file};
+use crate::scene::{Listener, Method, Scene, file};
 
 /// The scene that is shown when none is named.
 const EXAMPLE: &str = include_str!("../../assets/scenes/hit.toml");
@@ -68,6 +68,8 @@ enum Command {
     ///   sonoglyph solve hit.toml --json --csv drive.csv
     ///
     ///   sonoglyph solve assets/scenes/water-moving-square.toml --motion --csv frames.csv
+    ///
+    ///   sonoglyph solve hit.toml --listener 0,-0.4,0.3
     #[command(verbatim_doc_comment)]
     Solve(SolveArgs),
     /// Compute the complex pressure at points from a CSV file
@@ -171,6 +173,9 @@ struct SolveArgs {
     /// off. --json prints one object whose `frames` hold time, foci, pressures (Pa, peak) and phases.
     #[arg(long, conflicts_with = "levels")]
     motion: bool,
+    /// Say how loud it is for an ear at a point (m), instead of the scene's
+    #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true, value_parser = solve::parse_listener)]
+    listener: Option<Listener>,
 }
 
 #[derive(Debug, Args)]

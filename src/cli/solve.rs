@@ -1,15 +1,18 @@
 //! `sonoglyph solve`: the drive of a scene and its quality, as a table, JSON or CSV.
 
 use comfy_table::{CellAlignment, Table};
+use glam::DVec3;
+use num_complex::Complex64;
 use serde_json::{Value, json};
 
 use crate::acoustics::Aperture;
 use crate::cli::{SolveArgs, output, parse_method, read_scene, warn};
 use crate::drive::{Drive, delay_level};
+use crate::field::{Evaluator, Ghost, Heard, NoGhost, Stages, ghost};
 use crate::picture::sheet::pascals;
-use crate::scene::{Method, Scene};
+use crate::scene::{Amplitudes, Focus, Listener, Method, Pressures, Scene, check};
 use crate::solver::levels::{self, Reached};
-use crate::solver::{self, Problem, Solution, SolveError};
+use crate::solver::{self, Certificate, Problem, Solution, SolveError};
 
 /// Which methods to run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -25,12 +28,23 @@ pub fn parse_methods(name: &str) -> Result<Methods, String> {
     parse_method(name).map(Methods::One).map_err(|error| format!("{error}, all"))
 }
 
+pub fn parse_listener(text: &str) -> Result<Listener, String> {
+    let numbers: Result<Vec<f64>, _> = text.split(',').map(|number| number.trim().parse()).collect();
+    let Some(&[x, y, z]) = numbers.as_deref().ok() else {
+        return Err("give three numbers in metres: X,Y,Z".to_owned());
+    };
+    let listener = Listener { at: DVec3::new(x, y, z) };
+    check::listener(&listener).map_err(|error| error.message)?;
+    Ok(listener)
+}
+
 pub fn run(args: &SolveArgs) -> anyhow::Result<()> {
     let one = match args.method {
         Some(Methods::One(method)) => Some(method),
         Some(Methods::All) | None => None,
     };
-    let scene = read_scene(&args.scene, one)?;
+    let mut scene = read_scene(&args.scene, one)?;
+    scene.listener = args.listener.clone().or(scene.listener);
     if let Some(path) = &args.csv {
         if args.method == Some(Methods::All) {
             anyhow::bail!("--csv writes one drive: name one method");
@@ -45,26 +59,74 @@ pub fn run(args: &SolveArgs) -> anyhow::Result<()> {
     }
     let in_file = |error: SolveError| anyhow::anyhow!("{}: {error}", args.scene.display());
     let solution = solver::solve(&scene).map_err(in_file)?;
-    report_warnings(&solution);
     let aperture = Aperture::new(&scene);
-    let played = args.levels.map(|levels| Played::new(&aperture, &solution, levels));
+    let problem = Problem::new(&aperture, solution.foci.clone());
+    let findings = Findings::new(&scene, &problem, solver::bound(&problem), &mut stages(), solution);
+    findings.warnings().iter().for_each(|warning| warn(warning));
+    let played = args.levels.map(|levels| Played::new(&problem, &findings.solution, levels));
     if let Some(path) = &args.csv {
-        let drive = played.as_ref().map_or(&solution.drive, |played| &played.refined.0);
+        let drive = played.as_ref().map_or(&findings.solution.drive, |played| &played.refined.0);
         output::write(path, csv(&aperture, drive).as_bytes())?;
     }
     if args.json {
-        let mut value = json(&solution);
+        let mut value = findings.json();
         if let Some(played) = &played {
             value["played"] = played.json();
         }
         println!("{}", serde_json::to_string_pretty(&value)?);
     } else {
-        print(&solution);
+        findings.print(&scene);
         if let Some(played) = &played {
-            played.print();
+            played.print(scene.solver.pressures);
         }
     }
     Ok(())
+}
+
+/// The stages of the map that ghosts are searched on.
+fn stages() -> Stages {
+    Stages::new(Evaluator::Cpu)
+}
+
+/// A solution, and what is known of it beside its own quality.
+struct Findings {
+    solution: Solution,
+    certificate: Certificate,
+    ghost: Result<Ghost, NoGhost>,
+    heard: Option<Heard>,
+    /// What the user should know of all that, a sentence each.
+    notices: Vec<String>,
+}
+
+impl Findings {
+    /// `bound` is that of the problem.
+    fn new(
+        scene: &Scene,
+        problem: &Problem<'_>,
+        bound: f64,
+        stages: &mut Stages,
+        solution: Solution,
+    ) -> Self {
+        let certificate = Certificate::new(&solution, bound);
+        let points: Vec<_> = solution.foci.iter().map(|focus| focus.position).collect();
+        let aperture = problem.aperture;
+        let ghost = ghost::loudest(stages, aperture, &scene.plane, &solution.drive, &points);
+        let heard =
+            scene.listener.as_ref().map(|listener| Heard::new(aperture, &solution.drive, listener.at));
+        let mut notices = Vec::new();
+        if scene.solver.pressures == Pressures::Pascal && bound < 1.0 {
+            notices.push(format!(
+                "no drive of this array brings every focus to more than {} of what is asked",
+                percent(bound)
+            ));
+        }
+        notices.extend(heard.and_then(|heard| heard.warning()));
+        Self { solution, certificate, ghost, heard, notices }
+    }
+
+    fn warnings(&self) -> Vec<&String> {
+        self.solution.warnings.iter().chain(&self.notices).collect()
+    }
 }
 
 /// What a board with few phase levels makes of a drive.
@@ -76,10 +138,9 @@ struct Played {
 }
 
 impl Played {
-    fn new(aperture: &Aperture, solution: &Solution, levels: u32) -> Self {
-        let problem = Problem::new(aperture, solution.foci.clone());
-        let reached = |drive: &Drive| Reached::new(&problem, drive);
-        let refined = levels::refined(&problem, &solution.drive, levels);
+    fn new(problem: &Problem<'_>, solution: &Solution, levels: u32) -> Self {
+        let reached = |drive: &Drive| Reached::new(problem, drive);
+        let refined = levels::refined(problem, &solution.drive, levels);
         Self {
             levels,
             ideal: reached(&solution.drive),
@@ -88,18 +149,22 @@ impl Played {
         }
     }
 
-    fn print(&self) {
+    fn print(&self, pressures: Pressures) {
         println!(
             "\nOn {} phase levels (rounding leaves {} of the mean on the average):",
             self.levels,
             percent(levels::expected_part(self.levels))
         );
+        let of_target = |part: f64| match pressures {
+            Pressures::Relative => pascals(part),
+            Pressures::Pascal => format!("{} of its target", percent(part)),
+        };
         for (name, reached) in [("rounded", self.rounded), ("refined", self.refined.1)] {
             println!(
                 "{name:<20}mean {} ({}), weakest {} ({}), spread {}",
                 pascals(reached.mean_pressure),
                 percent(reached.mean_pressure / self.ideal.mean_pressure),
-                pascals(reached.weakest),
+                of_target(reached.weakest),
                 percent(reached.weakest / self.ideal.weakest),
                 percent(reached.spread)
             );
@@ -140,39 +205,67 @@ fn compare(scene: &Scene, as_json: bool) -> anyhow::Result<()> {
             Err(error) => return Err(error.into()),
         }
     }
-    if let Some(solution) = solutions.first() {
-        report_warnings(solution);
-    }
+    let aperture = Aperture::new(scene);
+    let Some(first) = solutions.first() else { return Ok(()) };
+    // The bound knows foci and array alone, and the stages of the map all but the drive: both serve every method.
+    let problem = Problem::new(&aperture, first.foci.clone());
+    let (bound, mut stages) = (solver::bound(&problem), stages());
+    let findings: Vec<_> = solutions
+        .into_iter()
+        .map(|solution| Findings::new(scene, &problem, bound, &mut stages, solution))
+        .collect();
+    report_warnings(&findings);
     if as_json {
-        let values: Vec<_> = solutions.iter().map(json).collect();
+        let values: Vec<_> = findings.iter().map(Findings::json).collect();
         println!("{}", serde_json::to_string_pretty(&values)?);
     } else {
-        println!("{}", comparison(&solutions));
+        println!("{}", comparison(&findings));
     }
     Ok(())
 }
 
-fn report_warnings(solution: &Solution) {
-    for warning in &solution.warnings {
-        warn(warning);
+/// Every warning once, with the methods it is about where it is not about all.
+fn report_warnings(findings: &[Findings]) {
+    let mut said = Vec::new();
+    for warning in findings.iter().flat_map(Findings::warnings) {
+        if said.contains(&warning) {
+            continue;
+        }
+        said.push(warning);
+        let concerned: Vec<_> = findings
+            .iter()
+            .filter(|other| other.warnings().contains(&warning))
+            .map(|other| other.solution.method.name())
+            .collect();
+        if concerned.len() == findings.len() {
+            warn(warning);
+        } else {
+            warn(&format!("{}: {warning}", concerned.join(", ")));
+        }
     }
 }
 
-fn comparison(solutions: &[Solution]) -> Table {
+fn comparison(findings: &[Findings]) -> Table {
     let mut table = Table::new();
-    table.set_header(["method", "mean", "weakest", "spread", "efficiency", "certified", "iterations", "ms"]);
-    for solution in solutions {
+    let mut header =
+        vec!["method", "mean", "weakest", "spread", "efficiency", "certified", "ghost", "iterations", "ms"];
+    header.extend(findings.iter().any(|one| one.heard.is_some()).then_some("listener"));
+    table.set_header(header);
+    for Findings { solution, certificate, ghost, heard, .. } in findings {
         let quality = &solution.quality;
-        table.add_row([
+        let mut row = vec![
             solution.method.name().to_owned(),
             pascals(quality.mean_pressure),
             pascals(quality.min_pressure),
             percent(quality.spread),
             percent(quality.efficiency),
-            percent(quality.certified),
+            percent(certificate.certified),
+            ghost.as_ref().map_or("-".to_owned(), |ghost| percent(ghost.part)),
             solution.iterations.to_string(),
             format!("{:.2}", solution.seconds * 1e3),
-        ]);
+        ];
+        row.extend(heard.map(|heard| format!("{:.1} dB", heard.spl)));
+        table.add_row(row);
     }
     align_numbers(&mut table);
     table
@@ -188,97 +281,159 @@ fn percent(part: f64) -> String {
     format!("{:.2} %", 100.0 * part)
 }
 
-fn print(solution: &Solution) {
-    let quality = &solution.quality;
-    let mut foci = Table::new();
-    foci.set_header(["focus", "x / mm", "y / mm", "z / mm", "target", "pressure (peak)", "phase / rad"]);
-    for (index, (focus, pressure)) in solution.foci.iter().zip(&solution.pressures).enumerate() {
-        let millimetres = focus.position * 1e3;
-        foci.add_row([
-            (index + 1).to_string(),
-            format!("{:.2}", millimetres.x),
-            format!("{:.2}", millimetres.y),
-            format!("{:.2}", millimetres.z),
-            format!("{}", focus.target),
-            pascals(pressure.norm()),
-            format!("{:.3}", pressure.arg()),
-        ]);
-    }
-    align_numbers(&mut foci);
-    println!("{foci}");
+/// The drive as a table's row says it.
+fn drive_row(scene: &Scene, solution: &Solution) -> String {
     let driven = solution.drive.amplitudes.iter().filter(|&&amplitude| amplitude > 0.0).count();
-    let rows = [
-        (
-            "method",
-            format!(
-                "{}, {} iterations, {:.2} ms",
-                solution.method.name(),
-                solution.iterations,
-                solution.seconds * 1e3
-            ),
-        ),
-        ("elements driven", format!("{driven} of {}", solution.drive.phases.len())),
-        ("mean pressure", pascals(quality.mean_pressure)),
-        ("weakest focus", pascals(quality.min_pressure)),
-        ("spread", percent(quality.spread)),
-        ("efficiency", percent(quality.efficiency)),
-        ("relative to single", format!("{:.4}", quality.relative_to_single)),
-        (
-            "bound",
-            format!(
-                "{}: no drive brings every focus to more than this times its target",
-                pascals(quality.bound)
-            ),
-        ),
-        ("certified", format!("at least {} of the best any drive can do", percent(quality.certified))),
-        ("residual", format!("{:.2e}", quality.residual)),
-        (
-            "rank, condition",
-            format!("{} of {} foci, {:.2e}", quality.rank, solution.foci.len(), quality.condition),
-        ),
-    ];
-    for (name, value) in rows {
-        println!("{name:<20}{value}");
-    }
+    let part = percent(solution.turned_down);
+    let how = match (scene.solver.amplitudes, scene.solver.pressures) {
+        (Amplitudes::Uniform, Pressures::Relative) => String::new(),
+        (Amplitudes::Uniform, Pressures::Pascal) => format!(", each at {part} of full drive"),
+        (Amplitudes::Free, _) => format!(", each at its own amplitude, the loudest at {part} of full drive"),
+    };
+    format!("{driven} of {}{how}", solution.drive.phases.len())
 }
 
-/// The object that design and other programs know.
-fn json(solution: &Solution) -> Value {
-    let quality = &solution.quality;
-    let foci: Vec<_> = solution
-        .foci
-        .iter()
-        .zip(&solution.pressures)
-        .map(|(focus, pressure)| {
+fn millimetres(point: DVec3) -> [String; 3] {
+    (point * 1e3).to_array().map(|coordinate| format!("{coordinate:.2}"))
+}
+
+impl Findings {
+    fn print(&self, scene: &Scene) {
+        let Self { solution, certificate, .. } = self;
+        let quality = &solution.quality;
+        println!("{}", foci_table(scene, solution));
+        let no_more = match scene.solver.pressures {
+            Pressures::Relative => {
+                format!(
+                    "{}: no drive brings every focus to more than this times its target",
+                    pascals(certificate.bound)
+                )
+            }
+            Pressures::Pascal => {
+                format!("{}: no drive brings every focus to more of its target", percent(certificate.bound))
+            }
+        };
+        let at_full = if solution.turned_down < 1.0 { ", at full drive" } else { "" };
+        let mut rows = vec![
+            (
+                "method",
+                format!(
+                    "{}, {} iterations, {:.2} ms",
+                    solution.method.name(),
+                    solution.iterations,
+                    solution.seconds * 1e3
+                ),
+            ),
+            ("elements driven", drive_row(scene, solution)),
+            ("mean pressure", pascals(quality.mean_pressure)),
+            ("weakest focus", pascals(quality.min_pressure)),
+            ("spread", percent(quality.spread)),
+            ("efficiency", percent(quality.efficiency)),
+            ("relative to single", format!("{:.4}", quality.relative_to_single)),
+            ("bound", no_more),
+            (
+                "certified",
+                format!("at least {} of the best any drive can do{at_full}", percent(certificate.certified)),
+            ),
+            ("ghost", self.ghost_row()),
+            ("residual", format!("{:.2e}", quality.residual)),
+            (
+                "rank, condition",
+                format!("{} of {} foci, {:.2e}", quality.rank, solution.foci.len(), quality.condition),
+            ),
+        ];
+        if let Some(heard) = &self.heard {
+            let [x, y, z] = millimetres(heard.position);
+            rows.push((
+                "listener",
+                format!("{:.1} dB re 20 µPa ({} RMS) at ({x}, {y}, {z}) mm", heard.spl, pascals(heard.rms)),
+            ));
+        }
+        for (name, value) in rows {
+            println!("{name:<20}{value}");
+        }
+    }
+
+    fn ghost_row(&self) -> String {
+        match &self.ghost {
+            Ok(ghost) => {
+                let [x, y, z] = millimetres(ghost.position);
+                format!(
+                    "{} of the mean, the loudest beside the foci on the plane: {} at ({x}, {y}, {z}) mm",
+                    percent(ghost.part),
+                    pascals(ghost.pressure)
+                )
+            }
+            Err(none) => format!("none: {none}"),
+        }
+    }
+
+    /// The object that design and other programs know.
+    fn json(&self) -> Value {
+        let Self { solution, certificate, .. } = self;
+        let quality = &solution.quality;
+        let focus = |(focus, pressure): (&Focus, &Complex64)| {
             json!({
                 "position": focus.position.to_array(),
                 "target": focus.target,
                 "pressure": pressure.norm(),
                 "phase": pressure.arg(),
             })
-        })
-        .collect();
-    json!({
-        "method": solution.method.name(),
-        "elements": solution.drive.phases.len(),
-        "foci": foci,
-        "quality": {
-            "mean_pressure": quality.mean_pressure,
-            "min_pressure": quality.min_pressure,
-            "spread": quality.spread,
-            "efficiency": quality.efficiency,
-            "relative_to_single": quality.relative_to_single,
-            "bound": quality.bound,
-            "certified": quality.certified,
-            "residual": quality.residual,
-            "rank": quality.rank,
-            "condition": quality.condition,
-        },
-        "seconds": solution.seconds,
-        "iterations": solution.iterations,
-        "phases": solution.drive.phases,
-        "amplitudes": solution.drive.amplitudes,
-    })
+        };
+        let foci: Vec<_> = solution.foci.iter().zip(&solution.pressures).map(focus).collect();
+        let ghost = self.ghost.as_ref().ok();
+        let mut value = json!({
+            "method": solution.method.name(),
+            "elements": solution.drive.phases.len(),
+            "foci": foci,
+            "quality": {
+                "mean_pressure": quality.mean_pressure,
+                "min_pressure": quality.min_pressure,
+                "spread": quality.spread,
+                "efficiency": quality.efficiency,
+                "relative_to_single": quality.relative_to_single,
+                "bound": certificate.bound,
+                "certified": certificate.certified,
+                "ghost": ghost.map(|ghost| ghost.part),
+                "ghost_position": ghost.map(|ghost| ghost.position.to_array()),
+                "residual": quality.residual,
+                "rank": quality.rank,
+                "condition": quality.condition,
+            },
+            "seconds": solution.seconds,
+            "iterations": solution.iterations,
+            "phases": solution.drive.phases,
+            "amplitudes": solution.drive.amplitudes,
+        });
+        if let Some(heard) = &self.heard {
+            value["listener"] =
+                json!({ "position": heard.position.to_array(), "rms": heard.rms, "spl": heard.spl });
+        }
+        value
+    }
+}
+
+fn foci_table(scene: &Scene, solution: &Solution) -> Table {
+    let mut foci = Table::new();
+    let target = match scene.solver.pressures {
+        Pressures::Relative => "target",
+        Pressures::Pascal => "target / Pa",
+    };
+    foci.set_header(["focus", "x / mm", "y / mm", "z / mm", target, "pressure (peak)", "phase / rad"]);
+    for (index, (focus, pressure)) in solution.foci.iter().zip(&solution.pressures).enumerate() {
+        let [x, y, z] = millimetres(focus.position);
+        foci.add_row([
+            (index + 1).to_string(),
+            x,
+            y,
+            z,
+            format!("{}", focus.target),
+            pascals(pressure.norm()),
+            format!("{:.3}", pressure.arg()),
+        ]);
+    }
+    align_numbers(&mut foci);
+    foci
 }
 
 fn csv(aperture: &Aperture, drive: &Drive) -> String {

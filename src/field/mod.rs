@@ -7,8 +7,10 @@
 pub mod cells;
 pub mod colouring;
 pub mod cpu;
+pub mod ghost;
 pub mod gpu;
 pub mod interpolation;
+pub mod listener;
 pub mod plan;
 pub mod polynomial;
 pub mod raster;
@@ -26,7 +28,9 @@ use crate::drive::Drive;
 use crate::scene::Plane;
 
 pub use colouring::{Colouring, Quantity};
+pub use ghost::{Ghost, NoGhost};
 pub use gpu::{Gpu, GpuError};
+pub use listener::Heard;
 pub use plan::Plan;
 pub use raster::Raster;
 pub use sources::{Sources, Wave};

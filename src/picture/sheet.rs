@@ -8,7 +8,7 @@ use crate::acoustics::Aperture;
 use crate::field::colouring::phase_index;
 use crate::picture::{ColourMap, Picture, PictureError, register_font};
 use crate::scene::{Plane, Scene, outline};
-use crate::solver::Solution;
+use crate::solver::{self, Certificate, Problem, Solution};
 
 /// Width and height of a sheet for which the measures below are meant; other sizes scale them.
 const PAGE: (f64, f64) = (1600.0, 1560.0);
@@ -54,7 +54,7 @@ pub fn sheet(
     (width, height): (usize, usize),
 ) -> Result<Picture, PictureError> {
     let page = Page::new(PAGE, width, height);
-    page.draw(title, &summary(solution), |root| {
+    page.draw(title, &summary(scene, solution), |root| {
         let panels = Panels { page: &page, root, scene, solution };
         panels.wanted_points((0, 0))?;
         panels.phases((1, 0))?;
@@ -74,15 +74,17 @@ pub fn drive(
     (width, height): (usize, usize),
 ) -> Result<Picture, PictureError> {
     let page = Page::new(DRIVE_PAGE, width, height);
-    page.draw(title, &summary(solution), |root| {
+    page.draw(title, &summary(scene, solution), |root| {
         let panels = Panels { page: &page, root, scene, solution };
         panels.phases((0, 0))?;
         panels.amplitudes((1, 0))
     })
 }
 
-fn summary(solution: &Solution) -> String {
+fn summary(scene: &Scene, solution: &Solution) -> String {
     let quality = &solution.quality;
+    let aperture = Aperture::new(scene);
+    let bound = solver::bound(&Problem::new(&aperture, solution.foci.clone()));
     format!(
         "{}, {} {}     mean {}, weakest {}, spread {:.1} %     η {:.1} %     at least {:.0} % of the best any drive can do",
         solution.method.name(),
@@ -92,7 +94,7 @@ fn summary(solution: &Solution) -> String {
         pascals(quality.min_pressure),
         100.0 * quality.spread,
         100.0 * quality.efficiency,
-        (100.0 * quality.certified).floor(),
+        (100.0 * Certificate::new(solution, bound).certified).floor(),
     )
 }
 

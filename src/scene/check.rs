@@ -5,7 +5,8 @@ use std::fmt;
 use glam::DVec3;
 
 use crate::scene::{
-    Array, Liquid, Medium, Modulation, Motion, MotionPath, Plane, Sampling, Scene, Shape, Target,
+    Array, Liquid, Listener, Medium, Modulation, Motion, MotionPath, Plane, Pressures, Sampling, Scene,
+    Shape, Target,
 };
 
 /// Elements that an array may have: 256 x 256.
@@ -82,12 +83,14 @@ pub fn check(scene: &Scene) -> Result<(), KeyError> {
     medium(&scene.medium).map_err(|e| e.under(&["medium".into()]))?;
     array(&scene.array).map_err(|e| e.under(&["array".into()]))?;
     for (index, target) in scene.targets.iter().enumerate() {
-        self::target(target).map_err(|e| e.under(&["target".into(), index.into()]))?;
+        self::target(target, scene.solver.pressures)
+            .map_err(|e| e.under(&["target".into(), index.into()]))?;
     }
     plane(&scene.plane).map_err(|e| e.under(&["plane".into()]))?;
     liquid(&scene.liquid).map_err(|e| e.under(&["liquid".into()]))?;
     modulation(&scene.modulation).map_err(|e| e.under(&["modulation".into()]))?;
-    motion(&scene.motion).map_err(|e| e.under(&["motion".into()]))
+    motion(&scene.motion).map_err(|e| e.under(&["motion".into()]))?;
+    scene.listener.as_ref().map_or(Ok(()), |it| listener(it).map_err(|e| e.under(&["listener".into()])))
 }
 
 fn medium(medium: &Medium) -> Result<(), KeyError> {
@@ -135,9 +138,21 @@ fn array(array: &Array) -> Result<(), KeyError> {
     Ok(())
 }
 
-fn target(target: &Target) -> Result<(), KeyError> {
+fn target(target: &Target, pressures: Pressures) -> Result<(), KeyError> {
+    const LEAST: f64 = 1e-6;
+    const MOST: f64 = 1e9;
     shape(&target.shape)?;
-    within("pressure", target.pressure, 1e-6, 1e9, "relative to the other foci")?;
+    let unit = match pressures {
+        Pressures::Relative => "relative to the other foci",
+        Pressures::Pascal => "Pa (peak)",
+    };
+    if target.pressure <= 0.0 {
+        let message = format!(
+            "0 or less is no target: leave the target out, or give a number from {LEAST} to {MOST} {unit}"
+        );
+        return refuse("pressure", message);
+    }
+    within("pressure", target.pressure, LEAST, MOST, unit)?;
     finite("angle", target.angle)?;
     direction("normal", target.normal)?;
     match target.sampling {
@@ -242,6 +257,22 @@ fn motion(motion: &Motion) -> Result<(), KeyError> {
         return refuse("points", "`path = \"points\"` needs the offsets to visit");
     }
     Ok(())
+}
+
+/// Checks where somebody listens.
+///
+/// # Errors
+/// A point behind the array or beyond all scenes.
+pub fn listener(listener: &Listener) -> Result<(), KeyError> {
+    point("at", listener.at)?;
+    if listener.at.z > 0.0 {
+        return Ok(());
+    }
+    refuse(
+        "at",
+        "behind the array, which stands in z = 0 and radiates towards +z only, no sound is modelled: give a point \
+         with z > 0",
+    )
 }
 
 fn refuse<T>(key: &'static str, message: impl Into<String>) -> Result<T, KeyError> {

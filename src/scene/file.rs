@@ -9,7 +9,7 @@ use toml::de::{DeTable, DeValue};
 
 use crate::scene::check::{Key, KeyError, check};
 use crate::scene::target::TargetTable;
-use crate::scene::{Array, Liquid, Medium, Modulation, Motion, Plane, Scene, Solver, motion};
+use crate::scene::{Array, Liquid, Listener, Medium, Modulation, Motion, Plane, Scene, Solver, motion};
 
 /// The version of the file format that this program reads and writes.
 pub const FORMAT: u32 = 1;
@@ -98,11 +98,13 @@ struct SceneTable {
     modulation: Modulation,
     #[serde(default)]
     motion: Motion,
+    listener: Option<Listener>,
 }
 
 impl SceneTable {
     fn into_scene(self) -> Result<Scene, KeyError> {
-        let Self { format, medium, array, target, solver, plane, liquid, modulation, motion } = self;
+        let Self { format, medium, array, target, solver, plane, liquid, modulation, motion, listener } =
+            self;
         if format != FORMAT {
             return Err(KeyError::new([Key::from("format")], format!("this program reads format {FORMAT}")));
         }
@@ -111,7 +113,7 @@ impl SceneTable {
             .enumerate()
             .map(|(index, table)| table.into_target(index))
             .collect::<Result<_, _>>()?;
-        Ok(Scene { format, medium, array, targets, solver, plane, liquid, modulation, motion })
+        Ok(Scene { format, medium, array, targets, solver, plane, liquid, modulation, motion, listener })
     }
 }
 
@@ -218,6 +220,12 @@ mod tests {
             ("[motion]\npath = \"circle\"\nframes = 1000000\n[[target]]", 4, "and 1 focus need 7.7 GiB"),
             ("[motion]\npath = \"steps\"\n[[target]]\nstep = 1", 3, "no target has `step = 0`"),
             ("[[target]]\nstep = 1", 3, "target[1].step = 1: only `path = \"steps\"`"),
+            ("[[target]]\npressure = 0", 3, "0 or less is no target: leave the target out"),
+            ("[[target]]\npressure = -2.5", 3, "1000000000 relative to the other foci"),
+            ("[[target]]\npressure = -2.5\n[solver]\npressures = \"pascal\"", 3, "1000000000 Pa (peak)"),
+            ("[[target]]\npressure = 1e10", 3, "must be a number from"),
+            ("[listener]\nat = [0, 0.3, -0.1]", 3, "listener.at = [0, 0.3, -0.1]: behind the array"),
+            ("[listener]\nat = [0, 0, 200]", 3, "listener.at"),
         ] {
             let error = error(&format!("format = 1\n{body}\n"));
             assert!(error.starts_with(&format!("a.toml:{line}: ")), "{body}: {error}");
@@ -268,6 +276,11 @@ mod tests {
             [motion]
             path = "points"
             points = [[0, 0, 0.01]]
+            [solver]
+            pressures = "pascal"
+            amplitudes = "free"
+            [listener]
+            at = [0, -0.3, 0.4]
         "#;
         let steps = r#"
             format = 1

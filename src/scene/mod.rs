@@ -35,6 +35,8 @@ pub struct Scene {
     pub liquid: Liquid,
     pub modulation: Modulation,
     pub motion: Motion,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub listener: Option<Listener>,
 }
 
 impl Default for Scene {
@@ -49,6 +51,7 @@ impl Default for Scene {
             liquid: Liquid::default(),
             modulation: Modulation::default(),
             motion: Motion::default(),
+            listener: None,
         }
     }
 }
@@ -58,7 +61,7 @@ impl Default for Scene {
 pub struct Focus {
     /// m
     pub position: DVec3,
-    /// Wanted pressure relative to the other foci.
+    /// Wanted pressure: relative to the other foci, or Pa (peak), as [`Solver::pressures`] says.
     pub target: f64,
 }
 
@@ -149,19 +152,46 @@ pub enum ElementModel {
     Point,
 }
 
-/// How phases are found.
+/// How the drive is found.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Solver {
     pub method: Method,
     /// 0: the method's own default.
     pub iterations: u32,
+    pub pressures: Pressures,
+    pub amplitudes: Amplitudes,
 }
 
 impl Default for Solver {
     fn default() -> Self {
-        Self { method: Method::Best, iterations: 0 }
+        Self {
+            method: Method::Best,
+            iterations: 0,
+            pressures: Pressures::Relative,
+            amplitudes: Amplitudes::Uniform,
+        }
     }
+}
+
+/// What the targets' pressures mean.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Pressures {
+    /// Ratios; the loudest element plays fully.
+    Relative,
+    /// Pa (peak) at every focus; the drive is turned down to them.
+    Pascal,
+}
+
+/// What a board can play.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Amplitudes {
+    /// One amplitude for all elements.
+    Uniform,
+    /// An amplitude for each.
+    Free,
 }
 
 /// The solver's method. What each does stands in `crate::solver`.
@@ -245,4 +275,12 @@ impl Plane {
         let y = y - x * x.dot(y);
         (y.length() > PARALLEL).then(|| (x, y.normalize_or_zero()))
     }
+}
+
+/// Somebody's ear.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Listener {
+    /// m
+    pub at: DVec3,
 }

@@ -13,7 +13,7 @@ use rayon::prelude::*;
 use crate::acoustics::Aperture;
 use crate::drive::Drive;
 use crate::scene::{Focus, Method, Scene, Solver, motion};
-use crate::solver::{self, Excitation, Problem, Quality, SolveError};
+use crate::solver::{self, Excitation, Played, Problem, Quality, SolveError};
 
 /// Wavelengths that a focus may go from one keyframe to the next, if there are frames between them.
 const STRIDE: f64 = 0.15;
@@ -35,7 +35,7 @@ pub struct Sequence {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Frame {
     pub foci: Vec<Focus>,
-    /// Uniform amplitude on every element that is not off.
+    /// Uniform amplitude on every element that is not off, unless the scene asks otherwise.
     pub drive: Drive,
     /// Complex pressure (Pa, peak) that the drive makes at each focus.
     pub pressures: Vec<Complex64>,
@@ -90,14 +90,13 @@ pub fn follow(scene: &Scene) -> Result<Sequence, SolveError> {
     // What stands still is solved once.
     let stands: Vec<_> = frames.chunk_by(|a, b| a == b).collect();
     let problem = |stand: &&[Vec<Focus>]| Problem::new(&aperture, stand[0].clone());
-    let Solver { method, iterations } = scene.solver;
-    let excite = |problem: &Problem<'_>| solver::excite(problem, method, iterations);
-    let solved = if method == Method::Best {
-        chained(&aperture, &stands.iter().map(|stand| &stand[0][..]).collect::<Vec<_>>(), &excite)?
+    let settings = &scene.solver;
+    let solved = if settings.method == Method::Best {
+        chained(&aperture, &stands.iter().map(|stand| &stand[0][..]).collect::<Vec<_>>(), settings)?
     } else {
         let alone = |stand| {
             let problem = problem(stand);
-            Ok(Found::new(&problem, &excite(&problem)?, true))
+            Ok(Found::new(&problem, settings, &excite(&problem, settings)?, true))
         };
         stands.par_iter().map(alone).collect::<Result<Vec<_>, SolveError>>()?
     };
@@ -120,13 +119,13 @@ pub fn warnings(scene: &Scene, sequence: &Sequence) -> Vec<String> {
     let problem = Problem::new(&aperture, foci.clone());
     let values = drive.excitation(&aperture.driven);
     let played = Excitation { values, iterations: 0, residual: None, weights: None };
-    solver::warnings(&aperture, foci, &Quality::without_bound(&problem, &played, pressures))
+    solver::warnings(&aperture, foci, &Quality::new(&problem, &played, pressures))
 }
 
 /// What is found for a frame, before it is turned as a whole.
 struct Found {
     foci: Vec<Focus>,
-    /// u of the driven elements, of modulus 1.
+    /// u of the driven elements.
     u: Vec<Complex64>,
     /// Pa, peak, at the foci.
     pressures: Vec<Complex64>,
@@ -134,13 +133,9 @@ struct Found {
 }
 
 impl Found {
-    fn new(problem: &Problem<'_>, excitation: &Excitation, cold: bool) -> Self {
-        let unit = |u: &Complex64| {
-            let norm = u.norm_sqr().sqrt();
-            if norm > 0.0 { u / norm } else { Complex64::ONE }
-        };
-        let u: Vec<_> = excitation.values.iter().map(unit).collect();
-        Self { foci: problem.foci.clone(), pressures: problem.transfer.pressure(&u), u, cold }
+    fn new(problem: &Problem<'_>, settings: &Solver, excitation: &Excitation, cold: bool) -> Self {
+        let Played { values, pressures, .. } = Played::new(problem, settings, excitation);
+        Self { foci: problem.foci.clone(), pressures, u: values, cold }
     }
 
     /// The weakest pressure/target.
@@ -156,7 +151,7 @@ impl Found {
             |values: Vec<Complex64>| values.into_iter().map(|value| value * turn).collect::<Vec<_>>();
         Frame {
             foci: self.foci,
-            drive: Drive::uniform(positions.len(), driven, &turned(self.u)),
+            drive: Drive::of(positions.len(), driven, &turned(self.u)),
             pressures: turned(self.pressures),
             cold: self.cold,
         }
@@ -174,27 +169,29 @@ struct Link {
 }
 
 impl Link {
-    fn new(problem: &Problem<'_>, excitation: Excitation, cold: bool) -> Self {
-        let found = Found::new(problem, &excitation, cold);
+    fn new(problem: &Problem<'_>, settings: &Solver, excitation: Excitation, cold: bool) -> Self {
+        let found = Found::new(problem, settings, &excitation, cold);
         let power = problem.transfer.rows().map(|row| row.map(|h| h.norm_sqr()).sum::<f64>()).sum::<f64>();
         let part = found.weakest() / (power / problem.foci.len() as f64).sqrt().max(f64::MIN_POSITIVE);
         Self { found, excitation, part, most: part }
     }
 }
 
-type Excite<'a> = dyn Fn(&Problem<'_>) -> Result<Excitation, SolveError> + Sync + 'a;
+fn excite(problem: &Problem<'_>, settings: &Solver) -> Result<Excitation, SolveError> {
+    solver::excite(problem, settings.method, settings.iterations)
+}
 
-fn chained(aperture: &Aperture, foci: &[&[Focus]], excite: &Excite<'_>) -> Result<Vec<Found>, SolveError> {
+fn chained(aperture: &Aperture, foci: &[&[Focus]], settings: &Solver) -> Result<Vec<Found>, SolveError> {
     let problem = |frame: usize| Problem::new(aperture, foci[frame].to_vec());
     let keys = keyframes(foci, STRIDE * aperture.wavelength());
     let first = problem(keys[0]);
-    let mut links = vec![Link::new(&first, excite(&first)?, true)];
+    let mut links = vec![Link::new(&first, settings, excite(&first, settings)?, true)];
     for (before, &key) in keys[1..].iter().enumerate() {
-        links.push(go_on(&problem(key), &links[before], excite)?);
+        links.push(go_on(&problem(key), &links[before], settings)?);
     }
     let between = |&frame: &usize| {
         let before = keys.partition_point(|&key| key < frame) - 1;
-        Ok((frame, go_on(&problem(frame), &links[before], excite)?.found))
+        Ok((frame, go_on(&problem(frame), &links[before], settings)?.found))
     };
     let gaps: Vec<_> = (0..foci.len()).filter(|frame| keys.binary_search(frame).is_err()).collect();
     let mut found = gaps.par_iter().map(between).collect::<Result<Vec<_>, SolveError>>()?;
@@ -225,13 +222,13 @@ fn farthest(from: &[Focus], to: &[Focus]) -> f64 {
 }
 
 /// Goes on from a frame; where that is too far away, or ends in something worse than before, a search decides.
-fn go_on(problem: &Problem<'_>, before: &Link, excite: &Excite<'_>) -> Result<Link, SolveError> {
+fn go_on(problem: &Problem<'_>, before: &Link, settings: &Solver) -> Result<Link, SolveError> {
     let near = farthest(&before.found.foci, &problem.foci) <= FARTHEST * problem.aperture.wavelength();
-    let search = || Ok(Link::new(problem, excite(problem)?, true));
+    let search = || Ok(Link::new(problem, settings, excite(problem, settings)?, true));
     if !near {
         return search();
     }
-    let warm = Link::new(problem, solver::excite_from(problem, &before.excitation), false);
+    let warm = Link::new(problem, settings, solver::excite_from(problem, &before.excitation), false);
     if warm.part >= KEPT * before.most {
         return Ok(Link { most: warm.part.max(before.most), ..warm });
     }
@@ -307,7 +304,7 @@ mod tests {
         let aperture = Aperture::new(scene);
         let part = |frame: &Frame| {
             let problem = Problem::new(&aperture, frame.foci.clone());
-            let cold = Found::new(&problem, &solver::excite(&problem, Method::Best, 0).unwrap(), true);
+            let cold = Found::new(&problem, &scene.solver, &excite(&problem, &scene.solver).unwrap(), true);
             frame.min_pressure() / cold.weakest()
         };
         sequence.frames.iter().map(part).collect()

@@ -7,18 +7,17 @@ use faer::linalg::solvers::{Llt, Solve};
 use faer::{Mat, Side};
 use num_complex::Complex64;
 
-use crate::acoustics::{Phasors, Sums, Transfer};
+use crate::acoustics::{Phasors, Sums, Transfer, Turns};
 use crate::solver::{Excitation, Problem, starts};
 
 /// Phases that the greedy search tries for every element.
 const GREEDY_LEVELS: usize = 16;
-/// Iterations on the Gram matrix, and of the last levelling, in `best`.
+/// Iterations on the Gram matrix, and steps of the last levelling at most, in `best`. Foci that the array tells apart need one or
+/// two.
 const CLIMB: usize = 50;
-const POLISH: usize = 10;
-/// Of the last levelling where a solution is near.
-const TOUCH_UP: usize = 3;
+const LEVELLINGS: usize = 5;
 /// Spread of the focal pressures below which levelling stops.
-const LEVEL: f64 = 1e-6;
+const LEVEL: f64 = 3e-4;
 
 /// Conjugate superposition, u = H* A.
 pub fn naive(problem: &Problem<'_>) -> Excitation {
@@ -111,13 +110,13 @@ pub fn greedy(problem: &Problem<'_>, sweeps: u32) -> Excitation {
     Excitation { values: u, iterations: sweeps, residual: None, weights: None }
 }
 
-/// Focal phases from the strongest of several starts on the Gram matrix, then damped weighted iteration, then
-/// alternating projections; the weakest focus decides what is kept.
+/// Focal phases from the strongest of several starts on the Gram matrix, then damped weighted iteration, then Gauss and
+/// Newton's steps to equal pressures.
 pub fn best(problem: &Problem<'_>, iterations: u32) -> Excitation {
     let (transfer, targets) = (&problem.transfer, problem.targets());
     let gram = transfer.gram(None);
     let state = State::from_foci(transfer, starts::strongest(&gram, &targets, CLIMB, 0));
-    level(state, &gram, &targets, targets.clone(), iterations, POLISH)
+    levelled(state, &targets, targets.clone(), iterations)
 }
 
 /// The strongest that levelling from many batches of starts finds: slow, and what `best` is measured against.
@@ -130,7 +129,7 @@ pub fn search(problem: &Problem<'_>, batches: usize, iterations: u32) -> Excitat
     };
     let from = |batch: usize| {
         let state = State::from_foci(transfer, starts::strongest(&gram, &targets, CLIMB, batch));
-        level(state, &gram, &targets, targets.clone(), iterations, POLISH)
+        levelled(state, &targets, targets.clone(), iterations)
     };
     let first = from(0);
     (1..batches)
@@ -148,22 +147,22 @@ pub fn best_from(problem: &Problem<'_>, before: &Excitation, iterations: u32) ->
     let phases = transfer.pressure(&before.values);
     let weighted = phases.iter().zip(&weights).map(|(p, weight)| phase(*p) * weight).collect();
     let state = State::from_foci(transfer, weighted);
-    level(state, &transfer.gram(None), &targets, weights, iterations, TOUCH_UP)
+    levelled(state, &targets, weights, iterations)
 }
 
-fn level(
-    mut state: State<'_, 1>,
-    gram: &Phasors,
-    targets: &[f64],
-    weights: Vec<f64>,
-    iterations: u32,
-    projections: usize,
-) -> Excitation {
+/// Weighs, then levels, and keeps what is level unless the weakest focus loses by it.
+fn levelled(mut state: State<'_, 1>, targets: &[f64], weights: Vec<f64>, iterations: u32) -> Excitation {
+    /// Of the weakest focus: what equal pressures may cost.
+    const LOSS: f64 = 0.02;
     let weights = Some(state.weigh(targets, weights, iterations));
-    let weighted = (state.weakest(targets), state.excitation());
-    let polished = state.polish(gram, targets, projections);
-    let values =
-        if polished && state.weakest(targets) > weighted.0 { state.excitation() } else { weighted.1 };
+    let (weakest, weighted) = (state.weakest(targets), state.excitation());
+    state.level(targets);
+    let is_finite = state.pressure[0].iter().all(|p| p.is_finite());
+    let values = if is_finite && state.weakest(targets) >= (1.0 - LOSS) * weakest {
+        state.excitation()
+    } else {
+        weighted
+    };
     Excitation { values, iterations, residual: None, weights }
 }
 
@@ -254,36 +253,48 @@ impl State<'_, 1> {
         (squares / count - mean * mean).max(0.0).sqrt() / mean.max(f64::MIN_POSITIVE)
     }
 
-    /// Alternating projections between "every element plays fully" and "the foci are as wanted", with one Cholesky factor
-    /// of the Gram matrix. `false` where the foci are too dependent for the second.
-    fn polish(&mut self, gram: &Phasors, targets: &[f64], projections: usize) -> bool {
-        const DAMPING: f64 = 1e-9;
+    /// Levels the foci with as little turning of elements as can be: Gauss and Newton's steps.
+    ///
+    /// Of all turns δφ with J δφ = s A - |p|, J = ∂|p|/∂φ, the shortest is Jᵀ y with J Jᵀ y = s A - |p|, for the s that makes it
+    /// shortest; and Jᵀ y is what H* (y e^{jθ}) adds to u across its own direction, θ being the phases of p. Damped, since foci
+    /// closer than the array resolves cannot be told apart. Only moduli are asked for: where the field itself is prescribed, such
+    /// foci ask for much more than they need.
+    fn level(&mut self, targets: &[f64]) {
+        /// Of the mean of the diagonal.
+        const DAMPING: f64 = 1e-2;
         let count = targets.len();
-        let trace = (0..count).map(|m| gram.re[m * count + m]).sum::<f64>();
-        let damped = Mat::from_fn(count, count, |i, j| {
-            gram.at(i * count + j) + if i == j { DAMPING * trace / count as f64 } else { 0.0 }
-        });
-        let Ok(factor): Result<Llt<Complex64>, _> = damped.llt(Side::Lower) else { return false };
-        let power = targets.iter().map(|target| target * target).sum::<f64>();
-        let mut miss = Mat::zeros(count, 1);
-        for _ in 0..projections {
+        let mut turns = Turns::default();
+        for _ in 0..LEVELLINGS {
             if self.spread(targets) < LEVEL {
-                break;
+                return;
             }
-            // The multiple of the targets, at the phases that the foci have, that is nearest.
-            let scale = (0..count).map(|m| self.modulus(m) * targets[m]).sum::<f64>() / power;
+            let mut wanted = Mat::zeros(count, 2);
             for (m, target) in targets.iter().enumerate() {
-                let p = self.pressure[0].at(m);
-                miss[(m, 0)] = phase(p) * (target * scale) - p;
+                (wanted[(m, 0)], wanted[(m, 1)]) = (*target, self.modulus(m));
             }
-            factor.solve_in_place(miss.as_mut());
-            for m in 0..count {
-                self.pressure[0].set(m, miss[(m, 0)]);
+            let directions: Phasors = self.pressure[0].iter().map(phase).collect();
+            turns.update(self.transfer, &self.u[0], &directions);
+            let mean = (0..count).map(|m| turns.product(m, m)).sum::<f64>() / count as f64;
+            // One element turns no modulus at all.
+            let damping = DAMPING * mean + 1e-12 * mean_square(wanted.col_as_slice(1)) + f64::MIN_POSITIVE;
+            let damped = Mat::from_fn(count, count, |i, j| {
+                if i < j { 0.0 } else { turns.product(i, j) + if i == j { damping } else { 0.0 } }
+            });
+            let Ok(factor): Result<Llt<f64>, _> = damped.llt(Side::Lower) else { return };
+            let mut solved = wanted.clone();
+            factor.solve_in_place(solved.as_mut());
+            let of = |column: usize| (0..count).map(|m| solved[(m, 0)] * wanted[(m, column)]).sum::<f64>();
+            let scale = of(1) / of(0);
+            for (m, direction) in directions.iter().enumerate() {
+                self.pressure[0].set(m, direction * (scale * solved[(m, 0)] - solved[(m, 1)]));
             }
             self.step(1.0);
         }
-        self.pressure[0].iter().all(|p| p.is_finite())
     }
+}
+
+fn mean_square(values: &[f64]) -> f64 {
+    values.iter().map(|value| value * value).sum::<f64>() / values.len() as f64
 }
 
 /// Multipliers of the foci and of the elements at the best drive that may play `CHANNELS` things at once: what a bound
@@ -318,7 +329,7 @@ pub fn multipliers<const CHANNELS: usize>(
 }
 
 /// The same phase with modulus 1; phase 0 where there is none.
-fn phase(value: Complex64) -> Complex64 {
+pub fn phase(value: Complex64) -> Complex64 {
     let norm = value.norm_sqr().sqrt();
     if norm > 0.0 { value / norm } else { Complex64::ONE }
 }

@@ -19,7 +19,7 @@ const EMPHASIS: i32 = 64;
 pub struct Reached {
     /// Pa, peak.
     pub mean_pressure: f64,
-    /// The smallest pressure over its target, Pa.
+    /// The smallest pressure over its target: Pa, or a part where targets are in Pa.
     pub weakest: f64,
     /// Standard deviation over mean of pressure/target.
     pub spread: f64,

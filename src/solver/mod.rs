@@ -1,8 +1,10 @@
 //! From focal points to a drive, and how good that drive is.
 //!
 //! Every method is a function from a [`Problem`] to an [`Excitation`]; [`solve`] makes the excitation uniform, since
-//! that is what most boards can play, and measures the result. The inverses (`pinv`, `weighted`) are in [`inverse`],
-//! the phase iterations (`naive`, `gs`, `gspat`, `wgs`, `greedy`, `best`) in [`iteration`]. [`frames`] solves a scene that moves.
+//! that is what most boards can play, turns it down where the targets are pascals, and measures the result. How near that
+//! is to the best that any drive can do, a [`Certificate`] tells who asks. The inverses (`pinv`, `weighted`) are in [`inverse`],
+//! the phase iterations (`naive`, `gs`, `gspat`, `wgs`, `greedy`, `best`) in [`iteration`]. [`frames`] solves a
+//! scene that moves.
 
 pub mod frames;
 mod inverse;
@@ -17,9 +19,9 @@ use num_complex::Complex64;
 
 use crate::acoustics::{Aperture, Transfer};
 use crate::drive::Drive;
-use crate::scene::{Focus, KeyError, Method, Scene, outline};
+use crate::scene::{Amplitudes, Focus, KeyError, Method, Pressures, Scene, Solver, outline};
 
-pub use quality::{Quality, bound};
+pub use quality::{Certificate, Quality, bound};
 
 /// What a method gets to see.
 #[derive(Clone, Debug)]
@@ -36,7 +38,7 @@ impl<'a> Problem<'a> {
         Self { aperture, transfer: aperture.transfer(&points), foci }
     }
 
-    /// Wanted pressure of every focus, relative.
+    /// Wanted pressure of every focus: ratios, or Pa (peak).
     pub fn targets(&self) -> Vec<f64> {
         self.foci.iter().map(|focus| focus.target).collect()
     }
@@ -58,8 +60,10 @@ pub struct Excitation {
 #[derive(Clone, Debug)]
 pub struct Solution {
     pub method: Method,
-    /// Uniform amplitude on every element that is not off.
+    /// What is played: uniform amplitude on every element that is not off, unless the scene asks otherwise.
     pub drive: Drive,
+    /// What the drive was turned down to, 0 to 1, so that the foci get the pascals asked for.
+    pub turned_down: f64,
     /// |u| of the method's own excitation over its largest, per element of the array; 0 for elements that are off.
     pub excitation: Vec<f64>,
     pub foci: Vec<Focus>,
@@ -96,25 +100,72 @@ pub fn solve(scene: &Scene) -> Result<Solution, SolveError> {
     let excitation = excite(&problem, scene.solver.method, scene.solver.iterations)?;
     let seconds = start.elapsed().as_secs_f64();
 
-    let drive = Drive::uniform(aperture.positions.len(), &aperture.driven, &excitation.values);
-    let pressures = problem.transfer.pressure(&drive.excitation(&aperture.driven));
+    let Played { values, pressures, needed } = Played::new(&problem, &scene.solver, &excitation);
+    let (elements, driven) = (aperture.positions.len(), &aperture.driven);
     let quality = Quality::new(&problem, &excitation, &pressures);
-    let mut amplitudes = vec![0.0; aperture.positions.len()];
-    let largest = excitation.values.iter().map(|u| u.norm()).fold(0.0, f64::max);
-    for (&element, u) in aperture.driven.iter().zip(&excitation.values) {
-        amplitudes[element] = if largest > 0.0 { u.norm() / largest } else { 0.0 };
+    let mut warnings = warnings(&aperture, &problem.foci, &quality);
+    if needed > 1.0 {
+        warnings.push(too_much(&problem, &quality));
     }
     Ok(Solution {
         method: scene.solver.method,
-        drive,
-        excitation: amplitudes,
-        warnings: warnings(&aperture, &problem.foci, &quality),
+        drive: Drive::of(elements, driven, &values),
+        turned_down: needed.min(1.0),
+        excitation: Drive::free(elements, driven, &excitation.values).amplitudes,
+        warnings,
         foci: problem.foci,
         pressures,
         quality,
         iterations: excitation.iterations,
         seconds,
     })
+}
+
+/// A method's excitation as the scene wants it played.
+struct Played {
+    /// u of each driven element, of modulus 1 at most.
+    values: Vec<Complex64>,
+    /// Pa, peak, at the foci.
+    pressures: Vec<Complex64>,
+    /// The part of full drive that the targets ask for; full drive is the most that is played.
+    needed: f64,
+}
+
+impl Played {
+    fn new(problem: &Problem<'_>, solver: &Solver, excitation: &Excitation) -> Self {
+        let largest = excitation.values.iter().map(|u| u.norm()).fold(f64::MIN_POSITIVE, f64::max);
+        let mut values: Vec<_> = match solver.amplitudes {
+            Amplitudes::Uniform => excitation.values.iter().map(|&u| iteration::phase(u)).collect(),
+            Amplitudes::Free => excitation.values.iter().map(|u| u / largest).collect(),
+        };
+        let mut pressures = problem.transfer.pressure(&values);
+        let needed = match solver.pressures {
+            Pressures::Relative => 1.0,
+            Pressures::Pascal => needed(problem, &pressures),
+        };
+        values.iter_mut().chain(&mut pressures).for_each(|value| *value *= needed.min(1.0));
+        Self { values, pressures, needed }
+    }
+}
+
+/// The amplitude, of full drive, at which these pressures at full drive come nearest to the targets in pascals: the least
+/// Σ (s |p_m| - A_m)², so that what leaks into a focus that is to be faint does not silence the others. For foci in the wanted
+/// ratios all of them get what is asked.
+fn needed(problem: &Problem<'_>, pressures: &[Complex64]) -> f64 {
+    let targets = problem.targets();
+    let along = pressures.iter().zip(&targets).map(|(p, target)| p.norm() * target).sum::<f64>();
+    let power = pressures.iter().map(|p| p.norm_sqr()).sum::<f64>();
+    if along > 0.0 { along / power } else { f64::INFINITY }
+}
+
+fn too_much(problem: &Problem<'_>, quality: &Quality) -> String {
+    let asked = problem.targets().iter().sum::<f64>() / problem.foci.len() as f64;
+    format!(
+        "the foci are to get {asked:.1} Pa (mean, peak), and full drive brings them {:.1} Pa, {:.1} % of it: full drive is \
+         played",
+        quality.mean_pressure,
+        100.0 * quality.mean_pressure / asked
+    )
 }
 
 /// The excitation that a method finds; `iterations` 0 takes the method's own default.
@@ -139,8 +190,8 @@ pub fn excite(problem: &Problem<'_>, method: Method, iterations: u32) -> Result<
 /// What `best` finds for foci that have moved a little since `before` was found for them: in a part of the time, and with
 /// phases that go on from there.
 pub fn excite_from(problem: &Problem<'_>, before: &Excitation) -> Excitation {
-    /// Enough for a step of half a millimetre, unless foci stand closer than the array resolves.
-    const ITERATIONS: u32 = 4;
+    /// Over many frames the weights follow all the same.
+    const ITERATIONS: u32 = 1;
     iteration::best_from(problem, before, ITERATIONS)
 }
 

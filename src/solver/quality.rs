@@ -3,7 +3,7 @@
 use faer::{Mat, Side};
 use num_complex::Complex64;
 
-use crate::solver::{Excitation, Problem, inverse, iteration};
+use crate::solver::{Excitation, Problem, Solution, inverse, iteration};
 
 /// Figures of a solution. Pressures in Pa (peak), of the drive that will be played.
 #[derive(Clone, Debug, PartialEq)]
@@ -16,10 +16,6 @@ pub struct Quality {
     pub efficiency: f64,
     /// Mean over foci of |p_m| √M / Σ_n |H_mn|: 1 for a single focus by time of flight.
     pub relative_to_single: f64,
-    /// No drive with |u_n| ≤ 1 brings every focus to this pressure times its target.
-    pub bound: f64,
-    /// The smallest pressure/target over the bound.
-    pub certified: f64,
     /// ‖H u - p‖/‖p‖ of the excitation; methods that leave the focal phases free are measured at their own phases and
     /// best scale.
     pub residual: f64,
@@ -29,18 +25,8 @@ pub struct Quality {
 }
 
 impl Quality {
-    /// Of an excitation whose uniform drive makes these pressures at the foci.
+    /// Of an excitation whose drive, as played, makes these pressures at the foci.
     pub fn new(problem: &Problem<'_>, excitation: &Excitation, pressures: &[Complex64]) -> Self {
-        let quality = Self::without_bound(problem, excitation, pressures);
-        let targets = problem.targets();
-        let relative = pressures.iter().zip(&targets).map(|(p, target)| p.norm() / target);
-        let bound = bound(problem);
-        let certified = relative.fold(f64::INFINITY, f64::min) / bound.max(f64::MIN_POSITIVE);
-        Self { bound, certified, ..quality }
-    }
-
-    /// The same but for `bound` and `certified`, which take longest and are infinite and 0 here.
-    pub fn without_bound(problem: &Problem<'_>, excitation: &Excitation, pressures: &[Complex64]) -> Self {
         let targets = problem.targets();
         let moduli: Vec<_> = pressures.iter().map(|p| p.norm()).collect();
         let relative: Vec<_> =
@@ -58,12 +44,30 @@ impl Quality {
                 .map(|(p, single)| p / single.max(f64::MIN_POSITIVE))
                 .sum::<f64>()
                 / (moduli.len() as f64).sqrt(),
-            bound: f64::INFINITY,
-            certified: 0.0,
             residual: excitation.residual.unwrap_or_else(|| modulus_residual(problem, excitation)),
             rank,
             condition,
         }
+    }
+}
+
+/// What no drive can exceed, and how near a solution comes to it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Certificate {
+    /// No drive with |u_n| ≤ 1 brings every focus to this pressure times its target.
+    pub bound: f64,
+    /// The smallest pressure/target at full drive over the bound.
+    pub certified: f64,
+}
+
+impl Certificate {
+    /// Of a solution whose problem has this [`bound`]; it is the same for every method.
+    pub fn new(solution: &Solution, bound: f64) -> Self {
+        let relative =
+            solution.pressures.iter().zip(&solution.foci).map(|(p, focus)| p.norm() / focus.target);
+        let weakest = relative.fold(f64::INFINITY, f64::min);
+        let full = weakest / solution.turned_down.max(f64::MIN_POSITIVE);
+        Self { bound, certified: full / bound.max(f64::MIN_POSITIVE) }
     }
 }
 

@@ -90,13 +90,16 @@ impl Kernel for Climb<'_> {
 }
 
 impl Climb<'_> {
-    /// heard = R p, two foci at a time.
+    /// heard = R p, four foci at a time while there are so many.
     #[inline(always)]
     fn hear<I: Instructions>(&mut self) {
         let count = self.targets.len();
         let mut m = 0;
         while m < count {
-            if m + 2 <= count {
+            if m + 4 <= count {
+                self.hear_some::<I, 4>(m);
+                m += 4;
+            } else if m + 2 <= count {
                 self.hear_some::<I, 2>(m);
                 m += 2;
             } else {

@@ -215,7 +215,7 @@ fn measure_frames() -> Result<[Record; 2], SolveError> {
 fn quality(problem: &Problem<'_>, excitation: &Excitation) -> Quality {
     let Aperture { positions, driven, .. } = problem.aperture;
     let drive = Drive::uniform(positions.len(), driven, &excitation.values);
-    Quality::without_bound(problem, excitation, &problem.transfer.pressure(&drive.excitation(driven)))
+    Quality::new(problem, excitation, &problem.transfer.pressure(&drive.excitation(driven)))
 }
 
 fn workloads(quick: bool) -> Vec<Workload> {

@@ -72,7 +72,7 @@ fn measure(
     let Aperture { positions, driven, .. } = problem.aperture;
     let drive = Drive::uniform(positions.len(), driven, &excitation.values);
     let pressures = problem.transfer.pressure(&drive.excitation(driven));
-    let quality = Quality::without_bound(problem, &excitation, &pressures);
+    let quality = Quality::new(problem, &excitation, &pressures);
     let figures = [quality.mean_pressure, quality.min_pressure, quality.spread, quality.residual];
     let is_sound = drive.phases.iter().chain(&figures).all(|value| value.is_finite())
         && drive.amplitudes.iter().all(|amplitude| (0.0..=1.0).contains(amplitude))

@@ -1,0 +1,117 @@
+//! The ghost of a drive, against a search in f64 that knows nothing of lobes but where they are.
+
+#![expect(clippy::unwrap_used, reason = "a test's helper may panic")]
+
+use glam::{DVec2, DVec3, dvec3};
+use sonoglyph::acoustics::Aperture;
+use sonoglyph::field::{Evaluator, Ghost, NoGhost, Samples, Stages, ghost, reference};
+use sonoglyph::scene::{Method, Plane, Scene, Shape, Target};
+use sonoglyph::solver::{self, Solution};
+
+fn solved(points: &[DVec3], method: Method) -> (Scene, Solution) {
+    let target = |&at: &DVec3| Target::new(Shape::Point { at });
+    let mut scene = Scene { targets: points.iter().map(target).collect(), ..Scene::default() };
+    scene.solver.method = method;
+    let solution = solver::solve(&scene).unwrap();
+    (scene, solution)
+}
+
+fn ghost_of(scene: &Scene, solution: &Solution) -> Result<Ghost, NoGhost> {
+    let aperture = Aperture::new(scene);
+    let foci: Vec<_> = solution.foci.iter().map(|focus| focus.position).collect();
+    ghost::loudest(&mut Stages::new(Evaluator::Cpu), &aperture, &scene.plane, &solution.drive, &foci)
+}
+
+/// Every local maximum of |p| (Pa) on the plane, in steps of a twentieth of a wavelength, in f64; the loudest first.
+fn maxima(scene: &Scene, solution: &Solution) -> Vec<(DVec3, f64)> {
+    let aperture = Aperture::new(scene);
+    let [width, height] =
+        (scene.plane.size / aperture.wavelength() * 20.0).to_array().map(|samples| samples as usize | 1);
+    let samples = Samples::on_plane(&scene.plane, width, height).unwrap();
+    let field: Vec<_> =
+        reference::pressure(&aperture, &solution.drive, &samples).iter().map(|p| p.norm()).collect();
+    let inside = (1..height - 1).flat_map(|row| (1..width - 1).map(move |column| row * width + column));
+    let is_maximum = |&at: &usize| {
+        let around = [at - width, at - 1, at + 1, at + width];
+        around.iter().all(|&other| field[other] < field[at])
+    };
+    let mut maxima: Vec<_> = inside.filter(is_maximum).map(|at| (samples.point(at), field[at])).collect();
+    maxima.sort_by(|a, b| b.1.total_cmp(&a.1));
+    maxima
+}
+
+#[test]
+fn the_ghost_of_one_focus_is_its_first_side_lobe() {
+    for (focus, size) in [
+        (dvec3(0.0, 0.0, 0.1), 0.05),
+        (dvec3(0.03, -0.01, 0.12), 0.05),
+        (dvec3(0.0, 0.0, 0.4), 0.08),
+        (dvec3(0.01, 0.0, 0.04), 0.04),
+    ] {
+        let (mut scene, solution) = solved(&[focus], Method::Focus);
+        scene.plane.centre = focus;
+        scene.plane.size = DVec2::splat(size);
+        // Of a lone focus, the loudest maximum is the focus, and the next is the loudest side lobe.
+        let maxima = maxima(&scene, &solution);
+        assert!(maxima[0].0.distance(focus) < 1e-3, "{focus}: {:?}", maxima[0]);
+        let (place, pressure) = maxima[1];
+        let ghost = ghost_of(&scene, &solution).unwrap();
+        assert!(
+            (ghost.pressure / pressure - 1.0).abs() < 5e-3,
+            "{focus}: {ghost:?}, not {pressure} at {place}"
+        );
+        let part = ghost.pressure / solution.quality.mean_pressure;
+        assert!((ghost.part - part).abs() < 1e-12 && (0.1..0.25).contains(&part), "{focus}: {ghost:?}");
+        // A side lobe stands on the array's axes through the focus, of which one may be as loud as another.
+        let null = Aperture::new(&scene).wavelength() * focus.length().hypot(0.084) / 0.168;
+        let nulls = ghost.position.distance(focus) / null;
+        assert!((1.4..1.75).contains(&nulls), "{focus}: {nulls} first nulls away");
+    }
+}
+
+#[test]
+fn the_ghost_of_several_foci_is_the_loudest_maximum_away_from_all() {
+    let points = [dvec3(-0.03, 0.0, 0.1), dvec3(0.02, 0.02, 0.1), dvec3(0.01, -0.03, 0.1)];
+    let mut parts = Vec::new();
+    for method in [Method::Naive, Method::Best, Method::Pinv] {
+        let (mut scene, solution) = solved(&points, method);
+        scene.plane.size = DVec2::splat(0.1);
+        let ghost = ghost_of(&scene, &solution).unwrap();
+        let beside = |point: DVec3| points.iter().all(|focus| focus.distance(point) > 0.0085);
+        let (place, pressure) = *maxima(&scene, &solution).iter().find(|(place, _)| beside(*place)).unwrap();
+        assert!(ghost.position.distance(place) < 5e-4, "{method:?}: {ghost:?}, not {place}");
+        assert!((ghost.pressure / pressure - 1.0).abs() < 5e-3, "{method:?}: {ghost:?}, not {pressure}");
+        parts.push(ghost.part);
+    }
+    assert!(parts[0] != parts[1] && parts[1] != parts[2], "{parts:?}");
+}
+
+#[test]
+fn a_lobe_along_the_beam_is_the_focus_itself() {
+    // Seen from the side, the focus is 5 cm long.
+    let focus = dvec3(0.0, 0.0, 0.15);
+    let (mut scene, solution) = solved(&[focus], Method::Focus);
+    scene.plane = Plane { centre: focus, y_axis: DVec3::Z, size: DVec2::splat(0.1), ..Plane::default() };
+    let ghost = ghost_of(&scene, &solution).unwrap();
+    assert!(ghost.part < 0.3, "{ghost:?}");
+    let loudest = maxima(&scene, &solution);
+    let louder = loudest.iter().filter(|(_, pressure)| *pressure > 1.01 * ghost.pressure);
+    assert!(louder.clone().count() == 1, "the focus alone: {:?}", louder.collect::<Vec<_>>());
+}
+
+#[test]
+fn planes_without_a_focus_and_planes_too_large_have_no_ghost() {
+    let focus = dvec3(0.0, 0.0, 0.1);
+    let (mut scene, solution) = solved(&[focus], Method::Focus);
+    let usual = scene.plane.clone();
+    for plane in [
+        Plane { centre: dvec3(0.0, 0.0, 0.3), ..usual.clone() },
+        Plane { centre: dvec3(0.3, 0.0, 0.1), ..usual.clone() },
+        Plane { centre: dvec3(0.0, 0.05, 0.1), y_axis: DVec3::Z, ..usual.clone() },
+    ] {
+        scene.plane = plane;
+        assert_eq!(ghost_of(&scene, &solution), Err(NoGhost::NoFocus), "{:?}", scene.plane);
+    }
+    scene.plane = Plane { size: DVec2::splat(20.0), ..usual };
+    assert_eq!(ghost_of(&scene, &solution), Err(NoGhost::TooLarge));
+}
