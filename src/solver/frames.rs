@@ -97,13 +97,13 @@ pub fn follow(scene: &Scene) -> Result<Sequence, SolveError> {
     } else {
         let alone = |stand| {
             let problem = problem(stand);
-            Ok(Found::new(&problem, &excite(&problem)?, true))
+            Ok(Found::new(&problem, excite(&problem)?, true))
         };
         stands.par_iter().map(alone).collect::<Result<Vec<_>, SolveError>>()?
     };
     let angles = turns(&solved);
     let frame = |(found, &angle): (Found, &f64)| found.into_frame(&aperture, angle);
-    let solved: Vec<_> = solved.into_par_iter().zip(&angles).with_min_len(16).map(frame).collect();
+    let solved: Vec<_> = solved.into_par_iter().zip(&angles).with_min_len(64).map(frame).collect();
     let seconds = start.elapsed().as_secs_f64();
 
     let mut steps = phase_steps(&solved, &aperture.driven, frames.len());
@@ -134,12 +134,12 @@ struct Found {
 }
 
 impl Found {
-    fn new(problem: &Problem<'_>, excitation: &Excitation, cold: bool) -> Self {
-        let unit = |u: &Complex64| {
+    fn new(problem: &Problem<'_>, excitation: Excitation, cold: bool) -> Self {
+        let unit = |u: Complex64| {
             let norm = u.norm_sqr().sqrt();
             if norm > 0.0 { u / norm } else { Complex64::ONE }
         };
-        let u: Vec<_> = excitation.values.iter().map(unit).collect();
+        let u: Vec<_> = excitation.values.into_iter().map(unit).collect();
         Self { foci: problem.foci.clone(), pressures: problem.transfer.pressure(&u), u, cold }
     }
 
@@ -166,20 +166,33 @@ impl Found {
 /// A frame with what the next needs to go on from it.
 struct Link {
     found: Found,
-    excitation: Excitation,
-    /// The weakest pressure/target over √(Σ|H|²/M): comparable wherever the foci are.
+    weights: Option<Vec<f64>>,
+    /// The weakest pressure/target over what the foci hear of elements: comparable wherever they are.
     part: f64,
     /// The most that this was since the last search.
     most: f64,
 }
 
 impl Link {
-    fn new(problem: &Problem<'_>, excitation: Excitation, cold: bool) -> Self {
-        let found = Found::new(problem, &excitation, cold);
-        let power = problem.transfer.rows().map(|row| row.map(|h| h.norm_sqr()).sum::<f64>()).sum::<f64>();
-        let part = found.weakest() / (power / problem.foci.len() as f64).sqrt().max(f64::MIN_POSITIVE);
-        Self { found, excitation, part, most: part }
+    fn new(problem: &Problem<'_>, mut excitation: Excitation, cold: bool) -> Self {
+        let weights = excitation.weights.take();
+        let found = Found::new(problem, excitation, cold);
+        let part = found.weakest() / heard(problem);
+        Self { found, weights, part, most: part }
     }
+
+    fn excitation(&self) -> Excitation {
+        let (values, weights) = (self.found.u.clone(), self.weights.clone());
+        Excitation { values, iterations: 0, residual: None, weights }
+    }
+}
+
+/// √(Σ|H|²) over all foci and some elements, Pa.
+fn heard(problem: &Problem<'_>) -> f64 {
+    /// No divisor of a usual row, so that the elements are scattered.
+    const EVERY: usize = 7;
+    let power = problem.transfer.rows().flat_map(|row| row.step_by(EVERY)).map(|h| h.norm_sqr()).sum::<f64>();
+    (power / problem.foci.len() as f64).sqrt().max(f64::MIN_POSITIVE)
 }
 
 type Excite<'a> = dyn Fn(&Problem<'_>) -> Result<Excitation, SolveError> + Sync + 'a;
@@ -231,7 +244,7 @@ fn go_on(problem: &Problem<'_>, before: &Link, excite: &Excite<'_>) -> Result<Li
     if !near {
         return search();
     }
-    let warm = Link::new(problem, solver::excite_from(problem, &before.excitation), false);
+    let warm = Link::new(problem, solver::excite_from(problem, &before.excitation()), false);
     if warm.part >= KEPT * before.most {
         return Ok(Link { most: warm.part.max(before.most), ..warm });
     }
@@ -307,7 +320,7 @@ mod tests {
         let aperture = Aperture::new(scene);
         let part = |frame: &Frame| {
             let problem = Problem::new(&aperture, frame.foci.clone());
-            let cold = Found::new(&problem, &solver::excite(&problem, Method::Best, 0).unwrap(), true);
+            let cold = Found::new(&problem, solver::excite(&problem, Method::Best, 0).unwrap(), true);
             frame.min_pressure() / cold.weakest()
         };
         sequence.frames.iter().map(part).collect()
