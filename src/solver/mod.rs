@@ -100,7 +100,7 @@ pub fn solve(scene: &Scene) -> Result<Solution, SolveError> {
     let excitation = excite(&problem, scene.solver.method, scene.solver.iterations)?;
     let seconds = start.elapsed().as_secs_f64();
 
-    let Played { values, pressures, needed } = Played::new(&problem, &scene.solver, &excitation);
+    let Played { values, pressures, needed } = Played::new(&problem, &scene.solver, excitation.clone());
     let (elements, driven) = (aperture.positions.len(), &aperture.driven);
     let quality = Quality::new(&problem, &excitation, &pressures);
     let mut warnings = warnings(&aperture, &problem.foci, &quality);
@@ -132,12 +132,15 @@ struct Played {
 }
 
 impl Played {
-    fn new(problem: &Problem<'_>, solver: &Solver, excitation: &Excitation) -> Self {
-        let largest = excitation.values.iter().map(|u| u.norm()).fold(f64::MIN_POSITIVE, f64::max);
-        let mut values: Vec<_> = match solver.amplitudes {
-            Amplitudes::Uniform => excitation.values.iter().map(|&u| iteration::phase(u)).collect(),
-            Amplitudes::Free => excitation.values.iter().map(|u| u / largest).collect(),
-        };
+    fn new(problem: &Problem<'_>, solver: &Solver, excitation: Excitation) -> Self {
+        let mut values = excitation.values;
+        let largest = values.iter().map(|u| u.norm()).fold(f64::MIN_POSITIVE, f64::max);
+        for u in &mut values {
+            *u = match solver.amplitudes {
+                Amplitudes::Uniform => iteration::phase(*u),
+                Amplitudes::Free => *u / largest,
+            };
+        }
         let mut pressures = problem.transfer.pressure(&values);
         let needed = match solver.pressures {
             Pressures::Relative => 1.0,
