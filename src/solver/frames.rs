@@ -13,7 +13,7 @@ use rayon::prelude::*;
 use crate::acoustics::Aperture;
 use crate::drive::Drive;
 use crate::scene::{Focus, Method, Scene, Solver, motion};
-use crate::solver::{self, Excitation, Played, Problem, Quality, SolveError};
+use crate::solver::{self, Excitation, Played, Problem, SolveError};
 
 /// Wavelengths that a focus may go from one keyframe to the next, if there are frames between them.
 const STRIDE: f64 = 0.15;
@@ -110,16 +110,6 @@ pub fn follow(scene: &Scene) -> Result<Sequence, SolveError> {
     let repeated =
         solved.into_iter().zip(&stands).flat_map(|(frame, stand)| std::iter::repeat_n(frame, stand.len()));
     Ok(Sequence { frames: repeated.collect(), steps, seconds })
-}
-
-/// What the user should know of the first frame, a sentence each.
-pub fn warnings(scene: &Scene, sequence: &Sequence) -> Vec<String> {
-    let aperture = Aperture::new(scene);
-    let Frame { foci, drive, pressures, .. } = &sequence.frames[0];
-    let problem = Problem::new(&aperture, foci.clone());
-    let values = drive.excitation(&aperture.driven);
-    let played = Excitation { values, iterations: 0, residual: None, weights: None };
-    solver::warnings(&aperture, foci, &Quality::new(&problem, &played, pressures))
 }
 
 /// What is found for a frame, before it is turned as a whole.
