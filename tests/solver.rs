@@ -207,8 +207,9 @@ fn a_free_drive_is_the_methods_own() {
         let uniform = solve(&scene, method);
         scene.solver.amplitudes = Amplitudes::Free;
         let free = solve(&scene, method);
-        assert_eq!(free.drive.amplitudes, free.excitation, "{method:?}");
-        assert_eq!(free.drive.phases, uniform.drive.phases, "{method:?}");
+        let apart = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+        assert!(apart(&free.drive.amplitudes, &free.excitation) < 1e-12, "{method:?}");
+        assert!(apart(&free.drive.phases, &uniform.drive.phases) < 1e-12, "{method:?}");
         match method {
             // What the pseudo-inverse prescribes is what its own amplitudes make.
             Method::Pinv => assert!(free.quality.spread < 1e-9 && uniform.quality.spread > 1e-2, "{free:?}"),
