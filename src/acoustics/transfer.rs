@@ -108,7 +108,11 @@ impl Transfer {
 
     /// H u: the pressure at every point.
     pub fn pressure(&self, excitation: &[Complex64]) -> Vec<Complex64> {
-        self.rows().map(|row| row.zip(excitation).map(|(h, u)| h * u).sum()).collect()
+        let mut played = self.excitation();
+        for (element, &u) in excitation.iter().enumerate() {
+            played.set(element, u);
+        }
+        Isa::best().run(Forward { transfer: self, played: &played })
     }
 
     /// H* p: what every element would hear.
@@ -165,6 +169,36 @@ struct Back<'a> {
     transfer: &'a Transfer,
     pressure: &'a Phasors,
     heard: &'a mut Phasors,
+}
+
+/// H u.
+struct Forward<'a> {
+    transfer: &'a Transfer,
+    /// u of every element, and nothing up to the end of a row.
+    played: &'a Phasors,
+}
+
+impl Kernel for Forward<'_> {
+    type Output = Vec<Complex64>;
+
+    #[inline(always)]
+    fn run<I: Instructions>(self) -> Vec<Complex64> {
+        let Self { transfer, played } = self;
+        let mut pressure = vec![Complex64::ZERO; transfer.points];
+        for (point, to) in pressure.iter_mut().enumerate() {
+            let (mut re, mut im) = ([0.0; LANES], [0.0; LANES]);
+            for start in (0..transfer.stride).step_by(BLOCK) {
+                let (Some(u_re), Some(u_im)) =
+                    (played.re[start..].first_chunk(), played.im[start..].first_chunk())
+                else {
+                    break;
+                };
+                multiply::<I>(block(transfer, point, start), (u_re, u_im), (&mut re, &mut im));
+            }
+            *to = Complex64::new(total(&re), total(&im));
+        }
+        pressure
+    }
 }
 
 impl Kernel for Back<'_> {

@@ -19,7 +19,7 @@ const MOST: usize = 1 << 23;
 pub struct Cells {
     /// What the cells fill, with the tolerance that the pressure at them is to keep.
     pub plane: Plane,
-    /// Columns and rows; products of 2, 3 and 5, which transforms like.
+    /// Columns and rows; with a margin products of 2, 3 and 5, which transforms like.
     pub counts: [usize; 2],
     /// m
     pub step: f64,
@@ -37,12 +37,13 @@ impl Cells {
         let step = aperture.wavelength() / PER_WAVELENGTH;
         let beta = -(SHARE * accuracy).ln();
         let half_width = (beta / (std::f64::consts::TAU * (0.5 - 2.0 * HIGHEST / PER_WAVELENGTH))).ceil();
+        let is_tank = margin > 0.0;
         let margin = margin.max(half_width * step);
         let counts = plane.size.to_array().map(|length| ((length + 2.0 * margin) / step).ceil());
         if counts[0] * counts[1] > MOST as f64 {
             return None;
         }
-        let counts = counts.map(|count| smooth(count as usize));
+        let counts = counts.map(|count| if is_tank { smooth(count as usize) } else { count as usize });
         let size = DVec2::from(counts.map(|count| count as f64 * step));
         Some(Self {
             plane: Plane { size, ..plane.clone() },

@@ -145,12 +145,12 @@ struct Played {
 impl Played {
     fn new(problem: &Problem<'_>, solver: &Solver, excitation: Excitation) -> Self {
         let mut values = excitation.values;
-        let largest = values.iter().map(|u| u.norm()).fold(f64::MIN_POSITIVE, f64::max);
-        for u in &mut values {
-            *u = match solver.amplitudes {
-                Amplitudes::Uniform => iteration::phase(*u),
-                Amplitudes::Free => *u / largest,
-            };
+        match solver.amplitudes {
+            Amplitudes::Uniform => values.iter_mut().for_each(|u| *u = iteration::phase(*u)),
+            Amplitudes::Free => {
+                let largest = values.iter().map(|u| u.norm()).fold(f64::MIN_POSITIVE, f64::max);
+                values.iter_mut().for_each(|u| *u /= largest);
+            }
         }
         let mut pressures = problem.transfer.pressure(&values);
         let needed = match solver.pressures {
