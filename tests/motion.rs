@@ -233,7 +233,7 @@ fn bad_arguments_are_refused() {
         (render(&["no/a.gif"]), "no/a.gif: cannot write"),
         (render(&["file/"]), "cannot make the folder"),
         (render(&["a.gif", "--size", "70000x2"]), "65535"),
-        (render(&["a.gif", "--quantity", "sheet"]), "rms or phase"),
+        (render(&["a.gif", "--quantity", "sheet"]), "rms, phase, radiation or dent"),
         (render(&["a.gif", "--data", "a.npy"]), "--data"),
         (render(&["a.gif", "--method", "focus"]), "2"),
         (vec!["render", "a.toml", "a.toml", "--motion", "-o", "a.gif"], "2 are given"),

@@ -84,15 +84,17 @@ impl Aperture {
         transfer
     }
 
-    /// The distance (m) below which two foci near `point` are not told apart: λ/(2 NA), NA the sine of half the angle
+    /// The distance (m) below which two foci near a point are not told apart: λ/(2 NA), NA the sine of half the angle
     /// under which the array is seen along its wider side.
-    pub fn resolution(&self, point: DVec3) -> f64 {
-        let (low, high) = self.extent();
-        let half_angle = |low: f64, high: f64, x: f64| {
-            (((high - x) / point.z).atan() - ((low - x) / point.z).atan()) / 2.0
-        };
-        let widest = half_angle(low.x, high.x, point.x).max(half_angle(low.y, high.y, point.y));
-        self.wavelength() / (2.0 * widest.sin().max(1e-6))
+    pub fn resolution(&self) -> impl Fn(DVec3) -> f64 {
+        let ((low, high), wavelength) = (self.extent(), self.wavelength());
+        move |point| {
+            let half_angle = |low: f64, high: f64, x: f64| {
+                (((high - x) / point.z).atan() - ((low - x) / point.z).atan()) / 2.0
+            };
+            let widest = half_angle(low.x, high.x, point.x).max(half_angle(low.y, high.y, point.y));
+            wavelength / (2.0 * widest.sin().max(1e-6))
+        }
     }
 }
 
@@ -138,6 +140,6 @@ mod tests {
         let aperture = Aperture::new(&scene);
         let na = (0.075f64 / 0.1).atan().sin();
         let expected = aperture.wavelength() / (2.0 * na);
-        assert!((aperture.resolution(DVec3::new(0.0, 0.0, 0.1)) - expected).abs() < 1e-12);
+        assert!((aperture.resolution()(DVec3::new(0.0, 0.0, 0.1)) - expected).abs() < 1e-12);
     }
 }

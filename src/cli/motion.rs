@@ -5,10 +5,12 @@ use std::io::{BufWriter, Write};
 use anyhow::bail;
 use serde_json::{Value, json};
 
+use crate::acoustics::Aperture;
 use crate::cli::solve::Methods;
 use crate::cli::{SolveArgs, note, output, read_scene, warn};
 use crate::picture::sheet::pascals;
-use crate::scene::{MotionPath, Scene};
+use crate::scene::{MotionPath, Pressures, Scene};
+use crate::solver;
 use crate::solver::frames::{self, Frame, Sequence};
 
 /// m/s at which a moving focus is felt most: about the speed of waves on skin (Frier et al. 2018).
@@ -48,10 +50,29 @@ pub fn follow(scene: &Scene, name: &str) -> anyhow::Result<Sequence> {
         note("nothing moves: `path` in [motion] is \"none\", so there is one frame");
     }
     let sequence = frames::follow(scene).map_err(|error| anyhow::anyhow!("{name}: {error}"))?;
-    for warning in frames::warnings(scene, &sequence) {
+    for warning in solver::warnings(&Aperture::new(scene), &sequence.frames[0].foci) {
         warn(&format!("in the first frame, {warning}"));
     }
+    if scene.solver.pressures == Pressures::Pascal {
+        warn_of_shortfall(&sequence);
+    }
     Ok(sequence)
+}
+
+/// Says how much of the pascals asked for the worst frame gets.
+fn warn_of_shortfall(sequence: &Sequence) {
+    let asked =
+        |frame: &Frame| frame.foci.iter().map(|focus| focus.target).sum::<f64>() / frame.foci.len() as f64;
+    let part = |frame: &Frame| frame.mean_pressure() / asked(frame);
+    if let Some(worst) = sequence.frames.iter().min_by(|a, b| part(a).total_cmp(&part(b)))
+        && part(worst) < 0.999
+    {
+        warn(&format!(
+            "in the worst frame the foci are to get {} (mean, peak), and full drive brings them {}",
+            pascals(asked(worst)),
+            pascals(worst.mean_pressure())
+        ));
+    }
 }
 
 /// Frames per second where there are several.

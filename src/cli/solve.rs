@@ -12,7 +12,7 @@ use crate::field::{Evaluator, Ghost, Heard, NoGhost, Stages, ghost};
 use crate::picture::sheet::pascals;
 use crate::scene::{Amplitudes, Focus, Listener, Method, Pressures, Scene, check};
 use crate::solver::levels::{self, Reached};
-use crate::solver::{self, Certificate, Problem, Solution, SolveError};
+use crate::solver::{self, Limits, Problem, Solution, SolveError};
 
 /// Which methods to run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -61,7 +61,7 @@ pub(in crate::cli) fn run(args: &SolveArgs) -> anyhow::Result<()> {
     let solution = solver::solve(&scene).map_err(in_file)?;
     let aperture = Aperture::new(&scene);
     let problem = Problem::new(&aperture, solution.foci.clone());
-    let findings = Findings::new(&scene, &problem, solver::bound(&problem), &mut stages(), solution);
+    let findings = Findings::new(&scene, &problem, Limits::new(&problem), &mut stages(), solution);
     findings.warnings().iter().for_each(|warning| warn(warning));
     let played = args.levels.map(|levels| Played::new(&problem, &findings.solution, levels));
     if let Some(path) = &args.csv {
@@ -91,7 +91,7 @@ fn stages() -> Stages {
 /// A solution, and what is known of it beside its own quality.
 struct Findings {
     solution: Solution,
-    certificate: Certificate,
+    limits: Limits,
     ghost: Result<Ghost, NoGhost>,
     heard: Option<Heard>,
     /// What the user should know of all that, a sentence each.
@@ -99,29 +99,28 @@ struct Findings {
 }
 
 impl Findings {
-    /// `bound` is that of the problem.
+    /// `limits` are those of the problem.
     fn new(
         scene: &Scene,
         problem: &Problem<'_>,
-        bound: f64,
+        limits: Limits,
         stages: &mut Stages,
         solution: Solution,
     ) -> Self {
-        let certificate = Certificate::new(&solution, bound);
         let points: Vec<_> = solution.foci.iter().map(|focus| focus.position).collect();
         let aperture = problem.aperture;
         let ghost = ghost::loudest(stages, aperture, &scene.plane, &solution.drive, &points);
         let heard =
             scene.listener.as_ref().map(|listener| Heard::new(aperture, &solution.drive, listener.at));
-        let mut notices = Vec::new();
-        if scene.solver.pressures == Pressures::Pascal && bound < 1.0 {
+        let mut notices: Vec<_> = limits.warning(problem).into_iter().collect();
+        if scene.solver.pressures == Pressures::Pascal && limits.bound < 1.0 {
             notices.push(format!(
                 "no drive of this array brings every focus to more than {} of what is asked",
-                percent(bound)
+                percent(limits.bound)
             ));
         }
         notices.extend(heard.and_then(|heard| heard.warning()));
-        Self { solution, certificate, ghost, heard, notices }
+        Self { solution, limits, ghost, heard, notices }
     }
 
     fn warnings(&self) -> Vec<&String> {
@@ -207,12 +206,12 @@ fn compare(scene: &Scene, as_json: bool) -> anyhow::Result<()> {
     }
     let aperture = Aperture::new(scene);
     let Some(first) = solutions.first() else { return Ok(()) };
-    // The bound knows foci and array alone, and the stages of the map all but the drive: both serve every method.
+    // The limits are those of foci and array alone, and the stages of the map know all but the drive: both serve every method.
     let problem = Problem::new(&aperture, first.foci.clone());
-    let (bound, mut stages) = (solver::bound(&problem), stages());
+    let (limits, mut stages) = (Limits::new(&problem), stages());
     let findings: Vec<_> = solutions
         .into_iter()
-        .map(|solution| Findings::new(scene, &problem, bound, &mut stages, solution))
+        .map(|solution| Findings::new(scene, &problem, limits, &mut stages, solution))
         .collect();
     report_warnings(&findings);
     if as_json {
@@ -251,7 +250,7 @@ fn comparison(findings: &[Findings]) -> Table {
         vec!["method", "mean", "weakest", "spread", "efficiency", "certified", "ghost", "iterations", "ms"];
     header.extend(findings.iter().any(|one| one.heard.is_some()).then_some("listener"));
     table.set_header(header);
-    for Findings { solution, certificate, ghost, heard, .. } in findings {
+    for Findings { solution, limits, ghost, heard, .. } in findings {
         let quality = &solution.quality;
         let mut row = vec![
             solution.method.name().to_owned(),
@@ -259,7 +258,7 @@ fn comparison(findings: &[Findings]) -> Table {
             pascals(quality.min_pressure),
             percent(quality.spread),
             percent(quality.efficiency),
-            percent(certificate.certified),
+            percent(solution.certified(limits.bound)),
             ghost.as_ref().map_or("-".to_owned(), |ghost| percent(ghost.part)),
             solution.iterations.to_string(),
             format!("{:.2}", solution.seconds * 1e3),
@@ -299,18 +298,18 @@ fn millimetres(point: DVec3) -> [String; 3] {
 
 impl Findings {
     fn print(&self, scene: &Scene) {
-        let Self { solution, certificate, .. } = self;
+        let Self { solution, limits, .. } = self;
         let quality = &solution.quality;
         println!("{}", foci_table(scene, solution));
         let no_more = match scene.solver.pressures {
             Pressures::Relative => {
                 format!(
                     "{}: no drive brings every focus to more than this times its target",
-                    pascals(certificate.bound)
+                    pascals(limits.bound)
                 )
             }
             Pressures::Pascal => {
-                format!("{}: no drive brings every focus to more of its target", percent(certificate.bound))
+                format!("{}: no drive brings every focus to more of its target", percent(limits.bound))
             }
         };
         let at_full = if solution.turned_down < 1.0 { ", at full drive" } else { "" };
@@ -333,13 +332,16 @@ impl Findings {
             ("bound", no_more),
             (
                 "certified",
-                format!("at least {} of the best any drive can do{at_full}", percent(certificate.certified)),
+                format!(
+                    "at least {} of the best any drive can do{at_full}",
+                    percent(solution.certified(limits.bound))
+                ),
             ),
             ("ghost", self.ghost_row()),
             ("residual", format!("{:.2e}", quality.residual)),
             (
                 "rank, condition",
-                format!("{} of {} foci, {:.2e}", quality.rank, solution.foci.len(), quality.condition),
+                format!("{} of {} foci, {:.2e}", limits.rank, solution.foci.len(), limits.condition),
             ),
         ];
         if let Some(heard) = &self.heard {
@@ -370,7 +372,7 @@ impl Findings {
 
     /// The object that design and other programs know.
     fn json(&self) -> Value {
-        let Self { solution, certificate, .. } = self;
+        let Self { solution, limits, .. } = self;
         let quality = &solution.quality;
         let focus = |(focus, pressure): (&Focus, &Complex64)| {
             json!({
@@ -392,13 +394,13 @@ impl Findings {
                 "spread": quality.spread,
                 "efficiency": quality.efficiency,
                 "relative_to_single": quality.relative_to_single,
-                "bound": certificate.bound,
-                "certified": certificate.certified,
+                "bound": limits.bound,
+                "certified": solution.certified(limits.bound),
                 "ghost": ghost.map(|ghost| ghost.part),
                 "ghost_position": ghost.map(|ghost| ghost.position.to_array()),
                 "residual": quality.residual,
-                "rank": quality.rank,
-                "condition": quality.condition,
+                "rank": limits.rank,
+                "condition": limits.condition,
             },
             "seconds": solution.seconds,
             "iterations": solution.iterations,

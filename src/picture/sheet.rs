@@ -8,7 +8,7 @@ use crate::acoustics::Aperture;
 use crate::field::colouring::phase_index;
 use crate::picture::{ColourMap, Picture, PictureError, register_font};
 use crate::scene::{Plane, Scene, outline};
-use crate::solver::{self, Certificate, Problem, Solution};
+use crate::solver::{self, Problem, Solution};
 
 /// Width and height of a sheet for which the measures below are meant; other sizes scale them.
 const PAGE: (f64, f64) = (1600.0, 1560.0);
@@ -94,7 +94,7 @@ fn summary(scene: &Scene, solution: &Solution) -> String {
         pascals(quality.min_pressure),
         100.0 * quality.spread,
         100.0 * quality.efficiency,
-        (100.0 * Certificate::new(solution, bound).certified).floor(),
+        (100.0 * solution.certified(bound)).floor(),
     )
 }
 

@@ -13,7 +13,7 @@ use rayon::prelude::*;
 use crate::acoustics::Aperture;
 use crate::drive::Drive;
 use crate::scene::{Focus, Method, Scene, Solver, motion};
-use crate::solver::{self, Excitation, Played, Problem, Quality, SolveError};
+use crate::solver::{self, Excitation, Played, Problem, SolveError};
 
 /// Wavelengths that a focus may go from one keyframe to the next, if there are frames between them.
 const STRIDE: f64 = 0.15;
@@ -96,13 +96,13 @@ pub fn follow(scene: &Scene) -> Result<Sequence, SolveError> {
     } else {
         let alone = |stand| {
             let problem = problem(stand);
-            Ok(Found::new(&problem, settings, &excite(&problem, settings)?, true))
+            Ok(Found::new(&problem, settings, excite(&problem, settings)?, true))
         };
         stands.par_iter().map(alone).collect::<Result<Vec<_>, SolveError>>()?
     };
     let angles = turns(&solved);
     let frame = |(found, &angle): (Found, &f64)| found.into_frame(&aperture, angle);
-    let solved: Vec<_> = solved.into_par_iter().zip(&angles).with_min_len(16).map(frame).collect();
+    let solved: Vec<_> = solved.into_par_iter().zip(&angles).with_min_len(64).map(frame).collect();
     let seconds = start.elapsed().as_secs_f64();
 
     let mut steps = phase_steps(&solved, &aperture.driven, frames.len());
@@ -112,16 +112,6 @@ pub fn follow(scene: &Scene) -> Result<Sequence, SolveError> {
     Ok(Sequence { frames: repeated.collect(), steps, seconds })
 }
 
-/// What the user should know of the first frame, a sentence each.
-pub fn warnings(scene: &Scene, sequence: &Sequence) -> Vec<String> {
-    let aperture = Aperture::new(scene);
-    let Frame { foci, drive, pressures, .. } = &sequence.frames[0];
-    let problem = Problem::new(&aperture, foci.clone());
-    let values = drive.excitation(&aperture.driven);
-    let played = Excitation { values, iterations: 0, residual: None, weights: None };
-    solver::warnings(&aperture, foci, &Quality::new(&problem, &played, pressures))
-}
-
 /// What is found for a frame, before it is turned as a whole.
 struct Found {
     foci: Vec<Focus>,
@@ -129,13 +119,15 @@ struct Found {
     u: Vec<Complex64>,
     /// Pa, peak, at the foci.
     pressures: Vec<Complex64>,
+    /// The part of full drive that is played, 0 to 1.
+    turned_down: f64,
     cold: bool,
 }
 
 impl Found {
-    fn new(problem: &Problem<'_>, settings: &Solver, excitation: &Excitation, cold: bool) -> Self {
-        let Played { values, pressures, .. } = Played::new(problem, settings, excitation);
-        Self { foci: problem.foci.clone(), pressures, u: values, cold }
+    fn new(problem: &Problem<'_>, settings: &Solver, excitation: Excitation, cold: bool) -> Self {
+        let Played { values, pressures, needed } = Played::new(problem, settings, excitation);
+        Self { foci: problem.foci.clone(), pressures, u: values, turned_down: needed.min(1.0), cold }
     }
 
     /// The weakest pressure/target.
@@ -161,20 +153,33 @@ impl Found {
 /// A frame with what the next needs to go on from it.
 struct Link {
     found: Found,
-    excitation: Excitation,
-    /// The weakest pressure/target over √(Σ|H|²/M): comparable wherever the foci are.
+    weights: Option<Vec<f64>>,
+    /// The weakest pressure/target over what the foci hear of elements: comparable wherever they are.
     part: f64,
     /// The most that this was since the last search.
     most: f64,
 }
 
 impl Link {
-    fn new(problem: &Problem<'_>, settings: &Solver, excitation: Excitation, cold: bool) -> Self {
-        let found = Found::new(problem, settings, &excitation, cold);
-        let power = problem.transfer.rows().map(|row| row.map(|h| h.norm_sqr()).sum::<f64>()).sum::<f64>();
-        let part = found.weakest() / (power / problem.foci.len() as f64).sqrt().max(f64::MIN_POSITIVE);
-        Self { found, excitation, part, most: part }
+    fn new(problem: &Problem<'_>, settings: &Solver, mut excitation: Excitation, cold: bool) -> Self {
+        let weights = excitation.weights.take();
+        let found = Found::new(problem, settings, excitation, cold);
+        let part = found.weakest() / (found.turned_down * heard(problem)).max(f64::MIN_POSITIVE);
+        Self { found, weights, part, most: part }
     }
+
+    fn excitation(&self) -> Excitation {
+        let (values, weights) = (self.found.u.clone(), self.weights.clone());
+        Excitation { values, iterations: 0, residual: None, weights }
+    }
+}
+
+/// √(Σ|H|²) over all foci and some elements, Pa.
+fn heard(problem: &Problem<'_>) -> f64 {
+    /// No divisor of a usual row, so that the elements are scattered.
+    const EVERY: usize = 7;
+    let power = problem.transfer.rows().flat_map(|row| row.step_by(EVERY)).map(|h| h.norm_sqr()).sum::<f64>();
+    (power / problem.foci.len() as f64).sqrt().max(f64::MIN_POSITIVE)
 }
 
 fn excite(problem: &Problem<'_>, settings: &Solver) -> Result<Excitation, SolveError> {
@@ -228,7 +233,7 @@ fn go_on(problem: &Problem<'_>, before: &Link, settings: &Solver) -> Result<Link
     if !near {
         return search();
     }
-    let warm = Link::new(problem, settings, solver::excite_from(problem, &before.excitation), false);
+    let warm = Link::new(problem, settings, solver::excite_from(problem, &before.excitation()), false);
     if warm.part >= KEPT * before.most {
         return Ok(Link { most: warm.part.max(before.most), ..warm });
     }
@@ -304,7 +309,7 @@ mod tests {
         let aperture = Aperture::new(scene);
         let part = |frame: &Frame| {
             let problem = Problem::new(&aperture, frame.foci.clone());
-            let cold = Found::new(&problem, &scene.solver, &excite(&problem, &scene.solver).unwrap(), true);
+            let cold = Found::new(&problem, &scene.solver, excite(&problem, &scene.solver).unwrap(), true);
             frame.min_pressure() / cold.weakest()
         };
         sequence.frames.iter().map(part).collect()

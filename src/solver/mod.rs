@@ -2,7 +2,7 @@
 //!
 //! Every method is a function from a [`Problem`] to an [`Excitation`]; [`solve`] makes the excitation uniform, since
 //! that is what most boards can play, turns it down where the targets are pascals, and measures the result. How near that
-//! is to the best that any drive can do, a [`Certificate`] tells who asks. The inverses (`pinv`, `weighted`) are in [`inverse`],
+//! is to the best that any drive can do, [`Limits`] tell who asks. The inverses (`pinv`, `weighted`) are in [`inverse`],
 //! the phase iterations (`naive`, `gs`, `gspat`, `wgs`, `greedy`, `best`) in [`iteration`]. [`frames`] solves a
 //! scene that moves.
 
@@ -21,7 +21,8 @@ use crate::acoustics::{Aperture, Transfer};
 use crate::drive::Drive;
 use crate::scene::{Amplitudes, Focus, KeyError, Method, Pressures, Scene, Solver, outline};
 
-pub use quality::{Certificate, Quality, bound};
+pub use inverse::rank_and_condition;
+pub use quality::{Limits, Quality, bound};
 
 /// What a method gets to see.
 #[derive(Clone, Debug)]
@@ -77,6 +78,16 @@ pub struct Solution {
     pub warnings: Vec<String>,
 }
 
+impl Solution {
+    /// The part of the best that any drive can do, where that is `bound` ([`bound`]): of the smallest pressure/target, at full
+    /// drive.
+    pub fn certified(&self, bound: f64) -> f64 {
+        let relative = self.pressures.iter().zip(&self.foci).map(|(p, focus)| p.norm() / focus.target);
+        let weakest = relative.fold(f64::INFINITY, f64::min);
+        weakest / self.turned_down.max(f64::MIN_POSITIVE) / bound.max(f64::MIN_POSITIVE)
+    }
+}
+
 /// Why there is no drive.
 #[derive(Debug, thiserror::Error)]
 pub enum SolveError {
@@ -100,10 +111,10 @@ pub fn solve(scene: &Scene) -> Result<Solution, SolveError> {
     let excitation = excite(&problem, scene.solver.method, scene.solver.iterations)?;
     let seconds = start.elapsed().as_secs_f64();
 
-    let Played { values, pressures, needed } = Played::new(&problem, &scene.solver, &excitation);
+    let Played { values, pressures, needed } = Played::new(&problem, &scene.solver, excitation.clone());
     let (elements, driven) = (aperture.positions.len(), &aperture.driven);
     let quality = Quality::new(&problem, &excitation, &pressures);
-    let mut warnings = warnings(&aperture, &problem.foci, &quality);
+    let mut warnings = warnings(&aperture, &problem.foci);
     if needed > 1.0 {
         warnings.push(too_much(&problem, &quality));
     }
@@ -132,12 +143,15 @@ struct Played {
 }
 
 impl Played {
-    fn new(problem: &Problem<'_>, solver: &Solver, excitation: &Excitation) -> Self {
-        let largest = excitation.values.iter().map(|u| u.norm()).fold(f64::MIN_POSITIVE, f64::max);
-        let mut values: Vec<_> = match solver.amplitudes {
-            Amplitudes::Uniform => excitation.values.iter().map(|&u| iteration::phase(u)).collect(),
-            Amplitudes::Free => excitation.values.iter().map(|u| u / largest).collect(),
-        };
+    fn new(problem: &Problem<'_>, solver: &Solver, excitation: Excitation) -> Self {
+        let mut values = excitation.values;
+        let largest = values.iter().map(|u| u.norm()).fold(f64::MIN_POSITIVE, f64::max);
+        for u in &mut values {
+            *u = match solver.amplitudes {
+                Amplitudes::Uniform => iteration::phase(*u),
+                Amplitudes::Free => *u / largest,
+            };
+        }
         let mut pressures = problem.transfer.pressure(&values);
         let needed = match solver.pressures {
             Pressures::Relative => 1.0,
@@ -213,13 +227,15 @@ fn focus(problem: &Problem<'_>) -> Result<Excitation, SolveError> {
     Ok(Excitation { values, iterations: 0, residual: None, weights: None })
 }
 
-fn warnings(aperture: &Aperture, foci: &[Focus], quality: &Quality) -> Vec<String> {
+/// What the user should know of foci in front of an array, a sentence each.
+pub fn warnings(aperture: &Aperture, foci: &[Focus]) -> Vec<String> {
     let mut warnings = Vec::new();
+    let resolution_at = aperture.resolution();
     let (mut coincident, mut close, mut closest) = (0, 0, (f64::INFINITY, 0.0));
     for (i, focus) in foci.iter().enumerate() {
         for other in &foci[..i] {
             let distance = focus.position.distance(other.position);
-            let resolution = aperture.resolution((focus.position + other.position) / 2.0);
+            let resolution = resolution_at((focus.position + other.position) / 2.0);
             coincident += usize::from(distance < 1e-9);
             close += usize::from(distance < resolution);
             if distance < closest.0 {
@@ -244,13 +260,6 @@ fn warnings(aperture: &Aperture, foci: &[Focus], quality: &Quality) -> Vec<Strin
         warnings.push(format!(
             "{} foci are more than the {elements} driven elements can set: the pressures are a compromise",
             foci.len()
-        ));
-    } else if quality.rank < foci.len() {
-        warnings.push(format!(
-            "the {} foci have only {} independent directions (condition {:.1e}): the rest is a compromise",
-            foci.len(),
-            quality.rank,
-            quality.condition
         ));
     }
     warnings

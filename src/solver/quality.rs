@@ -3,7 +3,8 @@
 use faer::{Mat, Side};
 use num_complex::Complex64;
 
-use crate::solver::{Excitation, Problem, Solution, inverse, iteration};
+use crate::acoustics::Transfer;
+use crate::solver::{Excitation, Problem, inverse, iteration};
 
 /// Figures of a solution. Pressures in Pa (peak), of the drive that will be played.
 #[derive(Clone, Debug, PartialEq)]
@@ -19,9 +20,6 @@ pub struct Quality {
     /// ‖H u - p‖/‖p‖ of the excitation; methods that leave the focal phases free are measured at their own phases and
     /// best scale.
     pub residual: f64,
-    /// Of H with rows of norm 1, as [`inverse::rank_and_condition`] defines it.
-    pub rank: usize,
-    pub condition: f64,
 }
 
 impl Quality {
@@ -32,7 +30,6 @@ impl Quality {
         let relative: Vec<_> =
             moduli.iter().zip(&targets).map(|(modulus, target)| modulus / target).collect();
         let single: Vec<_> = problem.transfer.rows().map(|row| row.map(|h| h.norm()).sum::<f64>()).collect();
-        let (rank, condition) = inverse::rank_and_condition(&problem.transfer);
         Self {
             mean_pressure: mean(&moduli),
             min_pressure: moduli.iter().copied().fold(f64::INFINITY, f64::min),
@@ -45,29 +42,37 @@ impl Quality {
                 .sum::<f64>()
                 / (moduli.len() as f64).sqrt(),
             residual: excitation.residual.unwrap_or_else(|| modulus_residual(problem, excitation)),
-            rank,
-            condition,
         }
     }
 }
 
-/// What no drive can exceed, and how near a solution comes to it.
+/// What foci and array allow, whatever the method. It takes longer than most solutions, so nobody computes it who does not
+/// show it.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Certificate {
-    /// No drive with |u_n| ≤ 1 brings every focus to this pressure times its target.
+pub struct Limits {
+    /// As [`bound`] defines it.
     pub bound: f64,
-    /// The smallest pressure/target at full drive over the bound.
-    pub certified: f64,
+    /// As [`inverse::rank_and_condition`] defines them.
+    pub rank: usize,
+    pub condition: f64,
 }
 
-impl Certificate {
-    /// Of a solution whose problem has this [`bound`]; it is the same for every method.
-    pub fn new(solution: &Solution, bound: f64) -> Self {
-        let relative =
-            solution.pressures.iter().zip(&solution.foci).map(|(p, focus)| p.norm() / focus.target);
-        let weakest = relative.fold(f64::INFINITY, f64::min);
-        let full = weakest / solution.turned_down.max(f64::MIN_POSITIVE);
-        Self { bound, certified: full / bound.max(f64::MIN_POSITIVE) }
+impl Limits {
+    pub fn new(problem: &Problem<'_>) -> Self {
+        let (rank, condition) = inverse::rank_and_condition(&problem.transfer);
+        Self { bound: bound(problem), rank, condition }
+    }
+
+    /// What the user should know of these foci, in words.
+    pub fn warning(&self, problem: &Problem<'_>) -> Option<String> {
+        let Transfer { points, elements, .. } = problem.transfer;
+        // That more foci than elements are dependent, every solution says.
+        (points <= elements && self.rank < points).then(|| {
+            format!(
+                "the {points} foci have only {} independent directions (condition {:.1e}): the rest is a compromise",
+                self.rank, self.condition
+            )
+        })
     }
 }
 

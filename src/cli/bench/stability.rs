@@ -32,6 +32,8 @@ struct Record {
     /// Every number finite, no element above full drive.
     is_sound: bool,
     quality: Quality,
+    rank: usize,
+    condition: f64,
     /// Of the weakest focus, against the best of 200 starts.
     loss: Option<f64>,
 }
@@ -73,12 +75,23 @@ fn measure(
     let drive = Drive::uniform(positions.len(), driven, &excitation.values);
     let pressures = problem.transfer.pressure(&drive.excitation(driven));
     let quality = Quality::new(problem, &excitation, &pressures);
+    let (rank, condition) = solver::rank_and_condition(&problem.transfer);
     let figures = [quality.mean_pressure, quality.min_pressure, quality.spread, quality.residual];
     let is_sound = drive.phases.iter().chain(&figures).all(|value| value.is_finite())
         && drive.amplitudes.iter().all(|amplitude| (0.0..=1.0).contains(amplitude))
         && excitation.values.iter().all(|u| u.is_finite());
     let loss = strongest.map(|strongest| 1.0 - weakest(problem, &excitation.values) / strongest);
-    Ok(Record { case: case.name, foci: case.foci.len(), method, cpu: spent.cpu, is_sound, quality, loss })
+    Ok(Record {
+        case: case.name,
+        foci: case.foci.len(),
+        method,
+        cpu: spent.cpu,
+        is_sound,
+        quality,
+        rank,
+        condition,
+        loss,
+    })
 }
 
 /// The smallest pressure over its target that the uniform drive makes.
@@ -183,8 +196,8 @@ fn table(records: &[Record]) -> Table {
             record.method.name().to_owned(),
             format!("{:.3}", record.cpu * 1e3),
             if record.is_sound { "yes" } else { "NO" }.to_owned(),
-            quality.rank.to_string(),
-            format!("{:.1e}", quality.condition),
+            record.rank.to_string(),
+            format!("{:.1e}", record.condition),
             format!("{:.1e}", quality.residual),
             format!("{:.1e}", quality.spread),
             format!("{:.3e}", quality.min_pressure),
@@ -207,8 +220,8 @@ fn json(record: &Record) -> serde_json::Value {
         "method": record.method.name(),
         "cpu_ms": record.cpu * 1e3,
         "sound": record.is_sound,
-        "rank": quality.rank,
-        "condition": quality.condition,
+        "rank": record.rank,
+        "condition": record.condition,
         "residual": quality.residual,
         "spread": quality.spread,
         "min_pressure": quality.min_pressure,

@@ -129,35 +129,41 @@ impl Kernel for WeightedSums<'_, '_, '_> {
     fn run<I: Instructions>(self) {
         let Self { rows, lines, sums } = self;
         match (I::WIDTH, rows) {
-            (16, ROWS) => weighted_runs::<I, ROWS, 32>(lines, sums),
-            (8, ROWS) => weighted_runs::<I, ROWS, 16>(lines, sums),
-            (_, ROWS) => weighted_runs::<I, ROWS, 8>(lines, sums),
-            (4, _) => weighted_runs::<I, 1, 32>(lines, sums),
-            (_, _) => weighted_runs::<I, 1, 64>(lines, sums),
+            (16, ROWS) => weighted_runs::<I, ROWS, 16, 4>(lines, sums),
+            (8, ROWS) => weighted_runs::<I, ROWS, 8, 2>(lines, sums),
+            (_, ROWS) => weighted_runs::<I, ROWS, 4, 2>(lines, sums),
+            (16, _) => weighted_runs::<I, 1, 16, 4>(lines, sums),
+            (8, _) => weighted_runs::<I, 1, 8, 8>(lines, sums),
+            (_, _) => weighted_runs::<I, 1, 4, 8>(lines, sums),
         }
     }
 }
 
-/// `R` rows of weighted sums, `RUN` neighbours at a time.
+/// `R` rows of weighted sums, `V` vectors of `LANES` neighbours at a time.
 #[inline(always)]
-fn weighted_runs<I: Instructions, const R: usize, const RUN: usize>(lines: &Lines<'_>, sums: &mut Rows<'_>) {
+fn weighted_runs<I: Instructions, const R: usize, const LANES: usize, const V: usize>(
+    lines: &Lines<'_>,
+    sums: &mut Rows<'_>,
+) {
     let taps = lines.weights.len() / R;
-    let whole = sums.length / RUN * RUN;
-    for start in (0..whole).step_by(RUN) {
-        let mut totals = [[0.0; RUN]; R];
+    let run = V * LANES;
+    let whole = sums.length / run * run;
+    for start in (0..whole).step_by(run) {
+        let mut totals = [[[0.0; LANES]; V]; R];
         for tap in 0..taps {
-            let values: &[f32; RUN] = lines.values[tap * lines.stride + start..]
-                .first_chunk()
-                .expect("a line is as long as the sum");
-            for (row, total) in totals.iter_mut().enumerate() {
+            let values = lines.values[tap * lines.stride + start..][..run].as_chunks::<LANES>().0;
+            for row in 0..R {
                 let weight = lines.weights[row * taps + tap];
-                for lane in 0..RUN {
-                    total[lane] = fused::<I>(weight, values[lane], total[lane]);
+                for vector in 0..V {
+                    // One expression per lane becomes vector code, whatever stands around it.
+                    let (total, values) = (totals[row][vector], &values[vector]);
+                    totals[row][vector] =
+                        std::array::from_fn(|lane| fused::<I>(weight, values[lane], total[lane]));
                 }
             }
         }
         for (row, total) in totals.iter().enumerate() {
-            sums.values[row * sums.stride + start..][..RUN].copy_from_slice(total);
+            sums.values[row * sums.stride + start..][..run].copy_from_slice(total.as_flattened());
         }
     }
     for (row, weights) in lines.weights.chunks_exact(taps).enumerate() {

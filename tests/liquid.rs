@@ -1,0 +1,213 @@
+//! Radiation pressure, dents and waves as the command line makes them.
+
+#![expect(clippy::unwrap_used, reason = "a test's helper may panic")]
+
+use std::fs;
+use std::path::Path;
+use std::process::{Command, Output};
+
+use tempfile::TempDir;
+
+fn run(folder: &Path, args: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_sonoglyph")).args(args).current_dir(folder).output().unwrap()
+}
+
+fn succeed(folder: &Path, args: &[&str]) -> (String, String) {
+    let output = run(folder, args);
+    let text = |bytes| String::from_utf8(bytes).unwrap();
+    assert!(output.status.success(), "{args:?}: {}", String::from_utf8_lossy(&output.stderr));
+    (text(output.stdout), text(output.stderr))
+}
+
+fn refuse(folder: &Path, args: &[&str]) -> String {
+    let output = run(folder, args);
+    let message = String::from_utf8(output.stderr).unwrap();
+    assert_eq!(output.status.code(), Some(2), "{args:?}: {message}");
+    assert!(!message.contains("panicked"), "{message}");
+    message
+}
+
+fn folder_with(files: &[(&str, &str)]) -> TempDir {
+    let folder = tempfile::tempdir().unwrap();
+    for (name, text) in files {
+        fs::write(folder.path().join(name), text).unwrap();
+    }
+    folder
+}
+
+/// Shape and numbers of an NPY file of float32.
+fn npy(path: &Path) -> (String, Vec<f32>) {
+    let bytes = fs::read(path).unwrap();
+    let length = usize::from(u16::from_le_bytes([bytes[8], bytes[9]]));
+    let header = String::from_utf8_lossy(&bytes[10..10 + length]).into_owned();
+    let numbers = bytes[10 + length..].chunks_exact(4).map(|b| f32::from_le_bytes([b[0], b[1], b[2], b[3]]));
+    (header, numbers.collect())
+}
+
+fn largest(numbers: &[f32]) -> (usize, f32) {
+    let place = (0..numbers.len()).max_by(|&a, &b| numbers[a].total_cmp(&numbers[b])).unwrap();
+    (place, numbers[place])
+}
+
+const FAINT: &str =
+    "format = 1\n[array]\nstrength = 1.0\n[[target]]\nat = [0.01, 0.02, 0.1]\n[plane]\nsize = [0.08, 0.06]\n";
+
+#[test]
+fn a_dent_is_in_metres_and_deepest_under_the_focus() {
+    let folder = folder_with(&[("a.toml", FAINT)]);
+    let at = folder.path();
+    for backend in ["cpu", "reference"] {
+        let args =
+            ["render", "a.toml", "-o", "a.png", "--quantity", "dent", "--size", "80", "--data", "a.npy"];
+        let (said, warned) = succeed(at, &[&args[..], &["--backend", backend]].concat());
+        assert!(said.contains("µm") && said.contains("mm³") && said.contains("water 100 mm"), "{said}");
+        assert!(!warned.contains("linear theory"), "{warned}");
+        let (header, depth) = npy(&at.join("a.npy"));
+        assert!(header.contains("(60, 80"), "{header}");
+        let (place, deepest) = largest(&depth);
+        let (x, y) = ((place % 80) as f64 + 0.5 - 40.0, (place / 80) as f64 + 0.5 - 30.0);
+        assert!((x - 10.0).abs() <= 1.0 && (y - 20.0).abs() <= 1.0, "{x} {y}");
+        // Ten pascals dent water by half a millimetre.
+        succeed(
+            at,
+            &[
+                "render",
+                "a.toml",
+                "-o",
+                "p.png",
+                "--quantity",
+                "radiation",
+                "--size",
+                "80",
+                "--data",
+                "p.npy",
+            ],
+        );
+        let (_, pressure) = npy(&at.join("p.npy"));
+        let (_, most) = largest(&pressure);
+        let per_pascal = deepest / most;
+        assert!((3e-5..7e-5).contains(&per_pascal), "{deepest} m under {most} Pa");
+    }
+}
+
+#[test]
+fn the_envelope_and_the_liquid_change_the_dent() {
+    let sine = format!("{FAINT}[modulation]\nshape = \"sine\"\n");
+    let ethanol = format!("{FAINT}[liquid]\nname = \"ethanol\"\n");
+    let folder = folder_with(&[("a.toml", FAINT), ("sine.toml", &sine), ("ethanol.toml", &ethanol)]);
+    let deepest = |scene: &str| {
+        let args = ["render", scene, "-o", "a.png", "--quantity", "dent", "--size", "60", "--data", "a.npy"];
+        let (said, _) = succeed(folder.path(), &args);
+        (largest(&npy(&folder.path().join("a.npy")).1).1, said)
+    };
+    let ((full, _), (half, said), (deep, of_ethanol)) =
+        (deepest("a.toml"), deepest("sine.toml"), deepest("ethanol.toml"));
+    assert!((half / full - 0.375).abs() < 1e-4, "{half} {full}");
+    assert!(said.contains("37.5 %"), "{said}");
+    assert!(deep > 1.6 * full && of_ethanol.contains("ethanol"), "{deep} {full} {of_ethanol}");
+}
+
+#[test]
+fn a_dent_too_steep_for_the_theory_says_so_with_the_drive_that_is_not() {
+    let strong = FAINT.replace("strength = 1.0", "strength = 6.0");
+    let folder = folder_with(&[("a.toml", &strong)]);
+    for view in ["flat", "shaded"] {
+        let args = ["render", "a.toml", "-o", "a.png", "--quantity", "dent", "--view", view, "--size", "400"];
+        let (_, warned) = succeed(folder.path(), &args);
+        assert!(warned.contains("beyond linear theory") && warned.contains("% of this drive's"), "{warned}");
+        let picture = image::open(folder.path().join("a.png")).unwrap();
+        assert_eq!(picture.width(), 400);
+    }
+}
+
+#[test]
+fn motion_presses_its_mean_unless_a_frame_is_asked_for() {
+    let moving = format!("{FAINT}[motion]\npath = \"circle\"\nsize = 0.02\nframes = 8\n");
+    let folder = folder_with(&[("a.toml", &moving)]);
+    let map = |more: &[&str]| {
+        let args = ["render", "a.toml", "-o", "a.png", "--size", "60", "--data", "a.npy"];
+        succeed(folder.path(), &[&args[..], more].concat());
+        npy(&folder.path().join("a.npy")).1
+    };
+    let frames = (1..=8).map(|frame| map(&["--frame", &frame.to_string()]));
+    let mean = map(&["--frame", "mean"]);
+    let mut squares = vec![0.0f32; mean.len()];
+    for frame in frames {
+        for (square, p) in squares.iter_mut().zip(frame) {
+            *square += p * p / 8.0;
+        }
+    }
+    let peak = largest(&mean).1;
+    for (mean, square) in mean.iter().zip(&squares) {
+        assert!((mean - square.sqrt()).abs() < 2e-3 * peak, "{mean} {}", square.sqrt());
+    }
+    let of_mean = largest(&map(&["--quantity", "dent"])).1;
+    let of_frame = largest(&map(&["--quantity", "dent", "--frame", "1"])).1;
+    assert!(of_mean < 0.7 * of_frame, "{of_mean} {of_frame}");
+}
+
+#[test]
+fn waves_are_an_animation_that_begins_at_rest() {
+    let slow = format!("{FAINT}[modulation]\nshape = \"square\"\nfrequency = 50.0\n");
+    let folder = folder_with(&[("a.toml", &slow)]);
+    let at = folder.path();
+    let args = [
+        "render",
+        "a.toml",
+        "-o",
+        "waves/",
+        "--quantity",
+        "dent",
+        "--waves",
+        "--seconds",
+        "0.05",
+        "--size",
+        "40",
+    ];
+    let (said, _) = succeed(at, &args);
+    assert!(said.contains("20 frames") && said.contains("slowed down 8.0 x"), "{said}");
+    let picture = |number: usize| image::open(at.join(format!("waves/a-{number:02}.png"))).unwrap().to_rgb8();
+    let contrast = |number: usize| {
+        let red: Vec<_> = picture(number).pixels().map(|pixel| i32::from(pixel.0[0])).collect();
+        red.iter().max().unwrap() - red.iter().min().unwrap()
+    };
+    assert!(contrast(1) < contrast(20), "{} {}", contrast(1), contrast(20));
+}
+
+#[test]
+fn what_cannot_be_pressed_or_shown_is_refused() {
+    let upright = FAINT.replace("size = [0.08, 0.06]", "y_axis = [0, 0, 1]");
+    let low = FAINT.replace("size", "centre = [0, 0, 0.005]\nsize");
+    let empty = format!("{FAINT}[liquid]\ndensity = 0\n");
+    let stretched = format!("{FAINT}[liquid]\nsurface_tension = -1\n");
+    let folder = folder_with(&[
+        ("a.toml", FAINT),
+        ("upright.toml", &upright),
+        ("low.toml", &low),
+        ("empty.toml", &empty),
+        ("stretched.toml", &stretched),
+    ]);
+    let dent = |scene: &'static str, more: &[&'static str]| {
+        refuse(folder.path(), &[&["render", scene, "-o", "a.gif", "--quantity", "dent"], more].concat())
+    };
+    for (message, part) in [
+        (dent("upright.toml", &[]), "lies parallel to the array"),
+        (dent("low.toml", &[]), "nearer than a wavelength"),
+        (dent("empty.toml", &[]), "liquid.density = 0"),
+        (dent("stretched.toml", &[]), "liquid.surface_tension = -1"),
+        (dent("a.toml", &["--frame", "0"]), "counted from 1"),
+        (dent("a.toml", &["--frame", "2"]), "there is no frame 2"),
+        (dent("a.toml", &["--waves", "--seconds", "1e9"]), "were asked for"),
+        (dent("a.toml", &["--waves", "--seconds", "nan"]), "NaN s were asked for"),
+        (dent("a.toml", &["--seconds", "1"]), "--waves"),
+        (dent("a.toml", &["--waves", "--view", "shaded"]), "leave out --view shaded"),
+        (dent("a.toml", &["--waves", "--motion"]), "cannot be used with"),
+    ] {
+        assert!(message.contains(part), "{part}: {message}");
+    }
+    let rms = ["render", "a.toml", "-o", "a.gif", "--waves"];
+    assert!(refuse(folder.path(), &rms).contains("--quantity dent"));
+    let phase = ["render", "a.toml", "-o", "a.png", "--quantity", "phase", "--frame", "mean"];
+    assert!(refuse(folder.path(), &phase).contains("has no phase"));
+    assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 5, "nothing was written");
+}
