@@ -20,6 +20,10 @@ fn go_on(next: Next) -> anyhow::Result<()> {
     match next {
         Next::Exit => Ok(()),
         Next::Window(scene) => sonoglyph::app::run(scene.as_deref()),
+        Next::BenchWindow => {
+            sonoglyph::app::bench::run();
+            Ok(())
+        }
     }
 }
 
@@ -29,6 +33,7 @@ fn go_on(next: Next) -> anyhow::Result<()> {
     match next {
         Next::Exit => Ok(()),
         Next::Window(scene) => sonoglyph::cli::default_sheet(scene.as_deref()),
+        Next::BenchWindow => anyhow::bail!("this program was built without its window"),
     }
 }
 

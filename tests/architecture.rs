@@ -33,7 +33,7 @@ const LAYERS: &[(&str, &[&str])] = &[
             "tempfile",
         ],
     ),
-    ("app", &["anyhow", "eframe", "egui", "glam", "rfd", "tempfile"]),
+    ("app", &["anyhow", "cpu_time", "eframe", "egui", "glam", "rfd", "tempfile"]),
     ("main", &["anyhow", "sonoglyph"]),
 ];
 /// Crates that any layer may name.

@@ -233,7 +233,7 @@ fn another_method_and_the_dent_are_a_click_away() {
     let mut screen = open();
     screen.get_by_label("Solver").click();
     rest(&mut screen);
-    assert!(screen.state().shown().certificate.unwrap().certified > 0.3);
+    assert!(screen.state().shown().certified.unwrap() > 0.3);
     screen.get_by_label("Compare all methods").click();
     rest(&mut screen);
     assert_eq!(screen.state().shown().methods.len(), Method::ALL.len());

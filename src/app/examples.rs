@@ -22,6 +22,10 @@ pub const EXAMPLES: &[(&str, &str)] = &[
     ("water-three-points", include_str!("../../assets/scenes/water-three-points.toml")),
     ("water-moving-square", include_str!("../../assets/scenes/water-moving-square.toml")),
     ("water-up-down-left-right", include_str!("../../assets/scenes/water-up-down-left-right.toml")),
+    ("water-circle", include_str!("../../assets/scenes/water-circle.toml")),
+    ("water-line", include_str!("../../assets/scenes/water-line.toml")),
+    ("water-rectangle", include_str!("../../assets/scenes/water-rectangle.toml")),
+    ("water-triangle", include_str!("../../assets/scenes/water-triangle.toml")),
 ];
 
 #[cfg(test)]

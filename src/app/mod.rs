@@ -1,5 +1,6 @@
 //! The window: the editor of [`crate::ui`], what is made from its scene, and its files.
 
+pub mod bench;
 mod examples;
 mod files;
 mod later;
@@ -232,6 +233,12 @@ impl Window {
 
 impl eframe::App for Window {
     fn ui(&mut self, ui: &mut egui::Ui, _frame: &mut eframe::Frame) {
+        self.frame(ui);
+    }
+}
+
+impl Window {
+    fn frame(&mut self, ui: &mut egui::Ui) {
         let ctx = ui.ctx().clone();
         let before = (self.editor.document.scene.clone(), self.editor.view.clone(), self.editor.playback);
         let Self { editor, shown, workshop, .. } = self;

@@ -17,7 +17,7 @@ use crate::field::{self, Average, Colouring, Evaluator, FieldError, Mean, Quanti
 use crate::picture::Picture;
 use crate::scene::{Focus, Method, MotionPath, Plane, Scene, check, motion, outline};
 use crate::solver::frames::{self, Sequence};
-use crate::solver::{self, Certificate, Problem, Solution};
+use crate::solver::{self, Problem, Solution};
 use crate::ui::view::Lens;
 use crate::ui::{Editor, Map, MethodRow, Panel, Pressed, Shown, Sound, Texture};
 
@@ -154,7 +154,7 @@ impl Workshop {
 
     /// What is proved of the solution, and all methods side by side.
     fn figures(&mut self, editor: &Editor, shown: &mut Shown, ctx: &Context) {
-        shown.certificate = None;
+        shown.certified = None;
         if let Some((scene, Ok(solution))) = &self.solved
             && shown.solution.is_some()
         {
@@ -163,8 +163,7 @@ impl Workshop {
                 let foci = solution.foci.clone();
                 self.bound.ask(scene, ctx, |scene| solver::bound(&Problem::new(&Aperture::new(scene), foci)));
             }
-            let certified = |&bound| Certificate::new(solution, bound);
-            shown.certificate = self.bound.get(scene).map(certified);
+            shown.certified = self.bound.get(scene).map(|&bound| solution.certified(bound));
         }
         if let Some(wanted) = &self.wants_methods {
             self.methods.ask(wanted, ctx, all_methods);

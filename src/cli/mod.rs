@@ -219,6 +219,9 @@ enum Subject {
     Solve,
     /// Solver methods on sets of foci that are hard to solve
     Stability,
+    /// Frames of the window
+    Window,
+    /// All but the window
     All,
 }
 
@@ -301,6 +304,9 @@ pub fn run() -> anyhow::Result<Next> {
         Cli { command: Some(Command::Solve(args)), .. } if args.motion => motion::run(&args),
         Cli { command: Some(Command::Solve(args)), .. } => solve::run(&args),
         Cli { command: Some(Command::Probe(args)), .. } => probe::run(&args),
+        Cli { command: Some(Command::Bench(args)), .. } if args.subject == Subject::Window => {
+            return Ok(Next::BenchWindow);
+        }
         Cli { command: Some(Command::Bench(args)), .. } => bench::run(&args),
         Cli { command: Some(Command::Devices), .. } => devices::run(),
         Cli { command: None, scene } => return Ok(Next::Window(scene)),
@@ -314,6 +320,8 @@ pub enum Next {
     Exit,
     /// The window on this scene, or on an example.
     Window(Option<PathBuf>),
+    /// What the window's frames cost.
+    BenchWindow,
 }
 
 pub use render::default_sheet;

@@ -83,7 +83,7 @@ fn words(editor: &Editor, shown: &Shown, painter: &Painter, lens: &Lens) {
         let text = "Nothing to focus on yet.\nPick a tool on the left and draw, or open an example.";
         chip(painter, middle, Align2::CENTER_CENTER, text, 15.0, Color32::WHITE);
     } else if let Some(problem) = &shown.problem {
-        let at = lens.rect.center_top() + vec2(0.0, 12.0);
+        let at = lens.rect.center_top() + vec2(0.0, 44.0);
         let text = format!("Not solved, the last picture stays: {problem}");
         wrapped_chip(painter, at, lens.rect.width() - 40.0, &text, Color32::from_rgb(255, 170, 160));
     }
@@ -161,8 +161,8 @@ fn probe(editor: &Editor, shown: &Shown, painter: &Painter, lens: &Lens, at: Pos
     if let (Some(map), Some(sound)) = (&shown.map, &shown.sound) {
         text.push_str(&format!("     {}", value(map, sound, uv, point)));
     }
-    let corner = lens.rect.left_bottom() + vec2(10.0, -10.0);
-    chip(painter, corner, Align2::LEFT_BOTTOM, &text, 13.0, theme::MARK);
+    let corner = lens.rect.left_top() + vec2(12.0, 9.0);
+    chip(painter, corner, Align2::LEFT_TOP, &text, 13.0, theme::MARK);
 }
 
 fn value(map: &Map, sound: &crate::ui::Sound, uv: DVec2, point: glam::DVec3) -> String {

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use egui::{Context, Id, Key, Modal, RichText, TextEdit, Ui};
+use egui::{Context, Id, Key, Modal, RichText, ScrollArea, TextEdit, Ui};
 
 use crate::scene::Scene;
 use crate::ui::document::Document;
@@ -98,7 +98,8 @@ pub fn show(editor: &mut Editor, ctx: &Context, commands: &mut Vec<Command>) {
     let Some(mut dialog) = editor.dialog.take() else { return };
     let mut stays = true;
     let modal = Modal::new(Id::unique("dialog")).show(ctx, |ui| {
-        ui.set_width(480.0_f32.min(ctx.content_rect().width() - 40.0));
+        let width = if dialog == Dialog::Help { 760.0_f32 } else { 480.0 };
+        ui.set_width(width.min(ctx.content_rect().width() - 40.0));
         match &mut dialog {
             Dialog::Path { purpose, text } => stays = path(*purpose, text, editor, ui, commands),
             Dialog::Unsaved(then) => stays = unsaved(then, editor, ui, commands),
@@ -206,28 +207,32 @@ fn recovered(scene: &Scene, ui: &mut Ui, commands: &mut Vec<Command>) -> bool {
 }
 
 fn help(ui: &mut Ui) {
-    ui.heading("Keys");
+    ui.heading("Keys and tools");
+    ui.label(
+        "The map shows the pressure of the sound on a plane. White dots are the focal points: where the array's waves arrive in \
+         step. Draw shapes, and the array's phases follow at once.",
+    );
+    ui.add_space(4.0);
     let row = |ui: &mut Ui, keys: &str, what: &str| {
         ui.label(RichText::new(keys).strong());
         ui.label(what);
         ui.end_row();
     };
-    ui.columns(2, |columns| {
-        egui::Grid::new("tools").striped(true).show(&mut columns[0], |ui| {
-            for tool in Tool::ALL {
-                row(ui, tool.key().name(), tool.name());
-            }
+    let height = ui.ctx().content_rect().height() - 180.0;
+    ScrollArea::vertical().max_height(height).show(ui, |ui| {
+        ui.horizontal_top(|ui| {
+            egui::Grid::new("tools").striped(true).show(ui, |ui| {
+                for tool in Tool::ALL {
+                    row(ui, tool.key().name(), tool.name());
+                }
+            });
+            ui.separator();
+            egui::Grid::new("keys").striped(true).show(ui, |ui| {
+                for (keys, what) in keys::HELP {
+                    row(ui, keys, what);
+                }
+            });
         });
-        columns[1].label(
-            "The map shows the pressure of the sound on a plane. White dots are the focal points: where the array's \
-             waves arrive in step. Draw shapes, and the array's phases follow at once.",
-        );
-    });
-    ui.separator();
-    egui::Grid::new("keys").striped(true).show(ui, |ui| {
-        for (keys, what) in keys::HELP {
-            row(ui, keys, what);
-        }
     });
     ui.add_space(8.0);
 }

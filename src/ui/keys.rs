@@ -40,7 +40,7 @@ pub const HELP: &[(&str, &str)] = &[
     ("1 2 3 4", "RMS pressure, phase, radiation pressure, dent"),
     ("Shift while drawing", "Lines in steps of 15°, squares"),
     ("M", "Focal points and outlines on or off"),
-    ("X", "Curve along a line on or off; Shift and the pointer move it"),
+    ("X", "Curve along a line on or off; Shift moves it"),
     ("K", "Snap to the grid on or off"),
     ("Ctrl Q", "Quit"),
     ("F1", "This help"),

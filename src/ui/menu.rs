@@ -17,11 +17,15 @@ pub fn bar(editor: &mut Editor, shown: &Shown, ui: &mut Ui, commands: &mut Vec<C
         ui.menu_button("File", |ui| file(editor, ui, commands));
         ui.menu_button("Edit", |ui| edit(editor, ui));
         ui.menu_button("Examples", |ui| {
-            for (index, name) in shown.examples.iter().enumerate() {
-                if ui.button(name).clicked() {
-                    editor.ask(Command::Example(index), commands);
+            let height = ui.ctx().content_rect().height() - 60.0;
+            egui::ScrollArea::vertical().max_height(height).show(ui, |ui| {
+                for (index, name) in shown.examples.iter().enumerate() {
+                    if ui.button(name).clicked() {
+                        editor.ask(Command::Example(index), commands);
+                        ui.close();
+                    }
                 }
-            }
+            });
         });
         ui.menu_button("Export", |ui| {
             for (name, export) in [

@@ -28,8 +28,8 @@ use crate::acoustics::Aperture;
 use crate::drive::Drive;
 use crate::field::Quantity;
 use crate::scene::{Focus, Method, Scene};
+use crate::solver::Solution;
 use crate::solver::frames::Sequence;
-use crate::solver::{Certificate, Solution};
 use crate::surface::Dent;
 use document::Document;
 use gesture::{Gesture, Typing};
@@ -139,7 +139,8 @@ pub struct Shown {
     pub problem: Option<String>,
     /// A sentence each.
     pub warnings: Vec<String>,
-    pub certificate: Option<Certificate>,
+    /// The part of the best that any drive can do.
+    pub certified: Option<f64>,
     pub methods: Vec<MethodRow>,
     pub is_comparing: bool,
     pub round: Option<Arc<Sequence>>,

@@ -37,10 +37,30 @@ pub fn show(editor: &mut Editor, shown: &Shown, ui: &mut Ui) {
     heading(ui, "Phase");
     let cyclic = ColourMap::Cyclic.table();
     map(editor, sound, ui, "Phase of every element", |n| cyclic[phase_index(sound.drive.phases[n])]);
+    strip(ui, &cyclic, ["-180°", "0°", "180°"]);
     heading(ui, "Amplitude");
     let viridis = ColourMap::Viridis.table();
     let colour = |n: usize| viridis[(sound.drive.amplitudes[n] * 255.0).round().clamp(0.0, 255.0) as usize];
     map(editor, sound, ui, "Amplitude of every element", colour);
+    strip(ui, &viridis, ["0", "0.5", "1"]);
+}
+
+/// The colours of a map with what they mean.
+fn strip(ui: &mut Ui, table: &[[u8; 4]; 256], labels: [&str; 3]) {
+    const SIZE: egui::Vec2 = egui::vec2(248.0, 8.0);
+    let (rect, _) = ui.allocate_exact_size(SIZE + egui::vec2(0.0, 16.0), Sense::hover());
+    let mut mesh = egui::Mesh::default();
+    for (i, [r, g, b, _]) in table.iter().enumerate() {
+        let x = |i: usize| rect.left() + SIZE.x * i as f32 / table.len() as f32;
+        let part = egui::Rect::from_x_y_ranges(x(i)..=x(i + 1), rect.top()..=rect.top() + SIZE.y);
+        mesh.add_colored_rect(part, Color32::from_rgb(*r, *g, *b));
+    }
+    ui.painter().add(mesh);
+    let aligns = [egui::Align2::LEFT_TOP, egui::Align2::CENTER_TOP, egui::Align2::RIGHT_TOP];
+    for ((label, align), part) in labels.into_iter().zip(aligns).zip([0.0, 0.5, 1.0]) {
+        let at = egui::pos2(rect.left() + SIZE.x * part, rect.top() + SIZE.y + 1.0);
+        ui.painter().text(at, align, label, egui::FontId::proportional(11.5), ui.visuals().text_color());
+    }
 }
 
 fn map(editor: &Editor, sound: &Sound, ui: &mut Ui, name: &str, colour: impl Fn(usize) -> [u8; 4]) {

@@ -74,8 +74,8 @@ fn quality(shown: &Shown, solution: &Solution, ui: &mut Ui) {
             ),
             format!("{:.2}", quality.relative_to_single),
         );
-        let certified = match &shown.certificate {
-            Some(certificate) => format!("at least {:.0} %", (100.0 * certificate.certified).floor()),
+        let certified = match shown.certified {
+            Some(certified) => format!("at least {:.0} %", (100.0 * certified).floor()),
             None => "…".to_owned(),
         };
         fact(
