@@ -60,14 +60,17 @@ fn stages(criterion: &mut Criterion) {
     let wave = Wave::new(&aperture, &grid.samples).expect("the default element fits f32");
     let transfer = Transfer::new(&aperture, &wave, Layout::new(&aperture, grid), None);
     let excitation = vec![Complex64::ONE; aperture.positions.len()];
-    let terms = [transfer.layout.terms(&aperture, &excitation)];
-    let samples = transfer.superpose(&terms, grid.samples.len()).swap_remove(0);
+    let samples =
+        transfer.superpose(&aperture, std::slice::from_ref(&excitation), grid.samples.len()).swap_remove(0);
 
     let mut group = criterion.benchmark_group("superposition");
-    group.throughput(Throughput::Elements((samples.len() * excitation.len()) as u64));
-    group.bench_function("one drive", |bencher| {
-        bencher.iter(|| transfer.superpose(black_box(&terms), grid.samples.len()));
-    });
+    for (name, drives) in [("one drive", 1), ("four drives", 4)] {
+        let excitations = vec![excitation.clone(); drives];
+        group.throughput(Throughput::Elements((drives * samples.len() * excitation.len()) as u64));
+        group.bench_function(name, |bencher| {
+            bencher.iter(|| transfer.superpose(&aperture, black_box(&excitations), grid.samples.len()));
+        });
+    }
     group.finish();
     let mut group = criterion.benchmark_group("interpolation");
     for side in [256, 1024] {

@@ -149,7 +149,7 @@ fn average(sound: Sound<'_>, stages: &mut Stages, look: &Look, mean: Mean) -> Re
         stages,
         map.by,
         start,
-        &format!("{}\n  measured error {:.1e} of the largest at some pixels", map.how, map.error),
+        &format!("{}\n  measured error {:.1e} of the largest at {PROBES} pixels", map.how, map.error),
     );
     Ok(DrawnMap {
         picture,

@@ -43,6 +43,11 @@ pub struct Costs {
 }
 
 impl Costs {
+    /// The same where not a usual map but so many values are interpolated from the samples.
+    pub fn for_values(self, values: usize) -> Self {
+        Self { tap: self.tap * values as f64 / USUAL_PIXELS, ..self }
+    }
+
     pub const CPU: Self = Self { tap: 0.06, shared_pair: 0.1, kept_pair: 0.2 };
     /// Without a table.
     pub const GPU: Self = Self { tap: 0.5, shared_pair: 1.0, kept_pair: 1.0 };

@@ -99,16 +99,20 @@ impl Layout {
             .collect()
     }
 
-    /// The sounding elements of an excitation (one value per element of the array): where their runs for the first line
-    /// start, and u.
-    pub fn terms(&self, aperture: &Aperture, excitation: &[Complex64]) -> Vec<Term> {
+    /// The elements that sound in any of some excitations (one value per element of the array): where their runs for the
+    /// first line start, and u.
+    pub fn terms<const D: usize>(&self, aperture: &Aperture, excitations: [&[Complex64]; D]) -> Vec<Term<D>> {
         let start = |n: usize| {
             let place = [n % aperture.columns, n / aperture.columns];
             let offset = [0, 1].map(|axis| place[axis] as isize * self.element_strides[axis]);
             self.base.wrapping_add_signed(offset[0] + offset[1])
         };
-        let sounding = excitation.iter().enumerate().filter(|(_, u)| **u != Complex64::ZERO);
-        sounding.map(|(n, u)| Term { start: start(n), re: u.re as f32, im: u.im as f32 }).collect()
+        let term = |n: usize| {
+            let u = excitations.map(|excitation| excitation[n]);
+            let sounds = u.iter().any(|u| *u != Complex64::ZERO);
+            sounds.then(|| Term { start: start(n), re: u.map(|u| u.re as f32), im: u.map(|u| u.im as f32) })
+        };
+        (0..aperture.positions.len()).filter_map(term).collect()
     }
 }
 
@@ -165,21 +169,40 @@ impl Transfer {
         Self { layout, table }
     }
 
-    /// Complex pressure (Pa, peak) at the `samples` of the plan for each of several drives: a product of matrices, in
-    /// which every part of the table is read once for all drives.
-    pub fn superpose(&self, drives: &[Vec<Term>], samples: usize) -> Vec<Vec<Complex32>> {
+    /// Complex pressure (Pa, peak) at the `samples` of the plan for each of several drives (u of every element of the array):
+    /// a product of matrices, in which what is read of the table serves several drives.
+    pub fn superpose(
+        &self,
+        aperture: &Aperture,
+        excitations: &[Vec<Complex64>],
+        samples: usize,
+    ) -> Vec<Vec<Complex32>> {
+        let mut fields = vec![vec![Complex32::ZERO; samples]; excitations.len()];
+        let (together, alone) = excitations.as_chunks::<{ cpu::DRIVES }>();
+        let (fields_together, fields_alone) = fields.as_chunks_mut::<{ cpu::DRIVES }>();
+        for (excitations, fields) in together.iter().zip(fields_together) {
+            self.superpose_together(aperture, excitations, fields);
+        }
+        for (excitation, field) in alone.as_chunks::<1>().0.iter().zip(fields_alone.as_chunks_mut::<1>().0) {
+            self.superpose_together(aperture, excitation, field);
+        }
+        fields
+    }
+
+    fn superpose_together<const D: usize>(
+        &self,
+        aperture: &Aperture,
+        excitations: &[Vec<Complex64>; D],
+        fields: &mut [Vec<Complex32>; D],
+    ) {
         let Layout { line, line_stride, .. } = self.layout;
-        let of_line = |index: usize| -> Vec<Vec<Complex32>> {
-            let count = line.min(samples - index * line);
-            let of_drive = |terms: &Vec<Term>| {
-                let mut sum = vec![Complex32::ZERO; count];
-                cpu::superpose(&self.table, terms, index * line_stride, &mut sum);
-                sum
-            };
-            drives.iter().map(of_drive).collect()
-        };
+        let terms = self.layout.terms(aperture, excitations.each_ref().map(Vec::as_slice));
+        let count = fields[0].len().div_ceil(line);
+        let mut lines = fields.each_mut().map(|field| field.chunks_mut(line));
         let lines: Vec<_> =
-            (0..samples.div_ceil(line)).into_par_iter().with_min_len(4).map(of_line).collect();
-        (0..drives.len()).map(|drive| lines.iter().flat_map(|line| &line[drive]).copied().collect()).collect()
+            (0..count).map(|_| lines.each_mut().map(|lines| lines.next().unwrap_or_default())).collect();
+        lines.into_par_iter().enumerate().with_min_len(4).for_each(|(index, sums)| {
+            cpu::superpose(&self.table, &terms, index * line_stride, sums);
+        });
     }
 }

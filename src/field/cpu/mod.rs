@@ -11,7 +11,7 @@ use crate::field::sources::{FEW_DECAY, FEW_DIRECTIVITY, Sources, Wave};
 use crate::simd::Isa;
 use waves::{ExactPiston, FarField, Sum};
 
-pub use sums::{Lines, OVERHANG, ROWS, Rows, Split, Term, places, superpose, weighted_sums};
+pub use sums::{DRIVES, Lines, OVERHANG, ROWS, Rows, Split, Term, places, superpose, weighted_sums};
 pub use waves::{LANES, Points};
 
 /// Complex pressure (Pa, peak) at every sample.

@@ -14,80 +14,94 @@ pub struct Split {
     pub im: Vec<f32>,
 }
 
-/// An element's part in a superposition: where its run starts in the table, and its excitation.
+/// An element's part in `D` superpositions: where its run starts in the table, and its excitations.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Term {
+pub struct Term<const D: usize> {
     pub start: usize,
-    pub re: f32,
-    pub im: f32,
+    pub re: [f32; D],
+    pub im: [f32; D],
 }
 
-/// Adds up runs of `table`, one per term, with the term's excitation: sum_i = Σ u · table(start + first + i).
+/// Drives that are superposed together: what is read of the table serves them all.
+pub const DRIVES: usize = 4;
+
+/// Adds up runs of `table`, one per term, with the term's excitations: sum_i = Σ u · table(start + first + i), for one drive or
+/// [`DRIVES`], whose sums are of one length.
 ///
 /// The table must have [`OVERHANG`] values more than the runs reach.
-pub fn superpose(table: &Split, terms: &[Term], first: usize, sum: &mut [Complex32]) {
-    Isa::best().run(Superposition { table, terms, first, sum });
-}
-
-struct Superposition<'a> {
-    table: &'a Split,
-    terms: &'a [Term],
+pub fn superpose<const D: usize>(
+    table: &Split,
+    terms: &[Term<D>],
     first: usize,
-    sum: &'a mut [Complex32],
+    sums: [&mut [Complex32]; D],
+) {
+    Isa::best().run(Superposition { table, terms, first, sums });
 }
 
-impl Kernel for Superposition<'_> {
+struct Superposition<'a, const D: usize> {
+    table: &'a Split,
+    terms: &'a [Term<D>],
+    first: usize,
+    sums: [&'a mut [Complex32]; D],
+}
+
+impl<const D: usize> Kernel for Superposition<'_, D> {
     type Output = ();
 
     #[inline(always)]
     fn run<I: Instructions>(self) {
-        match I::WIDTH {
-            16 => self.in_runs::<I, 64>(),
-            8 => self.in_runs::<I, 32>(),
-            _ => self.in_runs::<I, 16>(),
+        // Sums stay in registers, and there are enough of them to wait for none.
+        match (I::WIDTH, D) {
+            (16, 1) => self.in_runs::<I, 64, 16>(),
+            (16, _) => self.in_runs::<I, 32, 16>(),
+            (8, 1) => self.in_runs::<I, 32, 8>(),
+            (8, _) => self.in_runs::<I, 8, 8>(),
+            (_, 1) => self.in_runs::<I, 16, 4>(),
+            (_, _) => self.in_runs::<I, 4, 4>(),
         }
     }
 }
 
-impl Superposition<'_> {
+impl<const D: usize> Superposition<'_, D> {
     #[inline(always)]
-    fn in_runs<I: Instructions, const RUN: usize>(self) {
-        let Self { table, terms, first, sum } = self;
-        let (runs, rest) = sum.as_chunks_mut::<RUN>();
-        for (index, run) in runs.iter_mut().enumerate() {
-            superpose_run::<I, RUN>(table, terms, first + index * RUN, run);
+    fn in_runs<I: Instructions, const LONG: usize, const SHORT: usize>(mut self) {
+        let length = self.sums[0].len();
+        let long = length / LONG * LONG;
+        for start in (0..long).step_by(LONG) {
+            self.in_run::<I, LONG>(start);
         }
-        let first = first + runs.len() * RUN;
-        for (index, run) in rest.chunks_mut(OVERHANG).enumerate() {
-            superpose_run::<I, OVERHANG>(table, terms, first + index * OVERHANG, run);
+        for start in (long..length).step_by(SHORT) {
+            self.in_run::<I, SHORT>(start);
         }
     }
-}
 
-/// A run whose sums stay in registers; `out` may be shorter than it.
-#[inline(always)]
-fn superpose_run<I: Instructions, const RUN: usize>(
-    table: &Split,
-    terms: &[Term],
-    first: usize,
-    out: &mut [Complex32],
-) {
-    let (mut re, mut im) = ([0.0; RUN], [0.0; RUN]);
-    for term in terms {
-        let start = term.start + first;
-        let run = |part: &[f32]| -> [f32; RUN] {
-            *part[start..].first_chunk().expect("a table is longer than its runs reach")
-        };
-        let (table_re, table_im) = (run(&table.re), run(&table.im));
-        for lane in 0..RUN {
-            re[lane] = fused::<I>(table_re[lane], term.re, re[lane]);
-            im[lane] = fused::<I>(table_re[lane], term.im, im[lane]);
-            re[lane] = fused::<I>(table_im[lane], -term.im, re[lane]);
-            im[lane] = fused::<I>(table_im[lane], term.re, im[lane]);
+    /// A run, of which there may be less than `RUN` to write.
+    #[inline(always)]
+    fn in_run<I: Instructions, const RUN: usize>(&mut self, start: usize) {
+        let Self { table, terms, first, sums } = self;
+        let (mut re, mut im) = ([[0.0; RUN]; D], [[0.0; RUN]; D]);
+        for term in *terms {
+            let at = term.start + *first + start;
+            let run = |part: &[f32]| -> [f32; RUN] {
+                *part[at..].first_chunk().expect("a table is longer than its runs reach")
+            };
+            let (table_re, table_im) = (run(&table.re), run(&table.im));
+            // Lanes outside and drives inside: only so do the sums become registers.
+            for lane in 0..RUN {
+                for drive in 0..D {
+                    let (u_re, u_im) = (term.re[drive], term.im[drive]);
+                    re[drive][lane] = fused::<I>(table_re[lane], u_re, re[drive][lane]);
+                    im[drive][lane] = fused::<I>(table_re[lane], u_im, im[drive][lane]);
+                    re[drive][lane] = fused::<I>(table_im[lane], -u_im, re[drive][lane]);
+                    im[drive][lane] = fused::<I>(table_im[lane], u_re, im[drive][lane]);
+                }
+            }
         }
-    }
-    for (out, (re, im)) in out.iter_mut().zip(re.iter().zip(&im)) {
-        *out = Complex32::new(*re, *im);
+        for (sum, (re, im)) in sums.iter_mut().zip(re.iter().zip(&im)) {
+            for (to, (re, im)) in sum[start..].iter_mut().zip(re.iter().zip(im)) {
+                *to = Complex32::new(*re, *im);
+            }
+        }
     }
 }
 
@@ -129,49 +143,56 @@ impl Kernel for WeightedSums<'_, '_, '_> {
     fn run<I: Instructions>(self) {
         let Self { rows, lines, sums } = self;
         match (I::WIDTH, rows) {
-            (16, ROWS) => weighted_runs::<I, ROWS, 16, 4>(lines, sums),
-            (8, ROWS) => weighted_runs::<I, ROWS, 8, 2>(lines, sums),
-            (_, ROWS) => weighted_runs::<I, ROWS, 4, 2>(lines, sums),
-            (16, _) => weighted_runs::<I, 1, 16, 4>(lines, sums),
-            (8, _) => weighted_runs::<I, 1, 8, 8>(lines, sums),
-            (_, _) => weighted_runs::<I, 1, 4, 8>(lines, sums),
+            (16, ROWS) => weighted_runs::<I, ROWS, 64, 16>(lines, sums),
+            (8, ROWS) => weighted_runs::<I, ROWS, 16, 8>(lines, sums),
+            (_, ROWS) => weighted_runs::<I, ROWS, 8, 4>(lines, sums),
+            (16, _) => weighted_runs::<I, 1, 128, 16>(lines, sums),
+            (8, _) => weighted_runs::<I, 1, 64, 8>(lines, sums),
+            (_, _) => weighted_runs::<I, 1, 32, 4>(lines, sums),
         }
     }
 }
 
-/// `R` rows of weighted sums, `V` vectors of `LANES` neighbours at a time.
+/// `R` rows of weighted sums, `LONG` neighbours at a time, then `SHORT`, then one.
 #[inline(always)]
-fn weighted_runs<I: Instructions, const R: usize, const LANES: usize, const V: usize>(
+fn weighted_runs<I: Instructions, const R: usize, const LONG: usize, const SHORT: usize>(
     lines: &Lines<'_>,
     sums: &mut Rows<'_>,
 ) {
+    let long = sums.length / LONG * LONG;
+    for start in (0..long).step_by(LONG) {
+        weighted_run::<I, R, LONG>(lines, sums, start);
+    }
+    let short = sums.length / SHORT * SHORT;
+    for start in (long..short).step_by(SHORT) {
+        weighted_run::<I, R, SHORT>(lines, sums, start);
+    }
+    for start in short..sums.length {
+        weighted_run::<I, R, 1>(lines, sums, start);
+    }
+}
+
+#[inline(always)]
+fn weighted_run<I: Instructions, const R: usize, const RUN: usize>(
+    lines: &Lines<'_>,
+    sums: &mut Rows<'_>,
+    start: usize,
+) {
     let taps = lines.weights.len() / R;
-    let run = V * LANES;
-    let whole = sums.length / run * run;
-    for start in (0..whole).step_by(run) {
-        let mut totals = [[[0.0; LANES]; V]; R];
-        for tap in 0..taps {
-            let values = lines.values[tap * lines.stride + start..][..run].as_chunks::<LANES>().0;
+    let mut totals = [[0.0; RUN]; R];
+    for tap in 0..taps {
+        let values: [f32; RUN] =
+            *lines.values[tap * lines.stride + start..].first_chunk().expect("a line is as long as the sum");
+        let weights: [f32; R] = std::array::from_fn(|row| lines.weights[row * taps + tap]);
+        // Lanes outside and rows inside: only so do the totals become registers.
+        for lane in 0..RUN {
             for row in 0..R {
-                let weight = lines.weights[row * taps + tap];
-                for vector in 0..V {
-                    // One expression per lane becomes vector code, whatever stands around it.
-                    let (total, values) = (totals[row][vector], &values[vector]);
-                    totals[row][vector] =
-                        std::array::from_fn(|lane| fused::<I>(weight, values[lane], total[lane]));
-                }
+                totals[row][lane] = fused::<I>(weights[row], values[lane], totals[row][lane]);
             }
         }
-        for (row, total) in totals.iter().enumerate() {
-            sums.values[row * sums.stride + start..][..run].copy_from_slice(total.as_flattened());
-        }
     }
-    for (row, weights) in lines.weights.chunks_exact(taps).enumerate() {
-        for index in whole..sums.length {
-            let at = |tap: usize| lines.values[tap * lines.stride + index];
-            let sum = weights.iter().enumerate().map(|(tap, weight)| weight * at(tap)).sum();
-            sums.values[row * sums.stride + index] = sum;
-        }
+    for (row, total) in totals.iter().enumerate() {
+        sums.values[row * sums.stride + start..][..RUN].copy_from_slice(total);
     }
 }
 

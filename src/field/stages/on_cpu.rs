@@ -55,9 +55,8 @@ impl Superposition {
             *table = wave.map(|wave| Transfer::new(&setting.aperture, &wave, layout, old));
         });
         let Some(table) = table else { return drives.iter().map(each).collect() };
-        let terms = |drive| table.layout.terms(aperture, &excitation(aperture, drive));
-        let terms: Vec<_> = drives.iter().map(terms).collect();
-        table.superpose(&terms, grid.samples.len())
+        let excitations: Vec<_> = drives.iter().map(|drive| excitation(aperture, drive)).collect();
+        table.superpose(aperture, &excitations, grid.samples.len())
     }
 }
 

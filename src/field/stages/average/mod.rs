@@ -15,15 +15,13 @@ use crate::drive::Drive;
 use crate::field::cells::Cells;
 use crate::field::interpolation::Resampling;
 use crate::field::plan::Costs;
-use crate::field::stages::{By, FieldError, Kept, Setting, Stages, Work, excitation};
+use crate::field::stages::{By, FieldError, Kept, PROBES, Setting, Stages, Work, excitation};
 use crate::field::{Colouring, Gpu, Plan, Quantity};
 use crate::scene::{Liquid, Plane};
 use crate::surface::{Dent, Reflector, Tank};
 use on_cpu::OnCpu;
 use on_gpu::OnGpu;
 
-/// Pixels at which the reached error is measured.
-const PROBES: usize = 16;
 /// The plan's part of the tolerance: squares double an error, and slopes do not lessen it.
 const SHARE: f64 = 0.5;
 /// What f32 keeps of a square.
@@ -88,7 +86,7 @@ pub struct Average<'a> {
 pub struct AverageMap {
     /// The largest value: Pa (RMS), Pa, or m.
     pub largest: f32,
-    /// The largest deviation from the f64 reference at 16 pixels, relative to the largest value: of RMS pressure, or of
+    /// The largest deviation from the f64 reference at 48 pixels, relative to the largest value: of RMS pressure, or of
     /// radiation pressure, which a dent follows.
     pub error: f64,
     pub by: By,
@@ -108,6 +106,14 @@ struct Basin {
     setting: Setting,
     margin: f64,
     accuracy: f64,
+    /// Slopes are wanted too.
+    reflects: bool,
+}
+
+impl Basin {
+    fn points_per_probe(&self) -> usize {
+        if self.reflects { 5 } else { 1 }
+    }
 }
 
 /// What the squares depend on.
@@ -143,7 +149,7 @@ struct Frame {
     across: Resampling,
     up: Resampling,
     probes: Vec<usize>,
-    /// To five points around each probe: itself, and a hair before and behind it along each axis.
+    /// To each probe, and where there is a reflector to four points around it: a hair before and behind it along each axis.
     transfer: acoustics::Transfer,
 }
 
@@ -279,7 +285,7 @@ impl Averaging {
                 Mean::Square | Mean::Radiation(_) => None,
             };
             let frame = frame.update(&(basin.clone(), drawn.size), |frame| {
-                *frame = Frame::new(&basin.setting, &filled.cells, drawn.size);
+                *frame = Frame::new(basin, &filled.cells, drawn.size);
             });
             let frame = frame.as_ref().ok_or(FieldError::NoPlane)?;
             let job = Job { wanted, drawn: &drawn, filled, tank, frame };
@@ -355,9 +361,10 @@ impl Drawn {
             if wanted.mean == Mean::Square { (tolerance * tolerance).max(1e-8) } else { tolerance };
         let setting = Setting::new(wanted.aperture, Plane { tolerance, ..wanted.plane.clone() });
         let excitations = wanted.drives.iter().map(|drive| excitation(wanted.aperture, drive)).collect();
-        let basin = Basin { setting, margin: wanted.mean.margin(), accuracy };
+        let reflector = wanted.mean.reflector();
+        let basin = Basin { setting, margin: wanted.mean.margin(), accuracy, reflects: reflector.is_some() };
         Ok(Self {
-            sounding: Sounding { basin, excitations, reflector: wanted.mean.reflector() },
+            sounding: Sounding { basin, excitations, reflector },
             mean: wanted.mean.clone(),
             part: wanted.part,
             size: (wanted.width, wanted.height),
@@ -370,7 +377,9 @@ impl Filled {
         let Setting { aperture, plane } = &basin.setting;
         let cells =
             Cells::new(aperture, plane, basin.margin, basin.accuracy).ok_or(FieldError::TooManyCells)?;
-        let plan = Plan::new(aperture, &cells.plane, costs).ok_or(FieldError::NoPlane)?;
+        // A pressure, and where there is a reflector two slopes.
+        let values = cells.len() * if basin.reflects { 3 } else { 1 };
+        let plan = Plan::new(aperture, &cells.plane, costs.for_values(values)).ok_or(FieldError::NoPlane)?;
         let grid = plan.grid.as_ref().ok_or(FieldError::TooNear)?;
         let half = cells.plane.size.y / 2.0;
         if grid.covered.start > cells.step - half || grid.covered.end < half - cells.step {
@@ -386,9 +395,9 @@ impl Frame {
     /// m, from a probe to its neighbours: far enough for f64, and much less than a wavelength.
     const HAIR: f64 = 1e-3;
 
-    fn new(setting: &Setting, cells: &Cells, (width, height): (usize, usize)) -> Option<Self> {
+    fn new(basin: &Basin, cells: &Cells, (width, height): (usize, usize)) -> Option<Self> {
         const GOLDEN: f64 = 0.618_033_988_749_894_8;
-        let Setting { aperture, plane } = setting;
+        let Setting { aperture, plane } = &basin.setting;
         let DVec2 { x, y } = plane.size;
         let column = |i: usize| x * ((i as f64 + 0.5) / width as f64 - 0.5);
         let row = |j: usize| y * ((j as f64 + 0.5) / height as f64 - 0.5);
@@ -398,7 +407,8 @@ impl Frame {
         let hair = Self::HAIR * aperture.wavelength();
         let around = |&pixel: &usize| {
             let place = plane.centre + x_axis * column(pixel % width) + y_axis * row(pixel / width);
-            [DVec3::ZERO, x_axis, -x_axis, y_axis, -y_axis].map(|direction| place + hair * direction)
+            let directions = [DVec3::ZERO, x_axis, -x_axis, y_axis, -y_axis];
+            directions.map(|direction| place + hair * direction).into_iter().take(basin.points_per_probe())
         };
         let points: Vec<_> = probes.iter().flat_map(around).collect();
         Some(Self {
@@ -415,11 +425,12 @@ impl Frame {
         let mut expected = vec![0.0; self.probes.len()];
         for excitation in &sounding.excitations {
             let pressure = self.transfer.pressure(excitation);
-            for (expected, around) in expected.iter_mut().zip(pressure.chunks_exact(5)) {
-                let gradient = [(around[1] - around[2]) / hair, (around[3] - around[4]) / hair];
+            let around = pressure.chunks_exact(sounding.basin.points_per_probe());
+            for (expected, around) in expected.iter_mut().zip(around) {
+                let slope = |ahead: usize| (around[ahead] - around[ahead + 1]) / hair;
                 *expected += match sounding.reflector {
                     None => around[0].norm_sqr(),
-                    Some(reflector) => part * reflector.pressure(around[0], gradient),
+                    Some(reflector) => part * reflector.pressure(around[0], [slope(1), slope(3)]),
                 } / sounding.excitations.len() as f64;
             }
         }

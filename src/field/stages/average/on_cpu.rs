@@ -19,8 +19,17 @@ pub(super) struct OnCpu {
     /// For samples in f64, or not.
     squares: Kept<(Sounding, bool), Squares>,
     dent: Kept<(Sounding, bool, Liquid), Dent>,
-    between: Between,
+    at_cells: AtCells,
     pub(super) pixels: Vec<Complex32>,
+}
+
+/// The pressure of one drive at the cells, its slopes, and what lies between them and the samples; kept for the next drive,
+/// since fresh memory costs more than the work on it.
+#[derive(Debug, Default)]
+struct AtCells {
+    between: Between,
+    pressure: Vec<Complex32>,
+    slopes: [Vec<Complex32>; 2],
 }
 
 impl OnCpu {
@@ -40,7 +49,7 @@ impl OnCpu {
     ) -> Vec<Complex32> {
         let cells: Vec<_> = cells.iter().map(|&value| Complex32::from(value as f32)).collect();
         let mut shape = vec![Complex32::ZERO; pixels];
-        interpolate(&cells, columns, across, up, &mut self.between, &mut shape);
+        interpolate(&cells, columns, across, up, &mut self.at_cells.between, &mut shape);
         shape
     }
 }
@@ -48,10 +57,10 @@ impl OnCpu {
 impl Job<'_> {
     /// Makes the pixels, with samples in f64 if `double`.
     pub(super) fn on_cpu(&self, cpu: &mut OnCpu, double: bool, work: &mut Work) -> Made {
-        let OnCpu { superposition, squares, dent, between, pixels } = cpu;
+        let OnCpu { superposition, squares, dent, at_cells, pixels } = cpu;
         let (sounding, part) = (&self.drawn.sounding, self.drawn.part);
         let squares = squares.update(&(sounding.clone(), double), |squares| {
-            self.squares(double, superposition, between, squares, work);
+            self.squares(double, superposition, at_cells, squares, work);
         });
         let dent = match (&self.wanted.mean, self.tank) {
             (Mean::Dent(_, liquid), Some(tank)) => {
@@ -73,6 +82,7 @@ impl Job<'_> {
         pixels.resize(self.drawn.size.0 * self.drawn.size.1, Complex32::ZERO);
         work.interpolation += 1;
         let frame = self.frame;
+        let between = &mut at_cells.between;
         interpolate(&cells, self.filled.cells.counts[0], &frame.across, &frame.up, between, pixels);
         let quantity = self.wanted.mean.quantity();
         Made {
@@ -88,7 +98,7 @@ impl Job<'_> {
         &self,
         double: bool,
         superposition: &mut Superposition,
-        between: &mut Between,
+        at_cells: &mut AtCells,
         squares: &mut Squares,
         work: &mut Work,
     ) {
@@ -100,7 +110,7 @@ impl Job<'_> {
             let all = superposition.at(&setting, grid, self.wanted.aperture, drives, double, work);
             for samples in &all {
                 work.squares += 1;
-                self.add(samples, grid, between, squares);
+                self.add(samples, grid, at_cells, squares);
             }
         }
         let share = 1.0 / self.wanted.drives.len() as f64;
@@ -108,22 +118,23 @@ impl Job<'_> {
     }
 
     /// Adds the squares of one drive.
-    fn add(&self, samples: &[Complex32], grid: &Grid, between: &mut Between, squares: &mut Squares) {
-        let mut at_cells = |across: &Resampling, up: &Resampling| {
-            let mut cells = vec![Complex32::ZERO; squares.len()];
-            interpolate(samples, grid.samples.columns.len(), across, up, between, &mut cells);
-            cells
+    fn add(&self, samples: &[Complex32], grid: &Grid, at_cells: &mut AtCells, squares: &mut Squares) {
+        let AtCells { between, pressure, slopes: [along_x, along_y] } = at_cells;
+        let mut fill = |cells: &mut Vec<Complex32>, across: &Resampling, up: &Resampling| {
+            cells.resize(squares.len(), Complex32::ZERO);
+            interpolate(samples, grid.samples.columns.len(), across, up, between, cells);
         };
         let [[across, up], [across_slope, up_slope]] = [&self.filled.values, &self.filled.slopes];
-        let pressure = at_cells(across, up);
+        fill(pressure, across, up);
         let Some(Reflector { of_pressure, of_gradient }) = self.drawn.sounding.reflector else {
-            for (square, p) in squares.iter_mut().zip(&pressure) {
+            for (square, p) in squares.iter_mut().zip(pressure) {
                 square[0] += f64::from(p.norm_sqr());
             }
             return;
         };
-        let slopes = [at_cells(across_slope, up), at_cells(across, up_slope)];
-        for ((square, p), (x, y)) in squares.iter_mut().zip(&pressure).zip(slopes[0].iter().zip(&slopes[1])) {
+        fill(along_x, across_slope, up);
+        fill(along_y, across, up_slope);
+        for ((square, p), (x, y)) in squares.iter_mut().zip(pressure).zip(along_x.iter().zip(along_y)) {
             let (p, gradient) = (f64::from(p.norm_sqr()), f64::from(x.norm_sqr() + y.norm_sqr()));
             square[0] += p;
             square[1] += of_pressure * p - of_gradient * gradient;
