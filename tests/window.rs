@@ -149,6 +149,27 @@ fn a_point_drawn_and_moved_takes_the_sound_with_it() {
 }
 
 #[test]
+fn escape_takes_back_what_is_under_way() {
+    let mut screen = open();
+    let before = scene(&screen).clone();
+    let canvas = screen.get_by_label("Canvas: the field on the plane").rect();
+    key(&mut screen, Key::R);
+    screen.hover_at(canvas.center());
+    screen.step();
+    screen.drag_at(canvas.center());
+    screen.step();
+    screen.hover_at(canvas.center() + vec2(80.0, 80.0));
+    rest(&mut screen);
+    assert_eq!(scene(&screen).targets.len(), 2);
+    key(&mut screen, Key::Escape);
+    assert_eq!(*scene(&screen), before);
+    screen.drop_at(canvas.center());
+    rest(&mut screen);
+    assert_eq!(*scene(&screen), before);
+    assert!(!screen.state().editor().document.can_undo());
+}
+
+#[test]
 fn every_shape_is_drawn_with_its_tool() {
     let mut screen = open();
     clear(&mut screen);

@@ -47,7 +47,9 @@ impl Screen {
         };
         let start = ProcessTime::now();
         let window = &mut self.window;
-        let output = self.ctx.run_ui(input, |ui| window.frame(ui));
+        let mut output = self.ctx.run_ui(input, |ui| window.frame(ui));
+        // There is no renderer that would take them.
+        output.textures_delta.clear();
         let triangles = self.ctx.tessellate(output.shapes, output.pixels_per_point);
         let spent = start.elapsed().as_secs_f64() * 1e3;
         drop(triangles);

@@ -98,7 +98,7 @@ pub fn show(editor: &mut Editor, ctx: &Context, commands: &mut Vec<Command>) {
     let Some(mut dialog) = editor.dialog.take() else { return };
     let mut stays = true;
     let modal = Modal::new(Id::unique("dialog")).show(ctx, |ui| {
-        let width = if dialog == Dialog::Help { 760.0_f32 } else { 480.0 };
+        let width = if dialog == Dialog::Help { 640.0_f32 } else { 480.0 };
         ui.set_width(width.min(ctx.content_rect().width() - 40.0));
         match &mut dialog {
             Dialog::Path { purpose, text } => stays = path(*purpose, text, editor, ui, commands),
@@ -218,7 +218,7 @@ fn help(ui: &mut Ui) {
         ui.label(what);
         ui.end_row();
     };
-    let height = ui.ctx().content_rect().height() - 180.0;
+    let height = (ui.ctx().content_rect().height() - 180.0).min(490.0);
     ScrollArea::vertical().max_height(height).show(ui, |ui| {
         ui.horizontal_top(|ui| {
             egui::Grid::new("tools").striped(true).show(ui, |ui| {

@@ -75,6 +75,11 @@ impl Document {
         }
     }
 
+    /// Takes back what was edited since the last step.
+    pub fn revert(&mut self) {
+        self.scene = self.settled.clone();
+    }
+
     pub fn can_undo(&self) -> bool {
         !self.undo.is_empty() || self.scene != self.settled
     }

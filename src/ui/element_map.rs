@@ -5,7 +5,7 @@ use egui::{Color32, Pos2, Response, Sense, Ui, pos2, vec2};
 use crate::scene::Array;
 
 /// Points of the screen.
-const LARGEST: f32 = 250.0;
+const LARGEST: f32 = 224.0;
 
 /// Draws the elements in these colours; `None` is one that is not driven. Gives out the element under the pointer.
 pub fn show(

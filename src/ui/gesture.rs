@@ -62,6 +62,10 @@ pub fn act(editor: &mut Editor, ui: &Ui, response: &Response, lens: &Lens) {
     // A quick click comes and goes within a frame.
     let is_meant = response.is_pointer_button_down_on() || response.clicked();
     let pressed = is_meant && ui.input(|input| input.pointer.primary_pressed());
+    if !is_meant && ui.input(|input| input.pointer.any_pressed()) {
+        // What is pressed beside the canvas may change the list that the text stands in.
+        end_typing(editor);
+    }
     if let Some(at) = response.interact_pointer_pos() {
         if pressed && editor.gesture.is_none() && !ui.input(|input| input.key_down(Key::Space)) {
             end_typing(editor);

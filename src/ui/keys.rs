@@ -2,7 +2,7 @@
 
 use std::collections::BTreeSet;
 
-use egui::{Context, Key, KeyboardShortcut, Modifiers};
+use egui::{Context, Event, Key, KeyboardShortcut, Modifiers};
 
 use crate::ui::edit;
 use crate::ui::gesture;
@@ -92,11 +92,8 @@ pub fn press(editor: &mut Editor, ctx: &Context, commands: &mut Vec<Command>) {
 
 /// Keys without Ctrl.
 fn plain_keys(editor: &mut Editor, ctx: &Context) {
-    let modifiers = ctx.input(|input| input.modifiers);
-    if modifiers.command || modifiers.alt {
-        return;
-    }
-    let pressed = |key: Key| ctx.input(|input| input.key_pressed(key));
+    let presses = ctx.input(|input| input.events.iter().filter_map(plain_press).collect::<Vec<_>>());
+    let pressed = |key: Key| presses.iter().any(|(pressed, _)| *pressed == key);
     for tool in Tool::ALL {
         if pressed(tool.key()) {
             editor.tool = tool;
@@ -106,6 +103,9 @@ fn plain_keys(editor: &mut Editor, ctx: &Context) {
         delete(editor);
     }
     if pressed(Key::Escape) {
+        if editor.gesture.take().is_some() {
+            editor.document.revert();
+        }
         editor.selection.clear();
         editor.tool = Tool::Select;
     }
@@ -130,20 +130,33 @@ fn plain_keys(editor: &mut Editor, ctx: &Context) {
     if pressed(Key::F1) {
         editor.dialog = Some(Dialog::Help);
     }
-    let step = if modifiers.shift { FAR_NUDGE } else { NUDGE };
+    presses.iter().for_each(|&(key, shift)| nudge(editor, key, shift));
+}
+
+/// A key that is pressed without Ctrl and Alt, and whether Shift was held with it, however short.
+fn plain_press(event: &Event) -> Option<(Key, bool)> {
+    match event {
+        Event::Key { key, pressed: true, modifiers, .. } if !modifiers.command && !modifiers.alt => {
+            Some((*key, modifiers.shift))
+        }
+        _ => None,
+    }
+}
+
+/// Arrows move what is selected.
+fn nudge(editor: &mut Editor, key: Key, far: bool) {
     let axes = editor.view.axes(editor.scene());
-    for (key, by) in [
-        (Key::ArrowLeft, -axes.x),
-        (Key::ArrowRight, axes.x),
-        (Key::ArrowUp, axes.y),
-        (Key::ArrowDown, -axes.y),
-    ] {
-        if pressed(key) && !editor.selection.is_empty() {
-            for &index in &editor.selection {
-                if let Some(target) = editor.document.scene.targets.get_mut(index) {
-                    edit::translate(&mut target.shape, by * step);
-                }
-            }
+    let direction = match key {
+        Key::ArrowLeft => -axes.x,
+        Key::ArrowRight => axes.x,
+        Key::ArrowUp => axes.y,
+        Key::ArrowDown => -axes.y,
+        _ => return,
+    };
+    let by = direction * if far { FAR_NUDGE } else { NUDGE };
+    for &index in &editor.selection {
+        if let Some(target) = editor.document.scene.targets.get_mut(index) {
+            edit::translate(&mut target.shape, by);
         }
     }
 }

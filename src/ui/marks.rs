@@ -6,6 +6,7 @@ use egui::{Align2, Color32, Painter, Pos2, Rect, Shape, Stroke, StrokeKind, vec2
 use glam::{DVec2, DVec3};
 
 use crate::picture::sheet::pascals;
+use crate::scene::{MotionPath, outline};
 use crate::ui::canvas::chip;
 use crate::ui::gesture::Gesture;
 use crate::ui::view::{Cut, Lens, array_size};
@@ -40,6 +41,7 @@ pub fn paint(editor: &Editor, shown: &Shown, painter: &Painter, lens: &Lens, poi
             frame(editor, painter, lens, index);
         }
     }
+    motion(editor, painter, lens);
     if let Some(sound) = &shown.sound {
         foci(editor, sound, painter, lens, pointer);
     }
@@ -53,6 +55,23 @@ fn frame(editor: &Editor, painter: &Painter, lens: &Lens, index: usize) {
     let (Some(low), Some(high)) = (corner(DVec2::min), corner(DVec2::max)) else { return };
     let rect = Rect::from_two_pos(lens.screen(low), lens.screen(high)).expand(14.0);
     painter.rect_stroke(rect, 3.0, Stroke::new(1.0, theme::CHOSEN.gamma_multiply(0.7)), StrokeKind::Middle);
+}
+
+/// The way of a few targets.
+fn motion(editor: &Editor, painter: &Painter, lens: &Lens) {
+    const FEW: usize = 6;
+    const PIECES: u32 = 96;
+    let scene = editor.scene();
+    let axes = editor.view.axes(scene);
+    if matches!(scene.motion.path, MotionPath::None | MotionPath::Steps) {
+        return;
+    }
+    for target in scene.targets.iter().take(FEW) {
+        let centre = outline::centre(&target.shape);
+        let at = |i: u32| centre + scene.motion.offset(f64::from(i % PIECES) / f64::from(PIECES));
+        let way: Vec<_> = (0..=PIECES).map(|i| lens.screen(axes.flat(at(i)))).collect();
+        painter.extend(Shape::dotted_line(&way, Color32::from_white_alpha(150), 6.0, 1.2));
+    }
 }
 
 /// The outline of the array, or its edge where the cut stands upright.

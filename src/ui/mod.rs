@@ -261,7 +261,6 @@ impl Editor {
         self.view = View { quantity, colours, section, ..view };
         self.document = document;
         self.forget_places();
-        self.gesture = None;
         self.playback = Playback::default();
     }
 
@@ -279,6 +278,7 @@ impl Editor {
     fn forget_places(&mut self) {
         self.selection.clear();
         self.typing = None;
+        self.gesture = None;
     }
 
     pub fn scene(&self) -> &Scene {

@@ -1,7 +1,14 @@
 //! One look for every panel, light and dark.
 
-use egui::{Color32, Context, CornerRadius, FontFamily, FontId, Stroke, TextStyle, Theme, Visuals, vec2};
+use std::sync::Arc;
 
+use egui::{
+    Color32, Context, CornerRadius, FontData, FontDefinitions, FontFamily, FontId, Stroke, TextStyle, Theme,
+    Visuals, vec2,
+};
+
+/// The one that sheets are lettered with, too.
+const FONT: &str = "Inter";
 /// What is chosen, drawn or pressed.
 pub const ACCENT: Color32 = Color32::from_rgb(46, 134, 222);
 /// Over the map, on any of its colours.
@@ -9,8 +16,15 @@ pub const MARK: Color32 = Color32::WHITE;
 pub const MARK_EDGE: Color32 = Color32::from_rgba_premultiplied(0, 0, 0, 190);
 pub const CHOSEN: Color32 = Color32::from_rgb(72, 219, 251);
 
-/// Sets sizes, spacing and colours of both themes.
+/// Sets the font, and sizes, spacing and colours of both themes.
 pub fn install(ctx: &Context) {
+    let mut fonts = FontDefinitions::empty();
+    let inter = FontData::from_static(include_bytes!("../../assets/fonts/Inter-Regular.otf"));
+    fonts.font_data.insert(FONT.to_owned(), Arc::new(inter));
+    for family in [FontFamily::Proportional, FontFamily::Monospace] {
+        fonts.families.insert(family, vec![FONT.to_owned()]);
+    }
+    ctx.set_fonts(fonts);
     ctx.all_styles_mut(|style| {
         let font = |size| FontId::new(size, FontFamily::Proportional);
         style.text_styles = [

@@ -47,7 +47,7 @@ pub fn show(editor: &mut Editor, shown: &Shown, ui: &mut Ui) {
 
 /// The colours of a map with what they mean.
 fn strip(ui: &mut Ui, table: &[[u8; 4]; 256], labels: [&str; 3]) {
-    const SIZE: egui::Vec2 = egui::vec2(248.0, 8.0);
+    const SIZE: egui::Vec2 = egui::vec2(224.0, 8.0);
     let (rect, _) = ui.allocate_exact_size(SIZE + egui::vec2(0.0, 16.0), Sense::hover());
     let mut mesh = egui::Mesh::default();
     for (i, [r, g, b, _]) in table.iter().enumerate() {
