@@ -288,7 +288,7 @@ impl Film<'_> {
                 let first = self.first.clone();
                 let slope = self.on_average(std::slice::from_ref(&first), |stages, wanted| {
                     let tank = stages.average(wanted)?.tank.as_ref();
-                    Ok(tank.map_or(0.0, |tank| tank.dent_of(depth, 0.0).slope))
+                    Ok(tank.map_or(0.0, |tank| tank.dent_of(depth.clone(), 0.0).slope))
                 })?;
                 self.slope = self.slope.max(slope);
                 Ok(numbers.iter().fold([0.0; 2], |[low, high], &h| [h.min(low), h.max(high)]))

@@ -107,3 +107,45 @@ impl<'a> Swell<'a> {
         self.waves.surface(&self.tank)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use glam::DVec2;
+
+    use super::*;
+    use crate::acoustics::Aperture;
+    use crate::cli::map;
+    use crate::field::{Evaluator, Quantity};
+    use crate::scene::{LiquidName, Modulation, Plane, Shape, Target};
+    use crate::solver;
+
+    #[test]
+    fn a_thick_liquid_settles_where_the_mean_of_the_envelope_presses_it() {
+        let mut scene = Scene {
+            targets: vec![Target::new(Shape::Point { at: Plane::default().centre })],
+            plane: Plane { size: DVec2::splat(0.06), ..Plane::default() },
+            modulation: Modulation { shape: Envelope::Sine, frequency: 300.0, depth: 1.0 },
+            ..Scene::default()
+        };
+        (scene.liquid.name, scene.liquid.viscosity) = (LiquidName::Glycerol, Some(20.0));
+        let drives = [solver::solve(&scene).unwrap().drive];
+        let wanted = Average {
+            aperture: &Aperture::new(&scene),
+            plane: &scene.plane,
+            drives: &drives,
+            mean: map::mean(&scene, Quantity::Dent).unwrap(),
+            part: 1.0,
+            width: 10,
+            height: 10,
+        };
+        let mut stages = Stages::new(Evaluator::Cpu);
+        let dent = stages.average(&wanted).unwrap().dent.clone().unwrap();
+        let schedule = Schedule::new(&scene, Some(5.0)).unwrap();
+        let mut swell = Swell::new(&scene, schedule, &wanted, &mut stages).unwrap();
+        let surface = (0..schedule.pictures).map(|_| swell.next()).last().unwrap();
+        // The liquid that is pushed aside stays in the tank.
+        let lift = dent.depth.iter().sum::<f64>() / dent.depth.len() as f64;
+        let deepest = surface.iter().copied().fold(0.0, f64::max);
+        assert!((deepest / (0.375 * (dent.deepest - lift)) - 1.0).abs() < 0.02, "{deepest} {}", dent.deepest);
+    }
+}

@@ -82,22 +82,15 @@ impl Tank {
         for (mode, square) in modes.iter_mut().zip(self.squares()) {
             *mode *= compliance(liquid, square);
         }
-        self.dent_with(modes, pressure.iter().sum())
+        self.dent_of(self.surface(modes), pressure.iter().sum())
     }
 
     /// The dent with this depth (m) for every cell, under a pressure with this sum (Pa) over the cells.
-    pub fn dent_of(&self, depth: &[f64], sum: f64) -> Dent {
-        self.dent_with(self.modes(depth), sum)
-    }
-
-    fn dent_with(&self, modes: Vec<f64>, sum: f64) -> Dent {
+    pub fn dent_of(&self, depth: Vec<f64>, sum: f64) -> Dent {
         let cell = self.step[0] * self.step[1];
-        let slopes = [0, 1].map(|axis| self.slope(&modes, axis));
-        let steepest = slopes[0].iter().zip(&slopes[1]).map(|(x, y)| x * x + y * y).fold(0.0, f64::max);
-        let depth = self.surface(modes);
         Dent {
             deepest: depth.iter().copied().fold(0.0, f64::max),
-            slope: steepest.sqrt(),
+            slope: self.steepest(&depth),
             volume: depth.iter().sum::<f64>() * cell,
             force: sum * cell,
             depth,
@@ -128,30 +121,34 @@ impl Tank {
         modes
     }
 
-    /// The slope along an axis of the shape with these modes.
-    pub fn slope(&self, modes: &[f64], axis: usize) -> Vec<f64> {
-        let length = self.step[axis] * self.counts[axis] as f64;
-        let derive = |line: &mut [f64]| {
-            // -πk/X of the sine that the k-th cosine becomes; the sines begin with the first.
-            line.rotate_left(1);
-            for (k, amplitude) in line.iter_mut().enumerate() {
-                *amplitude *= -PI * (k + 1) as f64 / length;
-            }
-            if let Some(last) = line.last_mut() {
-                *last = 0.0;
-            }
+    /// The steepest slope of a shape, by differences over eight neighbours; at a wall the shape goes on as its mirror image.
+    fn steepest(&self, shape: &[f64]) -> f64 {
+        /// Off by (qΔ)⁸/630 for a wavenumber q and cells Δ apart: 1e-4 for a focus's dent, six cells per wavelength.
+        const DIFFERENCES: [f64; 4] = [4.0 / 5.0, -1.0 / 5.0, 4.0 / 105.0, -1.0 / 280.0];
+        const REACH: usize = DIFFERENCES.len();
+        let [columns, rows] = self.counts;
+        let mirrored = |place: usize, count: usize| {
+            let round = (place + 2 * count * REACH - REACH) % (2 * count);
+            round.min(2 * count - 1 - round)
         };
-        let mut slope = modes.to_vec();
-        self.along_each(&mut slope, |current, transform, line, scratch| {
-            if current == axis {
-                derive(line);
-                transform.process_dst3_with_scratch(line, scratch);
-            } else {
-                line[0] *= 2.0;
-                transform.process_dct3_with_scratch(line, scratch);
+        let wide = columns + 2 * REACH;
+        let across: Vec<_> = (0..wide).map(|place| mirrored(place, columns)).collect();
+        let line = |place| &shape[mirrored(place, rows) * columns..][..columns];
+        let beyond: Vec<f64> = (0..rows + 2 * REACH)
+            .flat_map(|place| across.iter().map(move |&column| line(place)[column]))
+            .collect();
+        let mut steepest = 0.0f64;
+        for row in 0..rows {
+            for cell in (row + REACH) * wide + REACH..(row + REACH) * wide + REACH + columns {
+                let slope = |stride: usize| {
+                    let pair = |i: usize| beyond[cell + i * stride] - beyond[cell - i * stride];
+                    DIFFERENCES.iter().zip(1..).map(|(part, i)| part * pair(i)).sum::<f64>()
+                };
+                let slopes = [slope(1) / self.step[0], slope(wide) / self.step[1]];
+                steepest = steepest.max(slopes[0] * slopes[0] + slopes[1] * slopes[1]);
             }
-        });
-        slope
+        }
+        steepest.sqrt()
     }
 
     /// q² (1/m²) of every mode, row by row.
@@ -163,25 +160,17 @@ impl Tank {
         (0..rows).flat_map(move |l| (0..columns).map(move |k| along(0, k) + along(1, l)))
     }
 
+    /// Every row, then every column.
     fn along_both(
         &self,
         values: &mut Vec<f64>,
-        mut process: impl FnMut(&dyn TransformType2And3<f64>, &mut [f64], &mut [f64]),
-    ) {
-        self.along_each(values, |_, transform, line, scratch| process(transform, line, scratch));
-    }
-
-    /// Every row, then every column; `process` is told the axis.
-    fn along_each(
-        &self,
-        values: &mut Vec<f64>,
-        mut process: impl FnMut(usize, &dyn TransformType2And3<f64>, &mut [f64], &mut [f64]),
+        process: impl Fn(&dyn TransformType2And3<f64>, &mut [f64], &mut [f64]),
     ) {
         for axis in [0, 1] {
             let transform = &*self.transforms[axis];
             let mut scratch = vec![0.0; transform.get_scratch_len()];
             for line in values.chunks_exact_mut(self.counts[axis]) {
-                process(axis, transform, line, &mut scratch);
+                process(transform, line, &mut scratch);
             }
             *values = transposed(values, self.counts[axis]);
         }

@@ -22,8 +22,6 @@ use crate::surface::{Dent, Reflector, Tank};
 use on_cpu::OnCpu;
 use on_gpu::OnGpu;
 
-/// The plan's part of the tolerance: squares double an error, and slopes do not lessen it.
-const SHARE: f64 = 0.5;
 /// What f32 keeps of a square.
 const FINEST: f64 = 1e-6;
 /// Capillary lengths from the plane to the walls: what lies beyond changes the dent by e^-14 of itself.
@@ -353,12 +351,12 @@ impl Drawn {
             }
         }
         let tolerance = match wanted.plane.tolerance {
-            tolerance if tolerance > 0.0 && !exact => (SHARE * tolerance).max(FINEST),
+            tolerance if tolerance > 0.0 && !exact => tolerance.max(FINEST),
             _ => FINEST,
         };
-        // The root of a square that is off by a millionth is off by a thousandth.
-        let accuracy =
-            if wanted.mean == Mean::Square { (tolerance * tolerance).max(1e-8) } else { tolerance };
+        // The root of a square that is off by a millionth of the largest is off by a thousandth where it should be 0; but windows
+        // leak far less there than where they are worst.
+        let accuracy = if wanted.mean == Mean::Square { tolerance.powf(1.5).max(1e-8) } else { tolerance };
         let setting = Setting::new(wanted.aperture, Plane { tolerance, ..wanted.plane.clone() });
         let excitations = wanted.drives.iter().map(|drive| excitation(wanted.aperture, drive)).collect();
         let reflector = wanted.mean.reflector();

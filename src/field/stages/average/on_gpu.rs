@@ -54,7 +54,7 @@ impl Job<'_> {
                 let joined = gpu.join(&depth, squares, [part, part]);
                 let depth: Vec<_> = gpu.read(&joined)?.iter().map(|value| f64::from(value.re)).collect();
                 let pressed = numbers.iter().map(|[_, radiation]| part * radiation).sum();
-                (joined, Some(of_cells.dent_of(&depth, pressed)))
+                (joined, Some(of_cells.dent_of(depth, pressed)))
             }
             _ => (gpu.join(squares, squares, [1.0, part]), None),
         };
