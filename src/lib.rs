@@ -3,6 +3,8 @@
 //! The flow is `Scene` → solver → `Drive` → field → picture; `ARCHITECTURE.md` tells it in one page.
 
 pub mod acoustics;
+#[cfg(feature = "window")]
+pub mod app;
 pub mod cli;
 pub mod drive;
 pub mod field;
@@ -11,3 +13,5 @@ pub mod scene;
 pub mod simd;
 pub mod solver;
 pub mod surface;
+#[cfg(feature = "window")]
+pub mod ui;

@@ -2,14 +2,38 @@
 
 use std::process::ExitCode;
 
+use sonoglyph::cli::Next;
+
 fn main() -> ExitCode {
     quiet_drivers();
-    match sonoglyph::cli::run() {
+    match sonoglyph::cli::run().and_then(go_on) {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
             eprintln!("error: {error:#}");
             ExitCode::from(2)
         }
+    }
+}
+
+#[cfg(feature = "window")]
+fn go_on(next: Next) -> anyhow::Result<()> {
+    match next {
+        Next::Exit => Ok(()),
+        Next::Window(scene) => sonoglyph::app::run(scene.as_deref()),
+        Next::BenchWindow => {
+            sonoglyph::app::bench::run();
+            Ok(())
+        }
+    }
+}
+
+/// A program without its window writes the sheet that it writes where there is no display.
+#[cfg(not(feature = "window"))]
+fn go_on(next: Next) -> anyhow::Result<()> {
+    match next {
+        Next::Exit => Ok(()),
+        Next::Window(scene) => sonoglyph::cli::default_sheet(scene.as_deref()),
+        Next::BenchWindow => anyhow::bail!("this program was built without its window"),
     }
 }
 

@@ -16,6 +16,7 @@ const LAYERS: &[(&str, &[&str])] = &[
     ("field", &["bytemuck", "glam", "num_complex", "rayon", "thiserror"]),
     ("field::gpu", &["bytemuck", "glam", "naga", "num_complex", "pollster", "thiserror", "wgpu"]),
     ("picture", &["colorous", "gif", "glam", "image", "npyz", "num_complex", "plotters", "png", "thiserror"]),
+    ("ui", &["egui", "egui_plot", "glam", "num_complex"]),
     (
         "cli",
         &[
@@ -32,7 +33,8 @@ const LAYERS: &[(&str, &[&str])] = &[
             "tempfile",
         ],
     ),
-    ("main", &["sonoglyph"]),
+    ("app", &["anyhow", "cpu_time", "eframe", "egui", "glam", "rfd", "tempfile"]),
+    ("main", &["anyhow", "sonoglyph"]),
 ];
 /// Crates that any layer may name.
 const COMMON: &[&str] = &["std", "crate", "self"];
@@ -164,6 +166,7 @@ const OUTSIDE: &[&str] = &[
     "csv",
     "eframe",
     "egui",
+    "egui_plot",
     "faer",
     "gif",
     "glam",
@@ -177,6 +180,7 @@ const OUTSIDE: &[&str] = &[
     "png",
     "pollster",
     "rayon",
+    "rfd",
     "serde",
     "serde_json",
     "serialport",

@@ -3,14 +3,14 @@
 mod animate;
 mod bench;
 mod devices;
-mod evaluator;
-mod liquid;
-mod map;
+pub(crate) mod evaluator;
+pub(crate) mod liquid;
+pub(crate) mod map;
 mod motion;
-mod output;
+pub(crate) mod output;
 mod probe;
-mod render;
-mod solve;
+pub(crate) mod render;
+pub(crate) mod solve;
 mod swell;
 
 use std::path::PathBuf;
@@ -27,8 +27,8 @@ const DEFAULT_SHEET: &str = "sonoglyph.png";
 
 /// Draw a shape, see the ultrasound field of a phased array, feel it in the air.
 ///
-/// Without a command, the scene (or an example) is solved and its sheet written to sonoglyph.png: wanted points, phase
-/// and amplitude per element, and the map of RMS pressure.
+/// Without a command, the window opens on the scene (or an example). Where there is no display, the scene is solved and its
+/// sheet written to sonoglyph.png: wanted points, phase and amplitude per element, and the map of RMS pressure.
 #[derive(Debug, Parser)]
 #[command(name = "sonoglyph", version, args_conflicts_with_subcommands = true, max_term_width = 100)]
 struct Cli {
@@ -219,6 +219,9 @@ enum Subject {
     Solve,
     /// Solver methods on sets of foci that are hard to solve
     Stability,
+    /// Frames of the window
+    Window,
+    /// All but the window
     All,
 }
 
@@ -231,7 +234,7 @@ struct BackendArgs {
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-enum Backend {
+pub(crate) enum Backend {
     Auto,
     Gpu,
     Cpu,
@@ -294,18 +297,34 @@ fn parse_method(name: &str) -> Result<Method, String> {
 ///
 /// # Errors
 /// Bad input, or output that cannot be written; the message is for the user as it stands.
-pub fn run() -> anyhow::Result<()> {
-    match Cli::parse() {
+pub fn run() -> anyhow::Result<Next> {
+    let done = match Cli::parse() {
         Cli { command: Some(Command::Render(args)), .. } if args.motion || args.waves => animate::run(&args),
         Cli { command: Some(Command::Render(args)), .. } => render::run(&args),
         Cli { command: Some(Command::Solve(args)), .. } if args.motion => motion::run(&args),
         Cli { command: Some(Command::Solve(args)), .. } => solve::run(&args),
         Cli { command: Some(Command::Probe(args)), .. } => probe::run(&args),
+        Cli { command: Some(Command::Bench(args)), .. } if args.subject == Subject::Window => {
+            return Ok(Next::BenchWindow);
+        }
         Cli { command: Some(Command::Bench(args)), .. } => bench::run(&args),
         Cli { command: Some(Command::Devices), .. } => devices::run(),
-        Cli { command: None, scene } => render::default_sheet(scene.as_deref()),
-    }
+        Cli { command: None, scene } => return Ok(Next::Window(scene)),
+    };
+    done.map(|()| Next::Exit)
 }
+
+/// What is left to do when the command line has been read.
+#[derive(Debug)]
+pub enum Next {
+    Exit,
+    /// The window on this scene, or on an example.
+    Window(Option<PathBuf>),
+    /// What the window's frames cost.
+    BenchWindow,
+}
+
+pub use render::default_sheet;
 
 /// The scene in a file, with the method that the command line may ask for instead.
 fn read_scene(path: &std::path::Path, method: Option<Method>) -> Result<Scene, file::FileError> {
@@ -317,7 +336,7 @@ fn read_scene(path: &std::path::Path, method: Option<Method>) -> Result<Scene, f
 }
 
 /// Says something that is no result and no error.
-fn note(text: &str) {
+pub(crate) fn note(text: &str) {
     eprintln!("note: {text}");
 }
 

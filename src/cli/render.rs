@@ -94,7 +94,7 @@ pub fn default_sheet(path: Option<&Path>) -> anyhow::Result<()> {
     Ok(())
 }
 
-pub fn run(args: &RenderArgs) -> anyhow::Result<()> {
+pub(in crate::cli) fn run(args: &RenderArgs) -> anyhow::Result<()> {
     let outputs = outputs(&args.scenes, &args.output)?;
     if args.data.is_some() && args.scenes.len() > 1 {
         bail!("--data takes the numbers of one scene, and {} are given", args.scenes.len());
@@ -238,7 +238,7 @@ impl Look {
         self.quantity == Quantity::Dent && self.view == View::Shaded
     }
 
-    pub fn new(args: &RenderArgs) -> Self {
+    pub(in crate::cli) fn new(args: &RenderArgs) -> Self {
         Self {
             quantity: args.quantity,
             view: args.view,

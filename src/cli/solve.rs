@@ -38,7 +38,7 @@ pub fn parse_listener(text: &str) -> Result<Listener, String> {
     Ok(listener)
 }
 
-pub fn run(args: &SolveArgs) -> anyhow::Result<()> {
+pub(in crate::cli) fn run(args: &SolveArgs) -> anyhow::Result<()> {
     let one = match args.method {
         Some(Methods::One(method)) => Some(method),
         Some(Methods::All) | None => None,
@@ -438,7 +438,7 @@ fn foci_table(scene: &Scene, solution: &Solution) -> Table {
     foci
 }
 
-fn csv(aperture: &Aperture, drive: &Drive) -> String {
+pub fn csv(aperture: &Aperture, drive: &Drive) -> String {
     let mut text = String::from("element,x,y,phase,amplitude\n");
     for (element, position) in aperture.positions.iter().enumerate() {
         let (phase, amplitude) = (drive.phases[element], drive.amplitudes[element]);

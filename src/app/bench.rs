@@ -1,0 +1,142 @@
+//! `sonoglyph bench window`: what the window's frames cost, without a screen.
+
+use cpu_time::ProcessTime;
+use eframe::egui::{self, Event, Key, Modifiers, PointerButton, Pos2, RawInput, Rect, pos2, vec2};
+use glam::{DVec2, DVec3};
+
+use crate::app::Window;
+use crate::field::Evaluator;
+use crate::scene::{Scene, Shape, Target};
+use crate::ui::document::Document;
+use crate::ui::view::Lens;
+
+const SIZE: egui::Vec2 = vec2(1280.0, 800.0);
+const FRAMES: usize = 120;
+/// s between frames.
+const STEP: f64 = 1.0 / 60.0;
+
+/// The window with its context, and nobody to look at it.
+struct Screen {
+    ctx: egui::Context,
+    window: Window,
+    time: f64,
+    /// Whether the last frame asked for another one at once.
+    wants_more: bool,
+}
+
+impl Screen {
+    fn new(scene: Scene) -> Self {
+        let ctx = egui::Context::default();
+        let window = Window::new(&ctx, Document::new(scene, None, "bench"), Evaluator::Cpu);
+        let mut screen = Self { ctx, window, time: 0.0, wants_more: true };
+        for _ in 0..5 {
+            screen.frame(Vec::new());
+        }
+        screen
+    }
+
+    /// CPU time (ms) of a frame: panels, solving, field, colours and triangles, but for what the renderer does with them.
+    fn frame(&mut self, events: Vec<Event>) -> f64 {
+        self.time += STEP;
+        let input = RawInput {
+            screen_rect: Some(Rect::from_min_size(Pos2::ZERO, SIZE)),
+            time: Some(self.time),
+            events,
+            focused: true,
+            ..RawInput::default()
+        };
+        let start = ProcessTime::now();
+        let window = &mut self.window;
+        let mut output = self.ctx.run_ui(input, |ui| window.frame(ui));
+        // There is no renderer that would take them.
+        output.textures_delta.clear();
+        let triangles = self.ctx.tessellate(output.shapes, output.pixels_per_point);
+        let spent = start.elapsed().as_secs_f64() * 1e3;
+        drop(triangles);
+        self.wants_more = output.viewport_output.values().any(|output| output.repaint_delay.is_zero());
+        spent
+    }
+
+    fn place(&self, point: DVec3) -> Option<Pos2> {
+        let map = self.window.shown.map.as_ref()?;
+        let lens = Lens { rect: map.rect, window: map.window };
+        Some(lens.screen(DVec2::new(point.x, point.y)))
+    }
+
+    fn press(&mut self, at: Pos2, pressed: bool) {
+        let button = PointerButton::Primary;
+        let event = Event::PointerButton { pos: at, button, pressed, modifiers: Modifiers::NONE };
+        self.frame(vec![Event::PointerMoved(at)]);
+        self.frame(vec![event]);
+    }
+
+    fn key(&mut self, key: Key) {
+        let event = |pressed| Event::Key {
+            key,
+            physical_key: None,
+            pressed,
+            repeat: false,
+            modifiers: Modifiers::NONE,
+        };
+        self.frame(vec![event(true), event(false)]);
+    }
+}
+
+fn median(mut values: Vec<f64>) -> f64 {
+    values.sort_by(f64::total_cmp);
+    values.get(values.len() / 2).copied().unwrap_or(0.0)
+}
+
+/// Prints what dragging, typing and doing nothing cost.
+pub fn run() {
+    let (all, field, solve) = drag();
+    println!("CPU time per frame of a {} x {} window, median; the renderer comes on top", SIZE.x, SIZE.y);
+    println!("drag one of 8 foci    {all:6.2} ms in all, field {field:.2} ms, solve {solve:.2} ms (elapsed)");
+    println!("type HIT              {:6.2} ms per letter", typing());
+    println!("nothing happens       {} frames in a second", idle());
+}
+
+fn drag() -> (f64, f64, f64) {
+    let at = |i: u32| (DVec2::from_angle(f64::from(i) * std::f64::consts::TAU / 8.0) * 0.04).extend(0.1);
+    let target = |i| Target::new(Shape::Point { at: at(i) });
+    let mut screen = Screen::new(Scene { targets: (0..8).map(target).collect(), ..Scene::default() });
+    let Some(from) = screen.place(at(0)) else { return (0.0, 0.0, 0.0) };
+    screen.press(from, true);
+    let (mut all, mut field, mut solve) = (Vec::new(), Vec::new(), Vec::new());
+    for i in 0..FRAMES {
+        let to = from + vec2((i as f32 * 0.1).sin() * 40.0, 3.0 + i as f32);
+        all.push(screen.frame(vec![Event::PointerMoved(to)]));
+        field.push(screen.window.shown.mapping);
+        solve.push(screen.window.shown.solving);
+    }
+    (median(all), median(field), median(solve))
+}
+
+/// Letter by letter, with the figures that follow in the next frame.
+fn typing() -> f64 {
+    let mut spent = Vec::new();
+    for _ in 0..10 {
+        let mut screen = Screen::new(Scene::default());
+        screen.key(Key::T);
+        let middle = pos2(470.0, 400.0);
+        screen.press(middle, true);
+        screen.press(middle, false);
+        for letter in ["H", "I", "T"] {
+            let first = screen.frame(vec![Event::Text(letter.to_owned())]);
+            spent.push(first + screen.frame(Vec::new()));
+        }
+    }
+    median(spent)
+}
+
+fn idle() -> usize {
+    let mut screen = Screen::new(Scene::default());
+    (0..60)
+        .filter(|_| {
+            screen.wants_more && {
+                screen.frame(Vec::new());
+                true
+            }
+        })
+        .count()
+}

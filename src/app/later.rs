@@ -1,0 +1,96 @@
+//! Work that takes too long for a frame, done on a thread beside it.
+
+use std::sync::mpsc::{Receiver, TryRecvError, sync_channel};
+use std::thread;
+
+use egui::Context;
+
+/// A value that is made elsewhere, with what it was made from. Of several wishes only the latest is fulfilled.
+#[derive(Debug)]
+pub struct Later<K, V> {
+    running: Option<(K, Receiver<V>)>,
+    done: Option<(K, V)>,
+    /// What could not even be tried to the end.
+    failed: Option<K>,
+}
+
+impl<K, V> Default for Later<K, V> {
+    fn default() -> Self {
+        Self { running: None, done: None, failed: None }
+    }
+}
+
+impl<K: Clone + PartialEq + Send + 'static, V: Send + 'static> Later<K, V> {
+    /// Sees to it that the value for `key` is there or being made. One thing is made at a time; ask again every frame.
+    pub fn ask(&mut self, key: &K, ctx: &Context, work: impl FnOnce(&K) -> V + Send + 'static) {
+        let is_there = |own: &Option<K>| own.as_ref() == Some(key);
+        if self.running.is_some() || self.get(key).is_some() || is_there(&self.failed) {
+            return;
+        }
+        let (sender, receiver) = sync_channel(1);
+        let (own, ctx) = (key.clone(), ctx.clone());
+        let make = move || {
+            // Nobody may be waiting any more.
+            let _ = sender.send(work(&own));
+            ctx.request_repaint();
+        };
+        match thread::Builder::new().name("later".to_owned()).spawn(make) {
+            Ok(_) => self.running = Some((key.clone(), receiver)),
+            Err(_) => self.failed = Some(key.clone()),
+        }
+    }
+
+    /// Takes over what has been made and says whether anything was. Call it every frame.
+    pub fn collect(&mut self) -> bool {
+        let Some((key, receiver)) = self.running.take() else { return false };
+        match receiver.try_recv() {
+            Ok(value) => self.done = Some((key, value)),
+            Err(TryRecvError::Empty) => self.running = Some((key, receiver)),
+            Err(TryRecvError::Disconnected) => self.failed = Some(key),
+        }
+        self.running.is_none()
+    }
+
+    pub fn get(&self, key: &K) -> Option<&V> {
+        self.done.as_ref().filter(|(own, _)| own == key).map(|(_, value)| value)
+    }
+
+    /// What the value that is there was made from.
+    pub fn latest(&self) -> Option<&K> {
+        self.done.as_ref().map(|(key, _)| key)
+    }
+
+    pub fn is_running(&self) -> bool {
+        self.running.is_some()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::time::{Duration, Instant};
+
+    use super::*;
+
+    #[test]
+    fn the_latest_wish_is_fulfilled_and_what_panics_is_not_tried_again() {
+        let ctx = Context::default();
+        let mut later = Later::default();
+        let start = Instant::now();
+        later.ask(&1, &ctx, |key| key * 10);
+        while later.get(&2) != Some(&20) {
+            later.collect();
+            later.ask(&2, &ctx, |key| key * 10);
+            assert!(start.elapsed() < Duration::from_secs(20));
+            thread::sleep(Duration::from_millis(1));
+        }
+        assert_eq!(later.get(&1), None);
+        later.ask(&3, &ctx, |_| panic!("on purpose"));
+        while later.is_running() {
+            later.collect();
+            later.ask(&3, &ctx, |_| panic!("not again"));
+            thread::sleep(Duration::from_millis(1));
+        }
+        later.ask(&3, &ctx, |_| 30);
+        assert!(!later.is_running() && later.get(&3).is_none());
+    }
+}

@@ -1,0 +1,263 @@
+//! The window: the editor of [`crate::ui`], what is made from its scene, and its files.
+
+pub mod bench;
+mod examples;
+mod files;
+mod later;
+mod recovery;
+mod workshop;
+
+use std::path::{Path, PathBuf};
+
+use eframe::egui;
+
+use crate::cli::{evaluator, note, render};
+use crate::field::{Evaluator, Work};
+use crate::scene::{Scene, file};
+use crate::ui::document::Document;
+use crate::ui::{self, Command, Dialog, Editor, Notice, Shown, canvas, theme};
+use examples::EXAMPLES;
+use recovery::Recovery;
+use workshop::Workshop;
+
+const TITLE: &str = "Sonoglyph";
+const SIZE: [f32; 2] = [1280.0, 800.0];
+const SMALLEST: [f32; 2] = [200.0, 150.0];
+
+/// Opens the window on the scene of a file or on an example. Where there is no display, the scene's sheet is written.
+///
+/// # Errors
+/// A scene that cannot be read, or a sheet that cannot be written.
+pub fn run(path: Option<&Path>) -> anyhow::Result<()> {
+    let document = match path {
+        Some(path) => Document::new(file::read(path)?, Some(path.to_owned()), ""),
+        None => example(0)?,
+    };
+    if let Err(error) = open(document) {
+        note(&format!("there is no window ({error}): the scene's sheet is written instead"));
+        render::default_sheet(path)?;
+    }
+    Ok(())
+}
+
+fn open(document: Document) -> Result<(), String> {
+    let has_display = |name| std::env::var_os(name).is_some_and(|value| !value.is_empty());
+    if cfg!(all(unix, not(target_os = "macos"))) && !has_display("DISPLAY") && !has_display("WAYLAND_DISPLAY")
+    {
+        return Err("no display".to_owned());
+    }
+    let evaluator = evaluator::for_maps(crate::cli::Backend::Auto).map_err(|error| error.to_string())?;
+    let options = eframe::NativeOptions {
+        // The cheap one everywhere: the map comes as colours, and only panels are drawn.
+        renderer: eframe::Renderer::Glow,
+        viewport: egui::ViewportBuilder::default()
+            .with_title(TITLE)
+            .with_app_id("sonoglyph")
+            .with_inner_size(SIZE)
+            .with_min_inner_size(SMALLEST),
+        ..Default::default()
+    };
+    let make: eframe::AppCreator<'_> = Box::new(|context| {
+        let mut window = Window::new(&context.egui_ctx, document, evaluator);
+        window.recover(Recovery::in_home());
+        Ok(Box::new(window))
+    });
+    eframe::run_native(TITLE, options, make).map_err(|error| error.to_string())
+}
+
+/// An example scene as a document without a file.
+fn example(index: usize) -> anyhow::Result<Document> {
+    let (name, text) = EXAMPLES.get(index).copied().unwrap_or(EXAMPLES[0]);
+    Ok(Document::new(file::parse(text, Path::new(name))?, None, name))
+}
+
+/// The program's state.
+#[derive(Debug)]
+pub struct Window {
+    editor: Editor,
+    shown: Shown,
+    workshop: Workshop,
+    /// The window may close without another question.
+    may_close: bool,
+    title: String,
+    recovery: Option<Recovery>,
+}
+
+impl Window {
+    pub fn new(ctx: &egui::Context, document: Document, evaluator: Evaluator) -> Self {
+        theme::install(ctx);
+        let workshop = Workshop::new(evaluator);
+        let shown = Shown {
+            examples: EXAMPLES.iter().map(|(name, _)| (*name).to_owned()).collect(),
+            evaluator: workshop.evaluator(),
+            ..Shown::default()
+        };
+        Self {
+            editor: Editor::new(document),
+            shown,
+            workshop,
+            may_close: false,
+            title: String::new(),
+            recovery: None,
+        }
+    }
+
+    /// Keeps what is unsaved from now on, and asks about what the last run left, if it left something.
+    pub fn recover(&mut self, recovery: Option<Recovery>) {
+        if let Some(scene) = recovery.as_ref().and_then(Recovery::found) {
+            self.editor.dialog = Some(Dialog::Recovered(Box::new(scene)));
+        }
+        self.recovery = recovery;
+    }
+
+    /// The window on the first example, with the CPU's field.
+    pub fn with_example(ctx: &egui::Context) -> Self {
+        let document = example(0).unwrap_or_else(|_| Document::new(Scene::default(), None, "untitled"));
+        Self::new(ctx, document, Evaluator::Cpu)
+    }
+
+    pub fn editor(&self) -> &Editor {
+        &self.editor
+    }
+
+    pub fn editor_mut(&mut self) -> &mut Editor {
+        &mut self.editor
+    }
+
+    pub fn shown(&self) -> &Shown {
+        &self.shown
+    }
+
+    /// The values of the map on the screen, height and width first, row 0 at the smallest y.
+    pub fn numbers(&mut self) -> Option<(Vec<u64>, Vec<f32>)> {
+        self.workshop.numbers()
+    }
+
+    /// How often each stage of the field has run.
+    pub fn work(&self) -> Work {
+        self.workshop.work()
+    }
+
+    /// Whether something is being made on a thread.
+    pub fn is_busy(&self) -> bool {
+        self.workshop.is_busy()
+    }
+
+    fn execute(&mut self, command: Command, ctx: &egui::Context) {
+        self.shown.notice = None;
+        match command {
+            Command::New => self.editor.replace(Document::new(Scene::default(), None, "untitled")),
+            Command::Example(index) => match example(index) {
+                Ok(document) => self.editor.replace(document),
+                Err(error) => self.refuse("The example cannot be opened", &error),
+            },
+            Command::Open(path) => self.open(&path),
+            Command::Save => match self.editor.document.path().map(Path::to_owned) {
+                Some(path) => self.save(&path, ctx),
+                None => self.editor.dialog = Some(Dialog::path(ui::Purpose::SaveAs, &self.editor.document)),
+            },
+            Command::SaveAs(path) => self.save(&path, ctx),
+            Command::Export(export, path) => self.export(export, &path),
+            Command::Browse(purpose) => match files::browse(purpose, &self.editor.document) {
+                Some(path) => {
+                    let mut commands = Vec::new();
+                    self.editor.ask(purpose.command(path), &mut commands);
+                    commands.into_iter().for_each(|command| self.execute(command, ctx));
+                }
+                None => self.tell("No file was chosen", false),
+            },
+            Command::CompareMethods => self.workshop.compare_methods(self.editor.scene()),
+            Command::Recover(scene) => {
+                let mut document = Document::new(*scene, None, "recovered");
+                document.was_never_saved();
+                self.editor.replace(document);
+            }
+            Command::Close => {
+                if let Some(recovery) = &mut self.recovery {
+                    recovery.forget();
+                }
+                self.may_close = true;
+                ctx.send_viewport_cmd(egui::ViewportCommand::Close);
+            }
+        }
+        ctx.request_repaint();
+    }
+
+    fn tell(&mut self, text: &str, is_error: bool) {
+        self.shown.notice = Some(Notice { text: text.to_owned(), is_error });
+    }
+
+    fn refuse(&mut self, title: &str, error: &anyhow::Error) {
+        self.editor.dialog = Some(Dialog::Message { title: title.to_owned(), text: format!("{error:#}") });
+    }
+
+    /// Files dropped on the window, and its close button.
+    fn hear_outside(&mut self, ctx: &egui::Context, commands: &mut Vec<Command>) {
+        let dropped: Option<PathBuf> =
+            ctx.input(|input| input.raw.dropped_files.first().map(|file| file.path().to_owned()));
+        if let Some(path) = dropped {
+            self.editor.ask(Command::Open(path), commands);
+        }
+        let closes = ctx.input(|input| input.viewport().close_requested());
+        if closes && !self.may_close && self.editor.document.is_unsaved() {
+            ctx.send_viewport_cmd(egui::ViewportCommand::CancelClose);
+            self.editor.dialog = Some(Dialog::Unsaved(Command::Close));
+        } else if closes && let Some(recovery) = &mut self.recovery {
+            recovery.forget();
+        }
+    }
+
+    /// What is unsaved goes to the recovery file, unless the question about the last one is open.
+    fn keep(&mut self, ctx: &egui::Context) {
+        let Some(recovery) = &mut self.recovery else { return };
+        if matches!(self.editor.dialog, Some(Dialog::Recovered(_))) || self.may_close {
+            return;
+        }
+        let document = &self.editor.document;
+        let unsaved = document.is_unsaved().then_some(&document.scene);
+        if let Some(seconds) = recovery.keep(unsaved, ctx.input(|input| input.time)) {
+            ctx.request_repaint_after_secs(seconds as f32);
+        }
+    }
+
+    fn name_window(&mut self, ctx: &egui::Context) {
+        let document = &self.editor.document;
+        let mark = if document.is_unsaved() { "• " } else { "" };
+        let title = format!("{mark}{} – {TITLE}", document.name());
+        if title != self.title {
+            ctx.send_viewport_cmd(egui::ViewportCommand::Title(title.clone()));
+            self.title = title;
+        }
+    }
+}
+
+impl eframe::App for Window {
+    fn ui(&mut self, ui: &mut egui::Ui, _frame: &mut eframe::Frame) {
+        self.frame(ui);
+    }
+}
+
+impl Window {
+    fn frame(&mut self, ui: &mut egui::Ui) {
+        let ctx = ui.ctx().clone();
+        let before = (self.editor.document.scene.clone(), self.editor.view.clone(), self.editor.playback);
+        let Self { editor, shown, workshop, .. } = self;
+        let mut commands = ui::show(editor, shown, ui, |editor, shown, ui| {
+            let canvas = canvas::interact(editor, ui);
+            workshop.update(editor, shown, &canvas.lens, ui.ctx());
+            canvas::paint(editor, shown, ui, &canvas);
+        });
+        self.hear_outside(&ctx, &mut commands);
+        commands.into_iter().for_each(|command| self.execute(command, &ctx));
+        let is_held = ctx.input(|input| input.pointer.any_down());
+        if !is_held && !self.editor.is_in_gesture() && !ctx.text_edit_focused() {
+            self.editor.document.settle();
+        }
+        self.name_window(&ctx);
+        self.keep(&ctx);
+        // The panels were drawn before the map: their figures follow in the next frame.
+        if before != (self.editor.document.scene.clone(), self.editor.view.clone(), self.editor.playback) {
+            ctx.request_repaint();
+        }
+    }
+}

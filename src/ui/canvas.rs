@@ -1,0 +1,189 @@
+//! The canvas: a cut through space with its axes, the map on it, and the pointer's place.
+
+use egui::{
+    Align2, Color32, FontId, Painter, Pos2, Rect, Response, Sense, Stroke, StrokeKind, Ui, pos2, vec2,
+};
+use glam::DVec2;
+
+use crate::field::Quantity;
+use crate::ui::view::{Lens, decibels};
+use crate::ui::{Editor, Map, Shown, gesture, legend, marks, theme};
+
+/// Points of the screen around the plot.
+const LEFT: f32 = 56.0;
+const BELOW: f32 = 40.0;
+const RIGHT: f32 = 92.0;
+const ABOVE: f32 = 12.0;
+/// Points of the screen between two ticks, at least.
+const TICK: f64 = 70.0;
+const SMALLEST: f32 = 40.0;
+
+/// The canvas on this frame.
+#[derive(Debug)]
+pub struct Canvas {
+    pub lens: Lens,
+    response: Response,
+}
+
+/// Makes room for the canvas and lets the pointer act on it.
+pub fn interact(editor: &mut Editor, ui: &mut Ui) -> Canvas {
+    let outer = ui.available_rect_before_wrap();
+    let min = outer.min + vec2(LEFT, ABOVE);
+    let max = (outer.max - vec2(RIGHT, BELOW)).max(min + vec2(SMALLEST, SMALLEST));
+    let rect = Rect::from_min_max(min.round(), max.round());
+    let response = ui.allocate_rect(rect, Sense::click_and_drag());
+    response.widget_info(|| {
+        egui::WidgetInfo::labeled(egui::Role::Canvas, true, "Canvas: the field on the plane")
+    });
+    let lens = editor.view.lens(editor.scene(), rect);
+    gesture::act(editor, ui, &response, &lens);
+    let cursor = match editor.tool {
+        crate::ui::tool::Tool::Select => egui::CursorIcon::Default,
+        crate::ui::tool::Tool::Text => egui::CursorIcon::Text,
+        _ => egui::CursorIcon::Crosshair,
+    };
+    let response = response.on_hover_cursor(cursor);
+    Canvas { lens: editor.view.lens(editor.scene(), rect), response }
+}
+
+pub fn paint(editor: &Editor, shown: &Shown, ui: &Ui, canvas: &Canvas) {
+    let lens = &canvas.lens;
+    let painter = ui.painter_at(lens.rect);
+    painter.rect_filled(lens.rect, 0.0, Color32::from_rgb(12, 12, 16));
+    if let Some(map) = shown.map.as_ref().filter(|map| map.cut == editor.view.cut) {
+        let there = Lens { rect: map.rect, window: map.window };
+        let corner = |at: Pos2| lens.screen(there.flat(at));
+        let place = Rect::from_two_pos(corner(map.rect.min), corner(map.rect.max));
+        // Row 0 of a map is at the smallest y: the bottom.
+        let upright = Rect::from_min_max(pos2(0.0, 1.0), pos2(1.0, 0.0));
+        painter.image(map.texture.0.id(), place, upright, Color32::WHITE);
+    }
+    if editor.view.marks {
+        marks::paint(editor, shown, &painter, lens, canvas.response.hover_pos());
+    }
+    marks::gesture(editor, &painter, lens);
+    if editor.view.section {
+        let y = lens.screen(DVec2::new(0.0, editor.view.line)).y;
+        painter.hline(lens.rect.x_range(), y, Stroke::new(1.0, theme::CHOSEN.gamma_multiply(0.6)));
+    }
+    axes(editor, ui, lens);
+    if let Some(map) = &shown.map {
+        legend::paint(editor, map, ui, lens);
+    }
+    words(editor, shown, &painter, lens);
+    if let Some(at) = canvas.response.hover_pos().filter(|_| editor.dialog.is_none()) {
+        probe(editor, shown, &painter, lens, at);
+    }
+}
+
+/// What stands between the user and a picture.
+fn words(editor: &Editor, shown: &Shown, painter: &Painter, lens: &Lens) {
+    let middle = lens.rect.center();
+    if editor.scene().targets.is_empty() && !editor.is_in_gesture() {
+        let text = "Nothing to focus on yet.\nPick a tool on the left and draw, or open an example.";
+        chip(painter, middle, Align2::CENTER_CENTER, text, 15.0, Color32::WHITE);
+    } else if let Some(problem) = &shown.problem {
+        let at = lens.rect.center_top() + vec2(0.0, 44.0);
+        let text = format!("Not solved, the last picture stays: {problem}");
+        wrapped_chip(painter, at, lens.rect.width() - 40.0, &text, Color32::from_rgb(255, 170, 160));
+    }
+}
+
+/// A text on a dark ground.
+pub fn chip(painter: &Painter, at: Pos2, align: Align2, text: &str, size: f32, colour: Color32) -> Rect {
+    let galley = painter.layout_no_wrap(text.to_owned(), FontId::proportional(size), colour);
+    let rect = align.anchor_size(at, galley.size());
+    painter.rect_filled(rect.expand2(vec2(6.0, 3.0)), 4.0, Color32::from_black_alpha(200));
+    painter.galley(rect.min, galley, colour);
+    rect
+}
+
+fn wrapped_chip(painter: &Painter, top: Pos2, width: f32, text: &str, colour: Color32) {
+    let galley = painter.layout(text.to_owned(), FontId::proportional(13.5), colour, width.max(60.0));
+    let rect = Align2::CENTER_TOP.anchor_size(top, galley.size());
+    painter.rect_filled(rect.expand2(vec2(8.0, 5.0)), 4.0, Color32::from_black_alpha(220));
+    painter.galley(rect.min, galley, colour);
+}
+
+/// 1, 2 or 5 times a power of ten, not less than `least`.
+pub fn round_step(least: f64) -> f64 {
+    let power = 10f64.powf(least.log10().floor());
+    [1.0, 2.0, 5.0, 10.0]
+        .into_iter()
+        .map(|step| step * power)
+        .find(|&step| step >= least * 0.999)
+        .unwrap_or(least)
+}
+
+/// Ticks in mm along the left and the lower edge.
+fn axes(editor: &Editor, ui: &Ui, lens: &Lens) {
+    let (visuals, painter) = (ui.visuals(), ui.painter());
+    let ink = visuals.text_color();
+    let rect = lens.rect;
+    painter.rect_stroke(rect, 0.0, Stroke::new(1.0, visuals.weak_text_color()), StrokeKind::Outside);
+    let step = round_step(TICK * lens.window.scale * 1e3);
+    let (low, high) = (lens.flat(rect.left_bottom()) * 1e3, lens.flat(rect.right_top()) * 1e3);
+    let ticks = |low: f64, high: f64| {
+        let (first, last) = ((low / step).ceil() as i64, (high / step).floor() as i64);
+        (first..=last.min(first + 100)).map(move |i| i as f64 * step)
+    };
+    let decimals = if step < 0.1 {
+        2
+    } else if step < 1.0 {
+        1
+    } else {
+        0
+    };
+    let font = FontId::proportional(12.0);
+    let stroke = Stroke::new(1.0, visuals.weak_text_color());
+    for x in ticks(low.x, high.x) {
+        let at = pos2(lens.screen(DVec2::new(x * 1e-3, 0.0)).x, rect.bottom());
+        painter.line_segment([at, at + vec2(0.0, 5.0)], stroke);
+        painter.text(at + vec2(0.0, 6.0), Align2::CENTER_TOP, format!("{x:.decimals$}"), font.clone(), ink);
+    }
+    for y in ticks(low.y, high.y) {
+        let at = pos2(rect.left(), lens.screen(DVec2::new(0.0, y * 1e-3)).y);
+        painter.line_segment([at, at - vec2(5.0, 0.0)], stroke);
+        painter.text(at - vec2(8.0, 0.0), Align2::RIGHT_CENTER, format!("{y:.decimals$}"), font.clone(), ink);
+    }
+    let (across, up) = editor.view.cut.axes();
+    painter.text(pos2(rect.center().x, rect.bottom() + 22.0), Align2::CENTER_TOP, across, font.clone(), ink);
+    let galley = painter.layout_no_wrap(up.to_owned(), font, ink);
+    let at = pos2(rect.left() - LEFT + 4.0, rect.center().y + galley.size().x / 2.0);
+    painter.add(egui::epaint::TextShape::new(at, galley, ink).with_angle(-std::f32::consts::FRAC_PI_2));
+}
+
+/// The field under the pointer.
+fn probe(editor: &Editor, shown: &Shown, painter: &Painter, lens: &Lens, at: Pos2) {
+    let uv = lens.flat(at);
+    let point = editor.view.axes(editor.scene()).world(uv);
+    let mut text = format!("x {:.1}   y {:.1}   z {:.1} mm", point.x * 1e3, point.y * 1e3, point.z * 1e3);
+    if let (Some(map), Some(sound)) = (&shown.map, &shown.sound) {
+        text.push_str(&format!("     {}", value(map, sound, uv, point)));
+    }
+    let corner = lens.rect.left_top() + vec2(12.0, 9.0);
+    chip(painter, corner, Align2::LEFT_TOP, &text, 13.0, theme::MARK);
+}
+
+fn value(map: &Map, sound: &crate::ui::Sound, uv: DVec2, point: glam::DVec3) -> String {
+    let to_peak = |value: f64| decibels(value / map.largest.max(1e-30), map.quantity);
+    match map.number(uv) {
+        Some(value) => legend::with_unit(value, map.quantity),
+        None => {
+            let u = sound.drive.excitation(&sound.aperture.driven);
+            let p = sound.aperture.transfer(&[point]).pressure(&u)[0];
+            let rms = p.norm() / std::f64::consts::SQRT_2;
+            let largest = if map.quantity == Quantity::Rms {
+                format!("   {:.1} dB of the peak", to_peak(rms).max(-99.9))
+            } else {
+                String::new()
+            };
+            format!(
+                "{} RMS   {:.1} dB SPL{largest}   phase {:.0}°",
+                crate::picture::sheet::pascals(rms),
+                20.0 * (rms.max(1e-9) / 20e-6).log10(),
+                p.arg().to_degrees()
+            )
+        }
+    }
+}

@@ -1,0 +1,147 @@
+//! The scene that is edited, with its history and its file.
+
+use std::path::{Path, PathBuf};
+
+use crate::scene::Scene;
+
+/// Steps that can be taken back.
+const MOST_STEPS: usize = 500;
+
+/// A scene in the making. Whatever edits it writes to [`Document::scene`]; [`Document::settle`] makes one step of the history out
+/// of all that was edited since the last.
+#[derive(Clone, Debug)]
+pub struct Document {
+    pub scene: Scene,
+    /// As the last step of the history left it.
+    settled: Scene,
+    undo: Vec<Scene>,
+    redo: Vec<Scene>,
+    /// As the file holds it.
+    saved: Scene,
+    path: Option<PathBuf>,
+    /// What it is called while it has no file.
+    name: String,
+}
+
+impl Document {
+    /// A scene from a file, or one that has none yet.
+    pub fn new(scene: Scene, path: Option<PathBuf>, name: &str) -> Self {
+        Self {
+            settled: scene.clone(),
+            saved: scene.clone(),
+            scene,
+            undo: Vec::new(),
+            redo: Vec::new(),
+            path,
+            name: name.to_owned(),
+        }
+    }
+
+    pub fn path(&self) -> Option<&Path> {
+        self.path.as_deref()
+    }
+
+    /// The file's name, or what stands for it.
+    pub fn name(&self) -> String {
+        let of_file = self.path.as_deref().and_then(Path::file_name);
+        of_file.map_or_else(|| self.name.clone(), |name| name.to_string_lossy().into_owned())
+    }
+
+    /// Whether there is something that the file does not hold.
+    pub fn is_unsaved(&self) -> bool {
+        self.scene != self.saved
+    }
+
+    /// The scene is in this file now.
+    pub fn saved_as(&mut self, path: PathBuf) {
+        self.saved = self.scene.clone();
+        self.path = Some(path);
+    }
+
+    /// The scene is worth asking for even though no file holds it: what was recovered.
+    pub fn was_never_saved(&mut self) {
+        self.saved = Scene::default();
+    }
+
+    /// Makes a step of the history if anything was edited. A gesture is one step: call this when it is over.
+    pub fn settle(&mut self) {
+        if self.scene == self.settled {
+            return;
+        }
+        self.undo.push(std::mem::replace(&mut self.settled, self.scene.clone()));
+        self.redo.clear();
+        if self.undo.len() > MOST_STEPS {
+            self.undo.remove(0);
+        }
+    }
+
+    /// Takes back what was edited since the last step.
+    pub fn revert(&mut self) {
+        self.scene = self.settled.clone();
+    }
+
+    pub fn can_undo(&self) -> bool {
+        !self.undo.is_empty() || self.scene != self.settled
+    }
+
+    pub fn can_redo(&self) -> bool {
+        !self.redo.is_empty()
+    }
+
+    pub fn undo(&mut self) {
+        self.settle();
+        if let Some(before) = self.undo.pop() {
+            self.redo.push(std::mem::replace(&mut self.settled, before.clone()));
+            self.scene = before;
+        }
+    }
+
+    pub fn redo(&mut self) {
+        self.settle();
+        if let Some(after) = self.redo.pop() {
+            self.undo.push(std::mem::replace(&mut self.settled, after.clone()));
+            self.scene = after;
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_undone_can_be_redone_and_a_gesture_is_one_step() {
+        let mut document = Document::new(Scene::default(), None, "a");
+        let mut scenes = vec![document.scene.clone()];
+        for step in 1..4 {
+            for part in 0..5 {
+                document.scene.array.pitch = 0.01 + f64::from(step) * 1e-3 + f64::from(part) * 1e-4;
+            }
+            document.settle();
+            document.settle();
+            scenes.push(document.scene.clone());
+        }
+        for scene in scenes.iter().rev().skip(1) {
+            assert!(document.can_undo());
+            document.undo();
+            assert_eq!(document.scene, *scene);
+        }
+        assert!(!document.can_undo() && !document.is_unsaved());
+        for scene in &scenes[1..] {
+            document.redo();
+            assert_eq!(document.scene, *scene);
+        }
+        assert!(!document.can_redo() && document.is_unsaved());
+    }
+
+    #[test]
+    fn an_edit_after_undo_forgets_what_was_undone() {
+        let mut document = Document::new(Scene::default(), None, "a");
+        document.scene.plane.tolerance = 0.01;
+        document.undo();
+        assert!(document.can_redo());
+        document.scene.plane.tolerance = 0.02;
+        document.settle();
+        assert!(!document.can_redo());
+    }
+}

@@ -1,0 +1,143 @@
+//! What tools and keys do to the targets of a scene.
+
+use std::collections::BTreeSet;
+
+use glam::{DVec2, DVec3};
+
+use crate::scene::{Scene, Shape, Target, outline};
+use crate::ui::view::Axes;
+
+/// m: where a copy stands beside what it is a copy of.
+const BESIDE: f64 = 0.01;
+
+/// Moves a shape (m).
+pub fn translate(shape: &mut Shape, by: DVec3) {
+    match shape {
+        Shape::Point { at }
+        | Shape::Circle { at, .. }
+        | Shape::Rectangle { at, .. }
+        | Shape::Triangle { at, .. }
+        | Shape::Polygon { at, .. }
+        | Shape::Text { at, .. } => *at += by,
+        Shape::Line { from, to } => {
+            *from += by;
+            *to += by;
+        }
+        Shape::Path { vertices, .. } => vertices.iter_mut().for_each(|vertex| *vertex += by),
+    }
+}
+
+pub fn delete(scene: &mut Scene, selection: &mut BTreeSet<usize>) {
+    let mut index = 0;
+    scene.targets.retain(|_| {
+        index += 1;
+        !selection.contains(&(index - 1))
+    });
+    selection.clear();
+}
+
+/// Copies what is selected and selects the copies.
+pub fn duplicate(scene: &mut Scene, selection: &mut BTreeSet<usize>, axes: &Axes) {
+    let mut copies: Vec<Target> =
+        selection.iter().filter_map(|&index| scene.targets.get(index)).cloned().collect();
+    let by = (axes.x - axes.y) * BESIDE;
+    copies.iter_mut().for_each(|copy| translate(&mut copy.shape, by));
+    let first = scene.targets.len();
+    scene.targets.extend(copies);
+    *selection = (first..scene.targets.len()).collect();
+}
+
+/// What a target is called in lists.
+pub fn name(target: &Target) -> String {
+    match &target.shape {
+        Shape::Point { .. } => "Point".to_owned(),
+        Shape::Line { .. } => "Line".to_owned(),
+        Shape::Circle { .. } => "Circle".to_owned(),
+        Shape::Rectangle { .. } => "Rectangle".to_owned(),
+        Shape::Triangle { .. } => "Triangle".to_owned(),
+        Shape::Polygon { sides, .. } => format!("Polygon of {sides}"),
+        Shape::Path { vertices, .. } => format!("Path of {}", vertices.len()),
+        Shape::Text { text, .. } => format!("Text “{text}”"),
+    }
+}
+
+/// The outlines of a target on a cut.
+pub fn outline_on(target: &Target, axes: &Axes) -> Vec<Vec<DVec2>> {
+    let flat = |stroke: Vec<DVec3>| stroke.into_iter().map(|point| axes.flat(point)).collect();
+    outline::strokes(target).unwrap_or_default().into_iter().map(flat).collect()
+}
+
+/// The uppermost target whose outline is within `reach` (m) of a point of the cut, or that has the point inside its letters.
+pub fn target_at(scene: &Scene, axes: &Axes, at: DVec2, reach: f64) -> Option<usize> {
+    let distance = |target: &Target| {
+        let strokes = outline_on(target, axes);
+        strokes.iter().map(|stroke| distance_to(stroke, at)).fold(f64::INFINITY, f64::min)
+    };
+    let distances: Vec<_> = scene.targets.iter().map(distance).collect();
+    let nearest = (0..distances.len()).rev().min_by(|&a, &b| distances[a].total_cmp(&distances[b]))?;
+    (distances[nearest] <= reach).then_some(nearest)
+}
+
+/// Targets with all of their outline in a box of the cut.
+pub fn targets_in(scene: &Scene, axes: &Axes, a: DVec2, b: DVec2) -> BTreeSet<usize> {
+    let (low, high) = (a.min(b), a.max(b));
+    let inside = |p: &DVec2| p.cmpge(low).all() && p.cmple(high).all();
+    let whole = |target: &Target| {
+        let outline = outline_on(target, axes).concat();
+        !outline.is_empty() && outline.iter().all(inside)
+    };
+    (0..scene.targets.len()).filter(|&index| whole(&scene.targets[index])).collect()
+}
+
+fn distance_to(stroke: &[DVec2], at: DVec2) -> f64 {
+    let to_piece = |pair: &[DVec2]| {
+        let along = pair[1] - pair[0];
+        let part = ((at - pair[0]).dot(along) / along.length_squared().max(1e-30)).clamp(0.0, 1.0);
+        at.distance(pair[0] + along * part)
+    };
+    match stroke {
+        [only] => at.distance(*only),
+        _ => stroke.windows(2).map(to_piece).fold(f64::INFINITY, f64::min),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::ui::view::View;
+
+    fn scene() -> (Scene, Axes) {
+        let at = DVec3::new(0.0, 0.0, 0.1);
+        let targets = vec![
+            Target::new(Shape::Point { at: at + DVec3::X * 0.05 }),
+            Target::new(Shape::Circle { at, radius: 0.02 }),
+            Target::new(Shape::Line { from: at - DVec3::Y * 0.05, to: at - DVec3::new(0.05, 0.05, 0.0) }),
+        ];
+        let scene = Scene { targets, ..Scene::default() };
+        let axes = View::of(&scene).axes(&scene);
+        (scene, axes)
+    }
+
+    #[test]
+    fn targets_are_found_at_their_outlines() {
+        let (scene, axes) = scene();
+        let at = |x: f64, y: f64| target_at(&scene, &axes, DVec2::new(x, y), 0.003);
+        assert_eq!(at(0.05, 0.002), Some(0));
+        assert_eq!(at(0.0, 0.0201), Some(1));
+        assert_eq!(at(-0.03, -0.049), Some(2));
+        assert_eq!(at(0.0, 0.0), None);
+        let band = targets_in(&scene, &axes, DVec2::new(0.06, 0.03), DVec2::new(-0.03, -0.03));
+        assert_eq!(band, BTreeSet::from([0, 1]));
+    }
+
+    #[test]
+    fn copies_are_selected_and_deleting_leaves_the_rest() {
+        let (mut scene, axes) = scene();
+        let before = scene.clone();
+        let mut selection = BTreeSet::from([0, 2]);
+        duplicate(&mut scene, &mut selection, &axes);
+        assert_eq!((scene.targets.len(), &selection), (5, &BTreeSet::from([3, 4])));
+        delete(&mut scene, &mut selection);
+        assert_eq!(scene, before);
+    }
+}

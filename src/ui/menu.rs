@@ -1,0 +1,239 @@
+//! The menus, the row that says what is seen, and the tools.
+
+use egui::containers::menu::MenuBar;
+use egui::{Button, ComboBox, DragValue, KeyboardShortcut, Sense, Slider, Stroke, Theme, Ui, vec2};
+
+use crate::field::Quantity;
+use crate::picture::ColourMap;
+use crate::ui::tool::{self, Tool};
+use crate::ui::view::{Cut, Scale};
+use crate::ui::{Command, Dialog, Editor, Export, Purpose, Shown, keys, legend, theme};
+
+/// m: how far the slider moves a plane.
+const FARTHEST: f64 = 0.3;
+
+pub fn bar(editor: &mut Editor, shown: &Shown, ui: &mut Ui, commands: &mut Vec<Command>) {
+    MenuBar::new().ui(ui, |ui| {
+        ui.menu_button("File", |ui| file(editor, ui, commands));
+        ui.menu_button("Edit", |ui| edit(editor, ui));
+        ui.menu_button("Examples", |ui| {
+            let height = ui.ctx().content_rect().height() - 60.0;
+            egui::ScrollArea::vertical().max_height(height).show(ui, |ui| {
+                for (index, name) in shown.examples.iter().enumerate() {
+                    if ui.button(name).clicked() {
+                        editor.ask(Command::Example(index), commands);
+                        ui.close();
+                    }
+                }
+            });
+        });
+        ui.menu_button("Export", |ui| {
+            for (name, export) in [
+                ("Map as PNG…", Export::Map),
+                ("Sheet as PNG…", Export::Sheet),
+                ("Map's numbers as NPY…", Export::Numbers),
+                ("Drive as CSV…", Export::Drive),
+            ] {
+                if ui.button(name).clicked() {
+                    editor.dialog = Some(Dialog::path(Purpose::Export(export), &editor.document));
+                }
+            }
+        });
+        ui.menu_button("Help", |ui| {
+            if ui.add(Button::new("Keys and tools").shortcut_text("F1")).clicked() {
+                editor.dialog = Some(Dialog::Help);
+            }
+        });
+        ui.separator();
+        let unsaved = if editor.document.is_unsaved() { " •" } else { "" };
+        ui.strong(format!("{}{unsaved}", editor.document.name())).on_hover_text(
+            editor
+                .document
+                .path()
+                .map_or_else(|| "No file yet".to_owned(), |path| path.display().to_string()),
+        );
+        ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
+            let dark = ui.visuals().dark_mode;
+            let (sign, to) = if dark { ("Light", Theme::Light) } else { ("Dark", Theme::Dark) };
+            if ui.button(sign).on_hover_text("Colours of the window").clicked() {
+                ui.ctx().set_theme(to);
+            }
+        });
+    });
+}
+
+fn item(ui: &mut Ui, enabled: bool, name: &str, shortcut: &KeyboardShortcut) -> bool {
+    let keys = ui.ctx().format_shortcut(shortcut);
+    ui.add_enabled(enabled, Button::new(name).shortcut_text(keys)).clicked()
+}
+
+fn file(editor: &mut Editor, ui: &mut Ui, commands: &mut Vec<Command>) {
+    if item(ui, true, "New", &keys::NEW) {
+        editor.ask(Command::New, commands);
+    }
+    if item(ui, true, "Open…", &keys::OPEN) {
+        editor.dialog = Some(Dialog::path(Purpose::Open, &editor.document));
+    }
+    ui.separator();
+    if item(ui, true, "Save", &keys::SAVE) {
+        commands.push(Command::Save);
+    }
+    if item(ui, true, "Save as…", &keys::SAVE_AS) {
+        editor.dialog = Some(Dialog::path(Purpose::SaveAs, &editor.document));
+    }
+    ui.separator();
+    if item(ui, true, "Quit", &keys::CLOSE) {
+        editor.ask(Command::Close, commands);
+    }
+}
+
+fn edit(editor: &mut Editor, ui: &mut Ui) {
+    if item(ui, editor.document.can_undo(), "Undo", &keys::UNDO) {
+        editor.undo();
+    }
+    if item(ui, editor.document.can_redo(), "Redo", &keys::REDO) {
+        editor.redo();
+    }
+    ui.separator();
+    let any = !editor.selection.is_empty();
+    if item(ui, any, "Duplicate", &keys::DUPLICATE) {
+        keys::duplicate(editor);
+    }
+    if ui.add_enabled(any, Button::new("Delete").shortcut_text("Delete")).clicked() {
+        keys::delete(editor);
+    }
+    if item(ui, !editor.scene().targets.is_empty(), "Select all", &keys::SELECT_ALL) {
+        editor.selection = (0..editor.scene().targets.len()).collect();
+    }
+    ui.separator();
+    ui.checkbox(&mut editor.snaps, "Snap to the grid (K)");
+    ui.horizontal(|ui| {
+        let label = ui.label("Grid");
+        let mut grid = editor.grid * 1e3;
+        ui.add(DragValue::new(&mut grid).range(0.5..=50.0).speed(0.1).suffix(" mm")).labelled_by(label.id);
+        editor.grid = grid * 1e-3;
+    });
+}
+
+/// What is seen, where, and in which colours.
+pub fn view(editor: &mut Editor, shown: &Shown, ui: &mut Ui) {
+    ui.horizontal_wrapped(|ui| {
+        for (quantity, name, tip) in [
+            (Quantity::Rms, "RMS", "RMS pressure of the sound (1)"),
+            (Quantity::Phase, "Phase", "Where in its period the sound is (2)"),
+            (
+                Quantity::Radiation,
+                "Radiation",
+                "The steady pressure of the sound on a surface that reflects it (3)",
+            ),
+            (Quantity::Dent, "Dent", "How deep it presses the liquid whose surface the plane is (4)"),
+        ] {
+            ui.selectable_value(&mut editor.view.quantity, quantity, name).on_hover_text(tip);
+        }
+        ui.separator();
+        for cut in Cut::ALL {
+            let chosen = editor.view.cut == cut;
+            if ui.selectable_label(chosen, cut.name()).on_hover_text(cut.tooltip()).clicked() && !chosen {
+                editor.view.cut = cut;
+                editor.view.window = None;
+            }
+        }
+        height(editor, ui);
+        if ui.button("Fit").on_hover_text("Show everything (0, or double click)").clicked() {
+            editor.view.window = None;
+        }
+        ui.separator();
+        colours(editor, shown, ui);
+    });
+}
+
+fn height(editor: &mut Editor, ui: &mut Ui) {
+    let cut = editor.view.cut;
+    let (Some(name), Some(height)) = (cut.normal(), editor.view.height_mut()) else { return };
+    let least = if cut == Cut::Xy { 0.01 } else { -FARTHEST / 2.0 };
+    let mut shown = *height * 1e3;
+    let label = ui.label(name);
+    let slider = Slider::new(&mut shown, least * 1e3..=(least + FARTHEST) * 1e3)
+        .clamping(egui::SliderClamping::Never)
+        .step_by(0.5)
+        .suffix(" mm");
+    let response = ui.add(slider).labelled_by(label.id).on_hover_text(format!(
+        "Where the plane lies along {name}. What is drawn is drawn there; “Use this plane” in the Scene panel writes it to the \
+         scene."
+    ));
+    if response.changed() && shown.is_finite() {
+        *height = (shown * 1e-3).clamp(-10.0, 10.0);
+    }
+}
+
+fn colours(editor: &mut Editor, shown: &Shown, ui: &mut Ui) {
+    let view = &mut editor.view;
+    let is_phase = view.quantity == Quantity::Phase;
+    let names = [
+        (ColourMap::Inferno, "Inferno"),
+        (ColourMap::Viridis, "Viridis"),
+        (ColourMap::Magma, "Magma"),
+        (ColourMap::Grey, "Grey"),
+    ];
+    let current = names.iter().find(|(map, _)| *map == view.colours).map_or("", |(_, name)| name);
+    let combo = ComboBox::from_id_salt("colours").width(76.0).selected_text(current);
+    let response = combo.show_ui(ui, |ui| {
+        for (map, name) in names {
+            ui.selectable_value(&mut view.colours, map, name);
+        }
+    });
+    response.response.accessible_name("Colours").on_hover_text("Colours of the map");
+    ui.add_enabled_ui(!is_phase, |ui| {
+        let mut in_decibels = view.scale == Scale::Decibels;
+        ui.toggle_value(&mut in_decibels, "dB")
+            .on_hover_text("Colours in decibels, 40 dB down from the largest");
+        view.scale = if in_decibels { Scale::Decibels } else { Scale::Linear };
+        let mut locked = view.full.is_some();
+        let largest = shown.map.as_ref().map_or(1.0, |map| map.largest);
+        ui.toggle_value(&mut locked, "Lock range")
+            .on_hover_text("Keep the range of colours while the sound changes");
+        view.full = match (locked, view.full) {
+            (false, _) => None,
+            (true, None) => Some(largest),
+            (true, full) => full,
+        };
+        if let Some(full) = &mut view.full {
+            let (factor, unit) = legend::unit(view.quantity, *full);
+            let mut value = *full * factor;
+            let speed = 0.01 * value.abs().max(1e-3);
+            let field = DragValue::new(&mut value).speed(speed).suffix(format!(" {unit}"));
+            let response = ui.add(field).accessible_name("Largest value that has a colour");
+            if response.changed() && value.is_finite() {
+                *full = (value / factor).clamp(1e-12, 1e9);
+            }
+        }
+    });
+    ui.toggle_value(&mut view.marks, "Marks").on_hover_text("Focal points and outlines over the map (M)");
+    ui.toggle_value(&mut view.section, "Section")
+        .on_hover_text("The curve along a line across the map; Shift and the pointer move it (X)");
+}
+
+/// The tools, one below the other.
+pub fn tools(editor: &mut Editor, ui: &mut Ui) {
+    ui.spacing_mut().item_spacing.y = 4.0;
+    for tool in Tool::ALL {
+        let (rect, response) = ui.allocate_exact_size(vec2(32.0, 32.0), Sense::click());
+        let chosen = editor.tool == tool;
+        response
+            .widget_info(|| egui::WidgetInfo::selected(egui::Role::RadioButton, true, chosen, tool.name()));
+        if response.clicked() {
+            editor.tool = tool;
+        }
+        let visuals = ui.style().interact_selectable(&response, chosen);
+        let fill = if chosen { theme::ACCENT } else { visuals.bg_fill };
+        if chosen || response.hovered() || response.has_focus() {
+            ui.painter().rect_filled(rect, 6.0, fill);
+        }
+        let ink = if chosen { egui::Color32::WHITE } else { ui.visuals().text_color() };
+        tool::icon(ui.painter(), tool, rect, Stroke::new(1.8, ink));
+        response.on_hover_text(format!("{} ({})\n{}", tool.name(), tool.key().name(), tool.tooltip()));
+        if matches!(tool, Tool::Select | Tool::Text) {
+            ui.add_space(6.0);
+        }
+    }
+}

@@ -1,0 +1,344 @@
+//! The window's panels, canvas and tools. They edit an [`Editor`], show a [`Shown`] and return [`Command`]s; files, threads,
+//! solving and the field are somebody else's.
+
+pub mod canvas;
+mod dialog;
+pub mod document;
+mod edit;
+mod element_map;
+mod gesture;
+pub mod keys;
+mod legend;
+mod marks;
+mod menu;
+mod panels;
+mod section;
+mod status;
+pub mod theme;
+pub mod tool;
+pub mod view;
+
+use std::collections::BTreeSet;
+use std::path::PathBuf;
+use std::sync::Arc;
+
+use egui::{CentralPanel, Frame, Margin, Panel as Side, Ui};
+
+use crate::acoustics::Aperture;
+use crate::drive::Drive;
+use crate::field::Quantity;
+use crate::scene::{Focus, Method, Scene};
+use crate::solver::Solution;
+use crate::solver::frames::Sequence;
+use crate::surface::Dent;
+use document::Document;
+use gesture::{Gesture, Typing};
+use num_complex::Complex64;
+use tool::Tool;
+use view::{Cut, View, Window};
+
+pub use dialog::{Dialog, Purpose};
+
+/// Everything that the user edits, and how it is looked at.
+#[derive(Debug)]
+pub struct Editor {
+    pub document: Document,
+    /// Targets by their place in the scene.
+    pub selection: BTreeSet<usize>,
+    pub view: View,
+    pub tool: Tool,
+    pub panel: Panel,
+    /// m, between the places to which the pointer snaps.
+    pub grid: f64,
+    pub snaps: bool,
+    gesture: Option<Gesture>,
+    typing: Option<Typing>,
+    pub dialog: Option<Dialog>,
+    /// What to do once the scene is saved.
+    pub after_saving: Option<Command>,
+    pub playback: Playback,
+    /// The drive as a board with so many phases per period plays it.
+    pub levels: Option<u32>,
+}
+
+/// Which frame of the motion is shown.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Playback {
+    /// The scene at rest is shown if `None`.
+    pub frame: Option<usize>,
+    pub playing: bool,
+    /// How much slower than it really is.
+    pub slowness: f64,
+    /// Of a round, in [0, 1).
+    pub part: f64,
+}
+
+impl Default for Playback {
+    fn default() -> Self {
+        Self { frame: None, playing: false, slowness: 20.0, part: 0.0 }
+    }
+}
+
+/// What the panel on the right is about.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Panel {
+    Scene,
+    Solver,
+    Drive,
+    Liquid,
+    Motion,
+    Device,
+}
+
+/// What the panels ask for and cannot do.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Command {
+    New,
+    Open(PathBuf),
+    /// By its place in the list.
+    Example(usize),
+    Save,
+    SaveAs(PathBuf),
+    Export(Export, PathBuf),
+    /// Asks the desktop for a file.
+    Browse(Purpose),
+    CompareMethods,
+    /// Goes on with what the last run left.
+    Recover(Box<Scene>),
+    Close,
+}
+
+impl Command {
+    /// Whether the current scene is gone afterwards.
+    pub fn replaces_scene(&self) -> bool {
+        matches!(self, Self::New | Self::Open(_) | Self::Example(_) | Self::Close)
+    }
+}
+
+/// What can be written beside the scene itself.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Export {
+    /// The map as it is on the screen.
+    Map,
+    /// Wanted points, drive and map on one page.
+    Sheet,
+    /// The map's numbers.
+    Numbers,
+    /// Phase and amplitude per element.
+    Drive,
+}
+
+/// What was made from the scene and is there to be shown.
+#[derive(Debug, Default)]
+pub struct Shown {
+    pub map: Option<Map>,
+    /// Of the scene at rest.
+    pub solution: Option<Arc<Solution>>,
+    pub sound: Option<Sound>,
+    /// Why what is shown is not what the scene asks for.
+    pub problem: Option<String>,
+    /// A sentence each.
+    pub warnings: Vec<String>,
+    /// The part of the best that any drive can do.
+    pub certified: Option<f64>,
+    pub methods: Vec<MethodRow>,
+    pub is_comparing: bool,
+    pub round: Option<Arc<Sequence>>,
+    pub is_following: bool,
+    pub pressed: Option<Pressed>,
+    /// Names of the example scenes.
+    pub examples: Vec<String>,
+    /// Who computes the field.
+    pub evaluator: String,
+    /// ms
+    pub solving: f64,
+    pub mapping: f64,
+    /// What was just done, or could not be.
+    pub notice: Option<Notice>,
+}
+
+/// A word on what was done.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Notice {
+    pub text: String,
+    pub is_error: bool,
+}
+
+/// A map on the screen, and where it belongs.
+#[derive(Debug)]
+pub struct Map {
+    pub texture: Texture,
+    pub cut: Cut,
+    pub axes: view::Axes,
+    pub window: Window,
+    /// Points of the screen.
+    pub rect: egui::Rect,
+    pub quantity: Quantity,
+    /// The largest value: Pa (RMS), Pa or m.
+    pub largest: f64,
+    /// Relative to it.
+    pub error: f64,
+    pub how: String,
+    pub width: usize,
+    pub height: usize,
+    /// Values of an average, row by row from the smallest y; fields are computed where they are asked for.
+    pub numbers: Option<Vec<f32>>,
+}
+
+impl Map {
+    /// The value of an average at a place of the cut.
+    fn number(&self, uv: glam::DVec2) -> Option<f64> {
+        let numbers = self.numbers.as_ref()?;
+        let at = view::Lens { rect: self.rect, window: self.window }.screen(uv) - self.rect.min;
+        let column = at.x / self.rect.width() * self.width as f32;
+        let row = (1.0 - at.y / self.rect.height()) * self.height as f32;
+        let inside = |place: f32, count: usize| (place as usize).min(count.saturating_sub(1));
+        let index = inside(row, self.height) * self.width + inside(column, self.width);
+        numbers.get(index).map(|&value| f64::from(value))
+    }
+}
+
+/// A texture, which cannot be printed.
+pub struct Texture(pub egui::TextureHandle);
+
+impl std::fmt::Debug for Texture {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Texture").field("size", &self.0.size()).finish_non_exhaustive()
+    }
+}
+
+/// What is played, and what arrives.
+#[derive(Clone, Debug)]
+pub struct Sound {
+    pub aperture: Aperture,
+    pub drive: Drive,
+    pub foci: Vec<Focus>,
+    /// Pa, peak, at the foci.
+    pub pressures: Vec<Complex64>,
+}
+
+/// A method in the comparison.
+#[derive(Clone, Debug)]
+pub struct MethodRow {
+    pub method: Method,
+    /// Or why there is none.
+    pub solution: Result<Arc<Solution>, String>,
+}
+
+/// What presses on the plane.
+#[derive(Clone, Debug)]
+pub struct Pressed {
+    /// N
+    pub force: f64,
+    pub dent: Option<Dent>,
+    /// That the dent is beyond linear theory.
+    pub beyond: Option<String>,
+}
+
+impl Editor {
+    pub fn new(document: Document) -> Self {
+        Self {
+            view: View::of(&document.scene),
+            document,
+            selection: BTreeSet::new(),
+            tool: Tool::Select,
+            panel: Panel::Scene,
+            grid: 0.005,
+            snaps: false,
+            gesture: None,
+            typing: None,
+            dialog: None,
+            after_saving: None,
+            playback: Playback::default(),
+            levels: None,
+        }
+    }
+
+    /// Another scene. Tool, colours and panel stay as they are.
+    pub fn replace(&mut self, document: Document) {
+        let view = View::of(&document.scene);
+        let View { quantity, colours, section, .. } = self.view;
+        self.view = View { quantity, colours, section, ..view };
+        self.document = document;
+        self.forget_places();
+        self.playback = Playback::default();
+    }
+
+    pub fn undo(&mut self) {
+        self.forget_places();
+        self.document.undo();
+    }
+
+    pub fn redo(&mut self) {
+        self.forget_places();
+        self.document.redo();
+    }
+
+    /// Targets may stand elsewhere in the list now.
+    fn forget_places(&mut self) {
+        self.selection.clear();
+        self.typing = None;
+        self.gesture = None;
+    }
+
+    pub fn scene(&self) -> &Scene {
+        &self.document.scene
+    }
+
+    /// Passes a command on, or asks first where it would lose what is not saved.
+    pub fn ask(&mut self, command: Command, commands: &mut Vec<Command>) {
+        if command.replaces_scene() && self.document.is_unsaved() {
+            self.dialog = Some(Dialog::Unsaved(command));
+        } else {
+            commands.push(command);
+        }
+    }
+
+    /// Whether a text is being typed on the canvas: keys are letters then.
+    pub fn is_typing(&self) -> bool {
+        self.typing.is_some()
+    }
+
+    /// Whether an edit is under way that is to be one step of the history.
+    pub fn is_in_gesture(&self) -> bool {
+        self.gesture.is_some() || self.typing.is_some()
+    }
+}
+
+/// Draws everything around the canvas and hands the rest of the window to `canvas`.
+pub fn show(
+    editor: &mut Editor,
+    shown: &mut Shown,
+    ui: &mut Ui,
+    canvas: impl FnOnce(&mut Editor, &mut Shown, &mut Ui),
+) -> Vec<Command> {
+    let mut commands = Vec::new();
+    let quantity = editor.view.quantity;
+    keys::press(editor, ui.ctx(), &mut commands);
+    let bar = |ui: &Ui| Frame::side_top_panel(ui.style()).inner_margin(Margin::symmetric(8, 4));
+    let frame = bar(ui);
+    Side::top("menu").frame(frame).show(ui, |ui| menu::bar(editor, shown, ui, &mut commands));
+    Side::top("view").frame(frame).show(ui, |ui| menu::view(editor, shown, ui));
+    Side::bottom("status").frame(frame).show(ui, |ui| status::bar(editor, shown, ui));
+    Side::left("tools").resizable(false).exact_size(48.0).frame(frame).show(ui, |ui| menu::tools(editor, ui));
+    Side::right("panel")
+        .default_size(352.0)
+        .size_range(260.0..=520.0)
+        .show(ui, |ui| panels::show(editor, shown, ui, &mut commands));
+    if editor.view.section {
+        Side::bottom("section").default_size(170.0).size_range(110.0..=320.0).resizable(true).show(
+            ui,
+            |ui| {
+                section::show(editor, shown, ui);
+            },
+        );
+    }
+    let ground = Frame::NONE.fill(ui.visuals().panel_fill);
+    CentralPanel::default().frame(ground).show(ui, |ui| canvas(editor, shown, ui));
+    dialog::show(editor, ui.ctx(), &mut commands);
+    if editor.view.quantity != quantity {
+        // A range of pascals is none of metres.
+        editor.view.full = None;
+    }
+    commands
+}

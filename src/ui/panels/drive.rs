@@ -1,0 +1,84 @@
+//! What every element plays.
+
+use egui::{Color32, Sense, Ui};
+
+use crate::field::colouring::phase_index;
+use crate::picture::ColourMap;
+use crate::picture::sheet::pascals;
+use crate::ui::panels::{choice, fact, form, heading};
+use crate::ui::{Editor, Shown, Sound, element_map};
+
+/// Phases per period that boards play.
+const LEVELS: [(Option<u32>, &str); 6] = [
+    (None, "ideal"),
+    (Some(8), "8 phases"),
+    (Some(16), "16 phases"),
+    (Some(32), "32 phases"),
+    (Some(64), "64 phases"),
+    (Some(256), "256 phases"),
+];
+
+pub fn show(editor: &mut Editor, shown: &Shown, ui: &mut Ui) {
+    let Some(sound) = &shown.sound else {
+        ui.label("Nothing is played: there is no target.");
+        return;
+    };
+    form(ui, "levels", |ui| {
+        let tip = "The map and the pressures are those of the drive as a board with so many phases per period plays it";
+        choice(ui, ("As played with", tip), &mut editor.levels, &LEVELS);
+        let mean =
+            sound.pressures.iter().map(|p| p.norm()).sum::<f64>() / sound.pressures.len().max(1) as f64;
+        fact(ui, ("Mean pressure", "Over the focal points, peak"), pascals(mean));
+        let silent = sound.drive.amplitudes.iter().filter(|&&amplitude| amplitude == 0.0).count();
+        if silent > 0 {
+            fact(ui, ("Silent", "Elements that play nothing"), format!("{silent} elements"));
+        }
+    });
+    heading(ui, "Phase");
+    let cyclic = ColourMap::Cyclic.table();
+    map(editor, sound, ui, "Phase of every element", |n| cyclic[phase_index(sound.drive.phases[n])]);
+    strip(ui, &cyclic, ["-180°", "0°", "180°"]);
+    heading(ui, "Amplitude");
+    let viridis = ColourMap::Viridis.table();
+    let colour = |n: usize| viridis[(sound.drive.amplitudes[n] * 255.0).round().clamp(0.0, 255.0) as usize];
+    map(editor, sound, ui, "Amplitude of every element", colour);
+    strip(ui, &viridis, ["0", "0.5", "1"]);
+}
+
+/// The colours of a map with what they mean.
+fn strip(ui: &mut Ui, table: &[[u8; 4]; 256], labels: [&str; 3]) {
+    const SIZE: egui::Vec2 = egui::vec2(224.0, 8.0);
+    let (rect, _) = ui.allocate_exact_size(SIZE + egui::vec2(0.0, 16.0), Sense::hover());
+    let mut mesh = egui::Mesh::default();
+    for (i, [r, g, b, _]) in table.iter().enumerate() {
+        let x = |i: usize| rect.left() + SIZE.x * i as f32 / table.len() as f32;
+        let part = egui::Rect::from_x_y_ranges(x(i)..=x(i + 1), rect.top()..=rect.top() + SIZE.y);
+        mesh.add_colored_rect(part, Color32::from_rgb(*r, *g, *b));
+    }
+    ui.painter().add(mesh);
+    let aligns = [egui::Align2::LEFT_TOP, egui::Align2::CENTER_TOP, egui::Align2::RIGHT_TOP];
+    for ((label, align), part) in labels.into_iter().zip(aligns).zip([0.0, 0.5, 1.0]) {
+        let at = egui::pos2(rect.left() + SIZE.x * part, rect.top() + SIZE.y + 1.0);
+        ui.painter().text(at, align, label, egui::FontId::proportional(11.5), ui.visuals().text_color());
+    }
+}
+
+fn map(editor: &Editor, sound: &Sound, ui: &mut Ui, name: &str, colour: impl Fn(usize) -> [u8; 4]) {
+    let array = &editor.scene().array;
+    // Until the scene is solved again, the drive may be that of another array.
+    if sound.drive.phases.len() != array.elements() {
+        return;
+    }
+    let (response, under) = element_map::show(ui, name, array, Sense::hover(), |n| {
+        let [r, g, b, _] = colour(n);
+        (sound.drive.amplitudes[n] > 0.0).then(|| Color32::from_rgb(r, g, b))
+    });
+    if let Some(n) = under {
+        let Sound { drive, .. } = sound;
+        response.on_hover_text_at_pointer(format!(
+            "Element {n}: {:.0}°, amplitude {:.2}",
+            drive.phases[n].to_degrees(),
+            drive.amplitudes[n]
+        ));
+    }
+}

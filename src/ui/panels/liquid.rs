@@ -1,0 +1,83 @@
+//! The liquid and its dent.
+
+use egui::Ui;
+
+use crate::field::Quantity;
+use crate::picture::sheet::pascals;
+use crate::scene::LiquidName;
+use crate::ui::legend::with_unit;
+use crate::ui::panels::{MM, Unit, choice, fact, form, given, heading, number};
+use crate::ui::view::Cut;
+use crate::ui::{Editor, Shown, theme};
+
+pub fn show(editor: &mut Editor, shown: &Shown, ui: &mut Ui) {
+    let liquid = &mut editor.document.scene.liquid;
+    heading(ui, "Liquid");
+    let named = crate::scene::Liquid { name: liquid.name, ..crate::scene::Liquid::default() };
+    form(ui, "liquid", |ui| {
+        let names = LiquidName::ALL.map(|name| (name, name.name()));
+        choice(ui, ("Liquid", "At 20 °C"), &mut liquid.name, &names);
+        let density = Unit { per: 1.0, suffix: " kg/m³", decimals: 1, speed: 1.0 };
+        let tip = "How heavy it is: what pushes a dent back";
+        given(ui, ("Density", tip), &mut liquid.density, named.density(), density, 1.0..=1e5);
+        let tension = Unit { per: 1e3, suffix: " mN/m", decimals: 1, speed: 0.1 };
+        let tip = "What pulls the surface flat";
+        given(
+            ui,
+            ("Surface tension", tip),
+            &mut liquid.surface_tension,
+            named.surface_tension(),
+            tension,
+            1e-6..=10.0,
+        );
+        let viscosity = Unit { per: 1e3, suffix: " mPa·s", decimals: 2, speed: 0.1 };
+        let tip = "What damps waves; a dent at rest does not feel it";
+        given(ui, ("Viscosity", tip), &mut liquid.viscosity, named.viscosity(), viscosity, 0.0..=1e4);
+        number(
+            ui,
+            ("Depth", "Waves feel the bottom, a dent at rest does not"),
+            &mut liquid.depth,
+            MM,
+            1e-4..=10.0,
+        );
+        let gravity = Unit { per: 1.0, suffix: " m/s²", decimals: 3, speed: 0.01 };
+        number(ui, ("Gravity", "9.81 on earth"), &mut liquid.gravity, gravity, 1e-3..=1e3);
+    });
+    ui.separator();
+    dent(editor, shown, ui);
+}
+
+fn dent(editor: &mut Editor, shown: &Shown, ui: &mut Ui) {
+    heading(ui, "Dent");
+    if editor.view.quantity != Quantity::Dent {
+        ui.label("The surface is the plane on the screen, parallel to the array.");
+        if ui.button("Show the dent").clicked() {
+            editor.view.quantity = Quantity::Dent;
+            if matches!(editor.view.cut, Cut::Xz | Cut::Yz) {
+                editor.view.cut = Cut::Xy;
+                editor.view.window = None;
+            }
+        }
+    }
+    let Some(pressed) = &shown.pressed else { return };
+    form(ui, "dent", |ui| {
+        let force = Unit { per: 1e3, suffix: " mN", decimals: 3, speed: 1.0 };
+        let newtons = format!("{:.*}{}", force.decimals, pressed.force * force.per, force.suffix);
+        fact(ui, ("Force", "That the sound presses with on the plane"), newtons);
+        if let Some(map) = shown.map.as_ref().filter(|map| map.quantity == Quantity::Radiation) {
+            fact(ui, ("Largest pressure", "Of the sound on the surface"), pascals(map.largest));
+        }
+        if let Some(dent) = &pressed.dent {
+            fact(ui, ("Deepest", "Below the level surface"), with_unit(dent.deepest, Quantity::Dent));
+            fact(ui, ("Displaced", "Volume of the dent"), format!("{:.1} mm³", dent.volume * 1e9));
+            fact(
+                ui,
+                ("Steepest slope", "Rise over run; linear theory wants it small"),
+                format!("{:.3}", dent.slope),
+            );
+        }
+    });
+    if let Some(beyond) = &pressed.beyond {
+        ui.label(egui::RichText::new(beyond).color(theme::warning(ui.visuals())));
+    }
+}

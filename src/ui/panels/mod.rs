@@ -1,0 +1,153 @@
+//! The panel on the right: one page each for scene, solver, drive, liquid, motion and device.
+
+mod device;
+mod drive;
+mod liquid;
+mod motion;
+mod scene;
+mod solver;
+mod target;
+
+use std::ops::RangeInclusive;
+
+use egui::{DragValue, Response, RichText, ScrollArea, Ui};
+
+use crate::ui::{Command, Editor, Panel, Shown};
+
+/// How a number is shown: so many times as large, with this behind it.
+#[derive(Clone, Copy)]
+struct Unit {
+    per: f64,
+    suffix: &'static str,
+    decimals: usize,
+    /// What a point of dragging changes, in the unit shown.
+    speed: f64,
+}
+
+const MM: Unit = Unit { per: 1e3, suffix: " mm", decimals: 2, speed: 0.25 };
+const PLAIN: Unit = Unit { per: 1.0, suffix: "", decimals: 3, speed: 0.01 };
+const DEGREES: Unit = Unit { per: 180.0 / std::f64::consts::PI, suffix: "°", decimals: 1, speed: 0.5 };
+
+pub fn show(editor: &mut Editor, shown: &Shown, ui: &mut Ui, commands: &mut Vec<Command>) {
+    ui.add_space(4.0);
+    ui.horizontal_wrapped(|ui| {
+        ui.spacing_mut().item_spacing.x = 1.0;
+        ui.spacing_mut().button_padding.x = 6.0;
+        for (panel, name, tip) in [
+            (Panel::Scene, "Scene", "Targets, air and array"),
+            (Panel::Solver, "Solver", "How the phases are found, and how good they are"),
+            (Panel::Drive, "Drive", "What every element plays"),
+            (Panel::Liquid, "Liquid", "What the sound presses"),
+            (Panel::Motion, "Motion", "How the targets move"),
+            (Panel::Device, "Device", "The board that plays"),
+        ] {
+            ui.selectable_value(&mut editor.panel, panel, name).on_hover_text(tip);
+        }
+    });
+    ui.separator();
+    ScrollArea::vertical().auto_shrink([false, false]).id_salt(editor.panel as u8).show(ui, |ui| {
+        match editor.panel {
+            Panel::Scene => scene::show(editor, shown, ui),
+            Panel::Solver => solver::show(editor, shown, ui, commands),
+            Panel::Drive => drive::show(editor, shown, ui),
+            Panel::Liquid => liquid::show(editor, shown, ui),
+            Panel::Motion => motion::show(editor, shown, ui),
+            Panel::Device => device::show(shown, ui),
+        }
+        ui.add_space(12.0);
+    });
+}
+
+fn heading(ui: &mut Ui, text: &str) {
+    ui.add_space(6.0);
+    ui.label(RichText::new(text).strong().size(14.5));
+}
+
+/// Two columns: names and values.
+fn form(ui: &mut Ui, id: &str, rows: impl FnOnce(&mut Ui)) {
+    egui::Grid::new(id).num_columns(2).spacing([12.0, 5.0]).min_col_width(104.0).show(ui, rows);
+}
+
+/// A row with a number that can be edited. What is no number, or none of the range, changes nothing or the nearest that is.
+fn number(
+    ui: &mut Ui,
+    (name, tip): (&str, &str),
+    value: &mut f64,
+    unit: Unit,
+    range: RangeInclusive<f64>,
+) -> Response {
+    let label = ui.label(name).on_hover_text(tip);
+    let response = bare_number(ui, value, unit, range).labelled_by(label.id).on_hover_text(tip);
+    ui.end_row();
+    response
+}
+
+fn bare_number(ui: &mut Ui, value: &mut f64, unit: Unit, range: RangeInclusive<f64>) -> Response {
+    let mut shown = *value * unit.per;
+    let field = DragValue::new(&mut shown)
+        .speed(unit.speed)
+        .range(range.start() * unit.per..=range.end() * unit.per)
+        .clamp_existing_to_range(false)
+        .max_decimals(unit.decimals)
+        .update_while_editing(false)
+        .suffix(unit.suffix);
+    let response = ui.add(field);
+    if response.changed() && shown.is_finite() {
+        *value = (shown / unit.per).clamp(*range.start(), *range.end());
+    }
+    response
+}
+
+/// The same for whole numbers.
+fn count(ui: &mut Ui, (name, tip): (&str, &str), value: &mut u32, range: RangeInclusive<u32>) -> Response {
+    let label = ui.label(name).on_hover_text(tip);
+    let field = DragValue::new(value).speed(0.1).range(range).clamp_existing_to_range(false);
+    let response = ui.add(field.update_while_editing(false)).labelled_by(label.id).on_hover_text(tip);
+    ui.end_row();
+    response
+}
+
+/// A row with a value that is only shown.
+fn fact(ui: &mut Ui, (name, tip): (&str, &str), value: impl Into<String>) {
+    ui.label(name).on_hover_text(tip);
+    ui.label(RichText::new(value.into()).strong()).on_hover_text(tip);
+    ui.end_row();
+}
+
+/// A choice among a few.
+fn choice<T: Copy + PartialEq>(ui: &mut Ui, (name, tip): (&str, &str), value: &mut T, choices: &[(T, &str)]) {
+    let label = ui.label(name).on_hover_text(tip);
+    let current = choices.iter().find(|(choice, _)| choice == value).map_or("", |(_, name)| name);
+    egui::ComboBox::from_id_salt(name)
+        .selected_text(current)
+        .show_ui(ui, |ui| {
+            for (choice, name) in choices {
+                ui.selectable_value(value, *choice, *name);
+            }
+        })
+        .response
+        .labelled_by(label.id)
+        .on_hover_text(tip);
+    ui.end_row();
+}
+
+/// A number that follows from something else unless it is given.
+fn given(
+    ui: &mut Ui,
+    (name, tip): (&str, &str),
+    value: &mut Option<f64>,
+    otherwise: f64,
+    unit: Unit,
+    range: RangeInclusive<f64>,
+) {
+    let mut is_given = value.is_some();
+    ui.checkbox(&mut is_given, name).on_hover_text(format!("{tip}. Ticked: as given here"));
+    if is_given {
+        let number = value.get_or_insert(otherwise);
+        bare_number(ui, number, unit, range).accessible_name(name);
+    } else {
+        *value = None;
+        ui.label(format!("{:.*}{}", unit.decimals, otherwise * unit.per, unit.suffix));
+    }
+    ui.end_row();
+}

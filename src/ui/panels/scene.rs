@@ -1,0 +1,268 @@
+//! Targets, plane, air and array.
+
+use egui::{RichText, Sense, Ui};
+
+use crate::acoustics::Air;
+use crate::scene::{ElementModel, Target};
+use crate::ui::panels::{MM, PLAIN, Unit, choice, count, form, given, heading, number, target};
+use crate::ui::{Editor, Shown, edit, element_map, keys, theme};
+
+pub fn show(editor: &mut Editor, shown: &Shown, ui: &mut Ui) {
+    targets(editor, ui);
+    ui.separator();
+    plane(editor, shown, ui);
+    ui.collapsing("Array", |ui| array(editor, ui));
+    ui.collapsing("Air", |ui| air(editor, ui));
+}
+
+fn targets(editor: &mut Editor, ui: &mut Ui) {
+    heading(ui, "Targets");
+    if editor.scene().targets.is_empty() {
+        ui.label("None yet. Pick a tool and draw on the map.");
+        return;
+    }
+    let several = ui.input(|input| input.modifiers.shift || input.modifiers.command);
+    egui::ScrollArea::vertical().id_salt("targets").max_height(190.0).auto_shrink([false, true]).show(
+        ui,
+        |ui| {
+            for index in 0..editor.scene().targets.len() {
+                row(editor, index, several, ui);
+            }
+        },
+    );
+    ui.horizontal(|ui| {
+        let any = !editor.selection.is_empty();
+        ui.add_enabled_ui(any, |ui| {
+            if ui.button("Duplicate").on_hover_text("Ctrl D").clicked() {
+                keys::duplicate(editor);
+            }
+            if ui.button("Delete").on_hover_text("Delete").clicked() {
+                keys::delete(editor);
+            }
+            let first = editor.selection.first().copied();
+            let last = editor.selection.last().copied();
+            let count = editor.scene().targets.len();
+            for (sign, tip, to) in [
+                ("Up", "Earlier in the list", first.and_then(|index| index.checked_sub(1))),
+                ("Down", "Later in the list", last.map(|index| index + 1).filter(|&index| index < count)),
+            ] {
+                let one = editor.selection.len() == 1;
+                let button = ui.add_enabled(one && to.is_some(), egui::Button::new(sign)).on_hover_text(tip);
+                if let (true, Some(from), Some(to)) = (button.clicked(), first, to) {
+                    editor.document.scene.targets.swap(from, to);
+                    editor.selection = [to].into();
+                }
+            }
+        });
+    });
+    match editor.selection.len() {
+        0 => {
+            ui.label(RichText::new("Select a target to see its numbers.").weak());
+        }
+        1 => {
+            let index = editor.selection.first().copied().unwrap_or(0);
+            ui.push_id(("target", index), |ui| target::show(&mut editor.document.scene, index, ui));
+        }
+        count => together(editor, count, ui),
+    }
+}
+
+fn row(editor: &mut Editor, index: usize, several: bool, ui: &mut Ui) {
+    let chosen = editor.selection.contains(&index);
+    let name = format!("{}  {}", index + 1, edit::name(&editor.scene().targets[index]));
+    let button = egui::Button::selectable(chosen, name).min_size(egui::vec2(ui.available_width(), 0.0));
+    let response = ui.add(button);
+    if response.clicked() {
+        match (several, chosen) {
+            (false, _) => editor.selection = [index].into(),
+            (true, true) => drop(editor.selection.remove(&index)),
+            (true, false) => drop(editor.selection.insert(index)),
+        }
+    }
+}
+
+/// What several targets share.
+fn together(editor: &mut Editor, count: usize, ui: &mut Ui) {
+    ui.label(format!("{count} targets are selected"));
+    let Some(first) = editor.selection.first().and_then(|&index| editor.scene().targets.get(index)) else {
+        return;
+    };
+    let mut pressure = first.pressure;
+    let changed = std::cell::Cell::new(false);
+    form(ui, "together", |ui| {
+        let response =
+            number(ui, ("Pressure", "Wanted pressure of all of them"), &mut pressure, PLAIN, 0.01..=1e5);
+        changed.set(response.changed());
+    });
+    if changed.get() {
+        let chosen = |(index, target): (usize, &mut Target)| {
+            if editor.selection.contains(&index) {
+                target.pressure = pressure;
+            }
+        };
+        editor.document.scene.targets.iter_mut().enumerate().for_each(chosen);
+    }
+}
+
+/// The plane of the file, which `render` draws, against the one on the screen.
+fn plane(editor: &mut Editor, shown: &Shown, ui: &mut Ui) {
+    heading(ui, "Plane");
+    let scene = editor.scene();
+    let seen = shown.map.as_ref().map(|map| {
+        let lens = crate::ui::view::Lens { rect: map.rect, window: map.window };
+        editor.view.plane(scene, &lens)
+    });
+    let tip = "The scene's plane is what `sonoglyph render` draws and whose surface a dent is in";
+    let plane = &scene.plane;
+    ui.label(format!(
+        "Of the scene: {:.0} x {:.0} mm about ({:.0}, {:.0}, {:.0})",
+        plane.size.x * 1e3,
+        plane.size.y * 1e3,
+        plane.centre.x * 1e3,
+        plane.centre.y * 1e3,
+        plane.centre.z * 1e3
+    ))
+    .on_hover_text(tip);
+    ui.horizontal(|ui| {
+        if let Some(seen) = seen
+            && ui
+                .button("Use this plane")
+                .on_hover_text("Makes the part that is on the screen the scene's")
+                .clicked()
+        {
+            editor.document.scene.plane = seen;
+        }
+        let label = ui.label("Tolerance").on_hover_text("Largest error of the map, relative to its peak");
+        let tolerance = &mut editor.document.scene.plane.tolerance;
+        egui::ComboBox::from_id_salt("tolerance")
+            .selected_text(if *tolerance == 0.0 { "exact".to_owned() } else { format!("{tolerance:e}") })
+            .width(64.0)
+            .show_ui(ui, |ui| {
+                for (choice, name) in [(1e-2, "1e-2"), (1e-3, "1e-3"), (1e-4, "1e-4"), (0.0, "exact")] {
+                    ui.selectable_value(tolerance, choice, name);
+                }
+            })
+            .response
+            .labelled_by(label.id);
+    });
+}
+
+fn array(editor: &mut Editor, ui: &mut Ui) {
+    let array = &mut editor.document.scene.array;
+    form(ui, "array", |ui| {
+        let before = array.columns;
+        count(ui, ("Columns", "Elements along x"), &mut array.columns, 1..=128);
+        count(ui, ("Rows", "Elements along y"), &mut array.rows, 1..=128);
+        if before != array.columns {
+            // Numbers count row by row: they would name other elements now.
+            array.off.clear();
+        }
+        let elements = array.elements();
+        array.off.retain(|&element| element < elements);
+        number(ui, ("Pitch", "From element to element"), &mut array.pitch, MM, 1e-4..=0.2);
+        number(
+            ui,
+            ("Element radius", "Of the part that radiates"),
+            &mut array.element_radius,
+            MM,
+            1e-5..=0.1,
+        );
+        let khz = Unit { per: 1e-3, suffix: " kHz", decimals: 2, speed: 0.1 };
+        number(ui, ("Frequency", "Of the sound"), &mut array.frequency, khz, 1e3..=1e6);
+        let strength = Unit { per: 1.0, suffix: " Pa·m", decimals: 2, speed: 0.02 };
+        number(
+            ui,
+            ("Strength", "Peak pressure that one element makes straight ahead, times the distance"),
+            &mut array.strength,
+            strength,
+            1e-3..=1e4,
+        );
+        choice(
+            ui,
+            ("Element", "How one element radiates"),
+            &mut array.element,
+            &[
+                (ElementModel::Piston, "piston, far field"),
+                (ElementModel::ExactPiston, "piston, near field too"),
+                (ElementModel::Point, "the same in every direction"),
+            ],
+        );
+    });
+    ui.label("Click or drag to switch elements off and on:");
+    switches(editor, ui);
+}
+
+/// The array as a map of switches. A drag gives every element what it gave the first.
+fn switches(editor: &mut Editor, ui: &mut Ui) {
+    let array = &mut editor.document.scene.array;
+    let off: std::collections::HashSet<_> = array.off.iter().copied().collect();
+    let (response, under) =
+        element_map::show(ui, "Elements that play", array, Sense::click_and_drag(), |n| {
+            (!off.contains(&n)).then_some(theme::ACCENT)
+        });
+    let id = response.id.with("switching");
+    let pressed = response.is_pointer_button_down_on() && ui.input(|input| input.pointer.primary_pressed());
+    if let (true, Some(n)) = (pressed, under) {
+        ui.data_mut(|data| data.insert_temp(id, !off.contains(&n)));
+    }
+    let switching = ui.data(|data| data.get_temp::<bool>(id));
+    if let (true, Some(n), Some(to_off)) = (response.is_pointer_button_down_on(), under, switching) {
+        array.off.retain(|&element| element != n);
+        // One has to play.
+        if to_off && array.off.len() + 1 < array.elements() {
+            array.off.push(n);
+            array.off.sort_unstable();
+        }
+    }
+    ui.horizontal(|ui| {
+        let off = array.off.len();
+        ui.label(format!("{} of {} play", array.elements() - off, array.elements()));
+        if ui.add_enabled(off > 0, egui::Button::new("All on")).clicked() {
+            array.off.clear();
+        }
+    });
+}
+
+fn air(editor: &mut Editor, ui: &mut Ui) {
+    let frequency = editor.scene().array.frequency;
+    let medium = &mut editor.document.scene.medium;
+    let of_weather =
+        crate::scene::Medium { sound_speed: None, density: None, absorption: None, ..medium.clone() };
+    let air = Air::new(&of_weather, frequency);
+    form(ui, "air", |ui| {
+        let celsius = Unit { per: 1.0, suffix: " °C", decimals: 1, speed: 0.1 };
+        number(ui, ("Temperature", "Of the air"), &mut medium.temperature, celsius, -50.0..=100.0);
+        let percent = Unit { per: 1.0, suffix: " %", decimals: 0, speed: 0.3 };
+        number(ui, ("Humidity", "Relative"), &mut medium.humidity, percent, 0.0..=100.0);
+        let hectopascal = Unit { per: 0.01, suffix: " hPa", decimals: 1, speed: 1.0 };
+        number(ui, ("Air pressure", "Of the weather"), &mut medium.pressure, hectopascal, 1e3..=1e6);
+        let speed = Unit { per: 1.0, suffix: " m/s", decimals: 2, speed: 0.1 };
+        given(
+            ui,
+            ("Sound speed", "Follows from the temperature"),
+            &mut medium.sound_speed,
+            air.sound_speed,
+            speed,
+            1.0..=1e4,
+        );
+        let density = Unit { per: 1.0, suffix: " kg/m³", decimals: 3, speed: 0.001 };
+        given(
+            ui,
+            ("Density", "Follows from the weather"),
+            &mut medium.density,
+            air.density,
+            density,
+            1e-3..=1e4,
+        );
+        let absorption = Unit { per: 1.0, suffix: " dB/m", decimals: 2, speed: 0.01 };
+        let decibels = air.attenuation * 20.0 / std::f64::consts::LN_10;
+        given(
+            ui,
+            ("Absorption", "Follows from the weather"),
+            &mut medium.absorption,
+            decibels,
+            absorption,
+            0.0..=1e3,
+        );
+    });
+}

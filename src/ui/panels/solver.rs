@@ -1,0 +1,139 @@
+//! How the phases are found, and how good they are.
+
+use egui::Ui;
+
+use crate::picture::sheet::pascals;
+use crate::scene::{Amplitudes, Method, Pressures};
+use crate::solver::Solution;
+use crate::ui::panels::{choice, count, fact, form, heading};
+use crate::ui::{Command, Editor, Shown, theme};
+
+pub fn show(editor: &mut Editor, shown: &Shown, ui: &mut Ui, commands: &mut Vec<Command>) {
+    settings(editor, ui);
+    if let Some(solution) = &shown.solution {
+        ui.separator();
+        quality(shown, solution, ui);
+    }
+    ui.separator();
+    comparison(editor, shown, ui, commands);
+}
+
+/// What a method does, in a sentence.
+fn describe(method: Method) -> &'static str {
+    match method {
+        Method::Focus => "Time of flight: for one focal point",
+        Method::Pinv => "Pseudo-inverse: prescribes the pressure at every point, with its phase",
+        Method::Weighted => "The paper's weighted pseudo-inverse: evens out the elements' amplitudes",
+        Method::Naive => "Sums up the solutions of every point for itself",
+        Method::Gs => "Gerchberg-Saxton: back and forth between array and points",
+        Method::Gspat => "Gerchberg-Saxton on the points alone",
+        Method::Wgs => "Weighted Gerchberg-Saxton: evens out the points",
+        Method::Greedy => "Element by element, the best phase for each",
+        Method::Best => "Searches for the phases at which the points help each other, then levels them",
+    }
+}
+
+fn settings(editor: &mut Editor, ui: &mut Ui) {
+    let solver = &mut editor.document.scene.solver;
+    heading(ui, "Method");
+    form(ui, "solver", |ui| {
+        let names = Method::ALL.map(|method| (method, method.name()));
+        choice(ui, ("Method", describe(solver.method)), &mut solver.method, &names);
+        let tip = "0: the method's own number";
+        count(ui, ("Iterations", tip), &mut solver.iterations, 0..=10_000);
+        let amplitudes =
+            [(Amplitudes::Uniform, "the same for all"), (Amplitudes::Free, "one for each element")];
+        choice(ui, ("Amplitude", "What the board can play"), &mut solver.amplitudes, &amplitudes);
+        let pressures = [(Pressures::Relative, "relative"), (Pressures::Pascal, "pascals")];
+        choice(ui, ("Pressures are", "What the targets' pressures mean"), &mut solver.pressures, &pressures);
+    });
+    ui.label(egui::RichText::new(describe(solver.method)).weak());
+}
+
+fn quality(shown: &Shown, solution: &Solution, ui: &mut Ui) {
+    let quality = &solution.quality;
+    heading(ui, "How good it is");
+    form(ui, "quality", |ui| {
+        fact(ui, ("Mean pressure", "Over the focal points, peak"), pascals(quality.mean_pressure));
+        fact(ui, ("Weakest", "Pressure at the weakest focal point, peak"), pascals(quality.min_pressure));
+        fact(
+            ui,
+            ("Spread", "How uneven the points are: standard deviation over mean"),
+            format!("{:.1} %", 100.0 * quality.spread),
+        );
+        fact(
+            ui,
+            ("Efficiency", "How evenly the method's own solution uses the elements: Σ|u|² / (N max|u|²)"),
+            format!("{:.1} %", 100.0 * quality.efficiency),
+        );
+        fact(
+            ui,
+            (
+                "Against one focus",
+                "Pressure against that of a single focus, which shares with nobody; 1 is the most",
+            ),
+            format!("{:.2}", quality.relative_to_single),
+        );
+        let certified = match shown.certified {
+            Some(certified) => format!("at least {:.0} %", (100.0 * certified).floor()),
+            None => "…".to_owned(),
+        };
+        fact(
+            ui,
+            ("Of the best possible", "A proof: no drive whatever can do better than this bound"),
+            certified,
+        );
+    });
+    for warning in &solution.warnings {
+        ui.label(egui::RichText::new(warning).color(theme::warning(ui.visuals())));
+    }
+}
+
+/// All methods on the same scene, side by side.
+fn comparison(editor: &mut Editor, shown: &Shown, ui: &mut Ui, commands: &mut Vec<Command>) {
+    heading(ui, "All methods");
+    ui.horizontal(|ui| {
+        let button = egui::Button::new("Compare all methods");
+        if ui.add_enabled(!shown.is_comparing, button).on_hover_text("Solves the scene with each").clicked() {
+            commands.push(Command::CompareMethods);
+        }
+        if shown.is_comparing {
+            ui.spinner();
+        }
+    });
+    if shown.methods.is_empty() {
+        return;
+    }
+    egui::Grid::new("methods").num_columns(4).striped(true).spacing([12.0, 4.0]).show(ui, |ui| {
+        for (title, tip) in [
+            ("Method", "Click to use it"),
+            ("Weakest", "Pressure at the weakest focal point, peak"),
+            ("Spread", "How uneven the points are"),
+            ("Time", "Without the figures of quality"),
+        ] {
+            ui.strong(title).on_hover_text(tip);
+        }
+        ui.end_row();
+        let current = editor.scene().solver.method;
+        for row in &shown.methods {
+            let chosen = current == row.method;
+            let response = ui.selectable_label(chosen, row.method.name()).on_hover_text(describe(row.method));
+            match &row.solution {
+                Ok(solution) => {
+                    if response.clicked() {
+                        editor.document.scene.solver.method = row.method;
+                    }
+                    ui.label(pascals(solution.quality.min_pressure));
+                    ui.label(format!("{:.1} %", 100.0 * solution.quality.spread));
+                    ui.label(format!("{:.1} ms", 1e3 * solution.seconds));
+                }
+                Err(why) => {
+                    ui.weak("–").on_hover_text(why);
+                    ui.weak("–");
+                    ui.weak("–");
+                }
+            }
+            ui.end_row();
+        }
+    });
+}

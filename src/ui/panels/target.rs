@@ -1,0 +1,155 @@
+//! The numbers of one target.
+
+use egui::{DragValue, TextEdit, Ui};
+use glam::DVec3;
+
+use crate::scene::{Pressures, Sampling, Scene, Shape, Target, font};
+use crate::ui::panels::{DEGREES, MM, PLAIN, Unit, count, form, number};
+
+/// m
+const LENGTH: std::ops::RangeInclusive<f64> = 1e-4..=10.0;
+
+pub fn show(scene: &mut Scene, index: usize, ui: &mut Ui) {
+    let pressures = scene.solver.pressures;
+    let Some(target) = scene.targets.get_mut(index) else { return };
+    form(ui, "target", |ui| {
+        shape(target, ui);
+        pressure(target, pressures, ui);
+        sampling(target, ui);
+        let turns = !matches!(target.shape, Shape::Point { .. } | Shape::Circle { .. });
+        if turns {
+            number(ui, ("Angle", "Turned about its centre"), &mut target.angle, DEGREES, -7.0..=7.0);
+        }
+        step(target, ui);
+    });
+}
+
+fn shape(target: &mut Target, ui: &mut Ui) {
+    match &mut target.shape {
+        Shape::Point { at } => point(ui, "At", at),
+        Shape::Line { from, to } => {
+            point(ui, "From", from);
+            point(ui, "To", to);
+        }
+        Shape::Circle { at, radius } => {
+            point(ui, "Centre", at);
+            number(ui, ("Radius", "From the centre to the line"), radius, MM, LENGTH);
+        }
+        Shape::Rectangle { at, width, height } => {
+            point(ui, "Centre", at);
+            number(ui, ("Width", "Along x"), width, MM, LENGTH);
+            number(ui, ("Height", "Along y"), height, MM, LENGTH);
+        }
+        Shape::Triangle { at, size } => {
+            point(ui, "Centre", at);
+            number(ui, ("Side", "Length of a side"), size, MM, LENGTH);
+        }
+        Shape::Polygon { at, radius, sides } => {
+            point(ui, "Centre", at);
+            number(ui, ("Radius", "From the centre to a corner"), radius, MM, LENGTH);
+            count(ui, ("Sides", "Number of corners"), sides, 3..=64);
+        }
+        Shape::Path { vertices, closed } => {
+            let mut centre = vertices.iter().sum::<DVec3>() / vertices.len().max(1) as f64;
+            let before = centre;
+            point(ui, "Centre", &mut centre);
+            if centre != before {
+                vertices.iter_mut().for_each(|vertex| *vertex += centre - before);
+            }
+            ui.label("Closed");
+            ui.checkbox(closed, "").on_hover_text("The end joins the beginning").accessible_name("Closed");
+            ui.end_row();
+        }
+        Shape::Text { text, at, height } => {
+            letters(ui, text);
+            point(ui, "Centre", at);
+            number(ui, ("Letter height", "Of a capital letter"), height, MM, LENGTH);
+        }
+    }
+}
+
+/// Only letters that the stroke font has, and never none at all.
+fn letters(ui: &mut Ui, text: &mut String) {
+    let label = ui.label("Text");
+    let mut edited = text.clone();
+    ui.add(TextEdit::singleline(&mut edited).desired_width(150.0)).labelled_by(label.id);
+    edited.retain(|letter| font::lay_out(&letter.to_string(), 1.0).is_ok());
+    if !edited.trim().is_empty() {
+        *text = edited;
+    }
+    ui.end_row();
+}
+
+/// x, y and z in mm.
+fn point(ui: &mut Ui, name: &str, at: &mut DVec3) {
+    ui.label(format!("{name}, mm"))
+        .on_hover_text("x, y, z; the array lies in z = 0, its centre at the origin");
+    ui.horizontal(|ui| {
+        ui.spacing_mut().item_spacing.x = 4.0;
+        for (axis, value) in ["x", "y", "z"].into_iter().zip(at.as_mut()) {
+            let mut shown = *value * 1e3;
+            let least = if axis == "z" { 1.0 } else { -2000.0 };
+            let field = DragValue::new(&mut shown)
+                .speed(0.25)
+                .max_decimals(2)
+                .range(least..=2000.0)
+                .clamp_existing_to_range(false)
+                .update_while_editing(false);
+            let response = ui.add(field).accessible_name(format!("{name} {axis}")).on_hover_text(axis);
+            if response.changed() && shown.is_finite() {
+                *value = shown.clamp(least, 2000.0) * 1e-3;
+            }
+        }
+    });
+    ui.end_row();
+}
+
+fn pressure(target: &mut Target, pressures: Pressures, ui: &mut Ui) {
+    match pressures {
+        Pressures::Relative => {
+            let tip = "Wanted pressure, relative to the other targets";
+            number(ui, ("Pressure", tip), &mut target.pressure, PLAIN, 0.01..=100.0);
+        }
+        Pressures::Pascal => {
+            let unit = Unit { per: 1.0, suffix: " Pa", decimals: 0, speed: 10.0 };
+            let tip = "Wanted pressure at every focal point, peak";
+            number(ui, ("Pressure", tip), &mut target.pressure, unit, 1.0..=1e5);
+        }
+    }
+}
+
+/// How many focal points an outline gets.
+fn sampling(target: &mut Target, ui: &mut Ui) {
+    if target.sampling == Sampling::Whole {
+        return;
+    }
+    let label =
+        ui.label("Focal points").on_hover_text("By their distance along the outline, or by their number");
+    ui.horizontal(|ui| {
+        let by_count = matches!(target.sampling, Sampling::Points(_));
+        if ui.selectable_label(!by_count, "every").clicked() && by_count {
+            target.sampling = Sampling::default();
+        }
+        if ui.selectable_label(by_count, "in all").clicked() && !by_count {
+            target.sampling = Sampling::Points(16);
+        }
+        match &mut target.sampling {
+            Sampling::Whole => {}
+            Sampling::Spacing(spacing) => {
+                crate::ui::panels::bare_number(ui, spacing, MM, 1e-3..=0.2).labelled_by(label.id);
+            }
+            Sampling::Points(points) => {
+                let field = DragValue::new(points).speed(0.1).range(1..=500).clamp_existing_to_range(false);
+                ui.add(field.update_while_editing(false)).labelled_by(label.id);
+            }
+        }
+    });
+    ui.end_row();
+}
+
+/// When it is shown, where targets take turns.
+fn step(target: &mut Target, ui: &mut Ui) {
+    if let Some(step) = &mut target.step {
+        count(ui, ("Step", "When it is shown, counted from 0: targets take turns"), step, 0..=1000);
+    }
+}

@@ -1,0 +1,48 @@
+//! The line at the bottom: how long things took, how right they are, and what to know before trusting them.
+
+use egui::{RichText, Ui};
+
+use crate::ui::{Editor, Shown, theme};
+
+pub fn bar(editor: &Editor, shown: &Shown, ui: &mut Ui) {
+    ui.horizontal(|ui| {
+        ui.label(format!("solve {:.1} ms", shown.solving))
+            .on_hover_text("Time that finding the phases took");
+        ui.separator();
+        ui.label(format!("field {:.1} ms", shown.mapping))
+            .on_hover_text("Time that the map and its colours took");
+        if let Some(map) = &shown.map {
+            ui.separator();
+            ui.label(format!("error {:.0e}", map.error)).on_hover_text(format!(
+                "Largest deviation from the same field in double precision at some pixels, relative to the peak; {:.0e} is \
+                 allowed.\n{}",
+                editor.scene().plane.tolerance,
+                map.how
+            ));
+        }
+        ui.separator();
+        ui.label(&shown.evaluator).on_hover_text("Who computes the field");
+        ui.separator();
+        if let Some(sound) = &shown.sound {
+            let foci = sound.foci.len();
+            ui.label(format!("{foci} {}", if foci == 1 { "focus" } else { "foci" }))
+                .on_hover_text("Points at which the waves of all elements arrive in step");
+            ui.separator();
+        }
+        message(shown, ui);
+    });
+}
+
+/// The most important of what there is to say; the rest as a tooltip.
+fn message(shown: &Shown, ui: &mut Ui) {
+    if let Some(notice) = &shown.notice {
+        let colour = if notice.is_error { theme::error(ui.visuals()) } else { ui.visuals().text_color() };
+        ui.add(egui::Label::new(RichText::new(&notice.text).color(colour)).truncate());
+        return;
+    }
+    let Some(first) = shown.warnings.first() else { return };
+    let more = shown.warnings.len() - 1;
+    let text = if more > 0 { format!("{first} (and {more} more)") } else { first.clone() };
+    let label = egui::Label::new(RichText::new(text).color(theme::warning(ui.visuals()))).truncate();
+    ui.add(label).on_hover_text(shown.warnings.join("\n\n"));
+}

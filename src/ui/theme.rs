@@ -1,0 +1,87 @@
+//! One look for every panel, light and dark.
+
+use std::sync::Arc;
+
+use egui::{
+    Color32, Context, CornerRadius, FontData, FontDefinitions, FontFamily, FontId, Stroke, TextStyle, Theme,
+    Visuals, vec2,
+};
+
+/// The one that sheets are lettered with, too.
+const FONT: &str = "Inter";
+/// What is chosen, drawn or pressed.
+pub const ACCENT: Color32 = Color32::from_rgb(46, 134, 222);
+/// Over the map, on any of its colours.
+pub const MARK: Color32 = Color32::WHITE;
+pub const MARK_EDGE: Color32 = Color32::from_rgba_premultiplied(0, 0, 0, 190);
+pub const CHOSEN: Color32 = Color32::from_rgb(72, 219, 251);
+
+/// Sets the font, and sizes, spacing and colours of both themes.
+pub fn install(ctx: &Context) {
+    let mut fonts = FontDefinitions::empty();
+    let inter = FontData::from_static(include_bytes!("../../assets/fonts/Inter-Regular.otf"));
+    fonts.font_data.insert(FONT.to_owned(), Arc::new(inter));
+    for family in [FontFamily::Proportional, FontFamily::Monospace] {
+        fonts.families.insert(family, vec![FONT.to_owned()]);
+    }
+    ctx.set_fonts(fonts);
+    ctx.all_styles_mut(|style| {
+        let font = |size| FontId::new(size, FontFamily::Proportional);
+        style.text_styles = [
+            (TextStyle::Heading, font(17.0)),
+            (TextStyle::Body, font(13.5)),
+            (TextStyle::Button, font(13.5)),
+            (TextStyle::Small, font(11.5)),
+            (TextStyle::Monospace, FontId::new(12.5, FontFamily::Monospace)),
+        ]
+        .into();
+        style.spacing.item_spacing = vec2(8.0, 6.0);
+        style.spacing.button_padding = vec2(8.0, 3.0);
+        style.spacing.interact_size.y = 22.0;
+        style.spacing.slider_width = 140.0;
+        style.interaction.tooltip_delay = 0.4;
+    });
+    for theme in [Theme::Dark, Theme::Light] {
+        ctx.set_visuals_of(theme, visuals(theme));
+    }
+}
+
+fn visuals(theme: Theme) -> Visuals {
+    let mut visuals = theme.default_visuals();
+    let (panel, text, faint) = match theme {
+        Theme::Dark => {
+            (Color32::from_rgb(30, 32, 38), Color32::from_rgb(222, 225, 232), Color32::from_rgb(38, 41, 48))
+        }
+        Theme::Light => (
+            Color32::from_rgb(246, 247, 249),
+            Color32::from_rgb(32, 35, 42),
+            Color32::from_rgb(234, 236, 240),
+        ),
+    };
+    visuals.panel_fill = panel;
+    visuals.window_fill = panel;
+    visuals.faint_bg_color = faint;
+    visuals.override_text_color = Some(text);
+    visuals.selection.bg_fill = ACCENT.gamma_multiply(if theme == Theme::Dark { 0.55 } else { 0.35 });
+    visuals.selection.stroke = Stroke::new(1.0, text);
+    for widget in [
+        &mut visuals.widgets.noninteractive,
+        &mut visuals.widgets.inactive,
+        &mut visuals.widgets.hovered,
+        &mut visuals.widgets.active,
+        &mut visuals.widgets.open,
+    ] {
+        widget.corner_radius = CornerRadius::same(5);
+    }
+    visuals
+}
+
+/// The colour of a warning that is readable on the panel.
+pub fn warning(visuals: &Visuals) -> Color32 {
+    if visuals.dark_mode { Color32::from_rgb(255, 190, 80) } else { Color32::from_rgb(160, 84, 0) }
+}
+
+/// The colour of an error that is readable on the panel.
+pub fn error(visuals: &Visuals) -> Color32 {
+    if visuals.dark_mode { Color32::from_rgb(255, 120, 110) } else { Color32::from_rgb(190, 30, 30) }
+}

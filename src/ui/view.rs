@@ -1,0 +1,332 @@
+//! How the field is looked at: which cut through space, which part of it, which quantity, in which colours.
+
+use egui::{Pos2, Rect, Vec2, vec2};
+use glam::{DVec2, DVec3};
+
+use crate::field::Quantity;
+use crate::picture::ColourMap;
+use crate::scene::{Array, Plane, Scene};
+
+/// Free space around what is shown as a whole, as a part of it.
+const MARGIN: f64 = 1.08;
+/// m per point of the screen.
+const FINEST: f64 = 2e-6;
+const COARSEST: f64 = 5e-3;
+/// dB below the peak that still have a colour.
+const DECIBELS: f64 = 40.0;
+
+/// A plane to look at.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Cut {
+    /// Parallel to the array.
+    Xy,
+    Xz,
+    Yz,
+    /// The scene's own, however it lies.
+    Own,
+}
+
+impl Cut {
+    pub const ALL: [Self; 4] = [Self::Xy, Self::Xz, Self::Yz, Self::Own];
+
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Xy => "XY",
+            Self::Xz => "XZ",
+            Self::Yz => "YZ",
+            Self::Own => "Own",
+        }
+    }
+
+    pub fn tooltip(self) -> &'static str {
+        match self {
+            Self::Xy => "Parallel to the array, at a distance z from it",
+            Self::Xz => "Upright, seen from the front: the array lies along the bottom",
+            Self::Yz => "Upright, seen from the side: the array lies along the bottom",
+            Self::Own => "The plane that the scene file gives, however it lies",
+        }
+    }
+
+    /// What moves the plane.
+    pub fn normal(self) -> Option<&'static str> {
+        match self {
+            Self::Xy => Some("z"),
+            Self::Xz => Some("y"),
+            Self::Yz => Some("x"),
+            Self::Own => None,
+        }
+    }
+
+    /// What runs to the right and what upwards.
+    pub fn axes(self) -> (&'static str, &'static str) {
+        match self {
+            Self::Xy => ("x / mm", "y / mm"),
+            Self::Xz => ("x / mm", "z / mm"),
+            Self::Yz => ("y / mm", "z / mm"),
+            Self::Own => ("along the plane / mm", "across the plane / mm"),
+        }
+    }
+}
+
+/// Coordinates on a cut: a point is origin + x u + y v.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Axes {
+    pub origin: DVec3,
+    pub x: DVec3,
+    pub y: DVec3,
+}
+
+impl Axes {
+    pub fn world(&self, uv: DVec2) -> DVec3 {
+        self.origin + self.x * uv.x + self.y * uv.y
+    }
+
+    pub fn flat(&self, point: DVec3) -> DVec2 {
+        let offset = point - self.origin;
+        DVec2::new(offset.dot(self.x), offset.dot(self.y))
+    }
+
+    /// m, how far a point is from the cut.
+    pub fn height(&self, point: DVec3) -> f64 {
+        (point - self.origin).dot(self.x.cross(self.y))
+    }
+}
+
+/// Part of a cut that is on the screen.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Window {
+    /// m
+    pub centre: DVec2,
+    /// m per point of the screen.
+    pub scale: f64,
+}
+
+/// A window on a rectangle of the screen.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Lens {
+    pub rect: Rect,
+    pub window: Window,
+}
+
+impl Lens {
+    pub fn screen(&self, uv: DVec2) -> Pos2 {
+        let offset = (uv - self.window.centre) / self.window.scale;
+        self.rect.center() + vec2(offset.x as f32, -offset.y as f32)
+    }
+
+    pub fn flat(&self, at: Pos2) -> DVec2 {
+        let offset = at - self.rect.center();
+        self.window.centre + DVec2::new(f64::from(offset.x), -f64::from(offset.y)) * self.window.scale
+    }
+
+    /// m
+    pub fn size(&self) -> DVec2 {
+        DVec2::new(f64::from(self.rect.width()), f64::from(self.rect.height())) * self.window.scale
+    }
+
+    /// The window nearer to or farther from what is under the pointer, which stays there.
+    pub fn zoomed(&self, at: Pos2, factor: f64) -> Window {
+        let scale = (self.window.scale / factor).clamp(FINEST, COARSEST);
+        let fixed = self.flat(at);
+        Window { centre: fixed + (self.window.centre - fixed) * (scale / self.window.scale), scale }
+    }
+
+    pub fn moved(&self, by: Vec2) -> Window {
+        let offset = DVec2::new(f64::from(by.x), -f64::from(by.y)) * self.window.scale;
+        Window { centre: self.window.centre - offset, ..self.window }
+    }
+}
+
+/// How values become colours.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Scale {
+    Linear,
+    Decibels,
+}
+
+/// How the field is looked at. Nothing of this is part of the scene.
+#[derive(Clone, Debug, PartialEq)]
+pub struct View {
+    pub cut: Cut,
+    /// m, where XY, XZ and YZ lie along their normals.
+    pub heights: [f64; 3],
+    /// Everything is shown if `None`.
+    pub window: Option<Window>,
+    pub quantity: Quantity,
+    pub colours: ColourMap,
+    pub scale: Scale,
+    /// What gets the last colour (Pa RMS, Pa or m), the largest value if `None`.
+    pub full: Option<f64>,
+    /// Focal points and outlines over the map.
+    pub marks: bool,
+    /// The curve along a line is shown.
+    pub section: bool,
+    /// m, where that line lies on the cut's upward axis.
+    pub line: f64,
+}
+
+impl View {
+    /// The plane that a scene asks for.
+    pub fn of(scene: &Scene) -> Self {
+        let plane = &scene.plane;
+        let mut view = Self {
+            cut: Cut::Own,
+            heights: [0.1, 0.0, 0.0],
+            window: None,
+            quantity: Quantity::Rms,
+            colours: ColourMap::Inferno,
+            scale: Scale::Linear,
+            full: None,
+            marks: true,
+            section: false,
+            line: 0.0,
+        };
+        let (x, y) = plane.axes().unwrap_or((DVec3::X, DVec3::Y));
+        let lies = |a: DVec3, b: DVec3| x.dot(a) > 1.0 - 1e-9 && y.dot(b) > 1.0 - 1e-9;
+        let cuts = [
+            (Cut::Xy, DVec3::X, DVec3::Y, plane.centre.z),
+            (Cut::Xz, DVec3::X, DVec3::Z, plane.centre.y),
+            (Cut::Yz, DVec3::Y, DVec3::Z, plane.centre.x),
+        ];
+        for (index, (cut, x, y, height)) in cuts.into_iter().enumerate() {
+            if lies(x, y) {
+                view.cut = cut;
+                view.heights[index] = height;
+            }
+        }
+        if view.cut != Cut::Xy
+            && let Some(target) = scene.targets.first()
+        {
+            view.heights[0] = crate::scene::outline::centre(&target.shape).z;
+        }
+        view.line = view.axes(scene).flat(plane.centre).y;
+        view
+    }
+
+    /// m, where the cut lies along its normal.
+    pub fn height_mut(&mut self) -> Option<&mut f64> {
+        match self.cut {
+            Cut::Xy => Some(&mut self.heights[0]),
+            Cut::Xz => Some(&mut self.heights[1]),
+            Cut::Yz => Some(&mut self.heights[2]),
+            Cut::Own => None,
+        }
+    }
+
+    pub fn axes(&self, scene: &Scene) -> Axes {
+        let [z, y, x] = self.heights;
+        match self.cut {
+            Cut::Xy => Axes { origin: DVec3::new(0.0, 0.0, z), x: DVec3::X, y: DVec3::Y },
+            Cut::Xz => Axes { origin: DVec3::new(0.0, y, 0.0), x: DVec3::X, y: DVec3::Z },
+            Cut::Yz => Axes { origin: DVec3::new(x, 0.0, 0.0), x: DVec3::Y, y: DVec3::Z },
+            Cut::Own => {
+                let (x, y) = scene.plane.axes().unwrap_or((DVec3::X, DVec3::Y));
+                Axes { origin: scene.plane.centre, x, y }
+            }
+        }
+    }
+
+    /// The window on this rectangle of the screen: as it was set, or everything.
+    pub fn lens(&self, scene: &Scene, rect: Rect) -> Lens {
+        let fit = || {
+            let (centre, size) = self.whole(scene);
+            let scale =
+                (size.x / f64::from(rect.width().max(1.0))).max(size.y / f64::from(rect.height().max(1.0)));
+            Window { centre, scale: (scale * MARGIN).clamp(FINEST, COARSEST) }
+        };
+        Lens { rect, window: self.window.unwrap_or_else(fit) }
+    }
+
+    /// Centre and size of what there is to see: the scene's plane where it is looked at, else the space over the array.
+    fn whole(&self, scene: &Scene) -> (DVec2, DVec2) {
+        let plane = &scene.plane;
+        let of_plane = Self::of(scene).cut == self.cut;
+        let axes = self.axes(scene);
+        match self.cut {
+            _ if of_plane => (axes.flat(plane.centre), plane.size),
+            Cut::Xy | Cut::Own => (DVec2::ZERO, array_size(&scene.array) * 1.2),
+            Cut::Xz | Cut::Yz => {
+                let side = array_size(&scene.array).max_element() * 1.2;
+                let top = scene
+                    .targets
+                    .iter()
+                    .map(|target| crate::scene::outline::centre(&target.shape).z * 1.5)
+                    .fold(side, f64::max);
+                (DVec2::new(0.0, top / 2.0), DVec2::new(side, top))
+            }
+        }
+    }
+
+    /// The plane that fills the lens.
+    pub fn plane(&self, scene: &Scene, lens: &Lens) -> Plane {
+        let axes = self.axes(scene);
+        Plane {
+            centre: axes.world(lens.window.centre),
+            x_axis: axes.x,
+            y_axis: axes.y,
+            size: lens.size(),
+            tolerance: scene.plane.tolerance,
+        }
+    }
+
+    /// 256 colours from nothing to the last: of phases, of values, or of decibels.
+    pub fn table(&self) -> [[u8; 4]; 256] {
+        let table = self.colour_map().table();
+        if self.scale == Scale::Linear || self.quantity == Quantity::Phase {
+            return table;
+        }
+        let place = |i: usize| (1.0 + decibels(i as f64 / 255.0, self.quantity) / DECIBELS).clamp(0.0, 1.0);
+        std::array::from_fn(|i| table[(place(i) * 255.0).round() as usize])
+    }
+
+    pub fn colour_map(&self) -> ColourMap {
+        if self.quantity == Quantity::Phase { ColourMap::Cyclic } else { self.colours }
+    }
+}
+
+/// dB of a part of the largest; radiation pressure and dents go with the square of the sound.
+pub fn decibels(part: f64, quantity: Quantity) -> f64 {
+    let factor = if matches!(quantity, Quantity::Radiation | Quantity::Dent) { 10.0 } else { 20.0 };
+    factor * part.max(1e-12).log10()
+}
+
+/// m, over all elements.
+pub fn array_size(array: &Array) -> DVec2 {
+    DVec2::new(f64::from(array.columns), f64::from(array.rows)) * array.pitch
+}
+
+#[cfg(test)]
+mod tests {
+    use egui::pos2;
+
+    use super::*;
+
+    #[test]
+    fn the_screen_and_the_cut_are_each_others_inverse_and_zooming_keeps_the_pointer() {
+        let scene = Scene::default();
+        let rect = Rect::from_min_size(pos2(40.0, 20.0), vec2(800.0, 500.0));
+        for cut in Cut::ALL {
+            let view = View { cut, ..View::of(&scene) };
+            let lens = view.lens(&scene, rect);
+            let at = pos2(333.0, 111.0);
+            assert!(lens.screen(lens.flat(at)).distance(at) < 1e-2);
+            let nearer = Lens { window: lens.zoomed(at, 2.5), ..lens };
+            assert!(nearer.flat(at).distance(lens.flat(at)) < 1e-12);
+            let axes = view.axes(&scene);
+            let uv = DVec2::new(0.012, 0.034);
+            assert!(axes.flat(axes.world(uv)).distance(uv) < 1e-15 && axes.height(axes.world(uv)) < 1e-15);
+        }
+    }
+
+    #[test]
+    fn everything_is_in_the_first_view() {
+        let scene = Scene::default();
+        let rect = Rect::from_min_size(pos2(0.0, 0.0), vec2(640.0, 480.0));
+        let lens = View::of(&scene).lens(&scene, rect);
+        for corner in [scene.plane.size / 2.0, -scene.plane.size / 2.0] {
+            assert!(rect.contains(lens.screen(corner)));
+        }
+        let plane = View::of(&scene).plane(&scene, &lens);
+        assert!(plane.size.x > scene.plane.size.x && plane.centre == scene.plane.centre);
+    }
+}

@@ -1,0 +1,484 @@
+//! The window without a screen: pointer and keys go in, and what the editor, the solver and the field make of them is looked at.
+
+#![cfg(feature = "window")]
+#![expect(clippy::unwrap_used, reason = "a test's helper may panic")]
+
+use std::path::Path;
+use std::time::{Duration, Instant};
+
+use egui::{Event, Key, Modifiers, Pos2, Rect, vec2};
+use egui_kittest::Harness;
+use egui_kittest::kittest::Queryable;
+use glam::{DVec2, DVec3};
+use sonoglyph::app::Window;
+use sonoglyph::field::Quantity;
+use sonoglyph::scene::{Method, Scene, Shape, file};
+use sonoglyph::ui::tool::Tool;
+use sonoglyph::ui::view::Lens;
+use sonoglyph::ui::{Command, Dialog, Purpose};
+
+type Screen = Harness<'static, Window>;
+
+fn open() -> Screen {
+    let mut screen = Harness::builder()
+        .with_size(vec2(1280.0, 800.0))
+        .build_eframe(|context| Window::with_example(&context.egui_ctx));
+    rest(&mut screen);
+    screen
+}
+
+/// Lets frames go by until nothing is under way.
+fn rest(screen: &mut Screen) {
+    let start = Instant::now();
+    screen.run_steps(3);
+    while screen.state().is_busy() {
+        assert!(start.elapsed() < Duration::from_secs(60), "a thread never ends");
+        std::thread::sleep(Duration::from_millis(5));
+        screen.run_steps(2);
+    }
+    screen.run_steps(1);
+}
+
+fn scene(screen: &Screen) -> &Scene {
+    &screen.state().editor().document.scene
+}
+
+fn lens(screen: &Screen) -> Lens {
+    let map = screen.state().shown().map.as_ref().expect("there is a map");
+    Lens { rect: map.rect, window: map.window }
+}
+
+/// A place on the screen from mm on the plane.
+fn at(screen: &Screen, x: f64, y: f64) -> Pos2 {
+    lens(screen).screen(DVec2::new(x, y) * 1e-3)
+}
+
+fn drag(screen: &mut Screen, from: Pos2, to: Pos2) {
+    screen.hover_at(from);
+    screen.step();
+    screen.drag_at(from);
+    screen.step();
+    for part in [0.3, 0.7, 1.0] {
+        screen.hover_at(from + (to - from) * part);
+        screen.step();
+    }
+    screen.drop_at(to);
+    rest(screen);
+}
+
+fn click(screen: &mut Screen, place: Pos2) {
+    screen.hover_at(place);
+    screen.step();
+    screen.drag_at(place);
+    screen.step();
+    screen.drop_at(place);
+    rest(screen);
+}
+
+fn press(screen: &mut Screen, modifiers: Modifiers, key: Key) {
+    screen.key_press_modifiers(modifiers, key);
+    rest(screen);
+}
+
+fn key(screen: &mut Screen, key: Key) {
+    press(screen, Modifiers::NONE, key);
+}
+
+fn letters(screen: &mut Screen, text: &str) {
+    for letter in text.chars() {
+        screen.event(Event::Text(letter.to_string()));
+        rest(screen);
+    }
+}
+
+fn clear(screen: &mut Screen) {
+    press(screen, Modifiers::COMMAND, Key::A);
+    key(screen, Key::Delete);
+    assert!(scene(screen).targets.is_empty());
+}
+
+/// RMS pressure (Pa) of the map at a place in mm.
+fn rms(screen: &mut Screen, x: f64, y: f64) -> f32 {
+    let place = at(screen, x, y) - lens(screen).rect.min;
+    let size = lens(screen).rect.size();
+    let (shape, values) = screen.state_mut().numbers().unwrap();
+    let (height, width) = (shape[0] as f32, shape[1] as f32);
+    let (column, row) = (place.x / size.x * width, (1.0 - place.y / size.y) * height);
+    values[row as usize * width as usize + column as usize]
+}
+
+#[test]
+fn it_starts_with_a_scene_that_is_solved_and_drawn() {
+    let screen = open();
+    let shown = screen.state().shown();
+    assert!(shown.problem.is_none() && shown.solution.is_some());
+    let map = shown.map.as_ref().unwrap();
+    assert!(map.largest > 100.0 && map.error < 1e-3, "{map:?}");
+    assert!(!screen.state().editor().document.is_unsaved());
+}
+
+#[test]
+fn a_point_drawn_and_moved_takes_the_sound_with_it() {
+    let mut screen = open();
+    clear(&mut screen);
+    assert!(screen.state().shown().map.is_none(), "nothing plays");
+    key(&mut screen, Key::P);
+    let place = screen.get_by_label("Canvas: the field on the plane").rect().center();
+    click(&mut screen, place);
+    assert_eq!(scene(&screen).targets.len(), 1);
+    let Shape::Point { at: first } = scene(&screen).targets[0].shape else { panic!("no point") };
+    assert!(first.distance(DVec3::new(0.0, 0.0, 0.1)) < 1e-3, "{first}");
+    let loud = rms(&mut screen, 0.0, 0.0);
+    let silent = rms(&mut screen, 40.0, 30.0);
+    assert!(loud > 10.0 * silent, "{loud} {silent}");
+
+    key(&mut screen, Key::V);
+    let (from, to) = (at(&screen, first.x * 1e3, first.y * 1e3), at(&screen, 40.0, 30.0));
+    drag(&mut screen, from, to);
+    let Shape::Point { at: moved } = scene(&screen).targets[0].shape else { panic!("no point") };
+    assert!(moved.distance(DVec3::new(0.04, 0.03, 0.1)) < 1e-3, "{moved}");
+    let (loud, silent) = (rms(&mut screen, 40.0, 30.0), rms(&mut screen, 0.0, 0.0));
+    assert!(loud > 10.0 * silent, "{loud} {silent}");
+
+    press(&mut screen, Modifiers::COMMAND, Key::Z);
+    let Shape::Point { at: back } = scene(&screen).targets[0].shape else { panic!("no point") };
+    assert_eq!(back, first, "a drag is one step");
+    press(&mut screen, Modifiers::COMMAND | Modifiers::SHIFT, Key::Z);
+    let Shape::Point { at: again } = scene(&screen).targets[0].shape else { panic!("no point") };
+    assert_eq!(again, moved);
+}
+
+#[test]
+fn escape_takes_back_what_is_under_way() {
+    let mut screen = open();
+    let before = scene(&screen).clone();
+    let canvas = screen.get_by_label("Canvas: the field on the plane").rect();
+    key(&mut screen, Key::R);
+    screen.hover_at(canvas.center());
+    screen.step();
+    screen.drag_at(canvas.center());
+    screen.step();
+    screen.hover_at(canvas.center() + vec2(80.0, 80.0));
+    rest(&mut screen);
+    assert_eq!(scene(&screen).targets.len(), 2);
+    key(&mut screen, Key::Escape);
+    assert_eq!(*scene(&screen), before);
+    screen.drop_at(canvas.center());
+    rest(&mut screen);
+    assert_eq!(*scene(&screen), before);
+    assert!(!screen.state().editor().document.can_undo());
+}
+
+#[test]
+fn every_shape_is_drawn_with_its_tool() {
+    let mut screen = open();
+    clear(&mut screen);
+    let canvas = screen.get_by_label("Canvas: the field on the plane").rect();
+    for (tool, kind) in [
+        (Tool::Line, "Line"),
+        (Tool::Circle, "Circle"),
+        (Tool::Rectangle, "Rectangle"),
+        (Tool::Triangle, "Triangle"),
+        (Tool::Polygon, "Polygon"),
+        (Tool::Freehand, "Path"),
+    ] {
+        key(&mut screen, tool.key());
+        let from = canvas.center();
+        drag(&mut screen, from, from + vec2(90.0, 60.0));
+        assert_eq!(scene(&screen).targets.len(), 1, "{tool:?}");
+        let shape = format!("{:?}", scene(&screen).targets[0].shape);
+        assert!(shape.starts_with(kind), "{tool:?}: {shape}");
+        assert!(screen.state().shown().problem.is_none(), "{:?}", screen.state().shown().problem);
+        key(&mut screen, Key::E);
+        let on_outline = screen.state().shown().sound.as_ref().unwrap().foci[0].position;
+        let place = at(&screen, on_outline.x * 1e3, on_outline.y * 1e3);
+        click(&mut screen, place);
+        assert_eq!(scene(&screen).targets.len(), 0, "{tool:?} is erased");
+    }
+}
+
+#[test]
+fn text_is_typed_on_the_canvas_and_one_undo_takes_it_back() {
+    let mut screen = open();
+    clear(&mut screen);
+    key(&mut screen, Key::T);
+    let place = screen.get_by_label("Canvas: the field on the plane").rect().center();
+    click(&mut screen, place);
+    letters(&mut screen, "HI木T");
+    key(&mut screen, Key::Backspace);
+    letters(&mut screen, "T");
+    key(&mut screen, Key::Enter);
+    let text = |screen: &Screen| match &scene(screen).targets[..] {
+        [target] => match &target.shape {
+            Shape::Text { text, .. } => text.clone(),
+            shape => panic!("{shape:?}"),
+        },
+        targets => panic!("{targets:?}"),
+    };
+    assert_eq!(text(&screen), "HIT", "what the font lacks is left out, and letters are no shortcuts");
+    assert!(screen.state().shown().sound.as_ref().unwrap().foci.len() > 20);
+    press(&mut screen, Modifiers::COMMAND, Key::Z);
+    assert!(scene(&screen).targets.is_empty());
+    press(&mut screen, Modifiers::COMMAND, Key::Y);
+    assert_eq!(text(&screen), "HIT");
+}
+
+#[test]
+fn a_rubber_band_selects_and_what_is_selected_moves_and_goes() {
+    let mut screen = open();
+    clear(&mut screen);
+    let canvas = screen.get_by_label("Canvas: the field on the plane").rect();
+    key(&mut screen, Key::P);
+    for offset in [vec2(-60.0, 0.0), vec2(60.0, 0.0), vec2(0.0, 200.0)] {
+        click(&mut screen, canvas.center() + offset);
+    }
+    key(&mut screen, Key::V);
+    drag(&mut screen, canvas.center() - vec2(100.0, 40.0), canvas.center() + vec2(100.0, 40.0));
+    assert_eq!(screen.state().editor().selection.len(), 2);
+    let before = scene(&screen).clone();
+    key(&mut screen, Key::ArrowRight);
+    let x = |scene: &Scene, index: usize| match scene.targets[index].shape {
+        Shape::Point { at } => at.x,
+        _ => panic!("no point"),
+    };
+    assert!((x(scene(&screen), 0) - x(&before, 0) - 1e-3).abs() < 1e-12);
+    assert_eq!(x(scene(&screen), 2), x(&before, 2));
+    press(&mut screen, Modifiers::COMMAND, Key::D);
+    assert_eq!(scene(&screen).targets.len(), 5);
+    key(&mut screen, Key::Delete);
+    assert_eq!(scene(&screen).targets.len(), 3);
+}
+
+#[test]
+fn another_method_and_the_dent_are_a_click_away() {
+    let mut screen = open();
+    screen.get_by_label("Solver").click();
+    rest(&mut screen);
+    assert!(screen.state().shown().certified.unwrap() > 0.3);
+    screen.get_by_label("Compare all methods").click();
+    rest(&mut screen);
+    assert_eq!(screen.state().shown().methods.len(), Method::ALL.len());
+    let best = screen.state().shown().solution.as_ref().unwrap().quality.min_pressure;
+    screen.get_by_label("naive").click();
+    rest(&mut screen);
+    assert_eq!(scene(&screen).solver.method, Method::Naive);
+    assert!(screen.state().shown().solution.as_ref().unwrap().quality.min_pressure < best);
+    key(&mut screen, Key::Num4);
+    let dent = screen.state().shown().pressed.as_ref().unwrap().dent.as_ref().unwrap();
+    assert!(dent.deepest > 1e-6 && dent.slope > 0.0);
+    assert_eq!(screen.state().shown().map.as_ref().unwrap().quantity, Quantity::Dent);
+    for panel in ["Drive", "Liquid", "Motion", "Device", "Scene"] {
+        screen.get_by_label(panel).click();
+        rest(&mut screen);
+    }
+}
+
+#[test]
+fn a_file_is_saved_and_opened_and_a_broken_one_leaves_everything() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("mine.toml");
+    let mut screen = open();
+    key(&mut screen, Key::P);
+    let place = screen.get_by_label("Canvas: the field on the plane").rect().center() + vec2(0.0, 150.0);
+    click(&mut screen, place);
+    press(&mut screen, Modifiers::COMMAND | Modifiers::SHIFT, Key::S);
+    answer(&mut screen, Purpose::SaveAs, &path);
+    assert!(!screen.state().editor().document.is_unsaved());
+    assert_eq!(file::read(&path).unwrap(), *scene(&screen));
+    let saved = scene(&screen).clone();
+
+    // What is not saved is asked for.
+    clear(&mut screen);
+    press(&mut screen, Modifiers::COMMAND, Key::N);
+    assert_eq!(screen.state().editor().dialog, Some(Dialog::Unsaved(Command::New)));
+    screen.get_by_label("Cancel").click();
+    rest(&mut screen);
+    assert!(screen.state().editor().document.is_unsaved());
+    press(&mut screen, Modifiers::COMMAND, Key::O);
+    answer(&mut screen, Purpose::Open, &path);
+    screen.get_by_label("Don't save").click();
+    rest(&mut screen);
+    assert_eq!(*scene(&screen), saved);
+
+    let broken = folder.path().join("broken.toml");
+    std::fs::write(&broken, "format = 1\n[array]\npitch = nan\n").unwrap();
+    press(&mut screen, Modifiers::COMMAND, Key::O);
+    answer(&mut screen, Purpose::Open, &broken);
+    let Some(Dialog::Message { text, .. }) = &screen.state().editor().dialog else { panic!("no message") };
+    assert!(text.contains("broken.toml:3: array.pitch = nan"), "{text}");
+    assert_eq!(*scene(&screen), saved);
+    assert!(screen.state().shown().map.is_some());
+}
+
+/// Fills in the question for a file.
+fn answer(screen: &mut Screen, purpose: Purpose, path: &Path) {
+    let Some(Dialog::Path { purpose: asked, .. }) = &screen.state().editor().dialog else {
+        panic!("no question: {:?}", screen.state().editor().dialog)
+    };
+    assert_eq!(*asked, purpose);
+    let text = path.display().to_string();
+    screen.state_mut().editor_mut().dialog = Some(Dialog::Path { purpose, text });
+    rest(screen);
+    let verb = if purpose == Purpose::Open { "Open" } else { "Save" };
+    screen.get_by_label(verb).click();
+    rest(screen);
+}
+
+#[test]
+fn exports_are_written() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut screen = open();
+    for (name, item) in [
+        ("map.png", "Map as PNG…"),
+        ("sheet.png", "Sheet as PNG…"),
+        ("map.npy", "Map's numbers as NPY…"),
+        ("drive.csv", "Drive as CSV…"),
+    ] {
+        screen.get_by_label("Export").click();
+        rest(&mut screen);
+        screen.get_by_label(item).click();
+        rest(&mut screen);
+        let Some(Dialog::Path { purpose, .. }) = screen.state().editor().dialog.clone() else {
+            panic!("{item}")
+        };
+        let path = folder.path().join(name);
+        let text = path.display().to_string();
+        screen.state_mut().editor_mut().dialog = Some(Dialog::Path { purpose, text });
+        key(&mut screen, Key::Enter);
+        assert!(std::fs::metadata(&path).unwrap().len() > 1000, "{name}");
+    }
+    let picture = image::open(folder.path().join("map.png")).unwrap();
+    let rect = lens(&screen).rect;
+    assert_eq!((picture.width(), picture.height()), (rect.width() as u32, rect.height() as u32));
+}
+
+#[test]
+fn nothing_is_computed_when_nothing_changed() {
+    let mut screen = open();
+    let work = screen.state().work();
+    screen.run_steps(5);
+    assert_eq!(screen.state().work(), work);
+    screen.run();
+    assert!(screen.run() <= 2, "an idle window asks for no frames");
+}
+
+#[test]
+fn planes_through_the_array_and_scenes_that_cannot_be_leave_a_picture_and_a_reason() {
+    let mut screen = open();
+    screen.state_mut().editor_mut().document.scene.targets[0].pressure = 1.0;
+    screen.state_mut().editor_mut().view.heights[0] = 0.0;
+    rest(&mut screen);
+    assert!(screen.state().shown().map.is_some());
+    key(&mut screen, Key::Num4);
+    assert!(screen.state().shown().problem.as_ref().unwrap().contains("array"));
+    let editor = screen.state_mut().editor_mut();
+    editor.view.heights[0] = 0.1;
+    editor.document.scene.targets[0].shape = Shape::Point { at: DVec3::new(0.0, 0.0, -0.1) };
+    rest(&mut screen);
+    assert!(screen.state().shown().problem.as_ref().unwrap().contains("behind the array"));
+    assert!(screen.state().shown().map.is_some(), "the last picture stays");
+    screen.set_size(vec2(200.0, 150.0));
+    rest(&mut screen);
+}
+
+/// Numbers without pattern, the same every time.
+struct Dice(u64);
+
+impl Dice {
+    fn below(&mut self, count: usize) -> usize {
+        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (self.0 >> 33) as usize % count
+    }
+
+    fn place(&mut self, rect: Rect) -> Pos2 {
+        let part = |dice: &mut Self| dice.below(1000) as f32 / 1000.0;
+        rect.min + vec2(part(self) * rect.width(), part(self) * rect.height())
+    }
+}
+
+#[test]
+fn hundreds_of_random_commands_do_no_harm_and_can_all_be_taken_back() {
+    let mut screen = open();
+    let first = scene(&screen).clone();
+    let window = Rect::from_min_size(Pos2::ZERO, vec2(1280.0, 800.0));
+    let mut dice = Dice(7);
+    for _ in 0..300 {
+        let canvas =
+            screen.query_by_label("Canvas: the field on the plane").map_or(window, |node| node.rect());
+        match dice.below(10) {
+            0..4 => {
+                let tool = Tool::ALL[dice.below(Tool::ALL.len())];
+                screen.key_press(tool.key());
+                screen.step();
+                let (from, to) = (dice.place(canvas), dice.place(canvas));
+                drag_briskly(&mut screen, from, to);
+            }
+            4 => {
+                let keys =
+                    [Key::Delete, Key::ArrowUp, Key::Enter, Key::Num1, Key::Num2, Key::Num3, Key::M, Key::K];
+                screen.key_press(keys[dice.below(keys.len())]);
+            }
+            5 => {
+                let keys = [Key::Z, Key::Y, Key::D, Key::A];
+                screen.key_press_modifiers(Modifiers::COMMAND, keys[dice.below(keys.len())]);
+            }
+            6 => {
+                let letters = ["H", "é", "7", "木", " "];
+                screen.event(Event::Text(letters[dice.below(letters.len())].to_owned()));
+            }
+            7 => {
+                let labels =
+                    ["Scene", "Solver", "Drive", "Liquid", "XY", "XZ", "YZ", "Own", "dB", "Lock range"];
+                if let Some(node) = screen.query_by_label(labels[dice.below(labels.len())]) {
+                    node.click();
+                }
+            }
+            // Anywhere beside the canvas, but for the menu: it leads out of the window.
+            8 => {
+                let panel = Rect::from_min_max(Pos2::new(canvas.right(), 70.0), Pos2::new(1270.0, 760.0));
+                let (from, to) = (dice.place(panel), dice.place(panel));
+                drag_briskly(&mut screen, from, to);
+            }
+            _ => {
+                let wheel = vec2(0.0, dice.below(400) as f32 - 200.0);
+                screen.hover_at(dice.place(canvas));
+                screen.event(Event::MouseWheel {
+                    unit: egui::MouseWheelUnit::Point,
+                    delta: wheel,
+                    source: egui::MouseWheelSource::Wheel,
+                    phase: egui::TouchPhase::Move,
+                    modifiers: Modifiers::NONE,
+                });
+            }
+        }
+        screen.step();
+        // More foci than that take their time, and that is tried elsewhere.
+        let targets = &mut screen.state_mut().editor_mut().document.scene.targets;
+        targets.truncate(6);
+    }
+    screen.state_mut().editor_mut().dialog = None;
+    key(&mut screen, Key::Escape);
+    key(&mut screen, Key::Escape);
+    let last = scene(&screen).clone();
+    assert_ne!(last, first);
+    let editor = screen.state_mut().editor_mut();
+    while editor.document.can_undo() {
+        editor.undo();
+    }
+    assert_eq!(editor.document.scene, first);
+    while editor.document.can_redo() {
+        editor.redo();
+    }
+    assert_eq!(editor.document.scene, last);
+}
+
+fn drag_briskly(screen: &mut Screen, from: Pos2, to: Pos2) {
+    screen.hover_at(from);
+    screen.step();
+    screen.drag_at(from);
+    screen.step();
+    screen.hover_at(to);
+    screen.step();
+    screen.drop_at(to);
+    screen.step();
+}
