@@ -127,7 +127,7 @@ mod tests {
             modulation: Modulation { shape: Envelope::Sine, frequency: 300.0, depth: 1.0 },
             ..Scene::default()
         };
-        (scene.liquid.name, scene.liquid.viscosity) = (LiquidName::Glycerol, Some(20.0));
+        (scene.liquid.name, scene.liquid.viscosity) = (LiquidName::Glycerol, Some(4.0));
         let drives = [solver::solve(&scene).unwrap().drive];
         let wanted = Average {
             aperture: &Aperture::new(&scene),

@@ -35,18 +35,15 @@ impl Resampling {
     }
 
     /// The same for the slope at the pixels, in units per sample.
+    ///
+    /// The window's own slope has no part in it: what the window stops and passes of the sinc's slope is what it does of the sinc.
     pub fn slopes(positions: impl Iterator<Item = f64>, half_width: usize, beta: f64) -> Self {
-        let (window, decline) = (window(beta), decline(beta));
+        let window = window(beta);
         Self::with(positions, half_width, |x, sine, inside| {
-            let s = 2.0 * inside - 1.0;
-            // Away from its centre the sinc is a quotient of small numbers.
-            let (sinc, sinc_slope) = if x.abs() < 1e-4 {
-                (1.0, -PI * PI * x / 3.0)
-            } else {
-                (sine / (PI * x), ((PI * x).cos() - sine / (PI * x)) / x)
-            };
-            let falling = polynomial::evaluate(&decline, s) * x / (half_width * half_width) as f64;
-            sinc_slope * polynomial::evaluate(&window, s) + sinc * falling
+            // Near its centre the slope of the sinc is a quotient of small numbers.
+            let slope =
+                if x.abs() < 1e-4 { -PI * PI * x / 3.0 } else { ((PI * x).cos() - sine / (PI * x)) / x };
+            slope * polynomial::evaluate(&window, 2.0 * inside - 1.0)
         })
     }
 
@@ -134,30 +131,6 @@ pub struct Blocks {
 fn window(beta: f64) -> Vec<f64> {
     let peak = bessel_i0(beta);
     polynomial::fit(|s| bessel_i0(beta * ((1.0 - s) / 2.0).max(0.0).sqrt()) / peak, WINDOW_TERMS)
-}
-
-/// Its slope over the place in half-widths, in the same way: -β I1(β √(1 - x²)) / (√(1 - x²) I0(β)).
-fn decline(beta: f64) -> Vec<f64> {
-    let peak = bessel_i0(beta);
-    // I1(z)/z is the series of I0, each term divided by one more; at s = 1 it is ½.
-    polynomial::fit(
-        |s| -beta * beta * bessel_i1_over(beta * ((1.0 - s) / 2.0).max(0.0).sqrt()) / peak,
-        WINDOW_TERMS,
-    )
-}
-
-/// I1(x)/x by its power series.
-fn bessel_i1_over(x: f64) -> f64 {
-    let quarter = x * x / 4.0;
-    let (mut term, mut sum) = (0.5, 0.5);
-    for n in 1..200 {
-        term *= quarter / f64::from(n * (n + 1));
-        sum += term;
-        if term < 1e-17 * sum {
-            break;
-        }
-    }
-    sum
 }
 
 /// The modified Bessel function I0 by its power series, all of whose terms are positive.
