@@ -222,16 +222,7 @@ impl Shown {
         };
         let colouring = Colouring { quantity: self.quantity, table: self.colours.table(), full: None };
         assert_eq!(stages.average_colours(&wanted, &colouring).unwrap().len(), self.size.0 * self.size.1);
-        let after = stages.work();
-        Work {
-            plan: after.plan - before.plan,
-            transfer: after.transfer - before.transfer,
-            superposition: after.superposition - before.superposition,
-            interpolation: after.interpolation - before.interpolation,
-            squares: after.squares - before.squares,
-            dent: after.dent - before.dent,
-            picture: after.picture - before.picture,
-        }
+        stages.work().since(before)
     }
 }
 

@@ -42,6 +42,21 @@ pub struct Work {
     pub picture: u64,
 }
 
+impl Work {
+    /// What was done after `before`.
+    pub fn since(self, before: Self) -> Self {
+        Self {
+            plan: self.plan - before.plan,
+            transfer: self.transfer - before.transfer,
+            superposition: self.superposition - before.superposition,
+            interpolation: self.interpolation - before.interpolation,
+            squares: self.squares - before.squares,
+            dent: self.dent - before.dent,
+            picture: self.picture - before.picture,
+        }
+    }
+}
+
 /// What a map is made from.
 #[derive(Clone, Copy, Debug)]
 pub struct Wanted<'a> {
