@@ -92,6 +92,12 @@ fn averages_keep_the_tolerance() {
     let rms: Vec<_> = squares.iter().map(|square| (square / 2.0).sqrt()).collect();
     let reflector = reflector(&scene);
     for evaluator in evaluators() {
+        // Whoever does not keep the tolerance is replaced by the CPU in f64.
+        let by = match &evaluator {
+            Evaluator::Reference => By::Reference,
+            Evaluator::Cpu => By::Cpu,
+            Evaluator::Gpu(_) => By::Gpu,
+        };
         let mut stages = Stages::new(evaluator);
         for tolerance in [1e-2, 1e-3, 1e-4] {
             scene.plane.tolerance = tolerance;
@@ -112,6 +118,7 @@ fn averages_keep_the_tolerance() {
                 };
                 let got = stages.read_average(&wanted).unwrap();
                 let map = stages.average(&wanted).unwrap();
+                assert_eq!(map.by, by);
                 let error = largest_error(&got, expected);
                 println!(
                     "{:?} {:?} {tolerance:e}: {error:.1e}, measured {:.1e}",
@@ -132,7 +139,7 @@ fn a_dent_displaces_what_the_force_weighs_and_follows_the_envelope() {
     let aperture = Aperture::new(&scene);
     for evaluator in evaluators() {
         let mut stages = Stages::new(evaluator);
-        let mut dent = |part: f64, liquid: &Liquid| {
+        let dent = |stages: &mut Stages, part: f64, liquid: &Liquid| {
             let wanted = Average {
                 aperture: &aperture,
                 plane: &scene.plane,
@@ -146,17 +153,33 @@ fn a_dent_displaces_what_the_force_weighs_and_follows_the_envelope() {
             (map.by, map.force, map.largest, map.dent.clone().unwrap())
         };
         let water = Liquid::default();
-        let (by, force, largest, full) = dent(1.0, &water);
+        let (by, force, largest, full) = dent(&mut stages, 1.0, &water);
         let rounding = if by == By::Gpu { 1e-5 } else { 1e-12 };
         let weight = full.volume * water.density() * water.gravity;
         assert!((weight / full.force - 1.0).abs() < rounding, "{by:?}: {weight} {}", full.force);
         assert!(force > 0.3 * full.force && force < 1.2 * full.force, "{force} of {}", full.force);
         assert!((f64::from(largest) / full.deepest - 1.0).abs() < 0.05);
-        let (_, force_of_sine, _, of_sine) = dent(0.375, &water);
+        let (_, force_of_sine, _, of_sine) = dent(&mut stages, 0.375, &water);
         assert!((force_of_sine / force - 0.375).abs() < 1e-9);
         assert!((of_sine.deepest / full.deepest - 0.375).abs() < rounding);
         assert!((of_sine.slope / full.slope - 0.375).abs() < rounding);
-        let (_, _, _, of_oil) = dent(1.0, &Liquid { surface_tension: Some(0.033), ..water });
+        let mut radiation = |part: f64| {
+            let wanted = Average {
+                aperture: &aperture,
+                plane: &scene.plane,
+                drives: &drives[..1],
+                mean: Mean::Radiation(reflector(&scene)),
+                part,
+                width: 64,
+                height: 50,
+            };
+            let map = stages.average(&wanted).unwrap();
+            assert_eq!(map.by, by);
+            map.largest
+        };
+        let largest = [radiation(1.0), radiation(0.375)];
+        assert!((largest[1] / largest[0] - 0.375).abs() < 1e-5, "{largest:?}");
+        let (_, _, _, of_oil) = dent(&mut stages, 1.0, &Liquid { surface_tension: Some(0.033), ..water });
         assert!(of_oil.deepest > 1.2 * full.deepest, "less tension, deeper dent");
     }
 }
