@@ -13,7 +13,7 @@ use rayon::prelude::*;
 use crate::acoustics::Aperture;
 use crate::drive::Drive;
 use crate::scene::{Focus, Method, Scene, Solver, motion};
-use crate::solver::{self, Excitation, Played, Problem, SolveError};
+use crate::solver::{self, Excitation, Played, Problem, SolveError, quality};
 
 /// Wavelengths that a focus may go from one keyframe to the next, if there are frames between them.
 const STRIDE: f64 = 0.15;
@@ -67,10 +67,7 @@ impl Frame {
 
     /// Standard deviation over mean of pressure/target.
     pub fn spread(&self) -> f64 {
-        let relative: Vec<_> = self.relative().collect();
-        let mean = relative.iter().sum::<f64>() / relative.len() as f64;
-        let variance = relative.iter().map(|p| (p - mean).powi(2)).sum::<f64>() / relative.len() as f64;
-        variance.sqrt() / mean.max(f64::MIN_POSITIVE)
+        quality::spread(&self.relative().collect::<Vec<_>>())
     }
 
     fn relative(&self) -> impl Iterator<Item = f64> {

@@ -33,7 +33,7 @@ impl Quality {
         Self {
             mean_pressure: mean(&moduli),
             min_pressure: moduli.iter().copied().fold(f64::INFINITY, f64::min),
-            spread: deviation(&relative) / mean(&relative).max(f64::MIN_POSITIVE),
+            spread: spread(&relative),
             efficiency: efficiency(&excitation.values),
             relative_to_single: moduli
                 .iter()
@@ -131,7 +131,9 @@ fn mean(values: &[f64]) -> f64 {
     values.iter().sum::<f64>() / values.len() as f64
 }
 
-fn deviation(values: &[f64]) -> f64 {
+/// Standard deviation over mean.
+pub fn spread(values: &[f64]) -> f64 {
     let mean = mean(values);
-    (values.iter().map(|value| (value - mean).powi(2)).sum::<f64>() / values.len() as f64).sqrt()
+    let variance = values.iter().map(|value| (value - mean).powi(2)).sum::<f64>() / values.len() as f64;
+    variance.sqrt() / mean.max(f64::MIN_POSITIVE)
 }

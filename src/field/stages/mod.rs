@@ -400,6 +400,12 @@ fn excitation(aperture: &Aperture, drive: &Drive) -> Vec<Complex64> {
     excitation
 }
 
+/// The [`PROBES`] of so many pixels, spread without pattern.
+fn probed(pixels: usize) -> Vec<usize> {
+    const GOLDEN: f64 = 0.618_033_988_749_894_8;
+    (1..=PROBES).map(|i| ((i as f64 * GOLDEN).fract() * pixels as f64) as usize).collect()
+}
+
 /// Pixels at which the error is measured, with their f64 transfer from every element.
 #[derive(Clone, Debug)]
 struct Probes {
@@ -408,11 +414,8 @@ struct Probes {
 }
 
 impl Probes {
-    /// Spread without pattern.
     fn new(aperture: &Aperture, raster: &Raster) -> Self {
-        const GOLDEN: f64 = 0.618_033_988_749_894_8;
-        let pixel = |i: usize| ((i as f64 * GOLDEN).fract() * raster.len() as f64) as usize;
-        let pixels: Vec<_> = (1..=PROBES).map(pixel).collect();
+        let pixels = probed(raster.len());
         let samples: Samples = raster.pixels();
         let points: Vec<_> = pixels.iter().map(|&pixel| samples.point(pixel)).collect();
         Self { pixels, transfer: aperture.transfer(&points) }

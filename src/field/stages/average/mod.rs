@@ -15,7 +15,7 @@ use crate::drive::Drive;
 use crate::field::cells::Cells;
 use crate::field::interpolation::Resampling;
 use crate::field::plan::Costs;
-use crate::field::stages::{By, FieldError, Kept, PROBES, Setting, Stages, Work, excitation};
+use crate::field::stages::{By, FieldError, Kept, Setting, Stages, Work, excitation, probed};
 use crate::field::{Colouring, Gpu, Plan, Quantity};
 use crate::scene::{Liquid, Plane};
 use crate::surface::{Dent, Reflector, Tank};
@@ -394,13 +394,11 @@ impl Frame {
     const HAIR: f64 = 1e-3;
 
     fn new(basin: &Basin, cells: &Cells, (width, height): (usize, usize)) -> Option<Self> {
-        const GOLDEN: f64 = 0.618_033_988_749_894_8;
         let Setting { aperture, plane } = &basin.setting;
         let DVec2 { x, y } = plane.size;
         let column = |i: usize| x * ((i as f64 + 0.5) / width as f64 - 0.5);
         let row = |j: usize| y * ((j as f64 + 0.5) / height as f64 - 0.5);
-        let pixel = |i: usize| ((i as f64 * GOLDEN).fract() * (width * height) as f64) as usize;
-        let probes: Vec<_> = (1..=PROBES).map(pixel).collect();
+        let probes = probed(width * height);
         let (x_axis, y_axis) = plane.axes()?;
         let hair = Self::HAIR * aperture.wavelength();
         let around = |&pixel: &usize| {
