@@ -8,11 +8,18 @@ fn main() -> ExitCode {
     quiet_drivers();
     match sonoglyph::cli::run().and_then(go_on) {
         Ok(()) => ExitCode::SUCCESS,
+        Err(error) if nobody_reads(&error) => ExitCode::SUCCESS,
         Err(error) => {
             eprintln!("error: {error:#}");
             ExitCode::from(2)
         }
     }
+}
+
+/// `sonoglyph … | head` wants no more than it took.
+fn nobody_reads(error: &anyhow::Error) -> bool {
+    let cause = error.root_cause().downcast_ref::<std::io::Error>();
+    cause.is_some_and(|cause| cause.kind() == std::io::ErrorKind::BrokenPipe)
 }
 
 #[cfg(feature = "window")]

@@ -1,9 +1,11 @@
 //! The command line: arguments in, values through the library, files and text out.
 
 mod animate;
+mod batch;
 mod bench;
 mod devices;
 pub(crate) mod evaluator;
+mod json;
 pub(crate) mod liquid;
 pub(crate) mod map;
 mod motion;
@@ -88,6 +90,14 @@ enum Command {
     ///   sonoglyph bench field --json field.json --plots plots/
     #[command(verbatim_doc_comment)]
     Bench(BenchArgs),
+    /// Solve scenes that come as JSON lines, and answer with JSON lines in the same order
+    ///
+    /// A line is a scene with the tables and keys of the file; `format` may be left out, and an `id` comes back with the
+    /// answer. The answer is what `solve --json` prints, or {"error": …} for a line that is no scene. Example:
+    ///
+    ///   echo '{"target": [{"kind": "point", "at": [0, 0, 0.12]}]}' | sonoglyph batch --field
+    #[command(verbatim_doc_comment)]
+    Batch(BatchArgs),
     /// List the adapters and evaluators found, and which would be used
     Devices,
 }
@@ -193,6 +203,25 @@ struct ProbeArgs {
     /// Where to write; standard output otherwise
     #[arg(short, long, value_name = "FILE.csv")]
     output: Option<PathBuf>,
+}
+
+#[derive(Debug, Args)]
+struct BatchArgs {
+    /// Solver method, instead of the scenes'
+    #[arg(long, value_parser = parse_method)]
+    method: Option<Method>,
+    /// Leave out bound, certified, rank and condition, which take longer than the drive
+    #[arg(long)]
+    no_limits: bool,
+    /// Add the peak, its place and the mean of the RMS pressure on the scene's plane
+    #[arg(long)]
+    field: bool,
+    /// Write the RMS pressure on the plane too: FOLDER/LINE.npy, float32, row 0 at the smallest y; implies --field
+    #[arg(long, value_name = "FOLDER")]
+    data: Option<PathBuf>,
+    /// Pixels of a field along x
+    #[arg(long, value_name = "W", default_value_t = 256, value_parser = clap::value_parser!(u16).range(2..=4096))]
+    size: u16,
 }
 
 #[derive(Debug, Args)]
@@ -307,6 +336,7 @@ pub fn run() -> anyhow::Result<Next> {
         Cli { command: Some(Command::Bench(args)), .. } if args.subject == Subject::Window => {
             return Ok(Next::BenchWindow);
         }
+        Cli { command: Some(Command::Batch(args)), .. } => batch::run(&args),
         Cli { command: Some(Command::Bench(args)), .. } => bench::run(&args),
         Cli { command: Some(Command::Devices), .. } => devices::run(),
         Cli { command: None, scene } => return Ok(Next::Window(scene)),

@@ -2,15 +2,14 @@
 
 use comfy_table::{CellAlignment, Table};
 use glam::DVec3;
-use num_complex::Complex64;
 use serde_json::{Value, json};
 
 use crate::acoustics::Aperture;
-use crate::cli::{SolveArgs, output, parse_method, read_scene, warn};
+use crate::cli::{SolveArgs, json, output, parse_method, read_scene, warn};
 use crate::drive::{Drive, delay_level};
 use crate::field::{Evaluator, Ghost, Heard, NoGhost, Stages, ghost};
 use crate::picture::sheet::pascals;
-use crate::scene::{Amplitudes, Focus, Listener, Method, Pressures, Scene, check};
+use crate::scene::{Amplitudes, Listener, Method, Pressures, Scene, check};
 use crate::solver::levels::{self, Reached};
 use crate::solver::{self, Limits, Problem, Solution, SolveError};
 
@@ -372,41 +371,10 @@ impl Findings {
 
     /// The object that design and other programs know.
     fn json(&self) -> Value {
-        let Self { solution, limits, .. } = self;
-        let quality = &solution.quality;
-        let focus = |(focus, pressure): (&Focus, &Complex64)| {
-            json!({
-                "position": focus.position.to_array(),
-                "target": focus.target,
-                "pressure": pressure.norm(),
-                "phase": pressure.arg(),
-            })
-        };
-        let foci: Vec<_> = solution.foci.iter().zip(&solution.pressures).map(focus).collect();
+        let mut value = json::solution(&self.solution, Some(&self.limits));
         let ghost = self.ghost.as_ref().ok();
-        let mut value = json!({
-            "method": solution.method.name(),
-            "elements": solution.drive.phases.len(),
-            "foci": foci,
-            "quality": {
-                "mean_pressure": quality.mean_pressure,
-                "min_pressure": quality.min_pressure,
-                "spread": quality.spread,
-                "efficiency": quality.efficiency,
-                "relative_to_single": quality.relative_to_single,
-                "bound": limits.bound,
-                "certified": solution.certified(limits.bound),
-                "ghost": ghost.map(|ghost| ghost.part),
-                "ghost_position": ghost.map(|ghost| ghost.position.to_array()),
-                "residual": quality.residual,
-                "rank": limits.rank,
-                "condition": limits.condition,
-            },
-            "seconds": solution.seconds,
-            "iterations": solution.iterations,
-            "phases": solution.drive.phases,
-            "amplitudes": solution.drive.amplitudes,
-        });
+        value["quality"]["ghost"] = json!(ghost.map(|ghost| ghost.part));
+        value["quality"]["ghost_position"] = json!(ghost.map(|ghost| ghost.position.to_array()));
         if let Some(heard) = &self.heard {
             value["listener"] =
                 json!({ "position": heard.position.to_array(), "rms": heard.rms, "spl": heard.spl });

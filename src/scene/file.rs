@@ -4,7 +4,8 @@ use std::fmt;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
-use serde::Deserialize;
+use serde::de::Error;
+use serde::{Deserialize, Deserializer};
 use toml::de::{DeTable, DeValue};
 
 use crate::scene::check::{Key, KeyError, check};
@@ -62,6 +63,14 @@ pub fn parse(text: &str, path: &Path) -> Result<Scene, FileError> {
         message: error.message().trim().replace('\n', ", "),
     })?;
     table.into_scene().and_then(checked).map_err(|error| located(&error, text, path))
+}
+
+/// Like [`read`], from the same tables and keys in any format that serde reads.
+///
+/// # Errors
+/// As [`read`], but for files; the message names the key.
+pub fn from_tables<'de, D: Deserializer<'de>>(tables: D) -> Result<Scene, D::Error> {
+    SceneTable::deserialize(tables)?.into_scene().and_then(checked).map_err(D::Error::custom)
 }
 
 /// The scene as a file.
