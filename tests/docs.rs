@@ -1,0 +1,189 @@
+//! What the documents say of the scene file is what the program does.
+
+#![expect(clippy::unwrap_used, reason = "a test's helper may panic")]
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::Path;
+
+use sonoglyph::scene::{Scene, file};
+use toml::{Table, Value};
+
+/// One row of a table in docs/scene.md.
+struct Row {
+    table: String,
+    key: String,
+    default: String,
+    limits: String,
+}
+
+impl Row {
+    /// The scene file that gives this key this value, with what else must be there.
+    fn file(&self, value: &str) -> String {
+        let Self { table, key, .. } = self;
+        let (head, rest) = match (table.as_str(), key.as_str()) {
+            ("target", "spacing") => ("[[target]]\nkind = \"circle\"\nradius = 0.001", ""),
+            ("target", _) => ("[[target]]\nkind = \"circle\"", "\n[solver]\nmethod = \"naive\""),
+            _ => (&*format!("[{table}]"), ""),
+        };
+        // Elements must not outnumber what an array may have.
+        let other = match key.as_str() {
+            "rows" => "\ncolumns = 1",
+            "columns" => "\nrows = 1",
+            _ => "",
+        };
+        format!("format = 1\n{head}\n{key} = {value}{other}{rest}\n")
+    }
+
+    fn accepts(&self, value: &str) -> bool {
+        file::parse(&self.file(value), Path::new("row.toml")).is_ok()
+    }
+}
+
+fn document() -> String {
+    std::fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/scene.md")).unwrap()
+}
+
+/// The rows that tell of a key: `table.key`, unit, default, limits, meaning.
+fn rows() -> Vec<Row> {
+    let row = |line: &str| {
+        let cells: Vec<_> = line.split('|').map(str::trim).collect();
+        let [_, key, _unit, default, limits, ..] = cells[..] else { return None };
+        let (table, key) = key.strip_prefix('`')?.strip_suffix('`')?.split_once('.')?;
+        let [table, key, default, limits] = [table, key, default, limits].map(str::to_owned);
+        Some(Row { table, key, default, limits })
+    };
+    document().lines().filter_map(row).collect()
+}
+
+/// The keys of each table in a scene that gives everything.
+fn known() -> BTreeMap<String, Table> {
+    let text = r#"
+        format = 1
+        [medium]
+        sound_speed = 343.0
+        density = 1.2
+        absorption = 1.0
+        [liquid]
+        density = 998.0
+        surface_tension = 0.07
+        viscosity = 0.001
+        [listener]
+        at = [0, 0, 1]
+        [motion]
+        path = "points"
+        points = [[0, 0, 0]]
+    "#;
+    let scene = file::parse(text, Path::new("all.toml")).unwrap();
+    let tables: Table = toml::from_str(&file::write(&scene)).unwrap();
+    tables.into_iter().filter_map(|(name, value)| Some((name, value.as_table()?.clone()))).collect()
+}
+
+#[test]
+fn every_key_of_a_scene_is_documented_and_none_else() {
+    let documented: BTreeSet<_> = rows()
+        .iter()
+        .filter(|row| row.table != "target")
+        .map(|row| (row.table.clone(), row.key.clone()))
+        .collect();
+    let known: BTreeSet<_> = known()
+        .iter()
+        .flat_map(|(table, keys)| keys.keys().map(|key| (table.clone(), key.clone())))
+        .collect();
+    assert_eq!(documented, known);
+}
+
+#[test]
+fn every_key_of_a_target_is_documented_and_none_else() {
+    // The message that refuses a key lists those that there are.
+    let message = file::parse("format = 1\n[[target]]\nno_such_key = 1\n", Path::new("a.toml")).unwrap_err();
+    let message = message.to_string();
+    let listed = message.split("expected one of").nth(1).unwrap();
+    let known: BTreeSet<_> = listed.split('`').skip(1).step_by(2).map(str::to_owned).collect();
+    let mut documented: BTreeSet<_> =
+        rows().into_iter().filter(|row| row.table == "target").map(|row| row.key).collect();
+    let document = document();
+    let kinds = document.split("| kind | keys |").nth(1).unwrap().split("\n\n").next().unwrap();
+    for line in kinds.lines().filter(|line| line.starts_with("| `")) {
+        let mut words = line.split('`').skip(1).step_by(2);
+        let kind = words.next().unwrap();
+        let keys: Vec<_> = words.map(str::to_owned).collect();
+        let target = match kind {
+            "path" => "vertices = [[0, 0, 0.1], [0, 0.1, 0.1]]",
+            _ => "",
+        };
+        let scene = file::parse(
+            &format!("format = 1\n[[target]]\nkind = \"{kind}\"\n{target}"),
+            Path::new("kind.toml"),
+        )
+        .unwrap();
+        let written: Table = toml::from_str(&file::write(&scene)).unwrap();
+        let written = written["target"][0].as_table().unwrap();
+        assert!(
+            keys.iter().all(|key| written.contains_key(key)),
+            "{kind}: {keys:?}, and there are {written:?}"
+        );
+        documented.extend(keys);
+    }
+    assert_eq!(documented, known);
+}
+
+#[test]
+fn defaults_are_those_of_an_empty_scene() {
+    let mut empty: Table = toml::from_str(&file::write(&Scene::default())).unwrap();
+    let circle = file::parse("format = 1\n[[target]]\nkind = \"circle\"", Path::new("circle.toml")).unwrap();
+    let target: Table = toml::from_str(&file::write(&circle)).unwrap();
+    let mut target = target["target"][0].as_table().unwrap().clone();
+    // These are written only where they are not this; `kind` is what makes it a circle.
+    for (key, value) in [("angle", Value::Float(0.0)), ("kind", "point".into())] {
+        target.insert(key.to_owned(), value);
+    }
+    target.insert("normal".to_owned(), vec![0, 0, 1].into());
+    empty.insert("target".to_owned(), target.into());
+    for Row { table, key, default, .. } in rows() {
+        let own = empty.get(&table).and_then(|table| table.get(&key));
+        if default == "-" || default == "[]" {
+            assert_eq!(own.filter(|own| !own.as_array().is_some_and(Vec::is_empty)), None, "{table}.{key}");
+            continue;
+        }
+        let said: Table = toml::from_str(&format!("value = {default}")).unwrap();
+        assert_eq!(own.map(as_floats), Some(as_floats(&said["value"])), "{table}.{key}");
+    }
+}
+
+/// Whole numbers as floats, so that 20 is 20.0.
+fn as_floats(value: &Value) -> Value {
+    match value {
+        Value::Integer(number) => Value::Float(*number as f64),
+        Value::Array(values) => Value::Array(values.iter().map(as_floats).collect()),
+        other => other.clone(),
+    }
+}
+
+#[test]
+fn limits_are_where_values_begin_to_be_refused() {
+    let mut tried = 0;
+    for row in rows().iter().filter(|row| row.limits.contains('…') && row.key != "size") {
+        let (least, most) = row.limits.split_once('…').unwrap();
+        let (least, most) = (least.trim(), most.trim());
+        if let Some(least) = least.strip_prefix('>') {
+            assert!(!row.accepts(least.trim()) && !row.accepts("-1"), "{}.{}", row.table, row.key);
+        } else {
+            let below = least.parse::<f64>().unwrap();
+            let below = if below == 1.0 {
+                "0".to_owned()
+            } else {
+                format!("{:e}", below - 1e-3 * below.abs().max(1e-6))
+            };
+            assert!(row.accepts(least) && !row.accepts(&below), "{}.{}: {below}", row.table, row.key);
+        }
+        if let Ok(number) = most.parse::<f64>() {
+            let above = format!("{}", number + 1.0);
+            assert!(!row.accepts(&above), "{}.{}: {above}", row.table, row.key);
+            // A spacing or a target of this size is within its limits and yet no scene.
+            let is_scene = row.table != "target";
+            assert!(!is_scene || row.accepts(most), "{}.{}: {most}", row.table, row.key);
+        }
+        tried += 1;
+    }
+    assert!(tried > 20, "{tried}");
+}
