@@ -6,39 +6,113 @@ use anyhow::{Context, anyhow};
 use eframe::egui;
 
 use crate::app::Window;
+use crate::app::errand::{Errand, Progress, State};
 use crate::cli::map::{self, Look};
 use crate::cli::{output, solve};
 use crate::field::{Evaluator, Quantity, Stages};
+use crate::import::{self, Drawing};
 use crate::picture::{export, sheet};
-use crate::scene::{check, file};
+use crate::scene::check;
 use crate::ui::document::Document;
-use crate::ui::{Export, Purpose};
+use crate::ui::{self, Command, Dialog, Export, Purpose};
 
 const SHEET_WIDTH: usize = 1600;
 
-/// Asks the desktop for a file. `None` where it has no such dialog, or nothing was chosen.
-pub fn browse(purpose: Purpose, document: &Document) -> Option<PathBuf> {
-    let mut dialog = rfd::FileDialog::new()
-        .set_title(purpose.title())
-        .add_filter(purpose.extension(), &[purpose.extension()]);
+/// What came of an errand.
+#[derive(Debug)]
+pub(super) enum Outcome {
+    /// The desktop was asked for a file; `None` where it has no such dialog, or nothing was chosen.
+    Chosen(Purpose, Option<PathBuf>),
+    Read(PathBuf, anyhow::Result<Drawing>),
+}
+
+/// Asks the desktop for a file.
+fn ask_desktop(
+    purpose: Purpose,
+    document: &Document,
+) -> impl Future<Output = Option<PathBuf>> + Send + use<> {
+    let extensions = purpose.extensions();
+    let mut dialog =
+        rfd::AsyncFileDialog::new().set_title(purpose.title()).add_filter(extensions.join(", "), extensions);
     if let Some(folder) = document.path().and_then(Path::parent).filter(|folder| folder.is_dir()) {
         dialog = dialog.set_directory(folder);
     }
-    match purpose {
-        Purpose::Open => dialog.pick_file(),
-        Purpose::SaveAs | Purpose::Export(_) => dialog.save_file(),
+    // Some desktops want their dialogs made here, on the window's own thread.
+    let (pick, save) =
+        if purpose.reads() { (Some(dialog.pick_file()), None) } else { (None, Some(dialog.save_file())) };
+    async move {
+        let file = match (pick, save) {
+            (Some(pick), _) => pick.await,
+            (_, Some(save)) => save.await,
+            _ => None,
+        };
+        file.map(|file| file.path().to_owned())
     }
+}
+
+/// The drawing in a file.
+fn read_drawing(path: &Path) -> anyhow::Result<Drawing> {
+    let bytes = std::fs::read(path).map_err(|error| anyhow!("{}: {}", path.display(), error.kind()))?;
+    import::read(&bytes).map_err(|error| anyhow!("{}: {error}", path.display()))
 }
 
 impl Window {
     /// A file that cannot be read leaves the scene that is there.
     pub(super) fn open(&mut self, path: &Path) {
-        match file::read(path) {
-            Ok(scene) => {
-                self.editor.replace(Document::new(scene, Some(path.to_owned()), ""));
+        match Document::read(path) {
+            Ok(document) => {
+                self.editor.replace(document);
                 self.tell(&format!("Opened {}", path.display()), false);
             }
             Err(error) => self.refuse("The scene cannot be opened", &anyhow!(error)),
+        }
+    }
+
+    fn send(&mut self, ctx: &egui::Context, work: impl FnOnce(&Progress) -> Outcome + Send + 'static) {
+        match Errand::start(ctx, work) {
+            Ok(errand) => self.errands.push(errand),
+            Err(error) => self.refuse("No thread can be started", &error.into()),
+        }
+    }
+
+    /// Asks the desktop for a file while the window goes on.
+    pub(super) fn browse(&mut self, purpose: Purpose, ctx: &egui::Context) {
+        let chosen = ask_desktop(purpose, &self.editor.document);
+        self.send(ctx, move |_| Outcome::Chosen(purpose, pollster::block_on(chosen)));
+    }
+
+    /// Reads a drawing, and asks where it is to stand as soon as it is there.
+    pub(super) fn import(&mut self, path: PathBuf, ctx: &egui::Context) {
+        self.send(ctx, move |_| {
+            let drawing = read_drawing(&path);
+            Outcome::Read(path, drawing)
+        });
+    }
+
+    /// Takes over what the errands brought.
+    pub(super) fn collect(&mut self, commands: &mut Vec<Command>) {
+        for errand in std::mem::take(&mut self.errands) {
+            match errand.state() {
+                State::UnderWay => self.errands.push(errand),
+                State::Done(outcome) => self.take(outcome, commands),
+                State::Failed => self.refuse("That failed", &anyhow!("this is a fault of the program")),
+            }
+        }
+    }
+
+    fn take(&mut self, outcome: Outcome, commands: &mut Vec<Command>) {
+        match outcome {
+            Outcome::Chosen(purpose, Some(path)) => self.editor.ask(purpose.command(path), commands),
+            Outcome::Chosen(_, None) => {
+                self.editor.after_saving = None;
+                self.tell("No file was chosen", false);
+            }
+            Outcome::Read(path, Ok(drawing)) => {
+                let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+                let import = ui::Import::new(name, drawing, &self.editor);
+                self.editor.dialog = Some(Dialog::Import(Box::new(import)));
+            }
+            Outcome::Read(_, Err(error)) => self.refuse("The drawing cannot be imported", &error),
         }
     }
 
@@ -47,7 +121,7 @@ impl Window {
         let scene = self.editor.scene();
         let written = check::check(scene)
             .context("no program could read this scene again")
-            .and_then(|()| output::write(path, file::write(scene).as_bytes()));
+            .and_then(|()| output::write(path, self.editor.document.text().as_bytes()));
         match written {
             Ok(()) => {
                 self.editor.document.saved_as(path.to_owned());

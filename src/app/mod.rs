@@ -1,6 +1,7 @@
 //! The window: the editor of [`crate::ui`], what is made from its scene, and its files.
 
 pub mod bench;
+mod errand;
 mod examples;
 mod files;
 mod later;
@@ -13,10 +14,12 @@ use eframe::egui;
 
 use crate::cli::{evaluator, note, render};
 use crate::field::{Evaluator, Work};
-use crate::scene::{Scene, file};
+use crate::scene::Scene;
 use crate::ui::document::Document;
 use crate::ui::{self, Command, Dialog, Editor, Notice, Shown, canvas, theme};
+use errand::Errand;
 use examples::EXAMPLES;
+use files::Outcome;
 use recovery::Recovery;
 use workshop::Workshop;
 
@@ -30,7 +33,7 @@ const SMALLEST: [f32; 2] = [200.0, 150.0];
 /// A scene that cannot be read, or a sheet that cannot be written.
 pub fn run(path: Option<&Path>) -> anyhow::Result<()> {
     let document = match path {
-        Some(path) => Document::new(file::read(path)?, Some(path.to_owned()), ""),
+        Some(path) => Document::read(path)?,
         None => example(0)?,
     };
     if let Err(error) = open(document) {
@@ -68,7 +71,7 @@ fn open(document: Document) -> Result<(), String> {
 /// An example scene as a document without a file.
 fn example(index: usize) -> anyhow::Result<Document> {
     let (name, text) = EXAMPLES.get(index).copied().unwrap_or(EXAMPLES[0]);
-    Ok(Document::new(file::parse(text, Path::new(name))?, None, name))
+    Ok(Document::parse(text.to_owned(), name)?)
 }
 
 /// The program's state.
@@ -81,6 +84,7 @@ pub struct Window {
     may_close: bool,
     title: String,
     recovery: Option<Recovery>,
+    errands: Vec<Errand<Outcome>>,
 }
 
 impl Window {
@@ -99,6 +103,7 @@ impl Window {
             may_close: false,
             title: String::new(),
             recovery: None,
+            errands: Vec::new(),
         }
     }
 
@@ -112,7 +117,7 @@ impl Window {
 
     /// The window on the first example, with the CPU's field.
     pub fn with_example(ctx: &egui::Context) -> Self {
-        let document = example(0).unwrap_or_else(|_| Document::new(Scene::default(), None, "untitled"));
+        let document = example(0).unwrap_or_else(|_| Document::new(Scene::default(), "untitled"));
         Self::new(ctx, document, Evaluator::Cpu)
     }
 
@@ -140,13 +145,13 @@ impl Window {
 
     /// Whether something is being made on a thread.
     pub fn is_busy(&self) -> bool {
-        self.workshop.is_busy()
+        self.workshop.is_busy() || !self.errands.is_empty()
     }
 
     fn execute(&mut self, command: Command, ctx: &egui::Context) {
         self.shown.notice = None;
         match command {
-            Command::New => self.editor.replace(Document::new(Scene::default(), None, "untitled")),
+            Command::New => self.editor.replace(Document::new(Scene::default(), "untitled")),
             Command::Example(index) => match example(index) {
                 Ok(document) => self.editor.replace(document),
                 Err(error) => self.refuse("The example cannot be opened", &error),
@@ -157,18 +162,13 @@ impl Window {
                 None => self.editor.dialog = Some(Dialog::path(ui::Purpose::SaveAs, &self.editor.document)),
             },
             Command::SaveAs(path) => self.save(&path, ctx),
+            Command::Import(path) => self.import(path, ctx),
             Command::Export(export, path) => self.export(export, &path),
-            Command::Browse(purpose) => match files::browse(purpose, &self.editor.document) {
-                Some(path) => {
-                    let mut commands = Vec::new();
-                    self.editor.ask(purpose.command(path), &mut commands);
-                    commands.into_iter().for_each(|command| self.execute(command, ctx));
-                }
-                None => self.tell("No file was chosen", false),
-            },
+            Command::CallOff => self.errands.iter().for_each(|errand| errand.progress.call_off()),
+            Command::Browse(purpose) => self.browse(purpose, ctx),
             Command::CompareMethods => self.workshop.compare_methods(self.editor.scene()),
             Command::Recover(scene) => {
-                let mut document = Document::new(*scene, None, "recovered");
+                let mut document = Document::new(*scene, "recovered");
                 document.was_never_saved();
                 self.editor.replace(document);
             }
@@ -196,7 +196,10 @@ impl Window {
         let dropped: Option<PathBuf> =
             ctx.input(|input| input.raw.dropped_files.first().map(|file| file.path().to_owned()));
         if let Some(path) = dropped {
-            self.editor.ask(Command::Open(path), commands);
+            let extension = path.extension().unwrap_or_default().to_string_lossy().to_lowercase();
+            let is_drawing = ui::IMPORTED.contains(&extension.as_str());
+            let command = if is_drawing { Command::Import(path) } else { Command::Open(path) };
+            self.editor.ask(command, commands);
         }
         let closes = ctx.input(|input| input.viewport().close_requested());
         if closes && !self.may_close && self.editor.document.is_unsaved() {
@@ -248,6 +251,7 @@ impl Window {
             canvas::paint(editor, shown, ui, &canvas);
         });
         self.hear_outside(&ctx, &mut commands);
+        self.collect(&mut commands);
         commands.into_iter().for_each(|command| self.execute(command, &ctx));
         let is_held = ctx.input(|input| input.pointer.any_down());
         if !is_held && !self.editor.is_in_gesture() && !ctx.text_edit_focused() {

@@ -47,8 +47,15 @@ impl fmt::Display for Place<'_> {
 /// # Errors
 /// An unreadable file, broken TOML, an unknown key, or a value outside its limits.
 pub fn read(path: &Path) -> Result<Scene, FileError> {
-    let unreadable = |cause| FileError::Read { file: path.to_owned(), cause };
-    parse(&std::fs::read_to_string(path).map_err(unreadable)?, path)
+    parse(&read_text(path)?, path)
+}
+
+/// The text of a file that is to be a scene.
+///
+/// # Errors
+/// An unreadable file, or one that is no text.
+pub fn read_text(path: &Path) -> Result<String, FileError> {
+    std::fs::read_to_string(path).map_err(|cause| FileError::Read { file: path.to_owned(), cause })
 }
 
 /// Like [`read`], from text; `path` only names it.

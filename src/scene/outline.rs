@@ -106,7 +106,36 @@ fn ring(radius: f64, vertices: usize, start: f64) -> Vec<DVec2> {
     (0..=vertices).map(vertex).collect()
 }
 
+/// How many focal points targets ask for together, without making them.
+///
+/// # Errors
+/// More than [`MOST_FOCI`], a glyph that the font lacks, or fewer points than corners.
+pub fn count(targets: &[Target]) -> Result<usize, KeyError> {
+    let mut count = 0;
+    for (index, target) in targets.iter().enumerate() {
+        let (runs, pieces) =
+            divided(target, MOST_FOCI - count).map_err(|e| e.under(&["target".into(), index.into()]))?;
+        count += corners(&runs) + interior(&runs, &pieces);
+    }
+    Ok(count)
+}
+
 fn points(target: &Target, most: usize) -> Result<Vec<DVec3>, KeyError> {
+    let (runs, pieces) = divided(target, most)?;
+    // A circle is no polygon: its points are computed, not taken from the one that is drawn.
+    if let (Shape::Circle { at, radius }, [pieces]) = (&target.shape, &pieces[..]) {
+        let facing = DQuat::from_rotation_arc(DVec3::Z, target.normal.try_normalize().unwrap_or(DVec3::Z));
+        let place = |i| {
+            *at + facing
+                * (DVec2::from_angle(target.angle + TAU * i as f64 / *pieces as f64) * *radius).extend(0.0)
+        };
+        return Ok((0..*pieces).map(place).collect());
+    }
+    Ok(divide(&runs, &pieces))
+}
+
+/// The runs of a target, and into how many pieces each is divided.
+fn divided(target: &Target, most: usize) -> Result<(Vec<Run>, Vec<usize>), KeyError> {
     let runs = runs(&strokes(target)?);
     let pieces = match target.sampling {
         Sampling::Whole => vec![1; runs.len()],
@@ -121,16 +150,7 @@ fn points(target: &Target, most: usize) -> Result<Vec<DVec3>, KeyError> {
             format!("{wanted} focal points are asked for, and a scene may have {MOST_FOCI}"),
         ));
     }
-    // A circle is no polygon: its points are computed, not taken from the one that is drawn.
-    if let (Shape::Circle { at, radius }, [pieces]) = (&target.shape, &pieces[..]) {
-        let facing = DQuat::from_rotation_arc(DVec3::Z, target.normal.try_normalize().unwrap_or(DVec3::Z));
-        let place = |i| {
-            *at + facing
-                * (DVec2::from_angle(target.angle + TAU * i as f64 / *pieces as f64) * *radius).extend(0.0)
-        };
-        return Ok((0..*pieces).map(place).collect());
-    }
-    Ok(divide(&runs, &pieces))
+    Ok((runs, pieces))
 }
 
 fn refusal(key: &'static str, message: impl Into<String>) -> KeyError {

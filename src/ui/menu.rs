@@ -82,6 +82,11 @@ fn file(editor: &mut Editor, ui: &mut Ui, commands: &mut Vec<Command>) {
         editor.dialog = Some(Dialog::path(Purpose::SaveAs, &editor.document));
     }
     ui.separator();
+    if ui.button("Import drawing…").on_hover_text("Paths of an SVG, or dark strokes of a picture").clicked()
+    {
+        editor.dialog = Some(Dialog::path(Purpose::Import, &editor.document));
+    }
+    ui.separator();
     if item(ui, true, "Quit", &keys::CLOSE) {
         editor.ask(Command::Close, commands);
     }

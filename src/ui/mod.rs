@@ -37,7 +37,8 @@ use num_complex::Complex64;
 use tool::Tool;
 use view::{Cut, View, Window};
 
-pub use dialog::{Dialog, Purpose};
+pub use dialog::import::Import;
+pub use dialog::{Dialog, IMPORTED, Purpose};
 
 /// Everything that the user edits, and how it is looked at.
 #[derive(Debug)]
@@ -99,7 +100,11 @@ pub enum Command {
     Example(usize),
     Save,
     SaveAs(PathBuf),
+    /// Reads a drawing and asks where it is to stand.
+    Import(PathBuf),
     Export(Export, PathBuf),
+    /// Ends the export that is under way, without its file.
+    CallOff,
     /// Asks the desktop for a file.
     Browse(Purpose),
     CompareMethods,
@@ -155,6 +160,8 @@ pub struct Shown {
     pub mapping: f64,
     /// What was just done, or could not be.
     pub notice: Option<Notice>,
+    /// What is being written meanwhile, and the part of it that is done.
+    pub export: Option<(String, f32)>,
 }
 
 /// A word on what was done.

@@ -12,11 +12,13 @@ use std::ops::RangeInclusive;
 
 use egui::{DragValue, Response, RichText, ScrollArea, Ui};
 
+pub use target::{point, sampling};
+
 use crate::ui::{Command, Editor, Panel, Shown};
 
 /// How a number is shown: so many times as large, with this behind it.
 #[derive(Clone, Copy)]
-struct Unit {
+pub struct Unit {
     per: f64,
     suffix: &'static str,
     decimals: usize,
@@ -24,7 +26,7 @@ struct Unit {
     speed: f64,
 }
 
-const MM: Unit = Unit { per: 1e3, suffix: " mm", decimals: 2, speed: 0.25 };
+pub const MM: Unit = Unit { per: 1e3, suffix: " mm", decimals: 2, speed: 0.25 };
 const PLAIN: Unit = Unit { per: 1.0, suffix: "", decimals: 3, speed: 0.01 };
 const DEGREES: Unit = Unit { per: 180.0 / std::f64::consts::PI, suffix: "°", decimals: 1, speed: 0.5 };
 
@@ -64,12 +66,12 @@ fn heading(ui: &mut Ui, text: &str) {
 }
 
 /// Two columns: names and values.
-fn form(ui: &mut Ui, id: &str, rows: impl FnOnce(&mut Ui)) {
+pub fn form(ui: &mut Ui, id: &str, rows: impl FnOnce(&mut Ui)) {
     egui::Grid::new(id).num_columns(2).spacing([12.0, 5.0]).min_col_width(104.0).show(ui, rows);
 }
 
 /// A row with a number that can be edited. What is no number, or none of the range, changes nothing or the nearest that is.
-fn number(
+pub fn number(
     ui: &mut Ui,
     (name, tip): (&str, &str),
     value: &mut f64,

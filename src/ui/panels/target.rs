@@ -3,6 +3,7 @@
 use egui::{DragValue, TextEdit, Ui};
 use glam::DVec3;
 
+use crate::scene::check::MOST_FOCI;
 use crate::scene::{Pressures, Sampling, Scene, Shape, Target, font};
 use crate::ui::panels::{DEGREES, MM, PLAIN, Unit, count, form, number};
 
@@ -15,7 +16,9 @@ pub fn show(scene: &mut Scene, index: usize, ui: &mut Ui) {
     form(ui, "target", |ui| {
         shape(target, ui);
         pressure(target, pressures, ui);
-        sampling(target, ui);
+        if target.sampling != Sampling::Whole {
+            sampling(ui, &mut target.sampling);
+        }
         let turns = !matches!(target.shape, Shape::Point { .. } | Shape::Circle { .. });
         if turns {
             number(ui, ("Angle", "Turned about its centre"), &mut target.angle, DEGREES, -7.0..=7.0);
@@ -81,7 +84,7 @@ fn letters(ui: &mut Ui, text: &mut String) {
 }
 
 /// x, y and z in mm.
-fn point(ui: &mut Ui, name: &str, at: &mut DVec3) {
+pub fn point(ui: &mut Ui, name: &str, at: &mut DVec3) {
     ui.label(format!("{name}, mm"))
         .on_hover_text("x, y, z; the array lies in z = 0, its centre at the origin");
     ui.horizontal(|ui| {
@@ -119,27 +122,25 @@ fn pressure(target: &mut Target, pressures: Pressures, ui: &mut Ui) {
 }
 
 /// How many focal points an outline gets.
-fn sampling(target: &mut Target, ui: &mut Ui) {
-    if target.sampling == Sampling::Whole {
-        return;
-    }
+pub fn sampling(ui: &mut Ui, sampling: &mut Sampling) {
     let label =
         ui.label("Focal points").on_hover_text("By their distance along the outline, or by their number");
     ui.horizontal(|ui| {
-        let by_count = matches!(target.sampling, Sampling::Points(_));
+        let by_count = matches!(sampling, Sampling::Points(_));
         if ui.selectable_label(!by_count, "every").clicked() && by_count {
-            target.sampling = Sampling::default();
+            *sampling = Sampling::default();
         }
         if ui.selectable_label(by_count, "in all").clicked() && !by_count {
-            target.sampling = Sampling::Points(16);
+            *sampling = Sampling::Points(16);
         }
-        match &mut target.sampling {
+        match sampling {
             Sampling::Whole => {}
             Sampling::Spacing(spacing) => {
                 crate::ui::panels::bare_number(ui, spacing, MM, 1e-3..=0.2).labelled_by(label.id);
             }
             Sampling::Points(points) => {
-                let field = DragValue::new(points).speed(0.1).range(1..=500).clamp_existing_to_range(false);
+                let field =
+                    DragValue::new(points).speed(0.1).range(1..=MOST_FOCI).clamp_existing_to_range(false);
                 ui.add(field.update_while_editing(false)).labelled_by(label.id);
             }
         }
