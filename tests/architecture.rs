@@ -34,7 +34,10 @@ const LAYERS: &[(&str, &[&str])] = &[
             "tempfile",
         ],
     ),
-    ("app", &["anyhow", "cpu_time", "eframe", "egui", "glam", "pollster", "rfd", "tempfile"]),
+    (
+        "app",
+        &["anyhow", "cpu_time", "eframe", "egui", "glam", "pollster", "rfd", "serde", "tempfile", "toml"],
+    ),
     ("main", &["anyhow", "sonoglyph"]),
 ];
 /// Crates that any layer may name.

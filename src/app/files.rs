@@ -1,19 +1,23 @@
 //! Opening, saving and exporting.
 
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use anyhow::{Context, anyhow};
 use eframe::egui;
 
 use crate::app::Window;
 use crate::app::errand::{Errand, Progress, State};
+use crate::app::settings;
 use crate::cli::map::{self, Look};
-use crate::cli::{output, solve};
+use crate::cli::{animate, output, solve};
 use crate::field::{Evaluator, Quantity, Stages};
 use crate::import::{self, Drawing};
 use crate::picture::{export, sheet};
-use crate::scene::check;
+use crate::scene::{Scene, check};
+use crate::solver::frames;
 use crate::ui::document::Document;
+use crate::ui::view::Lens;
 use crate::ui::{self, Command, Dialog, Export, Purpose};
 
 const SHEET_WIDTH: usize = 1600;
@@ -24,6 +28,16 @@ pub(super) enum Outcome {
     /// The desktop was asked for a file; `None` where it has no such dialog, or nothing was chosen.
     Chosen(Purpose, Option<PathBuf>),
     Read(PathBuf, anyhow::Result<Drawing>),
+    /// The motion was exported, if it was not called off.
+    Filmed(PathBuf, anyhow::Result<Option<()>>),
+}
+
+/// A motion that is being written.
+#[derive(Debug)]
+pub(super) struct Film {
+    /// The file's.
+    name: String,
+    pub(super) progress: Progress,
 }
 
 /// Asks the desktop for a file.
@@ -62,16 +76,32 @@ impl Window {
         match Document::read(path) {
             Ok(document) => {
                 self.editor.replace(document);
+                settings::remember(&mut self.shown.recent, path);
                 self.tell(&format!("Opened {}", path.display()), false);
             }
-            Err(error) => self.refuse("The scene cannot be opened", &anyhow!(error)),
+            Err(error) => {
+                // What is not there any more need not be offered again.
+                self.shown.recent.retain(|recent| recent != path || recent.exists());
+                self.refuse("The scene cannot be opened", &anyhow!(error));
+            }
         }
     }
 
-    fn send(&mut self, ctx: &egui::Context, work: impl FnOnce(&Progress) -> Outcome + Send + 'static) {
+    fn send(
+        &mut self,
+        ctx: &egui::Context,
+        work: impl FnOnce(&Progress) -> Outcome + Send + 'static,
+    ) -> Option<Progress> {
         match Errand::start(ctx, work) {
-            Ok(errand) => self.errands.push(errand),
-            Err(error) => self.refuse("No thread can be started", &error.into()),
+            Ok(errand) => {
+                let progress = errand.progress.clone();
+                self.errands.push(errand);
+                Some(progress)
+            }
+            Err(error) => {
+                self.refuse("No thread can be started", &error.into());
+                None
+            }
         }
     }
 
@@ -95,12 +125,20 @@ impl Window {
             match errand.state() {
                 State::UnderWay => self.errands.push(errand),
                 State::Done(outcome) => self.take(outcome, commands),
-                State::Failed => self.refuse("That failed", &anyhow!("this is a fault of the program")),
+                State::Failed => {
+                    self.filming = None;
+                    self.refuse("That failed", &anyhow!("this is a fault of the program"));
+                }
             }
         }
+        let film = |film: &Film| (film.name.clone(), film.progress.part());
+        self.shown.export = self.filming.as_ref().map(film);
     }
 
     fn take(&mut self, outcome: Outcome, commands: &mut Vec<Command>) {
+        if let Outcome::Filmed(..) = outcome {
+            self.filming = None;
+        }
         match outcome {
             Outcome::Chosen(purpose, Some(path)) => self.editor.ask(purpose.command(path), commands),
             Outcome::Chosen(_, None) => {
@@ -112,6 +150,11 @@ impl Window {
                 let import = ui::Import::new(name, drawing, &self.editor);
                 self.editor.dialog = Some(Dialog::Import(Box::new(import)));
             }
+            Outcome::Filmed(path, Ok(Some(()))) => self.tell(&format!("Wrote {}", path.display()), false),
+            Outcome::Filmed(path, Ok(None)) => {
+                self.tell(&format!("Called off: {} is not written", path.display()), false);
+            }
+            Outcome::Filmed(_, Err(error)) => self.refuse("Nothing was exported", &error),
             Outcome::Read(_, Err(error)) => self.refuse("The drawing cannot be imported", &error),
         }
     }
@@ -125,6 +168,7 @@ impl Window {
         match written {
             Ok(()) => {
                 self.editor.document.saved_as(path.to_owned());
+                settings::remember(&mut self.shown.recent, path);
                 self.tell(&format!("Saved {}", path.display()), false);
                 if let Some(command) = then {
                     self.execute(command, ctx);
@@ -134,8 +178,9 @@ impl Window {
         }
     }
 
-    pub(super) fn export(&mut self, export: Export, path: &Path) {
+    pub(super) fn export(&mut self, export: Export, path: &Path, ctx: &egui::Context) {
         let bytes = match export {
+            Export::Motion => return self.film(path, ctx),
             Export::Map => self.map_png(),
             Export::Sheet => self.sheet_png(),
             Export::Numbers => self.numbers_npy(),
@@ -145,6 +190,39 @@ impl Window {
             Ok(()) => self.tell(&format!("Wrote {}", path.display()), false),
             Err(error) => self.refuse("Nothing was exported", &error),
         }
+    }
+
+    /// Writes the motion on a thread: maps of the plane on the screen, of its size and in its colours.
+    fn film(&mut self, path: &Path, ctx: &egui::Context) {
+        if let Some(film) = &self.filming {
+            let error = anyhow!("{} is being written: one motion is exported at a time", film.name);
+            return self.refuse("Nothing was exported", &error);
+        }
+        let Some(map) = &self.shown.map else {
+            return self.refuse("Nothing was exported", &anyhow!("there is no map"));
+        };
+        let (view, size) = (&self.editor.view, (map.width, map.height));
+        let lens = Lens { rect: map.rect, window: map.window };
+        let scene = Scene { plane: view.plane(self.editor.scene(), &lens), ..self.editor.scene().clone() };
+        let (look, round) = ((view.quantity, view.table()), self.shown.round.clone());
+        let (path, ctx_of_thread) = (path.to_owned(), ctx.clone());
+        let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+        let progress = self.send(ctx, move |progress| {
+            let tell = |part: f64| {
+                progress.tell(part as f32);
+                ctx_of_thread.request_repaint();
+                if progress.is_off() { Err(anyhow!("called off")) } else { Ok(()) }
+            };
+            let write = || -> anyhow::Result<()> {
+                check::check(&scene)?;
+                let round = round.map_or_else(|| frames::follow(&scene).map(Arc::new), Ok)?;
+                animate::write(&scene, &round, (look.0, &look.1), size, &path, &tell)
+            };
+            let written = write();
+            let outcome = if progress.is_off() && written.is_err() { Ok(None) } else { written.map(Some) };
+            Outcome::Filmed(path, outcome)
+        });
+        self.filming = progress.map(|progress| Film { name, progress });
     }
 
     fn map_png(&mut self) -> anyhow::Result<Vec<u8>> {

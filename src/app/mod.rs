@@ -6,6 +6,7 @@ mod examples;
 mod files;
 mod later;
 mod recovery;
+mod settings;
 mod workshop;
 
 use std::path::{Path, PathBuf};
@@ -19,12 +20,12 @@ use crate::ui::document::Document;
 use crate::ui::{self, Command, Dialog, Editor, Notice, Shown, canvas, theme};
 use errand::Errand;
 use examples::EXAMPLES;
-use files::Outcome;
+use files::{Film, Outcome};
 use recovery::Recovery;
+use settings::{Memory, Settings};
 use workshop::Workshop;
 
 const TITLE: &str = "Sonoglyph";
-const SIZE: [f32; 2] = [1280.0, 800.0];
 const SMALLEST: [f32; 2] = [200.0, 150.0];
 
 /// Opens the window on the scene of a file or on an example. Where there is no display, the scene's sheet is written.
@@ -50,22 +51,42 @@ fn open(document: Document) -> Result<(), String> {
         return Err("no display".to_owned());
     }
     let evaluator = evaluator::for_maps(crate::cli::Backend::Auto).map_err(|error| error.to_string())?;
+    let folder = state_folder();
+    let (memory, settings, word) = match folder.as_deref().map(Memory::at) {
+        Some((memory, settings, word)) => (Some(memory), settings, word),
+        None => (None, Settings::default(), None),
+    };
+    let mut viewport = egui::ViewportBuilder::default()
+        .with_title(TITLE)
+        .with_app_id("sonoglyph")
+        .with_inner_size(settings.size)
+        .with_maximized(settings.maximized)
+        .with_min_inner_size(SMALLEST);
+    if let Some(position) = settings.position {
+        viewport = viewport.with_position(position);
+    }
     let options = eframe::NativeOptions {
         // The cheap one everywhere: the map comes as colours, and only panels are drawn.
         renderer: eframe::Renderer::Glow,
-        viewport: egui::ViewportBuilder::default()
-            .with_title(TITLE)
-            .with_app_id("sonoglyph")
-            .with_inner_size(SIZE)
-            .with_min_inner_size(SMALLEST),
+        viewport,
         ..Default::default()
     };
     let make: eframe::AppCreator<'_> = Box::new(|context| {
         let mut window = Window::new(&context.egui_ctx, document, evaluator);
-        window.recover(Recovery::in_home());
+        window.remember(memory, &settings, word, &context.egui_ctx);
+        window.recover(folder.as_deref().map(Recovery::at));
         Ok(Box::new(window))
     });
     eframe::run_native(TITLE, options, make).map_err(|error| error.to_string())
+}
+
+/// The folder that the desktop has for what outlives a run. `None` where there is none.
+fn state_folder() -> Option<PathBuf> {
+    let set = |name| std::env::var_os(name).filter(|value| !value.is_empty()).map(PathBuf::from);
+    let state = set("XDG_STATE_HOME")
+        .or_else(|| set("LOCALAPPDATA"))
+        .or_else(|| set("HOME").map(|home| home.join(".local").join("state")))?;
+    Some(state.join("sonoglyph"))
 }
 
 /// An example scene as a document without a file.
@@ -84,7 +105,9 @@ pub struct Window {
     may_close: bool,
     title: String,
     recovery: Option<Recovery>,
+    memory: Option<Memory>,
     errands: Vec<Errand<Outcome>>,
+    filming: Option<Film>,
 }
 
 impl Window {
@@ -103,8 +126,33 @@ impl Window {
             may_close: false,
             title: String::new(),
             recovery: None,
+            memory: None,
             errands: Vec::new(),
+            filming: None,
         }
+    }
+
+    /// Looks as it did in the last run, and keeps how it looks from now on. `word` is what there is to say of that.
+    fn remember(
+        &mut self,
+        memory: Option<Memory>,
+        settings: &Settings,
+        word: Option<String>,
+        ctx: &egui::Context,
+    ) {
+        settings.apply(&mut self.editor, ctx);
+        self.shown.recent.clone_from(&settings.recent);
+        if let Some(path) = self.editor.document.path() {
+            settings::remember(&mut self.shown.recent, path);
+        }
+        self.shown.notice = word.map(|text| Notice { text, is_error: true });
+        self.memory = memory;
+    }
+
+    /// The same with what this folder holds.
+    pub fn remember_in(&mut self, folder: &Path, ctx: &egui::Context) {
+        let (memory, settings, word) = Memory::at(folder);
+        self.remember(Some(memory), &settings, word, ctx);
     }
 
     /// Keeps what is unsaved from now on, and asks about what the last run left, if it left something.
@@ -151,6 +199,7 @@ impl Window {
     fn execute(&mut self, command: Command, ctx: &egui::Context) {
         self.shown.notice = None;
         match command {
+            Command::ForgetRecent => self.shown.recent.clear(),
             Command::New => self.editor.replace(Document::new(Scene::default(), "untitled")),
             Command::Example(index) => match example(index) {
                 Ok(document) => self.editor.replace(document),
@@ -163,8 +212,8 @@ impl Window {
             },
             Command::SaveAs(path) => self.save(&path, ctx),
             Command::Import(path) => self.import(path, ctx),
-            Command::Export(export, path) => self.export(export, &path),
-            Command::CallOff => self.errands.iter().for_each(|errand| errand.progress.call_off()),
+            Command::Export(export, path) => self.export(export, &path, ctx),
+            Command::CallOff => self.filming.iter().for_each(|film| film.progress.call_off()),
             Command::Browse(purpose) => self.browse(purpose, ctx),
             Command::CompareMethods => self.workshop.compare_methods(self.editor.scene()),
             Command::Recover(scene) => {
@@ -223,6 +272,15 @@ impl Window {
         }
     }
 
+    /// How the window looks goes to the settings.
+    fn keep_settings(&mut self, ctx: &egui::Context) {
+        let Some(memory) = &mut self.memory else { return };
+        let settings = Settings::of(&self.editor, &self.shown.recent, ctx);
+        if let Some(seconds) = memory.keep(settings, ctx.input(|input| input.time)) {
+            ctx.request_repaint_after_secs(seconds as f32);
+        }
+    }
+
     fn name_window(&mut self, ctx: &egui::Context) {
         let document = &self.editor.document;
         let mark = if document.is_unsaved() { "• " } else { "" };
@@ -259,6 +317,7 @@ impl Window {
         }
         self.name_window(&ctx);
         self.keep(&ctx);
+        self.keep_settings(&ctx);
         // The panels were drawn before the map: their figures follow in the next frame.
         if before != (self.editor.document.scene.clone(), self.editor.view.clone(), self.editor.playback) {
             ctx.request_repaint();

@@ -7,10 +7,8 @@ use glam::DVec2;
 use crate::import::Line;
 use crate::import::scan::Ink;
 
-/// Largest deviation (pixels) of the sides between corners from the chain.
-const TOLERANCE: f64 = 1.0;
-/// A corner turns by 50° at least, between sides of so many pixels.
-const CORNER_COS: f64 = 0.643;
+/// A corner turns by 57° at least, between sides of so many pixels.
+const CORNER_COS: f64 = 0.545;
 const SIDE: f64 = 8.0;
 /// Pixels over which a line is smoothed between its corners.
 const SMOOTHING: usize = 4;
@@ -223,7 +221,7 @@ fn line(chain: Chain) -> Line {
 /// Corners stay where two straight sides meet; between them the steps of the pixels are smoothed away.
 fn smooth(line: &Line, width: f64) -> Line {
     let mut line = line.clone();
-    let corners = corners(&line);
+    let corners = corners(&line, width);
     for &corner in &corners {
         sharpen(&mut line, corner, width.ceil() as usize);
     }
@@ -308,8 +306,9 @@ fn mean(points: &[DVec2]) -> DVec2 {
 }
 
 /// Places of the line's points at which it turns sharply between two straight sides.
-fn corners(line: &Line) -> Vec<usize> {
-    let simple = line.simplified(TOLERANCE).points;
+fn corners(line: &Line, width: f64) -> Vec<usize> {
+    // As far as thinning cuts a corner off: what is left of it is one turn, not two.
+    let simple = line.simplified((width / 3.0).max(1.0)).points;
     let count = simple.len();
     if count < 3 {
         return Vec::new();

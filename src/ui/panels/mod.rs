@@ -35,15 +35,16 @@ pub fn show(editor: &mut Editor, shown: &Shown, ui: &mut Ui, commands: &mut Vec<
     ui.horizontal_wrapped(|ui| {
         ui.spacing_mut().item_spacing.x = 1.0;
         ui.spacing_mut().button_padding.x = 6.0;
-        for (panel, name, tip) in [
-            (Panel::Scene, "Scene", "Targets, air and array"),
-            (Panel::Solver, "Solver", "How the phases are found, and how good they are"),
-            (Panel::Drive, "Drive", "What every element plays"),
-            (Panel::Liquid, "Liquid", "What the sound presses"),
-            (Panel::Motion, "Motion", "How the targets move"),
-            (Panel::Device, "Device", "The board that plays"),
-        ] {
-            ui.selectable_value(&mut editor.panel, panel, name).on_hover_text(tip);
+        for panel in Panel::ALL {
+            let tip = match panel {
+                Panel::Scene => "Targets, air and array",
+                Panel::Solver => "How the phases are found, and how good they are",
+                Panel::Drive => "What every element plays",
+                Panel::Liquid => "What the sound presses",
+                Panel::Motion => "How the targets move",
+                Panel::Device => "The board that plays",
+            };
+            ui.selectable_value(&mut editor.panel, panel, panel.name()).on_hover_text(tip);
         }
     });
     ui.separator();
