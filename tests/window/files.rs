@@ -160,3 +160,49 @@ fn export_motion(screen: &mut Screen, path: &Path) {
     screen.key_press(Key::Enter);
     screen.step();
 }
+
+#[test]
+fn the_next_run_looks_as_the_last_one_did() {
+    let folder = tempfile::tempdir().unwrap();
+    let open_there = || {
+        let there = folder.path().to_owned();
+        let mut screen = Harness::builder().with_size(vec2(1280.0, 800.0)).build_eframe(move |context| {
+            let mut window = Window::with_example(&context.egui_ctx);
+            window.remember_in(&there, &context.egui_ctx);
+            window
+        });
+        rest(&mut screen);
+        screen
+    };
+    let saved = folder.path().join("mine.toml");
+    {
+        let mut screen = open_there();
+        assert!(screen.state().shown().recent.is_empty());
+        press(&mut screen, Modifiers::COMMAND | Modifiers::SHIFT, Key::S);
+        answer(&mut screen, Purpose::SaveAs, &saved);
+        screen.get_by_label("Liquid").click();
+        screen.get_by_label("dB").click();
+        screen.get_by_label("Section").click();
+        rest(&mut screen);
+        screen.state_mut().editor_mut().grid = 0.002;
+        screen.ctx.set_theme(egui::Theme::Light);
+        let edge = Pos2::new(screen.get_by_label("Canvas: the field on the plane").rect().right(), 400.0);
+        let edge = edge + vec2(92.0, 0.0);
+        drag(&mut screen, edge, edge - vec2(60.0, 0.0));
+    }
+    let settings = std::fs::read_to_string(folder.path().join("settings.toml")).unwrap();
+    assert!(settings.contains("theme = \"light\""), "{settings}");
+    let mut screen = open_there();
+    let editor = screen.state().editor();
+    assert_eq!((editor.panel, editor.grid), (sonoglyph::ui::Panel::Liquid, 0.002));
+    assert!(editor.view.section && editor.view.scale == sonoglyph::ui::view::Scale::Decibels);
+    assert!((editor.layout.panel - 412.0).abs() < 12.0, "{:?}", editor.layout);
+    assert_eq!(screen.state().shown().recent, std::slice::from_ref(&saved));
+    screen.get_by_label("File").click();
+    rest(&mut screen);
+    screen.get_by_label("Open recent").click();
+    rest(&mut screen);
+    screen.get_by_label("mine.toml").click();
+    rest(&mut screen);
+    assert_eq!(screen.state().editor().document.path(), Some(saved.as_path()));
+}

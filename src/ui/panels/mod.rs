@@ -123,6 +123,7 @@ fn choice<T: Copy + PartialEq>(ui: &mut Ui, (name, tip): (&str, &str), value: &m
     let current = choices.iter().find(|(choice, _)| choice == value).map_or("", |(_, name)| name);
     egui::ComboBox::from_id_salt(name)
         .selected_text(current)
+        .height(320.0)
         .show_ui(ui, |ui| {
             for (choice, name) in choices {
                 ui.selectable_value(value, *choice, *name);
