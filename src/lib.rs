@@ -8,6 +8,8 @@ pub mod app;
 pub mod cli;
 pub mod drive;
 pub mod field;
+#[cfg(feature = "window")]
+pub mod import;
 pub mod picture;
 pub mod scene;
 pub mod simd;

@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 
 /// The layers, the uppermost first, with the outside crates each may name. A module uses itself and what stands above.
 const LAYERS: &[(&str, &[&str])] = &[
-    ("scene", &["serde", "toml", "glam", "thiserror"]),
+    ("scene", &["serde", "toml", "toml_edit", "glam", "thiserror"]),
     ("simd", &[]),
     ("acoustics", &["glam", "num_complex", "libm"]),
     ("drive", &["num_complex"]),
@@ -16,6 +16,7 @@ const LAYERS: &[(&str, &[&str])] = &[
     ("field", &["bytemuck", "glam", "num_complex", "rayon", "thiserror"]),
     ("field::gpu", &["bytemuck", "glam", "naga", "num_complex", "pollster", "thiserror", "wgpu"]),
     ("picture", &["colorous", "gif", "glam", "image", "npyz", "num_complex", "plotters", "png", "thiserror"]),
+    ("import", &["glam", "image", "thiserror", "usvg"]),
     ("ui", &["egui", "egui_plot", "glam", "num_complex"]),
     (
         "cli",
@@ -33,7 +34,10 @@ const LAYERS: &[(&str, &[&str])] = &[
             "tempfile",
         ],
     ),
-    ("app", &["anyhow", "cpu_time", "eframe", "egui", "glam", "rfd", "tempfile"]),
+    (
+        "app",
+        &["anyhow", "cpu_time", "eframe", "egui", "glam", "pollster", "rfd", "serde", "tempfile", "toml"],
+    ),
     ("main", &["anyhow", "sonoglyph"]),
 ];
 /// Crates that any layer may name.
@@ -188,6 +192,8 @@ const OUTSIDE: &[&str] = &[
     "tempfile",
     "thiserror",
     "toml",
+    "toml_edit",
+    "usvg",
     "wgpu",
 ];
 

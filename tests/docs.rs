@@ -134,7 +134,7 @@ fn defaults_are_those_of_an_empty_scene() {
     let target: Table = toml::from_str(&file::write(&circle)).unwrap();
     let mut target = target["target"][0].as_table().unwrap().clone();
     // These are written only where they are not this; `kind` is what makes it a circle.
-    for (key, value) in [("angle", Value::Float(0.0)), ("kind", "point".into())] {
+    for (key, value) in [("angle", Value::Float(0.0)), ("kind", "point".into()), ("visible", true.into())] {
         target.insert(key.to_owned(), value);
     }
     target.insert("normal".to_owned(), vec![0, 0, 1].into());

@@ -27,7 +27,7 @@ struct Screen {
 impl Screen {
     fn new(scene: Scene) -> Self {
         let ctx = egui::Context::default();
-        let window = Window::new(&ctx, Document::new(scene, None, "bench"), Evaluator::Cpu);
+        let window = Window::new(&ctx, Document::new(scene, "bench"), Evaluator::Cpu);
         let mut screen = Self { ctx, window, time: 0.0, wants_more: true };
         for _ in 0..5 {
             screen.frame(Vec::new());

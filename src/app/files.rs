@@ -1,44 +1,161 @@
 //! Opening, saving and exporting.
 
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use anyhow::{Context, anyhow};
 use eframe::egui;
 
 use crate::app::Window;
+use crate::app::errand::{Errand, Progress, State};
+use crate::app::settings;
 use crate::cli::map::{self, Look};
-use crate::cli::{output, solve};
+use crate::cli::{animate, output, solve};
 use crate::field::{Evaluator, Quantity, Stages};
+use crate::import::{self, Drawing};
 use crate::picture::{export, sheet};
-use crate::scene::{check, file};
+use crate::scene::{Scene, check};
+use crate::solver::frames;
 use crate::ui::document::Document;
-use crate::ui::{Export, Purpose};
+use crate::ui::view::Lens;
+use crate::ui::{self, Command, Dialog, Export, Purpose};
 
 const SHEET_WIDTH: usize = 1600;
 
-/// Asks the desktop for a file. `None` where it has no such dialog, or nothing was chosen.
-pub fn browse(purpose: Purpose, document: &Document) -> Option<PathBuf> {
-    let mut dialog = rfd::FileDialog::new()
-        .set_title(purpose.title())
-        .add_filter(purpose.extension(), &[purpose.extension()]);
+/// What came of an errand.
+#[derive(Debug)]
+pub(super) enum Outcome {
+    /// The desktop was asked for a file; `None` where it has no such dialog, or nothing was chosen.
+    Chosen(Purpose, Option<PathBuf>),
+    Read(PathBuf, anyhow::Result<Drawing>),
+    /// The motion was exported, if it was not called off.
+    Filmed(PathBuf, anyhow::Result<Option<()>>),
+}
+
+/// A motion that is being written.
+#[derive(Debug)]
+pub(super) struct Film {
+    /// The file's.
+    name: String,
+    pub(super) progress: Progress,
+}
+
+/// Asks the desktop for a file.
+fn ask_desktop(
+    purpose: Purpose,
+    document: &Document,
+) -> impl Future<Output = Option<PathBuf>> + Send + use<> {
+    let extensions = purpose.extensions();
+    let mut dialog =
+        rfd::AsyncFileDialog::new().set_title(purpose.title()).add_filter(extensions.join(", "), extensions);
     if let Some(folder) = document.path().and_then(Path::parent).filter(|folder| folder.is_dir()) {
         dialog = dialog.set_directory(folder);
     }
-    match purpose {
-        Purpose::Open => dialog.pick_file(),
-        Purpose::SaveAs | Purpose::Export(_) => dialog.save_file(),
+    // Some desktops want their dialogs made here, on the window's own thread.
+    let (pick, save) =
+        if purpose.reads() { (Some(dialog.pick_file()), None) } else { (None, Some(dialog.save_file())) };
+    async move {
+        let file = match (pick, save) {
+            (Some(pick), _) => pick.await,
+            (_, Some(save)) => save.await,
+            _ => None,
+        };
+        file.map(|file| file.path().to_owned())
     }
+}
+
+/// The drawing in a file.
+fn read_drawing(path: &Path) -> anyhow::Result<Drawing> {
+    let bytes = std::fs::read(path).map_err(|error| anyhow!("{}: {}", path.display(), error.kind()))?;
+    import::read(&bytes).map_err(|error| anyhow!("{}: {error}", path.display()))
 }
 
 impl Window {
     /// A file that cannot be read leaves the scene that is there.
     pub(super) fn open(&mut self, path: &Path) {
-        match file::read(path) {
-            Ok(scene) => {
-                self.editor.replace(Document::new(scene, Some(path.to_owned()), ""));
+        match Document::read(path) {
+            Ok(document) => {
+                self.editor.replace(document);
+                settings::remember(&mut self.shown.recent, path);
                 self.tell(&format!("Opened {}", path.display()), false);
             }
-            Err(error) => self.refuse("The scene cannot be opened", &anyhow!(error)),
+            Err(error) => {
+                // What is not there any more need not be offered again.
+                self.shown.recent.retain(|recent| recent != path || recent.exists());
+                self.refuse("The scene cannot be opened", &anyhow!(error));
+            }
+        }
+    }
+
+    fn send(
+        &mut self,
+        ctx: &egui::Context,
+        work: impl FnOnce(&Progress) -> Outcome + Send + 'static,
+    ) -> Option<Progress> {
+        match Errand::start(ctx, work) {
+            Ok(errand) => {
+                let progress = errand.progress.clone();
+                self.errands.push(errand);
+                Some(progress)
+            }
+            Err(error) => {
+                self.refuse("No thread can be started", &error.into());
+                None
+            }
+        }
+    }
+
+    /// Asks the desktop for a file while the window goes on.
+    pub(super) fn browse(&mut self, purpose: Purpose, ctx: &egui::Context) {
+        let chosen = ask_desktop(purpose, &self.editor.document);
+        self.send(ctx, move |_| Outcome::Chosen(purpose, pollster::block_on(chosen)));
+    }
+
+    /// Reads a drawing, and asks where it is to stand as soon as it is there.
+    pub(super) fn import(&mut self, path: PathBuf, ctx: &egui::Context) {
+        self.send(ctx, move |_| {
+            let drawing = read_drawing(&path);
+            Outcome::Read(path, drawing)
+        });
+    }
+
+    /// Takes over what the errands brought.
+    pub(super) fn collect(&mut self, commands: &mut Vec<Command>) {
+        for errand in std::mem::take(&mut self.errands) {
+            match errand.state() {
+                State::UnderWay => self.errands.push(errand),
+                State::Done(outcome) => self.take(outcome, commands),
+                State::Failed => {
+                    self.filming = None;
+                    self.refuse("That failed", &anyhow!("this is a fault of the program"));
+                }
+            }
+        }
+        let film = |film: &Film| (film.name.clone(), film.progress.part());
+        self.shown.export = self.filming.as_ref().map(film);
+    }
+
+    fn take(&mut self, outcome: Outcome, commands: &mut Vec<Command>) {
+        if let Outcome::Filmed(..) = outcome {
+            self.filming = None;
+        }
+        match outcome {
+            Outcome::Chosen(purpose, Some(path)) => self.editor.ask(purpose.command(path), commands),
+            Outcome::Chosen(_, None) => {
+                self.editor.after_saving = None;
+                self.tell("No file was chosen", false);
+            }
+            Outcome::Read(path, Ok(drawing)) => {
+                let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+                let import = ui::Import::new(name, drawing, &self.editor);
+                self.editor.dialog = Some(Dialog::Import(Box::new(import)));
+            }
+            Outcome::Filmed(path, Ok(Some(()))) => self.tell(&format!("Wrote {}", path.display()), false),
+            Outcome::Filmed(path, Ok(None)) => {
+                self.tell(&format!("Called off: {} is not written", path.display()), false);
+            }
+            Outcome::Filmed(_, Err(error)) => self.refuse("Nothing was exported", &error),
+            Outcome::Read(_, Err(error)) => self.refuse("The drawing cannot be imported", &error),
         }
     }
 
@@ -47,10 +164,11 @@ impl Window {
         let scene = self.editor.scene();
         let written = check::check(scene)
             .context("no program could read this scene again")
-            .and_then(|()| output::write(path, file::write(scene).as_bytes()));
+            .and_then(|()| output::write(path, self.editor.document.text().as_bytes()));
         match written {
             Ok(()) => {
                 self.editor.document.saved_as(path.to_owned());
+                settings::remember(&mut self.shown.recent, path);
                 self.tell(&format!("Saved {}", path.display()), false);
                 if let Some(command) = then {
                     self.execute(command, ctx);
@@ -60,8 +178,9 @@ impl Window {
         }
     }
 
-    pub(super) fn export(&mut self, export: Export, path: &Path) {
+    pub(super) fn export(&mut self, export: Export, path: &Path, ctx: &egui::Context) {
         let bytes = match export {
+            Export::Motion => return self.film(path, ctx),
             Export::Map => self.map_png(),
             Export::Sheet => self.sheet_png(),
             Export::Numbers => self.numbers_npy(),
@@ -71,6 +190,39 @@ impl Window {
             Ok(()) => self.tell(&format!("Wrote {}", path.display()), false),
             Err(error) => self.refuse("Nothing was exported", &error),
         }
+    }
+
+    /// Writes the motion on a thread: maps of the plane on the screen, of its size and in its colours.
+    fn film(&mut self, path: &Path, ctx: &egui::Context) {
+        if let Some(film) = &self.filming {
+            let error = anyhow!("{} is being written: one motion is exported at a time", film.name);
+            return self.refuse("Nothing was exported", &error);
+        }
+        let Some(map) = &self.shown.map else {
+            return self.refuse("Nothing was exported", &anyhow!("there is no map"));
+        };
+        let (view, size) = (&self.editor.view, (map.width, map.height));
+        let lens = Lens { rect: map.rect, window: map.window };
+        let scene = Scene { plane: view.plane(self.editor.scene(), &lens), ..self.editor.scene().clone() };
+        let (look, round) = ((view.quantity, view.table()), self.shown.round.clone());
+        let (path, ctx_of_thread) = (path.to_owned(), ctx.clone());
+        let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+        let progress = self.send(ctx, move |progress| {
+            let tell = |part: f64| {
+                progress.tell(part as f32);
+                ctx_of_thread.request_repaint();
+                if progress.is_off() { Err(anyhow!("called off")) } else { Ok(()) }
+            };
+            let write = || -> anyhow::Result<()> {
+                check::check(&scene)?;
+                let round = round.map_or_else(|| frames::follow(&scene).map(Arc::new), Ok)?;
+                animate::write(&scene, &round, (look.0, &look.1), size, &path, &tell)
+            };
+            let written = write();
+            let outcome = if progress.is_off() && written.is_err() { Ok(None) } else { written.map(Some) };
+            Outcome::Filmed(path, outcome)
+        });
+        self.filming = progress.map(|progress| Film { name, progress });
     }
 
     fn map_png(&mut self) -> anyhow::Result<Vec<u8>> {

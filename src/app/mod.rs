@@ -1,10 +1,12 @@
 //! The window: the editor of [`crate::ui`], what is made from its scene, and its files.
 
 pub mod bench;
+mod errand;
 mod examples;
 mod files;
 mod later;
 mod recovery;
+mod settings;
 mod workshop;
 
 use std::path::{Path, PathBuf};
@@ -13,15 +15,17 @@ use eframe::egui;
 
 use crate::cli::{evaluator, note, render};
 use crate::field::{Evaluator, Work};
-use crate::scene::{Scene, file};
+use crate::scene::Scene;
 use crate::ui::document::Document;
 use crate::ui::{self, Command, Dialog, Editor, Notice, Shown, canvas, theme};
+use errand::Errand;
 use examples::EXAMPLES;
+use files::{Film, Outcome};
 use recovery::Recovery;
+use settings::{Memory, Settings};
 use workshop::Workshop;
 
 const TITLE: &str = "Sonoglyph";
-const SIZE: [f32; 2] = [1280.0, 800.0];
 const SMALLEST: [f32; 2] = [200.0, 150.0];
 
 /// Opens the window on the scene of a file or on an example. Where there is no display, the scene's sheet is written.
@@ -30,7 +34,7 @@ const SMALLEST: [f32; 2] = [200.0, 150.0];
 /// A scene that cannot be read, or a sheet that cannot be written.
 pub fn run(path: Option<&Path>) -> anyhow::Result<()> {
     let document = match path {
-        Some(path) => Document::new(file::read(path)?, Some(path.to_owned()), ""),
+        Some(path) => Document::read(path)?,
         None => example(0)?,
     };
     if let Err(error) = open(document) {
@@ -47,28 +51,48 @@ fn open(document: Document) -> Result<(), String> {
         return Err("no display".to_owned());
     }
     let evaluator = evaluator::for_maps(crate::cli::Backend::Auto).map_err(|error| error.to_string())?;
+    let folder = state_folder();
+    let (memory, settings, word) = match folder.as_deref().map(Memory::at) {
+        Some((memory, settings, word)) => (Some(memory), settings, word),
+        None => (None, Settings::default(), None),
+    };
+    let mut viewport = egui::ViewportBuilder::default()
+        .with_title(TITLE)
+        .with_app_id("sonoglyph")
+        .with_inner_size(settings.size)
+        .with_maximized(settings.maximized)
+        .with_min_inner_size(SMALLEST);
+    if let Some(position) = settings.position {
+        viewport = viewport.with_position(position);
+    }
     let options = eframe::NativeOptions {
         // The cheap one everywhere: the map comes as colours, and only panels are drawn.
         renderer: eframe::Renderer::Glow,
-        viewport: egui::ViewportBuilder::default()
-            .with_title(TITLE)
-            .with_app_id("sonoglyph")
-            .with_inner_size(SIZE)
-            .with_min_inner_size(SMALLEST),
+        viewport,
         ..Default::default()
     };
     let make: eframe::AppCreator<'_> = Box::new(|context| {
         let mut window = Window::new(&context.egui_ctx, document, evaluator);
-        window.recover(Recovery::in_home());
+        window.remember(memory, &settings, word, &context.egui_ctx);
+        window.recover(folder.as_deref().map(Recovery::at));
         Ok(Box::new(window))
     });
     eframe::run_native(TITLE, options, make).map_err(|error| error.to_string())
 }
 
+/// The folder that the desktop has for what outlives a run. `None` where there is none.
+fn state_folder() -> Option<PathBuf> {
+    let set = |name| std::env::var_os(name).filter(|value| !value.is_empty()).map(PathBuf::from);
+    let state = set("XDG_STATE_HOME")
+        .or_else(|| set("LOCALAPPDATA"))
+        .or_else(|| set("HOME").map(|home| home.join(".local").join("state")))?;
+    Some(state.join("sonoglyph"))
+}
+
 /// An example scene as a document without a file.
 fn example(index: usize) -> anyhow::Result<Document> {
     let (name, text) = EXAMPLES.get(index).copied().unwrap_or(EXAMPLES[0]);
-    Ok(Document::new(file::parse(text, Path::new(name))?, None, name))
+    Ok(Document::parse(text.to_owned(), name)?)
 }
 
 /// The program's state.
@@ -81,6 +105,9 @@ pub struct Window {
     may_close: bool,
     title: String,
     recovery: Option<Recovery>,
+    memory: Option<Memory>,
+    errands: Vec<Errand<Outcome>>,
+    filming: Option<Film>,
 }
 
 impl Window {
@@ -99,7 +126,33 @@ impl Window {
             may_close: false,
             title: String::new(),
             recovery: None,
+            memory: None,
+            errands: Vec::new(),
+            filming: None,
         }
+    }
+
+    /// Looks as it did in the last run, and keeps how it looks from now on. `word` is what there is to say of that.
+    fn remember(
+        &mut self,
+        memory: Option<Memory>,
+        settings: &Settings,
+        word: Option<String>,
+        ctx: &egui::Context,
+    ) {
+        settings.apply(&mut self.editor, ctx);
+        self.shown.recent.clone_from(&settings.recent);
+        if let Some(path) = self.editor.document.path() {
+            settings::remember(&mut self.shown.recent, path);
+        }
+        self.shown.notice = word.map(|text| Notice { text, is_error: true });
+        self.memory = memory;
+    }
+
+    /// The same with what this folder holds.
+    pub fn remember_in(&mut self, folder: &Path, ctx: &egui::Context) {
+        let (memory, settings, word) = Memory::at(folder);
+        self.remember(Some(memory), &settings, word, ctx);
     }
 
     /// Keeps what is unsaved from now on, and asks about what the last run left, if it left something.
@@ -112,7 +165,7 @@ impl Window {
 
     /// The window on the first example, with the CPU's field.
     pub fn with_example(ctx: &egui::Context) -> Self {
-        let document = example(0).unwrap_or_else(|_| Document::new(Scene::default(), None, "untitled"));
+        let document = example(0).unwrap_or_else(|_| Document::new(Scene::default(), "untitled"));
         Self::new(ctx, document, Evaluator::Cpu)
     }
 
@@ -140,13 +193,14 @@ impl Window {
 
     /// Whether something is being made on a thread.
     pub fn is_busy(&self) -> bool {
-        self.workshop.is_busy()
+        self.workshop.is_busy() || !self.errands.is_empty()
     }
 
     fn execute(&mut self, command: Command, ctx: &egui::Context) {
         self.shown.notice = None;
         match command {
-            Command::New => self.editor.replace(Document::new(Scene::default(), None, "untitled")),
+            Command::ForgetRecent => self.shown.recent.clear(),
+            Command::New => self.editor.replace(Document::new(Scene::default(), "untitled")),
             Command::Example(index) => match example(index) {
                 Ok(document) => self.editor.replace(document),
                 Err(error) => self.refuse("The example cannot be opened", &error),
@@ -157,18 +211,13 @@ impl Window {
                 None => self.editor.dialog = Some(Dialog::path(ui::Purpose::SaveAs, &self.editor.document)),
             },
             Command::SaveAs(path) => self.save(&path, ctx),
-            Command::Export(export, path) => self.export(export, &path),
-            Command::Browse(purpose) => match files::browse(purpose, &self.editor.document) {
-                Some(path) => {
-                    let mut commands = Vec::new();
-                    self.editor.ask(purpose.command(path), &mut commands);
-                    commands.into_iter().for_each(|command| self.execute(command, ctx));
-                }
-                None => self.tell("No file was chosen", false),
-            },
+            Command::Import(path) => self.import(path, ctx),
+            Command::Export(export, path) => self.export(export, &path, ctx),
+            Command::CallOff => self.filming.iter().for_each(|film| film.progress.call_off()),
+            Command::Browse(purpose) => self.browse(purpose, ctx),
             Command::CompareMethods => self.workshop.compare_methods(self.editor.scene()),
             Command::Recover(scene) => {
-                let mut document = Document::new(*scene, None, "recovered");
+                let mut document = Document::new(*scene, "recovered");
                 document.was_never_saved();
                 self.editor.replace(document);
             }
@@ -196,7 +245,10 @@ impl Window {
         let dropped: Option<PathBuf> =
             ctx.input(|input| input.raw.dropped_files.first().map(|file| file.path().to_owned()));
         if let Some(path) = dropped {
-            self.editor.ask(Command::Open(path), commands);
+            let extension = path.extension().unwrap_or_default().to_string_lossy().to_lowercase();
+            let is_drawing = ui::IMPORTED.contains(&extension.as_str());
+            let command = if is_drawing { Command::Import(path) } else { Command::Open(path) };
+            self.editor.ask(command, commands);
         }
         let closes = ctx.input(|input| input.viewport().close_requested());
         if closes && !self.may_close && self.editor.document.is_unsaved() {
@@ -216,6 +268,15 @@ impl Window {
         let document = &self.editor.document;
         let unsaved = document.is_unsaved().then_some(&document.scene);
         if let Some(seconds) = recovery.keep(unsaved, ctx.input(|input| input.time)) {
+            ctx.request_repaint_after_secs(seconds as f32);
+        }
+    }
+
+    /// How the window looks goes to the settings.
+    fn keep_settings(&mut self, ctx: &egui::Context) {
+        let Some(memory) = &mut self.memory else { return };
+        let settings = Settings::of(&self.editor, &self.shown.recent, ctx);
+        if let Some(seconds) = memory.keep(settings, ctx.input(|input| input.time)) {
             ctx.request_repaint_after_secs(seconds as f32);
         }
     }
@@ -248,6 +309,7 @@ impl Window {
             canvas::paint(editor, shown, ui, &canvas);
         });
         self.hear_outside(&ctx, &mut commands);
+        self.collect(&mut commands);
         commands.into_iter().for_each(|command| self.execute(command, &ctx));
         let is_held = ctx.input(|input| input.pointer.any_down());
         if !is_held && !self.editor.is_in_gesture() && !ctx.text_edit_focused() {
@@ -255,6 +317,7 @@ impl Window {
         }
         self.name_window(&ctx);
         self.keep(&ctx);
+        self.keep_settings(&ctx);
         // The panels were drawn before the map: their figures follow in the next frame.
         if before != (self.editor.document.scene.clone(), self.editor.view.clone(), self.editor.playback) {
             ctx.request_repaint();

@@ -19,15 +19,7 @@ pub struct Recovery {
 }
 
 impl Recovery {
-    /// In the folder that the desktop has for such things. `None` where there is none.
-    pub fn in_home() -> Option<Self> {
-        let set = |name| std::env::var_os(name).filter(|value| !value.is_empty()).map(PathBuf::from);
-        let state = set("XDG_STATE_HOME")
-            .or_else(|| set("LOCALAPPDATA"))
-            .or_else(|| set("HOME").map(|home| home.join(".local").join("state")))?;
-        Some(Self::at(&state.join("sonoglyph")))
-    }
-
+    /// The file in this folder.
     pub fn at(folder: &Path) -> Self {
         let path = folder.join("recovery.toml");
         Self { kept: file::read(&path).ok(), path, last: f64::NEG_INFINITY }

@@ -1,5 +1,6 @@
 //! `sonoglyph render --motion` and `--waves`: a scene in, an animation out.
 
+use std::cell::Cell;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
@@ -18,6 +19,9 @@ use crate::picture::animation::{Animation, Format, Pace};
 use crate::picture::{ColourMap, sheet};
 use crate::scene::Scene;
 use crate::solver::frames::{self, Sequence};
+
+/// In which progress is counted.
+const STEPS: f64 = 10_000.0;
 
 /// What is written.
 #[derive(Clone, Debug, PartialEq)]
@@ -58,7 +62,7 @@ impl Target {
     }
 }
 
-pub fn run(args: &RenderArgs) -> anyhow::Result<()> {
+pub(in crate::cli) fn run(args: &RenderArgs) -> anyhow::Result<()> {
     let target = Target::of(&args.output)?;
     let [path] = &args.scenes[..] else {
         bail!("one scene is animated at a time, and {} are given", args.scenes.len());
@@ -90,27 +94,24 @@ pub fn run(args: &RenderArgs) -> anyhow::Result<()> {
         false => motion::follow(&scene, &path.display().to_string())?,
     };
     target.make_folder()?;
-    let mut film = Film {
-        aperture: Aperture::new(&scene),
-        first: sequence.frames[0].drive.clone(),
-        scene: &scene,
-        stages: Stages::new(evaluator::for_maps(args.backend.backend)?),
-        gpu_is_asked_for: args.backend.backend == Backend::Gpu,
-        mean: map::mean(&scene, quantity),
-        quantity,
-        size,
-        schedule,
-        error: 0.0,
-        slope: 0.0,
-    };
+    let stages = Stages::new(evaluator::for_maps(args.backend.backend)?);
+    let mut film = Film::new(&scene, &sequence, stages, quantity, size);
+    film.gpu_is_asked_for = args.backend.backend == Backend::Gpu;
+    film.schedule = schedule;
     let start = Instant::now();
     let colours = if quantity == field::Quantity::Phase { ColourMap::Cyclic } else { args.colours.map() };
+    let bar = progress();
+    let tell = |part: f64| {
+        bar.set_position((part * STEPS) as u64);
+        Ok(())
+    };
     if quantity == field::Quantity::Dent && !args.waves {
         note(
             "every frame shows the dent that its sound would press in the end; --waves shows how the surface follows",
         );
     }
-    let shot = film.shoot(&sequence, &target, &stem(path), colours)?;
+    let shot = film.shoot(&sequence, &target, &stem(path), &colours.table(), &tell)?;
+    bar.finish_and_clear();
     let tolerance = scene.plane.tolerance;
     if tolerance > 0.0 && film.error > tolerance {
         warn(&format!("a map's error is {:.1e} of its peak, more than the {tolerance:e} wanted", film.error));
@@ -125,6 +126,26 @@ pub fn run(args: &RenderArgs) -> anyhow::Result<()> {
         println!("  {:.1} ms for all drives, {:.1} ms per frame for its map", solving * 1e3, each * 1e3);
     }
     Ok(())
+}
+
+/// Writes the round of a moving scene as maps of its plane, in these colours. `tell` hears which part is done, and ends it with an
+/// error.
+///
+/// # Errors
+/// A file that is neither GIF nor PNG or cannot be written, too many pixels for it, or what `tell` says.
+pub fn write(
+    scene: &Scene,
+    sequence: &Sequence,
+    (quantity, colours): (field::Quantity, &[[u8; 4]; 256]),
+    size: (usize, usize),
+    path: &Path,
+    tell: &dyn Fn(f64) -> anyhow::Result<()>,
+) -> anyhow::Result<()> {
+    let target = Target::of(path)?;
+    target.check(size)?;
+    target.make_folder()?;
+    let mut film = Film::new(scene, sequence, Stages::new(Evaluator::Cpu), quantity, size);
+    film.shoot(sequence, &target, &stem(path), colours, tell).map(drop)
 }
 
 /// What was written.
@@ -184,7 +205,29 @@ struct Film<'a> {
     slope: f64,
 }
 
-impl Film<'_> {
+impl<'a> Film<'a> {
+    fn new(
+        scene: &'a Scene,
+        sequence: &Sequence,
+        stages: Stages,
+        quantity: field::Quantity,
+        size: (usize, usize),
+    ) -> Self {
+        Self {
+            aperture: Aperture::new(scene),
+            first: sequence.frames[0].drive.clone(),
+            scene,
+            stages,
+            gpu_is_asked_for: false,
+            mean: map::mean(scene, quantity),
+            quantity,
+            size,
+            schedule: None,
+            error: 0.0,
+            slope: 0.0,
+        }
+    }
+
     /// Two passes, so that no more than one map is ever in memory: the first finds the range of the colours, which all frames
     /// share, the second writes.
     fn shoot(
@@ -192,30 +235,34 @@ impl Film<'_> {
         sequence: &Sequence,
         target: &Target,
         name: &str,
-        colours: ColourMap,
+        table: &[[u8; 4]; 256],
+        tell: &dyn Fn(f64) -> anyhow::Result<()>,
     ) -> anyhow::Result<Shot> {
         let has_range = self.quantity != field::Quantity::Phase;
         let count = self.schedule.map_or(sequence.frames.len(), |schedule| schedule.pictures);
-        let bar = progress(count * if has_range { 2 } else { 1 });
+        let steps = (count * if has_range { 2 } else { 1 }) as f64;
+        let done = Cell::new(0.0);
+        let step = || {
+            done.set(done.get() + 1.0);
+            tell(done.get() / steps)
+        };
         let mut range = [0.0f32; 2];
         if has_range {
             self.each(sequence, |film, _, moment| {
                 let [low, high] = film.extent(&moment)?;
                 range = [range[0].min(low), range[1].max(high)];
-                bar.inc(1);
-                Ok(())
+                step()
             })?;
         }
         let frames_per_second = self.schedule.map_or(self.scene.motion.frames_per_second(), Schedule::rate);
         let pace = Pace::new(frames_per_second);
-        let (table, size) = (colours.table(), self.size);
+        let size = self.size;
         match target {
             Target::File(path, format) => output::write_by(path, |file| {
-                let mut animation = Animation::new(file, *format, size, &table, count as u32, pace)?;
+                let mut animation = Animation::new(file, *format, size, table, count as u32, pace)?;
                 self.each(sequence, |film, _, moment| {
                     animation.add(&film.places(&moment, range)?)?;
-                    bar.inc(1);
-                    Ok(())
+                    step()
                 })?;
                 Ok(animation.finish()?)
             })?,
@@ -224,16 +271,15 @@ impl Film<'_> {
                 self.each(sequence, |film, index, moment| {
                     let places = film.places(&moment, range)?;
                     let path = folder.join(format!("{name}-{:0digits$}.png", index + 1));
-                    bar.inc(1);
+                    step()?;
                     output::write_by(&path, |file| {
-                        let mut picture = Animation::new(file, Format::Png, size, &table, 1, pace)?;
+                        let mut picture = Animation::new(file, Format::Png, size, table, 1, pace)?;
                         picture.add(&places)?;
                         Ok(picture.finish()?)
                     })
                 })?;
             }
         }
-        bar.finish_and_clear();
         let what = match self.schedule {
             None => format!("a round takes {:.3} s", 1.0 / self.scene.motion.rate),
             Some(_) => format!("it takes {:.3} s", count as f64 / frames_per_second),
@@ -380,7 +426,7 @@ fn or_by_cpu<T>(
     }
 }
 
-fn progress(steps: usize) -> ProgressBar {
+fn progress() -> ProgressBar {
     let style = ProgressStyle::with_template("{bar:30} {percent} %, {eta} left");
-    ProgressBar::new(steps as u64).with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()))
+    ProgressBar::new(STEPS as u64).with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()))
 }

@@ -1,6 +1,6 @@
 //! The command line: arguments in, values through the library, files and text out.
 
-mod animate;
+pub(crate) mod animate;
 mod batch;
 mod bench;
 mod devices;

@@ -5,12 +5,14 @@ use std::ops::Range;
 use std::path::{Path, PathBuf};
 
 use serde::de::Error;
-use serde::{Deserialize, Deserializer};
+use serde::{Deserialize, Deserializer, Serialize};
 use toml::de::{DeTable, DeValue};
 
 use crate::scene::check::{Key, KeyError, check};
 use crate::scene::target::TargetTable;
-use crate::scene::{Array, Liquid, Listener, Medium, Modulation, Motion, Plane, Scene, Solver, motion};
+use crate::scene::{
+    Array, Liquid, Listener, Medium, Modulation, Motion, Plane, Scene, Solver, Target, motion,
+};
 
 /// The version of the file format that this program reads and writes.
 pub const FORMAT: u32 = 1;
@@ -43,13 +45,20 @@ impl fmt::Display for Place<'_> {
 }
 
 /// Reads and checks a scene file; every target has become focal points once, so that [`motion::frames`] cannot
-/// fail on what comes back but for a scene without targets.
+/// fail on what comes back but for a scene without visible targets.
 ///
 /// # Errors
 /// An unreadable file, broken TOML, an unknown key, or a value outside its limits.
 pub fn read(path: &Path) -> Result<Scene, FileError> {
-    let unreadable = |cause| FileError::Read { file: path.to_owned(), cause };
-    parse(&std::fs::read_to_string(path).map_err(unreadable)?, path)
+    parse(&read_text(path)?, path)
+}
+
+/// The text of a file that is to be a scene.
+///
+/// # Errors
+/// An unreadable file, or one that is no text.
+pub fn read_text(path: &Path) -> Result<String, FileError> {
+    std::fs::read_to_string(path).map_err(|cause| FileError::Read { file: path.to_owned(), cause })
 }
 
 /// Like [`read`], from text; `path` only names it.
@@ -78,9 +87,26 @@ pub fn write(scene: &Scene) -> String {
     toml::to_string(scene).expect("a scene is tables of plain values")
 }
 
+/// Targets alone as a text that [`parse_targets`] reads again.
+pub fn write_targets(targets: &[Target]) -> String {
+    #[derive(Serialize)]
+    struct Targets<'a> {
+        format: u32,
+        target: &'a [Target],
+    }
+    toml::to_string(&Targets { format: FORMAT, target: targets }).expect("targets are plain values")
+}
+
+/// The targets of a text, if it is one of a scene.
+pub fn parse_targets(text: &str) -> Option<Vec<Target>> {
+    let scene = toml::from_str::<SceneTable>(text).ok()?.into_scene().ok()?;
+    check(&scene).ok()?;
+    Some(scene.targets)
+}
+
 fn checked(scene: Scene) -> Result<Scene, KeyError> {
     check(&scene)?;
-    if !scene.targets.is_empty() {
+    if scene.targets.iter().any(|target| target.visible) {
         motion::check(&scene)?;
     }
     Ok(scene)
@@ -227,7 +253,7 @@ mod tests {
             ("[motion]\npath = \"points\"\npoints = []", 4, "needs the offsets"),
             ("[motion]\npath = \"points\"\npoints = [[0, 0, nan]]", 4, "motion.points[1] = [0, 0, nan]"),
             ("[motion]\npath = \"circle\"\nframes = 1000000\n[[target]]", 4, "and 1 focus need 7.7 GiB"),
-            ("[motion]\npath = \"steps\"\n[[target]]\nstep = 1", 3, "no target has `step = 0`"),
+            ("[motion]\npath = \"steps\"\n[[target]]\nstep = 1", 3, "no visible target has `step = 0`"),
             ("[[target]]\nstep = 1", 3, "target[1].step = 1: only `path = \"steps\"`"),
             ("[[target]]\npressure = 0", 3, "0 or less is no target: leave the target out"),
             ("[[target]]\npressure = -2.5", 3, "1000000000 relative to the other foci"),
@@ -260,6 +286,7 @@ mod tests {
             kind = "line"
             points = 5
             angle = 0.5
+            visible = false
             [[target]]
             kind = "circle"
             normal = [1, 0, 1]
@@ -305,6 +332,8 @@ mod tests {
         assert_eq!(parse(&write(&scene), Path::new("b.toml")).unwrap(), scene);
         let scene = parse(text, Path::new("a.toml")).unwrap();
         assert_eq!(scene.targets.len(), 8);
+        assert_eq!(parse_targets(&write_targets(&scene.targets)).as_ref(), Some(&scene.targets));
+        assert_eq!(parse_targets("no scene"), None);
         assert_eq!(parse(&write(&scene), Path::new("b.toml")).unwrap(), scene);
     }
 }

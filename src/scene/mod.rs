@@ -11,6 +11,7 @@ pub mod liquid;
 pub mod modulation;
 pub mod motion;
 pub mod outline;
+pub mod rewrite;
 pub mod target;
 
 use glam::{DVec2, DVec3};

@@ -181,6 +181,7 @@ fn steps(scene: &Scene) -> u32 {
         MotionPath::Steps => scene
             .targets
             .iter()
+            .filter(|target| target.visible)
             .filter_map(|target| target.step)
             .max()
             .map_or(1, |last| last.saturating_add(1)),
@@ -225,7 +226,7 @@ fn checked_steps(scene: &Scene) -> Result<Vec<Vec<Focus>>, KeyError> {
 }
 
 fn check_steps(scene: &Scene) -> Result<(), KeyError> {
-    let has_step = |step: u32| scene.targets.iter().any(|target| target.step == Some(step));
+    let has_step = |step: u32| scene.targets.iter().any(|it| it.visible && it.step == Some(step));
     if scene.motion.path != MotionPath::Steps {
         return match scene.targets.iter().position(|target| target.step.is_some()) {
             None => Ok(()),
@@ -237,7 +238,7 @@ fn check_steps(scene: &Scene) -> Result<(), KeyError> {
     }
     // A gap is found after as many steps as there are targets, however large the last one is.
     if let Some(missing) = (0..steps(scene)).find(|&step| !has_step(step)) {
-        return refuse("path", format!("no target has `step = {missing}`: steps are counted from 0"));
+        return refuse("path", format!("no visible target has `step = {missing}`: steps are counted from 0"));
     }
     if steps(scene) > scene.motion.frames {
         return refuse("frames", format!("{} steps need a frame each", steps(scene)));

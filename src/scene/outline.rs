@@ -19,7 +19,7 @@ const CIRCLE_VERTICES: usize = 96;
 /// The focal points of the scene at rest, target by target in the order of the file; of its first step, if it has several.
 ///
 /// # Errors
-/// No targets, a glyph that the font lacks, more focal points than [`MOST_FOCI`], fewer points than corners, or a
+/// No targets or only hidden ones, a glyph that the font lacks, more focal points than [`MOST_FOCI`], fewer points than corners, or a
 /// focal point on or behind the array.
 pub fn foci(scene: &Scene) -> Result<Vec<Focus>, KeyError> {
     foci_of_step(scene, 0)
@@ -32,6 +32,10 @@ pub fn foci(scene: &Scene) -> Result<Vec<Focus>, KeyError> {
 pub fn foci_of_step(scene: &Scene, step: u32) -> Result<Vec<Focus>, KeyError> {
     if scene.targets.is_empty() {
         return Err(KeyError::new([Key::from("target")], "the scene has no target: nothing to focus on"));
+    }
+    if scene.targets.iter().all(|target| !target.visible) {
+        let message = "every target is hidden: nothing to focus on";
+        return Err(KeyError::new([Key::from("target"), Key::from(0), Key::from("visible")], message));
     }
     let mut foci = Vec::new();
     for (index, target) in scene.targets.iter().enumerate().filter(|(_, target)| target.is_in(step)) {
@@ -106,7 +110,36 @@ fn ring(radius: f64, vertices: usize, start: f64) -> Vec<DVec2> {
     (0..=vertices).map(vertex).collect()
 }
 
+/// How many focal points targets ask for together, without making them.
+///
+/// # Errors
+/// More than [`MOST_FOCI`], a glyph that the font lacks, or fewer points than corners.
+pub fn count(targets: &[Target]) -> Result<usize, KeyError> {
+    let mut count = 0;
+    for (index, target) in targets.iter().enumerate().filter(|(_, target)| target.visible) {
+        let (runs, pieces) =
+            divided(target, MOST_FOCI - count).map_err(|e| e.under(&["target".into(), index.into()]))?;
+        count += corners(&runs) + interior(&runs, &pieces);
+    }
+    Ok(count)
+}
+
 fn points(target: &Target, most: usize) -> Result<Vec<DVec3>, KeyError> {
+    let (runs, pieces) = divided(target, most)?;
+    // A circle is no polygon: its points are computed, not taken from the one that is drawn.
+    if let (Shape::Circle { at, radius }, [pieces]) = (&target.shape, &pieces[..]) {
+        let facing = DQuat::from_rotation_arc(DVec3::Z, target.normal.try_normalize().unwrap_or(DVec3::Z));
+        let place = |i| {
+            *at + facing
+                * (DVec2::from_angle(target.angle + TAU * i as f64 / *pieces as f64) * *radius).extend(0.0)
+        };
+        return Ok((0..*pieces).map(place).collect());
+    }
+    Ok(divide(&runs, &pieces))
+}
+
+/// The runs of a target, and into how many pieces each is divided.
+fn divided(target: &Target, most: usize) -> Result<(Vec<Run>, Vec<usize>), KeyError> {
     let runs = runs(&strokes(target)?);
     let pieces = match target.sampling {
         Sampling::Whole => vec![1; runs.len()],
@@ -121,16 +154,7 @@ fn points(target: &Target, most: usize) -> Result<Vec<DVec3>, KeyError> {
             format!("{wanted} focal points are asked for, and a scene may have {MOST_FOCI}"),
         ));
     }
-    // A circle is no polygon: its points are computed, not taken from the one that is drawn.
-    if let (Shape::Circle { at, radius }, [pieces]) = (&target.shape, &pieces[..]) {
-        let facing = DQuat::from_rotation_arc(DVec3::Z, target.normal.try_normalize().unwrap_or(DVec3::Z));
-        let place = |i| {
-            *at + facing
-                * (DVec2::from_angle(target.angle + TAU * i as f64 / *pieces as f64) * *radius).extend(0.0)
-        };
-        return Ok((0..*pieces).map(place).collect());
-    }
-    Ok(divide(&runs, &pieces))
+    Ok((runs, pieces))
 }
 
 fn refusal(key: &'static str, message: impl Into<String>) -> KeyError {
@@ -386,6 +410,16 @@ mod tests {
             ..Target::new(Shape::Line { from: AT, to: AT + DVec3::X })
         };
         assert!(points(&target, MOST_FOCI).unwrap_err().message.contains("1000000001 focal points"));
+    }
+
+    #[test]
+    fn hidden_targets_ask_for_nothing() {
+        let mut scene = Scene { targets: vec![Target::new(Shape::Point { at: AT }); 2], ..Scene::default() };
+        scene.targets[1].visible = false;
+        assert_eq!(foci(&scene).unwrap().len(), 1);
+        assert_eq!(count(&scene.targets).unwrap(), 1);
+        scene.targets[0].visible = false;
+        assert!(foci(&scene).unwrap_err().message.contains("every target is hidden"));
     }
 
     #[test]

@@ -23,6 +23,9 @@ pub struct Target {
     /// When it is shown, counted from 0, if the motion goes in steps; always if `None`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub step: Option<u32>,
+    /// A hidden target is kept and not played.
+    #[serde(skip_serializing_if = "is_true")]
+    pub visible: bool,
 }
 
 impl Target {
@@ -30,12 +33,12 @@ impl Target {
     pub fn new(shape: Shape) -> Self {
         let sampling =
             if matches!(shape, Shape::Point { .. }) { Sampling::Whole } else { Sampling::default() };
-        Self { shape, pressure: 1.0, sampling, angle: 0.0, normal: DVec3::Z, step: None }
+        Self { shape, pressure: 1.0, sampling, angle: 0.0, normal: DVec3::Z, step: None, visible: true }
     }
 
-    /// Whether it is there in a step of the motion.
+    /// Whether it is played in a step of the motion.
     pub fn is_in(&self, step: u32) -> bool {
-        self.step.is_none_or(|own| own == step)
+        self.visible && self.step.is_none_or(|own| own == step)
     }
 }
 
@@ -81,6 +84,10 @@ fn is_zero(angle: &f64) -> bool {
     *angle == 0.0
 }
 
+fn is_true(visible: &bool) -> bool {
+    *visible
+}
+
 fn is_z(normal: &DVec3) -> bool {
     *normal == DVec3::Z
 }
@@ -108,6 +115,7 @@ pub(crate) struct TargetTable {
     angle: Option<f64>,
     normal: Option<DVec3>,
     step: Option<u32>,
+    visible: Option<bool>,
 }
 
 #[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize)]
@@ -165,6 +173,7 @@ impl TargetTable {
         };
         let mut target = Target::new(shape);
         target.step = table.step;
+        target.visible = table.visible.unwrap_or(target.visible);
         target.pressure = table.pressure.take().unwrap_or(target.pressure);
         if table.kind != Kind::Point {
             target.angle = table.angle.take().unwrap_or(target.angle);
@@ -215,6 +224,7 @@ impl TargetTable {
             angle,
             normal,
             step: _,
+            visible: _,
         } = self;
         [
             ("at", at.is_some()),

@@ -2,7 +2,8 @@
 
 use std::path::{Path, PathBuf};
 
-use crate::scene::Scene;
+use crate::scene::file::FileError;
+use crate::scene::{Scene, file, rewrite};
 
 /// Steps that can be taken back.
 const MOST_STEPS: usize = 500;
@@ -21,20 +22,47 @@ pub struct Document {
     path: Option<PathBuf>,
     /// What it is called while it has no file.
     name: String,
+    /// What the scene was read from, with its comments; empty if it was not.
+    text: String,
 }
 
 impl Document {
-    /// A scene from a file, or one that has none yet.
-    pub fn new(scene: Scene, path: Option<PathBuf>, name: &str) -> Self {
+    /// A scene that was read from nowhere.
+    pub fn new(scene: Scene, name: &str) -> Self {
         Self {
             settled: scene.clone(),
             saved: scene.clone(),
             scene,
             undo: Vec::new(),
             redo: Vec::new(),
-            path,
+            path: None,
             name: name.to_owned(),
+            text: String::new(),
         }
+    }
+
+    /// The scene in a text, whose comments are kept.
+    ///
+    /// # Errors
+    /// Those of [`file::parse`].
+    pub fn parse(text: String, name: &str) -> Result<Self, FileError> {
+        let scene = file::parse(&text, Path::new(name))?;
+        Ok(Self { text, ..Self::new(scene, name) })
+    }
+
+    /// The scene of a file.
+    ///
+    /// # Errors
+    /// Those of [`file::read`].
+    pub fn read(path: &Path) -> Result<Self, FileError> {
+        let text = file::read_text(path)?;
+        let scene = file::parse(&text, path)?;
+        Ok(Self { path: Some(path.to_owned()), text, ..Self::new(scene, "") })
+    }
+
+    /// The file that holds the scene: what it was read from, but for what changed.
+    pub fn text(&self) -> String {
+        rewrite::rewrite(&self.text, &self.scene)
     }
 
     pub fn path(&self) -> Option<&Path> {
@@ -52,8 +80,9 @@ impl Document {
         self.scene != self.saved
     }
 
-    /// The scene is in this file now.
+    /// The scene is in this file now, as [`Document::text`].
     pub fn saved_as(&mut self, path: PathBuf) {
+        self.text = self.text();
         self.saved = self.scene.clone();
         self.path = Some(path);
     }
@@ -111,7 +140,7 @@ mod tests {
 
     #[test]
     fn what_is_undone_can_be_redone_and_a_gesture_is_one_step() {
-        let mut document = Document::new(Scene::default(), None, "a");
+        let mut document = Document::new(Scene::default(), "a");
         let mut scenes = vec![document.scene.clone()];
         for step in 1..4 {
             for part in 0..5 {
@@ -136,7 +165,7 @@ mod tests {
 
     #[test]
     fn an_edit_after_undo_forgets_what_was_undone() {
-        let mut document = Document::new(Scene::default(), None, "a");
+        let mut document = Document::new(Scene::default(), "a");
         document.scene.plane.tolerance = 0.01;
         document.undo();
         assert!(document.can_redo());

@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 
 use glam::{DVec2, DVec3};
 
-use crate::scene::{Scene, Shape, Target, outline};
+use crate::scene::{MotionPath, Scene, Shape, Target, file, outline};
 use crate::ui::view::Axes;
 
 /// m: where a copy stands beside what it is a copy of.
@@ -34,6 +34,41 @@ pub fn delete(scene: &mut Scene, selection: &mut BTreeSet<usize>) {
         !selection.contains(&(index - 1))
     });
     selection.clear();
+}
+
+/// What is selected as a text.
+pub fn copied(scene: &Scene, selection: &BTreeSet<usize>) -> Option<String> {
+    let targets: Vec<Target> =
+        selection.iter().filter_map(|&index| scene.targets.get(index)).cloned().collect();
+    (!targets.is_empty()).then(|| file::write_targets(&targets))
+}
+
+/// Adds the targets of a text beside where they stood, and selects them. Says whether it has any.
+pub fn paste(scene: &mut Scene, selection: &mut BTreeSet<usize>, axes: &Axes, text: &str) -> bool {
+    let Some(mut targets) = file::parse_targets(text).filter(|targets| !targets.is_empty()) else {
+        return false;
+    };
+    let by = (axes.x - axes.y) * BESIDE;
+    for target in &mut targets {
+        translate(&mut target.shape, by);
+        // Where nobody takes turns, there are no steps.
+        target.step = target.step.filter(|_| scene.motion.path == MotionPath::Steps);
+    }
+    let first = scene.targets.len();
+    scene.targets.extend(targets);
+    *selection = (first..scene.targets.len()).collect();
+    true
+}
+
+/// Puts a target elsewhere in the list: before the one that stands at `to`, or at the end. Gives out its new place.
+pub fn reorder(scene: &mut Scene, from: usize, to: usize) -> usize {
+    if from >= scene.targets.len() {
+        return from;
+    }
+    let target = scene.targets.remove(from);
+    let place = if from < to { to - 1 } else { to }.min(scene.targets.len());
+    scene.targets.insert(place, target);
+    place
 }
 
 /// Copies what is selected and selects the copies.
@@ -70,6 +105,9 @@ pub fn outline_on(target: &Target, axes: &Axes) -> Vec<Vec<DVec2>> {
 /// The uppermost target whose outline is within `reach` (m) of a point of the cut, or that has the point inside its letters.
 pub fn target_at(scene: &Scene, axes: &Axes, at: DVec2, reach: f64) -> Option<usize> {
     let distance = |target: &Target| {
+        if !target.visible {
+            return f64::INFINITY;
+        }
         let strokes = outline_on(target, axes);
         strokes.iter().map(|stroke| distance_to(stroke, at)).fold(f64::INFINITY, f64::min)
     };
@@ -84,7 +122,7 @@ pub fn targets_in(scene: &Scene, axes: &Axes, a: DVec2, b: DVec2) -> BTreeSet<us
     let inside = |p: &DVec2| p.cmpge(low).all() && p.cmple(high).all();
     let whole = |target: &Target| {
         let outline = outline_on(target, axes).concat();
-        !outline.is_empty() && outline.iter().all(inside)
+        target.visible && !outline.is_empty() && outline.iter().all(inside)
     };
     (0..scene.targets.len()).filter(|&index| whole(&scene.targets[index])).collect()
 }
@@ -128,6 +166,32 @@ mod tests {
         assert_eq!(at(0.0, 0.0), None);
         let band = targets_in(&scene, &axes, DVec2::new(0.06, 0.03), DVec2::new(-0.03, -0.03));
         assert_eq!(band, BTreeSet::from([0, 1]));
+    }
+
+    #[test]
+    fn targets_go_through_a_text_and_come_out_beside_where_they_stood() {
+        let (mut scene, axes) = scene();
+        scene.targets[1].visible = false;
+        let text = copied(&scene, &BTreeSet::from([0, 1])).unwrap();
+        assert_eq!(copied(&scene, &BTreeSet::new()), None);
+        let mut selection = BTreeSet::new();
+        assert!(!paste(&mut scene, &mut selection, &axes, "some words") && scene.targets.len() == 3);
+        assert!(paste(&mut scene, &mut selection, &axes, &text));
+        assert_eq!((scene.targets.len(), &selection), (5, &BTreeSet::from([3, 4])));
+        let by = outline::centre(&scene.targets[4].shape) - outline::centre(&scene.targets[1].shape);
+        assert!(by.distance(DVec3::new(BESIDE, -BESIDE, 0.0)) < 1e-12 && !scene.targets[4].visible);
+    }
+
+    #[test]
+    fn a_target_goes_where_it_is_dropped_in_the_list() {
+        for (from, to, order, place) in
+            [(0, 3, [1, 2, 0], 2), (2, 0, [2, 0, 1], 0), (1, 1, [0, 1, 2], 1), (1, 2, [0, 1, 2], 1)]
+        {
+            let (mut scene, _) = scene();
+            let before = scene.targets.clone();
+            assert_eq!(reorder(&mut scene, from, to), place);
+            assert_eq!(scene.targets, order.map(|index| before[index].clone()));
+        }
     }
 
     #[test]

@@ -8,6 +8,7 @@ use glam::DVec2;
 use crate::scene::{Shape, Target, font};
 use crate::ui::Editor;
 use crate::ui::edit;
+use crate::ui::handle;
 use crate::ui::tool::{self, Tool};
 use crate::ui::view::{Axes, Lens};
 
@@ -27,6 +28,12 @@ pub enum Gesture {
     Move {
         from: DVec2,
         before: Vec<(usize, Target)>,
+    },
+    /// A handle of the one target that is selected, and how that stood.
+    Pull {
+        index: usize,
+        handle: usize,
+        before: Target,
     },
     Band {
         from: DVec2,
@@ -141,6 +148,9 @@ fn begin(editor: &mut Editor, axes: &Axes, lens: &Lens, at: Pos2, modifiers: Mod
 /// Selects what is under the pointer and takes hold of it, or begins a rubber band.
 fn grab(editor: &mut Editor, axes: &Axes, lens: &Lens, at: Pos2, modifiers: Modifiers) -> Gesture {
     let from = lens.flat(at);
+    if let Some(pull) = pull(editor, axes, lens, at) {
+        return pull;
+    }
     let Some(index) = edit::target_at(editor.scene(), axes, from, REACH * lens.window.scale) else {
         let kept = if modifiers.shift { editor.selection.clone() } else { BTreeSet::new() };
         editor.selection = kept.clone();
@@ -157,10 +167,30 @@ fn grab(editor: &mut Editor, axes: &Axes, lens: &Lens, at: Pos2, modifiers: Modi
     Gesture::Move { from, before }
 }
 
+/// Takes hold of a handle of what is selected.
+fn pull(editor: &Editor, axes: &Axes, lens: &Lens, at: Pos2) -> Option<Gesture> {
+    let index = editor.selection.first().copied().filter(|_| editor.selection.len() == 1)?;
+    let before = editor.scene().targets.get(index)?.clone();
+    let handle = handle::at(&before, axes, lens, at)?;
+    Some(Gesture::Pull { index, handle, before })
+}
+
 fn go_on(editor: &mut Editor, axes: &Axes, lens: &Lens, at: Pos2, modifiers: Modifiers) {
     let Some(mut gesture) = editor.gesture.take() else { return };
     match &mut gesture {
         Gesture::Pan => {}
+        Gesture::Pull { index, handle, before } => {
+            let from = handle::handles(before)[*handle];
+            let uv = place(editor, lens, at);
+            // A click that trembles pulls nothing.
+            if uv.distance(axes.flat(from)) >= 2.0 * lens.window.scale {
+                let depth = axes.x.cross(axes.y) * axes.height(from);
+                let pulled = handle::pulled(before, *handle, axes.world(uv) + depth);
+                if let Some(target) = editor.document.scene.targets.get_mut(*index) {
+                    *target = pulled;
+                }
+            }
+        }
         Gesture::Move { from, before } => follow(editor, axes, lens, at, (*from, before)),
         Gesture::Band { from, kept } => {
             let inside = edit::targets_in(editor.scene(), axes, *from, lens.flat(at));

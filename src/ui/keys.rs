@@ -19,6 +19,10 @@ pub const UNDO: KeyboardShortcut = KeyboardShortcut::new(Modifiers::COMMAND, Key
 pub const REDO: KeyboardShortcut = KeyboardShortcut::new(Modifiers::COMMAND.plus(Modifiers::SHIFT), Key::Z);
 const REDO_TOO: KeyboardShortcut = KeyboardShortcut::new(Modifiers::COMMAND, Key::Y);
 pub const DUPLICATE: KeyboardShortcut = KeyboardShortcut::new(Modifiers::COMMAND, Key::D);
+/// These come as events of their own; here they stand for the menu.
+pub const CUT: KeyboardShortcut = KeyboardShortcut::new(Modifiers::COMMAND, Key::X);
+pub const COPY: KeyboardShortcut = KeyboardShortcut::new(Modifiers::COMMAND, Key::C);
+pub const PASTE: KeyboardShortcut = KeyboardShortcut::new(Modifiers::COMMAND, Key::V);
 pub const SELECT_ALL: KeyboardShortcut = KeyboardShortcut::new(Modifiers::COMMAND, Key::A);
 
 /// m: what an arrow key moves by, and with shift.
@@ -31,6 +35,7 @@ pub const HELP: &[(&str, &str)] = &[
     ("Ctrl Shift S", "Save as"),
     ("Ctrl Z / Ctrl Shift Z", "Undo, redo"),
     ("Ctrl A / D", "Select all, duplicate"),
+    ("Ctrl X / C / V", "Cut, copy, paste targets"),
     ("Delete", "Delete what is selected"),
     ("Arrows", "Move by 1 mm, with Shift by 10 mm"),
     ("Esc", "Stop what is under way, select nothing"),
@@ -81,6 +86,7 @@ pub fn press(editor: &mut Editor, ctx: &Context, commands: &mut Vec<Command>) {
     if hit(&UNDO) {
         editor.undo();
     }
+    clipboard(editor, ctx);
     if hit(&DUPLICATE) {
         duplicate(editor);
     }
@@ -88,6 +94,32 @@ pub fn press(editor: &mut Editor, ctx: &Context, commands: &mut Vec<Command>) {
         editor.selection = (0..editor.scene().targets.len()).collect();
     }
     plain_keys(editor, ctx);
+}
+
+/// What the desktop's keys for copying, cutting and pasting ask for.
+fn clipboard(editor: &mut Editor, ctx: &Context) {
+    for event in ctx.input(|input| input.events.clone()) {
+        match event {
+            Event::Copy => copy(editor, ctx),
+            Event::Cut => {
+                copy(editor, ctx);
+                delete(editor);
+            }
+            Event::Paste(text) => paste(editor, &text),
+            _ => {}
+        }
+    }
+}
+
+pub fn copy(editor: &Editor, ctx: &Context) {
+    if let Some(text) = edit::copied(editor.scene(), &editor.selection) {
+        ctx.copy_text(text);
+    }
+}
+
+fn paste(editor: &mut Editor, text: &str) {
+    let axes = editor.view.axes(editor.scene());
+    edit::paste(&mut editor.document.scene, &mut editor.selection, &axes, text);
 }
 
 /// Keys without Ctrl.

@@ -10,7 +10,7 @@ use crate::scene::{MotionPath, outline};
 use crate::ui::canvas::chip;
 use crate::ui::gesture::Gesture;
 use crate::ui::view::{Cut, Lens, array_size};
-use crate::ui::{Editor, Shown, Sound, edit, theme};
+use crate::ui::{Editor, Shown, Sound, edit, handle, theme};
 
 /// m: foci farther than this from the cut are drawn faint.
 const NEAR: f64 = 2e-3;
@@ -23,6 +23,9 @@ pub fn paint(editor: &Editor, shown: &Shown, painter: &Painter, lens: &Lens, poi
     let axes = editor.view.axes(scene);
     for (index, target) in scene.targets.iter().enumerate() {
         let chosen = editor.selection.contains(&index);
+        if !target.visible && !chosen {
+            continue;
+        }
         let colour = if chosen { theme::CHOSEN } else { Color32::from_white_alpha(110) };
         for stroke in edit::outline_on(target, &axes) {
             let points: Vec<_> = stroke.into_iter().map(|uv| lens.screen(uv)).collect();
@@ -42,6 +45,11 @@ pub fn paint(editor: &Editor, shown: &Shown, painter: &Painter, lens: &Lens, poi
         }
     }
     motion(editor, painter, lens);
+    if let (1, Some(&index)) = (editor.selection.len(), editor.selection.first())
+        && let Some(target) = scene.targets.get(index)
+    {
+        handle::paint(target, &axes, painter, lens);
+    }
     if let Some(sound) = &shown.sound {
         foci(editor, sound, painter, lens, pointer);
     }

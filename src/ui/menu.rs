@@ -1,10 +1,15 @@
 //! The menus, the row that says what is seen, and the tools.
 
+use std::path::PathBuf;
+
 use egui::containers::menu::MenuBar;
-use egui::{Button, ComboBox, DragValue, KeyboardShortcut, Sense, Slider, Stroke, Theme, Ui, vec2};
+use egui::{
+    Button, ComboBox, DragValue, KeyboardShortcut, ProgressBar, Sense, Slider, Stroke, Theme, Ui, vec2,
+};
 
 use crate::field::Quantity;
 use crate::picture::ColourMap;
+use crate::scene::MotionPath;
 use crate::ui::tool::{self, Tool};
 use crate::ui::view::{Cut, Scale};
 use crate::ui::{Command, Dialog, Editor, Export, Purpose, Shown, keys, legend, theme};
@@ -14,7 +19,7 @@ const FARTHEST: f64 = 0.3;
 
 pub fn bar(editor: &mut Editor, shown: &Shown, ui: &mut Ui, commands: &mut Vec<Command>) {
     MenuBar::new().ui(ui, |ui| {
-        ui.menu_button("File", |ui| file(editor, ui, commands));
+        ui.menu_button("File", |ui| file(editor, shown, ui, commands));
         ui.menu_button("Edit", |ui| edit(editor, ui));
         ui.menu_button("Examples", |ui| {
             let height = ui.ctx().content_rect().height() - 60.0;
@@ -33,8 +38,12 @@ pub fn bar(editor: &mut Editor, shown: &Shown, ui: &mut Ui, commands: &mut Vec<C
                 ("Sheet as PNG…", Export::Sheet),
                 ("Map's numbers as NPY…", Export::Numbers),
                 ("Drive as CSV…", Export::Drive),
+                ("Motion as GIF or animated PNG…", Export::Motion),
             ] {
-                if ui.button(name).clicked() {
+                let moves = editor.scene().motion.path != MotionPath::None;
+                let button = ui.add_enabled(export != Export::Motion || moves, Button::new(name));
+                if button.on_disabled_hover_text("Nothing moves: choose a path in the Motion panel").clicked()
+                {
                     editor.dialog = Some(Dialog::path(Purpose::Export(export), &editor.document));
                 }
             }
@@ -52,6 +61,18 @@ pub fn bar(editor: &mut Editor, shown: &Shown, ui: &mut Ui, commands: &mut Vec<C
                 .path()
                 .map_or_else(|| "No file yet".to_owned(), |path| path.display().to_string()),
         );
+        if let Some((name, part)) = &shown.export {
+            ui.separator();
+            let bar = ProgressBar::new(*part).desired_width(120.0).text(format!("{:.0} %", part * 100.0));
+            ui.add(bar).on_hover_text(format!("Writing {name}"));
+            if ui
+                .button("Call off")
+                .on_hover_text(format!("Ends the export; {name} is not written"))
+                .clicked()
+            {
+                commands.push(Command::CallOff);
+            }
+        }
         ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
             let dark = ui.visuals().dark_mode;
             let (sign, to) = if dark { ("Light", Theme::Light) } else { ("Dark", Theme::Dark) };
@@ -67,13 +88,16 @@ fn item(ui: &mut Ui, enabled: bool, name: &str, shortcut: &KeyboardShortcut) -> 
     ui.add_enabled(enabled, Button::new(name).shortcut_text(keys)).clicked()
 }
 
-fn file(editor: &mut Editor, ui: &mut Ui, commands: &mut Vec<Command>) {
+fn file(editor: &mut Editor, shown: &Shown, ui: &mut Ui, commands: &mut Vec<Command>) {
     if item(ui, true, "New", &keys::NEW) {
         editor.ask(Command::New, commands);
     }
     if item(ui, true, "Open…", &keys::OPEN) {
         editor.dialog = Some(Dialog::path(Purpose::Open, &editor.document));
     }
+    ui.add_enabled_ui(!shown.recent.is_empty(), |ui| {
+        ui.menu_button("Open recent", |ui| recent(editor, &shown.recent, ui, commands));
+    });
     ui.separator();
     if item(ui, true, "Save", &keys::SAVE) {
         commands.push(Command::Save);
@@ -82,8 +106,26 @@ fn file(editor: &mut Editor, ui: &mut Ui, commands: &mut Vec<Command>) {
         editor.dialog = Some(Dialog::path(Purpose::SaveAs, &editor.document));
     }
     ui.separator();
+    if ui.button("Import drawing…").on_hover_text("Paths of an SVG, or dark strokes of a picture").clicked()
+    {
+        editor.dialog = Some(Dialog::path(Purpose::Import, &editor.document));
+    }
+    ui.separator();
     if item(ui, true, "Quit", &keys::CLOSE) {
         editor.ask(Command::Close, commands);
+    }
+}
+
+fn recent(editor: &mut Editor, recent: &[PathBuf], ui: &mut Ui, commands: &mut Vec<Command>) {
+    for path in recent {
+        let name = path.file_name().unwrap_or_default().to_string_lossy();
+        if ui.button(name).on_hover_text(path.display().to_string()).clicked() {
+            editor.ask(Command::Open(path.clone()), commands);
+        }
+    }
+    ui.separator();
+    if ui.button("Forget these").clicked() {
+        commands.push(Command::ForgetRecent);
     }
 }
 
@@ -96,6 +138,17 @@ fn edit(editor: &mut Editor, ui: &mut Ui) {
     }
     ui.separator();
     let any = !editor.selection.is_empty();
+    if item(ui, any, "Cut", &keys::CUT) {
+        keys::copy(editor, ui.ctx());
+        keys::delete(editor);
+    }
+    if item(ui, any, "Copy", &keys::COPY) {
+        keys::copy(editor, ui.ctx());
+    }
+    if item(ui, true, "Paste", &keys::PASTE) {
+        // It comes as an event in the next frame.
+        ui.ctx().send_viewport_cmd(egui::ViewportCommand::RequestPaste);
+    }
     if item(ui, any, "Duplicate", &keys::DUPLICATE) {
         keys::duplicate(editor);
     }

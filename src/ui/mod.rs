@@ -7,6 +7,7 @@ pub mod document;
 mod edit;
 mod element_map;
 mod gesture;
+mod handle;
 pub mod keys;
 mod legend;
 mod marks;
@@ -37,7 +38,8 @@ use num_complex::Complex64;
 use tool::Tool;
 use view::{Cut, View, Window};
 
-pub use dialog::{Dialog, Purpose};
+pub use dialog::import::Import;
+pub use dialog::{Dialog, IMPORTED, Purpose};
 
 /// Everything that the user edits, and how it is looked at.
 #[derive(Debug)]
@@ -48,6 +50,7 @@ pub struct Editor {
     pub view: View,
     pub tool: Tool,
     pub panel: Panel,
+    pub layout: Layout,
     /// m, between the places to which the pointer snaps.
     pub grid: f64,
     pub snaps: bool,
@@ -90,6 +93,31 @@ pub enum Panel {
     Device,
 }
 
+impl Panel {
+    pub const ALL: [Self; 6] =
+        [Self::Scene, Self::Solver, Self::Drive, Self::Liquid, Self::Motion, Self::Device];
+
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Scene => "Scene",
+            Self::Solver => "Solver",
+            Self::Drive => "Drive",
+            Self::Liquid => "Liquid",
+            Self::Motion => "Motion",
+            Self::Device => "Device",
+        }
+    }
+}
+
+/// Points of the screen that the panels take which can be made wider or narrower.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Layout {
+    /// Width of the one on the right.
+    pub panel: f32,
+    /// Height of the cross-section.
+    pub section: f32,
+}
+
 /// What the panels ask for and cannot do.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Command {
@@ -99,7 +127,13 @@ pub enum Command {
     Example(usize),
     Save,
     SaveAs(PathBuf),
+    /// Reads a drawing and asks where it is to stand.
+    Import(PathBuf),
     Export(Export, PathBuf),
+    /// Forgets the files that were open last.
+    ForgetRecent,
+    /// Ends the export that is under way, without its file.
+    CallOff,
     /// Asks the desktop for a file.
     Browse(Purpose),
     CompareMethods,
@@ -126,6 +160,8 @@ pub enum Export {
     Numbers,
     /// Phase and amplitude per element.
     Drive,
+    /// Every frame of the motion, as maps of what is on the screen.
+    Motion,
 }
 
 /// What was made from the scene and is there to be shown.
@@ -146,6 +182,8 @@ pub struct Shown {
     pub round: Option<Arc<Sequence>>,
     pub is_following: bool,
     pub pressed: Option<Pressed>,
+    /// Files that were open last, the last one first.
+    pub recent: Vec<PathBuf>,
     /// Names of the example scenes.
     pub examples: Vec<String>,
     /// Who computes the field.
@@ -155,6 +193,8 @@ pub struct Shown {
     pub mapping: f64,
     /// What was just done, or could not be.
     pub notice: Option<Notice>,
+    /// What is being written meanwhile, and the part of it that is done.
+    pub export: Option<(String, f32)>,
 }
 
 /// A word on what was done.
@@ -243,6 +283,7 @@ impl Editor {
             selection: BTreeSet::new(),
             tool: Tool::Select,
             panel: Panel::Scene,
+            layout: Layout { panel: 352.0, section: 170.0 },
             grid: 0.005,
             snaps: false,
             gesture: None,
@@ -257,8 +298,8 @@ impl Editor {
     /// Another scene. Tool, colours and panel stay as they are.
     pub fn replace(&mut self, document: Document) {
         let view = View::of(&document.scene);
-        let View { quantity, colours, section, .. } = self.view;
-        self.view = View { quantity, colours, section, ..view };
+        let View { quantity, colours, scale, marks, section, .. } = self.view;
+        self.view = View { quantity, colours, scale, marks, section, ..view };
         self.document = document;
         self.forget_places();
         self.playback = Playback::default();
@@ -321,17 +362,13 @@ pub fn show(
     Side::top("view").frame(frame).show(ui, |ui| menu::view(editor, shown, ui));
     Side::bottom("status").frame(frame).show(ui, |ui| status::bar(editor, shown, ui));
     Side::left("tools").resizable(false).exact_size(48.0).frame(frame).show(ui, |ui| menu::tools(editor, ui));
-    Side::right("panel")
-        .default_size(352.0)
-        .size_range(260.0..=520.0)
-        .show(ui, |ui| panels::show(editor, shown, ui, &mut commands));
+    let panel = Side::right("panel").default_size(editor.layout.panel).size_range(260.0..=520.0);
+    let panel = panel.show(ui, |ui| panels::show(editor, shown, ui, &mut commands));
+    editor.layout.panel = panel.response.rect.width();
     if editor.view.section {
-        Side::bottom("section").default_size(170.0).size_range(110.0..=320.0).resizable(true).show(
-            ui,
-            |ui| {
-                section::show(editor, shown, ui);
-            },
-        );
+        let section = Side::bottom("section").default_size(editor.layout.section).size_range(110.0..=320.0);
+        let section = section.resizable(true).show(ui, |ui| section::show(editor, shown, ui));
+        editor.layout.section = section.response.rect.height();
     }
     let ground = Frame::NONE.fill(ui.visuals().panel_fill);
     CentralPanel::default().frame(ground).show(ui, |ui| canvas(editor, shown, ui));

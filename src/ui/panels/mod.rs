@@ -12,11 +12,13 @@ use std::ops::RangeInclusive;
 
 use egui::{DragValue, Response, RichText, ScrollArea, Ui};
 
+pub use target::{point, sampling};
+
 use crate::ui::{Command, Editor, Panel, Shown};
 
 /// How a number is shown: so many times as large, with this behind it.
 #[derive(Clone, Copy)]
-struct Unit {
+pub struct Unit {
     per: f64,
     suffix: &'static str,
     decimals: usize,
@@ -24,7 +26,7 @@ struct Unit {
     speed: f64,
 }
 
-const MM: Unit = Unit { per: 1e3, suffix: " mm", decimals: 2, speed: 0.25 };
+pub const MM: Unit = Unit { per: 1e3, suffix: " mm", decimals: 2, speed: 0.25 };
 const PLAIN: Unit = Unit { per: 1.0, suffix: "", decimals: 3, speed: 0.01 };
 const DEGREES: Unit = Unit { per: 180.0 / std::f64::consts::PI, suffix: "°", decimals: 1, speed: 0.5 };
 
@@ -33,15 +35,16 @@ pub fn show(editor: &mut Editor, shown: &Shown, ui: &mut Ui, commands: &mut Vec<
     ui.horizontal_wrapped(|ui| {
         ui.spacing_mut().item_spacing.x = 1.0;
         ui.spacing_mut().button_padding.x = 6.0;
-        for (panel, name, tip) in [
-            (Panel::Scene, "Scene", "Targets, air and array"),
-            (Panel::Solver, "Solver", "How the phases are found, and how good they are"),
-            (Panel::Drive, "Drive", "What every element plays"),
-            (Panel::Liquid, "Liquid", "What the sound presses"),
-            (Panel::Motion, "Motion", "How the targets move"),
-            (Panel::Device, "Device", "The board that plays"),
-        ] {
-            ui.selectable_value(&mut editor.panel, panel, name).on_hover_text(tip);
+        for panel in Panel::ALL {
+            let tip = match panel {
+                Panel::Scene => "Targets, air and array",
+                Panel::Solver => "How the phases are found, and how good they are",
+                Panel::Drive => "What every element plays",
+                Panel::Liquid => "What the sound presses",
+                Panel::Motion => "How the targets move",
+                Panel::Device => "The board that plays",
+            };
+            ui.selectable_value(&mut editor.panel, panel, panel.name()).on_hover_text(tip);
         }
     });
     ui.separator();
@@ -64,12 +67,12 @@ fn heading(ui: &mut Ui, text: &str) {
 }
 
 /// Two columns: names and values.
-fn form(ui: &mut Ui, id: &str, rows: impl FnOnce(&mut Ui)) {
+pub fn form(ui: &mut Ui, id: &str, rows: impl FnOnce(&mut Ui)) {
     egui::Grid::new(id).num_columns(2).spacing([12.0, 5.0]).min_col_width(104.0).show(ui, rows);
 }
 
 /// A row with a number that can be edited. What is no number, or none of the range, changes nothing or the nearest that is.
-fn number(
+pub fn number(
     ui: &mut Ui,
     (name, tip): (&str, &str),
     value: &mut f64,
@@ -120,6 +123,7 @@ fn choice<T: Copy + PartialEq>(ui: &mut Ui, (name, tip): (&str, &str), value: &m
     let current = choices.iter().find(|(choice, _)| choice == value).map_or("", |(_, name)| name);
     egui::ComboBox::from_id_salt(name)
         .selected_text(current)
+        .height(320.0)
         .show_ui(ui, |ui| {
             for (choice, name) in choices {
                 ui.selectable_value(value, *choice, *name);

@@ -1,16 +1,19 @@
 //! Targets, plane, air and array.
 
 use egui::{RichText, Sense, Ui};
+use glam::DVec3;
 
 use crate::acoustics::Air;
-use crate::scene::{ElementModel, Target};
-use crate::ui::panels::{MM, PLAIN, Unit, choice, count, form, given, heading, number, target};
+use crate::field::listener::Heard;
+use crate::scene::{ElementModel, Listener, Target};
+use crate::ui::panels::{MM, PLAIN, Unit, choice, count, fact, form, given, heading, number, target};
 use crate::ui::{Editor, Shown, edit, element_map, keys, theme};
 
 pub fn show(editor: &mut Editor, shown: &Shown, ui: &mut Ui) {
     targets(editor, ui);
     ui.separator();
     plane(editor, shown, ui);
+    ui.collapsing("Listener", |ui| listener(editor, shown, ui));
     ui.collapsing("Array", |ui| array(editor, ui));
     ui.collapsing("Air", |ui| air(editor, ui));
 }
@@ -22,14 +25,18 @@ fn targets(editor: &mut Editor, ui: &mut Ui) {
         return;
     }
     let several = ui.input(|input| input.modifiers.shift || input.modifiers.command);
-    egui::ScrollArea::vertical().id_salt("targets").max_height(190.0).auto_shrink([false, true]).show(
-        ui,
-        |ui| {
-            for index in 0..editor.scene().targets.len() {
-                row(editor, index, several, ui);
-            }
-        },
-    );
+    let mut moved = None;
+    let list = egui::ScrollArea::vertical().id_salt("targets").max_height(190.0).auto_shrink([false, true]);
+    // Only those in sight are drawn: there may be hundreds.
+    list.show_rows(ui, ui.spacing().interact_size.y, editor.scene().targets.len(), |ui, rows| {
+        for index in rows {
+            moved = row(editor, index, several, ui).or(moved);
+        }
+    });
+    if let Some((from, to)) = moved {
+        let place = edit::reorder(&mut editor.document.scene, from, to);
+        editor.selection = [place].into();
+    }
     ui.horizontal(|ui| {
         let any = !editor.selection.is_empty();
         ui.add_enabled_ui(any, |ui| {
@@ -67,11 +74,21 @@ fn targets(editor: &mut Editor, ui: &mut Ui) {
     }
 }
 
-fn row(editor: &mut Editor, index: usize, several: bool, ui: &mut Ui) {
+/// A target in the list. Gives out from where to where one is to go that was dropped here.
+fn row(editor: &mut Editor, index: usize, several: bool, ui: &mut Ui) -> Option<(usize, usize)> {
     let chosen = editor.selection.contains(&index);
     let name = format!("{}  {}", index + 1, edit::name(&editor.scene().targets[index]));
-    let button = egui::Button::selectable(chosen, name).min_size(egui::vec2(ui.available_width(), 0.0));
-    let response = ui.add(button);
+    let row = ui.horizontal(|ui| {
+        ui.spacing_mut().item_spacing.x = 4.0;
+        let visible = &mut editor.document.scene.targets[index].visible;
+        ui.checkbox(visible, "")
+            .on_hover_text("Played; a target without the tick stays in the file and is silent")
+            .accessible_name(format!("Target {} is played", index + 1));
+        let text = if *visible { RichText::new(name) } else { RichText::new(name).weak() };
+        let button = egui::Button::selectable(chosen, text).sense(Sense::click_and_drag());
+        ui.add(button.min_size(egui::vec2(ui.available_width(), 0.0)))
+    });
+    let response = row.inner.on_hover_text("Drag it to another place in the list");
     if response.clicked() {
         match (several, chosen) {
             (false, _) => editor.selection = [index].into(),
@@ -79,6 +96,45 @@ fn row(editor: &mut Editor, index: usize, several: bool, ui: &mut Ui) {
             (true, false) => drop(editor.selection.insert(index)),
         }
     }
+    response.dnd_set_drag_payload(Dragged(index));
+    let rect = response.rect;
+    let is_below = ui.ctx().pointer_interact_pos().is_some_and(|at| at.y > rect.center().y);
+    if response.dnd_hover_payload::<Dragged>().is_some() {
+        let y = if is_below { rect.bottom() } else { rect.top() };
+        ui.painter().hline(rect.x_range(), y, egui::Stroke::new(2.0, theme::ACCENT));
+    }
+    let dropped = response.dnd_release_payload::<Dragged>()?;
+    Some((dropped.0, index + usize::from(is_below)))
+}
+
+/// The place of a target that is dragged through the list.
+#[derive(Clone, Copy)]
+struct Dragged(usize);
+
+/// Somebody's ear, and how loud it is there.
+fn listener(editor: &mut Editor, shown: &Shown, ui: &mut Ui) {
+    let listener = &mut editor.document.scene.listener;
+    let mut is_there = listener.is_some();
+    ui.checkbox(&mut is_there, "Somebody listens")
+        .on_hover_text("A place where the loudness matters: an ear beside the array");
+    if !is_there {
+        *listener = None;
+        return;
+    }
+    let listener = listener.get_or_insert(Listener { at: DVec3::new(0.0, -0.3, 0.3) });
+    form(ui, "listener", |ui| {
+        target::point(ui, "Ear", &mut listener.at);
+        if let Some(sound) = &shown.sound {
+            let heard = Heard::new(&sound.aperture, &sound.drive, listener.at);
+            let tip = "Sound pressure level there, of the sound without its modulation";
+            fact(ui, ("Loudness", tip), format!("{:.1} dB SPL", heard.spl));
+            if let Some(warning) = heard.warning() {
+                ui.label("");
+                ui.label(RichText::new(warning).color(theme::warning(ui.visuals())));
+                ui.end_row();
+            }
+        }
+    });
 }
 
 /// What several targets share.

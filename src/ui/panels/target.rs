@@ -3,7 +3,8 @@
 use egui::{DragValue, TextEdit, Ui};
 use glam::DVec3;
 
-use crate::scene::{Pressures, Sampling, Scene, Shape, Target, font};
+use crate::scene::check::MOST_FOCI;
+use crate::scene::{MotionPath, Pressures, Sampling, Scene, Shape, Target, font};
 use crate::ui::panels::{DEGREES, MM, PLAIN, Unit, count, form, number};
 
 /// m
@@ -11,16 +12,19 @@ const LENGTH: std::ops::RangeInclusive<f64> = 1e-4..=10.0;
 
 pub fn show(scene: &mut Scene, index: usize, ui: &mut Ui) {
     let pressures = scene.solver.pressures;
+    let takes_turns = scene.motion.path == MotionPath::Steps;
     let Some(target) = scene.targets.get_mut(index) else { return };
     form(ui, "target", |ui| {
         shape(target, ui);
         pressure(target, pressures, ui);
-        sampling(target, ui);
+        if target.sampling != Sampling::Whole {
+            sampling(ui, &mut target.sampling);
+        }
         let turns = !matches!(target.shape, Shape::Point { .. } | Shape::Circle { .. });
         if turns {
             number(ui, ("Angle", "Turned about its centre"), &mut target.angle, DEGREES, -7.0..=7.0);
         }
-        step(target, ui);
+        step(target, takes_turns, ui);
     });
 }
 
@@ -80,28 +84,31 @@ fn letters(ui: &mut Ui, text: &mut String) {
     ui.end_row();
 }
 
-/// x, y and z in mm.
-fn point(ui: &mut Ui, name: &str, at: &mut DVec3) {
+/// x, y and z in mm, in front of the array.
+pub fn point(ui: &mut Ui, name: &str, at: &mut DVec3) {
     ui.label(format!("{name}, mm"))
         .on_hover_text("x, y, z; the array lies in z = 0, its centre at the origin");
-    ui.horizontal(|ui| {
-        ui.spacing_mut().item_spacing.x = 4.0;
-        for (axis, value) in ["x", "y", "z"].into_iter().zip(at.as_mut()) {
-            let mut shown = *value * 1e3;
-            let least = if axis == "z" { 1.0 } else { -2000.0 };
-            let field = DragValue::new(&mut shown)
-                .speed(0.25)
-                .max_decimals(2)
-                .range(least..=2000.0)
-                .clamp_existing_to_range(false)
-                .update_while_editing(false);
-            let response = ui.add(field).accessible_name(format!("{name} {axis}")).on_hover_text(axis);
-            if response.changed() && shown.is_finite() {
-                *value = shown.clamp(least, 2000.0) * 1e-3;
-            }
-        }
-    });
+    ui.horizontal(|ui| coordinates(ui, name, at, 1.0));
     ui.end_row();
+}
+
+/// Three numbers in mm, z not below `lowest` mm.
+pub fn coordinates(ui: &mut Ui, name: &str, at: &mut DVec3, lowest: f64) {
+    ui.spacing_mut().item_spacing.x = 4.0;
+    for (axis, value) in ["x", "y", "z"].into_iter().zip(at.as_mut()) {
+        let mut shown = *value * 1e3;
+        let least = if axis == "z" { lowest } else { -2000.0 };
+        let field = DragValue::new(&mut shown)
+            .speed(0.25)
+            .max_decimals(2)
+            .range(least..=2000.0)
+            .clamp_existing_to_range(false)
+            .update_while_editing(false);
+        let response = ui.add(field).accessible_name(format!("{name} {axis}")).on_hover_text(axis);
+        if response.changed() && shown.is_finite() {
+            *value = shown.clamp(least, 2000.0) * 1e-3;
+        }
+    }
 }
 
 fn pressure(target: &mut Target, pressures: Pressures, ui: &mut Ui) {
@@ -119,27 +126,25 @@ fn pressure(target: &mut Target, pressures: Pressures, ui: &mut Ui) {
 }
 
 /// How many focal points an outline gets.
-fn sampling(target: &mut Target, ui: &mut Ui) {
-    if target.sampling == Sampling::Whole {
-        return;
-    }
+pub fn sampling(ui: &mut Ui, sampling: &mut Sampling) {
     let label =
         ui.label("Focal points").on_hover_text("By their distance along the outline, or by their number");
     ui.horizontal(|ui| {
-        let by_count = matches!(target.sampling, Sampling::Points(_));
+        let by_count = matches!(sampling, Sampling::Points(_));
         if ui.selectable_label(!by_count, "every").clicked() && by_count {
-            target.sampling = Sampling::default();
+            *sampling = Sampling::default();
         }
         if ui.selectable_label(by_count, "in all").clicked() && !by_count {
-            target.sampling = Sampling::Points(16);
+            *sampling = Sampling::Points(16);
         }
-        match &mut target.sampling {
+        match sampling {
             Sampling::Whole => {}
             Sampling::Spacing(spacing) => {
                 crate::ui::panels::bare_number(ui, spacing, MM, 1e-3..=0.2).labelled_by(label.id);
             }
             Sampling::Points(points) => {
-                let field = DragValue::new(points).speed(0.1).range(1..=500).clamp_existing_to_range(false);
+                let field =
+                    DragValue::new(points).speed(0.1).range(1..=MOST_FOCI).clamp_existing_to_range(false);
                 ui.add(field.update_while_editing(false)).labelled_by(label.id);
             }
         }
@@ -148,8 +153,19 @@ fn sampling(target: &mut Target, ui: &mut Ui) {
 }
 
 /// When it is shown, where targets take turns.
-fn step(target: &mut Target, ui: &mut Ui) {
-    if let Some(step) = &mut target.step {
-        count(ui, ("Step", "When it is shown, counted from 0: targets take turns"), step, 0..=1000);
+fn step(target: &mut Target, takes_turns: bool, ui: &mut Ui) {
+    if !takes_turns && target.step.is_none() {
+        return;
     }
+    let mut has_step = target.step.is_some();
+    ui.checkbox(&mut has_step, "In step").on_hover_text("Shown when its turn comes; else it is there always");
+    match (&mut target.step, has_step) {
+        (Some(step), true) => {
+            let field = DragValue::new(step).speed(0.05).range(0..=1000).update_while_editing(false);
+            ui.add(field).on_hover_text("Counted from 0").accessible_name("Step");
+        }
+        (step, true) => *step = Some(0),
+        (step, false) => *step = None,
+    }
+    ui.end_row();
 }

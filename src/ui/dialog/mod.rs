@@ -1,5 +1,7 @@
 //! What is asked or said in the middle of the window.
 
+pub mod import;
+
 use std::path::PathBuf;
 
 use egui::{Context, Id, Key, Modal, RichText, ScrollArea, TextEdit, Ui};
@@ -8,6 +10,7 @@ use crate::scene::Scene;
 use crate::ui::document::Document;
 use crate::ui::tool::Tool;
 use crate::ui::{Command, Editor, Export, keys};
+use import::Import;
 
 /// A question or a message; nothing else is done meanwhile.
 #[derive(Clone, Debug, PartialEq)]
@@ -26,14 +29,21 @@ pub enum Dialog {
     },
     /// A scene that the last run did not save.
     Recovered(Box<Scene>),
+    /// Where is this drawing to stand?
+    Import(Box<Import>),
     Help,
 }
+
+/// Extensions of files that hold drawings.
+pub const IMPORTED: &[&str] = &["svg", "png", "jpg", "jpeg", "bmp"];
 
 /// What a file is wanted for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Purpose {
     Open,
     SaveAs,
+    /// A drawing that becomes targets.
+    Import,
     Export(Export),
 }
 
@@ -42,26 +52,37 @@ impl Purpose {
         match self {
             Self::Open => "Open a scene",
             Self::SaveAs => "Save the scene as",
+            Self::Import => "Import a drawing (SVG) or a picture of strokes (PNG, JPEG, BMP)",
             Self::Export(Export::Map) => "Export the map as PNG",
             Self::Export(Export::Sheet) => "Export the sheet as PNG",
             Self::Export(Export::Numbers) => "Export the map's numbers as NPY",
             Self::Export(Export::Drive) => "Export the drive as CSV",
+            Self::Export(Export::Motion) => "Export the motion as GIF or animated PNG",
         }
     }
 
-    pub fn extension(self) -> &'static str {
+    /// Of the files that will do, the usual one first.
+    pub fn extensions(self) -> &'static [&'static str] {
         match self {
-            Self::Open | Self::SaveAs => "toml",
-            Self::Export(Export::Map | Export::Sheet) => "png",
-            Self::Export(Export::Numbers) => "npy",
-            Self::Export(Export::Drive) => "csv",
+            Self::Open | Self::SaveAs => &["toml"],
+            Self::Import => IMPORTED,
+            Self::Export(Export::Map | Export::Sheet) => &["png"],
+            Self::Export(Export::Numbers) => &["npy"],
+            Self::Export(Export::Drive) => &["csv"],
+            Self::Export(Export::Motion) => &["gif", "png", "apng"],
         }
+    }
+
+    /// Whether the file is there already.
+    pub fn reads(self) -> bool {
+        matches!(self, Self::Open | Self::Import)
     }
 
     fn verb(self) -> &'static str {
         match self {
             Self::Open => "Open",
             Self::SaveAs => "Save",
+            Self::Import => "Read",
             Self::Export(_) => "Export",
         }
     }
@@ -70,6 +91,7 @@ impl Purpose {
         match self {
             Self::Open => Command::Open(path),
             Self::SaveAs => Command::SaveAs(path),
+            Self::Import => Command::Import(path),
             Self::Export(export) => Command::Export(export, path),
         }
     }
@@ -81,10 +103,10 @@ impl Dialog {
         let stem = document.name();
         let stem = stem.strip_suffix(".toml").unwrap_or(&stem);
         let text = match (purpose, document.path()) {
-            (Purpose::Open, _) => String::new(),
+            (purpose, _) if purpose.reads() => String::new(),
             (Purpose::SaveAs, Some(path)) => path.display().to_string(),
             (_, path) => {
-                let file = format!("{stem}.{}", purpose.extension());
+                let file = format!("{stem}.{}", purpose.extensions()[0]);
                 let folder = path.and_then(|path| path.parent());
                 folder.map_or_else(|| PathBuf::from(&file), |folder| folder.join(&file)).display().to_string()
             }
@@ -110,6 +132,7 @@ pub fn show(editor: &mut Editor, ctx: &Context, commands: &mut Vec<Command>) {
                 stays = !ui.button("Close").clicked();
             }
             Dialog::Recovered(scene) => stays = recovered(scene, ui, commands),
+            Dialog::Import(import) => stays = import.show(editor, ui),
             Dialog::Help => {
                 help(ui);
                 stays = !ui.button("Close").clicked();

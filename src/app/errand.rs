@@ -1,0 +1,115 @@
+//! Something that is done once on a thread while the window goes on. It tells how far it is and can be called off.
+
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
+use std::sync::mpsc::{Receiver, TryRecvError, sync_channel};
+use std::thread;
+
+use egui::Context;
+
+/// Steps in which progress is counted.
+const STEPS: f32 = 1000.0;
+
+/// What an errand tells while it is under way, and hears.
+#[derive(Clone, Debug, Default)]
+pub struct Progress {
+    done: Arc<AtomicU32>,
+    is_off: Arc<AtomicBool>,
+}
+
+impl Progress {
+    /// So large a part is done.
+    pub fn tell(&self, part: f32) {
+        self.done.store((part.clamp(0.0, 1.0) * STEPS) as u32, Ordering::Relaxed);
+    }
+
+    /// The part that is done, 0 to 1.
+    pub fn part(&self) -> f32 {
+        self.done.load(Ordering::Relaxed) as f32 / STEPS
+    }
+
+    pub fn call_off(&self) {
+        self.is_off.store(true, Ordering::Relaxed);
+    }
+
+    pub fn is_off(&self) -> bool {
+        self.is_off.load(Ordering::Relaxed)
+    }
+}
+
+/// Work under way. It goes on when this is dropped, and nobody hears of it.
+#[derive(Debug)]
+pub struct Errand<T> {
+    pub progress: Progress,
+    receiver: Receiver<T>,
+}
+
+/// What has become of an errand.
+#[derive(Debug, PartialEq)]
+pub enum State<T> {
+    UnderWay,
+    Done(T),
+    /// The thread ended without a result.
+    Failed,
+}
+
+impl<T: Send + 'static> Errand<T> {
+    /// # Errors
+    /// No thread could be started.
+    pub fn start(ctx: &Context, work: impl FnOnce(&Progress) -> T + Send + 'static) -> std::io::Result<Self> {
+        let (sender, receiver) = sync_channel(1);
+        let progress = Progress::default();
+        let (own, ctx) = (progress.clone(), ctx.clone());
+        let run = move || {
+            // Nobody may be waiting any more.
+            let _ = sender.send(work(&own));
+            drop(sender);
+            ctx.request_repaint();
+        };
+        thread::Builder::new().name("errand".to_owned()).spawn(run)?;
+        Ok(Self { progress, receiver })
+    }
+
+    pub fn state(&self) -> State<T> {
+        match self.receiver.try_recv() {
+            Ok(value) => State::Done(value),
+            Err(TryRecvError::Empty) => State::UnderWay,
+            Err(TryRecvError::Disconnected) => State::Failed,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn wait<T: Send + 'static>(errand: &Errand<T>) -> State<T> {
+        loop {
+            match errand.state() {
+                State::UnderWay => thread::yield_now(),
+                state => return state,
+            }
+        }
+    }
+
+    #[test]
+    fn it_tells_how_far_it_is_and_hears_when_it_is_called_off() {
+        let ctx = Context::default();
+        let errand = Errand::start(&ctx, |progress: &Progress| {
+            progress.tell(0.25);
+            while !progress.is_off() {
+                thread::yield_now();
+            }
+            7
+        })
+        .unwrap();
+        while errand.progress.part() == 0.0 {
+            thread::yield_now();
+        }
+        assert_eq!((errand.progress.part(), errand.state()), (0.25, State::UnderWay));
+        errand.progress.call_off();
+        assert_eq!(wait(&errand), State::Done(7));
+        let fails = Errand::<()>::start(&ctx, |_| panic!("on purpose")).unwrap();
+        assert_eq!(wait(&fails), State::Failed);
+    }
+}

@@ -1,0 +1,254 @@
+//! What the window remembers from run to run: its place, its panels and colours, and the files that were open last.
+
+use std::path::{Path, PathBuf};
+
+use egui::{Context, ThemePreference};
+use serde::{Deserialize, Serialize};
+
+use crate::cli::output;
+use crate::picture::ColourMap;
+use crate::ui::view::Scale;
+use crate::ui::{Editor, Panel};
+
+/// s between two files.
+const OFTEN: f64 = 2.0;
+/// Files that are remembered.
+const MOST_RECENT: usize = 10;
+/// Points of the screen: windows and places that can be.
+const SMALLEST: [f32; 2] = [200.0, 150.0];
+const LARGEST: f32 = 16_384.0;
+
+const COLOURS: [(ColourMap, &str); 4] = [
+    (ColourMap::Inferno, "inferno"),
+    (ColourMap::Viridis, "viridis"),
+    (ColourMap::Magma, "magma"),
+    (ColourMap::Grey, "grey"),
+];
+const THEMES: [(ThemePreference, &str); 3] =
+    [(ThemePreference::System, "system"), (ThemePreference::Dark, "dark"), (ThemePreference::Light, "light")];
+
+/// What the file calls a value; the first one if it has no name.
+fn name<T: PartialEq>(names: &[(T, &'static str)], value: T) -> String {
+    names.iter().find(|(own, _)| *own == value).unwrap_or(&names[0]).1.to_owned()
+}
+
+fn value<T: Copy>(names: &[(T, &'static str)], name: &str) -> Option<T> {
+    names.iter().find(|(_, own)| *own == name).map(|(value, _)| *value)
+}
+
+/// The file's contents. What it does not say is as it is in the first run.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct Settings {
+    /// Points of the screen, inside the frame.
+    pub size: [f32; 2],
+    /// The desktop chooses if `None`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub position: Option<[f32; 2]>,
+    pub maximized: bool,
+    pub theme: String,
+    pub panel: String,
+    /// Points of the screen.
+    pub panel_width: f32,
+    pub section_height: f32,
+    pub section: bool,
+    pub marks: bool,
+    pub colours: String,
+    pub decibels: bool,
+    /// m
+    pub grid: f64,
+    pub snaps: bool,
+    /// The last one first.
+    pub recent: Vec<PathBuf>,
+}
+
+impl Default for Settings {
+    fn default() -> Self {
+        Self {
+            size: [1280.0, 800.0],
+            position: None,
+            maximized: false,
+            theme: THEMES[0].1.to_owned(),
+            panel: Panel::Scene.name().to_owned(),
+            panel_width: 352.0,
+            section_height: 170.0,
+            section: false,
+            marks: true,
+            colours: COLOURS[0].1.to_owned(),
+            decibels: false,
+            grid: 0.005,
+            snaps: false,
+            recent: Vec::new(),
+        }
+    }
+}
+
+impl Settings {
+    /// As things are now.
+    pub fn of(editor: &Editor, recent: &[PathBuf], ctx: &Context) -> Self {
+        let window = ctx.input(|input| input.viewport().clone());
+        let view = &editor.view;
+        let pair = |x: f32, y: f32| [x.round(), y.round()];
+        Self {
+            size: window.inner_rect.map_or(Self::default().size, |rect| pair(rect.width(), rect.height())),
+            position: window.outer_rect.map(|rect| pair(rect.min.x, rect.min.y)),
+            maximized: window.maximized.unwrap_or(false),
+            theme: name(&THEMES, ctx.options(|options| options.theme_preference)),
+            panel: editor.panel.name().to_owned(),
+            panel_width: editor.layout.panel.round(),
+            section_height: editor.layout.section.round(),
+            section: view.section,
+            marks: view.marks,
+            colours: name(&COLOURS, view.colours),
+            decibels: view.scale == Scale::Decibels,
+            grid: editor.grid,
+            snaps: editor.snaps,
+            recent: recent.to_vec(),
+        }
+    }
+
+    /// Makes things as they were.
+    pub fn apply(&self, editor: &mut Editor, ctx: &Context) {
+        ctx.set_theme(value(&THEMES, &self.theme).unwrap_or(THEMES[0].0));
+        editor.panel =
+            Panel::ALL.into_iter().find(|panel| panel.name() == self.panel).unwrap_or(editor.panel);
+        editor.layout.panel = self.panel_width;
+        editor.layout.section = self.section_height;
+        (editor.grid, editor.snaps) = (self.grid, self.snaps);
+        let view = &mut editor.view;
+        (view.section, view.marks) = (self.section, self.marks);
+        view.scale = if self.decibels { Scale::Decibels } else { Scale::Linear };
+        view.colours = value(&COLOURS, &self.colours).unwrap_or(view.colours);
+    }
+
+    /// With every number in its limits, whatever the file said.
+    fn sane(mut self) -> Self {
+        let own = Self::default();
+        let within = |value: f32, least: f32, most: f32, otherwise: f32| {
+            if value.is_finite() { value.clamp(least, most) } else { otherwise }
+        };
+        for axis in 0..2 {
+            self.size[axis] = within(self.size[axis], SMALLEST[axis], LARGEST, own.size[axis]);
+        }
+        let is_on_a_screen = |place: &[f32; 2]| place.iter().all(|x| (-LARGEST..LARGEST).contains(x));
+        self.position = self.position.filter(is_on_a_screen);
+        self.panel_width = within(self.panel_width, 100.0, 1000.0, own.panel_width);
+        self.section_height = within(self.section_height, 50.0, 1000.0, own.section_height);
+        self.grid = if self.grid.is_finite() { self.grid.clamp(1e-4, 0.1) } else { own.grid };
+        self.recent.truncate(MOST_RECENT);
+        self
+    }
+}
+
+/// Puts a file that was opened or saved in front of those that are remembered.
+pub fn remember(recent: &mut Vec<PathBuf>, path: &Path) {
+    let path = std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
+    recent.retain(|own| *own != path);
+    recent.insert(0, path);
+    recent.truncate(MOST_RECENT);
+}
+
+/// The settings' file. What is not written yet is written when this goes.
+#[derive(Debug)]
+pub struct Memory {
+    path: PathBuf,
+    /// As the file holds them.
+    kept: Settings,
+    pending: Option<Settings>,
+    /// s on the window's clock.
+    last: f64,
+}
+
+impl Memory {
+    /// The file in this folder, what it says, and a word where that could not be read.
+    pub fn at(folder: &Path) -> (Self, Settings, Option<String>) {
+        let path = folder.join("settings.toml");
+        let (settings, word) = match std::fs::read_to_string(&path).map(|text| toml::from_str(&text)) {
+            Ok(Ok(settings)) => (settings, None),
+            Ok(Err(error)) => {
+                let why = error.message().lines().next().unwrap_or_default().to_owned();
+                (Settings::default(), Some(format!("{} is left aside: {why}", path.display())))
+            }
+            Err(_) => (Settings::default(), None),
+        };
+        let settings = settings.sane();
+        (Self { path, kept: settings.clone(), pending: None, last: f64::NEG_INFINITY }, settings, word)
+    }
+
+    /// Keeps the settings, now and then. Gives out in how many seconds it wants to be asked again.
+    pub fn keep(&mut self, settings: Settings, now: f64) -> Option<f64> {
+        self.pending = Some(settings).filter(|settings| *settings != self.kept);
+        self.pending.as_ref()?;
+        if now - self.last < OFTEN {
+            return Some(OFTEN - (now - self.last));
+        }
+        self.last = now;
+        self.write();
+        None
+    }
+
+    fn write(&mut self) {
+        let Some(settings) = self.pending.take() else { return };
+        // Where nothing can be written, the next run begins as the first one did.
+        if let (Some(folder), Ok(text)) = (self.path.parent(), toml::to_string(&settings)) {
+            let _ = std::fs::create_dir_all(folder);
+            let _ = output::write(&self.path, text.as_bytes());
+        }
+        self.kept = settings;
+    }
+}
+
+impl Drop for Memory {
+    fn drop(&mut self) {
+        self.write();
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_kept_is_there_in_the_next_run() {
+        let folder = tempfile::tempdir().unwrap();
+        let (mut memory, first, word) = Memory::at(folder.path());
+        assert_eq!((first, word), (Settings::default(), None));
+        let mut settings = Settings { panel_width: 300.0, theme: "light".to_owned(), ..Settings::default() };
+        remember(&mut settings.recent, Path::new("/a/b.toml"));
+        assert_eq!(memory.keep(settings.clone(), 1.0), None);
+        assert_eq!(Memory::at(folder.path()).1, settings);
+        settings.decibels = true;
+        assert_eq!(memory.keep(settings.clone(), 2.0), Some(1.0), "not all the time");
+        assert_ne!(Memory::at(folder.path()).1, settings);
+        drop(memory);
+        assert_eq!(Memory::at(folder.path()).1, settings, "the last ones are written at the end");
+    }
+
+    #[test]
+    fn broken_files_are_left_aside_with_a_word_and_odd_numbers_come_within_their_limits() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("settings.toml");
+        for broken in ["size = [", "panel_width = \"wide\"", "\u{0}"] {
+            std::fs::write(&path, broken).unwrap();
+            let (_, settings, word) = Memory::at(folder.path());
+            assert_eq!(settings, Settings::default());
+            assert!(word.unwrap().contains("settings.toml is left aside: "));
+        }
+        let odd = "size = [nan, 1e30]\nposition = [inf, 0]\npanel_width = -5\ngrid = nan\nnew_key = 1\n";
+        std::fs::write(&path, odd).unwrap();
+        let (_, settings, word) = Memory::at(folder.path());
+        assert_eq!(word, None);
+        assert_eq!((settings.size, settings.position), ([1280.0, LARGEST], None));
+        assert_eq!((settings.panel_width, settings.grid), (100.0, 0.005));
+    }
+
+    #[test]
+    fn a_file_is_remembered_once_and_the_last_one_first() {
+        let mut recent = Vec::new();
+        for name in ["a", "b", "a", "c", "d", "e", "f", "g", "h", "i", "j", "k"] {
+            remember(&mut recent, &Path::new("/scenes").join(name));
+        }
+        assert_eq!(recent.len(), MOST_RECENT);
+        assert!(recent[0].ends_with("k") && recent.iter().filter(|path| path.ends_with("a")).count() <= 1);
+    }
+}

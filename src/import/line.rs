@@ -1,0 +1,128 @@
+//! Polylines of a drawing: length, simplification, and what stands near what.
+
+use glam::DVec2;
+
+/// A polyline in the plane. Its unit is the drawing's.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Line {
+    /// One at least; of a closed line the first is not repeated at the end.
+    pub points: Vec<DVec2>,
+    pub closed: bool,
+}
+
+impl Line {
+    pub fn length(&self) -> f64 {
+        self.pieces().map(|[a, b]| a.distance(b)).sum()
+    }
+
+    /// From point to point, and from the last to the first if it is closed.
+    pub fn pieces(&self) -> impl Iterator<Item = [DVec2; 2]> {
+        let closing = self.closed.then(|| [self.points[self.points.len() - 1], self.points[0]]);
+        self.points.windows(2).map(|pair| [pair[0], pair[1]]).chain(closing)
+    }
+
+    pub fn distance(&self, at: DVec2) -> f64 {
+        let to_first = self.points[0].distance(at);
+        self.pieces().map(|piece| distance_to(piece, at)).fold(to_first, f64::min)
+    }
+
+    /// The same line with fewer points, none of which left out is farther than `tolerance` from it (Douglas and Peucker).
+    pub fn simplified(&self, tolerance: f64) -> Self {
+        let mut points = self.points.clone();
+        if self.closed {
+            // It is cut open where it is farthest from its first point, so that both halves have a length.
+            let first = points[0];
+            points.push(first);
+        }
+        let mut stays = vec![false; points.len()];
+        let last = points.len() - 1;
+        (stays[0], stays[last]) = (true, true);
+        let mut parts = vec![(0, last)];
+        while let Some((from, to)) = parts.pop() {
+            let off = |&i: &usize| distance_to([points[from], points[to]], points[i]);
+            let Some(farthest) = (from + 1..to).max_by(|a, b| off(a).total_cmp(&off(b))) else { continue };
+            if off(&farthest) > tolerance {
+                stays[farthest] = true;
+                parts.extend([(from, farthest), (farthest, to)]);
+            }
+        }
+        let mut kept: Vec<_> =
+            points.iter().zip(&stays).filter(|(_, stays)| **stays).map(|(point, _)| *point).collect();
+        if self.closed {
+            kept.pop();
+        }
+        Self { points: kept, closed: self.closed }
+    }
+
+    /// The same line with at most `most` points.
+    pub fn with_at_most(&self, most: usize, tolerance: f64) -> Self {
+        let mut line = self.simplified(tolerance);
+        let mut coarser = tolerance;
+        while line.points.len() > most {
+            coarser *= 2.0;
+            line = self.simplified(coarser);
+        }
+        line
+    }
+
+    /// What is left of an open line when so much of it is cut off at its beginning. `None` where nothing is left.
+    pub fn without_beginning(&self, length: f64) -> Option<Self> {
+        let mut left = length;
+        for (i, pair) in self.points.windows(2).enumerate() {
+            let piece = pair[0].distance(pair[1]);
+            if left < piece {
+                let mut points = vec![pair[0].lerp(pair[1], left / piece)];
+                points.extend(&self.points[i + 1..]);
+                return Some(Self { points, closed: false });
+            }
+            left -= piece;
+        }
+        None
+    }
+
+    pub fn reversed(mut self) -> Self {
+        self.points.reverse();
+        self
+    }
+}
+
+fn distance_to([a, b]: [DVec2; 2], at: DVec2) -> f64 {
+    let along = b - a;
+    let part = ((at - a).dot(along) / along.length_squared().max(f64::MIN_POSITIVE)).clamp(0.0, 1.0);
+    at.distance(a + along * part)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn ring(points: u32) -> Line {
+        let at = |i: u32| DVec2::from_angle(std::f64::consts::TAU * f64::from(i) / f64::from(points));
+        Line { points: (0..points).map(at).collect(), closed: true }
+    }
+
+    #[test]
+    fn a_simpler_line_stays_near_and_keeps_its_corners() {
+        let ring = ring(1000);
+        let simple = ring.simplified(1e-3);
+        assert!(simple.closed && (70..150).contains(&simple.points.len()), "{}", simple.points.len());
+        assert!(ring.points.iter().all(|&point| simple.distance(point) <= 1e-3));
+        assert!((simple.length() / ring.length() - 1.0).abs() < 2e-3);
+        let bent = Line {
+            points: [(0.0, 0.0), (1.0, 0.0), (2.0, 0.0), (2.0, 3.0)].map(DVec2::from).into(),
+            closed: false,
+        };
+        assert_eq!(bent.simplified(1e-6).points, [(0.0, 0.0), (2.0, 0.0), (2.0, 3.0)].map(DVec2::from));
+        assert!(ring.with_at_most(12, 1e-9).points.len() <= 12);
+    }
+
+    #[test]
+    fn a_line_is_cut_off_at_its_beginning() {
+        let bent =
+            Line { points: [(0.0, 0.0), (2.0, 0.0), (2.0, 3.0)].map(DVec2::from).into(), closed: false };
+        assert_eq!(bent.length(), 5.0);
+        let rest = bent.without_beginning(2.5).unwrap();
+        assert_eq!(rest.points, [(2.0, 0.5), (2.0, 3.0)].map(DVec2::from));
+        assert_eq!(bent.without_beginning(5.0), None);
+    }
+}

@@ -1,0 +1,132 @@
+//! Drawings from elsewhere: the paths of an SVG or the dark strokes of a picture, as polylines, and these as targets.
+//!
+//! `bytes → Drawing` ([`read`]) `→ targets` ([`Placement::targets`]); nothing here touches a file or the window.
+
+mod line;
+mod placement;
+mod scan;
+mod svg;
+mod trace;
+
+use glam::DVec2;
+
+pub use line::Line;
+pub use placement::Placement;
+
+/// Bytes of a file, at most.
+pub const MOST_BYTES: usize = 64 << 20;
+/// Lines of a drawing, at most: there are no more focal points than that.
+const MOST_LINES: usize = crate::scene::check::MOST_FOCI;
+/// Points of all lines together.
+const MOST_POINTS: usize = 20_000;
+/// Largest deviation of a line from what was drawn, of the drawing's longer side.
+const TOLERANCE: f64 = 1.0 / 4000.0;
+
+/// Lines about the origin, y upwards; the longer side of the box around them is 1.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Drawing {
+    /// The longest first.
+    pub lines: Vec<Line>,
+    /// Width and height.
+    pub size: DVec2,
+    /// For each line, how far its two ends are from the nearest line before it; infinite where none is.
+    gaps: Vec<[f64; 2]>,
+    /// What was left out, a sentence each.
+    pub remarks: Vec<String>,
+}
+
+/// Why a file holds no drawing.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum ImportError {
+    #[error("the file has {} MiB, and {} are the most", .0 >> 20, MOST_BYTES >> 20)]
+    TooLarge(usize),
+    #[error("this is neither an SVG nor a PNG, JPEG or BMP picture")]
+    UnknownFormat,
+    #[error("the SVG is compressed: unpack it first")]
+    Compressed,
+    #[error("the SVG cannot be read: {0}")]
+    Svg(String),
+    #[error("the SVG holds no path that is painted{}", if *.has_text { "; its text has to be turned into paths first" } else { "" })]
+    NoPaths { has_text: bool },
+    #[error("the picture cannot be read: {0}")]
+    Picture(String),
+    #[error("the picture is blank: nothing on it is darker than its paper")]
+    Blank,
+    #[error(
+        "the picture has no dark strokes on light paper: it seems to be a photograph or a painted surface"
+    )]
+    NoStrokes,
+    #[error("the drawing has {0} lines, and {MOST_LINES} are the most that an array could play")]
+    TooManyLines(usize),
+}
+
+/// The drawing that a file holds: an SVG, or a PNG, JPEG or BMP picture.
+///
+/// # Errors
+/// A file of another kind, one that is broken or too large, and one in which nothing is drawn.
+pub fn read(bytes: &[u8]) -> Result<Drawing, ImportError> {
+    if bytes.len() > MOST_BYTES {
+        return Err(ImportError::TooLarge(bytes.len()));
+    }
+    match image::guess_format(bytes) {
+        Ok(format @ (image::ImageFormat::Png | image::ImageFormat::Jpeg | image::ImageFormat::Bmp)) => {
+            Drawing::new(scan::lines(bytes, format)?, Vec::new())
+        }
+        _ if bytes.starts_with(&[0x1f, 0x8b]) => Err(ImportError::Compressed),
+        _ => {
+            let text = std::str::from_utf8(bytes).map_err(|_| ImportError::UnknownFormat)?;
+            if !text.contains("<svg") && !text.contains(":svg") {
+                return Err(ImportError::UnknownFormat);
+            }
+            let (lines, remarks) = svg::lines(text)?;
+            Drawing::new(lines, remarks)
+        }
+    }
+}
+
+impl Drawing {
+    /// From lines of any size and place; what is not finite is left out.
+    fn new(mut lines: Vec<Line>, remarks: Vec<String>) -> Result<Self, ImportError> {
+        lines.retain(|line| !line.points.is_empty() && line.points.iter().all(|point| point.is_finite()));
+        let points = || lines.iter().flat_map(|line| &line.points).copied();
+        let (Some(low), Some(high)) = (points().reduce(DVec2::min), points().reduce(DVec2::max)) else {
+            return Err(ImportError::NoPaths { has_text: false });
+        };
+        let side = (high - low).max_element();
+        if side <= 0.0 || !side.is_finite() {
+            return Err(ImportError::NoPaths { has_text: false });
+        }
+        if lines.len() > MOST_LINES {
+            return Err(ImportError::TooManyLines(lines.len()));
+        }
+        let middle = (low + high) / 2.0;
+        for line in &mut lines {
+            line.points.iter_mut().for_each(|point| *point = (*point - middle) / side);
+        }
+        lines.sort_by(|a, b| b.length().total_cmp(&a.length()));
+        let lines = sparse(&lines);
+        let gaps = (0..lines.len()).map(|i| gaps(&lines, i)).collect();
+        Ok(Self { lines, size: (high - low) / side, gaps, remarks })
+    }
+}
+
+/// The same lines with as few points as the tolerance allows, and fewer where these are still too many.
+fn sparse(lines: &[Line]) -> Vec<Line> {
+    let mut tolerance = TOLERANCE;
+    loop {
+        let sparse: Vec<_> = lines.iter().map(|line| line.with_at_most(MOST_LINES, tolerance)).collect();
+        if sparse.iter().map(|line| line.points.len()).sum::<usize>() <= MOST_POINTS {
+            return sparse;
+        }
+        tolerance *= 2.0;
+    }
+}
+
+/// How far the ends of a line are from the nearest of those before it.
+fn gaps(lines: &[Line], index: usize) -> [f64; 2] {
+    let points = &lines[index].points;
+    [points[0], points[points.len() - 1]].map(|end| {
+        let distances = lines[..index].iter().map(|line| line.distance(end));
+        distances.fold(f64::INFINITY, f64::min)
+    })
+}

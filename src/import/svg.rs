@@ -1,0 +1,184 @@
+//! The painted paths of an SVG as polylines. Styles, units, transforms and the view box are usvg's business.
+
+use std::f64::consts::PI;
+
+use glam::DVec2;
+use usvg::tiny_skia_path::{PathSegment, Point};
+use usvg::{Group, Node, Options, Paint, Path, Transform, Tree, roxmltree};
+
+use crate::import::{ImportError, Line};
+
+/// rad, by which a curve turns from piece to piece at most.
+const TURN: f64 = 5.0 * PI / 180.0;
+/// Pieces of a curve.
+const FEWEST: usize = 8;
+const MOST: usize = 96;
+/// Bytes of stack for elements within elements: usvg goes down 1024 of them.
+const STACK: usize = 64 << 20;
+/// XML nodes: more is no drawing for an array.
+const MOST_NODES: u32 = 500_000;
+
+/// Lines with y upwards, and what was left out.
+pub fn lines(text: &str) -> Result<(Vec<Line>, Vec<String>), ImportError> {
+    let read = || lines_of(text);
+    std::thread::scope(|scope| {
+        let thread = std::thread::Builder::new().stack_size(STACK).spawn_scoped(scope, read);
+        let refused = |cause: String| Err(ImportError::Svg(cause));
+        match thread.map(std::thread::ScopedJoinHandle::join) {
+            Ok(Ok(lines)) => lines,
+            Ok(Err(_)) => refused("reading it failed".to_owned()),
+            Err(error) => refused(error.to_string()),
+        }
+    })
+}
+
+fn lines_of(text: &str) -> Result<(Vec<Line>, Vec<String>), ImportError> {
+    let options =
+        roxmltree::ParsingOptions { allow_dtd: true, nodes_limit: MOST_NODES, ..Default::default() };
+    let document = roxmltree::Document::parse_with_options(text, options)
+        .map_err(|error| ImportError::Svg(error.to_string()))?;
+    let has = |name: &str| document.descendants().any(|node| node.tag_name().name() == name);
+    let (has_text, has_image) = (has("text"), has("image"));
+    // A drawing may name other files; none of them is opened.
+    let resolver = usvg::ImageHrefResolver {
+        resolve_data: Box::new(|_, _, _| None),
+        resolve_string: Box::new(|_, _| None),
+    };
+    let options = Options { image_href_resolver: resolver, ..Options::default() };
+    let tree =
+        Tree::from_xmltree(&document, &options).map_err(|error| ImportError::Svg(error.to_string()))?;
+    let mut lines = Vec::new();
+    gather(tree.root(), &mut lines);
+    if lines.is_empty() {
+        return Err(ImportError::NoPaths { has_text });
+    }
+    let mut remarks = Vec::new();
+    if has_text {
+        remarks.push("Text is left out: turn it into paths where it was drawn.".to_owned());
+    }
+    if has_image {
+        remarks.push("Pictures inside the SVG are left out.".to_owned());
+    }
+    Ok((lines, remarks))
+}
+
+fn gather(group: &Group, lines: &mut Vec<Line>) {
+    for node in group.children() {
+        match node {
+            Node::Group(group) => gather(group, lines),
+            Node::Path(path) if path.is_visible() && !is_paper(path) => flatten(path, lines),
+            _ => {}
+        }
+    }
+}
+
+/// A white ground is no part of the drawing.
+fn is_paper(path: &Path) -> bool {
+    let is_white = |paint: &Paint| matches!(paint, Paint::Color(colour) if colour.red.min(colour.green).min(colour.blue) > 247);
+    path.stroke().is_none() && path.fill().is_some_and(|fill| is_white(fill.paint()))
+}
+
+/// The subpaths of a path.
+fn flatten(path: &Path, lines: &mut Vec<Line>) {
+    let transform = path.abs_transform();
+    let place = |point: Point| placed(&transform, point);
+    let mut line = Line { points: Vec::new(), closed: false };
+    let mut end = |line: &mut Line| {
+        line.points.dedup();
+        if line.closed && line.points.first() == line.points.last() {
+            line.points.pop();
+        }
+        // Two points that close are a line there and back.
+        line.closed &= line.points.len() > 2;
+        let done = std::mem::replace(line, Line { points: Vec::new(), closed: false });
+        if done.points.len() > 1 {
+            lines.push(done);
+        }
+    };
+    for segment in path.data().segments() {
+        let from = line.points.last().copied().unwrap_or(DVec2::ZERO);
+        match segment {
+            PathSegment::MoveTo(to) => {
+                end(&mut line);
+                line.points.push(place(to));
+            }
+            PathSegment::LineTo(to) => line.points.push(place(to)),
+            PathSegment::QuadTo(a, to) => {
+                let (a, to) = (place(a), place(to));
+                curve(&mut line, [from, from.lerp(a, 2.0 / 3.0), to.lerp(a, 2.0 / 3.0), to]);
+            }
+            PathSegment::CubicTo(a, b, to) => curve(&mut line, [from, place(a), place(b), place(to)]),
+            PathSegment::Close => {
+                let first = line.points.first().copied();
+                line.closed = true;
+                end(&mut line);
+                // What follows without a move goes on from where the closed part began.
+                line.points.extend(first);
+            }
+        }
+    }
+    end(&mut line);
+}
+
+fn placed(transform: &Transform, point: Point) -> DVec2 {
+    let [x, y] = [point.x, point.y].map(f64::from);
+    let [sx, kx, ky, sy] = [transform.sx, transform.kx, transform.ky, transform.sy].map(f64::from);
+    DVec2::new(sx * x + kx * y + f64::from(transform.tx), -(ky * x + sy * y + f64::from(transform.ty)))
+}
+
+/// A cubic in pieces that turn by little; the control polygon turns by more than the curve.
+fn curve(line: &mut Line, [p0, p1, p2, p3]: [DVec2; 4]) {
+    let sides: Vec<_> =
+        [p1 - p0, p2 - p1, p3 - p2].into_iter().filter(|side| side.length_squared() > 0.0).collect();
+    let turn: f64 = sides.windows(2).map(|pair| pair[0].angle_to(pair[1]).abs()).sum();
+    let pieces = ((turn / TURN) as usize).clamp(FEWEST, MOST);
+    for i in 1..=pieces {
+        let t = i as f64 / pieces as f64;
+        let s = 1.0 - t;
+        let at = p0 * (s * s * s) + p1 * (3.0 * s * s * t) + p2 * (3.0 * s * t * t) + p3 * (t * t * t);
+        line.points.push(at);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::f64::consts::TAU;
+
+    use super::*;
+
+    fn of(body: &str) -> Vec<Line> {
+        let text = format!("<svg xmlns='http://www.w3.org/2000/svg' width='200' height='100'>{body}</svg>");
+        lines(&text).unwrap().0
+    }
+
+    #[test]
+    fn a_circle_keeps_its_radius_and_length() {
+        let [circle] = &of("<circle cx='50' cy='40' r='30'/>")[..] else { panic!("one line") };
+        assert!(circle.closed);
+        for point in &circle.points {
+            assert!((point.distance(DVec2::new(50.0, -40.0)) - 30.0).abs() < 0.02, "{point}");
+        }
+        assert!((circle.length() / (TAU * 30.0) - 1.0).abs() < 1e-3, "{}", circle.length());
+    }
+
+    #[test]
+    fn transforms_and_the_view_box_hold_and_y_goes_upwards() {
+        let body = "<g transform='translate(10 20) scale(2)'><path d='M1 2 L5 2 L5 8' fill='none' stroke='red'/></g>";
+        assert_eq!(of(body)[0].points, [(12.0, -24.0), (20.0, -24.0), (20.0, -36.0)].map(DVec2::from));
+        let boxed = "<svg xmlns='http://www.w3.org/2000/svg' width='100' height='100' viewBox='10 0 50 50'>\
+            <path d='M10 0 H60 V50' fill='none' stroke='black'/></svg>";
+        let points = &lines(boxed).unwrap().0[0].points;
+        assert_eq!(*points, [(0.0, 0.0), (100.0, 0.0), (100.0, -100.0)].map(DVec2::from));
+    }
+
+    #[test]
+    fn subpaths_are_lines_of_their_own_and_what_is_not_painted_is_none() {
+        let lines = of("<path d='M0 0h10v10h-10z M20 0 q5 10 10 0 l3 0' stroke='black' fill='none'/>\
+            <path d='M0 0h99v99z' fill='none'/><rect width='200' height='100' fill='white'/>\
+            <rect width='10' height='10' display='none'/>");
+        assert_eq!(lines.iter().map(|line| line.closed).collect::<Vec<_>>(), [true, false]);
+        assert_eq!(lines[0].points.len(), 4);
+        assert_eq!(lines[0].length(), 40.0);
+        assert!(lines[1].points.iter().any(|p| (p.x - 25.0).abs() < 1.0 && (p.y + 5.0).abs() < 0.1));
+    }
+}

@@ -1,0 +1,276 @@
+//! A scene written into the text that an earlier one was read from: only what changed is touched, so that comments, order and
+//! the way numbers are written survive.
+
+use std::path::Path;
+
+use toml_edit::{ArrayOfTables, DocumentMut, Item, Table, TableLike};
+
+use crate::scene::{Scene, file};
+
+const TARGET: &str = "target";
+
+/// The text with the scene in it: the same to the byte where it holds the scene already. Where the text is no scene,
+/// or cannot hold this one as it is laid out, the scene is written anew.
+pub fn rewrite(text: &str, scene: &Scene) -> String {
+    let name = Path::new("scene");
+    let Ok(before) = file::parse(text, name) else { return file::write(scene) };
+    if before == *scene {
+        return text.to_owned();
+    }
+    let holds_it = |text: &String| file::parse(text, name).is_ok_and(|written| written == *scene);
+    rewritten(text, &before, scene).filter(holds_it).unwrap_or_else(|| file::write(scene))
+}
+
+fn rewritten(text: &str, before: &Scene, after: &Scene) -> Option<String> {
+    let document = |text: &str| text.parse::<DocumentMut>().ok();
+    let mut own = document(text)?;
+    let (before, after) = (document(&file::write(before))?, document(&file::write(after))?);
+    for (key, item) in after.iter().filter(|(key, _)| *key != TARGET) {
+        let old = before.get(key);
+        match item.as_table_like() {
+            Some(table) if old.is_some() => {
+                update(own.entry(key).or_insert_with(empty), old.and_then(Item::as_table_like), table)?;
+            }
+            Some(_) => drop(own.insert(key, item.clone())),
+            None => set(own.as_table_mut(), key, old, item),
+        }
+    }
+    for (key, _) in before.iter().filter(|(key, _)| *key != TARGET && after.get(key).is_none()) {
+        own.remove(key);
+    }
+    targets(&mut own, &before, &after)?;
+    // A table that holds nothing new was only made to look.
+    let is_idle =
+        |item: &Item| item.as_table().is_some_and(|table| table.is_empty() && table.position().is_none());
+    let idle: Vec<String> =
+        own.iter().filter(|(_, item)| is_idle(item)).map(|(key, _)| key.to_owned()).collect();
+    for key in idle {
+        own.remove(&key);
+    }
+    Some(own.to_string())
+}
+
+fn empty() -> Item {
+    let mut table = Table::new();
+    table.decor_mut().set_prefix("\n");
+    Item::Table(table)
+}
+
+/// Writes the keys of a table that differ from what they were.
+fn update(own: &mut Item, before: Option<&dyn TableLike>, after: &dyn TableLike) -> Option<()> {
+    let own = own.as_table_like_mut()?;
+    for (key, item) in after.iter() {
+        set(own, key, before.and_then(|before| before.get(key)), item);
+    }
+    for (key, _) in before.into_iter().flat_map(|before| before.iter()) {
+        if after.get(key).is_none() {
+            own.remove(key);
+        }
+    }
+    Some(())
+}
+
+/// Writes a value if it is another one, with the comment behind it left there.
+fn set(own: &mut dyn TableLike, key: &str, before: Option<&Item>, after: &Item) {
+    if before.is_some_and(|before| before.to_string() == after.to_string()) {
+        return;
+    }
+    let mut item = after.clone();
+    match (own.get_mut(key).and_then(Item::as_value_mut), item.as_value_mut()) {
+        (Some(old), Some(new)) => {
+            *new.decor_mut() = old.decor().clone();
+            *old = new.clone();
+        }
+        _ => drop(own.insert(key, item)),
+    }
+}
+
+/// Every target keeps its table and with it its comments, wherever it stands now.
+fn targets(own: &mut DocumentMut, before: &DocumentMut, after: &DocumentMut) -> Option<()> {
+    let tables = |document: &DocumentMut| -> Vec<Table> {
+        let targets = document.get(TARGET).and_then(Item::as_array_of_tables);
+        targets.map(|tables| tables.iter().cloned().collect()).unwrap_or_default()
+    };
+    let (before, after) = (tables(before), tables(after));
+    let text = |table: &Table| table.to_string();
+    if before.iter().map(text).eq(after.iter().map(text)) {
+        return Some(());
+    }
+    let mut written: Vec<Option<Table>> = tables(own).into_iter().map(Some).collect();
+    // Written in line, or not at all: nothing is lost by writing them anew.
+    written.resize(before.len(), None);
+    let mut places: Vec<_> = written.iter().flatten().map(Table::position).collect();
+    places.sort_unstable();
+    let origins =
+        origins(&before.iter().map(text).collect::<Vec<_>>(), &after.iter().map(text).collect::<Vec<_>>());
+    let mut targets = ArrayOfTables::new();
+    for (index, (table, origin)) in after.iter().zip(origins).enumerate() {
+        let mut item = match origin.and_then(|origin| Some((origin, written[origin].take()?))) {
+            Some((origin, own)) => {
+                let mut own = Item::Table(own);
+                update(&mut own, Some(&before[origin]), table)?;
+                own
+            }
+            None => Item::Table(table.clone()),
+        };
+        let own = item.as_table_mut()?;
+        own.set_position(places.get(index).copied().flatten());
+        targets.push(own.clone());
+    }
+    if targets.is_empty() {
+        own.remove(TARGET);
+    } else {
+        own.insert(TARGET, Item::ArrayOfTables(targets));
+    }
+    Some(())
+}
+
+/// Which of the former targets each of the new ones is: the one that is the same, or else the one that stood in its place
+/// and is nowhere else now.
+fn origins(before: &[String], after: &[String]) -> Vec<Option<usize>> {
+    let mut is_free = vec![true; before.len()];
+    let mut origins: Vec<Option<usize>> = after
+        .iter()
+        .map(|table| {
+            let same = (0..before.len()).find(|&i| is_free[i] && before[i] == *table)?;
+            is_free[same] = false;
+            Some(same)
+        })
+        .collect();
+    // As many as vanished before a place may have moved it up.
+    let mut left = (0..before.len()).filter(|&i| is_free[i]).collect::<Vec<_>>().into_iter();
+    if before.len() == after.len() {
+        for origin in origins.iter_mut().filter(|origin| origin.is_none()) {
+            *origin = left.next();
+        }
+    }
+    origins
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::DVec3;
+
+    use super::*;
+    use crate::scene::{Method, Sampling, Shape, Target};
+
+    const TEXT: &str = r#"# A scene by hand.
+format = 1   # the only one
+
+[array]
+# Ours is small.
+rows = 8
+pitch = 10.5e-3  # m
+
+# The left one.
+[[target]]
+at = [-0.02, 0, 0.1]
+
+# The right one,
+[[target]]   # a circle
+kind = "circle"
+radius = 0.010 # m
+spacing = 0.008
+
+[solver]
+method = "gs"  # quick
+# The end.
+"#;
+
+    fn scene(text: &str) -> Scene {
+        file::parse(text, Path::new("a.toml")).unwrap()
+    }
+
+    /// Lines that are in one text and not in the other.
+    fn changes(after: &str) -> Vec<String> {
+        let has = |text: &str, line: &str| text.lines().any(|own| own == line);
+        let gone = TEXT.lines().filter(|line| !has(after, line)).map(|line| format!("- {line}"));
+        let new = after.lines().filter(|line| !has(TEXT, line)).map(|line| format!("+ {line}"));
+        gone.chain(new).collect()
+    }
+
+    fn edited(edit: impl FnOnce(&mut Scene)) -> String {
+        let mut scene = scene(TEXT);
+        edit(&mut scene);
+        let text = rewrite(TEXT, &scene);
+        assert_eq!(file::parse(&text, Path::new("b.toml")).unwrap(), scene, "{text}");
+        text
+    }
+
+    #[test]
+    fn a_scene_without_changes_is_the_same_to_the_byte() {
+        assert_eq!(edited(|_| {}), TEXT);
+    }
+
+    #[test]
+    fn only_the_lines_that_changed_are_written() {
+        let text = edited(|scene| {
+            scene.array.pitch = 0.011;
+            scene.solver.method = Method::Wgs;
+            scene.targets[1].shape = Shape::Circle { at: DVec3::new(0.0, 0.0, 0.1), radius: 0.02 };
+        });
+        assert_eq!(
+            changes(&text),
+            [
+                "- pitch = 10.5e-3  # m",
+                "- radius = 0.010 # m",
+                "- method = \"gs\"  # quick",
+                "+ pitch = 0.011  # m",
+                "+ radius = 0.02 # m",
+                "+ method = \"wgs\"  # quick"
+            ]
+        );
+    }
+
+    #[test]
+    fn keys_come_and_go() {
+        let text = edited(|scene| {
+            scene.targets[1].sampling = Sampling::Points(9);
+            scene.liquid.depth = 0.02;
+            scene.listener = Some(crate::scene::Listener { at: DVec3::new(0.0, -0.3, 0.4) });
+        });
+        assert!(text.contains("points = 9") && !text.contains("spacing"), "{text}");
+        assert!(text.contains("\n\n[liquid]\ndepth = 0.02\n") && text.contains("\n\n[listener]\n"), "{text}");
+        assert!(!text.contains("[medium]") && !text.contains("[motion]"), "{text}");
+        let back = rewrite(&text, &scene(TEXT));
+        assert_eq!(scene(&back), scene(TEXT));
+        assert!(back.contains("# Ours is small.") && !back.contains("listener"), "{back}");
+    }
+
+    #[test]
+    fn targets_take_their_comments_along() {
+        let text = edited(|scene| scene.targets.swap(0, 1));
+        let at = |what: &str| text.find(what).unwrap_or_else(|| panic!("{what} in {text}"));
+        assert!(at("# The right one,") < at("# a circle") && at("# a circle") < at("# The left one."));
+        assert!(at("# The left one.") < at("[solver]"), "{text}");
+        let text = edited(|scene| {
+            scene.targets.remove(0);
+            scene.targets.push(Target::new(Shape::Point { at: DVec3::new(0.0, 0.01, 0.1) }));
+        });
+        assert!(text.contains("# The left one.") || text.contains("# The right one,"), "{text}");
+        let text = edited(|scene| scene.targets.clear());
+        assert!(
+            !text.contains("target") && text.contains("# quick") && text.contains("# Ours is small."),
+            "{text}"
+        );
+        let text = edited(|scene| scene.targets.push(scene.targets[0].clone()));
+        assert!(text.contains("# The left one.") && text.contains("# a circle"), "{text}");
+    }
+
+    #[test]
+    fn other_layouts_are_held_too() {
+        for text in [
+            "format = 1\ntarget = [{ at = [0, 0, 0.1] }, { kind = \"circle\" }]\n",
+            "format = 1\nsolver.method = \"gs\" # dotted\narray = { rows = 4 }\n[[target]]\n",
+            "format = 1\n",
+        ] {
+            let mut scene = scene(text);
+            scene.solver.method = Method::Naive;
+            scene.array.rows = 5;
+            scene.targets.push(Target::new(Shape::Circle { at: DVec3::new(0.0, 0.0, 0.2), radius: 0.01 }));
+            let written = rewrite(text, &scene);
+            assert_eq!(file::parse(&written, Path::new("b.toml")).unwrap(), scene, "{written}");
+        }
+        assert_eq!(rewrite("broken", &Scene::default()), file::write(&Scene::default()));
+    }
+}

@@ -1,0 +1,161 @@
+//! The question where a drawing is to stand, how large it is to be, and how densely it is to be played.
+
+use egui::{Color32, Rect, RichText, Sense, Shape, Stroke, Ui, pos2, vec2};
+
+use crate::acoustics::Aperture;
+use crate::import::{Drawing, Placement};
+use crate::scene::{Sampling, Scene, Target, outline};
+use crate::solver;
+use crate::ui::panels::{self, MM};
+use crate::ui::{Editor, theme};
+
+/// m: the longer side that is proposed, and the spacing.
+const SIDE: f64 = 0.06;
+const SPACING: f64 = 0.008;
+/// m: the sides that can be asked for.
+const SIDES: std::ops::RangeInclusive<f64> = 1e-3..=2.0;
+/// Points of the screen: the preview.
+const HEIGHT: f32 = 200.0;
+
+/// A drawing that waits for its place.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Import {
+    /// The file's.
+    name: String,
+    drawing: Drawing,
+    pub placement: Placement,
+    made: Option<Made>,
+}
+
+/// What comes of a placement.
+#[derive(Clone, Debug, PartialEq)]
+struct Made {
+    of: Placement,
+    targets: Result<Vec<Target>, String>,
+    foci: Vec<crate::scene::Focus>,
+    warnings: Vec<String>,
+}
+
+impl Import {
+    /// Proposes the middle of what is seen.
+    pub fn new(name: String, drawing: Drawing, editor: &Editor) -> Self {
+        let axes = editor.view.axes(editor.scene());
+        let middle =
+            editor.view.window.map_or(axes.flat(editor.scene().plane.centre), |window| window.centre);
+        let placement = Placement {
+            at: axes.world(middle),
+            x: axes.x,
+            y: axes.y,
+            side: SIDE,
+            sampling: Sampling::Spacing(SPACING),
+        };
+        Self { name, drawing, placement, made: None }
+    }
+
+    /// Draws the question, and says whether it stays.
+    pub(super) fn show(&mut self, editor: &mut Editor, ui: &mut Ui) -> bool {
+        ui.heading(format!("Import {}", self.name));
+        self.make(editor.scene());
+        self.preview(ui);
+        self.settings(ui);
+        let Some(made) = &self.made else { return true };
+        match &made.targets {
+            Ok(targets) => {
+                let (foci, lines) = (made.foci.len(), targets.len());
+                ui.strong(format!(
+                    "{foci} focal points on {lines} {}",
+                    if lines == 1 { "line" } else { "lines" }
+                ));
+            }
+            Err(problem) => {
+                ui.label(RichText::new(problem).color(theme::error(ui.visuals())));
+            }
+        }
+        for warning in made.warnings.iter().chain(&self.drawing.remarks) {
+            ui.label(RichText::new(warning).color(theme::warning(ui.visuals())));
+        }
+        ui.add_space(8.0);
+        let mut stays = true;
+        ui.horizontal(|ui| {
+            let button = ui.add_enabled(made.targets.is_ok(), egui::Button::new("Import"));
+            if let (true, Ok(targets)) = (button.clicked(), &made.targets) {
+                let own = &mut editor.document.scene.targets;
+                let first = own.len();
+                own.extend(targets.iter().cloned());
+                editor.selection = (first..editor.scene().targets.len()).collect();
+                stays = false;
+            }
+            stays &= !ui.button("Cancel").clicked();
+        });
+        stays
+    }
+
+    /// The targets, made again when the placement is another one.
+    fn make(&mut self, scene: &Scene) {
+        if self.made.as_ref().is_some_and(|made| made.of == self.placement) {
+            return;
+        }
+        let of = self.placement.clone();
+        let targets = of.targets(&self.drawing).map_err(|error| error.message);
+        let (mut foci, mut warnings) = (Vec::new(), Vec::new());
+        let targets = targets.and_then(|targets| {
+            let others = scene.targets.iter().chain(&targets).cloned().collect();
+            let with_them = Scene { targets: others, ..scene.clone() };
+            let all = outline::foci(&with_them).map_err(|error| error.message)?;
+            let alone = Scene { targets: targets.clone(), ..scene.clone() };
+            foci = outline::foci(&alone).map_err(|error| error.message)?;
+            warnings = solver::warnings(&Aperture::new(scene), &all);
+            Ok(targets)
+        });
+        self.made = Some(Made { of, targets, foci, warnings });
+    }
+
+    fn settings(&mut self, ui: &mut Ui) {
+        let size = self.drawing.size;
+        let placement = &mut self.placement;
+        panels::form(ui, "placement", |ui| {
+            for (name, part) in [("Width", size.x), ("Height", size.y)] {
+                if part > 1e-6 {
+                    let mut length = placement.side * part;
+                    let range = SIDES.start() * part..=SIDES.end() * part;
+                    panels::number(ui, (name, "The other one follows"), &mut length, MM, range);
+                    if length != placement.side * part {
+                        placement.side = length / part;
+                    }
+                }
+            }
+            panels::point(ui, "Centre", &mut placement.at);
+            panels::sampling(ui, &mut placement.sampling);
+        });
+    }
+
+    /// The lines with their focal points.
+    fn preview(&self, ui: &mut Ui) {
+        let (outer, _) = ui.allocate_exact_size(vec2(ui.available_width(), HEIGHT), Sense::hover());
+        let painter = ui.painter_at(outer);
+        painter.rect_filled(outer, 4.0, Color32::from_rgb(12, 12, 16));
+        let size = vec2(self.drawing.size.x as f32, self.drawing.size.y as f32).max(vec2(1e-3, 1e-3));
+        let inner = outer.shrink(14.0);
+        let scale = (inner.width() / size.x).min(inner.height() / size.y);
+        let frame = Rect::from_center_size(outer.center(), size * scale);
+        let place = |at: glam::DVec2| {
+            pos2(frame.center().x + at.x as f32 * scale, frame.center().y - at.y as f32 * scale)
+        };
+        for line in &self.drawing.lines {
+            let mut points: Vec<_> = line.points.iter().map(|&point| place(point)).collect();
+            if line.closed {
+                points.extend(points.first().copied());
+            }
+            painter.add(Shape::line(points, Stroke::new(1.5, theme::CHOSEN)));
+        }
+        let Some(made) = &self.made else { return };
+        for focus in &made.foci {
+            let offset = (focus.position - made.of.at) / made.of.side;
+            painter.circle_filled(
+                place(glam::DVec2::new(offset.dot(made.of.x), offset.dot(made.of.y))),
+                2.0,
+                theme::MARK,
+            );
+        }
+    }
+}

@@ -1,0 +1,156 @@
+//! What can be edited besides drawing: handles, the list, the clipboard, modulation, motion and listener.
+
+use sonoglyph::scene::{Envelope, MotionPath, Target};
+
+use super::*;
+
+const AT: DVec3 = DVec3::new(0.0, 0.0, 0.1);
+
+/// The window on these shapes alone, the first one selected.
+fn open_with(shapes: &[Shape]) -> Screen {
+    let mut screen = open();
+    let editor = screen.state_mut().editor_mut();
+    editor.document.scene.targets = shapes.iter().cloned().map(Target::new).collect();
+    editor.selection = [0].into();
+    rest(&mut screen);
+    screen
+}
+
+fn point(x: f64) -> Shape {
+    Shape::Point { at: AT + DVec3::X * x }
+}
+
+#[test]
+fn shapes_are_pulled_at_their_handles_and_one_undo_takes_it_back() {
+    let mut screen = open_with(&[Shape::Circle { at: AT, radius: 0.02 }]);
+    let (from, to) = (at(&screen, 20.0, 0.0), at(&screen, 30.0, 0.0));
+    drag(&mut screen, from, to);
+    let Shape::Circle { at: centre, radius } = scene(&screen).targets[0].shape else { panic!("no circle") };
+    assert!((radius - 0.03).abs() < 2e-4 && centre == AT, "{radius} {centre}");
+    press(&mut screen, Modifiers::COMMAND, Key::Z);
+    assert_eq!(scene(&screen).targets[0].shape, Shape::Circle { at: AT, radius: 0.02 });
+
+    let mut screen = open_with(&[Shape::Rectangle { at: AT, width: 0.04, height: 0.02 }]);
+    let (from, to) = (at(&screen, 20.0, 10.0), at(&screen, 30.0, 20.0));
+    drag(&mut screen, from, to);
+    let Shape::Rectangle { at: centre, width, height } = scene(&screen).targets[0].shape else {
+        panic!("no rectangle")
+    };
+    assert!((width - 0.05).abs() < 4e-4 && (height - 0.03).abs() < 4e-4, "{width} {height}");
+    assert!(
+        centre.distance(AT + DVec3::new(0.005, 0.005, 0.0)) < 4e-4,
+        "the opposite corner stays: {centre}"
+    );
+}
+
+#[test]
+fn a_hidden_target_stays_in_the_scene_and_is_silent() {
+    let mut screen = open_with(&[point(-0.03), point(0.03)]);
+    let loud = rms(&mut screen, 30.0, 0.0);
+    screen.get_by_label("Target 2 is played").click();
+    rest(&mut screen);
+    assert!(!scene(&screen).targets[1].visible && scene(&screen).targets.len() == 2);
+    assert_eq!(screen.state().shown().sound.as_ref().unwrap().foci.len(), 1);
+    assert!(rms(&mut screen, 30.0, 0.0) < loud / 5.0);
+    screen.get_by_label("Target 1 is played").click();
+    rest(&mut screen);
+    assert!(screen.state().shown().problem.as_ref().unwrap().contains("every target is hidden"));
+    assert!(screen.state().shown().map.is_some(), "the last picture stays");
+}
+
+#[test]
+fn the_list_is_put_in_order_with_the_pointer() {
+    let mut screen = open_with(&[
+        point(0.0),
+        Shape::Circle { at: AT, radius: 0.02 },
+        Shape::Triangle { at: AT, size: 0.03 },
+    ]);
+    let row = |screen: &Screen, name: &str| screen.get_by_label(name).rect();
+    let (from, to) =
+        (row(&screen, "1  Point").center(), row(&screen, "3  Triangle").center_bottom() - vec2(0.0, 3.0));
+    drag(&mut screen, from, to);
+    let kinds: Vec<_> = scene(&screen).targets.iter().map(|target| format!("{:?}", target.shape)).collect();
+    let kinds: Vec<_> = kinds.iter().map(|kind| kind.split(' ').next().unwrap()).collect();
+    assert_eq!(kinds, ["Circle", "Triangle", "Point"]);
+    assert!(screen.state().editor().selection.contains(&2), "what was moved is selected");
+    press(&mut screen, Modifiers::COMMAND, Key::Z);
+    assert!(matches!(scene(&screen).targets[0].shape, Shape::Point { .. }), "one step");
+}
+
+#[test]
+fn targets_are_copied_cut_and_pasted() {
+    let mut screen = open_with(&[point(-0.03), point(0.03)]);
+    screen.event(Event::Cut);
+    screen.step();
+    let copied = screen.output().platform_output.commands.iter().find_map(|command| match command {
+        egui::OutputCommand::CopyText(text) => Some(text.clone()),
+        _ => None,
+    });
+    let copied = copied.expect("something is on the clipboard");
+    rest(&mut screen);
+    assert_eq!(scene(&screen).targets.len(), 1);
+    screen.event(Event::Paste("no targets".to_owned()));
+    rest(&mut screen);
+    assert_eq!(scene(&screen).targets.len(), 1);
+    screen.event(Event::Paste(copied));
+    rest(&mut screen);
+    assert_eq!(scene(&screen).targets.len(), 2);
+    let Shape::Point { at } = scene(&screen).targets[1].shape else { panic!("no point") };
+    assert!(at.distance(AT + DVec3::new(-0.02, -0.01, 0.0)) < 1e-12, "beside where it stood: {at}");
+    assert!(screen.state().editor().selection.contains(&1));
+}
+
+/// Chooses an entry of a box that opens.
+fn choose(screen: &mut Screen, name: &str, entry: &str) {
+    screen.get_by_role_and_label(egui::accesskit::Role::ComboBox, name).click();
+    rest(screen);
+    screen.get_by_label(entry).click();
+    rest(screen);
+}
+
+#[test]
+fn modulation_and_listener_can_be_given() {
+    let mut screen = open_with(&[point(0.0)]);
+    screen.get_by_label("Motion").click();
+    rest(&mut screen);
+    choose(&mut screen, "Envelope", "sine");
+    assert_eq!(scene(&screen).modulation.shape, Envelope::Sine);
+    type_in(&mut screen, "Frequency", "150");
+    type_in(&mut screen, "Modulation depth", "80");
+    assert_eq!((scene(&screen).modulation.frequency, scene(&screen).modulation.depth), (150.0, 0.8));
+    screen.get_by_label("Scene").click();
+    rest(&mut screen);
+    screen.get_by_label("Listener").click();
+    rest(&mut screen);
+    screen.get_by_label("Somebody listens").click();
+    rest(&mut screen);
+    type_in(&mut screen, "Ear y", "-400");
+    assert_eq!(scene(&screen).listener.as_ref().unwrap().at.y, -0.4);
+    assert!(screen.query_by_label_contains("dB SPL").is_some());
+}
+
+#[test]
+fn paths_through_points_and_steps_can_be_made_by_hand() {
+    let mut screen = open_with(&[point(-0.02), point(0.02)]);
+    screen.get_by_label("Motion").click();
+    rest(&mut screen);
+    choose(&mut screen, "Path", "points");
+    assert_eq!(scene(&screen).motion.points.len(), 3);
+    screen.get_by_label("Add a point after 1").click();
+    rest(&mut screen);
+    type_in(&mut screen, "Point 2 y", "7");
+    screen.get_by_label("Remove point 3").click();
+    rest(&mut screen);
+    let points = &scene(&screen).motion.points;
+    assert!(points.len() == 3 && (points[1].y - 0.007).abs() < 1e-12, "{points:?}");
+    assert!(screen.state().shown().problem.is_none() && screen.state().shown().round.is_some());
+
+    choose(&mut screen, "Path", "steps");
+    let steps: Vec<_> = scene(&screen).targets.iter().map(|target| target.step).collect();
+    assert_eq!(steps, [Some(0), Some(1)]);
+    let round = screen.state().shown().round.as_ref().unwrap();
+    assert!(round.frames.iter().all(|frame| frame.foci.len() == 1), "they take turns");
+    choose(&mut screen, "Path", "none");
+    assert!(scene(&screen).targets.iter().all(|target| target.step.is_none()));
+    assert_eq!(scene(&screen).motion.path, MotionPath::None);
+}

@@ -1,0 +1,208 @@
+//! Drawings come in, comments stay, motions go out.
+
+use std::path::PathBuf;
+use std::sync::Arc;
+
+use sonoglyph::ui::Import;
+
+use super::*;
+
+/// What somebody drops on the window.
+#[derive(Debug)]
+struct Dropped(PathBuf);
+
+impl egui::DroppedFile for Dropped {
+    fn path(&self) -> &Path {
+        &self.0
+    }
+
+    fn bytes(&self) -> Result<Vec<u8>, String> {
+        std::fs::read(&self.0).map_err(|error| error.to_string())
+    }
+}
+
+fn drop_file(screen: &mut Screen, path: &Path) {
+    screen.input_mut().dropped_files.push(Arc::new(Dropped(path.to_owned())));
+    screen.step();
+    rest(screen);
+}
+
+fn question(screen: &Screen) -> &Import {
+    match &screen.state().editor().dialog {
+        Some(Dialog::Import(import)) => import,
+        other => panic!("no question: {other:?}"),
+    }
+}
+
+#[test]
+fn a_dropped_drawing_becomes_targets_where_it_is_placed() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("ring.svg");
+    let text =
+        "<svg xmlns='http://www.w3.org/2000/svg' viewBox='0 0 10 10'><circle cx='3' cy='3' r='2'/></svg>";
+    std::fs::write(&path, text).unwrap();
+    let mut screen = open();
+    clear(&mut screen);
+    drop_file(&mut screen, &path);
+    assert!(question(&screen).placement.side > 0.0);
+    assert!(screen.query_by_label_contains("focal points on 1 line").is_some());
+    if let Some(Dialog::Import(import)) = &mut screen.state_mut().editor_mut().dialog {
+        import.placement.side = 0.05;
+        import.placement.at = DVec3::new(0.01, -0.02, 0.1);
+    }
+    rest(&mut screen);
+    screen.get_by_label("Import").click();
+    rest(&mut screen);
+    let foci = screen.state().shown().sound.as_ref().unwrap().foci.clone();
+    assert_eq!(foci.len(), 20, "2π · 25 mm at 8 mm");
+    for focus in &foci {
+        let radius = focus.position.distance(DVec3::new(0.01, -0.02, 0.1));
+        assert!((radius - 0.025).abs() < 1e-4, "{radius}");
+    }
+    assert_eq!(screen.state().editor().selection.len(), 1);
+    press(&mut screen, Modifiers::COMMAND, Key::Z);
+    assert!(scene(&screen).targets.is_empty());
+}
+
+#[test]
+fn what_is_no_drawing_leaves_the_scene_and_a_reason() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut screen = open();
+    let before = scene(&screen).clone();
+    let deep = format!("<svg xmlns='http://www.w3.org/2000/svg'>{}</svg>", "<g>".repeat(100_000));
+    let svg = |body: &str| format!("<svg xmlns='http://www.w3.org/2000/svg'>{body}</svg>");
+    for (name, bytes, reason) in [
+        ("empty.svg", String::new(), "neither an SVG nor"),
+        ("broken.svg", "<svg".to_owned(), "cannot be read"),
+        ("deep.svg", deep, "cannot be read"),
+        ("blank.svg", svg(""), "no path that is painted"),
+        ("text.svg", svg("<text>Hi</text>"), "turned into paths"),
+        ("nan.svg", svg("<path d='M nan 1e999 L 1 2' stroke='red'/>"), ""),
+        ("far.svg", svg("<path d='M -1e300 0 L 1e300 1e300' stroke='red'/>"), ""),
+        ("odd.png", "\u{89}PNG\r\n".to_owned(), "neither an SVG nor"),
+    ] {
+        let path = folder.path().join(name);
+        std::fs::write(&path, bytes).unwrap();
+        drop_file(&mut screen, &path);
+        match &screen.state().editor().dialog {
+            Some(Dialog::Message { text, .. }) => {
+                assert!(text.contains(reason) && text.contains(name), "{text}")
+            }
+            other => panic!("{name}: {other:?}"),
+        }
+        screen.state_mut().editor_mut().dialog = None;
+        assert_eq!(*scene(&screen), before, "{name}");
+    }
+    drop_file(&mut screen, &folder.path().join("missing.png"));
+    assert!(matches!(screen.state().editor().dialog, Some(Dialog::Message { .. })));
+}
+
+#[test]
+fn comments_of_a_file_survive_an_edit_and_nothing_changes_without_one() {
+    const TEXT: &str = "format = 1\n\n# The only one.\n[[target]]\nat = [0, 0, 0.10]   # above the middle\n";
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("by-hand.toml");
+    std::fs::write(&path, TEXT).unwrap();
+    let mut screen = open();
+    drop_file(&mut screen, &path);
+    press(&mut screen, Modifiers::COMMAND, Key::S);
+    assert_eq!(std::fs::read_to_string(&path).unwrap(), TEXT);
+    press(&mut screen, Modifiers::COMMAND, Key::A);
+    key(&mut screen, Key::ArrowRight);
+    press(&mut screen, Modifiers::COMMAND, Key::S);
+    assert!(!screen.state().editor().document.is_unsaved());
+    let text = std::fs::read_to_string(&path).unwrap();
+    assert_eq!(text, TEXT.replace("[0, 0, 0.10]", "[0.001, 0.0, 0.1]"));
+    assert_eq!(file::read(&path).unwrap(), *scene(&screen));
+}
+
+#[test]
+fn a_motion_is_written_and_can_be_called_off() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut screen = open();
+    let editor = screen.state_mut().editor_mut();
+    editor.document.scene.targets =
+        vec![sonoglyph::scene::Target::new(Shape::Point { at: DVec3::new(0.0, 0.0, 0.1) })];
+    editor.document.scene.motion.path = sonoglyph::scene::MotionPath::Circle;
+    editor.document.scene.motion.frames = 6;
+    rest(&mut screen);
+    let path = folder.path().join("round.gif");
+    export_motion(&mut screen, &path);
+    assert!(screen.state().is_busy(), "it is written while the window goes on");
+    rest(&mut screen);
+    let mut decoder = gif::DecodeOptions::new().read_info(std::fs::File::open(&path).unwrap()).unwrap();
+    let map = screen.state().shown().map.as_ref().unwrap();
+    assert_eq!((usize::from(decoder.width()), usize::from(decoder.height())), (map.width, map.height));
+    let mut frames = 0;
+    while decoder.read_next_frame().unwrap().is_some() {
+        frames += 1;
+    }
+    assert_eq!(frames, 6);
+
+    screen.state_mut().editor_mut().document.scene.motion.frames = 4000;
+    rest(&mut screen);
+    let never = folder.path().join("never.gif");
+    export_motion(&mut screen, &never);
+    screen.run_steps(3);
+    screen.get_by_label("Call off").click();
+    rest(&mut screen);
+    let notice = screen.state().shown().notice.as_ref().unwrap();
+    assert!(notice.text.contains("never.gif is not written"), "{notice:?}");
+    assert!(!never.exists());
+}
+
+/// Asks for the file by hand, and goes on at once.
+fn export_motion(screen: &mut Screen, path: &Path) {
+    let purpose = Purpose::Export(sonoglyph::ui::Export::Motion);
+    let text = path.display().to_string();
+    screen.state_mut().editor_mut().dialog = Some(Dialog::Path { purpose, text });
+    rest(screen);
+    screen.key_press(Key::Enter);
+    screen.step();
+}
+
+#[test]
+fn the_next_run_looks_as_the_last_one_did() {
+    let folder = tempfile::tempdir().unwrap();
+    let open_there = || {
+        let there = folder.path().to_owned();
+        let mut screen = Harness::builder().with_size(vec2(1280.0, 800.0)).build_eframe(move |context| {
+            let mut window = Window::with_example(&context.egui_ctx);
+            window.remember_in(&there, &context.egui_ctx);
+            window
+        });
+        rest(&mut screen);
+        screen
+    };
+    let saved = folder.path().join("mine.toml");
+    {
+        let mut screen = open_there();
+        assert!(screen.state().shown().recent.is_empty());
+        press(&mut screen, Modifiers::COMMAND | Modifiers::SHIFT, Key::S);
+        answer(&mut screen, Purpose::SaveAs, &saved);
+        screen.get_by_label("Liquid").click();
+        screen.get_by_label("dB").click();
+        screen.get_by_label("Section").click();
+        rest(&mut screen);
+        screen.state_mut().editor_mut().grid = 0.002;
+        screen.ctx.set_theme(egui::Theme::Light);
+        let edge = Pos2::new(screen.get_by_label("Canvas: the field on the plane").rect().right(), 400.0);
+        let edge = edge + vec2(92.0, 0.0);
+        drag(&mut screen, edge, edge - vec2(60.0, 0.0));
+    }
+    let settings = std::fs::read_to_string(folder.path().join("settings.toml")).unwrap();
+    assert!(settings.contains("theme = \"light\""), "{settings}");
+    let mut screen = open_there();
+    let editor = screen.state().editor();
+    assert_eq!((editor.panel, editor.grid), (sonoglyph::ui::Panel::Liquid, 0.002));
+    assert!(editor.view.section && editor.view.scale == sonoglyph::ui::view::Scale::Decibels);
+    assert!((editor.layout.panel - 412.0).abs() < 12.0, "{:?}", editor.layout);
+    assert_eq!(screen.state().shown().recent, std::slice::from_ref(&saved));
+    screen.get_by_label("File").click();
+    rest(&mut screen);
+    screen.get_by_label("Open recent").click();
+    rest(&mut screen);
+    screen.get_by_label("mine.toml").click();
+    rest(&mut screen);
+    assert_eq!(screen.state().editor().document.path(), Some(saved.as_path()));
+}

@@ -1,0 +1,111 @@
+//! Every input has a name, and the keyboard reaches it.
+
+use std::collections::BTreeSet;
+
+use egui::accesskit::{NodeId, Role};
+use egui_kittest::kittest::NodeT;
+
+use super::*;
+
+/// What somebody can press, choose or write in.
+fn is_input(role: Role) -> bool {
+    matches!(
+        role,
+        Role::Button
+            | Role::CheckBox
+            | Role::ColorWell
+            | Role::ComboBox
+            | Role::Link
+            | Role::MenuItem
+            | Role::RadioButton
+            | Role::Slider
+            | Role::SpinButton
+            | Role::TextInput
+            | Role::MultilineTextInput
+            | Role::Canvas
+    )
+}
+
+/// Role and place of inputs that have no name.
+fn unnamed(screen: &Screen) -> Vec<String> {
+    let nodes = screen.root().children_recursive();
+    let is_unnamed = |node: &egui_kittest::Node<'_>| {
+        let node = node.accesskit_node();
+        is_input(node.role()) && node.label().is_none_or(|label| label.trim().is_empty())
+    };
+    nodes
+        .filter(is_unnamed)
+        .map(|node| format!("{:?} at {:?}", node.accesskit_node().role(), node.rect()))
+        .collect()
+}
+
+#[test]
+fn no_input_is_without_a_name() {
+    let mut screen = open();
+    let mut found = Vec::new();
+    screen.state_mut().editor_mut().selection = [0].into();
+    screen.state_mut().editor_mut().document.scene.motion.path = sonoglyph::scene::MotionPath::Points;
+    screen.state_mut().editor_mut().document.scene.motion.points = vec![DVec3::ZERO, DVec3::X * 0.01];
+    screen.state_mut().editor_mut().document.scene.modulation.shape = sonoglyph::scene::Envelope::Sine;
+    screen.state_mut().editor_mut().view.section = true;
+    screen.state_mut().editor_mut().view.full = Some(100.0);
+    for panel in ["Solver", "Drive", "Liquid", "Motion", "Device", "Scene"] {
+        screen.get_by_label(panel).click();
+        rest(&mut screen);
+        found.extend(unnamed(&screen).into_iter().map(|what| format!("{panel}: {what}")));
+    }
+    for part in ["Listener", "Somebody listens", "Array", "Air"] {
+        screen.get_by_label(part).click();
+        rest(&mut screen);
+        found.extend(unnamed(&screen).into_iter().map(|what| format!("{part}: {what}")));
+    }
+    for menu in ["File", "Edit", "Examples", "Export", "Help"] {
+        screen.get_by_label(menu).click();
+        rest(&mut screen);
+        found.extend(unnamed(&screen).into_iter().map(|what| format!("{menu}: {what}")));
+        key(&mut screen, Key::Escape);
+    }
+    for purpose in [Purpose::Open, Purpose::Import] {
+        let text = String::new();
+        screen.state_mut().editor_mut().dialog = Some(Dialog::Path { purpose, text });
+        rest(&mut screen);
+        found.extend(unnamed(&screen).into_iter().map(|what| format!("{purpose:?}: {what}")));
+    }
+    assert!(found.is_empty(), "{}", found.join("\n"));
+}
+
+#[test]
+fn the_keyboard_reaches_every_input() {
+    let mut screen = open();
+    screen.state_mut().editor_mut().selection = [0].into();
+    rest(&mut screen);
+    for panel in ["Scene", "Solver", "Liquid", "Motion"] {
+        screen.get_by_label(panel).click();
+        rest(&mut screen);
+        let reachable = |screen: &Screen| -> BTreeSet<NodeId> {
+            let nodes = screen.root().children_recursive();
+            let is_open = |node: &egui_kittest::Node<'_>| {
+                is_input(node.accesskit_node().role()) && !node.accesskit_node().is_disabled()
+            };
+            nodes.filter(is_open).map(|node| node.accesskit_node().locate().0).collect()
+        };
+        let mut left = reachable(&screen);
+        assert!(left.len() > 20, "{}", left.len());
+        for _ in 0..2 * left.len() {
+            screen.key_press(Key::Tab);
+            screen.step();
+            let nodes = screen.root().children_recursive();
+            let focused = nodes.filter(|node| node.accesskit_node().is_focused());
+            for node in focused.map(|node| node.accesskit_node().locate().0).collect::<Vec<_>>() {
+                left.remove(&node);
+            }
+        }
+        let names: Vec<_> = screen
+            .root()
+            .children_recursive()
+            .filter(|node| left.contains(&node.accesskit_node().locate().0))
+            .map(|node| format!("{:?} {:?}", node.accesskit_node().role(), node.accesskit_node().label()))
+            .collect();
+        assert!(names.is_empty(), "{panel}: Tab never comes to {names:?}");
+    }
+}

@@ -1,0 +1,307 @@
+//! What no hand would do: commands without pattern, numbers without sense, far too much of everything.
+
+use egui::accesskit::Role;
+use egui_kittest::kittest::NodeT;
+use sonoglyph::scene::{Listener, MotionPath, Target, check};
+
+use super::*;
+
+/// Every field with a number that is there, by its name and its place among those of that name.
+fn fields(screen: &Screen) -> Vec<(String, usize)> {
+    let mut fields: Vec<(String, usize)> = Vec::new();
+    for node in screen.root().children_recursive() {
+        let node = node.accesskit_node();
+        if node.role() == Role::SpinButton && !node.is_disabled() {
+            let name = node.label().unwrap_or_default();
+            let before = fields.iter().filter(|(own, _)| *own == name).count();
+            fields.push((name, before));
+        }
+    }
+    fields
+}
+
+fn focus(screen: &mut Screen, (name, place): &(String, usize)) -> bool {
+    let Some(node) = screen
+        .get_all_by_label(name)
+        .filter(|node| node.accesskit_node().role() == Role::SpinButton)
+        .nth(*place)
+    else {
+        return false;
+    };
+    node.focus();
+    screen.run_steps(2);
+    true
+}
+
+/// Writes what is no number, or none that can be, into every field there is. Nothing is to come of it but a scene that
+/// is a scene, or the last picture with a reason; and it can be taken back.
+fn mistype_everywhere(screen: &mut Screen) -> usize {
+    let before = scene(screen).clone();
+    let fields = fields(screen);
+    for field in &fields {
+        for text in ["abc", "NaN", "1e300", "-1e300", "-", "1e-300"] {
+            if !focus(screen, field) {
+                continue;
+            }
+            screen.event(Event::Text(text.to_owned()));
+            screen.step();
+            key(screen, Key::Enter);
+            let shown = screen.state().shown();
+            assert!(shown.map.is_some(), "{field:?} = {text}: no picture");
+            let is_scene = check::check(scene(screen));
+            assert!(is_scene.is_ok() || shown.problem.is_some(), "{field:?} = {text}: {is_scene:?}");
+            let written = file::write(scene(screen));
+            assert!(!written.contains("nan") && !written.contains("inf"), "{field:?} = {text}: {written}");
+            let editor = screen.state_mut().editor_mut();
+            while editor.document.can_undo() {
+                editor.undo();
+            }
+            assert_eq!(editor.document.scene, before, "{field:?} = {text} cannot be taken back");
+            editor.selection = [0].into();
+            rest(screen);
+        }
+    }
+    fields.len()
+}
+
+/// The window on these targets, solved in no time.
+fn open_with(targets: Vec<Target>, motion: MotionPath) -> Screen {
+    let mut screen = open();
+    let editor = screen.state_mut().editor_mut();
+    let mut scene = Scene { targets, ..Scene::default() };
+    scene.solver.method = Method::Naive;
+    scene.motion.path = motion;
+    scene.motion.points = vec![DVec3::ZERO, DVec3::X * 0.01];
+    scene.modulation.shape = sonoglyph::scene::Envelope::Sine;
+    scene.listener = Some(Listener { at: DVec3::new(0.0, -0.3, 0.3) });
+    // As if it came from a file: there is nothing to take back.
+    editor.replace(sonoglyph::ui::document::Document::new(scene, "test"));
+    editor.selection = [0].into();
+    screen.set_size(vec2(640.0, 480.0));
+    rest(&mut screen);
+    screen
+}
+
+const AT: DVec3 = DVec3::new(0.0, 0.0, 0.1);
+
+#[test]
+fn no_number_that_is_typed_does_harm() {
+    let shapes = [
+        Shape::Line { from: AT, to: AT + DVec3::X * 0.02 },
+        Shape::Rectangle { at: AT, width: 0.02, height: 0.01 },
+        Shape::Polygon { at: AT, radius: 0.02, sides: 5 },
+        Shape::Text { text: "L".to_owned(), at: AT, height: 0.02 },
+    ];
+    let mut count = 0;
+    for shape in shapes {
+        let mut screen = open_with(vec![Target::new(shape)], MotionPath::None);
+        count += mistype_everywhere(&mut screen);
+    }
+    let mut screen = open_with(vec![Target::new(Shape::Point { at: AT })], MotionPath::Points);
+    for part in ["Listener", "Array", "Air"] {
+        screen.get_by_label(part).click();
+        rest(&mut screen);
+    }
+    for panel in ["Scene", "Solver", "Liquid", "Motion"] {
+        screen.get_by_label(panel).click();
+        rest(&mut screen);
+        count += mistype_everywhere(&mut screen);
+    }
+    assert!(count > 45, "{count} fields");
+}
+
+#[test]
+fn hundreds_of_targets_stay_in_hand() {
+    let mut screen = open();
+    let place = |i: u32| AT + DVec3::new(f64::from(i % 25) - 12.0, f64::from(i / 25) - 10.0, 0.0) * 6e-3;
+    let targets: Vec<_> = (0..500).map(|i| Target::new(Shape::Point { at: place(i) })).collect();
+    let first = screen.state().shown().map.as_ref().unwrap().largest;
+    screen.state_mut().editor_mut().document.scene.targets = targets.clone();
+    screen.step();
+    assert!(screen.state().is_busy(), "so many are solved beside the window's frames");
+    assert_eq!(screen.state().shown().map.as_ref().unwrap().largest, first, "the last picture stays");
+    let rows = screen.get_all_by_role(Role::CheckBox).count();
+    assert!(rows < 30, "only what is in sight is drawn: {rows}");
+    press(&mut screen, Modifiers::COMMAND, Key::A);
+    assert_eq!(screen.state().editor().selection.len(), 500);
+    assert_eq!(screen.state().shown().sound.as_ref().unwrap().foci.len(), 500);
+    key(&mut screen, Key::Delete);
+    assert!(scene(&screen).targets.is_empty());
+    press(&mut screen, Modifiers::COMMAND, Key::Z);
+    assert_eq!(scene(&screen).targets, targets);
+    rest(&mut screen);
+    // More than a scene may have: nothing is lost, and the reason is there.
+    press(&mut screen, Modifiers::COMMAND, Key::A);
+    for _ in 0..2 {
+        press(&mut screen, Modifiers::COMMAND, Key::D);
+    }
+    assert_eq!(scene(&screen).targets.len(), 1500);
+    assert!(screen.state().shown().problem.as_ref().unwrap().contains("a scene may have 1024"));
+    assert!(screen.state().shown().map.is_some());
+}
+
+#[test]
+fn a_tiny_window_and_one_without_targets_are_windows_too() {
+    let mut screen = open();
+    for size in [vec2(200.0, 150.0), vec2(1.0, 1.0), vec2(3000.0, 60.0), vec2(1280.0, 800.0)] {
+        screen.set_size(size);
+        rest(&mut screen);
+        for panel in ["Solver", "Drive", "Liquid", "Motion", "Device", "Scene"] {
+            if let Some(node) = screen.query_by_label(panel) {
+                node.click();
+            }
+            rest(&mut screen);
+        }
+    }
+    assert!(screen.state().shown().map.is_some());
+    clear(&mut screen);
+    for quantity in [Key::Num1, Key::Num2, Key::Num3, Key::Num4] {
+        key(&mut screen, quantity);
+    }
+    press(&mut screen, Modifiers::COMMAND, Key::Z);
+    rest(&mut screen);
+    assert!(screen.state().shown().map.is_some() && screen.state().shown().problem.is_none());
+}
+
+/// Numbers without pattern, the same every time.
+struct Dice(u64);
+
+impl Dice {
+    fn below(&mut self, count: usize) -> usize {
+        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (self.0 >> 33) as usize % count
+    }
+
+    fn place(&mut self, rect: Rect) -> Pos2 {
+        let part = |dice: &mut Self| dice.below(1000) as f32 / 1000.0;
+        rect.min + vec2(part(self) * rect.width(), part(self) * rect.height())
+    }
+}
+
+#[test]
+fn a_thousand_random_commands_do_no_harm_and_can_all_be_taken_back() {
+    let mut screen = open();
+    let first = scene(&screen).clone();
+    let window = Rect::from_min_size(Pos2::ZERO, vec2(1280.0, 800.0));
+    let mut dice = Dice(7);
+    for _ in 0..1000 {
+        let canvas =
+            screen.query_by_label("Canvas: the field on the plane").map_or(window, |node| node.rect());
+        match dice.below(12) {
+            0..4 => {
+                let tool = Tool::ALL[dice.below(Tool::ALL.len())];
+                screen.key_press(tool.key());
+                screen.step();
+                let (from, to) = (dice.place(canvas), dice.place(canvas));
+                drag_briskly(&mut screen, from, to);
+            }
+            4 => {
+                let keys =
+                    [Key::Delete, Key::ArrowUp, Key::Enter, Key::Num1, Key::Num2, Key::Num3, Key::M, Key::K];
+                screen.key_press(keys[dice.below(keys.len())]);
+            }
+            5 => {
+                let keys = [Key::Z, Key::Y, Key::D, Key::A];
+                screen.key_press_modifiers(Modifiers::COMMAND, keys[dice.below(keys.len())]);
+            }
+            6 => {
+                let letters = ["H", "é", "7", "木", " "];
+                screen.event(Event::Text(letters[dice.below(letters.len())].to_owned()));
+            }
+            7 => {
+                let labels = [
+                    "Scene",
+                    "Solver",
+                    "Drive",
+                    "Liquid",
+                    "Motion",
+                    "XY",
+                    "XZ",
+                    "YZ",
+                    "Own",
+                    "dB",
+                    "Lock range",
+                    "Target 1 is played",
+                    "Target 2 is played",
+                    "Listener",
+                    "Somebody listens",
+                    "Array",
+                    "Air",
+                    "Closed",
+                    "In step",
+                    "Add a point after 1",
+                    "Remove point 2",
+                    "Envelope",
+                    "sine",
+                    "Path",
+                    "points",
+                    "steps",
+                    "none",
+                    "in all",
+                    "every",
+                ];
+                if let Some(node) = screen.query_all_by_label(labels[dice.below(labels.len())]).next() {
+                    node.click();
+                }
+            }
+            // What is selected by itself has handles, and the pointer goes where one is.
+            10 => {
+                screen.key_press(Key::V);
+                screen.step();
+                let count = scene(&screen).targets.len();
+                if count > 0 {
+                    screen.state_mut().editor_mut().selection = [dice.below(count)].into();
+                    screen.step();
+                    let index = screen.state().editor().selection.first().copied().unwrap();
+                    let target = &scene(&screen).targets[index];
+                    let corner = sonoglyph::scene::outline::strokes(target).unwrap_or_default().concat();
+                    if let (Some(&corner), Some(map)) = (corner.first(), &screen.state().shown().map) {
+                        let from = Lens { rect: map.rect, window: map.window }.screen(map.axes.flat(corner));
+                        let to = dice.place(canvas);
+                        drag_briskly(&mut screen, from, to);
+                    }
+                }
+            }
+            11 => {
+                let copied = file::write_targets(&scene(&screen).targets);
+                let events = [Event::Copy, Event::Cut, Event::Paste(copied), Event::Paste("木".to_owned())];
+                screen.event(events[dice.below(events.len())].clone());
+            }
+            // Anywhere beside the canvas, but for the menu: it leads out of the window.
+            8 => {
+                let panel = Rect::from_min_max(Pos2::new(canvas.right(), 70.0), Pos2::new(1270.0, 760.0));
+                let (from, to) = (dice.place(panel), dice.place(panel));
+                drag_briskly(&mut screen, from, to);
+            }
+            _ => {
+                let wheel = vec2(0.0, dice.below(400) as f32 - 200.0);
+                screen.hover_at(dice.place(canvas));
+                screen.event(Event::MouseWheel {
+                    unit: egui::MouseWheelUnit::Point,
+                    delta: wheel,
+                    source: egui::MouseWheelSource::Wheel,
+                    phase: egui::TouchPhase::Move,
+                    modifiers: Modifiers::NONE,
+                });
+            }
+        }
+        screen.step();
+        // More foci than that take their time, and that is tried elsewhere.
+        let targets = &mut screen.state_mut().editor_mut().document.scene.targets;
+        targets.truncate(6);
+    }
+    screen.state_mut().editor_mut().dialog = None;
+    key(&mut screen, Key::Escape);
+    key(&mut screen, Key::Escape);
+    let last = scene(&screen).clone();
+    assert_ne!(last, first);
+    let editor = screen.state_mut().editor_mut();
+    while editor.document.can_undo() {
+        editor.undo();
+    }
+    assert_eq!(editor.document.scene, first);
+    while editor.document.can_redo() {
+        editor.redo();
+    }
+    assert_eq!(editor.document.scene, last);
+}
