@@ -74,11 +74,11 @@ impl Window {
     }
 
     fn map_png(&mut self) -> anyhow::Result<Vec<u8>> {
-        Ok(export::png(&self.workshop.picture().context("there is no map")?)?)
+        Ok(export::png(&self.workshop.mapping.picture().context("there is no map")?)?)
     }
 
     fn numbers_npy(&mut self) -> anyhow::Result<Vec<u8>> {
-        let (shape, values) = self.workshop.numbers().context("there is no map")?;
+        let (shape, values) = self.workshop.mapping.numbers().context("there is no map")?;
         Ok(export::npy(&shape, &values)?)
     }
 

@@ -4,6 +4,7 @@ pub mod bench;
 mod examples;
 mod files;
 mod later;
+mod mapping;
 mod recovery;
 mod workshop;
 
@@ -89,7 +90,7 @@ impl Window {
         let workshop = Workshop::new(evaluator);
         let shown = Shown {
             examples: EXAMPLES.iter().map(|(name, _)| (*name).to_owned()).collect(),
-            evaluator: workshop.evaluator(),
+            evaluator: workshop.mapping.evaluator(),
             ..Shown::default()
         };
         Self {
@@ -130,12 +131,12 @@ impl Window {
 
     /// The values of the map on the screen, height and width first, row 0 at the smallest y.
     pub fn numbers(&mut self) -> Option<(Vec<u64>, Vec<f32>)> {
-        self.workshop.numbers()
+        self.workshop.mapping.numbers()
     }
 
     /// How often each stage of the field has run.
     pub fn work(&self) -> Work {
-        self.workshop.work()
+        self.workshop.mapping.work()
     }
 
     /// Whether something is being made on a thread.

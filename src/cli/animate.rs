@@ -244,7 +244,7 @@ impl Film<'_> {
     fn in_words(&self, [low, high]: [f32; 2]) -> String {
         let micrometres = |depth: f32| f64::from(depth) * 1e6;
         match self.quantity {
-            field::Quantity::Phase => String::new(),
+            field::Quantity::Phase | field::Quantity::Instantaneous => String::new(),
             field::Quantity::Rms | field::Quantity::MeanRms => {
                 format!(", RMS pressure up to {}", sheet::pascals(f64::from(high) / std::f64::consts::SQRT_2))
             }
@@ -314,7 +314,7 @@ impl Film<'_> {
     fn places(&mut self, moment: &Moment<'_>, [low, high]: [f32; 2]) -> Result<Vec<u8>, FieldError> {
         // In shades of grey, a colour is its place.
         let table = ColourMap::Grey.table();
-        let colouring = Colouring { quantity: self.quantity, table, full: Some(high) };
+        let colouring = Colouring { full: Some(high), ..Colouring::new(self.quantity, table) };
         let places = |colours: &[[u8; 4]]| colours.iter().map(|[place, ..]| *place).collect();
         match moment {
             Moment::Surface(depth) => {
