@@ -14,6 +14,7 @@ use eframe::egui;
 
 use crate::cli::{evaluator, note, render};
 use crate::field::{Evaluator, Work};
+use crate::picture::Picture;
 use crate::scene::{Scene, file};
 use crate::ui::document::Document;
 use crate::ui::{self, Command, Dialog, Editor, Notice, Shown, canvas, theme};
@@ -132,6 +133,11 @@ impl Window {
     /// The values of the map on the screen, height and width first, row 0 at the smallest y.
     pub fn numbers(&mut self) -> Option<(Vec<u64>, Vec<f32>)> {
         self.workshop.mapping.numbers()
+    }
+
+    /// The map on the screen without what lies over it.
+    pub fn picture(&mut self) -> Option<Picture> {
+        self.workshop.mapping.picture()
     }
 
     /// How often each stage of the field has run.

@@ -27,6 +27,11 @@ const OSCILLATION_PERIOD: f64 = 2.0;
 /// Between two pictures of it.
 const OSCILLATION_STEP: Duration = Duration::from_millis(33);
 
+const BEING_SOLVED: &str =
+    "Many focal points are being solved. Until that is done, the map is of those before.";
+const AT_REST: &str =
+    "The frames of the motion are being solved. Until they are there, this is the scene at rest.";
+
 type Solved = Result<Arc<Solution>, String>;
 
 /// What is played: the scene at rest, or a frame of its motion.
@@ -93,6 +98,7 @@ impl Workshop {
     /// Brings everything that is shown up to date.
     pub fn update(&mut self, editor: &mut Editor, shown: &mut Shown, lens: &Lens, ctx: &Context) {
         shown.problem = None;
+        shown.pending = None;
         let came =
             [self.solving.collect(), self.bound.collect(), self.methods.collect(), self.round.collect()];
         if came.contains(&true) {
@@ -125,7 +131,10 @@ impl Workshop {
                     self.solving.ask(&posed, ctx, solve);
                     match self.solving.get(&posed) {
                         Some(solved) => solved.clone(),
-                        None => return,
+                        None => {
+                            shown.pending = Some(BEING_SOLVED.to_owned());
+                            return;
+                        }
                     }
                 }
                 Ok(_) => solve(&posed),
@@ -193,6 +202,9 @@ impl Workshop {
             Some(Ok(round)) => shown.round = Some(round.clone()),
             Some(Err(problem)) => shown.problem = Some(problem.clone()),
             None => shown.is_following = self.round.is_running(),
+        }
+        if shown.is_following && (presses || editor.playback.frame.is_some()) {
+            shown.pending = Some(AT_REST.to_owned());
         }
     }
 

@@ -20,7 +20,8 @@ const TICK: f64 = 70.0;
 const SMALLEST: f32 = 40.0;
 /// Where there is no map.
 pub const GROUND: Color32 = Color32::from_rgb(12, 12, 16);
-const CONTOUR: Color32 = Color32::from_rgba_premultiplied(215, 215, 215, 215);
+const CONTOUR: Color32 = Color32::from_rgb(235, 235, 235);
+const CONTOUR_EDGE: Color32 = Color32::from_rgba_premultiplied(0, 0, 0, 120);
 
 /// The canvas on this frame.
 #[derive(Debug)]
@@ -96,6 +97,7 @@ fn contours(map: &Map, painter: &Painter, place: Rect) {
     let at = |&[x, y]: &[f32; 2]| place.left_bottom() + vec2(x, -y) * pixel;
     for line in &map.contours {
         let line: Vec<_> = line.iter().map(at).collect();
+        painter.add(egui::Shape::line(line.clone(), Stroke::new(3.0, CONTOUR_EDGE)));
         painter.add(egui::Shape::line(line, Stroke::new(1.3, CONTOUR)));
     }
 }
@@ -114,8 +116,13 @@ fn shaded(shown: &Shown, ui: &Ui, painter: &Painter, lens: &Lens) {
         size.y,
         legend::with_unit(map.largest, map.quantity)
     );
-    let at = lens.rect.left_top() + vec2(12.0, 9.0);
-    chip(painter, at, Align2::LEFT_TOP, &text, 13.0, theme::MARK);
+    wrapped_chip(
+        painter,
+        lens.rect.center_top() + vec2(0.0, 9.0),
+        lens.rect.width() - 40.0,
+        &text,
+        theme::MARK,
+    );
 }
 
 /// What stands between the user and a picture.
@@ -130,21 +137,14 @@ fn words(editor: &Editor, shown: &Shown, painter: &Painter, lens: &Lens) {
         Some(problem) => {
             (format!("Not solved, the last picture stays: {problem}"), Color32::from_rgb(255, 170, 160))
         }
-        None if shown.is_following && wants_motion(editor) => (AT_REST.to_owned(), theme::MARK),
-        None => return,
+        None => match &shown.pending {
+            Some(pending) => (pending.clone(), theme::MARK),
+            None => return,
+        },
     };
     let at = lens.rect.center_top() + vec2(0.0, 44.0);
     wrapped_chip(painter, at, lens.rect.width() - 40.0, &text, colour);
 }
-
-/// Whether what is shown is of the motion and not of the scene at rest.
-fn wants_motion(editor: &Editor) -> bool {
-    let presses = matches!(editor.view.quantity, Quantity::Radiation | Quantity::Dent);
-    editor.playback.frame.is_some() || presses
-}
-
-const AT_REST: &str =
-    "The frames of the motion are being solved. Until they are there, this is the scene at rest.";
 
 /// A text on a dark ground.
 pub fn chip(painter: &Painter, at: Pos2, align: Align2, text: &str, size: f32, colour: Color32) -> Rect {

@@ -57,7 +57,7 @@ pub fn paint(editor: &Editor, map: &Map, ui: &Ui, lens: &Lens) {
     let ink = ui.visuals().text_color();
     let plot = lens.rect;
     let bar = Rect::from_min_max(
-        pos2(plot.right() + GAP, plot.top() + 26.0),
+        pos2(plot.right() + GAP, plot.top() + 36.0),
         pos2(plot.right() + GAP + WIDTH, plot.bottom()),
     );
     let full = editor.view.full.unwrap_or(map.largest).max(1e-30);

@@ -107,7 +107,8 @@ fn foci(editor: &Editor, sound: &Sound, painter: &Painter, lens: &Lens, pointer:
         let radius =
             if few { 2.0 } else { 1.0 } + 2.0 * (focus.target / most.max(f64::MIN_POSITIVE)).sqrt() as f32;
         if height.abs() > NEAR {
-            painter.circle_stroke(at, radius, Stroke::new(1.0, Color32::from_white_alpha(90)));
+            painter.circle_stroke(at, radius + 0.7, Stroke::new(2.4, Color32::from_black_alpha(80)));
+            painter.circle_stroke(at, radius, Stroke::new(1.0, Color32::from_white_alpha(150)));
             if asked || (few && editor.view.cut == Cut::Free) {
                 chip(
                     painter,

@@ -148,6 +148,8 @@ pub struct Shown {
     pub sound: Option<Sound>,
     /// Why what is shown is not what the scene asks for.
     pub problem: Option<String>,
+    /// What is still to come, and what is shown until then: a sentence.
+    pub pending: Option<String>,
     /// A sentence each.
     pub warnings: Vec<String>,
     /// The part of the best that any drive can do.

@@ -106,7 +106,7 @@ fn each(numbers: &[f32], places: &mut [u8], place: impl Fn(f32) -> u8) {
 fn rounded(place: f32) -> u8 {
     /// Adding this rounds a small number into the last bits.
     const ROUNDER: f32 = 8_388_608.0;
-    (place.max(0.0).min(LAST) + ROUNDER).to_bits() as u8
+    (place.clamp(0.0, LAST) + ROUNDER).to_bits() as u8
 }
 
 /// The logarithm of a positive number to base 2, to 2e-4: that of the mantissa m by artanh's series in (m - 1) / (m + 1).
