@@ -191,12 +191,12 @@ mod tests {
     #[test]
     fn a_hill_is_a_circle_run_round_counter_clockwise() {
         let hill = |i| 40.0 - (at(i).0 - 41.3).hypot(at(i).1 - 30.8);
-        let lines = lines(WIDTH * HEIGHT, WIDTH, 20.0, hill);
-        let [line] = &lines[..] else { panic!("{} lines", lines.len()) };
+        let found = lines(WIDTH * HEIGHT, WIDTH, 20.0, hill);
+        let [line] = &found[..] else { panic!("{} lines", found.len()) };
         assert_eq!(line.first(), line.last());
         assert!(line.iter().all(|[x, y]| ((x - 41.3).hypot(y - 30.8) - 20.0).abs() < 0.02), "{line:?}");
         assert!((area(line) / (std::f32::consts::PI * 400.0) - 1.0).abs() < 0.01, "{}", area(line));
-        let hole = super::lines(WIDTH * HEIGHT, WIDTH, -20.0, |i| -hill(i));
+        let hole = lines(WIDTH * HEIGHT, WIDTH, -20.0, |i| -hill(i));
         assert!(area(&hole[0]) < 0.0 && hole.len() == 1);
     }
 

@@ -1,6 +1,8 @@
 //! A liquid's surface seen at an angle: what a photograph of the dents would look like.
 
-use glam::{DVec2, Vec3};
+use std::ops::Range;
+
+use glam::{DVec2, Vec3, Vec4};
 use plotters::prelude::*;
 use rayon::prelude::*;
 
@@ -18,8 +20,8 @@ const ELEVATION: f64 = 0.62;
 const DRAWN_DEPTH: f64 = 0.09;
 /// Columns that are drawn for one of the picture: smooth edges.
 const FINENESS: usize = 2;
-/// Columns of the picture that are drawn together, so that neighbours find the surface in the cache.
-const STRIP: usize = 8;
+/// Columns of the picture that are drawn together: what they need of the surface stays in the caches.
+const STRIP: usize = 32;
 
 const SKY: Vec3 = Vec3::new(0.90, 0.94, 0.97);
 const DEEP: Vec3 = Vec3::new(0.03, 0.20, 0.33);
@@ -95,7 +97,7 @@ impl Relief<'_> {
         let strips: Vec<Vec<[u8; 3]>> = (0..width)
             .into_par_iter()
             .step_by(STRIP)
-            .map(|first| seen.strip(first..(first + STRIP).min(width), height))
+            .map_init(Lit::default, |lit, first| seen.strip(first..(first + STRIP).min(width), height, lit))
             .collect();
         let mut rgba = vec![255; width * height * 4];
         rgba.par_chunks_mut((width * 4).max(1)).enumerate().for_each(|(y, row)| {
@@ -109,30 +111,35 @@ impl Relief<'_> {
     }
 }
 
-/// A point of the surface as it is seen: how far below its level place (pixels), and its colour.
-#[derive(Clone, Copy, Debug, Default)]
-struct Point {
-    sunk: f32,
-    colour: Vec3,
+/// Some columns of the surface as they are seen, each from the front to the back.
+#[derive(Debug, Default)]
+struct Lit {
+    first: usize,
+    /// Pixels, how far below its level place a point is seen.
+    sunk: Vec<f32>,
+    /// The last component is 1, so that sums of parts know how much they cover.
+    colours: Vec<Vec4>,
 }
 
-/// The surface as it is projected and lit.
-struct Seen {
-    points: Vec<Point>,
+/// The surface as it is projected.
+struct Seen<'a> {
+    relief: &'a Relief<'a>,
+    light: Light,
     columns: usize,
     rows: usize,
-    /// Pixels: the left edge and the width of the surface, the front edge of the level surface and how far above it the back
-    /// one is, and the lower edge of the liquid.
+    /// Pixels: how far a metre of depth sinks; the left edge and the width of the surface; the front edge of the level surface,
+    /// how far above it the back one is; and the lower edge of the liquid.
+    sinks: f32,
     left: f64,
     wide: f64,
-    front: f64,
-    far: f64,
-    bottom: f64,
-    ground: Vec3,
+    front: f32,
+    far: f32,
+    bottom: f32,
+    ground: Vec4,
 }
 
-impl Seen {
-    fn new(relief: &Relief<'_>, place: &Place) -> Self {
+impl<'a> Seen<'a> {
+    fn new(relief: &'a Relief<'a>, place: &Place) -> Self {
         let (width, height) = (place.width as f64, place.height as f64);
         let size = relief.size;
         let room = DVec2::new(width - 2.0 * place.side, height - place.top - place.bottom).max(DVec2::ONE);
@@ -142,73 +149,89 @@ impl Seen {
         let columns = relief.columns.max(1);
         let rows = relief.depth.len() / columns;
         let exaggeration = relief.exaggeration();
-        let rise = scale * exaggeration * ELEVATION.cos();
-        let light = Light::new(size, (columns, rows), exaggeration);
-        let mut points = vec![Point::default(); rows * columns];
-        points.par_chunks_mut(columns).enumerate().for_each(|(row, points)| {
-            for (column, point) in points.iter_mut().enumerate() {
-                let sunk = (f64::from(relief.depth[row * columns + column]) * rise) as f32;
-                *point = Point { sunk, colour: light.colour(relief.depth, column, row) };
-            }
-        });
         Self {
-            points,
+            relief,
+            light: Light::new(size, (columns, rows), exaggeration),
             columns,
             rows,
+            sinks: (scale * exaggeration * ELEVATION.cos()) as f32,
             left: (width - scale * size.x) / 2.0,
             wide: scale * size.x,
-            front,
-            far,
-            bottom: (front + 0.7 * place.bottom).min(height),
-            ground: Vec3::from(place.ground.map(f32::from)) / 255.0,
+            front: front as f32,
+            far: far as f32,
+            bottom: (front + 0.7 * place.bottom).min(height) as f32,
+            ground: (Vec3::from(place.ground.map(f32::from)) / 255.0).extend(1.0),
+        }
+    }
+
+    /// Where on the surface, from its left to its right edge, a place in the picture is: a column and a part of the way to the
+    /// next.
+    fn across(&self, x: f64) -> Option<(usize, f32)> {
+        let across = (x - self.left) / self.wide;
+        let place = (across * self.columns as f64 - 0.5).clamp(0.0, (self.columns - 1) as f64);
+        ((0.0..=1.0).contains(&across) && self.rows > 0).then_some((place as usize, place.fract() as f32))
+    }
+
+    /// Lights these columns.
+    fn shine(&self, lit: &mut Lit, columns: Range<usize>) {
+        lit.first = columns.start;
+        lit.sunk.resize(columns.len() * self.rows, 0.0);
+        lit.colours.resize(columns.len() * self.rows, Vec4::ZERO);
+        for row in 0..self.rows {
+            for column in columns.clone() {
+                let at = (column - columns.start) * self.rows + row;
+                lit.sunk[at] = self.relief.depth[row * self.columns + column] * self.sinks;
+                lit.colours[at] = self.light.colour(self.relief.depth, column, row).extend(1.0);
+            }
         }
     }
 
     /// Columns of the picture, one after the other, each from the top.
-    fn strip(&self, columns: std::ops::Range<usize>, height: usize) -> Vec<[u8; 3]> {
+    fn strip(&self, columns: Range<usize>, height: usize, lit: &mut Lit) -> Vec<[u8; 3]> {
         let mut strip = Vec::with_capacity(columns.len() * height);
-        let mut covered = vec![(Vec3::ZERO, 0.0); height];
-        for x in columns {
-            covered.fill((Vec3::ZERO, 0.0));
-            for i in 0..FINENESS {
-                self.column(x as f64 + (i as f64 + 0.5) / FINENESS as f64, &mut covered);
+        let mut covered = vec![Vec4::ZERO; height];
+        let fine = |x: usize| (0..FINENESS).map(move |i| x as f64 + (i as f64 + 0.5) / FINENESS as f64);
+        let places = || columns.clone().flat_map(fine).filter_map(|x| self.across(x));
+        if let (Some((first, _)), Some((last, _))) = (places().next(), places().last()) {
+            self.shine(lit, first..(last + 2).min(self.columns));
+        }
+        for x in columns.clone() {
+            covered.fill(Vec4::ZERO);
+            for place in fine(x).filter_map(|x| self.across(x)) {
+                self.column(lit, place, &mut covered);
             }
-            strip.extend(covered.iter().map(|&(sum, part)| {
-                let part = part / FINENESS as f32;
-                let colour = sum / FINENESS as f32 + self.ground * (1.0 - part).max(0.0);
-                (colour.clamp(Vec3::ZERO, Vec3::ONE) * 255.0 + 0.5).to_array().map(|channel| channel as u8)
+            strip.extend(covered.iter().map(|&sum| {
+                let sum = sum / FINENESS as f32;
+                let colour = sum + self.ground * (1.0 - sum.w).max(0.0);
+                let [r, g, b, _] = (colour.min(Vec4::ONE) * 255.0 + 0.5).to_array();
+                [r as u8, g as u8, b as u8]
             }));
         }
         strip
     }
 
     /// Adds what is seen along a line upwards, from the front to the back; what is nearer hides what is behind it.
-    fn column(&self, x: f64, covered: &mut [(Vec3, f32)]) {
-        let across = (x - self.left) / self.wide;
-        if !(0.0..=1.0).contains(&across) || self.rows == 0 {
-            return;
-        }
-        let place = (across * self.columns as f64 - 0.5).clamp(0.0, (self.columns - 1) as f64);
-        let (column, part) = (place as usize, place.fract() as f32);
-        let right = (column + 1).min(self.columns - 1);
-        let point = |row: usize| {
-            let at = |column: usize| self.points[row * self.columns + column];
-            let (from, to) = (at(column), at(right));
-            (from.sunk + (to.sunk - from.sunk) * part, from.colour.lerp(to.colour, part))
+    fn column(&self, lit: &Lit, (column, part): (usize, f32), covered: &mut [Vec4]) {
+        let line = |column: usize| {
+            let first = (column.min(self.columns - 1) - lit.first) * self.rows;
+            first..first + self.rows
         };
-        let (front, far) = (self.front as f32, self.far as f32);
-        let (sunk, colour) = point(0);
-        let mut before = (front + sunk, colour);
+        let (sunk, colours) = (&lit.sunk[line(column)], &lit.colours[line(column)]);
+        let (sunk_right, colours_right) = (&lit.sunk[line(column + 1)], &lit.colours[line(column + 1)]);
+        let point = |row: usize, along: f32| {
+            let sunk = sunk[row] + (sunk_right[row] - sunk[row]) * part;
+            (self.front - along * self.far + sunk, colours[row].lerp(colours_right[row], part))
+        };
+        let mut before = point(0, 0.0);
         let mut top = before.0;
-        let wall = |part: f32| SHALLOW.lerp(DEEP, part);
-        fill(covered, (top, wall(0.35)), (self.bottom as f32, wall(1.0)));
-        for row in 0..=self.rows {
-            // The last stands for the back edge.
-            let along = ((row as f32 + 0.5) / self.rows as f32).min(1.0);
-            let (sunk, colour) = point(row.min(self.rows - 1));
-            let y = front - along * far + sunk;
+        let wall = |part: f32| SHALLOW.lerp(DEEP, part).extend(1.0);
+        fill(covered, (top, wall(0.35)), (self.bottom, wall(1.0)));
+        let per_row = 1.0 / self.rows as f32;
+        let back = (self.rows - 1, 1.0);
+        for (row, along) in (0..self.rows).map(|row| (row, (row as f32 + 0.5) * per_row)).chain([back]) {
+            let (y, colour) = point(row, along);
             if y < top {
-                let hidden = ((before.0 - top) / (before.0 - y)).clamp(0.0, 1.0);
+                let hidden = (before.0 - top) / (before.0 - y);
                 fill(covered, (y, colour), (top, before.1.lerp(colour, hidden)));
                 top = y;
             }
@@ -218,16 +241,23 @@ impl Seen {
 }
 
 /// Adds a stretch of a column, from a place above to a place below, to the pixels that it covers.
-fn fill(covered: &mut [(Vec3, f32)], from: (f32, Vec3), to: (f32, Vec3)) {
+#[inline]
+fn fill(covered: &mut [Vec4], from: (f32, Vec4), to: (f32, Vec4)) {
     let last = covered.len() as f32;
     let (start, end) = (from.0.clamp(0.0, last), to.0.clamp(0.0, last));
-    let per_pixel = 1.0 / (to.0 - from.0).max(1e-6);
-    for (y, (sum, part)) in covered.iter_mut().enumerate().take(end.ceil() as usize).skip(start as usize) {
-        let (above, below) = (start.max(y as f32), end.min(y as f32 + 1.0));
-        let share = below - above;
-        let place = ((0.5 * (above + below) - from.0) * per_pixel).clamp(0.0, 1.0);
-        *sum += from.1.lerp(to.1, place) * share;
-        *part += share;
+    let (first, behind) = (start as usize, end.ceil() as usize);
+    if behind <= first + 1 {
+        // Most stretches are within a pixel.
+        if let Some(sum) = covered.get_mut(first) {
+            *sum += (from.1 + to.1) * (0.5 * (end - start));
+        }
+        return;
+    }
+    let slope = (to.1 - from.1) / (to.0 - from.0);
+    for (y, sum) in covered[first..behind].iter_mut().enumerate() {
+        let above = ((first + y) as f32).max(start);
+        let below = ((first + y + 1) as f32).min(end);
+        *sum += (from.1 + slope * (0.5 * (above + below) - from.0)) * (below - above);
     }
 }
 
@@ -238,6 +268,8 @@ struct Light {
     /// From differences of depth between the two neighbours to slopes as they are drawn.
     steepness: [f32; 2],
     towards: Vec3,
+    /// What makes a level surface as bright as 1.
+    brightness: f32,
     eye: Vec3,
 }
 
@@ -245,11 +277,13 @@ impl Light {
     fn new(size: DVec2, (columns, rows): (usize, usize), exaggeration: f64) -> Self {
         let step = size / DVec2::new(columns as f64, rows.max(1) as f64);
         let steepness = DVec2::splat(exaggeration) / (2.0 * step);
+        let towards = Vec3::new(-0.55, -0.25, 0.8).normalize_or_zero();
         Self {
             columns,
             rows,
             steepness: [steepness.x as f32, steepness.y as f32],
-            towards: Vec3::new(-0.55, -0.25, 0.8).normalize_or_zero(),
+            towards,
+            brightness: 1.0 / towards.z,
             eye: Vec3::new(0.0, -ELEVATION.cos() as f32, ELEVATION.sin() as f32),
         }
     }
@@ -260,14 +294,20 @@ impl Light {
         let (ahead, behind) = (row.saturating_sub(1), (row + 1).min(self.rows - 1));
         let slope_x = (at(right, row) - at(left, row)) * self.steepness[0];
         let slope_y = (at(column, behind) - at(column, ahead)) * self.steepness[1];
-        let normal = Vec3::new(slope_x, slope_y, 1.0).normalize_or_zero();
-        let lit = normal.dot(self.towards).max(0.0);
+        let length = (1.0 + slope_x * slope_x + slope_y * slope_y).sqrt();
+        let normal = Vec3::new(slope_x, slope_y, 1.0) / length;
+        let lit = normal.dot(self.towards).max(0.0) * self.brightness;
         let faced = normal.dot(self.eye);
         let mirrored = 2.0 * faced * normal - self.eye;
-        let glint = mirrored.dot(self.towards).max(0.0).powi(60);
+        let straight = mirrored.dot(self.towards).max(0.0);
+        let fourth = straight * straight * (straight * straight);
+        let (eighth, sixteenth) = (fourth * fourth, fourth * fourth * fourth * fourth);
+        // The 60th power.
+        let glint = sixteenth * sixteenth * sixteenth * eighth * fourth;
         // Schlick's approximation for water.
-        let reflected = 0.02 + 0.98 * (1.0 - faced.clamp(0.0, 1.0)).powi(5);
-        let body = DEEP.lerp(SHALLOW, (lit / self.towards.z).powi(2).min(1.6) * 0.75);
+        let grazing = 1.0 - faced.clamp(0.0, 1.0);
+        let reflected = 0.02 + 0.98 * grazing * (grazing * grazing) * (grazing * grazing);
+        let body = DEEP.lerp(SHALLOW, (lit * lit).min(1.6) * 0.75);
         let surface = body.lerp(SKY, (reflected * (0.4 + mirrored.z.max(0.0))).min(0.85));
         surface + Vec3::splat(0.75 * glint)
     }

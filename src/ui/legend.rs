@@ -141,10 +141,8 @@ impl Law {
                 .to_vec(),
             Self::Decibels => {
                 let least = decibels(FLOOR.into(), quantity);
-                (0..=6)
-                    .map(|i| least * f64::from(i) / 6.0 + 0.0)
-                    .map(|tick| (1.0 - tick / least, format!("{tick:.0}")))
-                    .collect()
+                let tick = |part: f64| (1.0 - part, format!("{:.0}", least * part + 0.0));
+                (0..=6).map(|i| tick(f64::from(i) / 6.0)).collect()
             }
             Self::Linear => amounts(full, 6.0),
             Self::Signed => {
