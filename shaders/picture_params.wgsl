@@ -3,6 +3,8 @@
 struct PictureParams {
     count: u32,
     invocations: u32,
+    // e^(jωt) of an instantaneous pressure.
+    turn: vec2f,
     // The number that gets the last colour.
     full: f32,
     padding: u32,

@@ -15,7 +15,10 @@ const LAYERS: &[(&str, &[&str])] = &[
     ("solver", &["faer", "glam", "num_complex", "rayon", "thiserror"]),
     ("field", &["bytemuck", "glam", "num_complex", "rayon", "thiserror"]),
     ("field::gpu", &["bytemuck", "glam", "naga", "num_complex", "pollster", "thiserror", "wgpu"]),
-    ("picture", &["colorous", "gif", "glam", "image", "npyz", "num_complex", "plotters", "png", "thiserror"]),
+    (
+        "picture",
+        &["colorous", "gif", "glam", "image", "npyz", "num_complex", "plotters", "png", "rayon", "thiserror"],
+    ),
     ("import", &["glam", "image", "thiserror", "usvg"]),
     ("ui", &["egui", "egui_plot", "glam", "num_complex"]),
     (

@@ -243,7 +243,7 @@ impl Shown {
             width: self.size.0,
             height: self.size.1,
         };
-        let colouring = Colouring { quantity: self.quantity, table: self.colours.table(), full: None };
+        let colouring = Colouring::new(self.quantity, self.colours.table());
         assert_eq!(stages.average_colours(&wanted, &colouring).unwrap().len(), self.size.0 * self.size.1);
         stages.work().since(before)
     }
@@ -251,8 +251,16 @@ impl Shown {
 
 #[test]
 fn only_what_depends_on_the_change_runs() {
-    const PICTURE: Work =
-        Work { plan: 0, transfer: 0, superposition: 0, interpolation: 0, squares: 0, dent: 0, picture: 1 };
+    const PICTURE: Work = Work {
+        plan: 0,
+        transfer: 0,
+        superposition: 0,
+        interpolation: 0,
+        squares: 0,
+        dent: 0,
+        picture: 1,
+        contours: 0,
+    };
     const PIXELS: Work = Work { interpolation: 1, ..PICTURE };
     const LIQUID: Work = Work { dent: 1, ..PIXELS };
     type Change = fn(&mut Shown);

@@ -7,7 +7,7 @@ use num_complex::{Complex32, Complex64};
 use sonoglyph::acoustics::Aperture;
 use sonoglyph::drive::Drive;
 use sonoglyph::field::gpu::adapter;
-use sonoglyph::field::{Colouring, Gpu, GpuError, Quantity, Samples, Sources, cpu, reference};
+use sonoglyph::field::{Colouring, Gpu, GpuError, Quantity, Samples, Scale, Sources, cpu, reference};
 use sonoglyph::picture::ColourMap;
 use sonoglyph::scene::{ElementModel, Plane, Scene, file};
 use sonoglyph::simd::Isa;
@@ -182,9 +182,14 @@ fn the_gpu_colours_a_field_like_the_cpu() {
     let (measured, probed) = gpu.measure(&on_gpu, Quantity::Rms, &[7, 0, 61 * 43 - 1]).unwrap();
     assert!((measured - peak).abs() <= 1e-6 * peak);
     assert_eq!(probed, [field[7], field[0], field[61 * 43 - 1]]);
-    for (quantity, map) in [(Quantity::Rms, ColourMap::Inferno), (Quantity::Phase, ColourMap::Cyclic)] {
+    for (quantity, map, scale) in [
+        (Quantity::Rms, ColourMap::Inferno, Scale::Linear),
+        (Quantity::Rms, ColourMap::Inferno, Scale::Logarithmic),
+        (Quantity::Phase, ColourMap::Cyclic, Scale::Linear),
+        (Quantity::Instantaneous, ColourMap::Grey, Scale::Linear),
+    ] {
         for full in [None, Some(0.5 * peak)] {
-            let colouring = Colouring { quantity, table: map.table(), full };
+            let colouring = Colouring { full, scale, phase: 0.7, ..Colouring::new(quantity, map.table()) };
             let (mut got, mut expected) = (Vec::new(), Vec::new());
             gpu.colours(&on_gpu, &colouring, peak, &mut got).unwrap();
             colouring.colours(&field, peak, &mut expected);

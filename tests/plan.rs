@@ -140,7 +140,7 @@ fn a_tight_tolerance_and_exact_evaluation_give_the_same_picture() {
     let (mut scene, drive) = hit();
     let aperture = Aperture::new(&scene);
     let table = std::array::from_fn(|i| [i as u8; 4]);
-    let colouring = Colouring { quantity: Quantity::Rms, table, full: None };
+    let colouring = Colouring::new(Quantity::Rms, table);
     let mut pictures = [0.0, 1e-5].map(|tolerance| {
         scene.plane.tolerance = tolerance;
         let wanted =

@@ -53,7 +53,7 @@ impl Shown {
             width: self.size.0,
             height: self.size.1,
         };
-        let colouring = Colouring { quantity: Quantity::Rms, table: self.colours.table(), full: self.full };
+        let colouring = Colouring { full: self.full, ..Colouring::new(Quantity::Rms, self.colours.table()) };
         assert_eq!(stages.colours(&wanted, &colouring).unwrap().len(), self.size.0 * self.size.1);
         stages.work().since(before)
     }
@@ -61,8 +61,16 @@ impl Shown {
 
 #[test]
 fn only_what_depends_on_the_change_runs() {
-    const EVERYTHING: Work =
-        Work { plan: 1, transfer: 1, superposition: 1, interpolation: 1, squares: 0, dent: 0, picture: 1 };
+    const EVERYTHING: Work = Work {
+        plan: 1,
+        transfer: 1,
+        superposition: 1,
+        interpolation: 1,
+        squares: 0,
+        dent: 0,
+        picture: 1,
+        contours: 0,
+    };
     const NEW_DRIVE: Work = Work { plan: 0, transfer: 0, ..EVERYTHING };
     const NEW_SIZE: Work = Work { superposition: 0, ..NEW_DRIVE };
     const NEW_COLOURS: Work = Work { interpolation: 0, ..NEW_SIZE };

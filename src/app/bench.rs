@@ -1,12 +1,15 @@
 //! `sonoglyph bench window`: what the window's frames cost, without a screen.
 
+use std::time::Instant;
+
 use cpu_time::ProcessTime;
 use eframe::egui::{self, Event, Key, Modifiers, PointerButton, Pos2, RawInput, Rect, pos2, vec2};
 use glam::{DVec2, DVec3};
 
 use crate::app::Window;
-use crate::field::Evaluator;
+use crate::field::{Evaluator, Quantity};
 use crate::scene::{Scene, Shape, Target};
+use crate::ui::Editor;
 use crate::ui::document::Document;
 use crate::ui::view::Lens;
 
@@ -25,14 +28,22 @@ struct Screen {
 }
 
 impl Screen {
-    fn new(scene: Scene) -> Self {
+    fn bare(scene: Scene) -> Self {
         let ctx = egui::Context::default();
         let window = Window::new(&ctx, Document::new(scene, "bench"), Evaluator::Cpu);
-        let mut screen = Self { ctx, window, time: 0.0, wants_more: true };
-        for _ in 0..5 {
-            screen.frame(Vec::new());
-        }
+        Self { ctx, window, time: 0.0, wants_more: true }
+    }
+
+    fn new(scene: Scene) -> Self {
+        let mut screen = Self::bare(scene);
+        screen.settle();
         screen
+    }
+
+    fn settle(&mut self) {
+        for _ in 0..5 {
+            self.frame(Vec::new());
+        }
     }
 
     /// CPU time (ms) of a frame: panels, solving, field, colours and triangles, but for what the renderer does with them.
@@ -87,29 +98,72 @@ fn median(mut values: Vec<f64>) -> f64 {
     values.get(values.len() / 2).copied().unwrap_or(0.0)
 }
 
-/// Prints what dragging, typing and doing nothing cost.
+/// Prints what starting, dragging, typing and doing nothing cost.
 pub fn run() {
-    let (all, field, solve) = drag();
     println!("CPU time per frame of a {} x {} window, median; the renderer comes on top", SIZE.x, SIZE.y);
-    println!("drag one of 8 foci    {all:6.2} ms in all, field {field:.2} ms, solve {solve:.2} ms (elapsed)");
-    println!("type HIT              {:6.2} ms per letter", typing());
-    println!("nothing happens       {} frames in a second", idle());
+    type Look = fn(&mut Editor);
+    let looks: [(&str, Look); 5] = [
+        ("drag one of 8 foci", |_| ()),
+        ("  with contours", |editor| editor.view.contours = true),
+        ("  in decibels", |editor| editor.view.scale = crate::field::Scale::Logarithmic),
+        ("  over its dent", |editor| editor.view.quantity = Quantity::Dent),
+        ("  over its dent, shaded", |editor| {
+            editor.view.quantity = Quantity::Dent;
+            editor.view.shaded = true;
+        }),
+    ];
+    for (name, look) in looks {
+        let (all, field, solve) = drag(look);
+        println!("{name:<24} {all:6.2} ms in all, field {field:.2} ms, solve {solve:.2} ms (elapsed)");
+    }
+    println!("{:<24} {:6.2} ms", "a moment of the waves", oscillation());
+    println!("{:<24} {:6.2} ms per letter", "type HIT", typing());
+    println!("{:<24} {:6} frames in a second", "nothing happens", idle());
+    let (spent, passed) = start();
+    println!("{:<24} {spent:6.2} ms, {passed:.2} ms elapsed", "start to first picture");
 }
 
-fn drag() -> (f64, f64, f64) {
-    let at = |i: u32| (DVec2::from_angle(f64::from(i) * std::f64::consts::TAU / 8.0) * 0.04).extend(0.1);
-    let target = |i| Target::new(Shape::Point { at: at(i) });
-    let mut screen = Screen::new(Scene { targets: (0..8).map(target).collect(), ..Scene::default() });
-    let Some(from) = screen.place(at(0)) else { return (0.0, 0.0, 0.0) };
-    screen.press(from, true);
+fn eight_foci() -> [DVec3; 8] {
+    let at = |i: usize| (DVec2::from_angle(i as f64 * std::f64::consts::TAU / 8.0) * 0.04).extend(0.1);
+    std::array::from_fn(at)
+}
+
+fn scene(foci: &[DVec3]) -> Scene {
+    let target = |&at: &DVec3| Target::new(Shape::Point { at });
+    Scene { targets: foci.iter().map(target).collect(), ..Scene::default() }
+}
+
+/// Moves one of eight foci, which a shaded surface takes no pointer for, by its number.
+fn drag(look: fn(&mut Editor)) -> (f64, f64, f64) {
+    let foci = eight_foci();
+    let mut screen = Screen::new(scene(&foci));
+    look(&mut screen.window.editor);
+    screen.settle();
+    let Some(from) = screen.place(foci[0]) else { return (0.0, 0.0, 0.0) };
+    let is_shaded = screen.window.editor.view.is_shaded();
+    if !is_shaded {
+        screen.press(from, true);
+    }
     let (mut all, mut field, mut solve) = (Vec::new(), Vec::new(), Vec::new());
     for i in 0..FRAMES {
-        let to = from + vec2((i as f32 * 0.1).sin() * 40.0, 3.0 + i as f32);
-        all.push(screen.frame(vec![Event::PointerMoved(to)]));
+        let offset = vec2((i as f32 * 0.1).sin() * 40.0, 3.0 + i as f32);
+        if is_shaded {
+            let at = foci[0] + DVec3::new(f64::from(offset.x), f64::from(-offset.y), 0.0) * 3e-4;
+            screen.window.editor.document.scene.targets[0].shape = Shape::Point { at };
+        }
+        all.push(screen.frame(vec![Event::PointerMoved(from + offset)]));
         field.push(screen.window.shown.mapping);
         solve.push(screen.window.shown.solving);
     }
     (median(all), median(field), median(solve))
+}
+
+/// The waves as they run.
+fn oscillation() -> f64 {
+    let mut screen = Screen::new(scene(&eight_foci()));
+    screen.window.editor.view.quantity = Quantity::Instantaneous;
+    screen.settle();
+    median((0..FRAMES).map(|_| screen.frame(Vec::new())).collect())
 }
 
 /// Letter by letter, with the figures that follow in the next frame.
@@ -139,4 +193,19 @@ fn idle() -> usize {
             }
         })
         .count()
+}
+
+/// CPU and elapsed time (ms) from nothing to a frame with a map of eight foci on it.
+fn start() -> (f64, f64) {
+    let runs: Vec<_> = (0..5)
+        .map(|_| {
+            let (spent, passed) = (ProcessTime::now(), Instant::now());
+            let mut screen = Screen::bare(scene(&eight_foci()));
+            while screen.window.shown.map.is_none() {
+                screen.frame(Vec::new());
+            }
+            (spent.elapsed().as_secs_f64() * 1e3, passed.elapsed().as_secs_f64() * 1e3)
+        })
+        .collect();
+    (median(runs.iter().map(|run| run.0).collect()), median(runs.iter().map(|run| run.1).collect()))
 }

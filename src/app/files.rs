@@ -11,7 +11,7 @@ use crate::app::errand::{Errand, Progress, State};
 use crate::app::settings;
 use crate::cli::map::{self, Look};
 use crate::cli::{animate, output, solve};
-use crate::field::{Evaluator, Quantity, Stages};
+use crate::field::{Colouring, Evaluator, Quantity, Stages};
 use crate::import::{self, Drawing};
 use crate::picture::{export, sheet};
 use crate::scene::{Scene, check};
@@ -204,7 +204,8 @@ impl Window {
         let (view, size) = (&self.editor.view, (map.width, map.height));
         let lens = Lens { rect: map.rect, window: map.window };
         let scene = Scene { plane: view.plane(self.editor.scene(), &lens), ..self.editor.scene().clone() };
-        let (look, round) = ((view.quantity, view.table()), self.shown.round.clone());
+        let colouring = Colouring { phase: map.phase as f32, ..view.colouring() };
+        let round = self.shown.round.clone();
         let (path, ctx_of_thread) = (path.to_owned(), ctx.clone());
         let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
         let progress = self.send(ctx, move |progress| {
@@ -216,7 +217,7 @@ impl Window {
             let write = || -> anyhow::Result<()> {
                 check::check(&scene)?;
                 let round = round.map_or_else(|| frames::follow(&scene).map(Arc::new), Ok)?;
-                animate::write(&scene, &round, (look.0, &look.1), size, &path, &tell)
+                animate::write(&scene, &round, colouring.clone(), size, &path, &tell)
             };
             let written = write();
             let outcome = if progress.is_off() && written.is_err() { Ok(None) } else { written.map(Some) };
@@ -226,11 +227,11 @@ impl Window {
     }
 
     fn map_png(&mut self) -> anyhow::Result<Vec<u8>> {
-        Ok(export::png(&self.workshop.picture().context("there is no map")?)?)
+        Ok(export::png(&self.workshop.mapping.picture().context("there is no map")?)?)
     }
 
     fn numbers_npy(&mut self) -> anyhow::Result<Vec<u8>> {
-        let (shape, values) = self.workshop.numbers().context("there is no map")?;
+        let (shape, values) = self.workshop.mapping.numbers().context("there is no map")?;
         Ok(export::npy(&shape, &values)?)
     }
 

@@ -5,6 +5,7 @@ mod errand;
 mod examples;
 mod files;
 mod later;
+mod mapping;
 mod recovery;
 mod settings;
 mod workshop;
@@ -15,6 +16,7 @@ use eframe::egui;
 
 use crate::cli::{evaluator, note, render};
 use crate::field::{Evaluator, Work};
+use crate::picture::Picture;
 use crate::scene::Scene;
 use crate::ui::document::Document;
 use crate::ui::{self, Command, Dialog, Editor, Notice, Shown, canvas, theme};
@@ -116,7 +118,7 @@ impl Window {
         let workshop = Workshop::new(evaluator);
         let shown = Shown {
             examples: EXAMPLES.iter().map(|(name, _)| (*name).to_owned()).collect(),
-            evaluator: workshop.evaluator(),
+            evaluator: workshop.mapping.evaluator(),
             ..Shown::default()
         };
         Self {
@@ -183,12 +185,17 @@ impl Window {
 
     /// The values of the map on the screen, height and width first, row 0 at the smallest y.
     pub fn numbers(&mut self) -> Option<(Vec<u64>, Vec<f32>)> {
-        self.workshop.numbers()
+        self.workshop.mapping.numbers()
+    }
+
+    /// The map on the screen without what lies over it.
+    pub fn picture(&mut self) -> Option<Picture> {
+        self.workshop.mapping.picture()
     }
 
     /// How often each stage of the field has run.
     pub fn work(&self) -> Work {
-        self.workshop.work()
+        self.workshop.mapping.work()
     }
 
     /// Whether something is being made on a thread.

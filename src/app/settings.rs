@@ -6,8 +6,8 @@ use egui::{Context, ThemePreference};
 use serde::{Deserialize, Serialize};
 
 use crate::cli::output;
+use crate::field::Scale;
 use crate::picture::ColourMap;
-use crate::ui::view::Scale;
 use crate::ui::{Editor, Panel};
 
 /// s between two files.
@@ -53,6 +53,8 @@ pub struct Settings {
     pub section_height: f32,
     pub section: bool,
     pub marks: bool,
+    pub contours: bool,
+    pub shaded: bool,
     pub colours: String,
     pub decibels: bool,
     /// m
@@ -74,6 +76,8 @@ impl Default for Settings {
             section_height: 170.0,
             section: false,
             marks: true,
+            contours: false,
+            shaded: false,
             colours: COLOURS[0].1.to_owned(),
             decibels: false,
             grid: 0.005,
@@ -99,8 +103,10 @@ impl Settings {
             section_height: editor.layout.section.round(),
             section: view.section,
             marks: view.marks,
+            contours: view.contours,
+            shaded: view.shaded,
             colours: name(&COLOURS, view.colours),
-            decibels: view.scale == Scale::Decibels,
+            decibels: view.scale == Scale::Logarithmic,
             grid: editor.grid,
             snaps: editor.snaps,
             recent: recent.to_vec(),
@@ -117,7 +123,8 @@ impl Settings {
         (editor.grid, editor.snaps) = (self.grid, self.snaps);
         let view = &mut editor.view;
         (view.section, view.marks) = (self.section, self.marks);
-        view.scale = if self.decibels { Scale::Decibels } else { Scale::Linear };
+        (view.contours, view.shaded) = (self.contours, self.shaded);
+        view.scale = if self.decibels { Scale::Logarithmic } else { Scale::Linear };
         view.colours = value(&COLOURS, &self.colours).unwrap_or(view.colours);
     }
 

@@ -1,45 +1,38 @@
-//! What is made from the scene so that it can be shown: drives, maps, and figures of them.
+//! What is made from the scene so that it can be shown: drives, figures of them, and the moment of what moves.
 //!
 //! Every value is kept beside what it was made from and made again when that differs. What takes long is made on a thread
 //! beside, and what was there before stays on the screen meanwhile.
 
-use std::f64::consts::SQRT_2;
 use std::sync::Arc;
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
-use egui::{ColorImage, Context, TextureOptions};
+use egui::Context;
 
 use crate::acoustics::Aperture;
 use crate::app::later::Later;
-use crate::cli::{liquid, map};
+use crate::app::mapping::Mapping;
 use crate::drive::Drive;
-use crate::field::{self, Average, Colouring, Evaluator, FieldError, Mean, Quantity, Stages, Wanted};
-use crate::picture::Picture;
-use crate::scene::{Focus, Method, MotionPath, Plane, Scene, check, motion, outline};
+use crate::field::{Evaluator, Quantity};
+use crate::scene::{Focus, Method, MotionPath, Scene, check, motion, outline};
 use crate::solver::frames::{self, Sequence};
 use crate::solver::{self, Problem, Solution};
 use crate::ui::view::Lens;
-use crate::ui::{Editor, Map, MethodRow, Panel, Pressed, Shown, Sound, Texture};
+use crate::ui::{Editor, MethodRow, Panel, Shown, Sound};
 
 /// Foci times elements that are solved between two frames; more is solved beside them.
 const AT_ONCE: usize = 120 * 256;
-/// Pixels of a map, at most.
-const MOST_PIXELS: usize = 1 << 23;
+
+/// s that a period of the sound takes where it is shown.
+const OSCILLATION_PERIOD: f64 = 2.0;
+/// Between two pictures of it.
+const OSCILLATION_STEP: Duration = Duration::from_millis(33);
+
+const BEING_SOLVED: &str =
+    "Many focal points are being solved. Until that is done, the map is of those before.";
+const AT_REST: &str =
+    "The frames of the motion are being solved. Until they are there, this is the scene at rest.";
 
 type Solved = Result<Arc<Solution>, String>;
-
-/// Everything that a map is made from.
-#[derive(Clone, Debug, PartialEq)]
-struct Request {
-    aperture: Aperture,
-    plane: Plane,
-    /// Played one after the other; a field is that of the first.
-    drives: Vec<Drive>,
-    mean: Option<Mean>,
-    part: f64,
-    size: (usize, usize),
-    colouring: Colouring,
-}
 
 /// What is played: the scene at rest, or a frame of its motion.
 #[derive(Clone, Debug)]
@@ -48,9 +41,22 @@ enum Source {
     Frame(Arc<Sequence>, usize),
 }
 
+/// When something that runs was last moved on, in seconds on the window's clock; `None` while it stands.
+#[derive(Debug, Default)]
+struct Clock(Option<f64>);
+
+impl Clock {
+    /// s since the last call, if it ran then and runs now.
+    fn passed(&mut self, runs: bool, ctx: &Context) -> Option<f64> {
+        let now = ctx.input(|input| input.time);
+        let before = std::mem::replace(&mut self.0, runs.then_some(now))?;
+        runs.then_some(now - before)
+    }
+}
+
 #[derive(Debug)]
 pub struct Workshop {
-    stages: Stages,
+    pub mapping: Mapping,
     /// The last scene that was asked for, and what came of it.
     solved: Option<(Scene, Solved)>,
     solving: Later<Scene, Solved>,
@@ -58,40 +64,27 @@ pub struct Workshop {
     methods: Later<Scene, Vec<MethodRow>>,
     wants_methods: Option<Scene>,
     round: Later<Scene, Result<Arc<Sequence>, String>>,
-    /// What the map on the screen was made from.
-    drawn: Option<Request>,
-    /// Seconds on the window's clock when the motion was last moved on.
-    clock: Option<f64>,
+    motion: Clock,
+    oscillation: Clock,
 }
 
 impl Workshop {
     pub fn new(evaluator: Evaluator) -> Self {
         Self {
-            stages: Stages::new(evaluator),
+            mapping: Mapping::new(evaluator),
             solved: None,
             solving: Later::default(),
             bound: Later::default(),
             methods: Later::default(),
             wants_methods: None,
             round: Later::default(),
-            drawn: None,
-            clock: None,
+            motion: Clock::default(),
+            oscillation: Clock::default(),
         }
-    }
-
-    /// Who computes the field.
-    pub fn evaluator(&self) -> String {
-        let cpu = || format!("CPU, {}", crate::simd::Isa::best().name());
-        self.stages.gpu().map_or_else(cpu, |gpu| gpu.info().name.clone())
     }
 
     pub fn compare_methods(&mut self, scene: &Scene) {
         self.wants_methods = Some(posed(scene));
-    }
-
-    /// How often each stage of the field has run.
-    pub fn work(&self) -> field::Work {
-        self.stages.work()
     }
 
     /// Whether something is being made on a thread.
@@ -105,6 +98,7 @@ impl Workshop {
     /// Brings everything that is shown up to date.
     pub fn update(&mut self, editor: &mut Editor, shown: &mut Shown, lens: &Lens, ctx: &Context) {
         shown.problem = None;
+        shown.pending = None;
         let came =
             [self.solving.collect(), self.bound.collect(), self.methods.collect(), self.round.collect()];
         if came.contains(&true) {
@@ -115,9 +109,10 @@ impl Workshop {
         self.figures(editor, shown, ctx);
         self.follow(editor, shown, ctx);
         self.play(editor, shown, ctx);
+        self.oscillate(editor, shown, ctx);
         let source = self.source(editor, shown);
         shown.sound = source.map(|source| sound(editor, &source));
-        self.map(editor, shown, lens, ctx);
+        self.mapping.update(editor, shown, lens, ctx);
         shown.warnings = warnings(editor, shown);
     }
 
@@ -136,7 +131,10 @@ impl Workshop {
                     self.solving.ask(&posed, ctx, solve);
                     match self.solving.get(&posed) {
                         Some(solved) => solved.clone(),
-                        None => return,
+                        None => {
+                            shown.pending = Some(BEING_SOLVED.to_owned());
+                            return;
+                        }
                     }
                 }
                 Ok(_) => solve(&posed),
@@ -205,26 +203,40 @@ impl Workshop {
             Some(Err(problem)) => shown.problem = Some(problem.clone()),
             None => shown.is_following = self.round.is_running(),
         }
+        if shown.is_following && (presses || editor.playback.frame.is_some()) {
+            shown.pending = Some(AT_REST.to_owned());
+        }
     }
 
     /// Moves the motion on by the time that went by.
     fn play(&mut self, editor: &mut Editor, shown: &Shown, ctx: &Context) {
-        let now = ctx.input(|input| input.time);
-        let before = self.clock.replace(now);
         let count = motion::count(editor.scene());
         let rate = editor.scene().motion.rate;
         let playback = &mut editor.playback;
         if let Some(frame) = &mut playback.frame {
             *frame = (*frame).min(count.saturating_sub(1));
         }
+        let passed = self.motion.passed(playback.playing, ctx);
         if !playback.playing {
-            self.clock = None;
             return;
         }
         ctx.request_repaint();
-        let (Some(before), Some(_)) = (before, &shown.round) else { return };
-        playback.part = (playback.part + (now - before) * rate / playback.slowness.max(1.0)).rem_euclid(1.0);
+        let (Some(passed), Some(_)) = (passed, &shown.round) else { return };
+        playback.part = (playback.part + passed * rate / playback.slowness.max(1.0)).rem_euclid(1.0);
         playback.frame = Some(((playback.part * count as f64) as usize).min(count.saturating_sub(1)));
+    }
+
+    /// Moves the wave on, slowed down, while it is looked at.
+    fn oscillate(&mut self, editor: &mut Editor, shown: &Shown, ctx: &Context) {
+        let is_shown = editor.view.quantity == Quantity::Instantaneous && shown.sound.is_some();
+        let runs = editor.oscillation.playing && is_shown;
+        if let Some(passed) = self.oscillation.passed(runs, ctx) {
+            let part = &mut editor.oscillation.part;
+            *part = (*part + passed / OSCILLATION_PERIOD).rem_euclid(1.0);
+        }
+        if runs {
+            ctx.request_repaint_after(OSCILLATION_STEP);
+        }
     }
 
     fn source(&self, editor: &Editor, shown: &Shown) -> Option<Source> {
@@ -234,127 +246,6 @@ impl Workshop {
             }
             _ => shown.solution.clone().map(Source::Still),
         }
-    }
-
-    fn map(&mut self, editor: &Editor, shown: &mut Shown, lens: &Lens, ctx: &Context) {
-        let Some(request) = request(editor, shown, lens, ctx) else {
-            shown.map = None;
-            shown.pressed = None;
-            self.drawn = None;
-            return;
-        };
-        if self.drawn.as_ref() == Some(&request) {
-            return;
-        }
-        let start = Instant::now();
-        match self.make(&request, editor, shown, lens, ctx) {
-            Ok(()) => {
-                shown.mapping = start.elapsed().as_secs_f64() * 1e3;
-                self.drawn = Some(request);
-            }
-            Err(FieldError::Gpu(error)) => {
-                self.stages = Stages::new(Evaluator::Cpu);
-                shown.evaluator = self.evaluator();
-                shown.problem = Some(format!("{error}; the CPU computes the field from now on"));
-                ctx.request_repaint();
-            }
-            Err(error) => {
-                shown.problem.get_or_insert(error.to_string());
-            }
-        }
-    }
-
-    fn make(
-        &mut self,
-        request: &Request,
-        editor: &Editor,
-        shown: &mut Shown,
-        lens: &Lens,
-        ctx: &Context,
-    ) -> Result<(), FieldError> {
-        let (width, height) = request.size;
-        let quantity = request.colouring.quantity;
-        let mut pressed = None;
-        let (largest, error, how, numbers) = match request.average() {
-            None => {
-                let map = self.stages.map(&request.wanted())?;
-                (f64::from(map.peak) / SQRT_2, map.error, map.how.clone(), None)
-            }
-            Some(average) => {
-                let map = self.stages.average(&average)?.clone();
-                let beyond = map.dent.as_ref().and_then(|dent| liquid::beyond_linear_theory(dent.slope));
-                pressed = Some(Pressed { force: map.force, dent: map.dent, beyond });
-                (f64::from(map.largest), map.error, map.how, Some(self.stages.read_average(&average)?))
-            }
-        };
-        let colours = self.colours(request)?;
-        let image = ColorImage::from_rgba_premultiplied([width, height], colours.as_flattened());
-        let options =
-            TextureOptions { magnification: egui::TextureFilter::Nearest, ..TextureOptions::LINEAR };
-        let texture = match shown.map.take() {
-            Some(mut map) => {
-                map.texture.0.set(image, options);
-                map.texture
-            }
-            None => Texture(ctx.load_texture("map", image, options)),
-        };
-        shown.pressed = pressed;
-        shown.map = Some(Map {
-            texture,
-            cut: editor.view.cut,
-            axes: editor.view.axes(editor.scene()),
-            window: lens.window,
-            rect: lens.rect,
-            quantity,
-            largest,
-            error,
-            how,
-            width,
-            height,
-            numbers,
-        });
-        Ok(())
-    }
-
-    fn colours(&mut self, request: &Request) -> Result<&[[u8; 4]], FieldError> {
-        match request.average() {
-            None => self.stages.colours(&request.wanted(), &request.colouring),
-            Some(average) => self.stages.average_colours(&average, &request.colouring),
-        }
-    }
-
-    /// The map on the screen as a picture.
-    pub fn picture(&mut self) -> Option<Picture> {
-        let request = self.drawn.clone()?;
-        let colours = self.colours(&request).ok()?;
-        Some(Picture::from_field_order(request.size.0, request.size.1, colours.as_flattened()))
-    }
-
-    /// The map's numbers, height and width first.
-    pub fn numbers(&mut self) -> Option<(Vec<u64>, Vec<f32>)> {
-        let request = self.drawn.clone()?;
-        let values = match request.average() {
-            Some(average) => self.stages.read_average(&average).ok()?,
-            None => {
-                let field = self.stages.read(&request.wanted()).ok()?;
-                field.iter().map(|&p| request.colouring.quantity.of(p)).collect()
-            }
-        };
-        Some((vec![request.size.1 as u64, request.size.0 as u64], values))
-    }
-}
-
-impl Request {
-    fn wanted(&self) -> Wanted<'_> {
-        let (width, height) = self.size;
-        Wanted { aperture: &self.aperture, plane: &self.plane, drive: &self.drives[0], width, height }
-    }
-
-    fn average(&self) -> Option<Average<'_>> {
-        let (width, height) = self.size;
-        let mean = self.mean.clone()?;
-        let (aperture, plane, drives, part) = (&self.aperture, &self.plane, &self.drives[..], self.part);
-        Some(Average { aperture, plane, drives, mean, part, width, height })
     }
 }
 
@@ -408,40 +299,6 @@ fn sound(editor: &Editor, source: &Source) -> Sound {
         }
     }
     Sound { aperture, drive, foci: foci.to_vec(), pressures }
-}
-
-/// What map the screen needs. `None` where nothing plays.
-fn request(editor: &Editor, shown: &Shown, lens: &Lens, ctx: &Context) -> Option<Request> {
-    let (scene, view) = (editor.scene(), &editor.view);
-    let sound = shown.sound.as_ref()?;
-    // Until the scene is solved again, the drive may be that of another array.
-    if sound.drive.phases.len() != sound.aperture.positions.len() {
-        return None;
-    }
-    let pixels = |points: f32| ((points * ctx.pixels_per_point()).round() as usize).max(1);
-    let size = (pixels(lens.rect.width()), pixels(lens.rect.height()));
-    if size.0 * size.1 > MOST_PIXELS {
-        return None;
-    }
-    let mean = map::mean(scene, view.quantity);
-    let drives = match (&mean, &shown.round, editor.playback.frame) {
-        // A liquid is slow and feels the mean of the round.
-        (Some(_), Some(round), None) => round.frames.iter().map(|frame| frame.drive.clone()).collect(),
-        _ => vec![sound.drive.clone()],
-    };
-    let full = view.full.map(|full| match view.quantity {
-        Quantity::Rms => (full * SQRT_2) as f32,
-        _ => full as f32,
-    });
-    Some(Request {
-        aperture: sound.aperture.clone(),
-        plane: view.plane(scene, lens),
-        drives,
-        part: if mean.is_some() { scene.modulation.mean_square() } else { 1.0 },
-        mean,
-        size,
-        colouring: Colouring { quantity: view.quantity, table: view.table(), full },
-    })
 }
 
 /// What to know before trusting what is seen.

@@ -95,11 +95,11 @@ pub(in crate::cli) fn run(args: &RenderArgs) -> anyhow::Result<()> {
     };
     target.make_folder()?;
     let stages = Stages::new(evaluator::for_maps(args.backend.backend)?);
-    let mut film = Film::new(&scene, &sequence, stages, quantity, size);
+    let colours = if quantity == field::Quantity::Phase { ColourMap::Cyclic } else { args.colours.map() };
+    let mut film = Film::new(&scene, &sequence, stages, Colouring::new(quantity, colours.table()), size);
     film.gpu_is_asked_for = args.backend.backend == Backend::Gpu;
     film.schedule = schedule;
     let start = Instant::now();
-    let colours = if quantity == field::Quantity::Phase { ColourMap::Cyclic } else { args.colours.map() };
     let bar = progress();
     let tell = |part: f64| {
         bar.set_position((part * STEPS) as u64);
@@ -110,7 +110,7 @@ pub(in crate::cli) fn run(args: &RenderArgs) -> anyhow::Result<()> {
             "every frame shows the dent that its sound would press in the end; --waves shows how the surface follows",
         );
     }
-    let shot = film.shoot(&sequence, &target, &stem(path), &colours.table(), &tell)?;
+    let shot = film.shoot(&sequence, &target, &stem(path), &tell)?;
     bar.finish_and_clear();
     let tolerance = scene.plane.tolerance;
     if tolerance > 0.0 && film.error > tolerance {
@@ -136,7 +136,7 @@ pub(in crate::cli) fn run(args: &RenderArgs) -> anyhow::Result<()> {
 pub fn write(
     scene: &Scene,
     sequence: &Sequence,
-    (quantity, colours): (field::Quantity, &[[u8; 4]; 256]),
+    colouring: Colouring,
     size: (usize, usize),
     path: &Path,
     tell: &dyn Fn(f64) -> anyhow::Result<()>,
@@ -144,8 +144,8 @@ pub fn write(
     let target = Target::of(path)?;
     target.check(size)?;
     target.make_folder()?;
-    let mut film = Film::new(scene, sequence, Stages::new(Evaluator::Cpu), quantity, size);
-    film.shoot(sequence, &target, &stem(path), colours, tell).map(drop)
+    let mut film = Film::new(scene, sequence, Stages::new(Evaluator::Cpu), colouring, size);
+    film.shoot(sequence, &target, &stem(path), tell).map(drop)
 }
 
 /// What was written.
@@ -194,7 +194,8 @@ struct Film<'a> {
     first: Drive,
     stages: Stages,
     gpu_is_asked_for: bool,
-    quantity: field::Quantity,
+    /// But for the range, which all frames share.
+    colouring: Colouring,
     /// What the quantity is the average of, if it is one.
     mean: Option<Mean>,
     size: (usize, usize),
@@ -210,7 +211,7 @@ impl<'a> Film<'a> {
         scene: &'a Scene,
         sequence: &Sequence,
         stages: Stages,
-        quantity: field::Quantity,
+        colouring: Colouring,
         size: (usize, usize),
     ) -> Self {
         Self {
@@ -219,8 +220,8 @@ impl<'a> Film<'a> {
             scene,
             stages,
             gpu_is_asked_for: false,
-            mean: map::mean(scene, quantity),
-            quantity,
+            mean: map::mean(scene, colouring.quantity),
+            colouring,
             size,
             schedule: None,
             error: 0.0,
@@ -235,10 +236,10 @@ impl<'a> Film<'a> {
         sequence: &Sequence,
         target: &Target,
         name: &str,
-        table: &[[u8; 4]; 256],
         tell: &dyn Fn(f64) -> anyhow::Result<()>,
     ) -> anyhow::Result<Shot> {
-        let has_range = self.quantity != field::Quantity::Phase;
+        let table = &self.colouring.table.clone();
+        let has_range = self.colouring.quantity != field::Quantity::Phase;
         let count = self.schedule.map_or(sequence.frames.len(), |schedule| schedule.pictures);
         let steps = (count * if has_range { 2 } else { 1 }) as f64;
         let done = Cell::new(0.0);
@@ -289,8 +290,8 @@ impl<'a> Film<'a> {
 
     fn in_words(&self, [low, high]: [f32; 2]) -> String {
         let micrometres = |depth: f32| f64::from(depth) * 1e6;
-        match self.quantity {
-            field::Quantity::Phase => String::new(),
+        match self.colouring.quantity {
+            field::Quantity::Phase | field::Quantity::Instantaneous => String::new(),
             field::Quantity::Rms | field::Quantity::MeanRms => {
                 format!(", RMS pressure up to {}", sheet::pascals(f64::from(high) / std::f64::consts::SQRT_2))
             }
@@ -360,7 +361,7 @@ impl<'a> Film<'a> {
     fn places(&mut self, moment: &Moment<'_>, [low, high]: [f32; 2]) -> Result<Vec<u8>, FieldError> {
         // In shades of grey, a colour is its place.
         let table = ColourMap::Grey.table();
-        let colouring = Colouring { quantity: self.quantity, table, full: Some(high) };
+        let colouring = Colouring { table, full: Some(high), ..self.colouring.clone() };
         let places = |colours: &[[u8; 4]]| colours.iter().map(|[place, ..]| *place).collect();
         match moment {
             Moment::Surface(depth) => {

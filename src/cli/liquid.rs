@@ -2,7 +2,7 @@
 
 use crate::cli::map::{DrawnMap, Pressed};
 use crate::cli::warn;
-use crate::picture::relief::{self, Relief};
+use crate::picture::relief::{self, Relief, Words};
 use crate::picture::sheet::pascals;
 use crate::picture::{Picture, PictureError};
 use crate::scene::{Envelope, Plane, Scene};
@@ -59,10 +59,9 @@ pub fn picture(
         }
         return Ok(picture);
     };
-    let mut relief =
-        Relief { depth, columns, size: scene.plane.size, words: &[], warning: beyond.as_deref() };
+    let relief = Relief { depth, columns, size: scene.plane.size };
     let size = scene.plane.size * 1e3;
-    let mut words = vec![
+    let mut lines = vec![
         format!("{name}: {}", liquid(scene)),
         figures(dent),
         format!(
@@ -73,10 +72,9 @@ pub fn picture(
         ),
     ];
     if scene.modulation.mean_square() < 1.0 {
-        words[2] = format!("{}; {}", words[2], envelope(scene));
+        lines[2] = format!("{}; {}", lines[2], envelope(scene));
     }
-    relief.words = &words;
-    relief.draw(page)
+    relief.page(Words { lines: &lines, warning: beyond.as_deref() }, page)
 }
 
 fn liquid(scene: &Scene) -> String {

@@ -84,7 +84,7 @@ fn draw(sound: Sound<'_>, stages: &mut Stages, look: &Look) -> Result<DrawnMap, 
 pub fn mean(scene: &Scene, quantity: Quantity) -> Option<Mean> {
     let reflector = || Reflector::new(&Air::new(&scene.medium, scene.array.frequency), scene.array.frequency);
     match quantity {
-        Quantity::Rms | Quantity::Phase => None,
+        Quantity::Rms | Quantity::Phase | Quantity::Instantaneous => None,
         Quantity::MeanRms => Some(Mean::Square),
         Quantity::Radiation => Some(Mean::Radiation(reflector())),
         Quantity::Dent => Some(Mean::Dent(reflector(), scene.liquid.clone())),
@@ -104,7 +104,7 @@ fn field(sound: Sound<'_>, stages: &mut Stages, look: &Look) -> Result<DrawnMap,
     };
     let map = stages.map(&wanted)?.clone();
     let colours = if look.quantity == Quantity::Phase { ColourMap::Cyclic } else { look.colours };
-    let colouring = Colouring { quantity: look.quantity, table: colours.table(), full: None };
+    let colouring = Colouring::new(look.quantity, colours.table());
     let colours = stages.colours(&wanted, &colouring)?;
     let picture = Picture::from_field_order(look.width, look.height, colours.as_flattened());
     // Only numbers that somebody wants leave the GPU.
@@ -141,7 +141,7 @@ fn average(sound: Sound<'_>, stages: &mut Stages, look: &Look, mean: Mean) -> Re
         height: look.height,
     };
     let map = stages.average(&wanted)?.clone();
-    let colouring = Colouring { quantity: look.quantity, table: look.colours.table(), full: None };
+    let colouring = Colouring::new(look.quantity, look.colours.table());
     let colours = stages.average_colours(&wanted, &colouring)?;
     let picture = Picture::from_field_order(look.width, look.height, colours.as_flattened());
     let numbers = if look.numbers { Some(stages.read_average(&wanted)?) } else { None };

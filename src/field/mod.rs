@@ -6,6 +6,7 @@
 
 pub mod cells;
 pub mod colouring;
+pub mod contour;
 pub mod cpu;
 pub mod ghost;
 pub mod gpu;
@@ -27,7 +28,7 @@ use crate::acoustics::Aperture;
 use crate::drive::Drive;
 use crate::scene::Plane;
 
-pub use colouring::{Colouring, Quantity};
+pub use colouring::{Colouring, Quantity, Scale};
 pub use ghost::{Ghost, NoGhost};
 pub use gpu::{Gpu, GpuError};
 pub use listener::Heard;

@@ -1,7 +1,10 @@
 //! A liquid's surface seen at an angle: what a photograph of the dents would look like.
 
-use glam::{DVec2, DVec3};
+use std::ops::Range;
+
+use glam::{DVec2, Vec3, Vec4};
 use plotters::prelude::*;
+use rayon::prelude::*;
 
 use crate::picture::{Picture, PictureError, register_font};
 
@@ -15,26 +18,47 @@ const BOTTOM: f64 = 110.0;
 const ELEVATION: f64 = 0.62;
 /// Part of the plane's width that the deepest dent is drawn deep, if it is exaggerated so much.
 const DRAWN_DEPTH: f64 = 0.09;
-/// Points drawn per pixel and axis: smooth edges.
+/// Columns that are drawn for one of the picture: smooth edges.
 const FINENESS: usize = 2;
+/// Columns of the picture that are drawn together: what they need of the surface stays in the caches.
+const STRIP: usize = 32;
 
-const SKY: [f64; 3] = [0.90, 0.94, 0.97];
-const DEEP: [f64; 3] = [0.03, 0.20, 0.33];
-const SHALLOW: [f64; 3] = [0.10, 0.47, 0.60];
-const PAPER: [f64; 3] = [1.0, 1.0, 1.0];
+const SKY: Vec3 = Vec3::new(0.90, 0.94, 0.97);
+const DEEP: Vec3 = Vec3::new(0.03, 0.20, 0.33);
+const SHALLOW: Vec3 = Vec3::new(0.10, 0.47, 0.60);
+const PAPER: [u8; 3] = [255; 3];
 const INK: RGBColor = RGBColor(30, 30, 34);
 const WARNING: RGBColor = RGBColor(178, 34, 20);
 
 /// A surface to be drawn.
-#[derive(Clone, Debug)]
+#[derive(Clone, Copy, Debug)]
 pub struct Relief<'a> {
     /// m, positive down, row by row, row 0 at the front.
     pub depth: &'a [f32],
     pub columns: usize,
     /// m
     pub size: DVec2,
-    /// What stands above it, the first line larger.
-    pub words: &'a [String],
+}
+
+/// Where in a picture the surface is to be.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Place {
+    /// Pixels of the picture.
+    pub width: usize,
+    pub height: usize,
+    /// Pixels kept free on the left and on the right, above, and below, where the front of the liquid is.
+    pub side: f64,
+    pub top: f64,
+    pub bottom: f64,
+    /// r, g, b of what is no liquid.
+    pub ground: [u8; 3],
+}
+
+/// What stands above the surface on a page.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Words<'a> {
+    /// The first line larger.
+    pub lines: &'a [String],
     /// What must not be overlooked.
     pub warning: Option<&'a str>,
 }
@@ -54,164 +78,269 @@ impl Relief<'_> {
         round.unwrap_or(1.0).clamp(1.0, 1e6)
     }
 
-    /// Draws it.
+    /// Draws it with words on a page.
     ///
     /// # Errors
     /// The words cannot be set.
-    pub fn draw(&self, (width, height): (usize, usize)) -> Result<Picture, PictureError> {
-        let (wide, high) = (width * FINENESS, height * FINENESS);
-        let mut fine = vec![PAPER; wide * high];
-        let unit = (wide as f64 / PAGE.0).min(high as f64 / PAGE.1);
-        let view = View::new(self, (wide, high), unit);
-        for x in 0..wide {
-            view.column(x, |y, colour| fine[y * wide + x] = colour);
-        }
-        let mut rgb = Vec::with_capacity(width * height * 3);
-        for pixel in 0..width * height {
-            let (x, y) = (pixel % width * FINENESS, pixel / width * FINENESS);
-            let parts = (0..FINENESS * FINENESS).map(|i| fine[(y + i / FINENESS) * wide + x + i % FINENESS]);
-            let sum = parts.fold(DVec3::ZERO, |sum, colour| sum + DVec3::from(colour));
-            let mean = sum / (FINENESS * FINENESS) as f64;
-            rgb.extend((mean.clamp(DVec3::ZERO, DVec3::ONE) * 255.0).round().to_array().map(|c| c as u8));
-        }
-        self.letter(&mut rgb, (width, height))?;
-        let rgba = rgb.chunks_exact(3).flat_map(|pixel| [pixel[0], pixel[1], pixel[2], 255]).collect();
-        Ok(Picture { width, height, rgba })
-    }
-
-    fn letter(&self, rgb: &mut [u8], (width, height): (usize, usize)) -> Result<(), PictureError> {
-        register_font();
-        let root = BitMapBackend::with_buffer(rgb, (width as u32, height as u32)).into_drawing_area();
+    pub fn page(&self, words: Words<'_>, (width, height): (usize, usize)) -> Result<Picture, PictureError> {
         let unit = (width as f64 / PAGE.0).min(height as f64 / PAGE.1);
-        let mut top = 34.0;
-        let lines = self.words.iter().map(|words| (words.as_str(), INK));
-        for (index, (words, colour)) in lines.chain(self.warning.map(|words| (words, WARNING))).enumerate() {
-            let size = if index == 0 { 36.0 } else { 25.0 };
-            let style = ("sans-serif", size * unit).into_font().color(&colour);
-            root.draw_text(words, &style, ((SIDE * unit) as i32, (top * unit) as i32))?;
-            top += 1.45 * size;
-        }
-        root.present()?;
-        Ok(())
+        let (side, top, bottom) = (SIDE * unit, TOP * unit, BOTTOM * unit);
+        let mut picture = self.draw(&Place { width, height, side, top, bottom, ground: PAPER });
+        letter(&mut picture, words, unit)?;
+        Ok(picture)
+    }
+
+    /// Draws it, seen from the front and above, without perspective.
+    pub fn draw(&self, place: &Place) -> Picture {
+        let Place { width, height, .. } = *place;
+        let seen = Seen::new(self, place);
+        let strips: Vec<Vec<[u8; 3]>> = (0..width)
+            .into_par_iter()
+            .step_by(STRIP)
+            .map_init(Lit::default, |lit, first| seen.strip(first..(first + STRIP).min(width), height, lit))
+            .collect();
+        let mut rgba = vec![255; width * height * 4];
+        rgba.par_chunks_mut((width * 4).max(1)).enumerate().for_each(|(y, row)| {
+            for (strip, pixels) in strips.iter().zip(row.chunks_mut(STRIP * 4)) {
+                for (x, pixel) in pixels.chunks_exact_mut(4).enumerate() {
+                    pixel[..3].copy_from_slice(&strip[x * height + y]);
+                }
+            }
+        });
+        Picture { width, height, rgba }
     }
 }
 
-/// How the surface is projected: seen from the front and above, without perspective.
-struct View<'a> {
-    relief: &'a Relief<'a>,
-    rows: usize,
-    /// Pixels per metre, and per metre of exaggerated height.
-    scale: f64,
-    rise: f64,
-    exaggeration: f64,
-    /// Where the front left corner of the level surface is, and the lower edge of the liquid.
-    left: f64,
-    front: f64,
-    bottom: f64,
-    light: DVec3,
+/// Some columns of the surface as they are seen, each from the front to the back.
+#[derive(Debug, Default)]
+struct Lit {
+    first: usize,
+    /// Pixels, how far below its level place a point is seen.
+    sunk: Vec<f32>,
+    /// The last component is 1, so that sums of parts know how much they cover.
+    colours: Vec<Vec4>,
 }
 
-impl<'a> View<'a> {
-    fn new(relief: &'a Relief<'a>, (width, height): (usize, usize), unit: f64) -> Self {
-        let (width, height) = (width as f64, height as f64);
-        let room = DVec2::new(width - 2.0 * SIDE * unit, height - (TOP + BOTTOM) * unit);
-        let scale = (room.x / relief.size.x).min(room.y / (relief.size.y * ELEVATION.sin()));
+/// The surface as it is projected.
+struct Seen<'a> {
+    relief: &'a Relief<'a>,
+    light: Light,
+    columns: usize,
+    rows: usize,
+    /// Pixels: how far a metre of depth sinks; the left edge and the width of the surface; the front edge of the level surface,
+    /// how far above it the back one is; and the lower edge of the liquid.
+    sinks: f32,
+    left: f64,
+    wide: f64,
+    front: f32,
+    far: f32,
+    bottom: f32,
+    ground: Vec4,
+}
+
+impl<'a> Seen<'a> {
+    fn new(relief: &'a Relief<'a>, place: &Place) -> Self {
+        let (width, height) = (place.width as f64, place.height as f64);
+        let size = relief.size;
+        let room = DVec2::new(width - 2.0 * place.side, height - place.top - place.bottom).max(DVec2::ONE);
+        let scale = (room.x / size.x).min(room.y / (size.y * ELEVATION.sin()));
+        let far = scale * size.y * ELEVATION.sin();
+        let front = height - place.bottom - (room.y - far) / 2.0;
+        let columns = relief.columns.max(1);
+        let rows = relief.depth.len() / columns;
         let exaggeration = relief.exaggeration();
-        let front = height - BOTTOM * unit - (room.y - scale * relief.size.y * ELEVATION.sin()) / 2.0;
         Self {
             relief,
-            rows: relief.depth.len() / relief.columns,
-            scale,
-            rise: scale * exaggeration * ELEVATION.cos(),
-            exaggeration,
-            left: (width - scale * relief.size.x) / 2.0,
-            front,
-            bottom: (front + 0.7 * BOTTOM * unit).min(height - 1.0),
-            light: DVec3::new(-0.55, -0.25, 0.8).normalize_or_zero(),
+            light: Light::new(size, (columns, rows), exaggeration),
+            columns,
+            rows,
+            sinks: (scale * exaggeration * ELEVATION.cos()) as f32,
+            left: (width - scale * size.x) / 2.0,
+            wide: scale * size.x,
+            front: front as f32,
+            far: far as f32,
+            bottom: (front + 0.7 * place.bottom).min(height) as f32,
+            ground: (Vec3::from(place.ground.map(f32::from)) / 255.0).extend(1.0),
         }
     }
 
-    /// Paints one column of pixels from the front to the back; what is nearer hides what is behind it.
-    fn column(&self, x: usize, mut paint: impl FnMut(usize, [f64; 3])) {
-        let across = (x as f64 + 0.5 - self.left) / (self.scale * self.relief.size.x);
-        if !(0.0..=1.0).contains(&across) {
-            return;
-        }
-        let place = |part: f64| {
-            let depth = self.depth(across, part);
-            self.front - part * self.relief.size.y * self.scale * ELEVATION.sin() + depth * self.rise
-        };
-        let mut top = place(0.0);
-        for y in top.max(0.0).ceil() as usize..=self.bottom as usize {
-            let part = (y as f64 - top) / (self.bottom - top).max(1.0);
-            paint(y, mixed(SHALLOW, DEEP, 0.35 + 0.65 * part));
-        }
-        let steps = (self.relief.size.y * self.scale * ELEVATION.sin()).ceil().max(1.0) as usize * 2;
-        for step in 1..=steps {
-            let part = step as f64 / steps as f64;
-            let y = place(part);
-            if y < top {
-                let colour = self.colour(across, part);
-                for pixel in y.max(0.0).ceil() as usize..top.max(0.0).ceil() as usize {
-                    paint(pixel, colour);
-                }
-                top = y;
+    /// Where on the surface, from its left to its right edge, a place in the picture is: a column and a part of the way to the
+    /// next.
+    fn across(&self, x: f64) -> Option<(usize, f32)> {
+        let across = (x - self.left) / self.wide;
+        let place = (across * self.columns as f64 - 0.5).clamp(0.0, (self.columns - 1) as f64);
+        ((0.0..=1.0).contains(&across) && self.rows > 0).then_some((place as usize, place.fract() as f32))
+    }
+
+    /// Lights these columns.
+    fn shine(&self, lit: &mut Lit, columns: Range<usize>) {
+        lit.first = columns.start;
+        lit.sunk.resize(columns.len() * self.rows, 0.0);
+        lit.colours.resize(columns.len() * self.rows, Vec4::ZERO);
+        for row in 0..self.rows {
+            for column in columns.clone() {
+                let at = (column - columns.start) * self.rows + row;
+                lit.sunk[at] = self.relief.depth[row * self.columns + column] * self.sinks;
+                lit.colours[at] = self.light.colour(self.relief.depth, column, row).extend(1.0);
             }
         }
     }
 
-    /// m; between the points of the surface, which are as fine as the pixels, along straight lines.
-    fn depth(&self, across: f64, along: f64) -> f64 {
-        let columns = self.relief.columns;
-        let place = |part: f64, count: usize| (part * count as f64 - 0.5).clamp(0.0, (count - 1) as f64);
-        let (x, y) = (place(across, columns), place(along, self.rows));
-        let (column, row) = (x as usize, y as usize);
-        let (right, behind) = ((column + 1).min(columns - 1), (row + 1).min(self.rows - 1));
-        let at = |column: usize, row: usize| f64::from(self.relief.depth[row * columns + column]);
-        let line = |row: usize| at(column, row) + (at(right, row) - at(column, row)) * (x - column as f64);
-        line(row) + (line(behind) - line(row)) * (y - row as f64)
+    /// Columns of the picture, one after the other, each from the top.
+    fn strip(&self, columns: Range<usize>, height: usize, lit: &mut Lit) -> Vec<[u8; 3]> {
+        let mut strip = Vec::with_capacity(columns.len() * height);
+        let mut covered = vec![Vec4::ZERO; height];
+        let fine = |x: usize| (0..FINENESS).map(move |i| x as f64 + (i as f64 + 0.5) / FINENESS as f64);
+        let places = || columns.clone().flat_map(fine).filter_map(|x| self.across(x));
+        if let (Some((first, _)), Some((last, _))) = (places().next(), places().last()) {
+            self.shine(lit, first..(last + 2).min(self.columns));
+        }
+        for x in columns.clone() {
+            covered.fill(Vec4::ZERO);
+            for place in fine(x).filter_map(|x| self.across(x)) {
+                self.column(lit, place, &mut covered);
+            }
+            strip.extend(covered.iter().map(|&sum| {
+                let sum = sum / FINENESS as f32;
+                let colour = sum + self.ground * (1.0 - sum.w).max(0.0);
+                let [r, g, b, _] = (colour.min(Vec4::ONE) * 255.0 + 0.5).to_array();
+                [r as u8, g as u8, b as u8]
+            }));
+        }
+        strip
     }
 
-    fn colour(&self, across: f64, along: f64) -> [f64; 3] {
-        let size = self.relief.size;
-        let hair = DVec2::new(1.0 / self.relief.columns as f64, 1.0 / self.rows as f64);
-        let slope_x = self.depth(across + hair.x, along) - self.depth(across - hair.x, along);
-        let slope_y = self.depth(across, along + hair.y) - self.depth(across, along - hair.y);
-        let slope = self.exaggeration * DVec2::new(slope_x, slope_y) / (2.0 * hair * size);
-        let normal = DVec3::new(slope.x, slope.y, 1.0).normalize_or_zero();
-        let eye = DVec3::new(0.0, -ELEVATION.cos(), ELEVATION.sin());
-        let lit = normal.dot(self.light).max(0.0);
-        let mirrored = 2.0 * normal.dot(eye) * normal - eye;
-        let glint = mirrored.dot(self.light).max(0.0).powi(60);
+    /// Adds what is seen along a line upwards, from the front to the back; what is nearer hides what is behind it.
+    fn column(&self, lit: &Lit, (column, part): (usize, f32), covered: &mut [Vec4]) {
+        let line = |column: usize| {
+            let first = (column.min(self.columns - 1) - lit.first) * self.rows;
+            first..first + self.rows
+        };
+        let (sunk, colours) = (&lit.sunk[line(column)], &lit.colours[line(column)]);
+        let (sunk_right, colours_right) = (&lit.sunk[line(column + 1)], &lit.colours[line(column + 1)]);
+        let point = |row: usize, along: f32| {
+            let sunk = sunk[row] + (sunk_right[row] - sunk[row]) * part;
+            (self.front - along * self.far + sunk, colours[row].lerp(colours_right[row], part))
+        };
+        let mut before = point(0, 0.0);
+        let mut top = before.0;
+        let wall = |part: f32| SHALLOW.lerp(DEEP, part).extend(1.0);
+        fill(covered, (top, wall(0.35)), (self.bottom, wall(1.0)));
+        let per_row = 1.0 / self.rows as f32;
+        let back = (self.rows - 1, 1.0);
+        for (row, along) in (0..self.rows).map(|row| (row, (row as f32 + 0.5) * per_row)).chain([back]) {
+            let (y, colour) = point(row, along);
+            if y < top {
+                let hidden = (before.0 - top) / (before.0 - y);
+                fill(covered, (y, colour), (top, before.1.lerp(colour, hidden)));
+                top = y;
+            }
+            before = (y, colour);
+        }
+    }
+}
+
+/// Adds a stretch of a column, from a place above to a place below, to the pixels that it covers.
+#[inline]
+fn fill(covered: &mut [Vec4], from: (f32, Vec4), to: (f32, Vec4)) {
+    let last = covered.len() as f32;
+    let (start, end) = (from.0.clamp(0.0, last), to.0.clamp(0.0, last));
+    let (first, behind) = (start as usize, end.ceil() as usize);
+    if behind <= first + 1 {
+        // Most stretches are within a pixel.
+        if let Some(sum) = covered.get_mut(first) {
+            *sum += (from.1 + to.1) * (0.5 * (end - start));
+        }
+        return;
+    }
+    let slope = (to.1 - from.1) / (to.0 - from.0);
+    for (y, sum) in covered[first..behind].iter_mut().enumerate() {
+        let above = ((first + y) as f32).max(start);
+        let below = ((first + y + 1) as f32).min(end);
+        *sum += (from.1 + slope * (0.5 * (above + below) - from.0)) * (below - above);
+    }
+}
+
+/// How the surface is lit.
+struct Light {
+    columns: usize,
+    rows: usize,
+    /// From differences of depth between the two neighbours to slopes as they are drawn.
+    steepness: [f32; 2],
+    towards: Vec3,
+    /// What makes a level surface as bright as 1.
+    brightness: f32,
+    eye: Vec3,
+}
+
+impl Light {
+    fn new(size: DVec2, (columns, rows): (usize, usize), exaggeration: f64) -> Self {
+        let step = size / DVec2::new(columns as f64, rows.max(1) as f64);
+        let steepness = DVec2::splat(exaggeration) / (2.0 * step);
+        let towards = Vec3::new(-0.55, -0.25, 0.8).normalize_or_zero();
+        Self {
+            columns,
+            rows,
+            steepness: [steepness.x as f32, steepness.y as f32],
+            towards,
+            brightness: 1.0 / towards.z,
+            eye: Vec3::new(0.0, -ELEVATION.cos() as f32, ELEVATION.sin() as f32),
+        }
+    }
+
+    fn colour(&self, depth: &[f32], column: usize, row: usize) -> Vec3 {
+        let at = |column: usize, row: usize| depth[row * self.columns + column];
+        let (left, right) = (column.saturating_sub(1), (column + 1).min(self.columns - 1));
+        let (ahead, behind) = (row.saturating_sub(1), (row + 1).min(self.rows - 1));
+        let slope_x = (at(right, row) - at(left, row)) * self.steepness[0];
+        let slope_y = (at(column, behind) - at(column, ahead)) * self.steepness[1];
+        let length = (1.0 + slope_x * slope_x + slope_y * slope_y).sqrt();
+        let normal = Vec3::new(slope_x, slope_y, 1.0) / length;
+        let lit = normal.dot(self.towards).max(0.0) * self.brightness;
+        let faced = normal.dot(self.eye);
+        let mirrored = 2.0 * faced * normal - self.eye;
+        let straight = mirrored.dot(self.towards).max(0.0);
+        let fourth = straight * straight * (straight * straight);
+        let (eighth, sixteenth) = (fourth * fourth, fourth * fourth * fourth * fourth);
+        // The 60th power.
+        let glint = sixteenth * sixteenth * sixteenth * eighth * fourth;
         // Schlick's approximation for water.
-        let reflected = 0.02 + 0.98 * (1.0 - normal.dot(eye).clamp(0.0, 1.0)).powi(5);
-        let body = mixed(DEEP, SHALLOW, (lit / self.light.z).powi(2).min(1.6) * 0.75);
-        let surface = mixed(body, SKY, (reflected * (0.4 + mirrored.z.max(0.0))).min(0.85));
-        surface.map(|channel| channel + 0.75 * glint)
+        let grazing = 1.0 - faced.clamp(0.0, 1.0);
+        let reflected = 0.02 + 0.98 * grazing * (grazing * grazing) * (grazing * grazing);
+        let body = DEEP.lerp(SHALLOW, (lit * lit).min(1.6) * 0.75);
+        let surface = body.lerp(SKY, (reflected * (0.4 + mirrored.z.max(0.0))).min(0.85));
+        surface + Vec3::splat(0.75 * glint)
     }
 }
 
-fn mixed(from: [f64; 3], to: [f64; 3], part: f64) -> [f64; 3] {
-    std::array::from_fn(|i| from[i] + (to[i] - from[i]) * part)
+/// Sets words above the surface.
+fn letter(picture: &mut Picture, words: Words<'_>, unit: f64) -> Result<(), PictureError> {
+    let mut top = 34.0;
+    let lines = words.lines.iter().map(|line| (line.as_str(), INK));
+    let lines: Vec<_> = lines.chain(words.warning.map(|line| (line, WARNING))).collect();
+    on_picture(picture, |root| {
+        for (index, (line, colour)) in lines.iter().enumerate() {
+            let size = if index == 0 { 36.0 } else { 25.0 };
+            let style = ("sans-serif", size * unit).into_font().color(colour);
+            root.draw_text(line, &style, ((SIDE * unit) as i32, (top * unit) as i32))?;
+            top += 1.45 * size;
+        }
+        Ok(())
+    })
 }
 
-/// A few words on a map, in its lower left corner.
-///
-/// # Errors
-/// The words cannot be set.
-pub fn label(picture: &mut Picture, words: &str) -> Result<(), PictureError> {
+/// Lets something draw on the colours of a picture.
+fn on_picture(
+    picture: &mut Picture,
+    draw: impl FnOnce(&DrawingArea<BitMapBackend<'_>, plotters::coord::Shift>) -> Result<(), PictureError>,
+) -> Result<(), PictureError> {
     register_font();
-    let size = (picture.width.min(picture.height) as f64 / 26.0).clamp(8.0, 28.0);
     let mut rgb: Vec<u8> =
         picture.rgba.chunks_exact(4).flat_map(|pixel| [pixel[0], pixel[1], pixel[2]]).collect();
     {
         let extent = (picture.width as u32, picture.height as u32);
         let root = BitMapBackend::with_buffer(&mut rgb, extent).into_drawing_area();
-        let (left, top) = ((0.6 * size) as i32, picture.height as i32 - (1.7 * size) as i32);
-        let style = ("sans-serif", size).into_font();
-        for (offset, colour) in [((1, 1), BLACK), ((-1, 1), BLACK), ((1, -1), BLACK), ((0, 0), WHITE)] {
-            root.draw_text(words, &style.color(&colour), (left + offset.0, top + offset.1))?;
-        }
+        draw(&root)?;
         root.present()?;
     }
     for (pixel, rgb) in picture.rgba.chunks_exact_mut(4).zip(rgb.chunks_exact(3)) {
@@ -220,12 +349,28 @@ pub fn label(picture: &mut Picture, words: &str) -> Result<(), PictureError> {
     Ok(())
 }
 
+/// A few words on a map, in its lower left corner.
+///
+/// # Errors
+/// The words cannot be set.
+pub fn label(picture: &mut Picture, words: &str) -> Result<(), PictureError> {
+    let size = (picture.width.min(picture.height) as f64 / 26.0).clamp(8.0, 28.0);
+    let (left, top) = ((0.6 * size) as i32, picture.height as i32 - (1.7 * size) as i32);
+    on_picture(picture, |root| {
+        let style = ("sans-serif", size).into_font();
+        for (offset, colour) in [((1, 1), BLACK), ((-1, 1), BLACK), ((1, -1), BLACK), ((0, 0), WHITE)] {
+            root.draw_text(words, &style.color(&colour), (left + offset.0, top + offset.1))?;
+        }
+        Ok(())
+    })
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
 
     fn relief(depth: &[f32]) -> Relief<'_> {
-        Relief { depth, columns: 40, size: DVec2::new(0.1, 0.075), words: &[], warning: None }
+        Relief { depth, columns: 40, size: DVec2::new(0.1, 0.075) }
     }
 
     fn bowl(deepest: f64) -> Vec<f32> {
@@ -239,12 +384,12 @@ mod tests {
     #[test]
     fn a_level_surface_is_even_and_a_dent_shows_in_the_middle() {
         let level = vec![0.0; 1200];
-        let flat = relief(&level).draw((400, 250)).unwrap();
+        let flat = relief(&level).page(Words::default(), (400, 250)).unwrap();
         let middle = flat.pixel(200, 125);
         assert_eq!(middle, flat.pixel(120, 110), "level");
         assert_eq!(flat.pixel(2, 125)[..3], [255, 255, 255], "paper at the side");
         let bowl = bowl(1e-4);
-        let dented = relief(&bowl).draw((400, 250)).unwrap();
+        let dented = relief(&bowl).page(Words::default(), (400, 250)).unwrap();
         let changed = |x: usize, y: usize| {
             dented
                 .pixel(x, y)

@@ -4,6 +4,7 @@ use egui::{
     Align2, Color32, FontId, Painter, Pos2, Rect, Response, Sense, Stroke, StrokeKind, Ui, pos2, vec2,
 };
 use glam::DVec2;
+use num_complex::Complex64;
 
 use crate::field::Quantity;
 use crate::ui::view::{Lens, decibels};
@@ -17,6 +18,10 @@ const ABOVE: f32 = 12.0;
 /// Points of the screen between two ticks, at least.
 const TICK: f64 = 70.0;
 const SMALLEST: f32 = 40.0;
+/// Where there is no map.
+pub const GROUND: Color32 = Color32::from_rgb(12, 12, 16);
+const CONTOUR: Color32 = Color32::from_rgb(235, 235, 235);
+const CONTOUR_EDGE: Color32 = Color32::from_rgba_premultiplied(0, 0, 0, 120);
 
 /// The canvas on this frame.
 #[derive(Debug)]
@@ -36,6 +41,10 @@ pub fn interact(editor: &mut Editor, ui: &mut Ui) -> Canvas {
         egui::WidgetInfo::labeled(egui::Role::Canvas, true, "Canvas: the field on the plane")
     });
     let lens = editor.view.lens(editor.scene(), rect);
+    if editor.view.is_shaded() {
+        gesture::look_around(editor, ui, &response, &lens);
+        return Canvas { lens: editor.view.lens(editor.scene(), rect), response };
+    }
     gesture::act(editor, ui, &response, &lens);
     let cursor = match editor.tool {
         crate::ui::tool::Tool::Select => egui::CursorIcon::Default,
@@ -49,7 +58,7 @@ pub fn interact(editor: &mut Editor, ui: &mut Ui) -> Canvas {
 pub fn paint(editor: &Editor, shown: &Shown, ui: &Ui, canvas: &Canvas) {
     let lens = &canvas.lens;
     let painter = ui.painter_at(lens.rect);
-    painter.rect_filled(lens.rect, 0.0, Color32::from_rgb(12, 12, 16));
+    painter.rect_filled(lens.rect, 0.0, GROUND);
     if let Some(map) = shown.map.as_ref().filter(|map| map.cut == editor.view.cut) {
         let there = Lens { rect: map.rect, window: map.window };
         let corner = |at: Pos2| lens.screen(there.flat(at));
@@ -57,6 +66,12 @@ pub fn paint(editor: &Editor, shown: &Shown, ui: &Ui, canvas: &Canvas) {
         // Row 0 of a map is at the smallest y: the bottom.
         let upright = Rect::from_min_max(pos2(0.0, 1.0), pos2(1.0, 0.0));
         painter.image(map.texture.0.id(), place, upright, Color32::WHITE);
+        contours(map, &painter, place);
+    }
+    if editor.view.is_shaded() {
+        shaded(shown, ui, &painter, lens);
+        words(editor, shown, &painter, lens);
+        return;
     }
     if editor.view.marks {
         marks::paint(editor, shown, &painter, lens, canvas.response.hover_pos());
@@ -76,17 +91,59 @@ pub fn paint(editor: &Editor, shown: &Shown, ui: &Ui, canvas: &Canvas) {
     }
 }
 
+/// Lines of equal value.
+fn contours(map: &Map, painter: &Painter, place: Rect) {
+    let pixel = place.size() / vec2(map.width as f32, map.height as f32);
+    let at = |&[x, y]: &[f32; 2]| place.left_bottom() + vec2(x, -y) * pixel;
+    for line in &map.contours {
+        let line: Vec<_> = line.iter().map(at).collect();
+        painter.add(egui::Shape::line(line.clone(), Stroke::new(3.0, CONTOUR_EDGE)));
+        painter.add(egui::Shape::line(line, Stroke::new(1.3, CONTOUR)));
+    }
+}
+
+/// What is to be known of a shaded surface, which has no axes.
+fn shaded(shown: &Shown, ui: &Ui, painter: &Painter, lens: &Lens) {
+    let outline = Stroke::new(1.0, ui.visuals().weak_text_color());
+    ui.painter().rect_stroke(lens.rect, 0.0, outline, StrokeKind::Outside);
+    let Some(map) = &shown.map else { return };
+    let Some(exaggeration) = map.exaggeration else { return };
+    let size = lens.size() * 1e3;
+    let text = format!(
+        "{:.0} x {:.0} mm seen from the front, at most {} deep, drawn {exaggeration} times as deep. Targets are edited in \
+         the flat view.",
+        size.x,
+        size.y,
+        legend::with_unit(map.largest, map.quantity)
+    );
+    wrapped_chip(
+        painter,
+        lens.rect.center_top() + vec2(0.0, 9.0),
+        lens.rect.width() - 40.0,
+        &text,
+        theme::MARK,
+    );
+}
+
 /// What stands between the user and a picture.
 fn words(editor: &Editor, shown: &Shown, painter: &Painter, lens: &Lens) {
     let middle = lens.rect.center();
     if editor.scene().targets.is_empty() && !editor.is_in_gesture() {
         let text = "Nothing to focus on yet.\nPick a tool on the left and draw, or open an example.";
         chip(painter, middle, Align2::CENTER_CENTER, text, 15.0, Color32::WHITE);
-    } else if let Some(problem) = &shown.problem {
-        let at = lens.rect.center_top() + vec2(0.0, 44.0);
-        let text = format!("Not solved, the last picture stays: {problem}");
-        wrapped_chip(painter, at, lens.rect.width() - 40.0, &text, Color32::from_rgb(255, 170, 160));
+        return;
     }
+    let (text, colour) = match &shown.problem {
+        Some(problem) => {
+            (format!("Not solved, the last picture stays: {problem}"), Color32::from_rgb(255, 170, 160))
+        }
+        None => match &shown.pending {
+            Some(pending) => (pending.clone(), theme::MARK),
+            None => return,
+        },
+    };
+    let at = lens.rect.center_top() + vec2(0.0, 44.0);
+    wrapped_chip(painter, at, lens.rect.width() - 40.0, &text, colour);
 }
 
 /// A text on a dark ground.
@@ -173,10 +230,12 @@ fn value(map: &Map, sound: &crate::ui::Sound, uv: DVec2, point: glam::DVec3) -> 
             let u = sound.drive.excitation(&sound.aperture.driven);
             let p = sound.aperture.transfer(&[point]).pressure(&u)[0];
             let rms = p.norm() / std::f64::consts::SQRT_2;
-            let largest = if map.quantity == Quantity::Rms {
-                format!("   {:.1} dB of the peak", to_peak(rms).max(-99.9))
-            } else {
-                String::new()
+            let largest = match map.quantity {
+                Quantity::Rms => format!("   {:.1} dB of the peak", to_peak(rms).max(-99.9)),
+                Quantity::Instantaneous => {
+                    format!("   {:.0} Pa now", (p * Complex64::cis(map.phase)).re)
+                }
+                _ => String::new(),
             };
             format!(
                 "{} RMS   {:.1} dB SPL{largest}   phase {:.0}°",

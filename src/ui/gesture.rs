@@ -89,7 +89,7 @@ pub fn act(editor: &mut Editor, ui: &Ui, response: &Response, lens: &Lens) {
 }
 
 /// Wheel, middle button, space bar and double click.
-fn look_around(editor: &mut Editor, ui: &Ui, response: &Response, lens: &Lens) {
+pub fn look_around(editor: &mut Editor, ui: &Ui, response: &Response, lens: &Lens) {
     if let Some(at) = response.hover_pos() {
         let (wheel, pinch) = ui.input(|input| (input.smooth_scroll_delta().y, input.zoom_delta()));
         let factor = f64::from(pinch) * (f64::from(wheel) * ZOOM_PER_POINT).exp();

@@ -4,6 +4,7 @@ use std::collections::BTreeSet;
 
 use egui::{Context, Event, Key, KeyboardShortcut, Modifiers};
 
+use crate::field::Quantity;
 use crate::ui::edit;
 use crate::ui::gesture;
 use crate::ui::tool::Tool;
@@ -42,7 +43,7 @@ pub const HELP: &[(&str, &str)] = &[
     ("Wheel", "Zoom where the pointer is"),
     ("Space or right button + drag", "Move the view"),
     ("Double click, or 0", "Show everything"),
-    ("1 2 3 4", "RMS pressure, phase, radiation pressure, dent"),
+    ("1 2 3 4 5", "RMS pressure, phase, radiation pressure, dent, pressure at one moment"),
     ("Shift while drawing", "Lines in steps of 15°, squares"),
     ("M", "Focal points and outlines on or off"),
     ("X", "Curve along a line on or off; Shift moves it"),
@@ -144,8 +145,13 @@ fn plain_keys(editor: &mut Editor, ctx: &Context) {
     if pressed(Key::Num0) {
         editor.view.window = None;
     }
-    use crate::field::Quantity::{Dent, Phase, Radiation, Rms};
-    for (key, quantity) in [(Key::Num1, Rms), (Key::Num2, Phase), (Key::Num3, Radiation), (Key::Num4, Dent)] {
+    for (key, quantity) in [
+        (Key::Num1, Quantity::Rms),
+        (Key::Num2, Quantity::Phase),
+        (Key::Num3, Quantity::Radiation),
+        (Key::Num4, Quantity::Dent),
+        (Key::Num5, Quantity::Instantaneous),
+    ] {
         if pressed(key) {
             editor.view.quantity = quantity;
         }

@@ -89,14 +89,15 @@ fn array(editor: &Editor, painter: &Painter, lens: &Lens) {
     let half = (array_size(&scene.array) / 2.0).extend(0.0);
     let corner = |x: f64, y: f64| lens.screen(axes.flat(half * DVec3::new(x, y, 0.0)));
     let corners = [corner(-1.0, -1.0), corner(1.0, -1.0), corner(1.0, 1.0), corner(-1.0, 1.0)];
-    let flat = editor.view.cut == Cut::Xy;
-    let stroke = if flat {
+    // Seen edge on, it is a bar.
+    let is_upright = axes.x.cross(axes.y).z.abs() < 1e-3;
+    let stroke = if !is_upright {
         Stroke::new(1.0, Color32::from_white_alpha(70))
     } else {
         Stroke::new(4.0, Color32::from_rgb(150, 160, 175))
     };
     let closed: Vec<_> = corners.into_iter().chain([corners[0]]).collect();
-    if flat {
+    if !is_upright {
         painter.extend(Shape::dashed_line(&closed, stroke, 6.0, 4.0));
     } else {
         painter.add(Shape::line(closed, stroke));
@@ -109,21 +110,38 @@ fn foci(editor: &Editor, sound: &Sound, painter: &Painter, lens: &Lens, pointer:
     let few = sound.foci.len() <= 12;
     for (focus, pressure) in sound.foci.iter().zip(&sound.pressures) {
         let at = lens.screen(axes.flat(focus.position));
-        let is_near = axes.height(focus.position).abs() < NEAR;
+        let height = axes.height(focus.position);
+        let asked = pointer.is_some_and(|pointer| pointer.distance(at) < ASKS);
         let radius =
             if few { 2.0 } else { 1.0 } + 2.0 * (focus.target / most.max(f64::MIN_POSITIVE)).sqrt() as f32;
-        if !is_near {
-            painter.circle_stroke(at, radius, Stroke::new(1.0, Color32::from_white_alpha(90)));
+        if height.abs() > NEAR {
+            painter.circle_stroke(at, radius + 0.7, Stroke::new(2.4, Color32::from_black_alpha(80)));
+            painter.circle_stroke(at, radius, Stroke::new(1.0, Color32::from_white_alpha(150)));
+            if asked || (few && editor.view.cut == Cut::Free) {
+                chip(
+                    painter,
+                    at + vec2(8.0, -8.0),
+                    Align2::LEFT_BOTTOM,
+                    &off_plane(height),
+                    11.0,
+                    theme::MARK,
+                );
+            }
             continue;
         }
         painter.circle_filled(at, radius + 1.5, theme::MARK_EDGE);
         painter.circle_filled(at, radius, theme::MARK);
-        let asked = pointer.is_some_and(|pointer| pointer.distance(at) < ASKS);
         if asked || (few && !editor.selection.is_empty() && is_of_selection(editor, focus.position)) {
             let text = format!("{} RMS", pascals(pressure.norm() / SQRT_2));
             chip(painter, at + vec2(12.0, -12.0), Align2::LEFT_BOTTOM, &text, 12.0, theme::MARK);
         }
     }
+}
+
+/// How far from the plane a focus is whose place is marked on it.
+fn off_plane(height: f64) -> String {
+    let side = if height > 0.0 { "in front" } else { "behind" };
+    format!("{:.1} mm {side}", height.abs() * 1e3)
 }
 
 fn is_of_selection(editor: &Editor, at: DVec3) -> bool {

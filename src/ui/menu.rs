@@ -1,21 +1,13 @@
-//! The menus, the row that says what is seen, and the tools.
+//! The menus and the tools.
 
 use std::path::PathBuf;
 
 use egui::containers::menu::MenuBar;
-use egui::{
-    Button, ComboBox, DragValue, KeyboardShortcut, ProgressBar, Sense, Slider, Stroke, Theme, Ui, vec2,
-};
+use egui::{Button, DragValue, KeyboardShortcut, ProgressBar, Sense, Stroke, Theme, Ui, vec2};
 
-use crate::field::Quantity;
-use crate::picture::ColourMap;
 use crate::scene::MotionPath;
 use crate::ui::tool::{self, Tool};
-use crate::ui::view::{Cut, Scale};
-use crate::ui::{Command, Dialog, Editor, Export, Purpose, Shown, keys, legend, theme};
-
-/// m: how far the slider moves a plane.
-const FARTHEST: f64 = 0.3;
+use crate::ui::{Command, Dialog, Editor, Export, Purpose, Shown, keys, theme};
 
 pub fn bar(editor: &mut Editor, shown: &Shown, ui: &mut Ui, commands: &mut Vec<Command>) {
     MenuBar::new().ui(ui, |ui| {
@@ -166,104 +158,6 @@ fn edit(editor: &mut Editor, ui: &mut Ui) {
         ui.add(DragValue::new(&mut grid).range(0.5..=50.0).speed(0.1).suffix(" mm")).labelled_by(label.id);
         editor.grid = grid * 1e-3;
     });
-}
-
-/// What is seen, where, and in which colours.
-pub fn view(editor: &mut Editor, shown: &Shown, ui: &mut Ui) {
-    ui.horizontal_wrapped(|ui| {
-        for (quantity, name, tip) in [
-            (Quantity::Rms, "RMS", "RMS pressure of the sound (1)"),
-            (Quantity::Phase, "Phase", "Where in its period the sound is (2)"),
-            (
-                Quantity::Radiation,
-                "Radiation",
-                "The steady pressure of the sound on a surface that reflects it (3)",
-            ),
-            (Quantity::Dent, "Dent", "How deep it presses the liquid whose surface the plane is (4)"),
-        ] {
-            ui.selectable_value(&mut editor.view.quantity, quantity, name).on_hover_text(tip);
-        }
-        ui.separator();
-        for cut in Cut::ALL {
-            let chosen = editor.view.cut == cut;
-            if ui.selectable_label(chosen, cut.name()).on_hover_text(cut.tooltip()).clicked() && !chosen {
-                editor.view.cut = cut;
-                editor.view.window = None;
-            }
-        }
-        height(editor, ui);
-        if ui.button("Fit").on_hover_text("Show everything (0, or double click)").clicked() {
-            editor.view.window = None;
-        }
-        ui.separator();
-        colours(editor, shown, ui);
-    });
-}
-
-fn height(editor: &mut Editor, ui: &mut Ui) {
-    let cut = editor.view.cut;
-    let (Some(name), Some(height)) = (cut.normal(), editor.view.height_mut()) else { return };
-    let least = if cut == Cut::Xy { 0.01 } else { -FARTHEST / 2.0 };
-    let mut shown = *height * 1e3;
-    let label = ui.label(name);
-    let slider = Slider::new(&mut shown, least * 1e3..=(least + FARTHEST) * 1e3)
-        .clamping(egui::SliderClamping::Never)
-        .step_by(0.5)
-        .suffix(" mm");
-    let response = ui.add(slider).labelled_by(label.id).on_hover_text(format!(
-        "Where the plane lies along {name}. What is drawn is drawn there; “Use this plane” in the Scene panel writes it to the \
-         scene."
-    ));
-    if response.changed() && shown.is_finite() {
-        *height = (shown * 1e-3).clamp(-10.0, 10.0);
-    }
-}
-
-fn colours(editor: &mut Editor, shown: &Shown, ui: &mut Ui) {
-    let view = &mut editor.view;
-    let is_phase = view.quantity == Quantity::Phase;
-    let names = [
-        (ColourMap::Inferno, "Inferno"),
-        (ColourMap::Viridis, "Viridis"),
-        (ColourMap::Magma, "Magma"),
-        (ColourMap::Grey, "Grey"),
-    ];
-    let current = names.iter().find(|(map, _)| *map == view.colours).map_or("", |(_, name)| name);
-    let combo = ComboBox::from_id_salt("colours").width(76.0).selected_text(current);
-    let response = combo.show_ui(ui, |ui| {
-        for (map, name) in names {
-            ui.selectable_value(&mut view.colours, map, name);
-        }
-    });
-    response.response.accessible_name("Colours").on_hover_text("Colours of the map");
-    ui.add_enabled_ui(!is_phase, |ui| {
-        let mut in_decibels = view.scale == Scale::Decibels;
-        ui.toggle_value(&mut in_decibels, "dB")
-            .on_hover_text("Colours in decibels, 40 dB down from the largest");
-        view.scale = if in_decibels { Scale::Decibels } else { Scale::Linear };
-        let mut locked = view.full.is_some();
-        let largest = shown.map.as_ref().map_or(1.0, |map| map.largest);
-        ui.toggle_value(&mut locked, "Lock range")
-            .on_hover_text("Keep the range of colours while the sound changes");
-        view.full = match (locked, view.full) {
-            (false, _) => None,
-            (true, None) => Some(largest),
-            (true, full) => full,
-        };
-        if let Some(full) = &mut view.full {
-            let (factor, unit) = legend::unit(view.quantity, *full);
-            let mut value = *full * factor;
-            let speed = 0.01 * value.abs().max(1e-3);
-            let field = DragValue::new(&mut value).speed(speed).suffix(format!(" {unit}"));
-            let response = ui.add(field).accessible_name("Largest value that has a colour");
-            if response.changed() && value.is_finite() {
-                *full = (value / factor).clamp(1e-12, 1e9);
-            }
-        }
-    });
-    ui.toggle_value(&mut view.marks, "Marks").on_hover_text("Focal points and outlines over the map (M)");
-    ui.toggle_value(&mut view.section, "Section")
-        .on_hover_text("The curve along a line across the map; Shift and the pointer move it (X)");
 }
 
 /// The tools, one below the other.

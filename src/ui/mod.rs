@@ -18,6 +18,7 @@ mod status;
 pub mod theme;
 pub mod tool;
 pub mod view;
+mod view_bar;
 
 use std::collections::BTreeSet;
 use std::path::PathBuf;
@@ -28,6 +29,7 @@ use egui::{CentralPanel, Frame, Margin, Panel as Side, Ui};
 use crate::acoustics::Aperture;
 use crate::drive::Drive;
 use crate::field::Quantity;
+use crate::field::contour::Line;
 use crate::scene::{Focus, Method, Scene};
 use crate::solver::Solution;
 use crate::solver::frames::Sequence;
@@ -60,6 +62,7 @@ pub struct Editor {
     /// What to do once the scene is saved.
     pub after_saving: Option<Command>,
     pub playback: Playback,
+    pub oscillation: Oscillation,
     /// The drive as a board with so many phases per period plays it.
     pub levels: Option<u32>,
 }
@@ -80,6 +83,14 @@ impl Default for Playback {
     fn default() -> Self {
         Self { frame: None, playing: false, slowness: 20.0, part: 0.0 }
     }
+}
+
+/// Which moment of the sound's period an instantaneous pressure is of.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Oscillation {
+    pub playing: bool,
+    /// Of a period, in [0, 1).
+    pub part: f64,
 }
 
 /// What the panel on the right is about.
@@ -173,6 +184,8 @@ pub struct Shown {
     pub sound: Option<Sound>,
     /// Why what is shown is not what the scene asks for.
     pub problem: Option<String>,
+    /// What is still to come, and what is shown until then: a sentence.
+    pub pending: Option<String>,
     /// A sentence each.
     pub warnings: Vec<String>,
     /// The part of the best that any drive can do.
@@ -214,13 +227,18 @@ pub struct Map {
     /// Points of the screen.
     pub rect: egui::Rect,
     pub quantity: Quantity,
-    /// The largest value: Pa (RMS), Pa or m.
+    /// rad, the ωt of an instantaneous pressure.
+    pub phase: f64,
+    /// The largest value: Pa (RMS; peak of an instantaneous pressure), Pa or m.
     pub largest: f64,
     /// Relative to it.
     pub error: f64,
     pub how: String,
     pub width: usize,
     pub height: usize,
+    pub contours: Vec<Line>,
+    /// How many times as deep as it is a shaded dent is drawn.
+    pub exaggeration: Option<f64>,
     /// Values of an average, row by row from the smallest y; fields are computed where they are asked for.
     pub numbers: Option<Vec<f32>>,
 }
@@ -291,6 +309,7 @@ impl Editor {
             dialog: None,
             after_saving: None,
             playback: Playback::default(),
+            oscillation: Oscillation { playing: true, part: 0.0 },
             levels: None,
         }
     }
@@ -298,8 +317,10 @@ impl Editor {
     /// Another scene. Tool, colours and panel stay as they are.
     pub fn replace(&mut self, document: Document) {
         let view = View::of(&document.scene);
-        let View { quantity, colours, scale, marks, section, .. } = self.view;
-        self.view = View { quantity, colours, scale, marks, section, ..view };
+        let View { quantity, colours, scale, marks, shaded, contours, contour_level, section, .. } =
+            self.view;
+        self.view =
+            View { quantity, colours, scale, marks, shaded, contours, contour_level, section, ..view };
         self.document = document;
         self.forget_places();
         self.playback = Playback::default();
@@ -359,7 +380,7 @@ pub fn show(
     let bar = |ui: &Ui| Frame::side_top_panel(ui.style()).inner_margin(Margin::symmetric(8, 4));
     let frame = bar(ui);
     Side::top("menu").frame(frame).show(ui, |ui| menu::bar(editor, shown, ui, &mut commands));
-    Side::top("view").frame(frame).show(ui, |ui| menu::view(editor, shown, ui));
+    Side::top("view").frame(frame).show(ui, |ui| view_bar::show(editor, shown, ui));
     Side::bottom("status").frame(frame).show(ui, |ui| status::bar(editor, shown, ui));
     Side::left("tools").resizable(false).exact_size(48.0).frame(frame).show(ui, |ui| menu::tools(editor, ui));
     let panel = Side::right("panel").default_size(editor.layout.panel).size_range(260.0..=520.0);

@@ -5,6 +5,7 @@ use std::f64::consts::SQRT_2;
 use egui::{Ui, Vec2b};
 use egui_plot::{Line, Plot, PlotPoints, VLine};
 use glam::DVec2;
+use num_complex::Complex64;
 
 use crate::field::Quantity;
 use crate::ui::view::Lens;
@@ -58,8 +59,9 @@ fn curve(map: &Map, sound: &Sound, lens: &Lens, v: f64) -> (Vec<[f64; 2]>, f64) 
             let points: Vec<_> = (0..POINTS).map(|i| map.axes.world(DVec2::new(u(i), v))).collect();
             let drive = sound.drive.excitation(&sound.aperture.driven);
             let pressures = sound.aperture.transfer(&points).pressure(&drive);
-            let value = |p: &num_complex::Complex64| match map.quantity {
+            let value = |p: &Complex64| match map.quantity {
                 Quantity::Phase => p.arg(),
+                Quantity::Instantaneous => (p * Complex64::cis(map.phase)).re,
                 _ => p.norm() / SQRT_2,
             };
             pressures.iter().map(value).collect()

@@ -1,9 +1,11 @@
 //! How the field is looked at: which cut through space, which part of it, which quantity, in which colours.
 
-use egui::{Pos2, Rect, Vec2, vec2};
-use glam::{DVec2, DVec3};
+use std::f64::consts::FRAC_PI_4;
 
-use crate::field::Quantity;
+use egui::{Pos2, Rect, Vec2, vec2};
+use glam::{DQuat, DVec2, DVec3};
+
+use crate::field::{Colouring, Quantity, Scale};
 use crate::picture::ColourMap;
 use crate::scene::{Array, Plane, Scene};
 
@@ -12,8 +14,6 @@ const MARGIN: f64 = 1.08;
 /// m per point of the screen.
 const FINEST: f64 = 2e-6;
 const COARSEST: f64 = 5e-3;
-/// dB below the peak that still have a colour.
-const DECIBELS: f64 = 40.0;
 
 /// A plane to look at.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -22,18 +22,21 @@ pub enum Cut {
     Xy,
     Xz,
     Yz,
+    /// As a [`FreePlane`] says.
+    Free,
     /// The scene's own, however it lies.
     Own,
 }
 
 impl Cut {
-    pub const ALL: [Self; 4] = [Self::Xy, Self::Xz, Self::Yz, Self::Own];
+    pub const ALL: [Self; 5] = [Self::Xy, Self::Xz, Self::Yz, Self::Free, Self::Own];
 
     pub fn name(self) -> &'static str {
         match self {
             Self::Xy => "XY",
             Self::Xz => "XZ",
             Self::Yz => "YZ",
+            Self::Free => "Free",
             Self::Own => "Own",
         }
     }
@@ -43,6 +46,7 @@ impl Cut {
             Self::Xy => "Parallel to the array, at a distance z from it",
             Self::Xz => "Upright, seen from the front: the array lies along the bottom",
             Self::Yz => "Upright, seen from the side: the array lies along the bottom",
+            Self::Free => "Through any point, tilted and turned as you say",
             Self::Own => "The plane that the scene file gives, however it lies",
         }
     }
@@ -53,7 +57,7 @@ impl Cut {
             Self::Xy => Some("z"),
             Self::Xz => Some("y"),
             Self::Yz => Some("x"),
-            Self::Own => None,
+            Self::Free | Self::Own => None,
         }
     }
 
@@ -63,8 +67,27 @@ impl Cut {
             Self::Xy => ("x / mm", "y / mm"),
             Self::Xz => ("x / mm", "z / mm"),
             Self::Yz => ("y / mm", "z / mm"),
-            Self::Own => ("along the plane / mm", "across the plane / mm"),
+            Self::Free | Self::Own => ("along the plane / mm", "across the plane / mm"),
         }
+    }
+}
+
+/// A plane through a point, however it lies.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FreePlane {
+    /// m
+    pub centre: DVec3,
+    /// rad from lying parallel to the array, with what runs upwards on the screen lifted.
+    pub tilt: f64,
+    /// rad about the array's normal, counter-clockwise.
+    pub turn: f64,
+}
+
+impl FreePlane {
+    pub fn axes(&self) -> Axes {
+        let (sine, cosine) = self.tilt.sin_cos();
+        let turned = DQuat::from_rotation_z(self.turn);
+        Axes { origin: self.centre, x: turned * DVec3::X, y: turned * DVec3::new(0.0, cosine, sine) }
     }
 }
 
@@ -137,19 +160,13 @@ impl Lens {
     }
 }
 
-/// How values become colours.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Scale {
-    Linear,
-    Decibels,
-}
-
 /// How the field is looked at. Nothing of this is part of the scene.
 #[derive(Clone, Debug, PartialEq)]
 pub struct View {
     pub cut: Cut,
     /// m, where XY, XZ and YZ lie along their normals.
     pub heights: [f64; 3],
+    pub free: FreePlane,
     /// Everything is shown if `None`.
     pub window: Option<Window>,
     pub quantity: Quantity,
@@ -157,6 +174,12 @@ pub struct View {
     pub scale: Scale,
     /// What gets the last colour (Pa RMS, Pa or m), the largest value if `None`.
     pub full: Option<f64>,
+    /// The dent as light falls on it, and not as a map.
+    pub shaded: bool,
+    /// Lines where the shown amount has one value are drawn.
+    pub contours: bool,
+    /// dB from the largest value to that one.
+    pub contour_level: f64,
     /// Focal points and outlines over the map.
     pub marks: bool,
     /// The curve along a line is shown.
@@ -172,11 +195,15 @@ impl View {
         let mut view = Self {
             cut: Cut::Own,
             heights: [0.1, 0.0, 0.0],
+            free: FreePlane { centre: plane.centre, tilt: FRAC_PI_4, turn: 0.0 },
             window: None,
             quantity: Quantity::Rms,
             colours: ColourMap::Inferno,
             scale: Scale::Linear,
             full: None,
+            shaded: false,
+            contours: false,
+            contour_level: -6.0,
             marks: true,
             section: false,
             line: 0.0,
@@ -209,7 +236,7 @@ impl View {
             Cut::Xy => Some(&mut self.heights[0]),
             Cut::Xz => Some(&mut self.heights[1]),
             Cut::Yz => Some(&mut self.heights[2]),
-            Cut::Own => None,
+            Cut::Free | Cut::Own => None,
         }
     }
 
@@ -219,6 +246,7 @@ impl View {
             Cut::Xy => Axes { origin: DVec3::new(0.0, 0.0, z), x: DVec3::X, y: DVec3::Y },
             Cut::Xz => Axes { origin: DVec3::new(0.0, y, 0.0), x: DVec3::X, y: DVec3::Z },
             Cut::Yz => Axes { origin: DVec3::new(x, 0.0, 0.0), x: DVec3::Y, y: DVec3::Z },
+            Cut::Free => self.free.axes(),
             Cut::Own => {
                 let (x, y) = scene.plane.axes().unwrap_or((DVec3::X, DVec3::Y));
                 Axes { origin: scene.plane.centre, x, y }
@@ -244,6 +272,7 @@ impl View {
         let axes = self.axes(scene);
         match self.cut {
             _ if of_plane => (axes.flat(plane.centre), plane.size),
+            Cut::Free => (DVec2::ZERO, plane.size),
             Cut::Xy | Cut::Own => (DVec2::ZERO, array_size(&scene.array) * 1.2),
             Cut::Xz | Cut::Yz => {
                 let side = array_size(&scene.array).max_element() * 1.2;
@@ -269,25 +298,39 @@ impl View {
         }
     }
 
-    /// 256 colours from nothing to the last: of phases, of values, or of decibels.
-    pub fn table(&self) -> [[u8; 4]; 256] {
-        let table = self.colour_map().table();
-        if self.scale == Scale::Linear || self.quantity == Quantity::Phase {
-            return table;
-        }
-        let place = |i: usize| (1.0 + decibels(i as f64 / 255.0, self.quantity) / DECIBELS).clamp(0.0, 1.0);
-        std::array::from_fn(|i| table[(place(i) * 255.0).round() as usize])
+    /// Over the whole range, at ωt = 0.
+    pub fn colouring(&self) -> Colouring {
+        Colouring { scale: self.scale, ..Colouring::new(self.quantity, self.colour_map().table()) }
     }
 
+    /// Colours from nothing to the largest, round a turn, or from the most negative to the most positive.
     pub fn colour_map(&self) -> ColourMap {
-        if self.quantity == Quantity::Phase { ColourMap::Cyclic } else { self.colours }
+        match self.quantity {
+            Quantity::Phase => ColourMap::Cyclic,
+            Quantity::Instantaneous => ColourMap::Diverging,
+            _ => self.colours,
+        }
+    }
+
+    /// Whether a dent is shown as light falls on it.
+    pub fn is_shaded(&self) -> bool {
+        self.shaded && self.quantity == Quantity::Dent
+    }
+
+    /// The part of the largest value at which contour lines are wanted; `None` where there are to be none.
+    pub fn contour_part(&self) -> Option<f64> {
+        let is_wanted = self.contours && self.quantity.is_amount() && !self.is_shaded();
+        is_wanted.then(|| 10f64.powf(self.contour_level / per_decade(self.quantity)))
     }
 }
 
 /// dB of a part of the largest; radiation pressure and dents go with the square of the sound.
 pub fn decibels(part: f64, quantity: Quantity) -> f64 {
-    let factor = if matches!(quantity, Quantity::Radiation | Quantity::Dent) { 10.0 } else { 20.0 };
-    factor * part.max(1e-12).log10()
+    per_decade(quantity) * part.max(1e-12).log10()
+}
+
+fn per_decade(quantity: Quantity) -> f64 {
+    if matches!(quantity, Quantity::Radiation | Quantity::Dent) { 10.0 } else { 20.0 }
 }
 
 /// m, over all elements.
@@ -316,6 +359,35 @@ mod tests {
             let uv = DVec2::new(0.012, 0.034);
             assert!(axes.flat(axes.world(uv)).distance(uv) < 1e-15 && axes.height(axes.world(uv)) < 1e-15);
         }
+    }
+
+    #[test]
+    fn a_free_plane_lies_as_its_angles_say() {
+        let free = |tilt: f64, turn: f64| {
+            let centre = DVec3::new(0.01, 0.02, 0.1);
+            FreePlane { centre, tilt: tilt.to_radians(), turn: turn.to_radians() }.axes()
+        };
+        let near = |a: DVec3, b: DVec3| a.distance(b) < 1e-12;
+        for (tilt, turn, x, y) in [
+            (0.0, 0.0, DVec3::X, DVec3::Y),
+            (90.0, 0.0, DVec3::X, DVec3::Z),
+            (90.0, 90.0, DVec3::Y, DVec3::Z),
+            (30.0, 180.0, -DVec3::X, DVec3::new(0.0, -(0.75f64.sqrt()), 0.5)),
+        ] {
+            let axes = free(tilt, turn);
+            assert!(near(axes.x, x) && near(axes.y, y), "{tilt}° {turn}°: {axes:?}");
+        }
+    }
+
+    #[test]
+    fn contours_of_pressure_and_of_its_square_are_at_the_same_place() {
+        let view = View { contours: true, ..View::of(&Scene::default()) };
+        let part = |quantity| View { quantity, ..view.clone() }.contour_part();
+        let of_pressure = part(Quantity::Rms).unwrap();
+        assert!((of_pressure - 0.501).abs() < 1e-3);
+        assert!((part(Quantity::Radiation).unwrap() - of_pressure.powi(2)).abs() < 1e-12);
+        assert_eq!((part(Quantity::Phase), part(Quantity::Instantaneous)), (None, None));
+        assert_eq!(View { shaded: true, quantity: Quantity::Dent, ..view }.contour_part(), None);
     }
 
     #[test]

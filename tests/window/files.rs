@@ -195,7 +195,7 @@ fn the_next_run_looks_as_the_last_one_did() {
     let mut screen = open_there();
     let editor = screen.state().editor();
     assert_eq!((editor.panel, editor.grid), (sonoglyph::ui::Panel::Liquid, 0.002));
-    assert!(editor.view.section && editor.view.scale == sonoglyph::ui::view::Scale::Decibels);
+    assert!(editor.view.section && editor.view.scale == sonoglyph::field::Scale::Logarithmic);
     assert!((editor.layout.panel - 412.0).abs() < 12.0, "{:?}", editor.layout);
     assert_eq!(screen.state().shown().recent, std::slice::from_ref(&saved));
     screen.get_by_label("File").click();

@@ -76,7 +76,7 @@ fn measure(
         (1024, FRAMES, Some(Mean::Dent(reflector, scene.liquid.clone()))),
     ] {
         let quantity = mean.as_ref().map_or(Quantity::Rms, Mean::quantity);
-        let colouring = Colouring { quantity, table: ColourMap::Inferno.table(), full: None };
+        let colouring = Colouring::new(quantity, ColourMap::Inferno.table());
         let mut error = 0.0;
         let mut draw = |i: usize| {
             let drives = &drives[i % 2][..frames];

@@ -165,8 +165,7 @@ fn measure(case: Case) -> Result<Record, FieldError> {
     let mut scene = scene(&case);
     let aperture = Aperture::new(&scene);
     let drives = [drive(&aperture, 0.0), drive(&aperture, 0.005)];
-    let paint =
-        |colours: ColourMap| Colouring { quantity: Quantity::Rms, table: colours.table(), full: None };
+    let paint = |colours: ColourMap| Colouring::new(Quantity::Rms, colours.table());
     let colourings = [paint(ColourMap::Inferno), paint(ColourMap::Grey)];
     let map = |stages: &mut Stages, plane: &Plane, drive: usize| {
         let (width, height) = (case.size, case.size);

@@ -1,5 +1,6 @@
 //! The f32 kernels of the CPU, on all cores.
 
+mod places;
 mod sums;
 mod waves;
 
@@ -11,7 +12,8 @@ use crate::field::sources::{FEW_DECAY, FEW_DIRECTIVITY, Sources, Wave};
 use crate::simd::Isa;
 use waves::{ExactPiston, FarField, Sum};
 
-pub use sums::{DRIVES, Lines, OVERHANG, ROWS, Rows, Split, Term, places, superpose, weighted_sums};
+pub use places::{Law, magnitudes, places};
+pub use sums::{DRIVES, Lines, OVERHANG, ROWS, Rows, Split, Term, superpose, weighted_sums};
 pub use waves::{LANES, Points};
 
 /// Complex pressure (Pa, peak) at every sample.

@@ -63,7 +63,7 @@ impl Gpu {
             share: share as f32,
             padding: 0,
         };
-        let pipeline = self.other("squares", None, program::squares_source);
+        let pipeline = self.other(("squares", None), program::squares_source);
         let buffers = [pressure, along_x, along_y, squares];
         self.walk(&pipeline, bytemuck::bytes_of(&params), &buffers);
     }
@@ -90,7 +90,7 @@ impl Gpu {
             padding: 0,
             wavenumber: tank.wavenumber,
         };
-        let pipeline = self.other("compliance", None, program::compliance_source);
+        let pipeline = self.other(("compliance", None), program::compliance_source);
         self.walk(&pipeline, bytemuck::bytes_of(&params), &[modes, dent]);
         self.interpolate(&yielding, &tank.to_cells)
     }
@@ -104,7 +104,7 @@ impl Gpu {
             of_shape: of_shape as f32,
             of_radiation: of_radiation as f32,
         };
-        let pipeline = self.other("join", None, program::join_source);
+        let pipeline = self.other(("join", None), program::join_source);
         for ((shape, squares), out) in shape.bands().iter().zip(squares.bands()).zip(joined.bands()) {
             self.walk(&pipeline, bytemuck::bytes_of(&params(out)), &[shape, squares, out]);
         }

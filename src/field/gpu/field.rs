@@ -73,7 +73,7 @@ impl Gpu {
         for (index, band) in field.bands.iter().enumerate() {
             let found;
             let peak = match &band.peak {
-                Some(peak) if matches!(quantity, Quantity::Rms | Quantity::Phase) => peak,
+                Some(peak) if quantity == Quantity::Rms || !quantity.is_amount() => peak,
                 _ => {
                     found = self.band_peak(&mut encoder, band, quantity);
                     &found
@@ -131,13 +131,14 @@ impl Gpu {
         peak: f32,
         colours: &mut Vec<[u8; 4]>,
     ) -> Result<(), GpuError> {
-        let pipeline = self.picture_pipeline(colouring.quantity);
+        let pipeline = self.picture_pipeline(colouring);
         let table = self.filled("colours", bytemuck::cast_slice(&colouring.table), BufferUsages::STORAGE);
         colours.clear();
         for band in &field.bands {
             let params = PictureParams {
                 count: band.len(),
                 invocations: WALKING_GROUPS * WORKGROUP,
+                turn: [colouring.turn().re, colouring.turn().im],
                 full: colouring.full.unwrap_or(peak),
                 padding: 0,
             };

@@ -16,7 +16,7 @@ use std::sync::{Arc, Mutex};
 
 use wgpu::BufferUsages;
 
-use crate::field::Quantity;
+use crate::field::{Colouring, Quantity, Scale};
 use program::FieldProgram;
 
 pub use adapter::AdapterInfo;
@@ -40,6 +40,8 @@ pub enum GpuError {
     Lost(String),
 }
 
+type OtherProgram = (&'static str, Option<(Quantity, Scale)>);
+
 /// A device with its pipelines, most of which are made when first needed.
 #[derive(Debug)]
 pub struct Gpu {
@@ -50,8 +52,8 @@ pub struct Gpu {
     buffer_limit: u64,
     fields: RefCell<HashMap<FieldProgram, wgpu::ComputePipeline>>,
     interpolation: wgpu::ComputePipeline,
-    /// Programs besides those of the field, by name and quantity.
-    others: RefCell<HashMap<(&'static str, Option<Quantity>), wgpu::ComputePipeline>>,
+    /// Programs besides those of the field, by name, and quantity and scale.
+    others: RefCell<HashMap<OtherProgram, wgpu::ComputePipeline>>,
     /// The first error that no call was there to return.
     failure: Arc<Mutex<Option<GpuError>>>,
 }
@@ -104,22 +106,18 @@ impl Gpu {
     }
 
     fn peak_pipeline(&self, quantity: Quantity) -> wgpu::ComputePipeline {
-        self.other("peak", Some(quantity), || program::peak_source(quantity))
+        self.other(("peak", Some((quantity, Scale::Linear))), || program::peak_source(quantity))
     }
 
-    fn picture_pipeline(&self, quantity: Quantity) -> wgpu::ComputePipeline {
-        self.other("picture", Some(quantity), || program::picture_source(quantity))
+    fn picture_pipeline(&self, colouring: &Colouring) -> wgpu::ComputePipeline {
+        let (quantity, scale) = (colouring.quantity, colouring.scale());
+        self.other(("picture", Some((quantity, scale))), || program::picture_source(quantity, scale))
     }
 
     /// A pipeline that is made when first needed.
-    fn other(
-        &self,
-        name: &'static str,
-        quantity: Option<Quantity>,
-        source: impl FnOnce() -> String,
-    ) -> wgpu::ComputePipeline {
+    fn other(&self, program: OtherProgram, source: impl FnOnce() -> String) -> wgpu::ComputePipeline {
         let mut others = self.others.borrow_mut();
-        others.entry((name, quantity)).or_insert_with(|| pipeline(&self.device, name, &source())).clone()
+        others.entry(program).or_insert_with(|| pipeline(&self.device, program.0, &source())).clone()
     }
 
     fn samples_per_band(&self) -> usize {

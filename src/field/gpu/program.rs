@@ -3,7 +3,7 @@
 use bytemuck::{Pod, Zeroable};
 
 use crate::acoustics::element::NEAREST;
-use crate::field::Quantity;
+use crate::field::colouring::{FLOOR, Quantity, Scale};
 use crate::field::sources::{COSINE, MOST_NODES, SINE};
 
 /// Invocations in a workgroup.
@@ -49,6 +49,7 @@ pub struct PeakParams {
 pub struct PictureParams {
     pub count: u32,
     pub invocations: u32,
+    pub turn: [f32; 2],
     pub full: f32,
     pub padding: u32,
 }
@@ -137,27 +138,34 @@ impl FieldProgram {
 }
 
 /// The number that is shown of a value and scaled by the largest: a program for each quantity, since software drivers run
-/// both sides of a branch. `None` for a phase, which is not scaled.
+/// both sides of a branch. `None` for what is no amount.
 fn shown(quantity: Quantity) -> Option<&'static str> {
     match quantity {
         Quantity::Rms => Some(include_str!("../../../shaders/magnitude.wgsl")),
-        Quantity::Phase => None,
+        Quantity::Phase | Quantity::Instantaneous => None,
         Quantity::MeanRms => Some(include_str!("../../../shaders/mean_rms.wgsl")),
         Quantity::Dent => Some(include_str!("../../../shaders/dent.wgsl")),
         Quantity::Radiation => Some(include_str!("../../../shaders/radiation.wgsl")),
     }
 }
 
-/// The largest number that is shown; of a phase the largest magnitude.
+/// The largest number that is shown; of what is no amount the largest magnitude.
 pub fn peak_source(quantity: Quantity) -> String {
     let shown = shown(quantity).unwrap_or(include_str!("../../../shaders/magnitude.wgsl"));
     [&constants(), shown, include_str!("../../../shaders/peak.wgsl")].join("\n")
 }
 
-pub fn picture_source(quantity: Quantity) -> String {
+pub fn picture_source(quantity: Quantity, scale: Scale) -> String {
     let params = include_str!("../../../shaders/picture_params.wgsl");
+    let law = match scale {
+        Scale::Linear => include_str!("../../../shaders/scaled.wgsl"),
+        Scale::Logarithmic => include_str!("../../../shaders/logarithmic.wgsl"),
+    };
     let colour_index = match shown(quantity) {
-        Some(shown) => [shown, include_str!("../../../shaders/scaled.wgsl")].join("\n"),
+        Some(shown) => [shown, law].join("\n"),
+        None if quantity == Quantity::Instantaneous => {
+            include_str!("../../../shaders/instantaneous.wgsl").to_owned()
+        }
         None => include_str!("../../../shaders/argument.wgsl").to_owned(),
     };
     [&constants(), params, &colour_index, include_str!("../../../shaders/picture.wgsl")].join("\n")
@@ -196,6 +204,7 @@ fn constants() -> String {
          const UNIFORM_ELEMENTS: u32 = {UNIFORM_ELEMENTS}u;\n\
          const MOST_NODES: u32 = {MOST_NODES}u;\n\
          const NEAREST: f32 = {NEAREST:?};\n\
+         const FLOOR: f32 = {FLOOR:?};\n\
          const PI: f32 = {:?};\n{}{}",
         std::f32::consts::PI,
         polynomial("SINE", &SINE),
@@ -244,7 +253,7 @@ mod tests {
         let mut sources: Vec<_> =
             FieldProgram::ALL.iter().map(|program| (format!("{program:?}"), program.source())).collect();
         sources.extend(Quantity::ALL.map(|quantity| (format!("peak {quantity:?}"), peak_source(quantity))));
-        sources.extend(Quantity::ALL.map(|quantity| (format!("{quantity:?}"), picture_source(quantity))));
+        sources.extend(pictures().map(|source| ("picture".to_owned(), source)));
         sources.push(("interpolation".to_owned(), interpolation_source()));
         sources.push(("squares".to_owned(), squares_source()));
         sources.push(("compliance".to_owned(), compliance_source()));
@@ -256,6 +265,13 @@ mod tests {
         }
     }
 
+    fn pictures() -> impl Iterator<Item = String> {
+        let scales = [Scale::Linear, Scale::Logarithmic];
+        Quantity::ALL
+            .into_iter()
+            .flat_map(move |quantity| scales.map(|scale| picture_source(quantity, scale)))
+    }
+
     #[test]
     fn every_shader_file_is_part_of_a_program() {
         let programs: String = FieldProgram::ALL
@@ -263,7 +279,7 @@ mod tests {
             .map(|program| program.source())
             .chain([interpolation_source(), squares_source(), compliance_source(), join_source()])
             .chain(Quantity::ALL.map(peak_source))
-            .chain(Quantity::ALL.map(picture_source))
+            .chain(pictures())
             .collect();
         let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/shaders");
         let mut files = 0;
@@ -316,8 +332,8 @@ mod tests {
             &module("join", &join_source()),
             JoinParams { count, invocations, of_shape, of_radiation }
         );
-        let picture = module("picture", &picture_source(Quantity::Rms));
-        assert_same_layout!(&picture, PictureParams { count, invocations, full, padding });
+        let picture = module("picture", &picture_source(Quantity::Rms, Scale::Linear));
+        assert_same_layout!(&picture, PictureParams { count, invocations, turn, full, padding });
         let interpolation = module("interpolation", &interpolation_source());
         assert_same_layout!(
             &interpolation,

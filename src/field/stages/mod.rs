@@ -4,6 +4,7 @@
 //! [`Work`] counts how often each ran.
 
 mod average;
+mod contours;
 mod on_cpu;
 mod on_gpu;
 
@@ -13,8 +14,9 @@ use num_complex::{Complex32, Complex64};
 
 use crate::acoustics::{self, Aperture};
 use crate::drive::Drive;
+use crate::field::contour::Line;
 use crate::field::plan::Costs;
-use crate::field::{self, Colouring, Evaluator, Gpu, GpuError, Plan, Raster, Samples};
+use crate::field::{self, Colouring, Evaluator, Gpu, GpuError, Plan, Quantity, Raster, Samples};
 use crate::scene::Plane;
 use average::Averaging;
 use on_cpu::OnCpu;
@@ -40,6 +42,8 @@ pub struct Work {
     pub squares: u64,
     pub dent: u64,
     pub picture: u64,
+    /// Contour lines.
+    pub contours: u64,
 }
 
 impl Work {
@@ -53,6 +57,7 @@ impl Work {
             squares: self.squares - before.squares,
             dent: self.dent - before.dent,
             picture: self.picture - before.picture,
+            contours: self.contours - before.contours,
         }
     }
 }
@@ -212,6 +217,7 @@ pub struct Stages {
     plan: Kept<Setting, Option<Plan>>,
     raster: Kept<Frame, Option<(Raster, Probes)>>,
     map: Kept<Drawn, Option<Map>>,
+    contours: Kept<(Drawn, Quantity, f32), Vec<Line>>,
     averaging: Averaging,
     work: Work,
 }
@@ -225,6 +231,7 @@ impl Stages {
             plan: Kept::default(),
             raster: Kept::default(),
             map: Kept::default(),
+            contours: Kept::default(),
             averaging: Averaging::default(),
             work: Work::default(),
         }
@@ -235,6 +242,7 @@ impl Stages {
         self.plan.key = None;
         self.raster.key = None;
         self.map.key = None;
+        self.contours.key = None;
         self.averaging.forget();
         self.cpu.forget();
         if let Some(gpu) = &mut self.gpu {

@@ -68,7 +68,10 @@ fn dent(editor: &mut Editor, shown: &Shown, ui: &mut Ui) {
             fact(ui, ("Largest pressure", "Of the sound on the surface"), pascals(map.largest));
         }
         if let Some(dent) = &pressed.dent {
-            fact(ui, ("Deepest", "Below the level surface"), with_unit(dent.deepest, Quantity::Dent));
+            if let Some(map) = &shown.map {
+                let tip = "Below the level surface, in what is on the screen";
+                fact(ui, ("Deepest", tip), with_unit(map.largest, Quantity::Dent));
+            }
             fact(ui, ("Displaced", "Volume of the dent"), format!("{:.1} mm³", dent.volume * 1e9));
             fact(
                 ui,

@@ -13,8 +13,10 @@ use num_complex::{Complex32, Complex64};
 use crate::acoustics::{self, Aperture};
 use crate::drive::Drive;
 use crate::field::cells::Cells;
+use crate::field::contour::Line;
 use crate::field::interpolation::Resampling;
 use crate::field::plan::Costs;
+use crate::field::stages::contours;
 use crate::field::stages::{By, FieldError, Kept, Setting, Stages, Work, excitation, probed};
 use crate::field::{Colouring, Gpu, Plan, Quantity};
 use crate::scene::{Liquid, Plane};
@@ -164,6 +166,7 @@ pub(super) struct Averaging {
     gpu: OnGpu,
     map: Kept<Drawn, Option<AverageMap>>,
     picture: Kept<(Drawn, Colouring), Vec<[u8; 4]>>,
+    contours: Kept<(Drawn, f32), Vec<Line>>,
 }
 
 /// Everything that a stage may need.
@@ -249,6 +252,28 @@ impl Stages {
         })?;
         Ok(colours)
     }
+
+    /// The lines on which an average is this part of its largest number.
+    ///
+    /// # Errors
+    /// As [`Stages::average`].
+    pub fn average_contours(&mut self, wanted: &Average<'_>, part: f32) -> Result<&[Line], FieldError> {
+        let AverageMap { by, largest, .. } = *self.average(wanted)?;
+        let key = (Drawn::new(wanted, self.exact)?, part);
+        let Self { averaging: Averaging { contours, cpu, gpu, .. }, gpu: on_gpu, work, .. } = self;
+        let lines = contours.try_update(&key, |lines| {
+            work.contours += 1;
+            let of = |pixels: &[Complex32]| {
+                contours::of_pixels(pixels, wanted.width, wanted.mean.quantity(), part * largest)
+            };
+            *lines = match on_gpu {
+                Some(on_gpu) if by == By::Gpu => of(&on_gpu.gpu.read(&gpu.pixels)?),
+                _ => of(&cpu.pixels),
+            };
+            Ok::<_, FieldError>(())
+        })?;
+        Ok(lines)
+    }
 }
 
 impl Averaging {
@@ -257,6 +282,7 @@ impl Averaging {
         self.frame.key = None;
         self.map.key = None;
         self.picture.key = None;
+        self.contours.key = None;
         self.cpu.forget();
         self.gpu.forget();
     }

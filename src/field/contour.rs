@@ -1,0 +1,227 @@
+//! Lines along which a number has one value, by marching squares.
+
+use rayon::prelude::*;
+
+/// Places in pixels from the lower left corner of the map: the first pixel's centre is at (0.5, 0.5). A line that comes back to
+/// where it started ends with its first place.
+pub type Line = Vec<[f32; 2]>;
+
+/// Pixels from one place of a line to the next, at least.
+const STEP: f32 = 2.0;
+/// Squares that are passed over together where no line runs.
+const RUN: usize = 32;
+
+/// The sides of a square between four pixels.
+const BELOW: u8 = 0;
+const RIGHT: u8 = 1;
+const ABOVE: u8 = 2;
+const LEFT: u8 = 3;
+
+/// The lines on which numbers in rows of `width`, the first at the bottom, reach `level`. What is larger lies to their left.
+pub fn lines(count: usize, width: usize, level: f32, number: impl Fn(usize) -> f32 + Sync) -> Vec<Line> {
+    let height = count.checked_div(width).unwrap_or(0);
+    if width < 2 || height < 2 {
+        return Vec::new();
+    }
+    let mut reaches = vec![0; width * height];
+    reaches.par_chunks_mut(width).with_min_len(16).enumerate().for_each(|(row, reaches)| {
+        for (column, reaches) in reaches.iter_mut().enumerate() {
+            *reaches = u8::from(number(row * width + column) >= level);
+        }
+    });
+    Squares { width, height, level, number, reaches, passed: vec![0; width * height] }.lines()
+}
+
+/// The squares between the pixels, as many as there are pixels but for the last row and column.
+struct Squares<N> {
+    width: usize,
+    height: usize,
+    level: f32,
+    number: N,
+    /// 1 where a pixel's number reaches the level.
+    reaches: Vec<u8>,
+    /// The sides through which lines have entered a square, a bit each.
+    passed: Vec<u8>,
+}
+
+impl<N: Fn(usize) -> f32> Squares<N> {
+    fn lines(mut self) -> Vec<Line> {
+        let (across, up) = (self.width - 1, self.height - 1);
+        let mut lines = Vec::new();
+        // Those that come in over the edge first, since they have an end.
+        for x in 0..across {
+            self.start(&mut lines, (x, 0), BELOW);
+            self.start(&mut lines, (x, up - 1), ABOVE);
+        }
+        for y in 0..up {
+            self.start(&mut lines, (0, y), LEFT);
+            self.start(&mut lines, (across - 1, y), RIGHT);
+        }
+        for y in 0..up {
+            for first in (0..across).step_by(RUN) {
+                let run = first..(first + RUN).min(across);
+                if self.is_even(run.clone(), y) {
+                    continue;
+                }
+                for x in run {
+                    for side in [BELOW, RIGHT, ABOVE, LEFT] {
+                        self.start(&mut lines, (x, y), side);
+                    }
+                }
+            }
+        }
+        lines
+    }
+
+    /// Whether all corners of squares in a row are on the same side of the level.
+    fn is_even(&self, squares: std::ops::Range<usize>, y: usize) -> bool {
+        let corners = squares.len() + 1;
+        let sum = |row: usize| {
+            let first = row * self.width + squares.start;
+            self.reaches[first..first + corners].iter().map(|&reaches| usize::from(reaches)).sum::<usize>()
+        };
+        let sum = sum(y) + sum(y + 1);
+        sum == 0 || sum == 2 * corners
+    }
+
+    /// Follows the line that enters a square through this side, if there is one that was not followed yet.
+    fn start(&mut self, lines: &mut Vec<Line>, (mut x, mut y): (usize, usize), mut side: u8) {
+        let mut line = Line::new();
+        while let Some(out) = self.way((x, y), side) {
+            let passed = &mut self.passed[y * self.width + x];
+            if *passed & 1 << side != 0 {
+                break;
+            }
+            *passed |= 1 << side;
+            let place = self.crossing((x, y), side);
+            let is_far = |&[u, v]: &[f32; 2]| {
+                let (u, v) = (place[0] - u, place[1] - v);
+                u * u + v * v >= STEP * STEP
+            };
+            if line.last().is_none_or(is_far) {
+                line.push(place);
+            }
+            let is_last = match out {
+                BELOW => y == 0,
+                RIGHT => x + 2 == self.width,
+                ABOVE => y + 2 == self.height,
+                _ => x == 0,
+            };
+            if is_last {
+                line.push(self.crossing((x, y), out));
+                lines.push(line);
+                return;
+            }
+            match out {
+                BELOW => y -= 1,
+                RIGHT => x += 1,
+                ABOVE => y += 1,
+                _ => x -= 1,
+            }
+            side = (out + 2) % 4;
+        }
+        if let (Some(&first), true) = (line.first(), line.len() > 2) {
+            line.push(first);
+            lines.push(line);
+        }
+    }
+
+    /// The side through which a line leaves a square that it enters through `side`.
+    fn way(&self, (x, y): (usize, usize), side: u8) -> Option<u8> {
+        let at = y * self.width + x;
+        let corners = [at, at + 1, at + self.width + 1, at + self.width];
+        let bits = |bits, (i, &corner): (usize, &usize)| bits | self.reaches[corner] << i;
+        let corners_that_reach = corners.iter().enumerate().fold(0u8, bits);
+        let is_joined = || {
+            let mean = corners.iter().map(|&corner| (self.number)(corner)).sum::<f32>() / 4.0;
+            mean >= self.level
+        };
+        let ways: &[[u8; 2]] = match corners_that_reach {
+            1 => &[[BELOW, LEFT]],
+            2 => &[[RIGHT, BELOW]],
+            3 => &[[RIGHT, LEFT]],
+            4 => &[[ABOVE, RIGHT]],
+            5 if is_joined() => &[[ABOVE, LEFT], [BELOW, RIGHT]],
+            5 => &[[BELOW, LEFT], [ABOVE, RIGHT]],
+            6 => &[[ABOVE, BELOW]],
+            7 => &[[ABOVE, LEFT]],
+            8 => &[[LEFT, ABOVE]],
+            9 => &[[BELOW, ABOVE]],
+            10 if is_joined() => &[[LEFT, BELOW], [RIGHT, ABOVE]],
+            10 => &[[RIGHT, BELOW], [LEFT, ABOVE]],
+            11 => &[[RIGHT, ABOVE]],
+            12 => &[[LEFT, RIGHT]],
+            13 => &[[BELOW, RIGHT]],
+            14 => &[[LEFT, BELOW]],
+            _ => &[],
+        };
+        ways.iter().find(|[enters, _]| *enters == side).map(|[_, leaves]| *leaves)
+    }
+
+    /// Where the level is reached on a side of a square, along a straight line between its two pixels.
+    fn crossing(&self, (x, y): (usize, usize), side: u8) -> [f32; 2] {
+        let (from, to) = match side {
+            BELOW => ((x, y), (x + 1, y)),
+            RIGHT => ((x + 1, y), (x + 1, y + 1)),
+            ABOVE => ((x, y + 1), (x + 1, y + 1)),
+            _ => ((x, y), (x, y + 1)),
+        };
+        let number = |(x, y): (usize, usize)| (self.number)(y * self.width + x);
+        let part = ((self.level - number(from)) / (number(to) - number(from))).clamp(0.0, 1.0);
+        let between = |from: usize, to: usize| from as f32 + 0.5 + part * (to as f32 - from as f32);
+        [between(from.0, to.0), between(from.1, to.1)]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const WIDTH: usize = 90;
+    const HEIGHT: usize = 70;
+
+    fn at(i: usize) -> (f32, f32) {
+        ((i % WIDTH) as f32 + 0.5, (i / WIDTH) as f32 + 0.5)
+    }
+
+    fn area(line: &Line) -> f32 {
+        line.windows(2).map(|pair| (pair[0][0] * pair[1][1] - pair[1][0] * pair[0][1]) / 2.0).sum()
+    }
+
+    #[test]
+    fn a_hill_is_a_circle_run_round_counter_clockwise() {
+        let hill = |i| 40.0 - (at(i).0 - 41.3).hypot(at(i).1 - 30.8);
+        let found = lines(WIDTH * HEIGHT, WIDTH, 20.0, hill);
+        let [line] = &found[..] else { panic!("{} lines", found.len()) };
+        assert_eq!(line.first(), line.last());
+        assert!(line.iter().all(|[x, y]| ((x - 41.3).hypot(y - 30.8) - 20.0).abs() < 0.02), "{line:?}");
+        assert!((area(line) / (std::f32::consts::PI * 400.0) - 1.0).abs() < 0.01, "{}", area(line));
+        let hole = lines(WIDTH * HEIGHT, WIDTH, -20.0, |i| -hill(i));
+        assert!(area(&hole[0]) < 0.0 && hole.len() == 1);
+    }
+
+    #[test]
+    fn lines_end_at_the_edge_and_nowhere_else() {
+        // A saddle, whose lines all cross the edge.
+        let saddle = |i| (at(i).0 - 45.0) * (at(i).1 - 35.0);
+        for level in [-200.0, -0.1, 0.0, 0.1, 200.0] {
+            let lines = lines(WIDTH * HEIGHT, WIDTH, level, saddle);
+            assert_eq!(lines.len(), 2, "{level}");
+            let on_edge = |&[x, y]: &[f32; 2]| {
+                [0.5, WIDTH as f32 - 0.5].contains(&x) || [0.5, HEIGHT as f32 - 0.5].contains(&y)
+            };
+            assert!(lines.iter().all(|line| on_edge(&line[0]) && on_edge(line.last().unwrap())), "{level}");
+        }
+    }
+
+    #[test]
+    fn what_has_no_lines_has_none_and_noise_does_no_harm() {
+        assert!(lines(WIDTH * HEIGHT, WIDTH, 1.0, |_| 0.0).is_empty());
+        assert!(lines(WIDTH * HEIGHT, WIDTH, 0.5, |_| f32::NAN).is_empty());
+        assert!(lines(0, 0, 1.0, |_| 2.0).is_empty());
+        assert!(lines(WIDTH, WIDTH, 1.0, |i| i as f32).is_empty());
+        let noise = |i: usize| (i.wrapping_mul(2_654_435_761) >> 7) as f32 % 100.0;
+        let lines = lines(WIDTH * HEIGHT, WIDTH, 50.0, noise);
+        assert!(lines.len() > 100 && lines.iter().flatten().flatten().all(|place| place.is_finite()));
+    }
+}

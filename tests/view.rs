@@ -1,0 +1,254 @@
+//! What the window shows, without a screen: contour lines, the pressure at a moment, a shaded dent and a free plane, against the
+//! field that they are of.
+
+#![cfg(feature = "window")]
+#![expect(clippy::unwrap_used, reason = "a test's helper may panic")]
+
+use std::f64::consts::SQRT_2;
+use std::time::{Duration, Instant};
+
+use egui::{Key, Modifiers, vec2};
+use egui_kittest::Harness;
+use egui_kittest::kittest::Queryable;
+use glam::{DVec2, DVec3};
+use sonoglyph::app::Window;
+use sonoglyph::field::contour::Line;
+use sonoglyph::field::{Evaluator, Quantity, Work};
+use sonoglyph::scene::{MotionPath, Scene, Shape, Target};
+use sonoglyph::ui::Map;
+use sonoglyph::ui::document::Document;
+use sonoglyph::ui::view::{Cut, FreePlane, Lens};
+
+type Screen = Harness<'static, Window>;
+
+fn focused(foci: &[DVec3]) -> Scene {
+    let target = |&at: &DVec3| Target::new(Shape::Point { at });
+    Scene { targets: foci.iter().map(target).collect(), ..Scene::default() }
+}
+
+fn open(scene: Scene) -> Screen {
+    let mut screen = Harness::builder().with_size(vec2(1280.0, 800.0)).build_eframe(move |context| {
+        Window::new(&context.egui_ctx, Document::new(scene, None, "test"), Evaluator::Cpu)
+    });
+    rest(&mut screen);
+    screen
+}
+
+/// Lets frames go by until nothing is under way.
+fn rest(screen: &mut Screen) {
+    let start = Instant::now();
+    screen.run_steps(3);
+    while screen.state().is_busy() {
+        assert!(start.elapsed() < Duration::from_secs(60), "a thread never ends");
+        std::thread::sleep(Duration::from_millis(5));
+        screen.run_steps(2);
+    }
+    screen.run_steps(1);
+}
+
+fn click(screen: &mut Screen, label: &str) {
+    screen.get_by_label(label).click();
+    rest(screen);
+}
+
+fn map(screen: &Screen) -> &Map {
+    screen.state().shown().map.as_ref().unwrap()
+}
+
+fn numbers(screen: &mut Screen) -> Vec<f32> {
+    screen.state_mut().numbers().unwrap().1
+}
+
+/// m on the cut, from pixels.
+fn place(map: &Map, [x, y]: [f32; 2]) -> DVec2 {
+    let lens = Lens { rect: map.rect, window: map.window };
+    let part = vec2(x / map.width as f32, y / map.height as f32);
+    lens.flat(map.rect.left_bottom() + vec2(part.x, -part.y) * map.rect.size())
+}
+
+/// Pa RMS by the f64 reference.
+fn rms(screen: &Screen, point: DVec3) -> f64 {
+    let sound = screen.state().shown().sound.as_ref().unwrap();
+    let drive = sound.drive.excitation(&sound.aperture.driven);
+    sound.aperture.transfer(&[point]).pressure(&drive)[0].norm() / SQRT_2
+}
+
+/// How often a closed line runs round a place.
+fn winding(map: &Map, line: &Line, centre: DVec2) -> i32 {
+    let at = |&pixel: &[f32; 2]| place(map, pixel) - centre;
+    let turned: f64 = line.windows(2).map(|pair| at(&pair[0]).angle_to(at(&pair[1]))).sum();
+    (turned / std::f64::consts::TAU).round() as i32
+}
+
+#[test]
+fn a_contour_runs_round_the_focus_where_the_field_has_its_level() {
+    let focus = DVec3::new(0.02, -0.01, 0.1);
+    let mut screen = open(focused(&[focus]));
+    assert_eq!((screen.state().work().contours, map(&screen).contours.len()), (0, 0), "nobody asked");
+    click(&mut screen, "Contours");
+    for (level, largest_error) in [(-6.0f64, 0.01), (-3.0, 0.01), (-20.0, 0.03)] {
+        screen.state_mut().editor_mut().view.contour_level = level;
+        rest(&mut screen);
+        let map = map(&screen);
+        let wanted = map.largest * 10f64.powf(level / 20.0);
+        let round: Vec<_> =
+            map.contours.iter().filter(|line| winding(map, line, focus.truncate()) == 1).collect();
+        assert_eq!(round.len(), 1, "{level} dB");
+        for &pixel in map.contours.iter().flatten().step_by(7) {
+            let found = rms(&screen, map.axes.world(place(map, pixel)));
+            assert!((found / wanted - 1.0).abs() < largest_error, "{level} dB: {found}, not {wanted}");
+        }
+    }
+    let work = screen.state().work();
+    screen.run_steps(5);
+    assert_eq!(screen.state().work(), work, "lines are kept");
+    for key in [Key::Num3, Key::Num4] {
+        screen.key_press_modifiers(Modifiers::NONE, key);
+        rest(&mut screen);
+        let map = map(&screen);
+        let round = map.contours.iter().filter(|line| winding(map, line, focus.truncate()) == 1).count();
+        assert_eq!(round, 1, "{:?}", map.quantity);
+    }
+    click(&mut screen, "Contours");
+    let before = screen.state().work();
+    screen.state_mut().editor_mut().document.scene.targets[0].shape = Shape::Point { at: DVec3::Z * 0.1 };
+    rest(&mut screen);
+    assert_eq!(screen.state().work().since(before).contours, 0, "what is not shown is not looked for");
+}
+
+#[test]
+fn a_moment_is_the_negative_of_the_one_half_a_period_on_and_all_have_the_rms_that_is_shown() {
+    let mut screen = open(focused(&[DVec3::new(0.02, 0.0, 0.1), DVec3::new(-0.02, 0.01, 0.1)]));
+    let shown_rms = numbers(&mut screen);
+    screen.state_mut().editor_mut().oscillation.playing = false;
+    screen.key_press_modifiers(Modifiers::NONE, Key::Num5);
+    rest(&mut screen);
+    assert_eq!(map(&screen).quantity, Quantity::Instantaneous);
+    let before = screen.state().work();
+    const MOMENTS: u32 = 12;
+    let mut squares = vec![0.0f32; shown_rms.len()];
+    let mut moments = Vec::new();
+    for moment in 0..MOMENTS {
+        screen.state_mut().editor_mut().oscillation.part = f64::from(moment) / f64::from(MOMENTS);
+        rest(&mut screen);
+        let pressures = numbers(&mut screen);
+        for (square, p) in squares.iter_mut().zip(&pressures) {
+            *square += p * p / MOMENTS as f32;
+        }
+        moments.push(pressures);
+    }
+    let picture = u64::from(MOMENTS) - 1;
+    let work = screen.state().work().since(before);
+    assert_eq!(
+        work,
+        Work { picture, ..Work::default() },
+        "another moment is another picture and nothing else"
+    );
+    let largest = map(&screen).largest as f32;
+    assert!((largest / shown_rms.iter().copied().fold(0.0, f32::max) - SQRT_2 as f32).abs() < 1e-3);
+    let half = moments.len() / 2;
+    for pixel in 0..shown_rms.len() {
+        assert!((moments[0][pixel] + moments[half][pixel]).abs() < 1e-5 * largest, "pixel {pixel}");
+        assert!((squares[pixel].sqrt() - shown_rms[pixel]).abs() < 1e-4 * largest, "pixel {pixel}");
+    }
+}
+
+#[test]
+fn waves_run_only_while_they_are_looked_at() {
+    let mut screen = open(focused(&[DVec3::Z * 0.1]));
+    let part = |screen: &Screen| screen.state().editor().oscillation.part;
+    screen.run_steps(10);
+    assert_eq!(part(&screen), 0.0, "nobody looks");
+    screen.key_press_modifiers(Modifiers::NONE, Key::Num5);
+    screen.run_steps(30);
+    let (running, work) = (part(&screen), screen.state().work());
+    assert!(running > 0.0);
+    screen.run_steps(30);
+    assert_ne!(part(&screen), running);
+    let since = screen.state().work().since(work);
+    assert_eq!(since, Work { picture: since.picture, ..Work::default() });
+    assert!(since.picture > 10);
+    click(&mut screen, "Pause");
+    let stopped = part(&screen);
+    screen.run_steps(10);
+    assert_eq!(part(&screen), stopped);
+    assert!(screen.run() <= 2, "a moment that stands asks for no frames");
+}
+
+#[test]
+fn a_shaded_dent_is_where_the_focus_is_and_takes_no_edits() {
+    let at = |x: f64| Shape::Point { at: DVec3::new(x, 0.0, 0.1) };
+    let mut screen = open(focused(&[DVec3::new(-0.04, 0.0, 0.1)]));
+    screen.key_press_modifiers(Modifiers::NONE, Key::Num4);
+    rest(&mut screen);
+    click(&mut screen, "Shaded");
+    let rect = map(&screen).rect;
+    // The column that differs most from the one at the side, which is level.
+    let roughest = |screen: &mut Screen| {
+        rest(screen);
+        let picture = screen.state_mut().picture().unwrap();
+        assert_eq!((picture.width, picture.height), (rect.width() as usize, rect.height() as usize));
+        let apart = |x: usize| {
+            (picture.height / 4..picture.height * 3 / 4)
+                .map(|y| picture.pixel(x, y)[1].abs_diff(picture.pixel(picture.width / 20, y)[1]))
+                .map(u32::from)
+                .sum::<u32>()
+        };
+        let column = (picture.width / 20..picture.width * 19 / 20).max_by_key(|&x| apart(x)).unwrap();
+        column as f32 / picture.width as f32
+    };
+    let left = roughest(&mut screen);
+    screen.state_mut().editor_mut().document.scene.targets[0].shape = at(0.04);
+    let right = roughest(&mut screen);
+    assert!(left < 0.4 && right > 0.6, "{left} {right}");
+    assert!(map(&screen).exaggeration.unwrap() >= 1.0);
+
+    let before = screen.state().editor().document.scene.clone();
+    screen.hover_at(rect.center());
+    screen.step();
+    screen.drag_at(rect.center());
+    screen.step();
+    screen.hover_at(rect.center() + vec2(100.0, 0.0));
+    screen.step();
+    screen.drop_at(rect.center() + vec2(100.0, 0.0));
+    rest(&mut screen);
+    assert_eq!(screen.state().editor().document.scene, before);
+    click(&mut screen, "Flat");
+    assert_eq!(map(&screen).exaggeration, None);
+}
+
+#[test]
+fn a_free_plane_shows_a_focus_where_it_is() {
+    let plane = FreePlane { centre: DVec3::new(0.01, -0.01, 0.11), tilt: 0.6, turn: 0.4 };
+    let on_plane = DVec2::new(-0.012, 0.018);
+    let mut screen = open(focused(&[plane.axes().world(on_plane)]));
+    click(&mut screen, "Free");
+    screen.state_mut().editor_mut().view.free = plane;
+    rest(&mut screen);
+    assert_eq!(screen.state().editor().view.cut, Cut::Free);
+    let values = numbers(&mut screen);
+    let map = map(&screen);
+    let loudest = (0..values.len()).max_by(|&a, &b| values[a].total_cmp(&values[b])).unwrap();
+    let pixel = [(loudest % map.width) as f32 + 0.5, (loudest / map.width) as f32 + 0.5];
+    let found = place(map, pixel);
+    assert!(found.distance(on_plane) < 3e-3, "{found}, not {on_plane}");
+    let focus = screen.state().shown().sound.as_ref().unwrap().foci[0].position;
+    assert!(map.axes.flat(focus).distance(on_plane) < 1e-9 && map.axes.height(focus).abs() < 1e-9);
+    let expected = rms(&screen, map.axes.world(found));
+    assert!((f64::from(values[loudest]) / expected - 1.0).abs() < 1e-3);
+}
+
+#[test]
+fn while_a_motion_is_solved_it_is_said_that_the_scene_at_rest_is_shown() {
+    let mut scene = focused(&[DVec3::Z * 0.1]);
+    (scene.motion.path, scene.motion.frames) = (MotionPath::Circle, 256);
+    let mut screen = open(scene);
+    assert_eq!(screen.state().shown().pending, None, "a map of the scene at rest waits for nothing");
+    screen.key_press_modifiers(Modifiers::NONE, Key::Num4);
+    screen.run_steps(2);
+    let shown = screen.state().shown();
+    assert!(shown.round.is_some() || shown.pending.as_ref().unwrap().contains("scene at rest"));
+    rest(&mut screen);
+    let shown = screen.state().shown();
+    assert!(shown.round.is_some() && shown.pending.is_none());
+}
