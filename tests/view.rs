@@ -28,7 +28,7 @@ fn focused(foci: &[DVec3]) -> Scene {
 
 fn open(scene: Scene) -> Screen {
     let mut screen = Harness::builder().with_size(vec2(1280.0, 800.0)).build_eframe(move |context| {
-        Window::new(&context.egui_ctx, Document::new(scene, None, "test"), Evaluator::Cpu)
+        Window::new(&context.egui_ctx, Document::new(scene, "test"), Evaluator::Cpu)
     });
     rest(&mut screen);
     screen
