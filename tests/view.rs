@@ -27,7 +27,9 @@ fn focused(foci: &[DVec3]) -> Scene {
 }
 
 fn open(scene: Scene) -> Screen {
-    let mut screen = Harness::builder().with_size(vec2(1280.0, 800.0)).build_eframe(move |context| {
+    // A step that is no round part of a period.
+    let harness = Harness::builder().with_size(vec2(1280.0, 800.0)).with_step_dt(0.0171);
+    let mut screen = harness.build_eframe(move |context| {
         Window::new(&context.egui_ctx, Document::new(scene, None, "test"), Evaluator::Cpu)
     });
     rest(&mut screen);
