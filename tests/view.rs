@@ -215,6 +215,25 @@ fn a_shaded_dent_is_where_the_focus_is_and_takes_no_edits() {
     screen.drop_at(rect.center() + vec2(100.0, 0.0));
     rest(&mut screen);
     assert_eq!(screen.state().editor().document.scene, before);
+    // A view that is moved can be let go.
+    screen.event(egui::Event::PointerButton {
+        pos: rect.center(),
+        button: egui::PointerButton::Secondary,
+        pressed: true,
+        modifiers: Modifiers::NONE,
+    });
+    screen.step();
+    screen.hover_at(rect.center() + vec2(30.0, 0.0));
+    screen.step();
+    assert!(screen.state().editor().is_in_gesture());
+    screen.event(egui::Event::PointerButton {
+        pos: rect.center() + vec2(30.0, 0.0),
+        button: egui::PointerButton::Secondary,
+        pressed: false,
+        modifiers: Modifiers::NONE,
+    });
+    rest(&mut screen);
+    assert!(!screen.state().editor().is_in_gesture());
     click(&mut screen, "Flat");
     assert_eq!(map(&screen).exaggeration, None);
 }
