@@ -27,7 +27,9 @@ fn focused(foci: &[DVec3]) -> Scene {
 }
 
 fn open(scene: Scene) -> Screen {
-    let mut screen = Harness::builder().with_size(vec2(1280.0, 800.0)).build_eframe(move |context| {
+    // A step that is no round part of a period.
+    let harness = Harness::builder().with_size(vec2(1280.0, 800.0)).with_step_dt(0.0171);
+    let mut screen = harness.build_eframe(move |context| {
         Window::new(&context.egui_ctx, Document::new(scene, "test"), Evaluator::Cpu)
     });
     rest(&mut screen);
@@ -213,6 +215,25 @@ fn a_shaded_dent_is_where_the_focus_is_and_takes_no_edits() {
     screen.drop_at(rect.center() + vec2(100.0, 0.0));
     rest(&mut screen);
     assert_eq!(screen.state().editor().document.scene, before);
+    // A view that is moved can be let go.
+    screen.event(egui::Event::PointerButton {
+        pos: rect.center(),
+        button: egui::PointerButton::Secondary,
+        pressed: true,
+        modifiers: Modifiers::NONE,
+    });
+    screen.step();
+    screen.hover_at(rect.center() + vec2(30.0, 0.0));
+    screen.step();
+    assert!(screen.state().editor().is_in_gesture());
+    screen.event(egui::Event::PointerButton {
+        pos: rect.center() + vec2(30.0, 0.0),
+        button: egui::PointerButton::Secondary,
+        pressed: false,
+        modifiers: Modifiers::NONE,
+    });
+    rest(&mut screen);
+    assert!(!screen.state().editor().is_in_gesture());
     click(&mut screen, "Flat");
     assert_eq!(map(&screen).exaggeration, None);
 }

@@ -68,6 +68,18 @@ impl Screen {
         spent
     }
 
+    /// How many of the frames of the next second are drawn.
+    fn frames_that_follow(&mut self) -> usize {
+        (0..60)
+            .filter(|_| {
+                self.wants_more && {
+                    self.frame(Vec::new());
+                    true
+                }
+            })
+            .count()
+    }
+
     fn place(&self, point: DVec3) -> Option<Pos2> {
         let map = self.window.shown.map.as_ref()?;
         let lens = Lens { rect: map.rect, window: map.window };
@@ -118,6 +130,7 @@ pub fn run() {
     }
     println!("{:<24} {:6.2} ms", "a moment of the waves", oscillation());
     println!("{:<24} {:6.2} ms per letter", "type HIT", typing());
+    println!("{:<24} {:6} frames, with those in which hovering settles", "the pointer moves", hover());
     println!("{:<24} {:6} frames in a second", "nothing happens", idle());
     let (spent, passed) = start();
     println!("{:<24} {spent:6.2} ms, {passed:.2} ms elapsed", "start to first picture");
@@ -183,16 +196,18 @@ fn typing() -> f64 {
     median(spent)
 }
 
-fn idle() -> usize {
+/// Frames that are drawn for one move of the pointer.
+fn hover() -> usize {
     let mut screen = Screen::new(Scene::default());
-    (0..60)
-        .filter(|_| {
-            screen.wants_more && {
-                screen.frame(Vec::new());
-                true
-            }
-        })
-        .count()
+    while screen.wants_more {
+        screen.frame(Vec::new());
+    }
+    screen.frame(vec![Event::PointerMoved(pos2(400.0, 300.0))]);
+    1 + screen.frames_that_follow()
+}
+
+fn idle() -> usize {
+    Screen::new(Scene::default()).frames_that_follow()
 }
 
 /// CPU and elapsed time (ms) from nothing to a frame with a map of eight foci on it.

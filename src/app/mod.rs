@@ -308,7 +308,7 @@ impl eframe::App for Window {
 impl Window {
     fn frame(&mut self, ui: &mut egui::Ui) {
         let ctx = ui.ctx().clone();
-        let before = (self.editor.document.scene.clone(), self.editor.view.clone(), self.editor.playback);
+        let before = self.editor.seen();
         let Self { editor, shown, workshop, .. } = self;
         let mut commands = ui::show(editor, shown, ui, |editor, shown, ui| {
             let canvas = canvas::interact(editor, ui);
@@ -326,7 +326,7 @@ impl Window {
         self.keep(&ctx);
         self.keep_settings(&ctx);
         // The panels were drawn before the map: their figures follow in the next frame.
-        if before != (self.editor.document.scene.clone(), self.editor.view.clone(), self.editor.playback) {
+        if before != self.editor.seen() {
             ctx.request_repaint();
         }
     }

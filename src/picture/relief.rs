@@ -192,7 +192,7 @@ impl<'a> Seen<'a> {
         let mut covered = vec![Vec4::ZERO; height];
         let fine = |x: usize| (0..FINENESS).map(move |i| x as f64 + (i as f64 + 0.5) / FINENESS as f64);
         let places = || columns.clone().flat_map(fine).filter_map(|x| self.across(x));
-        if let (Some((first, _)), Some((last, _))) = (places().next(), places().last()) {
+        if let (Some((first, _)), Some((last, _))) = (places().next(), places().next_back()) {
             self.shine(lit, first..(last + 2).min(self.columns));
         }
         for x in columns.clone() {

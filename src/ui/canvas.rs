@@ -42,7 +42,7 @@ pub fn interact(editor: &mut Editor, ui: &mut Ui) -> Canvas {
     });
     let lens = editor.view.lens(editor.scene(), rect);
     if editor.view.is_shaded() {
-        gesture::look_around(editor, ui, &response, &lens);
+        gesture::watch(editor, ui, &response, &lens);
         return Canvas { lens: editor.view.lens(editor.scene(), rect), response };
     }
     gesture::act(editor, ui, &response, &lens);

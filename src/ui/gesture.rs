@@ -88,8 +88,17 @@ pub fn act(editor: &mut Editor, ui: &Ui, response: &Response, lens: &Lens) {
     }
 }
 
+/// Lets the pointer look around where nothing is edited.
+pub fn watch(editor: &mut Editor, ui: &Ui, response: &Response, lens: &Lens) {
+    end_typing(editor);
+    look_around(editor, ui, response, lens);
+    if !ui.input(|input| input.pointer.any_down()) {
+        editor.gesture = None;
+    }
+}
+
 /// Wheel, middle button, space bar and double click.
-pub fn look_around(editor: &mut Editor, ui: &Ui, response: &Response, lens: &Lens) {
+fn look_around(editor: &mut Editor, ui: &Ui, response: &Response, lens: &Lens) {
     if let Some(at) = response.hover_pos() {
         let (wheel, pinch) = ui.input(|input| (input.smooth_scroll_delta().y, input.zoom_delta()));
         let factor = f64::from(pinch) * (f64::from(wheel) * ZOOM_PER_POINT).exp();

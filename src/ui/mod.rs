@@ -347,6 +347,11 @@ impl Editor {
         &self.document.scene
     }
 
+    /// What the panels and the canvas show; a moment that runs by itself is none of it.
+    pub fn seen(&self) -> (Scene, View, Playback, bool) {
+        (self.document.scene.clone(), self.view.clone(), self.playback, self.oscillation.playing)
+    }
+
     /// Passes a command on, or asks first where it would lose what is not saved.
     pub fn ask(&mut self, command: Command, commands: &mut Vec<Command>) {
         if command.replaces_scene() && self.document.is_unsaved() {

@@ -59,7 +59,8 @@ fn oscillation(editor: &mut Editor, ui: &mut Ui) {
     if ui.button(name).on_hover_text(tip).clicked() {
         oscillation.playing = !oscillation.playing;
     }
-    let mut degrees = oscillation.part * 360.0;
+    // What the slider would round it would report as a change.
+    let mut degrees = (oscillation.part * 360.0).round();
     let slider = Slider::new(&mut degrees, 0.0..=360.0).max_decimals(0).suffix("°");
     ui.spacing_mut().slider_width = 100.0;
     let response = ui.add(slider).accessible_name("Phase of the moment");
