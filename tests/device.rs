@@ -51,7 +51,10 @@ fn boards_play_what_they_are_sent() {
         hear(&mut twin, &stock::silence(profile));
         for seed in 0..20 {
             let levels = random_levels(profile, seed);
-            assert!(levels.elements.contains(&None) && levels.elements.iter().flatten().count() > profile.elements() / 2);
+            assert!(
+                levels.elements.contains(&None)
+                    && levels.elements.iter().flatten().count() > profile.elements() / 2
+            );
             assert_eq!(hear(&mut twin, &stock::frame(&levels)), [Heard::Shown], "{}", profile.name());
             assert_eq!(twin.shown(), levels, "{} after frame {seed}", profile.name());
         }
@@ -177,7 +180,10 @@ fn calibration_is_taken_off_phases_and_amplitudes() {
     let notices = levels::notices(Profile::SonicSurface, &drive, &calibration, 40_000.0);
     assert!(notices.len() == 1 && notices[0].contains("no amplitudes"), "{notices:?}");
     let notices = levels::notices(Profile::Native, &drive, &calibration, 25_000.0);
-    assert!(notices.len() == 1 && notices[0].contains("40000") && notices[0].contains("25000"), "{notices:?}");
+    assert!(
+        notices.len() == 1 && notices[0].contains("40000") && notices[0].contains("25000"),
+        "{notices:?}"
+    );
 }
 
 #[test]
@@ -209,6 +215,9 @@ fn modulation_is_done_by_whoever_can() {
     assert_eq!(stock::modulated(Profile::SonicSurface, &modulation), Modulated::BySwaps(200.0));
     assert_eq!(stock::modulated(Profile::Acoustophoretic512, &modulation), Modulated::Never);
     // 1250 / (step + 1): 208.3 Hz is the nearest that the tactile build has.
-    assert_eq!(stock::modulated(Profile::SonicSurfaceTactile, &modulation), Modulated::ByBoard(0xA5, 1250.0 / 6.0));
+    assert_eq!(
+        stock::modulated(Profile::SonicSurfaceTactile, &modulation),
+        Modulated::ByBoard(0xA5, 1250.0 / 6.0)
+    );
     assert_eq!(stock::modulated(Profile::SonicSurface, &Modulation::default()), Modulated::Steady);
 }

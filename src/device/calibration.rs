@@ -48,8 +48,8 @@ impl Calibration {
     /// # Errors
     /// A file that cannot be read, a row that makes no sense, elements listed twice or not at all.
     pub fn read(path: &Path, elements: usize) -> Result<Self, CalibrationError> {
-        let text = std::fs::read_to_string(path)
-            .map_err(|error| CalibrationError::Unreadable(error.to_string()))?;
+        let text =
+            std::fs::read_to_string(path).map_err(|error| CalibrationError::Unreadable(error.to_string()))?;
         Self::parse(&text, elements)
     }
 
@@ -111,7 +111,11 @@ fn reason(error: &csv::Error) -> String {
 impl Element {
     fn check(&self, elements: usize) -> Result<(), String> {
         if self.element >= elements {
-            return Err(format!("element {} is beyond the last, {}", self.element, elements.saturating_sub(1)));
+            return Err(format!(
+                "element {} is beyond the last, {}",
+                self.element,
+                elements.saturating_sub(1)
+            ));
         }
         if !(self.offset.abs() <= 360.0) {
             return Err(format!("offset {} is not between -360 and 360 degrees", self.offset));

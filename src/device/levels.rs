@@ -60,10 +60,7 @@ impl Levels {
     pub fn checkerboard(profile: Profile, columns: usize) -> Self {
         let black = |n: usize| (n / columns.max(1) + n % columns.max(1)) % 2 == 1;
         let phase = |n| if black(n) { std::f64::consts::PI } else { 0.0 };
-        Self {
-            profile,
-            elements: (0..profile.elements()).map(|n| profile.level(1.0, phase(n))).collect(),
-        }
+        Self { profile, elements: (0..profile.elements()).map(|n| profile.level(1.0, phase(n))).collect() }
     }
 
     /// What the elements sound like, calibration left out.

@@ -480,9 +480,9 @@ mod tests {
             channels: 256,
             largest_baud: 30,
         };
-        let status =
-            Status { slot: 5, framing_errors: 255, good: 65_535, spoiled: 0, periods: 0xDEAD_BEEF };
-        for (code, body) in [(0x81, Body::Info(info)), (0x80, Body::Status(status)), (0x90, Body::Status(status))]
+        let status = Status { slot: 5, framing_errors: 255, good: 65_535, spoiled: 0, periods: 0xDEAD_BEEF };
+        for (code, body) in
+            [(0x81, Body::Info(info)), (0x80, Body::Status(status)), (0x90, Body::Status(status))]
         {
             for bits in 0..64 {
                 let flags = Flags::of_bits(bits);

@@ -61,8 +61,8 @@ impl Twin {
         let mut levels = Levels::off(Profile::Acoustophoretic512);
         for (channel, element) in order::elements(levels.profile).into_iter().enumerate() {
             let (delay, amplitude) = (self.shown[channel], self.shown[CHANNELS + channel]);
-            levels.elements[element] = (amplitude > 0)
-                .then(|| Level { delay: u16::from(delay), amplitude: u16::from(amplitude) });
+            levels.elements[element] =
+                (amplitude > 0).then(|| Level { delay: u16::from(delay), amplitude: u16::from(amplitude) });
         }
         levels
     }

@@ -98,9 +98,7 @@ impl Twin {
 
     /// The one pulse of a pin; of several, the first that begins.
     fn pulse(&self, pin: usize) -> Option<Level> {
-        let high = |division: usize| {
-            self.shown[division % DIVISIONS * PORTS + pin / 8] >> (pin % 8) & 1 == 1
-        };
+        let high = |division: usize| self.shown[division % DIVISIONS * PORTS + pin / 8] >> (pin % 8) & 1 == 1;
         let rises = |&division: &usize| high(division) && !high(division + DIVISIONS - 1);
         let delay = (0..DIVISIONS).find(rises)?;
         let amplitude = (delay..).take_while(|&division| high(division)).count();

@@ -42,7 +42,8 @@ pub fn frame(levels: &Levels) -> Vec<u8> {
 pub fn silence(profile: Profile) -> Vec<u8> {
     let blank = frame(&Levels::off(profile));
     let (start, times) = match profile {
-        Profile::Native | Profile::Acoustophoretic512 => (&[][..], 2),
+        // The tactile build knows no more than lists.
+        Profile::Native | Profile::Acoustophoretic512 | Profile::SonicSurfaceTactile => (&[][..], 2),
         // Once more: what was cut off before may have left an index anywhere, and only a swap resets it.
         Profile::UltrainoMega64 => (&[][..], 3),
         Profile::SonicSurface2 => (&phase_list::START[..], 3),

@@ -163,7 +163,12 @@ impl Twin {
     pub fn shown(&self) -> Levels {
         let mut levels = Levels::off(self.profile);
         let channels = self.boards.iter().flat_map(|board| {
-            board.shown.phases.iter().zip(&board.shown.amplitudes).map(|(&phase, &amplitude)| (phase, amplitude))
+            board
+                .shown
+                .phases
+                .iter()
+                .zip(&board.shown.amplitudes)
+                .map(|(&phase, &amplitude)| (phase, amplitude))
         });
         for (element, (phase, amplitude)) in order::elements(self.profile).into_iter().zip(channels) {
             let amplitude = match self.profile {
