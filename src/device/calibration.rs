@@ -117,7 +117,7 @@ impl Element {
                 elements.saturating_sub(1)
             ));
         }
-        if !(self.offset.abs() <= 360.0) {
+        if !(-360.0..=360.0).contains(&self.offset) {
             return Err(format!("offset {} is not between -360 and 360 degrees", self.offset));
         }
         if !(0.0..=1.0).contains(&self.gain) {

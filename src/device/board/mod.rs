@@ -5,6 +5,7 @@
 pub mod faults;
 mod logic;
 mod pty;
+mod rtl;
 
 use std::io;
 use std::path::{Path, PathBuf};
@@ -16,6 +17,7 @@ use std::time::{Duration, Instant};
 use crate::device::board::faults::{Damage, Faults};
 use crate::device::board::logic::{Heeded, Native, Stock};
 use crate::device::board::pty::Pty;
+use crate::device::board::rtl::Rtl;
 use crate::device::native::model::Model;
 use crate::device::pace::BITS;
 use crate::device::profile::Profile;
@@ -38,11 +40,20 @@ pub struct Setup {
     pub phase_bits: u8,
     /// mHz, of the native device.
     pub carrier_millihertz: u32,
+    /// The Verilated gateware, built with these phase bits, in place of the model.
+    pub program: Option<PathBuf>,
 }
 
 impl Setup {
     pub fn new(profile: Profile) -> Self {
-        Self { profile, baud: None, faults: Faults::default(), phase_bits: 7, carrier_millihertz: 40_000_000 }
+        Self {
+            profile,
+            baud: None,
+            faults: Faults::default(),
+            phase_bits: 7,
+            carrier_millihertz: 40_000_000,
+            program: None,
+        }
     }
 }
 
@@ -147,6 +158,7 @@ fn locked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
 enum Logic {
     Stock(Stock),
     Native(Box<Native>),
+    Rtl(Box<Rtl>),
 }
 
 /// The board's thread.
@@ -178,7 +190,7 @@ impl Line {
         let pty = Pty::open(path, baud)?;
         let line = Self {
             path: path.to_owned(),
-            logic: switched_on(&setup),
+            logic: switched_on(&setup)?,
             damage: Damage::new(setup.faults, SEED),
             pty: Some(pty),
             taken_at: Instant::now(),
@@ -207,28 +219,65 @@ impl Line {
             if plugged != self.pty.is_some() {
                 self.plug(plugged);
             }
-            self.wait();
-            let now = Instant::now();
-            if let Logic::Native(native) = &mut self.logic {
-                native.press(self.hand.pressed.load(Ordering::Relaxed));
-                native.run_until(self.taken_at.min(now));
-            }
-            if set(&self.hand.stalled) {
-                self.taken_at = now;
+            if matches!(self.logic, Logic::Rtl(_)) {
+                if let Err(error) = self.simulate() {
+                    locked(&self.report).events.push(format!("the simulated device ended: {error}"));
+                    return;
+                }
             } else {
-                self.take(now);
-            }
-            if let Logic::Native(native) = &mut self.logic {
-                native.run_until(self.taken_at);
+                self.live();
             }
             locked(&self.report).playing = Some(self.playing());
         }
+    }
+
+    /// One look at the line, in real time.
+    fn live(&mut self) {
+        self.wait();
+        let now = Instant::now();
+        let stalled = self.hand.stalled.load(Ordering::Relaxed);
+        if let Logic::Native(native) = &mut self.logic {
+            native.press(self.hand.pressed.load(Ordering::Relaxed));
+            native.run_until(self.taken_at.min(now));
+        }
+        if stalled {
+            self.taken_at = now;
+        } else {
+            self.take(now);
+        }
+        if let Logic::Native(native) = &mut self.logic {
+            native.run_until(self.taken_at);
+        }
+    }
+
+    /// A slice of the simulated device's own time.
+    fn simulate(&mut self) -> io::Result<()> {
+        const SLICE: u32 = 40;
+        const SLICE_TIME: Duration = Duration::from_millis(1);
+        let begun = Instant::now();
+        let baud = self.pty.as_ref().map_or(0, Pty::baud).max(1);
+        let due = SLICE_TIME.as_secs_f64() * f64::from(baud) / BITS;
+        let mut bytes = vec![0; due as usize];
+        let reads = self.pty.as_ref().filter(|_| !self.hand.stalled.load(Ordering::Relaxed));
+        let read = reads.map_or(0, |pty| pty.read(&mut bytes));
+        let mut arrived = Vec::new();
+        bytes[..read].iter().for_each(|&byte| self.damage.pass(byte, &mut arrived));
+        let mut heeded = Heeded::default();
+        if let Logic::Rtl(rtl) = &mut self.logic {
+            rtl.press(self.hand.pressed.load(Ordering::Relaxed))?;
+            rtl.run(&arrived, baud, SLICE, &mut heeded)?;
+        }
+        self.note(read, false, &heeded);
+        // A fast machine waits for the time that it simulates.
+        thread::sleep(SLICE_TIME.saturating_sub(begun.elapsed()));
+        Ok(())
     }
 
     fn playing(&self) -> Playing {
         match &self.logic {
             Logic::Stock(stock) => stock.playing(),
             Logic::Native(native) => native.playing(),
+            Logic::Rtl(rtl) => rtl.playing(),
         }
     }
 
@@ -238,7 +287,9 @@ impl Line {
         if plugged {
             let baud = self.setup.baud.unwrap_or(self.setup.profile.baud());
             self.pty = Pty::open(&self.path, baud).ok();
-            self.logic = switched_on(&self.setup);
+            if let Ok(logic) = switched_on(&self.setup) {
+                self.logic = logic;
+            }
             self.taken_at = Instant::now();
             self.greet();
         }
@@ -287,6 +338,8 @@ impl Line {
                 match &mut self.logic {
                     Logic::Stock(stock) => stock.hear(byte, self.taken_at, &mut heeded),
                     Logic::Native(native) => native.hear(byte, unread, self.taken_at, &mut heeded),
+                    // It has a line of its own.
+                    Logic::Rtl(_) => {}
                 }
             }
         }
@@ -311,12 +364,13 @@ impl Line {
     }
 }
 
-fn switched_on(setup: &Setup) -> Logic {
-    match setup.profile {
-        Profile::Native => {
+fn switched_on(setup: &Setup) -> io::Result<Logic> {
+    Ok(match (setup.profile, &setup.program) {
+        (Profile::Native, Some(program)) => Logic::Rtl(Box::new(Rtl::start(program, setup.phase_bits)?)),
+        (Profile::Native, None) => {
             let model = Model::new(setup.phase_bits).with_carrier(setup.carrier_millihertz);
             Logic::Native(Box::new(Native::new(model, Instant::now())))
         }
-        profile => Logic::Stock(Stock::new(profile)),
-    }
+        (profile, _) => Logic::Stock(Stock::new(profile)),
+    })
 }

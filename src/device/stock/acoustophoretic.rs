@@ -23,8 +23,8 @@ pub fn load(levels: &Levels) -> Vec<u8> {
 /// The board's side.
 #[derive(Clone, Debug)]
 pub struct Twin {
-    shown: [u8; 2 * CHANNELS],
-    coming: [u8; 2 * CHANNELS],
+    shown: Vec<u8>,
+    coming: Vec<u8>,
     index: usize,
 }
 
@@ -36,7 +36,8 @@ impl Default for Twin {
 
 impl Twin {
     pub fn new() -> Self {
-        Self { shown: [0; 2 * CHANNELS], coming: [0; 2 * CHANNELS], index: 2 * CHANNELS }
+        let silent = vec![0; 2 * CHANNELS];
+        Self { shown: silent.clone(), coming: silent, index: 2 * CHANNELS }
     }
 
     pub fn push(&mut self, byte: u8) -> Heard {
@@ -51,7 +52,7 @@ impl Twin {
         *place = byte & !FIRST;
         self.index += 1;
         if self.index == 2 * CHANNELS {
-            self.shown = self.coming;
+            self.shown.clone_from(&self.coming);
             heard = Heard::Shown;
         }
         heard
