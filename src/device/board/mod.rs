@@ -156,7 +156,7 @@ fn locked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
 
 #[derive(Debug)]
 enum Logic {
-    Stock(Stock),
+    Stock(Box<Stock>),
     Native(Box<Native>),
     Rtl(Box<Rtl>),
 }
@@ -371,6 +371,6 @@ fn switched_on(setup: &Setup) -> io::Result<Logic> {
             let model = Model::new(setup.phase_bits).with_carrier(setup.carrier_millihertz);
             Logic::Native(Box::new(Native::new(model, Instant::now())))
         }
-        (profile, _) => Logic::Stock(Stock::new(profile)),
+        (profile, _) => Logic::Stock(Box::new(Stock::new(profile))),
     })
 }
