@@ -8,8 +8,9 @@ use std::time::{Duration, Instant};
 
 use sonoglyph::device::board::faults::Faults;
 use sonoglyph::device::board::{Board, Setup, Shown};
+use sonoglyph::device::health::State;
 use sonoglyph::device::levels::{Level, Levels};
-use sonoglyph::device::link::{Content, Event, Link, Settings, State};
+use sonoglyph::device::link::{Content, Event, Link, Settings};
 use sonoglyph::device::profile::Profile;
 use sonoglyph::scene::{Envelope, Modulation};
 
@@ -368,5 +369,23 @@ fn stop_is_silence_and_the_link_stays() {
         pair.link.show(Content::Still(next.clone()));
         pair.shown_until(&next);
         eventually("sound", || !pair.is_silent());
+    }
+}
+
+#[test]
+fn a_sender_that_panics_leaves_silence() {
+    for profile in [Profile::Native, Profile::SonicSurface] {
+        let (board, shown) = board(Setup::new(profile));
+        let settings = Settings { port: board.path().to_owned(), profile, baud: None };
+        let levels = numbered(profile, 9);
+        let sender = std::thread::spawn(move || {
+            let link = Link::open(settings, Box::new(|| {})).unwrap();
+            link.show(Content::Still(levels.clone()));
+            while shown.recv_timeout(PATIENCE).unwrap().levels != levels {}
+            panic!("on purpose");
+        });
+        assert!(sender.join().is_err());
+        let drive = || board.report().playing.unwrap().drive();
+        eventually("silence", || drive().amplitudes.iter().all(|&amplitude| amplitude == 0.0));
     }
 }

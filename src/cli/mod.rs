@@ -246,7 +246,9 @@ enum Subject {
     Stability,
     /// Frames of the window
     Window,
-    /// All but the window
+    /// Links to virtual boards
+    Link,
+    /// All but window and links
     All,
 }
 

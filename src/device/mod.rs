@@ -3,6 +3,7 @@
 #[cfg(all(unix, feature = "serial"))]
 pub mod board;
 pub mod calibration;
+pub mod health;
 pub mod levels;
 #[cfg(feature = "serial")]
 pub mod link;
@@ -12,6 +13,5 @@ pub mod pace;
 #[cfg(feature = "serial")]
 pub mod port;
 pub mod profile;
-#[cfg(feature = "serial")]
 pub mod statistics;
 pub mod stock;

@@ -13,10 +13,11 @@ use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread::{self, JoinHandle};
 use std::time::{Duration, Instant};
 
+use crate::device::health::{Found, Health, State};
 use crate::device::levels::Levels;
 use crate::device::port::{Port, PortError};
 use crate::device::profile::Profile;
-use crate::device::statistics::{Durations, Rate, Spread};
+use crate::device::statistics::{Durations, Rate};
 use crate::scene::Modulation;
 
 /// How long after a loss the port is tried again.
@@ -52,18 +53,6 @@ pub enum Content {
     },
 }
 
-/// What was found at the other end.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Found {
-    pub baud: u32,
-    /// Hz; `None` if the board cannot say.
-    pub carrier: Option<f64>,
-    /// Frames that it holds for a motion; 0 if the motion is streamed.
-    pub slots: usize,
-    /// Of the native device.
-    pub phase_bits: Option<u8>,
-}
-
 #[derive(Clone, Debug, PartialEq)]
 pub enum Event {
     /// The board is there, silent, and ready.
@@ -72,35 +61,6 @@ pub enum Event {
     Lost(String),
     /// What the user should know.
     Notice(String),
-}
-
-#[derive(Clone, Debug, Default, PartialEq)]
-pub enum State {
-    #[default]
-    Connecting,
-    Ready,
-    Lost(String),
-}
-
-/// How a link fares.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Health {
-    pub state: State,
-    /// That the board has (native), or that were sent.
-    pub frames: u64,
-    pub bytes: u64,
-    pub frames_per_second: f64,
-    pub bytes_per_second: f64,
-    /// Packets that were refused or did not arrive.
-    pub refused: u64,
-    /// How often the board was found: once, and once more after every loss.
-    pub found: u64,
-    /// From a packet's last byte to its answer.
-    pub round_trip: Option<Spread>,
-    /// From a wish to the last byte of its frame on the line.
-    pub latency: Option<Spread>,
-    /// Half periods of a modulation by swaps.
-    pub swaps: Option<Spread>,
 }
 
 #[derive(Debug, thiserror::Error)]

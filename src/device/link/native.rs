@@ -3,8 +3,9 @@
 use std::collections::VecDeque;
 use std::time::{Duration, Instant};
 
+use crate::device::health::Found;
 use crate::device::levels::Levels;
-use crate::device::link::{Content, Event, Found, LEAD, LinkError, Settings, Shared, Sounding, Wanted};
+use crate::device::link::{Content, Event, LEAD, LinkError, Settings, Shared, Sounding, Wanted};
 use crate::device::native::model;
 use crate::device::native::packet::{Body, Info, Kind, Outcome, Packet, REPLY, Reply, Splitter};
 use crate::device::port::Port;

@@ -3,8 +3,9 @@
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
+use crate::device::health::Found;
 use crate::device::levels::Levels;
-use crate::device::link::{Content, Event, Found, LEAD, LinkError, Settings, Shared, Sounding, Wanted};
+use crate::device::link::{Content, Event, LEAD, LinkError, Settings, Shared, Sounding, Wanted};
 use crate::device::port::Port;
 use crate::device::profile::Profile;
 use crate::device::stock::{self, Modulated};
