@@ -1,25 +1,21 @@
 //! Sending to the native device: numbered packets, at most four of them unanswered, and what got lost is sent again.
 
+mod connect;
+
 use std::collections::VecDeque;
 use std::time::{Duration, Instant};
 
-use crate::device::health::Found;
 use crate::device::levels::Levels;
-use crate::device::link::{Content, Event, LEAD, LinkError, Settings, Shared, Sounding, Wanted};
-use crate::device::native::model;
-use crate::device::native::packet::{Body, Info, Kind, Outcome, Packet, REPLY, Reply, Splitter};
-use crate::device::port::Port;
-use crate::device::profile::Profile;
+use crate::device::link::{Content, LEAD, LinkError, Settings, Shared, Sounding, Wanted};
+use crate::device::native::packet::{Info, Kind, Outcome, Packet, REPLY, Reply, Splitter};
 
 /// Packets without an answer at a time.
 const WINDOW: usize = 4;
-/// Of the protocol that this program speaks.
-const VERSION: u8 = 1;
 /// In 64 periods: the device mutes itself after 200 ms of silence.
 const WATCHDOG: u16 = 125;
 /// The longest that the line is quiet.
 const KEEP_ALIVE: Duration = Duration::from_millis(50);
-/// After its last byte, a packet is answered within this, or lost.
+/// What an answer takes at most, unless a board turns out to be slower.
 const ANSWER: Duration = Duration::from_millis(100);
 /// Without any answer for so long the board is lost.
 const SILENT: Duration = Duration::from_millis(1500);
@@ -86,6 +82,8 @@ struct Session<'a> {
     on_the_way: VecDeque<Sent>,
     written_at: Instant,
     heard_at: Instant,
+    /// After its last byte, a packet is answered within this, or lost.
+    patience: Duration,
     ready_at: Instant,
     /// The wish that tasks and frames are made from.
     generation: u64,
@@ -102,130 +100,7 @@ struct Session<'a> {
     ended: Option<u64>,
 }
 
-impl<'a> Session<'a> {
-    fn connect(settings: &Settings, shared: &'a Shared) -> Result<Self, LinkError> {
-        let port = Port::open(&settings.port, Profile::Native.baud())?;
-        let name = port.name().to_owned();
-        // A delimiter first, to end what the line may have left there.
-        let silence = [vec![0], Packet::mute().to_line()].concat();
-        let now = Instant::now();
-        let mut session = Self {
-            board: Sounding { port, silence },
-            shared,
-            name,
-            info: Info {
-                protocol: 0,
-                phase_bits: 0,
-                slots: 1,
-                version: 0,
-                carrier_millihertz: 0,
-                channels: 1,
-                largest_baud: 0,
-            },
-            splitter: Splitter::default(),
-            seq: 0,
-            tasks: VecDeque::new(),
-            on_the_way: VecDeque::new(),
-            written_at: now,
-            heard_at: now,
-            ready_at: now,
-            generation: u64::MAX,
-            modulation: None,
-            live: false,
-            frame: None,
-            live_slot: 0,
-            placed: false,
-            enabled: false,
-            ended: None,
-        };
-        session.info = session.introduce()?;
-        session.change_baud(settings.baud())?;
-        let found = Found {
-            baud: settings.baud(),
-            carrier: Some(f64::from(session.info.carrier_millihertz) / 1e3),
-            slots: usize::from(session.motion_slots()),
-            phase_bits: Some(session.info.phase_bits),
-        };
-        session.ready_at = Instant::now();
-        shared.tell(Event::Ready(found));
-        Ok(session)
-    }
-
-    /// Asks what is there until it answers; a device that was left at another bit rate comes back to the usual one after 0.8 s.
-    fn introduce(&mut self) -> Result<Info, LinkError> {
-        let until = Instant::now() + SILENT;
-        let mut heard = false;
-        while Instant::now() < until && !self.shared.wanted().closing {
-            self.board.port.write(&[0])?;
-            let reply = self.ask(&Packet::info(), &mut heard)?;
-            if let Some(Reply { body: Body::Info(info), .. }) = reply {
-                return self.expected(info);
-            }
-        }
-        Err(if heard {
-            LinkError::OtherBoard(self.name.clone())
-        } else {
-            LinkError::NoAnswer(self.name.clone())
-        })
-    }
-
-    fn expected(&self, info: Info) -> Result<Info, LinkError> {
-        if info.protocol != VERSION {
-            return Err(LinkError::OtherVersion { theirs: info.protocol, ours: VERSION });
-        }
-        let (board, expected) = (usize::from(info.channels), Profile::Native.elements());
-        if board != expected {
-            return Err(LinkError::OtherCount { board, expected });
-        }
-        Ok(info)
-    }
-
-    /// The answer to one packet, if there is one in time.
-    fn ask(&mut self, packet: &Packet, heard: &mut bool) -> Result<Option<Reply>, LinkError> {
-        self.seq = self.seq.wrapping_add(1);
-        self.board.port.write(&packet.clone().numbered(self.seq).to_line())?;
-        let until = Instant::now() + self.board.port.backlog() + ANSWER;
-        while Instant::now() < until {
-            let bytes = self.board.port.read(Duration::from_millis(5))?;
-            *heard |= !bytes.is_empty();
-            for part in bytes.into_iter().filter_map(|byte| self.splitter.push(byte)) {
-                let reply = Reply::of_line(&part).ok();
-                if let Some(reply) =
-                    reply.filter(|reply| reply.code == packet.code + REPLY && reply.seq == self.seq)
-                {
-                    self.heard_at = Instant::now();
-                    return Ok(Some(reply));
-                }
-            }
-        }
-        Ok(None)
-    }
-
-    fn change_baud(&mut self, baud: u32) -> Result<(), LinkError> {
-        if baud == self.board.port.baud() {
-            return Ok(());
-        }
-        let largest = 100_000 * u32::from(self.info.largest_baud);
-        if baud > largest {
-            return Err(LinkError::TooFast { asked: baud, largest });
-        }
-        let carrier = f64::from(self.info.carrier_millihertz) / 1e3;
-        let clock = f64::from(model::clocks(self.info.phase_bits)) * carrier;
-        let increment = (f64::from(baud) / clock * 65_536.0).round() as u16;
-        let mut heard = false;
-        let agreed = self.ask(&Packet::baud(increment), &mut heard)?;
-        if agreed.is_none_or(|reply| reply.outcome != Outcome::Ok) {
-            return Err(LinkError::Refused(Kind::Baud.name()));
-        }
-        self.board.port.set_baud(baud)?;
-        for _ in 0..3 {
-            if self.ask(&Packet::status(), &mut heard)?.is_some() {
-                return Ok(());
-            }
-        }
-        Err(LinkError::Silent(self.name.clone()))
-    }
-
+impl Session<'_> {
     fn motion_slots(&self) -> u8 {
         self.info.slots.min(256).saturating_sub(u16::from(LIVE)).to_le_bytes()[0]
     }
@@ -380,7 +255,7 @@ impl<'a> Session<'a> {
             }
         }
         let now = Instant::now();
-        while self.on_the_way.front().is_some_and(|sent| now > sent.gone + ANSWER) {
+        while self.on_the_way.front().is_some_and(|sent| now > sent.gone + self.patience) {
             self.lose_first()?;
         }
         if self.heard_at.elapsed() > SILENT {
@@ -397,7 +272,11 @@ impl<'a> Session<'a> {
             return self.lose_first();
         }
         let is_it = |sent: &Sent| sent.seq == reply.seq && sent.code.wrapping_add(REPLY) == reply.code;
-        let Some(place) = self.on_the_way.iter().position(is_it) else { return Ok(()) };
+        let Some(place) = self.on_the_way.iter().position(is_it) else {
+            // It was given up too soon.
+            self.patience = (2 * self.patience).min(SILENT / 2);
+            return Ok(());
+        };
         for _ in 0..place {
             self.lose_first()?;
         }
