@@ -7,8 +7,8 @@ module device #(
     parameter PHASE_BITS = 7,                           // 5 to 8
     parameter SLOT_BITS = 6,                            // up to 8
     parameter [31:0] CARRIER_MHZ = 32'd40000000,        // millihertz, clock / clocks per period
-    parameter [15:0] FIRST_INCREMENT = PHASE_BITS == 8 ? 16'd1600 : 16'd3200,   // 65536 * 2 000 000 / clock
-    parameter [7:0] LARGEST_BAUD = PHASE_BITS == 8 ? 8'd204 : 8'd102            // clock / 4 / 100 000
+    parameter [15:0] FIRST_INCREMENT = PHASE_BITS == 8 ? 16'd1600 : 16'd3200, // 65536 * 2 000 000 / clock
+    parameter [7:0] LARGEST_BAUD = 8'd30                 // in 100 000 baud
 ) (
     input  wire        clk,
     input  wire        reset,

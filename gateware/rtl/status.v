@@ -6,7 +6,7 @@ module status #(
     parameter PHASE_BITS = 7,
     parameter SLOT_BITS = 6,
     parameter [31:0] CARRIER_MHZ = 32'd40000000,
-    parameter [7:0] LARGEST_BAUD = 8'd102       // in 100 000 baud
+    parameter [7:0] LARGEST_BAUD = 8'd30       // in 100 000 baud
 ) (
     input  wire                 clk,
     input  wire                 reset,
