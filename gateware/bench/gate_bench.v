@@ -116,6 +116,7 @@ module gate_bench;
         good(`TYPE_SILENCER, 32'hFFFF0001, 0, SILENCER);
         good(`TYPE_PLAY, 32'hABCD3F02, 3, PLAY);
         `CHECK("the play", {play_first, play_last, play_divider, play_loops, play_later}, {6'd2, 6'd63, 16'hABCD, 16'h1234, 1'b1})
+        good(`TYPE_PLAY, 32'h00013F3F, 3, PLAY);
         good(`TYPE_PHASES, 32'h0000C805, 256, 0);
         wrote(256, 256, 0, 0, 0, 0);
         good(`TYPE_PHASES, 32'h0001C805, 256, PLAY);

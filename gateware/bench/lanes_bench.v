@@ -25,12 +25,13 @@ module lanes_case #(parameter PHASE_BITS = 7, parameter PERIOD_BITS = 10) (input
     // 74x595: bit 8 i + q is Qq of register i. They latch at the start of a clock and shift in its middle.
     reg  [255:0] shifted, outputs;
     reg          latch_before = 1;
-    integer i, n, level = 0, periods = 0;
+    integer i, n, level = 0, periods = 0, levels_checked = 0;
     reg [PHASE_BITS-1:0] since;
     always @(negedge clk) begin
         if (latch && !latch_before) begin
             outputs = shifted;
             level = sync ? 0 : level + 1;
+            if (periods > 2) levels_checked = levels_checked + 1;
             if (periods > 2) for (i = 0; i < 256; i = i + 1) begin
                 since = level - playing_rise[i];
                 `CHECK("an output", outputs[i], since < playing_width[i])
@@ -65,6 +66,7 @@ module lanes_case #(parameter PHASE_BITS = 7, parameter PERIOD_BITS = 10) (input
                 write = 0;
             end
         end
+        `CHECK("the levels that were checked", levels_checked, 3 * LEVELS)
         finished = errors == 0;
     end
 endmodule
