@@ -16,6 +16,7 @@ const LAYERS: &[(&str, &[&str])] = &[
     ("field", &["bytemuck", "glam", "num_complex", "rayon", "thiserror"]),
     ("field::gpu", &["bytemuck", "glam", "naga", "num_complex", "pollster", "thiserror", "wgpu"]),
     ("picture", &["colorous", "gif", "glam", "image", "npyz", "num_complex", "plotters", "png", "thiserror"]),
+    ("device", &["cobs", "crc"]),
     ("ui", &["egui", "egui_plot", "glam", "num_complex"]),
     (
         "cli",
