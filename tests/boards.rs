@@ -5,7 +5,7 @@
 
 use std::io::{BufRead, BufReader};
 use std::path::{Path, PathBuf};
-use std::process::{Command, Output, Stdio};
+use std::process::{Child, Command, Output, Stdio};
 use std::sync::mpsc::{Receiver, sync_channel};
 use std::time::{Duration, Instant};
 
@@ -30,6 +30,24 @@ impl Folder {
         let path = self.0.path().join(name);
         std::fs::write(&path, text).unwrap();
         path
+    }
+}
+
+/// A program that does not outlive its test.
+struct Running(Child);
+
+impl Running {
+    fn signal(&self, signal: &str) {
+        let sent = Command::new("kill").args([signal, &self.0.id().to_string()]).status().unwrap();
+        assert!(sent.success());
+    }
+}
+
+impl Drop for Running {
+    fn drop(&mut self) {
+        // It may have ended, and then there is nothing to kill.
+        let _ = self.0.kill();
+        let _ = self.0.wait();
     }
 }
 
@@ -94,13 +112,15 @@ fn an_interrupted_sender_leaves_silence() {
     let folder = Folder::new();
     let scene = folder.write("point.toml", POINT);
     for profile in [Profile::Native, Profile::SonicSurface] {
-        let (board, _shown) = board(Setup::new(profile));
+        let (board, shown) = board(Setup::new(profile));
         let mut sender = sonoglyph();
         sender.arg("send").arg(&scene).arg("--port").arg(board.path());
-        let mut sender = sender.args(["--profile", profile.name(), "--loop"]).spawn().unwrap();
-        eventually("sound", || !is_silent(&board) && board.report().frames > 1);
-        let killed = Command::new("kill").args(["-INT", &sender.id().to_string()]).status().unwrap();
-        assert!(killed.success() && sender.wait().unwrap().success());
+        let mut sender = Running(sender.args(["--profile", profile.name(), "--loop"]).spawn().unwrap());
+        let wanted = levels(&read(&scene), profile);
+        while shown.recv_timeout(PATIENCE).unwrap().levels != wanted {}
+        eventually("sound", || !is_silent(&board));
+        sender.signal("-INT");
+        assert!(sender.0.wait().unwrap().success());
         eventually("silence", || is_silent(&board));
     }
 }
@@ -168,16 +188,19 @@ fn a_virtual_board_says_where_it_is_and_what_it_plays() {
     let picture = folder.0.path().join("field.png");
     let mut board = sonoglyph();
     board.args(["board", "--profile", "sonicsurface", "--scene"]).arg(&scene).arg("-o").arg(&picture);
-    let mut board = board.stdout(Stdio::piped()).spawn().unwrap();
-    let mut lines = BufReader::new(board.stdout.take().unwrap()).lines().map(Result::unwrap);
+    let mut board = Running(board.stdout(Stdio::piped()).spawn().unwrap());
+    let mut lines = BufReader::new(board.0.stdout.take().unwrap()).lines().map(Result::unwrap);
     let port = PathBuf::from(lines.next().unwrap());
     let output = send(&scene, &port, Profile::SonicSurface, &["--seconds", "2.5"]);
     assert!(output.status.success(), "{}", said(&output.stderr));
-    let killed = Command::new("kill").args(["-TERM", &board.id().to_string()]).status().unwrap();
-    assert!(killed.success() && board.wait().unwrap().success());
+    board.signal("-TERM");
+    assert!(board.0.wait().unwrap().success());
     let lines: Vec<_> = lines.collect();
-    // The focus stands where the scene has it.
-    assert!(lines.iter().any(|line| line.contains("at (10.") && line.contains(", 20.")), "{lines:?}");
+    // The focus stands where the scene has it, to a pixel.
+    let place = lines.iter().find_map(|line| line.split_once("at (")).unwrap().1;
+    let coordinates: Vec<f64> =
+        place.trim_end_matches(") mm").split(", ").map(|coordinate| coordinate.parse().unwrap()).collect();
+    assert!((coordinates[0] - 10.0).abs() < 1.0 && (coordinates[1] - 20.0).abs() < 1.0, "{lines:?}");
     assert!(lines.last().unwrap().contains("0 spoiled"), "{lines:?}");
     assert!(std::fs::read(&picture).unwrap().starts_with(b"\x89PNG"));
     assert!(!port.exists(), "the port goes with the board");

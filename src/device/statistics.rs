@@ -27,7 +27,7 @@ impl Rate {
     /// Amount per second in the last second.
     pub fn per_second(&mut self, now: Instant) -> f64 {
         self.forget(now);
-        self.happened.iter().map(|(_, amount)| *amount as f64).sum::<f64>() / SPAN.as_secs_f64()
+        self.happened.iter().map(|(_, amount)| amount).sum::<u64>() as f64 / SPAN.as_secs_f64()
     }
 }
 

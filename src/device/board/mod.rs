@@ -107,6 +107,7 @@ impl Board {
         *locked(&hand.faults) = setup.faults;
         let report = Arc::new(Mutex::new(Report::default()));
         let line = Line::new(&path, setup, watch, Arc::clone(&hand), Arc::clone(&report))?;
+        locked(&report).playing = Some(line.playing());
         let thread = thread::Builder::new().name("board".to_owned()).spawn(|| line.run())?;
         Ok(Self { path, hand, report, thread: Some(thread) })
     }
