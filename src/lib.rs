@@ -6,6 +6,7 @@ pub mod acoustics;
 #[cfg(feature = "window")]
 pub mod app;
 pub mod cli;
+pub mod device;
 pub mod drive;
 pub mod field;
 #[cfg(feature = "window")]

@@ -20,6 +20,7 @@ const LAYERS: &[(&str, &[&str])] = &[
         &["colorous", "gif", "glam", "image", "npyz", "num_complex", "plotters", "png", "rayon", "thiserror"],
     ),
     ("import", &["glam", "image", "thiserror", "usvg"]),
+    ("device", &["cobs", "crc", "csv", "rustix", "serde", "serial2", "thiserror"]),
     ("ui", &["egui", "egui_plot", "glam", "num_complex"]),
     (
         "cli",
@@ -34,6 +35,7 @@ const LAYERS: &[(&str, &[&str])] = &[
             "num_complex",
             "rayon",
             "serde_json",
+            "signal_hook",
             "tempfile",
         ],
     ),

@@ -448,9 +448,12 @@ fn batch_answers_every_line_as_solve_does() {
 fn help_shows_every_command_with_an_example() {
     let folder = folder_with(&[]);
     let help = succeed(folder.path(), &["--help"]);
-    for command in ["render", "solve", "probe", "devices", "bench", "batch"] {
+    for command in ["render", "solve", "probe", "batch", "devices", "bench", "ports", "send", "board"] {
         assert!(help.contains(command), "{help}");
         let own = succeed(folder.path(), &[command, "--help"]);
-        assert!(command == "devices" || own.contains(&format!("sonoglyph {command} ")), "{own}");
+        assert!(
+            ["devices", "ports"].contains(&command) || own.contains(&format!("sonoglyph {command} ")),
+            "{own}"
+        );
     }
 }

@@ -5,6 +5,11 @@ mod errand;
 mod examples;
 mod files;
 mod later;
+#[cfg(feature = "serial")]
+mod link;
+#[cfg(not(feature = "serial"))]
+#[path = "no_link.rs"]
+mod link;
 mod mapping;
 mod recovery;
 mod settings;
@@ -23,6 +28,7 @@ use crate::ui::{self, Command, Dialog, Editor, Notice, Shown, canvas, theme};
 use errand::Errand;
 use examples::EXAMPLES;
 use files::{Film, Outcome};
+use link::Board;
 use recovery::Recovery;
 use settings::{Memory, Settings};
 use workshop::Workshop;
@@ -103,6 +109,7 @@ pub struct Window {
     editor: Editor,
     shown: Shown,
     workshop: Workshop,
+    board: Board,
     /// The window may close without another question.
     may_close: bool,
     title: String,
@@ -119,12 +126,14 @@ impl Window {
         let shown = Shown {
             examples: EXAMPLES.iter().map(|(name, _)| (*name).to_owned()).collect(),
             evaluator: workshop.mapping.evaluator(),
+            board: Board::shown(),
             ..Shown::default()
         };
         Self {
             editor: Editor::new(document),
             shown,
             workshop,
+            board: Board::default(),
             may_close: false,
             title: String::new(),
             recovery: None,
@@ -222,6 +231,10 @@ impl Window {
             Command::Export(export, path) => self.export(export, &path, ctx),
             Command::CallOff => self.filming.iter().for_each(|film| film.progress.call_off()),
             Command::Browse(purpose) => self.browse(purpose, ctx),
+            Command::Board(command) => {
+                let Self { board, editor, shown, .. } = self;
+                board.execute(&command, editor, shown, ctx);
+            }
             Command::CompareMethods => self.workshop.compare_methods(self.editor.scene()),
             Command::Recover(scene) => {
                 let mut document = Document::new(*scene, "recovered");
@@ -309,10 +322,11 @@ impl Window {
     fn frame(&mut self, ui: &mut egui::Ui) {
         let ctx = ui.ctx().clone();
         let before = self.editor.seen();
-        let Self { editor, shown, workshop, .. } = self;
+        let Self { editor, shown, workshop, board, .. } = self;
         let mut commands = ui::show(editor, shown, ui, |editor, shown, ui| {
             let canvas = canvas::interact(editor, ui);
             workshop.update(editor, shown, &canvas.lens, ui.ctx());
+            board.update(editor, shown, ui.ctx());
             canvas::paint(editor, shown, ui, &canvas);
         });
         self.hear_outside(&ctx, &mut commands);

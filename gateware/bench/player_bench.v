@@ -1,0 +1,98 @@
+// player: slots for so many periods each, loops, what waits, and which slots are busy.
+`include "check.vh"
+module player_bench;
+    `include "bench.vh"
+    reg         reset = 1, boundary = 0, play = 0, later = 0, stop = 0;
+    reg  [5:0]  first = 0, last = 0, query = 0;
+    reg  [15:0] divider = 0, loops = 0;
+    wire        busy, several, waiting;
+    wire [5:0]  slot;
+    player player (
+        .clk(clk), .reset(reset), .boundary(boundary), .play(play), .play_first(first), .play_last(last),
+        .play_divider(divider), .play_loops(loops), .play_later(later), .stop(stop),
+        .query(query), .busy(busy), .slot(slot), .several(several), .waiting(waiting)
+    );
+
+    task period(input [5:0] expected);
+        begin
+            boundary = 1;
+            @(negedge clk) boundary = 0;
+            @(negedge clk) `CHECK("the slot", slot, expected)
+        end
+    endtask
+    task ask(input [5:0] from, input [5:0] to, input [15:0] each, input [15:0] times, input at_end);
+        begin
+            {first, last, divider, loops, later} = {from, to, each, times, at_end};
+            play = 1;
+            @(negedge clk) play = 0;
+            `CHECK("waiting", waiting, 1'b1)
+        end
+    endtask
+    // The slots from `from` to `to` alone, of all, are busy besides the one that is played.
+    task busy_in(input integer from, input integer to);
+        integer i;
+        for (i = 0; i < 64; i = i + 1) begin
+            query = i;
+            #1 `CHECK("busy", busy, (i >= from && i <= to) || i == slot)
+        end
+    endtask
+
+    integer i;
+    initial begin
+        repeat (2) @(negedge clk);
+        reset = 0;
+        period(0);
+        busy_in(0, 0);
+        // Twice over 3, 4, 5 with two periods each; then it stays.
+        ask(3, 5, 2, 2, 0);
+        busy_in(3, 5);
+        repeat (2) begin
+            for (i = 3; i <= 5; i = i + 1) begin
+                period(i);
+                `CHECK("several", several, 1'b1)
+                period(i);
+            end
+        end
+        period(5);
+        `CHECK("several at the end", several, 1'b0)
+        busy_in(5, 5);
+        // For ever; what comes later waits for the end of the loop, and a newer one replaces it.
+        ask(8, 9, 1, 0, 1);
+        period(8);
+        period(9);
+        period(8);
+        ask(20, 20, 1, 0, 1);
+        ask(30, 31, 3, 1, 1);
+        `CHECK("busy beyond what waits", busy, 1'b0)
+        query = 31;
+        #1 `CHECK("busy because it waits", busy, 1'b1)
+        period(9);
+        period(30);
+        `CHECK("waiting still", waiting, 1'b0)
+        period(30);
+        // At once, in the middle of a slot.
+        ask(40, 40, 1, 0, 0);
+        period(40);
+        `CHECK("several of one", several, 1'b0)
+        period(40);
+        // STOP forgets what waits and stays.
+        ask(50, 55, 7, 0, 1);
+        stop = 1;
+        @(negedge clk) stop = 0;
+        `CHECK("waiting after STOP", waiting, 1'b0)
+        repeat (20) period(40);
+        busy_in(40, 40);
+        // The longest slot.
+        ask(1, 2, 16'hFFFF, 1, 0);
+        repeat (65535) period(1);
+        repeat (65535) period(2);
+        repeat (3) period(2);
+        // The last slot of the store, and back.
+        ask(62, 63, 1, 0, 0);
+        repeat (3) begin
+            period(62);
+            period(63);
+        end
+        `END
+    end
+endmodule

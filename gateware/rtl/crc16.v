@@ -1,0 +1,16 @@
+// One byte's step of CRC-16 GENIBUS: polynomial 0x1021, start 0xFFFF, highest bit first. Whoever sends it turns all bits over, so
+// that over body and CRC the register ends at 0x1D0F.
+`default_nettype none
+
+module crc16 (
+    input  wire [15:0] before,
+    input  wire [7:0]  data,
+    output wire [15:0] after
+);
+    // The polynomial's terms come at distances of 4 to 8 bits, which lets the eight steps be written at once.
+    wire [7:0] mixed = before[15:8] ^ data;
+    wire [7:0] folded = {mixed[7:4], mixed[3:0] ^ mixed[7:4]};
+    assign after = {before[7:0], 8'h00} ^ {folded[3:0], 12'h000} ^ {3'b000, folded, 5'b00000} ^ {8'h00, folded};
+endmodule
+
+`default_nettype wire

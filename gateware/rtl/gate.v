@@ -1,0 +1,177 @@
+// Lets at most one packet per period take effect, between the end of the sweep and the next boundary: checks it, then writes what it
+// carries into the memories, or tells the module that it is for, and has it answered.
+`include "packets.vh"
+`default_nettype none
+
+module gate #(
+    parameter SLOT_BITS = 6
+) (
+    input  wire                 clk,
+    input  wire                 reset,
+    input  wire                 open,           // for one clock per period
+
+    input  wire                 ready,          // a packet waits
+    input  wire [7:0]           packet_type,
+    input  wire [31:0]          arguments,
+    input  wire [9:0]           length,
+    output wire [8:0]           read_address,   // in its payload
+    input  wire [7:0]           read_data,      // a clock later
+    output wire                 done,           // with the packet
+
+    input  wire                 emergency,
+    input  wire                 slot_busy,      // the slot of the first argument
+    output wire                 at_work,
+    output wire                 passed,         // for one clock: a packet counts
+    output reg  [7:0]           result,
+    output wire                 answer,         // until `answered`
+    input  wire                 answered,
+
+    // Who is told for one clock; the arguments say what.
+    output wire                 enable,
+    output wire                 mute,
+    output wire                 baud,
+    output wire                 stop,
+    output wire                 rate,
+    output wire                 silencer,
+    output wire                 play,
+    output wire [SLOT_BITS-1:0] play_first,
+    output wire [SLOT_BITS-1:0] play_last,
+    output wire [15:0]          play_divider,
+    output wire [15:0]          play_loops,
+    output wire                 play_later,
+
+    // Who is written.
+    output wire                 write_phase,
+    output wire                 write_amplitude,
+    output wire                 write_envelope,
+    output wire                 write_width,
+    output wire                 write_offset,
+    output wire                 write_gain,
+    output wire [7:0]           write_address,
+    output wire [7:0]           write_data,
+    output wire [7:0]           amplitude_written
+);
+    localparam [2:0] IDLE = 0, FETCH = 1, CHECK = 2, COPY = 3, COMMIT = 4, ANSWER = 5;
+    reg [2:0]  state;
+    reg [9:0]  index;       // of the byte asked for; `read_data` is the one before it
+    reg [15:0] loops;
+    reg [7:0]  later;
+
+    // What the packet is.
+    wire is_enable   = packet_type == `TYPE_ENABLE;
+    wire is_baud     = packet_type == `TYPE_BAUD;
+    wire is_phases   = packet_type == `TYPE_PHASES;
+    wire is_frame    = packet_type == `TYPE_FRAME;
+    wire is_play     = packet_type == `TYPE_PLAY;
+    wire is_silencer = packet_type == `TYPE_SILENCER;
+    wire pairs       = is_frame || packet_type == `TYPE_CALIBRATION;
+
+    reg        known;
+    reg [9:0]  right_length;
+    always @* begin
+        known = 1'b1;
+        case (packet_type)
+            `TYPE_INFO:        right_length = `PAYLOAD_INFO;
+            `TYPE_STATUS:      right_length = `PAYLOAD_STATUS;
+            `TYPE_ENABLE:      right_length = `PAYLOAD_ENABLE;
+            `TYPE_MUTE:        right_length = `PAYLOAD_MUTE;
+            `TYPE_BAUD:        right_length = `PAYLOAD_BAUD;
+            `TYPE_PHASES:      right_length = `PAYLOAD_PHASES;
+            `TYPE_FRAME:       right_length = `PAYLOAD_FRAME;
+            `TYPE_PLAY:        right_length = `PAYLOAD_PLAY;
+            `TYPE_STOP:        right_length = `PAYLOAD_STOP;
+            `TYPE_ENVELOPE:    right_length = `PAYLOAD_ENVELOPE;
+            `TYPE_RATE:        right_length = `PAYLOAD_RATE;
+            `TYPE_SILENCER:    right_length = `PAYLOAD_SILENCER;
+            `TYPE_WIDTHS:      right_length = `PAYLOAD_WIDTHS;
+            `TYPE_CALIBRATION: right_length = `PAYLOAD_CALIBRATION;
+            default: begin
+                known = 1'b0;
+                right_length = 10'd0;
+            end
+        endcase
+    end
+
+    // What is wrong with it.
+    wire [7:0]  a0 = arguments[7:0];
+    wire [7:0]  a1 = arguments[15:8];
+    wire [15:0] low = arguments[15:0];
+    wire [15:0] high = arguments[31:16];
+    wire no_slot_0 = a0[7:SLOT_BITS] != 0;
+    wire no_slot_1 = a1[7:SLOT_BITS] != 0;
+    wire wrong_argument = (is_enable && low == 16'd0 && arguments[23:16] != `CONFIRM)
+        || (is_baud && (low < `SLOWEST_INCREMENT || low > `FASTEST_INCREMENT))
+        || ((is_phases || is_frame) && no_slot_0)
+        || (is_play && (no_slot_0 || no_slot_1 || a1 < a0 || high == 16'd0 || later > 8'd1))
+        || (is_silencer && (low == 16'd0 || high == 16'd0));
+    wire [7:0] verdict = !known ? `RESULT_UNKNOWN
+        : length != right_length ? `RESULT_LENGTH
+        : wrong_argument ? `RESULT_ARGUMENT
+        : is_enable && emergency ? `RESULT_STATE
+        : (is_phases || is_frame) && slot_busy ? `RESULT_BUSY
+        : `RESULT_OK;
+    wire carries = length != 10'd0 && !is_play;
+
+    always @(posedge clk) begin
+        index <= index + 10'd1;
+        case (state)
+            IDLE: begin
+                index <= 10'd0;
+                if (open && ready) state <= FETCH;
+            end
+            FETCH: begin
+                if (index == 10'd1) loops[7:0] <= read_data;
+                if (index == 10'd2) loops[15:8] <= read_data;
+                if (index == 10'd3) begin
+                    later <= read_data;
+                    state <= CHECK;
+                end
+            end
+            CHECK: begin
+                index <= 10'd0;
+                result <= verdict;
+                state <= verdict != `RESULT_OK ? ANSWER : carries ? COPY : COMMIT;
+            end
+            COPY: if (index == length) state <= COMMIT;
+            COMMIT: state <= ANSWER;
+            default: if (answered) state <= IDLE;
+        endcase
+
+        if (reset) state <= IDLE;
+    end
+
+    assign read_address = index[8:0];
+    assign at_work = state != IDLE;
+    assign passed = state == CHECK;
+    assign answer = state == ANSWER;
+    assign done = answer && answered;
+
+    wire commit = state == COMMIT;
+    assign enable   = commit && is_enable;
+    assign mute     = commit && packet_type == `TYPE_MUTE;
+    assign baud     = commit && is_baud;
+    assign stop     = commit && packet_type == `TYPE_STOP;
+    assign rate     = commit && packet_type == `TYPE_RATE;
+    assign silencer = commit && is_silencer;
+    assign play     = commit && (is_play || ((is_phases || is_frame) && arguments[16]));
+    assign play_first   = a0[SLOT_BITS-1:0];
+    assign play_last    = is_play ? a1[SLOT_BITS-1:0] : a0[SLOT_BITS-1:0];
+    assign play_divider = is_play ? high : 16'd1;
+    assign play_loops   = is_play ? loops : 16'd0;
+    assign play_later   = is_play && later[0];
+
+    // Of pairs, the even bytes are phases and offsets, the odd ones amplitudes and gains.
+    wire       write = state == COPY && index != 10'd0;
+    wire [8:0] place = read_address - 9'd1;
+    assign write_phase     = write && (is_phases || (is_frame && !place[0]));
+    assign write_amplitude = write && (is_phases || (is_frame && place[0]));
+    assign write_envelope  = write && packet_type == `TYPE_ENVELOPE;
+    assign write_width     = write && packet_type == `TYPE_WIDTHS;
+    assign write_offset    = write && packet_type == `TYPE_CALIBRATION && !place[0];
+    assign write_gain      = write && packet_type == `TYPE_CALIBRATION && place[0];
+    assign write_address   = pairs ? place[8:1] : place[7:0];
+    assign write_data      = read_data;
+    assign amplitude_written = is_phases ? a1 : read_data;
+endmodule
+
+`default_nettype wire

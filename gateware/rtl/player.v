@@ -1,0 +1,83 @@
+// Which slot is played: one, or a range of them in a loop, from a timer of its own that counts periods. What is asked for waits
+// for the next boundary, or for the end of the loop that runs.
+`default_nettype none
+
+module player #(
+    parameter SLOT_BITS = 6
+) (
+    input  wire                 clk,
+    input  wire                 reset,
+    input  wire                 boundary,
+    input  wire                 play,
+    input  wire [SLOT_BITS-1:0] play_first,
+    input  wire [SLOT_BITS-1:0] play_last,
+    input  wire [15:0]          play_divider,   // periods per slot
+    input  wire [15:0]          play_loops,     // 0: for ever
+    input  wire                 play_later,     // at the end of the loop that runs
+    input  wire                 stop,
+    input  wire [SLOT_BITS-1:0] query,
+    output wire                 busy,           // the slot asked for is not to be written
+    output reg  [SLOT_BITS-1:0] slot,
+    output wire                 several,        // a range of more than one slot runs
+    output reg                  waiting
+);
+    reg                 running;
+    reg [SLOT_BITS-1:0] first, last;
+    reg [15:0]          divider, loops, left, wait_left;
+    reg [SLOT_BITS-1:0] next_first, next_last;
+    reg [15:0]          next_divider, next_loops;
+    reg                 next_later;
+
+    localparam [SLOT_BITS-1:0] ONE = 1;
+    wire slot_ends = running && wait_left == 16'd1;
+    wire loop_ends = slot_ends && slot == last;
+    wire take = waiting && (!next_later || !running || loop_ends);
+
+    assign several = running && first != last;
+    assign busy = query == slot
+        || (running && query >= first && query <= last)
+        || (waiting && query >= next_first && query <= next_last);
+
+    always @(posedge clk) begin
+        if (boundary && take) begin
+            running <= 1'b1;
+            waiting <= 1'b0;
+            slot <= next_first;
+            first <= next_first;
+            last <= next_last;
+            divider <= next_divider;
+            wait_left <= next_divider;
+            loops <= next_loops;
+            left <= next_loops;
+        end else if (boundary && running) begin
+            wait_left <= slot_ends ? divider : wait_left - 16'd1;
+            if (slot_ends && !loop_ends) slot <= slot + ONE;
+            if (loop_ends) begin
+                left <= left - 16'd1;
+                if (loops != 16'd0 && left == 16'd1) running <= 1'b0;
+                else slot <= first;
+            end
+        end
+
+        if (stop) begin
+            running <= 1'b0;
+            waiting <= 1'b0;
+        end
+        if (play) begin
+            waiting <= 1'b1;
+            next_first <= play_first;
+            next_last <= play_last;
+            next_divider <= play_divider;
+            next_loops <= play_loops;
+            next_later <= play_later;
+        end
+
+        if (reset) begin
+            running <= 1'b0;
+            waiting <= 1'b0;
+            slot <= {SLOT_BITS{1'b0}};
+        end
+    end
+endmodule
+
+`default_nettype wire

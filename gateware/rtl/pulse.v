@@ -1,0 +1,24 @@
+// Where a pulse rises and how many levels it is wide, from its middle and its width in 1/256 period.
+`include "packets.vh"
+`default_nettype none
+
+module pulse #(
+    parameter PHASE_BITS = 7
+) (
+    input  wire [7:0]            middle,    // a delay of this of 256 parts of a period
+    input  wire [7:0]            width_256,
+    output wire [PHASE_BITS-1:0] rise,
+    output wire [PHASE_BITS-1:0] width
+);
+    localparam [8:0] LEVEL = 1 << (8 - PHASE_BITS);     // in 1/256 period
+
+    wire [8:0] capped = {1'b0, width_256 > `WIDEST ? `WIDEST : width_256};
+    wire [8:0] doubled = {middle, 1'b0} - capped + LEVEL;
+    wire [8:0] rounded = capped + (LEVEL >> 1);
+
+    assign rise = doubled[8:9-PHASE_BITS];
+    assign width = rounded[7:8-PHASE_BITS];
+    wire unused = &{1'b0, doubled, rounded};    // what is rounded away
+endmodule
+
+`default_nettype wire

@@ -1,0 +1,123 @@
+// From bytes to packets: undoes COBS, checks the CRC, and keeps up to four good packets until they are done with. What a packet
+// carries lies in a buffer of its own, so nothing takes effect before the CRC was right.
+`default_nettype none
+
+module receiver (
+    input  wire        clk,
+    input  wire        reset,
+    input  wire        valid,           // a byte has come
+    input  wire [7:0]  data,
+    input  wire        framing,         // something has come that is no byte
+
+    output wire        ready,           // a good packet waits
+    output wire [7:0]  packet_type,
+    output wire [7:0]  packet_seq,
+    output wire [31:0] arguments,       // a0 lowest
+    output wire [9:0]  length,          // of the payload
+    input  wire [8:0]  read_address,    // in its payload
+    output wire [7:0]  read_data,       // a clock later
+    input  wire        done,            // forget this packet
+
+    output reg         good,            // for one clock: a packet was good
+    output reg         spoiled,         // for one clock: a packet was not
+    output reg         spoiled_by_line  // beside it: by a framing error
+);
+    localparam [9:0] HEADER = 10'd6;
+    localparam [9:0] LONGEST = 10'd520;
+    localparam [15:0] RESIDUE = 16'h1D0F;
+
+    // The packet that is coming in.
+    reg [7:0]  left;        // bytes until the next code of COBS
+    reg        whole;       // the block holds 254 bytes: no zero follows it
+    reg        empty;       // nothing has come since the last delimiter
+    reg        bad, bad_line;
+    reg [9:0]  count;       // decoded bytes
+    reg [15:0] crc;
+    reg [47:0] header;
+
+    // The packets that wait.
+    reg [1:0]  first, next;
+    reg [2:0]  waiting;
+    reg [57:0] headers [0:3];
+    wire       room = !waiting[2];
+
+    wire delimiter = valid && data == 8'd0;
+    wire at_code   = left == 8'd0;
+    wire decoded   = valid && !delimiter && (!at_code || (!empty && !whole));
+    wire [7:0] byte_decoded = at_code ? 8'd0 : data;
+    wire in_header = count < HEADER;
+    wire [9:0] place = count - HEADER;
+
+    wire [15:0] crc_after;
+    crc16 check (.before(crc), .data(byte_decoded), .after(crc_after));
+
+    wire ends  = delimiter && !empty;
+    wire right = !bad && at_code && crc == RESIDUE && count >= HEADER + 10'd2;
+    wire accepted = ends && right;
+
+    ram #(.ADDRESS_BITS(11), .WIDTH(8)) payloads (
+        .clk(clk),
+        .write(decoded && room && !in_header && !place[9]),
+        .write_address({next, place[8:0]}),
+        .write_data(byte_decoded),
+        .read_address({first, read_address}),
+        .read_data(read_data)
+    );
+
+    always @(posedge clk) begin
+        if (valid) begin
+            empty <= delimiter;
+            left <= delimiter ? 8'd0 : at_code ? data - 8'd1 : left - 8'd1;
+            if (at_code) whole <= data == 8'hFF;
+        end
+        if (decoded) begin
+            crc <= crc_after;
+            if (count != 10'h3FF) count <= count + 10'd1;
+            if (in_header) header <= {byte_decoded, header[47:8]};
+            if (count >= LONGEST || !room) bad <= 1'b1;
+        end
+        if (framing) begin
+            empty <= 1'b0;
+            bad <= 1'b1;
+            bad_line <= 1'b1;
+        end
+
+        good <= accepted;
+        spoiled <= ends && !right;
+        spoiled_by_line <= ends && bad_line;
+
+        if (reset || delimiter) begin
+            left <= 8'd0;
+            empty <= 1'b1;
+            whole <= 1'b0;
+            bad <= 1'b0;
+            bad_line <= 1'b0;
+            count <= 10'd0;
+            crc <= 16'hFFFF;
+        end
+        if (reset) begin
+            good <= 1'b0;
+            spoiled <= 1'b0;
+        end
+    end
+
+    always @(posedge clk) begin
+        if (accepted) begin
+            headers[next] <= {count - HEADER - 10'd2, header};
+            next <= next + 2'd1;
+        end
+        if (done) first <= first + 2'd1;
+        waiting <= waiting + {2'b00, accepted} - {2'b00, done};
+
+        if (reset) begin
+            first <= 2'd0;
+            next <= 2'd0;
+            waiting <= 3'd0;
+        end
+    end
+
+    assign ready = waiting != 3'd0;
+    assign {length, arguments, packet_seq, packet_type} = headers[first];
+endmodule
+
+`default_nettype wire

@@ -1,0 +1,50 @@
+// Whether anything may sound: on by ENABLE, off by MUTE, by the watchdog and by the emergency stop. The latter two trip, and only
+// ENABLE gets out of that.
+`include "packets.vh"
+`default_nettype none
+
+module safety (
+    input  wire        clk,
+    input  wire        reset,
+    input  wire        count,           // a period more
+    input  wire        boundary,
+    input  wire        emergency,
+    input  wire        good_packet,
+    input  wire        enable,
+    input  wire [15:0] enable_watchdog, // in units of 64 periods, 0: none
+    input  wire        mute,
+    output reg         enabled,
+    output reg         tripped,
+    output wire        forgotten        // at the boundary: no good packet for very long
+);
+    reg [15:0] watchdog;
+    reg [21:0] quiet;       // periods since the last good packet, up to the largest number
+    wire       late = watchdog != 16'd0 && quiet >= {watchdog, 6'd0};
+
+    assign forgotten = boundary && quiet[21:`FALLBACK_BITS] != 0;
+
+    always @(posedge clk) begin
+        if (good_packet) quiet <= 22'd0;
+        else if (count && !(&quiet)) quiet <= quiet + 22'd1;
+
+        if (boundary && (emergency || (enabled && late))) begin
+            enabled <= 1'b0;
+            tripped <= 1'b1;
+        end
+        if (mute) enabled <= 1'b0;
+        if (enable) begin
+            enabled <= 1'b1;
+            tripped <= 1'b0;
+            watchdog <= enable_watchdog;
+        end
+
+        if (reset) begin
+            enabled <= 1'b0;
+            tripped <= 1'b0;
+            watchdog <= 16'd0;
+            quiet <= 22'd0;
+        end
+    end
+endmodule
+
+`default_nettype wire

@@ -1,0 +1,182 @@
+// Sends random packets through the Verilated receiver, a quarter of them damaged on the way: fuzz [PACKETS] [SEED].
+//
+// No packet that is whole may be lost or changed, whatever its neighbours suffer, and of the damaged ones no more may be taken for
+// something else than the 16 bits of a CRC let through.
+#include <algorithm>
+#include <cstdint>
+#include <cstdio>
+#include <cstdlib>
+#include <memory>
+#include <random>
+#include <vector>
+
+#include "Vreceiver.h"
+#include "verilated.h"
+
+namespace {
+
+using Bytes = std::vector<uint8_t>;
+
+uint16_t crc(const Bytes &body) {
+    uint16_t value = 0xFFFF;
+    for (const uint8_t byte : body) {
+        value ^= uint16_t(byte << 8);
+        for (int bit = 0; bit < 8; ++bit) value = uint16_t(value & 0x8000 ? value << 1 ^ 0x1021 : value << 1);
+    }
+    return uint16_t(~value);
+}
+
+// COBS with a delimiter at either end.
+Bytes framed(Bytes body) {
+    const uint16_t check = crc(body);
+    body.push_back(uint8_t(check >> 8));
+    body.push_back(uint8_t(check));
+    Bytes line{0};
+    size_t code = line.size();
+    line.push_back(1);
+    for (size_t i = 0; i < body.size(); ++i) {
+        if (body[i] != 0) {
+            line.push_back(body[i]);
+            ++line[code];
+        }
+        if (body[i] == 0 || (line[code] == 0xFF && i + 1 < body.size())) {
+            code = line.size();
+            line.push_back(1);
+        }
+    }
+    line.push_back(0);
+    return line;
+}
+
+class Dice {
+public:
+    explicit Dice(uint64_t seed) : engine(seed) {}
+    // From 0 to limit - 1.
+    unsigned below(unsigned limit) { return unsigned(engine() % limit); }
+    uint8_t byte() { return uint8_t(engine() >> 40); }
+
+    // A packet as it is before its CRC. Zeros are what COBS is about, so there are many of them in some.
+    Bytes body() {
+        const unsigned kind = below(32);
+        const unsigned payload = kind == 0 ? 512 : kind < 3 ? 256 : kind < 8 ? below(64) : below(12);
+        const unsigned zeros = below(4) == 0 ? 3 : 64;
+        Bytes body(6 + payload);
+        for (auto &one : body) one = below(zeros) == 0 ? uint8_t(0) : byte();
+        return body;
+    }
+
+    // What is left of a line; the delimiter in front belongs to the packet before, and stays.
+    void damage(Bytes &line) {
+        const auto at = line.begin() + 1 + below(unsigned(line.size()) - 1);
+        switch (below(5)) {
+            case 0: line.erase(at); break;
+            case 1: *at ^= uint8_t(1 << below(8)); break;
+            case 2: line.insert(at, byte()); break;
+            case 3: {
+                const auto end = std::min(at + 1 + below(24), line.end());
+                std::generate(at, end, [&] { return byte(); });
+                break;
+            }
+            default: line.erase(at, std::min(at + 1 + below(24), line.end()));
+        }
+    }
+
+private:
+    std::mt19937_64 engine;
+};
+
+class Receiver {
+public:
+    Receiver() {
+        receiver->reset = 1;
+        clock();
+        receiver->reset = 0;
+        clock();
+    }
+
+    void put(uint8_t byte) {
+        receiver->valid = 1;
+        receiver->data = byte;
+        clock();
+        receiver->valid = 0;
+    }
+    void no_byte() {
+        receiver->framing = 1;
+        clock();
+        receiver->framing = 0;
+    }
+
+    // Takes the packets that wait, as they were before their CRC.
+    std::vector<Bytes> take() {
+        clock();
+        std::vector<Bytes> packets;
+        while (receiver->ready) {
+            Bytes body{receiver->packet_type, receiver->packet_seq};
+            for (int i = 0; i < 4; ++i) body.push_back(uint8_t(receiver->arguments >> (8 * i)));
+            for (unsigned i = 0; i < receiver->length; ++i) {
+                receiver->read_address = uint16_t(i & 0x1FF);
+                clock();
+                body.push_back(receiver->read_data);
+            }
+            receiver->done = 1;
+            clock();
+            receiver->done = 0;
+            packets.push_back(body);
+        }
+        return packets;
+    }
+
+private:
+    void clock() {
+        receiver->clk = 1;
+        receiver->eval();
+        receiver->clk = 0;
+        receiver->eval();
+    }
+
+    std::unique_ptr<Vreceiver> receiver = std::make_unique<Vreceiver>();
+};
+
+}  // namespace
+
+int main(int count, char **arguments) {
+    const long packets = count > 1 ? std::atol(arguments[1]) : 200000;
+    Dice dice(count > 2 ? std::strtoull(arguments[2], nullptr, 10) : 1);
+    Receiver receiver;
+    long whole = 0, damaged = 0, wrong = 0;
+    Bytes before;
+    for (long i = 0; i < packets; ++i) {
+        const Bytes body = dice.body();
+        const Bytes line = framed(body);
+        Bytes sent = line;
+        bool framing = false;
+        if (dice.below(4) == 0) {
+            framing = dice.below(6) == 0;
+            if (!framing) dice.damage(sent);
+        }
+        const size_t lost = framing ? 1 + dice.below(unsigned(sent.size()) - 1) : 0;
+        for (size_t at = 0; at < sent.size(); ++at) {
+            if (framing && at == lost) receiver.no_byte();
+            receiver.put(sent[at]);
+        }
+
+        const auto taken = receiver.take();
+        const bool is_whole = !framing && sent == line;
+        ++(is_whole ? whole : damaged);
+        if (is_whole && (taken.empty() || taken.back() != body)) {
+            std::fprintf(stderr, "packet %ld was whole, and lost or changed\n", i);
+            return 1;
+        }
+        if (framing && !taken.empty() && taken.back() == body) {
+            std::fprintf(stderr, "packet %ld was taken in spite of a framing error\n", i);
+            return 1;
+        }
+        // One that lost its delimiter alone comes with the next one's.
+        for (const Bytes &one : taken) wrong += one != body && one != before;
+        before = body;
+    }
+    const long limit = 8 + 2 * damaged / 65536;
+    std::printf("%ld whole packets, none lost; of %ld damaged ones, %ld taken for something else (at most %ld)\n",
+                whole, damaged, wrong, limit);
+    return wrong <= limit ? 0 : 1;
+}

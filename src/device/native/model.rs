@@ -1,0 +1,423 @@
+//! The native device as a value: what gateware does, period by period, and the answer to every packet.
+//!
+//! The rules, their order and the names of the tables stand in `gateware/doc/protocol.md`. A test drives this and the
+//! Verilog with the same packets and compares all 256 pulses of every period.
+
+use std::f64::consts::PI;
+
+use crate::device::native::packet::{Body, Flags, Info, Kind, Outcome, Packet, REPLY, Reply, Status};
+
+pub const CHANNELS: usize = 256;
+/// Slots of the frame store.
+const SLOTS: u16 = 64;
+const PROTOCOL: u8 = 1;
+const VERSION: u8 = 1;
+/// In 100 000 baud.
+const LARGEST_BAUD: u8 = 30;
+const POWER_UP_BAUD: u32 = 2_000_000;
+/// Periods without a good packet after which the line is back at the bit rate of power-up.
+const RATE_KEPT: u32 = 32_768;
+const CONFIRM: u8 = 0x5A;
+/// A step of the silencer that limits nothing.
+const UNLIMITED: u16 = 0xFFFF;
+/// Steps of amplitude when muted, per period in 1/256 of a unit: a ramp, whatever the silencer is set to.
+const RAMP: u16 = 0x0100;
+
+/// Delay and amplitude of one channel, of 256 each.
+type Pair = [u8; 2];
+
+/// When a channel is high: for `width` levels from level `rise` on, around the end of the period. Silence is (0, 0).
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Pulse {
+    pub rise: u8,
+    pub width: u8,
+}
+
+/// The device: state, gate, boundary and sweep.
+#[derive(Clone, Debug)]
+pub struct Model {
+    phase_bits: u8,
+    carrier_millihertz: u32,
+    // What packets set.
+    store: Vec<[Pair; CHANNELS]>,
+    envelope: [u8; 256],
+    widths: [u8; 256],
+    calibration: [Pair; CHANNELS],
+    phase_step: u16,
+    amplitude_step: u16,
+    watchdog: u16,
+    increment: u16,
+    // What goes on by itself.
+    enabled: bool,
+    tripped: bool,
+    pressed: bool,
+    quiet: u32,
+    player: Player,
+    nco: u32,
+    nco_step: u32,
+    restart: bool,
+    phases: [u16; CHANNELS],
+    amplitudes: [u16; CHANNELS],
+    next: [Pulse; CHANNELS],
+    next_on: bool,
+    played: [Pulse; CHANNELS],
+    outputs_on: bool,
+    // What is only counted.
+    periods: u32,
+    good: u16,
+    spoiled: u16,
+    framing_errors: u8,
+}
+
+/// A PLAY, or the commit of a frame.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+struct Play {
+    first: u8,
+    last: u8,
+    divider: u16,
+    loops: u16,
+    after: bool,
+}
+
+impl Play {
+    fn holds(&self, slot: u8) -> bool {
+        (self.first..=self.last).contains(&slot)
+    }
+}
+
+#[derive(Clone, Copy, Debug, Default)]
+struct Player {
+    slot: u8,
+    wait: u16,
+    left: u16,
+    running: Option<Play>,
+    waiting: Option<Play>,
+}
+
+impl Player {
+    fn step(&mut self) {
+        match (self.running, self.waiting) {
+            (running, Some(play)) if !play.after || running.is_none() => self.take(play),
+            (Some(play), _) => self.go_on(play),
+            (None, _) => {}
+        }
+    }
+
+    fn take(&mut self, play: Play) {
+        *self = Self {
+            slot: play.first,
+            wait: play.divider,
+            left: play.loops,
+            running: Some(play),
+            waiting: None,
+        };
+    }
+
+    fn go_on(&mut self, play: Play) {
+        self.wait -= 1;
+        if self.wait > 0 {
+            return;
+        }
+        self.wait = play.divider;
+        if self.slot < play.last {
+            self.slot += 1;
+        } else if let Some(next) = self.waiting {
+            self.take(next);
+        } else if play.loops == 0 {
+            self.slot = play.first;
+        } else {
+            self.left -= 1;
+            if self.left == 0 {
+                self.running = None;
+            } else {
+                self.slot = play.first;
+            }
+        }
+    }
+
+    /// Whether a slot is played, or may be without a further packet.
+    fn holds(&self, slot: u8) -> bool {
+        let in_range = |play: Option<Play>| play.is_some_and(|play| play.holds(slot));
+        slot == self.slot || in_range(self.running) || in_range(self.waiting)
+    }
+}
+
+impl Model {
+    /// A device with 2^`phase_bits` levels per period (5 to 8), just switched on.
+    ///
+    /// # Panics
+    /// Another number of phase bits.
+    pub fn new(phase_bits: u8) -> Self {
+        assert!((5..=8).contains(&phase_bits), "{phase_bits} phase bits");
+        let mut model = Self {
+            phase_bits,
+            carrier_millihertz: 40_000_000,
+            store: vec![[[0; 2]; CHANNELS]; usize::from(SLOTS)],
+            envelope: [255; 256],
+            widths: default_widths(),
+            calibration: [[0, 255]; CHANNELS],
+            phase_step: 0x0300,
+            amplitude_step: 0x0600,
+            watchdog: 0,
+            increment: 0,
+            enabled: false,
+            tripped: false,
+            pressed: false,
+            quiet: 0,
+            player: Player::default(),
+            nco: 0,
+            nco_step: 0,
+            restart: false,
+            phases: [0; CHANNELS],
+            amplitudes: [0; CHANNELS],
+            next: [Pulse::default(); CHANNELS],
+            next_on: false,
+            played: [Pulse::default(); CHANNELS],
+            outputs_on: false,
+            periods: 0,
+            good: 0,
+            spoiled: 0,
+            framing_errors: 0,
+        };
+        model.increment = model.power_up_increment();
+        model
+    }
+
+    /// The same device on another clock.
+    pub fn with_carrier(mut self, carrier_millihertz: u32) -> Self {
+        self.carrier_millihertz = carrier_millihertz;
+        self
+    }
+
+    pub fn levels(&self) -> u16 {
+        1 << self.phase_bits
+    }
+
+    /// Hz
+    pub fn carrier(&self) -> f64 {
+        f64::from(self.carrier_millihertz) / 1e3
+    }
+
+    /// Bits per second on the line, both ways.
+    pub fn baud(&self) -> f64 {
+        f64::from(self.increment) / 65_536.0 * f64::from(clocks(self.phase_bits)) * self.carrier()
+    }
+
+    fn power_up_increment(&self) -> u16 {
+        let clock = f64::from(clocks(self.phase_bits)) * 40_000.0;
+        (f64::from(POWER_UP_BAUD) / clock * 65_536.0).round() as u16
+    }
+
+    /// The emergency stop: off at once, and tripped from the next period on.
+    pub fn press(&mut self, pressed: bool) {
+        self.pressed = pressed;
+    }
+
+    /// Goes one period on. What is played in it was swept in the period before.
+    pub fn period(&mut self) -> &[Pulse; CHANNELS] {
+        self.played = self.next;
+        self.outputs_on = self.next_on;
+        self.boundary();
+        self.sweep();
+        &self.played
+    }
+
+    /// What the period is that [`Self::period`] went to last.
+    pub fn played(&self) -> &[Pulse; CHANNELS] {
+        &self.played
+    }
+
+    /// Whether the pulses of this period reach the transducers.
+    pub fn outputs_on(&self) -> bool {
+        self.outputs_on && !self.pressed
+    }
+
+    fn boundary(&mut self) {
+        self.periods = self.periods.wrapping_add(1);
+        self.quiet = self.quiet.saturating_add(1);
+        let late = self.watchdog > 0 && self.quiet >= 64 * u32::from(self.watchdog);
+        if (self.enabled && late) || self.pressed {
+            self.enabled = false;
+            self.tripped = true;
+        }
+        if self.quiet >= RATE_KEPT {
+            self.increment = self.power_up_increment();
+        }
+        self.player.step();
+        self.nco = if self.restart { 0 } else { (self.nco + self.nco_step) & 0xFF_FFFF };
+        self.restart = false;
+    }
+
+    fn sweep(&mut self) {
+        let envelope = self.envelope[(self.nco >> 16) as usize];
+        let amplitude_step = if self.enabled { self.amplitude_step } else { self.amplitude_step.max(RAMP) };
+        for n in 0..CHANNELS {
+            let ([phase, amplitude], [offset, gain]) =
+                (self.store[usize::from(self.player.slot)][n], self.calibration[n]);
+            let target = u16::from(phase.wrapping_add(offset)) << 8;
+            let amplitude = if self.enabled { scaled(amplitude, gain) } else { 0 };
+            self.phases[n] = turned(self.phases[n], target, self.phase_step);
+            self.amplitudes[n] = approached(self.amplitudes[n], u16::from(amplitude) << 8, amplitude_step);
+            let [_, high] = self.amplitudes[n].to_le_bytes();
+            let width = self.widths[usize::from(scaled(high, envelope))].min(128);
+            let [_, phase] = self.phases[n].to_le_bytes();
+            self.next[n] = pulse(self.phase_bits, phase, width);
+        }
+        self.next_on = self.enabled || self.amplitudes.iter().any(|&amplitude| amplitude > 0);
+    }
+
+    /// The gate: a packet whose CRC was right takes effect, or changes nothing, and is answered.
+    pub fn apply(&mut self, packet: &Packet) -> Reply {
+        self.good = self.good.wrapping_add(1);
+        self.quiet = 0;
+        let outcome = match Kind::of_code(packet.code) {
+            None => Outcome::Unknown,
+            Some(kind) if packet.payload.len() != kind.payload() => Outcome::Length,
+            Some(kind) => self.effect(kind, packet),
+        };
+        self.reply(packet.code.wrapping_add(REPLY), packet.seq, outcome)
+    }
+
+    /// The answer to bytes that were no packet; `by_uart` if a byte of them had no stop bit.
+    pub fn spoil(&mut self, by_uart: bool) -> Reply {
+        self.spoiled = self.spoiled.wrapping_add(1);
+        self.framing_errors = self.framing_errors.wrapping_add(u8::from(by_uart));
+        self.reply(REPLY, 0, Outcome::Crc)
+    }
+
+    fn reply(&self, code: u8, seq: u8, outcome: Outcome) -> Reply {
+        let body = if code == Kind::Info.code() + REPLY {
+            Body::Info(Info {
+                protocol: PROTOCOL,
+                phase_bits: self.phase_bits,
+                slots: SLOTS,
+                version: VERSION,
+                carrier_millihertz: self.carrier_millihertz,
+                channels: CHANNELS as u16,
+                largest_baud: LARGEST_BAUD,
+            })
+        } else {
+            Body::Status(Status {
+                slot: self.player.slot,
+                framing_errors: self.framing_errors,
+                good: self.good,
+                spoiled: self.spoiled,
+                periods: self.periods,
+            })
+        };
+        Reply { code, seq, outcome, flags: self.flags(), body }
+    }
+
+    fn flags(&self) -> Flags {
+        Flags {
+            enabled: self.enabled,
+            tripped: self.tripped,
+            playing: self.player.running.is_some_and(|play| play.first != play.last),
+            emergency_stop: self.pressed,
+            outputs_on: self.outputs_on(),
+            waiting: self.player.waiting.is_some(),
+        }
+    }
+
+    /// `packet` is of this kind and of its length.
+    fn effect(&mut self, kind: Kind, packet: &Packet) -> Outcome {
+        let [a, b, c, d] = packet.arguments;
+        let (low, high) = (u16::from_le_bytes([a, b]), u16::from_le_bytes([c, d]));
+        match kind {
+            Kind::Info | Kind::Status => {}
+            Kind::Enable if low == 0 && c != CONFIRM => return Outcome::Argument,
+            Kind::Enable if self.pressed => return Outcome::State,
+            Kind::Enable => (self.watchdog, self.enabled, self.tripped) = (low, true, false),
+            Kind::Mute => self.enabled = false,
+            Kind::Baud if !(64..=16_384).contains(&low) => return Outcome::Argument,
+            Kind::Baud => self.increment = low,
+            Kind::Phases => return self.write(packet, |payload, n| [payload[n], b]),
+            Kind::Frame => return self.write(packet, |payload, n| [payload[2 * n], payload[2 * n + 1]]),
+            Kind::Play => return self.play(packet),
+            Kind::Stop => (self.player.running, self.player.waiting) = (None, None),
+            Kind::Envelope => self.envelope.copy_from_slice(&packet.payload),
+            Kind::Rate => {
+                self.nco_step = u32::from_le_bytes([a, b, c, 0]);
+                self.restart |= d & 1 == 1;
+            }
+            Kind::Silencer if low == 0 || high == 0 => return Outcome::Argument,
+            Kind::Silencer => (self.phase_step, self.amplitude_step) = (low, high),
+            Kind::Widths => self.widths.copy_from_slice(&packet.payload),
+            Kind::Calibration => {
+                self.calibration =
+                    std::array::from_fn(|n| [packet.payload[2 * n], packet.payload[2 * n + 1]]);
+            }
+        }
+        Outcome::Ok
+    }
+
+    fn write(&mut self, packet: &Packet, pair: impl Fn(&[u8], usize) -> Pair) -> Outcome {
+        let [slot, _, flags, _] = packet.arguments;
+        if u16::from(slot) >= SLOTS {
+            return Outcome::Argument;
+        }
+        if self.player.holds(slot) {
+            return Outcome::Busy;
+        }
+        self.store[usize::from(slot)] = std::array::from_fn(|n| pair(&packet.payload, n));
+        if flags & 1 == 1 {
+            self.player.waiting = Some(Play { first: slot, last: slot, divider: 1, loops: 0, after: false });
+        }
+        Outcome::Ok
+    }
+
+    fn play(&mut self, packet: &Packet) -> Outcome {
+        let [first, last, low, high] = packet.arguments;
+        let divider = u16::from_le_bytes([low, high]);
+        let &[fewer, more, when] = &packet.payload[..] else { return Outcome::Length };
+        if last < first || u16::from(last) >= SLOTS || divider == 0 || when > 1 {
+            return Outcome::Argument;
+        }
+        let loops = u16::from_le_bytes([fewer, more]);
+        self.player.waiting = Some(Play { first, last, divider, loops, after: when == 1 });
+        Outcome::Ok
+    }
+}
+
+/// Clocks per period.
+pub fn clocks(phase_bits: u8) -> u32 {
+    8 << phase_bits.max(7)
+}
+
+/// Widths in 1/256 period under which a pulse's fundamental is proportional to the amplitude.
+fn default_widths() -> [u8; 256] {
+    std::array::from_fn(|amplitude| (256.0 / PI * (amplitude as f64 / 255.0).asin()).round() as u8)
+}
+
+fn scaled(value: u8, by: u8) -> u8 {
+    let [_, high] = (u16::from(value) * (u16::from(by) + 1)).to_le_bytes();
+    high
+}
+
+/// `phase`, turned towards `target` the short way round by at most `step`.
+fn turned(phase: u16, target: u16, step: u16) -> u16 {
+    let way = target.wrapping_sub(phase) as i16;
+    if way.unsigned_abs() <= step || step == UNLIMITED {
+        target
+    } else if way > 0 {
+        phase.wrapping_add(step)
+    } else {
+        phase.wrapping_sub(step)
+    }
+}
+
+fn approached(value: u16, target: u16, step: u16) -> u16 {
+    if value < target { value + step.min(target - value) } else { value - step.min(value - target) }
+}
+
+/// The pulse around a delay (1/256 period) of a width (1/256 period), in levels.
+fn pulse(phase_bits: u8, phase: u8, width: u8) -> Pulse {
+    let shift = 8 - phase_bits;
+    let half = (1 << shift) >> 1;
+    let levels = (i32::from(width) + half) >> shift;
+    if levels == 0 {
+        return Pulse::default();
+    }
+    let rise = (2 * i32::from(phase) - i32::from(width) + (1 << shift)) >> (shift + 1);
+    Pulse { rise: rise.rem_euclid(1 << phase_bits) as u8, width: levels as u8 }
+}

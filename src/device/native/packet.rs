@@ -1,0 +1,295 @@
+//! The packets of the native protocol: the table, and the way between a packet and the bytes on the line.
+//!
+//! Meaning and order of every field stand in `gateware/doc/protocol.md`; numbers stand in `gateware/rtl/packets.vh` too, and
+//! a test compares the two tables.
+
+use crate::device::native::line;
+
+pub use crate::device::native::line::Splitter;
+pub use crate::device::native::line::Spoiled;
+pub use crate::device::native::reply::Body;
+pub use crate::device::native::reply::Flags;
+pub use crate::device::native::reply::Info;
+pub use crate::device::native::reply::Reply;
+pub use crate::device::native::reply::Status;
+
+/// What is added to a packet's type in its reply.
+pub const REPLY: u8 = 0x80;
+
+/// What a packet asks for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[repr(u8)]
+pub enum Kind {
+    Info = 0x01,
+    Status = 0x02,
+    Enable = 0x03,
+    Mute = 0x04,
+    Baud = 0x05,
+    Phases = 0x10,
+    Frame = 0x11,
+    Play = 0x20,
+    Stop = 0x21,
+    Envelope = 0x30,
+    Rate = 0x31,
+    Silencer = 0x32,
+    Widths = 0x33,
+    Calibration = 0x34,
+}
+
+impl Kind {
+    pub const ALL: [Self; 14] = [
+        Self::Info,
+        Self::Status,
+        Self::Enable,
+        Self::Mute,
+        Self::Baud,
+        Self::Phases,
+        Self::Frame,
+        Self::Play,
+        Self::Stop,
+        Self::Envelope,
+        Self::Rate,
+        Self::Silencer,
+        Self::Widths,
+        Self::Calibration,
+    ];
+
+    pub fn code(self) -> u8 {
+        self as u8
+    }
+
+    pub fn of_code(code: u8) -> Option<Self> {
+        Self::ALL.into_iter().find(|kind| kind.code() == code)
+    }
+
+    /// As `packets.vh` and the protocol's document spell it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Info => "INFO",
+            Self::Status => "STATUS",
+            Self::Enable => "ENABLE",
+            Self::Mute => "MUTE",
+            Self::Baud => "BAUD",
+            Self::Phases => "PHASES",
+            Self::Frame => "FRAME",
+            Self::Play => "PLAY",
+            Self::Stop => "STOP",
+            Self::Envelope => "ENVELOPE",
+            Self::Rate => "RATE",
+            Self::Silencer => "SILENCER",
+            Self::Widths => "WIDTHS",
+            Self::Calibration => "CALIBRATION",
+        }
+    }
+
+    /// Bytes that follow the four arguments.
+    pub fn payload(self) -> usize {
+        match self {
+            Self::Phases | Self::Envelope | Self::Widths => 256,
+            Self::Frame | Self::Calibration => 512,
+            Self::Play => 3,
+            _ => 0,
+        }
+    }
+}
+
+/// What became of a packet.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[repr(u8)]
+pub enum Outcome {
+    Ok = 0,
+    Crc = 1,
+    Length = 2,
+    Busy = 3,
+    Unknown = 4,
+    Argument = 5,
+    State = 6,
+}
+
+impl Outcome {
+    pub const ALL: [Self; 7] =
+        [Self::Ok, Self::Crc, Self::Length, Self::Busy, Self::Unknown, Self::Argument, Self::State];
+
+    pub fn code(self) -> u8 {
+        self as u8
+    }
+
+    /// As `packets.vh` and the protocol's document spell it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Ok => "OK",
+            Self::Crc => "CRC",
+            Self::Length => "LENGTH",
+            Self::Busy => "BUSY",
+            Self::Unknown => "UNKNOWN",
+            Self::Argument => "ARGUMENT",
+            Self::State => "STATE",
+        }
+    }
+}
+
+/// A packet to the device. `code` need not be that of a [`Kind`]: the device answers what it does not know.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Packet {
+    pub code: u8,
+    pub seq: u8,
+    pub arguments: [u8; 4],
+    pub payload: Vec<u8>,
+}
+
+impl Packet {
+    pub fn new(kind: Kind, arguments: [u8; 4], payload: Vec<u8>) -> Self {
+        Self { code: kind.code(), seq: 0, arguments, payload }
+    }
+
+    pub fn info() -> Self {
+        Self::new(Kind::Info, [0; 4], Vec::new())
+    }
+
+    pub fn status() -> Self {
+        Self::new(Kind::Status, [0; 4], Vec::new())
+    }
+
+    /// `watchdog` is counted in 64 periods and is not 0: the device mutes itself when nothing came for so long.
+    pub fn enable(watchdog: u16) -> Self {
+        let [low, high] = watchdog.to_le_bytes();
+        Self::new(Kind::Enable, [low, high, 0, 0], Vec::new())
+    }
+
+    pub fn mute() -> Self {
+        Self::new(Kind::Mute, [0; 4], Vec::new())
+    }
+
+    /// Bit rate = increment / 65536 of the device's clock.
+    pub fn baud(increment: u16) -> Self {
+        let [low, high] = increment.to_le_bytes();
+        Self::new(Kind::Baud, [low, high, 0, 0], Vec::new())
+    }
+
+    /// Delays in 1/256 period and one amplitude for all, into a slot; played from the next period on if `commit`.
+    pub fn phases(slot: u8, amplitude: u8, phases: &[u8; 256], commit: bool) -> Self {
+        Self::new(Kind::Phases, [slot, amplitude, u8::from(commit), 0], phases.to_vec())
+    }
+
+    /// Pairs of delay and amplitude into a slot; played from the next period on if `commit`.
+    pub fn frame(slot: u8, pairs: &[[u8; 2]; 256], commit: bool) -> Self {
+        Self::new(Kind::Frame, [slot, 0, u8::from(commit), 0], pairs.as_flattened().to_vec())
+    }
+
+    /// Slots `first` to `last`, `divider` periods each, `loops` times (0: for ever); `after` the running loop or at once.
+    pub fn play(first: u8, last: u8, divider: u16, loops: u16, after: bool) -> Self {
+        let ([low, high], [fewer, more]) = (divider.to_le_bytes(), loops.to_le_bytes());
+        Self::new(Kind::Play, [first, last, low, high], vec![fewer, more, u8::from(after)])
+    }
+
+    pub fn stop() -> Self {
+        Self::new(Kind::Stop, [0; 4], Vec::new())
+    }
+
+    pub fn envelope(table: &[u8; 256]) -> Self {
+        Self::new(Kind::Envelope, [0; 4], table.to_vec())
+    }
+
+    /// Modulation frequency = step / 2^24 of the carrier; `restart` at the start of the table.
+    pub fn rate(step: u32, restart: bool) -> Self {
+        let [a, b, c, _] = step.to_le_bytes();
+        Self::new(Kind::Rate, [a, b, c, u8::from(restart)], Vec::new())
+    }
+
+    /// Largest changes per period, in 1/256 of a unit of phase and amplitude; 0xFFFF for no limit.
+    pub fn silencer(phase_step: u16, amplitude_step: u16) -> Self {
+        let ([a, b], [c, d]) = (phase_step.to_le_bytes(), amplitude_step.to_le_bytes());
+        Self::new(Kind::Silencer, [a, b, c, d], Vec::new())
+    }
+
+    pub fn widths(table: &[u8; 256]) -> Self {
+        Self::new(Kind::Widths, [0; 4], table.to_vec())
+    }
+
+    /// Pairs of phase offset and gain.
+    pub fn calibration(pairs: &[[u8; 2]; 256]) -> Self {
+        Self::new(Kind::Calibration, [0; 4], pairs.as_flattened().to_vec())
+    }
+
+    /// The same packet under another sequence number.
+    pub fn numbered(mut self, seq: u8) -> Self {
+        self.seq = seq;
+        self
+    }
+
+    /// What goes over the line, the delimiter at its end included.
+    pub fn to_line(&self) -> Vec<u8> {
+        let mut body = vec![self.code, self.seq];
+        body.extend(self.arguments);
+        body.extend(&self.payload);
+        line::framed(body)
+    }
+
+    /// The packet that stands before a delimiter.
+    ///
+    /// # Errors
+    /// Not COBS, too short or too long, or a wrong CRC.
+    pub fn of_line(bytes: &[u8]) -> Result<Self, Spoiled> {
+        let body = line::checked(bytes)?;
+        let Some((&[code, seq, a, b, c, d], payload)) = body.split_first_chunk() else { return Err(Spoiled) };
+        Ok(Self { code, seq, arguments: [a, b, c, d], payload: payload.to_vec() })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn body_of(line: &[u8]) -> &[u8] {
+        line.strip_suffix(&[0]).unwrap()
+    }
+
+    #[test]
+    fn packets_come_back_from_the_line() {
+        let mut phases = [0; 256];
+        (0..=255).zip(&mut phases).for_each(|(n, phase)| *phase = n);
+        let pairs = phases.map(|n: u8| [n.wrapping_mul(37), 255 - n]);
+        let packets = [
+            Packet::info(),
+            Packet::status(),
+            Packet::enable(0x1234),
+            Packet::mute(),
+            Packet::baud(3200),
+            Packet::phases(63, 255, &phases, true),
+            Packet::frame(1, &pairs, false),
+            Packet::play(3, 9, 40_000, 7, true),
+            Packet::stop(),
+            Packet::envelope(&[0; 256]),
+            Packet::rate(0x12_3456, true),
+            Packet::silencer(0x0300, 0xFFFF),
+            Packet::widths(&[1; 256]),
+            Packet::calibration(&pairs),
+        ];
+        for (kind, packet) in Kind::ALL.into_iter().zip(packets) {
+            assert_eq!((packet.code, packet.payload.len()), (kind.code(), kind.payload()), "{}", kind.name());
+            let packet = packet.numbered(200);
+            let line = packet.to_line();
+            assert!(!body_of(&line).contains(&0));
+            assert_eq!(Packet::of_line(body_of(&line)), Ok(packet));
+        }
+        assert_eq!(Packet::phases(0, 0, &[1; 256], true).to_line().len(), 267);
+    }
+
+    #[test]
+    fn damage_spoils_a_packet() {
+        let line = Packet::phases(1, 200, &[77; 256], true).to_line();
+        let body = body_of(&line);
+        for at in 0..body.len() {
+            let mut flipped = body.to_vec();
+            flipped[at] ^= 4;
+            assert_eq!(Packet::of_line(&flipped), Err(Spoiled), "flip at {at}");
+            let mut shorter = body.to_vec();
+            shorter.remove(at);
+            assert_eq!(Packet::of_line(&shorter), Err(Spoiled), "drop at {at}");
+        }
+        for short in [&[][..], &[1], &[3, 0xFF, 0xFF]] {
+            assert_eq!(Packet::of_line(short), Err(Spoiled));
+        }
+        assert_eq!(Packet::of_line(&vec![1; 5000]), Err(Spoiled));
+    }
+}

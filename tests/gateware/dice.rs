@@ -1,0 +1,81 @@
+//! Random numbers that are the same in every run, and random packets.
+
+use sonoglyph::device::native::packet::{Kind, Packet};
+
+pub struct Dice(u64);
+
+impl Dice {
+    pub fn new(seed: u64) -> Self {
+        Self(seed)
+    }
+
+    /// SplitMix64
+    pub fn number(&mut self) -> u64 {
+        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
+        let mut mixed = self.0;
+        mixed = (mixed ^ (mixed >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
+        mixed = (mixed ^ (mixed >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
+        mixed ^ (mixed >> 31)
+    }
+
+    pub fn below(&mut self, limit: u64) -> u64 {
+        self.number() % limit
+    }
+
+    pub fn byte(&mut self) -> u8 {
+        self.below(256) as u8
+    }
+
+    pub fn bytes<const N: usize>(&mut self) -> [u8; N] {
+        std::array::from_fn(|_| self.byte())
+    }
+
+    pub fn pairs(&mut self) -> [[u8; 2]; 256] {
+        std::array::from_fn(|_| self.bytes())
+    }
+
+    /// A packet of any kind, mostly such as a host would send, and now and then nonsense.
+    pub fn packet(&mut self) -> Packet {
+        let slot = self.below(12) as u8;
+        match self.below(32) {
+            0..5 => Packet::frame(slot, &self.pairs(), self.below(2) == 0),
+            5..8 => Packet::phases(slot, self.byte(), &self.bytes(), self.below(2) == 0),
+            8..12 => {
+                let (divider, loops, after) = (1 + self.below(9), self.below(4), self.below(2) == 0);
+                Packet::play(slot, slot + self.below(5) as u8, divider as u16, loops as u16, after)
+            }
+            12 => Packet::stop(),
+            13 => Packet::envelope(&self.bytes()),
+            14 => Packet::rate(self.below(1 << 22) as u32, self.below(2) == 0),
+            15 => Packet::silencer(self.step(), self.step()),
+            16 => Packet::widths(&self.bytes()),
+            17 => Packet::calibration(&self.pairs()),
+            18 => Packet::mute(),
+            19..25 => Packet::enable(1 + self.below(20) as u16),
+            25 => Packet::status(),
+            26 => Packet::info(),
+            27 => {
+                Packet { code: 0x40 + self.byte() / 4, seq: 0, arguments: self.bytes(), payload: Vec::new() }
+            }
+            28 => Packet { payload: vec![3; self.below(513) as usize], ..self.of_any_kind() },
+            29 => Packet { arguments: self.bytes(), ..self.of_any_kind() },
+            30 => Packet::enable(0),
+            _ => Packet::phases(self.byte(), self.byte(), &self.bytes(), true),
+        }
+    }
+
+    /// Of a length that is right and arguments 0. BAUD is left out: it would have to change the host's rate too.
+    fn of_any_kind(&mut self) -> Packet {
+        let kinds = Kind::ALL.map(|kind| if kind == Kind::Baud { Kind::Stop } else { kind });
+        let kind = kinds[self.below(14) as usize];
+        Packet::new(kind, [0; 4], vec![0; kind.payload()])
+    }
+
+    fn step(&mut self) -> u16 {
+        match self.below(4) {
+            0 => 0xFFFF,
+            1 => self.below(0x40) as u16,
+            _ => self.below(0x2000) as u16,
+        }
+    }
+}

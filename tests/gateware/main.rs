@@ -1,0 +1,10 @@
+//! The gateware: what the simulated Verilog does, byte by byte and pulse by pulse, is what `device::native` says.
+
+#![expect(clippy::unwrap_used, reason = "a test's helper may panic")]
+
+mod dice;
+mod line;
+mod play;
+mod simulated;
+mod table;
+mod twins;
