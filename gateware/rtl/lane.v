@@ -27,6 +27,10 @@ module lane #(
         width_held <= width;
         high <= since < width_held;
     end
+
+`ifdef FORMAL
+    always @(posedge clk) if (write) assert (write_address[3] != read_address[3]);
+`endif
 endmodule
 
 `default_nettype wire

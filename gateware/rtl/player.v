@@ -78,6 +78,11 @@ module player #(
             slot <= {SLOT_BITS{1'b0}};
         end
     end
+
+`ifdef FORMAL
+    always @* if (!reset && running) assert (first <= slot && slot <= last && wait_left != 16'd0 && wait_left <= divider);
+    always @* if (!reset && waiting) assert (next_first <= next_last && next_divider != 16'd0);
+`endif
 endmodule
 
 `default_nettype wire

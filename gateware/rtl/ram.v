@@ -1,10 +1,9 @@
-// A block RAM: one port writes, one reads, a clock later. Cells hold `FILL` after configuration.
+// A block RAM: one port writes, one reads, a clock later. All zeros after configuration.
 `default_nettype none
 
 module ram #(
     parameter ADDRESS_BITS = 8,
-    parameter WIDTH = 8,
-    parameter [WIDTH-1:0] FILL = 0
+    parameter WIDTH = 8
 ) (
     input  wire                    clk,
     input  wire                    write,
@@ -16,8 +15,11 @@ module ram #(
     (* ram_style = "block" *)
     reg [WIDTH-1:0] cells [0:(1<<ADDRESS_BITS)-1];
 
+    // Block RAMs without contents are configured as zeros; saying it costs Yosys minutes for the large ones.
+`ifndef SYNTHESIS
     integer i;
-    initial for (i = 0; i < (1 << ADDRESS_BITS); i = i + 1) cells[i] = FILL;
+    initial for (i = 0; i < (1 << ADDRESS_BITS); i = i + 1) cells[i] = 0;
+`endif
 
     always @(posedge clk) begin
         if (write) cells[write_address] <= write_data;

@@ -3,7 +3,9 @@
 `include "packets.vh"
 `default_nettype none
 
-module safety (
+module safety #(
+    parameter UNIT_BITS = 6             // 2^n periods are a unit of the watchdog
+) (
     input  wire        clk,
     input  wire        reset,
     input  wire        count,           // a period more
@@ -11,21 +13,23 @@ module safety (
     input  wire        emergency,
     input  wire        good_packet,
     input  wire        enable,
-    input  wire [15:0] enable_watchdog, // in units of 64 periods, 0: none
+    input  wire [15:0] enable_watchdog, // in units, 0: none
     input  wire        mute,
     output reg         enabled,
     output reg         tripped,
     output wire        forgotten        // at the boundary: no good packet for very long
 );
     reg [15:0] watchdog;
-    reg [21:0] quiet;       // periods since the last good packet, up to the largest number
-    wire       late = watchdog != 16'd0 && quiet >= {watchdog, 6'd0};
+    localparam QUIET_BITS = 16 + UNIT_BITS;
+    localparam [QUIET_BITS-1:0] ONE = 1;
+    reg [QUIET_BITS-1:0] quiet;     // periods since the last good packet, up to the largest number
+    wire       late = watchdog != 16'd0 && quiet >= {watchdog, {UNIT_BITS{1'b0}}};
 
-    assign forgotten = boundary && quiet[21:`FALLBACK_BITS] != 0;
+    assign forgotten = boundary && quiet[QUIET_BITS-1:`FALLBACK_BITS] != 0;
 
     always @(posedge clk) begin
-        if (good_packet) quiet <= 22'd0;
-        else if (count && !(&quiet)) quiet <= quiet + 22'd1;
+        if (good_packet) quiet <= {QUIET_BITS{1'b0}};
+        else if (count && !(&quiet)) quiet <= quiet + ONE;
 
         if (boundary && (emergency || (enabled && late))) begin
             enabled <= 1'b0;
@@ -42,7 +46,7 @@ module safety (
             enabled <= 1'b0;
             tripped <= 1'b0;
             watchdog <= 16'd0;
-            quiet <= 22'd0;
+            quiet <= {QUIET_BITS{1'b0}};
         end
     end
 endmodule

@@ -1,0 +1,91 @@
+// receiver and gate, with any bytes and at any time: nothing is written, told or committed but for a packet with the right CRC, and
+// but in the gate's time. The CRC is computed here anew, bit by bit.
+`include "packets.vh"
+`default_nettype none
+module door_proof (
+    input wire       clk,
+    input wire       valid,
+    input wire [7:0] data,
+    input wire       framing,
+    input wire       open,
+    input wire       emergency,
+    input wire       slot_busy,
+    input wire       answered
+);
+    reg reset = 1'b1;
+    always @(posedge clk) reset <= 1'b0;
+
+    wire        ready, done, good, at_work, passed, answer;
+    wire [7:0]  packet_type, packet_seq, read_data, result;
+    wire [31:0] arguments;
+    wire [9:0]  length;
+    wire [8:0]  read_address;
+    receiver receiver (
+        .clk(clk), .reset(reset), .valid(valid && !reset), .data(data), .framing(framing && !reset),
+        .ready(ready), .packet_type(packet_type), .packet_seq(packet_seq), .arguments(arguments), .length(length),
+        .read_address(read_address), .read_data(read_data), .done(done), .good(good)
+    );
+    wire       enable, mute, baud, stop, rate, silencer, play;
+    wire [5:0] play_first, play_last;
+    wire [15:0] play_divider;
+    wire       write_phase, write_amplitude, write_envelope, write_width, write_offset, write_gain;
+    gate gate (
+        .clk(clk), .reset(reset), .open(open), .ready(ready), .packet_type(packet_type), .arguments(arguments), .length(length),
+        .read_address(read_address), .read_data(read_data), .done(done), .emergency(emergency), .slot_busy(slot_busy),
+        .at_work(at_work), .passed(passed), .result(result), .answer(answer), .answered(answered),
+        .enable(enable), .mute(mute), .baud(baud), .stop(stop), .rate(rate), .silencer(silencer), .play(play),
+        .play_first(play_first), .play_last(play_last), .play_divider(play_divider),
+        .write_phase(write_phase), .write_amplitude(write_amplitude), .write_envelope(write_envelope),
+        .write_width(write_width), .write_offset(write_offset), .write_gain(write_gain)
+    );
+
+    // COBS and CRC once more, as their definitions have them.
+    function [15:0] longer(input [15:0] start, input [7:0] value);
+        integer i;
+        begin
+            longer = start ^ {value, 8'h00};
+            for (i = 0; i < 8; i = i + 1) longer = longer[15] ? {longer[14:0], 1'b0} ^ 16'h1021 : {longer[14:0], 1'b0};
+        end
+    endfunction
+    reg [7:0]  left;
+    reg        begun, no_zero, bad;
+    reg [9:0]  count;
+    reg [15:0] crc;
+    wire       right = valid && data == 8'd0 && begun && !bad && left == 8'd0 && crc == 16'h1D0F && count >= 10'd8;
+    wire       zero = left == 8'd0 && begun && !no_zero;
+    always @(posedge clk) begin
+        if (valid && data != 8'd0) begin
+            begun <= 1'b1;
+            left <= left == 8'd0 ? data - 8'd1 : left - 8'd1;
+            if (left == 8'd0) no_zero <= data == 8'hFF;
+            if (left != 8'd0 || zero) begin
+                crc <= longer(crc, left == 8'd0 ? 8'd0 : data);
+                count <= count + 10'd1;
+            end
+        end
+        if (framing) {begun, bad} <= 2'b11;
+        if (reset || (valid && data == 8'd0)) {left, begun, no_zero, bad, count, crc} <= {8'd0, 1'b0, 1'b0, 1'b0, 10'd0, 16'hFFFF};
+    end
+
+    // Right packets that have not passed; whether the gate has been opened for one.
+    reg [7:0] credit;
+    reg       opened;
+    wire      tells = enable || mute || baud || stop || rate || silencer || play;
+    wire      writes = write_phase || write_amplitude || write_envelope || write_width || write_offset || write_gain;
+    always @(posedge clk) begin
+        credit <= credit + (right && !reset) - done;
+        if (open) opened <= 1'b1;
+        if (done) opened <= 1'b0;
+        if (reset) {credit, opened} <= 0;
+    end
+
+    always @(posedge clk) if (!reset) begin
+        if (tells || writes) assert (credit != 8'd0 && opened && at_work && result == `RESULT_OK);
+        if (passed) assert (credit != 8'd0 && opened);
+        if (play) assert (play_first <= play_last && play_divider != 16'd0);
+        if (enable) assert (!emergency || $past(!emergency));
+        cover (mute);
+        cover (enable && arguments[23:16] == `CONFIRM);
+        cover (passed && length == 10'd1 && packet_type == `TYPE_INFO);
+    end
+endmodule

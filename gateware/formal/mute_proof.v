@@ -1,0 +1,46 @@
+// safety and sweep in small (8 channels, 32 clocks per period, a mute that takes 2 periods): once it has tripped, nothing is heard from
+// the second sweep on, whatever the frames and the silencer's steps are, until ENABLE.
+`default_nettype none
+module mute_proof (
+    input wire        clk,
+    input wire [7:0]  phase,
+    input wire [7:0]  amplitude,
+    input wire [7:0]  envelope,
+    input wire        emergency,
+    input wire        enable,
+    input wire        set_steps,
+    input wire [15:0] any_step
+);
+    reg reset = 1'b1;
+    always @(posedge clk) reset <= 1'b0;
+
+    wire count, boundary, start, open, last;
+    ticks #(.PERIOD_BITS(5), .PHASE_BITS(2), .GATE(24)) ticks (
+        .clk(clk), .reset(reset), .last(last), .count(count), .boundary(boundary), .sweep(start), .gate(open)
+    );
+    wire enabled, tripped, sounds;
+    wire [2:0] channel;
+    safety safety (
+        .clk(clk), .reset(reset), .count(count), .boundary(boundary), .emergency(emergency), .good_packet(open),
+        .enable(enable && open), .enable_watchdog(16'd0), .mute(1'b0), .enabled(enabled), .tripped(tripped)
+    );
+    sweep #(.CHANNEL_BITS(3), .PHASE_BITS(5), .MUTE_STEP(16'h8000)) sweep (
+        .clk(clk), .reset(reset), .start(start), .enabled(enabled), .channel(channel),
+        .phase(phase), .amplitude(amplitude), .envelope(envelope),
+        .set_steps(set_steps && open), .set_phase_step(any_step), .set_amplitude_step(any_step),
+        .write_offset(1'b0), .write_gain(1'b0), .write_width(1'b0), .write_address(8'd0), .write_data(8'd0),
+        .sounds(sounds)
+    );
+
+    // Sweeps since it tripped.
+    reg [3:0] muted = 4'd0;
+    always @(posedge clk) begin
+        if (!tripped) muted <= 4'd0;
+        else if (start && muted != 4'd15) muted <= muted + 4'd1;
+    end
+    always @(posedge clk) if (!reset && open) begin
+        if (muted >= 4'd2) assert (!sounds);
+        cover (muted == 4'd1 && sounds);
+        cover (enabled && sounds);
+    end
+endmodule
