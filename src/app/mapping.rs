@@ -3,7 +3,7 @@
 use std::f64::consts::{SQRT_2, TAU};
 use std::time::Instant;
 
-use egui::{ColorImage, Context, TextureOptions};
+use egui::{Color32, ColorImage, Context, TextureOptions};
 
 use crate::acoustics::Aperture;
 use crate::cli::{liquid, map};
@@ -289,8 +289,11 @@ fn place(width: usize, height: usize) -> Place {
 
 /// A picture with its lowest row first, as maps are.
 fn from_top(picture: &Picture) -> ColorImage {
-    let rows: Vec<u8> = picture.rgba.chunks_exact(picture.width * 4).rev().flatten().copied().collect();
-    ColorImage::from_rgba_premultiplied([picture.width, picture.height], &rows)
+    let mut pixels = Vec::with_capacity(picture.width * picture.height);
+    for row in picture.rgba.chunks_exact(picture.width * 4).rev() {
+        pixels.extend(row.as_chunks::<4>().0.iter().map(|&[r, g, b, _]| Color32::from_rgb(r, g, b)));
+    }
+    ColorImage::new([picture.width, picture.height], pixels)
 }
 
 /// The image as a texture, in place of that of the map before.

@@ -111,10 +111,10 @@ impl Relief<'_> {
     }
 }
 
-/// Some columns of the surface as they are seen, each from the front to the back.
+/// Some columns of the surface as they are seen, row by row.
 #[derive(Debug, Default)]
 struct Lit {
-    first: usize,
+    columns: Range<usize>,
     /// Pixels, how far below its level place a point is seen.
     sunk: Vec<f32>,
     /// The last component is 1, so that sums of parts know how much they cover.
@@ -135,7 +135,7 @@ struct Seen<'a> {
     front: f32,
     far: f32,
     bottom: f32,
-    ground: Vec4,
+    ground: [u8; 3],
 }
 
 impl<'a> Seen<'a> {
@@ -160,7 +160,7 @@ impl<'a> Seen<'a> {
             front: front as f32,
             far: far as f32,
             bottom: (front + 0.7 * place.bottom).min(height) as f32,
-            ground: (Vec3::from(place.ground.map(f32::from)) / 255.0).extend(1.0),
+            ground: place.ground,
         }
     }
 
@@ -174,16 +174,15 @@ impl<'a> Seen<'a> {
 
     /// Lights these columns.
     fn shine(&self, lit: &mut Lit, columns: Range<usize>) {
-        lit.first = columns.start;
-        lit.sunk.resize(columns.len() * self.rows, 0.0);
-        lit.colours.resize(columns.len() * self.rows, Vec4::ZERO);
+        lit.sunk.clear();
+        lit.colours.clear();
         for row in 0..self.rows {
-            for column in columns.clone() {
-                let at = (column - columns.start) * self.rows + row;
-                lit.sunk[at] = self.relief.depth[row * self.columns + column] * self.sinks;
-                lit.colours[at] = self.light.colour(self.relief.depth, column, row).extend(1.0);
-            }
+            let depth = &self.relief.depth[row * self.columns..][columns.clone()];
+            lit.sunk.extend(depth.iter().map(|depth| depth * self.sinks));
+            let colour = |column| self.light.colour(self.relief.depth, column, row).extend(1.0);
+            lit.colours.extend(columns.clone().map(colour));
         }
+        lit.columns = columns;
     }
 
     /// Columns of the picture, one after the other, each from the top.
@@ -201,8 +200,12 @@ impl<'a> Seen<'a> {
                 self.column(lit, place, &mut covered);
             }
             strip.extend(covered.iter().map(|&sum| {
+                if sum.w == 0.0 {
+                    return self.ground;
+                }
                 let sum = sum / FINENESS as f32;
-                let colour = sum + self.ground * (1.0 - sum.w).max(0.0);
+                let ground = Vec3::from(self.ground.map(f32::from)) / 255.0;
+                let colour = sum + ground.extend(1.0) * (1.0 - sum.w).max(0.0);
                 let [r, g, b, _] = (colour.min(Vec4::ONE) * 255.0 + 0.5).to_array();
                 [r as u8, g as u8, b as u8]
             }));
@@ -212,15 +215,13 @@ impl<'a> Seen<'a> {
 
     /// Adds what is seen along a line upwards, from the front to the back; what is nearer hides what is behind it.
     fn column(&self, lit: &Lit, (column, part): (usize, f32), covered: &mut [Vec4]) {
-        let line = |column: usize| {
-            let first = (column.min(self.columns - 1) - lit.first) * self.rows;
-            first..first + self.rows
-        };
-        let (sunk, colours) = (&lit.sunk[line(column)], &lit.colours[line(column)]);
-        let (sunk_right, colours_right) = (&lit.sunk[line(column + 1)], &lit.colours[line(column + 1)]);
+        let (left, right) =
+            (column - lit.columns.start, (column + 1).min(self.columns - 1) - lit.columns.start);
         let point = |row: usize, along: f32| {
-            let sunk = sunk[row] + (sunk_right[row] - sunk[row]) * part;
-            (self.front - along * self.far + sunk, colours[row].lerp(colours_right[row], part))
+            let line = row * lit.columns.len();
+            let (from, to) = (line + left, line + right);
+            let sunk = lit.sunk[from] + (lit.sunk[to] - lit.sunk[from]) * part;
+            (self.front - along * self.far + sunk, lit.colours[from].lerp(lit.colours[to], part))
         };
         let mut before = point(0, 0.0);
         let mut top = before.0;

@@ -161,7 +161,7 @@ fn amounts(full: f64, count: f64) -> Vec<(f64, String)> {
     let decimals = (-step.log10().floor()).clamp(0.0, 6.0) as usize;
     let mut ticks: Vec<_> = (0..=(full / step).floor() as usize)
         .map(|i| i as f64 * step)
-        .filter(|value| value / full < 0.95)
+        .filter(|value| value / full < 1.0 - 0.36 / count)
         .map(|value| (value / full, format!("{value:.decimals$}")))
         .collect();
     ticks.push((1.0, figures(full)));

@@ -11,7 +11,7 @@ use crate::ui::{Editor, Shown, legend};
 const FARTHEST: f64 = 0.3;
 
 pub fn show(editor: &mut Editor, shown: &Shown, ui: &mut Ui) {
-    ui.horizontal(|ui| {
+    ui.horizontal_wrapped(|ui| {
         quantities(editor, ui);
         ui.separator();
         match editor.view.quantity {
@@ -21,7 +21,7 @@ pub fn show(editor: &mut Editor, shown: &Shown, ui: &mut Ui) {
         }
         ui.add_enabled_ui(!editor.view.is_shaded(), |ui| colours(editor, shown, ui));
     });
-    ui.horizontal(|ui| {
+    ui.horizontal_wrapped(|ui| {
         cuts(editor, ui);
         ui.separator();
         overlays(editor, ui);
