@@ -86,7 +86,7 @@ fn what_is_no_drawing_leaves_the_scene_and_a_reason() {
         drop_file(&mut screen, &path);
         match &screen.state().editor().dialog {
             Some(Dialog::Message { text, .. }) => {
-                assert!(text.contains(reason) && text.contains(name), "{text}")
+                assert!(text.contains(reason) && text.contains(name), "{text}");
             }
             other => panic!("{name}: {other:?}"),
         }
