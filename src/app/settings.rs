@@ -144,6 +144,10 @@ impl Settings {
 
 /// Puts a file that was opened or saved in front of those that are remembered.
 pub fn remember(recent: &mut Vec<PathBuf>, path: &Path) {
+    // A name that is no text cannot be written to the settings.
+    if path.to_str().is_none() {
+        return;
+    }
     let path = std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
     recent.retain(|own| *own != path);
     recent.insert(0, path);
