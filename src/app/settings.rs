@@ -28,8 +28,8 @@ const THEMES: [(ThemePreference, &str); 3] =
     [(ThemePreference::System, "system"), (ThemePreference::Dark, "dark"), (ThemePreference::Light, "light")];
 
 /// What the file calls a value; the first one if it has no name.
-fn name<T: PartialEq>(names: &[(T, &'static str)], value: T) -> String {
-    names.iter().find(|(own, _)| *own == value).unwrap_or(&names[0]).1.to_owned()
+fn name<T: PartialEq>(names: &[(T, &'static str)], value: &T) -> String {
+    names.iter().find(|(own, _)| own == value).unwrap_or(&names[0]).1.to_owned()
 }
 
 fn value<T: Copy>(names: &[(T, &'static str)], name: &str) -> Option<T> {
@@ -91,13 +91,13 @@ impl Settings {
     /// As things are now.
     pub fn of(editor: &Editor, recent: &[PathBuf], ctx: &Context) -> Self {
         let window = ctx.input(|input| input.viewport().clone());
-        let view = &editor.view;
+        let (view, content) = (&editor.view, ctx.content_rect());
         let pair = |x: f32, y: f32| [x.round(), y.round()];
         Self {
-            size: window.inner_rect.map_or(Self::default().size, |rect| pair(rect.width(), rect.height())),
+            size: pair(content.width(), content.height()),
             position: window.outer_rect.map(|rect| pair(rect.min.x, rect.min.y)),
             maximized: window.maximized.unwrap_or(false),
-            theme: name(&THEMES, ctx.options(|options| options.theme_preference)),
+            theme: name(&THEMES, &ctx.options(|options| options.theme_preference)),
             panel: editor.panel.name().to_owned(),
             panel_width: editor.layout.panel.round(),
             section_height: editor.layout.section.round(),
@@ -105,7 +105,7 @@ impl Settings {
             marks: view.marks,
             contours: view.contours,
             shaded: view.shaded,
-            colours: name(&COLOURS, view.colours),
+            colours: name(&COLOURS, &view.colours),
             decibels: view.scale == Scale::Logarithmic,
             grid: editor.grid,
             snaps: editor.snaps,
@@ -134,9 +134,11 @@ impl Settings {
         let within = |value: f32, least: f32, most: f32, otherwise: f32| {
             if value.is_finite() { value.clamp(least, most) } else { otherwise }
         };
-        for axis in 0..2 {
-            self.size[axis] = within(self.size[axis], SMALLEST[axis], LARGEST, own.size[axis]);
-        }
+        let ([width, height], [own_width, own_height]) = (self.size, own.size);
+        self.size = [
+            within(width, SMALLEST[0], LARGEST, own_width),
+            within(height, SMALLEST[1], LARGEST, own_height),
+        ];
         let is_on_a_screen = |place: &[f32; 2]| place.iter().all(|x| (-LARGEST..LARGEST).contains(x));
         self.position = self.position.filter(is_on_a_screen);
         self.panel_width = within(self.panel_width, 100.0, 1000.0, own.panel_width);
@@ -149,6 +151,10 @@ impl Settings {
 
 /// Puts a file that was opened or saved in front of those that are remembered.
 pub fn remember(recent: &mut Vec<PathBuf>, path: &Path) {
+    // A name that is no text cannot be written to the settings.
+    if path.to_str().is_none() {
+        return;
+    }
     let path = std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
     recent.retain(|own| *own != path);
     recent.insert(0, path);
@@ -183,7 +189,11 @@ impl Memory {
     }
 
     /// Keeps the settings, now and then. Gives out in how many seconds it wants to be asked again.
-    pub fn keep(&mut self, settings: Settings, now: f64) -> Option<f64> {
+    pub fn keep(&mut self, mut settings: Settings, now: f64) -> Option<f64> {
+        if settings.maximized {
+            // The size that it goes back to.
+            (settings.size, settings.position) = (self.kept.size, self.kept.position);
+        }
         self.pending = Some(settings).filter(|settings| *settings != self.kept);
         self.pending.as_ref()?;
         if now - self.last < OFTEN {

@@ -133,6 +133,7 @@ pub(in crate::cli) fn run(args: &RenderArgs) -> anyhow::Result<()> {
 ///
 /// # Errors
 /// A file that is neither GIF nor PNG or cannot be written, too many pixels for it, or what `tell` says.
+#[cfg(feature = "window")]
 pub fn write(
     scene: &Scene,
     sequence: &Sequence,

@@ -17,7 +17,8 @@ pub use placement::Placement;
 pub const MOST_BYTES: usize = 64 << 20;
 /// Lines of a drawing, at most: there are no more focal points than that.
 const MOST_LINES: usize = crate::scene::check::MOST_FOCI;
-/// Points of all lines together.
+/// Points of all lines together, as they are read and as they are kept.
+const MOST_READ: usize = 200_000;
 const MOST_POINTS: usize = 20_000;
 /// Largest deviation of a line from what was drawn, of the drawing's longer side.
 const TOLERANCE: f64 = 1.0 / 4000.0;
@@ -58,6 +59,8 @@ pub enum ImportError {
     NoStrokes,
     #[error("the drawing has {0} lines, and {MOST_LINES} are the most that an array could play")]
     TooManyLines(usize),
+    #[error("the drawing has {0} points, and {MOST_READ} are the most that are read: simplify it first")]
+    TooDetailed(usize),
 }
 
 /// The drawing that a file holds: an SVG, or a PNG, JPEG or BMP picture.
@@ -98,6 +101,10 @@ impl Drawing {
         }
         if lines.len() > MOST_LINES {
             return Err(ImportError::TooManyLines(lines.len()));
+        }
+        let count = points().count();
+        if count > MOST_READ {
+            return Err(ImportError::TooDetailed(count));
         }
         let middle = (low + high) / 2.0;
         for line in &mut lines {

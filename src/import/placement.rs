@@ -25,7 +25,7 @@ pub struct Placement {
 }
 
 impl Placement {
-    /// The drawing as targets: a `path` for each line, a `point` for what is shorter than half the spacing. Where a line
+    /// The drawing as targets: a `path` for each line, a `point` for what is too short for two. Where a line
     /// ends on another one, it is cut short by the spacing, so that no two focal points fall together.
     ///
     /// # Errors
@@ -59,19 +59,21 @@ impl Placement {
     fn at_spacing(&self, drawing: &Drawing, spacing: f64) -> Vec<Target> {
         let own = spacing / self.side;
         let lines = drawing.lines.iter().zip(&drawing.gaps);
-        lines.filter_map(|(line, &gaps)| self.target(apart(line, gaps, own)?, spacing)).collect()
+        let apart = lines.filter_map(|(line, &gaps)| apart(line, gaps, own));
+        apart.map(|line| self.target(&line, spacing)).collect()
     }
 
-    fn target(&self, line: Line, spacing: f64) -> Option<Target> {
-        let Line { points, closed } = line.clone();
+    fn target(&self, line: &Line, spacing: f64) -> Target {
         let world = |point: DVec2| self.at + (self.x * point.x + self.y * point.y) * self.side;
-        let length = line.length() * self.side;
-        if length < spacing / 2.0 {
-            let middle = points.iter().sum::<DVec2>() / points.len().max(1) as f64;
-            return Some(Target::new(Shape::Point { at: world(middle) }));
+        // A loop is never divided into less than three.
+        let shortest = if line.closed { 1.5 * spacing } else { 0.5 * spacing };
+        if line.length() * self.side < shortest {
+            let middle = line.points.iter().sum::<DVec2>() / line.points.len().max(1) as f64;
+            return Target::new(Shape::Point { at: world(middle) });
         }
-        let vertices = points.into_iter().map(world).collect();
-        Some(Target { sampling: Sampling::Spacing(spacing), ..Target::new(Shape::Path { vertices, closed }) })
+        let vertices = line.points.iter().map(|&point| world(point)).collect();
+        let sampling = Sampling::Spacing(spacing);
+        Target { sampling, ..Target::new(Shape::Path { vertices, closed: line.closed }) }
     }
 }
 

@@ -28,7 +28,7 @@ pub fn lines(bytes: &[u8], format: ImageFormat) -> Result<Vec<Line>, ImportError
     let area = ink.dark().count();
     thin(&mut ink);
     let width = area as f64 / ink.dark().count().max(1) as f64;
-    let lines = trace::lines(&ink, width);
+    let lines = trace::lines(&ink, width)?;
     if lines.is_empty() {
         return Err(ImportError::NoStrokes);
     }
@@ -240,6 +240,15 @@ mod tests {
         });
         assert_eq!(lines(&hills, ImageFormat::Png), Err(ImportError::NoStrokes));
         assert_eq!(of(60, 60, |x, _| x > 10), Err(ImportError::NoStrokes), "light on dark");
+    }
+
+    #[test]
+    fn a_texture_is_no_drawing() {
+        // Dots of three pixels, a third of the picture.
+        let dots = of(900, 900, |x, y| x % 5 < 3 && y % 5 < 3);
+        assert!(matches!(dots, Err(ImportError::NoStrokes | ImportError::TooManyLines(_))), "{dots:?}");
+        let weave = of(900, 900, |x, y| x % 8 < 2 || y % 8 < 2);
+        assert!(matches!(weave, Err(ImportError::TooManyLines(_))), "{:?}", weave.map(|lines| lines.len()));
     }
 
     #[test]

@@ -4,14 +4,16 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use glam::DVec2;
 
-use crate::import::Line;
 use crate::import::scan::Ink;
+use crate::import::{ImportError, Line};
 
 /// A corner turns by 57° at least, between sides of so many pixels.
 const CORNER_COS: f64 = 0.545;
 const SIDE: f64 = 8.0;
 /// Pixels over which a line is smoothed between its corners.
 const SMOOTHING: usize = 4;
+/// Chains of a picture: more are no drawing but a texture.
+const MOST_CHAINS: usize = 8000;
 /// Chains that turn less than 60° where they meet are one line.
 const STRAIGHT_COS: f64 = -0.5;
 
@@ -24,12 +26,15 @@ struct Chain {
 }
 
 /// The lines of thinned strokes that were `width` pixels wide, y downwards.
-pub fn lines(ink: &Ink, width: f64) -> Vec<Line> {
+pub fn lines(ink: &Ink, width: f64) -> Result<Vec<Line>, ImportError> {
     let mut chains = chains(ink);
+    if chains.len() > MOST_CHAINS {
+        return Err(ImportError::TooManyLines(chains.len()));
+    }
     join_nodes(&mut chains, width);
     prune(&mut chains, width);
     let lines = joined(chains, width);
-    lines.into_iter().filter(|line| line.points.len() > 1).map(|line| smooth(&line, width)).collect()
+    Ok(lines.into_iter().filter(|line| line.points.len() > 1).map(|line| smooth(&line, width)).collect())
 }
 
 /// Dark neighbours, of two ways to the same pixel only the straight one.

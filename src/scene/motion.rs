@@ -238,7 +238,12 @@ fn check_steps(scene: &Scene) -> Result<(), KeyError> {
     }
     // A gap is found after as many steps as there are targets, however large the last one is.
     if let Some(missing) = (0..steps(scene)).find(|&step| !has_step(step)) {
-        return refuse("path", format!("no visible target has `step = {missing}`: steps are counted from 0"));
+        return refuse(
+            "path",
+            format!(
+                "no target has `step = {missing}`: steps are counted from 0, and hidden targets have none"
+            ),
+        );
     }
     if steps(scene) > scene.motion.frames {
         return refuse("frames", format!("{} steps need a frame each", steps(scene)));

@@ -12,7 +12,7 @@ const SMALLEST: f64 = 1e-3;
 /// Vertices of a path that get a handle each; of more, the box around them gets one.
 const FEW: usize = 24;
 /// Points of the screen: half a handle's side, and how near the pointer has to be.
-const HALF: f32 = 4.0;
+const HALF: f32 = 4.5;
 const REACH: f32 = 9.0;
 
 /// How a flat shape is turned.
@@ -124,7 +124,7 @@ pub fn at(target: &Target, axes: &Axes, lens: &Lens, pointer: Pos2) -> Option<us
 pub fn paint(target: &Target, axes: &Axes, painter: &Painter, lens: &Lens) {
     for place in handles(target) {
         let rect = Rect::from_center_size(lens.screen(axes.flat(place)), vec2(HALF, HALF) * 2.0);
-        let stroke = Stroke::new(1.5, theme::CHOSEN);
+        let stroke = Stroke::new(2.0, theme::CHOSEN);
         painter.rect(rect, 1.0, theme::MARK_EDGE, stroke, StrokeKind::Middle);
     }
 }

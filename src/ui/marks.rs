@@ -45,13 +45,13 @@ pub fn paint(editor: &Editor, shown: &Shown, painter: &Painter, lens: &Lens, poi
         }
     }
     motion(editor, painter, lens);
+    if let Some(sound) = &shown.sound {
+        foci(editor, sound, painter, lens, pointer);
+    }
     if let (1, Some(&index)) = (editor.selection.len(), editor.selection.first())
         && let Some(target) = scene.targets.get(index)
     {
         handle::paint(target, &axes, painter, lens);
-    }
-    if let Some(sound) = &shown.sound {
-        foci(editor, sound, painter, lens, pointer);
     }
 }
 
@@ -74,7 +74,7 @@ fn motion(editor: &Editor, painter: &Painter, lens: &Lens) {
     if matches!(scene.motion.path, MotionPath::None | MotionPath::Steps) {
         return;
     }
-    for target in scene.targets.iter().take(FEW) {
+    for target in scene.targets.iter().filter(|target| target.visible).take(FEW) {
         let centre = outline::centre(&target.shape);
         let at = |i: u32| centre + scene.motion.offset(f64::from(i % PIECES) / f64::from(PIECES));
         let way: Vec<_> = (0..=PIECES).map(|i| lens.screen(axes.flat(at(i)))).collect();

@@ -388,16 +388,21 @@ pub fn show(
     let mut commands = Vec::new();
     let quantity = editor.view.quantity;
     keys::press(editor, ui.ctx(), &mut commands);
-    let bar = |ui: &Ui| Frame::side_top_panel(ui.style()).inner_margin(Margin::symmetric(8, 4));
-    let frame = bar(ui);
+    let frame = Frame::side_top_panel(ui.style()).inner_margin(Margin::symmetric(8, 4));
     Side::top("menu").frame(frame).show(ui, |ui| menu::bar(editor, shown, ui, &mut commands));
-    Side::top("view").frame(frame).show(ui, |ui| view_bar::show(editor, shown, ui));
-    Side::bottom("status").frame(frame).show(ui, |ui| status::bar(editor, shown, ui));
-    Side::left("tools").resizable(false).exact_size(48.0).frame(frame).show(ui, |ui| menu::tools(editor, ui));
-    let panel = Side::right("panel").default_size(editor.layout.panel).size_range(260.0..=520.0);
-    let panel = panel.show(ui, |ui| panels::show(editor, shown, ui, &mut commands));
-    editor.layout.panel = panel.response.rect.width();
-    if editor.view.section {
+    let (is_wide, is_high) = has_room(ui);
+    if is_high {
+        Side::top("view").frame(frame).show(ui, |ui| view_bar::show(editor, shown, ui));
+        Side::bottom("status").frame(frame).show(ui, |ui| status::bar(editor, shown, ui));
+    }
+    if is_wide {
+        let tools = Side::left("tools").resizable(false).exact_size(48.0).frame(frame);
+        tools.show(ui, |ui| menu::tools(editor, ui));
+        let panel = Side::right("panel").default_size(editor.layout.panel).size_range(260.0..=520.0);
+        let panel = panel.show(ui, |ui| panels::show(editor, shown, ui, &mut commands));
+        editor.layout.panel = panel.response.rect.width();
+    }
+    if is_high && editor.view.section {
         let section = Side::bottom("section").default_size(editor.layout.section).size_range(110.0..=320.0);
         let section = section.resizable(true).show(ui, |ui| section::show(editor, shown, ui));
         editor.layout.section = section.response.rect.height();
@@ -410,4 +415,12 @@ pub fn show(
         editor.view.full = None;
     }
     commands
+}
+
+/// Whether a window is wide and high enough for more than the menu and the canvas.
+fn has_room(ui: &Ui) -> (bool, bool) {
+    const WIDE: f32 = 560.0;
+    const HIGH: f32 = 320.0;
+    let size = ui.ctx().content_rect().size();
+    (size.x >= WIDE, size.y >= HIGH)
 }

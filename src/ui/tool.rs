@@ -76,7 +76,8 @@ impl Tool {
     pub fn tooltip(self) -> &'static str {
         match self {
             Self::Select => {
-                "Click to select, shift-click for more, drag to move, drag over nothing for a rubber band"
+                "Click to select, shift-click for more, drag to move, pull a handle to resize, drag over nothing for \
+                 a rubber band"
             }
             Self::Point => "Click to place a focal point; hold and drag it about",
             Self::Line => "Drag from end to end",

@@ -71,7 +71,11 @@ fn what_is_no_drawing_leaves_the_scene_and_a_reason() {
     let before = scene(&screen).clone();
     let deep = format!("<svg xmlns='http://www.w3.org/2000/svg'>{}</svg>", "<g>".repeat(100_000));
     let svg = |body: &str| format!("<svg xmlns='http://www.w3.org/2000/svg'>{body}</svg>");
+    let copies = |i: i32| format!("<g id='g{i}'>{}</g>", format!("<use href='#g{}'/>", i - 1).repeat(10));
+    let bomb =
+        svg(&format!("<path id='g0' d='M0 0h9' stroke='red'/>{}", (1..9).map(copies).collect::<String>()));
     for (name, bytes, reason) in [
+        ("bomb.svg", bomb, "cannot be read"),
         ("empty.svg", String::new(), "neither an SVG nor"),
         ("broken.svg", "<svg".to_owned(), "cannot be read"),
         ("deep.svg", deep, "cannot be read"),
@@ -86,7 +90,7 @@ fn what_is_no_drawing_leaves_the_scene_and_a_reason() {
         drop_file(&mut screen, &path);
         match &screen.state().editor().dialog {
             Some(Dialog::Message { text, .. }) => {
-                assert!(text.contains(reason) && text.contains(name), "{text}")
+                assert!(text.contains(reason) && text.contains(name), "{text}");
             }
             other => panic!("{name}: {other:?}"),
         }

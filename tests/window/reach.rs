@@ -27,7 +27,7 @@ fn is_input(role: Role) -> bool {
 }
 
 /// Role and place of inputs that have no name.
-fn unnamed(screen: &Screen) -> Vec<String> {
+fn unnamed<State>(screen: &Harness<'_, State>) -> Vec<String> {
     let nodes = screen.root().children_recursive();
     let is_unnamed = |node: &egui_kittest::Node<'_>| {
         let node = node.accesskit_node();
@@ -37,6 +37,24 @@ fn unnamed(screen: &Screen) -> Vec<String> {
         .filter(is_unnamed)
         .map(|node| format!("{:?} at {:?}", node.accesskit_node().role(), node.rect()))
         .collect()
+}
+
+#[test]
+fn an_input_without_a_name_is_found() {
+    let with_letters = Harness::builder().with_context_setup(sonoglyph::ui::theme::install);
+    let with_letters = with_letters.with_accessibility_check(false);
+    let screen = with_letters.build_ui(|ui| {
+        let label = ui.label("Size");
+        ui.add(egui::DragValue::new(&mut 1.0)).labelled_by(label.id);
+        ui.add(egui::DragValue::new(&mut 2.0));
+        ui.checkbox(&mut true, "");
+        let _ = ui.button("Close");
+    });
+    let found = unnamed(&screen);
+    assert!(
+        found.len() == 2 && found[0].contains("SpinButton") && found[1].contains("CheckBox"),
+        "{found:?}"
+    );
 }
 
 #[test]

@@ -146,6 +146,10 @@ fn a_tiny_window_and_one_without_targets_are_windows_too() {
     for size in [vec2(200.0, 150.0), vec2(1.0, 1.0), vec2(3000.0, 60.0), vec2(1280.0, 800.0)] {
         screen.set_size(size);
         rest(&mut screen);
+        if size.x >= 200.0 && size.y >= 150.0 {
+            let seen = Rect::from_min_size(Pos2::ZERO, size);
+            assert!(seen.contains_rect(lens(&screen).rect), "{size}: {:?}", lens(&screen).rect);
+        }
         for panel in ["Solver", "Drive", "Liquid", "Motion", "Device", "Scene"] {
             if let Some(node) = screen.query_by_label(panel) {
                 node.click();

@@ -85,7 +85,9 @@ fn row(editor: &mut Editor, index: usize, several: bool, ui: &mut Ui) -> Option<
             .on_hover_text("Played; a target without the tick stays in the file and is silent")
             .accessible_name(format!("Target {} is played", index + 1));
         let text = if *visible { RichText::new(name) } else { RichText::new(name).weak() };
-        let button = egui::Button::selectable(chosen, text).sense(Sense::click_and_drag());
+        // The rest of the row, so that the name stands at its left.
+        let row = (text, egui::Atom::grow());
+        let button = egui::Button::selectable(chosen, row).sense(Sense::click_and_drag());
         ui.add(button.min_size(egui::vec2(ui.available_width(), 0.0)))
     });
     let response = row.inner.on_hover_text("Drag it to another place in the list");

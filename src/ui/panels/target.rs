@@ -95,6 +95,8 @@ pub fn point(ui: &mut Ui, name: &str, at: &mut DVec3) {
 /// Three numbers in mm, z not below `lowest` mm.
 pub fn coordinates(ui: &mut Ui, name: &str, at: &mut DVec3, lowest: f64) {
     ui.spacing_mut().item_spacing.x = 4.0;
+    // Wide enough for most: rows of points stand in columns.
+    ui.spacing_mut().interact_size.x = 46.0;
     for (axis, value) in ["x", "y", "z"].into_iter().zip(at.as_mut()) {
         let mut shown = *value * 1e3;
         let least = if axis == "z" { lowest } else { -2000.0 };
