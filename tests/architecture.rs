@@ -35,7 +35,7 @@ const LAYERS: &[(&str, &[&str])] = &[
             "tempfile",
         ],
     ),
-    ("app", &["anyhow", "cpu_time", "eframe", "egui", "glam", "rfd", "tempfile"]),
+    ("app", &["anyhow", "cpu_time", "eframe", "egui", "glam", "rfd", "signal_hook", "tempfile"]),
     ("main", &["anyhow", "sonoglyph"]),
 ];
 /// Crates that any layer may name.

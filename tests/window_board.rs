@@ -87,7 +87,7 @@ fn is_silent(board: &Board) -> bool {
 fn what_is_dragged_is_played() {
     for profile in [Profile::Native, Profile::SonicSurface] {
         let (mut screen, board, shown) = connected(profile);
-        assert!(is_silent(&board), "nothing is played before it is asked for");
+        until(&mut screen, "silence", |_| is_silent(&board));
         screen.get_by_label("Send").click();
         screen.run_steps(2);
         let first = wanted(&screen, profile);

@@ -30,6 +30,7 @@ pub fn run(settings: &Settings, shared: &Shared) -> Result<(), LinkError> {
         told: None,
     };
     session.write(&silence)?;
+    std::thread::sleep(session.board.port.backlog());
     session.ready_at = Instant::now();
     let found = Found { baud: settings.baud(), carrier: None, slots: 0, phase_bits: None };
     shared.tell(Event::Ready(found));
