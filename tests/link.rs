@@ -380,12 +380,13 @@ fn a_sender_that_panics_leaves_silence() {
         let (board, shown) = board(Setup::new(profile));
         let settings = Settings { port: board.path().to_owned(), profile, baud: None };
         let levels = numbered(profile, 9);
-        let sender = std::thread::spawn(move || {
+        let send = move || {
             let link = Link::open(settings, Box::new(|| {})).unwrap();
             link.show(Content::Still(levels.clone()));
             while shown.recv_timeout(PATIENCE).unwrap().levels != levels {}
             panic!("on purpose");
-        });
+        };
+        let sender = std::thread::Builder::new().name("sender".to_owned()).spawn(send).unwrap();
         assert!(sender.join().is_err());
         eventually("silence", || is_silent(&board));
     }

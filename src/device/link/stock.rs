@@ -175,8 +175,12 @@ impl Session<'_> {
             if let Some(before) = swapped.replace(now) {
                 self.shared.note(|figures| figures.swaps.note(now - before));
             }
-            // A swap that came late is no reason for the next to be late, unless the computer was away for long.
-            due = if now > due + 4 * half { now + half } else { due + half };
+            due += half;
+            if due < now {
+                // Too late for some: whole periods are left out, and what follows is in time again.
+                let missed = (now - due).as_secs_f64() / (2.0 * half.as_secs_f64());
+                due += (2 * half).mul_f64(missed.ceil());
+            }
             let elsewhere = self.shared.wanted();
             if !lit && (elsewhere.generation != wanted.generation || elsewhere.closing) {
                 return Ok(());
