@@ -143,7 +143,13 @@ impl Board {
     }
 
     fn send_scene(&mut self, editor: &Editor, shown: &mut Shown) {
-        let Some(solution) = &shown.solution else { return };
+        let Some(solution) = &shown.solution else {
+            // Nothing is drawn any more, so nothing sounds.
+            if self.drive.take().is_some() {
+                locked(&self.link).iter().for_each(Link::stop);
+            }
+            return;
+        };
         if self.drive.as_ref() == Some(&solution.drive) || (self.drive.is_some() && !editor.board.live) {
             return;
         }
@@ -191,6 +197,13 @@ impl Board {
             let mean = played.iter().map(|p| p.norm()).sum::<f64>() / played.len().max(1) as f64;
             (solution.quality.mean_pressure, mean)
         });
+    }
+}
+
+/// The thread that waits for Ctrl-C holds the link too, so it does not go by itself.
+impl Drop for Board {
+    fn drop(&mut self) {
+        drop(locked(&self.link).take());
     }
 }
 
