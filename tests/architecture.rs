@@ -16,7 +16,7 @@ const LAYERS: &[(&str, &[&str])] = &[
     ("field", &["bytemuck", "glam", "num_complex", "rayon", "thiserror"]),
     ("field::gpu", &["bytemuck", "glam", "naga", "num_complex", "pollster", "thiserror", "wgpu"]),
     ("picture", &["colorous", "gif", "glam", "image", "npyz", "num_complex", "plotters", "png", "thiserror"]),
-    ("device", &["cobs", "crc"]),
+    ("device", &["cobs", "crc", "csv", "rustix", "serde", "serial2", "thiserror"]),
     ("ui", &["egui", "egui_plot", "glam", "num_complex"]),
     (
         "cli",
@@ -31,10 +31,11 @@ const LAYERS: &[(&str, &[&str])] = &[
             "num_complex",
             "rayon",
             "serde_json",
+            "signal_hook",
             "tempfile",
         ],
     ),
-    ("app", &["anyhow", "cpu_time", "eframe", "egui", "glam", "rfd", "tempfile"]),
+    ("app", &["anyhow", "cpu_time", "eframe", "egui", "glam", "rfd", "signal_hook", "tempfile"]),
     ("main", &["anyhow", "sonoglyph"]),
 ];
 /// Crates that any layer may name.

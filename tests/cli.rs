@@ -417,9 +417,12 @@ fn bench_measures_time_beside_error() {
 fn help_shows_every_command_with_an_example() {
     let folder = folder_with(&[]);
     let help = succeed(folder.path(), &["--help"]);
-    for command in ["render", "solve", "probe", "devices", "bench"] {
+    for command in ["render", "solve", "probe", "devices", "bench", "ports", "send", "board"] {
         assert!(help.contains(command), "{help}");
         let own = succeed(folder.path(), &[command, "--help"]);
-        assert!(command == "devices" || own.contains(&format!("sonoglyph {command} ")), "{own}");
+        assert!(
+            ["devices", "ports"].contains(&command) || own.contains(&format!("sonoglyph {command} ")),
+            "{own}"
+        );
     }
 }

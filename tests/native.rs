@@ -1,7 +1,5 @@
 //! The native device as a value: what it plays, and what it never does. The Verilog is compared with it in `tests/gateware.rs`.
 
-#![expect(clippy::unwrap_used, reason = "a test's helper may panic")]
-
 use sonoglyph::device::native::model::{Model, Pulse};
 use sonoglyph::device::native::packet::{Body, Info, Kind, Outcome, Packet, Reply, Status};
 
@@ -41,9 +39,8 @@ fn ramp() -> [u8; 256] {
 #[test]
 fn power_up_is_silent_until_enabled_with_a_frame() {
     let mut model = Model::new(7);
-    let silent = |model: &mut Model| {
-        (0..300).all(|_| model.period().iter().all(|pulse| *pulse == Pulse::default()))
-    };
+    let silent =
+        |model: &mut Model| (0..300).all(|_| model.period().iter().all(|pulse| *pulse == Pulse::default()));
     assert!(silent(&mut model) && !model.outputs_on());
     apply(&mut model, &Packet::phases(1, 255, &ramp(), true));
     assert!(silent(&mut model) && !model.outputs_on(), "a frame alone");
@@ -123,7 +120,11 @@ fn slots_are_played_for_their_time_and_as_often_as_asked() {
             apply(&mut model, &Packet::play(8, 8, 1, 0, true));
         }
     }
-    assert_eq!(slots, [3, 3, 4, 4, 5, 5, 8, 8, 8, 8, 8, 8, 8, 8, 8], "a PLAY that waits comes at the loop's end");
+    assert_eq!(
+        slots,
+        [3, 3, 4, 4, 5, 5, 8, 8, 8, 8, 8, 8, 8, 8, 8],
+        "a PLAY that waits comes at the loop's end"
+    );
     let mut model = playing(7, &ramp());
     apply(&mut model, &Packet::play(3, 4, 1, 2, false));
     let mut slots = Vec::new();

@@ -4,6 +4,11 @@ pub mod bench;
 mod examples;
 mod files;
 mod later;
+#[cfg(feature = "serial")]
+mod link;
+#[cfg(not(feature = "serial"))]
+#[path = "no_link.rs"]
+mod link;
 mod recovery;
 mod workshop;
 
@@ -17,6 +22,7 @@ use crate::scene::{Scene, file};
 use crate::ui::document::Document;
 use crate::ui::{self, Command, Dialog, Editor, Notice, Shown, canvas, theme};
 use examples::EXAMPLES;
+use link::Board;
 use recovery::Recovery;
 use workshop::Workshop;
 
@@ -77,6 +83,7 @@ pub struct Window {
     editor: Editor,
     shown: Shown,
     workshop: Workshop,
+    board: Board,
     /// The window may close without another question.
     may_close: bool,
     title: String,
@@ -90,12 +97,14 @@ impl Window {
         let shown = Shown {
             examples: EXAMPLES.iter().map(|(name, _)| (*name).to_owned()).collect(),
             evaluator: workshop.evaluator(),
+            board: Board::shown(),
             ..Shown::default()
         };
         Self {
             editor: Editor::new(document),
             shown,
             workshop,
+            board: Board::default(),
             may_close: false,
             title: String::new(),
             recovery: None,
@@ -166,6 +175,10 @@ impl Window {
                 }
                 None => self.tell("No file was chosen", false),
             },
+            Command::Board(command) => {
+                let Self { board, editor, shown, .. } = self;
+                board.execute(&command, editor, shown, ctx);
+            }
             Command::CompareMethods => self.workshop.compare_methods(self.editor.scene()),
             Command::Recover(scene) => {
                 let mut document = Document::new(*scene, None, "recovered");
@@ -241,10 +254,11 @@ impl Window {
     fn frame(&mut self, ui: &mut egui::Ui) {
         let ctx = ui.ctx().clone();
         let before = (self.editor.document.scene.clone(), self.editor.view.clone(), self.editor.playback);
-        let Self { editor, shown, workshop, .. } = self;
+        let Self { editor, shown, workshop, board, .. } = self;
         let mut commands = ui::show(editor, shown, ui, |editor, shown, ui| {
             let canvas = canvas::interact(editor, ui);
             workshop.update(editor, shown, &canvas.lens, ui.ctx());
+            board.update(editor, shown, ui.ctx());
             canvas::paint(editor, shown, ui, &canvas);
         });
         self.hear_outside(&ctx, &mut commands);

@@ -185,7 +185,9 @@ impl Workshop {
     fn follow(&mut self, editor: &Editor, shown: &mut Shown, ctx: &Context) {
         let scene = editor.scene();
         let presses = matches!(editor.view.quantity, Quantity::Radiation | Quantity::Dent);
-        let is_wanted = editor.panel == Panel::Motion || editor.playback.frame.is_some() || presses;
+        let is_wanted = matches!(editor.panel, Panel::Motion | Panel::Device)
+            || editor.playback.frame.is_some()
+            || presses;
         let moves = scene.motion.path != MotionPath::None && !scene.targets.is_empty();
         shown.round = None;
         shown.is_following = false;

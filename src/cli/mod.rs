@@ -2,6 +2,7 @@
 
 mod animate;
 mod bench;
+mod boards;
 mod devices;
 pub(crate) mod evaluator;
 pub(crate) mod liquid;
@@ -17,6 +18,7 @@ use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
 
+use crate::cli::boards::{BoardArgs, SendArgs};
 use crate::picture::ColourMap;
 use crate::scene::{Listener, Method, Scene, file};
 
@@ -90,6 +92,29 @@ enum Command {
     Bench(BenchArgs),
     /// List the adapters and evaluators found, and which would be used
     Devices,
+    /// List the serial ports, and the boards that can be driven
+    Ports,
+    /// Play a scene on a board
+    ///
+    /// A scene at rest is played for a second, a scene with motion for one round; --loop goes on until Ctrl-C. When it ends, in
+    /// whichever way, the board falls silent. Examples:
+    ///
+    ///   sonoglyph send hit.toml --port /dev/ttyUSB0 --profile sonicsurface --loop
+    ///
+    ///   sonoglyph send assets/scenes/water-moving-square.toml --port /dev/ttyUSB0 --profile native --baud 3000000 --seconds 20
+    #[command(verbatim_doc_comment)]
+    Send(SendArgs),
+    /// Be a board: open a pseudo-terminal, decode what arrives, and show the field that it would make
+    ///
+    /// Prints the port to send to. Examples:
+    ///
+    ///   sonoglyph board --profile sonicsurface --seconds 60 -o field.png
+    ///
+    ///   sonoglyph board --rtl
+    ///
+    ///   sonoglyph board --faults drop=0.0001,flip=0.0001,unplug=2
+    #[command(verbatim_doc_comment)]
+    Board(BoardArgs),
 }
 
 #[derive(Debug, Args)]
@@ -221,7 +246,9 @@ enum Subject {
     Stability,
     /// Frames of the window
     Window,
-    /// All but the window
+    /// Links to virtual boards
+    Link,
+    /// All but window and links
     All,
 }
 
@@ -309,6 +336,9 @@ pub fn run() -> anyhow::Result<Next> {
         }
         Cli { command: Some(Command::Bench(args)), .. } => bench::run(&args),
         Cli { command: Some(Command::Devices), .. } => devices::run(),
+        Cli { command: Some(Command::Ports), .. } => boards::ports(),
+        Cli { command: Some(Command::Send(args)), .. } => boards::send(&args),
+        Cli { command: Some(Command::Board(args)), .. } => boards::board(&args),
         Cli { command: None, scene } => return Ok(Next::Window(scene)),
     };
     done.map(|()| Next::Exit)

@@ -1,6 +1,7 @@
 //! The window's panels, canvas and tools. They edit an [`Editor`], show a [`Shown`] and return [`Command`]s; files, threads,
 //! solving and the field are somebody else's.
 
+pub mod board;
 pub mod canvas;
 mod dialog;
 pub mod document;
@@ -31,6 +32,7 @@ use crate::scene::{Focus, Method, Scene};
 use crate::solver::Solution;
 use crate::solver::frames::Sequence;
 use crate::surface::Dent;
+use board::{BoardCommand, BoardForm, BoardShown};
 use document::Document;
 use gesture::{Gesture, Typing};
 use num_complex::Complex64;
@@ -59,6 +61,7 @@ pub struct Editor {
     pub playback: Playback,
     /// The drive as a board with so many phases per period plays it.
     pub levels: Option<u32>,
+    pub board: BoardForm,
 }
 
 /// Which frame of the motion is shown.
@@ -103,6 +106,7 @@ pub enum Command {
     /// Asks the desktop for a file.
     Browse(Purpose),
     CompareMethods,
+    Board(BoardCommand),
     /// Goes on with what the last run left.
     Recover(Box<Scene>),
     Close,
@@ -153,6 +157,7 @@ pub struct Shown {
     /// ms
     pub solving: f64,
     pub mapping: f64,
+    pub board: BoardShown,
     /// What was just done, or could not be.
     pub notice: Option<Notice>,
 }
@@ -251,6 +256,7 @@ impl Editor {
             after_saving: None,
             playback: Playback::default(),
             levels: None,
+            board: BoardForm::default(),
         }
     }
 

@@ -2,6 +2,8 @@
 
 mod average;
 mod field;
+#[cfg(all(unix, feature = "serial"))]
+mod link;
 mod solve;
 mod stability;
 
@@ -51,6 +53,14 @@ pub fn run(args: &BenchArgs) -> anyhow::Result<()> {
     }
     if is_wanted(Subject::Stability) {
         show("stability", stability::run(args.quick)?)?;
+    }
+    #[cfg(all(unix, feature = "serial"))]
+    if args.subject == Subject::Link {
+        show("link", link::run(args.quick)?)?;
+    }
+    #[cfg(not(all(unix, feature = "serial")))]
+    if args.subject == Subject::Link {
+        anyhow::bail!("links are measured on a Unix system, by a program built with serial links");
     }
     if let Some(path) = &args.json {
         output::write(path, serde_json::to_string_pretty(&value)?.as_bytes())?;

@@ -250,8 +250,7 @@ impl Model {
 
     fn sweep(&mut self) {
         let envelope = self.envelope[(self.nco >> 16) as usize];
-        let amplitude_step =
-            if self.enabled { self.amplitude_step } else { self.amplitude_step.max(RAMP) };
+        let amplitude_step = if self.enabled { self.amplitude_step } else { self.amplitude_step.max(RAMP) };
         for n in 0..CHANNELS {
             let ([phase, amplitude], [offset, gain]) =
                 (self.store[usize::from(self.player.slot)][n], self.calibration[n]);
@@ -345,7 +344,8 @@ impl Model {
             Kind::Silencer => (self.phase_step, self.amplitude_step) = (low, high),
             Kind::Widths => self.widths.copy_from_slice(&packet.payload),
             Kind::Calibration => {
-                self.calibration = std::array::from_fn(|n| [packet.payload[2 * n], packet.payload[2 * n + 1]]);
+                self.calibration =
+                    std::array::from_fn(|n| [packet.payload[2 * n], packet.payload[2 * n + 1]]);
             }
         }
         Outcome::Ok
@@ -361,8 +361,7 @@ impl Model {
         }
         self.store[usize::from(slot)] = std::array::from_fn(|n| pair(&packet.payload, n));
         if flags & 1 == 1 {
-            self.player.waiting =
-                Some(Play { first: slot, last: slot, divider: 1, loops: 0, after: false });
+            self.player.waiting = Some(Play { first: slot, last: slot, divider: 1, loops: 0, after: false });
         }
         Outcome::Ok
     }
@@ -408,11 +407,7 @@ fn turned(phase: u16, target: u16, step: u16) -> u16 {
 }
 
 fn approached(value: u16, target: u16, step: u16) -> u16 {
-    if value < target {
-        value + step.min(target - value)
-    } else {
-        value - step.min(value - target)
-    }
+    if value < target { value + step.min(target - value) } else { value - step.min(value - target) }
 }
 
 /// The pulse around a delay (1/256 period) of a width (1/256 period), in levels.

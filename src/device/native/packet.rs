@@ -3,16 +3,16 @@
 //! Meaning and order of every field stand in `gateware/doc/protocol.md`; numbers stand in `gateware/rtl/packets.vh` too, and
 //! a test compares the two tables.
 
-use crc::{CRC_16_GENIBUS, Crc};
+use crate::device::native::line;
 
-const CHECKSUM: Crc<u16> = Crc::<u16>::new(&CRC_16_GENIBUS);
-/// Type, sequence number and four arguments.
-const HEAD: usize = 6;
-const CRC_BYTES: usize = 2;
-/// The longest packet before COBS, CRC included: a frame with amplitudes.
-pub const LONGEST: usize = HEAD + 512 + CRC_BYTES;
-/// COBS puts one byte in front, one more after every 254.
-const LONGEST_ON_LINE: usize = LONGEST + 1 + LONGEST / 254;
+pub use crate::device::native::line::Splitter;
+pub use crate::device::native::line::Spoiled;
+pub use crate::device::native::reply::Body;
+pub use crate::device::native::reply::Flags;
+pub use crate::device::native::reply::Info;
+pub use crate::device::native::reply::Reply;
+pub use crate::device::native::reply::Status;
+
 /// What is added to a packet's type in its reply.
 pub const REPLY: u8 = 0x80;
 
@@ -128,10 +128,6 @@ impl Outcome {
     }
 }
 
-/// Why bytes between two delimiters are no packet.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Spoiled;
-
 /// A packet to the device. `code` need not be that of a [`Kind`]: the device answers what it does not know.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Packet {
@@ -226,7 +222,7 @@ impl Packet {
         let mut body = vec![self.code, self.seq];
         body.extend(self.arguments);
         body.extend(&self.payload);
-        framed(body)
+        line::framed(body)
     }
 
     /// The packet that stands before a delimiter.
@@ -234,190 +230,9 @@ impl Packet {
     /// # Errors
     /// Not COBS, too short or too long, or a wrong CRC.
     pub fn of_line(bytes: &[u8]) -> Result<Self, Spoiled> {
-        let body = checked(bytes)?;
+        let body = line::checked(bytes)?;
         let Some((&[code, seq, a, b, c, d], payload)) = body.split_first_chunk() else { return Err(Spoiled) };
         Ok(Self { code, seq, arguments: [a, b, c, d], payload: payload.to_vec() })
-    }
-}
-
-/// What a device says of itself.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Info {
-    pub protocol: u8,
-    pub phase_bits: u8,
-    /// 1 to 256
-    pub slots: u16,
-    pub version: u8,
-    /// mHz
-    pub carrier_millihertz: u32,
-    /// 1 to 256
-    pub channels: u16,
-    /// In 100 000 baud.
-    pub largest_baud: u8,
-}
-
-/// How a device fares.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Status {
-    /// The slot that is being played.
-    pub slot: u8,
-    /// Packets that the UART spoiled; wraps.
-    pub framing_errors: u8,
-    /// Wraps.
-    pub good: u16,
-    /// Wraps.
-    pub spoiled: u16,
-    /// Periods since power-up; wraps.
-    pub periods: u32,
-}
-
-/// A device's answer to one packet.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Reply {
-    /// The packet's, plus [`REPLY`].
-    pub code: u8,
-    pub seq: u8,
-    pub outcome: Outcome,
-    pub flags: Flags,
-    pub body: Body,
-}
-
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Body {
-    Info(Info),
-    Status(Status),
-}
-
-/// What holds in a device at the moment of its reply.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Flags {
-    pub enabled: bool,
-    /// Muted by the watchdog or the emergency stop, until it is enabled again.
-    pub tripped: bool,
-    /// Playing more than one slot.
-    pub playing: bool,
-    pub emergency_stop: bool,
-    pub outputs_on: bool,
-    /// A PLAY waits.
-    pub waiting: bool,
-}
-
-impl Flags {
-    pub fn bits(self) -> u8 {
-        let bits =
-            [self.enabled, self.tripped, self.playing, self.emergency_stop, self.outputs_on, self.waiting];
-        bits.into_iter().enumerate().map(|(bit, set)| u8::from(set) << bit).sum()
-    }
-
-    pub fn of_bits(bits: u8) -> Self {
-        let set = |bit: u8| bits >> bit & 1 == 1;
-        Self {
-            enabled: set(0),
-            tripped: set(1),
-            playing: set(2),
-            emergency_stop: set(3),
-            outputs_on: set(4),
-            waiting: set(5),
-        }
-    }
-}
-
-impl Reply {
-    /// What goes over the line, the delimiter at its end included.
-    pub fn to_line(&self) -> Vec<u8> {
-        let mut body = vec![self.code, self.seq, self.outcome.code(), self.flags.bits()];
-        match self.body {
-            Body::Info(info) => {
-                // Counts of 1 to 256 travel less one, as the protocol has them.
-                let less_one = |count: u16| count.wrapping_sub(1).to_le_bytes()[0];
-                body.extend([info.protocol, info.phase_bits, less_one(info.slots), info.version]);
-                body.extend(info.carrier_millihertz.to_le_bytes());
-                body.extend([less_one(info.channels), info.largest_baud]);
-            }
-            Body::Status(status) => {
-                body.extend([status.slot, status.framing_errors]);
-                body.extend(status.good.to_le_bytes());
-                body.extend(status.spoiled.to_le_bytes());
-                body.extend(status.periods.to_le_bytes());
-            }
-        }
-        framed(body)
-    }
-
-    /// The reply that stands before a delimiter.
-    ///
-    /// # Errors
-    /// Not COBS, another length than a reply's, a wrong CRC, or a result that no device gives.
-    pub fn of_line(bytes: &[u8]) -> Result<Self, Spoiled> {
-        let body: [u8; 14] = checked(bytes)?.try_into().map_err(|_| Spoiled)?;
-        let [code, seq, result, flags, b4, b5, b6, b7, b8, b9, b10, b11, b12, b13] = body;
-        let outcome = Outcome::ALL.into_iter().find(|outcome| outcome.code() == result).ok_or(Spoiled)?;
-        if code < REPLY {
-            return Err(Spoiled);
-        }
-        let body = if code == Kind::Info.code() + REPLY {
-            Body::Info(Info {
-                protocol: b4,
-                phase_bits: b5,
-                slots: u16::from(b6) + 1,
-                version: b7,
-                carrier_millihertz: u32::from_le_bytes([b8, b9, b10, b11]),
-                channels: u16::from(b12) + 1,
-                largest_baud: b13,
-            })
-        } else {
-            Body::Status(Status {
-                slot: b4,
-                framing_errors: b5,
-                good: u16::from_le_bytes([b6, b7]),
-                spoiled: u16::from_le_bytes([b8, b9]),
-                periods: u32::from_le_bytes([b10, b11, b12, b13]),
-            })
-        };
-        Ok(Self { code, seq, outcome, flags: Flags::of_bits(flags), body })
-    }
-}
-
-/// CRC, COBS and delimiter around a body.
-fn framed(mut body: Vec<u8>) -> Vec<u8> {
-    body.extend(CHECKSUM.checksum(&body).to_be_bytes());
-    let mut line = cobs::encode_vec(&body);
-    line.push(0);
-    line
-}
-
-/// The body within COBS and CRC.
-fn checked(bytes: &[u8]) -> Result<Vec<u8>, Spoiled> {
-    if bytes.len() > LONGEST_ON_LINE {
-        return Err(Spoiled);
-    }
-    let mut body = cobs::decode_vec(bytes).map_err(|_| Spoiled)?;
-    let Some((rest, &[high, low])) = body.split_last_chunk() else { return Err(Spoiled) };
-    if body.len() > LONGEST || CHECKSUM.checksum(rest) != u16::from_be_bytes([high, low]) {
-        return Err(Spoiled);
-    }
-    body.truncate(body.len() - CRC_BYTES);
-    Ok(body)
-}
-
-/// Cuts a stream of bytes at its delimiters.
-#[derive(Clone, Debug, Default)]
-pub struct Splitter {
-    part: Vec<u8>,
-}
-
-impl Splitter {
-    /// What stood before the delimiter, if `byte` is one and anything stood there. Of what is too long for a packet, only
-    /// enough is kept to be refused.
-    pub fn push(&mut self, byte: u8) -> Option<Vec<u8>> {
-        if byte != 0 {
-            if self.part.len() <= LONGEST_ON_LINE {
-                self.part.push(byte);
-            }
-            return None;
-        }
-        let part = std::mem::take(&mut self.part);
-        (!part.is_empty()).then_some(part)
     }
 }
 
@@ -427,15 +242,6 @@ mod tests {
 
     fn body_of(line: &[u8]) -> &[u8] {
         line.strip_suffix(&[0]).unwrap()
-    }
-
-    #[test]
-    fn the_checksum_is_genibus() {
-        // The catalogue's check value, and the register that body and CRC end at before the final XOR.
-        assert_eq!(CHECKSUM.checksum(b"123456789"), 0xD64E);
-        let mut line = b"123456789".to_vec();
-        line.extend(0xD64Eu16.to_be_bytes());
-        assert_eq!(CHECKSUM.checksum(&line) ^ 0xFFFF, 0x1D0F);
     }
 
     #[test]
@@ -470,32 +276,6 @@ mod tests {
     }
 
     #[test]
-    fn replies_come_back_from_the_line_and_have_sixteen_bytes() {
-        let info = Info {
-            protocol: 1,
-            phase_bits: 7,
-            slots: 256,
-            version: 3,
-            carrier_millihertz: 39_950_123,
-            channels: 256,
-            largest_baud: 30,
-        };
-        let status =
-            Status { slot: 5, framing_errors: 255, good: 65_535, spoiled: 0, periods: 0xDEAD_BEEF };
-        for (code, body) in [(0x81, Body::Info(info)), (0x80, Body::Status(status)), (0x90, Body::Status(status))]
-        {
-            for bits in 0..64 {
-                let flags = Flags::of_bits(bits);
-                assert_eq!(flags.bits(), bits);
-                let reply = Reply { code, seq: 9, outcome: Outcome::Busy, flags, body };
-                let line = reply.to_line();
-                assert_eq!(line.len(), 18);
-                assert_eq!(Reply::of_line(body_of(&line)), Ok(reply));
-            }
-        }
-    }
-
-    #[test]
     fn damage_spoils_a_packet() {
         let line = Packet::phases(1, 200, &[77; 256], true).to_line();
         let body = body_of(&line);
@@ -511,15 +291,5 @@ mod tests {
             assert_eq!(Packet::of_line(short), Err(Spoiled));
         }
         assert_eq!(Packet::of_line(&vec![1; 5000]), Err(Spoiled));
-    }
-
-    #[test]
-    fn a_stream_is_cut_at_delimiters_and_never_kept_for_ever() {
-        let mut splitter = Splitter::default();
-        let parts: Vec<_> =
-            [0, 0, 1, 2, 0, 0, 3, 0].into_iter().filter_map(|byte| splitter.push(byte)).collect();
-        assert_eq!(parts, [vec![1, 2], vec![3]]);
-        (0..100_000).for_each(|_| assert_eq!(splitter.push(9), None));
-        assert!(splitter.push(0).unwrap().len() < 1000);
     }
 }

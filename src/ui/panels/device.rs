@@ -1,22 +1,281 @@
-//! The board that plays.
+//! The board that plays: connecting to it, sending to it, trying its elements, and how the line fares.
 
 use egui::{RichText, Ui};
 
-use crate::ui::Shown;
-use crate::ui::panels::heading;
+use crate::device::health::{Health, State};
+use crate::device::profile::Profile;
+use crate::picture::sheet::pascals;
+use crate::scene::MotionPath;
+use crate::ui::board::{BoardCommand, BoardShown, Plays};
+use crate::ui::panels::{choice, count, fact, form, heading};
+use crate::ui::{Command, Editor, Shown, theme};
 
-pub fn show(shown: &Shown, ui: &mut Ui) {
-    heading(ui, "Device");
-    ui.label("No board driver is part of this version, so nothing can be sent from here yet.");
-    ui.add_space(4.0);
-    let elements = shown.sound.as_ref().map_or(0, |sound| sound.drive.phases.len());
-    if elements > 0 {
-        ui.label(format!(
-            "Until then, “Export, Drive as CSV” writes phase and amplitude of the {elements} elements for your own sender."
-        ));
+/// Bits per second that the most usual adapters have.
+const BAUDS: [(u32, &str); 8] = [
+    (0, "the board's usual"),
+    (115_200, "115200"),
+    (230_400, "230400"),
+    (921_600, "921600"),
+    (1_000_000, "1000000"),
+    (2_000_000, "2000000"),
+    (3_000_000, "3000000"),
+    (1_462_857, "1462857"),
+];
+
+pub fn show(editor: &mut Editor, shown: &Shown, ui: &mut Ui, commands: &mut Vec<Command>) {
+    let board = &shown.board;
+    if let Some(why) = &board.unavailable {
+        heading(ui, "Board");
+        ui.label(why);
+        return;
     }
+    let mut ask = |command| commands.push(Command::Board(command));
+    connection(editor, board, ui, &mut ask);
+    if let Some(health) = &board.health {
+        ui.separator();
+        sending(editor, board, health, ui, &mut ask);
+        ui.separator();
+        trial(editor, board, health, ui, &mut ask);
+        ui.separator();
+        line(board, health, ui);
+    }
+    ui.separator();
+    played(editor, board, ui);
+}
+
+fn connection(editor: &mut Editor, board: &BoardShown, ui: &mut Ui, ask: &mut impl FnMut(BoardCommand)) {
+    heading(ui, "Board");
+    let is_open = board.health.is_some();
+    ui.add_enabled_ui(!is_open, |ui| {
+        form(ui, "board", |ui| {
+            let profiles = Profile::ALL.map(|profile| (profile, profile.name()));
+            choice(ui, ("Kind", "What sort of board it is"), &mut editor.board.profile, &profiles);
+            port(editor, board, ui, ask);
+            let tip = "Bits per second; what the board and your adapter can";
+            choice(ui, ("Bit rate", tip), &mut editor.board.baud, &BAUDS);
+            let tip =
+                "CSV with the columns element, offset (degrees), gain (0 to 1), off (0 or 1); empty: none";
+            let label = ui.label("Calibration").on_hover_text(tip);
+            ui.add(egui::TextEdit::singleline(&mut editor.board.calibration).hint_text("none"))
+                .labelled_by(label.id)
+                .on_hover_text(tip);
+            ui.end_row();
+        });
+    });
+    let profile = editor.board.profile;
     ui.label(
-        RichText::new("The Drive panel shows what a board with few phases per period would make of it.")
-            .weak(),
+        RichText::new(format!(
+            "{} elements, {} phases; {}",
+            profile.elements(),
+            profile.levels(),
+            profile.bandwidth(editor.board.baud().unwrap_or(profile.baud()))
+        ))
+        .weak(),
     );
+    ui.horizontal(|ui| {
+        if is_open {
+            if ui.button("Disconnect").on_hover_text("The board falls silent").clicked() {
+                ask(BoardCommand::Disconnect);
+            }
+        } else {
+            let named = !editor.board.port.trim().is_empty();
+            let button = ui.add_enabled(named, egui::Button::new("Connect"));
+            let button = button
+                .on_hover_text("Opens the port and makes the board silent")
+                .on_disabled_hover_text("Name a port first");
+            if button.clicked() {
+                ask(BoardCommand::Connect);
+            }
+        }
+        state(board, ui);
+    });
+}
+
+/// Ports to choose from, and a field for any other.
+fn port(editor: &mut Editor, board: &BoardShown, ui: &mut Ui, ask: &mut impl FnMut(BoardCommand)) {
+    let tip = "Where the board is plugged in; choose one or type it";
+    let label = ui.label("Port").on_hover_text(tip);
+    ui.horizontal(|ui| {
+        let field = egui::TextEdit::singleline(&mut editor.board.port).desired_width(150.0);
+        ui.add(field.hint_text("/dev/ttyUSB0")).labelled_by(label.id).on_hover_text(tip);
+        let menu = ui.menu_button("ports", |ui| {
+            if board.ports.is_empty() {
+                ui.label("There is no serial port");
+            }
+            for name in &board.ports {
+                if ui.button(name).clicked() {
+                    editor.board.port.clone_from(name);
+                    ui.close();
+                }
+            }
+        });
+        if menu.response.on_hover_text("Ports there are").clicked() {
+            ask(BoardCommand::ListPorts);
+        }
+    });
+    ui.end_row();
+}
+
+fn state(board: &BoardShown, ui: &mut Ui) {
+    match board.health.as_ref().map(|health| &health.state) {
+        None => {
+            ui.weak("not connected");
+        }
+        Some(State::Connecting) => {
+            ui.spinner();
+            ui.label("looking for the board");
+        }
+        Some(State::Ready) => {
+            ui.label(RichText::new("connected").strong());
+        }
+        Some(State::Lost(_)) => {
+            ui.spinner();
+            ui.label(RichText::new("lost; looking for it").color(theme::error(ui.visuals())));
+        }
+    }
+}
+
+fn sending(
+    editor: &mut Editor,
+    board: &BoardShown,
+    health: &Health,
+    ui: &mut Ui,
+    ask: &mut impl FnMut(BoardCommand),
+) {
+    heading(ui, "Play");
+    if let State::Lost(why) = &health.state {
+        ui.label(RichText::new(why).color(theme::error(ui.visuals())));
+    }
+    ui.horizontal(|ui| {
+        if ui.button("Send").on_hover_text("The board plays the scene from now on").clicked() {
+            ask(BoardCommand::Send);
+        }
+        let moves = editor.scene().motion.path != MotionPath::None;
+        let motion = ui.add_enabled(moves, egui::Button::new("Play motion"));
+        let motion = motion
+            .on_hover_text("All frames, over and over; a native board keeps them and needs nobody")
+            .on_disabled_hover_text("Nothing moves in this scene");
+        if motion.clicked() {
+            ask(BoardCommand::PlayMotion);
+        }
+        let stop = ui.add_enabled(board.plays != Plays::Nothing, egui::Button::new("Stop"));
+        if stop.on_hover_text("Silence").clicked() {
+            ask(BoardCommand::Stop);
+        }
+    });
+    ui.checkbox(&mut editor.board.live, "Live").on_hover_text(
+        "While the board plays the scene, every change goes to it at once, also while you drag",
+    );
+    let what = match board.plays {
+        Plays::Nothing => "silent".to_owned(),
+        Plays::Scene => "the scene".to_owned(),
+        Plays::Motion => "the motion".to_owned(),
+        Plays::One(element) => format!("element {element} alone"),
+        Plays::Checkerboard => "a checkerboard".to_owned(),
+    };
+    form(ui, "plays", |ui| fact(ui, ("Wanted", "What the board is to play"), what));
+    if let Some(carrier) = other_carrier(editor, board) {
+        let frequency = editor.scene().array.frequency;
+        ui.label(
+            RichText::new(format!("The board plays {carrier} Hz, the scene is made for {frequency} Hz."))
+                .color(theme::warning(ui.visuals())),
+        );
+        if ui.button("Make the scene for the board").clicked() {
+            ask(BoardCommand::TakeCarrier);
+        }
+    }
+}
+
+/// The board's carrier (Hz), if the scene is made for another.
+fn other_carrier(editor: &Editor, board: &BoardShown) -> Option<f64> {
+    let carrier = board.found.and_then(|found| found.carrier)?;
+    crate::device::levels::carrier_notice(carrier, editor.scene().array.frequency).map(|_| carrier)
+}
+
+fn trial(
+    editor: &mut Editor,
+    board: &BoardShown,
+    health: &Health,
+    ui: &mut Ui,
+    ask: &mut impl FnMut(BoardCommand),
+) {
+    heading(ui, "Try the elements");
+    let last = editor.board.profile.elements().saturating_sub(1) as u32;
+    form(ui, "trial", |ui| {
+        let tip = "Counted from 0, row by row from the corner at smallest x and y";
+        let before = editor.board.element;
+        count(ui, ("Element", tip), &mut editor.board.element, 0..=last);
+        if before != editor.board.element && matches!(board.plays, Plays::One(_)) {
+            ask(BoardCommand::One);
+        }
+    });
+    ui.add_enabled_ui(health.state == State::Ready, |ui| {
+        ui.horizontal(|ui| {
+            if ui.button("One alone").on_hover_text("Only this element sounds, fully").clicked() {
+                ask(BoardCommand::One);
+            }
+            if ui.button("Checkerboard").on_hover_text("Neighbours in antiphase: nothing far away").clicked()
+            {
+                ask(BoardCommand::Checkerboard);
+            }
+        });
+    });
+}
+
+fn line(board: &BoardShown, health: &Health, ui: &mut Ui) {
+    heading(ui, "The line");
+    let milliseconds = |duration: std::time::Duration| format!("{:.2} ms", duration.as_secs_f64() * 1e3);
+    form(ui, "line", |ui| {
+        let frames = format!("{}, {:.0} per second", health.frames, health.frames_per_second);
+        fact(ui, ("Frames", "That the board has"), frames);
+        fact(ui, ("Bytes", "On their way to it"), format!("{:.1} kB/s", health.bytes_per_second / 1e3));
+        if let Some(latency) = health.latency {
+            let tip = "From a change to the last byte of its frame on the line; the median";
+            fact(ui, ("Delay", tip), milliseconds(latency.median));
+        }
+        if let Some(round_trip) = health.round_trip {
+            let value = format!("{} ± {}", milliseconds(round_trip.median), milliseconds(round_trip.jitter));
+            fact(ui, ("Answers after", "From a packet's last byte to its answer"), value);
+            let tip = "Packets that were spoiled on the line or refused; they were sent again";
+            fact(ui, ("Sent again", tip), health.refused.to_string());
+        }
+        if let Some(swaps) = health.swaps {
+            let hertz = 0.5 / swaps.median.as_secs_f64();
+            let value = format!("{hertz:.2} Hz ± {}", milliseconds(swaps.jitter));
+            fact(ui, ("Modulated at", "By switching it on and off from here"), value);
+        }
+        if health.found > 1 {
+            fact(ui, ("Found again", "After it was lost"), format!("{} times", health.found - 1));
+        }
+    });
+    for message in board.messages.iter().rev().take(4) {
+        ui.label(RichText::new(message).weak());
+    }
+}
+
+/// What the board makes of the drive.
+fn played(editor: &mut Editor, board: &BoardShown, ui: &mut Ui) {
+    heading(ui, "What it makes of the scene");
+    let levels = u32::from(editor.board.profile.levels());
+    let mut as_played = editor.levels == Some(levels);
+    let tip = "The map and all pressures are then those of the drive in the board's phases";
+    if ui.checkbox(&mut as_played, "Show what the board plays").on_hover_text(tip).changed() {
+        editor.levels = as_played.then_some(levels);
+    }
+    match board.pressures {
+        Some((ideal, played)) => form(ui, "played", |ui| {
+            fact(ui, ("Ideal", "Mean pressure over the focal points, peak"), pascals(ideal));
+            let part = format!("{} ({:.1} %)", pascals(played), 100.0 * played / ideal);
+            fact(ui, ("As played", "The same with the board's phases, amplitudes and calibration"), part);
+        }),
+        None => {
+            let (array, elements) = (editor.scene().array.elements(), editor.board.profile.elements());
+            if array != elements {
+                ui.label(
+                    RichText::new(format!("The scene's array has {array} elements, the board {elements}."))
+                        .color(theme::warning(ui.visuals())),
+                );
+            }
+        }
+    }
 }

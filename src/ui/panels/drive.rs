@@ -9,12 +9,14 @@ use crate::ui::panels::{choice, fact, form, heading};
 use crate::ui::{Editor, Shown, Sound, element_map};
 
 /// Phases per period that boards play.
-const LEVELS: [(Option<u32>, &str); 6] = [
+const LEVELS: [(Option<u32>, &str); 8] = [
     (None, "ideal"),
     (Some(8), "8 phases"),
+    (Some(10), "10 phases"),
     (Some(16), "16 phases"),
     (Some(32), "32 phases"),
     (Some(64), "64 phases"),
+    (Some(128), "128 phases"),
     (Some(256), "256 phases"),
 ];
 

@@ -52,7 +52,7 @@ pub fn show(editor: &mut Editor, shown: &Shown, ui: &mut Ui, commands: &mut Vec<
             Panel::Drive => drive::show(editor, shown, ui),
             Panel::Liquid => liquid::show(editor, shown, ui),
             Panel::Motion => motion::show(editor, shown, ui),
-            Panel::Device => device::show(shown, ui),
+            Panel::Device => device::show(editor, shown, ui, commands),
         }
         ui.add_space(12.0);
     });

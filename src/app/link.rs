@@ -1,0 +1,259 @@
+//! The board at the other end of the window: one link, what was sent over it last, and what the panel shows of it.
+
+use std::path::Path;
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::time::Duration;
+
+use eframe::egui::Context;
+
+use crate::acoustics::Aperture;
+use crate::cli::note;
+use crate::device::calibration::Calibration;
+use crate::device::levels::Levels;
+use crate::device::link::{Content, Event, Link, Settings};
+use crate::device::port;
+use crate::device::profile::Profile;
+use crate::drive::Drive;
+use crate::scene::Modulation;
+use crate::solver::{Problem, Solution};
+use crate::ui::board::{BoardCommand, BoardShown, Plays};
+use crate::ui::{Editor, Notice, Panel, Shown};
+
+/// How often the figures of a link are looked at.
+const LOOK: Duration = Duration::from_millis(250);
+/// Messages that are kept.
+const KEPT: usize = 20;
+
+/// The link, if somebody connected, and what it was told last.
+#[derive(Debug, Default)]
+pub struct Board {
+    /// Shared with the thread that waits for Ctrl-C.
+    link: Arc<Mutex<Option<Link>>>,
+    hears_signals: bool,
+    calibration: Calibration,
+    drive: Option<Drive>,
+    modulation: Option<Modulation>,
+    /// A motion is wanted and its frames are not there yet.
+    awaits_round: bool,
+    compared: Option<(Arc<Solution>, Profile)>,
+}
+
+impl Board {
+    /// What the panel shows before anybody connects.
+    pub fn shown() -> BoardShown {
+        BoardShown { ports: ports(), ..BoardShown::default() }
+    }
+
+    pub fn execute(&mut self, command: &BoardCommand, editor: &mut Editor, shown: &mut Shown, ctx: &Context) {
+        let profile = editor.board.profile;
+        match command {
+            BoardCommand::ListPorts => shown.board.ports = ports(),
+            BoardCommand::Connect => self.connect(editor, shown, ctx),
+            BoardCommand::Disconnect => {
+                *locked(&self.link) = None;
+                (shown.board.health, shown.board.found, shown.board.plays) = (None, None, Plays::Nothing);
+            }
+            BoardCommand::Send => (self.drive, shown.board.plays) = (None, Plays::Scene),
+            BoardCommand::PlayMotion => (self.awaits_round, shown.board.plays) = (true, Plays::Motion),
+            BoardCommand::Stop => {
+                shown.board.plays = Plays::Nothing;
+                locked(&self.link).iter().for_each(Link::stop);
+            }
+            BoardCommand::One => {
+                let element = editor.board.element;
+                shown.board.plays = Plays::One(element);
+                self.show(Levels::one(profile, element as usize));
+            }
+            BoardCommand::Checkerboard => {
+                shown.board.plays = Plays::Checkerboard;
+                self.show(Levels::checkerboard(profile, editor.scene().array.columns as usize));
+            }
+            BoardCommand::TakeCarrier => {
+                if let Some(carrier) = shown.board.found.and_then(|found| found.carrier) {
+                    editor.document.scene.array.frequency = carrier;
+                }
+            }
+        }
+    }
+
+    fn show(&self, levels: Levels) {
+        if let Some(link) = &*locked(&self.link) {
+            link.show(Content::Still(levels));
+        }
+    }
+
+    fn connect(&mut self, editor: &Editor, shown: &mut Shown, ctx: &Context) {
+        let form = &editor.board;
+        let calibration = match form.calibration() {
+            Some(path) => Calibration::read(&path, form.profile.elements())
+                .map_err(|error| format!("{}: {error}", path.display())),
+            None => Ok(Calibration::default()),
+        };
+        let opened = calibration.and_then(|calibration| {
+            let port = Path::new(form.port.trim()).to_owned();
+            let settings = Settings { port, profile: form.profile, baud: form.baud() };
+            let ctx = ctx.clone();
+            let link = Link::open(settings, Box::new(move || ctx.request_repaint()));
+            Ok((calibration, link.map_err(|error| error.to_string())?))
+        });
+        match opened {
+            Ok((calibration, link)) => {
+                shown.board.health = Some(link.health());
+                shown.board.messages.clear();
+                self.hear_signals();
+                *locked(&self.link) = Some(link);
+                (self.calibration, self.drive, self.modulation) = (calibration, None, None);
+            }
+            Err(error) => shown.notice = Some(Notice { text: error, is_error: true }),
+        }
+    }
+
+    /// Ctrl-C ends the window as ever, but not before its board is silent.
+    fn hear_signals(&mut self) {
+        if !std::mem::replace(&mut self.hears_signals, true) {
+            // Without it the board's own watchdog is left, if it has one.
+            if let Err(error) = silence_on_signals(Arc::clone(&self.link)) {
+                note(&format!("Ctrl-C will not silence the board: {error}"));
+            }
+        }
+    }
+
+    /// Sends what has changed, and brings what the panel shows up to date.
+    pub fn update(&mut self, editor: &Editor, shown: &mut Shown, ctx: &Context) {
+        self.compare(editor, shown);
+        let shared = Arc::clone(&self.link);
+        let held = locked(&shared);
+        let Some(link) = &*held else { return };
+        while let Some(event) = link.event() {
+            hear(event, shown);
+        }
+        shown.board.health = Some(link.health());
+        ctx.request_repaint_after(LOOK);
+        let modulation = &editor.scene().modulation;
+        if self.modulation.as_ref() != Some(modulation) {
+            link.modulate(modulation.clone());
+            self.modulation = Some(modulation.clone());
+        }
+        drop(held);
+        match shown.board.plays {
+            Plays::Scene => self.send_scene(editor, shown),
+            Plays::Motion if self.awaits_round => self.send_motion(editor, shown),
+            _ => {}
+        }
+    }
+
+    fn send_scene(&mut self, editor: &Editor, shown: &mut Shown) {
+        let Some(solution) = &shown.solution else {
+            // Nothing is drawn any more, so nothing sounds.
+            if self.drive.take().is_some() {
+                locked(&self.link).iter().for_each(Link::stop);
+            }
+            return;
+        };
+        if self.drive.as_ref() == Some(&solution.drive) || (self.drive.is_some() && !editor.board.live) {
+            return;
+        }
+        let drive = solution.drive.clone();
+        match Levels::new(editor.board.profile, &drive, &self.calibration) {
+            Ok(levels) => self.show(levels),
+            Err(error) => refuse(shown, error.to_string()),
+        }
+        self.drive = Some(drive);
+    }
+
+    fn send_motion(&mut self, editor: &Editor, shown: &mut Shown) {
+        let Some(round) = &shown.round else { return };
+        self.awaits_round = false;
+        let levels = |drive: &Drive| Levels::new(editor.board.profile, drive, &self.calibration);
+        let frames: Result<Vec<_>, _> = round.frames.iter().map(|frame| levels(&frame.drive)).collect();
+        match frames {
+            Ok(frames) => {
+                let content = Content::Motion { frames, rate: editor.scene().motion.frames_per_second() };
+                locked(&self.link).iter().for_each(|link| link.show(content.clone()));
+            }
+            Err(error) => refuse(shown, error.to_string()),
+        }
+    }
+
+    /// What the board makes of the scene's drive, where that is not known yet.
+    fn compare(&mut self, editor: &Editor, shown: &mut Shown) {
+        let profile = editor.board.profile;
+        let Some(solution) = &shown.solution else {
+            shown.board.pressures = None;
+            return;
+        };
+        let same =
+            |(compared, of): &(Arc<Solution>, Profile)| Arc::ptr_eq(compared, solution) && *of == profile;
+        if self.compared.as_ref().is_some_and(same) || editor.panel != Panel::Device {
+            return;
+        }
+        self.compared = Some((solution.clone(), profile));
+        let aperture = Aperture::new(editor.scene());
+        let fits = aperture.positions.len() == solution.drive.phases.len();
+        let levels = Levels::new(profile, &solution.drive, &Calibration::default());
+        shown.board.pressures = levels.ok().filter(|_| fits).map(|levels| {
+            let transfer = Problem::new(&aperture, solution.foci.clone()).transfer;
+            let played = transfer.pressure(&levels.drive().excitation(&aperture.driven));
+            let mean = played.iter().map(|p| p.norm()).sum::<f64>() / played.len().max(1) as f64;
+            (solution.quality.mean_pressure, mean)
+        });
+    }
+}
+
+/// The thread that waits for Ctrl-C holds the link too, so it does not go by itself.
+impl Drop for Board {
+    fn drop(&mut self) {
+        drop(locked(&self.link).take());
+    }
+}
+
+/// What is locked here stays whole when a thread panics.
+fn locked(link: &Mutex<Option<Link>>) -> MutexGuard<'_, Option<Link>> {
+    link.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+#[cfg(unix)]
+fn silence_on_signals(link: Arc<Mutex<Option<Link>>>) -> std::io::Result<()> {
+    use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
+    let mut signals = signal_hook::iterator::Signals::new([SIGINT, SIGTERM, SIGHUP])?;
+    let wait = move || {
+        for signal in signals.forever() {
+            drop(locked(&link).take());
+            // It ends the program; if it cannot, the window is still there to be closed.
+            let _ = signal_hook::low_level::emulate_default_handler(signal);
+        }
+    };
+    std::thread::Builder::new().name("signals".to_owned()).spawn(wait).map(drop)
+}
+
+#[cfg(not(unix))]
+fn silence_on_signals(_: Arc<Mutex<Option<Link>>>) -> std::io::Result<()> {
+    Ok(())
+}
+
+fn hear(event: Event, shown: &mut Shown) {
+    let (text, is_error) = match event {
+        Event::Ready(found) => {
+            shown.board.found = Some(found);
+            (format!("The board is ready, at {} baud", found.baud), false)
+        }
+        Event::Lost(why) => (format!("The board is lost: {why}"), true),
+        Event::Notice(text) => (text, false),
+    };
+    let messages = &mut shown.board.messages;
+    messages.push(text.clone());
+    let old = messages.len().saturating_sub(KEPT);
+    messages.drain(..old);
+    shown.notice = Some(Notice { text, is_error });
+}
+
+/// Says why nothing is sent, and gives up the wish.
+fn refuse(shown: &mut Shown, text: String) {
+    shown.board.plays = Plays::Nothing;
+    shown.notice = Some(Notice { text, is_error: true });
+}
+
+fn ports() -> Vec<String> {
+    let ports = port::available().unwrap_or_default();
+    ports.into_iter().map(|port| port.display().to_string()).collect()
+}

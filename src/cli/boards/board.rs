@@ -1,0 +1,192 @@
+//! `sonoglyph board`: a virtual board on a pseudo-terminal, and the field that it would make.
+
+use std::path::{Path, PathBuf};
+use std::process::Command;
+use std::time::{Duration, Instant};
+
+use anyhow::{Context, bail};
+
+use crate::cli::boards::{BoardArgs, interrupt};
+use crate::cli::map::{self, Look, Sound};
+use crate::cli::{note, output, read_scene};
+use crate::device::board::{Board, Report, Setup};
+use crate::device::profile::Profile;
+use crate::drive::Drive;
+use crate::field::{Evaluator, Quantity, Samples, Stages};
+use crate::picture::sheet::pascals;
+use crate::picture::{ColourMap, export};
+use crate::scene::Scene;
+
+/// How often the board says how it fares.
+const REPORT: Duration = Duration::from_secs(1);
+/// After its first frame a board shows the faults that happen once.
+const ONCE_AFTER: Duration = Duration::from_secs(2);
+/// Pixels per side of the field.
+const SIDE: usize = 256;
+
+pub fn run(args: &BoardArgs) -> anyhow::Result<()> {
+    let scene = scene(args)?;
+    if let Some(path) = &args.output {
+        output::check_writable(path)?;
+    }
+    let interrupted = interrupt::watch()?;
+    let mut setup = Setup::new(args.profile);
+    setup.baud = args.baud;
+    setup.faults = args.faults.unwrap_or_default();
+    setup.phase_bits = args.phase_bits;
+    if args.rtl {
+        if args.profile != Profile::Native {
+            bail!("--rtl simulates the native gateware, and {} is another board", args.profile.name());
+        }
+        setup.program = Some(build(args.phase_bits)?);
+    }
+    let board = Board::start(setup.clone(), Box::new(|_| {}))?;
+    println!("{}", board.path().display());
+    note(&format!(
+        "a {} board listens there: {}",
+        args.profile.name(),
+        args.profile.bandwidth(args.baud.unwrap_or(args.profile.baud()))
+    ));
+
+    let begun = Instant::now();
+    let mut watched = Watched::new(scene, args.output.clone());
+    let mut faults = Once { first_frame: None, setup };
+    let mut next_report = begun + REPORT;
+    while !interrupted.is_set() && args.seconds.is_none_or(|seconds| begun.elapsed().as_secs_f64() < seconds)
+    {
+        std::thread::sleep(Duration::from_millis(10));
+        faults.act(&board);
+        if Instant::now() >= next_report {
+            next_report += REPORT;
+            watched.look(&board.report())?;
+        }
+    }
+    let report = board.report();
+    watched.look(&report)?;
+    println!(
+        "{} bytes, {} frames, {} spoiled, {} at another bit rate",
+        report.bytes, report.frames, report.spoiled, report.wrong_baud
+    );
+    Ok(())
+}
+
+/// The scene whose array and plane are meant; without one, a default array of the board's size.
+fn scene(args: &BoardArgs) -> anyhow::Result<Scene> {
+    let elements = args.profile.elements();
+    let Some(path) = &args.scene else {
+        let mut scene = Scene::default();
+        (scene.array.rows, scene.array.columns) = match elements {
+            64 => (8, 8),
+            _ => ((elements / 16) as u32, 16),
+        };
+        return Ok(scene);
+    };
+    let scene = read_scene(path, None)?;
+    if scene.array.elements() != elements {
+        bail!(
+            "{}: the scene's array has {} elements, but {} drives {elements}",
+            path.display(),
+            scene.array.elements(),
+            args.profile.name()
+        );
+    }
+    Ok(scene)
+}
+
+/// The simulated device, made by Verilator if it is not there yet.
+fn build(phase_bits: u8) -> anyhow::Result<PathBuf> {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let folder = root.join(format!("target/gateware/{phase_bits}"));
+    let script = root.join("gateware/sim/build");
+    note("building the simulated gateware, which takes a minute the first time");
+    let made = Command::new(&script).arg(phase_bits.to_string()).arg(&folder).status();
+    let made = made.with_context(|| {
+        format!("{}: --rtl needs the checkout that this program was built in", script.display())
+    })?;
+    if !made.success() {
+        bail!(
+            "the gateware was not built; on Debian, `apt-get install verilator make g++` brings what it needs"
+        );
+    }
+    Ok(folder.join("device"))
+}
+
+/// Faults that happen once.
+struct Once {
+    first_frame: Option<Instant>,
+    setup: Setup,
+}
+
+impl Once {
+    fn act(&mut self, board: &Board) {
+        if self.first_frame.is_none() && board.report().frames > 0 {
+            self.first_frame = Some(Instant::now());
+        }
+        let Some(first) = self.first_frame else { return };
+        let now =
+            |lasts: Duration| !lasts.is_zero() && (ONCE_AFTER..ONCE_AFTER + lasts).contains(&first.elapsed());
+        board.stall(now(self.setup.faults.stall));
+        board.unplug(now(self.setup.faults.unplug));
+    }
+}
+
+/// What was seen of a board, and what is made of it.
+struct Watched {
+    scene: Scene,
+    output: Option<PathBuf>,
+    stages: Stages,
+    drive: Drive,
+    frames: u64,
+    events: usize,
+}
+
+impl Watched {
+    fn new(scene: Scene, output: Option<PathBuf>) -> Self {
+        let stages = Stages::new(Evaluator::Cpu);
+        Self { scene, output, stages, drive: Drive::default(), frames: 0, events: 0 }
+    }
+
+    /// Says what is new, with the field where the board plays something else.
+    fn look(&mut self, report: &Report) -> anyhow::Result<()> {
+        for event in &report.events[self.events..] {
+            println!("{event}");
+        }
+        self.events = report.events.len();
+        let drive = report.playing.as_ref().map(|playing| playing.drive()).unwrap_or_default();
+        if drive == self.drive && report.frames == self.frames {
+            return Ok(());
+        }
+        let field = if drive.amplitudes.iter().any(|&amplitude| amplitude > 0.0) {
+            self.field(&drive)?
+        } else {
+            "silent".to_owned()
+        };
+        println!("{} frames, {} spoiled; {field}", report.frames, report.spoiled);
+        (self.drive, self.frames) = (drive, report.frames);
+        Ok(())
+    }
+
+    /// The loudest place on the plane; the picture goes to the file that was asked for.
+    fn field(&mut self, drive: &Drive) -> anyhow::Result<String> {
+        let look = Look {
+            width: SIDE,
+            height: SIDE,
+            quantity: Quantity::Rms,
+            colours: ColourMap::Inferno,
+            numbers: true,
+        };
+        let sound = Sound { scene: &self.scene, drives: std::slice::from_ref(drive) };
+        let map = map::draw_anyhow(sound, &mut self.stages, &look, false)?;
+        if let Some(path) = &self.output {
+            output::write(path, &export::png(&map.picture)?)?;
+        }
+        let numbers = map.numbers.unwrap_or_default();
+        let loudest = (0..numbers.len()).max_by(|&a, &b| numbers[a].total_cmp(&numbers[b])).unwrap_or(0);
+        let place = Samples::on_plane(&self.scene.plane, SIDE, SIDE)
+            .filter(|samples| loudest < samples.len())
+            .map(|samples| samples.point(loudest) * 1e3);
+        let place =
+            place.map_or(String::new(), |at| format!(" at ({:.1}, {:.1}, {:.1}) mm", at.x, at.y, at.z));
+        Ok(format!("peak {} RMS{place}", pascals(map.largest)))
+    }
+}

@@ -1,0 +1,140 @@
+//! Boards on the command line: `ports`, `send` and `board`, and what a program without serial links says instead.
+
+#[cfg(all(unix, feature = "serial"))]
+mod board;
+#[cfg(feature = "serial")]
+mod interrupt;
+#[cfg(feature = "serial")]
+mod ports;
+#[cfg(feature = "serial")]
+mod send;
+
+use std::path::PathBuf;
+
+use clap::Args;
+
+use crate::cli::parse_method;
+#[cfg(all(unix, feature = "serial"))]
+use crate::device::board::faults::Faults;
+use crate::device::profile::Profile;
+use crate::scene::Method;
+
+#[derive(Debug, Args)]
+#[cfg_attr(
+    not(feature = "serial"),
+    expect(dead_code, reason = "a program without serial links only refuses")
+)]
+pub struct SendArgs {
+    /// Scene file
+    scene: PathBuf,
+    /// Serial port that the board is at; `sonoglyph ports` lists them
+    #[arg(long)]
+    port: PathBuf,
+    /// Kind of board; `sonoglyph ports` lists them
+    #[arg(long, value_parser = parse_profile)]
+    profile: Profile,
+    /// Bits per second, instead of the board's usual
+    #[arg(long, value_parser = clap::value_parser!(u32).range(1200..=12_000_000))]
+    baud: Option<u32>,
+    /// Solver method, instead of the scene's
+    #[arg(long, value_parser = parse_method)]
+    method: Option<Method>,
+    /// Go on until Ctrl-C
+    #[arg(long = "loop")]
+    repeat: bool,
+    /// Go on for so long
+    #[arg(long, value_name = "S", value_parser = parse_seconds)]
+    seconds: Option<f64>,
+    /// CSV with the columns element, offset (degrees), gain (0 to 1), off (0 or 1), a row for every element
+    #[arg(long, value_name = "FILE.csv")]
+    calibration: Option<PathBuf>,
+}
+
+#[derive(Debug, Args)]
+#[cfg_attr(
+    not(all(unix, feature = "serial")),
+    expect(dead_code, reason = "a program without pseudo-terminals only refuses")
+)]
+pub struct BoardArgs {
+    /// Kind of board; `sonoglyph ports` lists them
+    #[arg(long, value_parser = parse_profile, default_value = "native")]
+    profile: Profile,
+    /// Bits per second that the board listens at, instead of its usual
+    #[arg(long, value_parser = clap::value_parser!(u32).range(1200..=12_000_000))]
+    baud: Option<u32>,
+    /// Run the gateware itself in a simulation by Verilator, instead of the model
+    #[arg(long)]
+    rtl: bool,
+    /// Phase bits of the native device
+    #[arg(long, default_value_t = 7, value_parser = clap::value_parser!(u8).range(5..=8))]
+    phase_bits: u8,
+    /// What goes wrong: drop, flip, insert, burst (each =probability per byte), garbage, stall=S, unplug=S
+    #[arg(long, value_name = "LIST", value_parser = parse_faults)]
+    faults: Option<Faults>,
+    /// End after so long
+    #[arg(long, value_name = "S", value_parser = parse_seconds)]
+    seconds: Option<f64>,
+    /// Write the field that was played last as PNG
+    #[arg(short, long, value_name = "FIELD.png")]
+    output: Option<PathBuf>,
+    /// Scene whose array and plane the field is shown for
+    #[arg(long)]
+    scene: Option<PathBuf>,
+}
+
+fn parse_profile(name: &str) -> Result<Profile, String> {
+    let names = || Profile::ALL.map(Profile::name).join(", ");
+    Profile::of_name(name).ok_or_else(|| format!("the boards are {}", names()))
+}
+
+fn parse_seconds(text: &str) -> Result<f64, String> {
+    const LONGEST: f64 = 1e9;
+    let seconds = text.parse::<f64>().ok().filter(|seconds| *seconds > 0.0 && *seconds <= LONGEST);
+    seconds.ok_or_else(|| "give a number of seconds above 0".to_owned())
+}
+
+#[cfg(all(unix, feature = "serial"))]
+fn parse_faults(text: &str) -> Result<Faults, String> {
+    Faults::parse(text)
+}
+
+/// Faults where no board could have them.
+#[cfg(not(all(unix, feature = "serial")))]
+type Faults = String;
+
+#[cfg(not(all(unix, feature = "serial")))]
+fn parse_faults(text: &str) -> Result<Faults, String> {
+    Ok(text.to_owned())
+}
+
+#[cfg(feature = "serial")]
+pub fn send(args: &SendArgs) -> anyhow::Result<()> {
+    send::run(args)
+}
+
+#[cfg(feature = "serial")]
+pub fn ports() -> anyhow::Result<()> {
+    ports::run()
+}
+
+#[cfg(all(unix, feature = "serial"))]
+pub fn board(args: &BoardArgs) -> anyhow::Result<()> {
+    board::run(args)
+}
+
+#[cfg(not(feature = "serial"))]
+pub fn send(_: &SendArgs) -> anyhow::Result<()> {
+    ports()
+}
+
+#[cfg(not(feature = "serial"))]
+pub fn ports() -> anyhow::Result<()> {
+    anyhow::bail!("this program was built without serial links; `cargo build --features serial` has them")
+}
+
+#[cfg(not(all(unix, feature = "serial")))]
+pub fn board(_: &BoardArgs) -> anyhow::Result<()> {
+    anyhow::bail!(
+        "virtual boards need a Unix system and a program built with serial links (feature `serial`)"
+    )
+}

@@ -1,0 +1,35 @@
+//! `sonoglyph ports`: the serial ports there are, and the boards that can be driven over them.
+
+use comfy_table::Table;
+
+use crate::device::port;
+use crate::device::profile::{Profile, Strength};
+
+pub fn run() -> anyhow::Result<()> {
+    let ports = port::available()?;
+    if ports.is_empty() {
+        println!(
+            "There is no serial port. A board's appears when it is plugged in; `sonoglyph board` makes one up."
+        );
+    }
+    for port in ports {
+        println!("{}", port.display());
+    }
+    let mut table = Table::new();
+    table.set_header(["--profile", "elements", "phases", "amplitudes", "at most"]);
+    for profile in Profile::ALL {
+        let amplitudes = match profile.strength() {
+            Strength::Fixed => "on or off".to_owned(),
+            Strength::Linear(full) | Strength::Duty(full) => full.to_string(),
+        };
+        table.add_row([
+            profile.name().to_owned(),
+            profile.elements().to_string(),
+            profile.levels().to_string(),
+            amplitudes,
+            profile.bandwidth(profile.baud()),
+        ]);
+    }
+    println!("{table}");
+    Ok(())
+}

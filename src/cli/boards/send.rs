@@ -1,0 +1,146 @@
+//! `sonoglyph send`: a scene to a board.
+
+use std::time::{Duration, Instant};
+
+use anyhow::{Context, bail};
+
+use crate::cli::boards::{SendArgs, interrupt};
+use crate::cli::{motion, note, read_scene, warn};
+use crate::device::calibration::Calibration;
+use crate::device::health::{Found, Health};
+use crate::device::levels::{self, Levels, OtherCount};
+use crate::device::link::{Content, Event, Link, Settings};
+use crate::device::profile::Profile;
+use crate::drive::Drive;
+use crate::scene::{MotionPath, Scene};
+use crate::solver;
+
+/// How long a scene at rest is played if nobody says.
+const GLANCE: Duration = Duration::from_secs(1);
+/// How often a link that runs says how it fares.
+const REPORT: Duration = Duration::from_secs(1);
+
+pub fn run(args: &SendArgs) -> anyhow::Result<()> {
+    let mut scene = read_scene(&args.scene, args.method)?;
+    let name = args.scene.display().to_string();
+    let array = scene.array.elements();
+    if array != args.profile.elements() {
+        return Err(OtherCount { profile: args.profile, array }).with_context(|| name);
+    }
+    let calibration = calibration(args)?;
+    let interrupted = interrupt::watch()?;
+    let settings = Settings { port: args.port.clone(), profile: args.profile, baud: args.baud };
+    note(&args.profile.bandwidth(settings.baud()));
+    let link = Link::open(settings, Box::new(|| {}))?;
+    let found = loop {
+        match link.event_within(Duration::from_millis(20)) {
+            Some(Event::Ready(found)) => break found,
+            Some(Event::Lost(why)) => bail!(why),
+            Some(Event::Notice(text)) => note(&text),
+            None if interrupted.is_set() => return Ok(()),
+            None => {}
+        }
+    };
+    follow_carrier(&mut scene, found);
+    let (content, lasts) = content(&scene, &name, args.profile, &calibration)?;
+    link.modulate(scene.modulation.clone());
+    link.show(content);
+
+    let lasts = match (args.seconds, args.repeat) {
+        (Some(seconds), _) => Some(Duration::from_secs_f64(seconds)),
+        (None, true) => None,
+        (None, false) => Some(lasts),
+    };
+    let mut begun = None;
+    let mut next_report = Instant::now() + REPORT;
+    while !interrupted.is_set() && !over(begun, lasts) {
+        match link.event_within(Duration::from_millis(5)) {
+            Some(Event::Lost(why)) => warn(&format!("{why}; looking for it")),
+            Some(Event::Ready(_)) => note("the board is back"),
+            Some(Event::Notice(text)) => note(&text),
+            None => {}
+        }
+        let health = link.health();
+        if begun.is_none() && health.frames > 0 {
+            begun = Some(Instant::now());
+        }
+        if Instant::now() >= next_report {
+            next_report += REPORT;
+            eprintln!("{}", line(&health));
+        }
+    }
+    println!("{}", line(&link.health()));
+    Ok(())
+}
+
+/// Whether a wish that began to sound then has been heard for long enough.
+fn over(begun: Option<Instant>, lasts: Option<Duration>) -> bool {
+    begun.zip(lasts).is_some_and(|(begun, lasts)| begun.elapsed() >= lasts)
+}
+
+fn calibration(args: &SendArgs) -> anyhow::Result<Calibration> {
+    let Some(path) = &args.calibration else { return Ok(Calibration::default()) };
+    Calibration::read(path, args.profile.elements()).with_context(|| path.display().to_string())
+}
+
+/// The scene is made for what the board plays.
+fn follow_carrier(scene: &mut Scene, found: Found) {
+    let Some(carrier) = found.carrier else { return };
+    if let Some(notice) = levels::carrier_notice(carrier, scene.array.frequency) {
+        warn(&notice);
+        scene.array.frequency = carrier;
+    }
+}
+
+/// What the board is to play, and how long a round of it takes.
+fn content(
+    scene: &Scene,
+    name: &str,
+    profile: Profile,
+    calibration: &Calibration,
+) -> anyhow::Result<(Content, Duration)> {
+    let levels = |drive: &Drive| Levels::new(profile, drive, calibration);
+    let tell = |drive: &Drive| {
+        // A native board has said its carrier by now, and the scene follows it.
+        let frequency = if profile == Profile::Native { profile.carrier() } else { scene.array.frequency };
+        levels::notices(profile, drive, calibration, frequency).iter().for_each(|notice| warn(notice));
+    };
+    if scene.motion.path == MotionPath::None {
+        let solution = solver::solve(scene).map_err(|error| anyhow::anyhow!("{name}: {error}"))?;
+        solution.warnings.iter().for_each(|warning| warn(warning));
+        tell(&solution.drive);
+        return Ok((Content::Still(levels(&solution.drive)?), GLANCE));
+    }
+    let sequence = motion::follow(scene, name)?;
+    tell(&sequence.frames[0].drive);
+    let frames = sequence.frames.iter().map(|frame| levels(&frame.drive)).collect::<Result<_, _>>()?;
+    let content = Content::Motion { frames, rate: scene.motion.frames_per_second() };
+    Ok((content, Duration::from_secs_f64(1.0 / scene.motion.rate)))
+}
+
+/// How a link fares, in a line.
+fn line(health: &Health) -> String {
+    let milliseconds = |duration: Duration| duration.as_secs_f64() * 1e3;
+    let mut line = format!(
+        "{} frames, {:.1} frames/s, {:.1} kB/s, {} refused",
+        health.frames,
+        health.frames_per_second,
+        health.bytes_per_second / 1e3,
+        health.refused
+    );
+    if let Some(spread) = health.round_trip {
+        line += &format!(
+            ", answers after {:.2} ms (jitter {:.2} ms)",
+            milliseconds(spread.median),
+            milliseconds(spread.jitter)
+        );
+    }
+    if let Some(spread) = health.swaps {
+        line += &format!(
+            ", modulated at {:.2} Hz (jitter {:.3} ms)",
+            0.5 / spread.median.as_secs_f64(),
+            milliseconds(spread.jitter)
+        );
+    }
+    line
+}

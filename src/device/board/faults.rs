@@ -1,0 +1,154 @@
+//! What can go wrong on a line, and makes a virtual board worth testing against.
+
+use std::time::Duration;
+
+/// Per byte on its way to the board, 0 to 1.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Faults {
+    /// It gets lost.
+    pub drop: f64,
+    /// One of its bits turns over.
+    pub flip: f64,
+    /// Another byte comes before it.
+    pub insert: f64,
+    /// It and some that follow become noise.
+    pub burst: f64,
+    /// The board starts by saying things that make no sense.
+    pub garbage: bool,
+    /// For so long the board takes nothing, once.
+    pub stall: Duration,
+    /// For so long the board is not there, once.
+    pub unplug: Duration,
+}
+
+impl Faults {
+    /// From "drop=0.001,unplug=2,garbage".
+    ///
+    /// # Errors
+    /// Names the part that is none.
+    pub fn parse(text: &str) -> Result<Self, String> {
+        let mut faults = Self::default();
+        for part in text.split(',').map(str::trim) {
+            let (name, value) = part.split_once('=').unwrap_or((part, "1"));
+            let number = value.parse::<f64>().ok().filter(|number| (0.0..=3600.0).contains(number));
+            let number = number.ok_or_else(|| format!("{part}: {value} is not a number from 0 to 3600"))?;
+            let chance = || {
+                if number <= 1.0 { Ok(number) } else { Err(format!("{part}: a probability is 1 at most")) }
+            };
+            match name {
+                "drop" => faults.drop = chance()?,
+                "flip" => faults.flip = chance()?,
+                "insert" => faults.insert = chance()?,
+                "burst" => faults.burst = chance()?,
+                "garbage" => faults.garbage = number > 0.0,
+                "stall" => faults.stall = Duration::from_secs_f64(number),
+                "unplug" => faults.unplug = Duration::from_secs_f64(number),
+                _ => {
+                    return Err(format!(
+                        "{part}: faults are drop, flip, insert, burst, garbage, stall, unplug"
+                    ));
+                }
+            }
+        }
+        Ok(faults)
+    }
+}
+
+/// Numbers that look random and are the same for the same seed (xorshift64*).
+#[derive(Clone, Debug)]
+pub struct Chance(u64);
+
+impl Chance {
+    pub fn new(seed: u64) -> Self {
+        Self(seed | 1)
+    }
+
+    fn next(&mut self) -> u64 {
+        self.0 ^= self.0 >> 12;
+        self.0 ^= self.0 << 25;
+        self.0 ^= self.0 >> 27;
+        self.0.wrapping_mul(0x2545_F491_4F6C_DD1D)
+    }
+
+    pub fn byte(&mut self) -> u8 {
+        let [.., byte] = self.next().to_le_bytes();
+        byte
+    }
+
+    /// Happens with this probability.
+    pub fn of(&mut self, probability: f64) -> bool {
+        probability > 0.0 && (self.next() >> 11) as f64 / (1u64 << 53) as f64 <= probability
+    }
+}
+
+/// The way of bytes to the board.
+#[derive(Clone, Debug)]
+pub struct Damage {
+    pub faults: Faults,
+    chance: Chance,
+    /// Bytes of a burst that are still to come.
+    noisy: usize,
+}
+
+impl Damage {
+    pub fn new(faults: Faults, seed: u64) -> Self {
+        Self { faults, chance: Chance::new(seed), noisy: 0 }
+    }
+
+    /// What arrives in place of a byte.
+    pub fn pass(&mut self, byte: u8, arrived: &mut Vec<u8>) {
+        const BURST: usize = 24;
+        if self.chance.of(self.faults.burst) {
+            self.noisy = BURST;
+        }
+        if self.noisy > 0 {
+            self.noisy -= 1;
+            arrived.push(self.chance.byte());
+            return;
+        }
+        if self.chance.of(self.faults.insert) {
+            arrived.push(self.chance.byte());
+        }
+        let flipped = if self.chance.of(self.faults.flip) { 1 << (self.chance.byte() & 7) } else { 0 };
+        if !self.chance.of(self.faults.drop) {
+            arrived.push(byte ^ flipped);
+        }
+    }
+
+    /// What arrives where the bit rates differ: anything.
+    pub fn garble(&mut self, arrived: &mut Vec<u8>) {
+        arrived.push(self.chance.byte());
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn faults_are_read_and_nonsense_is_refused() {
+        let faults = Faults::parse("drop=0.25, unplug=2,garbage").unwrap();
+        assert_eq!((faults.drop, faults.unplug, faults.garbage), (0.25, Duration::from_secs(2), true));
+        for nonsense in ["", "drop=2", "drop=nan", "drop=-1", "melt=1", "stall=1e300"] {
+            assert!(Faults::parse(nonsense).is_err(), "{nonsense}");
+        }
+    }
+
+    #[test]
+    fn damage_is_as_frequent_as_asked() {
+        let passed = |faults| {
+            let mut damage = Damage::new(faults, 5);
+            let mut arrived = Vec::new();
+            (0..100_000).for_each(|_| damage.pass(7, &mut arrived));
+            arrived
+        };
+        assert_eq!(passed(Faults::default()), vec![7; 100_000]);
+        let near = |count: usize, wanted: usize| count.abs_diff(wanted) < wanted / 5;
+        assert!(near(100_000 - passed(Faults { drop: 0.01, ..Faults::default() }).len(), 1000));
+        assert!(near(passed(Faults { insert: 0.01, ..Faults::default() }).len() - 100_000, 1000));
+        let flipped = passed(Faults { flip: 0.01, ..Faults::default() });
+        assert!(near(flipped.iter().filter(|&&byte| byte != 7).count(), 1000));
+        let noisy = passed(Faults { burst: 0.001, ..Faults::default() });
+        assert!(near(noisy.iter().filter(|&&byte| byte != 7).count(), 2350));
+    }
+}

@@ -1,0 +1,73 @@
+//! A pseudo-terminal with the board at one end and a serial port at the other.
+
+use std::fs;
+use std::io;
+use std::os::fd::OwnedFd;
+use std::path::{Path, PathBuf};
+use std::time::Duration;
+
+use rustix::event::{PollFd, PollFlags, Timespec, poll};
+use rustix::fs::{Mode, OFlags, fcntl_setfl, open};
+use rustix::pty::{OpenptFlags, grantpt, openpt, ptsname, unlockpt};
+use rustix::termios::{OptionalActions, tcgetattr, tcsetattr};
+
+/// The board's end. A link in the folder for temporary files leads to the other end, and stays the same when the board is
+/// unplugged and comes back.
+#[derive(Debug)]
+pub struct Pty {
+    master: OwnedFd,
+    /// Keeps the other end open, so that it outlives programs that open and close it.
+    _slave: OwnedFd,
+    link: PathBuf,
+}
+
+impl Pty {
+    /// # Errors
+    /// A system without pseudo-terminals to give.
+    pub fn open(link: &Path, baud: u32) -> io::Result<Self> {
+        let master = openpt(OpenptFlags::RDWR | OpenptFlags::NOCTTY | OpenptFlags::CLOEXEC)?;
+        grantpt(&master)?;
+        unlockpt(&master)?;
+        let name = ptsname(&master, Vec::new())?;
+        let slave = open(&name, OFlags::RDWR | OFlags::NOCTTY | OFlags::CLOEXEC, Mode::empty())?;
+        let mut settings = tcgetattr(&slave)?;
+        settings.make_raw();
+        settings.set_speed(baud)?;
+        tcsetattr(&slave, OptionalActions::Now, &settings)?;
+        fcntl_setfl(&master, OFlags::RDWR | OFlags::NONBLOCK)?;
+        let target = name.to_string_lossy();
+        match fs::remove_file(link) {
+            Err(error) if error.kind() != io::ErrorKind::NotFound => return Err(error),
+            _ => std::os::unix::fs::symlink(&*target, link)?,
+        }
+        Ok(Self { master, _slave: slave, link: link.to_owned() })
+    }
+
+    /// The bit rate that the other end has set.
+    pub fn baud(&self) -> u32 {
+        tcgetattr(&self.master).map_or(0, |settings| settings.output_speed())
+    }
+
+    /// Waits until there is something to read, for `timeout` at most.
+    pub fn wait(&self, timeout: Duration) {
+        let timeout = Timespec::try_from(timeout).ok();
+        // A signal that ends the wait early does no harm.
+        let _ = poll(&mut [PollFd::new(&self.master, PollFlags::IN)], timeout.as_ref());
+    }
+
+    /// Up to `bytes.len()` bytes, without waiting.
+    pub fn read(&self, bytes: &mut [u8]) -> usize {
+        rustix::io::read(&self.master, bytes).unwrap_or(0)
+    }
+
+    /// What does not fit is lost, as on a line that nobody listens to.
+    pub fn write(&self, bytes: &[u8]) {
+        let _ = rustix::io::write(&self.master, bytes);
+    }
+}
+
+impl Drop for Pty {
+    fn drop(&mut self) {
+        let _ = fs::remove_file(&self.link);
+    }
+}

@@ -1,0 +1,153 @@
+//! The gateware itself as a board: a Verilated program, driven over its standard input and output.
+//!
+//! It is slower than the device; its line and its watchdog run in its own time.
+
+use std::collections::VecDeque;
+use std::io::{self, BufReader, BufWriter, Read, Write};
+use std::path::Path;
+use std::process::{Child, ChildStdin, ChildStdout, Command, Stdio};
+use std::time::Instant;
+
+use crate::device::board::logic::{Heeded, Playing, Shown, committed};
+use crate::device::native::model::{CHANNELS, Pulse};
+use crate::device::native::packet::{Body, Flags, Outcome, Packet, REPLY, Reply, Splitter, Status};
+
+/// Packets that are remembered until the gate says what became of them.
+const REMEMBERED: usize = 16;
+
+#[derive(Debug)]
+pub struct Rtl {
+    program: Child,
+    commands: BufWriter<ChildStdin>,
+    records: BufReader<ChildStdout>,
+    levels: u16,
+    splitter: Splitter,
+    coming: VecDeque<Packet>,
+    pulses: Box<[Pulse; CHANNELS]>,
+    outputs_on: bool,
+    baud: u32,
+    pressed: bool,
+}
+
+/// One period as the program tells it.
+struct Record {
+    applied: bool,
+    code: u8,
+    seq: u8,
+    result: u8,
+}
+
+impl Rtl {
+    /// # Errors
+    /// A program that does not start.
+    pub fn start(program: &Path, phase_bits: u8) -> io::Result<Self> {
+        let mut program = Command::new(program).stdin(Stdio::piped()).stdout(Stdio::piped()).spawn()?;
+        let pipes = program.stdin.take().zip(program.stdout.take());
+        let (commands, records) = pipes.ok_or(io::ErrorKind::BrokenPipe)?;
+        Ok(Self {
+            program,
+            commands: BufWriter::new(commands),
+            records: BufReader::new(records),
+            levels: 1 << phase_bits,
+            splitter: Splitter::default(),
+            coming: VecDeque::new(),
+            pulses: Box::new([Pulse::default(); CHANNELS]),
+            outputs_on: false,
+            baud: 0,
+            pressed: false,
+        })
+    }
+
+    /// Runs so many periods in which these bytes begin to arrive, sent at `baud`.
+    ///
+    /// # Errors
+    /// The program ended.
+    pub fn run(&mut self, bytes: &[u8], baud: u32, periods: u32, heeded: &mut Heeded) -> io::Result<()> {
+        if self.baud != baud {
+            self.baud = baud;
+            self.commands.write_all(b"b")?;
+            self.commands.write_all(&f64::from(baud).to_le_bytes())?;
+        }
+        for part in bytes.chunks(usize::from(u16::MAX)) {
+            self.commands.write_all(b"u")?;
+            self.commands.write_all(&(part.len() as u16).to_le_bytes())?;
+            self.commands.write_all(part)?;
+        }
+        self.remember(bytes, heeded);
+        self.commands.write_all(b"r")?;
+        self.commands.write_all(&periods.to_le_bytes())?;
+        self.commands.flush()?;
+        for _ in 0..periods {
+            let record = self.record(&mut heeded.answer)?;
+            self.see(&record, heeded);
+        }
+        Ok(())
+    }
+
+    /// # Errors
+    /// The program ended.
+    pub fn press(&mut self, pressed: bool) -> io::Result<()> {
+        if std::mem::replace(&mut self.pressed, pressed) != pressed {
+            self.commands.write_all(&[b'e', u8::from(pressed)])?;
+        }
+        Ok(())
+    }
+
+    fn remember(&mut self, bytes: &[u8], heeded: &mut Heeded) {
+        for part in bytes.iter().filter_map(|&byte| self.splitter.push(byte)) {
+            match Packet::of_line(&part) {
+                Ok(packet) => self.coming.push_back(packet),
+                Err(_) => heeded.spoiled += 1,
+            }
+            if self.coming.len() > REMEMBERED {
+                self.coming.pop_front();
+            }
+        }
+    }
+
+    fn record(&mut self, answer: &mut Vec<u8>) -> io::Result<Record> {
+        let mut head = [0; 7];
+        self.records.read_exact(&mut head)?;
+        let [on, applied, code, seq, result, low, high] = head;
+        let mut received = vec![0; usize::from(u16::from_le_bytes([low, high]))];
+        self.records.read_exact(&mut received)?;
+        answer.extend(received);
+        let mut pulses = [0; 2 * CHANNELS];
+        self.records.read_exact(&mut pulses)?;
+        for (pulse, &[rise, width]) in self.pulses.iter_mut().zip(pulses.as_chunks::<2>().0) {
+            *pulse = Pulse { rise, width };
+        }
+        self.outputs_on = on == 1;
+        Ok(Record { applied: applied == 1, code, seq, result })
+    }
+
+    fn see(&mut self, record: &Record, heeded: &mut Heeded) {
+        let is_it = |packet: &Packet| packet.code == record.code && packet.seq == record.seq;
+        let Some(place) = self.coming.iter().position(is_it).filter(|_| record.applied) else { return };
+        let packet = self.coming.drain(..=place).next_back();
+        let Some(outcome) = Outcome::ALL.into_iter().find(|outcome| outcome.code() == record.result) else {
+            return;
+        };
+        let reply = Reply {
+            code: record.code.wrapping_add(REPLY),
+            seq: record.seq,
+            outcome,
+            flags: Flags::default(),
+            body: Body::Status(Status::default()),
+        };
+        let levels = packet.and_then(|packet| committed(&packet, &reply));
+        heeded.shown.extend(levels.map(|levels| Shown { at: Instant::now(), levels }));
+    }
+
+    pub fn playing(&self) -> Playing {
+        Playing::Pulses { levels: self.levels, pulses: self.pulses.clone(), outputs_on: self.outputs_on }
+    }
+}
+
+impl Drop for Rtl {
+    fn drop(&mut self) {
+        // It ends when its input does; waiting here would need the pipe to be closed first.
+        let _ = self.program.kill();
+        let _ = self.program.wait();
+    }
+}

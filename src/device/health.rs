@@ -1,0 +1,44 @@
+//! What is known of a board and of the line to it.
+
+use crate::device::statistics::Spread;
+
+/// What was found at the other end.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Found {
+    pub baud: u32,
+    /// Hz; `None` if the board cannot say.
+    pub carrier: Option<f64>,
+    /// Frames that it holds for a motion; 0 if the motion is streamed.
+    pub slots: usize,
+    /// Of the native device.
+    pub phase_bits: Option<u8>,
+}
+
+#[derive(Clone, Debug, Default, PartialEq)]
+pub enum State {
+    #[default]
+    Connecting,
+    Ready,
+    Lost(String),
+}
+
+/// How a link fares.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Health {
+    pub state: State,
+    /// That the board has (native), or that were sent.
+    pub frames: u64,
+    pub bytes: u64,
+    pub frames_per_second: f64,
+    pub bytes_per_second: f64,
+    /// Packets that were refused or did not arrive.
+    pub refused: u64,
+    /// How often the board was found: once, and once more after every loss.
+    pub found: u64,
+    /// From a packet's last byte to its answer.
+    pub round_trip: Option<Spread>,
+    /// From a wish to the last byte of its frame on the line.
+    pub latency: Option<Spread>,
+    /// Half periods of a modulation by swaps.
+    pub swaps: Option<Spread>,
+}

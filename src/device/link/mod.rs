@@ -1,0 +1,351 @@
+//! The line to a board, on a thread of its own: what is wanted goes in as a value, and the thread brings the board to it.
+//!
+//! The newest wish wins; what came before it and was not sent yet is never sent. A board that was unplugged is made silent when it
+//! comes back, and then plays what is wanted by then.
+
+mod native;
+mod stock;
+
+use std::io;
+use std::path::PathBuf;
+use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
+use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
+use std::thread::{self, JoinHandle};
+use std::time::{Duration, Instant};
+
+use crate::device::health::{Found, Health, State};
+use crate::device::levels::Levels;
+use crate::device::port::{Port, PortError};
+use crate::device::profile::Profile;
+use crate::device::statistics::{Durations, Rate};
+use crate::scene::Modulation;
+
+/// How long after a loss the port is tried again.
+const RETRY: Duration = Duration::from_millis(250);
+/// The line is kept busy for so long ahead: more delays a new frame, less leaves gaps when the computer is busy.
+const LEAD: Duration = Duration::from_millis(3);
+/// Messages that nobody has read yet; more are dropped.
+const MESSAGES: usize = 256;
+
+/// Where a board is, and what it is.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Settings {
+    pub port: PathBuf,
+    pub profile: Profile,
+    /// Instead of the profile's.
+    pub baud: Option<u32>,
+}
+
+impl Settings {
+    pub fn baud(&self) -> u32 {
+        self.baud.unwrap_or(self.profile.baud())
+    }
+}
+
+/// What a board is to play.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Content {
+    Still(Levels),
+    /// Frames in turn, `rate` of them per second, for ever.
+    Motion {
+        frames: Vec<Levels>,
+        rate: f64,
+    },
+}
+
+#[derive(Clone, Debug, PartialEq)]
+pub enum Event {
+    /// The board is there, silent, and ready.
+    Ready(Found),
+    /// Why it is not; it is looked for again.
+    Lost(String),
+    /// What the user should know.
+    Notice(String),
+}
+
+#[derive(Debug, thiserror::Error)]
+enum LinkError {
+    #[error(transparent)]
+    Port(#[from] PortError),
+    #[error("{0} does not answer: is the board on, and is it a native one?")]
+    NoAnswer(String),
+    #[error("{0} stopped answering")]
+    Silent(String),
+    #[error("what answers at {0} is no native board, or speaks at another bit rate")]
+    OtherBoard(String),
+    #[error("the board speaks version {theirs} of the protocol, this program version {ours}")]
+    OtherVersion { theirs: u8, ours: u8 },
+    #[error("{asked} baud is more than the board's {largest}")]
+    TooFast { asked: u32, largest: u32 },
+    #[error("the board has {board} channels, {expected} were expected")]
+    OtherCount { board: usize, expected: usize },
+    #[error("the board was switched off and on again")]
+    Restarted,
+    #[error("the board refuses {0} again and again")]
+    Refused(&'static str),
+}
+
+/// What is wanted of the board, and how often that has changed.
+#[derive(Clone, Debug)]
+struct Wanted {
+    content: Option<Arc<Content>>,
+    modulation: Modulation,
+    generation: u64,
+    /// When it changed last.
+    since: Instant,
+    closing: bool,
+}
+
+/// What the thread and its owner both see.
+struct Shared {
+    wanted: Mutex<Wanted>,
+    changed: Condvar,
+    figures: Mutex<Figures>,
+    events: SyncSender<Event>,
+    notify: Box<dyn Fn() + Send + Sync>,
+}
+
+#[derive(Default)]
+struct Figures {
+    health: Health,
+    frames: Rate,
+    bytes: Rate,
+    round_trip: Durations,
+    latency: Durations,
+    swaps: Durations,
+}
+
+/// A line to a board. Dropping it makes the board silent.
+pub struct Link {
+    settings: Settings,
+    shared: Arc<Shared>,
+    events: Receiver<Event>,
+    thread: Option<JoinHandle<()>>,
+}
+
+impl std::fmt::Debug for Link {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Link").field("settings", &self.settings).finish_non_exhaustive()
+    }
+}
+
+/// What is locked here stays whole when a thread panics.
+fn locked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+impl Link {
+    /// Begins to look for the board. `notify` is called on the link's thread when there is something new to see.
+    ///
+    /// # Errors
+    /// No thread to be had.
+    pub fn open(settings: Settings, notify: Box<dyn Fn() + Send + Sync>) -> io::Result<Self> {
+        let (sender, events) = sync_channel(MESSAGES);
+        let wanted = Wanted {
+            content: None,
+            modulation: Modulation::default(),
+            generation: 0,
+            since: Instant::now(),
+            closing: false,
+        };
+        let shared = Arc::new(Shared {
+            wanted: Mutex::new(wanted),
+            changed: Condvar::new(),
+            figures: Mutex::default(),
+            events: sender,
+            notify,
+        });
+        let (theirs, its) = (Arc::clone(&shared), settings.clone());
+        let thread =
+            thread::Builder::new().name("link".to_owned()).spawn(move || keep_connected(&its, &theirs))?;
+        Ok(Self { settings, shared, events, thread: Some(thread) })
+    }
+
+    pub fn settings(&self) -> &Settings {
+        &self.settings
+    }
+
+    /// From now on the board is to play this; a motion without frames or of no rate is silence.
+    pub fn show(&self, content: Content) {
+        let content = content.plays().then(|| Arc::new(content));
+        self.want(|wanted| wanted.content = content);
+    }
+
+    /// Nothing is to sound.
+    pub fn stop(&self) {
+        self.want(|wanted| wanted.content = None);
+    }
+
+    /// The envelope of what is played.
+    pub fn modulate(&self, modulation: Modulation) {
+        self.want(|wanted| wanted.modulation = modulation);
+    }
+
+    fn want(&self, change: impl FnOnce(&mut Wanted)) {
+        let mut wanted = locked(&self.shared.wanted);
+        change(&mut wanted);
+        wanted.generation += 1;
+        wanted.since = Instant::now();
+        drop(wanted);
+        self.shared.changed.notify_all();
+    }
+
+    /// The next message, if there is one.
+    pub fn event(&self) -> Option<Event> {
+        self.events.try_recv().ok()
+    }
+
+    /// The next message, if one comes in time.
+    pub fn event_within(&self, timeout: Duration) -> Option<Event> {
+        self.events.recv_timeout(timeout).ok()
+    }
+
+    pub fn health(&self) -> Health {
+        let mut figures = locked(&self.shared.figures);
+        let now = Instant::now();
+        let Figures { health, frames, bytes, round_trip, latency, swaps } = &mut *figures;
+        health.frames_per_second = frames.per_second(now);
+        health.bytes_per_second = bytes.per_second(now);
+        health.round_trip = round_trip.spread();
+        health.latency = latency.spread();
+        health.swaps = swaps.spread();
+        health.clone()
+    }
+}
+
+impl Drop for Link {
+    fn drop(&mut self) {
+        self.want(|wanted| wanted.closing = true);
+        if let Some(thread) = self.thread.take() {
+            // A link that panicked has said so, and made its board silent while it unwound.
+            let _ = thread.join();
+        }
+    }
+}
+
+impl Shared {
+    fn wanted(&self) -> Wanted {
+        locked(&self.wanted).clone()
+    }
+
+    /// Waits until something else than `generation` is wanted, for `timeout` at most.
+    fn wait(&self, generation: u64, timeout: Duration) {
+        let wanted = locked(&self.wanted);
+        let same = |wanted: &mut Wanted| wanted.generation == generation && !wanted.closing;
+        drop(self.changed.wait_timeout_while(wanted, timeout, same).unwrap_or_else(PoisonError::into_inner));
+    }
+
+    fn tell(&self, event: Event) {
+        let mut figures = locked(&self.figures);
+        match &event {
+            Event::Ready(_) => {
+                figures.health.state = State::Ready;
+                figures.health.found += 1;
+            }
+            Event::Lost(why) => figures.health.state = State::Lost(why.clone()),
+            Event::Notice(_) => {}
+        }
+        drop(figures);
+        // Who does not read messages can do without.
+        let _ = self.events.try_send(event);
+        (self.notify)();
+    }
+
+    fn notice(&self, text: &str) {
+        self.tell(Event::Notice(text.to_owned()));
+    }
+
+    fn note(&self, change: impl FnOnce(&mut Figures)) {
+        change(&mut locked(&self.figures));
+    }
+
+    fn note_bytes(&self, count: usize) {
+        self.note(|figures| {
+            figures.health.bytes += count as u64;
+            figures.bytes.note(count as u64, Instant::now());
+        });
+    }
+
+    fn note_frame(&self) {
+        self.note(|figures| {
+            figures.health.frames += 1;
+            figures.frames.note(1, Instant::now());
+        });
+    }
+}
+
+/// The thread: one session after another, until the link is closed.
+fn keep_connected(settings: &Settings, shared: &Shared) {
+    let mut said = String::new();
+    while let Err(error) = session(settings, shared) {
+        let why = error.to_string();
+        // The same reason is given once, however often the port is tried.
+        if locked(&shared.figures).health.state == State::Ready || said != why {
+            shared.tell(Event::Lost(why.clone()));
+            said = why;
+        }
+        let until = Instant::now() + RETRY;
+        while Instant::now() < until && !shared.wanted().closing {
+            shared.wait(shared.wanted().generation, until.saturating_duration_since(Instant::now()));
+        }
+        if shared.wanted().closing {
+            return;
+        }
+    }
+}
+
+/// Until the link is closed, or the board is lost.
+fn session(settings: &Settings, shared: &Shared) -> Result<(), LinkError> {
+    match settings.profile {
+        Profile::Native => native::run(settings, shared),
+        _ => stock::run(settings, shared),
+    }
+}
+
+/// A port whose board falls silent when it is let go, in whichever way.
+struct Sounding {
+    port: Port,
+    silence: Vec<u8>,
+}
+
+impl Drop for Sounding {
+    fn drop(&mut self) {
+        // A port that is gone cannot be told; the native board's watchdog notices.
+        if self.port.write(&self.silence).is_ok() {
+            thread::sleep(self.port.backlog() + LEAD);
+        }
+    }
+}
+
+impl Content {
+    fn plays(&self) -> bool {
+        match self {
+            Self::Still(_) => true,
+            Self::Motion { frames, rate } => !frames.is_empty() && *rate > 0.0 && rate.is_finite(),
+        }
+    }
+
+    /// The frame that is due so long after the content was wished for, and its number.
+    fn at(&self, elapsed: Duration) -> (usize, &Levels) {
+        match self {
+            Self::Still(levels) => (0, levels),
+            Self::Motion { frames, rate } => {
+                // Below 2^53 whatever the rate, since a motion's is checked.
+                let frame = (elapsed.as_secs_f64() * rate) as usize % frames.len();
+                (frame, &frames[frame])
+            }
+        }
+    }
+
+    /// How long until the next frame is due.
+    fn next_in(&self, elapsed: Duration) -> Duration {
+        match self {
+            Self::Still(_) => Duration::MAX,
+            Self::Motion { rate, .. } => {
+                let played = elapsed.as_secs_f64() * rate;
+                let rest = (played.floor() + 1.0 - played) / rate;
+                Duration::try_from_secs_f64(rest).unwrap_or(Duration::MAX)
+            }
+        }
+    }
+}

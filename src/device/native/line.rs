@@ -1,0 +1,82 @@
+//! What the native protocol puts around packets and answers: a CRC, COBS, and a delimiter.
+
+use crc::{CRC_16_GENIBUS, Crc};
+
+const CHECKSUM: Crc<u16> = Crc::<u16>::new(&CRC_16_GENIBUS);
+/// Type, sequence number and four arguments.
+const HEAD: usize = 6;
+const CRC_BYTES: usize = 2;
+/// The longest packet before COBS, CRC included: a frame with amplitudes.
+pub const LONGEST: usize = HEAD + 512 + CRC_BYTES;
+/// COBS puts one byte in front, one more after every 254.
+const LONGEST_ON_LINE: usize = LONGEST + 1 + LONGEST / 254;
+/// Why bytes between two delimiters are no packet.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Spoiled;
+
+/// CRC, COBS and delimiter around a body.
+pub fn framed(mut body: Vec<u8>) -> Vec<u8> {
+    body.extend(CHECKSUM.checksum(&body).to_be_bytes());
+    let mut line = cobs::encode_vec(&body);
+    line.push(0);
+    line
+}
+
+/// The body within COBS and CRC.
+pub fn checked(bytes: &[u8]) -> Result<Vec<u8>, Spoiled> {
+    if bytes.len() > LONGEST_ON_LINE {
+        return Err(Spoiled);
+    }
+    let mut body = cobs::decode_vec(bytes).map_err(|_| Spoiled)?;
+    let Some((rest, &[high, low])) = body.split_last_chunk() else { return Err(Spoiled) };
+    if body.len() > LONGEST || CHECKSUM.checksum(rest) != u16::from_be_bytes([high, low]) {
+        return Err(Spoiled);
+    }
+    body.truncate(body.len() - CRC_BYTES);
+    Ok(body)
+}
+
+/// Cuts a stream of bytes at its delimiters.
+#[derive(Clone, Debug, Default)]
+pub struct Splitter {
+    part: Vec<u8>,
+}
+
+impl Splitter {
+    /// What stood before the delimiter, if `byte` is one and anything stood there. Of what is too long for a packet, only
+    /// enough is kept to be refused.
+    pub fn push(&mut self, byte: u8) -> Option<Vec<u8>> {
+        if byte != 0 {
+            if self.part.len() <= LONGEST_ON_LINE {
+                self.part.push(byte);
+            }
+            return None;
+        }
+        let part = std::mem::take(&mut self.part);
+        (!part.is_empty()).then_some(part)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_checksum_is_genibus() {
+        // The catalogue's check value, and the register that body and CRC end at before the final XOR.
+        assert_eq!(CHECKSUM.checksum(b"123456789"), 0xD64E);
+        let mut line = b"123456789".to_vec();
+        line.extend(0xD64Eu16.to_be_bytes());
+        assert_eq!(CHECKSUM.checksum(&line) ^ 0xFFFF, 0x1D0F);
+    }
+
+    #[test]
+    fn a_stream_is_cut_at_delimiters_and_never_kept_for_ever() {
+        let mut splitter = Splitter::default();
+        let parts: Vec<_> =
+            [0, 0, 1, 2, 0, 0, 3, 0].into_iter().filter_map(|byte| splitter.push(byte)).collect();
+        assert_eq!(parts, [vec![1, 2], vec![3]]);
+        (0..100_000).for_each(|_| assert_eq!(splitter.push(9), None));
+        assert!(splitter.push(0).unwrap().len() < 1000);
+    }
+}

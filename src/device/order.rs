@@ -1,0 +1,72 @@
+//! Which channel of a board plays which element of the array.
+
+use crate::device::profile::Profile;
+
+/// Of the eight channels of a shift register of a SonicSurface: column and row within their 4 x 2 elements.
+const SONICSURFACE_COLUMNS: [usize; 8] = [0, 2, 3, 1, 0, 3, 2, 1];
+const SONICSURFACE_ROWS: [usize; 8] = [0, 0, 0, 1, 1, 1, 1, 0];
+/// Of the four columns of a chip of an acoustophoretic board: place within it, in even and odd rows.
+const ACOUSTOPHORETIC_EVEN: [usize; 4] = [1, 0, 3, 2];
+const ACOUSTOPHORETIC_ODD: [usize; 4] = [5, 4, 6, 7];
+
+/// The element that a `channel` plays.
+pub fn element_of(profile: Profile, channel: usize) -> usize {
+    match profile {
+        Profile::Native | Profile::UltrainoSimpleFpga | Profile::UltrainoMega64 => channel,
+        Profile::SonicSurface | Profile::SonicSurface2 | Profile::SonicSurfaceTactile => {
+            channel / 256 * 256 + sonicsurface(channel % 256)
+        }
+        // Rows and columns are few: the inverse is searched.
+        Profile::Acoustophoretic512 => {
+            (0..256).find(|&element| acoustophoretic(element) == channel).unwrap_or(channel)
+        }
+    }
+}
+
+/// Elements by channel; a bijection.
+pub fn elements(profile: Profile) -> Vec<usize> {
+    (0..profile.elements()).map(|channel| element_of(profile, channel)).collect()
+}
+
+/// The board counts its rows from its +z, which is this program's -y where both radiate to the front and x runs to the right; so
+/// its raster is the array's numbering.
+fn sonicsurface(channel: usize) -> usize {
+    let column = 4 * (channel / 64) + SONICSURFACE_COLUMNS[channel % 8];
+    let row = 2 * (channel % 64 / 8) + SONICSURFACE_ROWS[channel % 8];
+    16 * row + column
+}
+
+/// The channel that plays an element.
+fn acoustophoretic(element: usize) -> usize {
+    let (row, column) = (element / 16, element % 16);
+    let places = if row % 2 == 0 { ACOUSTOPHORETIC_EVEN } else { ACOUSTOPHORETIC_ODD };
+    64 * (3 - column / 4) + 8 * (7 - row / 2) + places[column % 4]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_element_has_one_channel() {
+        for profile in Profile::ALL {
+            let mut elements = elements(profile);
+            elements.sort_unstable();
+            assert!(elements.into_iter().eq(0..profile.elements()), "{}", profile.name());
+        }
+    }
+
+    #[test]
+    fn known_channels_stand_where_they_do_on_the_boards() {
+        let sonic = |channel| element_of(Profile::SonicSurface, channel);
+        // The first register: columns 0, 2, 3, 1, 0, 3, 2, 1 of rows 0, 0, 0, 1, 1, 1, 1, 0.
+        assert_eq!([0, 1, 2, 3, 4, 5, 6, 7].map(sonic), [0, 2, 3, 17, 16, 19, 18, 1]);
+        assert_eq!((sonic(8), sonic(64), sonic(255)), (32, 4, 16 * 14 + 13));
+        assert_eq!(element_of(Profile::SonicSurface2, 256), 256);
+        // Rows 0, 1 and 15 of the acoustophoretic board.
+        assert_eq!([0, 1, 2, 3].map(acoustophoretic), [249, 248, 251, 250]);
+        assert_eq!([16, 17, 18, 19].map(acoustophoretic), [253, 252, 254, 255]);
+        assert_eq!(acoustophoretic(255), 7);
+        assert_eq!(element_of(Profile::Acoustophoretic512, 249), 0);
+    }
+}

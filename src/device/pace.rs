@@ -1,0 +1,51 @@
+//! When a serial line is free again. A port takes bytes sooner than it can send them, so the sender counts them itself.
+
+use std::time::{Duration, Instant};
+
+/// Bits on the line per byte: a start bit, eight of data, a stop bit.
+pub const BITS: f64 = 10.0;
+
+#[derive(Clone, Copy, Debug)]
+pub struct Pace {
+    baud: f64,
+    free_at: Instant,
+}
+
+impl Pace {
+    pub fn new(baud: f64, now: Instant) -> Self {
+        Self { baud, free_at: now }
+    }
+
+    /// How long `bytes` take.
+    pub fn time_of(&self, bytes: usize) -> Duration {
+        Duration::from_secs_f64(bytes as f64 * BITS / self.baud)
+    }
+
+    /// Notes that `bytes` were handed over, and says when the last of them will have left.
+    pub fn sent(&mut self, bytes: usize, now: Instant) -> Instant {
+        self.free_at = self.free_at.max(now) + self.time_of(bytes);
+        self.free_at
+    }
+
+    /// How long the line is busy with what was handed over before `now`.
+    pub fn backlog(&self, now: Instant) -> Duration {
+        self.free_at.saturating_duration_since(now)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn bytes_queue_up_and_drain_at_the_bit_rate() {
+        let start = Instant::now();
+        let mut pace = Pace::new(1e5, start);
+        assert_eq!(pace.sent(100, start), start + Duration::from_millis(10));
+        pace.sent(50, start + Duration::from_millis(5));
+        assert_eq!(pace.backlog(start + Duration::from_millis(5)), Duration::from_millis(10));
+        assert_eq!(pace.backlog(start + Duration::from_secs(1)), Duration::ZERO);
+        let late = start + Duration::from_secs(2);
+        assert_eq!(pace.sent(1, late), late + Duration::from_micros(100), "idle time is not made up for");
+    }
+}

@@ -1,0 +1,107 @@
+//! Ultraino's Arduino Mega: a pattern of ten port states per period, each byte in two halves.
+
+use crate::device::levels::Level;
+use crate::device::levels::Levels;
+use crate::device::profile::Profile;
+use crate::device::stock::Heard;
+
+const DIVISIONS: usize = 10;
+const PORTS: usize = 10;
+const PATTERN: usize = DIVISIONS * PORTS;
+const ELEMENTS: usize = 64;
+/// Exchanges the buffers; echoed.
+pub const SWAP: u8 = 0x00;
+/// Two bits of a duration, in the two highest.
+const DURATION: u8 = 0x30;
+const COMMIT_DURATIONS: u8 = 0x10;
+/// In the low half of a data byte: for the first board on the line.
+const MINE: u8 = 0x01;
+
+/// Of every element, the bit within the ten ports (A C L B K F H D G J) that its pin is.
+const PINS: [usize; ELEMENTS] = [
+    51, 52, 53, 54, 28, 29, 30, 31, 47, 46, 45, 44, 43, 42, 41, 40, //
+    56, 57, 58, 59, 48, 49, 72, 69, 39, 38, 37, 36, 35, 34, 33, 32, //
+    21, 23, 65, 63, 9, 11, 13, 15, 20, 22, 64, 66, 8, 10, 12, 14, //
+    24, 25, 26, 27, 16, 17, 18, 19, 7, 6, 5, 4, 3, 2, 1, 0,
+];
+
+pub fn load(levels: &Levels) -> Vec<u8> {
+    let mut pattern = [0u8; PATTERN];
+    for (level, pin) in levels.elements.iter().zip(PINS) {
+        let Some(level) = level else { continue };
+        for later in 0..level.amplitude {
+            let division = usize::from(level.delay + later) % DIVISIONS;
+            pattern[division * PORTS + pin / 8] |= 1 << (pin % 8);
+        }
+    }
+    let halves = |byte: u8| [byte & 0xF0 | MINE, byte << 4 | MINE];
+    let mut bytes: Vec<_> = pattern.into_iter().flat_map(halves).collect();
+    // One pattern, shown for ever: a duration of 1 and the 0 that ends the list.
+    bytes.extend([1, 0].into_iter().flat_map(duration));
+    bytes.push(COMMIT_DURATIONS);
+    bytes
+}
+
+/// Two bits a byte, the highest first.
+fn duration(periods: u8) -> [u8; 4] {
+    [0, 2, 4, 6].map(|shift| DURATION | periods << shift & 0xC0)
+}
+
+/// The board's side.
+#[derive(Clone, Debug)]
+pub struct Twin {
+    shown: [u8; PATTERN],
+    hidden: [u8; PATTERN],
+    /// Of the next half byte.
+    index: usize,
+}
+
+impl Default for Twin {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+impl Twin {
+    pub fn new() -> Self {
+        Self { shown: [0; PATTERN], hidden: [0; PATTERN], index: 0 }
+    }
+
+    pub fn push(&mut self, byte: u8) -> Heard {
+        match byte {
+            SWAP => return self.exchange(),
+            COMMIT_DURATIONS => {}
+            _ if byte & 0x3F == DURATION => {}
+            _ if byte & 0x0F == MINE && self.index < 2 * PATTERN => self.store(byte),
+            _ => return Heard::Nonsense,
+        }
+        Heard::Part
+    }
+
+    fn store(&mut self, byte: u8) {
+        let half = byte & 0xF0;
+        let whole = &mut self.hidden[self.index / 2];
+        *whole = if self.index.is_multiple_of(2) { half } else { *whole | half >> 4 };
+        self.index += 1;
+    }
+
+    fn exchange(&mut self) -> Heard {
+        let torn = ![0, 2 * PATTERN].contains(&self.index);
+        std::mem::swap(&mut self.shown, &mut self.hidden);
+        self.index = 0;
+        if torn { Heard::Nonsense } else { Heard::Shown }
+    }
+
+    pub fn shown(&self) -> Levels {
+        Levels { profile: Profile::UltrainoMega64, elements: PINS.map(|pin| self.pulse(pin)).to_vec() }
+    }
+
+    /// The one pulse of a pin; of several, the first that begins.
+    fn pulse(&self, pin: usize) -> Option<Level> {
+        let high = |division: usize| self.shown[division % DIVISIONS * PORTS + pin / 8] >> (pin % 8) & 1 == 1;
+        let rises = |&division: &usize| high(division) && !high(division + DIVISIONS - 1);
+        let delay = (0..DIVISIONS).find(rises)?;
+        let amplitude = (delay..).take_while(|&division| high(division)).count();
+        Some(Level { delay: delay as u16, amplitude: amplitude as u16 })
+    }
+}

@@ -1,0 +1,126 @@
+//! The boards people already own: plain bytes to them, no answer, no checksum. Each has an encoder and its twin, the board's side
+//! of the same bytes.
+
+pub mod acoustophoretic;
+pub mod mega64;
+pub mod phase_list;
+
+use crate::device::levels::Levels;
+use crate::device::profile::Profile;
+use crate::scene::{Envelope, Modulation};
+
+/// The bytes that put a frame into the board's hidden buffer, up to the byte that shows it.
+///
+/// # Panics
+/// The native profile, which speaks packets.
+pub fn load(levels: &Levels) -> Vec<u8> {
+    match levels.profile {
+        Profile::Native => unreachable!("native boards are sent packets"),
+        Profile::UltrainoMega64 => mega64::load(levels),
+        Profile::Acoustophoretic512 => acoustophoretic::load(levels),
+        _ => phase_list::load(levels),
+    }
+}
+
+/// The byte that exchanges the shown and the hidden buffer, if the board has one.
+pub fn swap(profile: Profile) -> Option<u8> {
+    match profile {
+        Profile::Native | Profile::Acoustophoretic512 => None,
+        Profile::UltrainoMega64 => Some(mega64::SWAP),
+        _ => Some(phase_list::SWAP),
+    }
+}
+
+/// The bytes that make a board play a frame.
+pub fn frame(levels: &Levels) -> Vec<u8> {
+    let mut bytes = load(levels);
+    bytes.extend(swap(levels.profile));
+    bytes
+}
+
+/// What makes a board silent in both buffers, whatever it did or heard before: sent first and last.
+pub fn silence(profile: Profile) -> Vec<u8> {
+    let blank = frame(&Levels::off(profile));
+    let (start, times) = match profile {
+        // The tactile build knows no more than lists.
+        Profile::Native | Profile::Acoustophoretic512 | Profile::SonicSurfaceTactile => (&[][..], 2),
+        // Once more: what was cut off before may have left an index anywhere, and only a swap resets it.
+        Profile::UltrainoMega64 => (&[][..], 3),
+        Profile::SonicSurface2 => (&phase_list::START[..], 3),
+        _ => (&phase_list::START[..], 2),
+    };
+    [start, &blank.repeat(times)].concat()
+}
+
+/// How a stock board can play an envelope.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Modulated {
+    Steady,
+    /// The sender exchanges buffers at twice this frequency (Hz): on and off.
+    BySwaps(f64),
+    /// The board does it, told by this byte, at this frequency (Hz).
+    ByBoard(u8, f64),
+    Never,
+}
+
+pub fn modulated(profile: Profile, modulation: &Modulation) -> Modulated {
+    match (modulation.shape, profile) {
+        (Envelope::Off, _) => Modulated::Steady,
+        (_, Profile::SonicSurfaceTactile) => {
+            let (byte, frequency) = phase_list::tactile_step(modulation.frequency);
+            Modulated::ByBoard(byte, frequency)
+        }
+        (_, profile) if swap(profile).is_some() => Modulated::BySwaps(modulation.frequency),
+        _ => Modulated::Never,
+    }
+}
+
+/// What a byte did to a board.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Heard {
+    Part,
+    /// Another frame is shown.
+    Shown,
+    /// It makes no sense here; boards do something with it all the same, and so do the twins.
+    Nonsense,
+}
+
+/// The board's side.
+#[derive(Clone, Debug)]
+pub enum Twin {
+    PhaseList(phase_list::Twin),
+    Mega64(mega64::Twin),
+    Acoustophoretic(acoustophoretic::Twin),
+}
+
+impl Twin {
+    /// A board that was just switched on.
+    ///
+    /// # Panics
+    /// The native profile, whose twin is [`crate::device::native::model::Model`].
+    pub fn new(profile: Profile) -> Self {
+        match profile {
+            Profile::Native => unreachable!("the native device has a model of its own"),
+            Profile::UltrainoMega64 => Self::Mega64(mega64::Twin::new()),
+            Profile::Acoustophoretic512 => Self::Acoustophoretic(acoustophoretic::Twin::new()),
+            _ => Self::PhaseList(phase_list::Twin::new(profile)),
+        }
+    }
+
+    pub fn push(&mut self, byte: u8) -> Heard {
+        match self {
+            Self::PhaseList(twin) => twin.push(byte),
+            Self::Mega64(twin) => twin.push(byte),
+            Self::Acoustophoretic(twin) => twin.push(byte),
+        }
+    }
+
+    /// What is played.
+    pub fn shown(&self) -> Levels {
+        match self {
+            Self::PhaseList(twin) => twin.shown(),
+            Self::Mega64(twin) => twin.shown(),
+            Self::Acoustophoretic(twin) => twin.shown(),
+        }
+    }
+}

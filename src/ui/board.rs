@@ -1,0 +1,91 @@
+//! The board that plays, as the window sees it: what the user wishes of it, and what is known of it.
+
+use std::path::PathBuf;
+
+use crate::device::health::{Found, Health};
+use crate::device::profile::Profile;
+
+/// What the Device panel edits.
+#[derive(Clone, Debug, PartialEq)]
+pub struct BoardForm {
+    pub port: String,
+    pub profile: Profile,
+    /// 0: the board's usual.
+    pub baud: u32,
+    /// A CSV file, or nothing.
+    pub calibration: String,
+    /// Every change of the scene goes to the board at once.
+    pub live: bool,
+    /// The element that is tried alone.
+    pub element: u32,
+}
+
+impl Default for BoardForm {
+    fn default() -> Self {
+        Self {
+            port: String::new(),
+            profile: Profile::Native,
+            baud: 0,
+            calibration: String::new(),
+            live: true,
+            element: 0,
+        }
+    }
+}
+
+impl BoardForm {
+    pub fn baud(&self) -> Option<u32> {
+        (self.baud > 0).then_some(self.baud)
+    }
+
+    pub fn calibration(&self) -> Option<PathBuf> {
+        let name = self.calibration.trim();
+        (!name.is_empty()).then(|| PathBuf::from(name))
+    }
+}
+
+/// What the Device panel asks for.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum BoardCommand {
+    ListPorts,
+    Connect,
+    Disconnect,
+    /// The scene at rest, once.
+    Send,
+    /// All frames of the motion, over and over.
+    PlayMotion,
+    Stop,
+    /// One element alone.
+    One,
+    /// Neighbours in antiphase.
+    Checkerboard,
+    /// The scene is made for the board's carrier.
+    TakeCarrier,
+}
+
+/// What a board is doing for us.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Plays {
+    #[default]
+    Nothing,
+    Scene,
+    Motion,
+    One(u32),
+    Checkerboard,
+}
+
+/// What is known.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct BoardShown {
+    pub ports: Vec<String>,
+    /// Why there are no boards at all in this program.
+    pub unavailable: Option<String>,
+    /// There once somebody connects.
+    pub health: Option<Health>,
+    pub found: Option<Found>,
+    pub plays: Plays,
+    /// The latest last.
+    pub messages: Vec<String>,
+    /// Mean pressure over the foci (Pa, peak) of the drive, and of what the board makes of it.
+    pub pressures: Option<(f64, f64)>,
+}

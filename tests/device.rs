@@ -1,0 +1,223 @@
+//! Boards as values: what they are told of a drive, and what they make of it.
+
+#![expect(clippy::unwrap_used, reason = "a test's helper may panic")]
+
+use std::f64::consts::{PI, TAU};
+
+use sonoglyph::device::calibration::{Calibration, CalibrationError};
+use sonoglyph::device::levels::{self, Level, Levels};
+use sonoglyph::device::profile::{Profile, Strength};
+use sonoglyph::device::stock::{self, Heard, Modulated, Twin};
+use sonoglyph::drive::Drive;
+use sonoglyph::scene::{Envelope, Modulation};
+
+/// Numbers that look random and are the same every time.
+fn numbers(seed: u32) -> impl FnMut() -> f64 {
+    let mut state = seed.wrapping_mul(2_654_435_769) | 1;
+    move || {
+        state ^= state << 13;
+        state ^= state >> 17;
+        state ^= state << 5;
+        f64::from(state) / f64::from(u32::MAX)
+    }
+}
+
+fn stock_profiles() -> impl Iterator<Item = Profile> {
+    Profile::ALL.into_iter().filter(|&profile| profile != Profile::Native)
+}
+
+/// Random phases, amplitudes in every strength, one element in eight off.
+fn random_drive(elements: usize, seed: u32) -> Drive {
+    let mut number = numbers(seed);
+    let amplitude = |number: &mut dyn FnMut() -> f64| if number() < 0.125 { 0.0 } else { number() };
+    Drive {
+        amplitudes: (0..elements).map(|_| amplitude(&mut number)).collect(),
+        phases: (0..elements).map(|_| TAU * (number() - 0.5)).collect(),
+    }
+}
+
+fn random_levels(profile: Profile, seed: u32) -> Levels {
+    Levels::new(profile, &random_drive(profile.elements(), seed), &Calibration::default()).unwrap()
+}
+
+fn hear(twin: &mut Twin, bytes: &[u8]) -> Vec<Heard> {
+    bytes.iter().map(|&byte| twin.push(byte)).filter(|&heard| heard != Heard::Part).collect()
+}
+
+#[test]
+fn boards_play_what_they_are_sent() {
+    for profile in stock_profiles() {
+        let mut twin = Twin::new(profile);
+        hear(&mut twin, &stock::silence(profile));
+        for seed in 0..20 {
+            let levels = random_levels(profile, seed);
+            assert!(
+                levels.elements.contains(&None)
+                    && levels.elements.iter().flatten().count() > profile.elements() / 2
+            );
+            assert_eq!(hear(&mut twin, &stock::frame(&levels)), [Heard::Shown], "{}", profile.name());
+            assert_eq!(twin.shown(), levels, "{} after frame {seed}", profile.name());
+        }
+    }
+}
+
+#[test]
+fn frames_are_as_long_as_the_bandwidth_says() {
+    for profile in stock_profiles() {
+        let full = Drive { amplitudes: vec![1.0; profile.elements()], phases: vec![0.3; profile.elements()] };
+        let levels = Levels::new(profile, &full, &Calibration::default()).unwrap();
+        assert_eq!(stock::frame(&levels).len(), profile.frame_bytes(), "{}", profile.name());
+    }
+    assert_eq!(Profile::SonicSurface.bandwidth(230_400), "89 frames/s at 230400 baud");
+    assert_eq!(Profile::SonicSurface2.bandwidth(230_400), "44 frames/s at 230400 baud");
+    assert_eq!(Profile::Native.bandwidth(3_000_000), "1123 frames/s at 3000000 baud");
+}
+
+#[test]
+fn the_bytes_are_those_of_the_boards() {
+    let delay = |n: usize| Some(Level { delay: n as u16 % 32, amplitude: 1 });
+    let levels =
+        Levels { profile: Profile::SonicSurface, elements: (0..256).map(|n| delay(n / 16)).collect() };
+    let frame = stock::frame(&levels);
+    // Rows of the first registers, channel by channel, then a swap.
+    assert_eq!(frame[..10], [254, 0, 0, 0, 1, 1, 1, 1, 0, 2]);
+    assert_eq!((frame[257], frame.len()), (253, 258));
+    assert_eq!(stock::frame(&Levels::off(Profile::SonicSurface))[1..257], [32; 256]);
+    let two = stock::frame(&Levels::off(Profile::SonicSurface2));
+    assert_eq!((two[0], two[1], two[258], two[515]), (254, 192, 193, 253));
+    let mega = stock::frame(&Levels::off(Profile::UltrainoMega64));
+    assert_eq!(mega[..200], [0x01; 200]);
+    assert_eq!(mega[200..], [0x30, 0x30, 0x30, 0x70, 0x30, 0x30, 0x30, 0x30, 0x10, 0x00]);
+    let ucl = stock::frame(&Levels::one(Profile::Acoustophoretic512, 0));
+    assert_eq!((ucl[0] & 0x80, ucl.len(), ucl[256 + 249]), (0x80, 512, 64));
+    let fpga = Drive { amplitudes: vec![0.5; 256], phases: vec![0.0; 256] };
+    let fpga = Levels::new(Profile::UltrainoSimpleFpga, &fpga, &Calibration::default()).unwrap();
+    let fpga = stock::frame(&fpga);
+    // An arcsine of 1/2 is a sixth of half a turn: 5 of 32.
+    assert_eq!((fpga[0], fpga[257], fpga[258], fpga[514], fpga.len()), (254, 251, 5, 253, 515));
+}
+
+#[test]
+fn silence_is_silent_whatever_was_heard_before() {
+    for profile in stock_profiles() {
+        for seed in 0..40 {
+            let mut number = numbers(seed);
+            let mut twin = Twin::new(profile);
+            let frame = stock::frame(&random_levels(profile, seed));
+            hear(&mut twin, &frame[..(number() * frame.len() as f64) as usize]);
+            let noise: Vec<_> = (0..300).map(|_| (number() * 255.0) as u8).collect();
+            if seed % 2 == 0 {
+                hear(&mut twin, &noise);
+            }
+            hear(&mut twin, &stock::silence(profile));
+            assert_eq!(twin.shown(), Levels::off(profile), "{} {seed}", profile.name());
+            if let Some(swap) = stock::swap(profile) {
+                twin.push(swap);
+                assert_eq!(twin.shown(), Levels::off(profile), "{} {seed}: the other buffer", profile.name());
+            }
+        }
+    }
+}
+
+#[test]
+fn quantised_sounds_are_the_nearest() {
+    for profile in Profile::ALL {
+        let drive = random_drive(profile.elements(), 7);
+        let levels = Levels::new(profile, &drive, &Calibration::default()).unwrap();
+        let played = levels.drive();
+        let steps = f64::from(profile.levels());
+        for n in 0..profile.elements() {
+            if levels.elements[n].is_none() {
+                assert_eq!(played.amplitudes[n], 0.0);
+                continue;
+            }
+            let off = (played.phases[n] - drive.phases[n]).rem_euclid(TAU);
+            assert!(off.min(TAU - off) <= PI / steps + 1e-9, "{}: phase of {n}", profile.name());
+            let error = (played.amplitudes[n] - drive.amplitudes[n]).abs();
+            let allowed = match profile.strength() {
+                Strength::Fixed => 1.0,
+                Strength::Linear(full) => 0.5 / f64::from(full) + 1e-9,
+                Strength::Duty(_) => PI / 2.0 / steps,
+            };
+            assert!(error <= allowed, "{}: amplitude of {n} is off by {error}", profile.name());
+        }
+    }
+}
+
+#[test]
+fn delay_wraps_and_is_never_taken_for_off() {
+    // 31.6 of 32 rounds to a whole period, which is 0 and not 32.
+    let level = Profile::SonicSurface.level(1.0, -TAU * 31.6 / 32.0).unwrap();
+    assert_eq!(level.delay, 0);
+    assert_eq!(Profile::SonicSurface.level(1.0, -TAU / 4.0).unwrap().delay, 8, "a byte is a delay");
+}
+
+#[test]
+fn other_arrays_are_refused_with_both_numbers() {
+    let drive = random_drive(255, 1);
+    for profile in Profile::ALL {
+        let error = Levels::new(profile, &drive, &Calibration::default()).unwrap_err().to_string();
+        assert!(error.contains("255") && error.contains(&profile.elements().to_string()), "{error}");
+    }
+}
+
+#[test]
+fn calibration_is_taken_off_phases_and_amplitudes() {
+    let rows = (0..64).map(|n| match n {
+        3 => "3,180,1,0\n".to_owned(),
+        4 => "4, 0, 0.5, 0\n".to_owned(),
+        5 => "5,0,1,1\n".to_owned(),
+        _ => format!("{n},0,1,0\n"),
+    });
+    let text = format!("element,offset,gain,off\n{}", rows.collect::<String>());
+    let calibration = Calibration::parse(&text, 64).unwrap();
+    let drive = Drive { amplitudes: vec![1.0; 64], phases: vec![0.0; 64] };
+    let levels = Levels::new(Profile::UltrainoMega64, &drive, &calibration).unwrap();
+    assert_eq!(levels.elements[0], Some(Level { delay: 0, amplitude: 5 }));
+    assert_eq!(levels.elements[3], Some(Level { delay: 5, amplitude: 5 }));
+    assert_eq!(levels.elements[4].unwrap().amplitude, 2);
+    assert_eq!(levels.elements[5], None);
+    let notices = levels::notices(Profile::SonicSurface, &drive, &calibration, 40_000.0);
+    assert!(notices.len() == 1 && notices[0].contains("no amplitudes"), "{notices:?}");
+    let notices = levels::notices(Profile::Native, &drive, &calibration, 25_000.0);
+    assert!(
+        notices.len() == 1 && notices[0].contains("40000") && notices[0].contains("25000"),
+        "{notices:?}"
+    );
+}
+
+#[test]
+fn calibration_that_makes_no_sense_is_refused_by_line() {
+    let parse = |rows: &str| Calibration::parse(&format!("element,offset,gain,off\n{rows}"), 3);
+    let line_of = |rows: &str| match parse(rows) {
+        Err(CalibrationError::Row { line, .. }) => line,
+        other => panic!("{rows:?} gave {other:?}"),
+    };
+    assert!(parse("2,0,1,0\n0,0,1,0\n1,-90,0.5,1\n").is_ok());
+    assert_eq!(line_of("0,0,1,0\n9,0,1,0\n"), 3);
+    assert_eq!(line_of("0,0,1,0\n1,nan,1,0\n"), 3);
+    assert_eq!(line_of("0,1e300,1,0\n"), 2);
+    assert_eq!(line_of("0,0,1.5,0\n"), 2);
+    assert_eq!(line_of("0,0,nan,0\n"), 2);
+    assert_eq!(line_of("0,0,1,2\n"), 2);
+    assert_eq!(line_of("0,0,1,0\n0,0,1,0\n"), 3);
+    assert_eq!(line_of("0,0,1\n"), 2);
+    assert_eq!(line_of("0,zero,1,0\n"), 2);
+    let gaps = parse("1,0,1,0\n").unwrap_err().to_string();
+    assert!(gaps.contains("2 of 3") && gaps.contains("0, 2"), "{gaps}");
+    assert!(Calibration::parse("", 3).is_err());
+    assert!(Calibration::parse("a,b\n1,2\n", 3).is_err());
+}
+
+#[test]
+fn modulation_is_done_by_whoever_can() {
+    let modulation = Modulation { shape: Envelope::Sine, frequency: 200.0, depth: 1.0 };
+    assert_eq!(stock::modulated(Profile::SonicSurface, &modulation), Modulated::BySwaps(200.0));
+    assert_eq!(stock::modulated(Profile::Acoustophoretic512, &modulation), Modulated::Never);
+    // 1250 / (step + 1): 208.3 Hz is the nearest that the tactile build has.
+    assert_eq!(
+        stock::modulated(Profile::SonicSurfaceTactile, &modulation),
+        Modulated::ByBoard(0xA5, 1250.0 / 6.0)
+    );
+    assert_eq!(stock::modulated(Profile::SonicSurface, &Modulation::default()), Modulated::Steady);
+}

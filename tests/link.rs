@@ -1,0 +1,397 @@
+//! The link and virtual boards, over real pseudo-terminals: what is sent arrives whole or not at all, and everything recovers.
+
+#![cfg(all(unix, feature = "serial"))]
+#![expect(clippy::unwrap_used, reason = "a test's helper may panic")]
+
+use std::sync::mpsc::{Receiver, sync_channel};
+use std::time::{Duration, Instant};
+
+use sonoglyph::device::board::faults::Faults;
+use sonoglyph::device::board::{Board, Setup, Shown};
+use sonoglyph::device::health::State;
+use sonoglyph::device::levels::{Level, Levels};
+use sonoglyph::device::link::{Content, Event, Link, Settings};
+use sonoglyph::device::profile::Profile;
+use sonoglyph::scene::{Envelope, Modulation};
+
+/// Nothing here waits for longer, however slow the machine is.
+const PATIENCE: Duration = Duration::from_secs(20);
+
+/// A frame that says of itself which it is, in every element: a torn one would hold two numbers.
+fn numbered(profile: Profile, number: u16) -> Levels {
+    let delay = number % profile.levels();
+    let other = number / profile.levels() % profile.levels();
+    let level = |n| Level { delay: if n % 2 == 0 { delay } else { other }, amplitude: full(profile) };
+    Levels { profile, elements: (0..profile.elements()).map(|n| Some(level(n))).collect() }
+}
+
+fn full(profile: Profile) -> u16 {
+    profile.level(1.0, 0.0).unwrap().amplitude
+}
+
+/// A board, a link to it that is ready, and what the board shows.
+struct Pair {
+    link: Link,
+    board: Board,
+    shown: Receiver<Shown>,
+}
+
+fn board(setup: Setup) -> (Board, Receiver<Shown>) {
+    let (sender, shown) = sync_channel(100_000);
+    let watch = move |frame: &Shown| drop(sender.try_send(frame.clone()));
+    (Board::start(setup, Box::new(watch)).unwrap(), shown)
+}
+
+fn link_to(board: &Board, profile: Profile, baud: Option<u32>) -> Link {
+    let settings = Settings { port: board.path().to_owned(), profile, baud };
+    Link::open(settings, Box::new(|| {})).unwrap()
+}
+
+fn pair_with(setup: Setup, baud: Option<u32>) -> Pair {
+    let profile = setup.profile;
+    let (board, shown) = board(setup);
+    let link = link_to(&board, profile, baud);
+    wait_for(&link, |event| matches!(event, Event::Ready(_)));
+    Pair { link, board, shown }
+}
+
+fn pair(profile: Profile) -> Pair {
+    pair_with(Setup::new(profile), None)
+}
+
+fn wait_for(link: &Link, wanted: impl Fn(&Event) -> bool) -> Event {
+    let until = Instant::now() + PATIENCE;
+    while let Some(event) = link.event_within(until.saturating_duration_since(Instant::now())) {
+        if wanted(&event) {
+            return event;
+        }
+    }
+    panic!("the event did not come; {:?}", link.health());
+}
+
+impl Pair {
+    /// Everything that is shown until `last` is.
+    fn shown_until(&self, last: &Levels) -> Vec<Levels> {
+        let until = Instant::now() + PATIENCE;
+        let mut all = Vec::new();
+        while let Ok(shown) = self.shown.recv_timeout(until.saturating_duration_since(Instant::now())) {
+            all.push(shown.levels);
+            if all.last() == Some(last) {
+                return all;
+            }
+        }
+        panic!("the last frame was not shown; {:?}, {:?}", self.link.health(), self.board.report());
+    }
+
+    fn is_silent(&self) -> bool {
+        is_silent(&self.board)
+    }
+
+    fn wait_until_silent(&self) {
+        eventually("silence", || self.is_silent());
+    }
+}
+
+fn is_silent(board: &Board) -> bool {
+    board.report().playing.unwrap().drive().amplitudes.iter().all(|&amplitude| amplitude == 0.0)
+}
+
+fn eventually(what: &str, condition: impl Fn() -> bool) {
+    let until = Instant::now() + PATIENCE;
+    while !condition() {
+        assert!(Instant::now() < until, "{what} did not come");
+        std::thread::sleep(Duration::from_millis(2));
+    }
+}
+
+/// Shows frames `pause` apart and checks that nothing else is seen, and the last in the end.
+fn drag(pair: &Pair, profile: Profile, frames: u16, pause: Duration) -> Vec<Levels> {
+    let sent: Vec<_> = (0..frames).map(|n| numbered(profile, n * 7 + 1)).collect();
+    for levels in &sent {
+        pair.link.show(Content::Still(levels.clone()));
+        std::thread::sleep(pause);
+    }
+    let seen = pair.shown_until(sent.last().unwrap());
+    for levels in &seen {
+        assert!(sent.contains(levels) || *levels == Levels::off(profile), "{}: torn", profile.name());
+    }
+    seen
+}
+
+#[test]
+fn frames_arrive_whole_at_every_board_and_it_is_silent_in_the_end() {
+    std::thread::scope(|scope| {
+        for profile in Profile::ALL {
+            scope.spawn(move || {
+                let pair = pair(profile);
+                let seen = drag(&pair, profile, 12, Duration::from_millis(30));
+                assert!(seen.len() >= 3, "{}: {} frames", profile.name(), seen.len());
+                eventually("sound", || !pair.is_silent());
+                let Pair { link, board, .. } = pair;
+                drop(link);
+                eventually("silence", || is_silent(&board));
+                assert_eq!(board.report().spoiled, 0, "{}", profile.name());
+            });
+        }
+    });
+}
+
+#[test]
+fn the_newest_frame_wins() {
+    let pair = pair(Profile::SonicSurface);
+    let seen = drag(&pair, Profile::SonicSurface, 300, Duration::ZERO);
+    assert!(seen.len() < 30, "{} frames were sent though newer ones were there", seen.len());
+}
+
+#[test]
+fn the_native_device_plays_nothing_wrong_on_a_bad_line() {
+    let bad = |faults: Faults| {
+        let setup = Setup { faults, ..Setup::new(Profile::Native) };
+        let pair = pair_with(setup, None);
+        drag(&pair, Profile::Native, 100, Duration::from_millis(4));
+        assert!(
+            pair.board.report().spoiled > 0 && pair.link.health().refused > 0,
+            "{:?}",
+            pair.link.health()
+        );
+    };
+    std::thread::scope(|scope| {
+        scope.spawn(|| bad(Faults { drop: 5e-4, ..Faults::default() }));
+        scope.spawn(|| bad(Faults { flip: 5e-4, ..Faults::default() }));
+        scope.spawn(|| bad(Faults { insert: 5e-4, ..Faults::default() }));
+        scope.spawn(|| bad(Faults { burst: 2e-4, ..Faults::default() }));
+    });
+}
+
+#[test]
+fn garbage_at_the_start_does_no_harm() {
+    let garbage = Faults { garbage: true, ..Faults::default() };
+    for profile in [Profile::Native, Profile::SonicSurface] {
+        let pair = pair_with(Setup { faults: garbage, ..Setup::new(profile) }, None);
+        drag(&pair, profile, 3, Duration::from_millis(30));
+    }
+}
+
+#[test]
+fn a_board_that_was_unplugged_plays_only_what_is_wanted_when_it_is_back() {
+    std::thread::scope(|scope| {
+        for profile in [Profile::Native, Profile::SonicSurface, Profile::UltrainoMega64] {
+            scope.spawn(move || {
+                let pair = pair(profile);
+                drag(&pair, profile, 5, Duration::from_millis(30));
+                pair.board.unplug(true);
+                let lost = wait_for(&pair.link, |event| matches!(event, Event::Lost(_)));
+                let Event::Lost(why) = &lost else { panic!() };
+                assert!(why.contains("lost") || why.contains("no port"), "{why}");
+                assert!(matches!(pair.link.health().state, State::Lost(_)));
+                while pair.shown.try_recv().is_ok() {}
+                // Dragging goes on.
+                for n in 100..105 {
+                    pair.link.show(Content::Still(numbered(profile, n)));
+                }
+                pair.board.unplug(false);
+                wait_for(&pair.link, |event| matches!(event, Event::Ready(_)));
+                let newest = numbered(profile, 104);
+                let seen = pair.shown_until(&newest);
+                let old = seen.iter().find(|levels| **levels != newest && **levels != Levels::off(profile));
+                assert_eq!(old, None, "{}: stale", profile.name());
+                eventually("sound", || !pair.is_silent());
+            });
+        }
+    });
+}
+
+#[test]
+fn a_stall_is_told_and_got_over() {
+    std::thread::scope(|scope| {
+        for profile in [Profile::Native, Profile::SonicSurface] {
+            scope.spawn(move || {
+                let pair = pair(profile);
+                drag(&pair, profile, 3, Duration::from_millis(20));
+                pair.board.stall(true);
+                let until = Instant::now() + PATIENCE;
+                let mut n = 0;
+                // Frames fill the line until the port takes no more.
+                while !matches!(pair.link.health().state, State::Lost(_)) {
+                    assert!(Instant::now() < until);
+                    pair.link.show(Content::Still(numbered(profile, n)));
+                    n += 1;
+                    std::thread::sleep(Duration::from_millis(10));
+                }
+                pair.board.stall(false);
+                wait_for(&pair.link, |event| matches!(event, Event::Ready(_)));
+                let newest = numbered(profile, 999);
+                pair.link.show(Content::Still(newest.clone()));
+                pair.shown_until(&newest);
+            });
+        }
+    });
+}
+
+#[test]
+fn another_bit_rate_or_another_board_is_told_and_plays_nothing() {
+    let (deaf, shown) = board(Setup { baud: Some(57_600), ..Setup::new(Profile::Native) });
+    let link = link_to(&deaf, Profile::Native, None);
+    link.show(Content::Still(numbered(Profile::Native, 1)));
+    let Event::Lost(why) = wait_for(&link, |event| matches!(event, Event::Lost(_))) else { panic!() };
+    assert!(why.contains("does not answer"), "{why}");
+    assert!(shown.try_recv().is_err() && deaf.report().wrong_baud > 0);
+
+    // An Arduino echoes what it takes for a swap.
+    let (mega, _shown) = board(Setup { baud: Some(2_000_000), ..Setup::new(Profile::UltrainoMega64) });
+    let link = link_to(&mega, Profile::Native, None);
+    let Event::Lost(why) = wait_for(&link, |event| matches!(event, Event::Lost(_))) else { panic!() };
+    assert!(why.contains("no native board"), "{why}");
+}
+
+#[test]
+fn ports_that_cannot_be_opened_say_why() {
+    let lost = |path: &std::path::Path| {
+        let settings = Settings { port: path.to_owned(), profile: Profile::SonicSurface, baud: None };
+        let link = Link::open(settings, Box::new(|| {})).unwrap();
+        let Event::Lost(why) = wait_for(&link, |event| matches!(event, Event::Lost(_))) else { panic!() };
+        why
+    };
+    assert!(lost("/dev/there-is-no-such-port".as_ref()).contains("there is no port"));
+    assert!(lost(file!().as_ref()).contains("is not a serial port"));
+    assert!(lost("/dev/null".as_ref()).contains("is not a serial port"));
+    let pair = pair(Profile::SonicSurface);
+    assert!(lost(pair.board.path()).contains("in use"));
+}
+
+#[test]
+fn the_bit_rate_is_changed_where_the_device_can() {
+    let pair = pair_with(Setup::new(Profile::Native), Some(3_000_000));
+    drag(&pair, Profile::Native, 20, Duration::from_millis(2));
+    assert_eq!(pair.board.report().wrong_baud, 0);
+    drop(pair.link);
+    // It comes back to the usual rate by itself, and a new link finds it there.
+    let link = link_to(&pair.board, Profile::Native, None);
+    wait_for(&link, |event| matches!(event, Event::Ready(_)));
+    drop(link);
+    let link = link_to(&pair.board, Profile::Native, Some(9_000_000));
+    let Event::Lost(why) = wait_for(&link, |event| matches!(event, Event::Lost(_))) else { panic!() };
+    assert!(why.contains("9000000") && why.contains("3000000"), "{why}");
+}
+
+#[test]
+fn the_device_says_its_true_carrier() {
+    let setup = Setup { carrier_millihertz: 39_950_400, phase_bits: 6, ..Setup::new(Profile::Native) };
+    let (board, _shown) = board(setup);
+    let link = link_to(&board, Profile::Native, None);
+    let Event::Ready(found) = wait_for(&link, |event| matches!(event, Event::Ready(_))) else { panic!() };
+    assert_eq!((found.carrier, found.phase_bits, found.slots), (Some(39_950.4), Some(6), 60));
+}
+
+#[test]
+fn the_native_device_plays_a_motion_by_itself() {
+    let pair = pair(Profile::Native);
+    let frames: Vec<_> = (0..10).map(|n| numbered(Profile::Native, 25 * n)).collect();
+    pair.link.show(Content::Motion { frames: frames.clone(), rate: 50.0 });
+    // Element 0 turns through all delays, though nothing is sent any more.
+    let phase = || pair.board.report().playing.unwrap().drive().phases[0];
+    let sent = || pair.link.health().frames;
+    eventually("the upload", || sent() >= 11 && !pair.is_silent());
+    let (before, mut phases) = (sent(), Vec::new());
+    eventually("ten phases", || {
+        let _ = &before;
+        phase() != 0.0
+    });
+    let until = Instant::now() + PATIENCE;
+    while phases.len() < 10 && Instant::now() < until {
+        let now = (phase() / 0.1).round() as i32;
+        if !phases.contains(&now) {
+            phases.push(now);
+        }
+    }
+    assert!(phases.len() >= 10 && sent() == before, "{phases:?}, {} frames", sent() - before);
+}
+
+#[test]
+fn motions_that_a_board_cannot_hold_are_streamed() {
+    for (profile, count) in [(Profile::Native, 200), (Profile::SonicSurface, 20)] {
+        let pair = pair(profile);
+        let frames: Vec<_> = (0..count).map(|n| numbered(profile, n)).collect();
+        pair.link.show(Content::Motion { frames: frames.clone(), rate: 40.0 });
+        let mut seen = Vec::new();
+        while seen.len() < 8 {
+            let levels = pair.shown.recv_timeout(PATIENCE).unwrap().levels;
+            assert!(frames.contains(&levels) || levels == Levels::off(profile), "{}: torn", profile.name());
+            if levels != Levels::off(profile) && !seen.contains(&levels) {
+                seen.push(levels);
+            }
+        }
+    }
+}
+
+#[test]
+fn stock_boards_are_modulated_by_swaps() {
+    let pair = pair(Profile::SonicSurface);
+    let levels = numbered(Profile::SonicSurface, 5);
+    pair.link.modulate(Modulation { shape: Envelope::Square, frequency: 100.0, depth: 1.0 });
+    pair.link.show(Content::Still(levels.clone()));
+    let dark = Levels::off(Profile::SonicSurface);
+    pair.shown_until(&levels);
+    // Light and dark take turns, and nothing else is seen.
+    for n in 0..100 {
+        let wanted = if n % 2 == 0 { &dark } else { &levels };
+        assert_eq!(pair.shown.recv_timeout(PATIENCE).unwrap().levels, *wanted, "half period {n}");
+    }
+    assert!(pair.link.health().swaps.is_some());
+    // A new frame comes in between, and the pauses stay dark.
+    let next = numbered(Profile::SonicSurface, 6);
+    pair.link.show(Content::Still(next.clone()));
+    let seen = pair.shown_until(&next);
+    assert!(seen.iter().all(|seen| [&levels, &dark, &next].contains(&seen)) && seen[seen.len() - 2] == dark);
+}
+
+#[test]
+fn the_emergency_stop_holds_until_somebody_sends_again() {
+    let pair = pair(Profile::Native);
+    let levels = numbered(Profile::Native, 3);
+    pair.link.show(Content::Still(levels.clone()));
+    eventually("sound", || !pair.is_silent());
+    pair.board.press(true);
+    let notice =
+        wait_for(&pair.link, |event| matches!(event, Event::Notice(text) if text.contains("emergency")));
+    assert!(matches!(notice, Event::Notice(_)));
+    pair.wait_until_silent();
+    pair.board.press(false);
+    std::thread::sleep(Duration::from_millis(200));
+    assert!(pair.is_silent(), "it does not begin again by itself");
+    pair.link.show(Content::Still(levels));
+    eventually("sound", || !pair.is_silent());
+}
+
+#[test]
+fn stop_is_silence_and_the_link_stays() {
+    for profile in [Profile::Native, Profile::SonicSurface, Profile::Acoustophoretic512] {
+        let pair = pair(profile);
+        drag(&pair, profile, 3, Duration::from_millis(30));
+        eventually("sound", || !pair.is_silent());
+        pair.link.stop();
+        pair.wait_until_silent();
+        let next = numbered(profile, 50);
+        pair.link.show(Content::Still(next.clone()));
+        pair.shown_until(&next);
+        eventually("sound", || !pair.is_silent());
+    }
+}
+
+#[test]
+fn a_sender_that_panics_leaves_silence() {
+    for profile in [Profile::Native, Profile::SonicSurface] {
+        let (board, shown) = board(Setup::new(profile));
+        let settings = Settings { port: board.path().to_owned(), profile, baud: None };
+        let levels = numbered(profile, 9);
+        let send = move || {
+            let link = Link::open(settings, Box::new(|| {})).unwrap();
+            link.show(Content::Still(levels.clone()));
+            while shown.recv_timeout(PATIENCE).unwrap().levels != levels {}
+            panic!("on purpose");
+        };
+        let sender = std::thread::Builder::new().name("sender".to_owned()).spawn(send).unwrap();
+        assert!(sender.join().is_err());
+        eventually("silence", || is_silent(&board));
+    }
+}

@@ -1,0 +1,159 @@
+//! The window's Device panel with a virtual board: what is dragged on the screen arrives at the other end of a real line.
+
+#![cfg(all(unix, feature = "serial", feature = "window"))]
+#![expect(clippy::unwrap_used, reason = "a test's helper may panic")]
+
+use std::sync::mpsc::{Receiver, sync_channel};
+use std::time::{Duration, Instant};
+
+use egui::{Pos2, vec2};
+use egui_kittest::Harness;
+use egui_kittest::kittest::Queryable;
+use glam::DVec2;
+use sonoglyph::app::Window;
+use sonoglyph::device::board::{Board, Setup, Shown};
+use sonoglyph::device::calibration::Calibration;
+use sonoglyph::device::health::State;
+use sonoglyph::device::levels::Levels;
+use sonoglyph::device::profile::Profile;
+use sonoglyph::ui::Panel;
+use sonoglyph::ui::board::Plays;
+use sonoglyph::ui::document::Document;
+use sonoglyph::ui::view::Lens;
+
+type Screen = Harness<'static, Window>;
+
+const PATIENCE: Duration = Duration::from_secs(60);
+const POINT: &str = "format = 1\n[[target]]\nkind = \"point\"\nat = [0.0, 0.0, 0.1]\n";
+
+fn until(screen: &mut Screen, what: &str, condition: impl Fn(&Screen) -> bool) {
+    let start = Instant::now();
+    while !condition(screen) {
+        assert!(start.elapsed() < PATIENCE, "{what} did not come; {:?}", screen.state().shown().board);
+        std::thread::sleep(Duration::from_millis(5));
+        screen.step();
+    }
+}
+
+/// The window on one point, its Device panel connected to a virtual board.
+fn connected(profile: Profile) -> (Screen, Board, Receiver<Shown>) {
+    let (sender, shown) = sync_channel(100_000);
+    let watch = move |frame: &Shown| drop(sender.try_send(frame.clone()));
+    let board = Board::start(Setup::new(profile), Box::new(watch)).unwrap();
+    let scene = sonoglyph::scene::file::parse(POINT, "point.toml".as_ref()).unwrap();
+    let mut screen = Harness::builder()
+        .with_size(vec2(1280.0, 800.0))
+        .build_eframe(|context| Window::with_example(&context.egui_ctx));
+    let editor = screen.state_mut().editor_mut();
+    editor.replace(Document::new(scene, None, "point"));
+    editor.panel = Panel::Device;
+    editor.board.profile = profile;
+    editor.board.port = board.path().display().to_string();
+    screen.run_steps(4);
+    screen.get_by_label("Connect").click();
+    let is_ready = |screen: &Screen| {
+        screen.state().shown().board.health.as_ref().is_some_and(|health| health.state == State::Ready)
+    };
+    until(&mut screen, "the board", is_ready);
+    (screen, board, shown)
+}
+
+/// What the board is to play of the scene as it is.
+fn wanted(screen: &Screen, profile: Profile) -> Levels {
+    let solution = screen.state().shown().solution.as_ref().unwrap();
+    Levels::new(profile, &solution.drive, &Calibration::default()).unwrap()
+}
+
+fn place(screen: &Screen, x: f64, y: f64) -> Pos2 {
+    let map = screen.state().shown().map.as_ref().unwrap();
+    Lens { rect: map.rect, window: map.window }.screen(DVec2::new(x, y) * 1e-3)
+}
+
+/// Waits for a frame, and says whether it came.
+fn arrives(screen: &mut Screen, shown: &Receiver<Shown>, levels: &Levels) {
+    let start = Instant::now();
+    while shown.try_recv().map_or(true, |shown| shown.levels != *levels) {
+        assert!(start.elapsed() < PATIENCE, "{:?}", screen.state().shown().board);
+        std::thread::sleep(Duration::from_millis(2));
+        screen.step();
+    }
+}
+
+fn is_silent(board: &Board) -> bool {
+    board.report().playing.unwrap().drive().amplitudes.iter().all(|&amplitude| amplitude == 0.0)
+}
+
+#[test]
+fn what_is_dragged_is_played() {
+    for profile in [Profile::Native, Profile::SonicSurface] {
+        let (mut screen, board, shown) = connected(profile);
+        until(&mut screen, "silence", |_| is_silent(&board));
+        screen.get_by_label("Send").click();
+        screen.run_steps(2);
+        let first = wanted(&screen, profile);
+        arrives(&mut screen, &shown, &first);
+        // The point goes with the pointer, and its field with it.
+        let from = place(&screen, 0.0, 0.0);
+        screen.hover_at(from);
+        screen.step();
+        screen.drag_at(from);
+        screen.step();
+        for part in [0.4, 1.0] {
+            let to = place(&screen, 15.0 * part, -10.0 * part);
+            screen.hover_at(to);
+            screen.run_steps(2);
+            let now = wanted(&screen, profile);
+            assert_ne!(now, first);
+            arrives(&mut screen, &shown, &now);
+        }
+        // Unplugged in the middle of it: the window says so, and goes on where it is when the board is back.
+        board.unplug(true);
+        let is_lost = |screen: &Screen| {
+            let lost = screen.state().shown().notice.as_ref();
+            lost.is_some_and(|notice| notice.is_error && notice.text.contains("lost"))
+        };
+        until(&mut screen, "a word", is_lost);
+        let to = place(&screen, 20.0, 5.0);
+        screen.hover_at(to);
+        screen.run_steps(2);
+        screen.drop_at(to);
+        screen.run_steps(2);
+        let newest = wanted(&screen, profile);
+        board.unplug(false);
+        arrives(&mut screen, &shown, &newest);
+        until(&mut screen, "sound", |_| !is_silent(&board));
+        screen.get_by_label("Stop").click();
+        until(&mut screen, "silence", |_| is_silent(&board));
+        screen.get_by_label("Send").click();
+        screen.run_steps(2);
+        arrives(&mut screen, &shown, &newest);
+        until(&mut screen, "sound", |_| !is_silent(&board));
+        // A scene without targets is silent, and so is a window that was closed.
+        let targets = std::mem::take(&mut screen.state_mut().editor_mut().document.scene.targets);
+        until(&mut screen, "silence", |_| is_silent(&board));
+        screen.state_mut().editor_mut().document.scene.targets = targets;
+        until(&mut screen, "sound", |_| !is_silent(&board));
+        drop(screen);
+        let start = Instant::now();
+        while !is_silent(&board) {
+            assert!(start.elapsed() < PATIENCE, "the window has left a sound behind");
+            std::thread::sleep(Duration::from_millis(5));
+        }
+    }
+}
+
+#[test]
+fn elements_are_tried_one_by_one() {
+    let (mut screen, board, shown) = connected(Profile::SonicSurface);
+    screen.state_mut().editor_mut().board.element = 37;
+    screen.step();
+    screen.get_by_label("One alone").click();
+    screen.run_steps(2);
+    assert_eq!(screen.state().shown().board.plays, Plays::One(37));
+    arrives(&mut screen, &shown, &Levels::one(Profile::SonicSurface, 37));
+    screen.get_by_label("Checkerboard").click();
+    screen.run_steps(2);
+    arrives(&mut screen, &shown, &Levels::checkerboard(Profile::SonicSurface, 16));
+    screen.get_by_label("Disconnect").click();
+    until(&mut screen, "silence", |_| is_silent(&board));
+}
