@@ -41,7 +41,19 @@ const LAYERS: &[(&str, &[&str])] = &[
     ),
     (
         "app",
-        &["anyhow", "cpu_time", "eframe", "egui", "glam", "pollster", "rfd", "serde", "tempfile", "toml"],
+        &[
+            "anyhow",
+            "cpu_time",
+            "eframe",
+            "egui",
+            "glam",
+            "pollster",
+            "rfd",
+            "serde",
+            "signal_hook",
+            "tempfile",
+            "toml",
+        ],
     ),
     ("main", &["anyhow", "sonoglyph"]),
 ];

@@ -1,7 +1,5 @@
 //! The native device as a value: what it plays, and what it never does. The Verilog is compared with it in `tests/gateware.rs`.
 
-#![expect(clippy::unwrap_used, reason = "a test's helper may panic")]
-
 use sonoglyph::device::native::model::{Model, Pulse};
 use sonoglyph::device::native::packet::{Body, Info, Kind, Outcome, Packet, Reply, Status};
 

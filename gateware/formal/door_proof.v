@@ -1,4 +1,4 @@
-// receiver and gate, with any bytes and at any time: nothing is written, told or committed but for a packet with the right CRC, and
+// receiver and gate, with any bytes at any time (payloads too are anything, instead of a memory): nothing is written, told or committed but for a packet with the right CRC, and
 // but in the gate's time. The CRC is computed here anew, bit by bit.
 `include "packets.vh"
 `default_nettype none
@@ -10,20 +10,20 @@ module door_proof (
     input wire       open,
     input wire       emergency,
     input wire       slot_busy,
-    input wire       answered
+    input wire       answered,
+    input wire [7:0] any_data
 );
     reg reset = 1'b1;
     always @(posedge clk) reset <= 1'b0;
 
     wire        ready, done, good, at_work, passed, answer;
-    wire [7:0]  packet_type, packet_seq, read_data, result;
+    wire [7:0]  packet_type, packet_seq, result;
     wire [31:0] arguments;
     wire [9:0]  length;
-    wire [8:0]  read_address;
     receiver receiver (
         .clk(clk), .reset(reset), .valid(valid && !reset), .data(data), .framing(framing && !reset),
         .ready(ready), .packet_type(packet_type), .packet_seq(packet_seq), .arguments(arguments), .length(length),
-        .read_address(read_address), .read_data(read_data), .done(done), .good(good)
+        .done(done), .good(good)
     );
     wire       enable, mute, baud, stop, rate, silencer, play;
     wire [5:0] play_first, play_last;
@@ -31,7 +31,7 @@ module door_proof (
     wire       write_phase, write_amplitude, write_envelope, write_width, write_offset, write_gain;
     gate gate (
         .clk(clk), .reset(reset), .open(open), .ready(ready), .packet_type(packet_type), .arguments(arguments), .length(length),
-        .read_address(read_address), .read_data(read_data), .done(done), .emergency(emergency), .slot_busy(slot_busy),
+        .read_data(any_data), .done(done), .emergency(emergency), .slot_busy(slot_busy),
         .at_work(at_work), .passed(passed), .result(result), .answer(answer), .answered(answered),
         .enable(enable), .mute(mute), .baud(baud), .stop(stop), .rate(rate), .silencer(silencer), .play(play),
         .play_first(play_first), .play_last(play_last), .play_divider(play_divider),

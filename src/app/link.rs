@@ -1,12 +1,13 @@
 //! The board at the other end of the window: one link, what was sent over it last, and what the panel shows of it.
 
 use std::path::Path;
-use std::sync::Arc;
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
 use eframe::egui::Context;
 
 use crate::acoustics::Aperture;
+use crate::cli::note;
 use crate::device::calibration::Calibration;
 use crate::device::levels::Levels;
 use crate::device::link::{Content, Event, Link, Settings};
@@ -16,7 +17,7 @@ use crate::drive::Drive;
 use crate::scene::Modulation;
 use crate::solver::{Problem, Solution};
 use crate::ui::board::{BoardCommand, BoardShown, Plays};
-use crate::ui::{Editor, Notice, Shown};
+use crate::ui::{Editor, Notice, Panel, Shown};
 
 /// How often the figures of a link are looked at.
 const LOOK: Duration = Duration::from_millis(250);
@@ -26,7 +27,9 @@ const KEPT: usize = 20;
 /// The link, if somebody connected, and what it was told last.
 #[derive(Debug, Default)]
 pub struct Board {
-    link: Option<Link>,
+    /// Shared with the thread that waits for Ctrl-C.
+    link: Arc<Mutex<Option<Link>>>,
+    hears_signals: bool,
     calibration: Calibration,
     drive: Option<Drive>,
     modulation: Option<Modulation>,
@@ -47,14 +50,14 @@ impl Board {
             BoardCommand::ListPorts => shown.board.ports = ports(),
             BoardCommand::Connect => self.connect(editor, shown, ctx),
             BoardCommand::Disconnect => {
-                self.link = None;
+                *locked(&self.link) = None;
                 (shown.board.health, shown.board.found, shown.board.plays) = (None, None, Plays::Nothing);
             }
             BoardCommand::Send => (self.drive, shown.board.plays) = (None, Plays::Scene),
             BoardCommand::PlayMotion => (self.awaits_round, shown.board.plays) = (true, Plays::Motion),
             BoardCommand::Stop => {
                 shown.board.plays = Plays::Nothing;
-                self.link.iter().for_each(Link::stop);
+                locked(&self.link).iter().for_each(Link::stop);
             }
             BoardCommand::One => {
                 let element = editor.board.element;
@@ -74,7 +77,7 @@ impl Board {
     }
 
     fn show(&self, levels: Levels) {
-        if let Some(link) = &self.link {
+        if let Some(link) = &*locked(&self.link) {
             link.show(Content::Still(levels));
         }
     }
@@ -97,16 +100,30 @@ impl Board {
             Ok((calibration, link)) => {
                 shown.board.health = Some(link.health());
                 shown.board.messages.clear();
-                *self = Self { link: Some(link), calibration, ..Self::default() };
+                self.hear_signals();
+                *locked(&self.link) = Some(link);
+                (self.calibration, self.drive, self.modulation) = (calibration, None, None);
             }
             Err(error) => shown.notice = Some(Notice { text: error, is_error: true }),
+        }
+    }
+
+    /// Ctrl-C ends the window as ever, but not before its board is silent.
+    fn hear_signals(&mut self) {
+        if !std::mem::replace(&mut self.hears_signals, true) {
+            // Without it the board's own watchdog is left, if it has one.
+            if let Err(error) = silence_on_signals(Arc::clone(&self.link)) {
+                note(&format!("Ctrl-C will not silence the board: {error}"));
+            }
         }
     }
 
     /// Sends what has changed, and brings what the panel shows up to date.
     pub fn update(&mut self, editor: &Editor, shown: &mut Shown, ctx: &Context) {
         self.compare(editor, shown);
-        let Some(link) = &self.link else { return };
+        let shared = Arc::clone(&self.link);
+        let held = locked(&shared);
+        let Some(link) = &*held else { return };
         while let Some(event) = link.event() {
             hear(event, shown);
         }
@@ -117,6 +134,7 @@ impl Board {
             link.modulate(modulation.clone());
             self.modulation = Some(modulation.clone());
         }
+        drop(held);
         match shown.board.plays {
             Plays::Scene => self.send_scene(editor, shown),
             Plays::Motion if self.awaits_round => self.send_motion(editor, shown),
@@ -125,7 +143,13 @@ impl Board {
     }
 
     fn send_scene(&mut self, editor: &Editor, shown: &mut Shown) {
-        let Some(solution) = &shown.solution else { return };
+        let Some(solution) = &shown.solution else {
+            // Nothing is drawn any more, so nothing sounds.
+            if self.drive.take().is_some() {
+                locked(&self.link).iter().for_each(Link::stop);
+            }
+            return;
+        };
         if self.drive.as_ref() == Some(&solution.drive) || (self.drive.is_some() && !editor.board.live) {
             return;
         }
@@ -138,13 +162,14 @@ impl Board {
     }
 
     fn send_motion(&mut self, editor: &Editor, shown: &mut Shown) {
-        let (Some(round), Some(link)) = (&shown.round, &self.link) else { return };
+        let Some(round) = &shown.round else { return };
         self.awaits_round = false;
         let levels = |drive: &Drive| Levels::new(editor.board.profile, drive, &self.calibration);
         let frames: Result<Vec<_>, _> = round.frames.iter().map(|frame| levels(&frame.drive)).collect();
         match frames {
             Ok(frames) => {
-                link.show(Content::Motion { frames, rate: editor.scene().motion.frames_per_second() });
+                let content = Content::Motion { frames, rate: editor.scene().motion.frames_per_second() };
+                locked(&self.link).iter().for_each(|link| link.show(content.clone()));
             }
             Err(error) => refuse(shown, error.to_string()),
         }
@@ -159,7 +184,7 @@ impl Board {
         };
         let same =
             |(compared, of): &(Arc<Solution>, Profile)| Arc::ptr_eq(compared, solution) && *of == profile;
-        if self.compared.as_ref().is_some_and(same) || editor.panel != crate::ui::Panel::Device {
+        if self.compared.as_ref().is_some_and(same) || editor.panel != Panel::Device {
             return;
         }
         self.compared = Some((solution.clone(), profile));
@@ -173,6 +198,37 @@ impl Board {
             (solution.quality.mean_pressure, mean)
         });
     }
+}
+
+/// The thread that waits for Ctrl-C holds the link too, so it does not go by itself.
+impl Drop for Board {
+    fn drop(&mut self) {
+        drop(locked(&self.link).take());
+    }
+}
+
+/// What is locked here stays whole when a thread panics.
+fn locked(link: &Mutex<Option<Link>>) -> MutexGuard<'_, Option<Link>> {
+    link.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+#[cfg(unix)]
+fn silence_on_signals(link: Arc<Mutex<Option<Link>>>) -> std::io::Result<()> {
+    use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
+    let mut signals = signal_hook::iterator::Signals::new([SIGINT, SIGTERM, SIGHUP])?;
+    let wait = move || {
+        for signal in signals.forever() {
+            drop(locked(&link).take());
+            // It ends the program; if it cannot, the window is still there to be closed.
+            let _ = signal_hook::low_level::emulate_default_handler(signal);
+        }
+    };
+    std::thread::Builder::new().name("signals".to_owned()).spawn(wait).map(drop)
+}
+
+#[cfg(not(unix))]
+fn silence_on_signals(_: Arc<Mutex<Option<Link>>>) -> std::io::Result<()> {
+    Ok(())
 }
 
 fn hear(event: Event, shown: &mut Shown) {

@@ -9,7 +9,7 @@ use serial2::SerialPort;
 use crate::device::pace::Pace;
 
 /// After this a port that takes nothing is given up.
-const WRITE_TIMEOUT: Duration = Duration::from_millis(250);
+const WRITE_TIMEOUT: Duration = Duration::from_millis(500);
 
 #[derive(Debug, thiserror::Error)]
 pub enum PortError {

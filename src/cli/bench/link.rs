@@ -93,7 +93,9 @@ impl Rows {
     fn carried(&mut self, profile: Profile, baud: u32, lasts: Duration) -> anyhow::Result<()> {
         let pair = Pair::new(profile, baud)?;
         let frames: Vec<_> = (0..FRAMES).map(|n| frame(profile, n)).collect();
-        let sent: HashSet<_> = frames.iter().cloned().collect();
+        let mut sent: HashSet<_> = frames.iter().cloned().collect();
+        // A link that is lost begins with silence when it is back.
+        sent.insert(Levels::off(profile));
         pair.link.show(Content::Motion { frames, rate: FASTEST });
         // The first ones wait for the line to be idle.
         for _ in 0..10 {
@@ -109,15 +111,16 @@ impl Rows {
         }
         let rate = f64::from(count) / (last - begun).as_secs_f64();
         let possible = profile.frames_per_second(baud);
-        let refused = pair.link.health().refused;
+        let health = pair.link.health();
+        let (refused, lost) = (health.refused, health.found - 1);
         let part = format!(
-            "{:.1} % of {possible:.0}; {torn} of {count} torn, {refused} refused",
+            "{:.1} % of {possible:.0}; {torn} of {count} torn, {refused} refused, lost {lost} times",
             100.0 * rate / possible
         );
         self.add(profile, baud, "frames/s", format!("{rate:.1}"), part);
         self.records.push(json!({
             "board": profile.name(), "baud": baud, "frames_per_second": rate, "possible": possible,
-            "frames": count, "torn": torn, "refused": refused, "seconds": lasts.as_secs_f64(),
+            "frames": count, "torn": torn, "refused": refused, "lost": lost, "seconds": lasts.as_secs_f64(),
         }));
         Ok(())
     }

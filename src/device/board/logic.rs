@@ -1,13 +1,14 @@
 //! What a board does with bytes: answers, and plays.
 
 use std::f64::consts::{PI, TAU};
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 use crate::device::levels::Level;
 use crate::device::levels::Levels;
 use crate::device::native::model::{CHANNELS, Model, Pulse};
 use crate::device::native::packet::{Body, Kind, Outcome, Packet, Reply, Splitter};
 use crate::device::profile::Profile;
+use crate::device::stock::mega64;
 use crate::device::stock::{Heard, Twin};
 use crate::drive::Drive;
 
@@ -80,7 +81,7 @@ impl Stock {
         if heard == Heard::Shown {
             heeded.shown.push(Shown { at, levels: self.twin.shown() });
         }
-        if self.profile == Profile::UltrainoMega64 && byte == crate::device::stock::mega64::SWAP {
+        if self.profile == Profile::UltrainoMega64 && byte == mega64::SWAP {
             heeded.answer.push(byte);
         }
     }
@@ -113,7 +114,7 @@ impl Native {
     /// Runs the periods that are over. What was missed for too long is left out: nobody looked.
     pub fn run_until(&mut self, now: Instant) {
         const LONGEST: u32 = 4000;
-        let period = std::time::Duration::from_secs_f64(1.0 / self.model.carrier());
+        let period = Duration::from_secs_f64(1.0 / self.model.carrier());
         if now.saturating_duration_since(self.at) > period * LONGEST {
             self.at = now - period * LONGEST;
         }
@@ -142,7 +143,7 @@ impl Native {
         heeded.answer.extend(reply.to_line());
         // One packet a period goes through the gate.
         self.model.period();
-        self.at += std::time::Duration::from_secs_f64(1.0 / self.model.carrier());
+        self.at += Duration::from_secs_f64(1.0 / self.model.carrier());
     }
 
     pub fn press(&mut self, pressed: bool) {

@@ -12,7 +12,7 @@ use crate::device::stock::{self, Modulated};
 
 /// A frame that does not change is sent again after this, in case a byte was damaged on its way.
 const REFRESH: Duration = Duration::from_millis(250);
-/// Before a swap the thread sleeps no longer than until this, and then looks at the clock.
+/// So long before a swap the thread stops sleeping and looks at the clock.
 const WATCHFUL: Duration = Duration::from_micros(300);
 /// Hz; a half period has to end.
 const SLOWEST: f64 = 0.01;
@@ -30,6 +30,7 @@ pub fn run(settings: &Settings, shared: &Shared) -> Result<(), LinkError> {
         told: None,
     };
     session.write(&silence)?;
+    std::thread::sleep(session.board.port.backlog());
     session.ready_at = Instant::now();
     let found = Found { baud: settings.baud(), carrier: None, slots: 0, phase_bits: None };
     shared.tell(Event::Ready(found));
@@ -166,7 +167,16 @@ impl Session<'_> {
         let mut swapped: Option<Instant> = None;
         let mut lit = true;
         loop {
-            sleep_until(due);
+            // Waits less exactly than the clock is read, and no longer than something else is wanted.
+            let rest = due.saturating_duration_since(Instant::now());
+            self.shared.wait(wanted.generation, rest.saturating_sub(WATCHFUL));
+            let now = self.shared.wanted();
+            if now.generation != wanted.generation || now.closing {
+                return if lit { self.write(&[swap]).map(drop) } else { Ok(()) };
+            }
+            while Instant::now() < due {
+                std::hint::spin_loop();
+            }
             self.write(&[swap])?;
             self.look()?;
             let now = Instant::now();
@@ -174,21 +184,12 @@ impl Session<'_> {
             if let Some(before) = swapped.replace(now) {
                 self.shared.note(|figures| figures.swaps.note(now - before));
             }
-            // A swap that came late is no reason for the next to be late, unless the computer was away for long.
-            due = if now > due + 4 * half { now + half } else { due + half };
-            let elsewhere = self.shared.wanted();
-            if !lit && (elsewhere.generation != wanted.generation || elsewhere.closing) {
-                return Ok(());
+            due += half;
+            if due < now {
+                // Too late for some: whole periods are left out, and what follows is in time again.
+                let missed = (now - due).as_secs_f64() / (2.0 * half.as_secs_f64());
+                due += (2 * half).mul_f64(missed.ceil());
             }
         }
-    }
-}
-
-/// More exactly than a sleep alone.
-fn sleep_until(due: Instant) {
-    let rest = due.saturating_duration_since(Instant::now());
-    std::thread::sleep(rest.saturating_sub(WATCHFUL));
-    while Instant::now() < due {
-        std::hint::spin_loop();
     }
 }

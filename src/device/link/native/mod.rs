@@ -8,6 +8,7 @@ use std::time::{Duration, Instant};
 use crate::device::levels::Levels;
 use crate::device::link::{Content, LEAD, LinkError, Settings, Shared, Sounding, Wanted};
 use crate::device::native::packet::{Info, Kind, Outcome, Packet, REPLY, Reply, Splitter};
+use crate::scene::Modulation;
 
 /// Packets without an answer at a time.
 const WINDOW: usize = 4;
@@ -87,7 +88,7 @@ struct Session<'a> {
     ready_at: Instant,
     /// The wish that tasks and frames are made from.
     generation: u64,
-    modulation: Option<crate::scene::Modulation>,
+    modulation: Option<Modulation>,
     /// Frames are sent one by one, not uploaded.
     live: bool,
     /// The frame that was sent last and not refused since.
@@ -150,7 +151,7 @@ impl Session<'_> {
         }
     }
 
-    fn modulate(&mut self, modulation: &crate::scene::Modulation) {
+    fn modulate(&mut self, modulation: &Modulation) {
         let carrier = f64::from(self.info.carrier_millihertz) / 1e3;
         let step = (modulation.frequency / carrier * f64::from(1 << 24)).round().min(f64::from(0xFF_FFFF));
         let at = |n: usize| modulation.envelope(n as f64 / 256.0 / modulation.frequency);
