@@ -73,6 +73,9 @@ impl<N: Fn(usize) -> f32> Squares<N> {
                     continue;
                 }
                 for x in run {
+                    if self.is_even(x..x + 1, y) {
+                        continue;
+                    }
                     for side in [BELOW, RIGHT, ABOVE, LEFT] {
                         self.start(&mut lines, (x, y), side);
                     }
