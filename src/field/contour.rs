@@ -9,7 +9,7 @@ pub type Line = Vec<[f32; 2]>;
 /// Pixels from one place of a line to the next, at least.
 const STEP: f32 = 2.0;
 /// Squares that are passed over together where no line runs.
-const RUN: usize = 32;
+const RUN: usize = 64;
 
 /// The sides of a square between four pixels.
 const BELOW: u8 = 0;
@@ -17,18 +17,27 @@ const RIGHT: u8 = 1;
 const ABOVE: u8 = 2;
 const LEFT: u8 = 3;
 
-/// The lines on which numbers in rows of `width`, the first at the bottom, reach `level`. What is larger lies to their left.
-pub fn lines(count: usize, width: usize, level: f32, number: impl Fn(usize) -> f32 + Sync) -> Vec<Line> {
-    let height = count.checked_div(width).unwrap_or(0);
+/// The lines on which the numbers of pixels in rows of `width`, the first at the bottom, reach `level`. What is larger lies to
+/// their left.
+pub fn lines<P: Sync>(
+    pixels: &[P],
+    width: usize,
+    level: f32,
+    number: impl Fn(&P) -> f32 + Sync,
+) -> Vec<Line> {
+    let height = pixels.len().checked_div(width).unwrap_or(0);
     if width < 2 || height < 2 {
         return Vec::new();
     }
     let mut reaches = vec![0; width * height];
-    reaches.par_chunks_mut(width).with_min_len(16).enumerate().for_each(|(row, reaches)| {
-        for (column, reaches) in reaches.iter_mut().enumerate() {
-            *reaches = u8::from(number(row * width + column) >= level);
-        }
-    });
+    reaches.par_chunks_mut(width).zip(pixels.par_chunks(width)).with_min_len(16).for_each(
+        |(reaches, pixels)| {
+            for (reaches, pixel) in reaches.iter_mut().zip(pixels) {
+                *reaches = u8::from(number(pixel) >= level);
+            }
+        },
+    );
+    let number = |pixel: usize| number(&pixels[pixel]);
     Squares { width, height, level, number, reaches, passed: vec![0; width * height] }.lines()
 }
 
@@ -64,6 +73,9 @@ impl<N: Fn(usize) -> f32> Squares<N> {
                     continue;
                 }
                 for x in run {
+                    if self.is_even(x..x + 1, y) {
+                        continue;
+                    }
                     for side in [BELOW, RIGHT, ABOVE, LEFT] {
                         self.start(&mut lines, (x, y), side);
                     }
@@ -75,13 +87,10 @@ impl<N: Fn(usize) -> f32> Squares<N> {
 
     /// Whether all corners of squares in a row are on the same side of the level.
     fn is_even(&self, squares: std::ops::Range<usize>, y: usize) -> bool {
-        let corners = squares.len() + 1;
-        let sum = |row: usize| {
-            let first = row * self.width + squares.start;
-            self.reaches[first..first + corners].iter().map(|&reaches| usize::from(reaches)).sum::<usize>()
-        };
-        let sum = sum(y) + sum(y + 1);
-        sum == 0 || sum == 2 * corners
+        let corners = |row: usize| &self.reaches[row * self.width..][squares.start..=squares.end];
+        let (below, above) = (corners(y), corners(y + 1));
+        let like_the_first = &[[0; RUN + 1], [1; RUN + 1]][usize::from(below[0])][..below.len()];
+        below == like_the_first && above == like_the_first
     }
 
     /// Follows the line that enters a square through this side, if there is one that was not followed yet.
@@ -184,6 +193,11 @@ mod tests {
         ((i % WIDTH) as f32 + 0.5, (i / WIDTH) as f32 + 0.5)
     }
 
+    fn of(level: f32, number: impl Fn(usize) -> f32) -> Vec<Line> {
+        let numbers: Vec<f32> = (0..WIDTH * HEIGHT).map(number).collect();
+        lines(&numbers, WIDTH, level, |&number| number)
+    }
+
     fn area(line: &Line) -> f32 {
         line.windows(2).map(|pair| (pair[0][0] * pair[1][1] - pair[1][0] * pair[0][1]) / 2.0).sum()
     }
@@ -191,12 +205,12 @@ mod tests {
     #[test]
     fn a_hill_is_a_circle_run_round_counter_clockwise() {
         let hill = |i| 40.0 - (at(i).0 - 41.3).hypot(at(i).1 - 30.8);
-        let found = lines(WIDTH * HEIGHT, WIDTH, 20.0, hill);
+        let found = of(20.0, hill);
         let [line] = &found[..] else { panic!("{} lines", found.len()) };
         assert_eq!(line.first(), line.last());
         assert!(line.iter().all(|[x, y]| ((x - 41.3).hypot(y - 30.8) - 20.0).abs() < 0.02), "{line:?}");
         assert!((area(line) / (std::f32::consts::PI * 400.0) - 1.0).abs() < 0.01, "{}", area(line));
-        let hole = lines(WIDTH * HEIGHT, WIDTH, -20.0, |i| -hill(i));
+        let hole = of(-20.0, |i| -hill(i));
         assert!(area(&hole[0]) < 0.0 && hole.len() == 1);
     }
 
@@ -205,7 +219,7 @@ mod tests {
         // A saddle, whose lines all cross the edge.
         let saddle = |i| (at(i).0 - 45.0) * (at(i).1 - 35.0);
         for level in [-200.0, -0.1, 0.0, 0.1, 200.0] {
-            let lines = lines(WIDTH * HEIGHT, WIDTH, level, saddle);
+            let lines = of(level, saddle);
             assert_eq!(lines.len(), 2, "{level}");
             let on_edge = |&[x, y]: &[f32; 2]| {
                 [0.5, WIDTH as f32 - 0.5].contains(&x) || [0.5, HEIGHT as f32 - 0.5].contains(&y)
@@ -216,12 +230,12 @@ mod tests {
 
     #[test]
     fn what_has_no_lines_has_none_and_noise_does_no_harm() {
-        assert!(lines(WIDTH * HEIGHT, WIDTH, 1.0, |_| 0.0).is_empty());
-        assert!(lines(WIDTH * HEIGHT, WIDTH, 0.5, |_| f32::NAN).is_empty());
-        assert!(lines(0, 0, 1.0, |_| 2.0).is_empty());
-        assert!(lines(WIDTH, WIDTH, 1.0, |i| i as f32).is_empty());
+        assert!(of(1.0, |_| 0.0).is_empty());
+        assert!(of(0.5, |_| f32::NAN).is_empty());
+        assert!(lines(&[], 0, 1.0, |_: &f32| 2.0).is_empty());
+        assert!(lines(&[0.0, 2.0], 2, 1.0, |&value| value).is_empty());
         let noise = |i: usize| (i.wrapping_mul(2_654_435_761) >> 7) as f32 % 100.0;
-        let lines = lines(WIDTH * HEIGHT, WIDTH, 50.0, noise);
+        let lines = of(50.0, noise);
         assert!(lines.len() > 100 && lines.iter().flatten().flatten().all(|place| place.is_finite()));
     }
 }

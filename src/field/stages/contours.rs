@@ -44,12 +44,10 @@ pub(super) fn of_pixels(pixels: &[Complex32], width: usize, quantity: Quantity, 
         // One loop without a choice in it each, so that they become vector code.
         Quantity::Rms => {
             let peak = level / quantity.of(Complex32::ONE);
-            contour::lines(pixels.len(), width, peak, |i| {
-                (pixels[i].re.powi(2) + pixels[i].im.powi(2)).sqrt()
-            })
+            contour::lines(pixels, width, peak, |p| (p.re * p.re + p.im * p.im).sqrt())
         }
-        Quantity::Dent => contour::lines(pixels.len(), width, level, |i| pixels[i].re),
-        Quantity::Radiation => contour::lines(pixels.len(), width, level, |i| pixels[i].im),
-        _ => contour::lines(pixels.len(), width, level, |i| quantity.of(pixels[i])),
+        Quantity::Dent => contour::lines(pixels, width, level, |p| p.re),
+        Quantity::Radiation => contour::lines(pixels, width, level, |p| p.im),
+        _ => contour::lines(pixels, width, level, |&p| quantity.of(p)),
     }
 }
