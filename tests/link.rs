@@ -148,12 +148,12 @@ fn the_native_device_plays_nothing_wrong_on_a_bad_line() {
     let bad = |faults: Faults| {
         let setup = Setup { faults, ..Setup::new(Profile::Native) };
         let pair = pair_with(setup, None);
-        drag(&pair, Profile::Native, 100, Duration::from_millis(4));
-        assert!(
-            pair.board.report().spoiled > 0 && pair.link.health().refused > 0,
-            "{:?}",
-            pair.link.health()
-        );
+        // Until enough was damaged, however few frames a busy machine lets through.
+        let until = Instant::now() + PATIENCE;
+        while pair.board.report().spoiled < 5 || pair.link.health().refused == 0 {
+            assert!(Instant::now() < until, "{:?}, {:?}", pair.link.health(), pair.board.report());
+            drag(&pair, Profile::Native, 20, Duration::from_millis(4));
+        }
     };
     std::thread::scope(|scope| {
         scope.spawn(|| bad(Faults { drop: 5e-4, ..Faults::default() }));

@@ -26,6 +26,8 @@ pub enum State {
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Health {
     pub state: State,
+    /// What is wanted is played.
+    pub in_place: bool,
     /// That the board has (native), or that were sent.
     pub frames: u64,
     pub bytes: u64,

@@ -20,10 +20,6 @@ use crate::device::profile::Profile;
 use crate::scene::Method;
 
 #[derive(Debug, Args)]
-#[cfg_attr(
-    not(feature = "serial"),
-    expect(dead_code, reason = "a program without serial links only refuses")
-)]
 pub struct SendArgs {
     /// Scene file
     scene: PathBuf,
@@ -51,10 +47,6 @@ pub struct SendArgs {
 }
 
 #[derive(Debug, Args)]
-#[cfg_attr(
-    not(all(unix, feature = "serial")),
-    expect(dead_code, reason = "a program without pseudo-terminals only refuses")
-)]
 pub struct BoardArgs {
     /// Kind of board; `sonoglyph ports` lists them
     #[arg(long, value_parser = parse_profile, default_value = "native")]

@@ -61,7 +61,7 @@ pub fn run(args: &SendArgs) -> anyhow::Result<()> {
             None => {}
         }
         let health = link.health();
-        if begun.is_none() && health.frames > 0 {
+        if begun.is_none() && health.in_place {
             begun = Some(Instant::now());
         }
         if Instant::now() >= next_report {

@@ -113,7 +113,7 @@ impl Native {
 
     /// Runs the periods that are over. What was missed for too long is left out: nobody looked.
     pub fn run_until(&mut self, now: Instant) {
-        const LONGEST: u32 = 4000;
+        const LONGEST: u32 = 1000;
         let period = Duration::from_secs_f64(1.0 / self.model.carrier());
         if now.saturating_duration_since(self.at) > period * LONGEST {
             self.at = now - period * LONGEST;

@@ -186,6 +186,7 @@ impl Link {
         change(&mut wanted);
         wanted.generation += 1;
         wanted.since = Instant::now();
+        self.shared.note(|figures| figures.health.in_place = false);
         drop(wanted);
         self.shared.changed.notify_all();
     }
@@ -242,7 +243,10 @@ impl Shared {
                 figures.health.state = State::Ready;
                 figures.health.found += 1;
             }
-            Event::Lost(why) => figures.health.state = State::Lost(why.clone()),
+            Event::Lost(why) => {
+                figures.health.state = State::Lost(why.clone());
+                figures.health.in_place = false;
+            }
             Event::Notice(_) => {}
         }
         drop(figures);

@@ -135,6 +135,7 @@ impl Session<'_> {
             let fresh = self.sent.is_none_or(|(generation, _)| generation != wanted.generation);
             let gone = self.write(&stock::frame(levels))?;
             self.shared.note_frame();
+            self.shared.note(|figures| figures.health.in_place = true);
             if fresh && wanted.since > self.ready_at {
                 let latency = gone.saturating_duration_since(wanted.since);
                 self.shared.note(|figures| figures.latency.note(latency));
@@ -161,7 +162,10 @@ impl Session<'_> {
         self.write(&stock::frame(levels))?;
         let loaded = self.write(&stock::load(&Levels::off(self.profile)))?;
         self.shared.note_frame();
-        self.shared.note(|figures| figures.swaps.clear());
+        self.shared.note(|figures| {
+            figures.swaps.clear();
+            figures.health.in_place = true;
+        });
         self.sent = Some((wanted.generation, 0));
         let mut due = loaded + half;
         let mut swapped: Option<Instant> = None;

@@ -128,6 +128,7 @@ impl Session<'_> {
             return;
         }
         self.generation = wanted.generation;
+        self.shared.note(|figures| figures.health.in_place = false);
         // What an earlier wish has not brought over yet is not wanted any more.
         self.tasks.retain(|task| !is_of_motion(&task.packet));
         (self.live, self.placed) = (false, false);
@@ -329,6 +330,9 @@ impl Session<'_> {
                 _ => {}
             },
             Purpose::Ping => {}
+        }
+        if self.placed && self.enabled {
+            self.shared.note(|figures| figures.health.in_place = true);
         }
     }
 
