@@ -1,5 +1,5 @@
-//! The native protocol: what travels ([`packet`], [`reply`], and around both [`line`]), and the device that it travels to, exact to
-//! the period ([`model`]).
+//! The native protocol: what travels ([`packet`], [`reply`], and around both [`mod@line`]), and the device that it travels to, exact
+//! to the period ([`model`]).
 
 pub mod line;
 pub mod model;
