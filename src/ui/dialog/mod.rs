@@ -241,7 +241,7 @@ fn help(ui: &mut Ui) {
         ui.label(what);
         ui.end_row();
     };
-    let height = (ui.ctx().content_rect().height() - 180.0).min(490.0);
+    let height = (ui.ctx().content_rect().height() - 180.0).min(540.0);
     ScrollArea::vertical().max_height(height).show(ui, |ui| {
         ui.horizontal_top(|ui| {
             egui::Grid::new("tools").striped(true).show(ui, |ui| {

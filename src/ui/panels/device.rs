@@ -266,7 +266,8 @@ fn played(editor: &mut Editor, board: &BoardShown, ui: &mut Ui) {
         Some((ideal, played)) => form(ui, "played", |ui| {
             fact(ui, ("Ideal", "Mean pressure over the focal points, peak"), pascals(ideal));
             let part = format!("{} ({:.1} %)", pascals(played), 100.0 * played / ideal);
-            fact(ui, ("As played", "The same with the board's phases, amplitudes and calibration"), part);
+            let tip = "The same with the board's phases and amplitudes. A calibration makes its elements alike and is left out";
+            fact(ui, ("As played", tip), part);
         }),
         None => {
             let (array, elements) = (editor.scene().array.elements(), editor.board.profile.elements());
