@@ -76,6 +76,8 @@ fn open(document: Document) -> Result<(), String> {
     let options = eframe::NativeOptions {
         // The cheap one everywhere: the map comes as colours, and only panels are drawn.
         renderer: eframe::Renderer::Glow,
+        // Nothing here has gradients, and a software driver would take longer for every pixel.
+        dithering: false,
         viewport,
         ..Default::default()
     };
@@ -315,6 +317,11 @@ impl Window {
 impl eframe::App for Window {
     fn ui(&mut self, ui: &mut egui::Ui, _frame: &mut eframe::Frame) {
         self.frame(ui);
+    }
+
+    /// The ground of all panels, which have none of their own.
+    fn clear_color(&self, visuals: &egui::Visuals) -> [f32; 4] {
+        visuals.panel_fill.to_normalized_gamma_f32()
     }
 }
 

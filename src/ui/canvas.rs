@@ -58,11 +58,18 @@ pub fn interact(editor: &mut Editor, ui: &mut Ui) -> Canvas {
 pub fn paint(editor: &Editor, shown: &Shown, ui: &Ui, canvas: &Canvas) {
     let lens = &canvas.lens;
     let painter = ui.painter_at(lens.rect);
-    painter.rect_filled(lens.rect, 0.0, GROUND);
-    if let Some(map) = shown.map.as_ref().filter(|map| map.cut == editor.view.cut) {
+    let map = shown.map.as_ref().filter(|map| map.cut == editor.view.cut);
+    let place = |map: &Map| {
         let there = Lens { rect: map.rect, window: map.window };
         let corner = |at: Pos2| lens.screen(there.flat(at));
-        let place = Rect::from_two_pos(corner(map.rect.min), corner(map.rect.max));
+        Rect::from_two_pos(corner(map.rect.min), corner(map.rect.max))
+    };
+    // What a map covers, but for a part of a pixel, is not painted twice.
+    if !map.is_some_and(|map| place(map).expand(0.1).contains_rect(lens.rect)) {
+        painter.rect_filled(lens.rect, 0.0, GROUND);
+    }
+    if let Some(map) = map {
+        let place = place(map);
         // Row 0 of a map is at the smallest y: the bottom.
         let upright = Rect::from_min_max(pos2(0.0, 1.0), pos2(1.0, 0.0));
         painter.image(map.texture.0.id(), place, upright, Color32::WHITE);

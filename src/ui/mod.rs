@@ -25,7 +25,7 @@ use std::collections::BTreeSet;
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use egui::{CentralPanel, Frame, Margin, Panel as Side, Ui};
+use egui::{CentralPanel, Color32, Frame, Margin, Panel as Side, Ui};
 
 use crate::acoustics::Aperture;
 use crate::drive::Drive;
@@ -388,7 +388,9 @@ pub fn show(
     let mut commands = Vec::new();
     let quantity = editor.view.quantity;
     keys::press(editor, ui.ctx(), &mut commands);
-    let frame = Frame::side_top_panel(ui.style()).inner_margin(Margin::symmetric(8, 4));
+    // The window is cleared to the panels' colour: filling every pixel once more would take a software driver half a frame.
+    let clear = Frame::side_top_panel(ui.style()).fill(Color32::TRANSPARENT);
+    let frame = clear.inner_margin(Margin::symmetric(8, 4));
     Side::top("menu").frame(frame).show(ui, |ui| menu::bar(editor, shown, ui, &mut commands));
     let (is_wide, is_high) = has_room(ui);
     if is_high {
@@ -398,17 +400,20 @@ pub fn show(
     if is_wide {
         let tools = Side::left("tools").resizable(false).exact_size(48.0).frame(frame);
         tools.show(ui, |ui| menu::tools(editor, ui));
-        let panel = Side::right("panel").default_size(editor.layout.panel).size_range(260.0..=520.0);
+        let panel =
+            Side::right("panel").frame(clear).default_size(editor.layout.panel).size_range(260.0..=520.0);
         let panel = panel.show(ui, |ui| panels::show(editor, shown, ui, &mut commands));
         editor.layout.panel = panel.response.rect.width();
     }
     if is_high && editor.view.section {
-        let section = Side::bottom("section").default_size(editor.layout.section).size_range(110.0..=320.0);
+        let section = Side::bottom("section")
+            .frame(clear)
+            .default_size(editor.layout.section)
+            .size_range(110.0..=320.0);
         let section = section.resizable(true).show(ui, |ui| section::show(editor, shown, ui));
         editor.layout.section = section.response.rect.height();
     }
-    let ground = Frame::NONE.fill(ui.visuals().panel_fill);
-    CentralPanel::default().frame(ground).show(ui, |ui| canvas(editor, shown, ui));
+    CentralPanel::default().frame(Frame::NONE).show(ui, |ui| canvas(editor, shown, ui));
     dialog::show(editor, ui.ctx(), &mut commands);
     if editor.view.quantity != quantity {
         // A range of pascals is none of metres.
