@@ -3,10 +3,13 @@
 #![cfg(feature = "window")]
 #![expect(clippy::unwrap_used, reason = "a test's helper may panic")]
 
+#[cfg(all(unix, feature = "serial"))]
+mod board;
 mod edits;
 mod files;
 mod reach;
 mod robust;
+mod view;
 
 use std::path::Path;
 use std::time::{Duration, Instant};

@@ -1,11 +1,7 @@
 //! What the window shows, without a screen: contour lines, the pressure at a moment, a shaded dent and a free plane, against the
 //! field that they are of.
 
-#![cfg(feature = "window")]
-#![expect(clippy::unwrap_used, reason = "a test's helper may panic")]
-
 use std::f64::consts::SQRT_2;
-use std::time::{Duration, Instant};
 
 use egui::{Key, Modifiers, vec2};
 use egui_kittest::Harness;
@@ -19,7 +15,7 @@ use sonoglyph::ui::Map;
 use sonoglyph::ui::document::Document;
 use sonoglyph::ui::view::{Cut, FreePlane, Lens};
 
-type Screen = Harness<'static, Window>;
+use super::{Screen, rest};
 
 fn focused(foci: &[DVec3]) -> Scene {
     let target = |&at: &DVec3| Target::new(Shape::Point { at });
@@ -34,18 +30,6 @@ fn open(scene: Scene) -> Screen {
     });
     rest(&mut screen);
     screen
-}
-
-/// Lets frames go by until nothing is under way.
-fn rest(screen: &mut Screen) {
-    let start = Instant::now();
-    screen.run_steps(3);
-    while screen.state().is_busy() {
-        assert!(start.elapsed() < Duration::from_secs(60), "a thread never ends");
-        std::thread::sleep(Duration::from_millis(5));
-        screen.run_steps(2);
-    }
-    screen.run_steps(1);
 }
 
 fn click(screen: &mut Screen, label: &str) {

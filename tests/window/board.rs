@@ -1,8 +1,5 @@
 //! The window's Device panel with a virtual board: what is dragged on the screen arrives at the other end of a real line.
 
-#![cfg(all(unix, feature = "serial", feature = "window"))]
-#![expect(clippy::unwrap_used, reason = "a test's helper may panic")]
-
 use std::sync::mpsc::{Receiver, sync_channel};
 use std::time::{Duration, Instant};
 
@@ -21,7 +18,7 @@ use sonoglyph::ui::board::Plays;
 use sonoglyph::ui::document::Document;
 use sonoglyph::ui::view::Lens;
 
-type Screen = Harness<'static, Window>;
+use super::Screen;
 
 const PATIENCE: Duration = Duration::from_secs(60);
 const POINT: &str = "format = 1\n[[target]]\nkind = \"point\"\nat = [0.0, 0.0, 0.1]\n";
