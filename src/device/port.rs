@@ -43,7 +43,11 @@ pub struct Port {
 /// # Errors
 /// A system that does not say.
 pub fn available() -> io::Result<Vec<PathBuf>> {
-    let mut ports = SerialPort::available_ports()?;
+    let mut ports = match SerialPort::available_ports() {
+        // A system that lists no devices, as containers may, has none to offer.
+        Err(error) if error.kind() == io::ErrorKind::NotFound => Vec::new(),
+        ports => ports?,
+    };
     ports.sort();
     Ok(ports)
 }
