@@ -1,10 +1,11 @@
-//! What the documents say of the scene file is what the program does.
+//! What the documents say of the scene file and of boards is what the program does, and their links lead somewhere.
 
 #![expect(clippy::unwrap_used, reason = "a test's helper may panic")]
 
 use std::collections::{BTreeMap, BTreeSet};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
+use sonoglyph::device::profile::{Profile, Strength};
 use sonoglyph::scene::{Scene, file};
 use toml::{Table, Value};
 
@@ -186,4 +187,53 @@ fn limits_are_where_values_begin_to_be_refused() {
         tried += 1;
     }
     assert!(tried > 20, "{tried}");
+}
+
+#[test]
+fn boards_are_documented_with_their_facts() {
+    let text = std::fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/boards.md")).unwrap();
+    let table = text.split("## Which\n").nth(1).unwrap().split("##").next().unwrap();
+    let said: Vec<Vec<_>> = table
+        .lines()
+        .filter(|line| line.starts_with("| `") && !line.contains("--profile"))
+        .map(|line| line.trim_matches('|').split('|').map(str::trim).collect())
+        .map(|cells: Vec<&str>| [&cells[..1], &cells[2..]].concat())
+        .collect();
+    let facts = Profile::ALL.map(|profile| {
+        let amplitude = match profile.strength() {
+            Strength::Fixed => "on, off".to_owned(),
+            Strength::Linear(steps) | Strength::Duty(steps) => format!("{steps} steps"),
+        };
+        let frames = profile.frames_per_second(profile.baud()).floor();
+        let (elements, levels) = (profile.elements().to_string(), profile.levels().to_string());
+        let (baud, frames) = (profile.baud().to_string(), frames.to_string());
+        [format!("`{}`", profile.name()), elements, levels, amplitude, baud, frames]
+    });
+    assert_eq!(said, facts);
+}
+
+/// All Markdown files below a folder but those of builds.
+fn documents(folder: &Path) -> Vec<PathBuf> {
+    let entries = std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path());
+    let (folders, files): (Vec<_>, Vec<_>) = entries.partition(|path| path.is_dir());
+    let ours = |folder: &PathBuf| {
+        folder.file_name().is_some_and(|name| name != "target" && !name.as_encoded_bytes().starts_with(b"."))
+    };
+    let markdown = files.into_iter().filter(|file| file.extension().is_some_and(|kind| kind == "md"));
+    markdown
+        .chain(folders.iter().filter(|folder| ours(folder)).flat_map(|folder| documents(folder)))
+        .collect()
+}
+
+#[test]
+fn links_between_documents_lead_somewhere() {
+    let documents = documents(Path::new(env!("CARGO_MANIFEST_DIR")));
+    assert!(documents.len() > 8, "{documents:?}");
+    for document in documents {
+        let text = std::fs::read_to_string(&document).unwrap();
+        for link in text.split("](").skip(1).filter_map(|rest| rest.split([')', '#']).next()) {
+            let is_there = document.with_file_name(link).exists() || link.contains("://");
+            assert!(is_there, "{}: {link}", document.display());
+        }
+    }
 }

@@ -26,13 +26,8 @@ module top (
         .PHASESEL0(1'b0), .PHASESEL1(1'b0), .PHASEDIR(1'b0), .PHASESTEP(1'b0), .PHASELOADREG(1'b0)
     );
 
-    // Reset until the clock has been good for 15 clocks.
-    reg [3:0] good = 4'd0;
-    wire      reset = !(&good);
-    always @(posedge clk or negedge locked) begin
-        if (!locked) good <= 4'd0;
-        else if (reset) good <= good + 4'd1;
-    end
+    wire reset;
+    power_up power_up (.clk(clk), .locked(locked), .reset(reset));
 
     wire [31:0] data_inside;
     wire        shift, latch, oe_n_inside, sync_inside;
