@@ -1,8 +1,10 @@
-//! A drive as a board takes it: a level per element, and none where an element is off.
+//! A drive as a board takes it: a level per element, and none where an element is off; and what levels mean.
+
+use std::f64::consts::{PI, TAU};
 
 use crate::device::calibration::Calibration;
 use crate::device::profile::{Profile, Strength};
-use crate::drive::Drive;
+use crate::drive::{Drive, delay_level};
 
 /// What one element is told. Off is the absence of a level, never a level.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -11,6 +13,44 @@ pub struct Level {
     pub delay: u16,
     /// Of [`Profile::strength`], more than 0.
     pub amplitude: u16,
+}
+
+impl Profile {
+    /// What is nearest to an amplitude (0 to 1) and a phase (rad); nothing where nothing is to sound.
+    pub fn level(self, amplitude: f64, phase: f64) -> Option<Level> {
+        let levels = u32::from(self.levels());
+        match self.strength() {
+            Strength::Fixed => {
+                (amplitude > 0.0).then(|| Level { delay: delay_level(phase, levels) as u16, amplitude: 1 })
+            }
+            Strength::Linear(full) => {
+                let amplitude = (amplitude * f64::from(full)).round() as u16;
+                (amplitude > 0).then(|| Level { delay: delay_level(phase, levels) as u16, amplitude })
+            }
+            Strength::Duty(full) => {
+                let duty = (amplitude.min(1.0).asin() / PI * f64::from(levels)).round().min(f64::from(full));
+                // The middle of the pulse is what sounds, and it stays; the board is told where it begins.
+                let later = (f64::from(full) - duty) / 2.0 / f64::from(levels);
+                let delay = delay_level(phase - TAU * later, levels) as u16;
+                (duty > 0.0).then_some(Level { delay, amplitude: duty as u16 })
+            }
+        }
+    }
+
+    /// Amplitude and phase (rad, in (-π, π]) that sound at a level, the same offset of phase left out for all elements.
+    pub fn sounds(self, level: Level) -> (f64, f64) {
+        let (delay, strength) = (f64::from(level.delay), f64::from(level.amplitude));
+        let levels = f64::from(self.levels());
+        let (amplitude, delay) = match self.strength() {
+            Strength::Fixed => (1.0, delay),
+            Strength::Linear(full) => (strength / f64::from(full), delay),
+            Strength::Duty(full) => {
+                ((PI * strength / levels).sin(), delay - (f64::from(full) - strength) / 2.0)
+            }
+        };
+        let turns = (-delay / levels).rem_euclid(1.0);
+        (amplitude, TAU * if turns > 0.5 { turns - 1.0 } else { turns })
+    }
 }
 
 /// A drive in the levels of a board, in the numbering of the array.
@@ -59,7 +99,7 @@ impl Levels {
     /// Neighbours in antiphase, `columns` to a row.
     pub fn checkerboard(profile: Profile, columns: usize) -> Self {
         let black = |n: usize| (n / columns.max(1) + n % columns.max(1)) % 2 == 1;
-        let phase = |n| if black(n) { std::f64::consts::PI } else { 0.0 };
+        let phase = |n| if black(n) { PI } else { 0.0 };
         Self { profile, elements: (0..profile.elements()).map(|n| profile.level(1.0, phase(n))).collect() }
     }
 

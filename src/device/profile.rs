@@ -1,9 +1,4 @@
-//! The boards that can be driven: their facts, and what their levels mean.
-
-use std::f64::consts::{PI, TAU};
-
-use crate::device::levels::Level;
-use crate::drive::delay_level;
+//! The boards that can be driven, and their facts.
 
 /// A kind of board.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -127,41 +122,5 @@ impl Profile {
     /// "89 frames/s at 230400 baud"
     pub fn bandwidth(self, baud: u32) -> String {
         format!("{:.0} frames/s at {baud} baud", self.frames_per_second(baud).floor())
-    }
-
-    /// What is nearest to an amplitude (0 to 1) and a phase (rad); nothing where nothing is to sound.
-    pub fn level(self, amplitude: f64, phase: f64) -> Option<Level> {
-        let levels = u32::from(self.levels());
-        match self.strength() {
-            Strength::Fixed => {
-                (amplitude > 0.0).then(|| Level { delay: delay_level(phase, levels) as u16, amplitude: 1 })
-            }
-            Strength::Linear(full) => {
-                let amplitude = (amplitude * f64::from(full)).round() as u16;
-                (amplitude > 0).then(|| Level { delay: delay_level(phase, levels) as u16, amplitude })
-            }
-            Strength::Duty(full) => {
-                let duty = (amplitude.min(1.0).asin() / PI * f64::from(levels)).round().min(f64::from(full));
-                // The middle of the pulse is what sounds, and it stays; the board is told where it begins.
-                let later = (f64::from(full) - duty) / 2.0 / f64::from(levels);
-                let delay = delay_level(phase - TAU * later, levels) as u16;
-                (duty > 0.0).then_some(Level { delay, amplitude: duty as u16 })
-            }
-        }
-    }
-
-    /// Amplitude and phase (rad, in (-π, π]) that sound at a level, the same offset of phase left out for all elements.
-    pub fn sounds(self, level: Level) -> (f64, f64) {
-        let (delay, strength) = (f64::from(level.delay), f64::from(level.amplitude));
-        let levels = f64::from(self.levels());
-        let (amplitude, delay) = match self.strength() {
-            Strength::Fixed => (1.0, delay),
-            Strength::Linear(full) => (strength / f64::from(full), delay),
-            Strength::Duty(full) => {
-                ((PI * strength / levels).sin(), delay - (f64::from(full) - strength) / 2.0)
-            }
-        };
-        let turns = (-delay / levels).rem_euclid(1.0);
-        (amplitude, TAU * if turns > 0.5 { turns - 1.0 } else { turns })
     }
 }

@@ -16,9 +16,11 @@ use num_complex::Complex32;
 
 use crate::acoustics::Aperture;
 use crate::field::interpolation::Resampling;
-use crate::field::{Samples, Wave, transfer};
+use crate::field::{Samples, Wave};
 use crate::scene::Plane;
 
+/// Bytes that a table of waves may take; above, every superposition evaluates its waves anew.
+pub const TABLE_CEILING: usize = 256 << 20;
 /// Half-widths of the window, in samples, that are tried.
 const HALF_WIDTHS: [usize; 8] = [2, 3, 4, 5, 6, 8, 10, 12];
 /// Pixels of a usual large map, for which the window is chosen.
@@ -302,7 +304,7 @@ impl View {
     fn work(&self, layout: &Layout) -> f64 {
         let [columns, rows] = self.sample_counts(layout);
         let taps = USUAL_PIXELS * (2 * layout.half_width) as f64;
-        let is_kept = columns * rows * self.elements * size_of::<Complex32>() <= transfer::CEILING;
+        let is_kept = columns * rows * self.elements * size_of::<Complex32>() <= TABLE_CEILING;
         let pair = match layout.shared {
             [None, None] if is_kept => self.costs.kept_pair,
             [None, None] => 1.0,

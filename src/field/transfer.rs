@@ -14,9 +14,6 @@ use crate::field::plan::Grid;
 use crate::field::sources::Wave;
 use crate::field::{Samples, plan};
 
-/// Bytes that a table may take; above, every superposition evaluates its waves anew.
-pub const CEILING: usize = 256 << 20;
-
 /// Where in the table the transfer of an element to a sample stands.
 ///
 /// Sample number p, row by row, is `p % line` on line `p / line`; line `l` of the element (column, row) starts at

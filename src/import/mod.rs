@@ -2,6 +2,7 @@
 //!
 //! `bytes → Drawing` ([`read`]) `→ targets` ([`Placement::targets`]); nothing here touches a file or the window.
 
+mod ink;
 mod line;
 mod placement;
 mod scan;

@@ -1,4 +1,4 @@
-//! The dark strokes of a picture: threshold, thinning to centre lines, and from these polylines.
+//! The dark strokes of a picture as polylines: what is paper and what is ink, and the lines of that.
 
 use std::io::Cursor;
 
@@ -6,6 +6,7 @@ use glam::DVec2;
 use image::imageops::FilterType;
 use image::{DynamicImage, GrayImage, ImageFormat, ImageReader, Limits};
 
+use crate::import::ink::Ink;
 use crate::import::trace;
 use crate::import::{ImportError, Line};
 
@@ -26,7 +27,7 @@ pub fn lines(bytes: &[u8], format: ImageFormat) -> Result<Vec<Line>, ImportError
     let grey = decode(bytes, format)?;
     let mut ink = ink(&grey)?;
     let area = ink.dark().count();
-    thin(&mut ink);
+    ink.thin();
     let width = area as f64 / ink.dark().count().max(1) as f64;
     let lines = trace::lines(&ink, width)?;
     if lines.is_empty() {
@@ -68,39 +69,6 @@ fn on_paper(picture: &DynamicImage) -> GrayImage {
     })
 }
 
-/// Which pixels are dark. There is a margin of one light pixel all around.
-#[derive(Clone, Debug)]
-pub struct Ink {
-    pub width: usize,
-    dark: Vec<bool>,
-}
-
-impl Ink {
-    /// Indices of the dark pixels, row by row.
-    pub fn dark(&self) -> impl Iterator<Item = usize> {
-        self.dark.iter().enumerate().filter(|(_, dark)| **dark).map(|(index, _)| index)
-    }
-
-    pub fn is_dark(&self, index: usize) -> bool {
-        self.dark[index]
-    }
-
-    pub fn pixels(&self) -> usize {
-        self.dark.len()
-    }
-
-    /// From the one above clockwise.
-    pub fn neighbours(&self, index: usize) -> [usize; 8] {
-        let (w, i) = (self.width, index);
-        [i - w, i - w + 1, i + 1, i + w + 1, i + w, i + w - 1, i - 1, i - w - 1]
-    }
-
-    /// x to the right and y downwards.
-    pub fn place(&self, index: usize) -> DVec2 {
-        DVec2::new((index % self.width) as f64, (index / self.width) as f64)
-    }
-}
-
 /// Parts paper and ink where that leaves most of the variance between them (Otsu 1979).
 fn ink(grey: &GrayImage) -> Result<Ink, ImportError> {
     let mut histogram = [0.0f64; 256];
@@ -130,38 +98,10 @@ fn ink(grey: &GrayImage) -> Result<Ink, ImportError> {
     if between < LEAST_SEPARATION * variance || covered > MOST_INK {
         return Err(ImportError::NoStrokes);
     }
-    let (width, height) = (grey.width() as usize + 2, grey.height() as usize + 2);
-    let mut dark = vec![false; width * height];
-    for (x, y, pixel) in grey.enumerate_pixels() {
-        dark[(y as usize + 1) * width + x as usize + 1] = usize::from(pixel.0[0]) <= threshold;
-    }
-    Ok(Ink { width, dark })
-}
-
-/// Thins strokes to lines of one pixel, whose ends stay (Guo and Hall 1989).
-fn thin(ink: &mut Ink) {
-    let mut left: Vec<usize> = ink.dark().collect();
-    let (mut is_second, mut idle) = (false, 0);
-    while idle < 2 {
-        let goes: Vec<usize> = left.iter().copied().filter(|&index| goes(ink, index, is_second)).collect();
-        idle = if goes.is_empty() { idle + 1 } else { 0 };
-        for &index in &goes {
-            ink.dark[index] = false;
-        }
-        left.retain(|&index| ink.dark[index]);
-        is_second = !is_second;
-    }
-}
-
-/// Whether a pixel of the edge can go without taking a stroke apart or shortening it.
-fn goes(ink: &Ink, index: usize, is_second: bool) -> bool {
-    let [p2, p3, p4, p5, p6, p7, p8, p9] = ink.neighbours(index).map(|neighbour| ink.dark[neighbour]);
-    let count = |pairs: [bool; 4]| pairs.into_iter().filter(|&pair| pair).count();
-    let parts = count([!p2 && (p3 || p4), !p4 && (p5 || p6), !p6 && (p7 || p8), !p8 && (p9 || p2)]);
-    let around =
-        count([p9 || p2, p3 || p4, p5 || p6, p7 || p8]).min(count([p2 || p3, p4 || p5, p6 || p7, p8 || p9]));
-    let is_open = if is_second { !((p2 || p3 || !p5) && p4) } else { !((p6 || p7 || !p9) && p8) };
-    parts == 1 && (2..=3).contains(&around) && is_open
+    let is_dark = |pixel: &image::Luma<u8>| usize::from(pixel.0[0]) <= threshold;
+    let dark = grey.enumerate_pixels().filter(|(_, _, pixel)| is_dark(pixel));
+    let places = dark.map(|(x, y, _)| (x as usize, y as usize));
+    Ok(Ink::new(grey.width() as usize, grey.height() as usize, places))
 }
 
 #[cfg(test)]

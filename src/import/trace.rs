@@ -4,7 +4,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use glam::DVec2;
 
-use crate::import::scan::Ink;
+use crate::import::ink::Ink;
 use crate::import::{ImportError, Line};
 
 /// A corner turns by 57° at least, between sides of so many pixels.

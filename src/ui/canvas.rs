@@ -137,7 +137,7 @@ fn words(editor: &Editor, shown: &Shown, painter: &Painter, lens: &Lens) {
     let middle = lens.rect.center();
     if editor.scene().targets.is_empty() && !editor.is_in_gesture() {
         let text = "Nothing to focus on yet.\nPick a tool on the left and draw, or open an example.";
-        chip(painter, middle, Align2::CENTER_CENTER, text, 15.0, Color32::WHITE);
+        marks::chip(painter, middle, Align2::CENTER_CENTER, text, 15.0, Color32::WHITE);
         return;
     }
     let (text, colour) = match &shown.problem {
@@ -153,30 +153,11 @@ fn words(editor: &Editor, shown: &Shown, painter: &Painter, lens: &Lens) {
     wrapped_chip(painter, at, lens.rect.width() - 40.0, &text, colour);
 }
 
-/// A text on a dark ground.
-pub fn chip(painter: &Painter, at: Pos2, align: Align2, text: &str, size: f32, colour: Color32) -> Rect {
-    let galley = painter.layout_no_wrap(text.to_owned(), FontId::proportional(size), colour);
-    let rect = align.anchor_size(at, galley.size());
-    painter.rect_filled(rect.expand2(vec2(6.0, 3.0)), 4.0, Color32::from_black_alpha(200));
-    painter.galley(rect.min, galley, colour);
-    rect
-}
-
 fn wrapped_chip(painter: &Painter, top: Pos2, width: f32, text: &str, colour: Color32) {
     let galley = painter.layout(text.to_owned(), FontId::proportional(13.5), colour, width.max(60.0));
     let rect = Align2::CENTER_TOP.anchor_size(top, galley.size());
     painter.rect_filled(rect.expand2(vec2(8.0, 5.0)), 4.0, Color32::from_black_alpha(220));
     painter.galley(rect.min, galley, colour);
-}
-
-/// 1, 2 or 5 times a power of ten, not less than `least`.
-pub fn round_step(least: f64) -> f64 {
-    let power = 10f64.powf(least.log10().floor());
-    [1.0, 2.0, 5.0, 10.0]
-        .into_iter()
-        .map(|step| step * power)
-        .find(|&step| step >= least * 0.999)
-        .unwrap_or(least)
 }
 
 /// Ticks in mm along the left and the lower edge.
@@ -185,7 +166,7 @@ fn axes(editor: &Editor, ui: &Ui, lens: &Lens) {
     let ink = visuals.text_color();
     let rect = lens.rect;
     painter.rect_stroke(rect, 0.0, Stroke::new(1.0, visuals.weak_text_color()), StrokeKind::Outside);
-    let step = round_step(TICK * lens.window.scale * 1e3);
+    let step = legend::round_step(TICK * lens.window.scale * 1e3);
     let (low, high) = (lens.flat(rect.left_bottom()) * 1e3, lens.flat(rect.right_top()) * 1e3);
     let ticks = |low: f64, high: f64| {
         let (first, last) = ((low / step).ceil() as i64, (high / step).floor() as i64);
@@ -226,7 +207,7 @@ fn probe(editor: &Editor, shown: &Shown, painter: &Painter, lens: &Lens, at: Pos
         text.push_str(&format!("     {}", value(map, sound, uv, point)));
     }
     let corner = lens.rect.left_top() + vec2(12.0, 9.0);
-    chip(painter, corner, Align2::LEFT_TOP, &text, 13.0, theme::MARK);
+    marks::chip(painter, corner, Align2::LEFT_TOP, &text, 13.0, theme::MARK);
 }
 
 fn value(map: &Map, sound: &crate::ui::Sound, uv: DVec2, point: glam::DVec3) -> String {

@@ -4,7 +4,6 @@ use egui::{Align2, Color32, FontId, Mesh, Rect, Stroke, StrokeKind, Ui, pos2, ve
 
 use crate::field::colouring::FLOOR;
 use crate::field::{Quantity, Scale};
-use crate::ui::canvas::round_step;
 use crate::ui::view::{Lens, decibels};
 use crate::ui::{Editor, Map};
 
@@ -166,6 +165,16 @@ fn amounts(full: f64, count: f64) -> Vec<(f64, String)> {
         .collect();
     ticks.push((1.0, figures(full)));
     ticks
+}
+
+/// 1, 2 or 5 times a power of ten, not less than `least`.
+pub fn round_step(least: f64) -> f64 {
+    let power = 10f64.powf(least.log10().floor());
+    [1.0, 2.0, 5.0, 10.0]
+        .into_iter()
+        .map(|step| step * power)
+        .find(|&step| step >= least * 0.999)
+        .unwrap_or(least)
 }
 
 #[cfg(test)]

@@ -2,12 +2,11 @@
 
 use std::f64::consts::SQRT_2;
 
-use egui::{Align2, Color32, Painter, Pos2, Rect, Shape, Stroke, StrokeKind, vec2};
+use egui::{Align2, Color32, FontId, Painter, Pos2, Rect, Shape, Stroke, StrokeKind, vec2};
 use glam::{DVec2, DVec3};
 
 use crate::picture::sheet::pascals;
 use crate::scene::{MotionPath, outline};
-use crate::ui::canvas::chip;
 use crate::ui::gesture::Gesture;
 use crate::ui::view::{Cut, Lens, array_size};
 use crate::ui::{Editor, Shown, Sound, edit, handle, theme};
@@ -174,4 +173,13 @@ pub fn gesture(editor: &Editor, painter: &Painter, lens: &Lens) {
         let below = at + vec2(0.0, (0.028 / lens.window.scale) as f32);
         chip(painter, below, Align2::CENTER_TOP, &format!("{text}|"), 13.0, theme::CHOSEN);
     }
+}
+
+/// A text on a dark ground.
+pub fn chip(painter: &Painter, at: Pos2, align: Align2, text: &str, size: f32, colour: Color32) -> Rect {
+    let galley = painter.layout_no_wrap(text.to_owned(), FontId::proportional(size), colour);
+    let rect = align.anchor_size(at, galley.size());
+    painter.rect_filled(rect.expand2(vec2(6.0, 3.0)), 4.0, Color32::from_black_alpha(200));
+    painter.galley(rect.min, galley, colour);
+    rect
 }

@@ -2,7 +2,7 @@
 
 use crate::device::native::line;
 use crate::device::native::line::Spoiled;
-use crate::device::native::packet::{Kind, Outcome, REPLY};
+use crate::device::native::table::{Kind, Outcome, REPLY};
 
 /// What a device says of itself.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -7,9 +7,9 @@ use num_complex::Complex32;
 use crate::acoustics::Aperture;
 use crate::drive::Drive;
 use crate::field::interpolation::{Between, interpolate};
-use crate::field::plan::Grid;
+use crate::field::plan::{Grid, TABLE_CEILING};
 use crate::field::stages::{Job, Kept, Painted, Setting, Sounding, Wanted, Work, excitation};
-use crate::field::transfer::{CEILING, Layout, Transfer};
+use crate::field::transfer::{Layout, Transfer};
 use crate::field::{self, Samples, Wave};
 
 #[derive(Debug, Default)]
@@ -49,7 +49,7 @@ impl Superposition {
         }
         let table = self.transfer.update(setting, |table| {
             let layout = Layout::new(&setting.aperture, grid);
-            let wave = Wave::new(&setting.aperture, &grid.samples).filter(|_| layout.fits(CEILING));
+            let wave = Wave::new(&setting.aperture, &grid.samples).filter(|_| layout.fits(TABLE_CEILING));
             work.transfer += u64::from(wave.is_some());
             let old = table.take();
             *table = wave.map(|wave| Transfer::new(&setting.aperture, &wave, layout, old));
