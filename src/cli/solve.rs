@@ -292,7 +292,8 @@ fn drive_row(scene: &Scene, solution: &Solution) -> String {
 }
 
 fn millimetres(point: DVec3) -> [String; 3] {
-    (point * 1e3).to_array().map(|coordinate| format!("{coordinate:.2}"))
+    // What rounds to zero is zero, not "-0.00".
+    (point * 1e3).to_array().map(|coordinate| format!("{:.2}", (coordinate * 1e2).round() / 1e2 + 0.0))
 }
 
 impl Findings {

@@ -4,17 +4,7 @@
 //! [`link`] to a board. Every board has a twin here that understands the same bytes: a type in [`stock`], or
 //! [`native::model::Model`]; [`board`] puts it at the other end of a pseudo-terminal.
 //!
-//! # Another board
-//!
-//! 1. A variant of [`profile::Profile`] with its facts: elements, levels, what an amplitude is, bit rate, bytes per frame. The
-//!    compiler lists what is missing.
-//! 2. Its channels in [`order`]: which element each plays. A test holds that no element is forgotten; add two or three
-//!    known ones.
-//! 3. A file in [`stock`] with `load`, which makes bytes of levels, and a `Twin`, which makes levels of bytes; and a
-//!    line each in `stock::load`, `stock::swap`, `stock::silence` and `stock::Twin`. Off is a mask: give it the board's own
-//!    value, never a phase.
-//! 4. `tests/device.rs` then sends random drives to the twin and wants them back, after any garbage; `tests/link.rs` does the
-//!    same over a real line.
+//! How another board is added stands in `docs/adding-a-board.md`.
 
 #[cfg(all(unix, feature = "serial"))]
 pub mod board;
