@@ -34,6 +34,7 @@ const LAYERS: &[(&str, &[&str])] = &[
             "indicatif",
             "num_complex",
             "rayon",
+            "rustix",
             "serde_json",
             "signal_hook",
             "tempfile",
@@ -247,6 +248,44 @@ fn the_rule_finds_what_breaks_it() {
     ] {
         assert_eq!(in_file(path, text), Vec::<String>::new(), "{path}: {text}");
     }
+}
+
+/// What is named in no source, and why.
+const NOWHERE: &[(&str, &str)] = &[
+    ("SystemTime", "the clock on the wall jumps: `Instant` does not"),
+    ("UNIX_EPOCH", "the clock on the wall jumps: `Instant` does not"),
+    (
+        "println!",
+        "it panics where nobody reads or the disk is full: `say!`, `note`, `warn` and `mention` do not",
+    ),
+    ("print!", "it panics where nobody reads or the disk is full: `output::print` does not"),
+    ("fs::write(", "what it writes may stay half written: `output` writes files whole"),
+    ("File::create(", "what is written to it may stay half written: `output` writes files whole"),
+];
+
+/// The code of a file without its tests, which stand at its end.
+fn without_tests(text: &str) -> &str {
+    text.split("#[cfg(test)]\nmod tests {").next().unwrap_or_default()
+}
+
+#[test]
+fn nothing_hangs_on_the_wall_clock_panics_in_print_or_writes_half_a_file() {
+    let mut found = Vec::new();
+    for path in rust_files(&root().join("src")) {
+        let text = fs::read_to_string(&path).unwrap();
+        for (number, line) in code_lines(without_tests(&text)) {
+            let named = NOWHERE.iter().filter(|(name, _)| {
+                line.match_indices(name).any(|(at, _)| !line[..at].ends_with(char::is_alphanumeric))
+            });
+            found.extend(named.map(|(name, why)| format!("{}:{number}: {name}: {why}", path.display())));
+        }
+    }
+    assert!(found.is_empty(), "{}", found.join("\n"));
+    let line = "    println!(now = SystemTime::now());";
+    assert!(
+        NOWHERE.iter().filter(|(name, _)| line.contains(name)).count() >= 2,
+        "the rule finds what breaks it"
+    );
 }
 
 #[test]
