@@ -5,11 +5,15 @@
 #![expect(clippy::unwrap_used, reason = "a test's helper may panic")]
 
 mod disk;
+mod gpu;
 #[cfg(feature = "serial")]
 mod line;
 mod memory;
 mod place;
+mod screen;
 mod signal;
+#[cfg(feature = "window")]
+mod window;
 
 use std::fs;
 use std::path::Path;
@@ -110,4 +114,10 @@ impl Drop for Running {
         let _ = self.0.kill();
         let _ = self.0.wait();
     }
+}
+
+/// Whether this machine is one on which nothing may be left out.
+fn is_required(what: &str) -> bool {
+    let required = std::env::var("SONOGLYPH_REQUIRE").unwrap_or_default();
+    required.split(',').any(|own| own == what)
 }
