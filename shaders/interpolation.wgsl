@@ -21,14 +21,13 @@ struct ResampleParams {
 
 @group(0) @binding(0) var<uniform> params: ResampleParams;
 @group(0) @binding(1) var<storage, read> samples: array<vec2f>;
-// The first sample of every 16 pixels.
-@group(0) @binding(2) var<storage, read> first: array<u32>;
-// 16 weights for every sample of every 16 pixels.
-@group(0) @binding(3) var<storage, read> weights: array<vec4f>;
-@group(0) @binding(4) var<storage, read_write> interpolated: array<vec2f>;
+// Of every 16 pixels their first sample, and then the bits of 16 weights for every sample. One buffer, since adapters need not have
+// more than four in a program.
+@group(0) @binding(2) var<storage, read> weights: array<vec4u>;
+@group(0) @binding(3) var<storage, read_write> interpolated: array<vec2f>;
 
 // Bits of the largest |p|, a float that is not negative: they order as the float does.
-@group(0) @binding(5) var<storage, read_write> peak: atomic<u32>;
+@group(0) @binding(4) var<storage, read_write> peak: atomic<u32>;
 
 // 16 pixels of one line.
 struct Sums {
@@ -60,7 +59,9 @@ fn resample_main(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_
     let line = group.x * (4u * WORKGROUP) + local;
     // Beyond the end the last line is made again and not written.
     let last = params.lines - 1u;
-    let start = params.start + first[group.y] * params.tap_stride;
+    var weight = group.y * (1u + params.span * 4u);
+    let start = params.start + weights[weight].x * params.tap_stride;
+    weight++;
     var at0 = start + min(line, last) * params.line_stride;
     var at1 = start + min(line + WORKGROUP, last) * params.line_stride;
     var at2 = start + min(line + 2u * WORKGROUP, last) * params.line_stride;
@@ -69,12 +70,11 @@ fn resample_main(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_
     var sums1 = Sums(vec4f(0.0), vec4f(0.0), vec4f(0.0), vec4f(0.0), vec4f(0.0), vec4f(0.0), vec4f(0.0), vec4f(0.0));
     var sums2 = Sums(vec4f(0.0), vec4f(0.0), vec4f(0.0), vec4f(0.0), vec4f(0.0), vec4f(0.0), vec4f(0.0), vec4f(0.0));
     var sums3 = Sums(vec4f(0.0), vec4f(0.0), vec4f(0.0), vec4f(0.0), vec4f(0.0), vec4f(0.0), vec4f(0.0), vec4f(0.0));
-    var weight = group.y * params.span * 4u;
     for (var tap = 0u; tap < params.span; tap++) {
-        let w0 = weights[weight];
-        let w1 = weights[weight + 1u];
-        let w2 = weights[weight + 2u];
-        let w3 = weights[weight + 3u];
+        let w0 = bitcast<vec4f>(weights[weight]);
+        let w1 = bitcast<vec4f>(weights[weight + 1u]);
+        let w2 = bitcast<vec4f>(weights[weight + 2u]);
+        let w3 = bitcast<vec4f>(weights[weight + 3u]);
         sums0 = plus(sums0, samples[at0], w0, w1, w2, w3);
         at0 += params.tap_stride;
         sums1 = plus(sums1, samples[at1], w0, w1, w2, w3);

@@ -2,7 +2,7 @@
 
 use std::process::ExitCode;
 
-use sonoglyph::cli::Next;
+use sonoglyph::cli::{Next, mention};
 
 fn main() -> ExitCode {
     quiet_drivers();
@@ -10,7 +10,7 @@ fn main() -> ExitCode {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) if nobody_reads(&error) => ExitCode::SUCCESS,
         Err(error) => {
-            eprintln!("error: {error:#}");
+            mention(&format!("error: {error:#}"));
             ExitCode::from(2)
         }
     }
@@ -27,10 +27,7 @@ fn go_on(next: Next) -> anyhow::Result<()> {
     match next {
         Next::Exit => Ok(()),
         Next::Window(scene) => sonoglyph::app::run(scene.as_deref()),
-        Next::BenchWindow => {
-            sonoglyph::app::bench::run();
-            Ok(())
-        }
+        Next::BenchWindow => sonoglyph::app::bench::run(),
     }
 }
 

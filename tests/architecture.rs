@@ -35,6 +35,7 @@ const LAYERS: &[(&str, &[&str])] = &[
             "indicatif",
             "num_complex",
             "rayon",
+            "rustix",
             "serde_json",
             "signal_hook",
             "tempfile",
@@ -295,6 +296,44 @@ fn no_files_name_each_other_in_a_circle() {
     ];
     let files = files.map(|(module, text)| (module.to_owned(), text.to_owned())).into();
     assert_eq!(circles(&files), ["a::x", "a::y", "b"].into());
+}
+
+/// What is named in no source, and why.
+const NOWHERE: &[(&str, &str)] = &[
+    ("SystemTime", "the clock on the wall jumps: `Instant` does not"),
+    ("UNIX_EPOCH", "the clock on the wall jumps: `Instant` does not"),
+    (
+        "println!",
+        "it panics where nobody reads or the disk is full: `say!`, `note`, `warn` and `mention` do not",
+    ),
+    ("print!", "it panics where nobody reads or the disk is full: `output::print` does not"),
+    ("fs::write(", "what it writes may stay half written: `output` writes files whole"),
+    ("File::create(", "what is written to it may stay half written: `output` writes files whole"),
+];
+
+/// The code of a file without its tests, which stand at its end.
+fn without_tests(text: &str) -> &str {
+    text.split("#[cfg(test)]\nmod tests {").next().unwrap_or_default()
+}
+
+#[test]
+fn nothing_hangs_on_the_wall_clock_panics_in_print_or_writes_half_a_file() {
+    let mut found = Vec::new();
+    for path in rust_files(&root().join("src")) {
+        let text = fs::read_to_string(&path).unwrap();
+        for (number, line) in code_lines(without_tests(&text)) {
+            let named = NOWHERE.iter().filter(|(name, _)| {
+                line.match_indices(name).any(|(at, _)| !line[..at].ends_with(char::is_alphanumeric))
+            });
+            found.extend(named.map(|(name, why)| format!("{}:{number}: {name}: {why}", path.display())));
+        }
+    }
+    assert!(found.is_empty(), "{}", found.join("\n"));
+    let line = "    println!(now = SystemTime::now());";
+    assert!(
+        NOWHERE.iter().filter(|(name, _)| line.contains(name)).count() >= 2,
+        "the rule finds what breaks it"
+    );
 }
 
 #[test]

@@ -7,6 +7,7 @@ use eframe::egui::{self, Event, Key, Modifiers, PointerButton, Pos2, RawInput, R
 use glam::{DVec2, DVec3};
 
 use crate::app::Window;
+use crate::cli::output::say;
 use crate::field::{Evaluator, Quantity};
 use crate::scene::{Scene, Shape, Target};
 use crate::ui::Editor;
@@ -111,8 +112,11 @@ fn median(mut values: Vec<f64>) -> f64 {
 }
 
 /// Prints what starting, dragging, typing and doing nothing cost.
-pub fn run() {
-    println!("CPU time per frame of a {} x {} window, median; the renderer comes on top", SIZE.x, SIZE.y);
+///
+/// # Errors
+/// Standard output takes nothing.
+pub fn run() -> anyhow::Result<()> {
+    say!("CPU time per frame of a {} x {} window, median; the renderer comes on top", SIZE.x, SIZE.y)?;
     type Look = fn(&mut Editor);
     let looks: [(&str, Look); 5] = [
         ("drag one of 8 foci", |_| ()),
@@ -126,14 +130,14 @@ pub fn run() {
     ];
     for (name, look) in looks {
         let (all, field, solve) = drag(look);
-        println!("{name:<24} {all:6.2} ms in all, field {field:.2} ms, solve {solve:.2} ms (elapsed)");
+        say!("{name:<24} {all:6.2} ms in all, field {field:.2} ms, solve {solve:.2} ms (elapsed)")?;
     }
-    println!("{:<24} {:6.2} ms", "a moment of the waves", oscillation());
-    println!("{:<24} {:6.2} ms per letter", "type HIT", typing());
-    println!("{:<24} {:6} frames, with those in which hovering settles", "the pointer moves", hover());
-    println!("{:<24} {:6} frames in a second", "nothing happens", idle());
+    say!("{:<24} {:6.2} ms", "a moment of the waves", oscillation())?;
+    say!("{:<24} {:6.2} ms per letter", "type HIT", typing())?;
+    say!("{:<24} {:6} frames, with those in which hovering settles", "the pointer moves", hover())?;
+    say!("{:<24} {:6} frames in a second", "nothing happens", idle())?;
     let (spent, passed) = start();
-    println!("{:<24} {spent:6.2} ms, {passed:.2} ms elapsed", "start to first picture");
+    say!("{:<24} {spent:6.2} ms, {passed:.2} ms elapsed", "start to first picture")
 }
 
 fn eight_foci() -> [DVec3; 8] {

@@ -66,6 +66,7 @@ fn ask_desktop(
 
 /// The drawing in a file.
 fn read_drawing(path: &Path) -> anyhow::Result<Drawing> {
+    output::refuse_stream(path)?;
     let bytes = std::fs::read(path).map_err(|error| anyhow!("{}: {}", path.display(), error.kind()))?;
     import::read(&bytes).map_err(|error| anyhow!("{}: {error}", path.display()))
 }
@@ -73,6 +74,9 @@ fn read_drawing(path: &Path) -> anyhow::Result<Drawing> {
 impl Window {
     /// A file that cannot be read leaves the scene that is there.
     pub(super) fn open(&mut self, path: &Path) {
+        if let Err(error) = output::refuse_stream(path) {
+            return self.refuse("The scene cannot be opened", &error);
+        }
         match Document::read(path) {
             Ok(document) => {
                 self.editor.replace(document);
@@ -159,12 +163,23 @@ impl Window {
         }
     }
 
+    /// Asks first where that would take away what another program has written.
     pub(super) fn save(&mut self, path: &Path, ctx: &egui::Context) {
+        if let Err(error) = output::refuse_stream(path) {
+            self.refuse("The scene cannot be saved", &error);
+        } else if self.editor.document.was_changed_elsewhere(path) {
+            self.editor.dialog = Some(Dialog::Changed(path.to_owned()));
+        } else {
+            self.overwrite(path, ctx);
+        }
+    }
+
+    pub(super) fn overwrite(&mut self, path: &Path, ctx: &egui::Context) {
         let then = self.editor.after_saving.take();
         let scene = self.editor.scene();
         let written = check::check(scene)
             .context("no program could read this scene again")
-            .and_then(|()| output::write(path, self.editor.document.text().as_bytes()));
+            .and_then(|()| output::save(path, self.editor.document.text().as_bytes()));
         match written {
             Ok(()) => {
                 self.editor.document.saved_as(path.to_owned());
@@ -179,6 +194,9 @@ impl Window {
     }
 
     pub(super) fn export(&mut self, export: Export, path: &Path, ctx: &egui::Context) {
+        if let Err(error) = output::refuse_stream(path) {
+            return self.refuse("Nothing was exported", &error);
+        }
         let bytes = match export {
             Export::Motion => return self.film(path, ctx),
             Export::Map => self.map_png(),

@@ -9,13 +9,15 @@ use crate::acoustics::Aperture;
 use crate::cli::{liquid, map};
 use crate::drive::Drive;
 use crate::field::contour::Line;
-use crate::field::{Average, Colouring, Evaluator, FieldError, Mean, Quantity, Stages, Wanted, Work};
+use crate::field::{
+    Average, Colouring, Evaluator, FieldError, Gpu, GpuError, Mean, Quantity, Stages, Wanted, Work,
+};
 use crate::picture::Picture;
 use crate::picture::relief::{Place, Relief};
 use crate::scene::Plane;
 use crate::ui::canvas::GROUND;
 use crate::ui::view::Lens;
-use crate::ui::{Editor, Map, Pressed, Shown, Texture};
+use crate::ui::{Editor, Map, Notice, Pressed, Shown, Texture};
 
 /// Pixels of a map, at most.
 const MOST_PIXELS: usize = 1 << 23;
@@ -50,6 +52,8 @@ pub struct Mapping {
     stages: Stages,
     /// What the map on the screen was made from, and the picture of a surface that is shaded.
     drawn: Option<(Request, Option<Picture>)>,
+    /// Why the GPU does not compute any more, until the window has said so.
+    given_up: Option<GpuError>,
 }
 
 /// What is known of a map besides its colours.
@@ -63,13 +67,18 @@ struct Figures {
 
 impl Mapping {
     pub fn new(evaluator: Evaluator) -> Self {
-        Self { stages: Stages::new(evaluator), drawn: None }
+        Self { stages: Stages::new(evaluator), drawn: None, given_up: None }
     }
 
     /// Who computes the field.
     pub fn evaluator(&self) -> String {
         let cpu = || format!("CPU, {}", crate::simd::Isa::best().name());
         self.stages.gpu().map_or_else(cpu, |gpu| gpu.info().name.clone())
+    }
+
+    /// The GPU that computes the field, if one does.
+    pub fn gpu(&self) -> Option<&Gpu> {
+        self.stages.gpu()
     }
 
     /// How often each stage of the field has run.
@@ -79,6 +88,11 @@ impl Mapping {
 
     /// Brings the map up to date.
     pub fn update(&mut self, editor: &Editor, shown: &mut Shown, lens: &Lens, ctx: &Context) {
+        if let Some(error) = self.given_up.take() {
+            shown.evaluator = self.evaluator();
+            let text = format!("{error}; the CPU computes the field from now on");
+            shown.notice = Some(Notice { text, is_error: true });
+        }
         let Some(request) = request(editor, shown, lens, ctx) else {
             shown.map = None;
             shown.pressed = None;
@@ -95,9 +109,7 @@ impl Mapping {
                 self.drawn = Some((request, picture));
             }
             Err(FieldError::Gpu(error)) => {
-                self.stages = Stages::new(Evaluator::Cpu);
-                shown.evaluator = self.evaluator();
-                shown.problem = Some(format!("{error}; the CPU computes the field from now on"));
+                self.give_up_gpu(error);
                 ctx.request_repaint();
             }
             Err(error) => {
@@ -189,26 +201,43 @@ impl Mapping {
         }
     }
 
+    /// Does something again by the CPU where the GPU fails.
+    fn or_by_cpu<T>(&mut self, work: impl Fn(&mut Self) -> Result<T, FieldError>) -> Result<T, FieldError> {
+        match work(self) {
+            Err(FieldError::Gpu(error)) => {
+                self.give_up_gpu(error);
+                work(self)
+            }
+            done => done,
+        }
+    }
+
+    fn give_up_gpu(&mut self, error: GpuError) {
+        self.stages = Stages::new(Evaluator::Cpu);
+        self.given_up = Some(error);
+    }
+
     /// The map on the screen as a picture.
     pub fn picture(&mut self) -> Option<Picture> {
         let (request, picture) = self.drawn.clone()?;
         if picture.is_some() {
             return picture;
         }
-        let colours = self.colours(&request).ok()?;
+        let colours = self.or_by_cpu(|own| own.colours(&request).map(<[_]>::to_vec)).ok()?;
         Some(Picture::from_field_order(request.size.0, request.size.1, colours.as_flattened()))
     }
 
     /// The map's numbers, height and width first.
     pub fn numbers(&mut self) -> Option<(Vec<u64>, Vec<f32>)> {
         let request = self.drawn.as_ref()?.0.clone();
-        let values = match request.average() {
-            Some(average) => self.stages.read_average(&average).ok()?,
+        let values = self.or_by_cpu(|own| match request.average() {
+            Some(average) => own.stages.read_average(&average),
             None => {
-                let field = self.stages.read(&request.wanted()).ok()?;
-                field.iter().map(|&p| request.colouring.of(p)).collect()
+                let field = own.stages.read(&request.wanted())?;
+                Ok(field.iter().map(|&p| request.colouring.of(p)).collect())
             }
-        };
+        });
+        let values = values.ok()?;
         Some((vec![request.size.1 as u64, request.size.0 as u64], values))
     }
 }

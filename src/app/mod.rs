@@ -11,7 +11,7 @@ mod link;
 #[path = "no_link.rs"]
 mod link;
 mod mapping;
-mod recovery;
+pub mod recovery;
 mod settings;
 mod workshop;
 
@@ -20,7 +20,7 @@ use std::path::{Path, PathBuf};
 use eframe::egui;
 
 use crate::cli::{evaluator, note, render};
-use crate::field::{Evaluator, Work};
+use crate::field::{Evaluator, Gpu, Work};
 use crate::picture::Picture;
 use crate::scene::Scene;
 use crate::ui::document::Document;
@@ -58,7 +58,6 @@ fn open(document: Document) -> Result<(), String> {
     {
         return Err("no display".to_owned());
     }
-    let evaluator = evaluator::for_maps(crate::cli::Backend::Auto).map_err(|error| error.to_string())?;
     let folder = state_folder();
     let (memory, settings, word) = match folder.as_deref().map(Memory::at) {
         Some((memory, settings, word)) => (Some(memory), settings, word),
@@ -82,12 +81,21 @@ fn open(document: Document) -> Result<(), String> {
         ..Default::default()
     };
     let make: eframe::AppCreator<'_> = Box::new(|context| {
+        let evaluator = evaluator::for_maps(crate::cli::Backend::Auto)?;
         let mut window = Window::new(&context.egui_ctx, document, evaluator);
         window.remember(memory, &settings, word, &context.egui_ctx);
-        window.recover(folder.as_deref().map(Recovery::at));
+        window.recover(folder.as_deref().and_then(Recovery::at));
         Ok(Box::new(window))
     });
-    eframe::run_native(TITLE, options, make).map_err(|error| error.to_string())
+    eframe::run_native(TITLE, options, make).map_err(|error| said(&error.to_string()))
+}
+
+/// What a desktop's error says, without the place in somebody's source from where it says it.
+fn said(error: &str) -> String {
+    match error.rsplit_once(".rs:").and_then(|(_, rest)| rest.split_once(": ")) {
+        Some((_, said)) => said.to_owned(),
+        None => error.to_owned(),
+    }
 }
 
 /// The folder that the desktop has for what outlives a run. `None` where there is none.
@@ -204,6 +212,11 @@ impl Window {
         self.workshop.mapping.picture()
     }
 
+    /// The GPU that computes the field, if one does.
+    pub fn gpu(&self) -> Option<&Gpu> {
+        self.workshop.mapping.gpu()
+    }
+
     /// How often each stage of the field has run.
     pub fn work(&self) -> Work {
         self.workshop.mapping.work()
@@ -229,6 +242,7 @@ impl Window {
                 None => self.editor.dialog = Some(Dialog::path(ui::Purpose::SaveAs, &self.editor.document)),
             },
             Command::SaveAs(path) => self.save(&path, ctx),
+            Command::Overwrite(path) => self.overwrite(&path, ctx),
             Command::Import(path) => self.import(path, ctx),
             Command::Export(export, path) => self.export(export, &path, ctx),
             Command::CallOff => self.filming.iter().for_each(|film| film.progress.call_off()),
@@ -289,8 +303,13 @@ impl Window {
         }
         let document = &self.editor.document;
         let unsaved = document.is_unsaved().then_some(&document.scene);
+        let before = recovery.trouble().map(str::to_owned);
         if let Some(seconds) = recovery.keep(unsaved, ctx.input(|input| input.time)) {
             ctx.request_repaint_after_secs(seconds as f32);
+        }
+        if let Some(trouble) = recovery.trouble().filter(|trouble| Some(*trouble) != before.as_deref()) {
+            let text = format!("A crash would take what is not saved: {trouble}");
+            self.shown.notice = Some(Notice { text, is_error: true });
         }
     }
 

@@ -1,5 +1,6 @@
 //! What is kept of an unsaved scene, so that a crash takes nothing away.
 
+use std::fs::{File, TryLockError};
 use std::path::{Path, PathBuf};
 
 use crate::cli::output;
@@ -8,21 +9,47 @@ use crate::scene::{Scene, file};
 /// s between two files.
 const OFTEN: f64 = 5.0;
 
-/// The file that outlives a crash.
+/// The file that outlives a crash. Every window that runs has its own.
 #[derive(Debug)]
 pub struct Recovery {
     path: PathBuf,
+    /// Says to other windows that the file is in use; the system takes it away with the program, however that ends.
+    _lock: Option<File>,
     /// What the file holds.
     kept: Option<Scene>,
     /// s on the window's clock.
     last: f64,
+    /// Why the file was not written when that was last tried.
+    trouble: Option<String>,
 }
 
 impl Recovery {
-    /// The file in this folder.
-    pub fn at(folder: &Path) -> Self {
-        let path = folder.join("recovery.toml");
-        Self { kept: file::read(&path).ok(), path, last: f64::NEG_INFINITY }
+    /// A file in this folder that no other window has: one that a run left which did not end well, or else the first that is free.
+    pub fn at(folder: &Path) -> Option<Self> {
+        // Where nothing can be written, there is trouble later.
+        let _ = std::fs::create_dir_all(folder);
+        let file = |number: usize| match number {
+            1 => folder.join("recovery.toml"),
+            _ => folder.join(format!("recovery-{number}.toml")),
+        };
+        let used = (1..).take_while(|&number| number == 1 || lock_of(&file(number)).exists());
+        let mut free: Vec<_> = used.filter_map(|number| Self::take(file(number))).collect();
+        if free.is_empty() {
+            return (1..).find_map(|number| Self::take(file(number)));
+        }
+        let left = free.iter().position(|own| own.kept.is_some());
+        Some(free.swap_remove(left.unwrap_or(0)))
+    }
+
+    /// `None` while another window has this file.
+    fn take(path: PathBuf) -> Option<Self> {
+        let lock = File::options().create(true).append(true).open(lock_of(&path)).ok();
+        if let Some(lock) = &lock
+            && matches!(lock.try_lock(), Err(TryLockError::WouldBlock))
+        {
+            return None;
+        }
+        Some(Self { kept: file::read(&path).ok(), path, _lock: lock, last: f64::NEG_INFINITY, trouble: None })
     }
 
     /// What a run that did not end well left.
@@ -44,12 +71,17 @@ impl Recovery {
             return Some(OFTEN - (now - self.last));
         }
         self.last = now;
-        // Where nothing can be written, there is nothing to be done about it, and work goes on.
-        let folder = self.path.parent().unwrap_or(Path::new("."));
-        let _ = std::fs::create_dir_all(folder);
-        let _ = output::write(&self.path, file::write(scene).as_bytes());
-        self.kept = Some(scene.clone());
-        None
+        match output::write(&self.path, file::write(scene).as_bytes()) {
+            Ok(()) => (self.kept, self.trouble) = (Some(scene.clone()), None),
+            Err(error) => self.trouble = Some(format!("{error:#}")),
+        }
+        // There may be room again by then.
+        self.trouble.is_some().then_some(OFTEN)
+    }
+
+    /// Why a crash would take what is unsaved, if it would.
+    pub fn trouble(&self) -> Option<&str> {
+        self.trouble.as_deref()
     }
 
     /// All is well: there is nothing to recover.
@@ -59,25 +91,72 @@ impl Recovery {
     }
 }
 
+fn lock_of(path: &Path) -> PathBuf {
+    path.with_extension("lock")
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::scene::{Shape, Target};
 
+    fn scene(y: f64) -> Scene {
+        let at = glam::DVec3::new(0.0, y, 0.1);
+        Scene { targets: vec![Target::new(Shape::Point { at })], ..Scene::default() }
+    }
+
+    fn found(folder: &Path) -> Option<Scene> {
+        Recovery::at(folder).unwrap().found()
+    }
+
     #[test]
     fn what_is_unsaved_outlives_a_crash_and_nothing_else_does() {
         let folder = tempfile::tempdir().unwrap();
-        let mut recovery = Recovery::at(folder.path());
+        let mut recovery = Recovery::at(folder.path()).unwrap();
         assert_eq!(recovery.found(), None);
-        let mut scene = Scene::default();
-        scene.targets.push(Target::new(Shape::Point { at: glam::DVec3::new(0.0, 0.01, 0.1) }));
+        let mut scene = scene(0.01);
         assert_eq!(recovery.keep(Some(&scene), 0.0), None);
-        assert_eq!(Recovery::at(folder.path()).found().as_ref(), Some(&scene));
+        drop(recovery);
+        assert_eq!(found(folder.path()).as_ref(), Some(&scene));
+        let mut recovery = Recovery::at(folder.path()).unwrap();
         scene.array.pitch = 0.011;
+        recovery.keep(Some(&scene), 0.0);
+        scene.array.pitch = 0.012;
         assert_eq!(recovery.keep(Some(&scene), 2.0), Some(3.0), "not all the time");
         recovery.keep(Some(&scene), 6.0);
         assert_eq!(recovery.found(), Some(scene));
         recovery.keep(None, 7.0);
-        assert_eq!(Recovery::at(folder.path()).found(), None);
+        drop(recovery);
+        assert_eq!(found(folder.path()), None);
+    }
+
+    #[test]
+    fn windows_side_by_side_keep_apart_what_is_theirs() {
+        let folder = tempfile::tempdir().unwrap();
+        let scenes = [0.01, 0.02, 0.03].map(scene);
+        let mut windows: Vec<_> = (0..3).map(|_| Recovery::at(folder.path()).unwrap()).collect();
+        for (window, scene) in windows.iter_mut().zip(&scenes) {
+            assert_eq!(window.found(), None, "what another window keeps was left by nobody");
+            window.keep(Some(scene), 0.0);
+        }
+        windows[0].forget();
+        drop(windows);
+        // The second and the third crashed; each is offered once, and a fourth window starts afresh.
+        let again: Vec<_> = (0..4).map(|_| Recovery::at(folder.path()).unwrap()).collect();
+        let found: Vec<_> = again.iter().map(Recovery::found).collect();
+        assert_eq!(found, [Some(scenes[1].clone()), Some(scenes[2].clone()), None, None]);
+    }
+
+    #[test]
+    fn what_could_not_be_kept_is_tried_again_and_said() {
+        let folder = tempfile::tempdir().unwrap();
+        let mut recovery = Recovery::at(folder.path()).unwrap();
+        std::fs::create_dir(folder.path().join("recovery.toml")).unwrap();
+        let scene = scene(0.01);
+        assert_eq!(recovery.keep(Some(&scene), 0.0), Some(OFTEN));
+        assert!(recovery.trouble().unwrap().contains("recovery.toml"), "{:?}", recovery.trouble());
+        std::fs::remove_dir(folder.path().join("recovery.toml")).unwrap();
+        assert_eq!(recovery.keep(Some(&scene), 6.0), None);
+        assert_eq!((recovery.trouble(), recovery.found()), (None, Some(scene)));
     }
 }

@@ -206,8 +206,15 @@ impl Memory {
 
     fn write(&mut self) {
         let Some(settings) = self.pending.take() else { return };
+        let mut file = settings.clone();
+        // What another window has opened meanwhile is remembered, too.
+        let there = std::fs::read_to_string(&self.path).ok().and_then(|text| toml::from_str(&text).ok());
+        let recent = there.map_or_else(Vec::new, |there: Settings| there.recent);
+        let is_known = |path: &PathBuf| self.kept.recent.contains(path) || settings.recent.contains(path);
+        file.recent.extend(recent.into_iter().filter(|path| !is_known(path)));
+        file.recent.truncate(MOST_RECENT);
         // Where nothing can be written, the next run begins as the first one did.
-        if let (Some(folder), Ok(text)) = (self.path.parent(), toml::to_string(&settings)) {
+        if let (Some(folder), Ok(text)) = (self.path.parent(), toml::to_string(&file)) {
             let _ = std::fs::create_dir_all(folder);
             let _ = output::write(&self.path, text.as_bytes());
         }
@@ -239,6 +246,25 @@ mod tests {
         assert_ne!(Memory::at(folder.path()).1, settings);
         drop(memory);
         assert_eq!(Memory::at(folder.path()).1, settings, "the last ones are written at the end");
+    }
+
+    #[test]
+    fn what_two_windows_open_is_remembered_of_both_and_what_one_forgets_is_forgotten() {
+        let folder = tempfile::tempdir().unwrap();
+        let opened = |settings: &mut Settings, name: &str| remember(&mut settings.recent, Path::new(name));
+        let (mut one, mut first, _) = Memory::at(folder.path());
+        let (mut other, mut second, _) = Memory::at(folder.path());
+        opened(&mut first, "/a");
+        one.keep(first.clone(), 0.0);
+        opened(&mut second, "/b");
+        other.keep(second, 0.0);
+        opened(&mut first, "/c");
+        one.keep(first.clone(), 9.0);
+        let recent = || Memory::at(folder.path()).1.recent;
+        assert_eq!(recent(), ["/c", "/a", "/b"].map(PathBuf::from));
+        first.recent.clear();
+        one.keep(first, 18.0);
+        assert_eq!(recent(), [PathBuf::from("/b")]);
     }
 
     #[test]

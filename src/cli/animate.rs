@@ -8,6 +8,7 @@ use anyhow::{Context, bail};
 use indicatif::{ProgressBar, ProgressStyle};
 
 use crate::acoustics::Aperture;
+use crate::cli::output::say;
 use crate::cli::render::{Look, stem};
 use crate::cli::swell::{Schedule, Swell};
 use crate::cli::{
@@ -119,11 +120,11 @@ pub(in crate::cli) fn run(args: &RenderArgs) -> anyhow::Result<()> {
     if let Some(beyond) = liquid::beyond_linear_theory(film.slope) {
         warn(&beyond);
     }
-    println!("{}", shot.line(&args.output, size));
+    say!("{}", shot.line(&args.output, size))?;
     if args.verbose {
         let (solving, drawing) = (sequence.seconds, start.elapsed().as_secs_f64());
         let each = drawing / sequence.frames.len() as f64;
-        println!("  {:.1} ms for all drives, {:.1} ms per frame for its map", solving * 1e3, each * 1e3);
+        say!("  {:.1} ms for all drives, {:.1} ms per frame for its map", solving * 1e3, each * 1e3)?;
     }
     Ok(())
 }

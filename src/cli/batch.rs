@@ -46,7 +46,7 @@ fn write(answers: &Receiver<Receiver<Value>>) -> anyhow::Result<()> {
     loop {
         let answer = match answers.try_recv() {
             Err(TryRecvError::Empty) => {
-                out.flush()?;
+                out.flush().map_err(output::unsaid)?;
                 answers.recv().ok()
             }
             answer => answer.ok(),
@@ -55,13 +55,13 @@ fn write(answers: &Receiver<Receiver<Value>>) -> anyhow::Result<()> {
         let value = match answer.try_recv() {
             Ok(value) => value,
             Err(_) => {
-                out.flush()?;
+                out.flush().map_err(output::unsaid)?;
                 answer.recv().context("a worker stopped")?
             }
         };
-        writeln!(out, "{value}")?;
+        writeln!(out, "{value}").map_err(output::unsaid)?;
     }
-    Ok(out.flush()?)
+    out.flush().map_err(output::unsaid)
 }
 
 /// What is done with every scene.

@@ -1,31 +1,31 @@
 //! `sonoglyph devices`: what could compute the field here, and what would.
 
+use crate::cli::output::say;
 use crate::field::gpu::adapter::{self, Kind};
 use crate::simd::Isa;
 
 pub fn run() -> anyhow::Result<()> {
     let adapters = adapter::adapters();
-    println!("GPU adapters, the best first:");
+    say!("GPU adapters, the best first:")?;
     if adapters.is_empty() {
-        println!("  none: no graphics driver offers one");
+        say!("  none: no graphics driver offers one")?;
     }
     for info in &adapters {
-        println!("  {info}");
+        say!("  {info}")?;
     }
     let sets: Vec<_> = Isa::available().iter().map(|isa| isa.name()).collect();
-    println!("CPU evaluator:");
-    println!("  {} threads, {} (has {})", rayon::current_num_threads(), Isa::best().name(), sets.join(", "));
-    println!("f64 reference:");
-    println!("  always there");
-    println!("`--backend auto` would use:");
+    say!("CPU evaluator:")?;
+    say!("  {} threads, {} (has {})", rayon::current_num_threads(), Isa::best().name(), sets.join(", "))?;
+    say!("f64 reference:")?;
+    say!("  always there")?;
+    say!("`--backend auto` would use:")?;
     match adapters.first() {
-        Some(info) if info.kind != Kind::Software => println!("  {} for maps, since it is a GPU", info.name),
-        Some(info) => println!(
+        Some(info) if info.kind != Kind::Software => say!("  {} for maps, since it is a GPU", info.name)?,
+        Some(info) => say!(
             "  the CPU evaluator for maps, since {} is software that runs on this same CPU, and slower on it",
             info.name
-        ),
-        None => println!("  the CPU evaluator for maps, since there is no GPU adapter"),
+        )?,
+        None => say!("  the CPU evaluator for maps, since there is no GPU adapter")?,
     }
-    println!("  the f64 reference for points");
-    Ok(())
+    say!("  the f64 reference for points")
 }

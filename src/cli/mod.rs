@@ -354,6 +354,7 @@ fn parse_method(name: &str) -> Result<Method, String> {
 /// # Errors
 /// Bad input, or output that cannot be written; the message is for the user as it stands.
 pub fn run() -> anyhow::Result<Next> {
+    output::outlive_file_limits()?;
     let done = match Cli::parse() {
         Cli { command: Some(Command::Render(args)), .. } if args.motion || args.waves => animate::run(&args),
         Cli { command: Some(Command::Render(args)), .. } => render::run(&args),
@@ -384,6 +385,7 @@ pub enum Next {
     BenchWindow,
 }
 
+pub use output::mention;
 pub use render::default_sheet;
 
 /// The scene in a file, with the method that the command line may ask for instead.
@@ -397,9 +399,9 @@ fn read_scene(path: &std::path::Path, method: Option<Method>) -> Result<Scene, f
 
 /// Says something that is no result and no error.
 pub(crate) fn note(text: &str) {
-    eprintln!("note: {text}");
+    mention(&format!("note: {text}"));
 }
 
 fn warn(text: &str) {
-    eprintln!("warning: {text}");
+    mention(&format!("warning: {text}"));
 }

@@ -6,6 +6,7 @@ use anyhow::bail;
 use serde_json::{Value, json};
 
 use crate::acoustics::Aperture;
+use crate::cli::output::say;
 use crate::cli::solve::Methods;
 use crate::cli::{SolveArgs, note, output, read_scene, warn};
 use crate::picture::sheet::pascals;
@@ -36,10 +37,9 @@ pub fn run(args: &SolveArgs) -> anyhow::Result<()> {
     }
     if args.json {
         let mut out = BufWriter::new(std::io::stdout().lock());
-        write_json(&mut out, &scene, &sequence)?;
-        out.flush()?;
+        write_json(&mut out, &scene, &sequence).and_then(|()| out.flush()).map_err(output::unsaid)?;
     } else {
-        print(&scene, &sequence);
+        print(&scene, &sequence)?;
     }
     Ok(())
 }
@@ -141,7 +141,7 @@ impl Summary {
     }
 }
 
-fn print(scene: &Scene, sequence: &Sequence) {
+fn print(scene: &Scene, sequence: &Sequence) -> anyhow::Result<()> {
     let (motion, summary, count) = (&scene.motion, Summary::new(sequence), sequence.frames.len());
     let mut rows = vec![("path", motion.path.name().to_owned())];
     let length = motion.length();
@@ -195,12 +195,13 @@ fn print(scene: &Scene, sequence: &Sequence) {
         ));
     }
     for (name, value) in rows {
-        println!("{name:<20}{value}");
+        say!("{name:<20}{value}")?;
     }
+    Ok(())
 }
 
 /// One object; its frames stand a line each, and are never all in memory as text.
-fn write_json(out: &mut dyn Write, scene: &Scene, sequence: &Sequence) -> anyhow::Result<()> {
+fn write_json(out: &mut dyn Write, scene: &Scene, sequence: &Sequence) -> std::io::Result<()> {
     let (motion, summary) = (&scene.motion, Summary::new(sequence));
     let head = json!({
         "method": scene.solver.method.name(),

@@ -47,10 +47,7 @@ pub fn run(args: &ProbeArgs) -> anyhow::Result<()> {
     }
     match &args.output {
         Some(path) => output::write(path, text.as_bytes()),
-        None => {
-            print!("{text}");
-            Ok(())
-        }
+        None => output::print(format_args!("{text}")),
     }
 }
 

@@ -7,6 +7,7 @@ use anyhow::{Context, bail};
 use indicatif::{ProgressBar, ProgressStyle};
 
 use crate::cli::map::{self, Sound};
+use crate::cli::output::say;
 use crate::cli::{
     Backend, Colours, DEFAULT_SHEET, EXAMPLE, Quantity, RenderArgs, View, evaluator, liquid, motion, output,
     read_scene, warn,
@@ -20,6 +21,8 @@ use crate::solver::{self, Solution};
 /// Pixels per side that a picture may have, and in all: half a gigabyte of field.
 const LARGEST_SIDE: usize = 1_000_000;
 const MOST_PIXELS: usize = 1 << 26;
+/// What a pixel takes on its way from the field to a PNG, at most.
+const BYTES_PER_PIXEL: usize = 24;
 const SMALLEST_SHEET: usize = 200;
 const MAP_WIDTH: usize = 512;
 const SHEET_WIDTH: usize = 1600;
@@ -48,6 +51,15 @@ pub enum Moment {
     /// Counted from 0.
     Frame(usize),
     Mean,
+}
+
+/// Whether the system would give so many bytes. A refusal is a message now; in the middle of the work it would be the end.
+fn there_is_room(bytes: usize) -> bool {
+    let mut room = Vec::<u8>::new();
+    let is_given = room.try_reserve_exact(bytes).is_ok();
+    // Otherwise a compiler may leave out what nobody uses.
+    std::hint::black_box(&mut room);
+    is_given
 }
 
 pub fn parse_moment(text: &str) -> Result<Moment, String> {
@@ -87,11 +99,10 @@ pub fn default_sheet(path: Option<&Path>) -> anyhow::Result<()> {
     };
     let rendered = render(&solved, &mut stages, &look)?;
     rendered.write(&output, None)?;
-    println!("{}", rendered.line(&output));
-    println!(
+    say!("{}", rendered.line(&output))?;
+    say!(
         "`sonoglyph render SCENE -o FILE.png` draws other scenes and quantities, and `sonoglyph --help` lists the rest."
-    );
-    Ok(())
+    )
 }
 
 pub(in crate::cli) fn run(args: &RenderArgs) -> anyhow::Result<()> {
@@ -125,11 +136,12 @@ pub(in crate::cli) fn run(args: &RenderArgs) -> anyhow::Result<()> {
         let rendered = render(solved, &mut stages, &look).with_context(|| solved.name.clone())?;
         rendered.write(output, args.data.as_deref())?;
         bar.suspend(|| {
-            println!("{}", rendered.line(output));
-            if args.verbose {
-                println!("  {}; {:.0} ms in all", rendered.how, start.elapsed().as_secs_f64() * 1e3);
+            say!("{}", rendered.line(output))?;
+            match args.verbose {
+                true => say!("  {}; {:.0} ms in all", rendered.how, start.elapsed().as_secs_f64() * 1e3),
+                false => Ok(()),
             }
-        });
+        })?;
         bar.inc(1);
     }
     bar.finish_and_clear();
@@ -270,6 +282,10 @@ impl Look {
             bail!(
                 "{width} x {height} pixels need {mebibytes} MiB for their field; {MOST_PIXELS} pixels are the most"
             );
+        }
+        let bytes = width * height * BYTES_PER_PIXEL;
+        if !there_is_room(bytes) {
+            bail!("{width} x {height} pixels need about {} MiB of memory, more than there is", bytes >> 20);
         }
         if is_page && width.min(height) < SMALLEST_SHEET {
             bail!(

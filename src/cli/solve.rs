@@ -5,6 +5,7 @@ use glam::DVec3;
 use serde_json::{Value, json};
 
 use crate::acoustics::Aperture;
+use crate::cli::output::say;
 use crate::cli::{SolveArgs, json, output, parse_method, read_scene, warn};
 use crate::drive::{Drive, delay_level};
 use crate::field::{Evaluator, Ghost, Heard, NoGhost, Stages, ghost};
@@ -72,11 +73,11 @@ pub(in crate::cli) fn run(args: &SolveArgs) -> anyhow::Result<()> {
         if let Some(played) = &played {
             value["played"] = played.json();
         }
-        println!("{}", serde_json::to_string_pretty(&value)?);
+        say!("{}", serde_json::to_string_pretty(&value)?)?;
     } else {
-        findings.print(&scene);
+        findings.print(&scene)?;
         if let Some(played) = &played {
-            played.print(scene.solver.pressures);
+            played.print(scene.solver.pressures)?;
         }
     }
     Ok(())
@@ -147,26 +148,27 @@ impl Played {
         }
     }
 
-    fn print(&self, pressures: Pressures) {
-        println!(
+    fn print(&self, pressures: Pressures) -> anyhow::Result<()> {
+        say!(
             "\nOn {} phase levels (rounding leaves {} of the mean on the average):",
             self.levels,
             percent(levels::expected_part(self.levels))
-        );
+        )?;
         let of_target = |part: f64| match pressures {
             Pressures::Relative => pascals(part),
             Pressures::Pascal => format!("{} of its target", percent(part)),
         };
         for (name, reached) in [("rounded", self.rounded), ("refined", self.refined.1)] {
-            println!(
+            say!(
                 "{name:<20}mean {} ({}), weakest {} ({}), spread {}",
                 pascals(reached.mean_pressure),
                 percent(reached.mean_pressure / self.ideal.mean_pressure),
                 of_target(reached.weakest),
                 percent(reached.weakest / self.ideal.weakest),
                 percent(reached.spread)
-            );
+            )?;
         }
+        Ok(())
     }
 
     fn json(&self) -> Value {
@@ -215,11 +217,10 @@ fn compare(scene: &Scene, as_json: bool) -> anyhow::Result<()> {
     report_warnings(&findings);
     if as_json {
         let values: Vec<_> = findings.iter().map(Findings::json).collect();
-        println!("{}", serde_json::to_string_pretty(&values)?);
+        say!("{}", serde_json::to_string_pretty(&values)?)
     } else {
-        println!("{}", comparison(&findings));
+        say!("{}", comparison(&findings))
     }
-    Ok(())
 }
 
 /// Every warning once, with the methods it is about where it is not about all.
@@ -297,10 +298,10 @@ fn millimetres(point: DVec3) -> [String; 3] {
 }
 
 impl Findings {
-    fn print(&self, scene: &Scene) {
+    fn print(&self, scene: &Scene) -> anyhow::Result<()> {
         let Self { solution, limits, .. } = self;
         let quality = &solution.quality;
-        println!("{}", foci_table(scene, solution));
+        say!("{}", foci_table(scene, solution))?;
         let no_more = match scene.solver.pressures {
             Pressures::Relative => {
                 format!(
@@ -352,8 +353,9 @@ impl Findings {
             ));
         }
         for (name, value) in rows {
-            println!("{name:<20}{value}");
+            say!("{name:<20}{value}")?;
         }
+        Ok(())
     }
 
     fn ghost_row(&self) -> String {

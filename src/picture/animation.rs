@@ -71,9 +71,29 @@ impl Pace {
 #[derive(Debug, thiserror::Error)]
 pub enum AnimationError {
     #[error("cannot encode: {0}")]
-    Gif(#[from] gif::EncodingError),
+    Gif(gif::EncodingError),
     #[error("cannot encode: {0}")]
-    Png(#[from] png::EncodingError),
+    Png(png::EncodingError),
+    #[error("cannot write: {0}")]
+    File(#[from] std::io::Error),
+}
+
+impl From<gif::EncodingError> for AnimationError {
+    fn from(error: gif::EncodingError) -> Self {
+        match error {
+            gif::EncodingError::Io(error) => Self::File(error),
+            error => Self::Gif(error),
+        }
+    }
+}
+
+impl From<png::EncodingError> for AnimationError {
+    fn from(error: png::EncodingError) -> Self {
+        match error {
+            png::EncodingError::IoError(error) => Self::File(error),
+            error => Self::Png(error),
+        }
+    }
 }
 
 /// An animation that repeats for ever, on its way into a file.

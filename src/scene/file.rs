@@ -1,6 +1,8 @@
 //! The scene file: TOML to [`Scene`] and back, with errors that name file, line and value.
 
 use std::fmt;
+use std::fs::File;
+use std::io::{self, Read};
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
@@ -16,12 +18,14 @@ use crate::scene::{
 
 /// The version of the file format that this program reads and writes.
 pub const FORMAT: u32 = 1;
+/// Bytes that a file may have; the largest scene has far fewer.
+const LONGEST: u64 = 16 << 20;
 
 /// Why a scene file could not be used.
 #[derive(Debug, thiserror::Error)]
 pub enum FileError {
     #[error("{}: {cause}", file.display())]
-    Read { file: PathBuf, cause: std::io::Error },
+    Read { file: PathBuf, cause: io::Error },
     #[error("{}", Place(file, *line, None, message))]
     Syntax { file: PathBuf, line: usize, message: String },
     #[error("{}", Place(file, *line, Some((key, value.as_deref())), message))]
@@ -58,7 +62,17 @@ pub fn read(path: &Path) -> Result<Scene, FileError> {
 /// # Errors
 /// An unreadable file, or one that is no text.
 pub fn read_text(path: &Path) -> Result<String, FileError> {
-    std::fs::read_to_string(path).map_err(|cause| FileError::Read { file: path.to_owned(), cause })
+    let read = || {
+        let mut text = String::new();
+        // Some devices never end.
+        File::open(path)?.take(LONGEST + 1).read_to_string(&mut text)?;
+        if text.len() as u64 > LONGEST {
+            let what = format!("no scene has more than {} MiB", LONGEST >> 20);
+            return Err(io::Error::new(io::ErrorKind::FileTooLarge, what));
+        }
+        Ok(text)
+    };
+    read().map_err(|cause| FileError::Read { file: path.to_owned(), cause })
 }
 
 /// Like [`read`], from text; `path` only names it.

@@ -80,6 +80,12 @@ impl Document {
         self.scene != self.saved
     }
 
+    /// Whether a file is that of the document, and does not hold any more what was read from it or saved there.
+    pub fn was_changed_elsewhere(&self, path: &Path) -> bool {
+        let is_own = self.path.as_deref() == Some(path);
+        is_own && file::read_text(path).is_ok_and(|text| text != self.text)
+    }
+
     /// The scene is in this file now, as [`Document::text`].
     pub fn saved_as(&mut self, path: PathBuf) {
         self.text = self.text();

@@ -141,6 +141,8 @@ pub enum Command {
     Example(usize),
     Save,
     SaveAs(PathBuf),
+    /// Saves over what another program has written there meanwhile.
+    Overwrite(PathBuf),
     /// Reads a drawing and asks where it is to stand.
     Import(PathBuf),
     Export(Export, PathBuf),

@@ -14,6 +14,7 @@ use anyhow::Context;
 use cpu_time::ProcessTime;
 use serde_json::json;
 
+use crate::cli::output::say;
 use crate::cli::{BenchArgs, Subject, output};
 use crate::picture::chart::Chart;
 use crate::picture::export;
@@ -33,9 +34,9 @@ pub fn run(args: &BenchArgs) -> anyhow::Result<()> {
     }
     let mut value = json!({ "machine": machine(), "version": env!("CARGO_PKG_VERSION") });
     let mut show = |name: &str, report: Report| {
-        println!("{}", report.table);
+        say!("{}", report.table)?;
         for line in &report.notes {
-            println!("{line}");
+            say!("{line}")?;
         }
         value[name] = report.records.into();
         match &args.plots {
@@ -81,7 +82,7 @@ fn write_charts(folder: &Path, charts: &[(String, Chart)]) -> anyhow::Result<()>
     for (name, chart) in charts {
         let path = folder.join(name).with_extension("png");
         output::write(&path, &export::png(&chart.draw()?)?)?;
-        println!("{}", path.display());
+        say!("{}", path.display())?;
     }
     Ok(())
 }

@@ -8,6 +8,7 @@ use anyhow::{Context, bail};
 
 use crate::cli::boards::{BoardArgs, interrupt};
 use crate::cli::map::{self, Look, Sound};
+use crate::cli::output::say;
 use crate::cli::{note, output, read_scene};
 use crate::device::board::{Board, Report, Setup};
 use crate::device::profile::Profile;
@@ -41,7 +42,7 @@ pub fn run(args: &BoardArgs) -> anyhow::Result<()> {
         setup.program = Some(build(args.phase_bits)?);
     }
     let board = Board::start(setup.clone(), Box::new(|_| {}))?;
-    println!("{}", board.path().display());
+    say!("{}", board.path().display())?;
     note(&format!(
         "a {} board listens there: {}",
         args.profile.name(),
@@ -63,10 +64,13 @@ pub fn run(args: &BoardArgs) -> anyhow::Result<()> {
     }
     let report = board.report();
     watched.look(&report)?;
-    println!(
+    say!(
         "{} bytes, {} frames, {} spoiled, {} at another bit rate",
-        report.bytes, report.frames, report.spoiled, report.wrong_baud
-    );
+        report.bytes,
+        report.frames,
+        report.spoiled,
+        report.wrong_baud
+    )?;
     Ok(())
 }
 
@@ -149,7 +153,7 @@ impl Watched {
     /// Says what is new, with the field where the board plays something else.
     fn look(&mut self, report: &Report) -> anyhow::Result<()> {
         for event in &report.events[self.events..] {
-            println!("{event}");
+            say!("{event}")?;
         }
         self.events = report.events.len();
         let drive = report.playing.as_ref().map(|playing| playing.drive()).unwrap_or_default();
@@ -161,7 +165,7 @@ impl Watched {
         } else {
             "silent".to_owned()
         };
-        println!("{} frames, {} spoiled; {field}", report.frames, report.spoiled);
+        say!("{} frames, {} spoiled; {field}", report.frames, report.spoiled)?;
         (self.drive, self.frames) = (drive, report.frames);
         Ok(())
     }

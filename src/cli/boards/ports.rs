@@ -2,18 +2,19 @@
 
 use comfy_table::Table;
 
+use crate::cli::output::say;
 use crate::device::port;
 use crate::device::profile::{Profile, Strength};
 
 pub fn run() -> anyhow::Result<()> {
     let ports = port::available()?;
     if ports.is_empty() {
-        println!(
+        say!(
             "There is no serial port. A board's appears when it is plugged in; `sonoglyph board` makes one up."
-        );
+        )?;
     }
     for port in ports {
-        println!("{}", port.display());
+        say!("{}", port.display())?;
     }
     let mut table = Table::new();
     table.set_header(["--profile", "elements", "phases", "amplitudes", "at most"]);
@@ -30,6 +31,5 @@ pub fn run() -> anyhow::Result<()> {
             profile.bandwidth(profile.baud()),
         ]);
     }
-    println!("{table}");
-    Ok(())
+    say!("{table}")
 }

@@ -5,6 +5,7 @@ use std::time::{Duration, Instant};
 use anyhow::{Context, bail};
 
 use crate::cli::boards::{SendArgs, interrupt};
+use crate::cli::output::{mention, say};
 use crate::cli::{motion, note, read_scene, warn};
 use crate::device::calibration::Calibration;
 use crate::device::health::{Found, Health};
@@ -66,11 +67,10 @@ pub fn run(args: &SendArgs) -> anyhow::Result<()> {
         }
         if Instant::now() >= next_report {
             next_report += REPORT;
-            eprintln!("{}", line(&health));
+            mention(&line(&health));
         }
     }
-    println!("{}", line(&link.health()));
-    Ok(())
+    say!("{}", line(&link.health()))
 }
 
 /// Whether a wish that began to sound then has been heard for long enough.

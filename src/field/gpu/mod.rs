@@ -66,10 +66,11 @@ impl Gpu {
     pub fn open(adapter: &wgpu::Adapter) -> Result<Self, GpuError> {
         let refused = |e: wgpu::RequestDeviceError| GpuError::Refused(e.to_string());
         let available = adapter.limits();
+        // But for room, no more than any adapter has; so a program that wants more fails on all of them, and tests see it.
         let required_limits = wgpu::Limits {
             max_storage_buffer_binding_size: available.max_storage_buffer_binding_size,
             max_buffer_size: available.max_buffer_size,
-            ..wgpu::Limits::default()
+            ..wgpu::Limits::downlevel_defaults()
         };
         let buffer_limit = required_limits.max_storage_buffer_binding_size.min(available.max_buffer_size);
         let descriptor =
@@ -251,4 +252,44 @@ fn pipeline(device: &wgpu::Device, name: &str, source: &str) -> wgpu::ComputePip
         compilation_options: Default::default(),
         cache: None,
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The software adapter is as good as any here. A machine without one fails the test where a GPU is required.
+    fn gpu() -> Option<Gpu> {
+        let gpu = adapter::open_best(true);
+        let required = std::env::var("SONOGLYPH_REQUIRE").unwrap_or_default();
+        assert!(gpu.is_ok() || !required.split(',').any(|what| what == "gpu"), "a GPU is required: {gpu:?}");
+        gpu.inspect_err(|error| eprintln!("NOT TESTED ON THE GPU: {error}")).ok()
+    }
+
+    #[test]
+    fn no_more_is_asked_of_an_adapter_than_every_adapter_has() {
+        let Some(gpu) = gpu() else { return };
+        let (asked, lowest) = (gpu.device.limits(), wgpu::Limits::downlevel_defaults());
+        let of_room = wgpu::Limits {
+            max_buffer_size: asked.max_buffer_size,
+            max_storage_buffer_binding_size: asked.max_storage_buffer_binding_size,
+            ..lowest
+        };
+        assert_eq!(asked, of_room);
+        // So one storage buffer too many is refused by all of them.
+        let buffers: String = (1..=5)
+            .map(|n| format!("@group(0) @binding({n}) var<storage, read_write> b{n}: array<u32>;\n"))
+            .collect();
+        let sum = "@compute @workgroup_size(1) fn main() { b1[0] = b2[0] + b3[0] + b4[0] + b5[0]; }";
+        pipeline(&gpu.device, "five", &format!("{buffers}{sum}"));
+        assert!(matches!(gpu.check(), Err(GpuError::Refused(_))), "{:?}", gpu.check());
+    }
+
+    #[test]
+    fn what_has_no_room_is_refused_without_a_panic_and_stays_refused() {
+        let Some(gpu) = gpu() else { return };
+        let huge = gpu.storage("huge", 1 << 60);
+        assert!(matches!(gpu.check(), Err(GpuError::Refused(_))));
+        assert!(matches!(gpu.read_buffer(gpu.encoder(), &huge), Err(GpuError::Refused(_))));
+    }
 }

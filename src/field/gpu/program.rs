@@ -10,8 +10,8 @@ use crate::field::sources::{COSINE, MOST_NODES, SINE};
 pub const WORKGROUP: u32 = 64;
 /// Samples that one invocation of the field computes.
 pub const SAMPLES_PER_INVOCATION: u32 = 8;
-/// Elements that fit the smallest uniform buffer that WebGPU promises.
-pub const UNIFORM_ELEMENTS: usize = 4096;
+/// Elements that fit a uniform buffer of 16 KiB, which every adapter has.
+pub const UNIFORM_ELEMENTS: usize = 1024;
 
 /// The same struct as in `shaders/params.wgsl`.
 #[repr(C)]

@@ -34,7 +34,7 @@ struct Pass {
     pixels: usize,
     blocks: usize,
     span: usize,
-    first: wgpu::Buffer,
+    /// Of every block its first sample and its weights, as the program reads them.
     weights: wgpu::Buffer,
 }
 
@@ -78,13 +78,18 @@ impl Gpu {
 
     fn pass(&self, resampling: &Resampling) -> Pass {
         let blocks = resampling.blocks(TOGETHER);
-        let storage = |label, bytes: &[u8]| self.filled(label, bytes, BufferUsages::STORAGE);
+        let mut weights: Vec<[u32; 4]> = Vec::new();
+        for (block, &first) in blocks.first.iter().enumerate() {
+            let length = blocks.span * TOGETHER;
+            let of_block = &blocks.weights[block * length..][..length];
+            weights.push([first, 0, 0, 0]);
+            weights.extend(of_block.as_chunks::<4>().0.iter().map(|weights| weights.map(f32::to_bits)));
+        }
         Pass {
             pixels: resampling.len(),
             blocks: blocks.first.len(),
             span: blocks.span,
-            first: storage("first", bytemuck::cast_slice(&blocks.first)),
-            weights: storage("weights", bytemuck::cast_slice(&blocks.weights)),
+            weights: self.filled("weights", bytemuck::cast_slice(&weights), BufferUsages::STORAGE),
         }
     }
 
@@ -142,8 +147,7 @@ impl Gpu {
             pixel_line_stride: lines.strides[1] as u32,
         };
         let params = self.params(bytemuck::bytes_of(&params));
-        let bindings =
-            [(0, &params), (1, samples), (2, &pass.first), (3, &pass.weights), (4, out), (5, peak)];
+        let bindings = [(0, &params), (1, samples), (2, &pass.weights), (3, out), (4, peak)];
         let workgroups = ((lines.count as u32).div_ceil(LINES * WORKGROUP), pass.blocks as u32);
         self.dispatch(encoder, &self.interpolation, &bindings, workgroups);
     }

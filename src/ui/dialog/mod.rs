@@ -2,7 +2,7 @@
 
 pub mod import;
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use egui::{Context, Id, Key, Modal, RichText, ScrollArea, TextEdit, Ui};
 
@@ -22,6 +22,8 @@ pub enum Dialog {
     },
     /// What is not saved would be lost by this.
     Unsaved(Command),
+    /// Another program has written to the file that is to be saved.
+    Changed(PathBuf),
     /// What could not be done, and why.
     Message {
         title: String,
@@ -125,6 +127,7 @@ pub fn show(editor: &mut Editor, ctx: &Context, commands: &mut Vec<Command>) {
         match &mut dialog {
             Dialog::Path { purpose, text } => stays = path(*purpose, text, editor, ui, commands),
             Dialog::Unsaved(then) => stays = unsaved(then, editor, ui, commands),
+            Dialog::Changed(path) => stays = changed(path, editor, ui, commands),
             Dialog::Message { title, text } => {
                 ui.heading(title.as_str());
                 ui.label(text.as_str());
@@ -202,6 +205,31 @@ fn unsaved(then: &Command, editor: &mut Editor, ui: &mut Ui, commands: &mut Vec<
             stays = false;
         }
         if ui.button("Cancel").clicked() {
+            stays = false;
+        }
+    });
+    stays
+}
+
+fn changed(path: &Path, editor: &mut Editor, ui: &mut Ui, commands: &mut Vec<Command>) -> bool {
+    ui.heading("Write over the other changes?");
+    ui.label(format!(
+        "“{}” was changed elsewhere since it was opened or saved here.",
+        editor.document.name()
+    ));
+    ui.add_space(8.0);
+    let mut stays = true;
+    ui.horizontal(|ui| {
+        if ui.button("Save as…").clicked() {
+            editor.dialog = Some(Dialog::path(Purpose::SaveAs, &editor.document));
+            stays = false;
+        }
+        if ui.button("Write over them").clicked() {
+            commands.push(Command::Overwrite(path.to_owned()));
+            stays = false;
+        }
+        if ui.button("Cancel").clicked() {
+            editor.after_saving = None;
             stays = false;
         }
     });

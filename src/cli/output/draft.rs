@@ -1,0 +1,109 @@
+//! A file that is being written. It has no name until it is whole, so a program that is killed leaves nothing behind; where the
+//! system knows no files without names, it has one of its own.
+
+use std::fs::{File, Metadata};
+use std::io;
+use std::path::Path;
+
+use tempfile::{Builder, TempPath};
+
+/// What names of drafts begin with.
+const PREFIX: &str = ".sonoglyph-";
+
+#[derive(Debug)]
+pub struct Draft {
+    file: File,
+    /// Gone with the draft, unless it is published.
+    name: Option<TempPath>,
+}
+
+impl Draft {
+    /// An empty file that is to be published in this folder, with the mode that new files have.
+    ///
+    /// # Errors
+    /// No file can be made there.
+    pub fn new(folder: &Path) -> io::Result<Self> {
+        if let Some(file) = nameless(folder) {
+            return Ok(Self { file, name: None });
+        }
+        let mut builder = Builder::new();
+        // A temporary file is private; the umask makes what comes out an ordinary one.
+        #[cfg(unix)]
+        builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
+        let (file, name) = builder.prefix(PREFIX).tempfile_in(folder)?.into_parts();
+        Ok(Self { file, name: Some(name) })
+    }
+
+    pub fn file(&self) -> &File {
+        &self.file
+    }
+
+    /// Takes over the owner and the mode of the file that it is to replace, as far as the system lets it.
+    pub fn resemble(&self, there: &Metadata) {
+        #[cfg(unix)]
+        {
+            use std::os::unix::fs::{MetadataExt, fchown};
+            // Only root can give files away, and a group only who is in it.
+            let _ = fchown(&self.file, Some(there.uid()), Some(there.gid()));
+        }
+        let _ = self.file.set_permissions(there.permissions());
+    }
+
+    /// Gives it its name, in the folder that it was made for. What stood there is replaced in one step.
+    ///
+    /// # Errors
+    /// What the system says; then all is as before.
+    pub fn publish(self, path: &Path) -> io::Result<()> {
+        let name = match self.name {
+            Some(name) => name,
+            None => match link(&self.file, path) {
+                // Only renaming replaces a file, and for that it needs a name for a moment.
+                Err(error) if error.kind() == io::ErrorKind::AlreadyExists => {
+                    let folder = path.parent().filter(|folder| *folder != Path::new(""));
+                    let made = Builder::new()
+                        .prefix(PREFIX)
+                        .make_in(folder.unwrap_or(Path::new(".")), |name| link(&self.file, name));
+                    made?.into_temp_path()
+                }
+                linked => return linked,
+            },
+        };
+        name.persist(path).map_err(|error| error.error)
+    }
+}
+
+/// A file without a name. `None` where the system or the disk has no such files.
+#[cfg(target_os = "linux")]
+fn nameless(folder: &Path) -> Option<File> {
+    use rustix::fs::{Mode, OFlags, open};
+    // Without this folder it could not be given a name.
+    if !Path::new(OPEN_FILES).is_dir() {
+        return None;
+    }
+    let flags = OFlags::TMPFILE | OFlags::WRONLY | OFlags::CLOEXEC;
+    open(folder, flags, Mode::from_raw_mode(0o666)).ok().map(File::from)
+}
+
+#[cfg(not(target_os = "linux"))]
+fn nameless(_: &Path) -> Option<File> {
+    None
+}
+
+/// Where Linux shows a program the files that it has open.
+#[cfg(target_os = "linux")]
+const OPEN_FILES: &str = "/proc/self/fd";
+
+/// Gives a file without a name one that nothing else has.
+#[cfg(target_os = "linux")]
+fn link(file: &File, path: &Path) -> io::Result<()> {
+    use std::os::fd::AsRawFd;
+
+    use rustix::fs::{AtFlags, CWD, linkat};
+    let open = Path::new(OPEN_FILES).join(file.as_raw_fd().to_string());
+    Ok(linkat(CWD, &open, CWD, path, AtFlags::SYMLINK_FOLLOW)?)
+}
+
+#[cfg(not(target_os = "linux"))]
+fn link(_: &File, _: &Path) -> io::Result<()> {
+    Err(io::ErrorKind::Unsupported.into())
+}

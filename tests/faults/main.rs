@@ -1,0 +1,123 @@
+//! What goes wrong around the program: disks that are full, folders that may not be written, signals in the middle of things,
+//! drivers and boards that go away, little memory. The real program meets the real fault.
+
+#![cfg(target_os = "linux")]
+#![expect(clippy::unwrap_used, reason = "a test's helper may panic")]
+
+mod disk;
+mod gpu;
+#[cfg(feature = "serial")]
+mod line;
+mod memory;
+mod place;
+mod screen;
+mod signal;
+#[cfg(feature = "window")]
+mod window;
+
+use std::fs;
+use std::path::Path;
+use std::process::{Child, Command, Output, Stdio};
+use std::time::{Duration, Instant};
+
+use tempfile::TempDir;
+
+/// Nothing here waits for longer, however slow the machine is.
+const PATIENCE: Duration = Duration::from_secs(60);
+
+/// A focus that is found at once, and moves.
+const SCENE: &str = "format = 1\n[[target]]\nat = [0.01, 0.02, 0.1]\n[solver]\nmethod = \"focus\"\n\
+                     [motion]\npath = \"circle\"\nframes = 6\n";
+
+const PROGRAM: &str = env!("CARGO_BIN_EXE_sonoglyph");
+
+/// The program in this folder, with nothing of the desktop that the tests run on.
+fn program(folder: &Path, args: &[&str]) -> Command {
+    let mut command = Command::new(PROGRAM);
+    at_home(&mut command, folder).args(args);
+    command
+}
+
+/// The program, begun by a shell that does this first.
+fn program_after(first: &str, folder: &Path, args: &[&str]) -> Command {
+    let mut command = Command::new("sh");
+    at_home(&mut command, folder).args(["-c", &format!("{first}; exec \"$0\" \"$@\""), PROGRAM]).args(args);
+    command
+}
+
+fn at_home<'a>(command: &'a mut Command, folder: &Path) -> &'a mut Command {
+    command
+        .current_dir(folder)
+        .env_remove("DISPLAY")
+        .env_remove("WAYLAND_DISPLAY")
+        .env("XDG_STATE_HOME", folder.join("state"))
+        .env("XDG_RUNTIME_DIR", folder)
+        .env("NODEVICE_SELECT", "1")
+        .stdin(Stdio::null())
+}
+
+/// A folder with the scene `a.toml` in it.
+fn folder() -> TempDir {
+    let folder = tempfile::tempdir().unwrap();
+    fs::write(folder.path().join("a.toml"), SCENE).unwrap();
+    folder
+}
+
+/// The names in a folder, hidden ones too.
+fn listing(folder: &Path) -> Vec<String> {
+    let name = |entry: std::io::Result<fs::DirEntry>| entry.unwrap().file_name().into_string().unwrap();
+    let mut names: Vec<_> = fs::read_dir(folder).unwrap().map(name).collect();
+    names.sort();
+    names
+}
+
+/// What a command says that must fail as bad input does: with status 2 and one line that is no panic.
+fn refused(command: &mut Command) -> String {
+    message_of(&command.output().unwrap())
+}
+
+fn message_of(output: &Output) -> String {
+    let said = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert_eq!(output.status.code(), Some(2), "{:?}: {said}", output.status);
+    let errors: Vec<_> = said.lines().filter(|line| line.starts_with("error: ")).collect();
+    assert!(errors.len() == 1 && !said.contains("panicked"), "{said}");
+    errors[0].to_owned()
+}
+
+fn succeed(command: &mut Command) -> String {
+    let output = command.output().unwrap();
+    assert!(output.status.success(), "{:?}: {}", output.status, String::from_utf8_lossy(&output.stderr));
+    String::from_utf8(output.stdout).unwrap()
+}
+
+fn eventually(what: &str, mut condition: impl FnMut() -> bool) {
+    let start = Instant::now();
+    while !condition() {
+        assert!(start.elapsed() < PATIENCE, "{what} did not come");
+        std::thread::sleep(Duration::from_millis(2));
+    }
+}
+
+/// A program that ends with the test.
+struct Running(Child);
+
+impl Running {
+    fn signal(&self, name: &str) {
+        let sent =
+            Command::new("sh").args(["-c", &format!("kill -{name} {}", self.0.id())]).status().unwrap();
+        assert!(sent.success(), "SIG{name}");
+    }
+}
+
+impl Drop for Running {
+    fn drop(&mut self) {
+        let _ = self.0.kill();
+        let _ = self.0.wait();
+    }
+}
+
+/// Whether this machine is one on which nothing may be left out.
+fn is_required(what: &str) -> bool {
+    let required = std::env::var("SONOGLYPH_REQUIRE").unwrap_or_default();
+    required.split(',').any(|own| own == what)
+}

@@ -1,0 +1,56 @@
+//! Half a gigabyte: what people do every day stays within it, and what cannot fit is refused with a word.
+
+use std::fs::{self, File};
+
+use crate::{folder, program_after, refused, succeed};
+
+/// KiB of memory that a program may write to, its threads' stacks included: a harder limit than that of what it really uses.
+const HALF_A_GIBIBYTE: &str = "ulimit -d 524288";
+
+#[test]
+fn the_usual_commands_stay_within_half_a_gibibyte() {
+    let folder = folder();
+    let at = |name: &str| folder.path().join(name);
+    let large = "format = 1\n[array]\nrows = 128\ncolumns = 128\n[[target]]\nat = [0, 0, 0.5]\n[plane]\ncentre = [0, 0, 0.5]\n";
+    fs::write(at("large.toml"), large).unwrap();
+    let point = |i: usize| {
+        let [x, y] = [i % 32, i / 32].map(|n| 0.006 * (n as f64 - 16.0));
+        format!("{{\"at\": [{x:.4}, {y:.4}, 0.1]}}")
+    };
+    let points: Vec<_> = (0..1000).map(point).collect();
+    fs::write(at("lines"), format!("{{\"target\": [{}]}}\n", points.join(", "))).unwrap();
+    for args in [
+        "render a.toml -o a.png --size 2048 --data a.npy",
+        "render a.toml -o a.png --quantity sheet",
+        "render a.toml -o a.png --quantity dent",
+        "render a.toml -o a.png --quantity dent --view shaded",
+        "render a.toml -o a.gif --motion",
+        "render a.toml -o a.gif --quantity dent --waves --seconds 0.005 --size 32",
+        "render large.toml -o a.png",
+        "batch --no-limits --method naive",
+    ] {
+        let args: Vec<_> = args.split(' ').collect();
+        let lines = File::open(at("lines")).unwrap();
+        let said = succeed(program_after(HALF_A_GIBIBYTE, folder.path(), &args).stdin(lines));
+        assert!(!said.contains("\"error\""), "{args:?}: {said}");
+    }
+}
+
+#[test]
+fn what_cannot_fit_is_refused_with_a_word() {
+    let folder = folder();
+    for (first, size, part) in [
+        (HALF_A_GIBIBYTE, "8192", "8192 x 8192 pixels need about 1536 MiB of memory, more than there is"),
+        ("ulimit -v 1048576", "8192", "8192 x 8192 pixels need about 1536 MiB"),
+        ("true", "16384", "16384 x 16384 pixels need 2048 MiB"),
+        ("true", "1000000x1000", "1000000 x 1000 pixels need"),
+    ] {
+        for more in [&[][..], &["--motion"], &["--data", "x.npy"], &["--quantity", "sheet"]] {
+            let args = [&["render", "a.toml", "-o", "x.png", "--size", size], more].concat();
+            let message = refused(&mut program_after(first, folder.path(), &args));
+            let is_taller = more.contains(&"sheet");
+            assert!(message.contains(part) || (is_taller && message.contains("pixels need")), "{message}");
+        }
+    }
+    assert_eq!(crate::listing(folder.path()), ["a.toml"]);
+}

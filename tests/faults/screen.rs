@@ -1,0 +1,85 @@
+//! No screen, a screen that is not there, and graphics that do not work: the sheet is written instead, with a word why.
+
+use std::path::Path;
+use std::process::{Command, Output};
+
+use crate::{folder, is_required, listing, program};
+
+/// That the window's place was taken by the sheet, and why.
+fn sheet_of(output: &Output, folder: &Path, why: &str) {
+    let noted = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success() && !noted.contains("panicked"), "{:?}: {noted}", output.status);
+    assert!(noted.contains("there is no window (") && noted.contains(why), "{noted}");
+    assert!(!noted.contains(".rs:"), "a place in a source says nothing: {noted}");
+    assert_eq!(noted.matches("the CPU computes the field").count(), 1, "{noted}");
+    assert!(listing(folder).contains(&"sonoglyph.png".to_owned()));
+}
+
+#[test]
+fn a_screen_that_is_not_there_is_no_window() {
+    let nowhere = ("VK_DRIVER_FILES", "/nonexistent/icd.json");
+    for (name, value) in
+        [("DISPLAY", ":4711"), ("DISPLAY", "no such screen"), ("WAYLAND_DISPLAY", "wayland-4711")]
+    {
+        if !cfg!(feature = "window") {
+            continue;
+        }
+        let folder = folder();
+        let output = program(folder.path(), &["a.toml"]).envs([nowhere, (name, value)]).output().unwrap();
+        sheet_of(&output, folder.path(), "");
+    }
+    let folder = folder();
+    let output = program(folder.path(), &["a.toml"]).envs([nowhere]).output().unwrap();
+    if cfg!(feature = "window") {
+        sheet_of(&output, folder.path(), "no display");
+    }
+}
+
+#[cfg(feature = "window")]
+#[test]
+fn a_screen_without_graphics_is_no_window() {
+    use std::io::{BufRead, BufReader};
+    use std::process::Stdio;
+
+    let server = Command::new("Xvfb")
+        .args(["-displayfd", "1", "-screen", "0", "640x480x24", "-nolisten", "tcp", "-extension", "GLX"])
+        .stdout(Stdio::piped())
+        .stderr(Stdio::null())
+        .spawn();
+    let Ok(mut server) = server.map(crate::Running) else {
+        assert!(!is_required("display"), "Xvfb is required");
+        eprintln!("NOT TESTED ON A DISPLAY: Xvfb is missing");
+        return;
+    };
+    let mut number = String::new();
+    BufReader::new(server.0.stdout.take().unwrap()).read_line(&mut number).unwrap();
+    let folder = folder();
+    let output = program(folder.path(), &["a.toml"])
+        .env("DISPLAY", format!(":{}", number.trim()))
+        .env("VK_DRIVER_FILES", "/nonexistent/icd.json")
+        .env("__EGL_VENDOR_LIBRARY_FILENAMES", "/nonexistent/egl.json")
+        .env("LIBGL_DRIVERS_PATH", "/nonexistent")
+        .output()
+        .unwrap();
+    sheet_of(&output, folder.path(), "");
+}
+
+#[test]
+fn without_a_driver_devices_says_so_and_a_gpu_that_is_asked_for_is_an_error() {
+    let folder = folder();
+    let without = |args: &[&str]| {
+        let mut command = program(folder.path(), args);
+        command
+            .env("VK_DRIVER_FILES", "/nonexistent/icd.json")
+            .env("VK_ICD_FILENAMES", "/nonexistent/icd.json");
+        command
+    };
+    let said = crate::succeed(&mut without(&["devices"]));
+    assert!(said.contains("none: no graphics driver offers one"), "{said}");
+    for quantity in ["rms", "dent", "sheet"] {
+        let args = ["render", "a.toml", "-o", "x.png", "--backend", "gpu", "--quantity", quantity];
+        let message = crate::refused(&mut without(&args));
+        assert!(message.contains("no usable GPU adapter: no graphics driver offers one"), "{message}");
+    }
+    assert_eq!(listing(folder.path()), ["a.toml"]);
+}
