@@ -184,6 +184,33 @@ fn a_dent_displaces_what_the_force_weighs_and_follows_the_envelope() {
     }
 }
 
+/// What presses beside a plane moves the surface within it: the walls stand so far away that they are not noticed at the finest
+/// tolerance, however little of the surface is looked at.
+#[test]
+fn a_dent_does_not_depend_on_how_much_of_the_surface_is_shown() {
+    let (mut scene, _) = scene();
+    // A capillary length of 7 mm, so that the walls and not the interpolation's window decide where the cells end.
+    scene.liquid.surface_tension = Some(0.5);
+    scene.plane.tolerance = 1e-6;
+    let beside = DVec3::new(8.0 * scene.liquid.capillary_length(), 0.0, 0.1);
+    scene.targets = vec![Target::new(Shape::Point { at: beside })];
+    let drives = [solver::solve(&scene).unwrap().drive];
+    let aperture = Aperture::new(&scene);
+    let mut stages = Stages::new(Evaluator::Reference);
+    let mut depth = |size: DVec2, [width, height]: [usize; 2]| {
+        let plane = Plane { size, ..scene.plane.clone() };
+        let mean = Mean::Dent(reflector(&scene), scene.liquid.clone());
+        let wanted =
+            Average { aperture: &aperture, plane: &plane, drives: &drives, mean, part: 1.0, width, height };
+        stages.read_average(&wanted).unwrap()
+    };
+    let near = depth(DVec2::new(0.01, 0.01), [10, 10]);
+    let wide = depth(DVec2::new(0.15, 0.03), [150, 30]);
+    let within: Vec<_> = (0..100).map(|i| f64::from(wide[(i / 10 + 10) * 150 + i % 10 + 70])).collect();
+    let error = largest_error(&near, &within);
+    assert!(error < 1e-4, "{error}");
+}
+
 #[test]
 fn what_has_no_average_says_why() {
     let (scene, drives) = scene();

@@ -167,6 +167,7 @@ fn calibration_is_taken_off_phases_and_amplitudes() {
         3 => "3,180,1,0\n".to_owned(),
         4 => "4, 0, 0.5, 0\n".to_owned(),
         5 => "5,0,1,1\n".to_owned(),
+        6 => "6,72,1,0\n".to_owned(),
         _ => format!("{n},0,1,0\n"),
     });
     let text = format!("element,offset,gain,off\n{}", rows.collect::<String>());
@@ -177,6 +178,8 @@ fn calibration_is_taken_off_phases_and_amplitudes() {
     assert_eq!(levels.elements[3], Some(Level { delay: 5, amplitude: 5 }));
     assert_eq!(levels.elements[4].unwrap().amplitude, 2);
     assert_eq!(levels.elements[5], None);
+    // A fifth of a period ahead by itself, it is played a fifth of a period later.
+    assert_eq!(levels.elements[6], Some(Level { delay: 2, amplitude: 5 }));
     let notices = levels::notices(Profile::SonicSurface, &drive, &calibration, 40_000.0);
     assert!(notices.len() == 1 && notices[0].contains("no amplitudes"), "{notices:?}");
     let notices = levels::notices(Profile::Native, &drive, &calibration, 25_000.0);
