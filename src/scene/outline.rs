@@ -119,7 +119,7 @@ pub fn count(targets: &[Target]) -> Result<usize, KeyError> {
     for (index, target) in targets.iter().enumerate().filter(|(_, target)| target.visible) {
         let (runs, pieces) =
             divided(target, MOST_FOCI - count).map_err(|e| e.under(&["target".into(), index.into()]))?;
-        count += corners(&runs) + interior(&runs, &pieces);
+        count += all(&runs, &pieces);
     }
     Ok(count)
 }
@@ -146,7 +146,7 @@ fn divided(target: &Target, most: usize) -> Result<(Vec<Run>, Vec<usize>), KeyEr
         Sampling::Spacing(spacing) => pieces_by_spacing(&runs, spacing),
         Sampling::Points(points) => pieces_by_count(&runs, points)?,
     };
-    let wanted = corners(&runs) + interior(&runs, &pieces);
+    let wanted = all(&runs, &pieces);
     if wanted > most {
         let key = if matches!(target.sampling, Sampling::Spacing(_)) { "spacing" } else { "points" };
         return Err(refusal(
@@ -270,6 +270,11 @@ fn is_corner(before: DVec3, at: DVec3, after: DVec3) -> bool {
 fn corners(runs: &[Run]) -> usize {
     let ends = |run: &Run| [key(run.vertices[0]), key(run.vertices[run.vertices.len() - 1])];
     runs.iter().filter(|run| !run.closed).flat_map(ends).collect::<HashSet<_>>().len()
+}
+
+/// Focal points of runs that are divided so; `usize::MAX` where there is no end to them.
+fn all(runs: &[Run], pieces: &[usize]) -> usize {
+    corners(runs).saturating_add(interior(runs, pieces))
 }
 
 fn interior(runs: &[Run], pieces: &[usize]) -> usize {
@@ -410,6 +415,10 @@ mod tests {
             ..Target::new(Shape::Line { from: AT, to: AT + DVec3::X })
         };
         assert!(points(&target, MOST_FOCI).unwrap_err().message.contains("1000000001 focal points"));
+        // More than can be counted.
+        let target = Target { sampling: Sampling::Spacing(1e-300), ..target };
+        assert!(points(&target, MOST_FOCI).unwrap_err().message.contains("focal points are asked for"));
+        assert!(count(&[target]).is_err());
     }
 
     #[test]
