@@ -240,6 +240,7 @@ mod tests {
                 5,
                 "target[2].text = \"H木\": the stroke font has no",
             ),
+            ("[[target]]\nkind = \"text\"\ntext = \"H\\nT\"", 4, "the stroke font has no glyph for `\\n`"),
             (
                 "[[target]]\nkind = \"line\"\nspacing = 1e-9",
                 4,

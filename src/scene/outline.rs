@@ -83,7 +83,9 @@ pub fn strokes(target: &Target) -> Result<Vec<Vec<DVec3>>, KeyError> {
         Shape::Triangle { size, .. } => flat(ring(size / 3.0_f64.sqrt(), 3, TAU / 4.0)),
         Shape::Polygon { radius, sides, .. } => flat(ring(*radius, *sides as usize, TAU / 4.0)),
         Shape::Text { text, height, .. } => font::lay_out(text, *height)
-            .map_err(|glyph| refusal("text", format!("the stroke font has no glyph for `{glyph}`")))?
+            .map_err(|glyph| {
+                refusal("text", format!("the stroke font has no glyph for `{}`", glyph.escape_debug()))
+            })?
             .iter()
             .map(|stroke| stroke.iter().map(placed).collect())
             .collect(),
