@@ -1,8 +1,12 @@
 //! What the elements are driven with: amplitude and phase, and the levels that a board understands.
 
-use std::f64::consts::TAU;
+use std::f64::consts::{PI, TAU};
+use std::io::Read;
 
 use num_complex::Complex64;
+
+use crate::acoustics::Aperture;
+use crate::table::{Table, TableError};
 
 /// One value per element of the array, in its numbering; u_n = amplitude · e^{j phase}.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -45,6 +49,51 @@ impl Drive {
         Self::of(elements, driven, &scaled)
     }
 
+    /// From CSV with the column `phase` (rad) and, where they are not all 1 and in order, `amplitude` (0 to 1) and `element`
+    /// (from 0); a row for each of the `elements`.
+    ///
+    /// # Errors
+    /// A row that makes no sense, elements that are given twice or not at all.
+    pub fn read(csv: impl Read, elements: usize) -> Result<Self, TableError> {
+        let mut table = Table::open(csv, ["phase"], ["amplitude", "element"])?;
+        let mut drive = Self { amplitudes: vec![0.0; elements], phases: vec![0.0; elements] };
+        let mut given = vec![false; elements];
+        let mut next = 0;
+        while let Some(row) = table.next_row()? {
+            let ([phase], [amplitude, element]) = (row.required, row.optional);
+            let element = element.unwrap_or(next as f64);
+            if element.fract() != 0.0 || element < 0.0 || element >= elements as f64 {
+                let last = elements.saturating_sub(1);
+                let reason = format!("element = {element}: the scene's elements are numbered 0 to {last}");
+                return Err(table.refusal(reason));
+            }
+            let element = element as usize;
+            let amplitude = amplitude.unwrap_or(1.0);
+            if !(0.0..=1.0).contains(&amplitude) {
+                return Err(table.refusal(format!("amplitude = {amplitude}: must be from 0 to 1")));
+            }
+            if std::mem::replace(&mut given[element], true) {
+                return Err(table.refusal(format!("element {element} is given twice")));
+            }
+            (drive.phases[element], drive.amplitudes[element]) = (wrapped(phase), amplitude);
+            next = element + 1;
+        }
+        match given.iter().position(|given| !given) {
+            Some(missing) => Err(table.refusal(format!("element {missing} of {elements} is missing"))),
+            None => Ok(drive),
+        }
+    }
+
+    /// As CSV that [`Self::read`] reads: the columns `element`, `x`, `y` (m), `phase` (rad) and `amplitude`.
+    pub fn write(&self, aperture: &Aperture) -> String {
+        let mut text = String::from("element,x,y,phase,amplitude\n");
+        for (element, position) in aperture.positions.iter().enumerate() {
+            let (phase, amplitude) = (self.phases[element], self.amplitudes[element]);
+            text.push_str(&format!("{element},{:?},{:?},{phase:?},{amplitude:?}\n", position.x, position.y));
+        }
+        text
+    }
+
     /// The same drive as a board with `levels` phases per period plays it.
     pub fn at_levels(&self, levels: u32) -> Self {
         let played = |&phase: &f64| {
@@ -60,6 +109,11 @@ impl Drive {
     }
 }
 
+/// A phase (rad) within (-π, π], unchanged if it is there already.
+fn wrapped(phase: f64) -> f64 {
+    if -PI < phase && phase <= PI { phase } else { phase.sin().atan2(phase.cos()) }
+}
+
 /// The level that a board with `levels` steps per period plays for a phase (rad): boards speak delay, so the sign is
 /// converted here and nowhere else.
 pub fn delay_level(phase: f64, levels: u32) -> u32 {
@@ -70,6 +124,7 @@ pub fn delay_level(phase: f64, levels: u32) -> u32 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::scene::{Array, Scene};
 
     #[test]
     fn a_phase_ahead_is_a_delay_of_the_rest_of_the_period() {
@@ -111,6 +166,32 @@ mod tests {
         assert!((drive.amplitudes[0] - 0.5).abs() < 1e-15 && drive.amplitudes[1..] == [0.0, 0.0, 1.0]);
         assert!((drive.phases[3] + 2.0).abs() < 1e-15);
         assert_eq!(Drive::free(1, &[0], &[Complex64::ZERO]).amplitudes, [0.0], "nothing stays nothing");
+    }
+
+    #[test]
+    fn a_table_is_read_as_it_was_written() {
+        let scene = Scene { array: Array { rows: 2, columns: 2, ..Array::default() }, ..Scene::default() };
+        let drive = Drive { amplitudes: vec![1.0, 0.0, 0.3, 1.0], phases: vec![PI, -0.0, 1e-9, -3.0] };
+        let text = drive.write(&Aperture::new(&scene));
+        assert_eq!(text.lines().count(), 5);
+        assert_eq!(Drive::read(text.as_bytes(), 4), Ok(drive));
+        let in_order = Drive::read(&b"phase\n0\n7.0\n1e300\n"[..], 3).unwrap();
+        assert_eq!(in_order.amplitudes, [1.0; 3]);
+        assert!((in_order.phases[1] - (7.0 - TAU)).abs() < 1e-12 && in_order.phases[2].abs() <= PI);
+    }
+
+    #[test]
+    fn a_table_that_is_no_drive_is_refused_by_line() {
+        for (text, error) in [
+            ("phase\n0\n", "2: element 1 of 2 is missing"),
+            ("phase\n0\n\n0\n0\n", "5: element = 2: the scene's elements are numbered 0 to 1"),
+            ("phase,element\n0,0.5\n", "2: element = 0.5: the scene's"),
+            ("phase,element\n0,1\n0,1\n", "3: element 1 is given twice"),
+            ("phase,amplitude\n0,1.5\n", "2: amplitude = 1.5: must be"),
+        ] {
+            let refused = Drive::read(text.as_bytes(), 2).unwrap_err().to_string();
+            assert!(refused.starts_with(error), "{text:?}: {refused}");
+        }
     }
 
     #[test]

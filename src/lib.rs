@@ -16,5 +16,6 @@ pub mod scene;
 pub mod simd;
 pub mod solver;
 pub mod surface;
+pub mod table;
 #[cfg(feature = "window")]
 pub mod ui;

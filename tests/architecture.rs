@@ -9,6 +9,7 @@ use std::path::{Path, PathBuf};
 /// The layers, the uppermost first, with the outside crates each may name. A module uses itself and what stands above.
 const LAYERS: &[(&str, &[&str])] = &[
     ("scene", &["serde", "toml", "toml_edit", "glam", "thiserror"]),
+    ("table", &["csv", "thiserror"]),
     ("simd", &[]),
     ("acoustics", &["glam", "num_complex", "libm"]),
     ("drive", &["num_complex"]),
@@ -21,7 +22,7 @@ const LAYERS: &[(&str, &[&str])] = &[
         &["colorous", "gif", "glam", "image", "npyz", "num_complex", "plotters", "png", "rayon", "thiserror"],
     ),
     ("import", &["glam", "image", "thiserror", "usvg"]),
-    ("device", &["cobs", "crc", "csv", "rustix", "serde", "serial2", "thiserror"]),
+    ("device", &["cobs", "crc", "rustix", "serial2", "thiserror"]),
     ("ui", &["egui", "egui_plot", "glam", "num_complex"]),
     (
         "cli",
@@ -30,7 +31,6 @@ const LAYERS: &[(&str, &[&str])] = &[
             "clap",
             "comfy_table",
             "cpu_time",
-            "csv",
             "glam",
             "indicatif",
             "num_complex",

@@ -3,9 +3,8 @@
 #![expect(clippy::unwrap_used, reason = "a test's helper may panic")]
 
 use std::fs;
-use std::io::{BufRead, BufReader, Write};
 use std::path::{Path, PathBuf};
-use std::process::{Command, Output, Stdio};
+use std::process::{Command, Output};
 
 use serde_json::Value;
 use tempfile::TempDir;
@@ -412,36 +411,6 @@ fn bench_measures_time_beside_error() {
     }
     let message = refuse(folder.path(), &["bench", "solve", "--quick", "--json", "no/bench.json"]);
     assert!(message.contains("no/bench.json"), "{message}");
-}
-
-#[test]
-fn batch_answers_every_line_as_solve_does() {
-    let folder = folder_with(&[("point.toml", POINT)]);
-    let scene = r#"{"id": "a", "format": 1, "target": [{"kind": "point", "at": [0.01, 0.02, 0.1]}], "solver": {"method": "focus"}}"#;
-    let mut child =
-        program(folder.path(), &["batch"]).stdin(Stdio::piped()).stdout(Stdio::piped()).spawn().unwrap();
-    let mut input = child.stdin.take().unwrap();
-    let mut output = BufReader::new(child.stdout.take().unwrap()).lines();
-    let mut ask = |line: &str| -> Value {
-        writeln!(input, "{line}").unwrap();
-        // The answer comes although more may follow.
-        serde_json::from_str(&output.next().unwrap().unwrap()).unwrap()
-    };
-    let (mut answer, error) = (ask(scene), ask("{"));
-    assert!(error["error"].as_str().unwrap().starts_with("line 2: "), "{error}");
-    drop(input);
-    assert_eq!(child.wait().unwrap().code(), Some(0));
-    let mut solved: Value =
-        serde_json::from_str(&succeed(folder.path(), &["solve", "point.toml", "--json"])).unwrap();
-    let own = answer.as_object_mut().unwrap();
-    assert_eq!((own.remove("id"), own.remove("line")), (Some("a".into()), Some(1.into())));
-    let quality = solved["quality"].as_object_mut().unwrap();
-    quality.remove("ghost");
-    quality.remove("ghost_position");
-    for value in [&mut answer, &mut solved] {
-        value["seconds"] = Value::Null;
-    }
-    assert_eq!(answer, solved);
 }
 
 #[test]

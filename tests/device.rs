@@ -193,7 +193,7 @@ fn calibration_is_taken_off_phases_and_amplitudes() {
 fn calibration_that_makes_no_sense_is_refused_by_line() {
     let parse = |rows: &str| Calibration::parse(&format!("element,offset,gain,off\n{rows}"), 3);
     let line_of = |rows: &str| match parse(rows) {
-        Err(CalibrationError::Row { line, .. }) => line,
+        Err(CalibrationError::Row(error)) => error.line,
         other => panic!("{rows:?} gave {other:?}"),
     };
     assert!(parse("2,0,1,0\n0,0,1,0\n1,-90,0.5,1\n").is_ok());

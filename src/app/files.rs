@@ -10,7 +10,7 @@ use crate::app::Window;
 use crate::app::errand::{Errand, Progress, State};
 use crate::app::settings;
 use crate::cli::map::{self, Look};
-use crate::cli::{animate, output, solve};
+use crate::cli::{animate, output};
 use crate::field::{Colouring, Evaluator, Quantity, Stages};
 use crate::import::{self, Drawing};
 use crate::picture::{export, sheet};
@@ -255,7 +255,7 @@ impl Window {
 
     fn drive_csv(&self) -> anyhow::Result<Vec<u8>> {
         let sound = self.shown.sound.as_ref().context("nothing is played")?;
-        Ok(solve::csv(&sound.aperture, &sound.drive).into_bytes())
+        Ok(sound.drive.write(&sound.aperture).into_bytes())
     }
 
     /// The page of the scene at rest, on the scene's own plane.

@@ -1,11 +1,12 @@
 //! The command line: arguments in, values through the library, files and text out.
 
 pub(crate) mod animate;
-mod batch;
+pub mod batch;
 mod bench;
 mod boards;
 mod devices;
 pub(crate) mod evaluator;
+mod interrupt;
 mod json;
 pub(crate) mod liquid;
 pub(crate) mod map;
@@ -244,6 +245,9 @@ struct BatchArgs {
     /// Write the RMS pressure on the plane too: FOLDER/LINE.npy, float32, row 0 at the smallest y; implies --field
     #[arg(long, value_name = "FOLDER")]
     data: Option<PathBuf>,
+    /// Threads [default: as many as there are cores]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    threads: Option<u16>,
     /// Pixels of a field along x
     #[arg(long, value_name = "W", default_value_t = 256, value_parser = clap::value_parser!(u16).range(2..=4096))]
     size: u16,

@@ -66,7 +66,7 @@ pub(in crate::cli) fn run(args: &SolveArgs) -> anyhow::Result<()> {
     let played = args.levels.map(|levels| Played::new(&problem, &findings.solution, levels));
     if let Some(path) = &args.csv {
         let drive = played.as_ref().map_or(&findings.solution.drive, |played| &played.refined.0);
-        output::write(path, csv(&aperture, drive).as_bytes())?;
+        output::write(path, drive.write(&aperture).as_bytes())?;
     }
     if args.json {
         let mut value = findings.json();
@@ -407,13 +407,4 @@ fn foci_table(scene: &Scene, solution: &Solution) -> Table {
     }
     align_numbers(&mut foci);
     foci
-}
-
-pub fn csv(aperture: &Aperture, drive: &Drive) -> String {
-    let mut text = String::from("element,x,y,phase,amplitude\n");
-    for (element, position) in aperture.positions.iter().enumerate() {
-        let (phase, amplitude) = (drive.phases[element], drive.amplitudes[element]);
-        text.push_str(&format!("{element},{:?},{:?},{phase:?},{amplitude:?}\n", position.x, position.y));
-    }
-    text
 }

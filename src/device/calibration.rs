@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use serde::Deserialize;
+use crate::table::{Table, TableError};
 
 /// Per element; an element that is not listed is as it should be.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -12,24 +12,22 @@ pub struct Calibration {
 }
 
 /// One row of the file.
-#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
-#[serde(deny_unknown_fields)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 struct Element {
-    element: usize,
     /// How far its sound is ahead of the others', degrees; 180 for one that is soldered the other way round.
     offset: f64,
     /// Factor on its amplitude, 0 to 1.
     gain: f64,
-    /// 1: not driven
-    off: u8,
+    /// Not driven.
+    off: bool,
 }
 
 #[derive(Debug, PartialEq, thiserror::Error)]
 pub enum CalibrationError {
     #[error("{0}")]
     Unreadable(String),
-    #[error("line {line}: {reason}")]
-    Row { line: u64, reason: String },
+    #[error("line {0}")]
+    Row(#[from] TableError),
     #[error("{} of {elements} elements are missing: {}", missing.len(), listed(missing))]
     Gaps { missing: Vec<usize>, elements: usize },
 }
@@ -43,7 +41,7 @@ fn listed(numbers: &[usize]) -> String {
 
 impl Calibration {
     /// From CSV with the columns `element` (from 0), `offset` (degrees), `gain` (0 to 1) and `off` (0 or 1), one row for each of
-    /// the `elements`, in any order.
+    /// the `elements`, in any order. Other columns are the user's own.
     ///
     /// # Errors
     /// A file that cannot be read, a row that makes no sense, elements listed twice or not at all.
@@ -58,22 +56,13 @@ impl Calibration {
     /// # Errors
     /// As [`Self::read`].
     pub fn parse(text: &str, elements: usize) -> Result<Self, CalibrationError> {
-        let mut reader = csv::ReaderBuilder::new().trim(csv::Trim::All).from_reader(text.as_bytes());
+        let mut table = Table::open(text.as_bytes(), ["element", "offset", "gain", "off"], [])?;
         let mut rows = BTreeMap::new();
-        let headers = reader.headers().cloned().unwrap_or_default();
-        let mut record = csv::StringRecord::new();
-        loop {
-            let line = reader.position().line();
-            let row = |reason: String| CalibrationError::Row { line, reason };
-            match reader.read_record(&mut record) {
-                Ok(false) => break,
-                Ok(true) => {}
-                Err(error) => return Err(row(error.to_string())),
-            }
-            let element: Element = record.deserialize(Some(&headers)).map_err(|error| row(reason(&error)))?;
-            element.check(elements).map_err(row)?;
-            if rows.insert(element.element, element).is_some() {
-                return Err(row(format!("element {} stands here a second time", element.element)));
+        while let Some(row) = table.next_row()? {
+            let (number, element) =
+                Element::of(row.required, elements).map_err(|reason| table.refusal(reason))?;
+            if rows.insert(number, element).is_some() {
+                return Err(table.refusal(format!("element {number} stands here a second time")).into());
             }
         }
         let missing: Vec<_> = (0..elements).filter(|element| !rows.contains_key(element)).collect();
@@ -87,45 +76,35 @@ impl Calibration {
     pub fn corrected(&self, element: usize, amplitude: f64, phase: f64) -> (f64, f64) {
         match self.elements.get(element) {
             None => (amplitude, phase),
-            Some(one) if one.off == 1 => (0.0, phase),
+            Some(one) if one.off => (0.0, phase),
             Some(one) => (amplitude * one.gain, phase - one.offset.to_radians()),
         }
     }
 
     /// Whether an element is to play more softly than others.
     pub fn has_gains(&self) -> bool {
-        self.elements.iter().any(|one| one.off == 0 && one.gain > 0.0 && one.gain < 1.0)
-    }
-}
-
-/// What the CSV reader has to say about a row, without its own account of where.
-fn reason(error: &csv::Error) -> String {
-    match error.kind() {
-        csv::ErrorKind::Deserialize { err, .. } => {
-            format!("{err}; the columns are element, offset (degrees), gain (0 to 1), off (0 or 1)")
-        }
-        _ => error.to_string(),
+        self.elements.iter().any(|one| !one.off && one.gain > 0.0 && one.gain < 1.0)
     }
 }
 
 impl Element {
-    fn check(&self, elements: usize) -> Result<(), String> {
-        if self.element >= elements {
+    /// The element's number, and what its row says of it.
+    fn of([element, offset, gain, off]: [f64; 4], elements: usize) -> Result<(usize, Self), String> {
+        if element.fract() != 0.0 || element < 0.0 || element >= elements as f64 {
             return Err(format!(
-                "element {} is beyond the last, {}",
-                self.element,
+                "element {element} is none: they are numbered 0 to {}",
                 elements.saturating_sub(1)
             ));
         }
-        if !(-360.0..=360.0).contains(&self.offset) {
-            return Err(format!("offset {} is not between -360 and 360 degrees", self.offset));
+        if !(-360.0..=360.0).contains(&offset) {
+            return Err(format!("offset {offset} is not between -360 and 360 degrees"));
         }
-        if !(0.0..=1.0).contains(&self.gain) {
-            return Err(format!("gain {} is not between 0 and 1", self.gain));
+        if !(0.0..=1.0).contains(&gain) {
+            return Err(format!("gain {gain} is not between 0 and 1"));
         }
-        if self.off > 1 {
-            return Err(format!("off {} is neither 0 nor 1", self.off));
+        if off != 0.0 && off != 1.0 {
+            return Err(format!("off {off} is neither 0 nor 1"));
         }
-        Ok(())
+        Ok((element as usize, Self { offset, gain, off: off == 1.0 }))
     }
 }

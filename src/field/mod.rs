@@ -20,6 +20,8 @@ pub mod sources;
 pub mod stages;
 pub mod transfer;
 
+use std::io::Read;
+
 use glam::DVec3;
 use num_complex::{Complex32, Complex64};
 use rayon::prelude::*;
@@ -27,6 +29,7 @@ use rayon::prelude::*;
 use crate::acoustics::Aperture;
 use crate::drive::Drive;
 use crate::scene::Plane;
+use crate::table::{Table, TableError};
 
 pub use colouring::{Colouring, Quantity, Scale};
 pub use ghost::{Ghost, NoGhost};
@@ -36,6 +39,11 @@ pub use plan::Plan;
 pub use raster::Raster;
 pub use sources::{Sources, Wave};
 pub use stages::{Average, AverageMap, By, FieldError, Map, Mean, Stages, Wanted, Work};
+
+/// Points of a table, at most: the answer to more would fill gigabytes.
+const MOST_POINTS: usize = 10_000_000;
+/// m; points beyond are slips of the unit.
+const FARTHEST: f64 = 1e6;
 
 /// Where the field is wanted: sample (i, j) stands at `columns[i] + rows[j]`.
 ///
@@ -66,6 +74,32 @@ impl Samples {
     /// The points themselves.
     pub fn at(points: Vec<DVec3>) -> Self {
         Self { columns: points, rows: vec![DVec3::ZERO] }
+    }
+
+    /// The points of CSV with the columns `x`, `y` and `z` (m).
+    ///
+    /// # Errors
+    /// No points or too many, a row that makes no sense, or a point farther than 1000 km along an axis.
+    pub fn read(csv: impl Read) -> Result<Self, TableError> {
+        let mut table = Table::open(csv, ["x", "y", "z"], [])?;
+        let mut points = Vec::new();
+        while let Some(row) = table.next_row()? {
+            let [] = row.optional;
+            let point = DVec3::from_array(row.required);
+            if point.abs().max_element() > FARTHEST {
+                let reason =
+                    format!("{point}: must be metres, every coordinate from -{FARTHEST} to {FARTHEST}");
+                return Err(table.refusal(reason));
+            }
+            if points.len() == MOST_POINTS {
+                return Err(table.refusal(format!("more than {MOST_POINTS} points")));
+            }
+            points.push(point);
+        }
+        if points.is_empty() {
+            return Err(table.refusal("there are no points"));
+        }
+        Ok(Self::at(points))
     }
 
     pub fn len(&self) -> usize {
@@ -160,6 +194,20 @@ mod tests {
         assert!(samples.point(0).distance(dvec3(-0.15, -0.05, 0.1)) < 1e-15);
         assert!(samples.point(3).distance(dvec3(0.15, -0.05, 0.1)) < 1e-15);
         assert!(samples.point(4).distance(dvec3(-0.15, 0.05, 0.1)) < 1e-15);
+    }
+
+    #[test]
+    fn points_are_read_and_slips_are_named_by_line() {
+        let samples = Samples::read(&b"z,x,y\n0.1,-0.0,1e-3\n"[..]).unwrap();
+        assert_eq!(samples, Samples::at(vec![dvec3(-0.0, 1e-3, 0.1)]));
+        for (text, error) in [
+            ("x,y,z\n", "1: there are no points"),
+            ("x,y,z\n0,0,0.1\n0,-2e6,0\n", "3: [0, -2000000, 0]: must be metres"),
+            ("x,y\n", "1: the column `z` is missing"),
+        ] {
+            let refused = Samples::read(text.as_bytes()).unwrap_err().to_string();
+            assert!(refused.starts_with(error), "{text:?}: {refused}");
+        }
     }
 
     #[test]

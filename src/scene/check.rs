@@ -13,6 +13,8 @@ use crate::scene::{
 pub const MOST_ELEMENTS: u64 = 65_536;
 /// Focal points that a scene may ask for; the solver's work grows with the cube of this.
 pub const MOST_FOCI: usize = 1024;
+/// Targets that a scene may have, shown at once or one after the other.
+pub const MOST_TARGETS: usize = 10_000;
 /// m; lengths beyond are slips of the unit, not scenes.
 const LONGEST: f64 = 100.0;
 
@@ -82,6 +84,11 @@ impl std::error::Error for KeyError {}
 pub fn check(scene: &Scene) -> Result<(), KeyError> {
     medium(&scene.medium).map_err(|e| e.under(&["medium".into()]))?;
     array(&scene.array).map_err(|e| e.under(&["array".into()]))?;
+    if scene.targets.len() > MOST_TARGETS {
+        let message =
+            format!("{} are more than the {MOST_TARGETS} that a scene may have", scene.targets.len());
+        return refuse("target", message);
+    }
     for (index, target) in scene.targets.iter().enumerate() {
         self::target(target, scene.solver.pressures)
             .map_err(|e| e.under(&["target".into(), index.into()]))?;
@@ -209,6 +216,10 @@ fn shape(shape: &Shape) -> Result<(), KeyError> {
         Shape::Text { text, at, height } => {
             if text.trim().is_empty() {
                 return refuse("text", "there is nothing to write");
+            }
+            // Every letter has a focal point at least.
+            if text.chars().count() > MOST_FOCI {
+                return refuse("text", format!("a text may have at most {MOST_FOCI} characters"));
             }
             point("at", *at)?;
             length("height", *height)

@@ -254,6 +254,7 @@ mod tests {
                 5,
                 "target[2].text = \"H木\": the stroke font has no",
             ),
+            ("[[target]]\nkind = \"text\"\ntext = \"H\\nT\"", 4, "the stroke font has no glyph for `\\n`"),
             (
                 "[[target]]\nkind = \"line\"\nspacing = 1e-9",
                 4,
@@ -273,6 +274,8 @@ mod tests {
             ("[[target]]\npressure = -2.5", 3, "1000000000 relative to the other foci"),
             ("[[target]]\npressure = -2.5\n[solver]\npressures = \"pascal\"", 3, "1000000000 Pa (peak)"),
             ("[[target]]\npressure = 1e10", 3, "must be a number from"),
+            (&"[[target]]\n".repeat(10_001), 2, "target: 10001 are more than the 10000"),
+            (&format!("[[target]]\nkind = \"text\"\ntext = \"{}\"", "i".repeat(1025)), 4, "1024 characters"),
             ("[listener]\nat = [0, 0.3, -0.1]", 3, "listener.at = [0, 0.3, -0.1]: behind the array"),
             ("[listener]\nat = [0, 0, 200]", 3, "listener.at"),
         ] {

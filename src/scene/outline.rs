@@ -83,7 +83,9 @@ pub fn strokes(target: &Target) -> Result<Vec<Vec<DVec3>>, KeyError> {
         Shape::Triangle { size, .. } => flat(ring(size / 3.0_f64.sqrt(), 3, TAU / 4.0)),
         Shape::Polygon { radius, sides, .. } => flat(ring(*radius, *sides as usize, TAU / 4.0)),
         Shape::Text { text, height, .. } => font::lay_out(text, *height)
-            .map_err(|glyph| refusal("text", format!("the stroke font has no glyph for `{glyph}`")))?
+            .map_err(|glyph| {
+                refusal("text", format!("the stroke font has no glyph for `{}`", glyph.escape_debug()))
+            })?
             .iter()
             .map(|stroke| stroke.iter().map(placed).collect())
             .collect(),
@@ -119,7 +121,7 @@ pub fn count(targets: &[Target]) -> Result<usize, KeyError> {
     for (index, target) in targets.iter().enumerate().filter(|(_, target)| target.visible) {
         let (runs, pieces) =
             divided(target, MOST_FOCI - count).map_err(|e| e.under(&["target".into(), index.into()]))?;
-        count += corners(&runs) + interior(&runs, &pieces);
+        count += all(&runs, &pieces);
     }
     Ok(count)
 }
@@ -146,7 +148,7 @@ fn divided(target: &Target, most: usize) -> Result<(Vec<Run>, Vec<usize>), KeyEr
         Sampling::Spacing(spacing) => pieces_by_spacing(&runs, spacing),
         Sampling::Points(points) => pieces_by_count(&runs, points)?,
     };
-    let wanted = corners(&runs) + interior(&runs, &pieces);
+    let wanted = all(&runs, &pieces);
     if wanted > most {
         let key = if matches!(target.sampling, Sampling::Spacing(_)) { "spacing" } else { "points" };
         return Err(refusal(
@@ -270,6 +272,11 @@ fn is_corner(before: DVec3, at: DVec3, after: DVec3) -> bool {
 fn corners(runs: &[Run]) -> usize {
     let ends = |run: &Run| [key(run.vertices[0]), key(run.vertices[run.vertices.len() - 1])];
     runs.iter().filter(|run| !run.closed).flat_map(ends).collect::<HashSet<_>>().len()
+}
+
+/// Focal points of runs that are divided so; `usize::MAX` where there is no end to them.
+fn all(runs: &[Run], pieces: &[usize]) -> usize {
+    corners(runs).saturating_add(interior(runs, pieces))
 }
 
 fn interior(runs: &[Run], pieces: &[usize]) -> usize {
@@ -410,6 +417,10 @@ mod tests {
             ..Target::new(Shape::Line { from: AT, to: AT + DVec3::X })
         };
         assert!(points(&target, MOST_FOCI).unwrap_err().message.contains("1000000001 focal points"));
+        // More than can be counted.
+        let target = Target { sampling: Sampling::Spacing(1e-300), ..target };
+        assert!(points(&target, MOST_FOCI).unwrap_err().message.contains("focal points are asked for"));
+        assert!(count(&[target]).is_err());
     }
 
     #[test]

@@ -6,7 +6,8 @@ use std::time::{Duration, Instant};
 
 use anyhow::{Context, bail};
 
-use crate::cli::boards::{BoardArgs, interrupt};
+use crate::cli::boards::BoardArgs;
+use crate::cli::interrupt;
 use crate::cli::map::{self, Look, Sound};
 use crate::cli::output::say;
 use crate::cli::{note, output, read_scene};

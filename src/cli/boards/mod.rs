@@ -3,8 +3,6 @@
 #[cfg(all(unix, feature = "serial"))]
 mod board;
 #[cfg(feature = "serial")]
-mod interrupt;
-#[cfg(feature = "serial")]
 mod ports;
 #[cfg(feature = "serial")]
 mod send;

@@ -4,7 +4,8 @@ use std::time::{Duration, Instant};
 
 use anyhow::{Context, bail};
 
-use crate::cli::boards::{SendArgs, interrupt};
+use crate::cli::boards::SendArgs;
+use crate::cli::interrupt;
 use crate::cli::output::{mention, say};
 use crate::cli::{motion, note, read_scene, warn};
 use crate::device::calibration::Calibration;

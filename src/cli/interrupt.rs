@@ -1,4 +1,4 @@
-//! Ctrl-C and its kin, as a flag: the program ends in order, and boards fall silent.
+//! Ctrl-C and its kin, as a flag: the program ends in order. Lines and files stay whole, and boards fall silent.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};

@@ -1,0 +1,191 @@
+//! What is done with one line of a batch: its scene solved, and the field of that.
+
+use std::path::PathBuf;
+use std::sync::{PoisonError, RwLock};
+
+use anyhow::{Context, anyhow, bail};
+use serde_json::{Value, json};
+
+use crate::acoustics::Aperture;
+use crate::cli::batch::lines::Line;
+use crate::cli::{json, output};
+use crate::drive::Drive;
+use crate::field::{Quantity, Samples, Stages, Wanted};
+use crate::picture::export;
+use crate::scene::{Method, Scene, file};
+use crate::solver::{self, Limits, Problem};
+
+/// Pixels that a field may have along y.
+const MOST_ROWS: usize = 1 << 14;
+
+/// What is done with every scene.
+#[derive(Debug)]
+pub struct Task {
+    /// Instead of the scene's.
+    pub method: Option<Method>,
+    /// Whether the limits of foci and array are wanted.
+    pub limits: bool,
+    /// Whether the pressure on the scene's plane is wanted.
+    pub field: bool,
+    /// The folder of the field's numbers, if they are wanted.
+    pub data: Option<PathBuf>,
+    /// Pixels of a field along x.
+    pub size: usize,
+    /// Read while a file is written.
+    pub(super) writing: RwLock<()>,
+}
+
+impl Default for Task {
+    /// The scene is solved, and its limits are found.
+    fn default() -> Self {
+        Self { method: None, limits: true, field: false, data: None, size: 256, writing: RwLock::new(()) }
+    }
+}
+
+impl Task {
+    /// The answer to a line: the solution as [`json::solution`] has it, or an `error`; with the line's number and what it
+    /// calls itself, its `id`.
+    pub fn answer(&self, line: &Line, stages: &mut Stages) -> Value {
+        let mut id = None;
+        let mut answer = self
+            .result(line, &mut id, stages)
+            .unwrap_or_else(|error| json!({ "error": format!("line {}: {error:#}", line.number) }));
+        answer["line"] = line.number.into();
+        if let Some(id) = id {
+            answer["id"] = id;
+        }
+        answer
+    }
+
+    /// The result for a line; `id` is what the line calls itself.
+    fn result(&self, line: &Line, id: &mut Option<Value>, stages: &mut Stages) -> anyhow::Result<Value> {
+        let text = line.text.as_ref().map_err(|error| anyhow!(error.clone()))?;
+        // The input's lines are counted, not those of its JSON, which has one.
+        let misplaced = |error: serde_json::Error| {
+            anyhow!(format!("no JSON: {error}").replace("line 1 column", "column"))
+        };
+        let mut tables: Value = serde_json::from_str(text.trim_end()).map_err(misplaced)?;
+        let Some(keys) = tables.as_object_mut() else { bail!("a scene is an object, {{…}}") };
+        *id = keys.remove("id");
+        keys.entry("format").or_insert_with(|| file::FORMAT.into());
+        let mut scene = file::from_tables(tables)?;
+        scene.solver.method = self.method.unwrap_or(scene.solver.method);
+        let solution = solver::solve(&scene)?;
+        let limits =
+            self.limits.then(|| Limits::new(&Problem::new(&Aperture::new(&scene), solution.foci.clone())));
+        let mut answer = json::solution(&solution, limits.as_ref());
+        if !solution.warnings.is_empty() {
+            answer["warnings"] = json!(solution.warnings);
+        }
+        if self.field || self.data.is_some() {
+            answer["field"] = self.field(line.number, &scene, &solution.drive, stages)?;
+        }
+        Ok(answer)
+    }
+
+    /// Statistics of the RMS pressure on the scene's plane, and where its numbers are.
+    fn field(&self, number: u64, scene: &Scene, drive: &Drive, stages: &mut Stages) -> anyhow::Result<Value> {
+        let shape = scene.plane.size.y / scene.plane.size.x;
+        let (width, height) = (self.size, ((self.size as f64 * shape).round() as usize).clamp(1, MOST_ROWS));
+        let aperture = Aperture::new(scene);
+        let wanted = Wanted { aperture: &aperture, plane: &scene.plane, drive, width, height };
+        let error = stages.map(&wanted)?.error;
+        let rms: Vec<f32> = stages.read(&wanted)?.iter().map(|&p| Quantity::Rms.of(p)).collect();
+        let (loudest, peak) =
+            rms.iter().copied().enumerate().fold((0, 0.0), |a, b| if b.1 > a.1 { b } else { a });
+        let mean_square = rms.iter().map(|&p| f64::from(p).powi(2)).sum::<f64>() / rms.len() as f64;
+        let place = Samples::on_plane(&scene.plane, width, height).context("no plane")?.point(loudest);
+        let mut statistics = json!({
+            "peak": peak, "at": place.to_array(), "rms": mean_square.sqrt(), "error": error,
+            "width": width, "height": height,
+        });
+        if let Some(folder) = &self.data {
+            let path = folder.join(format!("{number}.npy"));
+            let _writing = self.writing.read().unwrap_or_else(PoisonError::into_inner);
+            output::write(&path, &export::npy(&[height as u64, width as u64], &rms)?)?;
+            statistics["file"] = json!(path);
+        }
+        Ok(statistics)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::f64::consts::SQRT_2;
+
+    use super::*;
+    use crate::field::Evaluator;
+
+    fn answer(task: &Task, number: u64, text: &str) -> Value {
+        task.answer(&Line { number, text: Ok(text.to_owned()) }, &mut Stages::new(Evaluator::Cpu))
+    }
+
+    #[test]
+    fn a_line_that_is_no_scene_gets_an_error_that_names_it() {
+        for (text, part) in [
+            (r#"{"target": [{"kind": "point", "at": [0, 0, -1]}]}"#, "target[1]: the focal point"),
+            (r#"{"colour": 3}"#, "unknown field `colour`"),
+            ("[1, 2\n", "no JSON: EOF while parsing a list at column 6"),
+            ("[]", "a scene is an object"),
+            (r#"{"array": {"pitch": 1e999}}"#, "no JSON"),
+            (r#"{"format": 2}"#, "format: this program reads format 1"),
+            (r#"{"format": 1}"#, "target: the scene has no target"),
+        ] {
+            let answer = answer(&Task::default(), 7, text);
+            let error = answer["error"].as_str().unwrap();
+            assert!(error.starts_with("line 7: ") && error.contains(part), "{error}: {part}");
+            assert_eq!((answer["line"].as_u64(), answer.get("id")), (Some(7), None));
+        }
+        let unread = Line { number: 2, text: Err("no text".to_owned()) };
+        let answer = Task::default().answer(&unread, &mut Stages::new(Evaluator::Cpu));
+        assert_eq!(answer, json!({ "line": 2, "error": "line 2: no text" }));
+    }
+
+    #[test]
+    fn a_line_gets_its_own_name_back_whatever_that_is() {
+        for id in ["7", "\"left\"", "null", "[1,{\"a\":2.5}]"] {
+            for scene in ["\"target\": [{}]", "\"target\": []", "\"colour\": 3"] {
+                let answer = answer(&Task::default(), 1, &format!("{{\"id\": {id}, {scene}}}"));
+                assert_eq!(answer["id"].to_string(), id, "{scene}");
+                assert_eq!(answer.get("error").is_none(), scene.contains("{}"), "{answer}");
+            }
+        }
+    }
+
+    #[test]
+    fn numbers_are_read_and_written_to_the_last_digit() {
+        for z in [0.10188148857674413, 0.16794522192953779, 0.11442885696676837] {
+            let answer = answer(&Task::default(), 1, &format!("{{\"target\": [{{\"at\": [0, 0, {z:?}]}}]}}"));
+            let again: Value = serde_json::from_str(&answer.to_string()).unwrap();
+            assert_eq!(again["foci"][0]["position"][2], z);
+        }
+    }
+
+    #[test]
+    fn the_field_of_one_focus_peaks_there() {
+        let folder = tempfile::tempdir().unwrap();
+        let task = Task { data: Some(folder.path().to_owned()), size: 101, ..Task::default() };
+        let text =
+            r#"{"target": [{"kind": "point", "at": [0.01, -0.02, 0.1]}], "plane": {"size": [0.1, 0.2]}}"#;
+        let answer = answer(&task, 1, text);
+        let field = &answer["field"];
+        let pressure = answer["foci"][0]["pressure"].as_f64().unwrap() / SQRT_2;
+        assert!((field["peak"].as_f64().unwrap() / pressure - 1.0).abs() < 0.02, "{field} {pressure}");
+        let at: Vec<_> = field["at"].as_array().unwrap().iter().map(|x| x.as_f64().unwrap()).collect();
+        assert!((at[0] - 0.01).abs() < 0.002 && (at[1] + 0.02).abs() < 0.002 && (at[2] - 0.1).abs() < 0.003);
+        assert_eq!((field["width"].as_u64(), field["height"].as_u64()), (Some(101), Some(202)));
+        let bytes = std::fs::read(folder.path().join("1.npy")).unwrap();
+        assert!(bytes.len() > 4 * 101 * 202);
+    }
+
+    #[test]
+    fn numbers_that_cannot_be_written_are_an_error_of_their_line() {
+        let folder = tempfile::tempdir().unwrap();
+        let task = Task { data: Some(folder.path().join("gone")), size: 8, ..Task::default() };
+        let error = answer(&task, 3, r#"{"target": [{}]}"#)["error"].to_string();
+        assert!(
+            error.contains("line 3: ") && error.contains("3.npy: cannot write: entity not found"),
+            "{error}"
+        );
+    }
+}

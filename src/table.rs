@@ -1,0 +1,203 @@
+//! Tables of numbers in CSV files: columns found by their names, and errors that say in which line.
+
+use std::io::{Chain, Read};
+
+use csv::{ReaderBuilder, StringRecord, Terminator, Trim};
+
+/// What is wrong, and in which line, counted from 1. Shown as `line: reason`, so that the file's name goes in front.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("{line}: {reason}")]
+pub struct TableError {
+    pub line: u64,
+    pub reason: String,
+}
+
+/// A table that is read row by row: `N` columns that it must have, `M` that it may have, in any order and beside others.
+///
+/// Lines that are empty or begin with `#` count, and hold nothing.
+#[derive(Debug)]
+pub struct Table<R, const N: usize, const M: usize> {
+    reader: csv::Reader<Chain<R, &'static [u8]>>,
+    record: StringRecord,
+    /// Of the record.
+    line: u64,
+    columns: usize,
+    /// Name and place.
+    required: [(&'static str, usize); N],
+    /// Name, and place where there is such a column.
+    optional: [(&'static str, Option<usize>); M],
+}
+
+/// The finite numbers of a row, in the order in which they were asked for.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Row<const N: usize, const M: usize> {
+    pub required: [f64; N],
+    pub optional: [Option<f64>; M],
+}
+
+impl<R: Read, const N: usize, const M: usize> Table<R, N, M> {
+    /// # Errors
+    /// No line that names every column of `required`, or one that names a column twice.
+    pub fn open(
+        csv: R,
+        required: [&'static str; N],
+        optional: [&'static str; M],
+    ) -> Result<Self, TableError> {
+        // Every row ends with a line feed, also the last one, so that the lines can be counted.
+        let reader = ReaderBuilder::new()
+            .has_headers(false)
+            .flexible(true)
+            .trim(Trim::All)
+            .comment(Some(b'#'))
+            .terminator(Terminator::Any(b'\n'))
+            .from_reader(csv.chain(&b"\n"[..]));
+        let mut table = Self {
+            reader,
+            record: StringRecord::new(),
+            line: 1,
+            columns: 0,
+            required: required.map(|name| (name, 0)),
+            optional: optional.map(|name| (name, None)),
+        };
+        if !table.read_record()? {
+            return Err(table.refusal("the table is empty"));
+        }
+        table.find_columns()?;
+        Ok(table)
+    }
+
+    fn find_columns(&mut self) -> Result<(), TableError> {
+        self.columns = self.record.len();
+        let named = |name: &str| {
+            let mut places = (0..self.columns).filter(|&place| &self.record[place] == name);
+            (places.next(), places.next().is_some())
+        };
+        let wanted = self.required.iter().map(|(name, _)| *name);
+        if let Some(twice) = wanted.chain(self.optional.map(|(name, _)| name)).find(|name| named(name).1) {
+            return Err(self.refusal(format!("the column `{twice}` is there twice")));
+        }
+        let missing: Vec<_> = self.required.iter().filter(|(name, _)| named(name).0.is_none()).collect();
+        if !missing.is_empty() {
+            let names: Vec<_> = missing.iter().map(|(name, _)| format!("`{name}`")).collect();
+            return Err(self.refusal(format!("the column {} is missing", names.join(", "))));
+        }
+        self.required = self.required.map(|(name, place)| (name, named(name).0.unwrap_or(place)));
+        self.optional = self.optional.map(|(name, _)| (name, named(name).0));
+        Ok(())
+    }
+
+    /// The next row; `None` at the end.
+    ///
+    /// # Errors
+    /// A row of another length than the first one, a value that is missing where there must be one, and one that is no
+    /// finite number.
+    pub fn next_row(&mut self) -> Result<Option<Row<N, M>>, TableError> {
+        if !self.read_record()? {
+            return Ok(None);
+        }
+        if self.record.len() != self.columns {
+            let (own, columns) = (self.record.len(), self.columns);
+            return Err(self.refusal(format!("the row has {own} values, and the columns are {columns}")));
+        }
+        let mut row = Row { required: [0.0; N], optional: [None; M] };
+        for (value, (name, place)) in row.required.iter_mut().zip(self.required) {
+            let missing = || self.refusal(format!("{name} is missing"));
+            *value = self.number(name, place)?.ok_or_else(missing)?;
+        }
+        for (value, (name, place)) in row.optional.iter_mut().zip(self.optional) {
+            *value = place.map_or(Ok(None), |place| self.number(name, place))?;
+        }
+        Ok(Some(row))
+    }
+
+    /// An error in the row that was read last.
+    pub fn refusal(&self, reason: impl Into<String>) -> TableError {
+        TableError { line: self.line, reason: reason.into() }
+    }
+
+    fn number(&self, name: &str, place: usize) -> Result<Option<f64>, TableError> {
+        match &self.record[place] {
+            "" => Ok(None),
+            text => match text.parse::<f64>() {
+                Ok(number) if number.is_finite() => Ok(Some(number)),
+                _ => Err(self.refusal(format!("{name} = `{}`: not a finite number", shown(text)))),
+            },
+        }
+    }
+
+    /// Whether there is another record that holds something.
+    fn read_record(&mut self) -> Result<bool, TableError> {
+        loop {
+            let read = self.reader.read_record(&mut self.record);
+            if read.as_ref().is_ok_and(|found| !found) {
+                return Ok(false);
+            }
+            // The reader stands at the beginning of the line after.
+            self.line = self.reader.position().line().saturating_sub(1).max(1);
+            read.map_err(|error| self.refusal(reason(&error)))?;
+            if self.record.len() > 1 || !self.record[0].is_empty() {
+                return Ok(true);
+            }
+        }
+    }
+}
+
+/// What the reader has to say, without its own account of where.
+fn reason(error: &csv::Error) -> String {
+    match error.kind() {
+        csv::ErrorKind::Utf8 { .. } => "this is no UTF-8 text".to_owned(),
+        _ => error.to_string(),
+    }
+}
+
+/// A value as a message can show it: one line, and not a page.
+fn shown(text: &str) -> String {
+    const MOST: usize = 40;
+    let line: String = text.chars().take(MOST).map(|c| if c.is_control() { ' ' } else { c }).collect();
+    if text.chars().nth(MOST).is_some() { format!("{line}…") } else { line }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn rows(text: &str) -> Result<Vec<Row<2, 1>>, TableError> {
+        let mut table = Table::open(text.as_bytes(), ["x", "y"], ["gain"])?;
+        std::iter::from_fn(|| table.next_row().transpose()).collect()
+    }
+
+    fn row(x: f64, y: f64, gain: Option<f64>) -> Row<2, 1> {
+        Row { required: [x, y], optional: [gain] }
+    }
+
+    #[test]
+    fn columns_are_found_by_name_in_any_order_and_beside_others() {
+        assert_eq!(rows("y, x\n1,2\n3 , 4"), Ok(vec![row(2.0, 1.0, None), row(4.0, 3.0, None)]));
+        let text = "\u{feff}# by hand\r\n\r\n\"x\",remark,gain,y\r\n1,left,0.5,2\r\n\r\n-0.0,,,1e-3\r\n";
+        assert_eq!(rows(text), Ok(vec![row(1.0, 2.0, Some(0.5)), row(-0.0, 1e-3, None)]));
+        assert_eq!(rows("x,y\n"), Ok(vec![]));
+    }
+
+    #[test]
+    fn errors_name_the_line_however_lines_end_and_whatever_stands_between() {
+        for (text, error) in [
+            ("", "1: the table is empty"),
+            ("a,b\n1,2\n", "1: the column `x`, `y` is missing"),
+            ("# no\n\nx,z\n", "3: the column `y` is missing"),
+            ("x,y,x\n", "1: the column `x` is there twice"),
+            ("x,y\n1,2\n1\n", "3: the row has 1 values, and the columns are 2"),
+            ("x,y\n1,2,3\n", "2: the row has 3 values, and the columns are 2"),
+            ("x,y\n\n# of\n\n1,zero", "5: y = `zero`: not a finite number"),
+            ("x,y\r\n1,2\r\n\r\n1,nan\r\n", "4: y = `nan`: not a finite number"),
+            ("x,y\r\n,2\r\n", "2: x is missing"),
+            ("x,y\n1,\"a\nb\"\n", "3: y = `a b`: not a finite number"),
+        ] {
+            assert_eq!(rows(text).unwrap_err().to_string(), error, "{text:?}");
+        }
+        let mut table = Table::<_, 1, 0>::open(&b"x\n1\n\xff\n"[..], ["x"], []).unwrap();
+        table.next_row().unwrap();
+        assert_eq!(table.next_row().unwrap_err().to_string(), "3: this is no UTF-8 text");
+        let long = format!("x,y\n1,{}\n", "9e".repeat(1000));
+        assert!(rows(&long).unwrap_err().to_string().len() < 100);
+    }
+}
