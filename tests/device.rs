@@ -120,6 +120,25 @@ fn silence_is_silent_whatever_was_heard_before() {
 }
 
 #[test]
+fn a_board_that_was_just_switched_on_makes_sense_of_all_that_it_is_told() {
+    for profile in stock_profiles() {
+        let mut twin = Twin::new(profile);
+        let sounds = twin.shown().elements.iter().any(Option::is_some);
+        // Boards with lists sound at once, with every element in phase; but for the tactile build.
+        let expected =
+            matches!(profile, Profile::SonicSurface | Profile::SonicSurface2 | Profile::UltrainoSimpleFpga);
+        assert_eq!(sounds, expected, "{}", profile.name());
+        let mut bytes = [stock::silence(profile), stock::frame(&random_levels(profile, 3))].concat();
+        let slow = Modulation { shape: Envelope::Sine, frequency: 1.0, depth: 1.0 };
+        if let Modulated::ByBoard(byte, _) = stock::modulated(profile, &slow) {
+            bytes.push(byte);
+        }
+        bytes.extend(stock::silence(profile));
+        assert!(hear(&mut twin, &bytes).iter().all(|&heard| heard == Heard::Shown), "{}", profile.name());
+    }
+}
+
+#[test]
 fn quantised_sounds_are_the_nearest() {
     for profile in Profile::ALL {
         let drive = random_drive(profile.elements(), 7);
@@ -221,6 +240,12 @@ fn modulation_is_done_by_whoever_can() {
     assert_eq!(
         stock::modulated(Profile::SonicSurfaceTactile, &modulation),
         Modulated::ByBoard(0xA5, 1250.0 / 6.0)
+    );
+    let slow = Modulation { frequency: 1.0, ..modulation };
+    assert_eq!(
+        stock::modulated(Profile::SonicSurfaceTactile, &slow),
+        Modulated::ByBoard(0xBF, 1250.0 / 32.0),
+        "the slowest that it has"
     );
     assert_eq!(stock::modulated(Profile::SonicSurface, &Modulation::default()), Modulated::Steady);
 }

@@ -11,10 +11,10 @@ use proptest::test_runner::RngSeed;
 use sonoglyph::acoustics::Aperture;
 use sonoglyph::drive::Drive;
 use sonoglyph::scene::{
-    Amplitudes, Array, ElementModel, Focus, Method, Pressures, Scene, Shape, Target, file,
+    Amplitudes, Array, ElementModel, Focus, Method, Motion, MotionPath, Pressures, Scene, Shape, Target, file,
 };
 use sonoglyph::solver::levels::{self, Reached};
-use sonoglyph::solver::{self, Limits, Problem, Solution, SolveError};
+use sonoglyph::solver::{self, Limits, Problem, Solution, SolveError, frames};
 
 fn scene(points: &[DVec3]) -> Scene {
     let target = |&at: &DVec3| Target::new(Shape::Point { at });
@@ -329,6 +329,25 @@ fn moving_foci_are_followed_from_the_last_solution() {
         part += weakest(&problem, &followed.values) / weakest(&problem, &anew.values) / 20.0;
     }
     assert!(part > 0.985, "{part} of what a search finds");
+}
+
+/// What foci can get falls with the distance; that alone is no reason to search.
+#[test]
+fn foci_that_leave_the_array_are_followed_without_searching_anew() {
+    let mut scene = scene(&apart(6));
+    scene.motion = Motion {
+        path: MotionPath::Points,
+        points: vec![DVec3::ZERO, dvec3(0.0, 0.0, 0.1)],
+        frames: 240,
+        ..Motion::default()
+    };
+    for pressures in [Pressures::Relative, Pressures::Pascal] {
+        scene.solver.pressures = pressures;
+        scene.targets.iter_mut().for_each(|target| target.pressure = 300.0);
+        let frames = frames::follow(&scene).unwrap().frames;
+        let searched = frames.iter().filter(|frame| frame.cold).count();
+        assert!(searched <= 4, "{pressures:?}: {searched} of {} frames were searched for", frames.len());
+    }
 }
 
 #[test]
