@@ -69,11 +69,7 @@ fn write(
 }
 
 /// What comes next, or nothing where nothing comes any more. What is written is shown before it is waited for.
-fn next<T>(
-    from: &Receiver<T>,
-    out: &mut impl Write,
-    interrupted: &Interrupted,
-) -> anyhow::Result<Option<T>> {
+fn next<T>(from: &Receiver<T>, out: &mut impl Write, interrupted: &Interrupted) -> anyhow::Result<Option<T>> {
     match from.try_recv() {
         Ok(value) => return Ok(Some(value)),
         Err(TryRecvError::Disconnected) => return Ok(None),
