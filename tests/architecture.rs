@@ -251,7 +251,7 @@ fn the_rule_finds_what_breaks_it() {
 
 #[test]
 fn every_file_says_what_it_holds_and_stays_short() {
-    for folder in ["src", "tests", "benches"] {
+    for folder in ["src", "tests", "benches", "fuzz/fuzz_targets"] {
         for path in rust_files(&root().join(folder)) {
             let text = fs::read_to_string(&path).unwrap();
             assert!(text.starts_with("//! "), "{}: opens without a //! line", path.display());

@@ -12,7 +12,7 @@ mod link;
 mod link;
 mod mapping;
 mod recovery;
-mod settings;
+pub mod settings;
 mod workshop;
 
 use std::path::{Path, PathBuf};
