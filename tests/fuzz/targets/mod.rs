@@ -10,8 +10,11 @@ mod settings;
 mod stock;
 mod tables;
 
-/// A target by its name, which its corpus has too.
-pub const TARGETS: [(&str, fn(&[u8])); 9] = [
+/// Takes any bytes.
+type Target = fn(&[u8]);
+
+/// The targets by their names, which their corpora have too.
+pub const TARGETS: [(&str, Target); 9] = [
     ("scene", scene::run),
     ("points", tables::points),
     ("drive", tables::drive),
