@@ -64,13 +64,13 @@ impl Drive {
             let element = element.unwrap_or(next as f64);
             if element.fract() != 0.0 || element < 0.0 || element >= elements as f64 {
                 let last = elements.saturating_sub(1);
-                let reason = format!("element = {element}: the scene's elements are numbered 0 to {last}");
+                let reason = format!("element = {element:?}: the scene's elements are numbered 0 to {last}");
                 return Err(table.refusal(reason));
             }
             let element = element as usize;
             let amplitude = amplitude.unwrap_or(1.0);
             if !(0.0..=1.0).contains(&amplitude) {
-                return Err(table.refusal(format!("amplitude = {amplitude}: must be from 0 to 1")));
+                return Err(table.refusal(format!("amplitude = {amplitude:?}: must be from 0 to 1")));
             }
             if std::mem::replace(&mut given[element], true) {
                 return Err(table.refusal(format!("element {element} is given twice")));
@@ -184,7 +184,7 @@ mod tests {
     fn a_table_that_is_no_drive_is_refused_by_line() {
         for (text, error) in [
             ("phase\n0\n", "2: element 1 of 2 is missing"),
-            ("phase\n0\n\n0\n0\n", "5: element = 2: the scene's elements are numbered 0 to 1"),
+            ("phase\n0\n\n0\n0\n", "5: element = 2.0: the scene's elements are numbered 0 to 1"),
             ("phase,element\n0,0.5\n", "2: element = 0.5: the scene's"),
             ("phase,element\n0,1\n0,1\n", "3: element 1 is given twice"),
             ("phase,amplitude\n0,1.5\n", "2: amplitude = 1.5: must be"),

@@ -338,7 +338,7 @@ fn nothing_hangs_on_the_wall_clock_panics_in_print_or_writes_half_a_file() {
 
 #[test]
 fn every_file_says_what_it_holds_and_stays_short() {
-    for folder in ["src", "tests", "benches"] {
+    for folder in ["src", "tests", "benches", "fuzz/fuzz_targets"] {
         for path in rust_files(&root().join(folder)) {
             let text = fs::read_to_string(&path).unwrap();
             assert!(text.starts_with("//! "), "{}: opens without a //! line", path.display());

@@ -12,7 +12,7 @@ mod link;
 mod link;
 mod mapping;
 pub mod recovery;
-mod settings;
+pub mod settings;
 mod workshop;
 
 use std::path::{Path, PathBuf};

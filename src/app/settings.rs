@@ -128,7 +128,16 @@ impl Settings {
         view.colours = value(&COLOURS, &self.colours).unwrap_or(view.colours);
     }
 
-    /// With every number in its limits, whatever the file said.
+    /// From the file's text, with every number in its limits, whatever it says.
+    ///
+    /// # Errors
+    /// A word on what makes no sense.
+    pub fn parse(text: &str) -> Result<Self, String> {
+        let settings: Self = toml::from_str(text)
+            .map_err(|error| error.message().lines().next().unwrap_or_default().to_owned())?;
+        Ok(settings.sane())
+    }
+
     fn sane(mut self) -> Self {
         let own = Self::default();
         let within = |value: f32, least: f32, most: f32, otherwise: f32| {
@@ -176,15 +185,11 @@ impl Memory {
     /// The file in this folder, what it says, and a word where that could not be read.
     pub fn at(folder: &Path) -> (Self, Settings, Option<String>) {
         let path = folder.join("settings.toml");
-        let (settings, word) = match std::fs::read_to_string(&path).map(|text| toml::from_str(&text)) {
+        let (settings, word) = match std::fs::read_to_string(&path).map(|text| Settings::parse(&text)) {
             Ok(Ok(settings)) => (settings, None),
-            Ok(Err(error)) => {
-                let why = error.message().lines().next().unwrap_or_default().to_owned();
-                (Settings::default(), Some(format!("{} is left aside: {why}", path.display())))
-            }
+            Ok(Err(why)) => (Settings::default(), Some(format!("{} is left aside: {why}", path.display()))),
             Err(_) => (Settings::default(), None),
         };
-        let settings = settings.sane();
         (Self { path, kept: settings.clone(), pending: None, last: f64::NEG_INFINITY }, settings, word)
     }
 

@@ -92,18 +92,18 @@ impl Element {
     fn of([element, offset, gain, off]: [f64; 4], elements: usize) -> Result<(usize, Self), String> {
         if element.fract() != 0.0 || element < 0.0 || element >= elements as f64 {
             return Err(format!(
-                "element {element} is none: they are numbered 0 to {}",
+                "element {element:?} is none: they are numbered 0 to {}",
                 elements.saturating_sub(1)
             ));
         }
         if !(-360.0..=360.0).contains(&offset) {
-            return Err(format!("offset {offset} is not between -360 and 360 degrees"));
+            return Err(format!("offset {offset:?} is not between -360 and 360 degrees"));
         }
         if !(0.0..=1.0).contains(&gain) {
-            return Err(format!("gain {gain} is not between 0 and 1"));
+            return Err(format!("gain {gain:?} is not between 0 and 1"));
         }
         if off != 0.0 && off != 1.0 {
-            return Err(format!("off {off} is neither 0 nor 1"));
+            return Err(format!("off {off:?} is neither 0 nor 1"));
         }
         Ok((element as usize, Self { offset, gain, off: off == 1.0 }))
     }

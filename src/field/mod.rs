@@ -85,10 +85,11 @@ impl Samples {
         let mut points = Vec::new();
         while let Some(row) = table.next_row()? {
             let [] = row.optional;
-            let point = DVec3::from_array(row.required);
+            let at = row.required;
+            let point = DVec3::from_array(at);
             if point.abs().max_element() > FARTHEST {
                 let reason =
-                    format!("{point}: must be metres, every coordinate from -{FARTHEST} to {FARTHEST}");
+                    format!("{at:?}: must be metres, every coordinate from -{FARTHEST} to {FARTHEST}");
                 return Err(table.refusal(reason));
             }
             if points.len() == MOST_POINTS {
@@ -202,7 +203,7 @@ mod tests {
         assert_eq!(samples, Samples::at(vec![dvec3(-0.0, 1e-3, 0.1)]));
         for (text, error) in [
             ("x,y,z\n", "1: there are no points"),
-            ("x,y,z\n0,0,0.1\n0,-2e6,0\n", "3: [0, -2000000, 0]: must be metres"),
+            ("x,y,z\n0,0,0.1\n0,-2e6,0\n", "3: [0.0, -2000000.0, 0.0]: must be metres"),
             ("x,y\n", "1: the column `z` is missing"),
         ] {
             let refused = Samples::read(text.as_bytes()).unwrap_err().to_string();

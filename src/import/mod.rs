@@ -111,8 +111,8 @@ impl Drawing {
         for line in &mut lines {
             line.points.iter_mut().for_each(|point| *point = (*point - middle) / side);
         }
+        let mut lines = sparse(&lines);
         lines.sort_by(|a, b| b.length().total_cmp(&a.length()));
-        let lines = sparse(&lines);
         let gaps = (0..lines.len()).map(|i| gaps(&lines, i)).collect();
         Ok(Self { lines, size: (high - low) / side, gaps, remarks })
     }

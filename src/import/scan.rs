@@ -14,7 +14,7 @@ use crate::import::{ImportError, Line};
 const LONGEST: u32 = 1000;
 /// Pixels per side, and bytes, that are decoded at all.
 const MOST_PIXELS: u32 = 20_000;
-const MOST_MEMORY: u64 = 1 << 30;
+const MOST_MEMORY: u64 = 400 << 20;
 /// Grey levels between paper and ink.
 const LEAST_CONTRAST: f64 = 24.0;
 /// The part of the variance that is between paper and ink: 0.64 where greys are spread like a bell, 0.75 where evenly.

@@ -37,6 +37,9 @@ fn lines_of(text: &str) -> Result<(Vec<Line>, Vec<String>), ImportError> {
         roxmltree::ParsingOptions { allow_dtd: true, nodes_limit: MOST_NODES, ..Default::default() };
     let document = roxmltree::Document::parse_with_options(text, options)
         .map_err(|error| ImportError::Svg(error.to_string()))?;
+    if let Some(count) = places_of_markers(&document).filter(|&count| count > MOST_NODES as usize) {
+        return Err(ImportError::TooDetailed(count));
+    }
     let has = |name: &str| document.descendants().any(|node| node.tag_name().name() == name);
     let (has_text, has_image) = (has("text"), has("image"));
     // A drawing may name other files; none of them is opened.
@@ -60,6 +63,25 @@ fn lines_of(text: &str) -> Result<(Vec<Line>, Vec<String>), ImportError> {
         remarks.push("Pictures inside the SVG are left out.".to_owned());
     }
     Ok((lines, remarks))
+}
+
+/// How many nodes there may be where markers stand at every vertex, if they do: usvg makes each of them anew.
+fn places_of_markers(document: &roxmltree::Document<'_>) -> Option<usize> {
+    let nodes = || document.descendants();
+    let is_asked_for = |text: &str| text.contains("marker-mid") || text.contains("marker:");
+    let asks = |node: roxmltree::Node<'_, '_>| {
+        let sheet = node.text().filter(|_| node.tag_name().name() == "style");
+        let styles = [node.attribute("style"), sheet];
+        ["marker", "marker-mid"].into_iter().any(|name| node.has_attribute(name))
+            || styles.into_iter().flatten().any(is_asked_for)
+    };
+    // A vertex takes two bytes at least.
+    let vertices = |node: roxmltree::Node<'_, '_>| {
+        node.attribute("d").or(node.attribute("points")).map_or(0, |text| text.len() / 2)
+    };
+    let marked = nodes().filter(|node| node.tag_name().name() == "marker");
+    let marks: usize = marked.map(|node| node.descendants().count()).sum();
+    nodes().any(asks).then(|| nodes().map(vertices).sum::<usize>().saturating_mul(marks))
 }
 
 fn gather(group: &Group, lines: &mut Vec<Line>) {
@@ -169,6 +191,22 @@ mod tests {
             <path d='M10 0 H60 V50' fill='none' stroke='black'/></svg>";
         let points = &lines(boxed).unwrap().0[0].points;
         assert_eq!(*points, [(0.0, 0.0), (100.0, 0.0), (100.0, -100.0)].map(DVec2::from));
+    }
+
+    #[test]
+    fn markers_at_every_vertex_are_counted_before_they_are_made() {
+        let marked = |nodes: usize, vertices: usize, asks: &str| {
+            let (marks, path) = ("<path d='M0 0L2 2'/>".repeat(nodes), "L1 2".repeat(vertices));
+            lines(&format!(
+                "<svg xmlns='http://www.w3.org/2000/svg' width='9' height='9'><marker id='m'>{marks}</marker>\
+                 <path {asks} stroke='red' d='M0 0{path}'/></svg>"
+            ))
+        };
+        for asks in ["marker-mid='url(#m)'", "style='marker:url(#m)'"] {
+            assert!(matches!(marked(300, 20_000, asks), Err(ImportError::TooDetailed(_))), "{asks}");
+            assert!(marked(2, 100, asks).is_ok(), "{asks}");
+        }
+        assert!(marked(300, 20_000, "").is_ok(), "nobody asks for them");
     }
 
     #[test]

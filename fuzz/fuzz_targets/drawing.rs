@@ -1,0 +1,8 @@
+//! Drawings: SVG, PNG, JPEG and BMP.
+
+#![no_main]
+
+#[path = "../../tests/fuzz/targets/mod.rs"]
+mod targets;
+
+libfuzzer_sys::fuzz_target!(|bytes: &[u8]| targets::run("drawing", bytes));

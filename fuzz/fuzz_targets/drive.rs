@@ -1,0 +1,8 @@
+//! Drives for `probe` (CSV).
+
+#![no_main]
+
+#[path = "../../tests/fuzz/targets/mod.rs"]
+mod targets;
+
+libfuzzer_sys::fuzz_target!(|bytes: &[u8]| targets::run("drive", bytes));

@@ -1,0 +1,8 @@
+//! The native protocol: COBS and CRC, packets, replies, the device.
+
+#![no_main]
+
+#[path = "../../tests/fuzz/targets/mod.rs"]
+mod targets;
+
+libfuzzer_sys::fuzz_target!(|bytes: &[u8]| targets::run("native", bytes));

@@ -1,0 +1,8 @@
+//! Scene files (TOML): reading, writing, rewriting.
+
+#![no_main]
+
+#[path = "../../tests/fuzz/targets/mod.rs"]
+mod targets;
+
+libfuzzer_sys::fuzz_target!(|bytes: &[u8]| targets::run("scene", bytes));

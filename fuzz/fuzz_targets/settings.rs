@@ -1,0 +1,8 @@
+//! The window's settings (TOML).
+
+#![no_main]
+
+#[path = "../../tests/fuzz/targets/mod.rs"]
+mod targets;
+
+libfuzzer_sys::fuzz_target!(|bytes: &[u8]| targets::run("settings", bytes));
