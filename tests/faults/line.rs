@@ -1,5 +1,6 @@
 //! Boards whose program is stopped, ended or joined by another: they fall silent when they should, and nothing that is sent is torn.
 
+use std::io::{BufRead, BufReader};
 use std::process::Stdio;
 use std::sync::mpsc::{Receiver, sync_channel};
 use std::time::{Duration, Instant};
@@ -9,7 +10,7 @@ use sonoglyph::device::levels::Levels;
 use sonoglyph::device::profile::Profile;
 use tempfile::TempDir;
 
-use crate::{Running, eventually, folder, message_of, program};
+use crate::{Running, eventually, folder, message_of, program, program_after};
 
 /// A virtual board, what it shows, and a folder for who sends to it.
 struct Stage {
@@ -119,14 +120,15 @@ fn a_second_program_is_turned_away_at_once_and_the_first_is_not_disturbed() {
         let before = stage.board.report();
         let playing = stage.seen().pop().unwrap();
         for _ in 0..5 {
-            let output = program(stage.folder.path(), &stage.args("a.toml", profile)).output().unwrap();
+            let args = [&stage.args("a.toml", profile)[..], &["--seconds", "2"]].concat();
+            let output = program(stage.folder.path(), &args).output().unwrap();
             let message = message_of(&output);
             assert!(message.contains("is in use by another program"), "{message}");
         }
         assert!(stage.seen().iter().all(|levels| *levels == playing), "{}: another frame", profile.name());
         let after = stage.board.report();
         assert_eq!((after.spoiled, after.wrong_baud), (before.spoiled, before.wrong_baud));
-        assert!(after.bytes > before.bytes, "the first goes on");
+        eventually("what the first goes on with", || stage.board.report().bytes > after.bytes);
         drop(send);
         // The port is free again, and not before.
         let mut last = program(stage.folder.path(), &stage.args("still.toml", profile));
@@ -134,4 +136,27 @@ fn a_second_program_is_turned_away_at_once_and_the_first_is_not_disturbed() {
         eventually("the next program's frame", || !stage.seen().is_empty());
         last.signal("TERM");
     }
+}
+
+#[test]
+fn a_virtual_board_whose_picture_finds_no_room_says_so() {
+    let folder = folder();
+    std::fs::write(folder.path().join("x.png"), "old").unwrap();
+    let args = ["board", "--profile", "native", "-o", "x.png", "--seconds", "60"];
+    let mut board = program_after("ulimit -f 1", folder.path(), &args);
+    let mut board = board.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
+    // It prints on until it ends, and would not like to be left alone.
+    let mut said = BufReader::new(board.stdout.take().unwrap());
+    let mut port = String::new();
+    said.read_line(&mut port).unwrap();
+    let scene = crate::SCENE.replace("circle", "none");
+    std::fs::write(folder.path().join("still.toml"), scene).unwrap();
+    let args = ["send", "still.toml", "--port", port.trim(), "--profile", "native", "--loop"];
+    let mut send = program(folder.path(), &args);
+    let _send = Running(send.stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap());
+    let message = message_of(&board.wait_with_output().unwrap());
+    assert!(message.contains("x.png: cannot write: files may not become that large here"), "{message}");
+    assert_eq!(std::fs::read_to_string(folder.path().join("x.png")).unwrap(), "old");
+    drop(said);
+    assert!(!std::path::Path::new(port.trim()).exists(), "its port is gone with it");
 }
