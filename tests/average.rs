@@ -278,6 +278,33 @@ fn contours_of_an_average_run_where_it_is_that_part_of_its_largest() {
     }
 }
 
+#[test]
+fn a_shape_of_the_surface_is_shown_as_the_dent_is() {
+    let (scene, drives) = scene();
+    let aperture = Aperture::new(&scene);
+    for evaluator in evaluators() {
+        let mut stages = Stages::new(evaluator);
+        let wanted = Average {
+            aperture: &aperture,
+            plane: &scene.plane,
+            drives: &drives,
+            mean: Mean::Dent(reflector(&scene), scene.liquid.clone()),
+            part: 1.0,
+            width: 60,
+            height: 50,
+        };
+        let dent = stages.average(&wanted).unwrap().dent.clone().unwrap();
+        let expected: Vec<_> = stages.read_average(&wanted).unwrap().into_iter().map(f64::from).collect();
+        let error = largest_error(&stages.read_shape(&wanted, &dent.depth).unwrap(), &expected);
+        assert!(error < 1e-4, "{error}");
+        let twice: Vec<_> = dent.depth.iter().map(|depth| 2.0 * depth).collect();
+        let half: Vec<_> =
+            stages.read_shape(&wanted, &twice).unwrap().into_iter().map(|depth| depth / 2.0).collect();
+        let error = largest_error(&half, &expected);
+        assert!(error < 1e-4, "another shape: {error}");
+    }
+}
+
 /// Everything that an average is made from, and how it is shown.
 #[derive(Clone)]
 struct Shown {

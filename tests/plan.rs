@@ -56,7 +56,9 @@ fn made(
         (Complex64::new(field[pixel].re.into(), field[pixel].im.into()) - expected).norm()
     };
     let worst = chosen.iter().zip(&expected).map(off).fold(0.0, f64::max);
-    let error = worst / f64::from(sonoglyph::field::peak(&field));
+    let peak = sonoglyph::field::peak(&field);
+    assert!((map.peak - peak).abs() <= 1e-5 * peak, "{} is not {peak}: {}", map.peak, map.how);
+    let error = worst / f64::from(peak);
     (map, field, error)
 }
 
