@@ -121,6 +121,16 @@ fn the_gpu_follows_the_same_plan() {
 }
 
 #[test]
+fn a_plan_counts_with_the_whole_array() {
+    let mut scene = Scene::default();
+    (scene.array.rows, scene.array.columns) = (5, 9);
+    let aperture = Aperture::new(&scene);
+    assert_eq!(aperture.corners(), aperture.extent());
+    let (first, last) = aperture.corners();
+    assert!((last - first).distance(scene.array.pitch * DVec2::new(8.0, 4.0)) < 1e-15);
+}
+
+#[test]
 fn small_buffers_are_filled_one_after_the_other() {
     let (mut scene, drive) = hit();
     // Room for the samples, and for neither their table nor the pixels.
