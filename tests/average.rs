@@ -241,6 +241,70 @@ fn what_has_no_average_says_why() {
     assert_eq!(error(turned, &dent), None, "a liquid may be looked at from any side");
 }
 
+#[test]
+fn contours_of_an_average_run_where_it_is_that_part_of_its_largest() {
+    let (scene, drives) = scene();
+    let aperture = Aperture::new(&scene);
+    for evaluator in evaluators() {
+        let mut stages = Stages::new(evaluator);
+        for mean in [
+            Mean::Square,
+            Mean::Radiation(reflector(&scene)),
+            Mean::Dent(reflector(&scene), scene.liquid.clone()),
+        ] {
+            let wanted = Average {
+                aperture: &aperture,
+                plane: &scene.plane,
+                drives: &drives,
+                mean,
+                part: 1.0,
+                width: 60,
+                height: 50,
+            };
+            let lines = stages.average_contours(&wanted, 0.4).unwrap().to_vec();
+            assert!(!lines.is_empty(), "{:?}", wanted.mean);
+            let values = stages.read_average(&wanted).unwrap();
+            let largest = stages.average(&wanted).unwrap().largest;
+            for [x, y] in lines.into_iter().flatten() {
+                // Between the centres of four pixels.
+                let (column, row) = ((x - 0.5).floor().clamp(0.0, 58.0), (y - 0.5).floor().clamp(0.0, 48.0));
+                let (right, up) = (x - 0.5 - column, y - 0.5 - row);
+                let first = row as usize * 60 + column as usize;
+                let along = |at: usize| values[at] * (1.0 - right) + values[at + 1] * right;
+                let value = along(first) * (1.0 - up) + along(first + 60) * up;
+                assert!((value / largest - 0.4).abs() < 0.02, "{:?}: {value} of {largest}", wanted.mean);
+            }
+        }
+    }
+}
+
+#[test]
+fn a_shape_of_the_surface_is_shown_as_the_dent_is() {
+    let (scene, drives) = scene();
+    let aperture = Aperture::new(&scene);
+    for evaluator in evaluators() {
+        let mut stages = Stages::new(evaluator);
+        let wanted = Average {
+            aperture: &aperture,
+            plane: &scene.plane,
+            drives: &drives,
+            mean: Mean::Dent(reflector(&scene), scene.liquid.clone()),
+            part: 1.0,
+            width: 60,
+            height: 50,
+        };
+        let dent = stages.average(&wanted).unwrap().dent.clone().unwrap();
+        let expected: Vec<_> = stages.read_average(&wanted).unwrap().into_iter().map(f64::from).collect();
+        let error = largest_error(&stages.read_shape(&wanted, &dent.depth).unwrap(), &expected);
+        assert!(error < 1e-4, "{error}");
+        let twice: Vec<_> = dent.depth.iter().map(|depth| 2.0 * depth).collect();
+        let half: Vec<_> =
+            stages.read_shape(&wanted, &twice).unwrap().into_iter().map(|depth| depth / 2.0).collect();
+        let error = largest_error(&half, &expected);
+        assert!(error < 1e-4, "another shape: {error}");
+    }
+}
+
 /// Everything that an average is made from, and how it is shown.
 #[derive(Clone)]
 struct Shown {

@@ -179,16 +179,23 @@ fn a_board_that_was_unplugged_plays_only_what_is_wanted_when_it_is_back() {
             scope.spawn(move || {
                 let pair = pair(profile);
                 drag(&pair, profile, 5, Duration::from_millis(30));
+                eventually("a frame in place", || pair.link.health().in_place);
                 pair.board.unplug(true);
                 let lost = wait_for(&pair.link, |event| matches!(event, Event::Lost(_)));
                 let Event::Lost(why) = &lost else { panic!() };
                 assert!(why.contains("lost") || why.contains("no port"), "{why}");
                 assert!(matches!(pair.link.health().state, State::Lost(_)));
+                assert!(
+                    !pair.link.health().in_place,
+                    "{}: nothing is in place at a lost board",
+                    profile.name()
+                );
                 while pair.shown.try_recv().is_ok() {}
                 // Dragging goes on.
                 for n in 100..105 {
                     pair.link.show(Content::Still(numbered(profile, n)));
                 }
+                assert!(!pair.link.health().in_place, "{}: a wish is not its fulfilment", profile.name());
                 pair.board.unplug(false);
                 wait_for(&pair.link, |event| matches!(event, Event::Ready(_)));
                 let newest = numbered(profile, 104);
@@ -196,6 +203,7 @@ fn a_board_that_was_unplugged_plays_only_what_is_wanted_when_it_is_back() {
                 let old = seen.iter().find(|levels| **levels != newest && **levels != Levels::off(profile));
                 assert_eq!(old, None, "{}: stale", profile.name());
                 eventually("sound", || !pair.is_silent());
+                eventually("a frame in place again", || pair.link.health().in_place);
             });
         }
     });

@@ -146,6 +146,22 @@ fn the_greedy_search_ends_where_no_element_can_do_better_by_itself() {
 }
 
 #[test]
+fn a_longer_search_is_never_weaker() {
+    let aperture = aperture();
+    let problem = problem(&aperture);
+    let weakest = |batches: usize| {
+        relative(&problem, &solver::search(&problem, batches).values)
+            .into_iter()
+            .fold(f64::INFINITY, f64::min)
+    };
+    let reached = [1, 2, 4, 8].map(weakest);
+    assert!(reached.windows(2).all(|pair| pair[1] >= pair[0] * (1.0 - 1e-12)), "{reached:?}");
+    let best =
+        relative(&problem, &found(&problem, Method::Best, 0)).into_iter().fold(f64::INFINITY, f64::min);
+    assert!(reached[3] > 0.98 * best, "{reached:?} and {best}");
+}
+
+#[test]
 fn figures_are_those_of_their_definitions() {
     let target = |(&at, &pressure): (&DVec3, &f64)| Target { pressure, ..Target::new(Shape::Point { at }) };
     let mut scene = Scene { targets: PLACES.iter().zip(&TARGETS).map(target).collect(), ..Scene::default() };

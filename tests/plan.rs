@@ -56,7 +56,9 @@ fn made(
         (Complex64::new(field[pixel].re.into(), field[pixel].im.into()) - expected).norm()
     };
     let worst = chosen.iter().zip(&expected).map(off).fold(0.0, f64::max);
-    let error = worst / f64::from(sonoglyph::field::peak(&field));
+    let peak = sonoglyph::field::peak(&field);
+    assert!((map.peak - peak).abs() <= 1e-5 * peak, "{} is not {peak}: {}", map.peak, map.how);
+    let error = worst / f64::from(peak);
     (map, field, error)
 }
 
@@ -116,6 +118,16 @@ fn the_gpu_follows_the_same_plan() {
             }
         }
     }
+}
+
+#[test]
+fn a_plan_counts_with_the_whole_array() {
+    let mut scene = Scene::default();
+    (scene.array.rows, scene.array.columns) = (5, 9);
+    let aperture = Aperture::new(&scene);
+    assert_eq!(aperture.corners(), aperture.extent());
+    let (first, last) = aperture.corners();
+    assert!((last - first).distance(scene.array.pitch * DVec2::new(8.0, 4.0)) < 1e-15);
 }
 
 #[test]

@@ -346,6 +346,11 @@ fn foci_that_leave_the_array_are_followed_without_searching_anew() {
         scene.targets.iter_mut().for_each(|target| target.pressure = 300.0);
         let frames = frames::follow(&scene).unwrap().frames;
         let searched = frames.iter().filter(|frame| frame.cold).count();
+        for frame in &frames {
+            let moduli: Vec<_> = frame.pressures.iter().map(|p| p.norm()).collect();
+            let mean = moduli.iter().sum::<f64>() / moduli.len() as f64;
+            assert!((frame.mean_pressure() / mean - 1.0).abs() < 1e-12);
+        }
         assert!(searched <= 4, "{pressures:?}: {searched} of {} frames were searched for", frames.len());
     }
 }

@@ -83,6 +83,9 @@ mod tests {
         let rate_then = rate.per_second(start + Duration::from_millis(1990));
         assert!((rate_then - 1010.0).abs() < 11.0, "{rate_then}");
         assert_eq!(rate.per_second(start + Duration::from_secs(9)), 0.0);
+        rate.note(7, start + Duration::from_secs(20));
+        assert_eq!(rate.per_second(start + Duration::from_millis(20_950)), 7.0);
+        assert_eq!(rate.per_second(start + Duration::from_millis(21_050)), 0.0);
     }
 
     #[test]

@@ -380,6 +380,23 @@ mod tests {
     }
 
     #[test]
+    fn keyframes_are_as_few_as_the_stride_allows() {
+        const STRIDE: f64 = 2.5e-3;
+        // Steps of a millimetre, and a jump.
+        let places = (0..20).map(|i| DVec3::new(1e-3 * f64::from(i + if i < 11 { 0 } else { 7 }), 0.0, 0.1));
+        let frames: Vec<_> = places.map(|position| [Focus { position, target: 1.0 }]).collect();
+        let frames: Vec<_> = frames.iter().map(|foci| &foci[..]).collect();
+        let keys = keyframes(&frames, STRIDE);
+        assert_eq!(keys[0], 0);
+        for pair in keys.windows(2) {
+            let from_key = |frame: usize| farthest(frames[pair[0]], frames[frame]);
+            assert!(pair[1] == pair[0] + 1 || from_key(pair[1]) <= STRIDE, "{keys:?}");
+            assert!(from_key(pair[1] + 1) > STRIDE, "{keys:?}: the next frame would have done");
+        }
+        assert!(farthest(frames[keys[keys.len() - 1]], frames[19]) <= STRIDE, "{keys:?}");
+    }
+
+    #[test]
     fn steps_are_searched_for_once_and_stand_still() {
         let mut scene = scene(&ring(4), 12);
         scene.motion.path = MotionPath::Steps;

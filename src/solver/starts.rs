@@ -150,3 +150,75 @@ impl Climb<'_> {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use glam::DVec3;
+
+    use super::*;
+    use crate::acoustics::Aperture;
+    use crate::scene::Scene;
+
+    /// R of foci in a row, 10 cm above the usual array and so far apart that neighbours hinder each other in phase.
+    fn row(count: usize) -> Phasors {
+        const APART: f64 = 0.011;
+        let at = |m: usize| DVec3::new(APART * (m as f64 - (count - 1) as f64 / 2.0), 0.0, 0.1);
+        Aperture::new(&Scene::default()).transfer(&(0..count).map(at).collect::<Vec<_>>()).gram(None)
+    }
+
+    /// R p.
+    fn heard(gram: &Phasors, p: &[Complex64]) -> Vec<Complex64> {
+        let count = p.len();
+        (0..count).map(|m| (0..count).map(|i| gram.at(m * count + i) * p[i]).sum()).collect()
+    }
+
+    /// p* R p.
+    fn power(gram: &Phasors, p: &[Complex64]) -> f64 {
+        p.iter().zip(heard(gram, p)).map(|(p, heard)| (p.conj() * heard).re).sum()
+    }
+
+    fn found(gram: &Phasors, targets: &[f64], iterations: usize, batch: usize) -> Vec<Complex64> {
+        strongest(gram, targets, iterations, batch).to_vec(targets.len())
+    }
+
+    #[test]
+    fn the_strongest_of_scattered_starts_is_better_than_their_mean() {
+        for count in [2, 5, 8] {
+            let gram = row(count);
+            let targets: Vec<_> = (1..=count).map(|m| 40.0 * m as f64).collect();
+            let loudest = 40.0 * count as f64;
+            // Where phases are scattered, foci neither help nor hinder each other on the average.
+            let mean: f64 = (0..count).map(|m| gram.re[m * count + m] * (targets[m] / loudest).powi(2)).sum();
+            let [first, second] = [0, 1].map(|batch| found(&gram, &targets, 0, batch));
+            assert!(power(&gram, &first) > 1.04 * mean && power(&gram, &second) > 1.04 * mean, "{count}");
+            assert_ne!(first, second, "another batch has other starts");
+        }
+    }
+
+    #[test]
+    fn every_step_climbs_until_foci_play_what_they_hear() {
+        // Foci in fours, in twos and alone.
+        for count in 1..=9 {
+            let gram = row(count);
+            let targets: Vec<_> = (0..count).map(|m| 1.0 + m as f64).collect();
+            let powers: Vec<_> =
+                (0..8).map(|iterations| power(&gram, &found(&gram, &targets, iterations, 0))).collect();
+            let climbs = powers.windows(2).all(|pair| pair[1] > pair[0] * (1.0 - 1e-5));
+            // A few hardly need to.
+            assert!(climbs && (count < 5 || powers[7] > 1.002 * powers[0]), "{count}: {powers:?}");
+            let p = found(&gram, &targets, 400, 0);
+            for ((p, heard), target) in p.iter().zip(heard(&gram, &p)).zip(&targets) {
+                let expected = target / count as f64 * heard / heard.norm();
+                assert!((p - expected).norm() < 2e-3, "{count}: {p} is not {expected}");
+            }
+        }
+    }
+
+    #[test]
+    fn starts_leave_equal_phases_where_these_are_poor() {
+        let gram = row(6);
+        let equal = power(&gram, &[Complex64::ONE; 6]);
+        let best = power(&gram, &found(&gram, &[1.0; 6], 50, 0));
+        assert!(best > 1.2 * equal, "{best} is hardly more than {equal}");
+    }
+}

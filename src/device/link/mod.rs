@@ -353,3 +353,37 @@ impl Content {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn motion(frames: usize, rate: f64) -> Content {
+        let one = |element| Levels::one(Profile::UltrainoMega64, element);
+        Content::Motion { frames: (0..frames).map(one).collect(), rate }
+    }
+
+    #[test]
+    fn a_motion_plays_at_any_rate_that_is_one() {
+        assert!([0.1, 1.0, 1e6].into_iter().all(|rate| motion(2, rate).plays()));
+        assert!([0.0, -1.0, f64::NAN, f64::INFINITY].into_iter().all(|rate| !motion(2, rate).plays()));
+        assert!(!motion(0, 10.0).plays() && Content::Still(Levels::off(Profile::Native)).plays());
+    }
+
+    #[test]
+    fn frames_take_turns_and_each_stands_until_the_next_is_due() {
+        const HAIR: Duration = Duration::from_micros(1);
+        let content = motion(3, 4.0);
+        let frame = |elapsed: Duration| content.at(elapsed).0;
+        let at = [0, 240, 260, 510, 740, 760, 1010].map(|millis| frame(Duration::from_millis(millis)));
+        assert_eq!(at, [0, 0, 1, 2, 2, 0, 1]);
+        for elapsed in [0, 3, 130, 249, 251, 800].map(Duration::from_millis) {
+            let due = elapsed + content.next_in(elapsed);
+            assert_eq!(frame(due - HAIR), frame(elapsed), "{elapsed:?}");
+            assert_eq!(frame(due + HAIR), (frame(elapsed) + 1) % 3, "{elapsed:?}");
+        }
+        let levels = Levels::one(Profile::UltrainoMega64, 2);
+        assert_eq!(content.at(Duration::from_millis(600)), (2, &levels));
+        assert_eq!(Content::Still(levels).next_in(Duration::ZERO), Duration::MAX);
+    }
+}
