@@ -125,7 +125,7 @@ mod tests {
         for (text, part) in [
             (r#"{"target": [{"kind": "point", "at": [0, 0, -1]}]}"#, "target[1]: the focal point"),
             (r#"{"colour": 3}"#, "unknown field `colour`"),
-            ("[1, 2\n", "no JSON: EOF while parsing a list at column 6"),
+            ("[1, 2\n", "no JSON: EOF while parsing a list at column 5"),
             ("[]", "a scene is an object"),
             (r#"{"array": {"pitch": 1e999}}"#, "no JSON"),
             (r#"{"format": 2}"#, "format: this program reads format 1"),
