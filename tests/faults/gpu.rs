@@ -5,8 +5,7 @@ use sonoglyph::acoustics::{Air, Aperture};
 use sonoglyph::drive::Drive;
 use sonoglyph::field::gpu::adapter;
 use sonoglyph::field::{
-    Average, Colouring, Evaluator, FieldError, Gpu, GpuError, Mean, Quantity, Samples, Sources, Stages,
-    Wanted,
+    Average, Colouring, Evaluator, FieldError, Gpu, GpuError, Mean, Quantity, Stages, Wanted,
 };
 use sonoglyph::picture::ColourMap;
 use sonoglyph::scene::{Plane, Scene, Shape, Target};
@@ -77,15 +76,4 @@ fn every_kind_of_work_on_a_lost_gpu_is_an_error_and_no_panic() {
         // It stays lost.
         assert!(is_lost(&stages.map(&wanted).map(drop)));
     }
-}
-
-#[test]
-fn a_gpu_with_little_room_in_one_piece_makes_the_same_field_in_many() {
-    let Some(gpu) = gpu() else { return };
-    let (scene, drives) = scene();
-    let samples = Samples::on_plane(&scene.plane, 300, 200).unwrap();
-    let sources = Sources::new(&Aperture::new(&scene), &drives[0], &samples).unwrap();
-    let whole = gpu.read(&gpu.pressure(&sources, &samples).unwrap()).unwrap();
-    let small = gpu.with_small_buffers(1 << 16);
-    assert_eq!(small.read(&small.pressure(&sources, &samples).unwrap()).unwrap(), whole);
 }
