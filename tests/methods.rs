@@ -6,6 +6,7 @@ use glam::{DVec3, dvec3};
 use num_complex::Complex64;
 use sonoglyph::acoustics::Aperture;
 use sonoglyph::scene::{Focus, Method, Scene, Shape, Target};
+use sonoglyph::solver::levels::Reached;
 use sonoglyph::solver::{self, Limits, Problem};
 
 const PLACES: [DVec3; 4] =
@@ -180,6 +181,11 @@ fn figures_are_those_of_their_definitions() {
         near(quality.mean_pressure, moduli.iter().sum::<f64>() / 4.0, "mean");
         near(quality.min_pressure, moduli.iter().copied().fold(f64::INFINITY, f64::min), "weakest");
         near(quality.spread, spread(&relative(&problem, &played)), "spread");
+        let reached = Reached::new(&problem, &solution.drive);
+        near(reached.mean_pressure, quality.mean_pressure, "mean of the drive");
+        near(reached.spread, quality.spread, "spread of the drive");
+        let weakest = relative(&problem, &played).into_iter().fold(f64::INFINITY, f64::min);
+        near(reached.weakest, weakest, "weakest of the drive");
         let largest = free.iter().map(|u| u.norm_sqr()).fold(0.0, f64::max);
         near(
             quality.efficiency,
