@@ -195,7 +195,7 @@ fn a_board_that_was_unplugged_plays_only_what_is_wanted_when_it_is_back() {
                 for n in 100..105 {
                     pair.link.show(Content::Still(numbered(profile, n)));
                 }
-                assert!(!pair.link.health().in_place, "{}: a wish is not its fulfilment", profile.name());
+                assert!(!pair.link.health().in_place, "{}: a wish is not its success", profile.name());
                 pair.board.unplug(false);
                 wait_for(&pair.link, |event| matches!(event, Event::Ready(_)));
                 let newest = numbered(profile, 104);
