@@ -260,7 +260,7 @@ pub struct BenchArgs {
     /// Write charts as PNG into a folder, and the page report.html that holds them
     #[arg(long, value_name = "DIR")]
     plots: Option<PathBuf>,
-    /// Fewer cases: about a minute for everything, instead of a quarter of an hour
+    /// Fewer cases: fewer sizes, planes, arrays, tolerances and sets of foci
     #[arg(long)]
     quick: bool,
 }
