@@ -2,7 +2,7 @@
 
 use std::process::ExitCode;
 
-use sonoglyph::cli::{Next, mention};
+use sonoglyph::cli::{Next, bench, mention};
 
 fn main() -> ExitCode {
     quiet_drivers();
@@ -27,7 +27,7 @@ fn go_on(next: Next) -> anyhow::Result<()> {
     match next {
         Next::Exit => Ok(()),
         Next::Window(scene) => sonoglyph::app::run(scene.as_deref()),
-        Next::BenchWindow => sonoglyph::app::bench::run(),
+        Next::Bench(args) => bench::run(&args, Some(sonoglyph::app::bench::run)),
     }
 }
 
@@ -37,7 +37,7 @@ fn go_on(next: Next) -> anyhow::Result<()> {
     match next {
         Next::Exit => Ok(()),
         Next::Window(scene) => sonoglyph::cli::default_sheet(scene.as_deref()),
-        Next::BenchWindow => anyhow::bail!("this program was built without its window"),
+        Next::Bench(args) => bench::run(&args, None),
     }
 }
 

@@ -1,27 +1,83 @@
 //! `sonoglyph bench window`: what the window's frames cost, without a screen.
 
-use std::time::Instant;
-
-use cpu_time::ProcessTime;
+use anyhow::Context;
 use eframe::egui::{self, Event, Key, Modifiers, PointerButton, Pos2, RawInput, Rect, pos2, vec2};
 use glam::{DVec2, DVec3};
+use serde_json::{Value, json};
 
 use crate::app::Window;
-use crate::cli::output::say;
-use crate::field::{Evaluator, Quantity};
+use crate::cli::bench::Report;
+use crate::cli::bench::time::{Spent, Spread, Times, digits, median};
+use crate::field::{Evaluator, Quantity, Scale};
+use crate::picture::chart::{Chart, Series};
 use crate::scene::{Scene, Shape, Target};
 use crate::ui::Editor;
 use crate::ui::document::Document;
 use crate::ui::view::Lens;
 
 const SIZE: egui::Vec2 = vec2(1280.0, 800.0);
-const FRAMES: usize = 120;
+/// Of windows in which a focus is dragged.
+const SIZES: [egui::Vec2; 4] = [vec2(640.0, 480.0), SIZE, vec2(1920.0, 1080.0), vec2(2560.0, 1440.0)];
+const QUICK_SIZES: [egui::Vec2; 2] = [vec2(640.0, 480.0), vec2(1920.0, 1080.0)];
+const FRAMES: usize = 60;
+const QUICK_FRAMES: usize = 15;
+/// The same for every size of a window.
+const FRAMES_PER_SIZE: usize = 9;
+const FRAMES_PER_SECOND: usize = 60;
 /// s between frames.
-const STEP: f64 = 1.0 / 60.0;
+const STEP: f64 = 1.0 / FRAMES_PER_SECOND as f64;
+
+const DRAG: &str = "drag one of 8 foci";
+const EXACT: &str = "drag, every pixel evaluated";
+
+struct Record {
+    what: &'static str,
+    size: egui::Vec2,
+    times: Option<Times>,
+    /// CPU time of the same frames with every pixel evaluated over this.
+    ratio: Option<Spread>,
+    /// Elapsed ms of the field and of solving, medians.
+    parts: Option<[f64; 2]>,
+    /// Frames that were drawn.
+    frames: Option<usize>,
+}
+
+/// What starting, dragging, typing and doing nothing cost; `quick` takes fewer frames.
+///
+/// # Errors
+/// The window shows no map to drag anything on.
+pub fn run(quick: bool) -> anyhow::Result<Report> {
+    let frames = if quick { QUICK_FRAMES } else { FRAMES };
+    let mut records = drag(&LOOKS, SIZE, frames)?;
+    let others: &[egui::Vec2] = if quick { &QUICK_SIZES } else { &SIZES };
+    for &size in others.iter().filter(|&&size| size != SIZE) {
+        records.extend(drag(&LOOKS[..2], size, FRAMES_PER_SIZE)?);
+    }
+    records.push(Record::timed("a moment of the waves", oscillation(frames)));
+    records.push(Record::timed("type HIT, per letter", typing()));
+    records.push(Record::timed("start to first picture", start()));
+    records.push(Record::counted("the pointer moves", hover()));
+    records.push(Record::counted("nothing happens", idle()));
+    Ok(Report {
+        header: vec!["what", "window", "CPU ms (wall)", "x", "quartiles", "field ms", "solve ms", "frames"],
+        rows: records.iter().map(row).collect(),
+        notes: vec![
+            "Of one frame, medians; the renderer comes on top. x: how many times faster than dragging with every pixel \
+             evaluated, frame by frame in turns. field, solve: elapsed."
+                .to_owned(),
+            "frames: drawn when the pointer moves once, with those in which hovering settles, and in a second in which nothing \
+             happens."
+                .to_owned(),
+        ],
+        charts: vec![("window-pixels".to_owned(), chart(&records))],
+        records: records.iter().map(json).collect(),
+    })
+}
 
 /// The window with its context, and nobody to look at it.
 struct Screen {
     ctx: egui::Context,
+    size: egui::Vec2,
     window: Window,
     time: f64,
     /// Whether the last frame asked for another one at once.
@@ -29,14 +85,14 @@ struct Screen {
 }
 
 impl Screen {
-    fn bare(scene: Scene) -> Self {
+    fn bare(scene: Scene, size: egui::Vec2) -> Self {
         let ctx = egui::Context::default();
         let window = Window::new(&ctx, Document::new(scene, "bench"), Evaluator::Cpu);
-        Self { ctx, window, time: 0.0, wants_more: true }
+        Self { ctx, size, window, time: 0.0, wants_more: true }
     }
 
-    fn new(scene: Scene) -> Self {
-        let mut screen = Self::bare(scene);
+    fn new(scene: Scene, size: egui::Vec2) -> Self {
+        let mut screen = Self::bare(scene, size);
         screen.settle();
         screen
     }
@@ -47,23 +103,25 @@ impl Screen {
         }
     }
 
-    /// CPU time (ms) of a frame: panels, solving, field, colours and triangles, but for what the renderer does with them.
-    fn frame(&mut self, events: Vec<Event>) -> f64 {
+    /// What a frame takes: panels, solving, field, colours and triangles, but for what the renderer does with them.
+    fn frame(&mut self, events: Vec<Event>) -> Spent {
         self.time += STEP;
         let input = RawInput {
-            screen_rect: Some(Rect::from_min_size(Pos2::ZERO, SIZE)),
+            screen_rect: Some(Rect::from_min_size(Pos2::ZERO, self.size)),
             time: Some(self.time),
             events,
             focused: true,
             ..RawInput::default()
         };
-        let start = ProcessTime::now();
         let window = &mut self.window;
-        let mut output = self.ctx.run_ui(input, |ui| window.frame(ui));
-        // There is no renderer that would take them.
-        output.textures_delta.clear();
-        let triangles = self.ctx.tessellate(output.shapes, output.pixels_per_point);
-        let spent = start.elapsed().as_secs_f64() * 1e3;
+        let (spent, (output, triangles)) = Spent::once(|| {
+            let mut output = self.ctx.run_ui(input, |ui| window.frame(ui));
+            // There is no renderer that would take them.
+            output.textures_delta.clear();
+            let shapes = std::mem::take(&mut output.shapes);
+            let triangles = self.ctx.tessellate(shapes, output.pixels_per_point);
+            (output, triangles)
+        });
         drop(triangles);
         self.wants_more = output.viewport_output.values().any(|output| output.repaint_delay.is_zero());
         spent
@@ -71,7 +129,7 @@ impl Screen {
 
     /// How many of the frames of the next second are drawn.
     fn frames_that_follow(&mut self) -> usize {
-        (0..60)
+        (0..FRAMES_PER_SECOND)
             .filter(|_| {
                 self.wants_more && {
                     self.frame(Vec::new());
@@ -106,39 +164,21 @@ impl Screen {
     }
 }
 
-fn median(mut values: Vec<f64>) -> f64 {
-    values.sort_by(f64::total_cmp);
-    values.get(values.len() / 2).copied().unwrap_or(0.0)
-}
+/// How the map is looked at while a focus is dragged.
+type Look = (&'static str, fn(&mut Editor));
 
-/// Prints what starting, dragging, typing and doing nothing cost.
-///
-/// # Errors
-/// Standard output takes nothing.
-pub fn run() -> anyhow::Result<()> {
-    say!("CPU time per frame of a {} x {} window, median; the renderer comes on top", SIZE.x, SIZE.y)?;
-    type Look = fn(&mut Editor);
-    let looks: [(&str, Look); 5] = [
-        ("drag one of 8 foci", |_| ()),
-        ("  with contours", |editor| editor.view.contours = true),
-        ("  in decibels", |editor| editor.view.scale = crate::field::Scale::Logarithmic),
-        ("  over its dent", |editor| editor.view.quantity = Quantity::Dent),
-        ("  over its dent, shaded", |editor| {
-            editor.view.quantity = Quantity::Dent;
-            editor.view.shaded = true;
-        }),
-    ];
-    for (name, look) in looks {
-        let (all, field, solve) = drag(look);
-        say!("{name:<24} {all:6.2} ms in all, field {field:.2} ms, solve {solve:.2} ms (elapsed)")?;
-    }
-    say!("{:<24} {:6.2} ms", "a moment of the waves", oscillation())?;
-    say!("{:<24} {:6.2} ms per letter", "type HIT", typing())?;
-    say!("{:<24} {:6} frames, with those in which hovering settles", "the pointer moves", hover())?;
-    say!("{:<24} {:6} frames in a second", "nothing happens", idle())?;
-    let (spent, passed) = start();
-    say!("{:<24} {spent:6.2} ms, {passed:.2} ms elapsed", "start to first picture")
-}
+/// The baseline first.
+const LOOKS: [Look; 6] = [
+    (EXACT, |editor| editor.document.scene.plane.tolerance = 0.0),
+    (DRAG, |_| ()),
+    ("  with contours", |editor| editor.view.contours = true),
+    ("  in decibels", |editor| editor.view.scale = Scale::Logarithmic),
+    ("  over its dent", |editor| editor.view.quantity = Quantity::Dent),
+    ("  over its dent, shaded", |editor| {
+        editor.view.quantity = Quantity::Dent;
+        editor.view.shaded = true;
+    }),
+];
 
 fn eight_foci() -> [DVec3; 8] {
     let at = |i: usize| (DVec2::from_angle(i as f64 * std::f64::consts::TAU / 8.0) * 0.04).extend(0.1);
@@ -150,59 +190,90 @@ fn scene(foci: &[DVec3]) -> Scene {
     Scene { targets: foci.iter().map(target).collect(), ..Scene::default() }
 }
 
-/// Moves one of eight foci, which a shaded surface takes no pointer for, by its number.
-fn drag(look: fn(&mut Editor)) -> (f64, f64, f64) {
-    let foci = eight_foci();
-    let mut screen = Screen::new(scene(&foci));
-    look(&mut screen.window.editor);
-    screen.settle();
-    let Some(from) = screen.place(foci[0]) else { return (0.0, 0.0, 0.0) };
-    let is_shaded = screen.window.editor.view.is_shaded();
-    if !is_shaded {
-        screen.press(from, true);
-    }
-    let (mut all, mut field, mut solve) = (Vec::new(), Vec::new(), Vec::new());
-    for i in 0..FRAMES {
-        let offset = vec2((i as f32 * 0.1).sin() * 40.0, 3.0 + i as f32);
-        if is_shaded {
-            let at = foci[0] + DVec3::new(f64::from(offset.x), f64::from(-offset.y), 0.0) * 3e-4;
-            screen.window.editor.document.scene.targets[0].shape = Shape::Point { at };
+/// One of eight foci, held by the pointer.
+struct Drag {
+    what: &'static str,
+    screen: Screen,
+    from: Pos2,
+    times: Times,
+    field: Vec<f64>,
+    solve: Vec<f64>,
+}
+
+impl Drag {
+    fn new(&(what, look): &Look, size: egui::Vec2) -> anyhow::Result<Self> {
+        let foci = eight_foci();
+        let mut screen = Screen::new(scene(&foci), size);
+        look(&mut screen.window.editor);
+        screen.settle();
+        let from = screen.place(foci[0]).context("the window shows no map")?;
+        if !screen.window.editor.view.is_shaded() {
+            screen.press(from, true);
         }
-        all.push(screen.frame(vec![Event::PointerMoved(from + offset)]));
-        field.push(screen.window.shown.mapping);
-        solve.push(screen.window.shown.solving);
+        Ok(Self { what, screen, from, times: Times::default(), field: Vec::new(), solve: Vec::new() })
     }
-    (median(all), median(field), median(solve))
+
+    /// A shaded surface takes no pointer for its foci: there the number is changed.
+    fn frame(&mut self, i: usize) {
+        let offset = vec2((i as f32 * 0.1).sin() * 40.0, 3.0 + i as f32);
+        let editor = &mut self.screen.window.editor;
+        if editor.view.is_shaded() {
+            let at = eight_foci()[0] + DVec3::new(f64::from(offset.x), f64::from(-offset.y), 0.0) * 3e-4;
+            editor.document.scene.targets[0].shape = Shape::Point { at };
+        }
+        self.times.push(self.screen.frame(vec![Event::PointerMoved(self.from + offset)]));
+        self.field.push(self.screen.window.shown.mapping);
+        self.solve.push(self.screen.window.shown.solving);
+    }
+}
+
+/// The looks take turns, frame by frame.
+fn drag(looks: &[Look], size: egui::Vec2, frames: usize) -> anyhow::Result<Vec<Record>> {
+    let mut drags: Vec<Drag> =
+        looks.iter().map(|look| Drag::new(look, size)).collect::<anyhow::Result<_>>()?;
+    for i in 0..frames {
+        drags.iter_mut().for_each(|drag| drag.frame(i));
+    }
+    let exact = drags[0].times.clone();
+    let record = |Drag { what, times, field, solve, .. }: Drag| Record {
+        what,
+        size,
+        ratio: Some(exact.over(&times)),
+        times: Some(times),
+        parts: Some([median(&field), median(&solve)]),
+        frames: None,
+    };
+    Ok(drags.into_iter().map(record).collect())
 }
 
 /// The waves as they run.
-fn oscillation() -> f64 {
-    let mut screen = Screen::new(scene(&eight_foci()));
+fn oscillation(frames: usize) -> Times {
+    let mut screen = Screen::new(scene(&eight_foci()), SIZE);
     screen.window.editor.view.quantity = Quantity::Instantaneous;
     screen.settle();
-    median((0..FRAMES).map(|_| screen.frame(Vec::new())).collect())
+    (0..frames).map(|_| screen.frame(Vec::new())).collect()
 }
 
 /// Letter by letter, with the figures that follow in the next frame.
-fn typing() -> f64 {
-    let mut spent = Vec::new();
+fn typing() -> Times {
+    let mut times = Times::default();
     for _ in 0..10 {
-        let mut screen = Screen::new(Scene::default());
+        let mut screen = Screen::new(Scene::default(), SIZE);
         screen.key(Key::T);
         let middle = pos2(470.0, 400.0);
         screen.press(middle, true);
         screen.press(middle, false);
         for letter in ["H", "I", "T"] {
-            let first = screen.frame(vec![Event::Text(letter.to_owned())]);
-            spent.push(first + screen.frame(Vec::new()));
+            let letter = Event::Text(letter.to_owned());
+            times.push(Spent::once(|| [vec![letter], Vec::new()].map(|events| screen.frame(events))).0);
         }
     }
-    median(spent)
+    times
 }
 
 /// Frames that are drawn for one move of the pointer.
 fn hover() -> usize {
-    let mut screen = Screen::new(Scene::default());
+    let mut screen = Screen::new(Scene::default(), SIZE);
     while screen.wants_more {
         screen.frame(Vec::new());
     }
@@ -211,20 +282,76 @@ fn hover() -> usize {
 }
 
 fn idle() -> usize {
-    Screen::new(Scene::default()).frames_that_follow()
+    Screen::new(Scene::default(), SIZE).frames_that_follow()
 }
 
-/// CPU and elapsed time (ms) from nothing to a frame with a map of eight foci on it.
-fn start() -> (f64, f64) {
-    let runs: Vec<_> = (0..5)
-        .map(|_| {
-            let (spent, passed) = (ProcessTime::now(), Instant::now());
-            let mut screen = Screen::bare(scene(&eight_foci()));
-            while screen.window.shown.map.is_none() {
-                screen.frame(Vec::new());
-            }
-            (spent.elapsed().as_secs_f64() * 1e3, passed.elapsed().as_secs_f64() * 1e3)
-        })
-        .collect();
-    (median(runs.iter().map(|run| run.0).collect()), median(runs.iter().map(|run| run.1).collect()))
+/// From nothing to a frame with a map of eight foci on it.
+fn start() -> Times {
+    let first_picture = || {
+        let mut screen = Screen::bare(scene(&eight_foci()), SIZE);
+        while screen.window.shown.map.is_none() {
+            screen.frame(Vec::new());
+        }
+    };
+    (0..5).map(|_| Spent::once(first_picture).0).collect()
+}
+
+impl Record {
+    fn timed(what: &'static str, times: Times) -> Self {
+        Self { what, size: SIZE, times: Some(times), ratio: None, parts: None, frames: None }
+    }
+
+    fn counted(what: &'static str, frames: usize) -> Self {
+        Self { what, size: SIZE, times: None, ratio: None, parts: None, frames: Some(frames) }
+    }
+}
+
+fn row(record: &Record) -> Vec<String> {
+    let or_none = |text: Option<String>| text.unwrap_or("-".to_owned());
+    vec![
+        record.what.to_owned(),
+        format!("{}x{}", record.size.x, record.size.y),
+        or_none(record.times.as_ref().map(Times::text)),
+        or_none(record.ratio.map(|ratio| ratio.text())),
+        or_none(record.ratio.map(|ratio| ratio.quartiles_text())),
+        or_none(record.parts.map(|[field, _]| digits(field))),
+        or_none(record.parts.map(|[_, solve]| digits(solve))),
+        or_none(record.frames.map(|frames| frames.to_string())),
+    ]
+}
+
+fn json(record: &Record) -> Value {
+    json!({
+        "what": record.what.trim(),
+        "width": record.size.x,
+        "height": record.size.y,
+        "time": record.times.as_ref().map(Times::json),
+        "time_ratio": record.ratio.map(|ratio| ratio.json()),
+        "field_wall_ms": record.parts.map(|parts| parts[0]),
+        "solve_wall_ms": record.parts.map(|parts| parts[1]),
+        "frames": record.frames,
+    })
+}
+
+/// A frame of a drag against the window's pixels.
+fn chart(records: &[Record]) -> Chart {
+    let series = |what: &str| {
+        let dragged = records.iter().filter(|record| record.what == what);
+        let place = |record: &Record| {
+            Some((f64::from(record.size.x) * f64::from(record.size.y), record.times.as_ref()?.cpu_ms()))
+        };
+        let mut points: Vec<_> = dragged.filter_map(place).collect();
+        points.sort_by(|a, b| a.0.total_cmp(&b.0));
+        points
+    };
+    Chart {
+        title: "Time of a frame against pixels: one of 8 foci is dragged, 256 elements".to_owned(),
+        x_label: "pixels of the window".to_owned(),
+        y_label: "CPU-ms per frame, without the renderer".to_owned(),
+        series: vec![
+            Series { name: "every pixel".to_owned(), points: series(EXACT) },
+            Series { name: "within 1e-3".to_owned(), points: series(DRAG) },
+        ],
+        levels: Vec::new(),
+    }
 }

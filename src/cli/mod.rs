@@ -2,7 +2,7 @@
 
 pub(crate) mod animate;
 pub mod batch;
-mod bench;
+pub mod bench;
 mod boards;
 mod devices;
 pub(crate) mod evaluator;
@@ -86,11 +86,11 @@ enum Command {
     Probe(ProbeArgs),
     /// Measure time against error, beside a baseline in the same run
     ///
-    /// Examples:
+    /// With --plots a page, DIR/report.html, holds everything: machine, figures of the README, charts and tables. Examples:
+    ///
+    ///   sonoglyph bench all --plots plots/ --json bench.json
     ///
     ///   sonoglyph bench field --quick
-    ///
-    ///   sonoglyph bench field --json field.json --plots plots/
     #[command(verbatim_doc_comment)]
     Bench(BenchArgs),
     /// Solve scenes that come as JSON lines, and answer with JSON lines in the same order
@@ -254,24 +254,24 @@ struct BatchArgs {
 }
 
 #[derive(Debug, Args)]
-struct BenchArgs {
+pub struct BenchArgs {
     /// What to measure
     #[arg(value_enum, default_value_t = Subject::All)]
     subject: Subject,
     /// Write every record as JSON
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
-    /// Write charts as PNG into a folder
+    /// Write charts as PNG into a folder, and the page report.html that holds them
     #[arg(long, value_name = "DIR")]
     plots: Option<PathBuf>,
-    /// Fewer cases: two sizes, one plane or few sets
+    /// Fewer cases: fewer sizes, planes, arrays, tolerances and sets of foci
     #[arg(long)]
     quick: bool,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 enum Subject {
-    /// Maps of the field
+    /// Maps of the field, and dents and means beside them
     Field,
     /// Solver methods
     Solve,
@@ -281,7 +281,6 @@ enum Subject {
     Window,
     /// Links to virtual boards
     Link,
-    /// All but window and links
     All,
 }
 
@@ -365,11 +364,8 @@ pub fn run() -> anyhow::Result<Next> {
         Cli { command: Some(Command::Solve(args)), .. } if args.motion => motion::run(&args),
         Cli { command: Some(Command::Solve(args)), .. } => solve::run(&args),
         Cli { command: Some(Command::Probe(args)), .. } => probe::run(&args),
-        Cli { command: Some(Command::Bench(args)), .. } if args.subject == Subject::Window => {
-            return Ok(Next::BenchWindow);
-        }
         Cli { command: Some(Command::Batch(args)), .. } => batch::run(&args),
-        Cli { command: Some(Command::Bench(args)), .. } => bench::run(&args),
+        Cli { command: Some(Command::Bench(args)), .. } => return Ok(Next::Bench(args)),
         Cli { command: Some(Command::Devices), .. } => devices::run(),
         Cli { command: Some(Command::Ports), .. } => boards::ports(),
         Cli { command: Some(Command::Send(args)), .. } => boards::send(&args),
@@ -385,8 +381,8 @@ pub enum Next {
     Exit,
     /// The window on this scene, or on an example.
     Window(Option<PathBuf>),
-    /// What the window's frames cost.
-    BenchWindow,
+    /// Measurements, the window's frames among them.
+    Bench(BenchArgs),
 }
 
 pub use output::mention;

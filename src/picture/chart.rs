@@ -1,16 +1,20 @@
 //! Charts of measurements: points and lines over logarithmic axes.
 
+use plotters::coord::Shift;
+use plotters::drawing::DrawingAreaErrorKind;
 use plotters::prelude::*;
 
 use crate::picture::{Picture, PictureError, register_font};
 
 const SIZE: (u32, u32) = (1200, 800);
+/// Where a page scales the chart down, letters are to stay readable.
+const SVG_SIZE: (u32, u32) = (900, 600);
 /// Width of the column that names the series.
-const LEGEND: u32 = 190;
+const LEGEND: u32 = 230;
 const INK: RGBColor = RGBColor(30, 30, 34);
 const FAINT: RGBColor = RGBColor(225, 225, 230);
-/// Colours that stay apart for most eyes (Okabe and Ito).
-const COLOURS: [RGBColor; 7] = [
+/// Colours that stay apart for most eyes: those of Okabe and Ito, and two more.
+const COLOURS: [RGBColor; 9] = [
     RGBColor(0, 114, 178),
     RGBColor(213, 94, 0),
     RGBColor(0, 158, 115),
@@ -18,6 +22,21 @@ const COLOURS: [RGBColor; 7] = [
     RGBColor(86, 180, 233),
     RGBColor(230, 159, 0),
     RGBColor(90, 90, 90),
+    RGBColor(110, 60, 160),
+    RGBColor(130, 80, 30),
+];
+
+/// What colours of an SVG become on a dark page.
+const ON_DARK: [(RGBColor, &str); 9] = [
+    (WHITE, "var(--ground)"),
+    (INK, "#e4e4e8"),
+    (FAINT, "#30333c"),
+    (COLOURS[0], "#4aa3df"),
+    (COLOURS[1], "#f07a28"),
+    (COLOURS[2], "#26b88f"),
+    (COLOURS[6], "#b4b4bc"),
+    (COLOURS[7], "#b095e8"),
+    (COLOURS[8], "#c79a62"),
 ];
 
 /// What is drawn.
@@ -26,7 +45,17 @@ pub struct Chart {
     pub title: String,
     pub x_label: String,
     pub y_label: String,
+    /// Those without points are left out.
     pub series: Vec<Series>,
+    pub levels: Vec<Level>,
+}
+
+/// A dashed line across the chart, for what has no place along x.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Level {
+    pub name: String,
+    /// A positive number.
+    pub y: f64,
 }
 
 /// Points that belong together, joined in their order.
@@ -43,35 +72,64 @@ impl Chart {
     /// # Errors
     /// There is nothing to draw.
     pub fn draw(&self) -> Result<Picture, PictureError> {
-        register_font();
         let (width, height) = SIZE;
         let mut rgb = vec![255; (width * height * 3) as usize];
-        {
-            let root = BitMapBackend::with_buffer(&mut rgb, SIZE).into_drawing_area();
-            root.fill(&WHITE)?;
-            self.draw_on(&root)?;
-            root.present()?;
-        }
+        self.draw_on(BitMapBackend::with_buffer(&mut rgb, SIZE), &self.title)?;
         let rgba = rgb.as_chunks::<3>().0.iter().flat_map(|&[r, g, b]| [r, g, b, 255]).collect();
         Ok(Picture { width: width as usize, height: height as usize, rgba })
     }
 
-    fn draw_on<B: DrawingBackend>(
+    /// The chart as an SVG element of 900 x 600 pixels without its title, which a page sets itself.
+    ///
+    /// # Errors
+    /// There is nothing to draw.
+    pub fn svg(&self) -> Result<String, PictureError> {
+        let mut svg = String::new();
+        self.draw_on(SVGBackend::with_string(&mut svg, SVG_SIZE), "")?;
+        Ok(svg)
+    }
+
+    fn draw_on<B: DrawingBackend>(&self, backend: B, title: &str) -> Result<(), PictureError> {
+        register_font();
+        let root = backend.into_drawing_area();
+        root.fill(&WHITE)?;
+        let (plot, legend) = root.split_horizontally(root.dim_in_pixel().0 - LEGEND);
+        self.draw_plot(&plot, title)?;
+        let mut place = (10, 80);
+        for (style, series) in self.drawn().enumerate() {
+            mark(&legend, place, style)?;
+            legend.draw(&Text::new(series.name.clone(), (place.0 + 18, place.1 - 9), text(18.0)))?;
+            place.1 += 30;
+        }
+        for level in &self.levels {
+            let line = [(place.0 - 8, place.1), (place.0 + 8, place.1)];
+            legend.draw(&PathElement::new(line, INK.stroke_width(2)))?;
+            legend.draw(&Text::new(level.name.clone(), (place.0 + 18, place.1 - 9), text(18.0)))?;
+            place.1 += 30;
+        }
+        root.present()?;
+        Ok(())
+    }
+
+    fn draw_plot<B: DrawingBackend>(
         &self,
-        root: &DrawingArea<B, plotters::coord::Shift>,
+        plot: &DrawingArea<B, Shift>,
+        title: &str,
     ) -> Result<(), PictureError> {
         let all = || self.series.iter().flat_map(Series::drawable);
-        let (Some(x), Some(y)) = (range(all().map(|p| p.0)), range(all().map(|p| p.1))) else {
+        let heights = all().map(|p| p.1).chain(self.levels.iter().map(|level| level.y));
+        let (Some(x), Some(y)) = (range(all().map(|p| p.0)), range(heights)) else {
             return Err(PictureError(format!("{}: there are no points", self.title)));
         };
-        let text = |size: f64| ("sans-serif", size).into_font().color(&INK);
-        let (plot, legend) = root.split_horizontally(SIZE.0 - LEGEND);
-        let mut chart = ChartBuilder::on(&plot)
-            .caption(&self.title, text(24.0))
+        let mut chart = ChartBuilder::on(plot)
+            .caption(title, text(24.0))
             .margin(20)
             .x_label_area_size(60)
             .y_label_area_size(100)
-            .build_cartesian_2d((x.0..x.1).log_scale(), (y.0..y.1).log_scale())?;
+            .build_cartesian_2d(
+                (x.0..x.1).log_scale().with_key_points(ticks(x)),
+                (y.0..y.1).log_scale().with_key_points(ticks(y)),
+            )?;
         chart
             .configure_mesh()
             .x_desc(&self.x_label)
@@ -84,24 +142,23 @@ impl Chart {
             .x_label_formatter(&label)
             .y_label_formatter(&label)
             .draw()?;
-        for (index, series) in self.series.iter().enumerate() {
-            let colour = COLOURS[index % COLOURS.len()];
+        for level in &self.levels {
+            let line = [(x.0, level.y), (x.1, level.y)];
+            chart.draw_series(DashedLineSeries::new(line, 8, 6, INK.stroke_width(2)))?;
+        }
+        for (style, series) in self.drawn().enumerate() {
             let points: Vec<_> = series.drawable().collect();
-            chart.draw_series(LineSeries::new(points.iter().copied(), colour.stroke_width(3)))?;
-            // Where colours come again, triangles take the place of circles.
-            let is_second = index >= COLOURS.len();
-            let place = (10, 80 + 30 * index as i32);
-            if is_second {
-                let marker = |point| TriangleMarker::new(point, 8, colour.filled());
-                chart.draw_series(points.iter().copied().map(marker))?;
-                legend.draw(&TriangleMarker::new(place, 8, colour.filled()))?;
-            } else {
-                chart.draw_series(points.iter().map(|&point| Circle::new(point, 6, colour.filled())))?;
-                legend.draw(&Circle::new(place, 6, colour.filled()))?;
+            chart.draw_series(LineSeries::new(points.iter().copied(), colour(style).stroke_width(3)))?;
+            for point in points {
+                // The plot begins where the backend does.
+                mark(plot, chart.backend_coord(&point), style)?;
             }
-            legend.draw(&Text::new(series.name.clone(), (place.0 + 18, place.1 - 9), text(18.0)))?;
         }
         Ok(())
+    }
+
+    fn drawn(&self) -> impl Iterator<Item = &Series> {
+        self.series.iter().filter(|series| series.drawable().next().is_some())
     }
 }
 
@@ -111,10 +168,59 @@ impl Series {
     }
 }
 
+/// Style rules that make [`Chart::svg`] readable on a dark page, whose own colour is its style's `--ground`.
+pub fn dark_style() -> String {
+    let rule = |(RGBColor(r, g, b), dark): (RGBColor, &str)| {
+        let light = format!("#{r:02X}{g:02X}{b:02X}");
+        format!("svg [fill=\"{light}\"] {{ fill: {dark} }} svg [stroke=\"{light}\"] {{ stroke: {dark} }}\n")
+    };
+    ON_DARK.into_iter().map(rule).collect()
+}
+
+fn text(size: f64) -> TextStyle<'static> {
+    ("sans-serif", size).into_font().color(&INK)
+}
+
+fn colour(style: usize) -> RGBColor {
+    COLOURS[style % COLOURS.len()]
+}
+
+/// A point of a series. Where colours come again, triangles take the place of circles.
+fn mark<B: DrawingBackend>(
+    area: &DrawingArea<B, Shift>,
+    at: (i32, i32),
+    style: usize,
+) -> Result<(), DrawingAreaErrorKind<B::ErrorType>> {
+    let filled = colour(style).filled();
+    if style < COLOURS.len() {
+        area.draw(&Circle::new(at, 6, filled))
+    } else {
+        area.draw(&TriangleMarker::new(at, 8, filled))
+    }
+}
+
 /// From a little below the smallest to a little above the largest.
 fn range(values: impl Iterator<Item = f64>) -> Option<(f64, f64)> {
     let (low, high) = values.fold((f64::MAX, f64::MIN), |(low, high), v| (low.min(v), high.max(v)));
     (low <= high).then_some((low / 1.5, high * 1.5))
+}
+
+/// Powers of ten, with as many numbers between them as there is room for.
+fn ticks((low, high): (f64, f64)) -> Vec<f64> {
+    let (first, last) = (low.log10().floor() as i32, high.log10().ceil() as i32);
+    let decades = high.log10() - low.log10();
+    let between: &[f64] = match decades {
+        ..1.0 => &[1.0, 1.5, 2.0, 3.0, 4.0, 5.0, 6.0, 8.0],
+        1.0..3.0 => &[1.0, 2.0, 5.0],
+        _ => &[1.0],
+    };
+    // Beyond a dozen decades every third is enough.
+    let every = if decades > 12.0 { 3 } else { 1 };
+    (first..=last)
+        .filter(|power| power.rem_euclid(every) == 0)
+        .flat_map(|power| between.iter().map(move |digit| digit * 10f64.powi(power)))
+        .filter(|tick| (low..=high).contains(tick))
+        .collect()
 }
 
 /// Three digits tell ticks apart; more are rounding.
@@ -134,6 +240,16 @@ mod tests {
     }
 
     #[test]
+    fn every_range_has_some_ticks_and_none_too_many() {
+        // What is drawn spans at least the margin on both sides.
+        for (low, high) in [(1.2, 2.7), (2.1, 8.5), (0.7, 30.0), (3.0, 4e3), (1e-7, 1e-2), (1e-17, 1.0)] {
+            let ticks = ticks((low, high));
+            assert!((2..=12).contains(&ticks.len()), "{low} to {high}: {ticks:?}");
+            assert!(ticks.iter().all(|tick| (low..=high).contains(tick)), "{low} to {high}: {ticks:?}");
+        }
+    }
+
+    #[test]
     fn points_are_drawn_and_nothing_is_an_error() {
         let mut chart = Chart {
             title: "time".to_owned(),
@@ -141,12 +257,15 @@ mod tests {
             y_label: "ms".to_owned(),
             series: vec![Series {
                 name: "one".to_owned(),
-                points: vec![(1.0, 2.0), (100.0, 5.0), (0.0, 1.0)],
+                points: vec![(1.0, 2.0), (100.0, 5.0), (0.0, 1.0), (f64::NAN, 1.0)],
             }],
+            levels: Vec::new(),
         };
         let picture = chart.draw().unwrap();
         let blue = picture.rgba.as_chunks::<4>().0.iter().filter(|c| **c == [0, 114, 178, 255]).count();
         assert!(blue > 500, "{blue} pixels of the first colour");
+        let svg = chart.svg().unwrap();
+        assert!(svg.starts_with("<svg") && svg.matches("<circle").count() == 3, "{svg}");
         chart.series[0].points.clear();
         assert!(chart.draw().is_err());
     }

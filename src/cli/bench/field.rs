@@ -1,54 +1,62 @@
 //! `sonoglyph bench field`: every evaluator, tolerance, size, array and kind of plane.
 
-use comfy_table::{CellAlignment, Table};
 use glam::{DVec2, DVec3};
 use indicatif::{ProgressBar, ProgressStyle};
 use num_complex::Complex64;
 use serde_json::json;
 
 use crate::acoustics::Aperture;
-use crate::cli::bench::{Report, Spent};
+use crate::cli::bench::time::{ROUNDS, Spent, Spread, Times};
+use crate::cli::bench::{Report, field_charts};
 use crate::cli::note;
 use crate::drive::Drive;
 use crate::field::gpu::adapter;
-use crate::field::{Colouring, Evaluator, FieldError, Quantity, Samples, Stages, Wanted, reference};
+use crate::field::{self, Colouring, Evaluator, FieldError, Quantity, Samples, Stages, Wanted};
 use crate::picture::ColourMap;
-use crate::picture::chart::{Chart, Series};
 use crate::scene::{Plane, Scene};
 
 const PLANES: [&str; 3] = ["parallel", "tilted", "vertical"];
-const TOLERANCES: [f64; 5] = [0.0, 1e-2, 1e-3, 1e-4, 1e-5];
+/// 0 evaluates every pixel: what the others are measured against.
+pub const TOLERANCES: [f64; 5] = [0.0, 1e-2, 1e-3, 1e-4, 1e-5];
 const QUICK_TOLERANCES: [f64; 3] = [0.0, 1e-3, 1e-5];
 const SIZES: [usize; 5] = [128, 256, 512, 1024, 2048];
 const QUICK_SIZES: [usize; 2] = [256, 1024];
-const ARRAYS: [u32; 3] = [16, 32, 64];
+/// Elements along a side, and the pixels along a side of the maps that these are measured with.
+const ARRAYS: [u32; 4] = [16, 32, 64, 128];
+const QUICK_ARRAYS: [u32; 2] = [16, 32];
+const ARRAYS_SIZE: usize = 256;
 /// Pairs of pixel and element beyond which direct evaluation is not waited for, and the same for f64.
 const MOST_PAIRS: usize = 1_200_000_000;
-const MOST_REFERENCE_PAIRS: usize = 20_000_000;
+const MOST_REFERENCE_PAIRS: usize = 270_000_000;
 /// Pixels at which the error is measured.
 const CHECKED: usize = 500;
 
-#[derive(Clone, Debug)]
-struct Case {
+/// Maps that differ in their tolerance alone, the exact one first; they take turns.
+#[derive(Clone, Debug, PartialEq)]
+struct Group {
     evaluator: &'static str,
-    tolerance: f64,
     size: usize,
     array: u32,
     plane: &'static str,
+    tolerances: Vec<f64>,
 }
 
 #[derive(Clone, Debug)]
-struct Record {
-    case: Case,
-    cold: Spent,
-    new_plane: Spent,
-    new_drive: Spent,
-    new_colours: Spent,
-    error: f64,
+pub struct Record {
+    pub evaluator: &'static str,
+    pub size: usize,
+    pub array: u32,
+    pub plane: &'static str,
+    pub tolerance: f64,
+    cold: Times,
+    new_plane: Times,
+    pub new_drive: Times,
+    new_colours: Times,
+    pub error: f64,
     evaluated: usize,
     pairs_per_second: f64,
-    /// CPU time of the exact map's new drive over this one's, and of its new plane over this one's.
-    ratios: Option<[f64; 2]>,
+    /// CPU time of the exact map over this one's, for a new drive and for a new plane.
+    ratios: Option<[Spread; 2]>,
 }
 
 pub fn run(quick: bool) -> anyhow::Result<Report> {
@@ -62,75 +70,68 @@ pub fn run(quick: bool) -> anyhow::Result<Report> {
             false
         }
     };
-    let cases = cases(quick, has_gpu);
+    let groups = groups(quick, has_gpu);
     let style = ProgressStyle::with_template("{bar:30} {pos}/{len} {msg} {eta}");
-    let bar = ProgressBar::new(cases.len() as u64).with_style(style.unwrap_or(ProgressStyle::default_bar()));
+    let bar = ProgressBar::new(groups.len() as u64).with_style(style.unwrap_or(ProgressStyle::default_bar()));
     let mut records: Vec<Record> = Vec::new();
-    for case in cases {
-        bar.set_message(format!(
-            "{} {} {1}x{1} px, {2}x{2} elements, {3}",
-            case.evaluator, case.size, case.array, case.plane
-        ));
-        let mut record = measure(case)?;
-        let is_baseline = |other: &&Record| {
-            let (a, b) = (&other.case, &record.case);
-            let same = (a.evaluator, a.size, a.array, a.plane) == (b.evaluator, b.size, b.array, b.plane);
-            same && a.tolerance == 0.0
-        };
-        if let Some(direct) = records.iter().find(is_baseline) {
-            record.ratios = Some([
-                direct.new_drive.cpu / record.new_drive.cpu,
-                direct.new_plane.cpu / record.new_plane.cpu,
-            ]);
-        }
-        records.push(record);
+    for group in groups {
+        let Group { evaluator, size, array, plane, .. } = group;
+        bar.set_message(format!("{evaluator} {size}x{size} px, {array}x{array} elements, {plane}"));
+        records.extend(measure(&group)?);
         bar.inc(1);
     }
     bar.finish_and_clear();
     Ok(Report {
-        table: table(&records),
+        header: vec![
+            "evaluator", "plane", "elements", "pixels", "tolerance", "cold", "new plane", "new drive", "colours", "error",
+            "samples", "Mpairs/s", "drive x", "quartiles", "plane x",
+        ],
+        rows: records.iter().map(row).collect(),
         notes: vec![
             "CPU-ms (wall ms) of the whole process, medians. cold: nothing kept; new plane, new drive: up to the pixels' \
              pressure and its measured error; colours: the picture of it."
                 .to_owned(),
             format!("error: the largest of {CHECKED} pixels against f64, of the map's peak. Mpairs/s: pixels times elements \
                      per wall second of a new drive."),
-            "drive x, plane x: how many times the CPU time of the exact map, for a new drive and a new plane.".to_owned(),
+            format!(
+                "drive x, plane x: how many times the CPU time of the exact map, for a new drive (with quartiles) and a new \
+                 plane; medians over {ROUNDS} rounds in which the maps take turns."
+            ),
         ],
+        charts: field_charts::charts(&records, ARRAYS_SIZE),
         records: records.iter().map(json).collect(),
-        charts: charts(&records),
     })
 }
 
-/// Exact maps stand before what is measured against them.
-fn cases(quick: bool, has_gpu: bool) -> Vec<Case> {
+fn groups(quick: bool, has_gpu: bool) -> Vec<Group> {
     let (planes, tolerances, sizes, arrays) = if quick {
-        (&PLANES[..1], &QUICK_TOLERANCES[..], &QUICK_SIZES[..], &ARRAYS[..1])
+        (&PLANES[..1], &QUICK_TOLERANCES[..], &QUICK_SIZES[..], &QUICK_ARRAYS[..])
     } else {
         (&PLANES[..], &TOLERANCES[..], &SIZES[..], &ARRAYS[..])
     };
-    let mut cases = Vec::new();
+    let mut groups: Vec<Group> = Vec::new();
     for &plane in planes {
-        for &array in arrays {
-            for &size in sizes {
-                for evaluator in ["reference", "cpu", "gpu"] {
-                    for &tolerance in tolerances {
-                        let pairs = size * size * (array * array) as usize;
-                        let is_measured = match (evaluator, tolerance == 0.0) {
-                            ("reference", exact) => exact && pairs <= MOST_REFERENCE_PAIRS,
-                            ("gpu", _) if !has_gpu => false,
-                            (_, true) => pairs <= MOST_PAIRS,
-                            _ => true,
-                        };
-                        if is_measured {
-                            cases.push(Case { evaluator, tolerance, size, array, plane });
-                        }
-                    }
+        let by_size = sizes.iter().map(|&size| (16, size));
+        for (array, size) in by_size.chain(arrays.iter().map(|&array| (array, ARRAYS_SIZE))) {
+            for evaluator in ["reference", "cpu", "gpu"] {
+                let tolerances = measured(tolerances, evaluator, size * size * (array * array) as usize);
+                let group = Group { evaluator, size, array, plane, tolerances };
+                let is_there = evaluator != "gpu" || has_gpu;
+                if is_there && !group.tolerances.is_empty() && !groups.contains(&group) {
+                    groups.push(group);
                 }
             }
         }
     }
-    cases
+    groups
+}
+
+/// Those of the tolerances that are measured of maps of so many pairs.
+fn measured(tolerances: &[f64], evaluator: &str, pairs: usize) -> Vec<f64> {
+    let most = if evaluator == "reference" { MOST_REFERENCE_PAIRS } else { MOST_PAIRS };
+    let is_measured =
+        |tolerance: f64| if tolerance == 0.0 { pairs <= most } else { evaluator != "reference" };
+    tolerances.iter().copied().filter(|&tolerance| is_measured(tolerance)).collect()
 }
 
 fn evaluator(name: &str) -> Result<Evaluator, FieldError> {
@@ -141,11 +142,11 @@ fn evaluator(name: &str) -> Result<Evaluator, FieldError> {
     })
 }
 
-fn scene(case: &Case) -> Scene {
+fn scene(group: &Group, tolerance: f64) -> Scene {
     let mut scene = Scene::default();
-    (scene.array.rows, scene.array.columns) = (case.array, case.array);
-    let plane = Plane { size: DVec2::splat(0.2), tolerance: case.tolerance, ..Plane::default() };
-    scene.plane = match case.plane {
+    (scene.array.rows, scene.array.columns) = (group.array, group.array);
+    let plane = Plane { size: DVec2::splat(0.2), tolerance, ..Plane::default() };
+    scene.plane = match group.plane {
         "tilted" => Plane { x_axis: DVec3::new(1.0, 0.2, 0.1), y_axis: DVec3::new(0.0, 1.0, 0.3), ..plane },
         "vertical" => Plane { y_axis: DVec3::Z, centre: DVec3::new(0.0, 0.0, 0.125), ..plane },
         _ => plane,
@@ -161,47 +162,130 @@ fn drive(aperture: &Aperture, shift: f64) -> Drive {
     Drive { amplitudes: vec![1.0; phases.len()], phases }
 }
 
-fn measure(case: Case) -> Result<Record, FieldError> {
-    let mut scene = scene(&case);
-    let aperture = Aperture::new(&scene);
-    let drives = [drive(&aperture, 0.0), drive(&aperture, 0.005)];
-    let paint = |colours: ColourMap| Colouring::new(Quantity::Rms, colours.table());
-    let colourings = [paint(ColourMap::Inferno), paint(ColourMap::Grey)];
-    let map = |stages: &mut Stages, plane: &Plane, drive: usize| {
-        let (width, height) = (case.size, case.size);
-        let wanted = Wanted { aperture: &aperture, plane, drive: &drives[drive % 2], width, height };
-        stages.map(&wanted).map(|_| ())
-    };
-    // Opening a device and compiling its programs is no part of a map.
-    let mut stages = Stages::new(evaluator(case.evaluator)?);
-    map(&mut stages, &scene.plane, 0)?;
-    let cold = Spent::on(|_| {
-        stages.forget();
-        map(&mut stages, &scene.plane, 0)
-    })?;
-    let new_plane = Spent::on(|i| {
-        scene.plane.centre.z += if i % 2 == 0 { 1e-4 } else { -1e-4 };
-        map(&mut stages, &scene.plane, 0)
-    })?;
-    let new_drive = Spent::on(|i| map(&mut stages, &scene.plane, i + 1))?;
-    let (width, height) = (case.size, case.size);
-    let wanted = Wanted { aperture: &aperture, plane: &scene.plane, drive: &drives[0], width, height };
-    stages.colours(&wanted, &colourings[0])?;
-    let new_colours = Spent::on(|i| stages.colours(&wanted, &colourings[(i + 1) % 2]).map(|_| ()))?;
-    let map = stages.map(&wanted)?.clone();
-    let field = stages.read(&wanted)?;
-    let pairs = (field.len() * aperture.positions.len()) as f64;
-    Ok(Record {
-        error: error(&wanted, &field, map.peak),
-        evaluated: map.evaluated,
-        pairs_per_second: pairs / new_drive.wall,
-        ratios: None,
-        case,
-        cold,
-        new_plane,
-        new_drive,
-        new_colours,
-    })
+/// One map of a group, with what it keeps between its rounds.
+struct Case {
+    tolerance: f64,
+    aperture: Aperture,
+    plane: Plane,
+    drives: [Drive; 2],
+    size: usize,
+    stages: Stages,
+    cold: Times,
+    new_plane: Times,
+    new_drive: Times,
+    new_colours: Times,
+}
+
+fn measure(group: &Group) -> Result<Vec<Record>, FieldError> {
+    if group.evaluator == "reference" {
+        return Ok(vec![reference(group)?]);
+    }
+    let mut cases = Vec::new();
+    for &tolerance in &group.tolerances {
+        cases.push(Case::new(group, tolerance)?);
+    }
+    for _ in 0..ROUNDS {
+        for case in &mut cases {
+            case.round()?;
+        }
+    }
+    let exact = cases
+        .first()
+        .filter(|case| case.tolerance == 0.0)
+        .map(|case| (case.new_drive.clone(), case.new_plane.clone()));
+    cases.into_iter().map(|case| case.record(group, exact.as_ref())).collect()
+}
+
+/// The reference is slow, keeps nothing and takes turns with nothing: one run of it tells all.
+fn reference(group: &Group) -> Result<Record, FieldError> {
+    let mut case = Case::unmeasured(group, 0.0)?;
+    let (spent, done) = Spent::once(|| case.map(0));
+    done?;
+    for times in [&mut case.cold, &mut case.new_plane, &mut case.new_drive] {
+        times.push(spent);
+    }
+    case.record(group, None)
+}
+
+impl Case {
+    /// Opening a device and compiling its programs is no part of a map, so one is made first.
+    fn new(group: &Group, tolerance: f64) -> Result<Self, FieldError> {
+        let mut case = Self::unmeasured(group, tolerance)?;
+        case.map(0)?;
+        Ok(case)
+    }
+
+    fn unmeasured(group: &Group, tolerance: f64) -> Result<Self, FieldError> {
+        let scene = scene(group, tolerance);
+        let aperture = Aperture::new(&scene);
+        Ok(Self {
+            tolerance,
+            drives: [drive(&aperture, 0.0), drive(&aperture, 0.005)],
+            aperture,
+            plane: scene.plane,
+            size: group.size,
+            stages: Stages::new(evaluator(group.evaluator)?),
+            cold: Times::default(),
+            new_plane: Times::default(),
+            new_drive: Times::default(),
+            new_colours: Times::default(),
+        })
+    }
+
+    fn map(&mut self, drive: usize) -> Result<(), FieldError> {
+        let wanted = wanted(&self.aperture, &self.plane, &self.drives[drive % 2], self.size);
+        self.stages.map(&wanted).map(|_| ())
+    }
+
+    fn round(&mut self) -> Result<(), FieldError> {
+        let spent = Spent::on(|_| {
+            self.stages.forget();
+            self.map(0)
+        })?;
+        self.cold.push(spent);
+        let spent = Spent::on(|i| {
+            self.plane.centre.z += if i % 2 == 0 { 1e-4 } else { -1e-4 };
+            self.map(0)
+        })?;
+        self.new_plane.push(spent);
+        let spent = Spent::on(|i| self.map(i + 1))?;
+        self.new_drive.push(spent);
+        let colourings =
+            [ColourMap::Inferno, ColourMap::Grey].map(|map| Colouring::new(Quantity::Rms, map.table()));
+        let Self { stages, aperture, plane, drives, size, .. } = self;
+        let wanted = wanted(aperture, plane, &drives[0], *size);
+        stages.colours(&wanted, &colourings[0])?;
+        let spent = Spent::on(|i| stages.colours(&wanted, &colourings[(i + 1) % 2]).map(|_| ()))?;
+        self.new_colours.push(spent);
+        Ok(())
+    }
+
+    /// `exact`: what a new drive and a new plane cost where every pixel is evaluated.
+    fn record(mut self, group: &Group, exact: Option<&(Times, Times)>) -> Result<Record, FieldError> {
+        let wanted = wanted(&self.aperture, &self.plane, &self.drives[0], self.size);
+        let map = self.stages.map(&wanted)?.clone();
+        let field = self.stages.read(&wanted)?;
+        let pairs = (field.len() * self.aperture.positions.len()) as f64;
+        Ok(Record {
+            evaluator: group.evaluator,
+            size: group.size,
+            array: group.array,
+            plane: group.plane,
+            tolerance: self.tolerance,
+            error: error(&wanted, &field, map.peak),
+            evaluated: map.evaluated,
+            pairs_per_second: pairs / self.new_drive.wall_ms() * 1e3,
+            ratios: exact.map(|(drive, plane)| [drive.over(&self.new_drive), plane.over(&self.new_plane)]),
+            cold: self.cold,
+            new_plane: self.new_plane,
+            new_drive: self.new_drive,
+            new_colours: self.new_colours,
+        })
+    }
+}
+
+fn wanted<'a>(aperture: &'a Aperture, plane: &'a Plane, drive: &'a Drive, size: usize) -> Wanted<'a> {
+    Wanted { aperture, plane, drive, width: size, height: size }
 }
 
 /// The largest deviation from the reference, relative to the peak (Pa).
@@ -209,130 +293,77 @@ fn error(wanted: &Wanted<'_>, field: &[num_complex::Complex32], peak: f32) -> f6
     let Some(pixels) = Samples::on_plane(wanted.plane, wanted.width, wanted.height) else { return f64::NAN };
     let chosen: Vec<_> = (0..field.len()).step_by((field.len() / CHECKED).max(1) | 1).collect();
     let points = Samples::at(chosen.iter().map(|&pixel| pixels.point(pixel)).collect());
-    let expected = reference::pressure(wanted.aperture, wanted.drive, &points);
+    let expected = field::reference::pressure(wanted.aperture, wanted.drive, &points);
     let off = |(&pixel, expected): (&usize, &Complex64)| {
         (Complex64::new(field[pixel].re.into(), field[pixel].im.into()) - expected).norm()
     };
     chosen.iter().zip(&expected).map(off).fold(0.0, f64::max) / f64::from(peak)
 }
 
-fn table(records: &[Record]) -> Table {
-    let mut table = Table::new();
-    table.set_header([
-        "evaluator",
-        "plane",
-        "elements",
-        "pixels",
-        "tolerance",
-        "cold",
-        "new plane",
-        "new drive",
-        "colours",
-        "error",
-        "samples",
-        "Mpairs/s",
-        "drive x",
-        "plane x",
-    ]);
-    let ms = |spent: Spent| format!("{:.1} ({:.1})", spent.cpu * 1e3, spent.wall * 1e3);
-    for record in records {
-        let case = &record.case;
-        let ratio = |i: usize| record.ratios.map_or("-".to_owned(), |ratios| format!("{:.1}", ratios[i]));
-        table.add_row([
-            case.evaluator.to_owned(),
-            case.plane.to_owned(),
-            format!("{0}x{0}", case.array),
-            format!("{0}x{0}", case.size),
-            if case.tolerance == 0.0 { "exact".to_owned() } else { format!("{:.0e}", case.tolerance) },
-            ms(record.cold),
-            ms(record.new_plane),
-            ms(record.new_drive),
-            ms(record.new_colours),
-            format!("{:.1e}", record.error),
-            record.evaluated.to_string(),
-            format!("{:.0}", record.pairs_per_second / 1e6),
-            ratio(0),
-            ratio(1),
-        ]);
-    }
-    for column in table.column_iter_mut().skip(2) {
-        column.set_cell_alignment(CellAlignment::Right);
-    }
-    table
+fn row(record: &Record) -> Vec<String> {
+    let ratio = |i: usize| record.ratios.map_or("-".to_owned(), |ratios| ratios[i].text());
+    let quartiles = record.ratios.map_or("-".to_owned(), |ratios| ratios[0].quartiles_text());
+    vec![
+        record.evaluator.to_owned(),
+        record.plane.to_owned(),
+        format!("{0}x{0}", record.array),
+        format!("{0}x{0}", record.size),
+        field_charts::tolerance_name(record.tolerance),
+        record.cold.text(),
+        record.new_plane.text(),
+        record.new_drive.text(),
+        record.new_colours.text(),
+        format!("{:.1e}", record.error),
+        record.evaluated.to_string(),
+        format!("{:.0}", record.pairs_per_second / 1e6),
+        ratio(0),
+        quartiles,
+        ratio(1),
+    ]
 }
 
 fn json(record: &Record) -> serde_json::Value {
-    let case = &record.case;
-    let ms = |spent: Spent| json!({ "cpu_ms": spent.cpu * 1e3, "wall_ms": spent.wall * 1e3 });
     json!({
-        "evaluator": case.evaluator,
-        "plane": case.plane,
-        "elements": case.array * case.array,
-        "width": case.size,
-        "height": case.size,
-        "tolerance": case.tolerance,
-        "cold": ms(record.cold),
-        "new_plane": ms(record.new_plane),
-        "new_drive": ms(record.new_drive),
-        "new_colours": ms(record.new_colours),
+        "evaluator": record.evaluator,
+        "plane": record.plane,
+        "elements": record.array * record.array,
+        "width": record.size,
+        "height": record.size,
+        "tolerance": record.tolerance,
+        "cold": record.cold.json(),
+        "new_plane": record.new_plane.json(),
+        "new_drive": record.new_drive.json(),
+        "new_colours": record.new_colours.json(),
         "error": record.error,
         "evaluated": record.evaluated,
         "pairs_per_second": record.pairs_per_second,
-        "new_drive_ratio": record.ratios.map(|ratios| ratios[0]),
-        "new_plane_ratio": record.ratios.map(|ratios| ratios[1]),
+        "new_drive_ratio": record.ratios.map(|ratios| ratios[0].json()),
+        "new_plane_ratio": record.ratios.map(|ratios| ratios[1].json()),
     })
 }
 
-fn charts(records: &[Record]) -> Vec<(String, Chart)> {
-    let largest = records.iter().map(|record| record.case.size).max().unwrap_or(0).min(1024);
-    let series = |name: String, chosen: &dyn Fn(&Case) -> bool, place: &dyn Fn(&Record) -> (f64, f64)| {
-        Series { name, points: records.iter().filter(|record| chosen(&record.case)).map(place).collect() }
-    };
-    let evaluators = ["cpu", "gpu"].into_iter().filter(|e| records.iter().any(|r| r.case.evaluator == *e));
-    let ms = |record: &Record| record.new_drive.cpu * 1e3;
-    let usual = |case: &Case, evaluator| case.evaluator == evaluator && case.plane == "parallel";
-    let chart = |title: &str, x_label: &str, series| Chart {
-        title: title.to_owned(),
-        x_label: x_label.to_owned(),
-        y_label: "CPU-ms for a new drive".to_owned(),
-        series,
-    };
-    let mut by_error = Vec::new();
-    let (mut by_size, mut by_array) = (Vec::new(), Vec::new());
-    for evaluator in evaluators {
-        let mut pareto = series(
-            evaluator.to_owned(),
-            &|case| usual(case, evaluator) && (case.size, case.array) == (largest, 16),
-            &|record| (record.error, ms(record)),
-        );
-        pareto.points.sort_by(|a, b| a.0.total_cmp(&b.0));
-        by_error.push(pareto);
-        for tolerance in [0.0, 1e-3, 1e-5] {
-            let tolerance_name =
-                if tolerance == 0.0 { "exact".to_owned() } else { format!("{tolerance:.0e}") };
-            let name = format!("{evaluator}, {tolerance_name}");
-            by_size.push(series(
-                name.clone(),
-                &|case| usual(case, evaluator) && case.array == 16 && case.tolerance == tolerance,
-                &|record| (record.case.size as f64, ms(record)),
-            ));
-            by_array.push(series(
-                name,
-                &|case| usual(case, evaluator) && case.size == largest && case.tolerance == tolerance,
-                &|record| (f64::from(record.case.array).powi(2), ms(record)),
-            ));
-        }
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn maps_keep_their_tolerance_and_stand_beside_the_exact_one() {
+        let tolerances = vec![0.0, 1e-3];
+        let group = Group { evaluator: "cpu", size: 256, array: 16, plane: "tilted", tolerances };
+        let records = measure(&group).unwrap();
+        assert!(records[0].error < 2e-5 && records[1].error < 1e-3, "{records:?}");
+        assert!(records[1].evaluated < records[0].evaluated, "{records:?}");
+        assert_eq!(records[0].ratios.unwrap()[0].quartiles, [1.0; 2]);
+        assert!(records[1].ratios.unwrap()[0].median > 0.0, "{records:?}");
     }
-    let wide = format!("{largest} x {largest} pixels of a plane parallel to the array");
-    vec![
-        (
-            "field-error".to_owned(),
-            chart(&format!("Time against error: 16 x 16 elements, {wide}"), "error, of the peak", by_error),
-        ),
-        (
-            "field-pixels".to_owned(),
-            chart("Time against size: 16 x 16 elements, parallel plane", "pixels along a side", by_size),
-        ),
-        ("field-elements".to_owned(), chart(&format!("Time against elements: {wide}"), "elements", by_array)),
-    ]
+
+    #[test]
+    fn every_group_is_measured_once_and_the_slowest_not_at_all() {
+        let groups = groups(false, false);
+        assert!(groups.iter().enumerate().all(|(i, group)| !groups[..i].contains(group)));
+        assert!(groups.iter().all(|group| group.evaluator != "gpu"));
+        assert_eq!(measured(&TOLERANCES, "reference", MOST_REFERENCE_PAIRS + 1), Vec::<f64>::new());
+        assert_eq!(measured(&TOLERANCES, "cpu", MOST_PAIRS + 1), TOLERANCES[1..]);
+        assert_eq!(measured(&TOLERANCES, "reference", 1), [0.0]);
+    }
 }

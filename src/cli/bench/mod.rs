@@ -1,125 +1,179 @@
 //! `sonoglyph bench`: time against error, measured beside a baseline in the same run.
 
-mod average;
+mod conditions;
+mod dent;
 mod field;
+mod field_charts;
+pub(crate) mod figures;
+mod foci;
 #[cfg(all(unix, feature = "serial"))]
 mod link;
+mod page;
 mod solve;
+mod solve_charts;
 mod stability;
+pub mod time;
 
 use std::path::Path;
-use std::time::{Duration, Instant};
 
-use anyhow::Context;
-use cpu_time::ProcessTime;
-use serde_json::json;
+use anyhow::{Context, bail};
+use comfy_table::{CellAlignment, Table};
+use serde_json::{Map, Value};
 
 use crate::cli::output::say;
-use crate::cli::{BenchArgs, Subject, output};
+use crate::cli::{BenchArgs, Subject, note, output, warn};
 use crate::picture::chart::Chart;
 use crate::picture::export;
-use crate::simd::Isa;
+use conditions::Conditions;
 
-/// What one measurement takes: as many runs as fit, at least one and at most [`MOST_RUNS`].
-const BUDGET: Duration = Duration::from_millis(150);
-const MOST_RUNS: usize = 15;
+/// Measures one subject; `true` asks for fewer cases.
+pub type Measure = fn(bool) -> anyhow::Result<Report>;
 
-pub fn run(args: &BenchArgs) -> anyhow::Result<()> {
+/// What a benchmark found.
+#[derive(Debug)]
+pub struct Report {
+    pub header: Vec<&'static str>,
+    pub rows: Vec<Vec<String>>,
+    /// How to read the rows, a sentence each.
+    pub notes: Vec<String>,
+    pub records: Vec<Value>,
+    /// File names without extension, and the charts.
+    pub charts: Vec<(String, Chart)>,
+}
+
+/// A part of the whole report.
+#[derive(Debug)]
+struct Section {
+    /// Its key in the JSON.
+    name: &'static str,
+    title: &'static str,
+    /// What was found, or why nothing was.
+    found: Result<Report, String>,
+}
+
+/// Subject, key in the JSON, title, and who measures it. `window` measures the window's frames, where the program has one.
+fn subjects(window: Option<Measure>) -> [(Subject, &'static str, &'static str, Measure); 6] {
+    [
+        (Subject::Field, "field", "Maps of the field", field::run),
+        (Subject::Field, "dent", "Dents, radiation pressure and means over a round", dent::run),
+        (Subject::Solve, "solve", "Solver methods", solve::run),
+        (Subject::Stability, "stability", "Foci that are hard to solve", stability::run),
+        (Subject::Window, "window", "Frames of the window", window.unwrap_or(no_window)),
+        (Subject::Link, "link", "Links to boards", link()),
+    ]
+}
+
+fn no_window(_: bool) -> anyhow::Result<Report> {
+    bail!("this program was built without its window")
+}
+
+#[cfg(all(unix, feature = "serial"))]
+fn link() -> Measure {
+    link::run
+}
+
+#[cfg(not(all(unix, feature = "serial")))]
+fn link() -> Measure {
+    |_| bail!("links are measured on a Unix system, by a program built with serial links")
+}
+
+/// Measures what is asked for, prints it, and writes the JSON, the charts and the page.
+///
+/// # Errors
+/// What cannot be written; what cannot be measured, unless everything is asked for: then the report says why it is missing.
+pub fn run(args: &BenchArgs, window: Option<Measure>) -> anyhow::Result<()> {
     if let Some(path) = &args.json {
         output::check_writable(path)?;
     }
     if let Some(folder) = &args.plots {
         std::fs::create_dir_all(folder)
             .with_context(|| format!("{}: cannot make the folder", folder.display()))?;
+        output::check_writable(&folder.join(page::NAME))?;
     }
-    let mut value = json!({ "machine": machine(), "version": env!("CARGO_PKG_VERSION") });
-    let mut show = |name: &str, report: Report| {
-        say!("{}", report.table)?;
-        for line in &report.notes {
-            say!("{line}")?;
+    let conditions = Conditions::now();
+    let mut sections = Vec::new();
+    for (subject, name, title, measure) in subjects(window) {
+        if ![Subject::All, subject].contains(&args.subject) {
+            continue;
         }
-        value[name] = report.records.into();
-        match &args.plots {
-            Some(folder) => write_charts(folder, &report.charts),
-            None => Ok(()),
-        }
-    };
-    let is_wanted = |subject| [Subject::All, subject].contains(&args.subject);
-    if is_wanted(Subject::Field) {
-        show("field", field::run(args.quick)?)?;
-        show("average", average::run(args.quick)?)?;
+        note(&format!("measuring: {}", title.to_lowercase()));
+        let found = match measure(args.quick) {
+            Ok(report) => {
+                show(&report)?;
+                Ok(report)
+            }
+            Err(error) if args.subject == Subject::All => {
+                warn(&format!("{name} is missing from the report: {error:#}"));
+                Err(format!("{error:#}"))
+            }
+            Err(error) => return Err(error),
+        };
+        sections.push(Section { name, title, found });
     }
-    if is_wanted(Subject::Solve) {
-        show("solve", solve::run(args.quick)?)?;
-    }
-    if is_wanted(Subject::Stability) {
-        show("stability", stability::run(args.quick)?)?;
-    }
-    #[cfg(all(unix, feature = "serial"))]
-    if args.subject == Subject::Link {
-        show("link", link::run(args.quick)?)?;
-    }
-    #[cfg(not(all(unix, feature = "serial")))]
-    if args.subject == Subject::Link {
-        anyhow::bail!("links are measured on a Unix system, by a program built with serial links");
-    }
+    let value = json(&conditions, &sections);
     if let Some(path) = &args.json {
         output::write(path, serde_json::to_string_pretty(&value)?.as_bytes())?;
+    }
+    if let Some(folder) = &args.plots {
+        write_page(folder, &conditions, &sections, &value)?;
     }
     Ok(())
 }
 
-/// What a benchmark found.
-struct Report {
-    table: comfy_table::Table,
-    notes: Vec<String>,
-    records: Vec<serde_json::Value>,
-    /// File names without extension, and the charts.
-    charts: Vec<(String, Chart)>,
+fn show(report: &Report) -> anyhow::Result<()> {
+    let mut table = Table::new();
+    table.set_header(&report.header);
+    table.add_rows(&report.rows);
+    for (index, column) in table.column_iter_mut().enumerate() {
+        if report.holds_numbers(index) {
+            column.set_cell_alignment(CellAlignment::Right);
+        }
+    }
+    say!("{table}")?;
+    for line in &report.notes {
+        say!("{line}")?;
+    }
+    Ok(())
 }
 
-fn write_charts(folder: &Path, charts: &[(String, Chart)]) -> anyhow::Result<()> {
-    for (name, chart) in charts {
+impl Report {
+    /// Whether a column's cells are to stand at the right.
+    fn holds_numbers(&self, column: usize) -> bool {
+        let is_number =
+            |cell: &String| cell == "exact" || cell.starts_with(|c: char| c.is_ascii_digit() || c == '-');
+        self.rows.iter().filter_map(|row| row.get(column)).all(is_number)
+    }
+}
+
+/// Conditions and figures, and the records of every section by its name; `missing` says why there are none.
+fn json(conditions: &Conditions, sections: &[Section]) -> Value {
+    let mut value = conditions.json();
+    let mut missing = Map::new();
+    for section in sections {
+        match &section.found {
+            Ok(report) => value[section.name] = report.records.clone().into(),
+            Err(reason) => drop(missing.insert(section.name.to_owned(), reason.clone().into())),
+        }
+    }
+    value["missing"] = missing.into();
+    value["figures"] = figures::measured(&value).iter().map(figures::Measured::json).collect();
+    value
+}
+
+fn write_page(
+    folder: &Path,
+    conditions: &Conditions,
+    sections: &[Section],
+    value: &Value,
+) -> anyhow::Result<()> {
+    for (name, chart) in
+        sections.iter().filter_map(|section| section.found.as_ref().ok()).flat_map(|r| &r.charts)
+    {
         let path = folder.join(name).with_extension("png");
         output::write(&path, &export::png(&chart.draw()?)?)?;
         say!("{}", path.display())?;
     }
-    Ok(())
-}
-
-fn machine() -> serde_json::Value {
-    json!({
-        "threads": rayon::current_num_threads(),
-        "instructions": Isa::best().name(),
-        "architecture": std::env::consts::ARCH,
-        "system": std::env::consts::OS,
-    })
-}
-
-/// Time of a piece of work: medians over its runs, s.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-struct Spent {
-    /// Of all threads of the process.
-    cpu: f64,
-    wall: f64,
-}
-
-impl Spent {
-    /// Runs `work` with the number of the run, as often as the budget allows.
-    fn on<E>(mut work: impl FnMut(usize) -> Result<(), E>) -> Result<Self, E> {
-        let (mut cpu, mut wall) = (Vec::new(), Vec::new());
-        let start = Instant::now();
-        while cpu.is_empty() || (start.elapsed() < BUDGET && cpu.len() < MOST_RUNS) {
-            let (cpu_start, wall_start) = (ProcessTime::now(), Instant::now());
-            work(cpu.len())?;
-            wall.push(wall_start.elapsed().as_secs_f64());
-            cpu.push(cpu_start.elapsed().as_secs_f64());
-        }
-        Ok(Self { cpu: median(cpu), wall: median(wall) })
-    }
-}
-
-fn median(mut values: Vec<f64>) -> f64 {
-    values.sort_by(f64::total_cmp);
-    values[values.len() / 2]
+    let path = folder.join(page::NAME);
+    output::write(&path, page::html(conditions, sections, &figures::measured(value))?.as_bytes())?;
+    say!("{}", path.display())
 }

@@ -2,12 +2,12 @@
 
 use std::f64::consts::TAU;
 
-use comfy_table::{CellAlignment, Table};
 use glam::DVec3;
 use serde_json::json;
 
 use crate::acoustics::Aperture;
-use crate::cli::bench::{Report, Spent};
+use crate::cli::bench::time::{Spent, digits};
+use crate::cli::bench::{Report, foci};
 use crate::drive::Drive;
 use crate::scene::{Focus, Method, Scene};
 use crate::solver::{self, Problem, Quality, SolveError};
@@ -38,7 +38,7 @@ struct Record {
     loss: Option<f64>,
 }
 
-pub fn run(quick: bool) -> Result<Report, SolveError> {
+pub fn run(quick: bool) -> anyhow::Result<Report> {
     let mut records = Vec::new();
     for case in cases(quick) {
         let problem = Problem::new(&case.aperture, case.foci.clone());
@@ -49,7 +49,10 @@ pub fn run(quick: bool) -> Result<Report, SolveError> {
         }
     }
     Ok(Report {
-        table: table(&records),
+        header: vec![
+            "set", "M", "method", "CPU ms", "sound", "rank", "condition", "residual", "spread", "weakest Pa", "loss",
+        ],
+        rows: records.iter().map(row).collect(),
         notes: vec![
             "sound: every number finite and no element above full drive. loss: of the weakest focus, relative to its target, \
              against the strongest of 200 starts; below 0 the method did better."
@@ -104,7 +107,7 @@ fn weakest(problem: &Problem<'_>, values: &[num_complex::Complex64]) -> f64 {
 }
 
 fn cases(quick: bool) -> Vec<Case> {
-    let foci = |points: &[DVec3]| -> Vec<Focus> {
+    let foci_at = |points: &[DVec3]| -> Vec<Focus> {
         points.iter().map(|&position| Focus { position, target: 1.0 }).collect()
     };
     let ring = |count: usize, radius: f64, z: f64| -> Vec<DVec3> {
@@ -127,36 +130,31 @@ fn cases(quick: bool) -> Vec<Case> {
     };
     let at = DVec3::new(0.01, 0.0, 0.1);
     let wavelength = usual().wavelength();
-    let mut unequal = foci(&ring(4, 0.02, 0.1));
+    let mut unequal = foci_at(&ring(4, 0.02, 0.1));
     (unequal[0].target, unequal[2].target) = (1000.0, 1e-3);
     let case = |name, aperture, foci| Case { name, aperture, foci };
     let mut cases = vec![
-        case("coincident", usual(), foci(&[at, at])),
-        case("λ/1000 apart", usual(), foci(&[at, at + wavelength / 1000.0 * DVec3::X, at.with_x(-0.03)])),
-        case("ring of 48", usual(), foci(&ring(48, 0.02, 0.1))),
-        case("as many as elements", small(4, 4), foci(&ring(16, 0.03, 0.1))),
-        case("more than elements", small(3, 3), foci(&ring(20, 0.03, 0.1))),
-        case("one element", small(1, 1), foci(&ring(5, 0.02, 0.1))),
+        case("coincident", usual(), foci_at(&[at, at])),
+        case("λ/1000 apart", usual(), foci_at(&[at, at + wavelength / 1000.0 * DVec3::X, at.with_x(-0.03)])),
+        case("ring of 48", usual(), foci_at(&ring(48, 0.02, 0.1))),
+        case("as many as elements", small(4, 4), foci_at(&ring(16, 0.03, 0.1))),
+        case("more than elements", small(3, 3), foci_at(&ring(20, 0.03, 0.1))),
+        case("one element", small(1, 1), foci_at(&ring(5, 0.02, 0.1))),
         case(
             "most elements off",
             aperture(|scene| scene.array.off = (3..256).collect()),
-            foci(&ring(4, 0.02, 0.1)),
+            foci_at(&ring(4, 0.02, 0.1)),
         ),
         case("targets 1 : 10⁶", usual(), unequal),
-        case("1 mm away", usual(), foci(&ring(4, 0.02, 1e-3))),
-        case("10 m away", usual(), foci(&ring(4, 0.5, 10.0))),
-        case("20 kHz", aperture(|scene| scene.array.frequency = 20e3), foci(&ring(8, 0.02, 0.1))),
-        case("1 MHz", aperture(|scene| scene.array.frequency = 1e6), foci(&ring(8, 0.02, 0.1))),
-        case("scaled by 10⁻⁶", scaled(usual(), 1e-6), foci(&ring(8, 0.02e-6, 0.1e-6))),
-        case("scaled by 10⁶", scaled(usual(), 1e6), foci(&ring(8, 0.02e6, 0.1e6))),
+        case("1 mm away", usual(), foci_at(&ring(4, 0.02, 1e-3))),
+        case("10 m away", usual(), foci_at(&ring(4, 0.5, 10.0))),
+        case("20 kHz", aperture(|scene| scene.array.frequency = 20e3), foci_at(&ring(8, 0.02, 0.1))),
+        case("1 MHz", aperture(|scene| scene.array.frequency = 1e6), foci_at(&ring(8, 0.02, 0.1))),
+        case("scaled by 10⁻⁶", scaled(usual(), 1e-6), foci_at(&ring(8, 0.02e-6, 0.1e-6))),
+        case("scaled by 10⁶", scaled(usual(), 1e6), foci_at(&ring(8, 0.02e6, 0.1e6))),
     ];
     if !quick {
-        let spiral = |i: usize| {
-            let (sin, cos) = (2.4 * i as f64).sin_cos();
-            DVec3::new(cos, sin, 0.0) * 0.05 * (i as f64 / 1000.0).sqrt() + DVec3::Z * 0.1
-        };
-        let spiral: Vec<_> = (0..1000).map(spiral).collect();
-        cases.push(case("1000 foci", usual(), foci(&spiral)));
+        cases.push(case("1000 foci", usual(), foci::disc(1000)));
     }
     cases
 }
@@ -173,43 +171,21 @@ fn scaled(mut aperture: Aperture, scale: f64) -> Aperture {
     aperture
 }
 
-fn table(records: &[Record]) -> Table {
-    let mut table = Table::new();
-    table.set_header([
-        "set",
-        "M",
-        "method",
-        "CPU ms",
-        "sound",
-        "rank",
-        "condition",
-        "residual",
-        "spread",
-        "weakest Pa",
-        "loss",
-    ]);
-    for record in records {
-        let quality = &record.quality;
-        table.add_row([
-            record.case.to_owned(),
-            record.foci.to_string(),
-            record.method.name().to_owned(),
-            format!("{:.3}", record.cpu * 1e3),
-            if record.is_sound { "yes" } else { "NO" }.to_owned(),
-            record.rank.to_string(),
-            format!("{:.1e}", record.condition),
-            format!("{:.1e}", quality.residual),
-            format!("{:.1e}", quality.spread),
-            format!("{:.3e}", quality.min_pressure),
-            record.loss.map_or("-".to_owned(), |loss| format!("{:.1} %", 100.0 * loss)),
-        ]);
-    }
-    for column in [1, 3, 5, 6, 7, 8, 9, 10] {
-        if let Some(column) = table.column_mut(column) {
-            column.set_cell_alignment(CellAlignment::Right);
-        }
-    }
-    table
+fn row(record: &Record) -> Vec<String> {
+    let quality = &record.quality;
+    vec![
+        record.case.to_owned(),
+        record.foci.to_string(),
+        record.method.name().to_owned(),
+        digits(record.cpu * 1e3),
+        if record.is_sound { "yes" } else { "NO" }.to_owned(),
+        record.rank.to_string(),
+        format!("{:.1e}", record.condition),
+        format!("{:.1e}", quality.residual),
+        format!("{:.1e}", quality.spread),
+        format!("{:.3e}", quality.min_pressure),
+        record.loss.map_or("-".to_owned(), |loss| format!("{:.1} %", 100.0 * loss)),
+    ]
 }
 
 fn json(record: &Record) -> serde_json::Value {

@@ -1,0 +1,12 @@
+//! Tells the program which compiler built it, for the head of `sonoglyph bench`'s report.
+
+use std::process::Command;
+
+fn main() {
+    println!("cargo::rerun-if-changed=build.rs");
+    let compiler =
+        std::env::var_os("RUSTC").and_then(|rustc| Command::new(rustc).arg("--version").output().ok());
+    if let Some(version) = compiler.and_then(|output| String::from_utf8(output.stdout).ok()) {
+        println!("cargo::rustc-env=SONOGLYPH_RUSTC={}", version.trim());
+    }
+}

@@ -1,0 +1,221 @@
+//! The figures that the README states, with the spread that it states for them, and what a run makes of them.
+
+use serde_json::{Value, json};
+
+use crate::cli::bench::time::{Spread, digits};
+
+/// Where the stated values were measured.
+pub const MACHINE: &str = "two cores of an Intel Xeon with AVX-512, without a GPU";
+
+/// A number that is to come out alike on other machines: a ratio within a run, an error or a count.
+#[derive(Debug)]
+pub struct Figure {
+    pub name: &'static str,
+    unit: Unit,
+    /// The median of several runs on [`MACHINE`].
+    value: f64,
+    /// All of them lay well between these, which leave room for other machines.
+    spread: [f64; 2],
+    /// Where it stands in the JSON of a run: a number, or one with quartiles.
+    find: fn(&Value) -> Option<Value>,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Unit {
+    /// How many times as much, or as fast.
+    Times,
+    Percent,
+    Count,
+}
+
+/// What a run found for a figure.
+#[derive(Clone, Debug)]
+pub struct Measured {
+    pub figure: &'static Figure,
+    pub found: Spread,
+}
+
+const FIGURES: [Figure; 8] = [
+    Figure {
+        name: "`best` for 32 random foci: faster than 200 iterations of weighted Gerchberg-Saxton",
+        unit: Unit::Times,
+        value: 3.4,
+        spread: [2.0, 6.0],
+        find: |report| best(report, "time_ratio"),
+    },
+    Figure {
+        name: "and its weakest focus: as strong as that of the same",
+        unit: Unit::Times,
+        value: 1.0,
+        spread: [0.97, 1.03],
+        find: |report| best(report, "strength_ratio"),
+    },
+    Figure {
+        name: "and the part of what no drive can exceed that it surely reaches, mean over 20 sets",
+        unit: Unit::Percent,
+        value: 0.917,
+        spread: [0.9, 0.93],
+        find: |report| best(report, "certified_mean"),
+    },
+    Figure {
+        name: "the next frame of a motion of 8 foci: faster than a search",
+        unit: Unit::Times,
+        value: 1.96,
+        spread: [1.3, 3.0],
+        find: |report| {
+            let found =
+                record(report, "solve", &json!({ "workload": "moving", "method": "best, followed" }))?;
+            Some(found["time_ratio"].clone())
+        },
+    },
+    Figure {
+        name: "solutions of 14 hard sets of foci that are finite and within full drive",
+        unit: Unit::Percent,
+        value: 1.0,
+        spread: [1.0, 1.0],
+        find: |report| {
+            let all: Vec<_> =
+                report["stability"].as_array()?.iter().filter(|record| record["foci"] != 1000).collect();
+            let sound = all.iter().filter(|record| record["sound"] == true).count();
+            Some(json!(sound as f64 / all.len() as f64))
+        },
+    },
+    Figure {
+        name: "a frame in which one of 8 foci is dragged, in a window of 1280 x 800: faster than with every pixel evaluated",
+        unit: Unit::Times,
+        value: 18.7,
+        spread: [10.0, 40.0],
+        find: |report| {
+            let dragged = json!({ "what": "drag one of 8 foci", "width": 1280.0 });
+            Some(record(report, "window", &dragged)?["time_ratio"].clone())
+        },
+    },
+    Figure {
+        name: "frames of the window in a second in which nothing happens",
+        unit: Unit::Count,
+        value: 0.0,
+        spread: [0.0, 0.0],
+        find: |report| {
+            Some(record(report, "window", &json!({ "what": "nothing happens" }))?["frames"].clone())
+        },
+    },
+    Figure {
+        name: "frames that links at full speed brought to boards otherwise than they were sent",
+        unit: Unit::Count,
+        value: 0.0,
+        spread: [0.0, 0.0],
+        find: |report| {
+            let torn = report["link"].as_array()?.iter().filter_map(|record| record["torn"].as_u64());
+            Some(json!(torn.sum::<u64>()))
+        },
+    },
+];
+
+fn best(report: &Value, key: &str) -> Option<Value> {
+    let wanted = json!({ "workload": "plane", "foci": 32, "method": "best" });
+    Some(record(report, "solve", &wanted)?[key].clone())
+}
+
+/// The first record of a section that has all these values.
+fn record<'a>(report: &'a Value, section: &str, wanted: &Value) -> Option<&'a Value> {
+    let wanted = wanted.as_object()?;
+    report[section].as_array()?.iter().find(|record| wanted.iter().all(|(key, value)| record[key] == *value))
+}
+
+/// The figures that a run has records for.
+pub fn measured(report: &Value) -> Vec<Measured> {
+    let spread = |value: Value| match value {
+        Value::Number(number) => Some(Spread::of(vec![number.as_f64()?])),
+        value => {
+            let quartile = |i: usize| value["quartiles"][i].as_f64();
+            Some(Spread { median: value["median"].as_f64()?, quartiles: [quartile(0)?, quartile(1)?] })
+        }
+    };
+    let measured = |figure| Some(Measured { figure, found: spread((figure.find)(report)?)? });
+    FIGURES.iter().filter_map(measured).collect()
+}
+
+impl Figure {
+    fn text(&self, value: f64) -> String {
+        match self.unit {
+            Unit::Times => format!("{} x", digits(value)),
+            Unit::Percent => format!("{:.1} %", 100.0 * value),
+            Unit::Count => format!("{value}"),
+        }
+    }
+
+    fn range(&self, [low, high]: [f64; 2]) -> String {
+        if low == high { self.text(low) } else { format!("{} … {}", self.text(low), self.text(high)) }
+    }
+
+    /// What is stated: the value, and its spread.
+    pub fn stated(&self) -> [String; 2] {
+        [self.text(self.value), self.range(self.spread)]
+    }
+}
+
+impl Measured {
+    /// The median, and the quartiles of this run.
+    pub fn found(&self) -> [String; 2] {
+        [self.figure.text(self.found.median), self.figure.range(self.found.quartiles)]
+    }
+
+    pub fn is_within(&self) -> bool {
+        let [low, high] = self.figure.spread;
+        (low..=high).contains(&self.found.median)
+    }
+
+    pub fn json(&self) -> Value {
+        json!({
+            "name": self.figure.name,
+            "measured": self.found.json(),
+            "stated": { "value": self.figure.value, "spread": self.figure.spread },
+            "within": self.is_within(),
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const README: &str = include_str!("../../../README.md");
+
+    #[test]
+    fn the_readme_states_these_figures_and_none_else() {
+        let head = "| figure | value | expected within |\n|---|---|---|\n";
+        let row = |figure: &Figure| {
+            let [value, spread] = figure.stated();
+            format!("| {} | {value} | {spread} |\n", figure.name)
+        };
+        let table: String = std::iter::once(head.to_owned()).chain(FIGURES.iter().map(row)).collect();
+        assert!(
+            README.contains(&format!("{table}\n")),
+            "the README's section \"Measured\" should hold\n\n{table}"
+        );
+        assert!(README.contains(MACHINE), "the README should name the machine: {MACHINE}");
+    }
+
+    #[test]
+    fn stated_values_lie_within_their_spread() {
+        for figure in &FIGURES {
+            let found = Spread::of(vec![figure.value]);
+            assert!(Measured { figure, found }.is_within(), "{}", figure.name);
+        }
+    }
+
+    #[test]
+    fn figures_are_found_where_records_have_them_and_nowhere_else() {
+        let times = |median: f64| json!({ "median": median, "quartiles": [median, median] });
+        let solved = |foci: usize, method: &str, ratio: Value| json!({ "workload": "plane", "foci": foci, "method": method, "time_ratio": ratio, "certified_mean": null });
+        let report = json!({
+            "solve": [solved(8, "best", times(9.0)), solved(32, "wgs", times(8.0)), solved(32, "best", times(7.0))],
+            "window": [{ "what": "nothing happens", "frames": 3 }],
+            "link": [{ "torn": 2 }, { "delay_median_ms": 1.4 }, { "torn": 1 }],
+        });
+        let found: Vec<_> = measured(&report).iter().map(|figure| figure.found.median).collect();
+        assert_eq!(found, [7.0, 3.0, 3.0]);
+        assert!(measured(&report).iter().all(|figure| !figure.is_within()));
+        assert!(measured(&json!({})).is_empty());
+    }
+}

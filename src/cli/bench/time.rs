@@ -1,0 +1,183 @@
+//! What work takes, and how much that varies: medians and quartiles over rounds in which everything compared takes turns.
+
+use std::time::{Duration, Instant};
+
+use cpu_time::ProcessTime;
+use serde_json::{Value, json};
+
+/// Rounds in which a work and its baseline take turns, so that both meet the same machine.
+pub const ROUNDS: usize = 5;
+/// What one measurement of a round takes: as many runs as fit, at least one and at most [`MOST_RUNS`].
+const BUDGET: Duration = Duration::from_millis(20);
+const MOST_RUNS: usize = 15;
+
+/// Time of a piece of work, s.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Spent {
+    /// Of all threads of the process.
+    pub cpu: f64,
+    pub wall: f64,
+}
+
+impl Spent {
+    /// What one run takes.
+    pub fn once<T>(work: impl FnOnce() -> T) -> (Self, T) {
+        let (cpu, wall) = (ProcessTime::now(), Instant::now());
+        let done = work();
+        (Self { cpu: cpu.elapsed().as_secs_f64(), wall: wall.elapsed().as_secs_f64() }, done)
+    }
+
+    /// The medians of as many runs as the budget allows; `work` gets the number of the run.
+    pub fn on<E>(mut work: impl FnMut(usize) -> Result<(), E>) -> Result<Self, E> {
+        let (mut cpu, mut wall) = (Vec::new(), Vec::new());
+        let start = Instant::now();
+        while cpu.is_empty() || (start.elapsed() < BUDGET && cpu.len() < MOST_RUNS) {
+            let (spent, done) = Self::once(|| work(cpu.len()));
+            done?;
+            cpu.push(spent.cpu);
+            wall.push(spent.wall);
+        }
+        Ok(Self { cpu: median(&cpu), wall: median(&wall) })
+    }
+}
+
+/// What a piece of work took in each round.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Times(Vec<Spent>);
+
+impl Times {
+    pub fn push(&mut self, spent: Spent) {
+        self.0.push(spent);
+    }
+
+    /// Median over the rounds, ms of all threads.
+    pub fn cpu_ms(&self) -> f64 {
+        1e3 * median(&self.0.iter().map(|spent| spent.cpu).collect::<Vec<_>>())
+    }
+
+    /// Median over the rounds, ms.
+    pub fn wall_ms(&self) -> f64 {
+        1e3 * median(&self.0.iter().map(|spent| spent.wall).collect::<Vec<_>>())
+    }
+
+    /// This CPU time over that of the other in the same round.
+    pub fn over(&self, other: &Self) -> Spread {
+        Spread::of(self.0.iter().zip(&other.0).map(|(own, other)| own.cpu / other.cpu).collect())
+    }
+
+    /// All of these times a factor.
+    pub fn scaled(&self, factor: f64) -> Self {
+        let scaled = |spent: &Spent| Spent { cpu: spent.cpu * factor, wall: spent.wall * factor };
+        Self(self.0.iter().map(scaled).collect())
+    }
+
+    /// CPU ms, and wall ms in brackets.
+    pub fn text(&self) -> String {
+        if self.0.is_empty() {
+            return "-".to_owned();
+        }
+        format!("{} ({})", digits(self.cpu_ms()), digits(self.wall_ms()))
+    }
+
+    pub fn json(&self) -> Value {
+        json!({ "cpu_ms": self.cpu_ms(), "wall_ms": self.wall_ms() })
+    }
+}
+
+impl FromIterator<Spent> for Times {
+    fn from_iter<I: IntoIterator<Item = Spent>>(rounds: I) -> Self {
+        Self(rounds.into_iter().collect())
+    }
+}
+
+/// The middle half of what was measured several times.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Spread {
+    pub median: f64,
+    /// A quarter of the values lie below the first, a quarter above the second.
+    pub quartiles: [f64; 2],
+}
+
+impl Spread {
+    /// NaN where there is nothing.
+    pub fn of(mut values: Vec<f64>) -> Self {
+        values.sort_by(f64::total_cmp);
+        let [low, median, high] = [0.25, 0.5, 0.75].map(|part| quantile(&values, part));
+        Self { median, quartiles: [low, high] }
+    }
+
+    /// The median with as many digits as tell something.
+    pub fn text(&self) -> String {
+        digits(self.median)
+    }
+
+    pub fn quartiles_text(&self) -> String {
+        self.quartiles.map(digits).join(" … ")
+    }
+
+    pub fn json(&self) -> Value {
+        json!({ "median": self.median, "quartiles": self.quartiles })
+    }
+}
+
+pub fn median(values: &[f64]) -> f64 {
+    Spread::of(values.to_vec()).median
+}
+
+/// Between the two sorted values that stand next to that part of them.
+fn quantile(sorted: &[f64], part: f64) -> f64 {
+    let Some(last) = sorted.len().checked_sub(1) else { return f64::NAN };
+    let place = part * last as f64;
+    let (below, above) = (sorted[place.floor() as usize], sorted[place.ceil() as usize]);
+    // Equal ones may be infinite, and their difference no number.
+    if below == above { below } else { below + (above - below) * place.fract() }
+}
+
+/// Three digits that count.
+pub fn digits(value: f64) -> String {
+    let magnitude = value.abs();
+    match magnitude {
+        0.0 => "0".to_owned(),
+        0.001..0.995 => {
+            let decimals = 3 + (-magnitude.log10()).floor().max(0.0) as usize;
+            format!("{value:.decimals$}")
+        }
+        0.995..9.995 => format!("{value:.2}"),
+        9.995..99.95 => format!("{value:.1}"),
+        99.95..1e6 => format!("{value:.0}"),
+        _ => format!("{value:.1e}"),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn quartiles_stand_between_the_values() {
+        let spread = Spread::of(vec![5.0, 1.0, 4.0, 2.0]);
+        assert_eq!((spread.median, spread.quartiles), (3.0, [1.75, 4.25]));
+        assert_eq!(Spread::of(vec![7.0]), Spread { median: 7.0, quartiles: [7.0, 7.0] });
+        assert!(Spread::of(Vec::new()).median.is_nan());
+        assert_eq!(Spread::of(vec![f64::INFINITY; 2]).median, f64::INFINITY);
+    }
+
+    #[test]
+    fn ratios_are_of_the_same_round() {
+        let times = |cpu: &[f64]| Times(cpu.iter().map(|&cpu| Spent { cpu, wall: cpu / 2.0 }).collect());
+        // The machine is slower in every round, and the ratio does not see it.
+        let ratio = times(&[10.0, 20.0, 40.0]).over(&times(&[1.0, 2.0, 4.0]));
+        assert_eq!((ratio.median, ratio.quartiles), (10.0, [10.0, 10.0]));
+        assert_eq!(times(&[10.0, 20.0, 40.0]).cpu_ms(), 20_000.0);
+        assert_eq!(times(&[10.0, 20.0, 40.0]).scaled(0.1).wall_ms(), 1000.0);
+    }
+
+    #[test]
+    fn three_digits_count() {
+        let texts = [0.0, 0.001_234, 0.0512, 0.999, 1.5, 31.46, 512.3, 2e7, -3.0, 1e-5].map(digits);
+        assert_eq!(
+            texts,
+            ["0", "0.00123", "0.0512", "1.00", "1.50", "31.5", "512", "2.0e7", "-3.00", "1.0e-5"]
+        );
+    }
+}
