@@ -31,8 +31,9 @@ impl Levels {
     /// # Errors
     /// An array of another size than the board's.
     pub fn new(profile: Profile, drive: &Drive, calibration: &Calibration) -> Result<Self, OtherCount> {
-        let array = drive.phases.len();
-        if array != profile.elements() {
+        let array = profile.elements();
+        let counts = [drive.phases.len(), drive.amplitudes.len()];
+        if let Some(array) = counts.into_iter().find(|&count| count != array) {
             return Err(OtherCount { profile, array });
         }
         let level = |n| {
