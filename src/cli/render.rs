@@ -12,6 +12,7 @@ use crate::cli::{
     read_scene, warn,
 };
 use crate::drive::Drive;
+use crate::field::stages::MOST_PIXELS;
 use crate::field::{self, Evaluator, Stages};
 use crate::picture::{Picture, export, relief, sheet};
 use crate::scene::{MotionPath, Scene, file};
@@ -19,7 +20,6 @@ use crate::solver::{self, Solution};
 
 /// Pixels per side that a picture may have, and in all: half a gigabyte of field.
 const LARGEST_SIDE: usize = 1_000_000;
-const MOST_PIXELS: usize = 1 << 26;
 const SMALLEST_SHEET: usize = 200;
 const MAP_WIDTH: usize = 512;
 const SHEET_WIDTH: usize = 1600;
