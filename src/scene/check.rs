@@ -13,6 +13,8 @@ use crate::scene::{
 pub const MOST_ELEMENTS: u64 = 65_536;
 /// Focal points that a scene may ask for; the solver's work grows with the cube of this.
 pub const MOST_FOCI: usize = 1024;
+/// Iterations of a method: a thousand times what any of them needs.
+const MOST_ITERATIONS: u64 = 100_000;
 /// m; lengths beyond are slips of the unit, not scenes.
 const LONGEST: f64 = 100.0;
 
@@ -86,6 +88,8 @@ pub fn check(scene: &Scene) -> Result<(), KeyError> {
         self::target(target, scene.solver.pressures)
             .map_err(|e| e.under(&["target".into(), index.into()]))?;
     }
+    count("iterations", scene.solver.iterations.into(), 0, MOST_ITERATIONS)
+        .map_err(|e| e.under(&["solver".into()]))?;
     plane(&scene.plane).map_err(|e| e.under(&["plane".into()]))?;
     liquid(&scene.liquid).map_err(|e| e.under(&["liquid".into()]))?;
     modulation(&scene.modulation).map_err(|e| e.under(&["modulation".into()]))?;
