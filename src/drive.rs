@@ -20,6 +20,9 @@ pub struct Drive {
 impl Drive {
     /// Full amplitude on the `driven` elements of an array of `elements`, with the phases of `excitation` (one value
     /// per driven element).
+    ///
+    /// # Panics
+    /// A driven element beyond the last; the same holds of the next two and of [`Drive::excitation`].
     pub fn uniform(elements: usize, driven: &[usize], excitation: &[Complex64]) -> Self {
         let mut drive = Self { amplitudes: vec![0.0; elements], phases: vec![0.0; elements] };
         for (&element, u) in driven.iter().zip(excitation) {
@@ -95,6 +98,9 @@ impl Drive {
     }
 
     /// The same drive as a board with `levels` phases per period plays it.
+    ///
+    /// # Panics
+    /// No levels.
     pub fn at_levels(&self, levels: u32) -> Self {
         let played = |&phase: &f64| {
             let turns = -f64::from(delay_level(phase, levels)) / f64::from(levels);
@@ -115,7 +121,10 @@ fn wrapped(phase: f64) -> f64 {
 }
 
 /// The level that a board with `levels` steps per period plays for a phase (rad): boards speak delay, so the sign is
-/// converted here and nowhere else.
+/// converted here and nowhere else. A phase that is no number is played without delay.
+///
+/// # Panics
+/// No levels.
 pub fn delay_level(phase: f64, levels: u32) -> u32 {
     let delay = (-phase / TAU).rem_euclid(1.0);
     (delay * f64::from(levels)).round() as u32 % levels

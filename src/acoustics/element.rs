@@ -14,6 +14,8 @@ use crate::scene::ElementModel;
 /// m. An element is no point: a height above the array never counts as less, which keeps every value finite, and a
 /// point this little behind the array still counts as in front, so that rounding does not decide.
 pub const NEAREST: f64 = 1e-5;
+/// m. A smaller disk is a point: no place is so near to it that it could tell.
+pub const SMALLEST_DISK: f64 = 1e-9;
 /// Relative error of the exact piston's integral that [`piston_nodes`] is asked for in f64.
 const PISTON_ERROR: f64 = 1e-14;
 /// Nodes beyond which the exact piston is not refined: points on the rim itself.
@@ -66,6 +68,9 @@ impl Element {
     /// removable singularity of the textbook form.
     fn exact_piston(&self, rho: f64, z: f64) -> Complex64 {
         let (a, k) = (self.radius, self.wavenumber);
+        if a < SMALLEST_DISK {
+            return spherical(k, rho.hypot(z));
+        }
         let nodes = piston_nodes(k * a, rho / a, z / a, PISTON_ERROR).min(MOST_NODES);
         let mut sum = Complex64::ZERO;
         for node in 0..nodes {

@@ -107,7 +107,11 @@ impl Transfer {
     }
 
     /// H u: the pressure at every point.
+    ///
+    /// # Panics
+    /// Other than a value per element.
     pub fn pressure(&self, excitation: &[Complex64]) -> Vec<Complex64> {
+        assert_eq!(excitation.len(), self.elements, "a value per element");
         let mut played = self.excitation();
         for (element, &u) in excitation.iter().enumerate() {
             played.set(element, u);
@@ -116,7 +120,11 @@ impl Transfer {
     }
 
     /// H* p: what every element would hear.
+    ///
+    /// # Panics
+    /// Other than a value per point.
     pub fn back(&self, pressure: &[Complex64]) -> Vec<Complex64> {
+        assert_eq!(pressure.len(), self.points, "a value per point");
         let mut heard = self.excitation();
         let pressure: Phasors = pressure.iter().copied().collect();
         Isa::best().run(Back { transfer: self, pressure: &pressure, heard: &mut heard });
@@ -139,7 +147,11 @@ impl Transfer {
     }
 
     /// H D H*, D the diagonal of `weights` (one per element), row by row.
+    ///
+    /// # Panics
+    /// Other than a weight per element.
     pub fn gram(&self, weights: Option<&[f64]>) -> Phasors {
+        assert!(weights.is_none_or(|weights| weights.len() == self.elements), "a weight per element");
         let mut scaled = None;
         if let Some(weights) = weights {
             let mut transfer = self.clone();

@@ -13,6 +13,7 @@ use crate::cli::{
     read_scene, warn,
 };
 use crate::drive::Drive;
+use crate::field::stages::MOST_PIXELS;
 use crate::field::{self, Evaluator, Stages};
 use crate::picture::{Picture, export, relief, sheet};
 use crate::scene::{MotionPath, Scene, file};
@@ -20,7 +21,6 @@ use crate::solver::{self, Solution};
 
 /// Pixels per side that a picture may have, and in all: half a gigabyte of field.
 const LARGEST_SIDE: usize = 1_000_000;
-const MOST_PIXELS: usize = 1 << 26;
 /// What a pixel takes on its way from the field to a PNG, at most.
 const BYTES_PER_PIXEL: usize = 24;
 const SMALLEST_SHEET: usize = 200;

@@ -16,19 +16,22 @@ pub struct Level {
 }
 
 impl Profile {
-    /// What is nearest to an amplitude (0 to 1) and a phase (rad); nothing where nothing is to sound.
+    /// What is nearest to an amplitude (0 to 1, and 1 for what is more) and a phase (rad); nothing where nothing is to sound, or
+    /// nobody knows what: a NaN must not be loud.
     pub fn level(self, amplitude: f64, phase: f64) -> Option<Level> {
+        if amplitude.is_nan() || amplitude <= 0.0 || !phase.is_finite() {
+            return None;
+        }
+        let amplitude = amplitude.min(1.0);
         let levels = u32::from(self.levels());
         match self.strength() {
-            Strength::Fixed => {
-                (amplitude > 0.0).then(|| Level { delay: delay_level(phase, levels) as u16, amplitude: 1 })
-            }
+            Strength::Fixed => Some(Level { delay: delay_level(phase, levels) as u16, amplitude: 1 }),
             Strength::Linear(full) => {
                 let amplitude = (amplitude * f64::from(full)).round() as u16;
                 (amplitude > 0).then(|| Level { delay: delay_level(phase, levels) as u16, amplitude })
             }
             Strength::Duty(full) => {
-                let duty = (amplitude.min(1.0).asin() / PI * f64::from(levels)).round().min(f64::from(full));
+                let duty = (amplitude.asin() / PI * f64::from(levels)).round().min(f64::from(full));
                 // The middle of the pulse is what sounds, and it stays; the board is told where it begins.
                 let later = (f64::from(full) - duty) / 2.0 / f64::from(levels);
                 let delay = delay_level(phase - TAU * later, levels) as u16;
@@ -71,8 +74,9 @@ impl Levels {
     /// # Errors
     /// An array of another size than the board's.
     pub fn new(profile: Profile, drive: &Drive, calibration: &Calibration) -> Result<Self, OtherCount> {
-        let array = drive.phases.len();
-        if array != profile.elements() {
+        let array = profile.elements();
+        let counts = [drive.phases.len(), drive.amplitudes.len()];
+        if let Some(array) = counts.into_iter().find(|&count| count != array) {
             return Err(OtherCount { profile, array });
         }
         let level = |n| {

@@ -2,6 +2,8 @@
 
 use std::time::{Duration, Instant};
 
+/// How long anything takes at most.
+const LONGEST: Duration = Duration::from_secs(86_400);
 /// Bits on the line per byte: a start bit, eight of data, a stop bit.
 pub const BITS: f64 = 10.0;
 
@@ -12,13 +14,14 @@ pub struct Pace {
 }
 
 impl Pace {
+    /// A line of so many bits per second, 1 at least.
     pub fn new(baud: f64, now: Instant) -> Self {
-        Self { baud, free_at: now }
+        Self { baud: baud.max(1.0), free_at: now }
     }
 
-    /// How long `bytes` take.
+    /// How long `bytes` take, a day at most.
     pub fn time_of(&self, bytes: usize) -> Duration {
-        Duration::from_secs_f64(bytes as f64 * BITS / self.baud)
+        Duration::try_from_secs_f64(bytes as f64 * BITS / self.baud).unwrap_or(LONGEST).min(LONGEST)
     }
 
     /// Notes that `bytes` were handed over, and says when the last of them will have left.

@@ -4,7 +4,7 @@ use glam::DVec2;
 
 use crate::acoustics::Aperture;
 use crate::field::interpolation::Resampling;
-use crate::scene::Plane;
+use crate::scene::{ElementModel, Plane};
 use crate::surface::Tank;
 
 /// Cells per wavelength. A square has at most two cycles per wavelength, of which three could be told.
@@ -30,17 +30,19 @@ pub struct Cells {
 
 impl Cells {
     /// For a `plane`, at least `margin` (m) beyond it, so that interpolated squares are off by at most `accuracy`, relative to
-    /// their peak. `None` if they would be too many.
+    /// their peak. `None` if they would be too many, or nobody can say how many.
     pub fn new(aperture: &Aperture, plane: &Plane, margin: f64, accuracy: f64) -> Option<Self> {
         /// Of the accuracy, what the window may take.
         const SHARE: f64 = 0.2;
-        let step = aperture.wavelength() / PER_WAVELENGTH;
+        let step = aperture.wavelength() / (PER_WAVELENGTH * pattern(aperture, plane)?);
         let beta = -(SHARE * accuracy).ln();
         let half_width = (beta / (std::f64::consts::TAU * (0.5 - 2.0 * HIGHEST / PER_WAVELENGTH))).ceil();
         let is_tank = margin > 0.0;
         let margin = margin.max(half_width * step);
         let counts = plane.size.to_array().map(|length| ((length + 2.0 * margin) / step).ceil());
-        if counts[0] * counts[1] > MOST as f64 {
+        // Not the other way round: a NaN is not few.
+        let is_few = (1.0..=MOST as f64).contains(&(counts[0] * counts[1]));
+        if !is_few || !half_width.is_finite() {
             return None;
         }
         let counts = counts.map(|count| if is_tank { smooth(count as usize) } else { count as usize });
@@ -90,6 +92,16 @@ impl Cells {
             .map(|(i, value)| covered[0][i % self.counts[0]] * covered[1][i / self.counts[0]] * value);
         weighted.sum::<f64>() * self.step * self.step
     }
+}
+
+/// How many times finer than sound itself the directivity of elements wider than they are far away is (see
+/// [`crate::field::plan`]); usually once.
+fn pattern(aperture: &Aperture, plane: &Plane) -> Option<f64> {
+    let (x_axis, y_axis) = plane.axes()?;
+    let sagging = (plane.size.x * x_axis.z.abs() + plane.size.y * y_axis.z.abs()) / 2.0;
+    let height = (plane.centre.z - sagging).max(aperture.wavelength());
+    let radius = if aperture.element.model == ElementModel::Piston { aperture.element.radius } else { 0.0 };
+    Some((1f64.hypot(radius / height) / HIGHEST).max(1.0))
 }
 
 /// The smallest product of 2, 3 and 5 that is not below `least`.

@@ -67,7 +67,8 @@ pub fn loudest(
     foci: &[DVec3],
 ) -> Result<Ghost, NoGhost> {
     let lobes: Vec<_> = foci.iter().map(|&focus| Lobe::new(aperture, focus)).collect();
-    let (x_axis, y_axis) = plane.axes().ok_or(FieldError::NoPlane)?;
+    let is_rectangle = plane.size.is_finite() && plane.size.min_element() > 0.0;
+    let (x_axis, y_axis) = plane.axes().filter(|_| is_rectangle).ok_or(FieldError::NoPlane)?;
     if !lobes.iter().any(|lobe| lobe.contains(nearest(plane, [x_axis, y_axis], lobe.focus))) {
         return Err(NoGhost::NoFocus);
     }

@@ -26,6 +26,9 @@ pub struct Resampling {
 
 impl Resampling {
     /// `positions` of the pixels in samples, none below `half_width` - 1; a window of 2 `half_width` taps and shape β.
+    ///
+    /// # Panics
+    /// A half-width of 0.
     pub fn new(positions: impl Iterator<Item = f64>, half_width: usize, beta: f64) -> Self {
         let window = window(beta);
         Self::with(positions, half_width, |x, sine, inside| {
@@ -53,6 +56,7 @@ impl Resampling {
         half_width: usize,
         weight: impl Fn(f64, f64, f64) -> f64,
     ) -> Self {
+        assert!(half_width > 0, "a window without taps");
         let taps = 2 * half_width;
         let (mut first, mut weights) = (Vec::new(), Vec::new());
         for position in positions {

@@ -112,6 +112,9 @@ impl Samples {
     }
 
     /// Sample number `index`, row by row.
+    ///
+    /// # Panics
+    /// An index beyond the last.
     pub fn point(&self, index: usize) -> DVec3 {
         self.columns[index % self.columns.len()] + self.rows[index / self.columns.len()]
     }

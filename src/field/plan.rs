@@ -17,7 +17,7 @@ use num_complex::Complex32;
 use crate::acoustics::Aperture;
 use crate::field::interpolation::Resampling;
 use crate::field::{Samples, Wave};
-use crate::scene::Plane;
+use crate::scene::{ElementModel, Plane};
 
 /// Bytes that a table of waves may take; above, every superposition evaluates its waves anew.
 pub const TABLE_CEILING: usize = 256 << 20;
@@ -27,6 +27,8 @@ const HALF_WIDTHS: [usize; 8] = [2, 3, 4, 5, 6, 8, 10, 12];
 const USUAL_PIXELS: f64 = 1024.0 * 1024.0;
 /// rad by which f32 rounds a path, per turn of it.
 const F32_TURN_ERROR: f64 = 1.2e-7 * TAU;
+/// Samples of a plane that are worth while: as many as the pixels of the largest map.
+const MOST_SAMPLES: f64 = (1u64 << 26) as f64;
 /// Fresnel zones by which the local frequency is blurred, and the part of the tolerance that the window is designed for;
 /// with these, 12 000 random scenes kept their tolerance.
 const BLUR: f64 = 0.15;
@@ -114,17 +116,21 @@ pub struct Shared {
 impl Plan {
     /// The plan for a plane and its tolerance, by an evaluator with these costs. The tolerance is relative to the map's
     /// peak; 0 asks for direct evaluation.
-    /// `None` where the plane's axes span no plane.
+    /// `None` where the plane's axes span no plane, or its centre, size or tolerance are none that a checked scene has.
     pub fn new(aperture: &Aperture, plane: &Plane, costs: Costs) -> Option<Self> {
-        let corners = corners(plane)?;
+        /// m; phases are rounded to whole turns beyond.
+        const FARTHEST: f64 = 1e6;
+        let is_plane = plane.centre.is_finite()
+            && plane.centre.abs().max_element() <= FARTHEST
+            && plane.size.is_finite()
+            && plane.size.min_element() > 0.0
+            && plane.size.max_element() <= FARTHEST
+            && (0.0..=1.0).contains(&plane.tolerance);
+        let corners = corners(plane).filter(|_| is_plane)?;
         let too_much = plane.tolerance > 0.0 && plane.tolerance < f32_error(aperture, &corners);
         let double = too_much || Wave::new(aperture, &corners).is_none();
-        let direct = |reason: &str| Self {
-            plane: plane.clone(),
-            grid: None,
-            double,
-            reason: format!("every pixel is evaluated: {reason}"),
-        };
+        let every = Self { plane: plane.clone(), grid: None, double, reason: String::new() };
+        let direct = |reason: &str| every.direct(reason);
         if plane.tolerance == 0.0 {
             return Some(direct("exact was asked for"));
         }
@@ -137,6 +143,9 @@ impl Plan {
         let Some(layout) = best else {
             return Some(direct("the plane comes too near to the array"));
         };
+        if view.samples(&layout) > MOST_SAMPLES {
+            return Some(direct("the plane is too many wavelengths wide for samples"));
+        }
         let grid = view.grid(&layout);
         let reason = format!(
             "{} x {} samples of {:.2} x {:.2} wavelengths, {} taps",
@@ -147,6 +156,14 @@ impl Plan {
             2 * layout.half_width,
         );
         Some(Self { plane: plane.clone(), grid: Some(grid), double, reason })
+    }
+}
+
+impl Plan {
+    /// The same plane without samples.
+    pub fn direct(&self, reason: &str) -> Self {
+        let reason = format!("every pixel is evaluated: {reason}");
+        Self { plane: self.plane.clone(), grid: None, double: self.double, reason }
     }
 }
 
@@ -181,6 +198,10 @@ struct View {
     wavelength: f64,
     /// Opposite corners of the array.
     corners: [DVec3; 2],
+    /// m, by which an element that is a disk itself reaches beyond its centre.
+    disk: f64,
+    /// m, the radius that a far field's directivity is of.
+    pattern: f64,
 }
 
 /// A choice of samples.
@@ -199,6 +220,7 @@ impl View {
     fn new(aperture: &Aperture, plane: &Plane, costs: Costs) -> Option<Self> {
         let (x_axis, y_axis) = plane.axes()?;
         let (first, last) = aperture.corners();
+        let element = &aperture.element;
         Some(Self {
             centre: plane.centre,
             axes: [x_axis, y_axis],
@@ -209,6 +231,8 @@ impl View {
             pitch: aperture.pitch,
             wavelength: aperture.wavelength(),
             corners: [first.extend(0.0), last.extend(0.0)],
+            disk: if element.model == ElementModel::ExactPiston { element.radius } else { 0.0 },
+            pattern: if element.model == ElementModel::Piston { element.radius } else { 0.0 },
         })
     }
 
@@ -278,39 +302,48 @@ impl View {
     /// covered and its margin.
     ///
     /// It is the sine of the steepest ray, blurred by the curvature of the wave fronts over one Fresnel zone; but no more
-    /// than what of the evanescent field, which falls by e^{-2πz√(f²-1)/λ}, comes so far.
+    /// than what of the evanescent field, which falls by e^{-2πz√(f²-1)/λ}, comes so far. A directivity 2 J1(ka sinθ)/(ka sinθ)
+    /// turns by ka as sinθ does from 0 to 1, and so adds a/z cos³θ. That matters where elements are wider than they are far away.
     fn highest_frequency(&self, axis: usize, covered: &Range<f64>, margin: DVec2, beta: f64) -> f64 {
         let along = self.axes[axis];
         let slope = self.axes[1].z;
         let height = self.centre.z + (covered.start * slope).min(covered.end * slope) - self.sagging(margin);
         let evanescent = beta / (TAU * height / self.wavelength);
-        let most = 1f64.hypot(evanescent);
+        let pattern = self.pattern / height;
+        // sinθ + a/z cos³θ ≤ √(1 + a²/z²)
+        let most = 1f64.hypot(evanescent.max(pattern));
         if along.z.abs() > 1e-9 {
             return most;
         }
         let [low, high] = self.corners;
         let reach = [low, high, DVec3::new(low.x, high.y, 0.0)].map(|corner| corner.dot(along).abs());
-        let array = reach.into_iter().fold(0.0, f64::max);
+        let array = reach.into_iter().fold(0.0, f64::max) + self.disk;
         let longest = self.centre.dot(along).abs() + self.half[axis] + margin[axis] + array;
-        let blur = BLUR * (beta * self.wavelength / height).sqrt();
+        let blur = (BLUR * (beta * self.wavelength / height).sqrt()).max(pattern);
         (longest / longest.hypot(height) + blur).min(most)
     }
 
     fn sample_counts(&self, layout: &Layout) -> [usize; 2] {
         let span = [2.0 * self.half.x, layout.covered.end - layout.covered.start];
-        [0, 1].map(|axis| (span[axis] / layout.step[axis]).floor() as usize + 2 * layout.half_width)
+        let count = |axis: usize| (span[axis] / layout.step[axis]).floor() as usize;
+        [0, 1].map(|axis| count(axis).saturating_add(2 * layout.half_width))
+    }
+
+    fn samples(&self, layout: &Layout) -> f64 {
+        let [columns, rows] = self.sample_counts(layout);
+        columns as f64 * rows as f64
     }
 
     fn work(&self, layout: &Layout) -> f64 {
-        let [columns, rows] = self.sample_counts(layout);
+        let pairs = self.samples(layout) * self.elements as f64;
         let taps = USUAL_PIXELS * (2 * layout.half_width) as f64;
-        let is_kept = columns * rows * self.elements * size_of::<Complex32>() <= TABLE_CEILING;
+        let is_kept = pairs * size_of::<Complex32>() as f64 <= TABLE_CEILING as f64;
         let pair = match layout.shared {
             [None, None] if is_kept => self.costs.kept_pair,
             [None, None] => 1.0,
             _ => self.costs.shared_pair,
         };
-        pair * (columns * rows * self.elements) as f64 + self.costs.tap * taps
+        pair * pairs + self.costs.tap * taps
     }
 
     fn grid(&self, layout: &Layout) -> Grid {

@@ -12,7 +12,7 @@ use std::f64::consts::{PI, TAU};
 use glam::DVec2;
 
 use crate::acoustics::Aperture;
-use crate::acoustics::element::{self, NEAREST};
+use crate::acoustics::element::{self, NEAREST, SMALLEST_DISK};
 use crate::drive::Drive;
 use crate::field::{Samples, polynomial};
 use crate::scene::ElementModel;
@@ -91,9 +91,12 @@ impl Sources {
 
 impl Wave {
     /// `None` for elements and absorption beyond f32's polynomials: a radius above four wavelengths, or more than about
-    /// 40 dB between the nearest and the farthest distance.
+    /// 40 dB between the nearest and the farthest distance; and for an exact piston that is no disk.
     pub fn new(aperture: &Aperture, samples: &Samples) -> Option<Self> {
         let element = &aperture.element;
+        if element.model == ElementModel::ExactPiston && element.radius < SMALLEST_DISK {
+            return None;
+        }
         let turns_per_metre = element.wavenumber / TAU;
         let sought = |s: f64| element.directivity(((s + 1.0) / 2.0).max(0.0).sqrt());
         let directivity = Polynomial::fit(FEW_DIRECTIVITY, sought)?;

@@ -54,11 +54,11 @@ impl Line {
         Self { points: kept, closed: self.closed }
     }
 
-    /// The same line with at most `most` points.
+    /// The same line with at most `most` points, two at least.
     pub fn with_at_most(&self, most: usize, tolerance: f64) -> Self {
         let mut line = self.simplified(tolerance);
-        let mut coarser = tolerance;
-        while line.points.len() > most {
+        let mut coarser = tolerance.max(1e-12 * line.length());
+        while line.points.len() > most.max(2) {
             coarser *= 2.0;
             line = self.simplified(coarser);
         }

@@ -51,11 +51,12 @@ pub struct Pace {
 
 impl Pace {
     /// As fast as it really is, if that is neither too fast for viewers, which show frames for a tenth of a second when told less
-    /// than a fiftieth, nor too slow for the formats.
+    /// than a fiftieth, nor too slow for the formats. What is no rate is shown as slowly as can be.
     pub fn new(frames_per_second: f64) -> Self {
         const SHORTEST: f64 = 0.02;
         const LONGEST: f64 = 60.0;
-        let real = 1.0 / frames_per_second;
+        let is_rate = frames_per_second.is_finite() && frames_per_second > 0.0;
+        let real = if is_rate { 1.0 / frames_per_second } else { LONGEST };
         let per_frame = real.clamp(SHORTEST, LONGEST);
         Self { per_frame, slowed: per_frame / real }
     }
@@ -70,6 +71,10 @@ impl Pace {
 /// Why an animation could not be encoded.
 #[derive(Debug, thiserror::Error)]
 pub enum AnimationError {
+    #[error(
+        "cannot encode {frames} frames of {width} x {height} pixels: a side is 1 to {largest}, and there is a frame at least"
+    )]
+    Size { width: usize, height: usize, largest: usize, frames: u32 },
     #[error("cannot encode: {0}")]
     Gif(gif::EncodingError),
     #[error("cannot encode: {0}")]
@@ -131,6 +136,10 @@ impl<W: Write> Animation<W> {
         frames: u32,
         pace: Pace,
     ) -> Result<Self, AnimationError> {
+        let largest = format.largest_side();
+        if frames == 0 || [width, height].iter().any(|side| !(1..=largest).contains(side)) {
+            return Err(AnimationError::Size { width, height, largest, frames });
+        }
         let palette: Vec<u8> = colours.iter().flat_map(|[r, g, b, _]| [*r, *g, *b]).collect();
         let encoder = match format {
             Format::Gif => {
@@ -157,6 +166,9 @@ impl<W: Write> Animation<W> {
     ///
     /// # Errors
     /// A file that cannot be written, or more frames than were promised.
+    ///
+    /// # Panics
+    /// Another number of places than pixels.
     pub fn add(&mut self, places: &[u8]) -> Result<(), AnimationError> {
         assert_eq!(places.len(), self.width * self.height, "a byte per pixel");
         let from_top: Vec<u8> = places.chunks_exact(self.width).rev().flatten().copied().collect();

@@ -62,7 +62,7 @@ pub struct Level {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Series {
     pub name: String,
-    /// Positive numbers; others are left out.
+    /// Positive numbers from 1e-30 to 1e30; others are left out, since axes of more decades have no end of ticks.
     pub points: Vec<(f64, f64)>,
 }
 
@@ -164,7 +164,8 @@ impl Chart {
 
 impl Series {
     fn drawable(&self) -> impl Iterator<Item = (f64, f64)> {
-        self.points.iter().copied().filter(|&(x, y)| x > 0.0 && y > 0.0 && x.is_finite() && y.is_finite())
+        let is_drawable = |number: &f64| (1e-30..=1e30).contains(number);
+        self.points.iter().copied().filter(move |(x, y)| is_drawable(x) && is_drawable(y))
     }
 }
 

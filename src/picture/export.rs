@@ -10,7 +10,10 @@ use crate::picture::Picture;
 /// A PNG; opaque, so without an alpha channel.
 ///
 /// # Errors
-/// The encoder refuses the picture: a side of more than 2³¹ pixels.
+/// The encoder refuses the picture: a side of more than 2³¹ pixels, or of none.
+///
+/// # Panics
+/// A picture with other than four bytes per pixel.
 pub fn png(picture: &Picture) -> Result<Vec<u8>, image::ImageError> {
     let rgb: Vec<u8> =
         picture.rgba.chunks_exact(4).flat_map(|pixel| [pixel[0], pixel[1], pixel[2]]).collect();

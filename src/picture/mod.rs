@@ -34,13 +34,19 @@ pub struct Picture {
 
 impl Picture {
     /// From colours in a field's order, whose row 0 is at the smallest y: the bottom of the picture.
+    ///
+    /// # Panics
+    /// Other than four bytes per pixel.
     pub fn from_field_order(width: usize, height: usize, colours: &[u8]) -> Self {
         assert_eq!(colours.len(), width * height * 4, "four bytes per pixel");
-        let rgba = colours.chunks_exact(width * 4).rev().flatten().copied().collect();
+        let rgba = colours.chunks_exact((width * 4).max(1)).rev().flatten().copied().collect();
         Self { width, height, rgba }
     }
 
     /// One colour, r, g, b, a.
+    ///
+    /// # Panics
+    /// A place beside the picture.
     pub fn pixel(&self, x: usize, y: usize) -> [u8; 4] {
         let at = (y * self.width + x) * 4;
         [self.rgba[at], self.rgba[at + 1], self.rgba[at + 2], self.rgba[at + 3]]

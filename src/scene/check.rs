@@ -15,6 +15,8 @@ pub const MOST_ELEMENTS: u64 = 65_536;
 pub const MOST_FOCI: usize = 1024;
 /// Targets that a scene may have, shown at once or one after the other.
 pub const MOST_TARGETS: usize = 10_000;
+/// Iterations of a method: a thousand times what any of them needs.
+const MOST_ITERATIONS: u64 = 100_000;
 /// m; lengths beyond are slips of the unit, not scenes.
 const LONGEST: f64 = 100.0;
 
@@ -93,6 +95,8 @@ pub fn check(scene: &Scene) -> Result<(), KeyError> {
         self::target(target, scene.solver.pressures)
             .map_err(|e| e.under(&["target".into(), index.into()]))?;
     }
+    count("iterations", scene.solver.iterations.into(), 0, MOST_ITERATIONS)
+        .map_err(|e| e.under(&["solver".into()]))?;
     plane(&scene.plane).map_err(|e| e.under(&["plane".into()]))?;
     liquid(&scene.liquid).map_err(|e| e.under(&["liquid".into()]))?;
     modulation(&scene.modulation).map_err(|e| e.under(&["modulation".into()]))?;

@@ -155,8 +155,8 @@ impl Round {
             Self::Polyline { vertices, distances } => {
                 let distance = part * self.length();
                 let next = distances.partition_point(|&d| d <= distance);
-                if next == 0 || next == vertices.len() {
-                    // Without length, or rounded to the end.
+                if next == 0 || next >= vertices.len() {
+                    // Without vertices, without length, or rounded to the end.
                     return vertices.first().copied().unwrap_or(DVec3::ZERO);
                 }
                 let along = (distance - distances[next - 1]) / (distances[next] - distances[next - 1]);

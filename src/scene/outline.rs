@@ -51,6 +51,10 @@ pub fn foci_of_step(scene: &Scene, step: u32) -> Result<Vec<Focus>, KeyError> {
         }
         foci.extend(points.into_iter().map(|position| Focus { position, target: target.pressure }));
     }
+    if foci.is_empty() {
+        let message = format!("no target is shown in step {step}: nothing to focus on");
+        return Err(KeyError::new([Key::from("target")], message));
+    }
     Ok(foci)
 }
 
@@ -121,7 +125,7 @@ pub fn count(targets: &[Target]) -> Result<usize, KeyError> {
     for (index, target) in targets.iter().enumerate().filter(|(_, target)| target.visible) {
         let (runs, pieces) =
             divided(target, MOST_FOCI - count).map_err(|e| e.under(&["target".into(), index.into()]))?;
-        count += all(&runs, &pieces);
+        count += wanted(&runs, &pieces);
     }
     Ok(count)
 }
@@ -146,17 +150,25 @@ fn divided(target: &Target, most: usize) -> Result<(Vec<Run>, Vec<usize>), KeyEr
     let pieces = match target.sampling {
         Sampling::Whole => vec![1; runs.len()],
         Sampling::Spacing(spacing) => pieces_by_spacing(&runs, spacing),
+        // What is too much is refused before it is shared out.
+        Sampling::Points(points) if points > most => return Err(too_many("points", points)),
         Sampling::Points(points) => pieces_by_count(&runs, points)?,
     };
-    let wanted = all(&runs, &pieces);
+    let wanted = wanted(&runs, &pieces);
     if wanted > most {
         let key = if matches!(target.sampling, Sampling::Spacing(_)) { "spacing" } else { "points" };
-        return Err(refusal(
-            key,
-            format!("{wanted} focal points are asked for, and a scene may have {MOST_FOCI}"),
-        ));
+        return Err(too_many(key, wanted));
     }
     Ok((runs, pieces))
+}
+
+/// Focal points of runs that are divided into so many pieces; a spacing of next to nothing asks for more than can be counted.
+fn wanted(runs: &[Run], pieces: &[usize]) -> usize {
+    corners(runs).saturating_add(interior(runs, pieces))
+}
+
+fn too_many(key: &'static str, wanted: usize) -> KeyError {
+    refusal(key, format!("{wanted} focal points are asked for, and a scene may have {MOST_FOCI}"))
 }
 
 fn refusal(key: &'static str, message: impl Into<String>) -> KeyError {
@@ -272,11 +284,6 @@ fn is_corner(before: DVec3, at: DVec3, after: DVec3) -> bool {
 fn corners(runs: &[Run]) -> usize {
     let ends = |run: &Run| [key(run.vertices[0]), key(run.vertices[run.vertices.len() - 1])];
     runs.iter().filter(|run| !run.closed).flat_map(ends).collect::<HashSet<_>>().len()
-}
-
-/// Focal points of runs that are divided so; `usize::MAX` where there is no end to them.
-fn all(runs: &[Run], pieces: &[usize]) -> usize {
-    corners(runs).saturating_add(interior(runs, pieces))
 }
 
 fn interior(runs: &[Run], pieces: &[usize]) -> usize {

@@ -80,6 +80,10 @@ pub fn rank_and_condition(transfer: &Transfer) -> (usize, f64) {
     let (matrix, _) = normalised(transfer, &vec![1.0; transfer.elements]);
     let Ok(values) = matrix.singular_values() else { return (0, 1.0 / f64::EPSILON) };
     let largest = values.iter().copied().fold(0.0, f64::max);
+    if largest == 0.0 {
+        // No element is heard at any focus.
+        return (0, 1.0 / f64::EPSILON);
+    }
     let smallest = values.iter().copied().fold(f64::INFINITY, f64::min);
     let rank = values.iter().filter(|&&value| value > RANK_TOLERANCE * largest).count();
     // More foci than elements: some combination of foci cannot be set at all.

@@ -44,7 +44,8 @@ pub fn gspat(problem: &Problem<'_>, iterations: u32) -> Excitation {
     let (transfer, targets) = (&problem.transfer, problem.targets());
     let gram = transfer.gram(None);
     let count = targets.len();
-    let power: Vec<_> = (0..count).map(|m| gram.re[m * count + m]).collect();
+    // Of a focus that no element is heard at, too.
+    let power: Vec<_> = (0..count).map(|m| gram.re[m * count + m].max(f64::MIN_POSITIVE)).collect();
     let heard = |p: &[Complex64]| -> Vec<Complex64> {
         let row = |m: usize| (0..count).map(|i| gram.at(m * count + i) * p[i] / power[i]).sum();
         (0..count).map(row).collect()
@@ -55,7 +56,8 @@ pub fn gspat(problem: &Problem<'_>, iterations: u32) -> Excitation {
     }
     let gamma = heard(&p);
     let correct = |m: usize| {
-        gamma[m] * (targets[m] * targets[m] / gamma[m].norm_sqr().max(f64::MIN_POSITIVE) / power[m])
+        let heard = gamma[m].norm_sqr();
+        if heard > 0.0 { gamma[m] * (targets[m] * targets[m] / heard / power[m]) } else { Complex64::ZERO }
     };
     let corrected: Vec<_> = (0..count).map(correct).collect();
     Excitation { values: transfer.back(&corrected), iterations, residual: None, weights: None }
@@ -216,8 +218,12 @@ impl<'a, const CHANNELS: usize> State<'a, CHANNELS> {
         let count = targets.len() as f64;
         for _ in 0..iterations {
             let mean = self.relative(targets).sum::<f64>() / count;
+            if mean == 0.0 {
+                // Nothing arrives anywhere: there is nothing to weigh by.
+                break;
+            }
             for (weight, relative) in weights.iter_mut().zip(self.relative(targets)) {
-                *weight *= (mean / relative.max(1e-3 * mean)).sqrt();
+                *weight *= (mean / relative.max(1e-3 * mean).max(f64::MIN_POSITIVE)).sqrt();
             }
             let scale = count / weights.iter().sum::<f64>();
             for (m, weight) in weights.iter_mut().enumerate() {

@@ -45,7 +45,7 @@ impl Reached {
     }
 }
 
-/// What rounding to `levels` phases leaves of the pressure of a focus on the average: sin(π/L)/(π/L).
+/// What rounding to `levels` phases, 1 or more, leaves of the pressure of a focus on the average: sin(π/L)/(π/L).
 pub fn expected_part(levels: u32) -> f64 {
     let x = TAU / 2.0 / f64::from(levels);
     x.sin() / x
@@ -53,6 +53,9 @@ pub fn expected_part(levels: u32) -> f64 {
 
 /// The drive on `levels` phases whose weakest focus is strongest, as far as changing one element after the other leads
 /// from the rounded one.
+///
+/// # Panics
+/// No levels, or a drive of other elements than the problem's.
 pub fn refined(problem: &Problem<'_>, drive: &Drive, levels: u32) -> Drive {
     let transfer = &problem.transfer;
     let targets = problem.targets();

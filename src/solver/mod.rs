@@ -34,7 +34,18 @@ pub struct Problem<'a> {
 }
 
 impl<'a> Problem<'a> {
+    /// The foci of [`outline::foci`], or others like them.
+    ///
+    /// # Panics
+    /// No foci, one that is not a place within 1000 km, or a target that is not a positive number.
     pub fn new(aperture: &'a Aperture, foci: Vec<Focus>) -> Self {
+        /// m; phases are rounded to whole turns beyond.
+        const FARTHEST: f64 = 1e6;
+        assert!(!foci.is_empty(), "a problem needs a focus");
+        for Focus { position, target } in &foci {
+            assert!(position.is_finite() && position.abs().max_element() <= FARTHEST, "no focus: {position}");
+            assert!(target.is_finite() && *target > 0.0, "no target: {target}");
+        }
         let points: Vec<_> = foci.iter().map(|focus| focus.position).collect();
         Self { aperture, transfer: aperture.transfer(&points), foci }
     }

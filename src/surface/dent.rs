@@ -63,7 +63,13 @@ pub fn largest_drive(slope: f64) -> f64 {
 }
 
 impl Tank {
+    /// `counts` cells, along a row and rows, `step` (m) apart. All shapes and pressures of a tank have a value for each.
+    ///
+    /// # Panics
+    /// No cells, or steps that are no lengths; and what takes a shape, if it has another number of values.
     pub fn new(counts: [usize; 2], step: [f64; 2]) -> Self {
+        assert!(counts.iter().all(|&count| count > 0), "no cells: {counts:?}");
+        assert!(step.iter().all(|&step| step.is_normal() && step > 0.0), "no lengths: {step:?}");
         let mut planner = DctPlanner::new();
         Self { counts, step, transforms: counts.map(|count| planner.plan_dct2(count)) }
     }
@@ -87,6 +93,7 @@ impl Tank {
 
     /// The dent with this depth (m) for every cell, under a pressure with this sum (Pa) over the cells.
     pub fn dent_of(&self, depth: Vec<f64>, sum: f64) -> Dent {
+        assert_eq!(depth.len(), self.len(), "a depth for every cell");
         let cell = self.step[0] * self.step[1];
         Dent {
             deepest: depth.iter().copied().fold(0.0, f64::max),
@@ -100,6 +107,7 @@ impl Tank {
     /// The amplitudes of the cosines that a shape is the sum of: a_kl of a_kl cos(πkx/X) cos(πly/Y), row by row.
     pub fn modes(&self, shape: &[f64]) -> Vec<f64> {
         let [columns, rows] = self.counts;
+        assert_eq!(shape.len(), self.len(), "a value for every cell");
         let mut modes = shape.to_vec();
         self.along_both(&mut modes, |transform, line, scratch| {
             transform.process_dct2_with_scratch(line, scratch);
@@ -114,6 +122,7 @@ impl Tank {
 
     /// The shape with these modes.
     pub fn surface(&self, mut modes: Vec<f64>) -> Vec<f64> {
+        assert_eq!(modes.len(), self.len(), "an amplitude for every mode");
         self.along_both(&mut modes, |transform, line, scratch| {
             line[0] *= 2.0;
             transform.process_dct3_with_scratch(line, scratch);

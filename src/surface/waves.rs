@@ -43,7 +43,11 @@ struct Step {
 
 impl Waves {
     /// A level surface, to go on in steps of `step` (s).
+    ///
+    /// # Panics
+    /// A step that is no time: negative, or longer than 1e9 s.
     pub fn new(tank: &Tank, liquid: &Liquid, step: f64) -> Self {
+        assert!((0.0..=1e9).contains(&step), "no time: {step} s");
         let steps = tank.squares().map(|square| Step::new(liquid, square.sqrt(), step)).collect();
         Self { depth: vec![0.0; tank.len()], speed: vec![0.0; tank.len()], steps }
     }

@@ -2,6 +2,8 @@
 //!
 //! Meaning and order of every field stand in `gateware/doc/protocol.md`.
 
+use crate::device::levels::Level;
+use crate::device::levels::Levels;
 use crate::device::native::line;
 
 pub use crate::device::native::line::Splitter;
@@ -61,6 +63,19 @@ impl Packet {
     /// Pairs of delay and amplitude into a slot; played from the next period on if `commit`.
     pub fn frame(slot: u8, pairs: &[[u8; 2]; 256], commit: bool) -> Self {
         Self::new(Kind::Frame, [slot, 0, u8::from(commit), 0], pairs.as_flattened().to_vec())
+    }
+
+    /// Puts a frame into a slot, with one amplitude for all if there is but one; played from the next period on if `commit`.
+    pub fn playing(levels: &Levels, slot: u8, commit: bool) -> Self {
+        let bytes = |level: Level| [level.delay.to_le_bytes()[0], level.amplitude.to_le_bytes()[0]];
+        let pairs: [[u8; 2]; 256] =
+            std::array::from_fn(|n| levels.elements.get(n).copied().flatten().map_or([0, 0], bytes));
+        let amplitude = pairs[0][1];
+        if pairs.iter().all(|&[_, other]| other == amplitude) {
+            Self::phases(slot, amplitude, &pairs.map(|[phase, _]| phase), commit)
+        } else {
+            Self::frame(slot, &pairs, commit)
+        }
     }
 
     /// Slots `first` to `last`, `divider` periods each, `loops` times (0: for ever); `after` the running loop or at once.

@@ -12,7 +12,8 @@ use crate::scene::{Envelope, Modulation};
 /// The bytes that put a frame into the board's hidden buffer, up to the byte that shows it.
 ///
 /// # Panics
-/// The native profile, which speaks packets.
+/// The native profile, which speaks packets; or levels that [`Levels::new`] never makes: of another number of elements, or
+/// beyond those of the profile.
 pub fn load(levels: &Levels) -> Vec<u8> {
     match levels.profile {
         Profile::Native => unreachable!("native boards are sent packets"),

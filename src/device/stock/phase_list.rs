@@ -58,7 +58,9 @@ pub fn load(levels: &Levels) -> Vec<u8> {
 
 /// The byte that sets the tactile build's modulation as near to a frequency (Hz) as it gets, and the frequency.
 pub fn tactile_step(frequency: f64) -> (u8, f64) {
-    let step = (TACTILE_FASTEST / frequency - 1.0).round().clamp(0.0, 31.0);
+    let wanted = TACTILE_FASTEST / frequency - 1.0;
+    // What is no frequency gets the slowest.
+    let step = if wanted.is_nan() { 31.0 } else { wanted.round().clamp(0.0, 31.0) };
     (TACTILE_STEPS.start() + step as u8, TACTILE_FASTEST / (step + 1.0))
 }
 

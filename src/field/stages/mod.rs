@@ -24,6 +24,8 @@ use on_gpu::OnGpu;
 
 pub use average::{Average, AverageMap, Mean};
 
+/// Pixels that a map may have.
+pub const MOST_PIXELS: usize = 1 << 26;
 /// Pixels at which the reached error is measured.
 pub const PROBES: usize = 48;
 /// Rounding is spread evenly, so that the largest error of all pixels is less than this times the largest of [`PROBES`].
@@ -104,7 +106,15 @@ pub enum By {
 /// Why there is no map.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum FieldError {
-    #[error("the plane's axes span no plane")]
+    #[error("a map of {0} x {1} pixels: it has one at least, and {MOST_PIXELS} at most")]
+    NoPixels(usize, usize),
+    #[error("the drive does not give every element of the array an amplitude and a phase that are numbers")]
+    NoDrive,
+    #[error("a mean needs a drive, and of the envelope a part from 0 to 1")]
+    NoMean,
+    #[error(
+        "the plane is none: its axes span none, or its centre, size or tolerance are beyond what a scene has"
+    )]
     NoPlane,
     #[error(
         "the plane comes nearer than a wavelength to the array: averages, radiation pressure and dents are of a plane that \
@@ -263,8 +273,10 @@ impl Stages {
     /// Brings the map up to date.
     ///
     /// # Errors
-    /// The plane is none, or the GPU failed.
+    /// The plane is none, there are no pixels or more than [`MOST_PIXELS`], the drive is not one of this array, or the GPU failed.
     pub fn map(&mut self, wanted: &Wanted<'_>) -> Result<&Map, FieldError> {
+        check_size(wanted.width, wanted.height)?;
+        check_drive(wanted.aperture, wanted.drive)?;
         let drawn = Drawn::new(wanted, self.exact);
         let Self { gpu, cpu, plan, raster, map, work, exact, .. } = self;
         let map = map.try_update(&drawn, |map| {
@@ -287,9 +299,19 @@ impl Stages {
                 Some(gpu) if !plan.double => job.on_gpu(gpu, work)?,
                 _ => None,
             };
-            let Made { by, peak, error } = on_gpu.unwrap_or_else(|| job.on_cpu(cpu, *exact, work));
+            let made = on_gpu.unwrap_or_else(|| job.on_cpu(cpu, *exact, work));
             let (width, height) = drawn.size;
-            let (evaluated, how) = (raster.evaluated(plan), raster.describe(plan));
+            let mut described = (raster.evaluated(plan), raster.describe(plan));
+            let Made { by, peak, error } = if job.grid().is_some() && made.error > setting.plane.tolerance {
+                // Where there is but little of a field on the plane, what samples leave out is much of that.
+                let plan = &plan.direct("samples do not keep the tolerance");
+                let raster = &Raster::new(plan, drawn.size).ok_or(FieldError::NoPlane)?;
+                described = (raster.evaluated(plan), raster.describe(plan));
+                Job { plan, raster, ..job }.on_cpu(cpu, *exact, work)
+            } else {
+                made
+            };
+            let (evaluated, how) = described;
             *map = Some(Map { width, height, peak, error, evaluated, by, how });
             Ok::<_, FieldError>(())
         })?;
@@ -397,6 +419,19 @@ impl Setting {
         let all = (0..aperture.positions.len()).collect();
         Self { aperture: Aperture { driven: all, ..aperture.clone() }, plane }
     }
+}
+
+fn check_size(width: usize, height: usize) -> Result<(), FieldError> {
+    let is_map = width.checked_mul(height).is_some_and(|pixels| (1..=MOST_PIXELS).contains(&pixels));
+    if is_map { Ok(()) } else { Err(FieldError::NoPixels(width, height)) }
+}
+
+/// What is no number would go unseen: no peak and no error is as large as a NaN.
+fn check_drive(aperture: &Aperture, drive: &Drive) -> Result<(), FieldError> {
+    let is_drive = |values: &[f64]| {
+        values.len() == aperture.positions.len() && values.iter().all(|value| value.is_finite())
+    };
+    if is_drive(&drive.amplitudes) && is_drive(&drive.phases) { Ok(()) } else { Err(FieldError::NoDrive) }
 }
 
 /// u of every element of the array; 0 for those that are off.

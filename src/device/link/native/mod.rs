@@ -173,9 +173,9 @@ impl Session<'_> {
         let (Some(first), Some(divider)) = (frames.first(), self.divider(frames.len(), rate)) else { return };
         // The first frame stands meanwhile, where it is in nobody's way: what plays cannot be written.
         let slot = self.next_live_slot();
-        self.push(packet_of(first, slot, true), true);
+        self.push(Packet::playing(first, slot, true), true);
         for (slot, levels) in (0..self.motion_slots()).zip(frames) {
-            self.push(packet_of(levels, slot, false), false);
+            self.push(Packet::playing(levels, slot, false), false);
         }
         let last = frames.len().saturating_sub(1).to_le_bytes()[0];
         self.push(Packet::play(0, last, divider, 0, false), true);
@@ -207,7 +207,7 @@ impl Session<'_> {
             let key = (wanted.generation, frame);
             if self.frame != Some(key) {
                 let slot = self.next_live_slot();
-                return Some((packet_of(levels, slot, true), Purpose::Frame(key)));
+                return Some((Packet::playing(levels, slot, true), Purpose::Frame(key)));
             }
         }
         if self.placed && !self.enabled && self.ended != Some(self.generation) && self.on_the_way.is_empty() {
@@ -367,22 +367,4 @@ impl Session<'_> {
 
 fn is_of_motion(packet: &Packet) -> bool {
     matches!(Kind::of_code(packet.code), Some(Kind::Phases | Kind::Frame | Kind::Play))
-}
-
-/// With one amplitude for all if there is but one.
-fn packet_of(levels: &Levels, slot: u8, commit: bool) -> Packet {
-    let pairs: [[u8; 2]; 256] = std::array::from_fn(|n| {
-        levels
-            .elements
-            .get(n)
-            .copied()
-            .flatten()
-            .map_or([0, 0], |level| [level.delay.to_le_bytes()[0], level.amplitude.to_le_bytes()[0]])
-    });
-    let amplitude = pairs[0][1];
-    if pairs.iter().all(|&[_, other]| other == amplitude) {
-        Packet::phases(slot, amplitude, &pairs.map(|[phase, _]| phase), commit)
-    } else {
-        Packet::frame(slot, &pairs, commit)
-    }
 }

@@ -17,7 +17,9 @@ use crate::field::contour::Line;
 use crate::field::interpolation::Resampling;
 use crate::field::plan::Costs;
 use crate::field::stages::contours;
-use crate::field::stages::{By, FieldError, Kept, Setting, Stages, Work, excitation, probed};
+use crate::field::stages::{
+    By, FieldError, Kept, Setting, Stages, Work, check_drive, check_size, excitation, probed,
+};
 use crate::field::{Colouring, Gpu, Plan, Quantity};
 use crate::scene::{Liquid, Plane};
 use crate::surface::{Dent, Reflector, Tank};
@@ -192,7 +194,8 @@ impl Stages {
     /// Brings an average up to date.
     ///
     /// # Errors
-    /// The plane is none, comes too near to the array, or (for a liquid) is not level; or the GPU failed.
+    /// The plane is none, comes too near to the array, or (for a liquid) is not level; there are no drives, or none of this array, or
+    /// no pixels; or the GPU failed.
     pub fn average(&mut self, wanted: &Average<'_>) -> Result<&AverageMap, FieldError> {
         let gpu = self.gpu.as_ref().map(|gpu| &gpu.gpu);
         self.averaging.map(wanted, self.exact, gpu, &mut self.work)
@@ -294,6 +297,11 @@ impl Averaging {
         gpu: Option<&Gpu>,
         work: &mut Work,
     ) -> Result<&AverageMap, FieldError> {
+        check_size(wanted.width, wanted.height)?;
+        wanted.drives.iter().try_for_each(|drive| check_drive(wanted.aperture, drive))?;
+        if wanted.drives.is_empty() || !(0.0..=1.0).contains(&wanted.part) {
+            return Err(FieldError::NoMean);
+        }
         let drawn = Drawn::new(wanted, exact)?;
         let Self { filled, tank, frame, cpu, gpu: on_gpu, map, .. } = self;
         let map = map.try_update(&drawn, |map| {

@@ -1,0 +1,48 @@
+//! Numbers that look random and are the same for the same seed.
+
+/// SplitMix64 (Steele, Lea and Flood, OOPSLA 2014).
+#[derive(Clone, Debug)]
+pub struct Dice(u64);
+
+impl Dice {
+    /// A stream of its own for every `number` under one `seed`.
+    pub fn new(seed: u64, number: usize) -> Self {
+        let mut dice = Self(seed ^ (number as u64).wrapping_mul(0xD1B5_4A32_D192_ED03));
+        dice.next();
+        dice
+    }
+
+    fn next(&mut self) -> u64 {
+        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
+        let z = (self.0 ^ (self.0 >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
+        let z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
+        z ^ (z >> 31)
+    }
+
+    /// In [0, 1).
+    pub fn unit(&mut self) -> f64 {
+        (self.next() >> 11) as f64 / (1u64 << 53) as f64
+    }
+
+    pub fn between(&mut self, low: f64, high: f64) -> f64 {
+        low + (high - low) * self.unit()
+    }
+
+    /// Evenly in the logarithm.
+    pub fn magnitude(&mut self, low: f64, high: f64) -> f64 {
+        (low * (high / low).powf(self.unit())).clamp(low, high)
+    }
+
+    /// `low` to `high`, both included.
+    pub fn whole(&mut self, low: u32, high: u32) -> u32 {
+        low + (self.next() % u64::from(high - low + 1)) as u32
+    }
+
+    pub fn of(&mut self, probability: f64) -> bool {
+        self.unit() < probability
+    }
+
+    pub fn one_of<T: Clone>(&mut self, choices: &[T]) -> T {
+        choices[(self.next() % choices.len() as u64) as usize].clone()
+    }
+}
