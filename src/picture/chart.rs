@@ -101,7 +101,7 @@ impl Chart {
             legend.draw(&Text::new(series.name.clone(), (place.0 + 18, place.1 - 9), text(18.0)))?;
             place.1 += 30;
         }
-        for level in &self.levels {
+        for level in self.drawn_levels() {
             let line = [(place.0 - 8, place.1), (place.0 + 8, place.1)];
             legend.draw(&PathElement::new(line, INK.stroke_width(2)))?;
             legend.draw(&Text::new(level.name.clone(), (place.0 + 18, place.1 - 9), text(18.0)))?;
@@ -117,7 +117,7 @@ impl Chart {
         title: &str,
     ) -> Result<(), PictureError> {
         let all = || self.series.iter().flat_map(Series::drawable);
-        let heights = all().map(|p| p.1).chain(self.levels.iter().map(|level| level.y));
+        let heights = all().map(|p| p.1).chain(self.drawn_levels().map(|level| level.y));
         let (Some(x), Some(y)) = (range(all().map(|p| p.0)), range(heights)) else {
             return Err(PictureError(format!("{}: there are no points", self.title)));
         };
@@ -142,7 +142,7 @@ impl Chart {
             .x_label_formatter(&label)
             .y_label_formatter(&label)
             .draw()?;
-        for level in &self.levels {
+        for level in self.drawn_levels() {
             let line = [(x.0, level.y), (x.1, level.y)];
             chart.draw_series(DashedLineSeries::new(line, 8, 6, INK.stroke_width(2)))?;
         }
@@ -160,13 +160,21 @@ impl Chart {
     fn drawn(&self) -> impl Iterator<Item = &Series> {
         self.series.iter().filter(|series| series.drawable().next().is_some())
     }
+
+    fn drawn_levels(&self) -> impl Iterator<Item = &Level> {
+        self.levels.iter().filter(|level| is_drawable(level.y))
+    }
 }
 
 impl Series {
     fn drawable(&self) -> impl Iterator<Item = (f64, f64)> {
-        let is_drawable = |number: &f64| (1e-30..=1e30).contains(number);
-        self.points.iter().copied().filter(move |(x, y)| is_drawable(x) && is_drawable(y))
+        self.points.iter().copied().filter(|&(x, y)| is_drawable(x) && is_drawable(y))
     }
+}
+
+/// Whether an axis can have this number.
+fn is_drawable(number: f64) -> bool {
+    (1e-30..=1e30).contains(&number)
 }
 
 /// Style rules that make [`Chart::svg`] readable on a dark page, whose own colour is its style's `--ground`.

@@ -2,7 +2,7 @@
 
 use glam::DVec2;
 use sonoglyph::picture::animation::{Animation, AnimationError, Format, Pace};
-use sonoglyph::picture::chart::{Chart, Series};
+use sonoglyph::picture::chart::{Chart, Level, Series};
 use sonoglyph::picture::relief::{self, Relief, Words};
 use sonoglyph::picture::{ColourMap, Picture, export, sheet};
 use sonoglyph::scene::Plane;
@@ -51,6 +51,7 @@ fn charts_leave_out_what_has_no_logarithm() {
         x_label: "x".to_owned(),
         y_label: "y".to_owned(),
         series: vec![Series { name: "a".to_owned(), points }],
+        levels: POISON.map(|y| Level { name: "b".to_owned(), y }).to_vec(),
     };
     assert!(chart(Vec::new()).draw().is_err());
     for poison in POISON.into_iter().filter(|x| !x.is_finite() || *x <= 0.0) {
