@@ -107,17 +107,24 @@ pub fn bound(problem: &Problem<'_>) -> f64 {
     let iterations = (WORK / problem.foci.len()).clamp(40, 400) as u32;
     /// What rounding may take from a sum of moduli.
     const ROUNDING: f64 = 1e-12;
+    const FAINTEST: f64 = 1e-120;
     let (transfer, targets) = (&problem.transfer, problem.targets());
     // One focus hears no more than all elements in phase, and that it does hear.
     if let [target] = targets[..] {
         return transfer.row(0).map(Complex64::norm).sum::<f64>() / target * (1.0 + ROUNDING);
+    }
+    // Nor does any of several; and where squares of what arrives there are less than f64 holds, that is all there is to say.
+    let alone = |m: usize| transfer.row(m).map(Complex64::norm).sum::<f64>() / targets[m];
+    let alone = (0..targets.len()).map(alone).fold(f64::INFINITY, f64::min) * (1.0 + ROUNDING);
+    if alone < FAINTEST {
+        return alone;
     }
     let equal: Vec<_> = targets.iter().map(|target| 1.0 / (target * target)).collect();
     let plain = dual(problem, &equal, &vec![1.0; transfer.elements]);
     let (foci, heard) = iteration::multipliers::<CHANNELS>(transfer, &targets, iterations);
     let least = 1e-3 * mean(&heard);
     let heard: Vec<_> = heard.iter().map(|h| h.max(least).max(f64::MIN_POSITIVE)).collect();
-    plain.min(dual(problem, &foci, &heard))
+    alone.min(plain).min(dual(problem, &foci, &heard))
 }
 
 /// The bound that one choice of weights gives; infinite if its eigenvalue cannot be had.

@@ -16,6 +16,8 @@ use crate::tally::{count, within};
 /// Pixels of a map that are compared with the reference, the loudest besides, and those of them also with the oracle.
 const COMPARED: usize = 20;
 const BY_ORACLE: usize = 3;
+/// Pa, below which squares are less than f32 can hold.
+const FAINTEST: f64 = 1e-18;
 /// What f32 leaves of a number: 2⁻²⁴.
 const F32: f64 = 6e-8;
 
@@ -26,9 +28,9 @@ pub struct Evaluators {
     pub gpu: Option<Stages>,
 }
 
-/// Relative to the sum of moduli, what f32 leaves of the sum at a point: sixteen roundings of the way across, in turns, the way from
-/// the origin included since places are rounded too; 3e-6 of the polynomials and the 64 nodes of the exact piston; and of its
-/// terms four roundings, each as many times as large as their sum as the way across is wider than the disk.
+/// Relative to the sum of moduli, what f32 leaves of the sum at a point: thirty-two roundings of the way across, in turns, the way from
+/// the origin included since places are rounded too; 5e-6 of the polynomials and the 64 nodes of the exact piston; and of its
+/// terms eight roundings, each as many times as large as their sum as the way across is wider than the disk.
 pub fn f32_rounding(solved: &Solved, point: DVec3) -> f64 {
     let Solved { scene, oracle, .. } = solved;
     let array = oracle.elements.iter().map(|at| at.length()).fold(0.0, f64::max);
@@ -38,7 +40,7 @@ pub fn f32_rounding(solved: &Solved, point: DVec3) -> f64 {
         ElementModel::ExactPiston => across * oracle.wavelength() / scene.array.element_radius,
         ElementModel::Piston | ElementModel::Point => 0.0,
     };
-    deep * (16.0 * F32 * TAU * (across + 1.0) + 3e-6 + 4.0 * F32 * disk)
+    deep * (32.0 * F32 * TAU * (across + 1.0) + 5e-6 + 8.0 * F32 * disk)
 }
 
 /// Σ |H u| at a point.
@@ -68,7 +70,7 @@ fn map(
     assert!(field.iter().all(|p| p.is_finite()), "{map:?}");
     let loudest = (0..field.len()).max_by(|&a, &b| field[a].norm().total_cmp(&field[b].norm())).unwrap();
     let peak = f64::from(field[loudest].norm());
-    within("peak of a map", (f64::from(map.peak) - peak).abs(), 1e-6 * peak + 1e-37);
+    within("peak of a map", (f64::from(map.peak) - peak).abs(), 1e-6 * peak + FAINTEST);
 
     let pixels = Samples::on_plane(&scene.plane, width, height).unwrap();
     let chosen: Vec<_> = std::iter::once(loudest)

@@ -32,7 +32,7 @@ use fields::Evaluators;
 use solving::Moved;
 
 const SEED: u64 = 0x0040_6B48_7A00_0001;
-const SCENES: usize = 1_200;
+const SCENES: usize = 2_000;
 /// Failing scenes that are printed.
 const SHOWN: usize = 3;
 

@@ -28,7 +28,8 @@ pub struct Oracle {
     /// kg/m³
     pub density: f64,
     model: ElementModel,
-    radius: f64,
+    /// m
+    pub radius: f64,
     strength: f64,
     frequency: f64,
 }

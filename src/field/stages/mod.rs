@@ -28,7 +28,7 @@ pub use average::{Average, AverageMap, Mean};
 pub const MOST_PIXELS: usize = 1 << 26;
 /// Pixels at which the reached error is measured.
 pub const PROBES: usize = 48;
-/// Rounding is spread evenly, so that the largest error of all pixels is less than this times the largest of [`PROBES`].
+/// Errors are spread so evenly that the largest of all pixels is less than this times the largest of [`PROBES`].
 const PROBE_MARGIN: f64 = 2.0;
 
 /// How often each stage ran.
@@ -302,7 +302,7 @@ impl Stages {
             let made = on_gpu.unwrap_or_else(|| job.on_cpu(cpu, *exact, work));
             let (width, height) = drawn.size;
             let mut described = (raster.evaluated(plan), raster.describe(plan));
-            let Made { by, peak, error } = if job.grid().is_some() && made.error > setting.plane.tolerance {
+            let Made { by, peak, error } = if job.grid().is_some() && job.is_too_far_off(made.error) {
                 // Where there is but little of a field on the plane, what samples leave out is much of that.
                 let plan = &plan.direct("samples do not keep the tolerance");
                 let raster = &Raster::new(plan, drawn.size).ok_or(FieldError::NoPlane)?;
@@ -359,7 +359,7 @@ impl Job<'_> {
         }
         let (peak, at_probes) = gpu.measure(&self.probes.pixels)?;
         let error = self.error(&at_probes, peak);
-        Ok((!self.rounds_too_much(error)).then_some(Made { by: By::Gpu, peak, error }))
+        Ok((!self.is_too_far_off(error)).then_some(Made { by: By::Gpu, peak, error }))
     }
 
     /// In f64 where f32 does not keep the tolerance.
@@ -376,13 +376,13 @@ impl Job<'_> {
             (false, true) => make(By::CpuInF64),
             (false, false) => {
                 let made = make(By::Cpu);
-                if self.rounds_too_much(made.error) { make(By::CpuInF64) } else { made }
+                if self.is_too_far_off(made.error) { make(By::CpuInF64) } else { made }
             }
         }
     }
 
     /// Rounding in f32 is relative to what arrives, and where the elements cancel, the peak is less than that.
-    fn rounds_too_much(&self, error: f64) -> bool {
+    fn is_too_far_off(&self, error: f64) -> bool {
         let tolerance = self.wanted.plane.tolerance;
         tolerance > 0.0 && PROBE_MARGIN * error > tolerance
     }
