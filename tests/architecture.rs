@@ -322,6 +322,10 @@ fn nothing_hangs_on_the_wall_clock_panics_in_print_or_writes_half_a_file() {
     for path in rust_files(&root().join("src")) {
         let text = fs::read_to_string(&path).unwrap();
         for (number, line) in code_lines(without_tests(&text)) {
+            // The date of a report is what that clock is for.
+            if path.ends_with("cli/bench/conditions.rs") && line.contains("SystemTime") {
+                continue;
+            }
             let named = NOWHERE.iter().filter(|(name, _)| {
                 line.match_indices(name).any(|(at, _)| !line[..at].ends_with(char::is_alphanumeric))
             });

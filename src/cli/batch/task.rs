@@ -184,7 +184,7 @@ mod tests {
         let task = Task { data: Some(folder.path().join("gone")), size: 8, ..Task::default() };
         let error = answer(&task, 3, r#"{"target": [{}]}"#)["error"].to_string();
         assert!(
-            error.contains("line 3: ") && error.contains("3.npy: cannot write: entity not found"),
+            error.contains("line 3: ") && error.contains("3.npy: cannot write: its folder is not there"),
             "{error}"
         );
     }

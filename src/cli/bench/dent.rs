@@ -7,7 +7,7 @@ use serde_json::json;
 
 use crate::acoustics::{Air, Aperture};
 use crate::cli::bench::Report;
-use crate::cli::bench::field_charts::tolerance_name;
+use crate::cli::bench::field::charts::tolerance_name;
 use crate::cli::bench::time::{ROUNDS, Spent, Spread, Times};
 use crate::drive::Drive;
 use crate::field::gpu::adapter;

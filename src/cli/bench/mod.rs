@@ -3,14 +3,12 @@
 mod conditions;
 mod dent;
 mod field;
-mod field_charts;
 pub(crate) mod figures;
 mod foci;
 #[cfg(all(unix, feature = "serial"))]
 mod link;
 mod page;
 mod solve;
-mod solve_charts;
 mod stability;
 pub mod time;
 

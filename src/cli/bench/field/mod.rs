@@ -1,13 +1,15 @@
 //! `sonoglyph bench field`: every evaluator, tolerance, size, array and kind of plane.
 
+pub mod charts;
+
 use glam::{DVec2, DVec3};
 use indicatif::{ProgressBar, ProgressStyle};
 use num_complex::Complex64;
 use serde_json::json;
 
 use crate::acoustics::Aperture;
+use crate::cli::bench::Report;
 use crate::cli::bench::time::{ROUNDS, Spent, Spread, Times};
-use crate::cli::bench::{Report, field_charts};
 use crate::cli::note;
 use crate::drive::Drive;
 use crate::field::gpu::adapter;
@@ -98,7 +100,7 @@ pub fn run(quick: bool) -> anyhow::Result<Report> {
                  plane; medians over {ROUNDS} rounds in which the maps take turns."
             ),
         ],
-        charts: field_charts::charts(&records, ARRAYS_SIZE),
+        charts: charts::charts(&records, ARRAYS_SIZE),
         records: records.iter().map(json).collect(),
     })
 }
@@ -308,7 +310,7 @@ fn row(record: &Record) -> Vec<String> {
         record.plane.to_owned(),
         format!("{0}x{0}", record.array),
         format!("{0}x{0}", record.size),
-        field_charts::tolerance_name(record.tolerance),
+        charts::tolerance_name(record.tolerance),
         record.cold.text(),
         record.new_plane.text(),
         record.new_drive.text(),

@@ -1,5 +1,7 @@
 //! `sonoglyph bench solve`: every method on rings, helices, random sets and more and more foci and elements.
 
+mod charts;
+
 use std::hint::black_box;
 
 use glam::DVec3;
@@ -7,7 +9,7 @@ use serde_json::json;
 
 use crate::acoustics::Aperture;
 use crate::cli::bench::time::{ROUNDS, Spent, Spread, Times, digits};
-use crate::cli::bench::{Report, foci, solve_charts};
+use crate::cli::bench::{Report, foci};
 use crate::drive::Drive;
 use crate::scene::{Focus, Method, Motion, MotionPath, Sampling, Scene, Shape, Target, motion};
 use crate::solver::{self, Excitation, Problem, Quality, SolveError, frames};
@@ -97,7 +99,7 @@ pub fn run(quick: bool) -> anyhow::Result<Report> {
             "moving: 64 frames of a ring of 8 foci that moves along a circle, times per frame; x is over searching for each."
                 .to_owned(),
         ],
-        charts: solve_charts::charts(&records),
+        charts: charts::charts(&records),
         records: records.iter().map(json).collect(),
     })
 }
