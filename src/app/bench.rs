@@ -1,5 +1,7 @@
 //! `sonoglyph bench window`: what the window's frames cost, without a screen.
 
+use std::ops::Range;
+
 use anyhow::Context;
 use eframe::egui::{self, Event, Key, Modifiers, PointerButton, Pos2, RawInput, Rect, pos2, vec2};
 use glam::{DVec2, DVec3};
@@ -7,7 +9,7 @@ use serde_json::{Value, json};
 
 use crate::app::Window;
 use crate::cli::bench::Report;
-use crate::cli::bench::time::{Spent, Spread, Times, digits, median};
+use crate::cli::bench::time::{ROUNDS, Spent, Spread, Times, digits, median};
 use crate::field::{Evaluator, Quantity, Scale};
 use crate::picture::chart::{Chart, Series};
 use crate::scene::{Scene, Shape, Target};
@@ -19,10 +21,9 @@ const SIZE: egui::Vec2 = vec2(1280.0, 800.0);
 /// Of windows in which a focus is dragged.
 const SIZES: [egui::Vec2; 4] = [vec2(640.0, 480.0), SIZE, vec2(1920.0, 1080.0), vec2(2560.0, 1440.0)];
 const QUICK_SIZES: [egui::Vec2; 2] = [vec2(640.0, 480.0), vec2(1920.0, 1080.0)];
-const FRAMES: usize = 60;
-const QUICK_FRAMES: usize = 15;
-/// The same for every size of a window.
-const FRAMES_PER_SIZE: usize = 9;
+/// In a row.
+const FRAMES: usize = 20;
+const QUICK_FRAMES: usize = 8;
 const FRAMES_PER_SECOND: usize = 60;
 /// s between frames.
 const STEP: f64 = 1.0 / FRAMES_PER_SECOND as f64;
@@ -51,9 +52,9 @@ pub fn run(quick: bool) -> anyhow::Result<Report> {
     let mut records = drag(&LOOKS, SIZE, frames)?;
     let others: &[egui::Vec2] = if quick { &QUICK_SIZES } else { &SIZES };
     for &size in others.iter().filter(|&&size| size != SIZE) {
-        records.extend(drag(&LOOKS[..2], size, FRAMES_PER_SIZE)?);
+        records.extend(drag(&LOOKS[..2], size, QUICK_FRAMES)?);
     }
-    records.push(Record::timed("a moment of the waves", oscillation(frames)));
+    records.push(Record::timed("a moment of the waves", oscillation(ROUNDS * frames)));
     records.push(Record::timed("type HIT, per letter", typing()));
     records.push(Record::timed("start to first picture", start()));
     records.push(Record::counted("the pointer moves", hover()));
@@ -63,7 +64,7 @@ pub fn run(quick: bool) -> anyhow::Result<Report> {
         rows: records.iter().map(row).collect(),
         notes: vec![
             "Of one frame, medians; the renderer comes on top. x: how many times faster than dragging with every pixel \
-             evaluated, frame by frame in turns. field, solve: elapsed."
+             evaluated, in turns. field, solve: elapsed."
                 .to_owned(),
             "frames: drawn when the pointer moves once, with those in which hovering settles, and in a second in which nothing \
              happens."
@@ -213,26 +214,34 @@ impl Drag {
         Ok(Self { what, screen, from, times: Times::default(), field: Vec::new(), solve: Vec::new() })
     }
 
+    /// Frames in a row, as in a drag: what had its turn before has left its own in the caches, and few frames find that.
+    fn turn(&mut self, numbers: Range<usize>) {
+        let frames: Vec<_> = numbers.map(|i| self.frame(i)).collect();
+        self.times.push(Spent::median(&frames));
+    }
+
     /// A shaded surface takes no pointer for its foci: there the number is changed.
-    fn frame(&mut self, i: usize) {
+    fn frame(&mut self, i: usize) -> Spent {
         let offset = vec2((i as f32 * 0.1).sin() * 40.0, 3.0 + i as f32);
         let editor = &mut self.screen.window.editor;
         if editor.view.is_shaded() {
             let at = eight_foci()[0] + DVec3::new(f64::from(offset.x), f64::from(-offset.y), 0.0) * 3e-4;
             editor.document.scene.targets[0].shape = Shape::Point { at };
         }
-        self.times.push(self.screen.frame(vec![Event::PointerMoved(self.from + offset)]));
+        let spent = self.screen.frame(vec![Event::PointerMoved(self.from + offset)]);
         self.field.push(self.screen.window.shown.mapping);
         self.solve.push(self.screen.window.shown.solving);
+        spent
     }
 }
 
-/// The looks take turns, frame by frame.
+/// The looks take turns of so many frames.
 fn drag(looks: &[Look], size: egui::Vec2, frames: usize) -> anyhow::Result<Vec<Record>> {
     let mut drags: Vec<Drag> =
         looks.iter().map(|look| Drag::new(look, size)).collect::<anyhow::Result<_>>()?;
-    for i in 0..frames {
-        drags.iter_mut().for_each(|drag| drag.frame(i));
+    for round in 0..ROUNDS {
+        let numbers = round * frames..(round + 1) * frames;
+        drags.iter_mut().for_each(|drag| drag.turn(numbers.clone()));
     }
     let exact = drags[0].times.clone();
     let record = |Drag { what, times, field, solve, .. }: Drag| Record {

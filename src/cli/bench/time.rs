@@ -7,9 +7,10 @@ use serde_json::{Value, json};
 
 /// Rounds in which a work and its baseline take turns, so that both meet the same machine.
 pub const ROUNDS: usize = 5;
-/// What one measurement of a round takes: as many runs as fit, at least one and at most [`MOST_RUNS`].
-const BUDGET: Duration = Duration::from_millis(20);
-const MOST_RUNS: usize = 15;
+/// What one measurement of a round takes: as many runs as fit, at least one and at most [`MOST_RUNS`]. Of what is quick so many that
+/// the first few, which find the caches full of what had its turn before, are not the median.
+const BUDGET: Duration = Duration::from_millis(60);
+const MOST_RUNS: usize = 30;
 
 /// Time of a piece of work, s.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -29,15 +30,20 @@ impl Spent {
 
     /// The medians of as many runs as the budget allows; `work` gets the number of the run.
     pub fn on<E>(mut work: impl FnMut(usize) -> Result<(), E>) -> Result<Self, E> {
-        let (mut cpu, mut wall) = (Vec::new(), Vec::new());
+        let mut runs = Vec::new();
         let start = Instant::now();
-        while cpu.is_empty() || (start.elapsed() < BUDGET && cpu.len() < MOST_RUNS) {
-            let (spent, done) = Self::once(|| work(cpu.len()));
+        while runs.is_empty() || (start.elapsed() < BUDGET && runs.len() < MOST_RUNS) {
+            let (spent, done) = Self::once(|| work(runs.len()));
             done?;
-            cpu.push(spent.cpu);
-            wall.push(spent.wall);
+            runs.push(spent);
         }
-        Ok(Self { cpu: median(&cpu), wall: median(&wall) })
+        Ok(Self::median(&runs))
+    }
+
+    /// The medians of several runs.
+    pub fn median(runs: &[Self]) -> Self {
+        let of = |time: fn(&Self) -> f64| median(&runs.iter().map(time).collect::<Vec<_>>());
+        Self { cpu: of(|run| run.cpu), wall: of(|run| run.wall) }
     }
 }
 
@@ -52,12 +58,12 @@ impl Times {
 
     /// Median over the rounds, ms of all threads.
     pub fn cpu_ms(&self) -> f64 {
-        1e3 * median(&self.0.iter().map(|spent| spent.cpu).collect::<Vec<_>>())
+        1e3 * Spent::median(&self.0).cpu
     }
 
     /// Median over the rounds, ms.
     pub fn wall_ms(&self) -> f64 {
-        1e3 * median(&self.0.iter().map(|spent| spent.wall).collect::<Vec<_>>())
+        1e3 * Spent::median(&self.0).wall
     }
 
     /// This CPU time over that of the other in the same round.
