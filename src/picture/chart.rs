@@ -27,13 +27,14 @@ const COLOURS: [RGBColor; 9] = [
 ];
 
 /// What colours of an SVG become on a dark page.
-const ON_DARK: [(RGBColor, &str); 9] = [
+const ON_DARK: [(RGBColor, &str); 10] = [
     (WHITE, "var(--ground)"),
     (INK, "#e4e4e8"),
     (FAINT, "#30333c"),
-    (COLOURS[0], "#4aa3df"),
+    (COLOURS[0], "#3d86e6"),
     (COLOURS[1], "#f07a28"),
     (COLOURS[2], "#26b88f"),
+    (COLOURS[4], "#8ed6f8"),
     (COLOURS[6], "#b4b4bc"),
     (COLOURS[7], "#b095e8"),
     (COLOURS[8], "#c79a62"),

@@ -198,6 +198,7 @@ impl Figure {
         match self.unit {
             Unit::Times => format!("{} x", digits(value)),
             Unit::Percent => format!("{:.1} %", 100.0 * value),
+            Unit::OfPeak if value == 0.0 => "0".to_owned(),
             Unit::OfPeak => format!("{value:.1e}"),
             Unit::Count => format!("{value}"),
         }

@@ -5,7 +5,7 @@ use num_complex::Complex32;
 use crate::simd::{Instructions, Isa, Kernel, fused};
 
 /// Values that a run of [`superpose`] may read beyond its end.
-pub const OVERHANG: usize = 16;
+pub const OVERHANG: usize = 64;
 
 /// Complex numbers with their real and imaginary parts apart, as vector registers like them.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -52,26 +52,22 @@ impl<const D: usize> Kernel for Superposition<'_, D> {
     fn run<I: Instructions>(self) {
         // Sums stay in registers, and there are enough of them to wait for none.
         match (I::WIDTH, D) {
-            (16, 1) => self.in_runs::<I, 64, 16>(),
-            (16, _) => self.in_runs::<I, 32, 16>(),
-            (8, 1) => self.in_runs::<I, 32, 8>(),
-            (8, _) => self.in_runs::<I, 8, 8>(),
-            (_, 1) => self.in_runs::<I, 16, 4>(),
-            (_, _) => self.in_runs::<I, 4, 4>(),
+            (16, 1) => self.in_runs::<I, 64>(),
+            (16, _) => self.in_runs::<I, 32>(),
+            (8, 1) => self.in_runs::<I, 32>(),
+            (8, _) => self.in_runs::<I, 8>(),
+            (_, 1) => self.in_runs::<I, 16>(),
+            (_, _) => self.in_runs::<I, 4>(),
         }
     }
 }
 
 impl<const D: usize> Superposition<'_, D> {
+    /// The rest is a whole run too: the sums of a shorter one would wait for each other as long.
     #[inline(always)]
-    fn in_runs<I: Instructions, const LONG: usize, const SHORT: usize>(mut self) {
-        let length = self.sums[0].len();
-        let long = length / LONG * LONG;
-        for start in (0..long).step_by(LONG) {
-            self.in_run::<I, LONG>(start);
-        }
-        for start in (long..length).step_by(SHORT) {
-            self.in_run::<I, SHORT>(start);
+    fn in_runs<I: Instructions, const RUN: usize>(mut self) {
+        for start in (0..self.sums[0].len()).step_by(RUN) {
+            self.in_run::<I, RUN>(start);
         }
     }
 
@@ -153,22 +149,26 @@ impl Kernel for WeightedSums<'_, '_, '_> {
     }
 }
 
-/// `R` rows of weighted sums, `LONG` neighbours at a time, then `SHORT`, then one.
+/// `R` rows of weighted sums, `LONG` neighbours at a time, of shorter rows `SHORT`, of the shortest one. The last run ends with the
+/// row, and makes what the one before has made again: that takes less time than shorter runs, whose sums wait for each other.
 #[inline(always)]
 fn weighted_runs<I: Instructions, const R: usize, const LONG: usize, const SHORT: usize>(
     lines: &Lines<'_>,
     sums: &mut Rows<'_>,
 ) {
-    let long = sums.length / LONG * LONG;
-    for start in (0..long).step_by(LONG) {
-        weighted_run::<I, R, LONG>(lines, sums, start);
+    if sums.length >= LONG {
+        weighted_whole::<I, R, LONG>(lines, sums);
+    } else if sums.length >= SHORT {
+        weighted_whole::<I, R, SHORT>(lines, sums);
+    } else {
+        weighted_whole::<I, R, 1>(lines, sums);
     }
-    let short = sums.length / SHORT * SHORT;
-    for start in (long..short).step_by(SHORT) {
-        weighted_run::<I, R, SHORT>(lines, sums, start);
-    }
-    for start in short..sums.length {
-        weighted_run::<I, R, 1>(lines, sums, start);
+}
+
+#[inline(always)]
+fn weighted_whole<I: Instructions, const R: usize, const RUN: usize>(lines: &Lines<'_>, sums: &mut Rows<'_>) {
+    for start in (0..sums.length).step_by(RUN) {
+        weighted_run::<I, R, RUN>(lines, sums, start.min(sums.length - RUN));
     }
 }
 
@@ -193,5 +193,81 @@ fn weighted_run<I: Instructions, const R: usize, const RUN: usize>(
     }
     for (row, total) in totals.iter().enumerate() {
         sums.values[row * sums.stride + start..][..RUN].copy_from_slice(total);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Numbers from -1 to 1 in no order.
+    fn scattered(count: usize, seed: f64) -> Vec<f32> {
+        (0..count).map(|i| (2.0 * ((i as f64 + seed) * 0.618_034).fract() - 1.0) as f32).collect()
+    }
+
+    /// Shorter than any run, as long as one, and with every rest.
+    fn lengths() -> impl Iterator<Item = usize> {
+        (1..100).chain([124, 127, 128, 129, 190, 256, 257])
+    }
+
+    fn superposed<const D: usize>(isa: Isa, length: usize) {
+        const TERMS: usize = 7;
+        let reach = length + 3 * TERMS;
+        let part = |seed| scattered(reach + OVERHANG, seed);
+        let table = Split { re: part(0.1), im: part(0.7) };
+        let u = |i: usize| std::array::from_fn(|drive| (i as f32 - 3.0) * 0.2 + drive as f32);
+        let terms: Vec<_> = (0..TERMS).map(|i| Term::<D> { start: 3 * i, re: u(i), im: u(2 * i) }).collect();
+        let mut sums: [_; D] = std::array::from_fn(|_| vec![Complex32::ZERO; length]);
+        let first = 2;
+        isa.run(Superposition {
+            table: &table,
+            terms: &terms,
+            first,
+            sums: sums.each_mut().map(Vec::as_mut_slice),
+        });
+        for (drive, sums) in sums.iter().enumerate() {
+            for (i, sum) in sums.iter().enumerate() {
+                let product = |term: &Term<D>| {
+                    let at = term.start + first + i;
+                    Complex32::new(table.re[at], table.im[at])
+                        * Complex32::new(term.re[drive], term.im[drive])
+                };
+                let expected: Complex32 = terms.iter().map(product).sum();
+                assert!((sum - expected).norm() < 1e-4, "{isa:?}, {i} of {length}: {sum} is not {expected}");
+            }
+        }
+    }
+
+    #[test]
+    fn runs_of_every_length_are_superposed_by_every_set_of_instructions() {
+        for isa in Isa::available() {
+            for length in lengths() {
+                superposed::<1>(isa, length);
+                superposed::<DRIVES>(isa, length);
+            }
+        }
+    }
+
+    #[test]
+    fn rows_of_every_length_are_weighted_by_every_set_of_instructions() {
+        const TAPS: usize = 5;
+        for isa in Isa::available() {
+            for (rows, length) in lengths().flat_map(|length| [(1, length), (ROWS, length)]) {
+                let (values, weights) = (scattered(TAPS * length, 0.3), scattered(rows * TAPS, 0.9));
+                let lines = Lines { values: &values, stride: length, weights: &weights };
+                // A gap between the rows belongs to nobody.
+                let stride = length + 3;
+                let mut sums = vec![7.0; rows * stride];
+                let mut out = Rows { values: &mut sums, stride, length };
+                isa.run(WeightedSums { rows, lines: &lines, sums: &mut out });
+                for (row, sums) in sums.chunks(stride).enumerate() {
+                    for (i, &sum) in sums.iter().enumerate() {
+                        let product = |tap: usize| weights[row * TAPS + tap] * values[tap * length + i];
+                        let expected = if i < length { (0..TAPS).map(product).sum() } else { 7.0f32 };
+                        assert!((sum - expected).abs() < 1e-5, "{isa:?}, {i} of {length}: {sum}, {expected}");
+                    }
+                }
+            }
+        }
     }
 }
