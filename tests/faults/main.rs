@@ -10,6 +10,8 @@ mod gpu;
 mod line;
 mod memory;
 mod place;
+#[path = "../requirement/mod.rs"]
+mod requirement;
 mod screen;
 mod signal;
 #[cfg(feature = "window")]
@@ -114,10 +116,4 @@ impl Drop for Running {
         let _ = self.0.kill();
         let _ = self.0.wait();
     }
-}
-
-/// Whether this machine is one on which nothing may be left out.
-fn is_required(what: &str) -> bool {
-    let required = std::env::var("SONOGLYPH_REQUIRE").unwrap_or_default();
-    required.split(',').any(|own| own == what)
 }

@@ -257,13 +257,11 @@ fn pipeline(device: &wgpu::Device, name: &str, source: &str) -> wgpu::ComputePip
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::requirement::found;
 
     /// The software adapter is as good as any here. A machine without one fails the test where a GPU is required.
     fn gpu() -> Option<Gpu> {
-        let gpu = adapter::open_best(true);
-        let required = std::env::var("SONOGLYPH_REQUIRE").unwrap_or_default();
-        assert!(gpu.is_ok() || !required.split(',').any(|what| what == "gpu"), "a GPU is required: {gpu:?}");
-        gpu.inspect_err(|error| eprintln!("NOT TESTED ON THE GPU: {error}")).ok()
+        found("gpu", adapter::open_best(true))
     }
 
     #[test]
