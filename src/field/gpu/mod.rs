@@ -290,4 +290,18 @@ mod tests {
         assert!(matches!(gpu.check(), Err(GpuError::Refused(_))));
         assert!(matches!(gpu.read_buffer(gpu.encoder(), &huge), Err(GpuError::Refused(_))));
     }
+
+    #[test]
+    fn the_first_refusal_is_what_is_told_until_the_device_is_lost() {
+        let Some(gpu) = gpu() else { return };
+        gpu.storage("first", 1 << 60);
+        let first = gpu.check();
+        assert!(matches!(&first, Err(GpuError::Refused(why)) if why.contains("first")), "{first:?}");
+        gpu.storage("second", 1 << 60);
+        assert_eq!(gpu.check(), first);
+        gpu.lose();
+        assert!(matches!(gpu.check(), Err(GpuError::Lost(_))), "{:?}", gpu.check());
+        gpu.storage("third", 1 << 60);
+        assert!(matches!(gpu.check(), Err(GpuError::Lost(_))), "a loss explains what is refused after it");
+    }
 }
