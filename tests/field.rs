@@ -93,9 +93,12 @@ fn evaluators_agree_on_tilted_and_vertical_planes_and_other_arrays() {
         ),
         ("far", Plane { centre: dvec3(0.1, -0.2, 1.0), size: DVec2::new(0.5, 0.3), ..Plane::default() }),
     ];
-    let arrays: [(&str, u32, u32, &[usize]); 4] = [
+    // Beyond 1024 elements the GPU reads them from another kind of buffer.
+    let arrays: [(&str, u32, u32, &[usize]); 6] = [
         ("1 element", 1, 1, &[]),
         ("37 elements, some off", 37, 1, &[0, 5, 36]),
+        ("32 x 32", 32, 32, &[]),
+        ("33 x 32", 33, 32, &[]),
         ("64 x 64", 64, 64, &[]),
         ("65 x 64", 65, 64, &[17]),
     ];
