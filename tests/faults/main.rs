@@ -19,7 +19,7 @@ mod window;
 
 use std::fs;
 use std::path::Path;
-use std::process::{Child, Command, Output, Stdio};
+use std::process::{Child, Command, ExitStatus, Output, Stdio};
 use std::time::{Duration, Instant};
 
 use tempfile::TempDir;
@@ -108,6 +108,12 @@ impl Running {
         let sent =
             Command::new("sh").args(["-c", &format!("kill -{name} {}", self.0.id())]).status().unwrap();
         assert!(sent.success(), "SIG{name}");
+    }
+
+    /// How it ended.
+    fn ended(&mut self) -> ExitStatus {
+        eventually("the end of a program", || self.0.try_wait().unwrap().is_some());
+        self.0.wait().unwrap()
     }
 }
 
