@@ -12,6 +12,9 @@ pub mod field;
 #[cfg(feature = "window")]
 pub mod import;
 pub mod picture;
+#[cfg(test)]
+#[path = "../tests/requirement/mod.rs"]
+mod requirement;
 pub mod scene;
 pub mod simd;
 pub mod solver;

@@ -8,7 +8,7 @@ use std::path::Path;
 use std::process::{Child, ChildStdin, ChildStdout, Command, Stdio};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
-use std::sync::mpsc::{Receiver, sync_channel};
+use std::sync::mpsc::{Receiver, RecvTimeoutError, SyncSender, sync_channel};
 use std::thread;
 use std::time::Duration;
 
@@ -265,6 +265,20 @@ fn nothing_piles_up_before_a_reader_who_stops() {
     assert_eq!(child.wait().unwrap().code(), Some(0));
 }
 
+/// Ends a program that has not ended after [`EVER`] while this is held, so that whoever waits for its end sees it fail.
+#[cfg(unix)]
+fn limited(child: &Child) -> SyncSender<()> {
+    let (held, dropped) = sync_channel(0);
+    let id = child.id().to_string();
+    let limit = move || {
+        if dropped.recv_timeout(EVER) == Err(RecvTimeoutError::Timeout) {
+            Command::new("kill").args(["-KILL", &id]).status().unwrap();
+        }
+    };
+    thread::Builder::new().spawn(limit).unwrap();
+    held
+}
+
 /// Lines without end, until nobody takes them.
 fn flood(mut input: ChildStdin) {
     thread::Builder::new().spawn(move || while writeln!(input, "{SMALL}").is_ok() {}).unwrap();
@@ -297,6 +311,7 @@ fn an_interrupt_leaves_whole_lines_and_whole_files() {
     for is_flooded in [true, false] {
         let folder = tempfile::tempdir().unwrap();
         let mut child = start(&["--data", folder.path().to_str().unwrap(), "--size", "64"]);
+        let limit = limited(&child);
         let mut input = child.stdin.take().unwrap();
         writeln!(input, "{SMALL}").unwrap();
         let kept = if is_flooded {
@@ -317,6 +332,6 @@ fn an_interrupt_leaves_whole_lines_and_whole_files() {
         assert_eq!(ended.status.code(), Some(2), "{said}");
         assert_eq!(said, format!("error: interrupted after {} answers\n", text.lines().count()));
         is_without_pieces(folder.path());
-        drop(kept);
+        drop((kept, limit));
     }
 }

@@ -3,6 +3,8 @@
 #![cfg(all(feature = "window", target_os = "linux"))]
 #![expect(clippy::unwrap_used, reason = "a test's helper may panic")]
 
+mod requirement;
+
 use std::io::{BufRead, BufReader};
 use std::process::{Child, Command, Stdio};
 use std::thread::sleep;
@@ -22,12 +24,9 @@ impl Drop for Running {
 
 /// An X server and the number of its display. `None` where there is none, said aloud.
 fn display() -> Option<(Running, String)> {
-    let is_there = |program: &str| Command::new(program).arg("-version").output().is_ok();
-    if !is_there("Xvfb") || !is_there("xdotool") {
-        let required = std::env::var("SONOGLYPH_REQUIRE").unwrap_or_default();
-        assert!(!required.split(',').any(|what| what == "display"), "Xvfb and xdotool are required");
-        eprintln!("NOT TESTED ON A DISPLAY: Xvfb or xdotool is missing");
-        return None;
+    for program in ["Xvfb", "xdotool"] {
+        let is_there = Command::new(program).arg("-version").output();
+        requirement::found("display", is_there.map_err(|error| format!("{program}: {error}")))?;
     }
     let mut server = Command::new("Xvfb")
         .args(["-displayfd", "1", "-screen", "0", "1280x800x24", "-nolisten", "tcp"])

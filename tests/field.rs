@@ -2,6 +2,8 @@
 
 #![expect(clippy::unwrap_used, reason = "a test's helper may panic")]
 
+mod requirement;
+
 use glam::{DVec2, DVec3, dvec3};
 use num_complex::{Complex32, Complex64};
 use sonoglyph::acoustics::Aperture;
@@ -27,15 +29,7 @@ fn error(field: &[Complex32], reference: &[Complex64]) -> f64 {
 
 /// The software adapter is as good as any here. A machine without one fails the test where a GPU is required.
 fn gpu() -> Option<Gpu> {
-    match adapter::open_best(true) {
-        Ok(gpu) => Some(gpu),
-        Err(error) => {
-            let required = std::env::var("SONOGLYPH_REQUIRE").unwrap_or_default();
-            assert!(!required.split(',').any(|what| what == "gpu"), "a GPU is required: {error}");
-            eprintln!("NOT TESTED ON THE GPU: {error}");
-            None
-        }
-    }
+    requirement::found("gpu", adapter::open_best(true))
 }
 
 fn on_gpu(gpu: &Gpu, sources: &Sources, samples: &Samples) -> Vec<Complex32> {
@@ -99,9 +93,12 @@ fn evaluators_agree_on_tilted_and_vertical_planes_and_other_arrays() {
         ),
         ("far", Plane { centre: dvec3(0.1, -0.2, 1.0), size: DVec2::new(0.5, 0.3), ..Plane::default() }),
     ];
-    let arrays: [(&str, u32, u32, &[usize]); 4] = [
+    // Beyond 1024 elements the GPU reads them from another kind of buffer.
+    let arrays: [(&str, u32, u32, &[usize]); 6] = [
         ("1 element", 1, 1, &[]),
         ("37 elements, some off", 37, 1, &[0, 5, 36]),
+        ("32 x 32", 32, 32, &[]),
+        ("33 x 32", 33, 32, &[]),
         ("64 x 64", 64, 64, &[]),
         ("65 x 64", 65, 64, &[17]),
     ];

@@ -12,6 +12,7 @@ use sonoglyph::device::health::State;
 use sonoglyph::device::levels::{Level, Levels};
 use sonoglyph::device::link::{Content, Event, Link, Settings};
 use sonoglyph::device::profile::Profile;
+use sonoglyph::device::stock;
 use sonoglyph::scene::{Envelope, Modulation};
 
 /// Nothing here waits for longer, however slow the machine is.
@@ -134,6 +135,37 @@ fn frames_arrive_whole_at_every_board_and_it_is_silent_in_the_end() {
             });
         }
     });
+}
+
+#[test]
+fn a_stock_board_is_ready_when_its_first_silence_has_left_the_line() {
+    // What is sent then waits for nothing. At this rate half a second is over by then.
+    let (profile, baud) = (Profile::SonicSurface, 9600);
+    let (board, _shown) = board(Setup { baud: Some(baud), ..Setup::new(profile) });
+    let begun = Instant::now();
+    let link = link_to(&board, profile, Some(baud));
+    wait_for(&link, |event| matches!(event, Event::Ready(_)));
+    let bits = 10.0 * stock::silence(profile).len() as f64;
+    assert!(begun.elapsed().as_secs_f64() >= bits / f64::from(baud), "{:?}", begun.elapsed());
+}
+
+#[test]
+fn what_was_wanted_before_the_board_was_there_is_no_latency() {
+    for profile in [Profile::Native, Profile::SonicSurface] {
+        let (board, shown) = board(Setup::new(profile));
+        board.unplug(true);
+        let link = link_to(&board, profile, None);
+        wait_for(&link, |event| matches!(event, Event::Lost(_)));
+        let early = numbered(profile, 1);
+        link.show(Content::Still(early.clone()));
+        board.unplug(false);
+        let pair = Pair { link, board, shown };
+        pair.shown_until(&early);
+        eventually("a frame in place", || pair.link.health().in_place);
+        assert_eq!(pair.link.health().latency, None, "{}", profile.name());
+        pair.link.show(Content::Still(numbered(profile, 2)));
+        eventually("a latency", || pair.link.health().latency.is_some());
+    }
 }
 
 #[test]

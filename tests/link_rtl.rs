@@ -3,6 +3,8 @@
 #![cfg(all(unix, feature = "serial"))]
 #![expect(clippy::unwrap_used, reason = "a test's helper may panic")]
 
+mod requirement;
+
 use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::time::{Duration, Instant};
@@ -18,12 +20,8 @@ const PATIENCE: Duration = Duration::from_secs(120);
 
 /// The simulated device, built if need be; without Verilator there is none, and that is said.
 fn program() -> Option<PathBuf> {
-    if Command::new("verilator").arg("--version").output().is_err() {
-        let required = std::env::var("SONOGLYPH_REQUIRE").unwrap_or_default();
-        assert!(!required.contains("rtl"), "Verilator is required, but it is not installed");
-        eprintln!("NOT TESTED: Verilator is not installed, so the gateware is not simulated");
-        return None;
-    }
+    let verilator = Command::new("verilator").arg("--version").output();
+    requirement::found("rtl", verilator.map_err(|error| format!("verilator: {error}")))?;
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
     let folder = root.join(format!("target/gateware/{PHASE_BITS}"));
     let built = Command::new(root.join("gateware/sim/build"))

@@ -2,6 +2,8 @@
 
 #![expect(clippy::unwrap_used, reason = "a test's helper may panic")]
 
+mod requirement;
+
 use std::f64::consts::TAU;
 
 use glam::{DVec2, DVec3};
@@ -26,12 +28,7 @@ fn hit() -> (Scene, Drive) {
 }
 
 fn gpu(buffer_bytes: u64) -> Option<Stages> {
-    let Ok(gpu) = adapter::open_best(true) else {
-        let required = std::env::var("SONOGLYPH_REQUIRE").unwrap_or_default();
-        assert!(!required.split(',').any(|what| what == "gpu"), "a GPU is required");
-        eprintln!("NOT TESTED ON THE GPU");
-        return None;
-    };
+    let gpu = requirement::found("gpu", adapter::open_best(true))?;
     Some(Stages::new(Evaluator::Gpu(Box::new(gpu.with_small_buffers(buffer_bytes)))))
 }
 

@@ -2,6 +2,8 @@
 
 #![expect(clippy::unwrap_used, reason = "a test's helper may panic")]
 
+mod requirement;
+
 use glam::{DVec2, DVec3};
 use num_complex::{Complex32, Complex64};
 use sonoglyph::acoustics::Aperture;
@@ -15,14 +17,8 @@ use sonoglyph::scene::{Plane, Scene};
 
 fn evaluators() -> Vec<Evaluator> {
     let mut evaluators = vec![Evaluator::Cpu];
-    match adapter::open_best(true) {
-        Ok(gpu) => evaluators.push(Evaluator::Gpu(Box::new(gpu))),
-        Err(error) => {
-            let required = std::env::var("SONOGLYPH_REQUIRE").unwrap_or_default();
-            assert!(!required.split(',').any(|what| what == "gpu"), "a GPU is required: {error}");
-            eprintln!("NOT TESTED ON THE GPU: {error}");
-        }
-    }
+    let gpu = requirement::found("gpu", adapter::open_best(true));
+    evaluators.extend(gpu.map(|gpu| Evaluator::Gpu(Box::new(gpu))));
     evaluators
 }
 

@@ -181,17 +181,13 @@ fn how(stages: &Stages, by: By, start: Instant, what: &str) -> String {
 mod tests {
     use super::*;
     use crate::field::gpu::adapter;
+    use crate::requirement::found;
     use crate::scene::Plane;
     use crate::solver;
 
     #[test]
     fn a_lost_gpu_is_replaced_by_the_cpu_unless_it_was_asked_for() {
-        let Ok(gpu) = adapter::open_best(true) else {
-            let required = std::env::var("SONOGLYPH_REQUIRE").unwrap_or_default();
-            assert!(!required.split(',').any(|what| what == "gpu"), "a GPU is required");
-            eprintln!("NOT TESTED WITH A GPU");
-            return;
-        };
+        let Some(gpu) = found("gpu", adapter::open_best(true)) else { return };
         let mut scene = crate::scene::file::parse(crate::cli::EXAMPLE, "hit.toml".as_ref()).unwrap();
         let drives = [solver::solve(&scene).unwrap().drive];
         let look = Look {

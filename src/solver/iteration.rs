@@ -339,3 +339,71 @@ pub fn phase(value: Complex64) -> Complex64 {
     let norm = value.norm_sqr().sqrt();
     if norm > 0.0 { value / norm } else { Complex64::ONE }
 }
+
+#[cfg(test)]
+mod tests {
+    use glam::{DVec3, dvec3};
+
+    use super::*;
+    use crate::acoustics::Aperture;
+    use crate::scene::Scene;
+
+    /// Foci on a circle 10 cm above the usual array, and targets of which the strongest is so many times the weakest.
+    fn circle(count: usize, radius: f64, span: f64) -> (Transfer, Vec<f64>) {
+        let at = |m: usize| {
+            let (sin, cos) = (TAU * m as f64 / count as f64).sin_cos();
+            dvec3(radius * cos, radius * sin, 0.1)
+        };
+        let foci: Vec<DVec3> = (0..count).map(at).collect();
+        let target = |m: usize| span.powf(m as f64 / (count - 1) as f64);
+        (Aperture::new(&Scene::default()).transfer(&foci), (0..count).map(target).collect())
+    }
+
+    fn start<'a>(transfer: &'a Transfer, targets: &[f64]) -> State<'a, 1> {
+        State::from_foci(transfer, targets.iter().copied().map(Complex64::from).collect())
+    }
+
+    /// The smallest and the largest of |p| over its target.
+    fn range(transfer: &Transfer, targets: &[f64], values: &[Complex64]) -> (f64, f64) {
+        let pressure = transfer.pressure(values);
+        let relative = pressure.iter().zip(targets).map(|(p, target)| p.norm() / target);
+        relative.fold((f64::INFINITY, 0.0), |(low, high), p| (low.min(p), high.max(p)))
+    }
+
+    #[test]
+    fn foci_that_the_array_tells_apart_are_level_after_a_few_steps_however_unequal_they_were() {
+        for (count, radius, span) in [(3, 0.012, 3.0), (5, 0.04, 1.0), (8, 0.04, 3.0), (8, 0.04, 30.0)] {
+            let (transfer, targets) = circle(count, radius, span);
+            for iterations in [0, 1, 5] {
+                let excitation = levelled(start(&transfer, &targets), &targets, targets.clone(), iterations);
+                let (low, high) = range(&transfer, &targets, &excitation.values);
+                assert!(high / low < 1.0 + 6.0 * LEVEL, "{count}, {span}, {iterations}: {low} to {high}");
+            }
+        }
+    }
+
+    #[test]
+    fn foci_that_the_array_does_not_tell_apart_stay_strong_rather_than_level() {
+        // Two millimetres apart, two foci are one: what makes one twice as loud as the other takes from both.
+        let (transfer, targets) = circle(2, 1e-3, 2.0);
+        for iterations in [5, 30] {
+            let mut state = start(&transfer, &targets);
+            state.weigh(&targets, targets.clone(), iterations);
+            let weighted = state.weakest(&targets);
+            state.level(&targets);
+            assert!(state.weakest(&targets) < 0.9 * weighted, "no case of it: {}", state.weakest(&targets));
+            let excitation = levelled(start(&transfer, &targets), &targets, targets.clone(), iterations);
+            let (low, _) = range(&transfer, &targets, &excitation.values);
+            assert!(low > 0.98 * weighted, "{iterations}: {low} of {weighted}");
+        }
+    }
+
+    #[test]
+    fn a_phase_has_modulus_1_and_what_has_none_is_phase_0() {
+        assert_eq!(phase(Complex64::ZERO), Complex64::ONE);
+        for angle in [-3.0, 0.0, 0.4, 2.0] {
+            let expected = Complex64::cis(angle);
+            assert!((phase(expected * 1e-9) - expected).norm() < 1e-15, "{angle}");
+        }
+    }
+}

@@ -20,6 +20,10 @@ const GOLDEN: f64 = 0.618_033_988_749_894_8;
 /// Equal phases are a fixed point of every symmetric set, and a poor one, so the starts are scattered; those of another
 /// `batch` are others.
 pub fn strongest(gram: &Phasors, targets: &[f64], iterations: usize, batch: usize) -> Phasors {
+    strongest_with(Isa::best(), gram, targets, iterations, batch)
+}
+
+fn strongest_with(isa: Isa, gram: &Phasors, targets: &[f64], iterations: usize, batch: usize) -> Phasors {
     let count = targets.len();
     // Only phases come out, so any scale will do, and f32.
     let scale = (0..count).map(|m| gram.re[m * count + m]).fold(f64::MIN_POSITIVE, f64::max).recip();
@@ -34,7 +38,7 @@ pub fn strongest(gram: &Phasors, targets: &[f64], iterations: usize, batch: usiz
             lanes.im[m][start] = (targets[m] / loudest * phase.sin()) as f32;
         }
     }
-    let powers = Isa::best().run(Climb {
+    let powers = isa.run(Climb {
         gram_re: &narrow(&gram.re),
         gram_im: &narrow(&gram.im),
         targets: &targets.iter().map(|target| (target / loudest) as f32).collect::<Vec<_>>(),
@@ -210,6 +214,19 @@ mod tests {
             for ((p, heard), target) in p.iter().zip(heard(&gram, &p)).zip(&targets) {
                 let expected = target / count as f64 * heard / heard.norm();
                 assert!((p - expected).norm() < 2e-3, "{count}: {p} is not {expected}");
+            }
+        }
+    }
+
+    #[test]
+    fn foci_play_their_targets_to_the_last_bits_of_f32() {
+        let targets = [1.0, 2.5, 0.3, 7.0, 4.0];
+        // Sets differ in how rough a root they begin with.
+        for (isa, iterations) in Isa::available().into_iter().flat_map(|isa| [(isa, 1), (isa, 50)]) {
+            let found = strongest_with(isa, &row(5), &targets, iterations, 0);
+            for (p, target) in found.iter().zip(targets) {
+                let off = p.norm() / (target / 7.0) - 1.0;
+                assert!(off.abs() < 1e-6, "{}, {iterations}: {p} is off by {off}", isa.name());
             }
         }
     }

@@ -13,14 +13,7 @@ use sonoglyph::solver;
 use sonoglyph::surface::Reflector;
 
 pub fn gpu() -> Option<Gpu> {
-    match adapter::open_best(true) {
-        Ok(gpu) => Some(gpu),
-        Err(error) => {
-            assert!(!crate::is_required("gpu"), "a GPU is required: {error}");
-            eprintln!("NOT TESTED ON THE GPU: {error}");
-            None
-        }
-    }
+    crate::requirement::found("gpu", adapter::open_best(true))
 }
 
 /// A focus over water, with its drive.

@@ -65,7 +65,7 @@ fn whatever_ends_a_program_that_sends_its_board_falls_silent() {
             let stage = Stage::new(profile);
             let mut send = stage.play("still.toml", profile);
             send.signal(signal);
-            let status = send.0.wait().unwrap();
+            let status = send.ended();
             assert!(status.success(), "{}, SIG{signal}: {status}", profile.name());
             stage.wait_for_silence();
         }
@@ -87,7 +87,7 @@ fn a_program_that_sends_goes_on_when_nobody_reads_what_it_says() {
     std::thread::sleep(Duration::from_millis(2500));
     assert!(stage.sounds() && send.0.try_wait().unwrap().is_none());
     send.signal("INT");
-    assert_eq!(send.0.wait().unwrap().code(), Some(0), "what nobody reads is no error");
+    assert_eq!(send.ended().code(), Some(0), "what nobody reads is no error");
     stage.wait_for_silence();
 }
 
@@ -107,7 +107,7 @@ fn a_program_that_is_stopped_is_silenced_by_the_board_and_sounds_again_when_it_g
         std::thread::sleep(Duration::from_millis(500));
         assert!(stage.sounds() && send.0.try_wait().unwrap().is_none(), "{scene} stays");
         send.signal("TERM");
-        assert!(send.0.wait().unwrap().success());
+        assert!(send.ended().success());
     }
 }
 

@@ -10,6 +10,8 @@ mod gpu;
 mod line;
 mod memory;
 mod place;
+#[path = "../requirement/mod.rs"]
+mod requirement;
 mod screen;
 mod signal;
 #[cfg(feature = "window")]
@@ -17,7 +19,7 @@ mod window;
 
 use std::fs;
 use std::path::Path;
-use std::process::{Child, Command, Output, Stdio};
+use std::process::{Child, Command, ExitStatus, Output, Stdio};
 use std::time::{Duration, Instant};
 
 use tempfile::TempDir;
@@ -107,6 +109,12 @@ impl Running {
             Command::new("sh").args(["-c", &format!("kill -{name} {}", self.0.id())]).status().unwrap();
         assert!(sent.success(), "SIG{name}");
     }
+
+    /// How it ended.
+    fn ended(&mut self) -> ExitStatus {
+        eventually("the end of a program", || self.0.try_wait().unwrap().is_some());
+        self.0.wait().unwrap()
+    }
 }
 
 impl Drop for Running {
@@ -114,10 +122,4 @@ impl Drop for Running {
         let _ = self.0.kill();
         let _ = self.0.wait();
     }
-}
-
-/// Whether this machine is one on which nothing may be left out.
-fn is_required(what: &str) -> bool {
-    let required = std::env::var("SONOGLYPH_REQUIRE").unwrap_or_default();
-    required.split(',').any(|own| own == what)
 }

@@ -3,7 +3,7 @@
 use std::path::Path;
 use std::process::{Command, Output};
 
-use crate::{folder, is_required, listing, program};
+use crate::{folder, listing, program};
 
 /// That the window's place was taken by the sheet, and why.
 fn sheet_of(output: &Output, folder: &Path, why: &str) {
@@ -46,11 +46,8 @@ fn a_screen_without_graphics_is_no_window() {
         .stdout(Stdio::piped())
         .stderr(Stdio::null())
         .spawn();
-    let Ok(mut server) = server.map(crate::Running) else {
-        assert!(!is_required("display"), "Xvfb is required");
-        eprintln!("NOT TESTED ON A DISPLAY: Xvfb is missing");
-        return;
-    };
+    let server = crate::requirement::found("display", server.map_err(|error| format!("Xvfb: {error}")));
+    let Some(mut server) = server.map(crate::Running) else { return };
     let mut number = String::new();
     BufReader::new(server.0.stdout.take().unwrap()).read_line(&mut number).unwrap();
     let folder = folder();

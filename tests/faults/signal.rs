@@ -41,7 +41,7 @@ fn a_program_that_is_killed_leaves_the_old_file_or_the_whole_new_one_and_no_othe
         let mut film = start(folder.path(), &FILM);
         std::thread::sleep(lasts.mul_f64(part));
         film.signal(signal);
-        killed += usize::from(film.0.wait().unwrap().signal().is_some());
+        killed += usize::from(film.ended().signal().is_some());
         assert!(
             fs::read(&path).unwrap() == b"old" || frames(&path) == 6,
             "SIG{signal} at {part} of {lasts:?}"
@@ -81,7 +81,7 @@ fn a_batch_ends_when_nobody_reads_its_answers_or_a_signal_comes() {
     let mut batch =
         Running(batch.stdin(lines("lines")).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap());
     drop(batch.0.stdout.take());
-    let status = batch.0.wait().unwrap();
+    let status = batch.ended();
     assert_eq!(status.code(), Some(0), "no reader is no error");
     let mut batch = program(folder.path(), &["batch", "--no-limits", "--data", "out", "--size", "64"]);
     let mut batch = Running(batch.stdin(lines("lines")).stdout(Stdio::null()).spawn().unwrap());
@@ -89,7 +89,7 @@ fn a_batch_ends_when_nobody_reads_its_answers_or_a_signal_comes() {
     crate::eventually("the first answer", || out.exists() && listing(&out).len() > 3);
     batch.signal("TERM");
     let begun = Instant::now();
-    assert!(!batch.0.wait().unwrap().success());
+    assert!(!batch.ended().success());
     assert!(begun.elapsed() < Duration::from_secs(30));
     for name in listing(&out) {
         let bytes = fs::read(out.join(&name)).unwrap();

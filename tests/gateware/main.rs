@@ -5,6 +5,8 @@
 mod dice;
 mod line;
 mod play;
+#[path = "../requirement/mod.rs"]
+mod requirement;
 mod simulated;
 mod table;
 mod twins;

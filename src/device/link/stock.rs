@@ -188,12 +188,35 @@ impl Session<'_> {
             if let Some(before) = swapped.replace(now) {
                 self.shared.note(|figures| figures.swaps.note(now - before));
             }
-            due += half;
-            if due < now {
-                // Too late for some: whole periods are left out, and what follows is in time again.
-                let missed = (now - due).as_secs_f64() / (2.0 * half.as_secs_f64());
-                due += (2 * half).mul_f64(missed.ceil());
-            }
+            due = after(due, half, now);
+        }
+    }
+}
+
+/// When the swap after the one at `due` is to come, if it is `now`. Where that is too late for some, whole periods are left out,
+/// and what follows is in time again.
+fn after(due: Instant, half: Duration, now: Instant) -> Instant {
+    let due = due + half;
+    let missed = now.saturating_duration_since(due).as_secs_f64() / (2.0 * half.as_secs_f64());
+    due + (2 * half).mul_f64(missed.ceil())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_swap_that_comes_late_leaves_out_whole_periods_and_the_next_is_in_time() {
+        let (due, half) = (Instant::now(), Duration::from_millis(2));
+        let late = |millis: f64| {
+            (after(due, half, due + Duration::from_secs_f64(millis / 1000.0)) - due).as_secs_f64()
+        };
+        // Light stays light and dark dark: an odd number of half periods after the last, and the first that is not over.
+        for (millis, halves) in
+            [(0.0, 1), (1.9, 1), (2.1, 3), (5.9, 3), (6.1, 5), (9.9, 5), (10.1, 7), (4001.0, 2001)]
+        {
+            let expected = f64::from(halves) * half.as_secs_f64();
+            assert!((late(millis) - expected).abs() < 1e-6, "{millis} ms: {} s", late(millis));
         }
     }
 }

@@ -257,13 +257,11 @@ fn pipeline(device: &wgpu::Device, name: &str, source: &str) -> wgpu::ComputePip
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::requirement::found;
 
     /// The software adapter is as good as any here. A machine without one fails the test where a GPU is required.
     fn gpu() -> Option<Gpu> {
-        let gpu = adapter::open_best(true);
-        let required = std::env::var("SONOGLYPH_REQUIRE").unwrap_or_default();
-        assert!(gpu.is_ok() || !required.split(',').any(|what| what == "gpu"), "a GPU is required: {gpu:?}");
-        gpu.inspect_err(|error| eprintln!("NOT TESTED ON THE GPU: {error}")).ok()
+        found("gpu", adapter::open_best(true))
     }
 
     #[test]
@@ -291,5 +289,19 @@ mod tests {
         let huge = gpu.storage("huge", 1 << 60);
         assert!(matches!(gpu.check(), Err(GpuError::Refused(_))));
         assert!(matches!(gpu.read_buffer(gpu.encoder(), &huge), Err(GpuError::Refused(_))));
+    }
+
+    #[test]
+    fn the_first_refusal_is_what_is_told_until_the_device_is_lost() {
+        let Some(gpu) = gpu() else { return };
+        gpu.storage("first", 1 << 60);
+        let first = gpu.check();
+        assert!(matches!(&first, Err(GpuError::Refused(why)) if why.contains("first")), "{first:?}");
+        gpu.storage("second", 1 << 60);
+        assert_eq!(gpu.check(), first);
+        gpu.lose();
+        assert!(matches!(gpu.check(), Err(GpuError::Lost(_))), "{:?}", gpu.check());
+        gpu.storage("third", 1 << 60);
+        assert!(matches!(gpu.check(), Err(GpuError::Lost(_))), "a loss explains what is refused after it");
     }
 }
