@@ -126,6 +126,45 @@ fn the_pseudo_inverse_makes_the_field_that_it_prescribes() {
 }
 
 #[test]
+fn a_focus_out_of_hearing_takes_nothing_from_the_others() {
+    let (near, beside, out_of_hearing) =
+        (dvec3(0.01, 0.0, 0.1), dvec3(-0.02, 0.01, 0.12), dvec3(0.0, 0.01, 3.6));
+    let in_fog = |points: &[DVec3], method| {
+        let mut scene = scene(points);
+        scene.medium.absorption = Some(1e3);
+        scene.solver.amplitudes = Amplitudes::Free;
+        solve(&scene, method)
+    };
+    for method in [Method::Pinv, Method::Weighted] {
+        let alone = in_fog(&[near, beside], method);
+        let with = in_fog(&[near, out_of_hearing, beside], method);
+        assert_sound(&with);
+        assert!(with.pressures[1].norm() > 0.0 && with.pressures[1].norm() < 1e-160, "{:?}", with.pressures);
+        let off =
+            (with.pressures[0] - alone.pressures[0]).norm() + (with.pressures[2] - alone.pressures[1]).norm();
+        assert!(
+            off < 1e-9 * alone.pressures[0].norm(),
+            "{method:?}: {:?}, not {:?}",
+            with.pressures,
+            alone.pressures
+        );
+    }
+}
+
+#[test]
+fn one_focus_out_of_hearing_is_steered_to_all_the_same() {
+    let mut scene = scene(&[dvec3(0.0, 0.01, 3.6)]);
+    scene.medium.absorption = Some(1e3);
+    let most = solve(&scene, Method::Focus).quality.mean_pressure;
+    assert!(most > 0.0 && most < 1e-160, "{most}");
+    for method in [Method::Pinv, Method::Weighted, Method::Naive] {
+        let quality = solve(&scene, method).quality;
+        assert!((quality.mean_pressure / most - 1.0).abs() < 1e-9, "{method:?}: {quality:?}");
+        assert!(quality.efficiency > 0.3, "{method:?}: {quality:?}");
+    }
+}
+
+#[test]
 fn relative_targets_are_met_by_the_methods_that_level() {
     let mut scene = scene(&[dvec3(-0.02, 0.0, 0.1), dvec3(0.02, 0.01, 0.1), dvec3(0.0, -0.02, 0.12)]);
     scene.targets[1].pressure = 0.5;

@@ -150,21 +150,32 @@ impl Evaluator {
         samples: &Samples,
     ) -> Result<Vec<Complex32>, GpuError> {
         Ok(match (self, Sources::new(aperture, drive, samples)) {
-            (Self::Gpu(gpu), Some(sources)) => gpu.read(&gpu.pressure(&sources, samples)?)?,
+            (Self::Gpu(gpu), Some(sources)) if sources.beside_rims(samples).is_empty() => {
+                gpu.read(&gpu.pressure(&sources, samples)?)?
+            }
             (Self::Reference, _) => on_cpu(aperture, drive, samples, true),
             (Self::Cpu | Self::Gpu(_), _) => on_cpu(aperture, drive, samples, false),
         })
     }
 }
 
-/// Complex pressure (Pa, peak) at every sample by the CPU, in f64 if `double` or if f32 declines.
+/// Complex pressure (Pa, peak) at every sample by the CPU, in f64 if `double` or where f32 declines.
 fn on_cpu(aperture: &Aperture, drive: &Drive, samples: &Samples, double: bool) -> Vec<Complex32> {
+    let in_f64 = |samples: &Samples| {
+        let narrow = |p: Complex64| Complex32::new(p.re as f32, p.im as f32);
+        reference::pressure(aperture, drive, samples).into_iter().map(narrow)
+    };
     match Sources::new(aperture, drive, samples) {
-        Some(sources) if !double => cpu::pressure(&sources, samples),
-        _ => {
-            let narrow = |p: Complex64| Complex32::new(p.re as f32, p.im as f32);
-            reference::pressure(aperture, drive, samples).into_iter().map(narrow).collect()
+        Some(sources) if !double => {
+            let mut field = cpu::pressure(&sources, samples);
+            let beside = sources.beside_rims(samples);
+            let points = beside.iter().map(|&index| samples.point(index)).collect();
+            for (&index, p) in beside.iter().zip(in_f64(&Samples::at(points))) {
+                field[index] = p;
+            }
+            field
         }
+        _ => in_f64(samples).collect(),
     }
 }
 

@@ -9,7 +9,8 @@
 
 use std::f64::consts::{PI, TAU};
 
-use glam::DVec2;
+use glam::{DVec2, DVec3};
+use rayon::prelude::*;
 
 use crate::acoustics::Aperture;
 use crate::acoustics::element::{self, NEAREST, SMALLEST_DISK};
@@ -22,7 +23,7 @@ pub const SINE: [f32; 5] = [std::f32::consts::PI, -5.167_71, 2.550_077_4, -0.598
 /// Coefficients of cos(πf) in f², |f| ≤ ½, lowest first; 1e-9 off before rounding.
 pub const COSINE: [f32; 6] = [1.0, -4.934_802, 4.058_711_5, -1.335_24, 0.235_074_37, -0.024_627_112];
 
-/// Largest error of [`Wave::directivity`] and [`Wave::decay`]; beyond, the f32 evaluators decline.
+/// Largest error, in f32, of [`Wave::directivity`], and of [`Wave::decay`] relative to itself; beyond, the f32 evaluators decline.
 const POLYNOMIAL_ERROR: f64 = 1e-6;
 /// Nodes of the exact piston that the evaluators have room for, and the relative error they are chosen for.
 pub const MOST_NODES: usize = 64;
@@ -63,9 +64,11 @@ pub struct Polynomial<const MOST: usize> {
     pub terms: usize,
 }
 
-/// Terms of the directivity that usual elements need: 5e-8 off at ka = 4.6. With all 24 it is so up to ka = 26.
+/// Terms of the directivity that usual elements need: 1e-7 off at ka = 4.6. All 24 are 5e-7 off at ka = 20, and 2e-6 at ka = 26, since
+/// terms of both signs grow with it, and f32 rounds them.
 pub const FEW_DIRECTIVITY: usize = 7;
-/// Terms of the decay that air needs: 1e-7 off where 2.4 dB are lost between the nearest and the farthest distance.
+/// Terms of the decay that air needs: 1e-6 off where 2 dB are lost between the nearest and the farthest distance. All 16 are so
+/// at 38 dB.
 pub const FEW_DECAY: usize = 4;
 
 /// Constants of the exact piston's integral.
@@ -87,11 +90,36 @@ impl Sources {
             .collect();
         Some(Self { wave, elements })
     }
+
+    /// The samples so near to the rim of an exact piston that [`MOST_NODES`] are too few for it there: f32 is not right at them. None
+    /// of them is a fifth of a radius or more away from the array.
+    pub fn beside_rims(&self, samples: &Samples) -> Vec<usize> {
+        let Some(piston) = &self.wave.piston else { return Vec::new() };
+        let radius = f64::from(piston.radius);
+        let ka = TAU * self.wave.exact_turns_per_metre * radius;
+        let is_beside = |rho: f64, z: f64| {
+            element::piston_nodes(ka, rho / radius, z.max(NEAREST) / radius, NODE_ERROR) > MOST_NODES
+        };
+        if !is_beside(radius, samples.bounds().0.z) {
+            return Vec::new();
+        }
+        let of_element = |point: DVec3, [x, y, ..]: [f32; 4]| {
+            let rho = point.truncate().distance(DVec2::new(x.into(), y.into()));
+            (rho - radius).abs() < radius && is_beside(rho, point.z)
+        };
+        let is_sample_beside = |&index: &usize| {
+            let point = samples.point(index);
+            point.z >= -NEAREST
+                && is_beside(radius, point.z)
+                && self.elements.iter().any(|&element| of_element(point, element))
+        };
+        (0..samples.len()).into_par_iter().filter(is_sample_beside).collect()
+    }
 }
 
 impl Wave {
-    /// `None` for elements and absorption beyond f32's polynomials: a radius above four wavelengths, or more than about
-    /// 40 dB between the nearest and the farthest distance; and for an exact piston that is no disk.
+    /// `None` for elements and absorption beyond f32's polynomials: a radius above about three and a half wavelengths, or more than
+    /// about 38 dB between the nearest and the farthest distance; and for an exact piston that is no disk.
     pub fn new(aperture: &Aperture, samples: &Samples) -> Option<Self> {
         let element = &aperture.element;
         if element.model == ElementModel::ExactPiston && element.radius < SMALLEST_DISK {
@@ -99,10 +127,12 @@ impl Wave {
         }
         let turns_per_metre = element.wavenumber / TAU;
         let sought = |s: f64| element.directivity(((s + 1.0) / 2.0).max(0.0).sqrt());
-        let directivity = Polynomial::fit(FEW_DIRECTIVITY, sought)?;
+        let directivity = Polynomial::fit(FEW_DIRECTIVITY, sought, |_| POLYNOMIAL_ERROR)?;
         let (near, far) = distances(aperture, samples);
         let (middle, half) = ((far + near) / 2.0, (far - near) / 2.0);
-        let decay = Polynomial::fit(FEW_DECAY, |s| (-element.attenuation * half * (1.0 + s)).exp())?;
+        // A point far away may be all that is asked for, and is to be as right as the nearest.
+        let sought = |s: f64| (-element.attenuation * half * (1.0 + s)).exp();
+        let decay = Polynomial::fit(FEW_DECAY, sought, |s| POLYNOMIAL_ERROR * sought(s))?;
         Some(Self {
             turns_per_metre: turns_per_metre as f32,
             exact_turns_per_metre: turns_per_metre,
@@ -129,22 +159,27 @@ impl Wave {
 }
 
 impl<const MOST: usize> Polynomial<MOST> {
-    /// Chebyshev interpolation with `few` terms, with all there is room for, or `None` if neither is near enough.
-    fn fit(few: usize, sought: impl Fn(f64) -> f64) -> Option<Self> {
-        let fitting = |terms: usize| {
-            let found = polynomial::fit(&sought, terms);
-            let off = |i: usize| {
-                let s = i as f64 / 100.0 - 1.0;
-                (polynomial::evaluate(&found, s) - sought(s)).abs()
-            };
-            (0..=200).all(|i| off(i) < POLYNOMIAL_ERROR).then_some(found)
+    /// Chebyshev interpolation with `few` terms, with all there is room for, or `None` if neither is as near as `allowed`.
+    fn fit(few: usize, sought: impl Fn(f64) -> f64, allowed: impl Fn(f64) -> f64) -> Option<Self> {
+        let fitted = |terms: usize| {
+            let mut coefficients = [0.0; MOST];
+            for (to, from) in coefficients.iter_mut().zip(polynomial::fit(&sought, terms)) {
+                *to = from as f32;
+            }
+            Self { coefficients, terms }
         };
-        let found = fitting(few).or_else(|| fitting(MOST))?;
-        let mut coefficients = [0.0; MOST];
-        for (to, from) in coefficients.iter_mut().zip(&found) {
-            *to = *from as f32;
-        }
-        Some(Self { coefficients, terms: found.len() })
+        let is_near = |fitted: &Self| {
+            (0..=200).all(|i| {
+                let s = f64::from(i) / 100.0 - 1.0;
+                (f64::from(fitted.at(s as f32)) - sought(s)).abs() < allowed(s)
+            })
+        };
+        Some(fitted(few)).filter(is_near).or_else(|| Some(fitted(MOST)).filter(is_near))
+    }
+
+    /// As the evaluators have it, rounding included.
+    fn at(&self, s: f32) -> f32 {
+        self.coefficients[..self.terms].iter().rev().fold(0.0, |sum, coefficient| sum * s + coefficient)
     }
 }
 
@@ -158,7 +193,7 @@ fn distances(aperture: &Aperture, samples: &Samples) -> (f64, f64) {
     (near, far.max(near + 0.01))
 }
 
-/// As many nodes as the sample nearest to a rim needs.
+/// As many nodes as the sample nearest to a rim needs, if there is room for them.
 fn piston(aperture: &Aperture, samples: &Samples) -> Piston {
     let (a, k) = (aperture.element.radius, aperture.element.wavenumber);
     let z = samples.bounds().0.z.max(NEAREST);
@@ -187,7 +222,7 @@ mod tests {
 
     #[test]
     fn few_terms_serve_the_usual_element_and_more_the_large_one() {
-        for (ka, expected) in [(3.66, Some(FEW_DIRECTIVITY)), (9.2, Some(24)), (20.0, Some(24)), (60.0, None)]
+        for (ka, expected) in [(3.66, Some(FEW_DIRECTIVITY)), (9.2, Some(24)), (20.0, Some(24)), (28.0, None)]
         {
             assert_eq!(wave(&aperture(ka)).map(|wave| wave.directivity.terms), expected, "ka = {ka}");
         }
@@ -195,13 +230,54 @@ mod tests {
 
     #[test]
     fn strong_absorption_takes_more_terms_or_none() {
+        // 0.17 m lie between the nearest distance and the farthest.
         for (attenuation, expected) in
-            [(0.0, Some(FEW_DECAY)), (0.15, Some(FEW_DECAY)), (5.0, Some(16)), (500.0, None)]
+            [(0.0, Some(FEW_DECAY)), (0.15, Some(FEW_DECAY)), (5.0, Some(16)), (30.0, None)]
         {
             let mut aperture = aperture(3.66);
             aperture.element.attenuation = attenuation;
             assert_eq!(wave(&aperture).map(|wave| wave.decay.terms), expected, "{attenuation} Np/m");
         }
+    }
+
+    #[test]
+    fn the_decay_is_right_where_little_is_left_too() {
+        // 37 dB between the nearest distance and the farthest.
+        let mut aperture = aperture(3.66);
+        let samples = Samples::on_plane(&Plane::default(), 4, 4).unwrap();
+        let (near, far) = distances(&aperture, &samples);
+        aperture.element.attenuation = 4.26 / (far - near);
+        let wave = wave(&aperture).unwrap();
+        for i in 0..=1000 {
+            let r = near + (far - near) * f64::from(i) / 1000.0;
+            let s = r as f32 * wave.decay_scale[0] + wave.decay_scale[1];
+            let expected = (-aperture.element.attenuation * (r - near)).exp();
+            let got = f64::from(wave.decay.at(s));
+            assert!((got / expected - 1.0).abs() < 2e-6, "{r} m: {got} for {expected}");
+        }
+    }
+
+    #[test]
+    fn f32_leaves_places_beside_rims_to_f64() {
+        let mut aperture = aperture(3.66);
+        aperture.element.model = ElementModel::ExactPiston;
+        let (at, a) = (aperture.positions[40], aperture.element.radius);
+        let above = |rho: f64, z: f64| (at + DVec2::new(0.6, 0.8) * rho).extend(z);
+        let points = vec![
+            above(a, 0.0),
+            above(0.5 * a, 0.0),
+            above(1.1 * a, 0.01 * a),
+            above(a, 0.25 * a),
+            above(0.95 * a, 0.1 * a),
+            above(a, -0.1 * a),
+        ];
+        let samples = Samples::at(points);
+        let drive = Drive { amplitudes: vec![1.0; 256], phases: vec![0.0; 256] };
+        let beside =
+            |aperture: &Aperture| Sources::new(aperture, &drive, &samples).unwrap().beside_rims(&samples);
+        assert_eq!(beside(&aperture), [0, 2, 4]);
+        aperture.element.model = ElementModel::Piston;
+        assert_eq!(beside(&aperture), [0; 0]);
     }
 
     #[test]
@@ -224,15 +300,14 @@ mod tests {
 
     #[test]
     fn the_directivity_is_met_in_f32() {
-        for (ka, error) in [(3.66, 2e-7), (9.2, 5e-7), (20.0, 4e-6)] {
+        for (ka, error) in [(3.66, 2e-7), (9.2, 5e-7), (20.0, 2e-6)] {
             let aperture = aperture(ka);
-            let coefficients = wave(&aperture).unwrap().directivity.coefficients;
+            let directivity = wave(&aperture).unwrap().directivity;
             for i in 0..=1000 {
                 let sin = f64::from(i) / 1000.0;
                 let s = (2.0 * sin * sin - 1.0) as f32;
-                let got = coefficients.iter().rev().fold(0.0f32, |sum, c| sum.mul_add(s, *c));
                 assert!(
-                    (f64::from(got) - aperture.element.directivity(sin)).abs() < error,
+                    (f64::from(directivity.at(s)) - aperture.element.directivity(sin)).abs() < error,
                     "ka = {ka}, sin = {sin}"
                 );
             }
@@ -257,7 +332,7 @@ mod tests {
         let aperture = Aperture::new(&scene);
         let mut drive = Drive { amplitudes: vec![1.0; 256], phases: vec![0.0; 256] };
         drive.amplitudes[7] = 0.0;
-        let samples = Samples::at(vec![glam::DVec3::Z]);
+        let samples = Samples::at(vec![DVec3::Z]);
         assert_eq!(Sources::new(&aperture, &drive, &samples).unwrap().elements.len(), 252);
     }
 }

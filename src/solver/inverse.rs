@@ -9,6 +9,9 @@ use crate::solver::{Excitation, Problem};
 
 /// Singular values below this part of the largest are noise: the directions they stand for are left alone.
 const RANK_TOLERANCE: f64 = 1e-6;
+/// A focus at which less than this part of what the loudest one hears arrives is left alone: of a drive that is so loud as to serve
+/// it, the rounding alone would be louder at the other.
+const FAINTEST: f64 = f64::EPSILON;
 /// Part of the mean |u| below which an element's weight grows no further in one iteration: without it an element that
 /// passes through zero would blow up.
 const WEIGHT_FLOOR: f64 = 1e-3;
@@ -28,6 +31,10 @@ pub fn weighted(problem: &Problem<'_>, iterations: u32) -> Excitation {
     let (mut values, mut residual) = weighted_inverse(problem, &weights);
     for _ in 0..iterations {
         let mean = mean(values.iter().map(|u| u.norm()));
+        if mean == 0.0 {
+            // Nothing arrives anywhere: there is nothing to weigh by.
+            break;
+        }
         for (weight, u) in weights.iter_mut().zip(&values) {
             *weight *= mean / u.norm().max(WEIGHT_FLOOR * mean);
         }
@@ -40,14 +47,17 @@ pub fn weighted(problem: &Problem<'_>, iterations: u32) -> Excitation {
     Excitation { values, iterations, residual: Some(residual), weights: None }
 }
 
-/// W H* (H W H*)⁺ p and its relative residual, by way of the singular values of √W, so that nothing is squared.
+/// W H* (H W H*)⁺ p to some scale, and its relative residual, by way of the singular values of H √W, so that nothing is squared.
 fn weighted_inverse(problem: &Problem<'_>, weights: &[f64]) -> (Vec<Complex64>, f64) {
     let transfer = &problem.transfer;
     let targets = problem.targets();
     let roots: Vec<_> = weights.iter().map(|weight| weight.sqrt()).collect();
     let (matrix, norms) = normalised(transfer, &roots);
+    // Multiplied by the smallest norm: a drive at any scale is the same, and at this one its squares are numbers.
+    let smallest = norms.iter().copied().fold(f64::INFINITY, f64::min);
+    let scale = if smallest.is_finite() { smallest } else { 1.0 };
     let scaled: Vec<_> =
-        targets.iter().zip(&norms).map(|(target, norm)| Complex64::from(target / norm)).collect();
+        targets.iter().zip(&norms).map(|(target, norm)| Complex64::from(target * (scale / norm))).collect();
     let values: Vec<_> = match Spectrum::new(&matrix) {
         Some(spectrum) => spectrum.solve(&scaled).iter().zip(&roots).map(|(u, root)| u * root).collect(),
         // The decomposition of finite numbers does not fail; if it ever did, this is still a drive.
@@ -57,20 +67,36 @@ fn weighted_inverse(problem: &Problem<'_>, weights: &[f64]) -> (Vec<Complex64>, 
         .pressure(&values)
         .iter()
         .zip(&targets)
-        .map(|(p, target)| (p - target).norm_sqr())
+        .map(|(p, target)| (p / scale - target).norm_sqr())
         .sum::<f64>();
     let norm = targets.iter().map(|target| target * target).sum::<f64>();
     (values, (error / norm).sqrt())
 }
 
-/// The transfer with its columns scaled and its rows brought to norm 1, and the norms.
+/// The transfer with its columns scaled and its rows brought to norm 1, and the norms; foci that are left alone have rows of
+/// zeros, and an infinite norm.
 ///
 /// Foci far and near then weigh the same in what "small" means for a singular value.
 fn normalised(transfer: &Transfer, columns: &[f64]) -> (Mat<Complex64>, Vec<f64>) {
     let scaled = |m: usize, n: usize| transfer.at(m, n) * columns[n];
-    let norm = |m: usize| (0..transfer.elements).map(|n| scaled(m, n).norm_sqr()).sum::<f64>().sqrt();
-    let norms: Vec<_> = (0..transfer.points).map(|m| norm(m).max(f64::MIN_POSITIVE)).collect();
-    (Mat::from_fn(transfer.points, transfer.elements, |m, n| scaled(m, n) / norms[m]), norms)
+    let moduli = |m: usize| (0..transfer.elements).map(|n| scaled(m, n).norm()).collect::<Vec<_>>();
+    let norms: Vec<_> = (0..transfer.points).map(|m| norm(&moduli(m))).collect();
+    let faintest = FAINTEST * norms.iter().copied().fold(0.0, f64::max);
+    let norms: Vec<_> =
+        norms.into_iter().map(|norm| if norm > faintest { norm } else { f64::INFINITY }).collect();
+    let entry = |m: usize, n: usize| {
+        if norms[m].is_finite() { scaled(m, n) / norms[m] } else { Complex64::ZERO }
+    };
+    (Mat::from_fn(transfer.points, transfer.elements, entry), norms)
+}
+
+/// The root of the sum of squares, the largest taken out: far from the array squares are less than f64 holds.
+fn norm(moduli: &[f64]) -> f64 {
+    let largest = moduli.iter().copied().fold(0.0, f64::max);
+    if largest == 0.0 {
+        return 0.0;
+    }
+    largest * moduli.iter().map(|h| (h / largest).powi(2)).sum::<f64>().sqrt()
 }
 
 /// Numerical rank, and the ratio of the largest singular value to the smallest, of H with rows of norm 1.

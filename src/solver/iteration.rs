@@ -336,7 +336,8 @@ pub fn multipliers<const CHANNELS: usize>(
 
 /// The same phase with modulus 1; phase 0 where there is none.
 pub fn phase(value: Complex64) -> Complex64 {
-    let norm = value.norm_sqr().sqrt();
+    // Of any scale: what arrives far away has a square of 0.
+    let norm = value.norm();
     if norm > 0.0 { value / norm } else { Complex64::ONE }
 }
 

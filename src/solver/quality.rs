@@ -78,9 +78,12 @@ impl Limits {
 
 /// η = Σ|u|²/(N max|u|²).
 pub fn efficiency(values: &[Complex64]) -> f64 {
-    let largest = values.iter().map(|u| u.norm_sqr()).fold(0.0, f64::max);
-    let total = values.iter().map(|u| u.norm_sqr()).sum::<f64>();
-    if largest > 0.0 { total / (values.len() as f64 * largest) } else { 0.0 }
+    // An excitation may have any scale, so the largest goes before anything is squared.
+    let largest = values.iter().map(|u| u.norm()).fold(0.0, f64::max);
+    if largest == 0.0 {
+        return 0.0;
+    }
+    values.iter().map(|u| (u.norm() / largest).powi(2)).sum::<f64>() / values.len() as f64
 }
 
 /// How far the moduli of H u are from a multiple of the targets.

@@ -11,7 +11,7 @@ use sonoglyph::scene::ElementModel;
 use sonoglyph::surface::Reflector;
 
 use crate::dice::Dice;
-use crate::fields::{Evaluators, f32_rounding};
+use crate::fields::{Evaluators, f32_error, moduli};
 use crate::oracle::density_and_tension;
 use crate::solving::Solved;
 use crate::tally::{count, within};
@@ -116,15 +116,20 @@ fn made(stages: &mut Stages, dent: &Asked<'_>) -> Option<AverageMap> {
     Some(map)
 }
 
-/// What the pressure (Pa) may be off: the tolerance of its largest value, with a margin of two since it is measured at 48 pixels, and
-/// what f32 leaves of the squares.
+/// What the pressure (Pa) may be off: of its largest value, which the squares of pressure and slope make, the tolerance three times,
+/// since squares are off by twice what their roots are, and the interpolation from cells to pixels by as much as one of these; and what
+/// f32 leaves of the squares.
 fn pressure_error(solved: &Solved, largest: f64, point: DVec3) -> f64 {
-    let Solved { scene, oracle, aperture, solution } = solved;
-    let u = solution.drive.excitation(&aperture.driven);
-    let moduli: f64 = aperture.transfer(&[point]).row(0).zip(u).map(|(h, u)| (h * u).norm()).sum();
-    let part = scene.modulation.mean_square();
-    let square = part * moduli * moduli / (oracle.density * oracle.sound_speed.powi(2));
-    2.0 * scene.plane.tolerance.max(FINEST) * largest + 4.0 * f32_rounding(solved, point) * square + 1e-37
+    3.0 * solved.scene.plane.tolerance.max(FINEST) * largest + square_error(solved, point)
+}
+
+/// What f32 leaves of the radiation pressure at a point (Pa): of a square twice what it leaves of its root, of two parts. Its root is
+/// what arrives there, whatever of it cancels.
+fn square_error(solved: &Solved, point: DVec3) -> f64 {
+    let Solved { scene, oracle, solution, .. } = solved;
+    let per_square = scene.modulation.mean_square() / (oracle.density * oracle.sound_speed.powi(2));
+    let arriving = moduli(solved, &solution.drive, point);
+    4.0 * per_square * arriving * f32_error(solved, &solution.drive, point) + 1e-37
 }
 
 fn radiation_is_the_models(
@@ -203,8 +208,8 @@ fn depth_error(dent: &Asked<'_>, map: &AverageMap) -> f64 {
     let under_parts = dent.parts / (density * scene.liquid.gravity);
     let depths = map.dent.as_ref().unwrap().depth.iter();
     let deepest = depths.map(|depth| depth.abs()).fold(under_parts, f64::max);
-    let rounding = 4.0 * f32_rounding(dent.solved, scene.plane.centre);
-    (scene.plane.tolerance.max(FINEST) + rounding) * deepest + 1e-37
+    let rounding = square_error(dent.solved, scene.plane.centre) / (density * scene.liquid.gravity);
+    scene.plane.tolerance.max(FINEST) * deepest + rounding + 1e-37
 }
 
 /// The largest difference of depths of the second times a factor, m.

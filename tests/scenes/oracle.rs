@@ -27,7 +27,7 @@ pub struct Oracle {
     pub sound_speed: f64,
     /// kg/m³
     pub density: f64,
-    model: ElementModel,
+    pub model: ElementModel,
     /// m
     pub radius: f64,
     strength: f64,

@@ -62,9 +62,14 @@ pub fn solved(case: &Case, two: &ThreadPool) -> Option<Solved> {
 
 /// Relative to the sum of moduli, what f64 leaves of a sum over waves that ran `distance` (m): what the polynomials in vector code
 /// and the oracle's own directivity are off, and the rounding of the phase and of ka sinθ, 2⁻⁵² of each in
-/// several steps.
+/// several steps; and of the exact piston's terms several such roundings, each as many times as large as their sum as the way is
+/// longer than the disk is wide.
 pub fn rounding(oracle: &Oracle, distance: f64) -> f64 {
-    4e-12 + 4e-15 * oracle.wavenumber * (distance + oracle.radius)
+    let disk = match oracle.model {
+        ElementModel::ExactPiston => distance / oracle.radius,
+        ElementModel::Piston | ElementModel::Point => 0.0,
+    };
+    4e-12 + 4e-15 * oracle.wavenumber * (distance + oracle.radius) + 2e-15 * disk
 }
 
 /// The same foci as points, in the same order.

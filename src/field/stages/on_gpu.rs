@@ -33,7 +33,7 @@ impl OnGpu {
         self.picture.key = None;
     }
 
-    /// Makes the pixels; `false` where f32 has no room for the elements or a buffer none for the samples.
+    /// Makes the pixels; `false` where f32 is not right at some of them, has no room for the elements or a buffer none for the samples.
     pub(super) fn pixels(&mut self, job: &Job<'_>, work: &mut Work) -> Result<bool, GpuError> {
         let raster = job.raster;
         self.field = GpuField::default();
@@ -60,6 +60,7 @@ impl OnGpu {
 
     fn evaluated(&self, job: &Job<'_>, samples: &Samples) -> Result<Option<GpuField>, GpuError> {
         let sources = Sources::new(job.wanted.aperture, job.wanted.drive, samples);
+        let sources = sources.filter(|sources| sources.beside_rims(samples).is_empty());
         sources.map(|sources| self.gpu.pressure(&sources, samples)).transpose()
     }
 
