@@ -13,6 +13,8 @@ mod fields;
 mod files;
 mod liquids;
 mod oracle;
+#[path = "../requirement/mod.rs"]
+mod requirement;
 mod solving;
 mod tally;
 
@@ -29,6 +31,7 @@ use sonoglyph::scene::file;
 
 use draw::Case;
 use fields::Evaluators;
+use requirement::found;
 use solving::Moved;
 
 const SEED: u64 = 0x0040_6B48_7A00_0001;
@@ -65,19 +68,8 @@ fn numbers() -> Range<usize> {
     }
 }
 
-fn is_gpu_required() -> bool {
-    std::env::var("SONOGLYPH_REQUIRE").is_ok_and(|required| required.split(',').any(|what| what == "gpu"))
-}
-
 fn evaluators() -> Evaluators {
-    let gpu = match adapter::open_best(true) {
-        Ok(gpu) => Some(Stages::new(Evaluator::Gpu(Box::new(gpu)))),
-        Err(error) => {
-            assert!(!is_gpu_required(), "a GPU is required: {error}");
-            eprintln!("NOT TESTED ON THE GPU: {error}");
-            None
-        }
-    };
+    let gpu = found("gpu", adapter::open_best(true)).map(|gpu| Stages::new(Evaluator::Gpu(Box::new(gpu))));
     Evaluators { cpu: Stages::new(Evaluator::Cpu), gpu }
 }
 
@@ -136,7 +128,8 @@ fn random_scenes_hold_every_invariant() {
 /// An invariant that no scene has a part in holds of nothing.
 fn everything_was_drawn() {
     let by_gpu = [("maps by Gpu, asked of the GPU", 6000), ("dents by Gpu, asked of the GPU", 1000)];
-    let by_gpu = by_gpu.into_iter().filter(|_| is_gpu_required());
+    let has_gpu = adapter::open_best(true).is_ok();
+    let by_gpu = by_gpu.into_iter().filter(|_| has_gpu);
     // Of ten thousand.
     let drawn = [
         ("dents", 2000),
