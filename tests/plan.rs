@@ -186,19 +186,6 @@ fn rows_near_the_array_and_small_maps_are_evaluated_pixel_by_pixel() {
 }
 
 #[test]
-fn samples_that_cost_less_than_pixels_are_taken_for_fewer_pixels_too() {
-    let (scene, size) = (Scene::default(), (80, 80));
-    let aperture = Aperture::new(&scene);
-    for (costs, interpolated) in [(Costs::CPU, 80), (Costs::GPU, 0)] {
-        let plan = Plan::new(&aperture, &scene.plane, costs).unwrap();
-        let raster = Raster::new(&plan, size).unwrap();
-        // The CPU keeps a table of samples; where each is evaluated anew, a pixel costs no more.
-        assert!(plan.grid.as_ref().unwrap().samples.len() > 80 * 80);
-        assert_eq!(raster.interpolated.len(), interpolated, "{costs:?}: {}", raster.describe(&plan));
-    }
-}
-
-#[test]
 fn where_the_elements_cancel_samples_are_evaluated_in_f64() {
     let mut scene = Scene::default();
     scene.array.pitch = 0.004;

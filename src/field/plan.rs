@@ -86,8 +86,6 @@ pub struct Grid {
     pub beta: f64,
     /// For sample columns and sample rows: how they repeat from element to element.
     pub shared: [Option<Shared>; 2],
-    /// Pixels up to which it is quicker to evaluate them than the samples.
-    pub too_few: usize,
 }
 
 impl Grid {
@@ -337,32 +335,15 @@ impl View {
     }
 
     fn work(&self, layout: &Layout) -> f64 {
-        self.sampling(layout) + USUAL_PIXELS * self.interpolation(layout)
-    }
-
-    /// What all samples cost.
-    fn sampling(&self, layout: &Layout) -> f64 {
         let pairs = self.samples(layout) * self.elements as f64;
+        let taps = USUAL_PIXELS * (2 * layout.half_width) as f64;
         let is_kept = pairs * size_of::<Complex32>() as f64 <= TABLE_CEILING as f64;
         let pair = match layout.shared {
             [None, None] if is_kept => self.costs.kept_pair,
             [None, None] => 1.0,
             _ => self.costs.shared_pair,
         };
-        pair * pairs
-    }
-
-    /// What it costs to interpolate a pixel.
-    fn interpolation(&self, layout: &Layout) -> f64 {
-        self.costs.tap * (2 * layout.half_width) as f64
-    }
-
-    /// Pixels up to which evaluating them costs less than samples, but no more than there are samples: an array of few elements is
-    /// evaluated in no time either way.
-    fn too_few(&self, layout: &Layout) -> usize {
-        let gained = self.elements as f64 - self.interpolation(layout);
-        let samples = self.samples(layout);
-        (if gained > 0.0 { (self.sampling(layout) / gained).min(samples) } else { samples }) as usize
+        pair * pairs + self.costs.tap * taps
     }
 
     fn grid(&self, layout: &Layout) -> Grid {
@@ -383,7 +364,6 @@ impl View {
             half_width: layout.half_width,
             beta: layout.beta,
             shared: layout.shared,
-            too_few: self.too_few(layout),
         }
     }
 }

@@ -41,7 +41,7 @@ impl Raster {
         let row = |j: usize| size.y * ((j as f64 + 0.5) / height as f64 - 0.5);
         let below = |place: f64| (0..height).filter(|&j| row(j) < place).count();
         let interpolated = below(grid.covered.start)..below(grid.covered.end);
-        if interpolated.len() * width <= grid.too_few {
+        if interpolated.len() * width <= grid.samples.len() {
             return Some(direct);
         }
         Some(Self {
@@ -92,7 +92,7 @@ impl Raster {
             None => reason.clone(),
             Some(grid) if self.interpolated.is_empty() => {
                 format!(
-                    "every pixel is evaluated: they are too few for the {} samples needed",
+                    "every pixel is evaluated: they are fewer than the {} samples needed",
                     grid.samples.len()
                 )
             }
