@@ -52,7 +52,9 @@ fn field_main(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_ind
 
     var low = Phasor(vec4f(0.0), vec4f(0.0));
     var high = Phasor(vec4f(0.0), vec4f(0.0));
-    for (var n = params.first_element; n < params.last_element; n++) {
+    // group.z is 0. Of a loop that uniforms alone end, lavapipe makes a program of its own in every run, and keeps it.
+    let last_element = params.last_element + group.z;
+    for (var n = params.first_element; n < last_element; n++) {
         let element = elements[n];
         let to_low = wave(x_low, y_low, front_low, element);
         let to_high = wave(x_high, y_high, front_high, element);

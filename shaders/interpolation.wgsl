@@ -70,7 +70,9 @@ fn resample_main(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_
     var sums1 = Sums(vec4f(0.0), vec4f(0.0), vec4f(0.0), vec4f(0.0), vec4f(0.0), vec4f(0.0), vec4f(0.0), vec4f(0.0));
     var sums2 = Sums(vec4f(0.0), vec4f(0.0), vec4f(0.0), vec4f(0.0), vec4f(0.0), vec4f(0.0), vec4f(0.0), vec4f(0.0));
     var sums3 = Sums(vec4f(0.0), vec4f(0.0), vec4f(0.0), vec4f(0.0), vec4f(0.0), vec4f(0.0), vec4f(0.0), vec4f(0.0));
-    for (var tap = 0u; tap < params.span; tap++) {
+    // Not of uniforms alone, as in the field's.
+    let span = params.span + group.z;
+    for (var tap = 0u; tap < span; tap++) {
         let w0 = bitcast<vec4f>(weights[weight]);
         let w1 = bitcast<vec4f>(weights[weight + 1u]);
         let w2 = bitcast<vec4f>(weights[weight + 2u]);

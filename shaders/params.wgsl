@@ -8,8 +8,6 @@ struct Params {
     decay: array<vec4f, 4>,
     decay_scale: vec2f,
     turns_per_metre: f32,
-    directivity_terms: u32,
-    decay_terms: u32,
     // The run adds the elements first_element .. last_element to what the samples hold already.
     first_element: u32,
     last_element: u32,
@@ -21,14 +19,13 @@ struct Params {
     nodes: u32,
     radius: f32,
     piston_scale: f32,
-    padding: vec2f,
 }
 
 @group(0) @binding(0) var<uniform> params: Params;
 
 fn directivity(s: vec4f) -> vec4f {
     var sum = vec4f(0.0);
-    if params.directivity_terms > 8u {
+    if MANY_TERMS {
         for (var i = 5u; i > 1u; i--) {
             sum = four_terms(sum, s, params.directivity[i]);
         }
@@ -40,7 +37,7 @@ fn directivity(s: vec4f) -> vec4f {
 fn decay(distance: vec4f) -> vec4f {
     let s = distance * params.decay_scale.x + params.decay_scale.y;
     var sum = vec4f(0.0);
-    if params.decay_terms > 4u {
+    if MANY_TERMS {
         for (var i = 3u; i > 0u; i--) {
             sum = four_terms(sum, s, params.decay[i]);
         }

@@ -21,8 +21,6 @@ pub struct Params {
     pub decay: [[f32; 4]; 4],
     pub decay_scale: [f32; 2],
     pub turns_per_metre: f32,
-    pub directivity_terms: u32,
-    pub decay_terms: u32,
     pub first_element: u32,
     pub last_element: u32,
     pub columns: u32,
@@ -32,7 +30,6 @@ pub struct Params {
     pub nodes: u32,
     pub radius: f32,
     pub piston_scale: f32,
-    pub padding: [f32; 2],
 }
 
 /// The same struct as in `shaders/peak.wgsl`.
@@ -103,21 +100,28 @@ pub struct JoinParams {
     pub of_radiation: f32,
 }
 
-/// The field's program comes in four forms.
+/// The field's program comes in eight forms.
+///
+/// What a run decides once is a constant: of a condition on uniforms alone, lavapipe makes a program of its own in every run, and
+/// keeps it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct FieldProgram {
     pub exact_piston: bool,
     /// More than [`UNIFORM_ELEMENTS`].
     pub many_elements: bool,
+    /// More than the first eight of the directivity or four of the decay.
+    pub many_terms: bool,
 }
 
 impl FieldProgram {
-    pub const ALL: [Self; 4] = [
-        Self { exact_piston: false, many_elements: false },
-        Self { exact_piston: false, many_elements: true },
-        Self { exact_piston: true, many_elements: false },
-        Self { exact_piston: true, many_elements: true },
-    ];
+    /// All of them.
+    pub fn all() -> [Self; 8] {
+        std::array::from_fn(|form| Self {
+            exact_piston: form & 1 != 0,
+            many_elements: form & 2 != 0,
+            many_terms: form & 4 != 0,
+        })
+    }
 
     pub fn source(self) -> String {
         let element = if self.exact_piston {
@@ -130,9 +134,10 @@ impl FieldProgram {
         } else {
             include_str!("../../../shaders/elements_uniform.wgsl")
         };
+        let terms = format!("const MANY_TERMS: bool = {};", self.many_terms);
         let params = include_str!("../../../shaders/params.wgsl");
         let phase = include_str!("../../../shaders/phase.wgsl");
-        [&constants(), params, phase, elements, element, include_str!("../../../shaders/field.wgsl")]
+        [&constants(), &terms, params, phase, elements, element, include_str!("../../../shaders/field.wgsl")]
             .join("\n")
     }
 }
@@ -251,7 +256,7 @@ mod tests {
     #[test]
     fn every_program_is_valid_and_has_the_workgroup_that_rust_divides_by() {
         let mut sources: Vec<_> =
-            FieldProgram::ALL.iter().map(|program| (format!("{program:?}"), program.source())).collect();
+            FieldProgram::all().iter().map(|program| (format!("{program:?}"), program.source())).collect();
         sources.extend(Quantity::ALL.map(|quantity| (format!("peak {quantity:?}"), peak_source(quantity))));
         sources.extend(pictures().map(|source| ("picture".to_owned(), source)));
         sources.push(("interpolation".to_owned(), interpolation_source()));
@@ -274,7 +279,7 @@ mod tests {
 
     #[test]
     fn every_shader_file_is_part_of_a_program() {
-        let programs: String = FieldProgram::ALL
+        let programs: String = FieldProgram::all()
             .iter()
             .map(|program| program.source())
             .chain([interpolation_source(), squares_source(), compliance_source(), join_source()])
@@ -297,7 +302,7 @@ mod tests {
 
     #[test]
     fn structs_are_laid_out_as_in_rust() {
-        let field = module("field", &FieldProgram::ALL[0].source());
+        let field = module("field", &FieldProgram::all()[0].source());
         assert_same_layout!(
             &field,
             Params {
@@ -305,8 +310,6 @@ mod tests {
                 decay,
                 decay_scale,
                 turns_per_metre,
-                directivity_terms,
-                decay_terms,
                 first_element,
                 last_element,
                 columns,
@@ -315,8 +318,7 @@ mod tests {
                 written,
                 nodes,
                 radius,
-                piston_scale,
-                padding
+                piston_scale
             }
         );
         assert_same_layout!(&module("peak", &peak_source(Quantity::Rms)), PeakParams { count, invocations });

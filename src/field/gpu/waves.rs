@@ -82,6 +82,7 @@ impl Inputs {
         let program = FieldProgram {
             exact_piston: wave.piston.is_some(),
             many_elements: elements.len() > UNIFORM_ELEMENTS,
+            many_terms: wave.directivity.terms > 8 || wave.decay.terms > 4,
         };
         let wide = |points: &[glam::DVec3]| -> Vec<[f32; 4]> {
             points.iter().map(|p| [p.x as f32, p.y as f32, p.z as f32, wave.turns(p.z)]).collect()
@@ -114,9 +115,8 @@ impl Inputs {
 
     /// The elements, cut into runs that no driver breaks off.
     fn element_runs(&self) -> impl Iterator<Item = std::ops::Range<u32>> {
-        let general = self.params.directivity_terms > 8 || self.params.decay_terms > 4;
         // Two groups of four points, each with its nodes or its two polynomials.
-        let rounds = 1 + 2 * self.params.nodes + if general { 2 * (4 + 3) } else { 0 };
+        let rounds = 1 + 2 * self.params.nodes + if self.program.many_terms { 2 * (4 + 3) } else { 0 };
         let (length, count) = (MOST_ROUNDS_PER_RUN / rounds, self.count);
         (0..count).step_by(length as usize).map(move |first| first..count.min(first + length))
     }
@@ -129,8 +129,6 @@ fn params(wave: &Wave, samples: &Samples) -> Params {
         decay: bytemuck::cast(wave.decay.coefficients),
         decay_scale: wave.decay_scale,
         turns_per_metre: wave.turns_per_metre,
-        directivity_terms: wave.directivity.terms as u32,
-        decay_terms: wave.decay.terms as u32,
         columns: samples.columns.len() as u32,
         nodes: nodes as u32,
         radius,
