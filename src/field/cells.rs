@@ -17,7 +17,7 @@ const MOST: usize = 1 << 23;
 /// Square cells that fill a plane and a margin around it, the same on opposite sides.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Cells {
-    /// What the cells fill, with the tolerance that the pressure at them is to keep.
+    /// What the cells fill, with the tolerance that the pressure at them is to keep: squares are off by twice that.
     pub plane: Plane,
     /// Columns and rows; with a margin products of 2, 3 and 5, which transforms like.
     pub counts: [usize; 2],
@@ -32,7 +32,7 @@ impl Cells {
     /// For a `plane`, at least `margin` (m) beyond it, so that interpolated squares are off by at most `accuracy`, relative to
     /// their peak. `None` if they would be too many, or nobody can say how many.
     pub fn new(aperture: &Aperture, plane: &Plane, margin: f64, accuracy: f64) -> Option<Self> {
-        /// Of the accuracy, what the window may take.
+        /// Of the accuracy, what the window may take; the squares may be off by the rest.
         const SHARE: f64 = 0.2;
         let step = aperture.wavelength() / (PER_WAVELENGTH * pattern(aperture, plane)?);
         let beta = -(SHARE * accuracy).ln();
@@ -48,7 +48,7 @@ impl Cells {
         let counts = counts.map(|count| if is_tank { smooth(count as usize) } else { count as usize });
         let size = DVec2::from(counts.map(|count| count as f64 * step));
         Some(Self {
-            plane: Plane { size, ..plane.clone() },
+            plane: Plane { size, tolerance: plane.tolerance * (1.0 - SHARE) / 2.0, ..plane.clone() },
             counts,
             step,
             half_width: half_width as usize,

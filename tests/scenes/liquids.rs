@@ -116,11 +116,10 @@ fn made(stages: &mut Stages, dent: &Asked<'_>) -> Option<AverageMap> {
     Some(map)
 }
 
-/// What the pressure (Pa) may be off: of its largest value, which the squares of pressure and slope make, the tolerance three times,
-/// since squares are off by twice what their roots are, and the interpolation from cells to pixels by as much as one of these; and what
-/// f32 leaves of the squares.
+/// What the pressure (Pa) may be off: the tolerance, of its largest value, which the squares of pressure and slope make; and what f32
+/// leaves of the squares.
 fn pressure_error(solved: &Solved, largest: f64, point: DVec3) -> f64 {
-    3.0 * solved.scene.plane.tolerance.max(FINEST) * largest + square_error(solved, point)
+    solved.scene.plane.tolerance.max(FINEST) * largest + square_error(solved, point)
 }
 
 /// What f32 leaves of the radiation pressure at a point (Pa): of a square twice what it leaves of its root, of two parts. Its root is
