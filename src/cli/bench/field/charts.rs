@@ -56,12 +56,13 @@ pub fn tolerance_name(tolerance: f64) -> String {
     if tolerance == 0.0 { "exact".to_owned() } else { format!("{tolerance:.0e}") }
 }
 
-/// A series per evaluator, a point per tolerance.
+/// A series per evaluator, a point per tolerance, from the finest to the coarsest: samples may be nearer than every pixel in f32.
 fn by_error(records: &[&Record]) -> Vec<Series> {
     let series = |evaluator: &str| {
-        let chosen = records.iter().filter(|record| record.evaluator == evaluator && record.size == SIZE);
-        let mut points: Vec<_> = chosen.map(|record| (record.error, record.new_drive.cpu_ms())).collect();
-        points.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let is_chosen = |record: &&&Record| record.evaluator == evaluator && record.size == SIZE;
+        let mut chosen: Vec<_> = records.iter().filter(is_chosen).collect();
+        chosen.sort_by(|a, b| a.tolerance.total_cmp(&b.tolerance));
+        let points = chosen.iter().map(|record| (record.error, record.new_drive.cpu_ms())).collect();
         Series { name: evaluator.to_owned(), points }
     };
     ["cpu", "gpu"].map(series).into()
