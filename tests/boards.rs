@@ -5,7 +5,7 @@
 
 use std::io::{BufRead, BufReader};
 use std::path::{Path, PathBuf};
-use std::process::{Child, Command, Output, Stdio};
+use std::process::{Child, Command, ExitStatus, Output, Stdio};
 use std::sync::mpsc::{Receiver, sync_channel};
 use std::time::{Duration, Instant};
 
@@ -41,6 +41,12 @@ impl Running {
         let sent = Command::new("kill").args([signal, &self.0.id().to_string()]).status().unwrap();
         assert!(sent.success());
     }
+
+    /// How it ended.
+    fn ended(&mut self) -> ExitStatus {
+        eventually("the end of a program", || self.0.try_wait().unwrap().is_some());
+        self.0.wait().unwrap()
+    }
 }
 
 impl Drop for Running {
@@ -71,7 +77,7 @@ fn is_silent(board: &Board) -> bool {
     board.report().playing.unwrap().drive().amplitudes.iter().all(|&amplitude| amplitude == 0.0)
 }
 
-fn eventually(what: &str, condition: impl Fn() -> bool) {
+fn eventually(what: &str, mut condition: impl FnMut() -> bool) {
     let until = Instant::now() + PATIENCE;
     while !condition() {
         assert!(Instant::now() < until, "{what} did not come");
@@ -120,7 +126,7 @@ fn an_interrupted_sender_leaves_silence() {
         while shown.recv_timeout(PATIENCE).unwrap().levels != wanted {}
         eventually("sound", || !is_silent(&board));
         sender.signal("-INT");
-        assert!(sender.0.wait().unwrap().success());
+        assert!(sender.ended().success());
         eventually("silence", || is_silent(&board));
     }
 }
@@ -196,7 +202,7 @@ fn a_virtual_board_says_where_it_is_and_what_it_plays() {
     let output = send(&scene, &port, Profile::SonicSurface, &["--seconds", "2.5"]);
     assert!(output.status.success(), "{}", said(&output.stderr));
     board.signal("-TERM");
-    assert!(board.0.wait().unwrap().success());
+    assert!(board.ended().success());
     let lines: Vec<_> = lines.collect();
     // The focus stands where the scene has it, to a pixel.
     let place = lines.iter().find_map(|line| line.split_once("at (")).unwrap().1;
