@@ -18,6 +18,7 @@ mod requirement;
 pub mod scene;
 pub mod simd;
 pub mod solver;
+pub mod studio;
 pub mod surface;
 pub mod table;
 #[cfg(feature = "window")]

@@ -2,7 +2,8 @@
 
 use std::process::ExitCode;
 
-use sonoglyph::cli::{Next, bench, mention};
+use sonoglyph::cli::{Next, bench};
+use sonoglyph::studio::output::mention;
 
 fn main() -> ExitCode {
     quiet_drivers();
@@ -36,7 +37,7 @@ fn go_on(next: Next) -> anyhow::Result<()> {
 fn go_on(next: Next) -> anyhow::Result<()> {
     match next {
         Next::Exit => Ok(()),
-        Next::Window(scene) => sonoglyph::cli::default_sheet(scene.as_deref()),
+        Next::Window(scene) => sonoglyph::studio::still::default_sheet(scene.as_deref()),
         Next::Bench(args) => bench::run(&args, None),
     }
 }

@@ -7,7 +7,6 @@ use std::time::Duration;
 use eframe::egui::Context;
 
 use crate::acoustics::Aperture;
-use crate::cli::note;
 use crate::device::calibration::Calibration;
 use crate::device::levels::Levels;
 use crate::device::link::{Content, Event, Link, Settings};
@@ -16,6 +15,7 @@ use crate::device::profile::Profile;
 use crate::drive::Drive;
 use crate::scene::Modulation;
 use crate::solver::{Problem, Solution};
+use crate::studio::output::note;
 use crate::ui::board::{BoardCommand, BoardShown, Plays};
 use crate::ui::{Editor, Notice, Panel, Shown};
 

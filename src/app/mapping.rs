@@ -6,7 +6,6 @@ use std::time::Instant;
 use egui::{Color32, ColorImage, Context, TextureOptions};
 
 use crate::acoustics::Aperture;
-use crate::cli::{liquid, map};
 use crate::drive::Drive;
 use crate::field::contour::Line;
 use crate::field::{
@@ -15,6 +14,7 @@ use crate::field::{
 use crate::picture::Picture;
 use crate::picture::relief::{Place, Relief};
 use crate::scene::Plane;
+use crate::studio::{liquid, map};
 use crate::ui::canvas::GROUND;
 use crate::ui::view::Lens;
 use crate::ui::{Editor, Map, Notice, Pressed, Shown, Texture};

@@ -19,10 +19,12 @@ use std::path::{Path, PathBuf};
 
 use eframe::egui;
 
-use crate::cli::{evaluator, note, render};
 use crate::field::{Evaluator, Gpu, Work};
 use crate::picture::Picture;
 use crate::scene::Scene;
+use crate::studio::evaluator::{self, Backend};
+use crate::studio::output::note;
+use crate::studio::still;
 use crate::ui::document::Document;
 use crate::ui::{self, Command, Dialog, Editor, Notice, Shown, canvas, theme};
 use errand::Errand;
@@ -47,7 +49,7 @@ pub fn run(path: Option<&Path>) -> anyhow::Result<()> {
     };
     if let Err(error) = open(document) {
         note(&format!("there is no window ({error}): the scene's sheet is written instead"));
-        render::default_sheet(path)?;
+        still::default_sheet(path)?;
     }
     Ok(())
 }
@@ -81,7 +83,7 @@ fn open(document: Document) -> Result<(), String> {
         ..Default::default()
     };
     let make: eframe::AppCreator<'_> = Box::new(|context| {
-        let evaluator = evaluator::for_maps(crate::cli::Backend::Auto)?;
+        let evaluator = evaluator::for_maps(Backend::Auto)?;
         let mut window = Window::new(&context.egui_ctx, document, evaluator);
         window.remember(memory, &settings, word, &context.egui_ctx);
         window.recover(folder.as_deref().and_then(Recovery::at));

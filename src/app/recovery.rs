@@ -3,8 +3,8 @@
 use std::fs::{File, TryLockError};
 use std::path::{Path, PathBuf};
 
-use crate::cli::output;
 use crate::scene::{Scene, file};
+use crate::studio::output;
 
 /// s between two files.
 const OFTEN: f64 = 5.0;

@@ -5,9 +5,9 @@ use std::path::{Path, PathBuf};
 use egui::{Context, ThemePreference};
 use serde::{Deserialize, Serialize};
 
-use crate::cli::output;
 use crate::field::Scale;
 use crate::picture::ColourMap;
+use crate::studio::output;
 use crate::ui::{Editor, Panel};
 
 /// s between two files.

@@ -1,8 +1,8 @@
 //! `sonoglyph devices`: what could compute the field here, and what would.
 
-use crate::cli::output::say;
 use crate::field::gpu::adapter::{self, Kind};
 use crate::simd::Isa;
+use crate::studio::output::say;
 
 pub fn run() -> anyhow::Result<()> {
     let adapters = adapter::adapters();

@@ -1,34 +1,29 @@
 //! The command line: arguments in, values through the library, files and text out.
 
-pub(crate) mod animate;
+mod animate;
 pub mod batch;
 pub mod bench;
 mod boards;
 mod devices;
-pub(crate) mod evaluator;
 mod interrupt;
 mod json;
-pub(crate) mod liquid;
-pub(crate) mod map;
 mod motion;
-pub(crate) mod output;
+mod names;
 mod probe;
-pub(crate) mod render;
-pub(crate) mod solve;
-mod swell;
+mod render;
+mod solve;
 
 use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
 
 use crate::cli::boards::{BoardArgs, SendArgs};
+use crate::field::Quantity;
 use crate::picture::ColourMap;
 use crate::scene::{Listener, Method, Scene, file};
-
-/// The scene that is shown when none is named.
-const EXAMPLE: &str = include_str!("../../assets/scenes/hit.toml");
-/// What the sheet of a scene is called when nobody named a file.
-const DEFAULT_SHEET: &str = "sonoglyph.png";
+use crate::studio::evaluator::Backend;
+use crate::studio::output;
+use crate::studio::still::{Diagram, Moment, Size};
 
 /// Draw a shape, see the ultrasound field of a phased array, feel it in the air.
 ///
@@ -137,11 +132,11 @@ struct RenderArgs {
     #[arg(short, long)]
     output: PathBuf,
     /// What to show
-    #[arg(long, value_enum, default_value_t = Quantity::Rms)]
-    quantity: Quantity,
+    #[arg(long, value_enum, default_value_t = Diagram::Map(Quantity::Rms))]
+    quantity: Diagram,
     /// Pixels: W, or WxH; W alone keeps the plane's shape [default: 512, sheets 1600]
     #[arg(long, value_name = "W[xH]", value_parser = render::parse_size)]
-    size: Option<render::Size>,
+    size: Option<Size>,
     /// How a dent is shown
     #[arg(long, value_enum, default_value_t = View::Flat)]
     view: View,
@@ -156,8 +151,8 @@ struct RenderArgs {
     #[arg(long, value_name = "T|exact", allow_negative_numbers = true, value_parser = render::parse_tolerance)]
     tolerance: Option<f64>,
     /// Colours of pressure maps
-    #[arg(long, value_enum, default_value_t = Colours::Inferno)]
-    colours: Colours,
+    #[arg(long, value_enum, default_value_t = ColourMap::Inferno)]
+    colours: ColourMap,
     /// Write the numbers too: NPY, float32, (H, W), row 0 at the smallest y; rms and radiation in Pa, phase in rad, dent
     /// in m (positive down). For `drive` the
     /// shape is (2, rows, columns): phase in rad, amplitude before it is made uniform
@@ -181,7 +176,7 @@ struct RenderArgs {
     ///
     /// Otherwise targets stand where the scene puts them, but for `radiation` and `dent`: a liquid is slow and feels the mean.
     #[arg(long, value_name = "N|mean", value_parser = render::parse_moment, conflicts_with_all = ["motion", "waves"])]
-    frame: Option<render::Moment>,
+    frame: Option<Moment>,
     /// Say what was used and how long it took
     #[arg(short, long)]
     verbose: bool,
@@ -293,55 +288,11 @@ struct BackendArgs {
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub(crate) enum Backend {
-    Auto,
-    Gpu,
-    Cpu,
-    /// f64 and slow
-    Reference,
-}
-
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-enum Quantity {
-    /// RMS pressure
-    Rms,
-    /// Phase of the pressure
-    Phase,
-    /// Radiation pressure on the plane as a reflecting surface
-    Radiation,
-    /// Depth of the dent in the liquid whose surface the plane is
-    Dent,
-    /// Phase and amplitude per element
-    Drive,
-    /// Everything on one page with axes
-    Sheet,
-}
-
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 enum View {
     /// A map of its depth
     Flat,
     /// The surface seen at an angle
     Shaded,
-}
-
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-enum Colours {
-    Inferno,
-    Viridis,
-    Magma,
-    Grey,
-}
-
-impl Colours {
-    fn map(self) -> ColourMap {
-        match self {
-            Self::Inferno => ColourMap::Inferno,
-            Self::Viridis => ColourMap::Viridis,
-            Self::Magma => ColourMap::Magma,
-            Self::Grey => ColourMap::Grey,
-        }
-    }
 }
 
 fn parse_method(name: &str) -> Result<Method, String> {
@@ -385,9 +336,6 @@ pub enum Next {
     Bench(BenchArgs),
 }
 
-pub use output::mention;
-pub use render::default_sheet;
-
 /// The scene in a file, with the method that the command line may ask for instead.
 fn read_scene(path: &std::path::Path, method: Option<Method>) -> Result<Scene, file::FileError> {
     let mut scene = file::read(path)?;
@@ -395,13 +343,4 @@ fn read_scene(path: &std::path::Path, method: Option<Method>) -> Result<Scene, f
         scene.solver.method = method;
     }
     Ok(scene)
-}
-
-/// Says something that is no result and no error.
-pub(crate) fn note(text: &str) {
-    mention(&format!("note: {text}"));
-}
-
-fn warn(text: &str) {
-    mention(&format!("warning: {text}"));
 }

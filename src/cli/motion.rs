@@ -5,14 +5,13 @@ use std::io::{BufWriter, Write};
 use anyhow::bail;
 use serde_json::{Value, json};
 
-use crate::acoustics::Aperture;
-use crate::cli::output::say;
 use crate::cli::solve::Methods;
-use crate::cli::{SolveArgs, note, output, read_scene, warn};
+use crate::cli::{SolveArgs, read_scene};
 use crate::picture::sheet::pascals;
-use crate::scene::{MotionPath, Pressures, Scene};
-use crate::solver;
-use crate::solver::frames::{self, Frame, Sequence};
+use crate::scene::{MotionPath, Scene};
+use crate::solver::frames::{Frame, Sequence};
+use crate::studio::motion;
+use crate::studio::output::{self, say, warn};
 
 /// m/s at which a moving focus is felt most: about the speed of waves on skin (Frier et al. 2018).
 const FELT_MOST: (f64, f64) = (5.0, 8.0);
@@ -30,7 +29,7 @@ pub fn run(args: &SolveArgs) -> anyhow::Result<()> {
     if let Some(path) = &args.csv {
         output::check_writable(path)?;
     }
-    let sequence = follow(&scene, &args.scene.display().to_string())?;
+    let sequence = motion::follow(&scene, &args.scene.display().to_string())?;
     warn_of_rate(&scene);
     if let Some(path) = &args.csv {
         output::write_by(path, |file| Ok(write_csv(file, &scene, &sequence)?))?;
@@ -42,37 +41,6 @@ pub fn run(args: &SolveArgs) -> anyhow::Result<()> {
         print(&scene, &sequence)?;
     }
     Ok(())
-}
-
-/// Solves all frames and passes on what the user should know; `name` tells whose they are.
-pub fn follow(scene: &Scene, name: &str) -> anyhow::Result<Sequence> {
-    if scene.motion.path == MotionPath::None {
-        note("nothing moves: `path` in [motion] is \"none\", so there is one frame");
-    }
-    let sequence = frames::follow(scene).map_err(|error| anyhow::anyhow!("{name}: {error}"))?;
-    for warning in solver::warnings(&Aperture::new(scene), &sequence.frames[0].foci) {
-        warn(&format!("in the first frame, {warning}"));
-    }
-    if scene.solver.pressures == Pressures::Pascal {
-        warn_of_shortfall(&sequence);
-    }
-    Ok(sequence)
-}
-
-/// Says how much of the pascals asked for the worst frame gets.
-fn warn_of_shortfall(sequence: &Sequence) {
-    let asked =
-        |frame: &Frame| frame.foci.iter().map(|focus| focus.target).sum::<f64>() / frame.foci.len() as f64;
-    let part = |frame: &Frame| frame.mean_pressure() / asked(frame);
-    if let Some(worst) = sequence.frames.iter().min_by(|a, b| part(a).total_cmp(&part(b)))
-        && part(worst) < 0.999
-    {
-        warn(&format!(
-            "in the worst frame the foci are to get {} (mean, peak), and full drive brings them {}",
-            pascals(asked(worst)),
-            pascals(worst.mean_pressure())
-        ));
-    }
 }
 
 /// Frames per second where there are several.

@@ -8,10 +8,12 @@ use anyhow::{Context, anyhow};
 use num_complex::Complex64;
 
 use crate::acoustics::Aperture;
-use crate::cli::{ProbeArgs, evaluator, output, read_scene, warn};
+use crate::cli::{ProbeArgs, read_scene};
 use crate::drive::Drive;
 use crate::field::{Evaluator, Samples, reference};
 use crate::solver;
+use crate::studio::evaluator;
+use crate::studio::output::{self, warn};
 use crate::table::TableError;
 
 pub fn run(args: &ProbeArgs) -> anyhow::Result<()> {

@@ -5,14 +5,14 @@ use glam::DVec3;
 use serde_json::{Value, json};
 
 use crate::acoustics::Aperture;
-use crate::cli::output::say;
-use crate::cli::{SolveArgs, json, output, parse_method, read_scene, warn};
+use crate::cli::{SolveArgs, json, parse_method, read_scene};
 use crate::drive::{Drive, delay_level};
 use crate::field::{Evaluator, Ghost, Heard, NoGhost, Stages, ghost};
 use crate::picture::sheet::pascals;
 use crate::scene::{Amplitudes, Listener, Method, Pressures, Scene, check};
 use crate::solver::levels::{self, Reached};
 use crate::solver::{self, Limits, Problem, Solution, SolveError};
+use crate::studio::output::{self, say, warn};
 
 /// Which methods to run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -15,7 +15,7 @@ use anyhow::{Context, bail};
 use crate::cli::BatchArgs;
 use crate::cli::batch::task::Task;
 use crate::cli::interrupt::{self, Interrupted};
-use crate::cli::output;
+use crate::studio::output;
 
 /// How often somebody who waits looks for an interrupt.
 const LOOK: Duration = Duration::from_millis(50);

@@ -8,12 +8,13 @@ use serde_json::{Value, json};
 
 use crate::acoustics::Aperture;
 use crate::cli::batch::lines::Line;
-use crate::cli::{json, output};
+use crate::cli::json;
 use crate::drive::Drive;
 use crate::field::{Quantity, Samples, Stages, Wanted};
 use crate::picture::export;
 use crate::scene::{Method, Scene, file};
 use crate::solver::{self, Limits, Problem};
+use crate::studio::output;
 
 /// Pixels that a field may have along y.
 const MOST_ROWS: usize = 1 << 14;

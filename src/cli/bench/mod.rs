@@ -18,10 +18,10 @@ use anyhow::{Context, bail};
 use comfy_table::{CellAlignment, Table};
 use serde_json::{Map, Value};
 
-use crate::cli::output::say;
-use crate::cli::{BenchArgs, Subject, note, output, warn};
+use crate::cli::{BenchArgs, Subject};
 use crate::picture::chart::Chart;
 use crate::picture::export;
+use crate::studio::output::{self, note, say, warn};
 use conditions::Conditions;
 
 /// Measures one subject; `true` asks for fewer cases.

@@ -8,9 +8,7 @@ use anyhow::{Context, bail};
 
 use crate::cli::boards::BoardArgs;
 use crate::cli::interrupt;
-use crate::cli::map::{self, Look, Sound};
-use crate::cli::output::say;
-use crate::cli::{note, output, read_scene};
+use crate::cli::read_scene;
 use crate::device::board::{Board, Report, Setup};
 use crate::device::profile::Profile;
 use crate::drive::Drive;
@@ -18,6 +16,8 @@ use crate::field::{Evaluator, Quantity, Samples, Stages};
 use crate::picture::sheet::pascals;
 use crate::picture::{ColourMap, export};
 use crate::scene::Scene;
+use crate::studio::map::{self, Look, Sound};
+use crate::studio::output::{self, note, say};
 
 /// How often the board says how it fares.
 const REPORT: Duration = Duration::from_secs(1);

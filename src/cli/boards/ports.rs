@@ -2,9 +2,9 @@
 
 use comfy_table::Table;
 
-use crate::cli::output::say;
 use crate::device::port;
 use crate::device::profile::{Profile, Strength};
+use crate::studio::output::say;
 
 pub fn run() -> anyhow::Result<()> {
     let ports = port::available()?;

@@ -5,9 +5,7 @@ use std::time::{Duration, Instant};
 use anyhow::{Context, bail};
 
 use crate::cli::boards::SendArgs;
-use crate::cli::interrupt;
-use crate::cli::output::{mention, say};
-use crate::cli::{motion, note, read_scene, warn};
+use crate::cli::{interrupt, read_scene};
 use crate::device::calibration::Calibration;
 use crate::device::health::{Found, Health};
 use crate::device::levels::{self, Levels, OtherCount};
@@ -16,6 +14,8 @@ use crate::device::profile::Profile;
 use crate::drive::Drive;
 use crate::scene::{MotionPath, Scene};
 use crate::solver;
+use crate::studio::motion;
+use crate::studio::output::{mention, note, say, warn};
 
 /// How long a scene at rest is played if nobody says.
 const GLANCE: Duration = Duration::from_secs(1);

@@ -10,12 +10,12 @@ use serde_json::json;
 use crate::acoustics::Aperture;
 use crate::cli::bench::Report;
 use crate::cli::bench::time::{ROUNDS, Spent, Spread, Times};
-use crate::cli::note;
 use crate::drive::Drive;
 use crate::field::gpu::adapter;
 use crate::field::{self, Colouring, Evaluator, FieldError, Quantity, Samples, Stages, Wanted};
 use crate::picture::ColourMap;
 use crate::scene::{Plane, Scene};
+use crate::studio::output::note;
 
 const PLANES: [&str; 3] = ["parallel", "tilted", "vertical"];
 /// 0 evaluates every pixel: what the others are measured against.

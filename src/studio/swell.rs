@@ -114,10 +114,10 @@ mod tests {
 
     use super::*;
     use crate::acoustics::Aperture;
-    use crate::cli::map;
     use crate::field::{Evaluator, Quantity};
     use crate::scene::{LiquidName, Modulation, Plane, Shape, Target};
     use crate::solver;
+    use crate::studio::map;
 
     #[test]
     fn a_thick_liquid_settles_where_the_mean_of_the_envelope_presses_it() {

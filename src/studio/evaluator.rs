@@ -1,8 +1,19 @@
 //! Which evaluator a command uses.
 
-use crate::cli::{Backend, note};
 use crate::field::gpu::adapter;
 use crate::field::{Evaluator, GpuError};
+use crate::studio::output::note;
+
+/// Who is to compute the field.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Backend {
+    /// The GPU if there is one that is not software, else the CPU.
+    Auto,
+    Gpu,
+    Cpu,
+    /// f64 and slow.
+    Reference,
+}
 
 /// The evaluator for maps. `auto` takes the GPU if there is one that is not software, else the CPU, and says why not.
 pub fn for_maps(backend: Backend) -> Result<Evaluator, GpuError> {

@@ -1,11 +1,11 @@
 //! What sound does to a liquid, in words and as a picture.
 
-use crate::cli::map::{DrawnMap, Pressed};
-use crate::cli::warn;
 use crate::picture::relief::{self, Relief, Words};
 use crate::picture::sheet::pascals;
 use crate::picture::{Picture, PictureError};
 use crate::scene::{Envelope, Plane, Scene};
+use crate::studio::map::{DrawnMap, Pressed};
+use crate::studio::output::warn;
 use crate::surface::Dent;
 use crate::surface::dent::{STEEPEST, largest_drive};
 

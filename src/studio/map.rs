@@ -4,13 +4,13 @@ use std::f64::consts::SQRT_2;
 use std::time::Instant;
 
 use crate::acoustics::{Air, Aperture};
-use crate::cli::note;
 use crate::drive::Drive;
 use crate::field::stages::PROBES;
 use crate::field::{Average, By, Colouring, Evaluator, FieldError, Mean, Quantity, Stages, Wanted};
 use crate::picture::{ColourMap, Picture};
 use crate::scene::Scene;
 use crate::simd::Isa;
+use crate::studio::output::note;
 use crate::surface::{Dent, Reflector};
 
 /// How a map is wanted.
@@ -188,7 +188,7 @@ mod tests {
     #[test]
     fn a_lost_gpu_is_replaced_by_the_cpu_unless_it_was_asked_for() {
         let Some(gpu) = found("gpu", adapter::open_best(true)) else { return };
-        let mut scene = crate::scene::file::parse(crate::cli::EXAMPLE, "hit.toml".as_ref()).unwrap();
+        let mut scene = crate::scene::file::parse(crate::studio::EXAMPLE, "hit.toml".as_ref()).unwrap();
         let drives = [solver::solve(&scene).unwrap().drive];
         let look = Look {
             width: 300,

@@ -176,7 +176,7 @@ pub fn outlive_file_limits() -> io::Result<()> {
 /// A line on standard output, where results go: `say!("{count} frames")?`. Unlike `println!` it does not panic where nobody
 /// reads or the disk is full.
 macro_rules! say {
-    ($($line:tt)*) => { $crate::cli::output::print(format_args!("{}\n", format_args!($($line)*))) };
+    ($($line:tt)*) => { $crate::studio::output::print(format_args!("{}\n", format_args!($($line)*))) };
 }
 pub(crate) use say;
 
@@ -197,4 +197,14 @@ pub fn unsaid(error: io::Error) -> anyhow::Error {
 /// A line on standard error, where all is said that is no result. If that cannot be written, there is nobody to be told.
 pub fn mention(line: &str) {
     let _ = writeln!(io::stderr(), "{line}");
+}
+
+/// Says something that is no result and no error.
+pub fn note(text: &str) {
+    mention(&format!("note: {text}"));
+}
+
+/// Says that a result may not be what was hoped for.
+pub fn warn(text: &str) {
+    mention(&format!("warning: {text}"));
 }

@@ -1,0 +1,14 @@
+//! What the command line and the window both do with a scene: who computes its maps, pictures of it at rest and in motion,
+//! figures in words, and files that are written whole.
+
+pub mod animate;
+pub mod evaluator;
+pub mod liquid;
+pub mod map;
+pub mod motion;
+pub mod output;
+pub mod still;
+pub mod swell;
+
+/// The scene that is shown when none is named.
+pub const EXAMPLE: &str = include_str!("../../assets/scenes/hit.toml");

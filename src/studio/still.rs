@@ -1,0 +1,293 @@
+//! Still pictures of a scene: a map, its drive, or a sheet with all of it.
+
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context, bail};
+
+use crate::drive::Drive;
+use crate::field::stages::MOST_PIXELS;
+use crate::field::{Quantity, Stages};
+use crate::picture::{ColourMap, Picture, export, relief, sheet};
+use crate::scene::{MotionPath, Scene, file};
+use crate::solver::{self, Solution};
+use crate::studio::evaluator::{self, Backend};
+use crate::studio::map::{self, Sound};
+use crate::studio::output::{self, say, warn};
+use crate::studio::{EXAMPLE, liquid, motion};
+
+/// What the sheet of a scene is called when nobody named a file.
+const DEFAULT_SHEET: &str = "sonoglyph.png";
+/// Pixels per side that a picture may have, and in all: half a gigabyte of field.
+pub const LARGEST_SIDE: usize = 1_000_000;
+/// What a pixel takes on its way from the field to a PNG, at most.
+const BYTES_PER_PIXEL: usize = 24;
+const SMALLEST_SHEET: usize = 200;
+const MAP_WIDTH: usize = 512;
+const SHEET_WIDTH: usize = 1600;
+
+/// What a picture shows.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Diagram {
+    /// A quantity on the scene's plane.
+    Map(Quantity),
+    /// Phase and amplitude per element.
+    Drive,
+    /// Everything on one page with axes.
+    Sheet,
+}
+
+/// Pixels. Without a height, it is the one that suits what is shown.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Size {
+    pub width: usize,
+    pub height: Option<usize>,
+}
+
+/// Which part of a motion a still picture shows.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Moment {
+    /// Counted from 0.
+    Frame(usize),
+    Mean,
+}
+
+/// Whether the system would give so many bytes. A refusal is a message now; in the middle of the work it would be the end.
+fn there_is_room(bytes: usize) -> bool {
+    let mut room = Vec::<u8>::new();
+    let is_given = room.try_reserve_exact(bytes).is_ok();
+    // Otherwise a compiler may leave out what nobody uses.
+    std::hint::black_box(&mut room);
+    is_given
+}
+
+/// The sheet of a scene, or of the example, in the current folder.
+pub fn default_sheet(path: Option<&Path>) -> anyhow::Result<()> {
+    let output = PathBuf::from(DEFAULT_SHEET);
+    let scene = match path {
+        Some(path) => file::read(path)?,
+        None => file::parse(EXAMPLE, Path::new("the example scene"))?,
+    };
+    let solved = Solved::new(scene, path.unwrap_or(Path::new("hit.toml")))?;
+    output::check_writable(&output)?;
+    let mut stages = Stages::new(evaluator::for_maps(Backend::Auto)?);
+    let look = Look {
+        diagram: Diagram::Sheet,
+        shaded: false,
+        colours: ColourMap::Inferno,
+        size: None,
+        numbers: false,
+        backend: Backend::Auto,
+        moment: None,
+    };
+    let rendered = render(&solved, &mut stages, &look)?;
+    rendered.write(&output, None)?;
+    say!("{}", rendered.line(&output))?;
+    say!(
+        "`sonoglyph render SCENE -o FILE.png` draws other scenes and quantities, and `sonoglyph --help` lists the rest."
+    )
+}
+
+/// The name of a file without folder and extension.
+pub fn stem(path: &Path) -> String {
+    path.file_stem().unwrap_or(path.as_os_str()).to_string_lossy().into_owned()
+}
+
+/// A scene with its drive.
+#[derive(Debug)]
+pub struct Solved {
+    pub name: String,
+    pub scene: Scene,
+    pub solution: Solution,
+}
+
+impl Solved {
+    /// Solves a scene and says its warnings; its file gives it its name.
+    ///
+    /// # Errors
+    /// A scene that cannot be solved.
+    pub fn new(scene: Scene, path: &Path) -> anyhow::Result<Self> {
+        let name = stem(path);
+        let solution = solver::solve(&scene).with_context(|| path.display().to_string())?;
+        for warning in &solution.warnings {
+            warn(&format!("{name}: {warning}"));
+        }
+        Ok(Self { name, scene, solution })
+    }
+}
+
+/// What the pictures of all scenes have in common.
+#[derive(Clone, Debug)]
+pub struct Look {
+    pub diagram: Diagram,
+    /// Whether a dent is drawn as a surface seen at an angle.
+    pub shaded: bool,
+    pub colours: ColourMap,
+    /// Instead of what suits the diagram.
+    pub size: Option<Size>,
+    /// The numbers are wanted, not only their picture.
+    pub numbers: bool,
+    pub backend: Backend,
+    pub moment: Option<Moment>,
+}
+
+impl Look {
+    /// The drives whose field or mean is shown.
+    fn drives(&self, solved: &Solved) -> anyhow::Result<Vec<Drive>> {
+        let Solved { scene, solution, .. } = solved;
+        let presses = matches!(self.diagram, Diagram::Map(Quantity::Radiation | Quantity::Dent));
+        let moment = match self.moment {
+            None if presses && scene.motion.path != MotionPath::None => Moment::Mean,
+            None => return Ok(vec![solution.drive.clone()]),
+            Some(moment) => moment,
+        };
+        if matches!(self.diagram, Diagram::Sheet | Diagram::Drive) {
+            bail!("--frame chooses among maps: --quantity rms, phase, radiation or dent");
+        }
+        let mut frames = motion::follow(scene, &solved.name)?.frames;
+        match moment {
+            Moment::Mean if self.diagram == Diagram::Map(Quantity::Phase) => {
+                bail!("a mean over frames has no phase: give a frame's number")
+            }
+            Moment::Mean => Ok(frames.into_iter().map(|frame| frame.drive).collect()),
+            Moment::Frame(number) if number >= frames.len() => {
+                bail!("there is no frame {}: a round has {}", number + 1, frames.len())
+            }
+            Moment::Frame(number) => Ok(vec![frames.swap_remove(number).drive]),
+        }
+    }
+
+    fn is_shaded(&self) -> bool {
+        self.diagram == Diagram::Map(Quantity::Dent) && self.shaded
+    }
+
+    /// Width and height of a scene's picture: what was asked for, or the quantity's own default in the plane's shape.
+    pub fn pixels(&self, scene: &Scene) -> anyhow::Result<(usize, usize)> {
+        let is_page = matches!(self.diagram, Diagram::Sheet | Diagram::Drive) || self.is_shaded();
+        let default = if is_page { SHEET_WIDTH } else { MAP_WIDTH };
+        let Size { width, height } = self.size.unwrap_or(Size { width: default, height: None });
+        let natural = match self.diagram {
+            Diagram::Sheet => sheet::height(width),
+            Diagram::Drive => sheet::drive_height(width),
+            Diagram::Map(_) if self.is_shaded() => relief::height(width),
+            Diagram::Map(_) => {
+                let shape = scene.plane.size.y / scene.plane.size.x;
+                ((width as f64 * shape).round() as usize).clamp(1, LARGEST_SIDE)
+            }
+        };
+        let height = height.unwrap_or(natural);
+        if width * height > MOST_PIXELS {
+            let mebibytes = (width * height * 8) >> 20;
+            bail!(
+                "{width} x {height} pixels need {mebibytes} MiB for their field; {MOST_PIXELS} pixels are the most"
+            );
+        }
+        let bytes = width * height * BYTES_PER_PIXEL;
+        if !there_is_room(bytes) {
+            bail!("{width} x {height} pixels need about {} MiB of memory, more than there is", bytes >> 20);
+        }
+        if is_page && width.min(height) < SMALLEST_SHEET {
+            bail!(
+                "a page of {width} x {height} pixels has no room for its words: {SMALLEST_SHEET} a side are the least"
+            );
+        }
+        Ok((width, height))
+    }
+}
+
+/// A picture as drawn.
+#[derive(Debug)]
+pub struct Rendered {
+    picture: Picture,
+    /// Shape and values of the NPY file.
+    numbers: Option<(Vec<u64>, Vec<f32>)>,
+    /// What the picture shows, in words.
+    what: String,
+    /// Who computed it, how, and how long it took, for people.
+    pub how: String,
+}
+
+impl Rendered {
+    /// What is said of it when it has been written.
+    pub fn line(&self, output: &Path) -> String {
+        format!("{}: {} x {} pixels{}", output.display(), self.picture.width, self.picture.height, self.what)
+    }
+
+    /// Writes the picture, and its numbers where they were wanted.
+    ///
+    /// # Errors
+    /// Files that cannot be written.
+    pub fn write(&self, output: &Path, data: Option<&Path>) -> anyhow::Result<()> {
+        let png =
+            export::png(&self.picture).with_context(|| format!("{}: cannot encode", output.display()))?;
+        // The numbers first: a picture that is there is complete.
+        if let (Some(data), Some((shape, values))) = (data, &self.numbers) {
+            output::write(data, &export::npy(shape, values)?)?;
+        }
+        output::write(output, &png)
+    }
+}
+
+/// Draws a scene.
+///
+/// # Errors
+/// Too many pixels or too few, a moment that the motion does not have, or a field that cannot be computed.
+pub fn render(solved: &Solved, stages: &mut Stages, look: &Look) -> anyhow::Result<Rendered> {
+    let Solved { name, scene, solution } = solved;
+    let page = look.pixels(scene)?;
+    let time = format!("{} took {:.1} ms", solution.method.name(), solution.seconds * 1e3);
+    let drives = look.drives(solved)?;
+    let quantity = match look.diagram {
+        Diagram::Drive => return drive(solved, look, page, time),
+        Diagram::Map(Quantity::Rms) if look.moment == Some(Moment::Mean) => Quantity::MeanRms,
+        Diagram::Sheet => Quantity::Rms,
+        Diagram::Map(quantity) => quantity,
+    };
+    let (width, height) = match look.diagram {
+        Diagram::Sheet => sheet::map_size(&scene.plane, page.0, page.1),
+        Diagram::Map(_) if look.is_shaded() => liquid::points(&scene.plane),
+        Diagram::Map(_) | Diagram::Drive => page,
+    };
+    let numbers = look.numbers || look.is_shaded();
+    let map_look = map::Look { width, height, quantity, colours: look.colours, numbers };
+    let sound = Sound { scene, drives: &drives };
+    let map = map::draw_anyhow(sound, stages, &map_look, look.backend == Backend::Gpu)?;
+    let tolerance = scene.plane.tolerance;
+    if tolerance > 0.0 && map.error > tolerance {
+        warn(&format!(
+            "{name}: the map's error is {:.1e} of its peak, more than the {tolerance:e} wanted",
+            map.error
+        ));
+    }
+    let what = match &map.pressed {
+        None => format!(", RMS pressure up to {}", sheet::pascals(map.largest)),
+        Some(pressed) => format!("\n  {}", liquid::describe(scene, pressed, map.largest)),
+    };
+    let picture = match look.diagram {
+        Diagram::Sheet => {
+            sheet::sheet(scene, solution, name, &map.picture, (look.colours, map.largest), page)?
+        }
+        Diagram::Map(Quantity::Dent) => {
+            liquid::picture(name, scene, &map, look.is_shaded().then_some((width, page)))?
+        }
+        Diagram::Map(_) | Diagram::Drive => map.picture,
+    };
+    Ok(Rendered {
+        picture,
+        numbers: map.numbers.map(|values| (vec![height as u64, width as u64], values)),
+        what,
+        how: format!("{time}; {}", map.how),
+    })
+}
+
+/// Phase and amplitude per element.
+fn drive(solved: &Solved, look: &Look, page: (usize, usize), how: String) -> anyhow::Result<Rendered> {
+    let Solved { name, scene, solution } = solved;
+    let values = solution.drive.phases.iter().chain(&solution.excitation).map(|&value| value as f32);
+    let shape = vec![2, u64::from(scene.array.rows), u64::from(scene.array.columns)];
+    Ok(Rendered {
+        picture: sheet::drive(scene, solution, name, page)?,
+        numbers: look.numbers.then(|| (shape, values.collect())),
+        what: String::new(),
+        how,
+    })
+}
