@@ -5,6 +5,7 @@
 pub mod acoustics;
 #[cfg(feature = "window")]
 pub mod app;
+pub mod bench;
 pub mod cli;
 pub mod device;
 pub mod drive;

@@ -2,7 +2,8 @@
 
 use std::process::ExitCode;
 
-use sonoglyph::cli::{Next, bench};
+use sonoglyph::bench;
+use sonoglyph::cli::Next;
 use sonoglyph::studio::output::mention;
 
 fn main() -> ExitCode {
@@ -28,7 +29,7 @@ fn go_on(next: Next) -> anyhow::Result<()> {
     match next {
         Next::Exit => Ok(()),
         Next::Window(scene) => sonoglyph::app::run(scene.as_deref()),
-        Next::Bench(args) => bench::run(&args, Some(sonoglyph::app::bench::run)),
+        Next::Bench(options) => bench::run(&options),
     }
 }
 
@@ -38,7 +39,7 @@ fn go_on(next: Next) -> anyhow::Result<()> {
     match next {
         Next::Exit => Ok(()),
         Next::Window(scene) => sonoglyph::studio::still::default_sheet(scene.as_deref()),
-        Next::Bench(args) => bench::run(&args, None),
+        Next::Bench(options) => bench::run(&options),
     }
 }
 

@@ -1,6 +1,5 @@
 //! The window: the editor of [`crate::ui`], what is made from its scene, and its files.
 
-pub mod bench;
 mod errand;
 mod examples;
 mod files;
@@ -347,7 +346,8 @@ impl eframe::App for Window {
 }
 
 impl Window {
-    fn frame(&mut self, ui: &mut egui::Ui) {
+    /// One frame: what was done is heard, what changed is made anew, and all is drawn.
+    pub fn frame(&mut self, ui: &mut egui::Ui) {
         let ctx = ui.ctx().clone();
         let before = self.editor.seen();
         let Self { editor, shown, workshop, board, .. } = self;

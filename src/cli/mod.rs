@@ -2,7 +2,6 @@
 
 mod animate;
 pub mod batch;
-pub mod bench;
 mod boards;
 mod devices;
 mod interrupt;
@@ -17,6 +16,7 @@ use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
 
+use crate::bench::{self, Subject};
 use crate::cli::boards::{BoardArgs, SendArgs};
 use crate::field::Quantity;
 use crate::picture::ColourMap;
@@ -249,7 +249,7 @@ struct BatchArgs {
 }
 
 #[derive(Debug, Args)]
-pub struct BenchArgs {
+struct BenchArgs {
     /// What to measure
     #[arg(value_enum, default_value_t = Subject::All)]
     subject: Subject,
@@ -264,19 +264,11 @@ pub struct BenchArgs {
     quick: bool,
 }
 
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-enum Subject {
-    /// Maps of the field, and dents and means beside them
-    Field,
-    /// Solver methods
-    Solve,
-    /// Solver methods on sets of foci that are hard to solve
-    Stability,
-    /// Frames of the window
-    Window,
-    /// Links to virtual boards
-    Link,
-    All,
+impl From<BenchArgs> for bench::Options {
+    fn from(args: BenchArgs) -> Self {
+        let BenchArgs { subject, json, plots, quick } = args;
+        Self { subject, json, plots, quick }
+    }
 }
 
 #[derive(Clone, Copy, Debug, Args)]
@@ -316,7 +308,7 @@ pub fn run() -> anyhow::Result<Next> {
         Cli { command: Some(Command::Solve(args)), .. } => solve::run(&args),
         Cli { command: Some(Command::Probe(args)), .. } => probe::run(&args),
         Cli { command: Some(Command::Batch(args)), .. } => batch::run(&args),
-        Cli { command: Some(Command::Bench(args)), .. } => return Ok(Next::Bench(args)),
+        Cli { command: Some(Command::Bench(args)), .. } => return Ok(Next::Bench(args.into())),
         Cli { command: Some(Command::Devices), .. } => devices::run(),
         Cli { command: Some(Command::Ports), .. } => boards::ports(),
         Cli { command: Some(Command::Send(args)), .. } => boards::send(&args),
@@ -333,7 +325,7 @@ pub enum Next {
     /// The window on this scene, or on an example.
     Window(Option<PathBuf>),
     /// Measurements, the window's frames among them.
-    Bench(BenchArgs),
+    Bench(bench::Options),
 }
 
 /// The scene in a file, with the method that the command line may ask for instead.

@@ -3,6 +3,7 @@
 use clap::ValueEnum;
 use clap::builder::PossibleValue;
 
+use crate::bench::Subject;
 use crate::field::Quantity;
 use crate::picture::ColourMap;
 use crate::studio::evaluator::Backend;
@@ -68,5 +69,23 @@ impl ValueEnum for ColourMap {
             // They belong to phases and to instantaneous pressures, which have no others.
             Self::Cyclic | Self::Diverging => return None,
         }))
+    }
+}
+
+impl ValueEnum for Subject {
+    fn value_variants<'a>() -> &'a [Self] {
+        &[Self::Field, Self::Solve, Self::Stability, Self::Window, Self::Link, Self::All]
+    }
+
+    fn to_possible_value(&self) -> Option<PossibleValue> {
+        let (name, help) = match self {
+            Self::Field => ("field", "Maps of the field, and dents and means beside them"),
+            Self::Solve => ("solve", "Solver methods"),
+            Self::Stability => ("stability", "Solver methods on sets of foci that are hard to solve"),
+            Self::Window => ("window", "Frames of the window"),
+            Self::Link => ("link", "Links to virtual boards"),
+            Self::All => return Some(PossibleValue::new("all")),
+        };
+        Some(PossibleValue::new(name).help(help))
     }
 }

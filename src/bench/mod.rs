@@ -3,29 +3,57 @@
 mod conditions;
 mod dent;
 mod field;
-pub(crate) mod figures;
+mod figures;
 mod foci;
 #[cfg(all(unix, feature = "serial"))]
 mod link;
 mod page;
 mod solve;
 mod stability;
-pub mod time;
+mod time;
+#[cfg(feature = "window")]
+mod window;
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use anyhow::{Context, bail};
 use comfy_table::{CellAlignment, Table};
 use serde_json::{Map, Value};
 
-use crate::cli::{BenchArgs, Subject};
 use crate::picture::chart::Chart;
 use crate::picture::export;
 use crate::studio::output::{self, note, say, warn};
 use conditions::Conditions;
 
+/// What is measured, and what is made of it.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Options {
+    pub subject: Subject,
+    /// Where every record goes as JSON.
+    pub json: Option<PathBuf>,
+    /// The folder of the charts, and of the page that holds them.
+    pub plots: Option<PathBuf>,
+    /// Fewer cases: fewer sizes, planes, arrays, tolerances and sets of foci.
+    pub quick: bool,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Subject {
+    /// Maps of the field, and dents and means beside them.
+    Field,
+    /// Solver methods.
+    Solve,
+    /// Solver methods on sets of foci that are hard to solve.
+    Stability,
+    /// Frames of the window.
+    Window,
+    /// Links to virtual boards.
+    Link,
+    All,
+}
+
 /// Measures one subject; `true` asks for fewer cases.
-pub type Measure = fn(bool) -> anyhow::Result<Report>;
+type Measure = fn(bool) -> anyhow::Result<Report>;
 
 /// What a benchmark found.
 #[derive(Debug)]
@@ -49,20 +77,26 @@ struct Section {
     found: Result<Report, String>,
 }
 
-/// Subject, key in the JSON, title, and who measures it. `window` measures the window's frames, where the program has one.
-fn subjects(window: Option<Measure>) -> [(Subject, &'static str, &'static str, Measure); 6] {
+/// Subject, key in the JSON, title, and who measures it.
+fn subjects() -> [(Subject, &'static str, &'static str, Measure); 6] {
     [
         (Subject::Field, "field", "Maps of the field", field::run),
         (Subject::Field, "dent", "Dents, radiation pressure and means over a round", dent::run),
         (Subject::Solve, "solve", "Solver methods", solve::run),
         (Subject::Stability, "stability", "Foci that are hard to solve", stability::run),
-        (Subject::Window, "window", "Frames of the window", window.unwrap_or(no_window)),
+        (Subject::Window, "window", "Frames of the window", window()),
         (Subject::Link, "link", "Links to boards", link()),
     ]
 }
 
-fn no_window(_: bool) -> anyhow::Result<Report> {
-    bail!("this program was built without its window")
+#[cfg(feature = "window")]
+fn window() -> Measure {
+    window::run
+}
+
+#[cfg(not(feature = "window"))]
+fn window() -> Measure {
+    |_| bail!("this program was built without its window")
 }
 
 #[cfg(all(unix, feature = "serial"))]
@@ -79,28 +113,28 @@ fn link() -> Measure {
 ///
 /// # Errors
 /// What cannot be written; what cannot be measured, unless everything is asked for: then the report says why it is missing.
-pub fn run(args: &BenchArgs, window: Option<Measure>) -> anyhow::Result<()> {
-    if let Some(path) = &args.json {
+pub fn run(options: &Options) -> anyhow::Result<()> {
+    if let Some(path) = &options.json {
         output::check_writable(path)?;
     }
-    if let Some(folder) = &args.plots {
+    if let Some(folder) = &options.plots {
         std::fs::create_dir_all(folder)
             .with_context(|| format!("{}: cannot make the folder", folder.display()))?;
         output::check_writable(&folder.join(page::NAME))?;
     }
     let conditions = Conditions::now();
     let mut sections = Vec::new();
-    for (subject, name, title, measure) in subjects(window) {
-        if ![Subject::All, subject].contains(&args.subject) {
+    for (subject, name, title, measure) in subjects() {
+        if ![Subject::All, subject].contains(&options.subject) {
             continue;
         }
         note(&format!("measuring: {}", title.to_lowercase()));
-        let found = match measure(args.quick) {
+        let found = match measure(options.quick) {
             Ok(report) => {
                 show(&report)?;
                 Ok(report)
             }
-            Err(error) if args.subject == Subject::All => {
+            Err(error) if options.subject == Subject::All => {
                 warn(&format!("{name} is missing from the report: {error:#}"));
                 Err(format!("{error:#}"))
             }
@@ -109,10 +143,10 @@ pub fn run(args: &BenchArgs, window: Option<Measure>) -> anyhow::Result<()> {
         sections.push(Section { name, title, found });
     }
     let value = json(&conditions, &sections);
-    if let Some(path) = &args.json {
+    if let Some(path) = &options.json {
         output::write(path, serde_json::to_string_pretty(&value)?.as_bytes())?;
     }
-    if let Some(folder) = &args.plots {
+    if let Some(folder) = &options.plots {
         write_page(folder, &conditions, &sections, &value)?;
     }
     Ok(())

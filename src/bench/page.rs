@@ -2,9 +2,9 @@
 
 use std::fmt::Write;
 
-use crate::cli::bench::conditions::{Conditions, is_optimised};
-use crate::cli::bench::figures::{self, Measured};
-use crate::cli::bench::{Report, Section};
+use crate::bench::conditions::{Conditions, is_optimised};
+use crate::bench::figures::{self, Measured};
+use crate::bench::{Report, Section};
 use crate::picture::PictureError;
 use crate::picture::chart;
 
@@ -135,7 +135,7 @@ fn code(text: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::cli::bench::json;
+    use crate::bench::json;
     use crate::picture::chart::{Chart, Series};
 
     fn sections() -> Vec<Section> {

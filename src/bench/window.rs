@@ -8,8 +8,8 @@ use glam::{DVec2, DVec3};
 use serde_json::{Value, json};
 
 use crate::app::Window;
-use crate::cli::bench::Report;
-use crate::cli::bench::time::{ROUNDS, Spent, Spread, Times, digits, median};
+use crate::bench::Report;
+use crate::bench::time::{ROUNDS, Spent, Spread, Times, digits, median};
 use crate::field::{Evaluator, Quantity, Scale};
 use crate::picture::chart::{Chart, Series};
 use crate::scene::{Scene, Shape, Target};
@@ -141,7 +141,7 @@ impl Screen {
     }
 
     fn place(&self, point: DVec3) -> Option<Pos2> {
-        let map = self.window.shown.map.as_ref()?;
+        let map = self.window.shown().map.as_ref()?;
         let lens = Lens { rect: map.rect, window: map.window };
         Some(lens.screen(DVec2::new(point.x, point.y)))
     }
@@ -205,10 +205,10 @@ impl Drag {
     fn new(&(what, look): &Look, size: egui::Vec2) -> anyhow::Result<Self> {
         let foci = eight_foci();
         let mut screen = Screen::new(scene(&foci), size);
-        look(&mut screen.window.editor);
+        look(screen.window.editor_mut());
         screen.settle();
         let from = screen.place(foci[0]).context("the window shows no map")?;
-        if !screen.window.editor.view.is_shaded() {
+        if !screen.window.editor().view.is_shaded() {
             screen.press(from, true);
         }
         Ok(Self { what, screen, from, times: Times::default(), field: Vec::new(), solve: Vec::new() })
@@ -223,14 +223,14 @@ impl Drag {
     /// A shaded surface takes no pointer for its foci: there the number is changed.
     fn frame(&mut self, i: usize) -> Spent {
         let offset = vec2((i as f32 * 0.1).sin() * 40.0, 3.0 + i as f32);
-        let editor = &mut self.screen.window.editor;
+        let editor = self.screen.window.editor_mut();
         if editor.view.is_shaded() {
             let at = eight_foci()[0] + DVec3::new(f64::from(offset.x), f64::from(-offset.y), 0.0) * 3e-4;
             editor.document.scene.targets[0].shape = Shape::Point { at };
         }
         let spent = self.screen.frame(vec![Event::PointerMoved(self.from + offset)]);
-        self.field.push(self.screen.window.shown.mapping);
-        self.solve.push(self.screen.window.shown.solving);
+        self.field.push(self.screen.window.shown().mapping);
+        self.solve.push(self.screen.window.shown().solving);
         spent
     }
 }
@@ -258,7 +258,7 @@ fn drag(looks: &[Look], size: egui::Vec2, frames: usize) -> anyhow::Result<Vec<R
 /// The waves as they run.
 fn oscillation(frames: usize) -> Times {
     let mut screen = Screen::new(scene(&eight_foci()), SIZE);
-    screen.window.editor.view.quantity = Quantity::Instantaneous;
+    screen.window.editor_mut().view.quantity = Quantity::Instantaneous;
     screen.settle();
     (0..frames).map(|_| screen.frame(Vec::new())).collect()
 }
@@ -298,7 +298,7 @@ fn idle() -> usize {
 fn start() -> Times {
     let first_picture = || {
         let mut screen = Screen::bare(scene(&eight_foci()), SIZE);
-        while screen.window.shown.map.is_none() {
+        while screen.window.shown().map.is_none() {
             screen.frame(Vec::new());
         }
     };

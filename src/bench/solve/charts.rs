@@ -1,6 +1,6 @@
 //! Charts of `sonoglyph bench solve`: time against loss and spread, and against foci and elements.
 
-use crate::cli::bench::solve::{Record, SCALING};
+use crate::bench::solve::{Record, SCALING};
 use crate::picture::chart::{Chart, Series};
 
 /// Foci of the random sets that are drawn.

@@ -1,6 +1,6 @@
 //! Charts of `sonoglyph bench field`: time against error, pixels and elements.
 
-use crate::cli::bench::field::{Record, TOLERANCES};
+use crate::bench::field::{Record, TOLERANCES};
 use crate::picture::chart::{Chart, Level, Series};
 
 /// Pixels along a side of the maps whose time stands against their error.

@@ -6,8 +6,8 @@ use glam::DVec3;
 use serde_json::json;
 
 use crate::acoustics::Aperture;
-use crate::cli::bench::time::{Spent, digits};
-use crate::cli::bench::{Report, foci};
+use crate::bench::time::{Spent, digits};
+use crate::bench::{Report, foci};
 use crate::drive::Drive;
 use crate::scene::{Focus, Method, Scene};
 use crate::solver::{self, Problem, Quality, SolveError};

@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 use anyhow::{Context, bail};
 use serde_json::{Value, json};
 
-use crate::cli::bench::Report;
+use crate::bench::Report;
 use crate::device::board::{Board, Setup, Shown};
 use crate::device::levels::{Level, Levels};
 use crate::device::link::{Content, Event, Link, Settings};

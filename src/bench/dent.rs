@@ -6,9 +6,9 @@ use glam::{DVec2, DVec3};
 use serde_json::json;
 
 use crate::acoustics::{Air, Aperture};
-use crate::cli::bench::Report;
-use crate::cli::bench::field::charts::tolerance_name;
-use crate::cli::bench::time::{ROUNDS, Spent, Spread, Times};
+use crate::bench::Report;
+use crate::bench::field::charts::tolerance_name;
+use crate::bench::time::{ROUNDS, Spent, Spread, Times};
 use crate::drive::Drive;
 use crate::field::gpu::adapter;
 use crate::field::{Average, Colouring, Evaluator, FieldError, Mean, Quantity, Stages, Wanted};

@@ -8,8 +8,8 @@ use num_complex::Complex64;
 use serde_json::json;
 
 use crate::acoustics::Aperture;
-use crate::cli::bench::Report;
-use crate::cli::bench::time::{ROUNDS, Spent, Spread, Times};
+use crate::bench::Report;
+use crate::bench::time::{ROUNDS, Spent, Spread, Times};
 use crate::drive::Drive;
 use crate::field::gpu::adapter;
 use crate::field::{self, Colouring, Evaluator, FieldError, Quantity, Samples, Stages, Wanted};

@@ -2,7 +2,7 @@
 
 use serde_json::{Value, json};
 
-use crate::cli::bench::time::{Spread, digits};
+use crate::bench::time::{Spread, digits};
 
 /// Where the stated values were measured.
 pub const MACHINE: &str = "two cores of an Intel Xeon with AVX-512, without a GPU";
@@ -239,7 +239,7 @@ impl Measured {
 mod tests {
     use super::*;
 
-    const README: &str = include_str!("../../../README.md");
+    const README: &str = include_str!("../../README.md");
 
     #[test]
     fn the_readme_states_these_figures_and_none_else() {

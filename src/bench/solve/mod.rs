@@ -8,8 +8,8 @@ use glam::DVec3;
 use serde_json::json;
 
 use crate::acoustics::Aperture;
-use crate::cli::bench::time::{ROUNDS, Spent, Spread, Times, digits};
-use crate::cli::bench::{Report, foci};
+use crate::bench::time::{ROUNDS, Spent, Spread, Times, digits};
+use crate::bench::{Report, foci};
 use crate::drive::Drive;
 use crate::scene::{Focus, Method, Motion, MotionPath, Sampling, Scene, Shape, Target, motion};
 use crate::solver::{self, Excitation, Problem, Quality, SolveError, frames};
