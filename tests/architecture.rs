@@ -23,7 +23,7 @@ const LAYERS: &[(&str, &[&str])] = &[
     ),
     ("import", &["glam", "image", "thiserror", "usvg"]),
     ("device", &["cobs", "crc", "rustix", "serial2", "thiserror"]),
-    ("studio", &["anyhow", "rustix", "signal_hook", "tempfile"]),
+    ("studio", &["anyhow", "glam", "rustix", "signal_hook", "tempfile"]),
     ("ui", &["egui", "egui_plot", "glam", "num_complex"]),
     (
         "app",
@@ -48,6 +48,7 @@ const LAYERS: &[(&str, &[&str])] = &[
             "comfy_table",
             "cpu_time",
             "eframe",
+            "egui",
             "glam",
             "indicatif",
             "num_complex",

@@ -16,7 +16,7 @@ mod window;
 
 use std::path::{Path, PathBuf};
 
-use anyhow::{Context, bail};
+use anyhow::Context;
 use comfy_table::{CellAlignment, Table};
 use serde_json::{Map, Value};
 
@@ -96,7 +96,7 @@ fn window() -> Measure {
 
 #[cfg(not(feature = "window"))]
 fn window() -> Measure {
-    |_| bail!("this program was built without its window")
+    |_| anyhow::bail!("this program was built without its window")
 }
 
 #[cfg(all(unix, feature = "serial"))]
@@ -106,7 +106,7 @@ fn link() -> Measure {
 
 #[cfg(not(all(unix, feature = "serial")))]
 fn link() -> Measure {
-    |_| bail!("links are measured on a Unix system, by a program built with serial links")
+    |_| anyhow::bail!("links are measured on a Unix system, by a program built with serial links")
 }
 
 /// Measures what is asked for, prints it, and writes the JSON, the charts and the page.

@@ -79,6 +79,7 @@ pub fn write(
 }
 
 /// What was written.
+#[derive(Debug)]
 pub struct Shot {
     frames: usize,
     pace: Pace,
@@ -117,6 +118,7 @@ enum Moment<'a> {
 }
 
 /// Makes the map of one frame after the other.
+#[derive(Debug)]
 pub struct Film<'a> {
     scene: &'a Scene,
     aperture: Aperture,

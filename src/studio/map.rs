@@ -14,7 +14,7 @@ use crate::studio::output::note;
 use crate::surface::{Dent, Reflector};
 
 /// How a map is wanted.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Debug)]
 pub struct Look {
     pub width: usize,
     pub height: usize,
@@ -26,7 +26,7 @@ pub struct Look {
 }
 
 /// What is seen on a map.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Debug)]
 pub struct Sound<'a> {
     pub scene: &'a Scene,
     /// Played one after the other, each for the same time. A field is that of the first, an average that of all.
@@ -34,6 +34,7 @@ pub struct Sound<'a> {
 }
 
 /// A map as drawn.
+#[derive(Debug)]
 pub struct DrawnMap {
     pub picture: Picture,
     /// The largest value: Pa (RMS), Pa, or m.
@@ -49,6 +50,7 @@ pub struct DrawnMap {
 }
 
 /// The effect of radiation pressure.
+#[derive(Debug)]
 pub struct Pressed {
     /// N on the plane.
     pub force: f64,
