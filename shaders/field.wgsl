@@ -1,8 +1,8 @@
 // Complex pressure (Pa, peak) at many points by direct summation over the elements, added to what is there.
 //
 // Sample i stands at columns[i % width] + rows[i / width]; the fourth component is the part of a turn that its height
-// above the array makes, which is common to all elements and applied last. Every invocation takes eight samples, a
-// workgroup's width apart: one element is then read once for eight points, which on software drivers is worth a factor of four.
+// above the array makes, which is common to all elements and applied last. Every invocation takes four samples, or eight, a
+// workgroup's width apart: one element is then read once for all of them, which on software drivers is worth a factor of four.
 
 @group(0) @binding(2) var<storage, read> columns: array<vec4f>;
 @group(0) @binding(3) var<storage, read> rows: array<vec4f>;
@@ -19,7 +19,7 @@ fn write(offset: u32, z: vec4f, turns: vec4f, sum: Phasor) {
     let nearest = vec4f(-NEAREST * params.turns_per_metre);
     let onward = phasor(select(-turns, nearest, z < vec4f(NEAREST)));
     // The array stands in a baffle: nothing goes backwards.
-    let in_front = select(vec4f(0.0), vec4f(1.0), z >= vec4f(-NEAREST));
+    let in_front = select(vec4f(0.0), vec4f(params.gain), z >= vec4f(-NEAREST));
     let re = in_front * (sum.re * onward.re - sum.im * onward.im);
     let im = in_front * (sum.re * onward.im + sum.im * onward.re);
     for (var i = 0u; i < 4u; i++) {
@@ -32,22 +32,29 @@ fn write(offset: u32, z: vec4f, turns: vec4f, sum: Phasor) {
 
 @compute @workgroup_size(WORKGROUP)
 fn field_main(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_index) local: u32) {
-    let start = group.x * (8u * WORKGROUP) + local;
+    let start = group.x * (select(4u, 8u, EIGHT_SAMPLES) * WORKGROUP) + local;
     let p0 = sample(start);
     let p1 = sample(start + WORKGROUP);
     let p2 = sample(start + 2u * WORKGROUP);
     let p3 = sample(start + 3u * WORKGROUP);
-    let p4 = sample(start + 4u * WORKGROUP);
-    let p5 = sample(start + 5u * WORKGROUP);
-    let p6 = sample(start + 6u * WORKGROUP);
-    let p7 = sample(start + 7u * WORKGROUP);
     let x_low = vec4f(p0.x, p1.x, p2.x, p3.x);
     let y_low = vec4f(p0.y, p1.y, p2.y, p3.y);
     let z_low = vec4f(p0.z, p1.z, p2.z, p3.z);
-    let x_high = vec4f(p4.x, p5.x, p6.x, p7.x);
-    let y_high = vec4f(p4.y, p5.y, p6.y, p7.y);
-    let z_high = vec4f(p4.z, p5.z, p6.z, p7.z);
     let front_low = max(z_low, vec4f(NEAREST));
+    var x_high = vec4f(0.0);
+    var y_high = vec4f(0.0);
+    var z_high = vec4f(0.0);
+    var turns_high = vec4f(0.0);
+    if EIGHT_SAMPLES {
+        let p4 = sample(start + 4u * WORKGROUP);
+        let p5 = sample(start + 5u * WORKGROUP);
+        let p6 = sample(start + 6u * WORKGROUP);
+        let p7 = sample(start + 7u * WORKGROUP);
+        x_high = vec4f(p4.x, p5.x, p6.x, p7.x);
+        y_high = vec4f(p4.y, p5.y, p6.y, p7.y);
+        z_high = vec4f(p4.z, p5.z, p6.z, p7.z);
+        turns_high = vec4f(p4.w, p5.w, p6.w, p7.w);
+    }
     let front_high = max(z_high, vec4f(NEAREST));
 
     var low = Phasor(vec4f(0.0), vec4f(0.0));
@@ -57,13 +64,17 @@ fn field_main(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_ind
     for (var n = params.first_element; n < last_element; n++) {
         let element = elements[n];
         let to_low = wave(x_low, y_low, front_low, element);
-        let to_high = wave(x_high, y_high, front_high, element);
         low.re += to_low.re;
         low.im += to_low.im;
-        high.re += to_high.re;
-        high.im += to_high.im;
+        if EIGHT_SAMPLES {
+            let to_high = wave(x_high, y_high, front_high, element);
+            high.re += to_high.re;
+            high.im += to_high.im;
+        }
     }
 
     write(start, z_low, vec4f(p0.w, p1.w, p2.w, p3.w), low);
-    write(start + 4u * WORKGROUP, z_high, vec4f(p4.w, p5.w, p6.w, p7.w), high);
+    if EIGHT_SAMPLES {
+        write(start + 4u * WORKGROUP, z_high, turns_high, high);
+    }
 }

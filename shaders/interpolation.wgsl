@@ -7,8 +7,9 @@
 struct ResampleParams {
     pixels: u32,
     lines: u32,
-    // Of the first sample.
+    // Of the first sample and the first pixel.
     start: u32,
+    out_start: u32,
     // Samples that 16 pixels need.
     span: u32,
     // From one sample to the next along the axis, and from one line to the next.
@@ -25,9 +26,6 @@ struct ResampleParams {
 // more than four in a program.
 @group(0) @binding(2) var<storage, read> weights: array<vec4u>;
 @group(0) @binding(3) var<storage, read_write> interpolated: array<vec2f>;
-
-// Bits of the largest |p|, a float that is not negative: they order as the float does.
-@group(0) @binding(4) var<storage, read_write> peak: atomic<u32>;
 
 // 16 pixels of one line.
 struct Sums {
@@ -88,35 +86,27 @@ fn resample_main(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_
         weight += 4u;
     }
     let pixel = group.y * 16u;
-    // Pixels beyond the last have no weights.
-    var norm2 = vec4f(0.0);
-    norm2 = max(norm2, finish(pixel, line, sums0));
-    norm2 = max(norm2, finish(pixel, line + 1u * WORKGROUP, sums1));
-    norm2 = max(norm2, finish(pixel, line + 2u * WORKGROUP, sums2));
-    norm2 = max(norm2, finish(pixel, line + 3u * WORKGROUP, sums3));
-    atomicMax(&peak, bitcast<u32>(sqrt(max(max(norm2.x, norm2.y), max(norm2.z, norm2.w)))));
+    finish(pixel, line, sums0);
+    finish(pixel, line + 1u * WORKGROUP, sums1);
+    finish(pixel, line + 2u * WORKGROUP, sums2);
+    finish(pixel, line + 3u * WORKGROUP, sums3);
 }
 
-// Writes the pixels of a line and gives the largest |p|² of them.
-fn finish(pixel: u32, line: u32, sums: Sums) -> vec4f {
+// Writes the pixels of a line.
+fn finish(pixel: u32, line: u32, sums: Sums) {
     if line < params.lines {
         write(pixel + 0u, line, sums.re0, sums.im0);
         write(pixel + 4u, line, sums.re1, sums.im1);
         write(pixel + 8u, line, sums.re2, sums.im2);
         write(pixel + 12u, line, sums.re3, sums.im3);
     }
-    var norm2 = vec4f(0.0);
-    norm2 = max(norm2, sums.re0 * sums.re0 + sums.im0 * sums.im0);
-    norm2 = max(norm2, sums.re1 * sums.re1 + sums.im1 * sums.im1);
-    norm2 = max(norm2, sums.re2 * sums.re2 + sums.im2 * sums.im2);
-    norm2 = max(norm2, sums.re3 * sums.re3 + sums.im3 * sums.im3);
-    return norm2;
 }
 
 fn write(pixel: u32, line: u32, re: vec4f, im: vec4f) {
     for (var i = 0u; i < 4u; i++) {
         if pixel + i < params.pixels {
-            interpolated[(pixel + i) * params.pixel_stride + line * params.pixel_line_stride] = vec2f(re[i], im[i]);
+            let at = params.out_start + (pixel + i) * params.pixel_stride + line * params.pixel_line_stride;
+            interpolated[at] = vec2f(re[i], im[i]);
         }
     }
 }

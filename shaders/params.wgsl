@@ -19,6 +19,11 @@ struct Params {
     nodes: u32,
     radius: f32,
     piston_scale: f32,
+    // On what is added.
+    gain: f32,
+    padding_0: u32,
+    padding_1: u32,
+    padding_2: u32,
 }
 
 @group(0) @binding(0) var<uniform> params: Params;

@@ -1,12 +1,36 @@
-// From values to colours: one number of each, scaled, looked up in a table of 256 colours.
+// From values to colours: each is scaled and looked up in a table of 256 colours.
 
-@group(0) @binding(1) var<storage, read> pressure: array<vec2f>;
-@group(0) @binding(2) var<storage, read> colours: array<u32, 256>;
-@group(0) @binding(3) var<storage, read_write> picture: array<u32>;
+struct PictureParams {
+    width: u32,
+    count: u32,
+    invocations: u32,
+    // The place of 0, and how many places lie between it and `full`.
+    zero: f32,
+    spread: f32,
+    // The value that gets the last colour; 0 for the peak.
+    full: f32,
+}
+
+@group(0) @binding(0) var<uniform> params: PictureParams;
+@group(0) @binding(1) var<storage, read> values: array<f32>;
+// Bits of a float.
+@group(0) @binding(2) var<storage, read> peak: u32;
+@group(0) @binding(3) var<storage, read> colours: array<u32, 256>;
+@group(0) @binding(4) var picture: texture_storage_2d<rgba8unorm, write>;
+
+fn place(value: f32, full: f32) -> f32 {
+    if LOGARITHMIC {
+        let part = clamp(value / full, FLOOR, 1.0);
+        return (1.0 - log2(part) / log2(FLOOR)) * 255.0;
+    }
+    return params.zero + value * (params.spread / full);
+}
 
 @compute @workgroup_size(WORKGROUP)
 fn picture_main(@builtin(global_invocation_id) id: vec3u) {
+    let full = max(select(params.full, bitcast<f32>(peak), params.full == 0.0), SMALLEST);
     for (var i = id.x; i < params.count; i += params.invocations) {
-        picture[i] = colours[colour_index(pressure[i])];
+        let colour = colours[u32(clamp(place(values[i], full), 0.0, 255.0) + 0.5)];
+        textureStore(picture, vec2u(i % params.width, i / params.width), unpack4x8unorm(colour));
     }
 }

@@ -5,17 +5,17 @@ use std::f64::consts::TAU;
 use glam::{DVec2, DVec3};
 use serde_json::json;
 
-use crate::acoustics::{Air, Aperture};
+use crate::acoustics::Aperture;
 use crate::bench::Report;
 use crate::bench::field::charts::tolerance_name;
 use crate::bench::time::{ROUNDS, Spent, Spread, Times};
 use crate::drive::Drive;
 use crate::field::gpu::adapter;
-use crate::field::{Average, Colouring, Evaluator, FieldError, Mean, Quantity, Stages, Wanted};
+use crate::field::{Colouring, Evaluator, FieldError, Quantity, Request, Stages};
 use crate::picture::ColourMap;
 use crate::picture::chart::{Chart, Series};
 use crate::scene::{Plane, Scene};
-use crate::surface::Reflector;
+use crate::studio::map;
 
 /// Frames of a round whose mean is taken.
 const FRAMES: usize = 64;
@@ -82,7 +82,7 @@ pub fn run(quick: bool) -> anyhow::Result<Report> {
 /// A picture, with what it keeps between its rounds.
 struct Case {
     name: &'static str,
-    mean: Option<Mean>,
+    quantity: Quantity,
     frames: usize,
     stages: Stages,
     times: Times,
@@ -92,32 +92,19 @@ struct Case {
 impl Case {
     /// From a new drive to its colours.
     fn draw(&mut self, view: &View, round: usize) -> Result<(), FieldError> {
-        let View { aperture, plane, rounds, size } = view;
-        let (width, height) = (*size, *size);
-        let drives = &rounds[round % 2][..self.frames];
-        let quantity = self.mean.as_ref().map_or(Quantity::Rms, Mean::quantity);
-        let colouring = Colouring::new(quantity, ColourMap::Inferno.table());
-        self.error = match &self.mean {
-            None => {
-                let wanted = Wanted { aperture, plane, drive: &drives[0], width, height };
-                self.stages.colours(&wanted, &colouring)?;
-                self.stages.map(&wanted)?.error
-            }
-            Some(mean) => {
-                let wanted =
-                    Average { aperture, plane, drives, mean: mean.clone(), part: 1.0, width, height };
-                self.stages.average_colours(&wanted, &colouring)?;
-                self.stages.average(&wanted)?.error
-            }
-        };
+        let View { scene, rounds, size } = view;
+        let drives = rounds[round % 2][..self.frames].to_vec();
+        let request = Request { part: 1.0, ..Request::new(scene, drives, self.quantity, (*size, *size)) };
+        let colouring = Colouring::new(self.quantity, map::colours(self.quantity, ColourMap::Inferno).table());
+        self.stages.colours(&request, &colouring)?;
+        self.error = self.stages.map(&request)?.error;
         Ok(())
     }
 }
 
 /// What is looked at.
 struct View {
-    aperture: Aperture,
-    plane: Plane,
+    scene: Scene,
     /// Two rounds of drives, so that every run has new ones.
     rounds: [Vec<Drive>; 2],
     size: usize,
@@ -126,24 +113,23 @@ struct View {
 fn measure(evaluator: &'static str, size: usize, tolerance: f64) -> Result<Vec<Record>, FieldError> {
     let scene =
         Scene { plane: Plane { size: DVec2::splat(0.2), tolerance, ..Plane::default() }, ..Scene::default() };
-    let aperture = Aperture::new(&scene);
-    let rounds = [0.0, 0.5].map(|turned| round(&aperture, turned));
-    let reflector = Reflector::new(&Air::new(&scene.medium, scene.array.frequency), scene.array.frequency);
-    let view = View { aperture, plane: scene.plane, rounds, size };
-    let dent = || Mean::Dent(reflector, scene.liquid.clone());
+    let rounds = [0.0, 0.5].map(|turned| round(&Aperture::new(&scene), turned));
+    let view = View { scene, rounds, size };
     let mut cases = Vec::new();
-    for (name, frames, mean) in [
-        (FIELD, 1, None),
-        ("radiation pressure", 1, Some(Mean::Radiation(reflector))),
-        (DENT, 1, Some(dent())),
-        ("mean RMS pressure", FRAMES, Some(Mean::Square)),
-        (DENT, FRAMES, Some(dent())),
+    for (name, frames, quantity) in [
+        (FIELD, 1, Quantity::Rms),
+        ("radiation pressure", 1, Quantity::Radiation),
+        (DENT, 1, Quantity::Depression),
+        ("mean RMS pressure", FRAMES, Quantity::Rms),
+        (DENT, FRAMES, Quantity::Depression),
+        ("intensity", 1, Quantity::Intensity),
+        ("velocity", 1, Quantity::Velocity),
     ] {
         let stages = Stages::new(match evaluator {
             "gpu" => Evaluator::Gpu(Box::new(adapter::open_best(true)?)),
             _ => Evaluator::Cpu,
         });
-        let mut case = Case { name, mean, frames, stages, times: Times::default(), error: 0.0 };
+        let mut case = Case { name, quantity, frames, stages, times: Times::default(), error: 0.0 };
         case.draw(&view, 1)?;
         cases.push(case);
     }

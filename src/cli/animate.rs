@@ -6,15 +6,14 @@ use anyhow::bail;
 use indicatif::{ProgressBar, ProgressStyle};
 
 use crate::cli::{RenderArgs, View, read_scene, render};
-use crate::field::{Colouring, Quantity, Stages};
-use crate::picture::ColourMap;
+use crate::field::{Colouring, Request, Stages};
 use crate::solver::frames;
 use crate::studio::animate::{Film, Target};
 use crate::studio::evaluator::{self, Backend};
-use crate::studio::output::{note, say, warn};
+use crate::studio::output::{self, note, say, warn};
 use crate::studio::still::{Diagram, stem};
 use crate::studio::swell::Schedule;
-use crate::studio::{liquid, motion};
+use crate::studio::{liquid, map, motion};
 
 /// In which progress is counted.
 const STEPS: f64 = 10_000.0;
@@ -24,15 +23,16 @@ pub fn run(args: &RenderArgs) -> anyhow::Result<()> {
     let [path] = &args.scenes[..] else {
         bail!("one scene is animated at a time, and {} are given", args.scenes.len());
     };
-    if args.data.is_some() {
-        bail!("--data takes the numbers of a still map; leave out --motion and --waves");
+    if args.data.is_some() && !args.waves {
+        bail!("--data takes the numbers of a still map or of --waves; leave out --motion");
     }
     let quantity = match args.quantity {
-        Diagram::Map(Quantity::Dent) => Quantity::Dent,
-        _ if args.waves => bail!("--waves are of a liquid's surface: --quantity dent"),
+        Diagram::Map(quantity) if args.waves && !quantity.declaration().of_liquid => {
+            bail!("--waves are of a liquid's surface: --quantity depression")
+        }
         Diagram::Map(quantity) => quantity,
         Diagram::Drive | Diagram::Sheet => {
-            bail!("maps are animated: --quantity rms, phase, radiation or dent")
+            bail!("maps are animated: --quantity rms, phase, radiation, depression, intensity or velocity")
         }
     };
     if args.view == View::Shaded {
@@ -48,24 +48,31 @@ pub fn run(args: &RenderArgs) -> anyhow::Result<()> {
         true => frames::follow(&scene)?,
         false => motion::follow(&scene, &path.display().to_string())?,
     };
+    if let Some(data) = &args.data {
+        output::check_writable(data)?;
+    }
     target.make_folder()?;
     let stages = Stages::new(evaluator::for_maps(args.backend.backend)?);
-    let colours = if quantity == Quantity::Phase { ColourMap::Cyclic } else { args.colours };
-    let mut film = Film::new(&scene, &sequence, stages, Colouring::new(quantity, colours.table()), size);
+    let drives: Vec<_> = sequence.frames.iter().map(|frame| frame.drive.clone()).collect();
+    let count = drives.len();
+    let request = Request::new(&scene, drives, quantity, size);
+    let colouring = Colouring::new(quantity, map::colours(quantity, args.colours).table());
+    let mut film = Film::new(&scene, request, stages, colouring);
     film.gpu_is_asked_for = args.backend.backend == Backend::Gpu;
     film.schedule = schedule;
+    film.data.clone_from(&args.data);
     let start = Instant::now();
     let bar = progress();
     let tell = |part: f64| {
         bar.set_position((part * STEPS) as u64);
         Ok(())
     };
-    if quantity == Quantity::Dent && !args.waves {
+    if quantity.declaration().of_liquid && !args.waves {
         note(
-            "every frame shows the dent that its sound would press in the end; --waves shows how the surface follows",
+            "every frame shows the depression that its sound would press in the end; --waves shows how the surface follows",
         );
     }
-    let shot = film.shoot(&sequence, &target, &stem(path), &tell)?;
+    let shot = film.shoot(&target, &stem(path), &tell)?;
     bar.finish_and_clear();
     let tolerance = scene.plane.tolerance;
     if tolerance > 0.0 && film.error > tolerance {
@@ -77,7 +84,7 @@ pub fn run(args: &RenderArgs) -> anyhow::Result<()> {
     say!("{}", shot.line(&args.output, size))?;
     if args.verbose {
         let (solving, drawing) = (sequence.seconds, start.elapsed().as_secs_f64());
-        let each = drawing / sequence.frames.len() as f64;
+        let each = drawing / count as f64;
         say!("  {:.1} ms for all drives, {:.1} ms per frame for its map", solving * 1e3, each * 1e3)?;
     }
     Ok(())

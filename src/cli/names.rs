@@ -24,34 +24,32 @@ impl ValueEnum for Backend {
     }
 }
 
+/// Every quantity, and what is not one.
+const DIAGRAMS: [Diagram; Quantity::ALL.len() + 2] = {
+    let mut all = [Diagram::Drive; Quantity::ALL.len() + 2];
+    let mut i = 0;
+    while i < Quantity::ALL.len() {
+        all[i] = Diagram::Map(Quantity::ALL[i]);
+        i += 1;
+    }
+    all[i] = Diagram::Sheet;
+    all
+};
+
 impl ValueEnum for Diagram {
     fn value_variants<'a>() -> &'a [Self] {
-        &[
-            Self::Map(Quantity::Rms),
-            Self::Map(Quantity::Phase),
-            Self::Map(Quantity::Radiation),
-            Self::Map(Quantity::Dent),
-            Self::Drive,
-            Self::Sheet,
-        ]
+        &DIAGRAMS
     }
 
     fn to_possible_value(&self) -> Option<PossibleValue> {
-        let (name, help) = match self {
-            Self::Map(Quantity::Rms) => ("rms", "RMS pressure"),
-            Self::Map(Quantity::Phase) => ("phase", "Phase of the pressure"),
-            Self::Map(Quantity::Radiation) => {
-                ("radiation", "Radiation pressure on the plane as a reflecting surface")
+        Some(match self {
+            Self::Map(quantity) => {
+                let declaration = quantity.declaration();
+                PossibleValue::new(declaration.name).help(declaration.help).aliases(declaration.aliases)
             }
-            Self::Map(Quantity::Dent) => {
-                ("dent", "Depth of the dent in the liquid whose surface the plane is")
-            }
-            Self::Drive => ("drive", "Phase and amplitude per element"),
-            Self::Sheet => ("sheet", "Everything on one page with axes"),
-            // The window shows the first as it oscillates, and a mean is asked for by `--frame mean`.
-            Self::Map(Quantity::Instantaneous | Quantity::MeanRms) => return None,
-        };
-        Some(PossibleValue::new(name).help(help))
+            Self::Drive => PossibleValue::new("drive").help("Phase and amplitude per element"),
+            Self::Sheet => PossibleValue::new("sheet").help("Everything on one page with axes"),
+        })
     }
 }
 

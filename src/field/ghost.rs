@@ -22,8 +22,8 @@ use glam::DVec3;
 
 use crate::acoustics::Aperture;
 use crate::drive::Drive;
-use crate::field::{FieldError, Samples, Stages, Wanted};
-use crate::scene::Plane;
+use crate::field::{FieldError, Quantity, Request, Samples, Stages};
+use crate::scene::{Plane, Scene};
 
 /// Samples in a wavelength: a maximum of |p| is half a wavelength wide or more.
 const PER_WAVELENGTH: f64 = 8.0;
@@ -87,15 +87,19 @@ pub fn loudest(
     let (width, height) = (width as usize, height as usize);
     let plane = Plane { tolerance: TOLERANCE, ..plane.clone() };
     let samples = Samples::on_plane(&plane, width, height).ok_or(FieldError::NoPlane)?;
-    let field = stages.read(&Wanted { aperture, plane: &plane, drive, width, height })?;
-    let power: Vec<_> = field.iter().map(|p| p.norm_sqr()).collect();
+    let request = Request {
+        aperture: aperture.clone(),
+        plane: plane.clone(),
+        ..Request::new(&Scene::default(), vec![drive.clone()], Quantity::Rms, (width, height))
+    };
+    let pressures = &stages.map(&request)?.values;
     // Nearer to the array than a wavelength it is the elements themselves that are loud.
     let is_ghost = |&index: &usize| {
         let point = samples.point(index);
         point.z > aperture.wavelength() && !lobes.iter().any(|lobe| lobe.contains(point))
     };
-    let mut maxima = maxima(&power, width);
-    maxima.sort_by(|&a, &b| power[b].total_cmp(&power[a]));
+    let mut maxima = maxima(pressures, width);
+    maxima.sort_by(|&a, &b| pressures[b].total_cmp(&pressures[a]));
     let found = maxima.into_iter().find(is_ghost).ok_or(NoGhost::NoMaximum)?;
 
     let excitation = drive.excitation(&aperture.driven);
@@ -117,15 +121,15 @@ fn nearest(plane: &Plane, axes: [DVec3; 2], point: DVec3) -> DVec3 {
 }
 
 /// Samples of a grid, `width` to a row, that are louder than their eight neighbours.
-fn maxima(power: &[f32], width: usize) -> Vec<usize> {
+fn maxima(pressures: &[f32], width: usize) -> Vec<usize> {
     let is_maximum = |&at: &usize| {
         let before = [at - width - 1, at - width, at - width + 1, at - 1];
         let after = [at + 1, at + width - 1, at + width, at + width + 1];
         // Of several that are equally loud, one.
-        before.iter().all(|&other| power[at] > power[other])
-            && after.iter().all(|&other| power[at] >= power[other])
+        before.iter().all(|&other| pressures[at] > pressures[other])
+            && after.iter().all(|&other| pressures[at] >= pressures[other])
     };
-    let rows = power.len() / width;
+    let rows = pressures.len() / width;
     (1..rows - 1).flat_map(|row| row * width + 1..(row + 1) * width - 1).filter(is_maximum).collect()
 }
 
@@ -191,7 +195,7 @@ mod tests {
 
     use super::*;
     use crate::field::Evaluator;
-    use crate::scene::{Array, Scene};
+    use crate::scene::Array;
 
     /// The aperture of `columns` x `rows` elements, and |p| (Pa) of its drive for a focus.
     fn focused(columns: u32, rows: u32, focus: DVec3) -> (Aperture, impl Fn(DVec3) -> f64) {

@@ -9,8 +9,8 @@ use rayon::prelude::*;
 use crate::field::cpu::{self, Lines, ROWS, Rows};
 use crate::field::polynomial;
 
-/// Values in a line of a cache.
-const ALIGNED: usize = 8;
+/// f32 in a line of a cache.
+const ALIGNED: usize = 16;
 /// Terms of the window's polynomial: 1e-9 off for the sharpest tolerance.
 const WINDOW_TERMS: usize = 18;
 
@@ -151,44 +151,58 @@ fn bessel_i0(x: f64) -> f64 {
     sum
 }
 
-/// Complex numbers that fill a line of a cache.
+/// What is interpolated: as many f32 as it has parts.
+pub trait Value: Pod + Default + Send + Sync {}
+
+impl Value for f32 {}
+impl Value for Complex32 {}
+
+/// f32 in a value.
+const fn parts<T: Value>() -> usize {
+    size_of::<T>() / size_of::<f32>()
+}
+
+/// What fills a line of a cache.
 #[derive(Clone, Copy, Debug, Zeroable, Pod)]
 #[repr(C, align(64))]
-struct Aligned([Complex32; ALIGNED]);
+struct Aligned([f32; ALIGNED]);
 
 /// What lies between the two passes; kept for the next map, since fresh memory costs more than the work on it.
 #[derive(Clone, Debug, Default)]
 pub struct Between {
     lines: Vec<Aligned>,
-    wide: Vec<Complex32>,
+    wide: Vec<f32>,
 }
 
 /// Interpolates samples (row by row, `columns` in a row) across and up into pixels, row by row.
-pub fn interpolate(
-    samples: &[Complex32],
+pub fn interpolate<T: Value>(
+    samples: &[T],
     columns: usize,
     across: &Resampling,
     up: &Resampling,
     between: &mut Between,
-    pixels: &mut [Complex32],
+    pixels: &mut [T],
 ) {
     let rows = samples.len() / columns;
     let Between { lines, wide } = between;
     // Both passes work along the slow axis, where whole runs of neighbours share their weights.
     transpose(samples, columns, lines);
-    wide.resize(across.len() * rows, Complex32::ZERO);
+    wide.resize(across.len() * rows * parts::<T>(), 0.0);
+    let wide: &mut [T] = bytemuck::cast_slice_mut(wide);
     resample(lines, across, wide, rows);
     transpose(wide, rows, lines);
     resample(lines, up, pixels, across.len());
 }
 
 /// From lines of `length` values (and what [`stride`] adds), one per sample, to one line per pixel.
-fn resample(samples: &[Aligned], resampling: &Resampling, pixels: &mut [Complex32], length: usize) {
+fn resample<T: Value>(samples: &[Aligned], resampling: &Resampling, pixels: &mut [T], length: usize) {
     /// Pixels that one task makes: most of them share their samples, which then stay in the nearest cache.
     const PIXELS: usize = 32;
-    /// Values of a line that are worked on together.
-    const RUN: usize = 128;
-    let samples: &[Complex32] = bytemuck::cast_slice(samples);
+    /// f32 of a line that are worked on together.
+    const RUN: usize = 256;
+    let samples: &[f32] = bytemuck::cast_slice(samples);
+    let (stride, length) = (stride::<T>(length), length * parts::<T>());
+    let pixels: &mut [f32] = bytemuck::cast_slice_mut(pixels);
     pixels.par_chunks_mut(PIXELS * length).enumerate().for_each(|(task, lines)| {
         let pixels = task * PIXELS..task * PIXELS + lines.len() / length;
         for start in (0..length).step_by(RUN) {
@@ -200,16 +214,8 @@ fn resample(samples: &[Aligned], resampling: &Resampling, pixels: &mut [Complex3
                 let to = (pixel - pixels.start) * length + start;
                 cpu::weighted_sums(
                     rows,
-                    &Lines {
-                        values: bytemuck::cast_slice(&samples[first * stride(length) + start..]),
-                        stride: 2 * stride(length),
-                        weights,
-                    },
-                    &mut Rows {
-                        values: bytemuck::cast_slice_mut(&mut lines[to..]),
-                        stride: 2 * length,
-                        length: 2 * count,
-                    },
+                    &Lines { values: &samples[first * stride + start..], stride, weights },
+                    &mut Rows { values: &mut lines[to..], stride: length, length: count },
                 );
                 pixel += rows;
             }
@@ -217,20 +223,21 @@ fn resample(samples: &[Aligned], resampling: &Resampling, pixels: &mut [Complex3
     });
 }
 
-/// Values from one line to the next: lines a power of two apart would share the few places that a cache has for each
-/// address, and lines that start within a cache line would be read in two pieces.
-fn stride(length: usize) -> usize {
-    length.next_multiple_of(ALIGNED) + ALIGNED
+/// f32 from one line of `length` values to the next: lines a power of two apart would share the few places that a cache has for
+/// each address, and lines that start within a cache line would be read in two pieces.
+fn stride<T: Value>(length: usize) -> usize {
+    (length * parts::<T>()).next_multiple_of(ALIGNED) + ALIGNED
 }
 
 /// Columns as lines.
-fn transpose(values: &[Complex32], columns: usize, lines: &mut Vec<Aligned>) {
+fn transpose<T: Value>(values: &[T], columns: usize, lines: &mut Vec<Aligned>) {
     /// A square of values stays in the nearest cache.
     const SIDE: usize = 16;
     let rows = values.len() / columns;
-    let stride = stride(rows);
-    lines.resize(columns * stride / ALIGNED, Aligned::zeroed());
-    let lines: &mut [Complex32] = bytemuck::cast_slice_mut(lines);
+    let floats = stride::<T>(rows);
+    lines.resize(columns * floats / ALIGNED, Aligned::zeroed());
+    let lines: &mut [T] = bytemuck::cast_slice_mut(lines);
+    let stride = floats / parts::<T>();
     lines.par_chunks_mut(SIDE * stride).enumerate().for_each(|(task, lines)| {
         for first in (0..rows).step_by(SIDE) {
             for (offset, line) in lines.chunks_exact_mut(stride).enumerate() {
@@ -297,8 +304,12 @@ mod tests {
         let up = Resampling::new((0..height).map(place), 8, 12.0);
         let mut pixels = vec![Complex32::ZERO; width * height];
         interpolate(&samples, columns, &across, &up, &mut Between::default(), &mut pixels);
-        for (i, pixel) in pixels.iter().enumerate() {
+        let real: Vec<_> = samples.iter().map(|sample| sample.re).collect();
+        let mut values = vec![0.0; width * height];
+        interpolate(&real, columns, &across, &up, &mut Between::default(), &mut values);
+        for (i, (pixel, value)) in pixels.iter().zip(&values).enumerate() {
             assert!((pixel - wave(place(i % width), place(i / width))).norm() < 1e-5, "pixel {i}");
+            assert!((pixel.re - value).abs() < 1e-6, "pixel {i}");
         }
     }
 }

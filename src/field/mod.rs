@@ -14,8 +14,10 @@ pub mod interpolation;
 pub mod listener;
 pub mod plan;
 pub mod polynomial;
+pub mod quantity;
 pub mod raster;
 pub mod reference;
+pub mod slope;
 pub mod sources;
 pub mod stages;
 pub mod transfer;
@@ -23,7 +25,7 @@ pub mod transfer;
 use std::io::Read;
 
 use glam::DVec3;
-use num_complex::{Complex32, Complex64};
+use num_complex::Complex32;
 use rayon::prelude::*;
 
 use crate::acoustics::Aperture;
@@ -31,14 +33,15 @@ use crate::drive::Drive;
 use crate::scene::Plane;
 use crate::table::{Table, TableError};
 
-pub use colouring::{Colouring, Quantity, Scale};
+pub use colouring::{Colouring, Scale};
 pub use ghost::{Ghost, NoGhost};
 pub use gpu::{Gpu, GpuError};
 pub use listener::Heard;
 pub use plan::Plan;
+pub use quantity::Quantity;
 pub use raster::Raster;
 pub use sources::{Sources, Wave};
-pub use stages::{Average, AverageMap, By, FieldError, Map, Mean, Stages, Wanted, Work};
+pub use stages::{By, FieldError, Map, Pressed, Request, Stages, Work};
 
 /// Points of a table, at most: the answer to more would fill gigabytes.
 const MOST_POINTS: usize = 10_000_000;
@@ -151,7 +154,7 @@ impl Evaluator {
     ) -> Result<Vec<Complex32>, GpuError> {
         Ok(match (self, Sources::new(aperture, drive, samples)) {
             (Self::Gpu(gpu), Some(sources)) if sources.beside_rims(samples).is_empty() => {
-                gpu.read(&gpu.pressure(&sources, samples)?)?
+                gpu.pressure(&sources, samples)?
             }
             (Self::Reference, _) => on_cpu(aperture, drive, samples, true),
             (Self::Cpu | Self::Gpu(_), _) => on_cpu(aperture, drive, samples, false),
@@ -162,8 +165,7 @@ impl Evaluator {
 /// Complex pressure (Pa, peak) at every sample by the CPU, in f64 if `double` or where f32 declines.
 fn on_cpu(aperture: &Aperture, drive: &Drive, samples: &Samples, double: bool) -> Vec<Complex32> {
     let in_f64 = |samples: &Samples| {
-        let narrow = |p: Complex64| Complex32::new(p.re as f32, p.im as f32);
-        reference::pressure(aperture, drive, samples).into_iter().map(narrow)
+        reference::pressure(aperture, drive, samples).into_iter().map(quantity::narrow)
     };
     match Sources::new(aperture, drive, samples) {
         Some(sources) if !double => {

@@ -4,7 +4,6 @@ use std::ops::Range;
 
 use glam::DVec3;
 
-use crate::field::interpolation::Resampling;
 use crate::field::{Plan, Samples};
 
 /// The pixels of one map on a plan's plane.
@@ -14,10 +13,6 @@ pub struct Raster {
     pub height: usize,
     /// Rows that are interpolated; the rest is evaluated pixel by pixel.
     pub interpolated: Range<usize>,
-    /// From sample columns to pixel columns.
-    pub across: Resampling,
-    /// From sample rows to the interpolated pixel rows.
-    pub up: Resampling,
     columns: Vec<DVec3>,
     rows: Vec<DVec3>,
 }
@@ -30,26 +25,17 @@ impl Raster {
             width,
             height,
             interpolated: 0..0,
-            across: Resampling::default(),
-            up: Resampling::default(),
             columns,
             rows,
         };
         let Some(grid) = &plan.grid else { return Some(direct) };
-        let size = plan.plane.size;
-        let column = |i: usize| size.x * ((i as f64 + 0.5) / width as f64 - 0.5);
-        let row = |j: usize| size.y * ((j as f64 + 0.5) / height as f64 - 0.5);
+        let row = |j: usize| plan.plane.size.y * ((j as f64 + 0.5) / height as f64 - 0.5);
         let below = |place: f64| (0..height).filter(|&j| row(j) < place).count();
         let interpolated = below(grid.covered.start)..below(grid.covered.end);
         if interpolated.len() * width <= grid.samples.len() {
             return Some(direct);
         }
-        Some(Self {
-            across: grid.resampling(0, (0..width).map(column)),
-            up: grid.resampling(1, interpolated.clone().map(row)),
-            interpolated,
-            ..direct
-        })
+        Some(Self { interpolated, ..direct })
     }
 
     /// Pixels.

@@ -84,11 +84,7 @@ impl Sources {
     /// What a drive makes of the array; silent elements are left out. `None` where [`Wave::new`] gives none.
     pub fn new(aperture: &Aperture, drive: &Drive, samples: &Samples) -> Option<Self> {
         let wave = Wave::new(aperture, samples)?;
-        let sounding = aperture.driven.iter().filter(|&&n| drive.amplitudes[n] != 0.0);
-        let elements = sounding
-            .map(|&n| wave.element(aperture.positions[n], drive.amplitudes[n], drive.phases[n]))
-            .collect();
-        Some(Self { wave, elements })
+        Some(Self { elements: wave.elements(aperture, drive), wave })
     }
 
     /// The samples so near to the rim of an exact piston that [`MOST_NODES`] are too few for it there: f32 is not right at them. None
@@ -142,6 +138,19 @@ impl Wave {
             decay_scale: [(1.0 / half) as f32, (-middle / half) as f32],
             piston: (element.model == ElementModel::ExactPiston).then(|| piston(aperture, samples)),
         })
+    }
+
+    /// What a drive makes of the array, as in [`Sources::elements`]; silent elements are left out.
+    pub fn elements(&self, aperture: &Aperture, drive: &Drive) -> Vec<[f32; 4]> {
+        let sounding = aperture.driven.iter().filter(|&&n| drive.amplitudes[n] != 0.0);
+        sounding
+            .map(|&n| self.element(aperture.positions[n], drive.amplitudes[n], drive.phases[n]))
+            .collect()
+    }
+
+    /// The factor from the amplitudes of another wave's elements to those of this one's, which lie at other distances.
+    pub fn gain_over(&self, other: &Self) -> f64 {
+        if other.strength == 0.0 { 0.0 } else { self.strength / other.strength }
     }
 
     /// An element at a position (m) with an amplitude and a phase (rad), as in [`Sources::elements`].

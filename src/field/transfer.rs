@@ -11,6 +11,7 @@ use rayon::prelude::*;
 use crate::acoustics::Aperture;
 use crate::field::cpu::{self, LANES, OVERHANG, Points, Split, Term};
 use crate::field::plan::Grid;
+use crate::field::slope::{shifted, stencil};
 use crate::field::sources::Wave;
 use crate::field::{Samples, plan};
 
@@ -164,6 +165,47 @@ impl Transfer {
             }
         });
         Self { layout, table }
+    }
+
+    /// The table of the pressure at a plan's samples, or of its slope along a direction, in the memory of `old`. `None` where f32
+    /// declines.
+    pub fn of_part(
+        aperture: &Aperture,
+        grid: &Grid,
+        direction: Option<DVec3>,
+        old: Option<Self>,
+    ) -> Option<Self> {
+        let Some(direction) = direction else {
+            let wave = Wave::new(aperture, &grid.samples)?;
+            return Some(Self::new(aperture, &wave, Layout::new(aperture, grid), old));
+        };
+        let (mut slope, mut one) = (None::<Self>, old);
+        for (shift, weight) in stencil(aperture.wavelength(), false) {
+            let grid = Grid { samples: shifted(&grid.samples, direction * shift), ..grid.clone() };
+            let wave = Wave::new(aperture, &grid.samples)?;
+            let table = Self::new(aperture, &wave, Layout::new(aperture, &grid), one.take());
+            match &mut slope {
+                None => slope = Some(table.times(weight as f32)),
+                Some(slope) => {
+                    slope.add(weight as f32, &table);
+                    one = Some(table);
+                }
+            }
+        }
+        slope
+    }
+
+    fn times(mut self, factor: f32) -> Self {
+        let Split { re, im } = &mut self.table;
+        re.iter_mut().chain(im).for_each(|value| *value *= factor);
+        self
+    }
+
+    /// Adds a multiple of another table of this layout.
+    fn add(&mut self, factor: f32, other: &Self) {
+        let Split { re, im } = &mut self.table;
+        let pairs = re.iter_mut().zip(&other.table.re).chain(im.iter_mut().zip(&other.table.im));
+        pairs.for_each(|(value, other)| *value += factor * other);
     }
 
     /// Complex pressure (Pa, peak) at the `samples` of the plan for each of several drives (u of every element of the array):

@@ -1,6 +1,7 @@
 //! Pictures and numbers as the bytes of files: PNG and NPY.
 
-use std::io::Cursor;
+use std::fmt;
+use std::io::{self, Cursor, Write};
 
 use image::{ExtendedColorType, ImageEncoder};
 use npyz::WriterBuilder;
@@ -31,12 +32,41 @@ pub fn png(picture: &Picture) -> Result<Vec<u8>, image::ImageError> {
 ///
 /// # Errors
 /// The shape does not hold as many numbers as there are.
-pub fn npy(shape: &[u64], values: &[f32]) -> std::io::Result<Vec<u8>> {
+pub fn npy(shape: &[u64], values: &[f32]) -> io::Result<Vec<u8>> {
     let mut bytes = Vec::new();
-    let mut writer = npyz::WriteOptions::new().default_dtype().shape(shape).writer(&mut bytes).begin_nd()?;
-    writer.extend(values.iter().copied())?;
-    writer.finish()?;
+    let mut numbers = Numbers::new(&mut bytes, shape)?;
+    numbers.add(values)?;
+    numbers.finish()?;
     Ok(bytes)
+}
+
+/// An NPY file of float32 that is written piece by piece.
+pub struct Numbers<W: Write>(npyz::NpyWriter<f32, W>);
+
+impl<W: Write> Numbers<W> {
+    /// # Errors
+    /// What the file says.
+    pub fn new(file: W, shape: &[u64]) -> io::Result<Self> {
+        Ok(Self(npyz::WriteOptions::new().default_dtype().shape(shape).writer(file).begin_nd()?))
+    }
+
+    /// # Errors
+    /// What the file says.
+    pub fn add(&mut self, values: &[f32]) -> io::Result<()> {
+        self.0.extend(values.iter().copied())
+    }
+
+    /// # Errors
+    /// The shape does not hold as many numbers as came.
+    pub fn finish(self) -> io::Result<()> {
+        self.0.finish()
+    }
+}
+
+impl<W: Write> fmt::Debug for Numbers<W> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Numbers").finish_non_exhaustive()
+    }
 }
 
 #[cfg(test)]

@@ -1,19 +1,22 @@
 //! Maps of a motion or of waves, frame by frame, as one file or a folder of pictures.
 
 use std::cell::Cell;
+use std::io;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, bail};
 
-use crate::acoustics::Aperture;
-use crate::drive::Drive;
-use crate::field::{self, Average, Colouring, Evaluator, FieldError, Mean, Stages, Wanted};
+#[cfg(feature = "window")]
+use crate::field::Evaluator;
+use crate::field::quantity::Range;
+use crate::field::{Colouring, FieldError, Request, Stages};
 use crate::picture::animation::{Animation, Format, Pace};
-use crate::picture::{ColourMap, sheet};
+use crate::picture::export::{self, Numbers};
+use crate::picture::ColourMap;
 use crate::scene::Scene;
-use crate::solver::frames::Sequence;
+use crate::studio::evaluator::or_by_cpu;
 use crate::studio::map;
-use crate::studio::output::{self, note};
+use crate::studio::output;
 #[cfg(feature = "window")]
 use crate::studio::still::stem;
 use crate::studio::swell::{Schedule, Swell};
@@ -57,25 +60,24 @@ impl Target {
     }
 }
 
-/// Writes the round of a moving scene as maps of its plane, in these colours. `tell` hears which part is done, and ends it with an
-/// error.
+/// Writes what the drives of a request show, one after the other, in these colours. `tell` hears which part is done, and ends it
+/// with an error.
 ///
 /// # Errors
 /// A file that is neither GIF nor PNG or cannot be written, too many pixels for it, or what `tell` says.
 #[cfg(feature = "window")]
 pub fn write(
     scene: &Scene,
-    sequence: &Sequence,
+    request: Request,
     colouring: Colouring,
-    size: (usize, usize),
     path: &Path,
     tell: &dyn Fn(f64) -> anyhow::Result<()>,
 ) -> anyhow::Result<()> {
     let target = Target::of(path)?;
-    target.check(size)?;
+    target.check(request.size)?;
     target.make_folder()?;
-    let mut film = Film::new(scene, sequence, Stages::new(Evaluator::Cpu), colouring, size);
-    film.shoot(sequence, &target, &stem(path), tell).map(drop)
+    let mut film = Film::new(scene, request, Stages::new(Evaluator::Cpu), colouring);
+    film.shoot(&target, &stem(path), tell).map(drop)
 }
 
 /// What was written.
@@ -110,52 +112,36 @@ impl Shot {
     }
 }
 
-/// What one frame shows.
-enum Moment<'a> {
-    Drive(&'a Drive),
-    /// The depth of every cell of a liquid's surface, m.
-    Surface(Vec<f64>),
-}
-
 /// Makes the map of one frame after the other.
 #[derive(Debug)]
 pub struct Film<'a> {
     scene: &'a Scene,
-    aperture: Aperture,
-    /// Of the first frame.
-    first: Drive,
+    /// But for the frame's drive or surface.
+    request: Request,
     stages: Stages,
     pub gpu_is_asked_for: bool,
     /// But for the range, which all frames share.
     colouring: Colouring,
-    /// What the quantity is the average of, if it is one.
-    mean: Option<Mean>,
-    size: (usize, usize),
     /// Of waves, if they are shown.
     pub schedule: Option<Schedule>,
+    /// The values of all frames of waves go there, and the times beside it.
+    pub data: Option<PathBuf>,
     /// The largest error of a map so far, relative to its peak, and the steepest slope of a surface.
     pub error: f64,
     pub slope: f64,
 }
 
 impl<'a> Film<'a> {
-    pub fn new(
-        scene: &'a Scene,
-        sequence: &Sequence,
-        stages: Stages,
-        colouring: Colouring,
-        size: (usize, usize),
-    ) -> Self {
+    /// `request` has the drives of all frames.
+    pub fn new(scene: &'a Scene, request: Request, stages: Stages, colouring: Colouring) -> Self {
         Self {
-            aperture: Aperture::new(scene),
-            first: sequence.frames[0].drive.clone(),
             scene,
+            request,
             stages,
             gpu_is_asked_for: false,
-            mean: map::mean(scene, colouring.quantity),
             colouring,
-            size,
             schedule: None,
+            data: None,
             error: 0.0,
             slope: 0.0,
         }
@@ -165,44 +151,34 @@ impl<'a> Film<'a> {
     /// share, the second writes.
     pub fn shoot(
         &mut self,
-        sequence: &Sequence,
         target: &Target,
         name: &str,
         tell: &dyn Fn(f64) -> anyhow::Result<()>,
     ) -> anyhow::Result<Shot> {
         let table = &self.colouring.table.clone();
-        let has_range = self.colouring.quantity != field::Quantity::Phase;
-        let count = self.schedule.map_or(sequence.frames.len(), |schedule| schedule.pictures);
-        let steps = (count * if has_range { 2 } else { 1 }) as f64;
+        let size = self.request.size;
+        let count = self.schedule.map_or(self.request.drives.len(), |schedule| schedule.pictures);
         let done = Cell::new(0.0);
         let step = || {
             done.set(done.get() + 1.0);
-            tell(done.get() / steps)
+            tell(done.get() / (2 * count) as f64)
         };
-        let mut range = [0.0f32; 2];
-        if has_range {
-            self.each(sequence, |film, _, moment| {
-                let [low, high] = film.extent(&moment)?;
-                range = [range[0].min(low), range[1].max(high)];
-                step()
-            })?;
-        }
+        let range = self.measured(count, &step)?;
         let frames_per_second = self.schedule.map_or(self.scene.motion.frames_per_second(), Schedule::rate);
         let pace = Pace::new(frames_per_second);
-        let size = self.size;
         match target {
             Target::File(path, format) => output::write_by(path, |file| {
                 let mut animation = Animation::new(file, *format, size, table, count as u32, pace)?;
-                self.each(sequence, |film, _, moment| {
-                    animation.add(&film.places(&moment, range)?)?;
+                self.each(|film, _, request| {
+                    animation.add(&film.places(request, range)?)?;
                     step()
                 })?;
                 Ok(animation.finish()?)
             })?,
             Target::Folder(folder) => {
                 let digits = count.to_string().len();
-                self.each(sequence, |film, index, moment| {
-                    let places = film.places(&moment, range)?;
+                self.each(|film, index, request| {
+                    let places = film.places(request, range)?;
                     let path = folder.join(format!("{name}-{:0digits$}.png", index + 1));
                     step()?;
                     output::write_by(&path, |file| {
@@ -214,147 +190,112 @@ impl<'a> Film<'a> {
             }
         }
         let what = match self.schedule {
-            None => format!("a round takes {:.3} s", 1.0 / self.scene.motion.rate),
+            None => format!("a cycle takes {:.3} s", 1.0 / self.scene.motion.rate),
             Some(_) => format!("it takes {:.3} s", count as f64 / frames_per_second),
         };
         Ok(Shot { frames: count, pace, range: self.in_words(range), what })
     }
 
+    /// The range of all frames; their values are written if they are wanted.
+    fn measured(&mut self, count: usize, step: &dyn Fn() -> anyhow::Result<()>) -> anyhow::Result<[f32; 2]> {
+        let mut range = [0.0f32; 2];
+        let mut measure = |film: &mut Self, request: &Request, take: &mut dyn FnMut(&[f32]) -> io::Result<()>| {
+            let [low, high] = film.extent(request, take)?;
+            range = [range[0].min(low), range[1].max(high)];
+            step()
+        };
+        let Some(path) = self.data.clone() else {
+            self.each(|film, _, request| measure(film, request, &mut |_| Ok(())))?;
+            return Ok(range);
+        };
+        let (width, height) = self.request.size;
+        output::write_by(&path, |file| {
+            let mut numbers = Numbers::new(file, &[count as u64, height as u64, width as u64])?;
+            self.each(|film, _, request| measure(film, request, &mut |values| numbers.add(values)))?;
+            Ok(numbers.finish()?)
+        })?;
+        let rate = self.schedule.map_or(self.scene.motion.frames_per_second(), Schedule::rate);
+        let times: Vec<_> = (1..=count).map(|frame| (frame as f64 / rate) as f32).collect();
+        output::write(&path.with_extension("times.npy"), &export::npy(&[count as u64], &times)?)?;
+        Ok(range)
+    }
+
     fn in_words(&self, [low, high]: [f32; 2]) -> String {
-        let micrometres = |depth: f32| f64::from(depth) * 1e6;
-        match self.colouring.quantity {
-            field::Quantity::Phase | field::Quantity::Instantaneous => String::new(),
-            field::Quantity::Rms | field::Quantity::MeanRms => {
-                format!(", RMS pressure up to {}", sheet::pascals(f64::from(high) / std::f64::consts::SQRT_2))
+        let quantity = self.request.quantity;
+        let declaration = quantity.declaration();
+        match (self.schedule, declaration.range) {
+            (Some(_), _) => format!(
+                ", depth {} to {}",
+                quantity.with_unit(low.into()),
+                quantity.with_unit(high.into())
+            ),
+            (None, Range::Cyclic) => String::new(),
+            (None, Range::Amount | Range::Signed) => {
+                format!(", {}", map::extent(quantity, high.into()))
             }
-            field::Quantity::Radiation => {
-                format!(", radiation pressure up to {}", sheet::pascals(f64::from(high)))
-            }
-            field::Quantity::Dent if self.schedule.is_some() => {
-                format!(", depth {:.1} to {:.1} µm", micrometres(low), micrometres(high))
-            }
-            field::Quantity::Dent => format!(", up to {:.1} µm deep", micrometres(high)),
         }
     }
 
-    /// Hands out what every frame shows.
+    /// Hands out what every frame is requested by.
     fn each(
         &mut self,
-        sequence: &Sequence,
-        mut take: impl FnMut(&mut Self, usize, Moment<'_>) -> anyhow::Result<()>,
+        mut take: impl FnMut(&mut Self, usize, &Request) -> anyhow::Result<()>,
     ) -> anyhow::Result<()> {
+        let all = self.request.clone();
         let Some(schedule) = self.schedule else {
-            for (index, frame) in sequence.frames.iter().enumerate() {
-                take(self, index, Moment::Drive(&frame.drive))?;
+            for (index, drive) in all.drives.iter().enumerate() {
+                take(self, index, &Request { drives: vec![drive.clone()], ..all.clone() })?;
             }
             return Ok(());
         };
-        let drives: Vec<_> = sequence.frames.iter().map(|frame| frame.drive.clone()).collect();
-        let scene = self.scene;
-        let mut swell =
-            self.on_average(&drives, |stages, wanted| Swell::new(scene, schedule, wanted, stages))?;
+        let (scene, asked_for) = (self.scene, self.gpu_is_asked_for);
+        let mut swell = or_by_cpu(&mut self.stages, asked_for, |stages| {
+            Swell::new(scene, schedule, &all, stages)
+        })?;
+        let first = Request { drives: vec![all.drives[0].clone()], part: 1.0, ..all };
         for index in 0..schedule.pictures {
-            take(self, index, Moment::Surface(swell.next()))?;
+            take(self, index, &Request { depth: Some(swell.next()), ..first.clone() })?;
         }
         Ok(())
     }
 
-    /// The smallest and the largest of what a frame shows: 0 and |P| (Pa, peak) of a field, or its numbers.
-    fn extent(&mut self, moment: &Moment<'_>) -> Result<[f32; 2], FieldError> {
-        match moment {
-            Moment::Surface(depth) => {
-                let numbers = self.shape(depth)?;
-                let first = self.first.clone();
-                let slope = self.on_average(std::slice::from_ref(&first), |stages, wanted| {
-                    let tank = stages.average(wanted)?.tank.as_ref();
-                    Ok(tank.map_or(0.0, |tank| tank.dent_of(depth.clone(), 0.0).slope))
-                })?;
-                self.slope = self.slope.max(slope);
-                Ok(numbers.iter().fold([0.0; 2], |[low, high], &h| [h.min(low), h.max(high)]))
-            }
-            Moment::Drive(drive) => {
-                let (largest, error, slope) = match self.mean {
-                    None => self.on_field(drive, |stages, wanted| {
-                        stages.map(wanted).map(|map| (map.peak, map.error, 0.0))
-                    })?,
-                    Some(_) => self.on_average(std::slice::from_ref(drive), |stages, wanted| {
-                        let map = stages.average(wanted)?;
-                        Ok((map.largest, map.error, map.dent.as_ref().map_or(0.0, |dent| dent.slope)))
-                    })?,
-                };
-                self.error = error.max(self.error);
-                self.slope = slope.max(self.slope);
-                Ok([0.0, largest])
-            }
-        }
+    /// The smallest and the largest value of a frame; its values go to `take`.
+    fn extent(
+        &mut self,
+        request: &Request,
+        take: &mut dyn FnMut(&[f32]) -> io::Result<()>,
+    ) -> anyhow::Result<[f32; 2]> {
+        let of_liquid = request.quantity.declaration().of_liquid;
+        let (map, slope) = or_by_cpu(&mut self.stages, self.gpu_is_asked_for, |stages| {
+            let map = stages.map(request)?.clone();
+            let slope = match &request.depth {
+                Some(depth) => stages.surface(request)?.0.dent_of(depth.clone(), 0.0).slope,
+                None if of_liquid => stages.pressed(request)?.dent.map_or(0.0, |dent| dent.slope),
+                None => 0.0,
+            };
+            Ok((map, slope))
+        })?;
+        take(&map.values)?;
+        self.error = self.error.max(map.error);
+        self.slope = self.slope.max(slope);
+        Ok(match request.depth {
+            Some(_) => map.values.iter().fold([0.0; 2], |[low, high], &h| [h.min(low), h.max(high)]),
+            None => [0.0, map.peak],
+        })
     }
 
     /// The place of every pixel in a table of colours that covers a range.
-    fn places(&mut self, moment: &Moment<'_>, [low, high]: [f32; 2]) -> Result<Vec<u8>, FieldError> {
+    fn places(&mut self, request: &Request, [low, high]: [f32; 2]) -> Result<Vec<u8>, FieldError> {
         // In shades of grey, a colour is its place.
         let table = ColourMap::Grey.table();
         let colouring = Colouring { table, full: Some(high), ..self.colouring.clone() };
-        let places = |colours: &[[u8; 4]]| colours.iter().map(|[place, ..]| *place).collect();
-        match moment {
-            Moment::Surface(depth) => {
+        or_by_cpu(&mut self.stages, self.gpu_is_asked_for, |stages| {
+            if request.depth.is_some() {
                 let scale = 255.0 / (high - low).max(f32::MIN_POSITIVE);
-                Ok(self.shape(depth)?.iter().map(|h| ((h - low) * scale + 0.5) as u8).collect())
+                let place = |&h: &f32| ((h - low) * scale + 0.5) as u8;
+                return Ok(stages.map(request)?.values.iter().map(place).collect());
             }
-            Moment::Drive(drive) if self.mean.is_none() => {
-                self.on_field(drive, |stages, wanted| stages.colours(wanted, &colouring).map(places))
-            }
-            Moment::Drive(drive) => self.on_average(std::slice::from_ref(drive), |stages, wanted| {
-                stages.average_colours(wanted, &colouring).map(places)
-            }),
-        }
-    }
-
-    /// The pixels of a liquid's surface, m.
-    fn shape(&mut self, depth: &[f64]) -> Result<Vec<f32>, FieldError> {
-        let first = self.first.clone();
-        self.on_average(std::slice::from_ref(&first), |stages, wanted| stages.read_shape(wanted, depth))
-    }
-
-    fn on_field<T>(
-        &mut self,
-        drive: &Drive,
-        work: impl Fn(&mut Stages, &Wanted<'_>) -> Result<T, FieldError>,
-    ) -> Result<T, FieldError> {
-        let (width, height) = self.size;
-        let wanted = Wanted { aperture: &self.aperture, plane: &self.scene.plane, drive, width, height };
-        or_by_cpu(&mut self.stages, self.gpu_is_asked_for, |stages| work(stages, &wanted))
-    }
-
-    fn on_average<T>(
-        &mut self,
-        drives: &[Drive],
-        work: impl Fn(&mut Stages, &Average<'_>) -> Result<T, FieldError>,
-    ) -> Result<T, FieldError> {
-        let wanted = Average {
-            aperture: &self.aperture,
-            plane: &self.scene.plane,
-            drives,
-            mean: self.mean.clone().unwrap_or(Mean::Square),
-            part: if self.schedule.is_some() { 1.0 } else { self.scene.modulation.mean_square() },
-            width: self.size.0,
-            height: self.size.1,
-        };
-        or_by_cpu(&mut self.stages, self.gpu_is_asked_for, |stages| work(stages, &wanted))
-    }
-}
-
-/// Does something with the stages; a GPU that fails is replaced by the CPU, once and with a word, if it was not asked for by name.
-fn or_by_cpu<T>(
-    stages: &mut Stages,
-    gpu_is_asked_for: bool,
-    work: impl Fn(&mut Stages) -> Result<T, FieldError>,
-) -> Result<T, FieldError> {
-    match work(stages) {
-        Err(FieldError::Gpu(error)) if !gpu_is_asked_for => {
-            note(&format!("{error}; the CPU computes the field"));
-            *stages = Stages::new(Evaluator::Cpu);
-            work(stages)
-        }
-        done => done,
+            Ok(stages.colours(request, &colouring)?.iter().map(|[place, ..]| *place).collect())
+        })
     }
 }

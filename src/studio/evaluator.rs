@@ -1,7 +1,7 @@
 //! Which evaluator a command uses.
 
 use crate::field::gpu::adapter;
-use crate::field::{Evaluator, GpuError};
+use crate::field::{Evaluator, FieldError, GpuError, Stages};
 use crate::studio::output::note;
 
 /// Who is to compute the field.
@@ -36,5 +36,24 @@ pub fn for_points(backend: Backend) -> Result<Evaluator, GpuError> {
     match backend {
         Backend::Auto => Ok(Evaluator::Reference),
         backend => for_maps(backend),
+    }
+}
+
+/// Does something with the stages; a GPU that fails is replaced by the CPU, once and with a word, if it was not asked for by name.
+///
+/// # Errors
+/// Those of the work.
+pub fn or_by_cpu<T>(
+    stages: &mut Stages,
+    gpu_is_asked_for: bool,
+    work: impl Fn(&mut Stages) -> Result<T, FieldError>,
+) -> Result<T, FieldError> {
+    match work(stages) {
+        Err(FieldError::Gpu(error)) if !gpu_is_asked_for => {
+            note(&format!("{error}; the CPU computes the field"));
+            *stages = Stages::new(Evaluator::Cpu);
+            work(stages)
+        }
+        done => done,
     }
 }

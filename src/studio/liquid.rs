@@ -4,7 +4,8 @@ use crate::picture::relief::{self, Relief, Words};
 use crate::picture::sheet::pascals;
 use crate::picture::{Picture, PictureError};
 use crate::scene::{Envelope, Plane, Scene};
-use crate::studio::map::{DrawnMap, Pressed};
+use crate::field::Pressed;
+use crate::studio::map::DrawnMap;
 use crate::studio::output::warn;
 use crate::surface::Dent;
 use crate::surface::dent::{STEEPEST, largest_drive};
@@ -48,7 +49,7 @@ pub fn picture(
     if let Some(beyond) = &beyond {
         warn(&format!("{name}: {beyond}"));
     }
-    let (Some((columns, page)), Some(depth), Some(dent)) = (shaded, &map.numbers, dent) else {
+    let (Some((columns, page)), Some(dent)) = (shaded, dent) else {
         let mut picture = map.picture.clone();
         if let Some(dent) = dent.filter(|_| beyond.is_some()) {
             let holds = format!(
@@ -59,7 +60,7 @@ pub fn picture(
         }
         return Ok(picture);
     };
-    let relief = Relief { depth, columns, size: scene.plane.size };
+    let relief = Relief { depth: &map.map.values, columns, size: scene.plane.size };
     let size = scene.plane.size * 1e3;
     let mut lines = vec![
         format!("{name}: {}", liquid(scene)),

@@ -6,12 +6,12 @@ use anyhow::{Context, bail};
 
 use crate::drive::Drive;
 use crate::field::stages::MOST_PIXELS;
-use crate::field::{Quantity, Stages};
+use crate::field::{Quantity, Request, Stages};
 use crate::picture::{ColourMap, Picture, export, relief, sheet};
 use crate::scene::{MotionPath, Scene, file};
 use crate::solver::{self, Solution};
 use crate::studio::evaluator::{self, Backend};
-use crate::studio::map::{self, Sound};
+use crate::studio::map;
 use crate::studio::output::{self, say, warn};
 use crate::studio::{EXAMPLE, liquid, motion};
 
@@ -134,19 +134,19 @@ impl Look {
     /// The drives whose field or mean is shown.
     fn drives(&self, solved: &Solved) -> anyhow::Result<Vec<Drive>> {
         let Solved { scene, solution, .. } = solved;
-        let presses = matches!(self.diagram, Diagram::Map(Quantity::Radiation | Quantity::Dent));
+        let presses = matches!(self.diagram, Diagram::Map(quantity) if quantity.declaration().is_slow);
         let moment = match self.moment {
             None if presses && scene.motion.path != MotionPath::None => Moment::Mean,
             None => return Ok(vec![solution.drive.clone()]),
             Some(moment) => moment,
         };
         if matches!(self.diagram, Diagram::Sheet | Diagram::Drive) {
-            bail!("--frame chooses among maps: --quantity rms, phase, radiation or dent");
+            bail!("--frame chooses among maps, and this is no quantity on a plane");
         }
         let mut frames = motion::follow(scene, &solved.name)?.frames;
         match moment {
-            Moment::Mean if self.diagram == Diagram::Map(Quantity::Phase) => {
-                bail!("a mean over frames has no phase: give a frame's number")
+            Moment::Mean if matches!(self.diagram, Diagram::Map(quantity) if !quantity.declaration().has_mean) => {
+                bail!("a mean over frames has no such value: give a frame's number")
             }
             Moment::Mean => Ok(frames.into_iter().map(|frame| frame.drive).collect()),
             Moment::Frame(number) if number >= frames.len() => {
@@ -157,7 +157,7 @@ impl Look {
     }
 
     fn is_shaded(&self) -> bool {
-        self.diagram == Diagram::Map(Quantity::Dent) && self.shaded
+        self.shaded && matches!(self.diagram, Diagram::Map(quantity) if quantity.declaration().of_liquid)
     }
 
     /// Width and height of a scene's picture: what was asked for, or the quantity's own default in the plane's shape.
@@ -238,7 +238,6 @@ pub fn render(solved: &Solved, stages: &mut Stages, look: &Look) -> anyhow::Resu
     let drives = look.drives(solved)?;
     let quantity = match look.diagram {
         Diagram::Drive => return drive(solved, look, page, time),
-        Diagram::Map(Quantity::Rms) if look.moment == Some(Moment::Mean) => Quantity::MeanRms,
         Diagram::Sheet => Quantity::Rms,
         Diagram::Map(quantity) => quantity,
     };
@@ -247,35 +246,31 @@ pub fn render(solved: &Solved, stages: &mut Stages, look: &Look) -> anyhow::Resu
         Diagram::Map(_) if look.is_shaded() => liquid::points(&scene.plane),
         Diagram::Map(_) | Diagram::Drive => page,
     };
-    let numbers = look.numbers || look.is_shaded();
-    let map_look = map::Look { width, height, quantity, colours: look.colours, numbers };
-    let sound = Sound { scene, drives: &drives };
-    let map = map::draw_anyhow(sound, stages, &map_look, look.backend == Backend::Gpu)?;
-    let tolerance = scene.plane.tolerance;
-    if tolerance > 0.0 && map.error > tolerance {
-        warn(&format!(
-            "{name}: the map's error is {:.1e} of its peak, more than the {tolerance:e} wanted",
-            map.error
-        ));
+    let request = Request::new(scene, drives, quantity, (width, height));
+    let drawn = map::draw(&request, look.colours, stages, look.backend == Backend::Gpu)?;
+    let (tolerance, error) = (scene.plane.tolerance, drawn.map.error);
+    if tolerance > 0.0 && error > tolerance {
+        warn(&format!("{name}: the map's error is {error:.1e} of its peak, more than the {tolerance:e} wanted"));
     }
-    let what = match &map.pressed {
-        None => format!(", RMS pressure up to {}", sheet::pascals(map.largest)),
-        Some(pressed) => format!("\n  {}", liquid::describe(scene, pressed, map.largest)),
+    let peak = f64::from(drawn.map.peak);
+    let what = match &drawn.pressed {
+        None => format!(", {}", map::extent(quantity, peak)),
+        Some(pressed) => format!("\n  {}", liquid::describe(scene, pressed, peak)),
     };
     let picture = match look.diagram {
         Diagram::Sheet => {
-            sheet::sheet(scene, solution, name, &map.picture, (look.colours, map.largest), page)?
+            sheet::sheet(scene, solution, name, &drawn.picture, (look.colours, peak), page)?
         }
-        Diagram::Map(Quantity::Dent) => {
-            liquid::picture(name, scene, &map, look.is_shaded().then_some((width, page)))?
+        Diagram::Map(_) if quantity.declaration().of_liquid => {
+            liquid::picture(name, scene, &drawn, look.is_shaded().then_some((width, page)))?
         }
-        Diagram::Map(_) | Diagram::Drive => map.picture,
+        Diagram::Map(_) | Diagram::Drive => drawn.picture,
     };
     Ok(Rendered {
         picture,
-        numbers: map.numbers.map(|values| (vec![height as u64, width as u64], values)),
+        numbers: look.numbers.then(|| (vec![height as u64, width as u64], drawn.map.values)),
         what,
-        how: format!("{time}; {}", map.how),
+        how: format!("{time}; {}", drawn.how),
     })
 }
 

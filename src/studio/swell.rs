@@ -2,7 +2,7 @@
 
 use anyhow::bail;
 
-use crate::field::{Average, FieldError, Stages};
+use crate::field::{FieldError, Request, Stages};
 use crate::scene::{Envelope, MotionPath, Scene};
 use crate::surface::{Rest, Tank, Waves};
 
@@ -72,19 +72,21 @@ pub struct Swell<'a> {
 }
 
 impl<'a> Swell<'a> {
-    /// A level surface above which the drives of `wanted`, a dent, are about to sound.
+    /// A level surface above which the drives of a depression's request are about to sound, one after the other.
+    ///
+    /// # Errors
+    /// As [`Stages::surface`], and frames whose surfaces do not fit into memory.
     pub fn new(
         scene: &'a Scene,
         schedule: Schedule,
-        wanted: &Average<'_>,
+        request: &Request,
         stages: &mut Stages,
     ) -> Result<Self, FieldError> {
         let (mut rests, mut found) = (Vec::new(), None);
-        for index in 0..wanted.drives.len() {
-            let drives = &wanted.drives[index..=index];
-            let map = stages.average(&Average { drives, part: 1.0, ..wanted.clone() })?;
-            let (Some(tank), Some(dent)) = (&map.tank, &map.dent) else { return Err(FieldError::NotLevel) };
-            if wanted.drives.len() * tank.len() * size_of::<f64>() > MOST_BYTES {
+        for drive in &request.drives {
+            let of_drive = Request { drives: vec![drive.clone()], ..request.clone() };
+            let (tank, dent) = stages.surface(&of_drive)?;
+            if request.drives.len() * tank.len() * size_of::<f64>() > MOST_BYTES {
                 return Err(FieldError::TooManyCells);
             }
             rests.push(Rest::new(tank, &dent.depth));
@@ -113,11 +115,9 @@ mod tests {
     use glam::DVec2;
 
     use super::*;
-    use crate::acoustics::Aperture;
     use crate::field::{Evaluator, Quantity};
     use crate::scene::{LiquidName, Modulation, Plane, Shape, Target};
     use crate::solver;
-    use crate::studio::map;
 
     #[test]
     fn a_thick_liquid_settles_where_the_mean_of_the_envelope_presses_it() {
@@ -128,20 +128,12 @@ mod tests {
             ..Scene::default()
         };
         (scene.liquid.name, scene.liquid.viscosity) = (LiquidName::Glycerol, Some(4.0));
-        let drives = [solver::solve(&scene).unwrap().drive];
-        let wanted = Average {
-            aperture: &Aperture::new(&scene),
-            plane: &scene.plane,
-            drives: &drives,
-            mean: map::mean(&scene, Quantity::Dent).unwrap(),
-            part: 1.0,
-            width: 10,
-            height: 10,
-        };
+        let drives = vec![solver::solve(&scene).unwrap().drive];
+        let request = Request::new(&scene, drives, Quantity::Depression, (10, 10));
         let mut stages = Stages::new(Evaluator::Cpu);
-        let dent = stages.average(&wanted).unwrap().dent.clone().unwrap();
+        let dent = stages.surface(&request).unwrap().1.clone();
         let schedule = Schedule::new(&scene, Some(5.0)).unwrap();
-        let mut swell = Swell::new(&scene, schedule, &wanted, &mut stages).unwrap();
+        let mut swell = Swell::new(&scene, schedule, &request, &mut stages).unwrap();
         let surface = (0..schedule.pictures).map(|_| swell.next()).last().unwrap();
         // The liquid that is pushed aside stays in the tank.
         let lift = dent.depth.iter().sum::<f64>() / dent.depth.len() as f64;

@@ -1,10 +1,7 @@
-//! What sound does to a surface that reflects it: radiation pressure, the dent it presses into a liquid, and the waves of
-//! that.
+//! What a steady or changing pressure does to the surface of a liquid: its depression at rest, and waves.
 
 pub mod dent;
-pub mod radiation;
 pub mod waves;
 
 pub use dent::{Dent, Tank};
-pub use radiation::Reflector;
 pub use waves::{Rest, Waves};

@@ -2,6 +2,8 @@
 
 pub mod charts;
 
+use std::f64::consts::FRAC_1_SQRT_2;
+
 use glam::{DVec2, DVec3};
 use indicatif::{ProgressBar, ProgressStyle};
 use num_complex::Complex64;
@@ -12,7 +14,8 @@ use crate::bench::Report;
 use crate::bench::time::{ROUNDS, Spent, Spread, Times};
 use crate::drive::Drive;
 use crate::field::gpu::adapter;
-use crate::field::{self, Colouring, Evaluator, FieldError, Quantity, Samples, Stages, Wanted};
+use crate::field::stages::Picture;
+use crate::field::{self, Colouring, Evaluator, FieldError, Map, Quantity, Request, Samples, Stages};
 use crate::picture::ColourMap;
 use crate::scene::{Plane, Scene};
 use crate::studio::output::note;
@@ -56,6 +59,8 @@ pub struct Record {
     new_colours: Times,
     pub error: f64,
     evaluated: usize,
+    /// ms on the GPU, median.
+    gpu_ms: Option<f64>,
     pairs_per_second: f64,
     /// CPU time of the exact map over this one's, for a new drive and for a new plane.
     ratios: Option<[Spread; 2]>,
@@ -86,12 +91,13 @@ pub fn run(quick: bool) -> anyhow::Result<Report> {
     Ok(Report {
         header: vec![
             "evaluator", "plane", "elements", "pixels", "tolerance", "cold", "new plane", "new drive", "colours", "error",
-            "samples", "Mpairs/s", "drive x", "quartiles", "plane x",
+            "samples", "GPU ms", "Mpairs/s", "drive x", "quartiles", "plane x",
         ],
         rows: records.iter().map(row).collect(),
         notes: vec![
             "CPU-ms (wall ms) of the whole process, medians. cold: nothing kept; new plane, new drive: up to the pixels' \
-             pressure and its measured error; colours: the picture of it."
+             values and their measured error, on a GPU up to its texture and that error; colours: the picture of it. GPU ms: \
+             what the passes of a map took there, by its own clock."
                 .to_owned(),
             format!("error: the largest of {CHECKED} pixels against f64, of the map's peak. Mpairs/s: pixels times elements \
                      per wall second of a new drive."),
@@ -167,7 +173,7 @@ fn drive(aperture: &Aperture, shift: f64) -> Drive {
 /// One map of a group, with what it keeps between its rounds.
 struct Case {
     tolerance: f64,
-    aperture: Aperture,
+    scene: Scene,
     plane: Plane,
     drives: [Drive; 2],
     size: usize,
@@ -176,6 +182,8 @@ struct Case {
     new_plane: Times,
     new_drive: Times,
     new_colours: Times,
+    /// s of every map, where the GPU can be timed.
+    on_gpu: Vec<f64>,
 }
 
 fn measure(group: &Group) -> Result<Vec<Record>, FieldError> {
@@ -223,20 +231,41 @@ impl Case {
         Ok(Self {
             tolerance,
             drives: [drive(&aperture, 0.0), drive(&aperture, 0.005)],
-            aperture,
-            plane: scene.plane,
+            plane: scene.plane.clone(),
+            scene,
             size: group.size,
             stages: Stages::new(evaluator(group.evaluator)?),
             cold: Times::default(),
             new_plane: Times::default(),
             new_drive: Times::default(),
             new_colours: Times::default(),
+            on_gpu: Vec::new(),
         })
     }
 
+    fn request(&self, drive: usize) -> Request {
+        let drives = vec![self.drives[drive % 2].clone()];
+        let request = Request::new(&self.scene, drives, Quantity::Rms, (self.size, self.size));
+        Request { plane: self.plane.clone(), ..request }
+    }
+
+    /// On a GPU up to the picture that a window would draw, and the figures of it.
     fn map(&mut self, drive: usize) -> Result<(), FieldError> {
-        let wanted = wanted(&self.aperture, &self.plane, &self.drives[drive % 2], self.size);
-        self.stages.map(&wanted).map(|_| ())
+        let request = self.request(drive);
+        if self.stages.gpu().is_none() {
+            return self.stages.map(&request).map(|_| ());
+        }
+        let colouring = Colouring::new(Quantity::Rms, ColourMap::Inferno.table());
+        if let Picture::OnCpu(_) = self.stages.picture(&request, &colouring)? {
+            return Ok(());
+        }
+        loop {
+            if let Some((_, seconds)) = self.stages.figures(&request)? {
+                self.on_gpu.extend(seconds);
+                return Ok(());
+            }
+            std::thread::yield_now();
+        }
     }
 
     fn round(&mut self) -> Result<(), FieldError> {
@@ -254,28 +283,27 @@ impl Case {
         self.new_drive.push(spent);
         let colourings =
             [ColourMap::Inferno, ColourMap::Grey].map(|map| Colouring::new(Quantity::Rms, map.table()));
-        let Self { stages, aperture, plane, drives, size, .. } = self;
-        let wanted = wanted(aperture, plane, &drives[0], *size);
-        stages.colours(&wanted, &colourings[0])?;
-        let spent = Spent::on(|i| stages.colours(&wanted, &colourings[(i + 1) % 2]).map(|_| ()))?;
+        let request = self.request(0);
+        self.stages.picture(&request, &colourings[0])?;
+        let spent = Spent::on(|i| self.stages.picture(&request, &colourings[(i + 1) % 2]).map(|_| ()))?;
         self.new_colours.push(spent);
         Ok(())
     }
 
     /// `exact`: what a new drive and a new plane cost where every pixel is evaluated.
     fn record(mut self, group: &Group, exact: Option<&(Times, Times)>) -> Result<Record, FieldError> {
-        let wanted = wanted(&self.aperture, &self.plane, &self.drives[0], self.size);
-        let map = self.stages.map(&wanted)?.clone();
-        let field = self.stages.read(&wanted)?;
-        let pairs = (field.len() * self.aperture.positions.len()) as f64;
+        let request = self.request(0);
+        let map = self.stages.map(&request)?;
+        let pairs = (map.values.len() * request.aperture.positions.len()) as f64;
         Ok(Record {
             evaluator: group.evaluator,
             size: group.size,
             array: group.array,
             plane: group.plane,
             tolerance: self.tolerance,
-            error: error(&wanted, &field, map.peak),
+            error: error(&request, map),
             evaluated: map.evaluated,
+            gpu_ms: median_ms(&mut self.on_gpu),
             pairs_per_second: pairs / self.new_drive.wall_ms() * 1e3,
             ratios: exact.map(|(drive, plane)| [drive.over(&self.new_drive), plane.over(&self.new_plane)]),
             cold: self.cold,
@@ -286,20 +314,22 @@ impl Case {
     }
 }
 
-fn wanted<'a>(aperture: &'a Aperture, plane: &'a Plane, drive: &'a Drive, size: usize) -> Wanted<'a> {
-    Wanted { aperture, plane, drive, width: size, height: size }
+fn median_ms(seconds: &mut [f64]) -> Option<f64> {
+    seconds.sort_by(f64::total_cmp);
+    seconds.get(seconds.len() / 2).map(|seconds| seconds * 1e3)
 }
 
-/// The largest deviation from the reference, relative to the peak (Pa).
-fn error(wanted: &Wanted<'_>, field: &[num_complex::Complex32], peak: f32) -> f64 {
-    let Some(pixels) = Samples::on_plane(wanted.plane, wanted.width, wanted.height) else { return f64::NAN };
-    let chosen: Vec<_> = (0..field.len()).step_by((field.len() / CHECKED).max(1) | 1).collect();
+/// The largest deviation from the reference, relative to the peak.
+fn error(request: &Request, map: &Map) -> f64 {
+    let Some(pixels) = Samples::on_plane(&request.plane, map.width, map.height) else { return f64::NAN };
+    let values = &map.values;
+    let chosen: Vec<_> = (0..values.len()).step_by((values.len() / CHECKED).max(1) | 1).collect();
     let points = Samples::at(chosen.iter().map(|&pixel| pixels.point(pixel)).collect());
-    let expected = field::reference::pressure(wanted.aperture, wanted.drive, &points);
+    let expected = field::reference::pressure(&request.aperture, &request.drives[0], &points);
     let off = |(&pixel, expected): (&usize, &Complex64)| {
-        (Complex64::new(field[pixel].re.into(), field[pixel].im.into()) - expected).norm()
+        (f64::from(values[pixel]) - expected.norm() * FRAC_1_SQRT_2).abs()
     };
-    chosen.iter().zip(&expected).map(off).fold(0.0, f64::max) / f64::from(peak)
+    chosen.iter().zip(&expected).map(off).fold(0.0, f64::max) / f64::from(map.peak)
 }
 
 fn row(record: &Record) -> Vec<String> {
@@ -317,6 +347,7 @@ fn row(record: &Record) -> Vec<String> {
         record.new_colours.text(),
         format!("{:.1e}", record.error),
         record.evaluated.to_string(),
+        record.gpu_ms.map_or("-".to_owned(), |ms| format!("{ms:.2}")),
         format!("{:.0}", record.pairs_per_second / 1e6),
         ratio(0),
         quartiles,
@@ -338,6 +369,7 @@ fn json(record: &Record) -> serde_json::Value {
         "new_colours": record.new_colours.json(),
         "error": record.error,
         "evaluated": record.evaluated,
+        "gpu_ms": record.gpu_ms,
         "pairs_per_second": record.pairs_per_second,
         "new_drive_ratio": record.ratios.map(|ratios| ratios[0].json()),
         "new_plane_ratio": record.ratios.map(|ratios| ratios[1].json()),

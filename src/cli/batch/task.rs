@@ -10,7 +10,7 @@ use crate::acoustics::Aperture;
 use crate::cli::batch::lines::Line;
 use crate::cli::json;
 use crate::drive::Drive;
-use crate::field::{Quantity, Samples, Stages, Wanted};
+use crate::field::{Map, Quantity, Request, Samples, Stages};
 use crate::picture::export;
 use crate::scene::{Method, Scene, file};
 use crate::solver::{self, Limits, Problem};
@@ -88,10 +88,8 @@ impl Task {
     fn field(&self, number: u64, scene: &Scene, drive: &Drive, stages: &mut Stages) -> anyhow::Result<Value> {
         let shape = scene.plane.size.y / scene.plane.size.x;
         let (width, height) = (self.size, ((self.size as f64 * shape).round() as usize).clamp(1, MOST_ROWS));
-        let aperture = Aperture::new(scene);
-        let wanted = Wanted { aperture: &aperture, plane: &scene.plane, drive, width, height };
-        let error = stages.map(&wanted)?.error;
-        let rms: Vec<f32> = stages.read(&wanted)?.iter().map(|&p| Quantity::Rms.of(p)).collect();
+        let request = Request::new(scene, vec![drive.clone()], Quantity::Rms, (width, height));
+        let Map { values: rms, error, .. } = stages.map(&request)?;
         let (loudest, peak) =
             rms.iter().copied().enumerate().fold((0, 0.0), |a, b| if b.1 > a.1 { b } else { a });
         let mean_square = rms.iter().map(|&p| f64::from(p).powi(2)).sum::<f64>() / rms.len() as f64;
@@ -103,7 +101,7 @@ impl Task {
         if let Some(folder) = &self.data {
             let path = folder.join(format!("{number}.npy"));
             let _writing = self.writing.read().unwrap_or_else(PoisonError::into_inner);
-            output::write(&path, &export::npy(&[height as u64, width as u64], &rms)?)?;
+            output::write(&path, &export::npy(&[height as u64, width as u64], rms)?)?;
             statistics["file"] = json!(path);
         }
         Ok(statistics)

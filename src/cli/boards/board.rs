@@ -12,11 +12,11 @@ use crate::cli::read_scene;
 use crate::device::board::{Board, Report, Setup};
 use crate::device::profile::Profile;
 use crate::drive::Drive;
-use crate::field::{Evaluator, Quantity, Samples, Stages};
+use crate::field::{Evaluator, Quantity, Request, Samples, Stages};
 use crate::picture::sheet::pascals;
 use crate::picture::{ColourMap, export};
 use crate::scene::Scene;
-use crate::studio::map::{self, Look, Sound};
+use crate::studio::map;
 use crate::studio::output::{self, note, say};
 
 /// How often the board says how it fares.
@@ -173,25 +173,18 @@ impl Watched {
 
     /// The loudest place on the plane; the picture goes to the file that was asked for.
     fn field(&mut self, drive: &Drive) -> anyhow::Result<String> {
-        let look = Look {
-            width: SIDE,
-            height: SIDE,
-            quantity: Quantity::Rms,
-            colours: ColourMap::Inferno,
-            numbers: true,
-        };
-        let sound = Sound { scene: &self.scene, drives: std::slice::from_ref(drive) };
-        let map = map::draw_anyhow(sound, &mut self.stages, &look, false)?;
+        let request = Request::new(&self.scene, vec![drive.clone()], Quantity::Rms, (SIDE, SIDE));
+        let drawn = map::draw(&request, ColourMap::Inferno, &mut self.stages, false)?;
         if let Some(path) = &self.output {
-            output::write(path, &export::png(&map.picture)?)?;
+            output::write(path, &export::png(&drawn.picture)?)?;
         }
-        let numbers = map.numbers.unwrap_or_default();
+        let numbers = &drawn.map.values;
         let loudest = (0..numbers.len()).max_by(|&a, &b| numbers[a].total_cmp(&numbers[b])).unwrap_or(0);
         let place = Samples::on_plane(&self.scene.plane, SIDE, SIDE)
             .filter(|samples| loudest < samples.len())
             .map(|samples| samples.point(loudest) * 1e3);
         let place =
             place.map_or(String::new(), |at| format!(" at ({:.1}, {:.1}, {:.1}) mm", at.x, at.y, at.z));
-        Ok(format!("peak {} RMS{place}", pascals(map.largest)))
+        Ok(format!("peak {} RMS{place}", pascals(drawn.map.peak.into())))
     }
 }

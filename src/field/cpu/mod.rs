@@ -12,7 +12,7 @@ use crate::field::sources::{FEW_DECAY, FEW_DIRECTIVITY, Sources, Wave};
 use crate::simd::Isa;
 use waves::{ExactPiston, FarField, Sum};
 
-pub use places::{Law, magnitudes, places};
+pub use places::{Law, places};
 pub use sums::{DRIVES, Lines, OVERHANG, ROWS, Rows, Split, Term, superpose, weighted_sums};
 pub use waves::{LANES, Points};
 

@@ -2,8 +2,6 @@
 
 use std::f32::consts::LN_2;
 
-use num_complex::Complex32;
-
 use crate::simd::{Instructions, Isa, Kernel};
 
 /// The last place.
@@ -25,39 +23,9 @@ pub enum Law {
     },
 }
 
-/// |p| of every pressure, as many as there are.
-pub fn magnitudes(field: &[Complex32], numbers: &mut [f32]) {
-    Isa::best().run(Magnitudes { field, numbers });
-}
-
 /// The place of every number, rounded; what is beyond the ends of the table gets the place at its end.
 pub fn places(numbers: &[f32], law: Law, places: &mut [u8]) {
     Isa::best().run(Places { numbers, law, places });
-}
-
-struct Magnitudes<'a> {
-    field: &'a [Complex32],
-    numbers: &'a mut [f32],
-}
-
-impl Kernel for Magnitudes<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn run<I: Instructions>(self) {
-        // No hypotenuse that guards against overflow: pressures are nowhere near it.
-        let magnitude = |p: &Complex32| (p.re * p.re + p.im * p.im).sqrt();
-        let (runs, rest) = self.numbers.as_chunks_mut::<RUN>();
-        let (fields, field_rest) = self.field.as_chunks::<RUN>();
-        for (run, field) in runs.iter_mut().zip(fields) {
-            for (to, p) in run.iter_mut().zip(field) {
-                *to = magnitude(p);
-            }
-        }
-        for (to, p) in rest.iter_mut().zip(field_rest) {
-            *to = magnitude(p);
-        }
-    }
 }
 
 struct Places<'a> {

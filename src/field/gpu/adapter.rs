@@ -2,6 +2,10 @@
 
 use crate::field::gpu::{Gpu, GpuError};
 
+/// Interfaces that compute; a driver offers the same adapter through OpenGL too, without half of its limits.
+pub const BACKENDS: wgpu::Backends =
+    wgpu::Backends::VULKAN.union(wgpu::Backends::METAL).union(wgpu::Backends::DX12);
+
 /// What a user wants to know of an adapter.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct AdapterInfo {
@@ -75,7 +79,7 @@ pub fn open_best(software: bool) -> Result<Gpu, GpuError> {
 
 fn found() -> Vec<(AdapterInfo, wgpu::Adapter)> {
     let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle_from_env());
-    let adapters = pollster::block_on(instance.enumerate_adapters(wgpu::Backends::all()));
+    let adapters = pollster::block_on(instance.enumerate_adapters(BACKENDS));
     let mut found: Vec<_> =
         adapters.into_iter().map(|adapter| (AdapterInfo::new(&adapter), adapter)).collect();
     found.sort_by_key(|(info, _)| info.kind);

@@ -1,33 +1,33 @@
-//! The GPU: finding one, and running the field's programs on it.
+//! The GPU: finding one, and running the programs of a map on it.
 //!
-//! Objects are sorted by lifetime: [`Gpu`] holds the device and its pipelines, [`GpuResampling`] the weights
-//! of one map's pixels, [`GpuField`] one field's buffers. What changes from run to run travels in `Params`.
+//! Objects are sorted by lifetime: [`Gpu`] holds the device and its pipelines, [`Chain`] the buffers and bind groups of
+//! one map and its passes, [`Reading`] what is on its way back.
 
 pub mod adapter;
-mod average;
-mod field;
+pub mod chain;
 pub mod program;
+mod reading;
 mod resampling;
-mod waves;
+mod superposition;
+pub mod tuning;
 
-use std::cell::RefCell;
+use std::cell::{Cell, RefCell};
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex};
 
+use num_complex::Complex32;
 use wgpu::BufferUsages;
 
-use crate::field::{Colouring, Quantity, Scale};
-use program::FieldProgram;
+use crate::field::{Samples, Sources};
+use program::Program;
+use tuning::Tuning;
 
 pub use adapter::AdapterInfo;
-pub use average::GpuTank;
-pub use field::GpuField;
-pub use resampling::GpuResampling;
+pub use chain::{Chain, Shape, Texture};
+pub use reading::Reading;
 
-/// Samples in one buffer; larger fields are cut into bands.
-const MOST_SAMPLES_PER_BAND: u64 = 1 << 24;
-/// How long one submission may take.
-const TIMEOUT: std::time::Duration = std::time::Duration::from_secs(120);
+/// Bytes of a buffer, at most.
+const LARGEST_BUFFER: u64 = 1 << 27;
 
 /// Why the GPU did not do its work.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
@@ -40,60 +40,100 @@ pub enum GpuError {
     Lost(String),
 }
 
-type OtherProgram = (&'static str, Option<(Quantity, Scale)>);
+/// What went back and forth.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Traffic {
+    /// Bytes that came back.
+    pub read_back: u64,
+    /// Buffers, textures and bind groups that were made.
+    pub allocations: u64,
+}
 
-/// A device with its pipelines, most of which are made when first needed.
+/// A device with its pipelines, which are made when first needed.
 #[derive(Debug)]
 pub struct Gpu {
     device: wgpu::Device,
     queue: wgpu::Queue,
     info: AdapterInfo,
+    tuning: Tuning,
     /// Bytes in one buffer.
     buffer_limit: u64,
-    fields: RefCell<HashMap<FieldProgram, wgpu::ComputePipeline>>,
-    interpolation: wgpu::ComputePipeline,
-    /// Programs besides those of the field, by name, and quantity and scale.
-    others: RefCell<HashMap<OtherProgram, wgpu::ComputePipeline>>,
+    /// ns per tick, where passes can be timed.
+    tick: Option<f32>,
+    pipelines: RefCell<HashMap<Program, wgpu::ComputePipeline>>,
+    traffic: Cell<Traffic>,
     /// The first error that no call was there to return.
     failure: Arc<Mutex<Option<GpuError>>>,
+}
+
+/// What a device is asked for: but for room and clocks, no more than any adapter has; so a program that wants more fails on all
+/// of them, and tests see it.
+pub fn device_descriptor(adapter: &wgpu::Adapter) -> wgpu::DeviceDescriptor<'static> {
+    let available = adapter.limits();
+    let required_limits = wgpu::Limits {
+        max_storage_buffer_binding_size: available.max_storage_buffer_binding_size,
+        max_buffer_size: available.max_buffer_size,
+        max_texture_dimension_2d: available.max_texture_dimension_2d,
+        ..wgpu::Limits::downlevel_defaults()
+    };
+    wgpu::DeviceDescriptor {
+        label: Some("sonoglyph"),
+        required_features: adapter.features() & wgpu::Features::TIMESTAMP_QUERY,
+        required_limits,
+        ..Default::default()
+    }
 }
 
 impl Gpu {
     /// Opens an adapter.
     ///
     /// # Errors
-    /// The driver refuses a device or a pipeline.
+    /// The driver refuses a device.
     pub fn open(adapter: &wgpu::Adapter) -> Result<Self, GpuError> {
         let refused = |e: wgpu::RequestDeviceError| GpuError::Refused(e.to_string());
-        let available = adapter.limits();
-        // But for room, no more than any adapter has; so a program that wants more fails on all of them, and tests see it.
-        let required_limits = wgpu::Limits {
-            max_storage_buffer_binding_size: available.max_storage_buffer_binding_size,
-            max_buffer_size: available.max_buffer_size,
-            ..wgpu::Limits::downlevel_defaults()
-        };
-        let buffer_limit = required_limits.max_storage_buffer_binding_size.min(available.max_buffer_size);
-        let descriptor =
-            wgpu::DeviceDescriptor { label: Some("sonoglyph"), required_limits, ..Default::default() };
-        let (device, queue) = pollster::block_on(adapter.request_device(&descriptor)).map_err(refused)?;
-        let failure = Arc::new(Mutex::new(None));
-        watch(&device, &failure);
-        let gpu = Self {
-            interpolation: pipeline(&device, "interpolation", &program::interpolation_source()),
-            info: AdapterInfo::new(adapter),
-            buffer_limit,
-            fields: RefCell::default(),
-            others: RefCell::default(),
-            device,
-            queue,
-            failure,
-        };
+        let (device, queue) =
+            pollster::block_on(adapter.request_device(&device_descriptor(adapter))).map_err(refused)?;
+        let gpu = Self::on(adapter, device, queue);
         gpu.check()?;
         Ok(gpu)
     }
 
+    /// A device that is open already, and draws a window too.
+    pub fn on(adapter: &wgpu::Adapter, device: wgpu::Device, queue: wgpu::Queue) -> Self {
+        let limits = device.limits();
+        let failure = Arc::new(Mutex::new(None));
+        watch(&device, &failure);
+        let has_clock = device.features().contains(wgpu::Features::TIMESTAMP_QUERY);
+        let info = AdapterInfo::new(adapter);
+        Self {
+            tuning: Tuning::of(info.kind),
+            info,
+            buffer_limit: limits.max_storage_buffer_binding_size.min(limits.max_buffer_size).min(LARGEST_BUFFER),
+            tick: has_clock.then(|| queue.get_timestamp_period()),
+            pipelines: RefCell::default(),
+            traffic: Cell::default(),
+            device,
+            queue,
+            failure,
+        }
+    }
+
     pub fn info(&self) -> &AdapterInfo {
         &self.info
+    }
+
+    /// The device itself, for what draws with it.
+    pub fn device(&self) -> &wgpu::Device {
+        &self.device
+    }
+
+    pub fn queue(&self) -> &wgpu::Queue {
+        &self.queue
+    }
+
+    /// What went back and forth so far.
+    pub fn traffic(&self) -> Traffic {
+        self.traffic.get()
     }
 
     /// The same device with buffers of at most `bytes`, as if it had no room for larger ones.
@@ -101,28 +141,28 @@ impl Gpu {
         Self { buffer_limit: self.buffer_limit.min(bytes), ..self }
     }
 
+    /// The same device with work cut as for another kind of adapter.
+    pub fn with_tuning(self, tuning: Tuning) -> Self {
+        Self { tuning, pipelines: RefCell::default(), ..self }
+    }
+
     /// Gives the device up, as a driver may at any time: every later call fails.
     pub fn lose(&self) {
         self.device.destroy();
     }
 
-    fn peak_pipeline(&self, quantity: Quantity) -> wgpu::ComputePipeline {
-        self.other(("peak", Some((quantity, Scale::Linear))), || program::peak_source(quantity))
-    }
-
-    fn picture_pipeline(&self, colouring: &Colouring) -> wgpu::ComputePipeline {
-        let (quantity, scale) = (colouring.quantity, colouring.scale());
-        self.other(("picture", Some((quantity, scale))), || program::picture_source(quantity, scale))
+    /// Complex pressure (Pa, peak) at every sample. Waits for it.
+    ///
+    /// # Errors
+    /// The device was lost or has not enough memory.
+    pub fn pressure(&self, sources: &Sources, samples: &Samples) -> Result<Vec<Complex32>, GpuError> {
+        superposition::pressure(self, sources, samples)
     }
 
     /// A pipeline that is made when first needed.
-    fn other(&self, program: OtherProgram, source: impl FnOnce() -> String) -> wgpu::ComputePipeline {
-        let mut others = self.others.borrow_mut();
-        others.entry(program).or_insert_with(|| pipeline(&self.device, program.0, &source())).clone()
-    }
-
-    fn samples_per_band(&self) -> usize {
-        (self.buffer_limit / 8).min(MOST_SAMPLES_PER_BAND) as usize
+    fn pipeline(&self, program: Program) -> wgpu::ComputePipeline {
+        let make = || pipeline(&self.device, &format!("{program:?}"), &program.source(&self.tuning));
+        self.pipelines.borrow_mut().entry(program).or_insert_with(make).clone()
     }
 
     fn encoder(&self) -> wgpu::CommandEncoder {
@@ -133,47 +173,30 @@ impl Gpu {
         self.queue.submit([encoder.finish()]);
     }
 
-    fn dispatch(
-        &self,
-        encoder: &mut wgpu::CommandEncoder,
-        pipeline: &wgpu::ComputePipeline,
-        bindings: &[(u32, &wgpu::Buffer)],
-        (across, up): (u32, u32),
-    ) {
-        let entries: Vec<_> = bindings
-            .iter()
-            .map(|&(binding, buffer)| wgpu::BindGroupEntry { binding, resource: buffer.as_entire_binding() })
-            .collect();
-        let layout = pipeline.get_bind_group_layout(0);
-        let group = self.device.create_bind_group(&wgpu::BindGroupDescriptor {
-            label: None,
-            layout: &layout,
-            entries: &entries,
-        });
-        let mut pass = encoder.begin_compute_pass(&Default::default());
-        pass.set_pipeline(pipeline);
-        pass.set_bind_group(0, &group, &[]);
-        pass.dispatch_workgroups(across, up, 1);
+    fn count(&self, count: impl FnOnce(&mut Traffic)) {
+        let mut traffic = self.traffic.get();
+        count(&mut traffic);
+        self.traffic.set(traffic);
     }
 
-    /// Memory that programs read and write, filled with zeros.
-    fn storage(&self, label: &str, size: u64) -> wgpu::Buffer {
+    fn buffer(&self, label: &str, size: u64, usage: BufferUsages) -> wgpu::Buffer {
+        self.count(|traffic| traffic.allocations += 1);
         self.device.create_buffer(&wgpu::BufferDescriptor {
             label: Some(label),
             size,
-            usage: BufferUsages::STORAGE | BufferUsages::COPY_SRC | BufferUsages::COPY_DST,
+            usage,
             mapped_at_creation: false,
         })
     }
 
+    /// Memory that programs read and write, filled with zeros.
+    fn storage(&self, label: &str, size: u64) -> wgpu::Buffer {
+        self.buffer(label, size, BufferUsages::STORAGE | BufferUsages::COPY_SRC | BufferUsages::COPY_DST)
+    }
+
     fn filled(&self, label: &str, contents: &[u8], usage: BufferUsages) -> wgpu::Buffer {
         // Not by mapping it: that would panic on a lost device.
-        let buffer = self.device.create_buffer(&wgpu::BufferDescriptor {
-            label: Some(label),
-            size: contents.len() as u64,
-            usage: usage | BufferUsages::COPY_DST,
-            mapped_at_creation: false,
-        });
+        let buffer = self.buffer(label, contents.len() as u64, usage | BufferUsages::COPY_DST);
         self.queue.write_buffer(&buffer, 0, contents);
         buffer
     }
@@ -182,43 +205,57 @@ impl Gpu {
         self.filled("params", contents, BufferUsages::UNIFORM)
     }
 
-    /// Copies a buffer back, after what the encoder holds, and waits for it.
-    fn read_buffer(
+    /// A program with its buffers, as they are bound.
+    fn step(
         &self,
-        mut encoder: wgpu::CommandEncoder,
-        buffer: &wgpu::Buffer,
-    ) -> Result<Vec<u8>, GpuError> {
-        let staging = self.device.create_buffer(&wgpu::BufferDescriptor {
-            label: Some("staging"),
-            size: buffer.size(),
-            usage: BufferUsages::MAP_READ | BufferUsages::COPY_DST,
-            mapped_at_creation: false,
+        program: Program,
+        bindings: &[(u32, wgpu::BindingResource<'_>)],
+        workgroups: (u32, u32),
+    ) -> Step {
+        let pipeline = self.pipeline(program);
+        let entries: Vec<_> = bindings
+            .iter()
+            .map(|(binding, resource)| wgpu::BindGroupEntry { binding: *binding, resource: resource.clone() })
+            .collect();
+        let layout = pipeline.get_bind_group_layout(0);
+        self.count(|traffic| traffic.allocations += 1);
+        let group = self.device.create_bind_group(&wgpu::BindGroupDescriptor {
+            label: None,
+            layout: &layout,
+            entries: &entries,
         });
-        encoder.copy_buffer_to_buffer(buffer, 0, &staging, 0, buffer.size());
-        self.submit(encoder);
-        let (send, receive) = std::sync::mpsc::sync_channel(1);
-        staging.map_async(wgpu::MapMode::Read, .., move |result| {
-            // The receiver is gone only when this read has already failed.
-            send.send(result).ok();
-        });
-        let wait = wgpu::PollType::Wait { submission_index: None, timeout: Some(TIMEOUT) };
-        self.device.poll(wait).map_err(|e| GpuError::Lost(e.to_string()))?;
-        self.check()?;
-        let mapped =
-            receive.try_recv().map_err(|_| GpuError::Lost("it did not answer in time".to_owned()))?;
-        mapped.map_err(|e| GpuError::Lost(e.to_string()))?;
-        let view = staging.get_mapped_range(..).map_err(|e| GpuError::Lost(e.to_string()))?;
-        Ok(view.to_vec())
+        Step { pipeline, group, workgroups, pairs: 0 }
     }
 
     /// The failure that the driver has reported meanwhile.
-    fn check(&self) -> Result<(), GpuError> {
+    ///
+    /// # Errors
+    /// It is there.
+    pub fn check(&self) -> Result<(), GpuError> {
         let failure = || self.failure.lock().unwrap_or_else(std::sync::PoisonError::into_inner).clone();
         if matches!(failure(), Some(GpuError::Refused(_))) {
             // A lost device refuses everything, and says only when it is asked that it is lost.
             self.device.poll(wgpu::PollType::Poll).ok();
         }
         failure().map_or(Ok(()), Err)
+    }
+}
+
+/// One run of a program.
+#[derive(Debug)]
+struct Step {
+    pipeline: wgpu::ComputePipeline,
+    group: wgpu::BindGroup,
+    workgroups: (u32, u32),
+    /// Samples times elements.
+    pairs: u64,
+}
+
+impl Step {
+    fn run(&self, pass: &mut wgpu::ComputePass<'_>) {
+        pass.set_pipeline(&self.pipeline);
+        pass.set_bind_group(0, &self.group, &[]);
+        pass.dispatch_workgroups(self.workgroups.0, self.workgroups.1, 1);
     }
 }
 
@@ -271,6 +308,7 @@ mod tests {
         let of_room = wgpu::Limits {
             max_buffer_size: asked.max_buffer_size,
             max_storage_buffer_binding_size: asked.max_storage_buffer_binding_size,
+            max_texture_dimension_2d: asked.max_texture_dimension_2d,
             ..lowest
         };
         assert_eq!(asked, of_room);
@@ -288,7 +326,7 @@ mod tests {
         let Some(gpu) = gpu() else { return };
         let huge = gpu.storage("huge", 1 << 60);
         assert!(matches!(gpu.check(), Err(GpuError::Refused(_))));
-        assert!(matches!(gpu.read_buffer(gpu.encoder(), &huge), Err(GpuError::Refused(_))));
+        assert!(matches!(Reading::new(&gpu, gpu.encoder(), &huge).wait(&gpu), Err(GpuError::Refused(_))));
     }
 
     #[test]

@@ -3,13 +3,13 @@
 use bytemuck::{Pod, Zeroable};
 
 use crate::acoustics::element::NEAREST;
-use crate::field::colouring::{FLOOR, Quantity, Scale};
+use crate::field::colouring::{FLOOR, SMALLEST, Scale};
+use crate::field::gpu::tuning::Tuning;
+use crate::field::quantity::{Norm, Part, Quantity};
 use crate::field::sources::{COSINE, MOST_NODES, SINE};
 
 /// Invocations in a workgroup.
 pub const WORKGROUP: u32 = 64;
-/// Samples that one invocation of the field computes.
-pub const SAMPLES_PER_INVOCATION: u32 = 8;
 /// Elements that fit a uniform buffer of 16 KiB, which every adapter has.
 pub const UNIFORM_ELEMENTS: usize = 1024;
 
@@ -30,25 +30,10 @@ pub struct Params {
     pub nodes: u32,
     pub radius: f32,
     pub piston_scale: f32,
-}
-
-/// The same struct as in `shaders/peak.wgsl`.
-#[repr(C)]
-#[derive(Clone, Copy, Debug, Pod, Zeroable)]
-pub struct PeakParams {
-    pub count: u32,
-    pub invocations: u32,
-}
-
-/// The same struct as in `shaders/picture_params.wgsl`.
-#[repr(C)]
-#[derive(Clone, Copy, Debug, Pod, Zeroable)]
-pub struct PictureParams {
-    pub count: u32,
-    pub invocations: u32,
-    pub turn: [f32; 2],
-    pub full: f32,
-    pub padding: u32,
+    pub gain: f32,
+    pub padding_0: u32,
+    pub padding_1: u32,
+    pub padding_2: u32,
 }
 
 /// The same struct as in `shaders/interpolation.wgsl`.
@@ -58,6 +43,7 @@ pub struct ResampleParams {
     pub pixels: u32,
     pub lines: u32,
     pub start: u32,
+    pub out_start: u32,
     pub span: u32,
     pub tap_stride: u32,
     pub line_stride: u32,
@@ -65,45 +51,73 @@ pub struct ResampleParams {
     pub pixel_line_stride: u32,
 }
 
-/// The same struct as in `shaders/squares.wgsl`.
+/// The same struct as in `shaders/interpolation_single.wgsl`.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
-pub struct SquaresParams {
+pub struct SingleParams {
+    pub across: u32,
+    pub up: u32,
+    pub pixels_run_along_x: u32,
+    pub pixels: u32,
+    pub taps: u32,
+    pub start: u32,
+    pub out_start: u32,
+    pub tap_stride: u32,
+    pub line_stride: u32,
+    pub pixel_stride: u32,
+    pub pixel_line_stride: u32,
+}
+
+/// The same struct as in `shaders/form.wgsl`.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+pub struct FormParams {
     pub count: u32,
     pub invocations: u32,
     pub of_pressure: f32,
     pub of_gradient: f32,
-    pub share: f32,
-    pub padding: u32,
+    pub of_velocity: f32,
+    pub factor: f32,
+    pub turn: [f32; 2],
 }
 
-/// The same struct as in `shaders/compliance.wgsl`.
+/// The same struct as in `shaders/gather.wgsl`.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
-pub struct ComplianceParams {
+pub struct GatherParams {
     pub count: u32,
-    pub invocations: u32,
-    pub columns: u32,
-    pub weight: f32,
-    pub tension: f32,
-    pub padding: u32,
-    pub wavenumber: [f32; 2],
+    pub probes: u32,
+    pub gathered: u32,
 }
 
-/// The same struct as in `shaders/join.wgsl`.
+/// The same struct as in `shaders/picture.wgsl`.
 #[repr(C)]
-#[derive(Clone, Copy, Debug, Pod, Zeroable)]
-pub struct JoinParams {
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+pub struct PictureParams {
+    pub width: u32,
     pub count: u32,
     pub invocations: u32,
-    pub of_shape: f32,
-    pub of_radiation: f32,
+    pub zero: f32,
+    pub spread: f32,
+    pub full: f32,
+}
+
+/// A program. What a run decides once is a constant: of a condition on uniforms alone, lavapipe makes a program of its own in
+/// every run, and keeps it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Program {
+    /// Sums over the elements.
+    Field(FieldProgram),
+    /// From samples to pixels along one axis.
+    Interpolation,
+    /// From the sound to values.
+    Form(Quantity),
+    Gather,
+    /// From values to colours.
+    Picture(Scale),
 }
 
 /// The field's program comes in eight forms.
-///
-/// What a run decides once is a constant: of a condition on uniforms alone, lavapipe makes a program of its own in every run, and
-/// keeps it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct FieldProgram {
     pub exact_piston: bool,
@@ -123,7 +137,7 @@ impl FieldProgram {
         })
     }
 
-    pub fn source(self) -> String {
+    fn source(self, tuning: &Tuning) -> String {
         let element = if self.exact_piston {
             include_str!("../../../shaders/exact_piston.wgsl")
         } else {
@@ -134,65 +148,70 @@ impl FieldProgram {
         } else {
             include_str!("../../../shaders/elements_uniform.wgsl")
         };
-        let terms = format!("const MANY_TERMS: bool = {};", self.many_terms);
+        let forms = format!(
+            "const MANY_TERMS: bool = {};\nconst EIGHT_SAMPLES: bool = {};",
+            self.many_terms, tuning.eight_samples
+        );
         let params = include_str!("../../../shaders/params.wgsl");
         let phase = include_str!("../../../shaders/phase.wgsl");
-        [&constants(), &terms, params, phase, elements, element, include_str!("../../../shaders/field.wgsl")]
-            .join("\n")
+        [&forms, params, phase, elements, element, include_str!("../../../shaders/field.wgsl")].join("\n")
     }
 }
 
-/// The number that is shown of a value and scaled by the largest: a program for each quantity, since software drivers run
-/// both sides of a branch. `None` for what is no amount.
-fn shown(quantity: Quantity) -> Option<&'static str> {
-    match quantity {
-        Quantity::Rms => Some(include_str!("../../../shaders/magnitude.wgsl")),
-        Quantity::Phase | Quantity::Instantaneous => None,
-        Quantity::MeanRms => Some(include_str!("../../../shaders/mean_rms.wgsl")),
-        Quantity::Dent => Some(include_str!("../../../shaders/dent.wgsl")),
-        Quantity::Radiation => Some(include_str!("../../../shaders/radiation.wgsl")),
+impl Program {
+    /// All of them.
+    pub fn all() -> Vec<Self> {
+        let mut all = vec![Self::Interpolation, Self::Gather];
+        all.extend(FieldProgram::all().map(Self::Field));
+        all.extend(Quantity::ALL.map(Self::Form));
+        all.extend([Scale::Linear, Scale::Logarithmic].map(Self::Picture));
+        all
+    }
+
+    pub fn source(self, tuning: &Tuning) -> String {
+        let source = match self {
+            Self::Field(field) => field.source(tuning),
+            Self::Interpolation if tuning.single_pixels => {
+                include_str!("../../../shaders/interpolation_single.wgsl").to_owned()
+            }
+            Self::Interpolation => include_str!("../../../shaders/interpolation.wgsl").to_owned(),
+            Self::Form(quantity) => {
+                [&declared(quantity), include_str!("../../../shaders/form.wgsl")].join("\n")
+            }
+            Self::Gather => include_str!("../../../shaders/gather.wgsl").to_owned(),
+            Self::Picture(scale) => {
+                let law = format!("const LOGARITHMIC: bool = {};", scale == Scale::Logarithmic);
+                [&law, include_str!("../../../shaders/picture.wgsl")].join("\n")
+            }
+        };
+        [constants(), source].join("\n")
     }
 }
 
-/// The largest number that is shown; of what is no amount the largest magnitude.
-pub fn peak_source(quantity: Quantity) -> String {
-    let shown = shown(quantity).unwrap_or(include_str!("../../../shaders/magnitude.wgsl"));
-    [&constants(), shown, include_str!("../../../shaders/peak.wgsl")].join("\n")
-}
-
-pub fn picture_source(quantity: Quantity, scale: Scale) -> String {
-    let params = include_str!("../../../shaders/picture_params.wgsl");
-    let law = match scale {
-        Scale::Linear => include_str!("../../../shaders/scaled.wgsl"),
-        Scale::Logarithmic => include_str!("../../../shaders/logarithmic.wgsl"),
-    };
-    let colour_index = match shown(quantity) {
-        Some(shown) => [shown, law].join("\n"),
-        None if quantity == Quantity::Instantaneous => {
-            include_str!("../../../shaders/instantaneous.wgsl").to_owned()
+/// What a quantity declares, as `shaders/form.wgsl` calls it.
+fn declared(quantity: Quantity) -> String {
+    let declaration = quantity.declaration();
+    let mut place = 0;
+    let parts = Part::ALL.map(|part| {
+        if !Part::of(declaration.parts).any(|needed| needed == part) {
+            return "vec2f(0.0)".to_owned();
         }
-        None => include_str!("../../../shaders/argument.wgsl").to_owned(),
+        place += 1;
+        format!("parts[i + {}u * c.count]", place - 1)
+    });
+    let extent = match declaration.norm {
+        Norm::Value | Norm::Difference => "abs(value)",
+        Norm::Pressure => "length(s.p)",
     };
-    [&constants(), params, &colour_index, include_str!("../../../shaders/picture.wgsl")].join("\n")
-}
-
-/// Squares of the pressure at the cells, from it and its slopes.
-pub fn squares_source() -> String {
-    [&constants(), include_str!("../../../shaders/squares.wgsl")].join("\n")
-}
-
-/// What every mode of a liquid's surface gives way.
-pub fn compliance_source() -> String {
-    [&constants(), include_str!("../../../shaders/compliance.wgsl")].join("\n")
-}
-
-/// A dent or a square beside the radiation pressure.
-pub fn join_source() -> String {
-    [&constants(), include_str!("../../../shaders/join.wgsl")].join("\n")
-}
-
-pub fn interpolation_source() -> String {
-    [&constants(), include_str!("../../../shaders/interpolation.wgsl")].join("\n")
+    format!(
+        "const IS_ROOT: bool = {};\n\
+         fn sound(i: u32) -> Sound {{ return Sound({}); }}\n\
+         fn formula(s: Sound) -> f32 {{ return {}; }}\n\
+         fn extent(s: Sound, value: f32) -> f32 {{ return {extent}; }}\n",
+        declaration.is_root,
+        parts.join(", "),
+        declaration.wgsl
+    )
 }
 
 /// What Rust and WGSL must agree on is written once, here.
@@ -210,6 +229,7 @@ fn constants() -> String {
          const MOST_NODES: u32 = {MOST_NODES}u;\n\
          const NEAREST: f32 = {NEAREST:?};\n\
          const FLOOR: f32 = {FLOOR:?};\n\
+         const SMALLEST: f32 = {SMALLEST:?};\n\
          const PI: f32 = {:?};\n{}{}",
         std::f32::consts::PI,
         polynomial("SINE", &SINE),
@@ -253,39 +273,26 @@ mod tests {
         };
     }
 
+    const TUNINGS: [Tuning; 3] = [Tuning::SOFTWARE, Tuning::INTEGRATED, Tuning::DISCRETE];
+
     #[test]
     fn every_program_is_valid_and_has_the_workgroup_that_rust_divides_by() {
-        let mut sources: Vec<_> =
-            FieldProgram::all().iter().map(|program| (format!("{program:?}"), program.source())).collect();
-        sources.extend(Quantity::ALL.map(|quantity| (format!("peak {quantity:?}"), peak_source(quantity))));
-        sources.extend(pictures().map(|source| ("picture".to_owned(), source)));
-        sources.push(("interpolation".to_owned(), interpolation_source()));
-        sources.push(("squares".to_owned(), squares_source()));
-        sources.push(("compliance".to_owned(), compliance_source()));
-        sources.push(("join".to_owned(), join_source()));
-        for (name, source) in sources {
-            let module = module(&name, &source);
-            assert_eq!(module.entry_points.len(), 1, "{name}");
-            assert_eq!(module.entry_points[0].workgroup_size, [WORKGROUP, 1, 1], "{name}");
+        for tuning in TUNINGS {
+            for program in Program::all() {
+                let name = format!("{program:?}");
+                let module = module(&name, &program.source(&tuning));
+                assert_eq!(module.entry_points.len(), 1, "{name}");
+                assert_eq!(module.entry_points[0].workgroup_size, [WORKGROUP, 1, 1], "{name}");
+            }
         }
-    }
-
-    fn pictures() -> impl Iterator<Item = String> {
-        let scales = [Scale::Linear, Scale::Logarithmic];
-        Quantity::ALL
-            .into_iter()
-            .flat_map(move |quantity| scales.map(|scale| picture_source(quantity, scale)))
     }
 
     #[test]
     fn every_shader_file_is_part_of_a_program() {
-        let programs: String = FieldProgram::all()
-            .iter()
-            .map(|program| program.source())
-            .chain([interpolation_source(), squares_source(), compliance_source(), join_source()])
-            .chain(Quantity::ALL.map(peak_source))
-            .chain(pictures())
-            .collect();
+        let sources = TUNINGS.iter().flat_map(|tuning| {
+            Program::all().into_iter().map(move |program| program.source(tuning))
+        });
+        let programs: String = sources.collect();
         let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/shaders");
         let mut files = 0;
         for entry in std::fs::read_dir(folder).unwrap() {
@@ -302,7 +309,8 @@ mod tests {
 
     #[test]
     fn structs_are_laid_out_as_in_rust() {
-        let field = module("field", &FieldProgram::all()[0].source());
+        let module = |program: Program, tuning: &Tuning| module("", &program.source(tuning));
+        let field = module(Program::Field(FieldProgram::all()[0]), &Tuning::SOFTWARE);
         assert_same_layout!(
             &field,
             Params {
@@ -318,32 +326,49 @@ mod tests {
                 written,
                 nodes,
                 radius,
-                piston_scale
+                piston_scale,
+                gain,
+                padding_0,
+                padding_1,
+                padding_2
             }
         );
-        assert_same_layout!(&module("peak", &peak_source(Quantity::Rms)), PeakParams { count, invocations });
         assert_same_layout!(
-            &module("squares", &squares_source()),
-            SquaresParams { count, invocations, of_pressure, of_gradient, share, padding }
+            &module(Program::Form(Quantity::Rms), &Tuning::SOFTWARE),
+            FormParams { count, invocations, of_pressure, of_gradient, of_velocity, factor, turn }
         );
         assert_same_layout!(
-            &module("compliance", &compliance_source()),
-            ComplianceParams { count, invocations, columns, weight, tension, padding, wavenumber }
+            &module(Program::Gather, &Tuning::SOFTWARE),
+            GatherParams { count, probes, gathered }
         );
         assert_same_layout!(
-            &module("join", &join_source()),
-            JoinParams { count, invocations, of_shape, of_radiation }
+            &module(Program::Picture(Scale::Linear), &Tuning::SOFTWARE),
+            PictureParams { width, count, invocations, zero, spread, full }
         );
-        let picture = module("picture", &picture_source(Quantity::Rms, Scale::Linear));
-        assert_same_layout!(&picture, PictureParams { count, invocations, turn, full, padding });
-        let interpolation = module("interpolation", &interpolation_source());
         assert_same_layout!(
-            &interpolation,
+            &module(Program::Interpolation, &Tuning::SOFTWARE),
             ResampleParams {
                 pixels,
                 lines,
                 start,
+                out_start,
                 span,
+                tap_stride,
+                line_stride,
+                pixel_stride,
+                pixel_line_stride
+            }
+        );
+        assert_same_layout!(
+            &module(Program::Interpolation, &Tuning::DISCRETE),
+            SingleParams {
+                across,
+                up,
+                pixels_run_along_x,
+                pixels,
+                taps,
+                start,
+                out_start,
                 tap_stride,
                 line_stride,
                 pixel_stride,

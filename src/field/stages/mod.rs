@@ -1,220 +1,56 @@
-//! The stages of a map with what each made last: plan, transfer, superposition, interpolation, picture.
+//! The stages of a map with what each made last: from drives to values, and from values to colours and contour lines.
 //!
 //! Every stage keeps its result together with the values that it was made from, and runs again only when they differ.
 //! [`Work`] counts how often each ran.
 
-mod average;
-mod contours;
+mod kept;
 mod on_cpu;
 mod on_gpu;
+mod probes;
+mod request;
+mod site;
+mod work;
 
-use std::convert::Infallible;
-
-use num_complex::{Complex32, Complex64};
-
-use crate::acoustics::{self, Aperture};
-use crate::drive::Drive;
-use crate::field::contour::Line;
+use crate::field::contour::{self, Line};
 use crate::field::plan::Costs;
-use crate::field::{self, Colouring, Evaluator, Gpu, GpuError, Plan, Quantity, Raster, Samples};
-use crate::scene::Plane;
-use average::Averaging;
-use on_cpu::OnCpu;
-use on_gpu::OnGpu;
+use crate::field::gpu::Texture;
+use crate::field::{Colouring, Evaluator, Gpu};
+use crate::surface::{Dent, Tank};
+use kept::Kept;
+use on_cpu::{Made, OnCpu};
+use on_gpu::{OnGpu, Progress};
+use probes::Probes;
+use site::{Frame, Site, SiteKey};
 
-pub use average::{Average, AverageMap, Mean};
+pub use probes::PROBES;
+pub use request::{By, FieldError, MOST_PIXELS, Map, Pressed, Request};
+pub use work::Work;
 
-/// Pixels that a map may have.
-pub const MOST_PIXELS: usize = 1 << 26;
-/// Pixels at which the reached error is measured.
-pub const PROBES: usize = 48;
 /// Errors are spread so evenly that the largest of all pixels is less than this times the largest of [`PROBES`].
 const PROBE_MARGIN: f64 = 2.0;
 
-/// How often each stage ran.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Work {
-    pub plan: u64,
-    /// Tables of the transfer to the samples.
-    pub transfer: u64,
-    /// Sums over the elements, at the samples or at pixels.
-    pub superposition: u64,
-    pub interpolation: u64,
-    /// Squares of the pressure at the cells, per drive.
-    pub squares: u64,
-    pub dent: u64,
-    pub picture: u64,
-    /// Contour lines.
-    pub contours: u64,
-}
-
-impl Work {
-    /// What was done after `before`.
-    pub fn since(self, before: Self) -> Self {
-        Self {
-            plan: self.plan - before.plan,
-            transfer: self.transfer - before.transfer,
-            superposition: self.superposition - before.superposition,
-            interpolation: self.interpolation - before.interpolation,
-            squares: self.squares - before.squares,
-            dent: self.dent - before.dent,
-            picture: self.picture - before.picture,
-            contours: self.contours - before.contours,
-        }
-    }
-}
-
-/// What a map is made from.
-#[derive(Clone, Copy, Debug)]
-pub struct Wanted<'a> {
-    pub aperture: &'a Aperture,
-    pub plane: &'a Plane,
-    pub drive: &'a Drive,
-    /// Pixels.
-    pub width: usize,
-    pub height: usize,
-}
-
-/// A map, and how well it keeps the tolerance. Its pixels stay where they were made; [`Stages::read`] gives them out.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Map {
-    pub width: usize,
-    pub height: usize,
-    /// The largest |P|, Pa.
-    pub peak: f32,
-    /// The largest deviation from the f64 reference at 48 pixels, relative to the peak. The largest of all pixels can be
-    /// several times that: six times was seen.
-    pub error: f64,
-    /// Points at which the waves of the elements were added up.
-    pub evaluated: usize,
-    pub by: By,
-    /// How it was made, for people.
-    pub how: String,
-}
-
-/// Who made a map.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum By {
-    /// In f64, each pixel for itself.
-    Reference,
-    Cpu,
-    /// By the CPU with samples in f64, since f32 does not keep the tolerance or has no room for such elements.
-    CpuInF64,
-    Gpu,
-}
-
-/// Why there is no map.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-pub enum FieldError {
-    #[error("a map of {0} x {1} pixels: it has one at least, and {MOST_PIXELS} at most")]
-    NoPixels(usize, usize),
-    #[error("the drive does not give every element of the array an amplitude and a phase that are numbers")]
-    NoDrive,
-    #[error("a mean needs a drive, and of the envelope a part from 0 to 1")]
-    NoMean,
-    #[error(
-        "the plane is none: its axes span none, or its centre, size or tolerance are beyond what a scene has"
-    )]
-    NoPlane,
-    #[error(
-        "the plane comes nearer than a wavelength to the array: averages, radiation pressure and dents are of a plane that \
-         stays clear of it"
-    )]
-    TooNear,
-    #[error(
-        "a liquid's surface is level: its plane lies parallel to the array, `x_axis` and `y_axis` without a part along z"
-    )]
-    NotLevel,
-    #[error(
-        "the plane and what a dent needs around it, 14 capillary lengths √(σ/ρg), are too wide: take a smaller plane, or a \
-         liquid with less tension or more weight"
-    )]
-    TooManyCells,
-    #[error(transparent)]
-    Gpu(#[from] GpuError),
-}
-
-/// What the plan and the transfer depend on: where the elements and the plane are, in what medium.
-#[derive(Clone, Debug, PartialEq)]
-struct Setting {
-    /// With every element driven: which of them are makes no difference here.
-    aperture: Aperture,
-    plane: Plane,
-}
-
-/// What the pressure at the samples depends on.
-#[derive(Clone, Debug, PartialEq)]
-struct Sounding {
-    setting: Setting,
-    /// u of every element of the array; 0 for those that are off.
-    excitation: Vec<Complex64>,
-}
-
-/// What the pixels' places depend on.
-#[derive(Clone, Debug, PartialEq)]
-struct Frame {
-    setting: Setting,
-    size: (usize, usize),
-}
-
-/// What the pixels depend on.
-#[derive(Clone, Debug, PartialEq)]
-struct Drawn {
-    sounding: Sounding,
-    size: (usize, usize),
-}
-
-/// What the picture depends on.
-#[derive(Clone, Debug, PartialEq)]
-struct Painted {
-    drawn: Drawn,
-    by: By,
-    colouring: Colouring,
+/// A map in colours.
+#[derive(Debug)]
+pub enum Picture<'a> {
+    OnGpu(Texture),
+    /// r, g, b, a of every pixel, row by row.
+    OnCpu(&'a [[u8; 4]]),
 }
 
 /// Everything that a stage may need.
 struct Job<'a> {
-    wanted: Wanted<'a>,
-    plan: &'a Plan,
-    raster: &'a Raster,
+    request: &'a Request,
+    key: &'a SiteKey,
+    site: &'a Site,
+    frame: &'a Frame,
     probes: &'a Probes,
-    drawn: &'a Drawn,
 }
 
-/// A value and what it was made from.
-#[derive(Clone, Debug)]
-struct Kept<K, V> {
-    key: Option<K>,
-    value: V,
-}
-
-impl<K, V: Default> Default for Kept<K, V> {
-    fn default() -> Self {
-        Self { key: None, value: V::default() }
-    }
-}
-
-impl<K: Clone + PartialEq, V> Kept<K, V> {
-    /// The value for `key`, remade in place (its memory is worth keeping) if it was made from something else.
-    fn update(&mut self, key: &K, remake: impl FnOnce(&mut V)) -> &V {
-        let remake = |value: &mut V| {
-            remake(value);
-            Ok::<_, Infallible>(())
-        };
-        match self.try_update(key, remake) {
-            Ok(value) => value,
-        }
-    }
-
-    /// The same for what may fail; the value then belongs to nothing.
-    fn try_update<E>(&mut self, key: &K, remake: impl FnOnce(&mut V) -> Result<(), E>) -> Result<&V, E> {
-        if self.key.as_ref() != Some(key) {
-            self.key = None;
-            remake(&mut self.value)?;
-            self.key = Some(key.clone());
-        }
-        Ok(&self.value)
-    }
+/// What a map depends on, but for its colours.
+#[derive(Clone, Debug, PartialEq)]
+struct MapKey {
+    request: Request,
+    exact: bool,
 }
 
 /// The stages of one evaluator.
@@ -224,12 +60,56 @@ pub struct Stages {
     exact: bool,
     gpu: Option<OnGpu>,
     cpu: OnCpu,
-    plan: Kept<Setting, Option<Plan>>,
-    raster: Kept<Frame, Option<(Raster, Probes)>>,
-    map: Kept<Drawn, Option<Map>>,
-    contours: Kept<(Drawn, Quantity, f32), Vec<Line>>,
-    averaging: Averaging,
+    ground: Ground,
+    map: Kept<MapKey, Map>,
+    /// What the GPU does not make.
+    declined: Option<MapKey>,
+    colours: Kept<(MapKey, Colouring), Vec<[u8; 4]>>,
+    contours: Kept<(MapKey, f32), Vec<Line>>,
     work: Work,
+}
+
+/// Sites and frames, which any evaluator makes its maps from.
+#[derive(Debug, Default)]
+struct Ground {
+    /// The site, under the key that was asked for: what cannot be formed at cells may be formed at the pixels.
+    site: Kept<SiteKey, Option<(SiteKey, Site)>>,
+    frame: Kept<(SiteKey, (usize, usize), bool), Option<(Frame, Probes)>>,
+}
+
+impl Ground {
+    fn job<'a>(
+        &'a mut self,
+        request: &'a Request,
+        exact: bool,
+        costs: Costs,
+        work: &mut Work,
+    ) -> Result<Job<'a>, FieldError> {
+        request.check()?;
+        let of_liquid = request.quantity.declaration().of_liquid;
+        let wanted = SiteKey::new(request, exact);
+        let Self { site, frame } = self;
+        let site = site.try_update(&wanted, |site| {
+            work.plan += 1;
+            let made = match Site::new(&wanted, costs) {
+                Err(FieldError::TooNear | FieldError::TooManyCells) if !of_liquid => {
+                    let key = SiteKey::by_pixels(request, exact);
+                    let made = Site::new(&key, costs)?;
+                    (key, made)
+                }
+                made => (wanted.clone(), made?),
+            };
+            *site = Some(made);
+            Ok::<_, FieldError>(())
+        })?;
+        let (key, site) = site.as_ref().ok_or(FieldError::NoPlane)?;
+        let frame = frame.update(&(key.clone(), request.size, of_liquid), |made| {
+            let probes = Probes::new(key, site, request.size, of_liquid);
+            *made = Frame::new(key, site, request.size).map(|frame| (frame, probes));
+        });
+        let (frame, probes) = frame.as_ref().ok_or(FieldError::NoPlane)?;
+        Ok(Job { request, key, site, frame, probes })
+    }
 }
 
 impl Stages {
@@ -238,22 +118,22 @@ impl Stages {
             exact: matches!(evaluator, Evaluator::Reference),
             gpu: if let Evaluator::Gpu(gpu) = evaluator { Some(OnGpu::new(*gpu)) } else { None },
             cpu: OnCpu::default(),
-            plan: Kept::default(),
-            raster: Kept::default(),
+            ground: Ground::default(),
             map: Kept::default(),
+            declined: None,
+            colours: Kept::default(),
             contours: Kept::default(),
-            averaging: Averaging::default(),
             work: Work::default(),
         }
     }
 
     /// Forgets every result, but for its memory and the work counted.
     pub fn forget(&mut self) {
-        self.plan.key = None;
-        self.raster.key = None;
+        self.ground = Ground::default();
         self.map.key = None;
+        self.declined = None;
+        self.colours.key = None;
         self.contours.key = None;
-        self.averaging.forget();
         self.cpu.forget();
         if let Some(gpu) = &mut self.gpu {
             gpu.forget();
@@ -262,205 +142,243 @@ impl Stages {
 
     /// How often each stage has run.
     pub fn work(&self) -> Work {
-        self.work
+        let of_gpu = self.gpu.as_ref().map(|gpu| gpu.gpu().traffic()).unwrap_or_default();
+        Work { read_back: of_gpu.read_back, allocations: of_gpu.allocations, ..self.work }
     }
 
     /// The GPU, if there is one.
     pub fn gpu(&self) -> Option<&Gpu> {
-        self.gpu.as_ref().map(|gpu| &gpu.gpu)
+        self.gpu.as_ref().map(OnGpu::gpu)
     }
 
-    /// Brings the map up to date.
+    fn costs(&self) -> Costs {
+        if self.gpu.is_some() { Costs::GPU } else { Costs::CPU }
+    }
+
+    /// Brings the map up to date. Waits for the GPU, if one makes it.
     ///
     /// # Errors
-    /// The plane is none, there are no pixels or more than [`MOST_PIXELS`], the drive is not one of this array, or the GPU failed.
-    pub fn map(&mut self, wanted: &Wanted<'_>) -> Result<&Map, FieldError> {
-        check_size(wanted.width, wanted.height)?;
-        check_drive(wanted.aperture, wanted.drive)?;
-        let drawn = Drawn::new(wanted, self.exact);
-        let Self { gpu, cpu, plan, raster, map, work, exact, .. } = self;
-        let map = map.try_update(&drawn, |map| {
-            let setting = &drawn.sounding.setting;
-            let plan = plan.update(setting, |plan| {
-                work.plan += 1;
-                let costs = if gpu.is_some() { Costs::GPU } else { Costs::CPU };
-                *plan = Plan::new(&setting.aperture, &setting.plane, costs);
-            });
-            let plan = plan.as_ref().ok_or(FieldError::NoPlane)?;
-            let raster = raster.update(&drawn.frame(), |pixels| {
-                *pixels = Raster::new(plan, drawn.size).map(|raster| {
-                    let probes = Probes::new(&setting.aperture, &raster);
-                    (raster, probes)
-                });
-            });
-            let (raster, probes) = raster.as_ref().ok_or(FieldError::NoPlane)?;
-            let job = Job { wanted: *wanted, plan, raster, probes, drawn: &drawn };
-            let on_gpu = match gpu {
-                Some(gpu) if !plan.double => job.on_gpu(gpu, work)?,
-                _ => None,
-            };
-            let made = on_gpu.unwrap_or_else(|| job.on_cpu(cpu, *exact, work));
-            let (width, height) = drawn.size;
-            let mut described = (raster.evaluated(plan), raster.describe(plan));
-            let Made { by, peak, error } = if job.grid().is_some() && job.is_too_far_off(made.error) {
-                // Where there is but little of a field on the plane, what samples leave out is much of that.
-                let plan = &plan.direct("samples do not keep the tolerance");
-                let raster = &Raster::new(plan, drawn.size).ok_or(FieldError::NoPlane)?;
-                described = (raster.evaluated(plan), raster.describe(plan));
-                Job { plan, raster, ..job }.on_cpu(cpu, *exact, work)
-            } else {
-                made
-            };
-            let (evaluated, how) = described;
-            *map = Some(Map { width, height, peak, error, evaluated, by, how });
-            Ok::<_, FieldError>(())
-        })?;
-        map.as_ref().ok_or(FieldError::NoPlane)
+    /// A request that makes no sense, a plane that the quantity is not defined on, or a GPU that failed.
+    pub fn map(&mut self, request: &Request) -> Result<&Map, FieldError> {
+        self.advance(request, true)?;
+        Ok(&self.map.value)
     }
 
-    /// Complex pressure (Pa, peak) of every pixel of the map, row by row; the map is brought up to date first.
+    /// The map, if it is there; starts on it otherwise and never waits for a GPU. Call it again, as a frame or a timer of a
+    /// browser does.
     ///
     /// # Errors
     /// As [`Stages::map`].
-    pub fn read(&mut self, wanted: &Wanted<'_>) -> Result<Vec<Complex32>, FieldError> {
-        let by = self.map(wanted)?.by;
-        match &self.gpu {
-            Some(gpu) if by == By::Gpu => Ok(gpu.read()?),
-            _ => Ok(self.cpu.field().to_vec()),
+    pub fn poll(&mut self, request: &Request) -> Result<Option<&Map>, FieldError> {
+        let is_there = self.advance(request, false)?;
+        Ok(is_there.then_some(&self.map.value))
+    }
+
+    /// Whether the map is there.
+    fn advance(&mut self, request: &Request, wait: bool) -> Result<bool, FieldError> {
+        let key = MapKey { request: request.clone(), exact: self.exact };
+        let costs = self.costs();
+        let Self { gpu, cpu, ground, map, declined, work, exact, .. } = self;
+        if map.is_of(&key) {
+            return Ok(true);
         }
+        map.key = None;
+        let job = ground.job(request, *exact, costs, work)?;
+        let progress = match gpu {
+            Some(gpu) if declined.as_ref() != Some(&key) => gpu.map(&job, wait, work)?,
+            Some(_) | None => Progress::Declined,
+        };
+        map.value = match progress {
+            Progress::UnderWay => return Ok(false),
+            Progress::Made(made) => made,
+            Progress::Declined => {
+                let values = std::mem::take(&mut map.value.values);
+                job.by_cpu(cpu, *exact, values, work)?
+            }
+        };
+        map.key = Some(key);
+        Ok(true)
+    }
+
+    /// The map as a picture: on the GPU, where one can make it, else as colours r, g, b, a of every pixel, row by row. Never
+    /// waits for a GPU.
+    ///
+    /// # Errors
+    /// As [`Stages::map`].
+    pub fn picture(&mut self, request: &Request, colouring: &Colouring) -> Result<Picture<'_>, FieldError> {
+        let key = MapKey { request: request.clone(), exact: self.exact };
+        let costs = self.costs();
+        let Self { gpu, ground, declined, work, exact, .. } = self;
+        if let Some(gpu) = gpu
+            && declined.as_ref() != Some(&key)
+        {
+            let job = ground.job(request, *exact, costs, work)?;
+            if let Some(texture) = gpu.picture(&job, colouring, work)? {
+                return Ok(Picture::OnGpu(texture));
+            }
+            *declined = Some(key);
+        }
+        self.colours(request, colouring).map(Picture::OnCpu)
+    }
+
+    /// What is known of the map, but for its values, which may be missing; `None` while that is on its way from the GPU. The
+    /// number is the time (s) that the GPU took, where it can be timed.
+    ///
+    /// # Errors
+    /// As [`Stages::map`].
+    pub fn figures(&mut self, request: &Request) -> Result<Option<(Map, Option<f64>)>, FieldError> {
+        let key = MapKey { request: request.clone(), exact: self.exact };
+        let costs = self.costs();
+        let Self { gpu, ground, map, declined, work, exact, .. } = self;
+        if map.is_of(&key) {
+            return Ok(Some((map.value.without_values(), None)));
+        }
+        let Some(gpu) = gpu.as_mut().filter(|_| declined.as_ref() != Some(&key)) else { return Ok(None) };
+        let job = ground.job(request, *exact, costs, work)?;
+        let figures = gpu.figures(&job)?;
+        // The next picture of it is the CPU's.
+        if figures.as_ref().is_some_and(|(map, _)| job.is_too_far_off(map.error)) {
+            *declined = Some(key);
+            return Ok(None);
+        }
+        Ok(figures)
     }
 
     /// The map as colours r, g, b, a of every pixel, row by row; it is brought up to date first.
     ///
     /// # Errors
     /// As [`Stages::map`].
-    pub fn colours(&mut self, wanted: &Wanted<'_>, colouring: &Colouring) -> Result<&[[u8; 4]], FieldError> {
-        let Map { by, peak, .. } = *self.map(wanted)?;
-        let painted = Painted { drawn: Drawn::new(wanted, self.exact), by, colouring: colouring.clone() };
-        match &mut self.gpu {
-            Some(gpu) if by == By::Gpu => Ok(gpu.colours(&painted, peak, &mut self.work)?),
-            _ => Ok(self.cpu.colours(&painted, peak, &mut self.work)),
-        }
+    pub fn colours(&mut self, request: &Request, colouring: &Colouring) -> Result<&[[u8; 4]], FieldError> {
+        self.map(request)?;
+        let Self { map, colours, work, exact, .. } = self;
+        let key = (MapKey { request: request.clone(), exact: *exact }, colouring.clone());
+        Ok(colours.update(&key, |colours| {
+            work.picture += 1;
+            colouring.colours(&map.value.values, map.value.peak, colours);
+        }))
+    }
+
+    /// The lines on which the value is this part of the peak; the map is brought up to date first.
+    ///
+    /// # Errors
+    /// As [`Stages::map`].
+    pub fn contours(&mut self, request: &Request, part: f32) -> Result<&[Line], FieldError> {
+        self.map(request)?;
+        let Self { map, contours, work, exact, .. } = self;
+        let key = (MapKey { request: request.clone(), exact: *exact }, part);
+        Ok(contours.update(&key, |lines| {
+            work.contours += 1;
+            let Map { values, width, peak, .. } = &map.value;
+            *lines = contour::lines(values, *width, part * peak, |value| *value);
+        }))
+    }
+
+    /// What presses on the plane of a map, which is brought up to date first.
+    ///
+    /// # Errors
+    /// As [`Stages::map`].
+    pub fn pressed(&mut self, request: &Request) -> Result<Pressed, FieldError> {
+        let by = self.map(request)?.by;
+        let costs = self.costs();
+        let Self { cpu, ground, map, work, exact, .. } = self;
+        let job = ground.job(request, *exact, costs, work)?;
+        Ok(cpu.pressed(&job, &map.value.values, is_double(by), work))
+    }
+
+    /// The cells of a liquid, and its surface at rest under the steady sound, whatever the envelope leaves of it.
+    ///
+    /// # Errors
+    /// As [`Stages::map`]; a quantity that is not of a liquid has no surface.
+    pub fn surface(&mut self, request: &Request) -> Result<(&Tank, &Dent), FieldError> {
+        let costs = self.costs();
+        let Self { cpu, ground, work, exact, .. } = self;
+        let job = ground.job(request, *exact, costs, work)?;
+        let double = *exact || job.site.plan.double;
+        cpu.surface(&job, double, work).ok_or(FieldError::NotLevel)
     }
 }
 
-/// Who made the pixels, the largest |P| (Pa), and the error.
-struct Made {
-    by: By,
-    peak: f32,
-    error: f64,
+/// Whether the samples of such a map are in f64.
+fn is_double(by: By) -> bool {
+    match by {
+        By::Reference | By::CpuInF64 => true,
+        By::Cpu | By::Gpu => false,
+    }
 }
 
 impl Job<'_> {
-    /// `None` where f32 does not keep the tolerance.
-    fn on_gpu(&self, gpu: &mut OnGpu, work: &mut Work) -> Result<Option<Made>, GpuError> {
-        if !gpu.pixels(self, work)? {
-            return Ok(None);
-        }
-        let (peak, at_probes) = gpu.measure(&self.probes.pixels)?;
-        let error = self.error(&at_probes, peak);
-        Ok((!self.is_too_far_off(error)).then_some(Made { by: By::Gpu, peak, error }))
-    }
-
-    /// In f64 where f32 does not keep the tolerance.
-    fn on_cpu(&self, cpu: &mut OnCpu, exact: bool, work: &mut Work) -> Made {
-        let mut make = |by| {
-            cpu.pixels(self, by != By::Cpu, work);
-            let field = cpu.field();
-            let peak = field::peak(field);
-            let at_probes: Vec<_> = self.probes.pixels.iter().map(|&pixel| field[pixel]).collect();
-            Made { by, peak, error: self.error(&at_probes, peak) }
+    /// By the CPU, in f64 where f32 does not keep the tolerance, and pixel by pixel where samples do not.
+    fn by_cpu(
+        &self,
+        cpu: &mut OnCpu,
+        exact: bool,
+        mut values: Vec<f32>,
+        work: &mut Work,
+    ) -> Result<Map, FieldError> {
+        let mut make = |job: &Job<'_>, by: By, values: &mut Vec<f32>| {
+            let made = cpu.values(job, is_double(by), values, work);
+            (job.probes.error(job.request, &made.at_probes, made.relative_to), made, by)
         };
-        match (exact, self.plan.double) {
-            (true, _) => make(By::Reference),
-            (false, true) => make(By::CpuInF64),
-            (false, false) => {
-                let made = make(By::Cpu);
-                if self.is_too_far_off(made.error) { make(By::CpuInF64) } else { made }
+        let all_of_it = |job: &Job<'_>, made: (f64, Made, By), values| {
+            let (error, Made { peak, .. }, by) = made;
+            job.described(values, peak, error, by)
+        };
+        let made = if exact {
+            make(self, By::Reference, &mut values)
+        } else {
+            let mut made = if self.site.plan.double {
+                make(self, By::CpuInF64, &mut values)
+            } else {
+                make(self, By::Cpu, &mut values)
+            };
+            if made.2 == By::Cpu && self.is_too_far_off(made.0) {
+                made = make(self, By::CpuInF64, &mut values);
             }
+            made
+        };
+        let is_interpolated = match self.frame {
+            Frame::Pixels { weights, .. } => weights.is_some(),
+            Frame::Cells { .. } => false,
+        };
+        if !(is_interpolated && self.is_too_far_off(made.0)) {
+            return Ok(all_of_it(self, made, values));
         }
+        // Where little of the field meets the plane, what samples leave out is much of that.
+        let plan = self.site.plan.direct("samples do not keep the tolerance");
+        let site = Site { plan, sampled: self.site.sampled.clone(), cells: None, axes: self.site.axes };
+        let frame = Frame::new(self.key, &site, self.request.size).ok_or(FieldError::NoPlane)?;
+        let job = Job { site: &site, frame: &frame, ..*self };
+        let mut made = make(&job, if is_double(made.2) { made.2 } else { By::Cpu }, &mut values);
+        if made.2 == By::Cpu && job.is_too_far_off(made.0) {
+            made = make(&job, By::CpuInF64, &mut values);
+        }
+        Ok(all_of_it(&job, made, values))
     }
 
     /// Rounding in f32 is relative to what arrives, and where the elements cancel, the peak is less than that.
     fn is_too_far_off(&self, error: f64) -> bool {
-        let tolerance = self.wanted.plane.tolerance;
-        tolerance > 0.0 && PROBE_MARGIN * error > tolerance
-    }
-
-    /// The largest deviation of the values at the probes from the f64 reference, relative to `peak` (Pa).
-    fn error(&self, at_probes: &[Complex32], peak: f32) -> f64 {
-        let expected = self.probes.transfer.pressure(&self.drawn.sounding.excitation);
-        let off = |(expected, got): (Complex64, &Complex32)| {
-            (expected - Complex64::new(got.re.into(), got.im.into())).norm()
+        let margin = match self.frame {
+            Frame::Pixels { .. } => PROBE_MARGIN,
+            Frame::Cells { .. } => 1.0,
         };
-        let largest = expected.into_iter().zip(at_probes).map(off).fold(0.0, f64::max);
-        largest / f64::from(peak).max(f64::MIN_POSITIVE)
-    }
-}
-
-impl Drawn {
-    fn frame(&self) -> Frame {
-        Frame { setting: self.sounding.setting.clone(), size: self.size }
+        let tolerance = self.request.plane.tolerance;
+        tolerance > 0.0 && margin * error > tolerance
     }
 
-    fn new(wanted: &Wanted<'_>, exact: bool) -> Self {
-        let mut plane = wanted.plane.clone();
-        if exact {
-            plane.tolerance = 0.0;
-        }
-        let setting = Setting::new(wanted.aperture, plane);
-        let excitation = excitation(wanted.aperture, wanted.drive);
-        Self { sounding: Sounding { setting, excitation }, size: (wanted.width, wanted.height) }
-    }
-}
-
-impl Setting {
-    fn new(aperture: &Aperture, plane: Plane) -> Self {
-        let all = (0..aperture.positions.len()).collect();
-        Self { aperture: Aperture { driven: all, ..aperture.clone() }, plane }
-    }
-}
-
-fn check_size(width: usize, height: usize) -> Result<(), FieldError> {
-    let is_map = width.checked_mul(height).is_some_and(|pixels| (1..=MOST_PIXELS).contains(&pixels));
-    if is_map { Ok(()) } else { Err(FieldError::NoPixels(width, height)) }
-}
-
-/// What is no number would go unseen: no peak and no error is as large as a NaN.
-fn check_drive(aperture: &Aperture, drive: &Drive) -> Result<(), FieldError> {
-    let is_drive = |values: &[f64]| {
-        values.len() == aperture.positions.len() && values.iter().all(|value| value.is_finite())
-    };
-    if is_drive(&drive.amplitudes) && is_drive(&drive.phases) { Ok(()) } else { Err(FieldError::NoDrive) }
-}
-
-/// u of every element of the array; 0 for those that are off.
-fn excitation(aperture: &Aperture, drive: &Drive) -> Vec<Complex64> {
-    let mut excitation = vec![Complex64::ZERO; aperture.positions.len()];
-    for (&n, u) in aperture.driven.iter().zip(drive.excitation(&aperture.driven)) {
-        excitation[n] = u;
-    }
-    excitation
-}
-
-/// The [`PROBES`] of so many pixels, spread without pattern.
-fn probed(pixels: usize) -> Vec<usize> {
-    const GOLDEN: f64 = 0.618_033_988_749_894_8;
-    (1..=PROBES).map(|i| ((i as f64 * GOLDEN).fract() * pixels as f64) as usize).collect()
-}
-
-/// Pixels at which the error is measured, with their f64 transfer from every element.
-#[derive(Clone, Debug)]
-struct Probes {
-    pixels: Vec<usize>,
-    transfer: acoustics::Transfer,
-}
-
-impl Probes {
-    fn new(aperture: &Aperture, raster: &Raster) -> Self {
-        let pixels = probed(raster.len());
-        let samples: Samples = raster.pixels();
-        let points: Vec<_> = pixels.iter().map(|&pixel| samples.point(pixel)).collect();
-        Self { pixels, transfer: aperture.transfer(&points) }
+    fn described(&self, values: Vec<f32>, peak: f32, error: f64, by: By) -> Map {
+        let (width, height) = self.request.size;
+        let plan = &self.site.plan;
+        let (evaluated, how) = match (self.frame, &self.site.cells) {
+            (Frame::Pixels { raster, .. }, _) => (raster.evaluated(plan), raster.describe(plan)),
+            (Frame::Cells { .. }, cells) => {
+                let sampled = plan.grid.as_ref().map_or(0, |grid| grid.samples.len());
+                let cells = cells.as_ref().map_or_else(String::new, |filled| {
+                    let ([columns, rows], step) = (filled.cells.counts, filled.cells.step);
+                    format!("; squares at {columns} x {rows} cells of {:.2} mm", step * 1e3)
+                });
+                (sampled, format!("{}{cells}", plan.reason))
+            }
+        };
+        Map { width, height, values, peak, error, evaluated, by, how }
     }
 }

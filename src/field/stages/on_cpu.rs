@@ -2,57 +2,141 @@
 
 use std::ops::Range;
 
-use num_complex::Complex32;
+use num_complex::{Complex32, Complex64};
+use rayon::prelude::*;
 
-use crate::acoustics::Aperture;
 use crate::drive::Drive;
-use crate::field::interpolation::{Between, interpolate};
+use crate::field::interpolation::{Between, Resampling, interpolate};
 use crate::field::plan::{Grid, TABLE_CEILING};
-use crate::field::stages::{Job, Kept, Painted, Setting, Sounding, Wanted, Work, excitation};
+use crate::field::quantity::{Constants, Norm, Part, Sound, Sounds};
+use crate::field::slope::part_on_cpu;
+use crate::field::stages::kept::Kept;
+use crate::field::stages::probes::AtProbes;
+use crate::field::stages::request::{Pressed, Setting, excitation};
+use crate::field::stages::site::{Filled, Frame, SiteKey, Weights};
+use crate::field::stages::{Job, Work};
 use crate::field::transfer::{Layout, Transfer};
-use crate::field::{self, Samples, Wave};
+use crate::field::{self, Raster, Wave};
+use crate::scene::Liquid;
+use crate::surface::{Dent, Tank};
+
+/// Drives whose samples are there at the same time.
+const TOGETHER: usize = 64;
+/// Pixels whose sound is there at the same time.
+const BAND: usize = 1 << 22;
+/// Places at which a formula is evaluated together.
+const RUN: usize = 1024;
 
 #[derive(Debug, Default)]
 pub(super) struct OnCpu {
     superposition: Superposition,
-    samples: Kept<(Sounding, bool), Vec<Complex32>>,
+    /// Of a single drive, in f64 or not.
+    samples: Kept<SampledKey, Samples>,
+    /// Its sound at the pixels, if that is no more than a band.
+    at_pixels: Kept<(SampledKey, (usize, usize)), Lattice>,
+    at_cells: Lattice,
+    /// Means of the formula over the drives, per cell.
+    cells: Kept<FormedKey, Vec<f64>>,
+    tank: Kept<SiteKey, Option<Tank>>,
+    response: Kept<(FormedKey, Liquid), Dent>,
     between: Between,
-    field: Vec<Complex32>,
-    picture: Kept<Painted, Vec<[u8; 4]>>,
 }
 
-/// Sums over the elements at the samples of a plan, from a table where there is room for one.
+/// What the samples of a drive depend on.
+#[derive(Clone, Debug, PartialEq)]
+struct SampledKey {
+    site: SiteKey,
+    excitation: Vec<Complex64>,
+    double: bool,
+}
+
+/// What the means at the cells depend on.
+#[derive(Clone, Debug, PartialEq)]
+struct FormedKey {
+    site: SiteKey,
+    quantity: field::Quantity,
+    excitations: Vec<Vec<Complex64>>,
+    constants: Constants,
+    double: bool,
+}
+
+/// The pressure at the samples, and its slope along the plane's normal; empty where no part needs them.
+#[derive(Clone, Debug, Default)]
+struct Samples {
+    pressure: Vec<Complex32>,
+    normal: Vec<Complex32>,
+}
+
+impl Samples {
+    fn of(&self, part: Part) -> &[Complex32] {
+        match part {
+            Part::Pressure | Part::AlongX | Part::AlongY => &self.pressure,
+            Part::Normal => &self.normal,
+        }
+    }
+}
+
+/// The parts of the sound at a lattice, in their order; kept for the next drive, since fresh memory costs more than the work
+/// on it.
 #[derive(Debug, Default)]
-pub(super) struct Superposition {
-    transfer: Kept<Setting, Option<Transfer>>,
+struct Lattice(Vec<Vec<Complex32>>);
+
+impl Lattice {
+    fn resize(&mut self, parts: u8, count: usize) {
+        self.0.resize_with(parts.count_ones() as usize, Vec::new);
+        self.0.iter_mut().for_each(|part| part.resize(count, Complex32::ZERO));
+    }
+
+    fn sounds(&self, parts: u8, places: Range<usize>) -> Sounds<'_> {
+        Sounds::of(parts, self.0.iter().map(|part| &part[places.clone()]))
+    }
+
+    fn sound(&self, parts: u8, place: usize) -> Sound {
+        let mut sound = Sound::default();
+        for (part, values) in Part::of(parts).zip(&self.0) {
+            *sound.part_mut(part) = values[place];
+        }
+        sound
+    }
+}
+
+/// Sums over the elements at the samples of a plan, from tables where there is room for them.
+#[derive(Debug, Default)]
+struct Superposition {
+    pressure: Kept<Setting, Option<Transfer>>,
+    normal: Kept<Setting, Option<Transfer>>,
 }
 
 impl Superposition {
-    pub(super) fn forget(&mut self) {
-        self.transfer.key = None;
-    }
-
-    /// Complex pressure (Pa, peak) at the samples for every drive.
-    pub(super) fn at(
+    /// One part of the sound at the samples, for every drive.
+    fn at(
         &mut self,
-        setting: &Setting,
+        job: &Job<'_>,
         grid: &Grid,
-        aperture: &Aperture,
         drives: &[Drive],
+        part: Part,
         double: bool,
         work: &mut Work,
     ) -> Vec<Vec<Complex32>> {
         work.superposition += 1;
-        let each = |drive: &Drive| field::on_cpu(aperture, drive, &grid.samples, double);
+        let aperture = &job.request.aperture;
+        let each = |drive: &Drive| part_on_cpu(aperture, drive, &grid.samples, part, job.site.axes, double);
         if double {
             return drives.iter().map(each).collect();
         }
-        let table = self.transfer.update(setting, |table| {
+        let setting = &job.site.sampled;
+        let (kept, direction) = match part {
+            Part::Pressure | Part::AlongX | Part::AlongY => (&mut self.pressure, None),
+            Part::Normal => (&mut self.normal, Some(job.site.axes[2])),
+        };
+        let table = kept.update(setting, |table| {
             let layout = Layout::new(&setting.aperture, grid);
-            let wave = Wave::new(&setting.aperture, &grid.samples).filter(|_| layout.fits(TABLE_CEILING));
-            work.transfer += u64::from(wave.is_some());
-            let old = table.take();
-            *table = wave.map(|wave| Transfer::new(&setting.aperture, &wave, layout, old));
+            let is_possible = layout.fits(TABLE_CEILING) && Wave::new(&setting.aperture, &grid.samples).is_some();
+            work.transfer += u64::from(is_possible);
+            let old = table.take().filter(|_| is_possible);
+            if is_possible {
+                *table = Transfer::of_part(&setting.aperture, grid, direction, old);
+            }
         });
         let Some(table) = table else { return drives.iter().map(each).collect() };
         let excitations: Vec<_> = drives.iter().map(|drive| excitation(aperture, drive)).collect();
@@ -60,62 +144,324 @@ impl Superposition {
     }
 }
 
+/// What was made, and what of it is compared with the reference.
+pub(super) struct Made {
+    pub(super) peak: f32,
+    pub(super) at_probes: AtProbes,
+    /// What the error is relative to.
+    pub(super) relative_to: f32,
+}
+
 impl OnCpu {
     pub(super) fn forget(&mut self) {
-        self.superposition.forget();
-        self.samples.key = None;
-        self.picture.key = None;
+        let old = std::mem::take(self);
+        let Self { mut superposition, mut samples, mut at_pixels, at_cells, between, .. } = old;
+        (superposition.pressure.key, superposition.normal.key) = (None, None);
+        (samples.key, at_pixels.key) = (None, None);
+        *self = Self { superposition, samples, at_pixels, at_cells, between, ..Self::default() };
     }
 
-    /// Makes the pixels.
-    pub(super) fn pixels(&mut self, job: &Job<'_>, double: bool, work: &mut Work) {
-        let raster = job.raster;
-        self.field.resize(raster.len(), Complex32::ZERO);
-        let pixels_of = |rows: &Range<usize>| rows.start * raster.width..rows.end * raster.width;
-        for rows in raster.direct() {
+    /// Makes the values of all pixels.
+    pub(super) fn values(
+        &mut self,
+        job: &Job<'_>,
+        double: bool,
+        values: &mut Vec<f32>,
+        work: &mut Work,
+    ) -> Made {
+        let (width, height) = job.request.size;
+        values.resize(width * height, 0.0);
+        match job.frame {
+            Frame::Pixels { raster, weights } => {
+                self.by_pixels(job, (raster, weights.as_ref()), double, values, work)
+            }
+            Frame::Cells { to_pixels } => self.by_cells(job, to_pixels, double, values, work),
+        }
+    }
+
+    /// From the sound at the pixels.
+    fn by_pixels(
+        &mut self,
+        job: &Job<'_>,
+        (raster, weights): (&Raster, Option<&Weights>),
+        double: bool,
+        values: &mut [f32],
+        work: &mut Work,
+    ) -> Made {
+        let request = job.request;
+        let (parts, constants) = (job.key.parts, request.constants());
+        let declaration = request.quantity.declaration();
+        let drives = request.counted();
+        let factor = request.part as f32 / drives.len() as f32;
+        let rows_together = (BAND / raster.width).max(1);
+        let mut sounds = vec![Sound::default(); job.probes.places.len()];
+        let (mut loudest, mut largest) = (0.0f32, 0.0f32);
+        if drives.len() > 1 {
+            values.fill(0.0);
+        }
+        for drive in drives {
+            let key = SampledKey {
+                site: job.key.clone(),
+                excitation: excitation(&request.aperture, drive),
+                double,
+            };
+            for first in (0..raster.height).step_by(rows_together) {
+                let rows = first..raster.height.min(first + rows_together);
+                let pixels = rows.start * raster.width..rows.end * raster.width;
+                let lattice_key = (key.clone(), request.size);
+                if rows != (0..raster.height) || !self.at_pixels.is_of(&lattice_key) {
+                    self.at_pixels.key = None;
+                    self.fill_pixels(job, drive, &key, (raster, weights), rows.clone(), work);
+                    self.at_pixels.key = (rows == (0..raster.height)).then_some(lattice_key);
+                }
+                let lattice = &self.at_pixels.value;
+                work.forming += 1;
+                let of_run = |(run, values): (usize, &mut [f32])| {
+                    let places = run * RUN..run * RUN + values.len();
+                    let sounds = lattice.sounds(parts, places);
+                    if drives.len() == 1 {
+                        (declaration.formula)(sounds, &constants, values);
+                        return finish(values, factor, declaration.is_root);
+                    }
+                    let mut of_drive = [0.0; RUN];
+                    let of_drive = &mut of_drive[..values.len()];
+                    (declaration.formula)(sounds, &constants, of_drive);
+                    values.iter_mut().zip(of_drive).for_each(|(value, of_drive)| *value += *of_drive);
+                    0.0
+                };
+                let runs = values[pixels.clone()].par_chunks_mut(RUN).enumerate().with_min_len(4);
+                largest = largest.max(runs.map(of_run).reduce(|| 0.0, f32::max));
+                for (sound, place) in sounds.iter_mut().zip(&job.probes.places) {
+                    if pixels.contains(place) {
+                        *sound = lattice.sound(parts, place - pixels.start);
+                    }
+                }
+                if declaration.norm == Norm::Pressure {
+                    loudest = loudest.max(field::peak(&lattice.0[0]));
+                }
+            }
+        }
+        if drives.len() > 1 {
+            let runs = values.par_chunks_mut(RUN).with_min_len(16);
+            largest = runs.map(|values| finish(values, factor, declaration.is_root)).reduce(|| 0.0, f32::max);
+        }
+        let peak = if declaration.norm == Norm::Pressure { loudest } else { largest };
+        let sounds = (drives.len() == 1).then_some(sounds);
+        Made { peak, at_probes: AtProbes { values: at(values, &job.probes.places), sounds }, relative_to: peak }
+    }
+
+    /// The sound of a drive at some rows of pixels.
+    fn fill_pixels(
+        &mut self,
+        job: &Job<'_>,
+        drive: &Drive,
+        key: &SampledKey,
+        (raster, weights): (&Raster, Option<&Weights>),
+        rows: Range<usize>,
+        work: &mut Work,
+    ) {
+        let parts = job.key.parts;
+        let Self { superposition, samples, at_pixels, between, .. } = self;
+        let width = raster.width;
+        let within = |some: Range<usize>| some.start.max(rows.start)..some.end.min(rows.end);
+        at_pixels.value.resize(parts, rows.len() * width);
+        let of = |rows_: &Range<usize>| (rows_.start - rows.start) * width..(rows_.end - rows.start) * width;
+        let axes = job.site.axes;
+        for direct in raster.direct().map(within).filter(|rows| !rows.is_empty()) {
             work.superposition += 1;
-            let evaluated = job.evaluate(&raster.pixel_rows(rows.clone()), double);
-            self.field[pixels_of(&rows)].copy_from_slice(&evaluated);
+            let places = raster.pixel_rows(direct.clone());
+            for (part, values) in Part::of(parts).zip(&mut at_pixels.value.0) {
+                let sound = part_on_cpu(&job.request.aperture, drive, &places, part, axes, key.double);
+                values[of(&direct)].copy_from_slice(&sound);
+            }
         }
-        if let Some(grid) = job.grid() {
-            self.sample(job, grid, double, work);
-            work.interpolation += 1;
+        let interpolated = within(raster.interpolated.clone());
+        let (Some(grid), Some(weights)) = (&job.site.plan.grid, weights) else { return };
+        if interpolated.is_empty() {
+            return;
+        }
+        let samples = samples.update(key, |samples| {
+            *samples = sampled(superposition, job, grid, std::slice::from_ref(drive), key.double, work)
+                .swap_remove(0);
+        });
+        work.interpolation += 1;
+        let first = raster.interpolated.start;
+        for (part, values) in Part::of(parts).zip(&mut at_pixels.value.0) {
+            let [across, up] = weights.of(part);
+            let some;
+            let up = if interpolated.len() == weights.rows() {
+                up
+            } else {
+                some = up.part(interpolated.start - first..interpolated.end - first);
+                &some
+            };
             let columns = grid.samples.columns.len();
-            let pixels = &mut self.field[pixels_of(&raster.interpolated)];
-            interpolate(&self.samples.value, columns, &raster.across, &raster.up, &mut self.between, pixels);
+            interpolate(samples.of(part), columns, across, up, between, &mut values[of(&interpolated)]);
         }
     }
 
-    fn sample(&mut self, job: &Job<'_>, grid: &Grid, double: bool, work: &mut Work) {
-        let sounding = &job.drawn.sounding;
-        let Self { superposition, samples, .. } = self;
-        samples.update(&(sounding.clone(), double), |samples| {
-            let Wanted { aperture, drive, .. } = job.wanted;
-            let drives = std::slice::from_ref(drive);
-            *samples =
-                superposition.at(&sounding.setting, grid, aperture, drives, double, work).swap_remove(0);
+    /// From the cells, which hold the mean of the formula or a liquid's answer to it.
+    fn by_cells(
+        &mut self,
+        job: &Job<'_>,
+        [across, up]: &[Resampling; 2],
+        double: bool,
+        values: &mut [f32],
+        work: &mut Work,
+    ) -> Made {
+        let Some(filled) = &job.site.cells else { unreachable!("pixels of cells without cells") };
+        let key = FormedKey::new(job, double);
+        self.fill_cells(job, filled, &key, work);
+        let (quantity, part) = (job.request.quantity, job.request.part);
+        let declaration = quantity.declaration();
+        let dent = self.response(job, filled, &key, work);
+        let (shown, part) = match (&job.request.depth, dent) {
+            (Some(depth), Some(_)) => (&depth[..], 1.0),
+            (None, Some(dent)) => (&dent.depth[..], part),
+            (_, None) => (&self.cells.value[..], part),
+        };
+        let cells: Vec<_> = shown.iter().map(|&value| (value * part) as f32).collect();
+        work.interpolation += 1;
+        interpolate(&cells, filled.cells.counts[0], across, up, &mut self.between, values);
+        let runs = values.par_chunks_mut(RUN).with_min_len(16);
+        let peak = runs.map(|values| finish(values, 1.0, declaration.is_root)).reduce(|| 0.0, f32::max);
+        let means = &self.cells.value;
+        let largest = means.iter().fold(0.0f64, |most, mean| most.max(mean.abs()));
+        let places = &job.probes.places;
+        let (values, relative_to) = if declaration.of_liquid {
+            (places.iter().map(|&place| means[place] as f32).collect(), largest as f32)
+        } else {
+            (at(values, places), quantity.value((part * largest) as f32))
+        };
+        Made { peak, at_probes: AtProbes { values, sounds: None }, relative_to }
+    }
+
+    /// The mean of the formula over the drives, at every cell.
+    fn fill_cells(&mut self, job: &Job<'_>, filled: &Filled, key: &FormedKey, work: &mut Work) {
+        let Some(grid) = &job.site.plan.grid else { return };
+        let Self { superposition, at_cells, cells, between, .. } = self;
+        let (parts, constants) = (job.key.parts, job.request.constants());
+        let formula = job.request.quantity.declaration().formula;
+        cells.update(key, |cells| {
+            cells.clear();
+            cells.resize(filled.cells.len(), 0.0);
+            let drives = job.request.counted();
+            let share = 1.0 / drives.len() as f64;
+            for drives in drives.chunks(TOGETHER) {
+                for samples in sampled(superposition, job, grid, drives, key.double, work) {
+                    at_cells.resize(parts, cells.len());
+                    for (part, values) in Part::of(parts).zip(&mut at_cells.0) {
+                        let [across, up] = filled.weights.of(part);
+                        let columns = grid.samples.columns.len();
+                        interpolate(samples.of(part), columns, across, up, between, values);
+                    }
+                    work.forming += 1;
+                    cells.par_chunks_mut(RUN).enumerate().with_min_len(4).for_each(|(run, cells)| {
+                        let mut of_drive = [0.0; RUN];
+                        let of_drive = &mut of_drive[..cells.len()];
+                        let places = run * RUN..run * RUN + cells.len();
+                        formula(at_cells.sounds(parts, places), &constants, of_drive);
+                        for (cell, of_drive) in cells.iter_mut().zip(of_drive) {
+                            *cell += share * f64::from(*of_drive);
+                        }
+                    });
+                }
+            }
         });
     }
 
-    pub(super) fn field(&self) -> &[Complex32] {
-        &self.field
+    /// The liquid's answer to a steady pressure, where that is what is shown.
+    fn response(&mut self, job: &Job<'_>, filled: &Filled, key: &FormedKey, work: &mut Work) -> Option<&Dent> {
+        if !job.request.quantity.declaration().of_liquid {
+            return None;
+        }
+        let Self { tank, response, cells, .. } = self;
+        let tank = tank.update(job.key, |tank| *tank = Some(filled.cells.tank())).as_ref()?;
+        let liquid = &job.request.liquid;
+        Some(response.update(&(key.clone(), liquid.clone()), |dent| {
+            work.response += 1;
+            *dent = tank.dent(liquid, &cells.value);
+        }))
     }
 
-    pub(super) fn colours(&mut self, key: &Painted, peak: f32, work: &mut Work) -> &[[u8; 4]] {
-        self.picture.update(key, |colours| {
-            work.picture += 1;
-            key.colouring.colours(&self.field, peak, colours);
-        })
+    /// The cells of a liquid, and the surface at rest under the steady sound.
+    pub(super) fn surface(&mut self, job: &Job<'_>, double: bool, work: &mut Work) -> Option<(&Tank, &Dent)> {
+        let filled = job.site.cells.as_ref()?;
+        let key = FormedKey::new(job, double);
+        self.fill_cells(job, filled, &key, work);
+        self.response(job, filled, &key, work)?;
+        Some((self.tank.value.as_ref()?, &self.response.value))
+    }
+
+    /// What presses on the plane, from the cells or, where there are none, from the values of the pixels.
+    pub(super) fn pressed(&mut self, job: &Job<'_>, values: &[f32], double: bool, work: &mut Work) -> Pressed {
+        let (size, part) = (job.request.plane.size, job.request.part);
+        let Some(filled) = &job.site.cells else {
+            let area = size.x * size.y / values.len() as f64;
+            let sum: f64 = values.iter().map(|&value| f64::from(value)).sum();
+            return Pressed { force: sum * area * part, dent: None };
+        };
+        let key = FormedKey::new(job, double);
+        self.fill_cells(job, filled, &key, work);
+        let force = part * filled.cells.integral(size, self.cells.value.iter().copied());
+        let dent = self.response(job, filled, &key, work).map(|dent| dent.times(part));
+        Pressed { force, dent }
     }
 }
 
-impl Job<'_> {
-    /// The samples that pixels are interpolated from, if any are.
-    pub(super) fn grid(&self) -> Option<&Grid> {
-        self.plan.grid.as_ref().filter(|_| !self.raster.interpolated.is_empty())
+impl FormedKey {
+    fn new(job: &Job<'_>, double: bool) -> Self {
+        Self {
+            site: job.key.clone(),
+            quantity: job.request.quantity,
+            excitations: job.request.excitations(),
+            constants: job.request.constants(),
+            double,
+        }
     }
+}
 
-    fn evaluate(&self, samples: &Samples, double: bool) -> Vec<Complex32> {
-        field::on_cpu(self.wanted.aperture, self.wanted.drive, samples, double)
+/// The samples of every drive that the parts are made of.
+fn sampled(
+    superposition: &mut Superposition,
+    job: &Job<'_>,
+    grid: &Grid,
+    drives: &[Drive],
+    double: bool,
+    work: &mut Work,
+) -> Vec<Samples> {
+    let mut needs = |normal: bool| {
+        let part = Part::of(job.key.parts).find(|&part| (part == Part::Normal) == normal);
+        match part {
+            Some(part) => superposition.at(job, grid, drives, part, double, work),
+            None => vec![Vec::new(); drives.len()],
+        }
+    };
+    let (pressures, normals) = (needs(false), needs(true));
+    let pairs = pressures.into_iter().zip(normals);
+    pairs.map(|(pressure, normal)| Samples { pressure, normal }).collect()
+}
+
+/// The values at some places.
+fn at(values: &[f32], places: &[usize]) -> Vec<f32> {
+    places.iter().map(|&place| values[place]).collect()
+}
+
+/// From sums of the formula to values in place, and the largest magnitude.
+fn finish(values: &mut [f32], factor: f32, is_root: bool) -> f32 {
+    const LANES: usize = 16;
+    let value = |sum: f32| if is_root { (factor * sum.max(0.0)).sqrt() } else { factor * sum };
+    let mut largest = [0.0f32; LANES];
+    let (runs, rest) = values.as_chunks_mut::<LANES>();
+    for run in runs {
+        for (sum, largest) in run.iter_mut().zip(&mut largest) {
+            *sum = value(*sum);
+            *largest = largest.max(sum.abs());
+        }
     }
+    for sum in rest {
+        *sum = value(*sum);
+        largest[0] = largest[0].max(sum.abs());
+    }
+    largest.into_iter().fold(0.0, f32::max)
 }

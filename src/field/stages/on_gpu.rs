@@ -1,117 +1,169 @@
-//! The stages on the GPU; only the peak, some probed pixels and what is asked for leave it.
+//! The stages on the GPU. What leaves it is what is asked for: figures for panels, or the values of all pixels.
 
-use num_complex::Complex32;
+use num_complex::Complex64;
 
-use crate::field::gpu::{GpuField, GpuResampling};
-use crate::field::plan::Grid;
-use crate::field::stages::{Frame, Job, Kept, Painted, Sounding, Work};
-use crate::field::{Gpu, GpuError, Quantity, Samples, Sources};
+use crate::field::gpu::chain::Figures;
+use crate::field::gpu::{Chain, Shape, Texture};
+use crate::field::quantity::{Constants, Part, Quantity};
+use crate::field::stages::kept::Kept;
+use crate::field::stages::probes::AtProbes;
+use crate::field::stages::request::excitation;
+use crate::field::stages::site::{Frame, SiteKey};
+use crate::field::stages::{By, Job, Map, Work};
+use crate::field::{Colouring, Gpu, GpuError};
 
 #[derive(Debug)]
 pub(super) struct OnGpu {
-    pub(super) gpu: Gpu,
-    samples: Kept<Sounding, Option<GpuField>>,
-    resampling: Kept<Frame, Option<GpuResampling>>,
-    field: GpuField,
-    picture: Kept<Painted, Vec<[u8; 4]>>,
+    gpu: Gpu,
+    chain: Kept<ChainKey, Option<Chain>>,
+    /// What lies on the GPU.
+    formed: Option<Formed>,
+}
+
+/// What the passes depend on.
+#[derive(Clone, Debug, PartialEq)]
+struct ChainKey {
+    site: SiteKey,
+    quantity: Quantity,
+    size: (usize, usize),
+}
+
+/// What the values depend on.
+#[derive(Clone, Debug, PartialEq)]
+struct Formed {
+    excitation: Vec<Complex64>,
+    constants: Constants,
+    part: f64,
+}
+
+/// How far the GPU is with a map.
+pub(super) enum Progress {
+    /// It has no room for it, or f32 does not keep the tolerance.
+    Declined,
+    UnderWay,
+    Made(Map),
 }
 
 impl OnGpu {
     pub(super) fn new(gpu: Gpu) -> Self {
-        Self {
-            gpu,
-            samples: Kept::default(),
-            resampling: Kept::default(),
-            field: GpuField::default(),
-            picture: Kept::default(),
-        }
+        Self { gpu, chain: Kept::default(), formed: None }
+    }
+
+    pub(super) fn gpu(&self) -> &Gpu {
+        &self.gpu
     }
 
     pub(super) fn forget(&mut self) {
-        self.samples.key = None;
-        self.resampling.key = None;
-        self.picture.key = None;
+        self.chain.key = None;
+        self.formed = None;
     }
 
-    /// Makes the pixels; `false` where f32 is not right at some of them, has no room for the elements or a buffer none for the samples.
-    pub(super) fn pixels(&mut self, job: &Job<'_>, work: &mut Work) -> Result<bool, GpuError> {
-        let raster = job.raster;
-        self.field = GpuField::default();
-        for (rows, interpolated) in [
-            (0..raster.interpolated.start, false),
-            (raster.interpolated.clone(), true),
-            (raster.interpolated.end..raster.height, false),
-        ] {
-            if rows.is_empty() {
-                continue;
-            }
-            let part = match job.grid().filter(|_| interpolated) {
-                Some(grid) => self.interpolated(job, grid, work)?,
-                None => {
-                    work.superposition += 1;
-                    self.evaluated(job, &raster.pixel_rows(rows))?
-                }
-            };
-            let Some(part) = part else { return Ok(false) };
-            self.field.append(part);
+    /// Brings the values up to date on the GPU; `false` where it declines.
+    fn form(&mut self, job: &Job<'_>, work: &mut Work) -> Result<bool, GpuError> {
+        let [drive] = job.request.counted() else { return Ok(false) };
+        let Frame::Pixels { raster, weights } = job.frame else { return Ok(false) };
+        if job.site.plan.double {
+            return Ok(false);
         }
+        let request = job.request;
+        let key = ChainKey { site: job.key.clone(), quantity: request.quantity, size: request.size };
+        let Self { gpu, chain, formed } = self;
+        if !chain.is_of(&key) {
+            *formed = None;
+        }
+        chain.update(&key, |chain| {
+            let grid = job.site.plan.grid.as_ref().zip(weights.as_ref());
+            let interpolated = grid.map(|(grid, weights)| {
+                let weights = Part::of(job.key.parts).map(|part| weights.of(part)).collect();
+                (&grid.samples, raster.interpolated.clone(), weights)
+            });
+            let direct = raster.direct().map(|rows| (rows.start, raster.pixel_rows(rows)));
+            let shape = Shape {
+                aperture: &job.key.setting.aperture,
+                quantity: request.quantity,
+                size: request.size,
+                interpolated,
+                direct: direct.collect(),
+                normal: job.site.axes[2],
+                probes: &job.probes.places,
+            };
+            *chain = Chain::new(gpu, &shape);
+        });
+        let Some(chain) = &mut chain.value else { return Ok(false) };
+        let wanted = Formed {
+            excitation: excitation(&request.aperture, drive),
+            constants: request.constants(),
+            part: request.part,
+        };
+        if formed.as_ref() != Some(&wanted) {
+            let is_new = formed.as_ref().is_none_or(|formed| formed.excitation != wanted.excitation);
+            if is_new {
+                work.superposition += 1;
+                work.interpolation += u64::from(weights.is_some());
+            }
+            work.forming += 1;
+            let drive = is_new.then_some((&request.aperture, drive));
+            chain.run(gpu, drive, &wanted.constants, wanted.part as f32);
+            *formed = Some(wanted);
+        }
+        gpu.check()?;
         Ok(true)
     }
 
-    fn evaluated(&self, job: &Job<'_>, samples: &Samples) -> Result<Option<GpuField>, GpuError> {
-        let sources = Sources::new(job.wanted.aperture, job.wanted.drive, samples);
-        let sources = sources.filter(|sources| sources.beside_rims(samples).is_empty());
-        sources.map(|sources| self.gpu.pressure(&sources, samples)).transpose()
+    /// Starts on a map's values, or looks whether they are there, and may `wait` for them.
+    pub(super) fn map(&mut self, job: &Job<'_>, wait: bool, work: &mut Work) -> Result<Progress, GpuError> {
+        if !self.form(job, work)? {
+            return Ok(Progress::Declined);
+        }
+        let Self { gpu, chain, .. } = self;
+        let Some(chain) = &mut chain.value else { return Ok(Progress::Declined) };
+        chain.ask_for_values(gpu);
+        let Some((values, figures)) = chain.values(gpu, wait)? else { return Ok(Progress::UnderWay) };
+        let error = error(job, &figures);
+        if job.is_too_far_off(error) {
+            return Ok(Progress::Declined);
+        }
+        Ok(Progress::Made(job.described(values, figures.peak, error, By::Gpu)))
     }
 
-    fn interpolated(
+    /// The map in colours on the GPU; `None` where it declines.
+    pub(super) fn picture(
         &mut self,
         job: &Job<'_>,
-        grid: &Grid,
+        colouring: &Colouring,
         work: &mut Work,
-    ) -> Result<Option<GpuField>, GpuError> {
-        self.sample(job, grid, work)?;
-        let columns = grid.samples.columns.len();
-        let resampling = self.resampling.update(&job.drawn.frame(), |resampling| {
-            *resampling = self.gpu.resampling(&job.raster.across, &job.raster.up, columns);
-        });
-        let (Some(samples), Some(resampling)) = (&self.samples.value, resampling) else { return Ok(None) };
-        let interpolated = self.gpu.interpolate(samples, resampling)?;
-        work.interpolation += u64::from(interpolated.is_some());
-        Ok(interpolated)
-    }
-
-    /// Superposition at the samples.
-    fn sample(&mut self, job: &Job<'_>, grid: &Grid, work: &mut Work) -> Result<(), GpuError> {
-        let sounding = &job.drawn.sounding;
-        if self.samples.key.as_ref() != Some(sounding) {
-            work.superposition += 1;
-            let value = self.evaluated(job, &grid.samples)?;
-            self.samples = Kept { key: Some(sounding.clone()), value };
+    ) -> Result<Option<Texture>, GpuError> {
+        let most = self.gpu.device().limits().max_texture_dimension_2d as usize;
+        let (width, height) = job.request.size;
+        if width.max(height) > most || !self.form(job, work)? {
+            return Ok(None);
         }
-        Ok(())
+        let Self { gpu, chain, .. } = self;
+        let Some(chain) = &mut chain.value else { return Ok(None) };
+        let (texture, is_new) = chain.paint(gpu, colouring);
+        work.picture += u64::from(is_new);
+        gpu.check()?;
+        Ok(Some(texture))
     }
 
-    /// The largest |P| (Pa) and the pressure at some pixels.
-    pub(super) fn measure(&self, pixels: &[usize]) -> Result<(f32, Vec<Complex32>), GpuError> {
-        self.gpu.measure(&self.field, Quantity::Rms, pixels)
+    /// A map without its values, as soon as its figures have come back; never waits.
+    pub(super) fn figures(&mut self, job: &Job<'_>) -> Result<Option<(Map, Option<f64>)>, GpuError> {
+        let Self { gpu, chain, .. } = self;
+        let Some(chain) = &mut chain.value else { return Ok(None) };
+        let Some(figures) = chain.figures(gpu)? else { return Ok(None) };
+        let map = job.described(Vec::new(), figures.peak, error(job, &figures), By::Gpu);
+        Ok(Some((map, figures.seconds)))
     }
+}
 
-    pub(super) fn read(&self) -> Result<Vec<Complex32>, GpuError> {
-        self.gpu.read(&self.field)
-    }
-
-    pub(super) fn colours(
-        &mut self,
-        key: &Painted,
-        peak: f32,
-        work: &mut Work,
-    ) -> Result<&[[u8; 4]], GpuError> {
-        let Self { gpu, field, picture, .. } = self;
-        let colours = picture.try_update(key, |colours| {
-            work.picture += 1;
-            gpu.colours(field, &key.colouring, peak, colours)
-        })?;
-        Ok(colours)
-    }
+fn error(job: &Job<'_>, figures: &Figures) -> f64 {
+    let (quantity, constants) = (job.request.quantity, job.request.constants());
+    let factor = job.request.part as f32;
+    let value = |sound| {
+        let mean = quantity.of(sound, &constants);
+        if quantity.declaration().is_root { mean } else { factor * mean }
+    };
+    let values = figures.sounds.iter().map(|&sound| value(sound)).collect();
+    let at_probes = AtProbes { values, sounds: Some(figures.sounds.clone()) };
+    job.probes.error(job.request, &at_probes, figures.peak)
 }

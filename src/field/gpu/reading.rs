@@ -1,0 +1,86 @@
+//! What is on its way back from the GPU.
+
+use std::sync::{Arc, OnceLock};
+
+use wgpu::BufferUsages;
+
+use crate::field::gpu::{Gpu, GpuError};
+
+/// How long one submission may take.
+const TIMEOUT: std::time::Duration = std::time::Duration::from_secs(120);
+
+/// Memory that the CPU can read, and what was copied there last.
+#[derive(Debug)]
+pub struct Reading {
+    staging: wgpu::Buffer,
+    /// Whether the copy has arrived; `None` while none is asked for.
+    arrived: Option<Arrival>,
+}
+
+type Arrival = Arc<OnceLock<Result<(), wgpu::BufferAsyncError>>>;
+
+impl Reading {
+    /// Room for so many bytes.
+    pub(super) fn with_room(gpu: &Gpu, bytes: u64) -> Self {
+        let usage = BufferUsages::MAP_READ | BufferUsages::COPY_DST;
+        Self { staging: gpu.buffer("staging", bytes, usage), arrived: None }
+    }
+
+    /// A copy of a whole buffer after what the encoder holds.
+    pub(super) fn new(gpu: &Gpu, encoder: wgpu::CommandEncoder, buffer: &wgpu::Buffer) -> Self {
+        let mut reading = Self::with_room(gpu, buffer.size());
+        reading.ask(gpu, encoder, &[buffer]);
+        reading
+    }
+
+    /// Whether nothing is on its way, so that it can be used again.
+    pub(super) fn is_free(&self) -> bool {
+        self.arrived.is_none()
+    }
+
+    /// Submits what the encoder holds, and asks for a copy of whole buffers, one after the other.
+    pub(super) fn ask(&mut self, gpu: &Gpu, mut encoder: wgpu::CommandEncoder, buffers: &[&wgpu::Buffer]) {
+        let mut place = 0;
+        for buffer in buffers {
+            encoder.copy_buffer_to_buffer(buffer, 0, &self.staging, place, buffer.size());
+            place += buffer.size();
+        }
+        gpu.submit(encoder);
+        let arrived = Arrival::default();
+        self.arrived = Some(arrived.clone());
+        self.staging.map_async(wgpu::MapMode::Read, .., move |result| {
+            // Nothing else sets it.
+            arrived.set(result).ok();
+        });
+    }
+
+    /// The bytes, if they are there; never waits.
+    ///
+    /// # Errors
+    /// The device was lost.
+    pub fn poll(&mut self, gpu: &Gpu) -> Result<Option<Vec<u8>>, GpuError> {
+        gpu.device.poll(wgpu::PollType::Poll).map_err(|e| GpuError::Lost(e.to_string()))?;
+        gpu.check()?;
+        let Some(arrived) = self.arrived.as_ref().and_then(|arrived| arrived.get().cloned()) else {
+            return Ok(None);
+        };
+        arrived.map_err(|e| GpuError::Lost(e.to_string()))?;
+        let view = self.staging.get_mapped_range(..).map_err(|e| GpuError::Lost(e.to_string()))?;
+        let bytes = view.to_vec();
+        drop(view);
+        self.staging.unmap();
+        self.arrived = None;
+        gpu.count(|traffic| traffic.read_back += bytes.len() as u64);
+        Ok(Some(bytes))
+    }
+
+    /// The bytes, after waiting for them.
+    ///
+    /// # Errors
+    /// The device was lost, or does not answer.
+    pub fn wait(&mut self, gpu: &Gpu) -> Result<Vec<u8>, GpuError> {
+        let wait = wgpu::PollType::Wait { submission_index: None, timeout: Some(TIMEOUT) };
+        gpu.device.poll(wait).map_err(|e| GpuError::Lost(e.to_string()))?;
+        self.poll(gpu)?.ok_or_else(|| GpuError::Lost("it did not answer in time".to_owned()))
+    }
+}

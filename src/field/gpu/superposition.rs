@@ -1,0 +1,170 @@
+//! Sums over the elements on the GPU.
+//!
+//! There is no table of transfer values as on the CPU: with llvmpipe, reading a value took three times as long as computing
+//! it, and a real GPU computes faster still.
+
+use std::ops::Range;
+
+use bytemuck::Zeroable;
+use num_complex::Complex32;
+use wgpu::BufferUsages;
+
+use crate::field::gpu::program::{FieldProgram, Params, Program, UNIFORM_ELEMENTS, WORKGROUP};
+use crate::field::gpu::{Gpu, GpuError, Reading, Step};
+use crate::field::sources::MOST_NODES;
+use crate::field::{Samples, Sources, Wave};
+
+/// The elements that sound, as programs read them: for all superpositions of a map.
+#[derive(Debug)]
+pub(super) struct Elements {
+    buffer: wgpu::Buffer,
+    room: usize,
+}
+
+impl Elements {
+    /// Room for so many.
+    pub(super) fn with_room(gpu: &Gpu, room: usize) -> Self {
+        let (length, usage) = match room {
+            0..=UNIFORM_ELEMENTS => (UNIFORM_ELEMENTS, BufferUsages::UNIFORM),
+            _ => (room, BufferUsages::STORAGE),
+        };
+        let buffer = gpu.buffer("elements", (length * 16) as u64, usage | BufferUsages::COPY_DST);
+        Self { buffer, room }
+    }
+
+    pub(super) fn write(&self, gpu: &Gpu, elements: &[[f32; 4]]) {
+        gpu.queue.write_buffer(&self.buffer, 0, bytemuck::cast_slice(elements));
+    }
+}
+
+/// Runs that add the waves of all elements at some samples to what a buffer holds.
+#[derive(Debug)]
+pub(super) struct Superposition {
+    runs: Vec<Run>,
+}
+
+#[derive(Debug)]
+struct Run {
+    step: Step,
+    params: Params,
+    buffer: wgpu::Buffer,
+    elements: Range<u32>,
+}
+
+impl Superposition {
+    /// For samples that are written from place `written` of `out` on, times a `gain`.
+    pub(super) fn new(
+        gpu: &Gpu,
+        wave: &Wave,
+        elements: &Elements,
+        samples: &Samples,
+        (out, written): (&wgpu::Buffer, u32),
+        gain: f64,
+    ) -> Self {
+        let program = FieldProgram {
+            exact_piston: wave.piston.is_some(),
+            many_elements: elements.room > UNIFORM_ELEMENTS,
+            many_terms: wave.directivity.terms > 8 || wave.decay.terms > 4,
+        };
+        let wide = |points: &[glam::DVec3]| -> Vec<[f32; 4]> {
+            points.iter().map(|p| [p.x as f32, p.y as f32, p.z as f32, wave.turns(p.z)]).collect()
+        };
+        let storage = |label, values: &[[f32; 4]]| {
+            gpu.filled(label, bytemuck::cast_slice(values), BufferUsages::STORAGE)
+        };
+        let (columns, rows) =
+            (storage("columns", &wide(&samples.columns)), storage("rows", &wide(&samples.rows)));
+        let nodes = wave.piston.as_ref().map(|piston| {
+            let mut nodes: Vec<_> = piston.nodes.iter().map(|&[cos, sin2]| [cos, sin2, 0.0, 0.0]).collect();
+            nodes.resize(MOST_NODES, [0.0; 4]);
+            gpu.filled("nodes", bytemuck::cast_slice(&nodes), BufferUsages::UNIFORM)
+        });
+        let common = Params { gain: gain as f32, ..params(wave, samples) };
+        let rounds = 1 + 2 * common.nodes + if program.many_terms { 2 * (4 + 3) } else { 0 };
+        let (room, count) = (elements.room as u32, samples.len() as u32);
+        let mut runs = Vec::new();
+        for first_element in (0..room).step_by((gpu.tuning.most_rounds / rounds) as usize) {
+            let elements_ = first_element..room.min(first_element + gpu.tuning.most_rounds / rounds);
+            let length = (gpu.tuning.most_pairs / elements_.len() as u64).min(u64::from(count)) as u32;
+            for first in (0..count).step_by(length as usize) {
+                let params = Params {
+                    first,
+                    count: length.min(count - first),
+                    written: written + first,
+                    ..common
+                };
+                let buffer = gpu.params(bytemuck::bytes_of(&params));
+                let mut bindings = vec![
+                    (0, buffer.as_entire_binding()),
+                    (1, elements.buffer.as_entire_binding()),
+                    (2, columns.as_entire_binding()),
+                    (3, rows.as_entire_binding()),
+                    (4, out.as_entire_binding()),
+                ];
+                bindings.extend(nodes.as_ref().map(|nodes| (5, nodes.as_entire_binding())));
+                let groups = params.count.div_ceil(WORKGROUP * gpu.tuning.samples_per_invocation());
+                let mut step = gpu.step(Program::Field(program), &bindings, (groups, 1));
+                step.pairs = u64::from(params.count) * elements_.len() as u64;
+                runs.push(Run { step, params, buffer, elements: elements_.clone() });
+            }
+        }
+        Self { runs }
+    }
+
+    /// Sets how many elements sound.
+    pub(super) fn set(&mut self, gpu: &Gpu, sounding: u32) {
+        for Run { params, buffer, elements, .. } in &mut self.runs {
+            (params.first_element, params.last_element) =
+                (elements.start.min(sounding), elements.end.min(sounding));
+            gpu.queue.write_buffer(buffer, 0, bytemuck::bytes_of(params));
+        }
+    }
+
+    pub(super) fn steps(&self) -> impl Iterator<Item = &Step> {
+        self.runs.iter().map(|run| &run.step)
+    }
+}
+
+/// The field of sources at samples, in pieces that fit a buffer.
+pub(super) fn pressure(
+    gpu: &Gpu,
+    sources: &Sources,
+    samples: &Samples,
+) -> Result<Vec<Complex32>, GpuError> {
+    let elements = Elements::with_room(gpu, sources.elements.len().max(1));
+    elements.write(gpu, &sources.elements);
+    let most = (gpu.buffer_limit / 8) as usize;
+    let (mut field, columns) = (Vec::with_capacity(samples.len()), samples.columns.len());
+    let rows_together = (most / columns).max(1).min(samples.rows.len());
+    for rows in samples.rows.chunks(rows_together) {
+        for columns in samples.columns.chunks(most / rows.len()) {
+            let piece = Samples { columns: columns.to_vec(), rows: rows.to_vec() };
+            let out = gpu.storage("pressure", (piece.len() * 8) as u64);
+            let mut runs = Superposition::new(gpu, &sources.wave, &elements, &piece, (&out, 0), 1.0);
+            runs.set(gpu, sources.elements.len() as u32);
+            for step in runs.steps() {
+                let mut encoder = gpu.encoder();
+                step.run(&mut encoder.begin_compute_pass(&Default::default()));
+                gpu.submit(encoder);
+            }
+            let bytes = Reading::new(gpu, gpu.encoder(), &out).wait(gpu)?;
+            field.extend_from_slice(bytemuck::cast_slice(&bytes));
+        }
+    }
+    Ok(field)
+}
+
+fn params(wave: &Wave, samples: &Samples) -> Params {
+    let (radius, nodes) = wave.piston.as_ref().map_or((0.0, 0), |piston| (piston.radius, piston.nodes.len()));
+    Params {
+        directivity: bytemuck::cast(wave.directivity.coefficients),
+        decay: bytemuck::cast(wave.decay.coefficients),
+        decay_scale: wave.decay_scale,
+        turns_per_metre: wave.turns_per_metre,
+        columns: samples.columns.len() as u32,
+        nodes: nodes as u32,
+        radius,
+        piston_scale: if nodes > 0 { 2.0 / (radius * nodes as f32) } else { 0.0 },
+        ..Params::zeroed()
+    }
+}

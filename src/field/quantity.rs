@@ -1,0 +1,516 @@
+//! What can be shown of a field. A quantity is declared once: what it is made of, its formula in Rust and in WGSL, its
+//! unit and range, and how people call it.
+//!
+//! A formula gives one real number at one point from the sound of one drive there. Numbers of several drives are
+//! averaged; the root is taken of that mean where the quantity is an RMS value, or a liquid answers to it.
+
+use std::f64::consts::{PI, TAU};
+
+use num_complex::{Complex32, Complex64};
+
+use crate::acoustics::Air;
+use crate::simd::{Instructions, Isa, Kernel};
+
+/// The sound of one drive at a point: complex peak amplitudes.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Sound {
+    /// Pa
+    pub p: Complex32,
+    /// Slopes of the pressure along the plane's first axis, its second, and its normal; Pa/m.
+    pub x: Complex32,
+    pub y: Complex32,
+    pub n: Complex32,
+}
+
+impl Sound {
+    pub fn part_mut(&mut self, part: Part) -> &mut Complex32 {
+        match part {
+            Part::Pressure => &mut self.p,
+            Part::AlongX => &mut self.x,
+            Part::AlongY => &mut self.y,
+            Part::Normal => &mut self.n,
+        }
+    }
+}
+
+/// One of the numbers of a [`Sound`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Part {
+    Pressure,
+    AlongX,
+    AlongY,
+    Normal,
+}
+
+impl Part {
+    /// In the order in which evaluators keep them.
+    pub const ALL: [Self; 4] = [Self::Pressure, Self::AlongX, Self::AlongY, Self::Normal];
+
+    const fn bit(self) -> u8 {
+        1 << self as u8
+    }
+
+    /// The parts that are named by their bits.
+    pub fn of(bits: u8) -> impl Iterator<Item = Self> {
+        Self::ALL.into_iter().filter(move |part| bits & part.bit() != 0)
+    }
+}
+
+/// Bits of parts.
+pub const PRESSURE: u8 = Part::Pressure.bit();
+pub const ALONG: u8 = Part::AlongX.bit() | Part::AlongY.bit();
+pub const NORMAL: u8 = Part::Normal.bit();
+
+/// What formulae need to know of the air and of the moment.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Constants {
+    /// 1/(ρc²), 1/Pa
+    pub of_pressure: f32,
+    /// 1/(ρω²), m²/Pa
+    pub of_gradient: f32,
+    /// 1/(ρω), m²/(Pa·s): |v| of |∇p|.
+    pub of_velocity: f32,
+    /// e^{jωt} of an instantaneous pressure.
+    pub turn: Complex32,
+}
+
+impl Constants {
+    /// In this air, for a wavenumber (1/m), at the moment ωt (rad).
+    pub fn new(air: &Air, wavenumber: f64, moment: f64) -> Self {
+        let angular = wavenumber * air.sound_speed;
+        Self {
+            of_pressure: (1.0 / (air.density * air.sound_speed.powi(2))) as f32,
+            of_gradient: (1.0 / (air.density * angular * angular)) as f32,
+            of_velocity: (1.0 / (air.density * angular)) as f32,
+            turn: Complex32::cis(moment as f32),
+        }
+    }
+}
+
+/// How values run, and so how they are coloured.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Range {
+    /// From nothing to the largest.
+    Amount,
+    /// From minus the largest to the largest.
+    Signed,
+    /// Once round a turn.
+    Cyclic,
+}
+
+/// What the largest value and the error of a map are of.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Norm {
+    /// Of the value, a norm of the sound: its error is that norm of the sound's error.
+    Value,
+    /// Of |P| (Pa, peak).
+    Pressure,
+    /// Of the value: errors are differences of values.
+    Difference,
+}
+
+/// The unit of a value.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Unit {
+    Pascal,
+    Radian,
+    Metre,
+    WattPerSquareMetre,
+    MetrePerSecond,
+}
+
+impl Unit {
+    /// The factor to the unit that suits values up to `largest`, and its symbol.
+    pub fn scaled(self, largest: f64) -> (f64, &'static str) {
+        match self {
+            Self::Radian => (180.0 / PI, "°"),
+            Self::Metre if largest >= 1e-3 => (1e3, "mm"),
+            Self::Metre => (1e6, "µm"),
+            Self::Pascal if largest >= 1e3 => (1e-3, "kPa"),
+            Self::Pascal => (1.0, "Pa"),
+            Self::WattPerSquareMetre => (1.0, "W/m²"),
+            Self::MetrePerSecond if largest >= 1.0 => (1.0, "m/s"),
+            Self::MetrePerSecond => (1e3, "mm/s"),
+        }
+    }
+}
+
+/// One quantity. See [`quantities`].
+#[derive(Debug)]
+pub struct Declaration {
+    /// In files and arguments.
+    pub name: &'static str,
+    /// Names that it had.
+    pub aliases: &'static [&'static str],
+    /// On legends.
+    pub title: &'static str,
+    /// In sentences.
+    pub words: &'static str,
+    /// A sentence for who meets it first.
+    pub help: &'static str,
+    pub unit: Unit,
+    pub range: Range,
+    pub norm: Norm,
+    /// Bits of the [`Part`]s that the formula reads.
+    pub parts: u8,
+    /// The formula as Rust has it, for a run of points.
+    pub formula: fn(Sounds<'_>, &Constants, &mut [f32]),
+    /// As WGSL has it: an expression in `s` (a sound) and `c` (the constants).
+    pub wgsl: &'static str,
+    /// A square of the sound: it has twice the band and is linear from there on, so that it may be formed at cells.
+    pub is_square: bool,
+    /// Several drives have a mean of it.
+    pub has_mean: bool,
+    /// The root is taken of the mean.
+    pub is_root: bool,
+    /// dB of a factor of ten.
+    pub decibels: f64,
+    /// Over a motion and an envelope it is the mean that counts.
+    pub is_slow: bool,
+    /// The response of the liquid is shown, and not what presses it.
+    pub of_liquid: bool,
+}
+
+/// The parts of the sound at a run of points; those that a formula does not read are empty.
+#[derive(Clone, Copy, Debug)]
+pub struct Sounds<'a>(pub [&'a [Complex32]; 4]);
+
+impl<'a> Sounds<'a> {
+    /// From the parts in `of` only, in their order.
+    pub fn of(of: u8, parts: impl IntoIterator<Item = &'a [Complex32]>) -> Self {
+        let mut parts = parts.into_iter();
+        Self(std::array::from_fn(|i| if of & 1 << i == 0 { &[][..] } else { parts.next().unwrap_or(&[]) }))
+    }
+}
+
+macro_rules! quantities {
+    ($($(#[$doc:meta])* $quantity:ident {
+        parts: $parts:expr,
+        formula: |$s:ident, $c:ident| $formula:expr,
+        $($field:ident: $value:expr),* $(,)?
+    })*) => {
+        /// What of a field is shown.
+        #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+        pub enum Quantity {
+            $($(#[$doc])* $quantity,)*
+        }
+
+        impl Quantity {
+            pub const ALL: [Self; [$(stringify!($quantity)),*].len()] = [$(Self::$quantity),*];
+
+            pub fn declaration(self) -> &'static Declaration {
+                match self {
+                    $(Self::$quantity => {
+                        const DECLARATION: Declaration = Declaration {
+                            parts: $parts,
+                            formula: |sounds, constants, values| {
+                                let at = |$s: Sound, $c: &Constants| -> f32 { $formula };
+                                Isa::best().run(Along::<_, { $parts }> { sounds, constants, values, at });
+                            },
+                            $($field: $value,)*
+                        };
+                        &DECLARATION
+                    })*
+                }
+            }
+        }
+    };
+}
+
+quantities! {
+    /// |P|/√2, Pa.
+    Rms {
+        parts: PRESSURE,
+        formula: |s, _c| 0.5 * s.p.norm_sqr(),
+        wgsl: "0.5 * dot(s.p, s.p)",
+        name: "rms",
+        aliases: &[],
+        title: "RMS",
+        words: "RMS pressure",
+        help: "RMS pressure of the sound",
+        unit: Unit::Pascal,
+        range: Range::Amount,
+        norm: Norm::Value,
+        is_square: true,
+        has_mean: true,
+        is_root: true,
+        decibels: 20.0,
+        is_slow: false,
+        of_liquid: false,
+    }
+    /// arg P, rad in (-π, π].
+    Phase {
+        parts: PRESSURE,
+        formula: |s, _c| s.p.arg(),
+        wgsl: "atan2(s.p.y, s.p.x)",
+        name: "phase",
+        aliases: &[],
+        title: "Phase",
+        words: "phase",
+        help: "Where in its period the sound is",
+        unit: Unit::Radian,
+        range: Range::Cyclic,
+        norm: Norm::Pressure,
+        is_square: false,
+        has_mean: false,
+        is_root: false,
+        decibels: 20.0,
+        is_slow: false,
+        of_liquid: false,
+    }
+    /// Radiation pressure (Pa) on the plane as a rigid surface, or one of a liquid, which reflects 99.9 % of the sound.
+    ///
+    /// On such a surface the incident pressure P doubles, and only the velocity v along it is left. The mean of
+    /// ⟨p²⟩/(2ρc²) - ρ⟨v²⟩/2 is then |P|²/(ρc²) - |∇P|²/(ρω²), ∇ taken along the surface. For a plane wave at the angle θ this
+    /// is Langevin's 2⟨p²⟩cos²θ/(ρc²).
+    Radiation {
+        parts: PRESSURE | ALONG,
+        formula: |s, c| c.of_pressure * s.p.norm_sqr() - c.of_gradient * (s.x.norm_sqr() + s.y.norm_sqr()),
+        wgsl: "c.of_pressure * dot(s.p, s.p) - c.of_gradient * (dot(s.x, s.x) + dot(s.y, s.y))",
+        name: "radiation",
+        aliases: &[],
+        title: "Radiation",
+        words: "radiation pressure",
+        help: "The steady pressure of the sound on a surface that reflects it",
+        unit: Unit::Pascal,
+        range: Range::Signed,
+        norm: Norm::Difference,
+        is_square: true,
+        has_mean: true,
+        is_root: false,
+        decibels: 10.0,
+        is_slow: true,
+        of_liquid: false,
+    }
+    /// Surface depression (m, positive down) of the liquid whose surface the plane is, under the radiation pressure.
+    Depression {
+        parts: PRESSURE | ALONG,
+        formula: |s, c| c.of_pressure * s.p.norm_sqr() - c.of_gradient * (s.x.norm_sqr() + s.y.norm_sqr()),
+        wgsl: "c.of_pressure * dot(s.p, s.p) - c.of_gradient * (dot(s.x, s.x) + dot(s.y, s.y))",
+        name: "depression",
+        aliases: &["dent"],
+        title: "Depth",
+        words: "surface depression",
+        help: "How deep the sound presses the liquid whose surface the plane is",
+        unit: Unit::Metre,
+        range: Range::Amount,
+        norm: Norm::Difference,
+        is_square: true,
+        has_mean: true,
+        is_root: false,
+        decibels: 10.0,
+        is_slow: true,
+        of_liquid: true,
+    }
+    /// Re{P e^{jωt}} at one moment, Pa.
+    Instantaneous {
+        parts: PRESSURE,
+        formula: |s, c| s.p.re * c.turn.re - s.p.im * c.turn.im,
+        wgsl: "s.p.x * c.turn.x - s.p.y * c.turn.y",
+        name: "instantaneous",
+        aliases: &[],
+        title: "Pressure",
+        words: "instantaneous pressure",
+        help: "The pressure at one moment: the waves as they run, slowed down",
+        unit: Unit::Pascal,
+        range: Range::Signed,
+        norm: Norm::Pressure,
+        is_square: false,
+        has_mean: false,
+        is_root: false,
+        decibels: 20.0,
+        is_slow: false,
+        of_liquid: false,
+    }
+    /// Magnitude of the mean flow of energy, W/m²: |½ Re{P V*}| with V = j∇P/(ρω).
+    Intensity {
+        parts: PRESSURE | ALONG | NORMAL,
+        formula: |s, c| {
+            let flow = |slope: Complex32| s.p.im * slope.re - s.p.re * slope.im;
+            let (x, y, n) = (flow(s.x), flow(s.y), flow(s.n));
+            0.5 * c.of_velocity * (x * x + y * y + n * n).sqrt()
+        },
+        wgsl: "0.5 * c.of_velocity * length(s.p.y * vec3f(s.x.x, s.y.x, s.n.x) - s.p.x * vec3f(s.x.y, s.y.y, s.n.y))",
+        name: "intensity",
+        aliases: &[],
+        title: "Intensity",
+        words: "acoustic intensity",
+        help: "How much power the sound carries through a square metre, in whichever direction",
+        unit: Unit::WattPerSquareMetre,
+        range: Range::Amount,
+        norm: Norm::Difference,
+        is_square: false,
+        has_mean: true,
+        is_root: false,
+        decibels: 10.0,
+        is_slow: false,
+        of_liquid: false,
+    }
+    /// RMS particle velocity along the plane's normal, m/s: |∂P/∂n|/(√2 ρω).
+    Velocity {
+        parts: NORMAL,
+        formula: |s, c| 0.5 * c.of_velocity * c.of_velocity * s.n.norm_sqr(),
+        wgsl: "0.5 * c.of_velocity * c.of_velocity * dot(s.n, s.n)",
+        name: "velocity",
+        aliases: &[],
+        title: "Velocity",
+        words: "RMS particle velocity",
+        help: "RMS velocity of the air along the plane's normal",
+        unit: Unit::MetrePerSecond,
+        range: Range::Amount,
+        norm: Norm::Value,
+        is_square: true,
+        has_mean: true,
+        is_root: true,
+        decibels: 20.0,
+        is_slow: false,
+        of_liquid: false,
+    }
+}
+
+impl Quantity {
+    /// A value as people read it, with three figures and the unit that suits it.
+    pub fn with_unit(self, value: f64) -> String {
+        let (factor, unit) = self.declaration().unit.scaled(value.abs());
+        let value = value * factor;
+        let size = value.abs();
+        let decimals = match size {
+            size if size >= 99.95 || size == 0.0 => 0,
+            size if size >= 9.995 => 1,
+            _ => 2,
+        };
+        format!("{value:.decimals$} {unit}")
+    }
+
+    /// dB of a part of the largest value.
+    pub fn decibels(self, part: f64) -> f64 {
+        self.declaration().decibels * part.max(1e-12).log10()
+    }
+
+    /// Whether a logarithm can be taken of it.
+    pub fn is_amount(self) -> bool {
+        self.declaration().range == Range::Amount
+    }
+
+    /// From a mean of the formula to the value.
+    pub fn value(self, mean: f32) -> f32 {
+        if self.declaration().is_root { mean.max(0.0).sqrt() } else { mean }
+    }
+
+    /// The value of a single sound.
+    pub fn of(self, sound: Sound, constants: &Constants) -> f32 {
+        let parts = [[sound.p], [sound.x], [sound.y], [sound.n]];
+        let mut value = [0.0];
+        (self.declaration().formula)(Sounds(parts.each_ref().map(|part| &part[..])), constants, &mut value);
+        self.value(value[0])
+    }
+
+    /// The value that a complex pressure (Pa, peak) alone gives, at the moment ωt (rad). `None` where slopes are needed.
+    pub fn of_pressure(self, p: Complex64, moment: f64) -> Option<f64> {
+        let turn = Complex32::cis((moment % TAU) as f32);
+        let constants = Constants { of_pressure: 0.0, of_gradient: 0.0, of_velocity: 0.0, turn };
+        let sound = Sound { p: narrow(p), ..Sound::default() };
+        (self.declaration().parts == PRESSURE).then(|| self.of(sound, &constants).into())
+    }
+}
+
+/// In f32.
+pub fn narrow(p: Complex64) -> Complex32 {
+    Complex32::new(p.re as f32, p.im as f32)
+}
+
+/// A formula at every point of a run.
+struct Along<'a, F, const PARTS: u8> {
+    sounds: Sounds<'a>,
+    constants: &'a Constants,
+    values: &'a mut [f32],
+    at: F,
+}
+
+impl<F: Fn(Sound, &Constants) -> f32, const PARTS: u8> Kernel for Along<'_, F, PARTS> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<I: Instructions>(self) {
+        let Self { sounds: Sounds(parts), constants, values, at } = self;
+        let count = values.len();
+        // Of one length that the compiler sees, so that no access is checked.
+        let [p, x, y, n] = std::array::from_fn(|i| if PARTS & 1 << i == 0 { parts[i] } else { &parts[i][..count] });
+        for (i, value) in values.iter_mut().enumerate() {
+            let mut sound = Sound::default();
+            if PARTS & PRESSURE != 0 {
+                sound.p = p[i];
+            }
+            if PARTS & ALONG != 0 {
+                (sound.x, sound.y) = (x[i], y[i]);
+            }
+            if PARTS & NORMAL != 0 {
+                sound.n = n[i];
+            }
+            *value = at(sound, constants);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::Medium;
+
+    fn constants() -> (Air, Constants, f64) {
+        let air = Air::new(&Medium::default(), 40e3);
+        let wavenumber = TAU * 40e3 / air.sound_speed;
+        (air, Constants::new(&air, wavenumber, 0.0), wavenumber)
+    }
+
+    /// A plane wave of 100 Pa at an angle to the normal, in the plane's first direction.
+    fn plane_wave(angle: f64) -> Sound {
+        let (_, _, k) = constants();
+        let p = Complex64::from_polar(100.0, 0.7);
+        let slope = |along: f64| narrow(Complex64::new(0.0, -k * along) * p);
+        Sound { p: narrow(p), x: slope(angle.sin()), y: Complex32::ZERO, n: slope(angle.cos()) }
+    }
+
+    #[test]
+    fn a_plane_wave_has_the_intensity_velocity_and_radiation_pressure_of_the_textbook() {
+        let (air, constants, _) = constants();
+        let impedance = air.density * air.sound_speed;
+        for angle in [0.0, 0.5, 1.2] {
+            let sound = plane_wave(angle);
+            let near = |quantity: Quantity, expected: f64| {
+                let got = f64::from(quantity.of(sound, &constants));
+                assert!((got / expected - 1.0).abs() < 1e-5, "{quantity:?} at {angle}: {got}, not {expected}");
+            };
+            near(Quantity::Rms, 100.0 / 2f64.sqrt());
+            near(Quantity::Intensity, 100.0 * 100.0 / (2.0 * impedance));
+            near(Quantity::Velocity, 100.0 / 2f64.sqrt() / impedance * angle.cos());
+            near(Quantity::Radiation, 1e4 / (impedance * air.sound_speed) * angle.cos().powi(2));
+            near(Quantity::Phase, 0.7);
+            near(Quantity::Instantaneous, 100.0 * 0.7f64.cos());
+        }
+    }
+
+    #[test]
+    fn a_moment_of_the_wave_turns_with_its_phase() {
+        let p = Complex64::from_polar(3.0, 0.4);
+        let at = |moment| Quantity::Instantaneous.of_pressure(p, moment).unwrap();
+        assert!((at(1.1) - 3.0 * 1.5f64.cos()).abs() < 1e-6);
+        assert!(Quantity::Intensity.of_pressure(p, 0.0).is_none());
+    }
+
+    #[test]
+    fn values_are_read_in_the_unit_that_suits_them() {
+        for (quantity, value, words) in [
+            (Quantity::Rms, 1234.0, "1.23 kPa"),
+            (Quantity::Rms, 56.78, "56.8 Pa"),
+            (Quantity::Depression, 2e-3, "2.00 mm"),
+            (Quantity::Depression, 2e-5, "20.0 µm"),
+            (Quantity::Phase, PI, "180 °"),
+            (Quantity::Velocity, 0.5, "500 mm/s"),
+            (Quantity::Intensity, 12.3, "12.3 W/m²"),
+            (Quantity::Radiation, -3.0, "-3.00 Pa"),
+        ] {
+            assert_eq!(quantity.with_unit(value), words);
+        }
+    }
+}

@@ -1,0 +1,192 @@
+//! What a map is asked for by, what it is, and why there may be none.
+
+use num_complex::Complex64;
+
+use crate::acoustics::{Air, Aperture};
+use crate::drive::Drive;
+use crate::field::GpuError;
+use crate::field::quantity::{Constants, Quantity};
+use crate::scene::{Liquid, Plane, Scene};
+use crate::surface::Dent;
+
+/// Pixels that a map may have.
+pub const MOST_PIXELS: usize = 1 << 26;
+
+/// Everything that a map is made from.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Request {
+    pub aperture: Aperture,
+    pub air: Air,
+    /// With the tolerance that the map is to keep, relative to its peak.
+    pub plane: Plane,
+    /// Each is played for the same time, and the map shows their mean; what has none (phases, instantaneous pressures) is that
+    /// of the first.
+    pub drives: Vec<Drive>,
+    pub quantity: Quantity,
+    /// rad, the ωt of an instantaneous pressure.
+    pub moment: f64,
+    /// The part of a steady radiation pressure that the envelope leaves, 0 to 1.
+    pub part: f64,
+    /// Whose surface the plane is.
+    pub liquid: Liquid,
+    /// A surface of that liquid in motion, instead of the one at rest under the drives: its depth (m) in every cell of
+    /// [`crate::field::Stages::surface`].
+    pub depth: Option<Vec<f64>>,
+    /// Pixels, width and height.
+    pub size: (usize, usize),
+}
+
+impl Request {
+    /// On the scene's plane, in its air, with its envelope and liquid.
+    pub fn new(scene: &Scene, drives: Vec<Drive>, quantity: Quantity, size: (usize, usize)) -> Self {
+        let is_slow = quantity.declaration().is_slow;
+        Self {
+            aperture: Aperture::new(scene),
+            air: Air::new(&scene.medium, scene.array.frequency),
+            plane: scene.plane.clone(),
+            drives,
+            quantity,
+            moment: 0.0,
+            part: if is_slow { scene.modulation.mean_square() } else { 1.0 },
+            liquid: scene.liquid.clone(),
+            depth: None,
+            size,
+        }
+    }
+
+    pub(super) fn constants(&self) -> Constants {
+        Constants::new(&self.air, self.aperture.element.wavenumber, self.moment)
+    }
+
+    /// u of every element of the array, 0 for those that are off, for every drive that counts.
+    pub(super) fn excitations(&self) -> Vec<Vec<Complex64>> {
+        self.counted().iter().map(|drive| excitation(&self.aperture, drive)).collect()
+    }
+
+    /// The drives that count.
+    pub(super) fn counted(&self) -> &[Drive] {
+        let has_mean = self.quantity.declaration().has_mean;
+        if has_mean { &self.drives } else { &self.drives[..1] }
+    }
+
+    /// # Errors
+    /// No pixels or too many, drives that are not of this array, an envelope or a moment that makes no sense.
+    pub(super) fn check(&self) -> Result<(), FieldError> {
+        let (width, height) = self.size;
+        let is_map = width.checked_mul(height).is_some_and(|pixels| (1..=MOST_PIXELS).contains(&pixels));
+        if !is_map {
+            return Err(FieldError::NoPixels(width, height));
+        }
+        if self.drives.is_empty() || !(0.0..=1.0).contains(&self.part) || !self.moment.is_finite() {
+            return Err(FieldError::NoMean);
+        }
+        // What is not a number would go unseen: no peak and no error is as large as a NaN.
+        let is_drive = |values: &[f64]| {
+            values.len() == self.aperture.positions.len() && values.iter().all(|value| value.is_finite())
+        };
+        let fits = |drive: &Drive| is_drive(&drive.amplitudes) && is_drive(&drive.phases);
+        if self.drives.iter().all(fits) { Ok(()) } else { Err(FieldError::NoDrive) }
+    }
+}
+
+/// A map, and how well it keeps the tolerance.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Map {
+    pub width: usize,
+    pub height: usize,
+    /// Of every pixel, row by row, row 0 at the smallest y, in the quantity's unit.
+    pub values: Vec<f32>,
+    /// The largest magnitude of a value; of phases and instantaneous pressures the largest |P| (Pa, peak).
+    pub peak: f32,
+    /// The largest deviation from the f64 reference at 48 pixels, relative to the peak; of a depression that of the pressure
+    /// that makes it, at 48 cells. The largest of all pixels can be several times that: six times was seen.
+    pub error: f64,
+    /// Points at which the waves of the elements were added up.
+    pub evaluated: usize,
+    pub by: By,
+    /// How it was made, for people.
+    pub how: String,
+}
+
+impl Map {
+    /// The same, but for its values.
+    pub(super) fn without_values(&self) -> Self {
+        let Self { width, height, peak, error, evaluated, by, ref how, .. } = *self;
+        Self { width, height, values: Vec::new(), peak, error, evaluated, by, how: how.clone() }
+    }
+}
+
+/// What presses on the plane.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Pressed {
+    /// N on the plane.
+    pub force: f64,
+    /// The surface of a liquid under it.
+    pub dent: Option<Dent>,
+}
+
+/// Who made a map.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum By {
+    /// In f64, each pixel for itself.
+    Reference,
+    #[default]
+    Cpu,
+    /// By the CPU with samples in f64, since f32 does not keep the tolerance or has no room for such elements.
+    CpuInF64,
+    Gpu,
+}
+
+/// Why there is no map.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum FieldError {
+    #[error("a map of {0} x {1} pixels: it has one at least, and {MOST_PIXELS} at most")]
+    NoPixels(usize, usize),
+    #[error("the drive does not give every element of the array an amplitude and a phase that are numbers")]
+    NoDrive,
+    #[error("a map needs a drive, a moment, and of the envelope a part from 0 to 1")]
+    NoMean,
+    #[error(
+        "invalid plane: its axes are parallel or zero, or its centre, size or tolerance are out of a scene's range"
+    )]
+    NoPlane,
+    #[error(
+        "the plane comes nearer than a wavelength to the array: the surface of a liquid must stay clear of it"
+    )]
+    TooNear,
+    #[error(
+        "a liquid's surface is level: its plane lies parallel to the array, `x_axis` and `y_axis` without a part along z"
+    )]
+    NotLevel,
+    #[error(
+        "the plane and the margin that a depression needs around it, 14 capillary lengths √(σ/ρg), are too wide: take a \
+         smaller plane, or a liquid with less tension or more weight"
+    )]
+    TooManyCells,
+    #[error(transparent)]
+    Gpu(#[from] GpuError),
+}
+
+/// What the plan and the transfer depend on: where the elements and the plane are, in what medium.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Setting {
+    /// With every element driven: which of them are makes no difference here.
+    pub(super) aperture: Aperture,
+    pub(super) plane: Plane,
+}
+
+impl Setting {
+    pub(super) fn new(aperture: &Aperture, plane: Plane) -> Self {
+        let all = (0..aperture.positions.len()).collect();
+        Self { aperture: Aperture { driven: all, ..aperture.clone() }, plane }
+    }
+}
+
+/// u of every element of the array; 0 for those that are off.
+pub(super) fn excitation(aperture: &Aperture, drive: &Drive) -> Vec<Complex64> {
+    let mut excitation = vec![Complex64::ZERO; aperture.positions.len()];
+    for (&n, u) in aperture.driven.iter().zip(drive.excitation(&aperture.driven)) {
+        excitation[n] = u;
+    }
+    excitation
+}

@@ -1,0 +1,196 @@
+//! Where a quantity is formed, at the pixels or at cells, and what is sampled for that.
+
+use glam::DVec3;
+
+use crate::field::cells::Cells;
+use crate::field::interpolation::Resampling;
+use crate::field::plan::{Costs, Grid};
+use crate::field::quantity::{ALONG, NORMAL, Norm, PRESSURE, Part};
+use crate::field::slope::FINEST_IN_F32;
+use crate::field::stages::request::{FieldError, Request, Setting};
+use crate::field::{Plan, Raster};
+use crate::scene::Plane;
+
+/// What f32 keeps of a square.
+const FINEST: f64 = 1e-6;
+/// Of the tolerance, what the sound may be off where errors are differences of squares.
+const SHARE: f64 = 0.4;
+/// Capillary lengths from the plane to the walls: what lies beyond changes the depression by e^-14 of itself.
+const TO_THE_WALLS: f64 = 14.0;
+
+/// What a site is made from.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct SiteKey {
+    /// With the plane that is shown, and the tolerance of what is sampled.
+    pub(super) setting: Setting,
+    /// Bits of the parts of the sound.
+    pub(super) parts: u8,
+    by_cells: Option<ByCells>,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct ByCells {
+    /// m
+    margin: f64,
+    accuracy: f64,
+    is_liquid: bool,
+}
+
+/// The samples of a plane, and the cells, if there are any.
+#[derive(Debug)]
+pub(super) struct Site {
+    pub(super) plan: Plan,
+    /// The setting of the samples.
+    pub(super) sampled: Setting,
+    pub(super) cells: Option<Filled>,
+    /// The plane's axes and its normal.
+    pub(super) axes: [DVec3; 3],
+}
+
+/// Cells, and how they are filled from the samples.
+#[derive(Debug)]
+pub(super) struct Filled {
+    pub(super) cells: Cells,
+    pub(super) weights: Weights,
+}
+
+/// From samples to a lattice, across and up, of values and of slopes.
+#[derive(Debug)]
+pub(super) struct Weights {
+    values: [Resampling; 2],
+    slopes: [Resampling; 2],
+}
+
+impl Weights {
+    /// Slopes are left out where no part needs them.
+    pub(super) fn new(
+        grid: &Grid,
+        parts: u8,
+        places: [&mut dyn Iterator<Item = f64>; 2],
+    ) -> Self {
+        let places = places.map(|places| places.collect::<Vec<_>>());
+        let along = |axis: usize| places[axis].iter().copied();
+        Self {
+            values: [0, 1].map(|axis| grid.resampling(axis, along(axis))),
+            slopes: [0, 1].map(|axis| match parts & ALONG {
+                0 => Resampling::default(),
+                _ => grid.slopes(axis, along(axis)),
+            }),
+        }
+    }
+
+    /// Across and up.
+    pub(super) fn of(&self, part: Part) -> [&Resampling; 2] {
+        match part {
+            Part::Pressure | Part::Normal => [&self.values[0], &self.values[1]],
+            Part::AlongX => [&self.slopes[0], &self.values[1]],
+            Part::AlongY => [&self.values[0], &self.slopes[1]],
+        }
+    }
+
+    pub(super) fn rows(&self) -> usize {
+        self.values[1].len()
+    }
+}
+
+impl SiteKey {
+    /// Squares of several drives, or of several parts, and what presses a liquid are formed at cells; everything else at the pixels.
+    pub(super) fn new(request: &Request, exact: bool) -> Self {
+        let declaration = request.quantity.declaration();
+        let by_cells = declaration.is_square
+            && (request.drives.len() > 1 || declaration.parts.count_ones() > 1 || declaration.of_liquid);
+        if by_cells { Self::by_cells(request, exact) } else { Self::by_pixels(request, exact) }
+    }
+
+    /// At the pixels, whatever it is.
+    pub(super) fn by_pixels(request: &Request, exact: bool) -> Self {
+        let share = match request.quantity.declaration().norm {
+            Norm::Value | Norm::Pressure => 1.0,
+            Norm::Difference => SHARE,
+        };
+        let tolerance = if exact { 0.0 } else { share * request.plane.tolerance };
+        Self::with(request, tolerance, None)
+    }
+
+    fn by_cells(request: &Request, exact: bool) -> Self {
+        let declaration = request.quantity.declaration();
+        let tolerance = match request.plane.tolerance {
+            tolerance if tolerance > 0.0 && !exact => tolerance.max(FINEST),
+            _ => FINEST,
+        };
+        // The root of a square that is off by a millionth of the largest is off by a thousandth where it should be 0; but windows
+        // leak far less there than where they are worst.
+        let accuracy = if declaration.is_root { tolerance.powf(1.5).max(1e-8) } else { tolerance };
+        let is_liquid = declaration.of_liquid;
+        let margin = if is_liquid { TO_THE_WALLS * request.liquid.capillary_length() } else { 0.0 };
+        Self::with(request, tolerance, Some(ByCells { margin, accuracy, is_liquid }))
+    }
+
+    fn with(request: &Request, tolerance: f64, by_cells: Option<ByCells>) -> Self {
+        let setting = Setting::new(&request.aperture, Plane { tolerance, ..request.plane.clone() });
+        Self { setting, parts: request.quantity.declaration().parts, by_cells }
+    }
+}
+
+impl Site {
+    /// # Errors
+    /// An invalid plane; and of what needs cells, a plane that is too near, too wide or not level.
+    pub(super) fn new(key: &SiteKey, costs: Costs) -> Result<Self, FieldError> {
+        let Setting { aperture, plane } = &key.setting;
+        let (x, y) = plane.axes().ok_or(FieldError::NoPlane)?;
+        let axes = [x, y, x.cross(y)];
+        let Some(ByCells { margin, accuracy, is_liquid }) = key.by_cells else {
+            let mut plan = Plan::new(aperture, plane, costs).ok_or(FieldError::NoPlane)?;
+            let is_coarse = plane.tolerance >= FINEST_IN_F32;
+            let by_differences = key.parts & NORMAL != 0 || (key.parts != PRESSURE && plan.grid.is_none());
+            plan.double |= by_differences && !is_coarse;
+            return Ok(Self { plan, sampled: key.setting.clone(), cells: None, axes });
+        };
+        if is_liquid && axes[2].z.abs() < 1.0 - 1e-9 {
+            return Err(FieldError::NotLevel);
+        }
+        let cells = Cells::new(aperture, plane, margin, accuracy).ok_or(FieldError::TooManyCells)?;
+        let values = cells.len() * key.parts.count_ones() as usize;
+        let mut plan =
+            Plan::new(aperture, &cells.plane, costs.for_values(values)).ok_or(FieldError::NoPlane)?;
+        plan.double |= key.parts & NORMAL != 0 && cells.plane.tolerance < FINEST_IN_F32;
+        let grid = plan.grid.as_ref().ok_or(FieldError::TooNear)?;
+        let half = cells.plane.size.y / 2.0;
+        if grid.covered.start > cells.step - half || grid.covered.end < half - cells.step {
+            return Err(FieldError::TooNear);
+        }
+        let weights = Weights::new(grid, key.parts, [&mut cells.places(0), &mut cells.places(1)]);
+        let sampled = Setting { aperture: aperture.clone(), plane: cells.plane.clone() };
+        Ok(Self { cells: Some(Filled { cells, weights }), plan, sampled, axes })
+    }
+}
+
+/// The pixels of one size on a site.
+#[derive(Debug)]
+pub(super) enum Frame {
+    /// The quantity is formed at them, from samples where they are interpolated.
+    Pixels { raster: Raster, weights: Option<Weights> },
+    /// They are interpolated from the cells, across and up.
+    Cells { to_pixels: [Resampling; 2] },
+}
+
+impl Frame {
+    /// `None` where the plane's axes span no plane.
+    pub(super) fn new(key: &SiteKey, site: &Site, (width, height): (usize, usize)) -> Option<Self> {
+        let size = key.setting.plane.size;
+        let column = |i: usize| size.x * ((i as f64 + 0.5) / width as f64 - 0.5);
+        let row = |j: usize| size.y * ((j as f64 + 0.5) / height as f64 - 0.5);
+        if let Some(Filled { cells, .. }) = &site.cells {
+            let across = cells.resampling(0, (0..width).map(column));
+            let up = cells.resampling(1, (0..height).map(row));
+            return Some(Self::Cells { to_pixels: [across, up] });
+        }
+        let raster = Raster::new(&site.plan, (width, height))?;
+        let rows = raster.interpolated.clone();
+        let grid = site.plan.grid.as_ref().filter(|_| !rows.is_empty());
+        let weights = grid.map(|grid| {
+            Weights::new(grid, key.parts, [&mut (0..width).map(column), &mut rows.map(row)])
+        });
+        Some(Self::Pixels { raster, weights })
+    }
+}
