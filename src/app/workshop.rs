@@ -16,6 +16,7 @@ use crate::field::{Evaluator, Quantity};
 use crate::scene::{Focus, Method, MotionPath, Scene, check, motion, outline};
 use crate::solver::frames::{self, Sequence};
 use crate::solver::{self, Problem, Solution};
+use crate::studio::probe::{self, Reading};
 use crate::ui::view::Lens;
 use crate::ui::{Editor, MethodRow, Panel, Shown, Sound};
 
@@ -292,15 +293,16 @@ fn sound(editor: &Editor, source: &Source) -> Sound {
             (&frame.drive, &frame.foci, &frame.pressures)
         }
     };
-    let (mut drive, mut pressures) = (drive.clone(), pressures.clone());
+    let at_foci = |(focus, &pressure): (&Focus, _)| Reading { position: focus.position, pressure };
+    let (mut drive, mut readings) = (drive.clone(), foci.iter().zip(pressures).map(at_foci).collect());
     if let Some(levels) = editor.levels {
         drive = drive.at_levels(levels);
         if drive.phases.len() == aperture.positions.len() {
-            let problem = Problem::new(&aperture, foci.to_vec());
-            pressures = problem.transfer.pressure(&drive.excitation(&aperture.driven));
+            let points: Vec<_> = foci.iter().map(|focus| focus.position).collect();
+            readings = probe::readings(&aperture, &drive, &points);
         }
     }
-    Sound { aperture, drive, foci: foci.to_vec(), pressures }
+    Sound { aperture, drive, foci: foci.to_vec(), readings }
 }
 
 /// What to know before trusting what is seen.

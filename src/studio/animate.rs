@@ -14,7 +14,6 @@ use crate::scene::Scene;
 use crate::solver::frames::Sequence;
 use crate::studio::map;
 use crate::studio::output::{self, note};
-#[cfg(feature = "window")]
 use crate::studio::still::stem;
 use crate::studio::swell::{Schedule, Swell};
 
@@ -27,6 +26,10 @@ pub enum Target {
 }
 
 impl Target {
+    /// A folder if there is one or the path ends like one, else a file of the format that its name says.
+    ///
+    /// # Errors
+    /// A name that says no format.
     pub fn of(output: &Path) -> anyhow::Result<Self> {
         let named_as_folder = output.as_os_str().to_string_lossy().ends_with(std::path::is_separator);
         if output.is_dir() || named_as_folder {
@@ -42,6 +45,9 @@ impl Target {
     }
 
     /// Fails early where writing would fail after the work.
+    ///
+    /// # Errors
+    /// More pixels than the format has room for, or a file that cannot be written.
     pub fn check(&self, (width, height): (usize, usize)) -> anyhow::Result<()> {
         let Self::File(path, format) = self else { return Ok(()) };
         let most = format.largest_side();
@@ -51,6 +57,8 @@ impl Target {
         output::check_writable(path)
     }
 
+    /// # Errors
+    /// A folder that cannot be made.
     pub fn make_folder(&self) -> anyhow::Result<()> {
         let Self::Folder(path) = self else { return Ok(()) };
         std::fs::create_dir_all(path).with_context(|| format!("{}: cannot make the folder", path.display()))
@@ -62,7 +70,6 @@ impl Target {
 ///
 /// # Errors
 /// A file that is neither GIF nor PNG or cannot be written, too many pixels for it, or what `tell` says.
-#[cfg(feature = "window")]
 pub fn write(
     scene: &Scene,
     sequence: &Sequence,
@@ -90,6 +97,7 @@ pub struct Shot {
 }
 
 impl Shot {
+    /// What is said of it when it has been written.
     pub fn line(&self, output: &Path, (width, height): (usize, usize)) -> String {
         let Self { frames, pace, range, what } = self;
         let name = if *frames == 1 { "frame" } else { "frames" };
@@ -139,6 +147,7 @@ pub struct Film<'a> {
 }
 
 impl<'a> Film<'a> {
+    /// Of a sequence of at least one frame.
     pub fn new(
         scene: &'a Scene,
         sequence: &Sequence,
@@ -161,8 +170,13 @@ impl<'a> Film<'a> {
         }
     }
 
+    /// Writes all frames; `tell` hears which part is done, and ends it with an error.
+    ///
     /// Two passes, so that no more than one map is ever in memory: the first finds the range of the colours, which all frames
     /// share, the second writes.
+    ///
+    /// # Errors
+    /// A field that cannot be computed, a file that cannot be written, or what `tell` says.
     pub fn shoot(
         &mut self,
         sequence: &Sequence,

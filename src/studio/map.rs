@@ -57,7 +57,10 @@ pub struct Pressed {
     pub dent: Option<Dent>,
 }
 
-/// Like [`draw`]; a GPU that fails is replaced by the CPU, once and with a word, if it was not asked for by name.
+/// Evaluates and colours what the drives make on the scene's plane. A GPU that fails is replaced by the CPU, once and with a word, if it was not asked for by name.
+///
+/// # Errors
+/// A plane that cannot be sampled, or a GPU that was asked for and fails.
 pub fn draw_anyhow(
     sound: Sound<'_>,
     stages: &mut Stages,

@@ -141,7 +141,7 @@ impl Look {
             Some(moment) => moment,
         };
         if matches!(self.diagram, Diagram::Sheet | Diagram::Drive) {
-            bail!("--frame chooses among maps: --quantity rms, phase, radiation or dent");
+            bail!("only maps are of one frame or of the mean of all: rms, phase, radiation and dent");
         }
         let mut frames = motion::follow(scene, &solved.name)?.frames;
         match moment {

@@ -3,12 +3,13 @@
 use egui::{
     Align2, Color32, FontId, Painter, Pos2, Rect, Response, Sense, Stroke, StrokeKind, Ui, pos2, vec2,
 };
-use glam::DVec2;
-use num_complex::Complex64;
+use glam::{DVec2, DVec3};
 
 use crate::field::Quantity;
+use crate::picture::sheet::pascals;
+use crate::studio::probe;
 use crate::ui::view::{Lens, decibels};
-use crate::ui::{Editor, Map, Shown, gesture, legend, marks, theme};
+use crate::ui::{Editor, Map, Shown, Sound, gesture, legend, marks, theme};
 
 /// Points of the screen around the plot.
 const LEFT: f32 = 56.0;
@@ -210,27 +211,23 @@ fn probe(editor: &Editor, shown: &Shown, painter: &Painter, lens: &Lens, at: Pos
     marks::chip(painter, corner, Align2::LEFT_TOP, &text, 13.0, theme::MARK);
 }
 
-fn value(map: &Map, sound: &crate::ui::Sound, uv: DVec2, point: glam::DVec3) -> String {
-    let to_peak = |value: f64| decibels(value / map.largest.max(1e-30), map.quantity);
-    match map.number(uv) {
-        Some(value) => legend::with_unit(value, map.quantity),
-        None => {
-            let u = sound.drive.excitation(&sound.aperture.driven);
-            let p = sound.aperture.transfer(&[point]).pressure(&u)[0];
-            let rms = p.norm() / std::f64::consts::SQRT_2;
-            let largest = match map.quantity {
-                Quantity::Rms => format!("   {:.1} dB of the peak", to_peak(rms).max(-99.9)),
-                Quantity::Instantaneous => {
-                    format!("   {:.0} Pa now", (p * Complex64::cis(map.phase)).re)
-                }
-                _ => String::new(),
-            };
-            format!(
-                "{} RMS   {:.1} dB SPL{largest}   phase {:.0}°",
-                crate::picture::sheet::pascals(rms),
-                20.0 * (rms.max(1e-9) / 20e-6).log10(),
-                p.arg().to_degrees()
-            )
-        }
+fn value(map: &Map, sound: &Sound, uv: DVec2, point: DVec3) -> String {
+    if let Some(value) = map.number(uv) {
+        return legend::with_unit(value, map.quantity);
     }
+    let reading = probe::reading(&sound.aperture, &sound.drive, point);
+    let of_map = match map.quantity {
+        Quantity::Rms => {
+            let to_peak = decibels(reading.rms() / map.largest.max(1e-30), map.quantity);
+            format!("   {:.1} dB of the peak", to_peak.max(-99.9))
+        }
+        Quantity::Instantaneous => format!("   {:.0} Pa now", reading.instantaneous(map.phase)),
+        Quantity::Phase | Quantity::MeanRms | Quantity::Dent | Quantity::Radiation => String::new(),
+    };
+    format!(
+        "{} RMS   {:.1} dB SPL{of_map}   phase {:.0}°",
+        pascals(reading.rms()),
+        reading.spl(),
+        reading.phase().to_degrees()
+    )
 }

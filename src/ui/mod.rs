@@ -34,11 +34,11 @@ use crate::field::contour::Line;
 use crate::scene::{Focus, Method, Scene};
 use crate::solver::Solution;
 use crate::solver::frames::Sequence;
+use crate::studio::probe::Reading;
 use crate::surface::Dent;
 use board::{BoardCommand, BoardForm, BoardShown};
 use document::Document;
 use gesture::{Gesture, Typing};
-use num_complex::Complex64;
 use tool::Tool;
 use view::{Cut, View, Window};
 
@@ -278,8 +278,8 @@ pub struct Sound {
     pub aperture: Aperture,
     pub drive: Drive,
     pub foci: Vec<Focus>,
-    /// Pa, peak, at the foci.
-    pub pressures: Vec<Complex64>,
+    /// What arrives at the foci.
+    pub readings: Vec<Reading>,
 }
 
 /// A method in the comparison.

@@ -1,13 +1,10 @@
 //! The cross-section: RMS pressure along a line through the cut.
 
-use std::f64::consts::SQRT_2;
-
 use egui::{Ui, Vec2b};
 use egui_plot::{Line, Plot, PlotPoints, VLine};
 use glam::DVec2;
-use num_complex::Complex64;
 
-use crate::field::Quantity;
+use crate::studio::probe;
 use crate::ui::view::Lens;
 use crate::ui::{Editor, Map, Shown, Sound, legend, theme};
 
@@ -57,14 +54,8 @@ fn curve(map: &Map, sound: &Sound, lens: &Lens, v: f64) -> (Vec<[f64; 2]>, f64) 
         Some(_) => (0..POINTS).map(|i| map.number(DVec2::new(u(i), v)).unwrap_or(0.0)).collect(),
         None => {
             let points: Vec<_> = (0..POINTS).map(|i| map.axes.world(DVec2::new(u(i), v))).collect();
-            let drive = sound.drive.excitation(&sound.aperture.driven);
-            let pressures = sound.aperture.transfer(&points).pressure(&drive);
-            let value = |p: &Complex64| match map.quantity {
-                Quantity::Phase => p.arg(),
-                Quantity::Instantaneous => (p * Complex64::cis(map.phase)).re,
-                _ => p.norm() / SQRT_2,
-            };
-            pressures.iter().map(value).collect()
+            let readings = probe::readings(&sound.aperture, &sound.drive, &points);
+            readings.iter().filter_map(|reading| reading.value(map.quantity, map.phase)).collect()
         }
     };
     let largest = values.iter().fold(0.0f64, |most, value| most.max(value.abs()));
