@@ -1,9 +1,10 @@
 //! The program `sonoglyph`.
 
+use std::path::Path;
 use std::process::ExitCode;
 
-use sonoglyph::bench;
 use sonoglyph::cli::Next;
+use sonoglyph::studio::evaluator::Renderer;
 use sonoglyph::studio::output::mention;
 
 fn main() -> ExitCode {
@@ -24,23 +25,23 @@ fn nobody_reads(error: &anyhow::Error) -> bool {
     cause.is_some_and(|cause| cause.kind() == std::io::ErrorKind::BrokenPipe)
 }
 
-#[cfg(feature = "window")]
 fn go_on(next: Next) -> anyhow::Result<()> {
     match next {
         Next::Exit => Ok(()),
-        Next::Window(scene) => sonoglyph::app::run(scene.as_deref()),
-        Next::Bench(options) => bench::run(&options),
+        Next::Window(scene, renderer) => open(scene.as_deref(), renderer),
+        Next::Bench(options) => sonoglyph::bench::run(&options),
     }
+}
+
+#[cfg(feature = "window")]
+fn open(scene: Option<&Path>, renderer: Renderer) -> anyhow::Result<()> {
+    sonoglyph::app::run(scene, renderer)
 }
 
 /// A program without its window writes the sheet that it writes where there is no display.
 #[cfg(not(feature = "window"))]
-fn go_on(next: Next) -> anyhow::Result<()> {
-    match next {
-        Next::Exit => Ok(()),
-        Next::Window(scene) => sonoglyph::studio::still::default_sheet(scene.as_deref()),
-        Next::Bench(options) => bench::run(&options),
-    }
+fn open(scene: Option<&Path>, _: Renderer) -> anyhow::Result<()> {
+    sonoglyph::studio::still::default_sheet(scene)
 }
 
 /// Without a desktop session, Mesa's device-selection layer complains on stderr about a Wayland that nobody asked for.

@@ -23,8 +23,8 @@ const LAYERS: &[(&str, &[&str])] = &[
     ),
     ("import", &["glam", "image", "thiserror", "usvg"]),
     ("device", &["cobs", "crc", "rustix", "serial2", "thiserror"]),
-    ("studio", &["anyhow", "glam", "rustix", "signal_hook", "tempfile"]),
-    ("ui", &["egui", "egui_plot", "glam", "num_complex"]),
+    ("studio", &["anyhow", "glam", "num_complex", "rustix", "signal_hook", "tempfile"]),
+    ("ui", &["egui", "egui_plot", "glam"]),
     (
         "app",
         &[

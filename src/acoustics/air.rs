@@ -34,6 +34,17 @@ impl Air {
             attenuation: absorption / DB_PER_NEPER,
         }
     }
+
+    /// The same from the weather alone, whatever the scene gives outright.
+    pub fn of_weather(medium: &Medium, frequency: f64) -> Self {
+        let weather = Medium { sound_speed: None, density: None, absorption: None, ..medium.clone() };
+        Self::new(&weather, frequency)
+    }
+
+    /// dB/m
+    pub fn absorption(&self) -> f64 {
+        self.attenuation * DB_PER_NEPER
+    }
 }
 
 /// Atmospheric absorption in dB/m by ISO 9613-1, equations (3) to (5) and (B.1) to (B.3).

@@ -9,13 +9,12 @@ use eframe::egui;
 use crate::app::Window;
 use crate::app::errand::{Errand, Progress, State};
 use crate::app::settings;
-use crate::field::{Colouring, Evaluator, Quantity, Stages};
+use crate::field::{Evaluator, Quantity, Request, Stages};
 use crate::import::{self, Drawing};
 use crate::picture::{export, sheet};
 use crate::scene::{Scene, check};
 use crate::solver::frames;
-use crate::studio::map::{self, Look};
-use crate::studio::{animate, output};
+use crate::studio::{animate, map, output};
 use crate::ui::document::Document;
 use crate::ui::view::Lens;
 use crate::ui::{self, Command, Dialog, Export, Purpose};
@@ -222,7 +221,7 @@ impl Window {
         let (view, size) = (&self.editor.view, (map.width, map.height));
         let lens = Lens { rect: map.rect, window: map.window };
         let scene = Scene { plane: view.plane(self.editor.scene(), &lens), ..self.editor.scene().clone() };
-        let colouring = Colouring { phase: map.phase as f32, ..view.colouring() };
+        let (colouring, quantity, moment) = (view.colouring(), map.quantity, map.phase);
         let round = self.shown.round.clone();
         let (path, ctx_of_thread) = (path.to_owned(), ctx.clone());
         let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
@@ -235,7 +234,9 @@ impl Window {
             let write = || -> anyhow::Result<()> {
                 check::check(&scene)?;
                 let round = round.map_or_else(|| frames::follow(&scene).map(Arc::new), Ok)?;
-                animate::write(&scene, &round, colouring.clone(), size, &path, &tell)
+                let drives = round.frames.iter().map(|frame| frame.drive.clone()).collect();
+                let request = Request { moment, ..Request::new(&scene, drives, quantity, size) };
+                animate::write(&scene, request, colouring.clone(), &path, &tell)
             };
             let written = write();
             let outcome = if progress.is_off() && written.is_err() { Ok(None) } else { written.map(Some) };
@@ -265,12 +266,10 @@ impl Window {
         let page = (SHEET_WIDTH, sheet::height(SHEET_WIDTH));
         let (width, height) = sheet::map_size(&scene.plane, page.0, page.1);
         let colours = self.editor.view.colours;
-        let look = Look { width, height, quantity: Quantity::Rms, colours, numbers: false };
-        let drives = [solution.drive.clone()];
-        let sound = map::Sound { scene, drives: &drives };
-        let map = map::draw_anyhow(sound, &mut Stages::new(Evaluator::Cpu), &look, false)?;
+        let request = Request::new(scene, vec![solution.drive.clone()], Quantity::Rms, (width, height));
+        let drawn = map::draw(&request, colours, &mut Stages::new(Evaluator::Cpu), false)?;
         let name = self.editor.document.name();
-        let page = sheet::sheet(scene, solution, &name, &map.picture, (colours, map.largest), page)?;
+        let page = sheet::sheet(scene, solution, &name, &drawn.picture, (colours, drawn.map.peak.into()), page)?;
         Ok(export::png(&page)?)
     }
 }

@@ -1,23 +1,24 @@
 //! The map on the screen: what it is made from, and the stages that make it again when that differs.
 
-use std::f64::consts::{SQRT_2, TAU};
+use std::f64::consts::TAU;
 use std::time::Instant;
 
-use egui::{Color32, ColorImage, Context, TextureOptions};
+use eframe::egui_wgpu::RenderState;
+use eframe::wgpu;
+use egui::{Color32, ColorImage, Context, TextureId, TextureOptions};
 
-use crate::acoustics::Aperture;
-use crate::drive::Drive;
 use crate::field::contour::Line;
+use crate::field::gpu::Texture as OnGpu;
+use crate::field::quantity::PRESSURE;
+use crate::field::stages::Picture as Painted;
 use crate::field::{
-    Average, Colouring, Evaluator, FieldError, Gpu, GpuError, Mean, Quantity, Stages, Wanted, Work,
+    Colouring, Evaluator, FieldError, Gpu, GpuError, Map as Values, Quantity, Request, Stages, Work,
 };
 use crate::picture::Picture;
 use crate::picture::relief::{Place, Relief};
-use crate::scene::Plane;
-use crate::studio::{liquid, map};
 use crate::ui::canvas::GROUND;
 use crate::ui::view::Lens;
-use crate::ui::{Editor, Map, Notice, Pressed, Shown, Texture};
+use crate::ui::{Editor, Map, Notice, Shown, Texture};
 
 /// Pixels of a map, at most.
 const MOST_PIXELS: usize = 1 << 23;
@@ -28,46 +29,51 @@ const SHADED_SIDE: f64 = 0.04;
 const SHADED_TOP: f64 = 0.09;
 const SHADED_BOTTOM: f64 = 0.12;
 
-/// Everything that a map is made from.
+/// Everything that a picture on the screen is made from.
 #[derive(Clone, Debug, PartialEq)]
-struct Request {
-    aperture: Aperture,
-    plane: Plane,
-    /// Played one after the other; a field is that of the first.
-    drives: Vec<Drive>,
-    mean: Option<Mean>,
-    part: f64,
+struct Wanted {
+    /// Of fewer pixels where they are shaded.
+    request: Request,
+    colouring: Colouring,
     /// Pixels of the picture.
     picture: (usize, usize),
-    /// Pixels of the numbers: fewer where they are shaded.
-    size: (usize, usize),
-    colouring: Colouring,
     is_shaded: bool,
-    /// Where contour lines are, as a part of the largest number.
+    /// Where contour lines are, as a part of the largest value.
     contour: Option<f64>,
 }
 
+/// The map on the screen, and what of it is still to come.
 #[derive(Debug)]
-pub struct Mapping {
-    stages: Stages,
-    /// What the map on the screen was made from, and the picture of a surface that is shaded.
-    drawn: Option<(Request, Option<Picture>)>,
-    /// Why the GPU does not compute any more, until the window has said so.
-    given_up: Option<GpuError>,
+struct Drawn {
+    wanted: Wanted,
+    /// Of a surface that is shaded.
+    picture: Option<Picture>,
+    lacks_figures: bool,
+    lacks_contours: bool,
 }
 
-/// What is known of a map besides its colours.
-struct Figures {
-    largest: f64,
-    error: f64,
-    how: String,
-    numbers: Option<Vec<f32>>,
-    pressed: Option<Pressed>,
+pub struct Mapping {
+    stages: Stages,
+    /// What draws the window, if that is the device which computes the field.
+    screen: Option<RenderState>,
+    /// The picture on that device which egui knows, and by what name.
+    registered: Option<(OnGpu, TextureId)>,
+    drawn: Option<Drawn>,
+    /// Why the GPU does not compute any more, until the window has said so.
+    given_up: Option<GpuError>,
+    has_lost_screen: bool,
+}
+
+impl std::fmt::Debug for Mapping {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Mapping").field("stages", &self.stages).field("drawn", &self.drawn).finish_non_exhaustive()
+    }
 }
 
 impl Mapping {
-    pub fn new(evaluator: Evaluator) -> Self {
-        Self { stages: Stages::new(evaluator), drawn: None, given_up: None }
+    /// With a `screen`, pictures stay on its device, which is that of the evaluator.
+    pub fn new(evaluator: Evaluator, screen: Option<RenderState>) -> Self {
+        Self { stages: Stages::new(evaluator), screen, registered: None, drawn: None, given_up: None, has_lost_screen: false }
     }
 
     /// Who computes the field.
@@ -86,6 +92,11 @@ impl Mapping {
         self.stages.work()
     }
 
+    /// Whether the device that draws the window is lost: then no picture reaches the screen.
+    pub fn has_lost_screen(&self) -> bool {
+        self.has_lost_screen
+    }
+
     /// Brings the map up to date.
     pub fn update(&mut self, editor: &Editor, shown: &mut Shown, lens: &Lens, ctx: &Context) {
         if let Some(error) = self.given_up.take() {
@@ -93,21 +104,17 @@ impl Mapping {
             let text = format!("{error}; the CPU computes the field from now on");
             shown.notice = Some(Notice { text, is_error: true });
         }
-        let Some(request) = request(editor, shown, lens, ctx) else {
-            shown.map = None;
-            shown.pressed = None;
-            self.drawn = None;
+        let Some(wanted) = wanted(editor, shown, lens, ctx) else {
+            (shown.map, self.drawn) = (None, None);
             return;
         };
-        if self.drawn.as_ref().is_some_and(|(drawn, _)| *drawn == request) {
-            return;
-        }
+        let is_drawn = self.drawn.as_ref().is_some_and(|drawn| drawn.wanted == wanted);
         let start = Instant::now();
-        match self.make(&request, editor, shown, lens, ctx) {
-            Ok(picture) => {
-                shown.mapping = start.elapsed().as_secs_f64() * 1e3;
-                self.drawn = Some((request, picture));
-            }
+        let made =
+            if is_drawn { self.complete(shown) } else { self.make(wanted, editor, shown, lens, ctx) };
+        match made {
+            Ok(()) if !is_drawn => shown.mapping = start.elapsed().as_secs_f64() * 1e3,
+            Ok(()) => {}
             Err(FieldError::Gpu(error)) => {
                 self.give_up_gpu(error);
                 ctx.request_repaint();
@@ -116,89 +123,102 @@ impl Mapping {
                 shown.problem.get_or_insert(error.to_string());
             }
         }
+        if self.drawn.as_ref().is_some_and(|drawn| drawn.lacks_figures || drawn.lacks_contours) {
+            ctx.request_repaint();
+        }
     }
 
-    /// Makes the map anew; the picture comes back where it is not made of the numbers' colours.
+    /// Makes the picture anew.
     fn make(
         &mut self,
-        request: &Request,
+        wanted: Wanted,
         editor: &Editor,
         shown: &mut Shown,
         lens: &Lens,
         ctx: &Context,
-    ) -> Result<Option<Picture>, FieldError> {
-        let Figures { largest, error, how, numbers, pressed } = self.figures(request)?;
-        let contours = self.contours(request)?;
-        let (width, height) = request.picture;
-        let relief = request.relief(numbers.as_deref());
-        let picture = relief.map(|relief| relief.draw(&place(width, height)));
-        let image = match &picture {
-            Some(picture) => from_top(picture),
-            None => {
-                let colours = self.colours(request)?;
-                ColorImage::from_rgba_premultiplied([width, height], colours.as_flattened())
+    ) -> Result<(), FieldError> {
+        let (width, height) = wanted.picture;
+        let request = &wanted.request;
+        let mut relief = None;
+        let mut exaggeration = None;
+        let before = shown.map.take();
+        let (known, old) = before.map_or(((0.0, 0.0, String::new()), None), |map| {
+            ((map.largest, map.error, map.how), Some(map.texture))
+        });
+        let texture = if wanted.is_shaded {
+            let values = &self.stages.map(request)?.values;
+            let surface = Relief { depth: values, columns: request.size.0, size: request.plane.size };
+            exaggeration = Some(surface.exaggeration());
+            let picture = surface.draw(&place(width, height));
+            let image = from_top(&picture);
+            relief = Some(picture);
+            in_egui(old, image, ctx)
+        } else {
+            let Self { stages, screen, registered, .. } = self;
+            match (stages.picture(request, &wanted.colouring)?, screen) {
+                (Painted::OnGpu(texture), Some(screen)) => {
+                    Texture::OnGpu(register(screen, registered, texture))
+                }
+                (Painted::OnGpu(_), None) => {
+                    let colours = stages.colours(request, &wanted.colouring)?;
+                    in_egui(old, image([width, height], colours), ctx)
+                }
+                (Painted::OnCpu(colours), _) => in_egui(old, image([width, height], colours), ctx),
             }
         };
-        shown.pressed = pressed;
         shown.map = Some(Map {
-            texture: texture(shown.map.take(), image, ctx),
+            texture,
             cut: editor.view.cut,
             axes: editor.view.axes(editor.scene()),
             window: lens.window,
             rect: lens.rect,
-            quantity: request.colouring.quantity,
-            phase: request.colouring.phase.into(),
-            largest,
-            error,
-            how,
+            quantity: request.quantity,
+            phase: request.moment,
+            // Those of the map before, until its own have come back from a GPU.
+            largest: known.0,
+            error: known.1,
+            how: known.2,
             width: request.size.0,
             height: request.size.1,
-            contours,
-            exaggeration: relief.map(|relief| relief.exaggeration()),
-            numbers,
+            contours: Vec::new(),
+            exaggeration,
+            numbers: None,
         });
-        Ok(picture)
+        let lacks_contours = wanted.contour.is_some();
+        self.drawn = Some(Drawn { wanted, picture: relief, lacks_figures: true, lacks_contours });
+        self.complete(shown)
     }
 
-    fn figures(&mut self, request: &Request) -> Result<Figures, FieldError> {
-        let Some(average) = request.average() else {
-            let map = self.stages.map(&request.wanted())?;
-            let peak = f64::from(map.peak);
-            let is_peak = request.colouring.quantity == Quantity::Instantaneous;
-            let largest = if is_peak { peak } else { peak / SQRT_2 };
-            return Ok(Figures {
-                largest,
-                error: map.error,
-                how: map.how.clone(),
-                numbers: None,
-                pressed: None,
-            });
-        };
-        let map = self.stages.average(&average)?.clone();
-        let beyond = map.dent.as_ref().and_then(|dent| liquid::beyond_linear_theory(dent.slope));
-        Ok(Figures {
-            largest: map.largest.into(),
-            error: map.error,
-            how: map.how,
-            numbers: Some(self.stages.read_average(&average)?),
-            pressed: Some(Pressed { force: map.force, dent: map.dent, beyond }),
-        })
-    }
-
-    fn contours(&mut self, request: &Request) -> Result<Vec<Line>, FieldError> {
-        let Some(part) = request.contour else { return Ok(Vec::new()) };
-        let lines = match request.average() {
-            None => self.stages.contours(&request.wanted(), request.colouring.quantity, part as f32)?,
-            Some(average) => self.stages.average_contours(&average, part as f32)?,
-        };
-        Ok(lines.to_vec())
-    }
-
-    fn colours(&mut self, request: &Request) -> Result<&[[u8; 4]], FieldError> {
-        match request.average() {
-            None => self.stages.colours(&request.wanted(), &request.colouring),
-            Some(average) => self.stages.average_colours(&average, &request.colouring),
+    /// Adds what was not there yet.
+    fn complete(&mut self, shown: &mut Shown) -> Result<(), FieldError> {
+        let Self { stages, drawn, .. } = self;
+        let (Some(drawn), Some(map)) = (drawn, &mut shown.map) else { return Ok(()) };
+        let Wanted { request, contour, .. } = &drawn.wanted;
+        if drawn.lacks_figures
+            && let Some((figures, seconds)) = stages.figures(request)?
+        {
+            (map.largest, map.error, map.how) = (figures.peak.into(), figures.error, figures.how);
+            shown.on_gpu = seconds.map(|seconds| seconds * 1e3);
+            // Where one pressure gives the value, panels read it off the sound itself.
+            let is_known = request.quantity.declaration().parts == PRESSURE;
+            let has_values = figures.by != crate::field::By::Gpu;
+            if has_values && !is_known {
+                map.numbers = Some(stages.map(request)?.values.clone());
+            }
+            drawn.lacks_figures = false;
+        } else if drawn.lacks_figures && stages.has_declined(request) {
+            // The GPU does not keep the tolerance: the next frame makes it by the CPU.
+            self.drawn = None;
+            return Ok(());
         }
+        if drawn.lacks_contours
+            && let Some(part) = contour
+            && stages.poll(request)?.is_some()
+        {
+            map.contours = contours(stages, request, *part)?;
+            drawn.lacks_contours = false;
+        }
+        Ok(())
     }
 
     /// Does something again by the CPU where the GPU fails.
@@ -213,57 +233,34 @@ impl Mapping {
     }
 
     fn give_up_gpu(&mut self, error: GpuError) {
+        self.has_lost_screen = self.screen.is_some() && matches!(error, GpuError::Lost(_));
         self.stages = Stages::new(Evaluator::Cpu);
         self.given_up = Some(error);
+        self.drawn = None;
     }
 
-    /// The map on the screen as a picture.
+    /// The map on the screen as a picture. Waits for a GPU.
     pub fn picture(&mut self) -> Option<Picture> {
-        let (request, picture) = self.drawn.clone()?;
+        let Drawn { wanted, picture, .. } = self.drawn.as_ref()?;
         if picture.is_some() {
-            return picture;
+            return picture.clone();
         }
-        let colours = self.or_by_cpu(|own| own.colours(&request).map(<[_]>::to_vec)).ok()?;
+        let Wanted { request, colouring, .. } = wanted.clone();
+        let colours =
+            self.or_by_cpu(|own| own.stages.colours(&request, &colouring).map(<[_]>::to_vec)).ok()?;
         Some(Picture::from_field_order(request.size.0, request.size.1, colours.as_flattened()))
     }
 
-    /// The map's numbers, height and width first.
+    /// The map's values, height and width first. Waits for a GPU.
     pub fn numbers(&mut self) -> Option<(Vec<u64>, Vec<f32>)> {
-        let request = self.drawn.as_ref()?.0.clone();
-        let values = self.or_by_cpu(|own| match request.average() {
-            Some(average) => own.stages.read_average(&average),
-            None => {
-                let field = own.stages.read(&request.wanted())?;
-                Ok(field.iter().map(|&p| request.colouring.of(p)).collect())
-            }
-        });
-        let values = values.ok()?;
+        let request = self.drawn.as_ref()?.wanted.request.clone();
+        let values = self.or_by_cpu(|own| own.stages.map(&request).map(|map: &Values| map.values.clone())).ok()?;
         Some((vec![request.size.1 as u64, request.size.0 as u64], values))
     }
 }
 
-impl Request {
-    fn wanted(&self) -> Wanted<'_> {
-        let (width, height) = self.size;
-        Wanted { aperture: &self.aperture, plane: &self.plane, drive: &self.drives[0], width, height }
-    }
-
-    fn average(&self) -> Option<Average<'_>> {
-        let (width, height) = self.size;
-        let mean = self.mean.clone()?;
-        let (aperture, plane, drives, part) = (&self.aperture, &self.plane, &self.drives[..], self.part);
-        Some(Average { aperture, plane, drives, mean, part, width, height })
-    }
-
-    /// The surface that these depths make, if it is to be shaded.
-    fn relief<'a>(&self, depth: Option<&'a [f32]>) -> Option<Relief<'a>> {
-        let depth = depth.filter(|_| self.is_shaded)?;
-        Some(Relief { depth, columns: self.size.0, size: self.plane.size })
-    }
-}
-
-/// What map the screen needs. `None` where nothing plays.
-fn request(editor: &Editor, shown: &Shown, lens: &Lens, ctx: &Context) -> Option<Request> {
+/// What picture the screen needs. `None` where nothing plays.
+fn wanted(editor: &Editor, shown: &Shown, lens: &Lens, ctx: &Context) -> Option<Wanted> {
     let (scene, view) = (editor.scene(), &editor.view);
     let sound = shown.sound.as_ref()?;
     // Until the scene is solved again, the drive may be that of another array.
@@ -277,30 +274,21 @@ fn request(editor: &Editor, shown: &Shown, lens: &Lens, ctx: &Context) -> Option
     }
     let is_shaded = view.is_shaded();
     let step = if is_shaded { SHADED_STEP } else { 1 };
-    let mean = map::mean(scene, view.quantity);
-    let drives = match (&mean, &shown.round, editor.playback.frame) {
-        // A liquid is slow and feels the mean of the round.
-        (Some(_), Some(round), None) => round.frames.iter().map(|frame| frame.drive.clone()).collect(),
-        _ => vec![sound.drive.clone()],
-    };
-    let full = view.full.map(|full| match view.quantity {
-        Quantity::Rms => (full * SQRT_2) as f32,
-        _ => full as f32,
-    });
+    let size = (picture.0.div_ceil(step), picture.1.div_ceil(step));
     let is_wave = view.quantity == Quantity::Instantaneous;
-    let phase = if is_wave { (editor.oscillation.part * TAU) as f32 } else { 0.0 };
-    Some(Request {
+    let request = Request {
         aperture: sound.aperture.clone(),
         plane: view.plane(scene, lens),
-        drives,
-        part: if mean.is_some() { scene.modulation.mean_square() } else { 1.0 },
-        mean,
-        picture,
-        size: (picture.0.div_ceil(step), picture.1.div_ceil(step)),
-        colouring: Colouring { full, phase, ..view.colouring() },
-        is_shaded,
-        contour: view.contour_part(),
-    })
+        moment: if is_wave { editor.oscillation.part * TAU } else { 0.0 },
+        ..Request::new(scene, shown.drives(editor, view.quantity), view.quantity, size)
+    };
+    let full = view.full.map(|full| full as f32);
+    let colouring = Colouring { full, ..view.colouring() };
+    Some(Wanted { request, colouring, picture, is_shaded, contour: view.contour_part() })
+}
+
+fn contours(stages: &mut Stages, request: &Request, part: f64) -> Result<Vec<Line>, FieldError> {
+    Ok(stages.contours(request, part as f32)?.to_vec())
 }
 
 /// Where on the canvas a shaded surface is.
@@ -325,14 +313,34 @@ fn from_top(picture: &Picture) -> ColorImage {
     ColorImage::new([picture.width, picture.height], pixels)
 }
 
-/// The image as a texture, in place of that of the map before.
-fn texture(before: Option<Map>, image: ColorImage, ctx: &Context) -> Texture {
+fn image(size: [usize; 2], colours: &[[u8; 4]]) -> ColorImage {
+    ColorImage::from_rgba_premultiplied(size, colours.as_flattened())
+}
+
+/// The image as a texture of egui's, in place of that of the map before.
+fn in_egui(before: Option<Texture>, image: ColorImage, ctx: &Context) -> Texture {
     let options = TextureOptions { magnification: egui::TextureFilter::Nearest, ..TextureOptions::LINEAR };
     match before {
-        Some(mut map) => {
-            map.texture.0.set(image, options);
-            map.texture
+        Some(Texture::InEgui(mut texture)) => {
+            texture.set(image, options);
+            Texture::InEgui(texture)
         }
-        None => Texture(ctx.load_texture("map", image, options)),
+        Some(Texture::OnGpu(_)) | None => Texture::InEgui(ctx.load_texture("map", image, options)),
     }
+}
+
+/// The name by which egui draws a picture that lies on its device.
+fn register(screen: &RenderState, registered: &mut Option<(OnGpu, TextureId)>, texture: OnGpu) -> TextureId {
+    let filter = wgpu::FilterMode::Linear;
+    let id = match registered.take() {
+        Some((known, id)) if known == texture => id,
+        Some((_, id)) => {
+            let mut renderer = screen.renderer.write();
+            renderer.update_egui_texture_from_wgpu_texture(&screen.device, texture.view(), filter, id);
+            id
+        }
+        None => screen.renderer.write().register_native_texture(&screen.device, texture.view(), filter),
+    };
+    *registered = Some((texture, id));
+    id
 }

@@ -1,5 +1,6 @@
 //! The window: the editor of [`crate::ui`], what is made from its scene, and its files.
 
+mod desktop;
 mod errand;
 mod examples;
 mod files;
@@ -21,11 +22,9 @@ use eframe::egui;
 use crate::field::{Evaluator, Gpu, Work};
 use crate::picture::Picture;
 use crate::scene::Scene;
-use crate::studio::evaluator::{self, Backend};
-use crate::studio::output::note;
-use crate::studio::still;
 use crate::ui::document::Document;
 use crate::ui::{self, Command, Dialog, Editor, Notice, Shown, canvas, theme};
+use desktop::{Legacy, TITLE};
 use errand::Errand;
 use examples::EXAMPLES;
 use files::{Film, Outcome};
@@ -34,79 +33,7 @@ use recovery::Recovery;
 use settings::{Memory, Settings};
 use workshop::Workshop;
 
-const TITLE: &str = "Sonoglyph";
-const SMALLEST: [f32; 2] = [200.0, 150.0];
-
-/// Opens the window on the scene of a file or on an example. Where there is no display, the scene's sheet is written.
-///
-/// # Errors
-/// A scene that cannot be read, or a sheet that cannot be written.
-pub fn run(path: Option<&Path>) -> anyhow::Result<()> {
-    let document = match path {
-        Some(path) => Document::read(path)?,
-        None => example(0)?,
-    };
-    if let Err(error) = open(document) {
-        note(&format!("there is no window ({error}): the scene's sheet is written instead"));
-        still::default_sheet(path)?;
-    }
-    Ok(())
-}
-
-fn open(document: Document) -> Result<(), String> {
-    let has_display = |name| std::env::var_os(name).is_some_and(|value| !value.is_empty());
-    if cfg!(all(unix, not(target_os = "macos"))) && !has_display("DISPLAY") && !has_display("WAYLAND_DISPLAY")
-    {
-        return Err("no display".to_owned());
-    }
-    let folder = state_folder();
-    let (memory, settings, word) = match folder.as_deref().map(Memory::at) {
-        Some((memory, settings, word)) => (Some(memory), settings, word),
-        None => (None, Settings::default(), None),
-    };
-    let mut viewport = egui::ViewportBuilder::default()
-        .with_title(TITLE)
-        .with_app_id("sonoglyph")
-        .with_inner_size(settings.size)
-        .with_maximized(settings.maximized)
-        .with_min_inner_size(SMALLEST);
-    if let Some(position) = settings.position {
-        viewport = viewport.with_position(position);
-    }
-    let options = eframe::NativeOptions {
-        // The cheap one everywhere: the map comes as colours, and only panels are drawn.
-        renderer: eframe::Renderer::Glow,
-        // Nothing here has gradients, and a software driver would take longer for every pixel.
-        dithering: false,
-        viewport,
-        ..Default::default()
-    };
-    let make: eframe::AppCreator<'_> = Box::new(|context| {
-        let evaluator = evaluator::for_maps(Backend::Auto)?;
-        let mut window = Window::new(&context.egui_ctx, document, evaluator);
-        window.remember(memory, &settings, word, &context.egui_ctx);
-        window.recover(folder.as_deref().and_then(Recovery::at));
-        Ok(Box::new(window))
-    });
-    eframe::run_native(TITLE, options, make).map_err(|error| said(&error.to_string()))
-}
-
-/// What a desktop's error says, without the place in somebody's source from where it says it.
-fn said(error: &str) -> String {
-    match error.rsplit_once(".rs:").and_then(|(_, rest)| rest.split_once(": ")) {
-        Some((_, said)) => said.to_owned(),
-        None => error.to_owned(),
-    }
-}
-
-/// The folder that the desktop has for what outlives a run. `None` where there is none.
-fn state_folder() -> Option<PathBuf> {
-    let set = |name| std::env::var_os(name).filter(|value| !value.is_empty()).map(PathBuf::from);
-    let state = set("XDG_STATE_HOME")
-        .or_else(|| set("LOCALAPPDATA"))
-        .or_else(|| set("HOME").map(|home| home.join(".local").join("state")))?;
-    Some(state.join("sonoglyph"))
-}
+pub use desktop::run;
 
 /// An example scene as a document without a file.
 fn example(index: usize) -> anyhow::Result<Document> {
@@ -128,12 +55,30 @@ pub struct Window {
     memory: Option<Memory>,
     errands: Vec<Errand<Outcome>>,
     filming: Option<Film>,
+    /// Where the editor goes if the device that draws the window is lost.
+    legacy: Option<Legacy>,
 }
 
 impl Window {
+    /// In a window without a device of its own: its pictures go through egui.
     pub fn new(ctx: &egui::Context, document: Document, evaluator: Evaluator) -> Self {
+        Self::with(ctx, Editor::new(document), evaluator, None)
+    }
+
+    /// In the window that eframe has made, by the device that draws it, if wgpu does.
+    pub fn of(context: &eframe::CreationContext<'_>, editor: Editor) -> Self {
+        let screen = context.wgpu_render_state.clone();
+        Self::with(&context.egui_ctx, editor, desktop::evaluator(context), screen)
+    }
+
+    fn with(
+        ctx: &egui::Context,
+        editor: Editor,
+        evaluator: Evaluator,
+        screen: Option<eframe::egui_wgpu::RenderState>,
+    ) -> Self {
         theme::install(ctx);
-        let workshop = Workshop::new(evaluator);
+        let workshop = Workshop::new(evaluator, screen);
         let shown = Shown {
             examples: EXAMPLES.iter().map(|(name, _)| (*name).to_owned()).collect(),
             evaluator: workshop.mapping.evaluator(),
@@ -141,7 +86,7 @@ impl Window {
             ..Shown::default()
         };
         Self {
-            editor: Editor::new(document),
+            editor,
             shown,
             workshop,
             board: Board::default(),
@@ -151,7 +96,13 @@ impl Window {
             memory: None,
             errands: Vec::new(),
             filming: None,
+            legacy: None,
         }
+    }
+
+    /// If the device that draws the window is lost, its editor goes there, and the window closes.
+    fn leave_to(&mut self, legacy: Legacy) {
+        self.legacy = Some(legacy);
     }
 
     /// Looks as it did in the last run, and keeps how it looks from now on. `word` is what there is to say of that.
@@ -323,6 +274,20 @@ impl Window {
         }
     }
 
+    /// A lost device draws nothing any more: another window goes on.
+    fn escape_lost_screen(&mut self, ctx: &egui::Context) {
+        if !self.workshop.mapping.has_lost_screen() {
+            return;
+        }
+        let Some(legacy) = self.legacy.take() else { return };
+        let text = "The GPU was lost; OpenGL draws the window and the CPU computes the field from now on".to_owned();
+        let blank = Editor::new(Document::new(Scene::default(), "untitled"));
+        let editor = std::mem::replace(&mut self.editor, blank);
+        *legacy.borrow_mut() = Some((editor, Notice { text, is_error: true }));
+        self.may_close = true;
+        ctx.send_viewport_cmd(egui::ViewportCommand::Close);
+    }
+
     fn name_window(&mut self, ctx: &egui::Context) {
         let document = &self.editor.document;
         let mark = if document.is_unsaved() { "• " } else { "" };
@@ -357,6 +322,7 @@ impl Window {
             board.update(editor, shown, ui.ctx());
             canvas::paint(editor, shown, ui, &canvas);
         });
+        self.escape_lost_screen(&ctx);
         self.hear_outside(&ctx, &mut commands);
         self.collect(&mut commands);
         commands.into_iter().for_each(|command| self.execute(command, &ctx));

@@ -6,18 +6,21 @@
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
+use eframe::egui_wgpu::RenderState;
 use egui::Context;
 
-use crate::acoustics::Aperture;
+use crate::acoustics::{Air, Aperture};
 use crate::app::later::Later;
 use crate::app::mapping::Mapping;
 use crate::drive::Drive;
-use crate::field::{Evaluator, Quantity};
+use crate::field::{self, Evaluator, Quantity, Request, Stages};
 use crate::scene::{Focus, Method, MotionPath, Scene, check, motion, outline};
 use crate::solver::frames::{self, Sequence};
 use crate::solver::{self, Problem, Solution};
+use crate::studio::liquid;
+use crate::studio::probe::{self, Reading};
 use crate::ui::view::Lens;
-use crate::ui::{Editor, MethodRow, Panel, Shown, Sound};
+use crate::ui::{Editor, MethodRow, Panel, Pressed, Shown, Sound};
 
 /// Foci times elements that are solved between two frames; more is solved beside them.
 const AT_ONCE: usize = 120 * 256;
@@ -64,20 +67,22 @@ pub struct Workshop {
     methods: Later<Scene, Vec<MethodRow>>,
     wants_methods: Option<Scene>,
     round: Later<Scene, Result<Arc<Sequence>, String>>,
+    pressed: Later<Request, Option<Pressed>>,
     motion: Clock,
     oscillation: Clock,
 }
 
 impl Workshop {
-    pub fn new(evaluator: Evaluator) -> Self {
+    pub fn new(evaluator: Evaluator, screen: Option<RenderState>) -> Self {
         Self {
-            mapping: Mapping::new(evaluator),
+            mapping: Mapping::new(evaluator, screen),
             solved: None,
             solving: Later::default(),
             bound: Later::default(),
             methods: Later::default(),
             wants_methods: None,
             round: Later::default(),
+            pressed: Later::default(),
             motion: Clock::default(),
             oscillation: Clock::default(),
         }
@@ -93,14 +98,20 @@ impl Workshop {
             || self.round.is_running()
             || self.methods.is_running()
             || self.bound.is_running()
+            || self.pressed.is_running()
     }
 
     /// Brings everything that is shown up to date.
     pub fn update(&mut self, editor: &mut Editor, shown: &mut Shown, lens: &Lens, ctx: &Context) {
         shown.problem = None;
         shown.pending = None;
-        let came =
-            [self.solving.collect(), self.bound.collect(), self.methods.collect(), self.round.collect()];
+        let came = [
+            self.solving.collect(),
+            self.bound.collect(),
+            self.methods.collect(),
+            self.round.collect(),
+            self.pressed.collect(),
+        ];
         if came.contains(&true) {
             // The panels of this frame were drawn without it.
             ctx.request_repaint();
@@ -112,6 +123,7 @@ impl Workshop {
         self.oscillate(editor, shown, ctx);
         let source = self.source(editor, shown);
         shown.sound = source.map(|source| sound(editor, &source));
+        self.press(editor, shown, ctx);
         self.mapping.update(editor, shown, lens, ctx);
         shown.warnings = warnings(editor, shown);
     }
@@ -182,7 +194,7 @@ impl Workshop {
     /// All frames of the motion, where somebody looks at them.
     fn follow(&mut self, editor: &Editor, shown: &mut Shown, ctx: &Context) {
         let scene = editor.scene();
-        let presses = matches!(editor.view.quantity, Quantity::Radiation | Quantity::Dent);
+        let presses = editor.view.quantity.declaration().is_slow;
         let is_wanted = matches!(editor.panel, Panel::Motion | Panel::Device)
             || editor.playback.frame.is_some()
             || presses;
@@ -207,6 +219,25 @@ impl Workshop {
         }
         if shown.is_following && (presses || editor.playback.frame.is_some()) {
             shown.pending = Some(AT_REST.to_owned());
+        }
+    }
+
+    /// What presses on the scene's plane, once nothing is dragged.
+    fn press(&mut self, editor: &Editor, shown: &mut Shown, ctx: &Context) {
+        let quantity = editor.view.quantity;
+        let is_of_array =
+            shown.sound.as_ref().is_some_and(|sound| sound.drive.phases.len() == sound.aperture.positions.len());
+        if !quantity.declaration().is_slow || !is_of_array {
+            shown.pressed = None;
+            return;
+        }
+        if ctx.input(|input| input.pointer.any_down()) {
+            return;
+        }
+        let request = Request::new(editor.scene(), shown.drives(editor, quantity), quantity, (1, 1));
+        self.pressed.ask(&request, ctx, pressed);
+        if let Some(pressed) = self.pressed.get(&request) {
+            shown.pressed.clone_from(pressed);
         }
     }
 
@@ -282,6 +313,12 @@ fn all_methods(scene: &Scene) -> Vec<MethodRow> {
     Method::ALL.map(row).to_vec()
 }
 
+fn pressed(request: &Request) -> Option<Pressed> {
+    let field::Pressed { force, dent } = Stages::new(Evaluator::Cpu).pressed(request).ok()?;
+    let beyond = dent.as_ref().and_then(|dent| liquid::beyond_linear_theory(dent.slope));
+    Some(Pressed { force, dent, beyond })
+}
+
 /// What is played and what arrives, as a board with few phases plays it if that is asked for.
 fn sound(editor: &Editor, source: &Source) -> Sound {
     let aperture = Aperture::new(editor.scene());
@@ -292,15 +329,17 @@ fn sound(editor: &Editor, source: &Source) -> Sound {
             (&frame.drive, &frame.foci, &frame.pressures)
         }
     };
-    let (mut drive, mut pressures) = (drive.clone(), pressures.clone());
+    let at_foci = |(focus, &pressure): (&Focus, _)| Reading { position: focus.position, pressure };
+    let (mut drive, mut readings) = (drive.clone(), foci.iter().zip(pressures).map(at_foci).collect());
     if let Some(levels) = editor.levels {
         drive = drive.at_levels(levels);
         if drive.phases.len() == aperture.positions.len() {
-            let problem = Problem::new(&aperture, foci.to_vec());
-            pressures = problem.transfer.pressure(&drive.excitation(&aperture.driven));
+            let points: Vec<_> = foci.iter().map(|focus| focus.position).collect();
+            readings = probe::readings(&aperture, &drive, &points);
         }
     }
-    Sound { aperture, drive, foci: foci.to_vec(), pressures }
+    let air = Air::new(&editor.scene().medium, editor.scene().array.frequency);
+    Sound { aperture, air, drive, foci: foci.to_vec(), readings }
 }
 
 /// What to know before trusting what is seen.

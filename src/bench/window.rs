@@ -174,9 +174,9 @@ const LOOKS: [Look; 6] = [
     (DRAG, |_| ()),
     ("  with contours", |editor| editor.view.contours = true),
     ("  in decibels", |editor| editor.view.scale = Scale::Logarithmic),
-    ("  over its dent", |editor| editor.view.quantity = Quantity::Dent),
+    ("  over its dent", |editor| editor.view.quantity = Quantity::Depression),
     ("  over its dent, shaded", |editor| {
-        editor.view.quantity = Quantity::Dent;
+        editor.view.quantity = Quantity::Depression;
         editor.view.shaded = true;
     }),
 ];

@@ -21,7 +21,7 @@ use crate::cli::boards::{BoardArgs, SendArgs};
 use crate::field::Quantity;
 use crate::picture::ColourMap;
 use crate::scene::{Listener, Method, Scene, file};
-use crate::studio::evaluator::Backend;
+use crate::studio::evaluator::{Backend, Renderer};
 use crate::studio::output;
 use crate::studio::still::{Diagram, Moment, Size};
 
@@ -34,6 +34,9 @@ use crate::studio::still::{Diagram, Moment, Size};
 struct Cli {
     /// Scene file (TOML); assets/scenes holds examples.
     scene: Option<PathBuf>,
+    /// Who draws the window
+    #[arg(long, value_enum, default_value_t = Renderer::Auto)]
+    renderer: Renderer,
     #[command(subcommand)]
     command: Option<Command>,
 }
@@ -313,7 +316,7 @@ pub fn run() -> anyhow::Result<Next> {
         Cli { command: Some(Command::Ports), .. } => boards::ports(),
         Cli { command: Some(Command::Send(args)), .. } => boards::send(&args),
         Cli { command: Some(Command::Board(args)), .. } => boards::board(&args),
-        Cli { command: None, scene } => return Ok(Next::Window(scene)),
+        Cli { command: None, scene, renderer } => return Ok(Next::Window(scene, renderer)),
     };
     done.map(|()| Next::Exit)
 }
@@ -323,7 +326,7 @@ pub fn run() -> anyhow::Result<Next> {
 pub enum Next {
     Exit,
     /// The window on this scene, or on an example.
-    Window(Option<PathBuf>),
+    Window(Option<PathBuf>, Renderer),
     /// Measurements, the window's frames among them.
     Bench(bench::Options),
 }

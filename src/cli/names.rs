@@ -6,7 +6,7 @@ use clap::builder::PossibleValue;
 use crate::bench::Subject;
 use crate::field::Quantity;
 use crate::picture::ColourMap;
-use crate::studio::evaluator::Backend;
+use crate::studio::evaluator::{Backend, Renderer};
 use crate::studio::still::Diagram;
 
 impl ValueEnum for Backend {
@@ -20,6 +20,20 @@ impl ValueEnum for Backend {
             Self::Gpu => PossibleValue::new("gpu"),
             Self::Cpu => PossibleValue::new("cpu"),
             Self::Reference => PossibleValue::new("reference").help("f64 and slow"),
+        })
+    }
+}
+
+impl ValueEnum for Renderer {
+    fn value_variants<'a>() -> &'a [Self] {
+        &[Self::Auto, Self::Wgpu, Self::Glow]
+    }
+
+    fn to_possible_value(&self) -> Option<PossibleValue> {
+        Some(match self {
+            Self::Auto => PossibleValue::new("auto").help("wgpu where there is a GPU, else glow"),
+            Self::Wgpu => PossibleValue::new("wgpu").help("The device that computes the field draws the window too"),
+            Self::Glow => PossibleValue::new("glow").help("OpenGL; the CPU computes the field"),
         })
     }
 }

@@ -1,6 +1,5 @@
 //! `sonoglyph probe`: the complex pressure at points from a CSV file.
 
-use std::f64::consts::FRAC_1_SQRT_2;
 use std::fs::File;
 use std::path::Path;
 
@@ -14,6 +13,7 @@ use crate::field::{Evaluator, Samples, reference};
 use crate::solver;
 use crate::studio::evaluator;
 use crate::studio::output::{self, warn};
+use crate::studio::probe::Reading;
 use crate::table::TableError;
 
 pub fn run(args: &ProbeArgs) -> anyhow::Result<()> {
@@ -40,8 +40,8 @@ pub fn run(args: &ProbeArgs) -> anyhow::Result<()> {
         }
     };
     let mut text = String::from("x,y,z,re,im,rms\n");
-    for (point, p) in samples.columns.iter().zip(&pressures) {
-        let rms = p.norm() * FRAC_1_SQRT_2;
+    for (&point, &p) in samples.columns.iter().zip(&pressures) {
+        let rms = Reading { position: point, pressure: p }.rms();
         text.push_str(&format!("{:?},{:?},{:?},{:?},{:?},{rms:?}\n", point.x, point.y, point.z, p.re, p.im));
     }
     match &args.output {

@@ -7,12 +7,13 @@ use serde_json::{Value, json};
 use crate::acoustics::Aperture;
 use crate::cli::{SolveArgs, json, parse_method, read_scene};
 use crate::drive::{Drive, delay_level};
-use crate::field::{Evaluator, Ghost, Heard, NoGhost, Stages, ghost};
+use crate::field::{Evaluator, Ghost, NoGhost, Stages, ghost};
 use crate::picture::sheet::pascals;
 use crate::scene::{Amplitudes, Listener, Method, Pressures, Scene, check};
 use crate::solver::levels::{self, Reached};
 use crate::solver::{self, Limits, Problem, Solution, SolveError};
 use crate::studio::output::{self, say, warn};
+use crate::studio::probe::{self, Reading};
 
 /// Which methods to run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -93,7 +94,7 @@ struct Findings {
     solution: Solution,
     limits: Limits,
     ghost: Result<Ghost, NoGhost>,
-    heard: Option<Heard>,
+    heard: Option<Reading>,
     /// What the user should know of all that, a sentence each.
     notices: Vec<String>,
 }
@@ -111,7 +112,7 @@ impl Findings {
         let aperture = problem.aperture;
         let ghost = ghost::loudest(stages, aperture, &scene.plane, &solution.drive, &points);
         let heard =
-            scene.listener.as_ref().map(|listener| Heard::new(aperture, &solution.drive, listener.at));
+            scene.listener.as_ref().map(|listener| probe::reading(aperture, &solution.drive, listener.at));
         let mut notices: Vec<_> = limits.warning(problem).into_iter().collect();
         if scene.solver.pressures == Pressures::Pascal && limits.bound < 1.0 {
             notices.push(format!(
@@ -263,7 +264,7 @@ fn comparison(findings: &[Findings]) -> Table {
             solution.iterations.to_string(),
             format!("{:.2}", solution.seconds * 1e3),
         ];
-        row.extend(heard.map(|heard| format!("{:.1} dB", heard.spl)));
+        row.extend(heard.map(|heard| format!("{:.1} dB", heard.spl())));
         table.add_row(row);
     }
     align_numbers(&mut table);
@@ -349,7 +350,11 @@ impl Findings {
             let [x, y, z] = millimetres(heard.position);
             rows.push((
                 "listener",
-                format!("{:.1} dB re 20 µPa ({} RMS) at ({x}, {y}, {z}) mm", heard.spl, pascals(heard.rms)),
+                format!(
+                    "{:.1} dB re 20 µPa ({} RMS) at ({x}, {y}, {z}) mm",
+                    heard.spl(),
+                    pascals(heard.rms())
+                ),
             ));
         }
         for (name, value) in rows {
@@ -380,7 +385,7 @@ impl Findings {
         value["quality"]["ghost_position"] = json!(ghost.map(|ghost| ghost.position.to_array()));
         if let Some(heard) = &self.heard {
             value["listener"] =
-                json!({ "position": heard.position.to_array(), "rms": heard.rms, "spl": heard.spl });
+                json!({ "position": heard.position.to_array(), "rms": heard.rms(), "spl": heard.spl() });
         }
         value
     }

@@ -142,7 +142,7 @@ pub struct Declaration {
     pub name: &'static str,
     /// Names that it had.
     pub aliases: &'static [&'static str],
-    /// On legends.
+    /// On buttons and legends.
     pub title: &'static str,
     /// In sentences.
     pub words: &'static str,
@@ -289,7 +289,7 @@ quantities! {
         wgsl: "c.of_pressure * dot(s.p, s.p) - c.of_gradient * (dot(s.x, s.x) + dot(s.y, s.y))",
         name: "depression",
         aliases: &["dent"],
-        title: "Depth",
+        title: "Depression",
         words: "surface depression",
         help: "How deep the sound presses the liquid whose surface the plane is",
         unit: Unit::Metre,
@@ -309,7 +309,7 @@ quantities! {
         wgsl: "s.p.x * c.turn.x - s.p.y * c.turn.y",
         name: "instantaneous",
         aliases: &[],
-        title: "Pressure",
+        title: "Instantaneous",
         words: "instantaneous pressure",
         help: "The pressure at one moment: the waves as they run, slowed down",
         unit: Unit::Pascal,
@@ -372,14 +372,7 @@ impl Quantity {
     /// A value as people read it, with three figures and the unit that suits it.
     pub fn with_unit(self, value: f64) -> String {
         let (factor, unit) = self.declaration().unit.scaled(value.abs());
-        let value = value * factor;
-        let size = value.abs();
-        let decimals = match size {
-            size if size >= 99.95 || size == 0.0 => 0,
-            size if size >= 9.995 => 1,
-            _ => 2,
-        };
-        format!("{value:.decimals$} {unit}")
+        format!("{} {unit}", figures(value * factor))
     }
 
     /// dB of a part of the largest value.
@@ -412,6 +405,19 @@ impl Quantity {
         let sound = Sound { p: narrow(p), ..Sound::default() };
         (self.declaration().parts == PRESSURE).then(|| self.of(sound, &constants).into())
     }
+}
+
+/// Three figures.
+pub fn figures(value: f64) -> String {
+    let size = value.abs();
+    let decimals = if size >= 99.95 || size == 0.0 {
+        0
+    } else if size >= 9.995 {
+        1
+    } else {
+        2
+    };
+    format!("{value:.decimals$}")
 }
 
 /// In f32.

@@ -1,12 +1,12 @@
 //! Slopes of the pressure where no grid gives them: central differences of fourth order along a direction.
 
 use glam::DVec3;
-use num_complex::Complex32;
+use num_complex::{Complex32, Complex64};
 
 use crate::acoustics::Aperture;
 use crate::acoustics::element::NEAREST;
 use crate::drive::Drive;
-use crate::field::quantity::Part;
+use crate::field::quantity::{Part, Sound, narrow};
 use crate::field::{Samples, on_cpu};
 
 /// Places (steps) and weights (per step): off by (kh)⁴/30 of the slope.
@@ -74,4 +74,58 @@ pub fn part_on_cpu(
         }
     }
     slopes
+}
+
+/// Points beside others at which pressures in f64 give the sound there: the reference for slopes.
+#[derive(Clone, Debug)]
+pub struct Around {
+    parts: u8,
+    axes: [DVec3; 3],
+    /// m, from a point to its neighbours: far enough for f64, and much less than a wavelength.
+    hair: f64,
+}
+
+impl Around {
+    /// For these parts of the sound, along the plane's axes and its normal.
+    pub fn new(parts: u8, axes: [DVec3; 3], wavelength: f64) -> Self {
+        Self { parts, axes, hair: 1e-3 * wavelength }
+    }
+
+    /// As many points for each as [`Around::sounds`] takes pressures.
+    pub fn points(&self, points: &[DVec3]) -> Vec<DVec3> {
+        let along = |part| match part {
+            Part::Pressure => None,
+            Part::AlongX => Some(self.axes[0]),
+            Part::AlongY => Some(self.axes[1]),
+            Part::Normal => Some(self.axes[2]),
+        };
+        let mut around = Vec::new();
+        for &point in points {
+            for part in Part::of(self.parts) {
+                match along(part) {
+                    None => around.push(point),
+                    Some(axis) => around.extend([point + axis * self.hair, point - axis * self.hair]),
+                }
+            }
+        }
+        around
+    }
+
+    /// The sound at the points, from the pressures (Pa, peak) around them.
+    pub fn sounds(&self, pressures: &[Complex64]) -> Vec<Sound> {
+        let mut pressures = pressures.iter().copied();
+        let mut sounds = Vec::new();
+        while pressures.len() > 0 {
+            let mut next = || pressures.next().unwrap_or_default();
+            let mut sound = Sound::default();
+            for part in Part::of(self.parts) {
+                *sound.part_mut(part) = narrow(match part {
+                    Part::Pressure => next(),
+                    Part::AlongX | Part::AlongY | Part::Normal => (next() - next()) / (2.0 * self.hair),
+                });
+            }
+            sounds.push(sound);
+        }
+        sounds
+    }
 }

@@ -15,7 +15,20 @@ pub enum Backend {
     Reference,
 }
 
+/// Who draws the window.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Renderer {
+    /// wgpu where there is a GPU that is not software, else OpenGL.
+    #[default]
+    Auto,
+    Wgpu,
+    Glow,
+}
+
 /// The evaluator for maps. `auto` takes the GPU if there is one that is not software, else the CPU, and says why not.
+///
+/// # Errors
+/// A GPU that was asked for by name and cannot be had.
 pub fn for_maps(backend: Backend) -> Result<Evaluator, GpuError> {
     Ok(match backend {
         Backend::Reference => Evaluator::Reference,
@@ -32,6 +45,9 @@ pub fn for_maps(backend: Backend) -> Result<Evaluator, GpuError> {
 }
 
 /// The evaluator for a list of points, which is short enough for f64.
+///
+/// # Errors
+/// As [`for_maps`].
 pub fn for_points(backend: Backend) -> Result<Evaluator, GpuError> {
     match backend {
         Backend::Auto => Ok(Evaluator::Reference),

@@ -7,6 +7,7 @@ pub mod liquid;
 pub mod map;
 pub mod motion;
 pub mod output;
+pub mod probe;
 pub mod still;
 pub mod swell;
 

@@ -8,6 +8,9 @@ use crate::solver::frames::{self, Frame, Sequence};
 use crate::studio::output::{note, warn};
 
 /// Solves all frames and passes on what the user should know; `name` tells whose they are.
+///
+/// # Errors
+/// A scene that cannot be solved.
 pub fn follow(scene: &Scene, name: &str) -> anyhow::Result<Sequence> {
     if scene.motion.path == MotionPath::None {
         note("nothing moves: `path` in [motion] is \"none\", so there is one frame");

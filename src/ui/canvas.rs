@@ -3,12 +3,14 @@
 use egui::{
     Align2, Color32, FontId, Painter, Pos2, Rect, Response, Sense, Stroke, StrokeKind, Ui, pos2, vec2,
 };
-use glam::DVec2;
-use num_complex::Complex64;
+use glam::{DVec2, DVec3};
 
 use crate::field::Quantity;
-use crate::ui::view::{Lens, decibels};
-use crate::ui::{Editor, Map, Shown, gesture, legend, marks, theme};
+use crate::field::quantity::Range;
+use crate::picture::sheet::pascals;
+use crate::studio::probe;
+use crate::ui::view::Lens;
+use crate::ui::{Editor, Map, Shown, Sound, gesture, legend, marks, theme};
 
 /// Points of the screen around the plot.
 const LEFT: f32 = 56.0;
@@ -72,7 +74,7 @@ pub fn paint(editor: &Editor, shown: &Shown, ui: &Ui, canvas: &Canvas) {
         let place = place(map);
         // Row 0 of a map is at the smallest y: the bottom.
         let upright = Rect::from_min_max(pos2(0.0, 1.0), pos2(1.0, 0.0));
-        painter.image(map.texture.0.id(), place, upright, Color32::WHITE);
+        painter.image(map.texture.id(), place, upright, Color32::WHITE);
         contours(map, &painter, place);
     }
     if editor.view.is_shaded() {
@@ -121,7 +123,7 @@ fn shaded(shown: &Shown, ui: &Ui, painter: &Painter, lens: &Lens) {
          the flat view.",
         size.x,
         size.y,
-        legend::with_unit(map.largest, map.quantity)
+        map.quantity.with_unit(map.largest)
     );
     wrapped_chip(
         painter,
@@ -210,27 +212,27 @@ fn probe(editor: &Editor, shown: &Shown, painter: &Painter, lens: &Lens, at: Pos
     marks::chip(painter, corner, Align2::LEFT_TOP, &text, 13.0, theme::MARK);
 }
 
-fn value(map: &Map, sound: &crate::ui::Sound, uv: DVec2, point: glam::DVec3) -> String {
-    let to_peak = |value: f64| decibels(value / map.largest.max(1e-30), map.quantity);
-    match map.number(uv) {
-        Some(value) => legend::with_unit(value, map.quantity),
-        None => {
-            let u = sound.drive.excitation(&sound.aperture.driven);
-            let p = sound.aperture.transfer(&[point]).pressure(&u)[0];
-            let rms = p.norm() / std::f64::consts::SQRT_2;
-            let largest = match map.quantity {
-                Quantity::Rms => format!("   {:.1} dB of the peak", to_peak(rms).max(-99.9)),
-                Quantity::Instantaneous => {
-                    format!("   {:.0} Pa now", (p * Complex64::cis(map.phase)).re)
-                }
-                _ => String::new(),
-            };
-            format!(
-                "{} RMS   {:.1} dB SPL{largest}   phase {:.0}°",
-                crate::picture::sheet::pascals(rms),
-                20.0 * (rms.max(1e-9) / 20e-6).log10(),
-                p.arg().to_degrees()
-            )
-        }
+fn value(map: &Map, sound: &Sound, uv: DVec2, point: DVec3) -> String {
+    let quantity = map.quantity;
+    let reading = probe::reading(&sound.aperture, &sound.drive, point);
+    let value = map.number(uv).or_else(|| sound.value(map, point));
+    let of_map = match quantity.declaration().range {
+        Range::Amount => value.map(|value| {
+            let to_peak = quantity.decibels(value / map.largest.max(1e-30)).max(-99.9);
+            format!("   {to_peak:.1} dB of the peak")
+        }),
+        Range::Signed => value.map(|value| format!("   {}", quantity.with_unit(value))),
+        Range::Cyclic => None,
+    };
+    let of_map = of_map.unwrap_or_default();
+    if quantity != Quantity::Rms && quantity.declaration().range == Range::Amount {
+        let value = value.map_or_else(String::new, |value| quantity.with_unit(value));
+        return format!("{value}{of_map}");
     }
+    format!(
+        "{} RMS   {:.1} dB SPL{of_map}   phase {:.0}°",
+        pascals(reading.rms()),
+        reading.spl(),
+        reading.phase().to_degrees()
+    )
 }

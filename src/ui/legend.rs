@@ -1,54 +1,15 @@
-//! The colour legend, and values with the unit that suits them.
+//! The colour legend.
 
 use egui::{Align2, Color32, FontId, Mesh, Rect, Stroke, StrokeKind, Ui, pos2, vec2};
 
 use crate::field::colouring::FLOOR;
+use crate::field::quantity::{Range, figures};
 use crate::field::{Quantity, Scale};
-use crate::ui::view::{Lens, decibels};
+use crate::ui::view::Lens;
 use crate::ui::{Editor, Map};
 
 const WIDTH: f32 = 16.0;
 const GAP: f32 = 14.0;
-
-/// A value in Pa, rad or m as people read it.
-pub fn with_unit(value: f64, quantity: Quantity) -> String {
-    let (factor, unit) = unit(quantity, value.abs());
-    format!("{} {unit}", figures(value * factor))
-}
-
-/// The factor from Pa, rad or m to the unit in which values up to `largest` are shown.
-pub fn unit(quantity: Quantity, largest: f64) -> (f64, &'static str) {
-    match quantity {
-        Quantity::Phase => (180.0 / std::f64::consts::PI, "°"),
-        Quantity::Dent if largest >= 1e-3 => (1e3, "mm"),
-        Quantity::Dent => (1e6, "µm"),
-        _ if largest >= 1e3 => (1e-3, "kPa"),
-        _ => (1.0, "Pa"),
-    }
-}
-
-/// Three figures.
-pub fn figures(value: f64) -> String {
-    let size = value.abs();
-    let decimals = if size >= 99.95 || size == 0.0 {
-        0
-    } else if size >= 9.995 {
-        1
-    } else {
-        2
-    };
-    format!("{value:.decimals$}")
-}
-
-pub fn title(quantity: Quantity) -> &'static str {
-    match quantity {
-        Quantity::Rms | Quantity::MeanRms => "RMS",
-        Quantity::Phase => "Phase",
-        Quantity::Instantaneous => "Instant",
-        Quantity::Dent => "Depth",
-        Quantity::Radiation => "Pressure",
-    }
-}
 
 /// Draws the legend to the right of the plot.
 pub fn paint(editor: &Editor, map: &Map, ui: &Ui, lens: &Lens) {
@@ -79,7 +40,7 @@ pub fn paint(editor: &Editor, map: &Map, ui: &Ui, lens: &Lens) {
     let edge = Stroke::new(1.0, ui.visuals().weak_text_color());
     painter.rect_stroke(bar, 0.0, edge, StrokeKind::Outside);
     let y = |part: f64| bar.bottom() - bar.height() * part as f32;
-    let (factor, _) = unit(map.quantity, full);
+    let (factor, _) = map.quantity.declaration().unit.scaled(full);
     for (part, label) in law.ticks(map.quantity, full * factor) {
         let at = pos2(bar.right(), y(part));
         painter.line_segment([at, at + vec2(4.0, 0.0)], edge);
@@ -107,19 +68,21 @@ enum Law {
 
 impl Law {
     fn of(quantity: Quantity, scale: Scale) -> Self {
-        match (quantity, scale) {
-            (Quantity::Phase, _) => Self::Turn,
-            (Quantity::Instantaneous, _) => Self::Signed,
-            (_, Scale::Linear) => Self::Linear,
-            (_, Scale::Logarithmic) => Self::Decibels,
+        match (quantity.declaration().range, scale) {
+            (Range::Cyclic, _) => Self::Turn,
+            (Range::Signed, _) => Self::Signed,
+            (Range::Amount, Scale::Linear) => Self::Linear,
+            (Range::Amount, Scale::Logarithmic) => Self::Decibels,
         }
     }
 
     fn title(self, quantity: Quantity, full: f64) -> String {
-        let title = title(quantity);
+        let declaration = quantity.declaration();
         match self {
-            Self::Decibels => format!("{title}, dB of\n{}", with_unit(full, quantity)),
-            _ => format!("{title}, {}", unit(quantity, full).1),
+            Self::Decibels => format!("{}\ndB of {}", declaration.title, quantity.with_unit(full)),
+            Self::Linear | Self::Signed | Self::Turn => {
+                format!("{}\n{}", declaration.title, declaration.unit.scaled(full).1)
+            }
         }
     }
 
@@ -127,7 +90,7 @@ impl Law {
     fn place(self, part: f64, quantity: Quantity) -> f64 {
         match self {
             Self::Linear => part,
-            Self::Decibels => 1.0 - decibels(part, quantity) / decibels(FLOOR.into(), quantity),
+            Self::Decibels => 1.0 - quantity.decibels(part) / quantity.decibels(FLOOR.into()),
             Self::Signed | Self::Turn => 0.5 + 0.5 * part,
         }
     }
@@ -139,7 +102,7 @@ impl Law {
                 .map(|degrees| (degrees / 360.0 + 0.5, format!("{degrees:.0}")))
                 .to_vec(),
             Self::Decibels => {
-                let least = decibels(FLOOR.into(), quantity);
+                let least = quantity.decibels(FLOOR.into());
                 let tick = |part: f64| (1.0 - part, format!("{:.0}", least * part + 0.0));
                 (0..=6).map(|i| tick(f64::from(i) / 6.0)).collect()
             }
@@ -182,22 +145,13 @@ mod tests {
     use super::*;
 
     #[test]
-    fn values_have_three_figures_and_the_unit_that_suits() {
-        for (value, quantity, text) in [
-            (1234.0, Quantity::Rms, "1.23 kPa"),
-            (12.34, Quantity::Radiation, "12.3 Pa"),
-            (4.2e-5, Quantity::Dent, "42.0 µm"),
-            (1.5e-3, Quantity::Dent, "1.50 mm"),
-            (-std::f64::consts::FRAC_PI_2, Quantity::Phase, "-90.0 °"),
-        ] {
-            assert_eq!(with_unit(value, quantity), text);
-        }
+    fn ticks_are_round() {
         assert_eq!((round_step(0.7), round_step(1.0), round_step(21.0)), (1.0, 1.0, 50.0));
     }
 
     #[test]
     fn decibels_stand_where_their_colours_are() {
-        for (quantity, floor) in [(Quantity::Rms, "-60"), (Quantity::Dent, "-30")] {
+        for (quantity, floor) in [(Quantity::Rms, "-60"), (Quantity::Depression, "-30")] {
             let ticks = Law::Decibels.ticks(quantity, 7.0);
             assert_eq!(ticks.last().unwrap(), &(0.0, floor.to_owned()));
             assert_eq!(ticks[0], (1.0, "0".to_owned()));

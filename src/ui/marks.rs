@@ -1,7 +1,5 @@
 //! What lies over the map: the array, the targets' outlines, the focal points and the gesture under way.
 
-use std::f64::consts::SQRT_2;
-
 use egui::{Align2, Color32, FontId, Painter, Pos2, Rect, Shape, Stroke, StrokeKind, vec2};
 use glam::{DVec2, DVec3};
 
@@ -107,7 +105,7 @@ fn foci(editor: &Editor, sound: &Sound, painter: &Painter, lens: &Lens, pointer:
     let axes = editor.view.axes(editor.scene());
     let most = sound.foci.iter().map(|focus| focus.target).fold(0.0, f64::max);
     let few = sound.foci.len() <= 12;
-    for (focus, pressure) in sound.foci.iter().zip(&sound.pressures) {
+    for (focus, reading) in sound.foci.iter().zip(&sound.readings) {
         let at = lens.screen(axes.flat(focus.position));
         let height = axes.height(focus.position);
         let asked = pointer.is_some_and(|pointer| pointer.distance(at) < ASKS);
@@ -131,7 +129,7 @@ fn foci(editor: &Editor, sound: &Sound, painter: &Painter, lens: &Lens, pointer:
         painter.circle_filled(at, radius + 1.5, theme::MARK_EDGE);
         painter.circle_filled(at, radius, theme::MARK);
         if asked || (few && !editor.selection.is_empty() && is_of_selection(editor, focus.position)) {
-            let text = format!("{} RMS", pascals(pressure.norm() / SQRT_2));
+            let text = format!("{} RMS", pascals(reading.rms()));
             chip(painter, at + vec2(12.0, -12.0), Align2::LEFT_BOTTOM, &text, 12.0, theme::MARK);
         }
     }

@@ -27,18 +27,18 @@ use std::sync::Arc;
 
 use egui::{CentralPanel, Color32, Frame, Margin, Panel as Side, Ui};
 
-use crate::acoustics::Aperture;
+use crate::acoustics::{Air, Aperture};
 use crate::drive::Drive;
 use crate::field::Quantity;
 use crate::field::contour::Line;
 use crate::scene::{Focus, Method, Scene};
 use crate::solver::Solution;
 use crate::solver::frames::Sequence;
+use crate::studio::probe::{self, Reading};
 use crate::surface::Dent;
 use board::{BoardCommand, BoardForm, BoardShown};
 use document::Document;
 use gesture::{Gesture, Typing};
-use num_complex::Complex64;
 use tool::Tool;
 use view::{Cut, View, Window};
 
@@ -210,11 +210,26 @@ pub struct Shown {
     /// ms
     pub solving: f64,
     pub mapping: f64,
+    /// ms that the GPU took for the map, where it can be timed.
+    pub on_gpu: Option<f64>,
     pub board: BoardShown,
     /// What was just done, or could not be.
     pub notice: Option<Notice>,
     /// What is being written meanwhile, and the part of it that is done.
     pub export: Option<(String, f32)>,
+}
+
+impl Shown {
+    /// The drives that a map of this quantity is of: the one that is played, or all frames of the motion where their mean counts
+    /// and none of them is looked at.
+    pub fn drives(&self, editor: &Editor, quantity: Quantity) -> Vec<Drive> {
+        match (&self.round, &self.sound) {
+            (Some(round), _) if quantity.declaration().is_slow && editor.playback.frame.is_none() => {
+                round.frames.iter().map(|frame| frame.drive.clone()).collect()
+            }
+            (_, sound) => sound.iter().map(|sound| sound.drive.clone()).collect(),
+        }
+    }
 }
 
 /// A word on what was done.
@@ -236,7 +251,7 @@ pub struct Map {
     pub quantity: Quantity,
     /// rad, the ωt of an instantaneous pressure.
     pub phase: f64,
-    /// The largest value: Pa (RMS; peak of an instantaneous pressure), Pa or m.
+    /// The largest value, as [`crate::field::Map::peak`] has it.
     pub largest: f64,
     /// Relative to it.
     pub error: f64,
@@ -246,12 +261,12 @@ pub struct Map {
     pub contours: Vec<Line>,
     /// How many times as deep as it is a shaded dent is drawn.
     pub exaggeration: Option<f64>,
-    /// Values of an average, row by row from the smallest y; fields are computed where they are asked for.
+    /// Row by row from the smallest y, where they are there and the sound at a point does not tell them.
     pub numbers: Option<Vec<f32>>,
 }
 
 impl Map {
-    /// The value of an average at a place of the cut.
+    /// The value at a place of the cut.
     fn number(&self, uv: glam::DVec2) -> Option<f64> {
         let numbers = self.numbers.as_ref()?;
         let at = view::Lens { rect: self.rect, window: self.window }.screen(uv) - self.rect.min;
@@ -263,12 +278,25 @@ impl Map {
     }
 }
 
-/// A texture, which cannot be printed.
-pub struct Texture(pub egui::TextureHandle);
+/// Where the picture of a map lies.
+pub enum Texture {
+    InEgui(egui::TextureHandle),
+    /// On the device that draws the window, under this name.
+    OnGpu(egui::TextureId),
+}
+
+impl Texture {
+    pub fn id(&self) -> egui::TextureId {
+        match self {
+            Self::InEgui(texture) => texture.id(),
+            Self::OnGpu(id) => *id,
+        }
+    }
+}
 
 impl std::fmt::Debug for Texture {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.debug_struct("Texture").field("size", &self.0.size()).finish_non_exhaustive()
+        f.debug_tuple("Texture").field(&self.id()).finish()
     }
 }
 
@@ -276,10 +304,23 @@ impl std::fmt::Debug for Texture {
 #[derive(Clone, Debug)]
 pub struct Sound {
     pub aperture: Aperture,
+    pub air: Air,
     pub drive: Drive,
     pub foci: Vec<Focus>,
-    /// Pa, peak, at the foci.
-    pub pressures: Vec<Complex64>,
+    /// What arrives at the foci.
+    pub readings: Vec<Reading>,
+}
+
+impl Sound {
+    /// The values of a map at points of its plane, in f64; none where these follow from more than the points.
+    fn values(&self, map: &Map, points: &[glam::DVec3]) -> Vec<f64> {
+        let axes = [map.axes.x, map.axes.y, map.axes.x.cross(map.axes.y)];
+        probe::values((&self.aperture, &self.air), &self.drive, (map.quantity, map.phase), axes, points)
+    }
+
+    fn value(&self, map: &Map, point: glam::DVec3) -> Option<f64> {
+        self.values(map, &[point]).first().copied()
+    }
 }
 
 /// A method in the comparison.

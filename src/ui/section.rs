@@ -1,15 +1,11 @@
 //! The cross-section: RMS pressure along a line through the cut.
 
-use std::f64::consts::SQRT_2;
-
 use egui::{Ui, Vec2b};
 use egui_plot::{Line, Plot, PlotPoints, VLine};
 use glam::DVec2;
-use num_complex::Complex64;
 
-use crate::field::Quantity;
 use crate::ui::view::Lens;
-use crate::ui::{Editor, Map, Shown, Sound, legend, theme};
+use crate::ui::{Editor, Map, Shown, Sound, theme};
 
 const POINTS: usize = 400;
 
@@ -21,10 +17,11 @@ pub fn show(editor: &Editor, shown: &Shown, ui: &mut Ui) {
     };
     let lens = Lens { rect: map.rect, window: map.window };
     let (points, largest) = curve(map, sound, &lens, editor.view.line);
-    let (factor, unit) = legend::unit(map.quantity, largest);
+    let declaration = map.quantity.declaration();
+    let (factor, unit) = declaration.unit.scaled(largest);
     let curve: Vec<[f64; 2]> = points.iter().map(|[x, value]| [x * 1e3, value * factor]).collect();
     let (across, up) = editor.view.cut.axes();
-    let name = format!("{}, {unit}", legend::title(map.quantity));
+    let name = format!("{}, {unit}", declaration.title);
     ui.label(format!("{name} along {} = {:.1} mm", &up[..1], editor.view.line * 1e3))
         .on_hover_text("Shift and the pointer move the line");
     let plot = Plot::new("section")
@@ -57,14 +54,7 @@ fn curve(map: &Map, sound: &Sound, lens: &Lens, v: f64) -> (Vec<[f64; 2]>, f64) 
         Some(_) => (0..POINTS).map(|i| map.number(DVec2::new(u(i), v)).unwrap_or(0.0)).collect(),
         None => {
             let points: Vec<_> = (0..POINTS).map(|i| map.axes.world(DVec2::new(u(i), v))).collect();
-            let drive = sound.drive.excitation(&sound.aperture.driven);
-            let pressures = sound.aperture.transfer(&points).pressure(&drive);
-            let value = |p: &Complex64| match map.quantity {
-                Quantity::Phase => p.arg(),
-                Quantity::Instantaneous => (p * Complex64::cis(map.phase)).re,
-                _ => p.norm() / SQRT_2,
-            };
-            pressures.iter().map(value).collect()
+            sound.values(map, &points)
         }
     };
     let largest = values.iter().fold(0.0f64, |most, value| most.max(value.abs()));

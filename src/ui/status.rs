@@ -9,8 +9,14 @@ pub fn bar(editor: &Editor, shown: &Shown, ui: &mut Ui) {
         ui.label(format!("solve {:.1} ms", shown.solving))
             .on_hover_text("Time that finding the phases took");
         ui.separator();
-        ui.label(format!("field {:.1} ms", shown.mapping))
-            .on_hover_text("Time that the map and its colours took");
+        match shown.on_gpu {
+            Some(on_gpu) => ui
+                .label(format!("field {on_gpu:.2} ms"))
+                .on_hover_text("Time that the GPU took for the map, by its own clock"),
+            None => ui
+                .label(format!("field {:.1} ms", shown.mapping))
+                .on_hover_text("Time that the map and its colours took"),
+        };
         if let Some(map) = &shown.map {
             ui.separator();
             ui.label(format!("error {:.0e}", map.error)).on_hover_text(format!(

@@ -8,6 +8,7 @@ use glam::{DQuat, DVec2, DVec3};
 use crate::field::{Colouring, Quantity, Scale};
 use crate::picture::ColourMap;
 use crate::scene::{Array, Plane, Scene};
+use crate::studio::map;
 
 /// Free space around what is shown as a whole, as a part of it.
 const MARGIN: f64 = 1.08;
@@ -298,39 +299,27 @@ impl View {
         }
     }
 
-    /// Over the whole range, at ωt = 0.
+    /// Over the whole range.
     pub fn colouring(&self) -> Colouring {
         Colouring { scale: self.scale, ..Colouring::new(self.quantity, self.colour_map().table()) }
     }
 
     /// Colours from nothing to the largest, round a turn, or from the most negative to the most positive.
     pub fn colour_map(&self) -> ColourMap {
-        match self.quantity {
-            Quantity::Phase => ColourMap::Cyclic,
-            Quantity::Instantaneous => ColourMap::Diverging,
-            _ => self.colours,
-        }
+        map::colours(self.quantity, self.colours)
     }
 
-    /// Whether a dent is shown as light falls on it.
+    /// Whether a liquid is shown as light falls on it.
     pub fn is_shaded(&self) -> bool {
-        self.shaded && self.quantity == Quantity::Dent
+        self.shaded && self.quantity.declaration().of_liquid
     }
 
     /// The part of the largest value at which contour lines are wanted; `None` where there are to be none.
     pub fn contour_part(&self) -> Option<f64> {
-        let is_wanted = self.contours && self.quantity.is_amount() && !self.is_shaded();
-        is_wanted.then(|| 10f64.powf(self.contour_level / per_decade(self.quantity)))
+        let declaration = self.quantity.declaration();
+        let is_wanted = self.contours && declaration.has_mean && !self.is_shaded();
+        is_wanted.then(|| 10f64.powf(self.contour_level / declaration.decibels))
     }
-}
-
-/// dB of a part of the largest; radiation pressure and dents go with the square of the sound.
-pub fn decibels(part: f64, quantity: Quantity) -> f64 {
-    per_decade(quantity) * part.max(1e-12).log10()
-}
-
-fn per_decade(quantity: Quantity) -> f64 {
-    if matches!(quantity, Quantity::Radiation | Quantity::Dent) { 10.0 } else { 20.0 }
 }
 
 /// m, over all elements.
@@ -387,7 +376,7 @@ mod tests {
         assert!((of_pressure - 0.501).abs() < 1e-3);
         assert!((part(Quantity::Radiation).unwrap() - of_pressure.powi(2)).abs() < 1e-12);
         assert_eq!((part(Quantity::Phase), part(Quantity::Instantaneous)), (None, None));
-        assert_eq!(View { shaded: true, quantity: Quantity::Dent, ..view }.contour_part(), None);
+        assert_eq!(View { shaded: true, quantity: Quantity::Depression, ..view }.contour_part(), None);
     }
 
     #[test]

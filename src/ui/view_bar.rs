@@ -2,10 +2,11 @@
 
 use egui::{ComboBox, DragValue, Slider, Ui};
 
+use crate::field::quantity::Range;
 use crate::field::{Quantity, Scale};
 use crate::picture::ColourMap;
 use crate::ui::view::{Cut, FreePlane};
-use crate::ui::{Editor, Shown, legend};
+use crate::ui::{Editor, Shown};
 
 /// m: how far the slider moves a plane.
 const FARTHEST: f64 = 0.3;
@@ -14,10 +15,11 @@ pub fn show(editor: &mut Editor, shown: &Shown, ui: &mut Ui) {
     ui.horizontal_wrapped(|ui| {
         quantities(editor, ui);
         ui.separator();
-        match editor.view.quantity {
-            Quantity::Instantaneous => oscillation(editor, ui),
-            Quantity::Dent => surface(editor, ui),
-            _ => {}
+        if editor.view.quantity == Quantity::Instantaneous {
+            oscillation(editor, ui);
+        }
+        if editor.view.quantity.declaration().of_liquid {
+            surface(editor, ui);
         }
         ui.add_enabled_ui(!editor.view.is_shaded(), |ui| colours(editor, shown, ui));
     });
@@ -29,22 +31,10 @@ pub fn show(editor: &mut Editor, shown: &Shown, ui: &mut Ui) {
 }
 
 fn quantities(editor: &mut Editor, ui: &mut Ui) {
-    for (quantity, name, tip) in [
-        (Quantity::Rms, "RMS", "RMS pressure of the sound (1)"),
-        (Quantity::Phase, "Phase", "Where in its period the sound is (2)"),
-        (
-            Quantity::Radiation,
-            "Radiation",
-            "The steady pressure of the sound on a surface that reflects it (3)",
-        ),
-        (Quantity::Dent, "Dent", "How deep it presses the liquid whose surface the plane is (4)"),
-        (
-            Quantity::Instantaneous,
-            "Instant",
-            "The pressure at one moment: the waves as they run, slowed down (5)",
-        ),
-    ] {
-        ui.selectable_value(&mut editor.view.quantity, quantity, name).on_hover_text(tip);
+    for (quantity, key) in Quantity::ALL.into_iter().zip(1..) {
+        let declaration = quantity.declaration();
+        ui.selectable_value(&mut editor.view.quantity, quantity, declaration.title)
+            .on_hover_text(format!("{} ({key})", declaration.help));
     }
 }
 
@@ -165,7 +155,7 @@ fn colours(editor: &mut Editor, shown: &Shown, ui: &mut Ui) {
             .on_hover_text("Colours in decibels, from the largest pressure down to a thousandth of it");
         view.scale = if in_decibels { Scale::Logarithmic } else { Scale::Linear };
     });
-    ui.add_enabled_ui(view.quantity != Quantity::Phase, |ui| {
+    ui.add_enabled_ui(view.quantity.declaration().range != Range::Cyclic, |ui| {
         let mut locked = view.full.is_some();
         let largest = shown.map.as_ref().map_or(1.0, |map| map.largest);
         ui.toggle_value(&mut locked, "Lock range")
@@ -176,7 +166,7 @@ fn colours(editor: &mut Editor, shown: &Shown, ui: &mut Ui) {
             (true, full) => full,
         };
         if let Some(full) = &mut view.full {
-            let (factor, unit) = legend::unit(view.quantity, *full);
+            let (factor, unit) = view.quantity.declaration().unit.scaled(*full);
             let mut value = *full * factor;
             let speed = 0.01 * value.abs().max(1e-3);
             let field = DragValue::new(&mut value).speed(speed).suffix(format!(" {unit}"));
@@ -186,7 +176,7 @@ fn colours(editor: &mut Editor, shown: &Shown, ui: &mut Ui) {
             }
         }
     });
-    ui.add_enabled_ui(is_amount, |ui| {
+    ui.add_enabled_ui(view.quantity.declaration().has_mean, |ui| {
         ui.toggle_value(&mut view.contours, "Contours").on_hover_text(
             "Lines where the value is so many decibels below the largest on the screen; at -6 dB the pressure is half of it",
         );

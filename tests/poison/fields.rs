@@ -8,10 +8,11 @@ use sonoglyph::field::cells::Cells;
 use sonoglyph::field::interpolation::Resampling;
 use sonoglyph::field::plan::Costs;
 use sonoglyph::field::{
-    self, Average, Colouring, Evaluator, FieldError, Heard, Mean, NoGhost, Plan, Quantity, Samples, Scale,
-    Stages, Wanted, colouring, contour, ghost, polynomial,
+    self, Average, Colouring, Evaluator, FieldError, Mean, NoGhost, Plan, Quantity, Samples, Scale, Stages,
+    Wanted, colouring, contour, ghost, polynomial,
 };
 use sonoglyph::scene::{Plane, Scene};
+use sonoglyph::studio::probe;
 
 use crate::{POISON, SIZES, numbers, panics};
 
@@ -156,7 +157,7 @@ fn a_broken_sample_spoils_no_other() {
                 field[0]
             );
         }
-        Heard::new(&aperture, &drive, DVec3::new(poison, 0.0, 0.1));
+        probe::reading(&aperture, &drive, DVec3::new(poison, 0.0, 0.1));
     }
     let nothing = Samples::on_plane(&plane(), 0, 5).unwrap();
     assert!(nothing.is_empty() && panics(|| nothing.point(0)));

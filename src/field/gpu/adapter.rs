@@ -60,7 +60,7 @@ impl std::fmt::Display for AdapterInfo {
 
 /// Every adapter that a driver offers, the best first.
 pub fn adapters() -> Vec<AdapterInfo> {
-    found().iter().map(|(info, _)| info.clone()).collect()
+    found(&instance()).iter().map(|(info, _)| info.clone()).collect()
 }
 
 /// Opens the best adapter that is not software, or, if `software` is welcome, the best of all.
@@ -68,17 +68,29 @@ pub fn adapters() -> Vec<AdapterInfo> {
 /// # Errors
 /// There is none, or it does not work.
 pub fn open_best(software: bool) -> Result<Gpu, GpuError> {
-    let found = found();
+    best(software).and_then(|(_, adapter)| Gpu::open(&adapter))
+}
+
+/// The best adapter that is not software, or, if `software` is welcome, the best of all, with the instance that found it.
+///
+/// # Errors
+/// There is none.
+pub fn best(software: bool) -> Result<(wgpu::Instance, wgpu::Adapter), GpuError> {
+    let instance = instance();
+    let found = found(&instance);
     let usable = found.iter().find(|(info, _)| software || info.kind != Kind::Software);
     match (usable, found.first()) {
-        (Some((_, adapter)), _) => Gpu::open(adapter),
+        (Some((_, adapter)), _) => Ok((instance, adapter.clone())),
         (None, Some((info, _))) => Err(GpuError::NoAdapter(format!("there is only {}", info.name))),
         (None, None) => Err(GpuError::NoAdapter("no graphics driver offers one".to_owned())),
     }
 }
 
-fn found() -> Vec<(AdapterInfo, wgpu::Adapter)> {
-    let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle_from_env());
+fn instance() -> wgpu::Instance {
+    wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle_from_env())
+}
+
+fn found(instance: &wgpu::Instance) -> Vec<(AdapterInfo, wgpu::Adapter)> {
     let adapters = pollster::block_on(instance.enumerate_adapters(BACKENDS));
     let mut found: Vec<_> =
         adapters.into_iter().map(|adapter| (AdapterInfo::new(&adapter), adapter)).collect();

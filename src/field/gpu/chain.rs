@@ -86,7 +86,7 @@ pub struct Figures {
 }
 
 /// A picture on the GPU, r, g, b, a in 8 bits each, row 0 at the smallest y.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Texture {
     view: wgpu::TextureView,
     /// Width and height in pixels.

@@ -273,6 +273,11 @@ impl Stages {
         }))
     }
 
+    /// Whether the GPU does not make this map, so that the CPU does.
+    pub fn has_declined(&self, request: &Request) -> bool {
+        self.declined.as_ref().is_some_and(|key| key.request == *request)
+    }
+
     /// What presses on the plane of a map, which is brought up to date first.
     ///
     /// # Errors

@@ -1,28 +1,24 @@
 //! Places of a map at which it is compared with the f64 reference.
 
-use glam::DVec3;
 use num_complex::Complex64;
 
 use crate::acoustics::Transfer;
-use crate::field::quantity::{Constants, Norm, Part, Quantity, Sound, narrow};
+use crate::field::quantity::{Constants, Norm, Quantity, Sound};
+use crate::field::slope::Around;
 use crate::field::stages::request::Request;
 use crate::field::stages::site::{Site, SiteKey};
 
 /// Places at which the reached error is measured.
 pub const PROBES: usize = 48;
-/// Wavelengths, from a probe to its neighbours: far enough for f64, and much less than a wavelength.
-const HAIR: f64 = 1e-3;
 
 /// Pixels, or cells of a liquid, with their f64 transfer from every element.
 #[derive(Debug)]
 pub(super) struct Probes {
     /// Their numbers, row by row.
     pub(super) places: Vec<usize>,
-    parts: u8,
-    /// To each probe, and for every slope to a point a hair before it and one a hair behind it.
+    around: Around,
+    /// To each probe, and to what slopes there need beside it.
     transfer: Transfer,
-    /// m, between these two.
-    hair: f64,
 }
 
 /// What a map has at its probes.
@@ -64,18 +60,9 @@ impl Probes {
                 }
             }
         }
-        let hair = HAIR * key.setting.aperture.wavelength();
-        let around = |&point: &DVec3| {
-            Part::of(key.parts).flat_map(move |part| match part {
-                Part::Pressure => vec![point],
-                Part::AlongX => vec![point + site.axes[0] * hair, point - site.axes[0] * hair],
-                Part::AlongY => vec![point + site.axes[1] * hair, point - site.axes[1] * hair],
-                Part::Normal => vec![point + site.axes[2] * hair, point - site.axes[2] * hair],
-            })
-        };
-        let points: Vec<_> = points.iter().flat_map(around).collect();
-        let transfer = key.setting.aperture.transfer(&points);
-        Self { places, parts: key.parts, transfer, hair: 2.0 * hair }
+        let around = Around::new(key.parts, site.axes, key.setting.aperture.wavelength());
+        let transfer = key.setting.aperture.transfer(&around.points(&points));
+        Self { places, around, transfer }
     }
 
     /// The largest deviation, relative to `peak`: of the values, or of what the quantity's norm says.
@@ -108,20 +95,7 @@ impl Probes {
 
     /// The sound of one drive at the probes, in f64 but for its last rounding.
     fn sounds(&self, excitation: &[Complex64]) -> Vec<Sound> {
-        let pressures = self.transfer.pressure(excitation);
-        let mut pressures = pressures.into_iter();
-        let mut next = || pressures.next().unwrap_or_default();
-        let sound = |_: &usize| {
-            let mut sound = Sound::default();
-            for part in Part::of(self.parts) {
-                *sound.part_mut(part) = narrow(match part {
-                    Part::Pressure => next(),
-                    Part::AlongX | Part::AlongY | Part::Normal => (next() - next()) / self.hair,
-                });
-            }
-            sound
-        };
-        self.places.iter().map(sound).collect()
+        self.around.sounds(&self.transfer.pressure(excitation))
     }
 }
 

@@ -31,7 +31,6 @@ pub fn write_by(path: &Path, fill: impl FnOnce(&mut dyn Write) -> anyhow::Result
 ///
 /// # Errors
 /// As [`write()`].
-#[cfg(feature = "window")]
 pub fn save(path: &Path, bytes: &[u8]) -> anyhow::Result<()> {
     of_file(path, write_whole(path, |file| Ok(file.write_all(bytes)?), File::sync_all))?;
     // Its name, too. Not every system lets a folder be synchronised, and the file is there either way.
@@ -51,7 +50,6 @@ pub fn check_writable(path: &Path) -> anyhow::Result<()> {
 ///
 /// # Errors
 /// There is something at the path that is neither file nor folder.
-#[cfg(feature = "window")]
 pub fn refuse_stream(path: &Path) -> anyhow::Result<()> {
     match fs::metadata(path) {
         Ok(there) if !there.is_file() && !there.is_dir() => {

@@ -5,6 +5,7 @@ use egui::{Color32, Sense, Ui};
 use crate::field::colouring::phase_index;
 use crate::picture::ColourMap;
 use crate::picture::sheet::pascals;
+use crate::studio::probe::Reading;
 use crate::ui::panels::{choice, fact, form, heading};
 use crate::ui::{Editor, Shown, Sound, element_map};
 
@@ -28,8 +29,7 @@ pub fn show(editor: &mut Editor, shown: &Shown, ui: &mut Ui) {
     form(ui, "levels", |ui| {
         let tip = "The map and the pressures are those of the drive as a board with so many phases per period plays it";
         choice(ui, ("As played with", tip), &mut editor.levels, &LEVELS);
-        let mean =
-            sound.pressures.iter().map(|p| p.norm()).sum::<f64>() / sound.pressures.len().max(1) as f64;
+        let mean = sound.readings.iter().map(Reading::peak).sum::<f64>() / sound.readings.len().max(1) as f64;
         fact(ui, ("Mean pressure", "Over the focal points, peak"), pascals(mean));
         let silent = sound.drive.amplitudes.iter().filter(|&&amplitude| amplitude == 0.0).count();
         if silent > 0 {

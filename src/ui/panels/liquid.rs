@@ -1,11 +1,10 @@
-//! The liquid and its dent.
+//! The liquid and its surface depression.
 
 use egui::Ui;
 
 use crate::field::Quantity;
 use crate::picture::sheet::pascals;
 use crate::scene::LiquidName;
-use crate::ui::legend::with_unit;
 use crate::ui::panels::{MM, Unit, choice, fact, form, given, heading, number};
 use crate::ui::view::Cut;
 use crate::ui::{Editor, Shown, theme};
@@ -18,7 +17,7 @@ pub fn show(editor: &mut Editor, shown: &Shown, ui: &mut Ui) {
         let names = LiquidName::ALL.map(|name| (name, name.name()));
         choice(ui, ("Liquid", "At 20 °C"), &mut liquid.name, &names);
         let density = Unit { per: 1.0, suffix: " kg/m³", decimals: 1, speed: 1.0 };
-        let tip = "How heavy it is: what pushes a dent back";
+        let tip = "How heavy it is: what pushes a depression back";
         given(ui, ("Density", tip), &mut liquid.density, named.density(), density, 1.0..=1e5);
         let tension = Unit { per: 1e3, suffix: " mN/m", decimals: 1, speed: 0.1 };
         let tip = "What pulls the surface flat";
@@ -31,11 +30,11 @@ pub fn show(editor: &mut Editor, shown: &Shown, ui: &mut Ui) {
             1e-6..=10.0,
         );
         let viscosity = Unit { per: 1e3, suffix: " mPa·s", decimals: 2, speed: 0.1 };
-        let tip = "What damps waves; a dent at rest does not feel it";
+        let tip = "What damps waves; a depression at rest does not feel it";
         given(ui, ("Viscosity", tip), &mut liquid.viscosity, named.viscosity(), viscosity, 0.0..=1e4);
         number(
             ui,
-            ("Depth", "Waves feel the bottom, a dent at rest does not"),
+            ("Depth", "Waves feel the bottom, a depression at rest does not"),
             &mut liquid.depth,
             MM,
             1e-4..=10.0,
@@ -44,15 +43,15 @@ pub fn show(editor: &mut Editor, shown: &Shown, ui: &mut Ui) {
         number(ui, ("Gravity", "9.81 on earth"), &mut liquid.gravity, gravity, 1e-3..=1e3);
     });
     ui.separator();
-    dent(editor, shown, ui);
+    depression(editor, shown, ui);
 }
 
-fn dent(editor: &mut Editor, shown: &Shown, ui: &mut Ui) {
-    heading(ui, "Dent");
-    if editor.view.quantity != Quantity::Dent {
+fn depression(editor: &mut Editor, shown: &Shown, ui: &mut Ui) {
+    heading(ui, "Depression");
+    if !editor.view.quantity.declaration().of_liquid {
         ui.label("The surface is the plane on the screen, parallel to the array.");
-        if ui.button("Show the dent").clicked() {
-            editor.view.quantity = Quantity::Dent;
+        if ui.button("Show the depression").clicked() {
+            editor.view.quantity = Quantity::Depression;
             if matches!(editor.view.cut, Cut::Xz | Cut::Yz) {
                 editor.view.cut = Cut::Xy;
                 editor.view.window = None;
@@ -60,19 +59,19 @@ fn dent(editor: &mut Editor, shown: &Shown, ui: &mut Ui) {
         }
     }
     let Some(pressed) = &shown.pressed else { return };
-    form(ui, "dent", |ui| {
+    form(ui, "depression", |ui| {
         let force = Unit { per: 1e3, suffix: " mN", decimals: 3, speed: 1.0 };
         let newtons = format!("{:.*}{}", force.decimals, pressed.force * force.per, force.suffix);
-        fact(ui, ("Force", "That the sound presses with on the plane"), newtons);
+        fact(ui, ("Force", "That the sound presses with on the scene's plane"), newtons);
         if let Some(map) = shown.map.as_ref().filter(|map| map.quantity == Quantity::Radiation) {
             fact(ui, ("Largest pressure", "Of the sound on the surface"), pascals(map.largest));
         }
         if let Some(dent) = &pressed.dent {
-            if let Some(map) = &shown.map {
+            if let Some(map) = shown.map.as_ref().filter(|map| map.quantity == Quantity::Depression) {
                 let tip = "Below the level surface, in what is on the screen";
-                fact(ui, ("Deepest", tip), with_unit(map.largest, Quantity::Dent));
+                fact(ui, ("Deepest", tip), Quantity::Depression.with_unit(map.largest));
             }
-            fact(ui, ("Displaced", "Volume of the dent"), format!("{:.1} mm³", dent.volume * 1e9));
+            fact(ui, ("Displaced", "Volume of the depression on the scene's plane"), format!("{:.1} mm³", dent.volume * 1e9));
             fact(
                 ui,
                 ("Steepest slope", "Rise over run; linear theory wants it small"),

@@ -4,8 +4,8 @@ use egui::{RichText, Sense, Ui};
 use glam::DVec3;
 
 use crate::acoustics::Air;
-use crate::field::listener::Heard;
 use crate::scene::{ElementModel, Listener, Target};
+use crate::studio::probe;
 use crate::ui::panels::{MM, PLAIN, Unit, choice, count, fact, form, given, heading, number, target};
 use crate::ui::{Editor, Shown, edit, element_map, keys, theme};
 
@@ -127,9 +127,9 @@ fn listener(editor: &mut Editor, shown: &Shown, ui: &mut Ui) {
     form(ui, "listener", |ui| {
         target::point(ui, "Ear", &mut listener.at);
         if let Some(sound) = &shown.sound {
-            let heard = Heard::new(&sound.aperture, &sound.drive, listener.at);
+            let heard = probe::reading(&sound.aperture, &sound.drive, listener.at);
             let tip = "Sound pressure level there, of the sound without its modulation";
-            fact(ui, ("Loudness", tip), format!("{:.1} dB SPL", heard.spl));
+            fact(ui, ("Loudness", tip), format!("{:.1} dB SPL", heard.spl()));
             if let Some(warning) = heard.warning() {
                 ui.label("");
                 ui.label(RichText::new(warning).color(theme::warning(ui.visuals())));
@@ -284,9 +284,7 @@ fn switches(editor: &mut Editor, ui: &mut Ui) {
 fn air(editor: &mut Editor, ui: &mut Ui) {
     let frequency = editor.scene().array.frequency;
     let medium = &mut editor.document.scene.medium;
-    let of_weather =
-        crate::scene::Medium { sound_speed: None, density: None, absorption: None, ..medium.clone() };
-    let air = Air::new(&of_weather, frequency);
+    let air = Air::of_weather(medium, frequency);
     form(ui, "air", |ui| {
         let celsius = Unit { per: 1.0, suffix: " °C", decimals: 1, speed: 0.1 };
         number(ui, ("Temperature", "Of the air"), &mut medium.temperature, celsius, -50.0..=100.0);
@@ -313,12 +311,11 @@ fn air(editor: &mut Editor, ui: &mut Ui) {
             1e-3..=1e4,
         );
         let absorption = Unit { per: 1.0, suffix: " dB/m", decimals: 2, speed: 0.01 };
-        let decibels = air.attenuation * 20.0 / std::f64::consts::LN_10;
         given(
             ui,
             ("Absorption", "Follows from the weather"),
             &mut medium.absorption,
-            decibels,
+            air.absorption(),
             absorption,
             0.0..=1e3,
         );

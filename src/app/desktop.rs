@@ -1,0 +1,151 @@
+//! The window on the desktop: who draws it, and again by OpenGL where its device is lost.
+
+use std::cell::RefCell;
+use std::path::{Path, PathBuf};
+use std::rc::Rc;
+
+use eframe::{egui, wgpu};
+use eframe::egui_wgpu::{WgpuSetup, WgpuSetupExisting};
+
+use crate::app::recovery::Recovery;
+use crate::app::settings::{Memory, Settings};
+use crate::app::{Window, example};
+use crate::field::gpu::{adapter, device_descriptor};
+use crate::field::{Evaluator, Gpu, GpuError};
+use crate::studio::evaluator::Renderer;
+use crate::studio::output::note;
+use crate::studio::still;
+use crate::ui::document::Document;
+use crate::ui::{Editor, Notice};
+
+pub(super) const TITLE: &str = "Sonoglyph";
+const SMALLEST: [f32; 2] = [200.0, 150.0];
+
+/// What a window leaves to the next, which another renderer draws.
+pub(super) type Legacy = Rc<RefCell<Option<(Editor, Notice)>>>;
+
+/// Opens the window on the scene of a file or on an example. Where there is no display, the scene's sheet is written.
+///
+/// # Errors
+/// A scene that cannot be read, or a sheet that cannot be written.
+pub fn run(path: Option<&Path>, renderer: Renderer) -> anyhow::Result<()> {
+    let document = match path {
+        Some(path) => Document::read(path)?,
+        None => example(0)?,
+    };
+    if let Err(error) = open(document, renderer) {
+        note(&format!("there is no window ({error}): the scene's sheet is written instead"));
+        still::default_sheet(path)?;
+    }
+    Ok(())
+}
+
+fn open(document: Document, renderer: Renderer) -> Result<(), String> {
+    let has_display = |name| std::env::var_os(name).is_some_and(|value| !value.is_empty());
+    if cfg!(all(unix, not(target_os = "macos"))) && !has_display("DISPLAY") && !has_display("WAYLAND_DISPLAY")
+    {
+        return Err("no display".to_owned());
+    }
+    let setup = setup(renderer).map_err(|error| error.to_string())?;
+    let legacy = Legacy::default();
+    show(Editor::new(document), None, setup, &legacy)?;
+    let left = legacy.borrow_mut().take();
+    match left {
+        Some((editor, notice)) => show(editor, Some(notice), None, &legacy),
+        None => Ok(()),
+    }
+}
+
+/// The device that computes the field and draws the window. `None` where the CPU computes and OpenGL draws, which on software
+/// costs a sixth.
+fn setup(renderer: Renderer) -> Result<Option<WgpuSetup>, GpuError> {
+    let found = match renderer {
+        Renderer::Glow => return Ok(None),
+        Renderer::Wgpu => adapter::best(true)?,
+        Renderer::Auto => match adapter::best(false) {
+            Ok(found) => found,
+            Err(error) => {
+                note(&format!("{error}; the CPU computes the field"));
+                return Ok(None);
+            }
+        },
+    };
+    let (instance, adapter) = found;
+    let refused = |error: wgpu::RequestDeviceError| GpuError::Refused(error.to_string());
+    let (device, queue) =
+        pollster::block_on(adapter.request_device(&device_descriptor(&adapter))).map_err(refused)?;
+    Ok(Some(WgpuSetup::Existing(WgpuSetupExisting { instance, adapter, device, queue })))
+}
+
+/// Shows the window until it is closed.
+fn show(
+    editor: Editor,
+    notice: Option<Notice>,
+    setup: Option<WgpuSetup>,
+    legacy: &Legacy,
+) -> Result<(), String> {
+    let folder = state_folder();
+    let (memory, settings, word) = match folder.as_deref().map(Memory::at) {
+        Some((memory, settings, word)) => (Some(memory), settings, word),
+        None => (None, Settings::default(), None),
+    };
+    let mut viewport = egui::ViewportBuilder::default()
+        .with_title(TITLE)
+        .with_app_id("sonoglyph")
+        .with_inner_size(settings.size)
+        .with_maximized(settings.maximized)
+        .with_min_inner_size(SMALLEST);
+    if let Some(position) = settings.position {
+        viewport = viewport.with_position(position);
+    }
+    let mut options = eframe::NativeOptions {
+        renderer: if setup.is_some() { eframe::Renderer::Wgpu } else { eframe::Renderer::Glow },
+        // Nothing here has gradients, and a software driver would take longer for every pixel.
+        dithering: false,
+        viewport,
+        ..Default::default()
+    };
+    if let Some(setup) = setup {
+        options.wgpu_options.wgpu_setup = setup;
+    }
+    let legacy = legacy.clone();
+    let make: eframe::AppCreator<'_> = Box::new(move |context| {
+        let mut window = Window::of(context, editor);
+        window.remember(memory, &settings, word, &context.egui_ctx);
+        window.recover(folder.as_deref().and_then(Recovery::at));
+        window.leave_to(legacy);
+        if let Some(notice) = notice {
+            window.shown.notice = Some(notice);
+        }
+        Ok(Box::new(window))
+    });
+    eframe::run_native(TITLE, options, make).map_err(|error| said(&error.to_string()))
+}
+
+/// Who computes the field: the device that draws the window, if wgpu draws it, else the CPU.
+pub(super) fn evaluator(context: &eframe::CreationContext<'_>) -> Evaluator {
+    match &context.wgpu_render_state {
+        Some(state) => {
+            let (device, queue) = (state.device.clone(), state.queue.clone());
+            Evaluator::Gpu(Box::new(Gpu::on(&state.adapter, device, queue)))
+        }
+        None => Evaluator::Cpu,
+    }
+}
+
+/// What a desktop's error says, without the place in somebody's source from where it says it.
+fn said(error: &str) -> String {
+    match error.rsplit_once(".rs:").and_then(|(_, rest)| rest.split_once(": ")) {
+        Some((_, said)) => said.to_owned(),
+        None => error.to_owned(),
+    }
+}
+
+/// The folder that the desktop has for what outlives a run. `None` where there is none.
+fn state_folder() -> Option<PathBuf> {
+    let set = |name| std::env::var_os(name).filter(|value| !value.is_empty()).map(PathBuf::from);
+    let state = set("XDG_STATE_HOME")
+        .or_else(|| set("LOCALAPPDATA"))
+        .or_else(|| set("HOME").map(|home| home.join(".local").join("state")))?;
+    Some(state.join("sonoglyph"))
+}

@@ -1,0 +1,148 @@
+//! The sound of a drive, without its modulation, at single points, in f64.
+
+use std::f64::consts::FRAC_1_SQRT_2;
+
+use glam::DVec3;
+use num_complex::Complex64;
+
+use crate::acoustics::{Air, Aperture};
+use crate::drive::Drive;
+use crate::field::Quantity;
+use crate::field::quantity::Constants;
+use crate::field::slope::Around;
+
+/// Pa, RMS: 0 dB.
+const REFERENCE: f64 = 20e-6;
+/// dB: what consensus allows an ear between 25 and 50 kHz for less than 4 hours (Howard, Hansen and Zander, 2004).
+pub const LIMIT: f64 = 110.0;
+
+/// The sound at one point.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Reading {
+    /// m
+    pub position: DVec3,
+    /// Pa, peak.
+    pub pressure: Complex64,
+}
+
+/// What a drive makes at points in front of the array.
+pub fn readings(aperture: &Aperture, drive: &Drive, points: &[DVec3]) -> Vec<Reading> {
+    let pressures = aperture.transfer(points).pressure(&drive.excitation(&aperture.driven));
+    points.iter().zip(pressures).map(|(&position, pressure)| Reading { position, pressure }).collect()
+}
+
+/// The same at one point.
+pub fn reading(aperture: &Aperture, drive: &Drive, position: DVec3) -> Reading {
+    let pressure = aperture.transfer(&[position]).pressure(&drive.excitation(&aperture.driven))[0];
+    Reading { position, pressure }
+}
+
+/// The values of a map at points of its plane, whose axes and normal these are; `moment` (rad) is that of an instantaneous
+/// pressure. Empty where values follow from more than the points.
+pub fn values(
+    (aperture, air): (&Aperture, &Air),
+    drive: &Drive,
+    (quantity, moment): (Quantity, f64),
+    axes: [DVec3; 3],
+    points: &[DVec3],
+) -> Vec<f64> {
+    let declaration = quantity.declaration();
+    if declaration.of_liquid {
+        return Vec::new();
+    }
+    let constants = Constants::new(air, aperture.element.wavenumber, moment);
+    let excitation = drive.excitation(&aperture.driven);
+    let around = Around::new(declaration.parts, axes, aperture.wavelength());
+    let transfer = aperture.transfer(&around.points(points));
+    let sounds = around.sounds(&transfer.pressure(&excitation));
+    sounds.into_iter().map(|sound| quantity.of(sound, &constants).into()).collect()
+}
+
+impl Reading {
+    /// Pa
+    pub fn peak(&self) -> f64 {
+        self.pressure.norm()
+    }
+
+    /// Pa
+    pub fn rms(&self) -> f64 {
+        self.peak() * FRAC_1_SQRT_2
+    }
+
+    /// Sound pressure level, dB re 20 µPa.
+    pub fn spl(&self) -> f64 {
+        20.0 * (self.rms().max(f64::MIN_POSITIVE) / REFERENCE).log10()
+    }
+
+    /// rad, in (-π, π].
+    pub fn phase(&self) -> f64 {
+        self.pressure.arg()
+    }
+
+    /// What a listener at this point should know, in words.
+    pub fn warning(&self) -> Option<String> {
+        (self.spl() > LIMIT).then(|| {
+            format!(
+                "it is louder than {LIMIT:.0} dB at the listener, the most that an ear may be exposed to between 25 and 50 kHz \
+                 for less than 4 hours: go further away, shield it, or drive less"
+            )
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::{ElementModel, Scene};
+
+    fn one_element() -> Aperture {
+        let mut scene = Scene::default();
+        (scene.array.rows, scene.array.columns, scene.array.element) = (1, 1, ElementModel::Point);
+        scene.medium.absorption = Some(0.0);
+        Aperture::new(&scene)
+    }
+
+    #[test]
+    fn one_element_is_as_loud_as_its_strength_says() {
+        let aperture = one_element();
+        let drive = |amplitude: f64| Drive { amplitudes: vec![amplitude], phases: vec![1.0] };
+        let read = |amplitude: f64, z: f64| reading(&aperture, &drive(amplitude), DVec3::Z * z);
+        // 3.4 Pa·m at half a metre is 6.8 Pa peak and 4.81 Pa RMS.
+        let near = read(1.0, 0.5);
+        assert!(
+            (near.peak() - 6.8).abs() < 1e-9 && (near.rms() - 6.8 / 2f64.sqrt()).abs() < 1e-9,
+            "{near:?}"
+        );
+        assert!((near.spl() - 107.62).abs() < 0.01, "{near:?}");
+        assert!((near.spl() - read(1.0, 5.0).spl() - 20.0).abs() < 1e-9, "ten times as far is 20 dB less");
+        assert!((near.spl() - read(0.1, 0.5).spl() - 20.0).abs() < 1e-9, "a tenth of the drive is too");
+        assert_eq!(near.warning(), None);
+        let loud = read(1.0, 0.3);
+        assert!(loud.warning().is_some_and(|text| text.contains("110 dB")), "{loud:?}");
+        assert!(read(0.0, 0.5).spl().is_finite(), "silence is a number too");
+    }
+
+    #[test]
+    fn a_reading_has_the_values_of_maps() {
+        let (aperture, drive) = (one_element(), Drive { amplitudes: vec![0.5], phases: vec![-0.4] });
+        let air = Air::new(&crate::scene::Medium::default(), 40e3);
+        let points = [0.2, 0.31].map(|z| DVec3::new(0.01, 0.0, z));
+        let all = readings(&aperture, &drive, &points);
+        for (read, &point) in all.iter().zip(&points) {
+            assert_eq!((*read, read.position), (reading(&aperture, &drive, point), point));
+            let value = |quantity, moment| {
+                let axes = [DVec3::X, DVec3::Y, DVec3::Z];
+                values((&aperture, &air), &drive, (quantity, moment), axes, &[point])[0]
+            };
+            assert!((value(Quantity::Rms, 0.7) - read.rms()).abs() < 1e-6 * read.rms());
+            // The wave's crest passes when its phase and ωt make a whole turn.
+            let crest = value(Quantity::Instantaneous, -value(Quantity::Phase, 0.0));
+            assert!((crest - read.peak()).abs() < 1e-6 * read.peak(), "{read:?}");
+            // A spherical wave carries |P|²/(2ρc), nearly all of it along the normal here.
+            let intensity = read.peak().powi(2) / (2.0 * air.density * air.sound_speed);
+            assert!((value(Quantity::Intensity, 0.0) / intensity - 1.0).abs() < 1e-3, "{read:?}");
+            let speed = value(Quantity::Velocity, 0.0) * air.density * air.sound_speed;
+            assert!((speed / read.rms() - 1.0).abs() < 3e-3, "{read:?}: {speed}");
+        }
+    }
+}
