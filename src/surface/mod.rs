@@ -2,6 +2,7 @@
 //! that.
 
 pub mod dent;
+pub mod dispersion;
 pub mod radiation;
 pub mod waves;
 
