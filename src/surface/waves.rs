@@ -181,6 +181,24 @@ mod tests {
     }
 
     #[test]
+    fn critical_damping_is_met_from_both_sides() {
+        let (damping, time) = (3.0f64, 0.2f64);
+        let left = (-damping * time).exp();
+        for swing in [-1e-9, -1e-15, 0.0, 1e-15, 1e-9] {
+            let step = Step::new(Mode { damping, square: damping * damping + swing, swing }, time);
+            let expected = [
+                left * (1.0 + damping * time),
+                left * time,
+                -left * time * damping * damping,
+                left * (1.0 - damping * time),
+            ];
+            for (met, expected) in [step.a, step.b, step.c, step.d].into_iter().zip(expected) {
+                assert!((met - expected).abs() < 1e-8, "{swing}: {step:?} {expected}");
+            }
+        }
+    }
+
+    #[test]
     fn thick_liquids_creep_at_the_known_rates() {
         let glycerol = Liquid { name: LiquidName::Glycerol, ..Liquid::default() };
         // 1/s at one and two per capillary length, from Lamb's equation.
