@@ -2,7 +2,7 @@
 
 use crate::scene::Liquid;
 
-/// A floor nearer to the surface than this, m, is no liquid's: molecules are as large.
+/// Depths below this, m, count as this: about one molecule.
 const THINNEST: f64 = 1e-9;
 
 /// A mode of the surface as an oscillator with the two exact roots of its motion: h'' + 2γh' + Ω²(h - rest) = 0.
@@ -22,12 +22,12 @@ impl Mode {
     /// The mode with wavenumber `q` (1/m), from Lamb's equation (Hydrodynamics, § 349) for small slopes:
     /// (s + 2νq²)² + ω² = 4ν²q⁴ √(1 + s/νq²), ω² = (g q + σ q³/ρ) tanh(q d).
     ///
-    /// Lamb's liquid is deep. A floor acts by tanh, and in place of ν by `hindrance` · ν.
+    /// Lamb's liquid is deep. A floor acts through tanh and through a greater viscosity, `hindrance` · ν.
     ///
     /// With n = νq² and x = √(1 + s/n), Re x > 0, the equation is (x² + 1)² - 4x + (ω/n)² = 0. As it has no x³, it is
     /// (x² - 2ax + b)(x² + 2ax + c) = 0 with real a > 0, and the roots with Re x > 0 are the two of the first factor, real or
     /// conjugate. Comparing powers: b, c = 1 + 2a² ∓ 1/a, and 4B³ + 4nB² - ω²B - n³ = 0 for B = n a². For B > 0 this cubic has
-    /// one root, so all liquids go one way: ν = 0, critical damping (n = 1.31 ω) and creep are no cases of their own.
+    /// one root, so ν = 0, critical damping (n = 1.31 ω) and creep need no cases of their own.
     pub fn new(liquid: &Liquid, q: f64) -> Self {
         let depth = q * liquid.depth.max(THINNEST);
         let natural =
@@ -51,9 +51,10 @@ impl Mode {
 
 /// The positive root B of 4B³ + 4nB² - ω²B - n³, from ω² and n.
 fn root(natural: f64, viscous: f64) -> f64 {
-    // A little more than the sum of the roots for n = 0 and for ω = 0 lies beyond the root; from there Newton's steps only fall.
+    // B ≥ 0.41964 n, the root for ω = 0; with that in 4B² + 4nB - ω² = n³/B, B is no more than this. From beyond the root,
+    // Newton's steps only fall: at most seven.
     let mut root = f64::INFINITY;
-    let mut next = 0.5 * natural.sqrt() + 0.42 * viscous;
+    let mut next = 0.5 * ((natural + 3.383 * viscous * viscous).sqrt() - viscous);
     while next < root {
         root = next;
         let value = (4.0 * root * (root + viscous) - natural) * root - viscous.powi(3);
@@ -62,11 +63,14 @@ fn root(natural: f64, viscous: f64) -> f64 {
     root
 }
 
-/// How many times slower a mode creeps over a rigid floor at `depth` (in 1/q) than tanh alone would have it: tanh(δ)/F(δ),
+/// Factor by which a rigid floor at `depth` δ (in 1/q) slows creep, beyond tanh: tanh(δ)/F(δ),
 /// F(δ) = (sinh 2δ - 2δ)/(cosh 2δ + 1 + 2δ²) (Orchard, Appl. Sci. Res. A 11 (1963)). 1 where the liquid is deep.
 fn hindrance(depth: f64) -> f64 {
+    if depth > 20.0 {
+        return 1.0;
+    }
     let twice = 2.0 * depth;
-    // All times 2 e^{-2δ}, which does not overflow; a series where the difference would cancel.
+    // All times 2 e^{-2δ}; a series where the difference would cancel.
     let left = (-twice).exp();
     let apart = if twice < 0.01 {
         2.0 * left * twice.powi(3) / 6.0 * (1.0 + twice.powi(2) / 20.0)

@@ -201,10 +201,10 @@ mod tests {
     #[test]
     fn thick_liquids_creep_at_the_known_rates() {
         let glycerol = Liquid { name: LiquidName::Glycerol, ..Liquid::default() };
-        // 1/s at one and two per capillary length, from Lamb's equation.
+        // 1/s at q of one and two radians per capillary length, from Lamb's equation.
         for (liquid, rates) in [(glycerol, [21.48, 25.38]), (thick_oil(), [1.436, 1.795])] {
-            for (rate, waves_per_length) in rates.into_iter().zip([1.0, 2.0]) {
-                let side = PI * liquid.capillary_length() / waves_per_length;
+            for (rate, radians) in rates.into_iter().zip([1.0, 2.0]) {
+                let side = PI * liquid.capillary_length() / radians;
                 let tank = Tank::new([8, 1], [side / 8.0, side / 8.0]);
                 let pressed = rest(&tank, &liquid, &single(&tank, 1));
                 let time = 0.5 / rate;
