@@ -254,7 +254,7 @@ impl<'a> Film<'a> {
         })?;
         let first = Request { drives: vec![all.drives[0].clone()], part: 1.0, ..all };
         for index in 0..schedule.pictures {
-            take(self, index, &Request { depth: Some(swell.next()), ..first.clone() })?;
+            take(self, index, &Request { depth: Some(swell.next_surface()), ..first.clone() })?;
         }
         Ok(())
     }
