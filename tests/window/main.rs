@@ -7,7 +7,10 @@
 mod board;
 mod edits;
 mod files;
+mod gpu;
 mod reach;
+#[path = "../requirement/mod.rs"]
+mod requirement;
 mod robust;
 mod view;
 
