@@ -39,6 +39,7 @@ const LAYERS: &[(&str, &[&str])] = &[
             "signal_hook",
             "tempfile",
             "toml",
+            "wgpu",
         ],
     ),
     (

@@ -4,8 +4,8 @@ use std::cell::RefCell;
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
 
-use eframe::{egui, wgpu};
 use eframe::egui_wgpu::{WgpuSetup, WgpuSetupExisting};
+use eframe::{egui, wgpu};
 
 use crate::app::recovery::Recovery;
 use crate::app::settings::{Memory, Settings};

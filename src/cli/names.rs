@@ -32,7 +32,9 @@ impl ValueEnum for Renderer {
     fn to_possible_value(&self) -> Option<PossibleValue> {
         Some(match self {
             Self::Auto => PossibleValue::new("auto").help("wgpu where there is a GPU, else glow"),
-            Self::Wgpu => PossibleValue::new("wgpu").help("The device that computes the field draws the window too"),
+            Self::Wgpu => {
+                PossibleValue::new("wgpu").help("The device that computes the field draws the window too")
+            }
             Self::Glow => PossibleValue::new("glow").help("OpenGL; the CPU computes the field"),
         })
     }

@@ -145,7 +145,8 @@ impl Look {
         }
         let mut frames = motion::follow(scene, &solved.name)?.frames;
         match moment {
-            Moment::Mean if matches!(self.diagram, Diagram::Map(quantity) if !quantity.declaration().has_mean) => {
+            Moment::Mean if matches!(self.diagram, Diagram::Map(quantity) if !quantity.declaration().has_mean) =>
+            {
                 bail!("a mean over frames has no such value: give a frame's number")
             }
             Moment::Mean => Ok(frames.into_iter().map(|frame| frame.drive).collect()),
@@ -250,7 +251,9 @@ pub fn render(solved: &Solved, stages: &mut Stages, look: &Look) -> anyhow::Resu
     let drawn = map::draw(&request, look.colours, stages, look.backend == Backend::Gpu)?;
     let (tolerance, error) = (scene.plane.tolerance, drawn.map.error);
     if tolerance > 0.0 && error > tolerance {
-        warn(&format!("{name}: the map's error is {error:.1e} of its peak, more than the {tolerance:e} wanted"));
+        warn(&format!(
+            "{name}: the map's error is {error:.1e} of its peak, more than the {tolerance:e} wanted"
+        ));
     }
     let peak = f64::from(drawn.map.peak);
     let what = match &drawn.pressed {
@@ -258,9 +261,7 @@ pub fn render(solved: &Solved, stages: &mut Stages, look: &Look) -> anyhow::Resu
         Some(pressed) => format!("\n  {}", liquid::describe(scene, pressed, peak)),
     };
     let picture = match look.diagram {
-        Diagram::Sheet => {
-            sheet::sheet(scene, solution, name, &drawn.picture, (look.colours, peak), page)?
-        }
+        Diagram::Sheet => sheet::sheet(scene, solution, name, &drawn.picture, (look.colours, peak), page)?,
         Diagram::Map(_) if quantity.declaration().of_liquid => {
             liquid::picture(name, scene, &drawn, look.is_shaded().then_some((width, page)))?
         }

@@ -145,17 +145,8 @@ fn plain_keys(editor: &mut Editor, ctx: &Context) {
     if pressed(Key::Num0) {
         editor.view.window = None;
     }
-    const DIGITS: [Key; 9] = [
-        Key::Num1,
-        Key::Num2,
-        Key::Num3,
-        Key::Num4,
-        Key::Num5,
-        Key::Num6,
-        Key::Num7,
-        Key::Num8,
-        Key::Num9,
-    ];
+    const DIGITS: [Key; 9] =
+        [Key::Num1, Key::Num2, Key::Num3, Key::Num4, Key::Num5, Key::Num6, Key::Num7, Key::Num8, Key::Num9];
     for (key, quantity) in DIGITS.into_iter().zip(Quantity::ALL) {
         if pressed(key) {
             editor.view.quantity = quantity;

@@ -30,14 +30,22 @@ pub struct Shape<'a> {
     pub quantity: Quantity,
     /// Width and height in pixels.
     pub size: (usize, usize),
-    /// The samples of the rows that are interpolated, and for every part of the sound how, across and up.
-    pub interpolated: Option<(&'a Samples, Range<usize>, Vec<[&'a Resampling; 2]>)>,
+    pub interpolated: Option<Interpolated<'a>>,
     /// First rows and places of those that are evaluated pixel by pixel.
     pub direct: Vec<(usize, Samples)>,
     /// Of the plane.
     pub normal: DVec3,
     /// Pixels that are compared with the reference.
     pub probes: &'a [usize],
+}
+
+/// Rows of pixels that are interpolated.
+#[derive(Debug)]
+pub struct Interpolated<'a> {
+    pub rows: Range<usize>,
+    pub samples: &'a Samples,
+    /// For every part of the sound, across and up.
+    pub weights: Vec<[&'a Resampling; 2]>,
 }
 
 /// The passes of a map.
@@ -120,9 +128,10 @@ impl Chain {
         let lattice = gpu.storage("sound", bytes(pixels * parts.count_ones() as usize)?);
         let values = gpu.storage("values", bytes(pixels.div_ceil(2))?);
         let elements = Elements::with_room(gpu, shape.aperture.positions.len());
-        let mut chain = Making { gpu, shape, wave: None, elements, superpositions: Vec::new(), sums: Vec::new() };
+        let mut chain =
+            Making { gpu, shape, wave: None, elements, superpositions: Vec::new(), sums: Vec::new() };
         let mut interpolation = Vec::new();
-        if let Some((samples, rows, weights)) = &shape.interpolated {
+        if let Some(Interpolated { rows, samples, weights }) = &shape.interpolated {
             bytes(samples.len())?;
             let wide = gpu.storage("wide", bytes(samples.rows.len() * width)?);
             let mut sampled: [Option<wgpu::Buffer>; 2] = [None, None];
@@ -410,7 +419,10 @@ impl Making<'_> {
     fn add(&mut self, samples: &Samples, out: (&wgpu::Buffer, u32), gain: f64) -> Option<()> {
         let aperture = self.shape.aperture;
         let wave = Wave::new(aperture, samples)?;
-        let everything = Drive { amplitudes: vec![1.0; aperture.positions.len()], phases: vec![0.0; aperture.positions.len()] };
+        let everything = Drive {
+            amplitudes: vec![1.0; aperture.positions.len()],
+            phases: vec![0.0; aperture.positions.len()],
+        };
         let sources = Sources { elements: wave.elements(aperture, &everything), wave: wave.clone() };
         if !sources.beside_rims(samples).is_empty() {
             return None;
@@ -422,12 +434,7 @@ impl Making<'_> {
     }
 }
 
-fn gather(
-    gpu: &Gpu,
-    shape: &Shape<'_>,
-    [lattice, peak, gathered]: [&wgpu::Buffer; 3],
-    count: usize,
-) -> Step {
+fn gather(gpu: &Gpu, shape: &Shape<'_>, [lattice, peak, gathered]: [&wgpu::Buffer; 3], count: usize) -> Step {
     let params = GatherParams {
         count: (shape.size.0 * shape.size.1) as u32,
         probes: shape.probes.len() as u32,

@@ -108,7 +108,10 @@ impl Gpu {
         Self {
             tuning: Tuning::of(info.kind),
             info,
-            buffer_limit: limits.max_storage_buffer_binding_size.min(limits.max_buffer_size).min(LARGEST_BUFFER),
+            buffer_limit: limits
+                .max_storage_buffer_binding_size
+                .min(limits.max_buffer_size)
+                .min(LARGEST_BUFFER),
             tick: has_clock.then(|| queue.get_timestamp_period()),
             pipelines: RefCell::default(),
             traffic: Cell::default(),

@@ -289,9 +289,9 @@ mod tests {
 
     #[test]
     fn every_shader_file_is_part_of_a_program() {
-        let sources = TUNINGS.iter().flat_map(|tuning| {
-            Program::all().into_iter().map(move |program| program.source(tuning))
-        });
+        let sources = TUNINGS
+            .iter()
+            .flat_map(|tuning| Program::all().into_iter().map(move |program| program.source(tuning)));
         let programs: String = sources.collect();
         let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/shaders");
         let mut files = 0;

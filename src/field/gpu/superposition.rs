@@ -87,12 +87,8 @@ impl Superposition {
             let elements_ = first_element..room.min(first_element + gpu.tuning.most_rounds / rounds);
             let length = (gpu.tuning.most_pairs / elements_.len() as u64).min(u64::from(count)) as u32;
             for first in (0..count).step_by(length as usize) {
-                let params = Params {
-                    first,
-                    count: length.min(count - first),
-                    written: written + first,
-                    ..common
-                };
+                let params =
+                    Params { first, count: length.min(count - first), written: written + first, ..common };
                 let buffer = gpu.params(bytemuck::bytes_of(&params));
                 let mut bindings = vec![
                     (0, buffer.as_entire_binding()),
@@ -126,11 +122,7 @@ impl Superposition {
 }
 
 /// The field of sources at samples, in pieces that fit a buffer.
-pub(super) fn pressure(
-    gpu: &Gpu,
-    sources: &Sources,
-    samples: &Samples,
-) -> Result<Vec<Complex32>, GpuError> {
+pub(super) fn pressure(gpu: &Gpu, sources: &Sources, samples: &Samples) -> Result<Vec<Complex32>, GpuError> {
     let elements = Elements::with_room(gpu, sources.elements.len().max(1));
     elements.write(gpu, &sources.elements);
     let most = (gpu.buffer_limit / 8) as usize;

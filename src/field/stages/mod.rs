@@ -12,8 +12,8 @@ mod site;
 mod work;
 
 use crate::field::contour::{self, Line};
-use crate::field::plan::Costs;
 use crate::field::gpu::Texture;
+use crate::field::plan::Costs;
 use crate::field::{Colouring, Evaluator, Gpu};
 use crate::surface::{Dent, Tank};
 use kept::Kept;
@@ -74,7 +74,15 @@ pub struct Stages {
 struct Ground {
     /// The site, under the key that was asked for: what cannot be formed at cells may be formed at the pixels.
     site: Kept<SiteKey, Option<(SiteKey, Site)>>,
-    frame: Kept<(SiteKey, (usize, usize), bool), Option<(Frame, Probes)>>,
+    frame: Kept<FrameKey, Option<(Frame, Probes)>>,
+}
+
+/// What the pixels and probes depend on.
+#[derive(Clone, Debug, PartialEq)]
+struct FrameKey {
+    site: SiteKey,
+    size: (usize, usize),
+    of_liquid: bool,
 }
 
 impl Ground {
@@ -103,7 +111,8 @@ impl Ground {
             Ok::<_, FieldError>(())
         })?;
         let (key, site) = site.as_ref().ok_or(FieldError::NoPlane)?;
-        let frame = frame.update(&(key.clone(), request.size, of_liquid), |made| {
+        let wanted = FrameKey { site: key.clone(), size: request.size, of_liquid };
+        let frame = frame.update(&wanted, |made| {
             let probes = Probes::new(key, site, request.size, of_liquid);
             *made = Frame::new(key, site, request.size).map(|frame| (frame, probes));
         });

@@ -131,7 +131,8 @@ impl Superposition {
         };
         let table = kept.update(setting, |table| {
             let layout = Layout::new(&setting.aperture, grid);
-            let is_possible = layout.fits(TABLE_CEILING) && Wave::new(&setting.aperture, &grid.samples).is_some();
+            let is_possible =
+                layout.fits(TABLE_CEILING) && Wave::new(&setting.aperture, &grid.samples).is_some();
             work.transfer += u64::from(is_possible);
             let old = table.take().filter(|_| is_possible);
             if is_possible {
@@ -247,7 +248,11 @@ impl OnCpu {
         }
         let peak = if declaration.norm == Norm::Pressure { loudest } else { largest };
         let sounds = (drives.len() == 1).then_some(sounds);
-        Made { peak, at_probes: AtProbes { values: at(values, &job.probes.places), sounds }, relative_to: peak }
+        Made {
+            peak,
+            at_probes: AtProbes { values: at(values, &job.probes.places), sounds },
+            relative_to: peak,
+        }
     }
 
     /// The sound of a drive at some rows of pixels.
@@ -371,7 +376,13 @@ impl OnCpu {
     }
 
     /// The liquid's answer to a steady pressure, where that is what is shown.
-    fn response(&mut self, job: &Job<'_>, filled: &Filled, key: &FormedKey, work: &mut Work) -> Option<&Dent> {
+    fn response(
+        &mut self,
+        job: &Job<'_>,
+        filled: &Filled,
+        key: &FormedKey,
+        work: &mut Work,
+    ) -> Option<&Dent> {
         if !job.request.quantity.declaration().of_liquid {
             return None;
         }
@@ -394,7 +405,13 @@ impl OnCpu {
     }
 
     /// What presses on the plane, from the cells or, where there are none, from the values of the pixels.
-    pub(super) fn pressed(&mut self, job: &Job<'_>, values: &[f32], double: bool, work: &mut Work) -> Pressed {
+    pub(super) fn pressed(
+        &mut self,
+        job: &Job<'_>,
+        values: &[f32],
+        double: bool,
+        work: &mut Work,
+    ) -> Pressed {
         let (size, part) = (job.request.plane.size, job.request.part);
         let Some(filled) = &job.site.cells else {
             let area = size.x * size.y / values.len() as f64;

@@ -63,11 +63,7 @@ pub(super) struct Weights {
 
 impl Weights {
     /// Slopes are left out where no part needs them.
-    pub(super) fn new(
-        grid: &Grid,
-        parts: u8,
-        places: [&mut dyn Iterator<Item = f64>; 2],
-    ) -> Self {
+    pub(super) fn new(grid: &Grid, parts: u8, places: [&mut dyn Iterator<Item = f64>; 2]) -> Self {
         let places = places.map(|places| places.collect::<Vec<_>>());
         let along = |axis: usize| places[axis].iter().copied();
         Self {
@@ -188,9 +184,8 @@ impl Frame {
         let raster = Raster::new(&site.plan, (width, height))?;
         let rows = raster.interpolated.clone();
         let grid = site.plan.grid.as_ref().filter(|_| !rows.is_empty());
-        let weights = grid.map(|grid| {
-            Weights::new(grid, key.parts, [&mut (0..width).map(column), &mut rows.map(row)])
-        });
+        let weights =
+            grid.map(|grid| Weights::new(grid, key.parts, [&mut (0..width).map(column), &mut rows.map(row)]));
         Some(Self::Pixels { raster, weights })
     }
 }
