@@ -5,6 +5,7 @@
 
 pub mod adapter;
 pub mod chain;
+mod painting;
 pub mod program;
 mod reading;
 mod resampling;
@@ -23,7 +24,8 @@ use program::Program;
 use tuning::Tuning;
 
 pub use adapter::AdapterInfo;
-pub use chain::{Chain, Shape, Texture};
+pub use chain::{Chain, Shape};
+pub use painting::Texture;
 pub use reading::Reading;
 
 /// Bytes of a buffer, at most.
