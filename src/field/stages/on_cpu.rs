@@ -416,7 +416,7 @@ impl OnCpu {
         let Some(filled) = &job.site.cells else {
             let area = size.x * size.y / values.len() as f64;
             let sum: f64 = values.iter().map(|&value| f64::from(value)).sum();
-            return Pressed { force: sum * area * part, dent: None };
+            return Pressed { force: sum * area, dent: None };
         };
         let key = FormedKey::new(job, double);
         self.fill_cells(job, filled, &key, work);
