@@ -231,11 +231,12 @@ quantities! {
     Intensity {
         parts: PRESSURE | ALONG | NORMAL,
         formula: |s, c| {
-            let flow = |slope: Complex32| s.p.im * slope.re - s.p.re * slope.im;
+            // In W/m² before it is squared, where f32 has as much room below as above.
+            let flow = |slope: Complex32| 0.5 * c.of_velocity * (s.p.im * slope.re - s.p.re * slope.im);
             let (x, y, n) = (flow(s.x), flow(s.y), flow(s.n));
-            0.5 * c.of_velocity * (x * x + y * y + n * n).sqrt()
+            (x * x + y * y + n * n).sqrt()
         },
-        wgsl: "0.5 * c.of_velocity * length(s.p.y * vec3f(s.x.x, s.y.x, s.n.x) - s.p.x * vec3f(s.x.y, s.y.y, s.n.y))",
+        wgsl: "length(0.5 * c.of_velocity * (s.p.y * vec3f(s.x.x, s.y.x, s.n.x) - s.p.x * vec3f(s.x.y, s.y.y, s.n.y)))",
         name: "intensity",
         title: "Intensity",
         words: "acoustic intensity",

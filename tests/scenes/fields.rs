@@ -22,8 +22,10 @@ const BY_ORACLE: usize = 3;
 const OF_SLOPES: f64 = 5e-5;
 /// Radii of an element per distance: of a far field that is nearer, the oracle's differences are too coarse.
 pub const WIDEST: f64 = 0.3;
-/// Pa, below which squares are less than f32 can hold.
+/// Pa, m/s or W/m², below which squares are less than f32 can hold.
 const FAINTEST: f64 = 1e-18;
+/// Pa, above which squares of what it moves may be more than f32 can hold.
+const LOUDEST: f64 = 1e7;
 /// What f32 leaves of a number: 2⁻²⁴.
 const F32: f64 = 6e-8;
 
@@ -177,7 +179,7 @@ fn flow_is_the_models(stages: &mut Stages, solved: &Solved, size: (usize, usize)
         let off = (f64::from(map.values[pixel]) - expected).abs();
         let most = 3.0 * scene.plane.tolerance * f64::from(map.peak)
             + (OF_SLOPES + f32_rounding(solved, point)) * all;
-        within(&format!("{} by {:?}", quantity.declaration().name, map.by), off, most + 1e-37);
+        within(&format!("{} by {:?}", quantity.declaration().name, map.by), off, most + FAINTEST);
     }
 }
 
@@ -191,15 +193,20 @@ pub fn hold(evaluators: &mut Evaluators, solved: &Solved, dice: &mut Dice) -> f6
         let (_, by) = map(gpu, solved, &solution.drive, size, dice);
         count(&format!("maps by {by:?}, asked of the GPU"));
     }
-    flow_is_the_models(&mut evaluators.cpu, solved, size, dice);
-    if let Some(gpu) = &mut evaluators.gpu {
-        flow_is_the_models(gpu, solved, size, dice);
+    let peak = by_cpu.iter().map(|p| f64::from(p.norm())).fold(0.0, f64::max);
+    if peak > LOUDEST {
+        count("flow left out: too loud for squares in f32");
+    } else {
+        flow_is_the_models(&mut evaluators.cpu, solved, size, dice);
+        if let Some(gpu) = &mut evaluators.gpu {
+            flow_is_the_models(gpu, solved, size, dice);
+        }
     }
     let points = places(scene, dice);
     sums_are_linear(solved, &points, dice);
     a_turn_changes_no_modulus(evaluators, solved, &by_cpu, size, dice);
     elements_and_points_change_places(solved, dice);
-    by_cpu.iter().map(|p| f64::from(p.norm())).fold(0.0, f64::max)
+    peak
 }
 
 /// On the plane and off it, in front of the array.
@@ -276,7 +283,7 @@ fn a_turn_changes_no_modulus(
         let point = pixels.point(pixel);
         let in_f32 = f32_error(solved, &solution.drive, point);
         // Interpolation is linear: a turn turns its error too.
-        within("a turn of all phases", off, 2.0 * in_f32 + 2e-6 * f64::from(peak) + 1e-37);
+        within("a turn of all phases", off, 2.0 * in_f32 + 2e-6 * f64::from(peak) + FAINTEST);
     }
 }
 

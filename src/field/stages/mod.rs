@@ -359,9 +359,10 @@ impl Job<'_> {
         }
         // Where little of the field meets the plane, what samples leave out is much of that.
         let plan = self.site.plan.direct("samples do not keep the tolerance");
+        let key = self.key.direct();
         let site = Site { plan, sampled: self.site.sampled.clone(), cells: None, axes: self.site.axes };
-        let frame = Frame::new(self.key, &site, self.request.size).ok_or(FieldError::NoPlane)?;
-        let job = Job { site: &site, frame: &frame, ..*self };
+        let frame = Frame::new(&key, &site, self.request.size).ok_or(FieldError::NoPlane)?;
+        let job = Job { key: &key, site: &site, frame: &frame, ..*self };
         let mut made = make(&job, if is_double(made.2) { made.2 } else { By::Cpu }, &mut values);
         if made.2 == By::Cpu && job.is_too_far_off(made.0) {
             made = make(&job, By::CpuInF64, &mut values);

@@ -122,6 +122,13 @@ impl SiteKey {
         Self::with(request, tolerance, Some(ByCells { margin, accuracy, is_liquid }))
     }
 
+    /// The same pixel by pixel: nothing that was made from samples belongs to it.
+    pub(super) fn direct(&self) -> Self {
+        let mut direct = self.clone();
+        direct.setting.plane.tolerance = 0.0;
+        direct
+    }
+
     fn with(request: &Request, tolerance: f64, by_cells: Option<ByCells>) -> Self {
         let setting = Setting::new(&request.aperture, Plane { tolerance, ..request.plane.clone() });
         Self { setting, parts: request.quantity.declaration().parts, by_cells }
