@@ -13,7 +13,7 @@ use crate::solver::{self, Solution};
 use crate::studio::evaluator::{self, Backend};
 use crate::studio::map;
 use crate::studio::output::{self, say, warn};
-use crate::studio::{EXAMPLE, liquid, motion};
+use crate::studio::{EXAMPLE, liquid, memory, motion};
 
 /// What the sheet of a scene is called when nobody named a file.
 const DEFAULT_SHEET: &str = "sonoglyph.png";
@@ -49,15 +49,6 @@ pub enum Moment {
     /// Counted from 0.
     Frame(usize),
     Mean,
-}
-
-/// Whether the system would give so many bytes. A refusal is a message now; in the middle of the work it would be the end.
-fn there_is_room(bytes: usize) -> bool {
-    let mut room = Vec::<u8>::new();
-    let is_given = room.try_reserve_exact(bytes).is_ok();
-    // Otherwise a compiler may leave out what nobody uses.
-    std::hint::black_box(&mut room);
-    is_given
 }
 
 /// The sheet of a scene, or of the example, in the current folder.
@@ -183,7 +174,7 @@ impl Look {
             );
         }
         let bytes = width * height * BYTES_PER_PIXEL;
-        if !there_is_room(bytes) {
+        if !memory::holds(bytes) {
             bail!("{width} x {height} pixels need about {} MiB of memory, more than there is", bytes >> 20);
         }
         if is_page && width.min(height) < SMALLEST_SHEET {
