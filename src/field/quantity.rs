@@ -241,8 +241,9 @@ quantities! {
     /// arg P, rad in (-π, π].
     Phase {
         parts: PRESSURE,
-        formula: |s, _c| s.p.arg(),
-        wgsl: "atan2(s.p.y, s.p.x)",
+        // The angle of nothing is 0, whatever the signs of its zeros.
+        formula: |s, _c| s.p.im.atan2(if s.p == Complex32::ZERO { 1.0 } else { s.p.re }),
+        wgsl: "atan2(s.p.y, select(s.p.x, 1.0, all(s.p == vec2f(0.0))))",
         name: "phase",
         aliases: &[],
         title: "Phase",
@@ -441,7 +442,8 @@ impl<F: Fn(Sound, &Constants) -> f32, const PARTS: u8> Kernel for Along<'_, F, P
         let Self { sounds: Sounds(parts), constants, values, at } = self;
         let count = values.len();
         // Of one length that the compiler sees, so that no access is checked.
-        let [p, x, y, n] = std::array::from_fn(|i| if PARTS & 1 << i == 0 { parts[i] } else { &parts[i][..count] });
+        let [p, x, y, n] =
+            std::array::from_fn(|i| if PARTS & 1 << i == 0 { parts[i] } else { &parts[i][..count] });
         for (i, value) in values.iter_mut().enumerate() {
             let mut sound = Sound::default();
             if PARTS & PRESSURE != 0 {
@@ -485,7 +487,10 @@ mod tests {
             let sound = plane_wave(angle);
             let near = |quantity: Quantity, expected: f64| {
                 let got = f64::from(quantity.of(sound, &constants));
-                assert!((got / expected - 1.0).abs() < 1e-5, "{quantity:?} at {angle}: {got}, not {expected}");
+                assert!(
+                    (got / expected - 1.0).abs() < 1e-5,
+                    "{quantity:?} at {angle}: {got}, not {expected}"
+                );
             };
             near(Quantity::Rms, 100.0 / 2f64.sqrt());
             near(Quantity::Intensity, 100.0 * 100.0 / (2.0 * impedance));

@@ -8,8 +8,9 @@ use wgpu::BufferUsages;
 
 use crate::acoustics::Aperture;
 use crate::drive::Drive;
-use crate::field::colouring::{Colouring, Scale};
-use crate::field::gpu::program::{FormParams, GatherParams, PictureParams, Program, WORKGROUP};
+use crate::field::colouring::{Colouring, SMALLEST, Scale};
+use crate::field::gpu::forming::Forming;
+use crate::field::gpu::program::{GatherParams, MOST_GROUPS, PictureParams, Program, WORKGROUP};
 use crate::field::gpu::reading::Reading;
 use crate::field::gpu::resampling::{self, Lines};
 use crate::field::gpu::superposition::{Elements, Superposition};
@@ -50,11 +51,9 @@ pub struct Chain {
     /// What superpositions add to.
     sums: Vec<wgpu::Buffer>,
     interpolation: Vec<Step>,
-    form: Step,
-    form_params: (wgpu::Buffer, FormParams),
+    forming: Forming,
     gather: Step,
     values: wgpu::Buffer,
-    peak: wgpu::Buffer,
     gathered: wgpu::Buffer,
     clock: Option<Clock>,
     parts: u8,
@@ -64,7 +63,8 @@ pub struct Chain {
     /// The run that figures are of, and those on their way.
     run: u64,
     figures: Vec<(u64, Reading)>,
-    reading: Option<Reading>,
+    /// Of the values, and the run that they are of.
+    reading: Option<(u64, Reading)>,
 }
 
 /// What times the passes.
@@ -115,12 +115,17 @@ impl Chain {
     pub fn new(gpu: &Gpu, shape: &Shape<'_>) -> Option<Self> {
         let declaration = shape.quantity.declaration();
         let (width, height) = shape.size;
+        // A pass may have a workgroup for every row.
+        if width.max(height) > MOST_GROUPS as usize {
+            return None;
+        }
         let (parts, pixels) = (declaration.parts, width * height);
         let bytes = |values: usize| Some((values * 8) as u64).filter(|&bytes| bytes <= gpu.buffer_limit);
         let lattice = gpu.storage("sound", bytes(pixels * parts.count_ones() as usize)?);
         let values = gpu.storage("values", bytes(pixels.div_ceil(2))?);
         let elements = Elements::with_room(gpu, shape.aperture.positions.len());
-        let mut chain = Making { gpu, shape, wave: None, elements, superpositions: Vec::new(), sums: Vec::new() };
+        let mut chain =
+            Making { gpu, shape, wave: None, elements, superpositions: Vec::new(), sums: Vec::new() };
         let mut interpolation = Vec::new();
         if let Some((samples, rows, weights)) = &shape.interpolated {
             bytes(samples.len())?;
@@ -160,43 +165,20 @@ impl Chain {
             chain.sums.push(lattice.clone());
         }
         let Making { wave, elements, superpositions, sums, .. } = chain;
-        let peak = gpu.storage("peak", 4);
-        let walking = gpu.tuning.walking_groups;
-        let form_params = FormParams {
-            count: pixels as u32,
-            invocations: walking * WORKGROUP,
-            of_pressure: 0.0,
-            of_gradient: 0.0,
-            of_velocity: 0.0,
-            factor: 1.0,
-            turn: [1.0, 0.0],
-        };
-        let form_buffer = gpu.params(bytemuck::bytes_of(&form_params));
-        let form = gpu.step(
-            Program::Form(shape.quantity),
-            &[
-                (0, form_buffer.as_entire_binding()),
-                (1, lattice.as_entire_binding()),
-                (2, values.as_entire_binding()),
-                (3, peak.as_entire_binding()),
-            ],
-            (walking, 1),
-        );
+        let forming = Forming::new(gpu, shape.quantity, pixels, [&lattice, &values]);
         let count = shape.probes.len() * parts.count_ones() as usize;
         // Behind the sounds stand the peak, and the times at which the passes began and ended.
         let gathered = gpu.storage("gathered", (count as u64 + 3) * 8);
-        let gather = gather(gpu, shape, [&lattice, &peak, &gathered], count);
+        let gather = gather(gpu, shape, [&lattice, &forming.peak, &gathered], count);
         Some(Self {
             wave: wave?,
             elements,
             superpositions,
             sums,
             interpolation,
-            form,
-            form_params: (form_buffer, form_params),
+            forming,
             gather,
             values,
-            peak,
             gathered,
             clock: Clock::new(gpu),
             parts,
@@ -212,20 +194,9 @@ impl Chain {
     /// What runs: with another drive everything, with other constants what follows the sound.
     pub fn run(&mut self, gpu: &Gpu, drive: Option<(&Aperture, &Drive)>, constants: &Constants, factor: f32) {
         self.run += 1;
-        let params = FormParams {
-            of_pressure: constants.of_pressure,
-            of_gradient: constants.of_gradient,
-            of_velocity: constants.of_velocity,
-            factor,
-            turn: [constants.turn.re, constants.turn.im],
-            ..self.form_params.1
-        };
-        if params != self.form_params.1 {
-            self.form_params.1 = params;
-            gpu.queue.write_buffer(&self.form_params.0, 0, bytemuck::bytes_of(&params));
-        }
+        self.forming.set(gpu, constants, factor);
         let mut encoder = gpu.encoder();
-        encoder.clear_buffer(&self.peak, 0, None);
+        encoder.clear_buffer(&self.forming.peak, 0, None);
         let mut steps: Vec<&Step> = Vec::new();
         if let Some((aperture, drive)) = drive {
             let sounding = self.wave.elements(aperture, drive);
@@ -239,7 +210,7 @@ impl Chain {
             steps.extend(self.superpositions.iter().flat_map(Superposition::steps));
             steps.extend(&self.interpolation);
         }
-        steps.extend([&self.form, &self.gather]);
+        steps.extend([&self.forming.step, &self.gather]);
         let timed = |beginning, end| {
             self.clock.as_ref().map(|clock| wgpu::ComputePassTimestampWrites {
                 query_set: &clock.queries,
@@ -294,7 +265,7 @@ impl Chain {
                     invocations: gpu.tuning.walking_groups * WORKGROUP,
                     zero: line.zero,
                     spread: line.spread,
-                    full: line.full.unwrap_or(0.0),
+                    full: line.full.map_or(0.0, |full| full.max(SMALLEST)),
                 };
                 gpu.queue.write_buffer(&painting.params, 0, bytemuck::bytes_of(&params));
                 gpu.queue.write_buffer(&painting.colours, 0, bytemuck::cast_slice(&colouring.table));
@@ -340,27 +311,28 @@ impl Chain {
         }
     }
 
-    /// Asks for the values of all pixels.
-    pub fn ask_for_values(&mut self, gpu: &Gpu) {
-        let bytes = self.gathered.size() + self.values.size();
-        let reading = self.reading.get_or_insert_with(|| Reading::with_room(gpu, bytes));
-        if reading.is_free() {
-            reading.ask(gpu, gpu.encoder(), &[&self.gathered, &self.values]);
-        }
-    }
-
-    /// The values that were asked for, and the figures of the last run; `None` while they are on their way, which ends if it
+    /// Asks for the values of all pixels and the figures of the last run; `None` while they are on their way, which ends if it
     /// may `wait`.
     ///
     /// # Errors
     /// The device was lost.
     pub fn values(&mut self, gpu: &Gpu, wait: bool) -> Result<Option<(Vec<f32>, Figures)>, GpuError> {
-        let Some(reading) = &mut self.reading else { return Ok(None) };
-        let bytes = if wait { Some(reading.wait(gpu)?) } else { reading.poll(gpu)? };
-        let Some(bytes) = bytes else { return Ok(None) };
-        let (figures, values) = bytes.split_at(self.gathered.size() as usize);
-        let values = &bytemuck::cast_slice(values)[..self.size.0 * self.size.1];
-        Ok(Some((values.to_vec(), self.read(gpu, figures))))
+        loop {
+            let bytes = self.gathered.size() + self.values.size();
+            let (run, reading) = self.reading.get_or_insert_with(|| (0, Reading::with_room(gpu, bytes)));
+            if reading.is_free() {
+                reading.ask(gpu, gpu.encoder(), &[&self.gathered, &self.values]);
+                *run = self.run;
+            }
+            let bytes = if wait { Some(reading.wait(gpu)?) } else { reading.poll(gpu)? };
+            let Some(bytes) = bytes else { return Ok(None) };
+            // What an earlier run made is of no use any more.
+            if *run == self.run {
+                let (figures, values) = bytes.split_at(self.gathered.size() as usize);
+                let values = &bytemuck::cast_slice(values)[..self.size.0 * self.size.1];
+                return Ok(Some((values.to_vec(), self.read(gpu, figures))));
+            }
+        }
     }
 
     fn read(&self, gpu: &Gpu, bytes: &[u8]) -> Figures {
@@ -400,7 +372,7 @@ impl Making<'_> {
         if !normal {
             return self.add(samples, (&out, 0), 1.0).map(|()| out);
         }
-        for (shift, weight) in stencil(self.shape.aperture.wavelength(), false) {
+        for (shift, weight) in stencil(self.shape.aperture.wavelength()) {
             self.add(&shifted(samples, self.shape.normal * shift), (&out, 0), weight)?;
         }
         Some(out)
@@ -410,7 +382,10 @@ impl Making<'_> {
     fn add(&mut self, samples: &Samples, out: (&wgpu::Buffer, u32), gain: f64) -> Option<()> {
         let aperture = self.shape.aperture;
         let wave = Wave::new(aperture, samples)?;
-        let everything = Drive { amplitudes: vec![1.0; aperture.positions.len()], phases: vec![0.0; aperture.positions.len()] };
+        let everything = Drive {
+            amplitudes: vec![1.0; aperture.positions.len()],
+            phases: vec![0.0; aperture.positions.len()],
+        };
         let sources = Sources { elements: wave.elements(aperture, &everything), wave: wave.clone() };
         if !sources.beside_rims(samples).is_empty() {
             return None;
@@ -422,12 +397,7 @@ impl Making<'_> {
     }
 }
 
-fn gather(
-    gpu: &Gpu,
-    shape: &Shape<'_>,
-    [lattice, peak, gathered]: [&wgpu::Buffer; 3],
-    count: usize,
-) -> Step {
+fn gather(gpu: &Gpu, shape: &Shape<'_>, [lattice, peak, gathered]: [&wgpu::Buffer; 3], count: usize) -> Step {
     let params = GatherParams {
         count: (shape.size.0 * shape.size.1) as u32,
         probes: shape.probes.len() as u32,
@@ -486,7 +456,7 @@ impl Painting {
             &[
                 (0, params.as_entire_binding()),
                 (1, chain.values.as_entire_binding()),
-                (2, chain.peak.as_entire_binding()),
+                (2, chain.forming.peak.as_entire_binding()),
                 (3, colours.as_entire_binding()),
                 (4, wgpu::BindingResource::TextureView(&view)),
             ],

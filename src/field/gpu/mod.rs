@@ -5,6 +5,7 @@
 
 pub mod adapter;
 pub mod chain;
+mod forming;
 pub mod program;
 mod reading;
 mod resampling;
@@ -18,6 +19,7 @@ use std::sync::{Arc, Mutex};
 use num_complex::Complex32;
 use wgpu::BufferUsages;
 
+use crate::field::quantity::{Constants, Quantity, Sound};
 use crate::field::{Samples, Sources};
 use program::Program;
 use tuning::Tuning;
@@ -108,7 +110,10 @@ impl Gpu {
         Self {
             tuning: Tuning::of(info.kind),
             info,
-            buffer_limit: limits.max_storage_buffer_binding_size.min(limits.max_buffer_size).min(LARGEST_BUFFER),
+            buffer_limit: limits
+                .max_storage_buffer_binding_size
+                .min(limits.max_buffer_size)
+                .min(LARGEST_BUFFER),
             tick: has_clock.then(|| queue.get_timestamp_period()),
             pipelines: RefCell::default(),
             traffic: Cell::default(),
@@ -157,6 +162,19 @@ impl Gpu {
     /// The device was lost or has not enough memory.
     pub fn pressure(&self, sources: &Sources, samples: &Samples) -> Result<Vec<Complex32>, GpuError> {
         superposition::pressure(self, sources, samples)
+    }
+
+    /// The value of every sound. Waits for it.
+    ///
+    /// # Errors
+    /// The device was lost or has not enough memory.
+    pub fn form(
+        &self,
+        quantity: Quantity,
+        sounds: &[Sound],
+        constants: &Constants,
+    ) -> Result<Vec<f32>, GpuError> {
+        forming::form(self, quantity, sounds, constants)
     }
 
     /// A pipeline that is made when first needed.

@@ -33,7 +33,7 @@ pub(super) struct OnCpu {
     /// Of a single drive, in f64 or not.
     samples: Kept<SampledKey, Samples>,
     /// Its sound at the pixels, if that is no more than a band.
-    at_pixels: Kept<(SampledKey, (usize, usize)), Lattice>,
+    at_pixels: Kept<LatticeKey, Lattice>,
     at_cells: Lattice,
     /// Means of the formula over the drives, per cell.
     cells: Kept<FormedKey, Vec<f64>>,
@@ -48,6 +48,15 @@ struct SampledKey {
     site: SiteKey,
     excitation: Vec<Complex64>,
     double: bool,
+}
+
+/// What its sound at the pixels depends on.
+#[derive(Clone, Debug, PartialEq)]
+struct LatticeKey {
+    samples: SampledKey,
+    size: (usize, usize),
+    /// Samples that do not keep the tolerance are passed over.
+    is_interpolated: bool,
 }
 
 /// What the means at the cells depend on.
@@ -131,7 +140,8 @@ impl Superposition {
         };
         let table = kept.update(setting, |table| {
             let layout = Layout::new(&setting.aperture, grid);
-            let is_possible = layout.fits(TABLE_CEILING) && Wave::new(&setting.aperture, &grid.samples).is_some();
+            let is_possible =
+                layout.fits(TABLE_CEILING) && Wave::new(&setting.aperture, &grid.samples).is_some();
             work.transfer += u64::from(is_possible);
             let old = table.take().filter(|_| is_possible);
             if is_possible {
@@ -208,7 +218,11 @@ impl OnCpu {
             for first in (0..raster.height).step_by(rows_together) {
                 let rows = first..raster.height.min(first + rows_together);
                 let pixels = rows.start * raster.width..rows.end * raster.width;
-                let lattice_key = (key.clone(), request.size);
+                let lattice_key = LatticeKey {
+                    samples: key.clone(),
+                    size: request.size,
+                    is_interpolated: weights.is_some(),
+                };
                 if rows != (0..raster.height) || !self.at_pixels.is_of(&lattice_key) {
                     self.at_pixels.key = None;
                     self.fill_pixels(job, drive, &key, (raster, weights), rows.clone(), work);
@@ -247,7 +261,11 @@ impl OnCpu {
         }
         let peak = if declaration.norm == Norm::Pressure { loudest } else { largest };
         let sounds = (drives.len() == 1).then_some(sounds);
-        Made { peak, at_probes: AtProbes { values: at(values, &job.probes.places), sounds }, relative_to: peak }
+        Made {
+            peak,
+            at_probes: AtProbes { values: at(values, &job.probes.places), sounds },
+            relative_to: peak,
+        }
     }
 
     /// The sound of a drive at some rows of pixels.
@@ -371,7 +389,13 @@ impl OnCpu {
     }
 
     /// The liquid's answer to a steady pressure, where that is what is shown.
-    fn response(&mut self, job: &Job<'_>, filled: &Filled, key: &FormedKey, work: &mut Work) -> Option<&Dent> {
+    fn response(
+        &mut self,
+        job: &Job<'_>,
+        filled: &Filled,
+        key: &FormedKey,
+        work: &mut Work,
+    ) -> Option<&Dent> {
         if !job.request.quantity.declaration().of_liquid {
             return None;
         }
@@ -394,12 +418,18 @@ impl OnCpu {
     }
 
     /// What presses on the plane, from the cells or, where there are none, from the values of the pixels.
-    pub(super) fn pressed(&mut self, job: &Job<'_>, values: &[f32], double: bool, work: &mut Work) -> Pressed {
+    pub(super) fn pressed(
+        &mut self,
+        job: &Job<'_>,
+        values: &[f32],
+        double: bool,
+        work: &mut Work,
+    ) -> Pressed {
         let (size, part) = (job.request.plane.size, job.request.part);
         let Some(filled) = &job.site.cells else {
             let area = size.x * size.y / values.len() as f64;
             let sum: f64 = values.iter().map(|&value| f64::from(value)).sum();
-            return Pressed { force: sum * area * part, dent: None };
+            return Pressed { force: sum * area, dent: None };
         };
         let key = FormedKey::new(job, double);
         self.fill_cells(job, filled, &key, work);
