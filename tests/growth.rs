@@ -7,10 +7,9 @@ mod requirement;
 
 use std::fs;
 
-use sonoglyph::acoustics::Aperture;
 use sonoglyph::drive::Drive;
 use sonoglyph::field::gpu::adapter;
-use sonoglyph::field::{Colouring, Evaluator, Quantity, Stages, Wanted};
+use sonoglyph::field::{Colouring, Evaluator, Quantity, Request, Stages};
 use sonoglyph::scene::{ElementModel, Scene};
 
 /// Frames until everything has been made that is kept, and frames after them.
@@ -26,13 +25,17 @@ fn resident() -> usize {
     pages.split(' ').nth(1).and_then(|pages| pages.parse::<usize>().ok()).expect("a number of pages") * PAGE
 }
 
-fn frame(stages: &mut Stages, aperture: &Aperture, scene: &Scene, number: usize) {
-    let count = aperture.positions.len();
+fn frame(stages: &mut Stages, scene: &Scene, number: usize) {
+    let count = scene.array.elements();
     let phases = (0..count).map(|n| (n * (number + 3) % 17) as f64 * 0.3 - 2.4).collect();
     let drive = Drive { amplitudes: vec![1.0; count], phases };
-    let wanted = Wanted { aperture, plane: &scene.plane, drive: &drive, width: 160, height: 120 };
     for quantity in [Quantity::Rms, Quantity::Phase] {
-        stages.colours(&wanted, &Colouring::new(quantity, [[7; 4]; 256])).expect("a plane is drawn");
+        let request = Request::new(scene, vec![drive.clone()], quantity, (160, 120));
+        let colouring = Colouring::new(quantity, [[7; 4]; 256]);
+        // As a window asks, and as a file does.
+        stages.picture(&request, &colouring).expect("a plane is drawn");
+        stages.figures(&request).expect("a drawn plane has figures");
+        stages.colours(&request, &colouring).expect("a plane is drawn");
     }
 }
 
@@ -41,10 +44,9 @@ fn drags(evaluator: Evaluator, name: &str) {
     for element in [ElementModel::Piston, ElementModel::ExactPiston] {
         let mut scene = Scene::default();
         scene.array.element = element;
-        let aperture = Aperture::new(&scene);
-        (0..FIRST).for_each(|number| frame(&mut stages, &aperture, &scene, number));
+        (0..FIRST).for_each(|number| frame(&mut stages, &scene, number));
         let before = resident();
-        (FIRST..FIRST + MORE).for_each(|number| frame(&mut stages, &aperture, &scene, number));
+        (FIRST..FIRST + MORE).for_each(|number| frame(&mut stages, &scene, number));
         let more = resident().saturating_sub(before);
         assert!(more < ALLOWED, "{MORE} frames took {} kB on the {name}", more >> 10);
     }

@@ -167,8 +167,9 @@ quantities! {
     /// arg P, rad in (-π, π].
     Phase {
         parts: PRESSURE,
-        formula: |s, _c| s.p.arg(),
-        wgsl: "atan2(s.p.y, s.p.x)",
+        // The angle of nothing is 0, whatever the signs of its zeros.
+        formula: |s, _c| s.p.im.atan2(if s.p == Complex32::ZERO { 1.0 } else { s.p.re }),
+        wgsl: "atan2(s.p.y, select(s.p.x, 1.0, all(s.p == vec2f(0.0))))",
         name: "phase",
         title: "Phase",
         words: "phase",

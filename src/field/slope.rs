@@ -1,7 +1,8 @@
-//! Slopes of the pressure where no grid gives them: central differences of fourth order along a direction.
+//! Slopes of the pressure where no grid gives them: central differences along a direction.
 
 use glam::DVec3;
 use num_complex::{Complex32, Complex64};
+use rayon::prelude::*;
 
 use crate::acoustics::Aperture;
 use crate::acoustics::element::NEAREST;
@@ -9,19 +10,24 @@ use crate::drive::Drive;
 use crate::field::quantity::{Part, Sound, narrow};
 use crate::field::{Samples, on_cpu};
 
-/// Places (steps) and weights (per step): off by (kh)⁴/30 of the slope.
+/// Places (steps) and weights (per step) where the pressures are f32: off by (kh)⁴/30 of the slope.
 const STENCIL: [(f64, f64); 4] =
     [(-2.0, 1.0 / 12.0), (-1.0, -2.0 / 3.0), (1.0, 2.0 / 3.0), (2.0, -1.0 / 12.0)];
-/// Steps in a wavelength where the pressures are f32: truncation, 5e-5, and rounding are alike.
+/// Steps in a wavelength: truncation, 5e-5, and rounding are alike.
 const PER_WAVELENGTH: f64 = 32.0;
-/// The same in f64, where only what comes of it is rounded to f32.
-const PER_WAVELENGTH_IN_F64: f64 = 200.0;
+/// Wavelengths from a point to its neighbours where the pressures are f64: off by (kh)²/6 = 7e-8.
+const HAIR: f64 = 1e-4;
+/// Wavelengths from the array within which slopes need f64: an element's wave varies over its distance there, and not over a
+/// wavelength.
+const NEAR: f64 = 1.0;
+/// Points whose slopes are found together in f64.
+const RUN: usize = 16;
 /// The finest tolerance for which slopes by f32 differences will do.
 pub const FINEST_IN_F32: f64 = 2e-4;
 
-/// Shifts (m) of the samples along a direction, and the weights (1/m) with which their pressures add up to the slope.
-pub fn stencil(wavelength: f64, double: bool) -> [(f64, f64); 4] {
-    let step = wavelength / if double { PER_WAVELENGTH_IN_F64 } else { PER_WAVELENGTH };
+/// Shifts (m) of the samples along a direction, and the weights (1/m) with which their pressures in f32 add up to the slope.
+pub fn stencil(wavelength: f64) -> [(f64, f64); 4] {
+    let step = wavelength / PER_WAVELENGTH;
     STENCIL.map(|(place, weight)| (place * step, weight / step))
 }
 
@@ -32,7 +38,7 @@ pub fn shifted(samples: &Samples, offset: DVec3) -> Samples {
 }
 
 /// One part of the sound (see [`crate::field::quantity`]) at every sample, by the CPU: Pa, or Pa/m along one of the plane's
-/// two axes and its normal.
+/// two axes and its normal. In f64 if `double`, and where f32 is not right.
 pub fn part_on_cpu(
     aperture: &Aperture,
     drive: &Drive,
@@ -41,39 +47,56 @@ pub fn part_on_cpu(
     axes: [DVec3; 3],
     double: bool,
 ) -> Vec<Complex32> {
-    let direction = match part {
-        Part::Pressure => return on_cpu(aperture, drive, samples, double),
-        Part::AlongX => axes[0],
-        Part::AlongY => axes[1],
-        Part::Normal => axes[2],
-    };
-    let stencil = stencil(aperture.wavelength(), double);
-    // The stencil stays in front of the array, beyond which there is no sound.
-    let reach = stencil[3].0 * direction.z.abs() + NEAREST;
-    let lowest = samples.bounds().0.z;
-    let lifted;
-    let samples = if lowest < reach {
-        let lift = |point: DVec3| if point.z < -NEAREST { point } else { point.with_z(point.z.max(reach)) };
-        lifted = Samples::at((0..samples.len()).map(|index| lift(samples.point(index))).collect());
-        &lifted
-    } else {
-        samples
-    };
+    let Some(direction) = direction(part, axes) else { return on_cpu(aperture, drive, samples, double) };
+    let near = NEAR * aperture.wavelength();
+    let is_near = |&index: &usize| double || samples.point(index).z < near;
+    let in_f64: Vec<_> = (0..samples.len()).filter(is_near).collect();
     let mut slopes = vec![Complex32::ZERO; samples.len()];
-    for (shift, weight) in stencil {
-        let pressures = on_cpu(aperture, drive, &shifted(samples, direction * shift), double);
-        for (slope, p) in slopes.iter_mut().zip(pressures) {
-            *slope += p * weight as f32;
-        }
-    }
-    if lowest < reach {
-        for (index, slope) in slopes.iter_mut().enumerate() {
-            if samples.point(index).z < -NEAREST {
-                *slope = Complex32::ZERO;
+    if in_f64.len() < samples.len() {
+        for (shift, weight) in stencil(aperture.wavelength()) {
+            let pressures = on_cpu(aperture, drive, &shifted(samples, direction * shift), false);
+            for (slope, p) in slopes.iter_mut().zip(pressures) {
+                *slope += p * weight as f32;
             }
         }
     }
+    let points: Vec<_> = in_f64.iter().map(|&index| samples.point(index)).collect();
+    for (index, slope) in in_f64.into_iter().zip(slopes_in_f64(aperture, drive, direction, &points)) {
+        slopes[index] = slope;
+    }
     slopes
+}
+
+/// Slopes along a direction at points, from pressures in f64.
+fn slopes_in_f64(aperture: &Aperture, drive: &Drive, direction: DVec3, points: &[DVec3]) -> Vec<Complex32> {
+    let hair = HAIR * aperture.wavelength();
+    let excitation = drive.excitation(&aperture.driven);
+    let of_run = |points: &[DVec3]| {
+        let around: Vec<_> = points.iter().flat_map(|&point| beside(point, direction, hair)).collect();
+        let pressures = aperture.transfer(&around).pressure(&excitation);
+        let slope = |pair: &[Complex64; 2]| narrow((pair[0] - pair[1]) / (2.0 * hair));
+        pressures.as_chunks::<2>().0.iter().map(slope).collect::<Vec<_>>()
+    };
+    points.par_chunks(RUN).flat_map_iter(of_run).collect()
+}
+
+/// Neighbours of a point on both sides. Both are in front of the array, beyond which there is no sound, or both behind it.
+fn beside(point: DVec3, direction: DVec3, hair: f64) -> [DVec3; 2] {
+    let reach = hair * direction.z.abs();
+    let z =
+        if point.z < -NEAREST { point.z.min(-NEAREST - 2.0 * reach) } else { point.z.max(NEAREST + reach) };
+    let point = point.with_z(z);
+    [point + direction * hair, point - direction * hair]
+}
+
+/// Where a slope points; the pressure has no direction.
+fn direction(part: Part, [x, y, normal]: [DVec3; 3]) -> Option<DVec3> {
+    match part {
+        Part::Pressure => None,
+        Part::AlongX => Some(x),
+        Part::AlongY => Some(y),
+        Part::Normal => Some(normal),
+    }
 }
 
 /// Points beside others at which pressures in f64 give the sound there: the reference for slopes.
@@ -81,30 +104,24 @@ pub fn part_on_cpu(
 pub struct Around {
     parts: u8,
     axes: [DVec3; 3],
-    /// m, from a point to its neighbours: far enough for f64, and much less than a wavelength.
+    /// m, from a point to its neighbours.
     hair: f64,
 }
 
 impl Around {
     /// For these parts of the sound, along the plane's axes and its normal.
     pub fn new(parts: u8, axes: [DVec3; 3], wavelength: f64) -> Self {
-        Self { parts, axes, hair: 1e-3 * wavelength }
+        Self { parts, axes, hair: HAIR * wavelength }
     }
 
     /// As many points for each as [`Around::sounds`] takes pressures.
     pub fn points(&self, points: &[DVec3]) -> Vec<DVec3> {
-        let along = |part| match part {
-            Part::Pressure => None,
-            Part::AlongX => Some(self.axes[0]),
-            Part::AlongY => Some(self.axes[1]),
-            Part::Normal => Some(self.axes[2]),
-        };
         let mut around = Vec::new();
         for &point in points {
             for part in Part::of(self.parts) {
-                match along(part) {
+                match direction(part, self.axes) {
                     None => around.push(point),
-                    Some(axis) => around.extend([point + axis * self.hair, point - axis * self.hair]),
+                    Some(direction) => around.extend(beside(point, direction, self.hair)),
                 }
             }
         }

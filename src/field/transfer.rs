@@ -180,7 +180,7 @@ impl Transfer {
             return Some(Self::new(aperture, &wave, Layout::new(aperture, grid), old));
         };
         let (mut slope, mut one) = (None::<Self>, old);
-        for (shift, weight) in stencil(aperture.wavelength(), false) {
+        for (shift, weight) in stencil(aperture.wavelength()) {
             let grid = Grid { samples: shifted(&grid.samples, direction * shift), ..grid.clone() };
             let wave = Wave::new(aperture, &grid.samples)?;
             let table = Self::new(aperture, &wave, Layout::new(aperture, &grid), one.take());

@@ -1,25 +1,30 @@
-//! Poison in maps, averages, samples, colours and contours.
+//! Poison in maps, formulae, samples, colours and contours.
 
 use glam::{DVec2, DVec3};
-use num_complex::Complex32;
-use sonoglyph::acoustics::Aperture;
+use num_complex::{Complex32, Complex64};
+use sonoglyph::acoustics::{Air, Aperture};
 use sonoglyph::drive::Drive;
 use sonoglyph::field::cells::Cells;
 use sonoglyph::field::interpolation::Resampling;
 use sonoglyph::field::plan::Costs;
+use sonoglyph::field::quantity::{Constants, Part, Sound};
 use sonoglyph::field::{
-    self, Average, Colouring, Evaluator, FieldError, Mean, NoGhost, Plan, Quantity, Samples, Scale, Stages,
-    Wanted, colouring, contour, ghost, polynomial,
+    self, Colouring, Evaluator, FieldError, NoGhost, Plan, Quantity, Request, Samples, Scale, Stages,
+    colouring, contour, ghost, polynomial,
 };
 use sonoglyph::scene::{Plane, Scene};
 use sonoglyph::studio::probe;
 
 use crate::{POISON, SIZES, numbers, panics};
 
-fn aperture() -> Aperture {
-    let mut scene = Scene::default();
+fn scene() -> Scene {
+    let mut scene = Scene { plane: plane(), ..Scene::default() };
     (scene.array.rows, scene.array.columns) = (3, 4);
-    Aperture::new(&scene)
+    scene
+}
+
+fn aperture() -> Aperture {
+    Aperture::new(&scene())
 }
 
 fn drive() -> Drive {
@@ -46,49 +51,63 @@ fn broken_drives() -> Vec<Drive> {
 }
 
 #[test]
-fn maps_have_pixels_and_a_drive_that_is_one() {
-    let (aperture, plane, drive) = (aperture(), plane(), drive());
+fn maps_have_pixels_and_drives_a_moment_and_a_part_of_them() {
     let mut stages = Stages::new(Evaluator::Cpu);
-    let wanted = Wanted { aperture: &aperture, plane: &plane, drive: &drive, width: 8, height: 6 };
-    for size in SIZES {
-        for (width, height) in [(size, 6), (8, size), (size, size)] {
-            let none = Wanted { width, height, ..wanted };
-            assert_eq!(stages.map(&none), Err(FieldError::NoPixels(width, height)));
-            assert_eq!(stages.read(&none), Err(FieldError::NoPixels(width, height)));
+    for quantity in Quantity::ALL {
+        let request = Request::new(&scene(), vec![drive()], quantity, (8, 6));
+        let mut refused = |broken: Request| {
+            let error = stages.map(&broken).err();
+            assert_eq!(stages.poll(&broken).err(), error);
+            assert_eq!(stages.pressed(&broken).err(), error);
+            if error.is_some() {
+                assert_eq!(stages.surface(&broken).err(), error);
+            }
+            error
+        };
+        for size in SIZES {
+            for (width, height) in [(size, 6), (8, size), (size, size)] {
+                let none = Request { size: (width, height), ..request.clone() };
+                assert_eq!(refused(none), Some(FieldError::NoPixels(width, height)), "{quantity:?}");
+            }
         }
+        for broken in broken_drives() {
+            for drives in [vec![broken.clone()], vec![drive(), broken]] {
+                let none = Request { drives, ..request.clone() };
+                assert_eq!(refused(none.clone()), Some(FieldError::NoDrive), "{quantity:?} {none:?}");
+            }
+        }
+        assert_eq!(refused(Request { drives: Vec::new(), ..request.clone() }), Some(FieldError::NoMean));
+        for poison in POISON {
+            let expected = (!(0.0..=1.0).contains(&poison)).then_some(FieldError::NoMean);
+            assert_eq!(refused(Request { part: poison, ..request.clone() }), expected, "{poison}");
+            let expected = (!poison.is_finite()).then_some(FieldError::NoMean);
+            assert_eq!(refused(Request { moment: poison, ..request.clone() }), expected, "{poison}");
+        }
+        let values = &stages.map(&request).unwrap().values;
+        assert!(values.iter().all(|value| value.is_finite()), "{quantity:?}: and goes on after that");
     }
-    for drive in broken_drives() {
-        assert_eq!(stages.map(&Wanted { drive: &drive, ..wanted }), Err(FieldError::NoDrive), "{drive:?}");
-    }
-    assert!(stages.read(&wanted).unwrap().iter().all(|p| p.is_finite()), "and goes on after that");
 }
 
 #[test]
-fn averages_have_drives_and_a_part_of_them() {
-    let (aperture, plane, drive) = (aperture(), plane(), drive());
-    let mut stages = Stages::new(Evaluator::Cpu);
-    let pairs: Vec<_> = broken_drives().into_iter().map(|broken| [drive.clone(), broken]).collect();
-    let wanted = |part, width, drives| Average {
-        aperture: &aperture,
-        plane: &plane,
-        drives,
-        mean: Mean::Square,
-        part,
-        width,
-        height: 6,
-    };
-    let error = |stages: &mut Stages, wanted: Average<'_>| stages.average(&wanted).err();
-    let one = std::slice::from_ref(&drive);
-    assert_eq!(error(&mut stages, wanted(1.0, 8, &[])), Some(FieldError::NoMean));
-    for part in POISON {
-        let expected = (!(0.0..=1.0).contains(&part)).then_some(FieldError::NoMean);
-        assert_eq!(error(&mut stages, wanted(part, 8, one)), expected, "{part}");
-    }
-    for size in SIZES {
-        assert_eq!(error(&mut stages, wanted(1.0, size, one)), Some(FieldError::NoPixels(size, 6)));
-    }
-    for pair in &pairs {
-        assert_eq!(error(&mut stages, wanted(1.0, 8, pair)), Some(FieldError::NoDrive));
+fn formulae_take_any_number() {
+    let air = Air::new(&Scene::default().medium, 40e3);
+    for quantity in Quantity::ALL {
+        for poison in POISON {
+            for part in Part::ALL {
+                let mut sound =
+                    Sound { p: Complex32::ONE, x: Complex32::I, y: Complex32::I, n: Complex32::ONE };
+                *sound.part_mut(part) = Complex32::new(poison as f32, poison as f32);
+                let is_read = quantity.declaration().parts & 1 << part as u8 != 0;
+                let value = quantity.of(sound, &Constants::new(&air, 733.0, 0.0));
+                assert!(
+                    value.is_finite() || (is_read && !(poison.abs() < 1e10)),
+                    "{quantity:?} of {sound:?}"
+                );
+            }
+            quantity.of(Sound::default(), &Constants::new(&air, poison, poison));
+            quantity.of_pressure(Complex64::new(poison, poison), poison);
+            assert!(!quantity.with_unit(poison).is_empty() && !quantity.decibels(poison).is_nan());
+        }
     }
 }
 
@@ -107,13 +126,23 @@ fn planes_that_are_none_have_no_plan_no_samples_and_no_cells() {
             let mut plane = plane();
             put(&mut plane, poison);
             let mut stages = Stages::new(Evaluator::Cpu);
-            let drive = drive();
-            let wanted = Wanted { aperture: &aperture, plane: &plane, drive: &drive, width: 5, height: 4 };
-            match stages.read(&wanted) {
-                Err(error) => assert_eq!(error, FieldError::NoPlane),
-                Ok(field) => {
-                    assert!(poison.is_finite(), "{index}: {poison}");
-                    assert!(field.iter().all(|p| p.is_finite()), "{index}: {poison}");
+            for quantity in Quantity::ALL {
+                let request = Request {
+                    plane: plane.clone(),
+                    ..Request::new(&scene(), vec![drive()], quantity, (5, 4))
+                };
+                match stages.map(&request) {
+                    Err(FieldError::TooNear | FieldError::TooManyCells)
+                        if quantity.declaration().of_liquid => {}
+                    Err(error) => assert_eq!(error, FieldError::NoPlane, "{index}: {poison} {quantity:?}"),
+                    Ok(map) => {
+                        assert!(poison.is_finite(), "{index}: {poison}");
+                        let values = &map.values;
+                        assert!(
+                            values.iter().all(|value| value.is_finite()),
+                            "{index}: {poison} {quantity:?}"
+                        );
+                    }
                 }
             }
             Cells::new(&aperture, &plane, 0.01, 1e-3);
@@ -171,17 +200,16 @@ fn a_broken_sample_spoils_no_other() {
 #[test]
 fn colours_are_of_the_table_and_lines_on_the_map_whatever_the_numbers() {
     let poison = POISON.map(|x| x as f32);
-    let field: Vec<_> = poison.iter().flat_map(|&re| poison.map(|im| Complex32::new(re, im))).collect();
     let table = std::array::from_fn(|i| [i as u8, 1, 2, 255]);
     for quantity in Quantity::ALL {
         for scale in [Scale::Linear, Scale::Logarithmic] {
             for full in poison.map(Some).into_iter().chain([None]) {
-                for phase in [0.3, f32::NAN, f32::INFINITY, 1e30] {
-                    let colouring = Colouring { scale, full, phase, ..Colouring::new(quantity, table) };
+                for peak in poison {
+                    let colouring = Colouring { scale, full, ..Colouring::new(quantity, table) };
                     let mut colours = Vec::new();
-                    colouring.colours(&field, full.unwrap_or(1.0), &mut colours);
+                    colouring.colours(&poison, peak, &mut colours);
                     assert!(
-                        colours.len() == field.len()
+                        colours.len() == poison.len()
                             && colours.iter().all(|colour| colour[1..] == [1, 2, 255])
                     );
                     colouring.colours(&[], f32::NAN, &mut colours);

@@ -1,15 +1,13 @@
 //! Poison in a scene: its check refuses it, or the scene goes all the way to a picture of numbers.
 
 use glam::{DVec2, DVec3};
-use sonoglyph::acoustics::{Air, Aperture};
-use sonoglyph::field::{Average, Evaluator, FieldError, Mean, Stages, Wanted};
+use sonoglyph::field::{Evaluator, FieldError, Quantity, Request, Stages};
 use sonoglyph::scene::check::check;
 use sonoglyph::scene::{
     ElementModel, Envelope, Listener, MotionPath, Pressures, Sampling, Scene, Shape, Target, font, motion,
     outline,
 };
 use sonoglyph::solver::{self, SolveError};
-use sonoglyph::surface::Reflector;
 
 use crate::{POISON, SIZES, panics};
 
@@ -121,27 +119,16 @@ fn goes_all_the_way(stages: &mut Stages, scene: &Scene, name: &str) {
         Err(SolveError::Scene(_)) => return,
         Err(error) => panic!("{name}: {error}"),
     };
-    let aperture = Aperture::new(scene);
     assert!(solution.pressures.iter().all(|p| p.is_finite()), "{name}: {:?}", solution.pressures);
     assert!(solution.drive.phases.iter().chain(&solution.drive.amplitudes).all(|x| x.is_finite()), "{name}");
-    let wanted =
-        Wanted { aperture: &aperture, plane: &scene.plane, drive: &solution.drive, width: 9, height: 7 };
-    let field = stages.read(&wanted).unwrap();
-    assert!(field.iter().all(|p| p.is_finite()), "{name}: {:?}", stages.map(&wanted));
-    let reflector = Reflector::new(&Air::new(&scene.medium, scene.array.frequency), scene.array.frequency);
-    let average = Average {
-        aperture: &aperture,
-        plane: &scene.plane,
-        drives: std::slice::from_ref(&solution.drive),
-        mean: Mean::Dent(reflector, scene.liquid.clone()),
-        part: scene.modulation.mean_square(),
-        width: 9,
-        height: 7,
-    };
-    match stages.read_average(&average) {
-        Ok(depths) => assert!(depths.iter().all(|depth| depth.is_finite()), "{name}"),
-        Err(FieldError::TooNear | FieldError::TooManyCells | FieldError::NotLevel) => {}
-        Err(error) => panic!("{name}: {error}"),
+    for quantity in Quantity::ALL {
+        let request = Request::new(scene, vec![solution.drive.clone()], quantity, (9, 7));
+        match stages.map(&request) {
+            Ok(map) => assert!(map.values.iter().all(|value| value.is_finite()), "{name}: {quantity:?}"),
+            Err(FieldError::TooNear | FieldError::TooManyCells | FieldError::NotLevel)
+                if quantity.declaration().of_liquid => {}
+            Err(error) => panic!("{name}: {quantity:?}: {error}"),
+        }
     }
 }
 

@@ -8,7 +8,7 @@ use sonoglyph::acoustics::{Air, Aperture, Transfer, air, element};
 use sonoglyph::drive::{Drive, delay_level};
 use sonoglyph::scene::{ElementModel, Focus, Liquid, Medium, Method, Scene};
 use sonoglyph::solver::{self, Limits, Problem, levels};
-use sonoglyph::surface::{Reflector, Rest, Tank, Waves, dent};
+use sonoglyph::surface::{Rest, Tank, Waves, dent};
 
 use crate::{POISON, numbers, panics};
 
@@ -185,7 +185,5 @@ fn surfaces_are_numbers_where_pressures_are() {
             assert!(waves.surface(&tank).iter().all(|depth| depth.is_finite()), "{step} s");
         }
         assert!(dent::largest_drive(step) >= 0.0, "{step}");
-        let reflector = Reflector::new(&Air::new(&Medium::default(), 40e3), 40e3);
-        reflector.pressure(Complex64::new(step, step), [Complex64::ZERO; 2]);
     }
 }

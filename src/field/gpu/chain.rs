@@ -9,8 +9,9 @@ use wgpu::BufferUsages;
 use crate::acoustics::Aperture;
 use crate::drive::Drive;
 use crate::field::colouring::Colouring;
+use crate::field::gpu::forming::Forming;
 use crate::field::gpu::painting::{Painting, Source, Texture};
-use crate::field::gpu::program::{FormParams, GatherParams, Program, WORKGROUP};
+use crate::field::gpu::program::{GatherParams, MOST_GROUPS, Program, WORKGROUP};
 use crate::field::gpu::reading::Reading;
 use crate::field::gpu::resampling::{self, Lines};
 use crate::field::gpu::superposition::{Elements, Superposition};
@@ -59,11 +60,9 @@ pub struct Chain {
     /// What superpositions add to.
     sums: Vec<wgpu::Buffer>,
     interpolation: Vec<Step>,
-    form: Step,
-    form_params: (wgpu::Buffer, FormParams),
+    forming: Forming,
     gather: Step,
     values: wgpu::Buffer,
-    peak: wgpu::Buffer,
     gathered: wgpu::Buffer,
     clock: Option<Clock>,
     parts: u8,
@@ -73,7 +72,8 @@ pub struct Chain {
     /// The run that figures are of, and those on their way.
     run: u64,
     figures: Vec<(u64, Reading)>,
-    reading: Option<Reading>,
+    /// Of the values, and the run that they are of.
+    reading: Option<(u64, Reading)>,
 }
 
 /// What times the passes.
@@ -99,6 +99,10 @@ impl Chain {
     pub fn new(gpu: &Gpu, shape: &Shape<'_>) -> Option<Self> {
         let declaration = shape.quantity.declaration();
         let (width, height) = shape.size;
+        // A pass may have a workgroup for every row.
+        if width.max(height) > MOST_GROUPS as usize {
+            return None;
+        }
         let (parts, pixels) = (declaration.parts, width * height);
         let bytes = |values: usize| Some((values * 8) as u64).filter(|&bytes| bytes <= gpu.buffer_limit);
         let lattice = gpu.storage("sound", bytes(pixels * parts.count_ones() as usize)?);
@@ -145,43 +149,20 @@ impl Chain {
             chain.sums.push(lattice.clone());
         }
         let Making { wave, elements, superpositions, sums, .. } = chain;
-        let peak = gpu.storage("peak", 4);
-        let walking = gpu.tuning.walking_groups;
-        let form_params = FormParams {
-            count: pixels as u32,
-            invocations: walking * WORKGROUP,
-            of_pressure: 0.0,
-            of_gradient: 0.0,
-            of_velocity: 0.0,
-            factor: 1.0,
-            turn: [1.0, 0.0],
-        };
-        let form_buffer = gpu.params(bytemuck::bytes_of(&form_params));
-        let form = gpu.step(
-            Program::Form(shape.quantity),
-            &[
-                (0, form_buffer.as_entire_binding()),
-                (1, lattice.as_entire_binding()),
-                (2, values.as_entire_binding()),
-                (3, peak.as_entire_binding()),
-            ],
-            (walking, 1),
-        );
+        let forming = Forming::new(gpu, shape.quantity, pixels, [&lattice, &values]);
         let count = shape.probes.len() * parts.count_ones() as usize;
         // Behind the sounds stand the peak, and the times at which the passes began and ended.
         let gathered = gpu.storage("gathered", (count as u64 + 3) * 8);
-        let gather = gather(gpu, shape, [&lattice, &peak, &gathered], count);
+        let gather = gather(gpu, shape, [&lattice, &forming.peak, &gathered], count);
         Some(Self {
             wave: wave?,
             elements,
             superpositions,
             sums,
             interpolation,
-            form,
-            form_params: (form_buffer, form_params),
+            forming,
             gather,
             values,
-            peak,
             gathered,
             clock: Clock::new(gpu),
             parts,
@@ -197,20 +178,9 @@ impl Chain {
     /// What runs: with another drive everything, with other constants what follows the sound.
     pub fn run(&mut self, gpu: &Gpu, drive: Option<(&Aperture, &Drive)>, constants: &Constants, factor: f32) {
         self.run += 1;
-        let params = FormParams {
-            of_pressure: constants.of_pressure,
-            of_gradient: constants.of_gradient,
-            of_velocity: constants.of_velocity,
-            factor,
-            turn: [constants.turn.re, constants.turn.im],
-            ..self.form_params.1
-        };
-        if params != self.form_params.1 {
-            self.form_params.1 = params;
-            gpu.queue.write_buffer(&self.form_params.0, 0, bytemuck::bytes_of(&params));
-        }
+        self.forming.set(gpu, constants, factor);
         let mut encoder = gpu.encoder();
-        encoder.clear_buffer(&self.peak, 0, None);
+        encoder.clear_buffer(&self.forming.peak, 0, None);
         let mut steps: Vec<&Step> = Vec::new();
         if let Some((aperture, drive)) = drive {
             let sounding = self.wave.elements(aperture, drive);
@@ -224,7 +194,7 @@ impl Chain {
             steps.extend(self.superpositions.iter().flat_map(Superposition::steps));
             steps.extend(&self.interpolation);
         }
-        steps.extend([&self.form, &self.gather]);
+        steps.extend([&self.forming.step, &self.gather]);
         let timed = |beginning, end| {
             self.clock.as_ref().map(|clock| wgpu::ComputePassTimestampWrites {
                 query_set: &clock.queries,
@@ -264,7 +234,7 @@ impl Chain {
 
     /// The map in colours, and whether it was painted anew.
     pub fn paint(&mut self, gpu: &Gpu, colouring: &Colouring) -> (Texture, bool) {
-        let source = Source { values: &self.values, peak: &self.peak, size: self.size };
+        let source = Source { values: &self.values, peak: &self.forming.peak, size: self.size };
         let fits = self.painting.take().filter(|painting| painting.scale() == colouring.scale());
         let painting = fits.unwrap_or_else(|| Painting::new(gpu, &source, colouring.scale()));
         self.painting.insert(painting).paint(gpu, colouring, self.run)
@@ -303,27 +273,28 @@ impl Chain {
         }
     }
 
-    /// Asks for the values of all pixels.
-    pub fn ask_for_values(&mut self, gpu: &Gpu) {
-        let bytes = self.gathered.size() + self.values.size();
-        let reading = self.reading.get_or_insert_with(|| Reading::with_room(gpu, bytes));
-        if reading.is_free() {
-            reading.ask(gpu, gpu.encoder(), &[&self.gathered, &self.values]);
-        }
-    }
-
-    /// The values that were asked for, and the figures of the last run; `None` while they are on their way, which ends if it
+    /// Asks for the values of all pixels and the figures of the last run; `None` while they are on their way, which ends if it
     /// may `wait`.
     ///
     /// # Errors
     /// The device was lost.
     pub fn values(&mut self, gpu: &Gpu, wait: bool) -> Result<Option<(Vec<f32>, Figures)>, GpuError> {
-        let Some(reading) = &mut self.reading else { return Ok(None) };
-        let bytes = if wait { Some(reading.wait(gpu)?) } else { reading.poll(gpu)? };
-        let Some(bytes) = bytes else { return Ok(None) };
-        let (figures, values) = bytes.split_at(self.gathered.size() as usize);
-        let values = &bytemuck::cast_slice(values)[..self.size.0 * self.size.1];
-        Ok(Some((values.to_vec(), self.read(gpu, figures))))
+        loop {
+            let bytes = self.gathered.size() + self.values.size();
+            let (run, reading) = self.reading.get_or_insert_with(|| (0, Reading::with_room(gpu, bytes)));
+            if reading.is_free() {
+                reading.ask(gpu, gpu.encoder(), &[&self.gathered, &self.values]);
+                *run = self.run;
+            }
+            let bytes = if wait { Some(reading.wait(gpu)?) } else { reading.poll(gpu)? };
+            let Some(bytes) = bytes else { return Ok(None) };
+            // What an earlier run made is of no use any more.
+            if *run == self.run {
+                let (figures, values) = bytes.split_at(self.gathered.size() as usize);
+                let values = &bytemuck::cast_slice(values)[..self.size.0 * self.size.1];
+                return Ok(Some((values.to_vec(), self.read(gpu, figures))));
+            }
+        }
     }
 
     fn read(&self, gpu: &Gpu, bytes: &[u8]) -> Figures {
@@ -363,7 +334,7 @@ impl Making<'_> {
         if !normal {
             return self.add(samples, (&out, 0), 1.0).map(|()| out);
         }
-        for (shift, weight) in stencil(self.shape.aperture.wavelength(), false) {
+        for (shift, weight) in stencil(self.shape.aperture.wavelength()) {
             self.add(&shifted(samples, self.shape.normal * shift), (&out, 0), weight)?;
         }
         Some(out)

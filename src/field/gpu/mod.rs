@@ -5,6 +5,7 @@
 
 pub mod adapter;
 pub mod chain;
+mod forming;
 mod painting;
 pub mod program;
 mod reading;
@@ -19,6 +20,7 @@ use std::sync::{Arc, Mutex};
 use num_complex::Complex32;
 use wgpu::BufferUsages;
 
+use crate::field::quantity::{Constants, Quantity, Sound};
 use crate::field::{Samples, Sources};
 use program::Program;
 use tuning::Tuning;
@@ -162,6 +164,19 @@ impl Gpu {
     /// The device was lost or has not enough memory.
     pub fn pressure(&self, sources: &Sources, samples: &Samples) -> Result<Vec<Complex32>, GpuError> {
         superposition::pressure(self, sources, samples)
+    }
+
+    /// The value of every sound. Waits for it.
+    ///
+    /// # Errors
+    /// The device was lost or has not enough memory.
+    pub fn form(
+        &self,
+        quantity: Quantity,
+        sounds: &[Sound],
+        constants: &Constants,
+    ) -> Result<Vec<f32>, GpuError> {
+        forming::form(self, quantity, sounds, constants)
     }
 
     /// A pipeline that is made when first needed.

@@ -2,7 +2,7 @@
 
 use wgpu::BufferUsages;
 
-use crate::field::colouring::{Colouring, Scale};
+use crate::field::colouring::{Colouring, SMALLEST, Scale};
 use crate::field::gpu::program::{PictureParams, Program, WORKGROUP};
 use crate::field::gpu::{Gpu, Step};
 
@@ -90,7 +90,7 @@ impl Painting {
                 invocations: gpu.tuning.walking_groups * WORKGROUP,
                 zero: line.zero,
                 spread: line.spread,
-                full: line.full.unwrap_or(0.0),
+                full: line.full.map_or(0.0, |full| full.max(SMALLEST)),
             };
             gpu.queue.write_buffer(&self.params, 0, bytemuck::bytes_of(&params));
             gpu.queue.write_buffer(&self.colours, 0, bytemuck::cast_slice(&colouring.table));

@@ -10,6 +10,8 @@ use crate::field::sources::{COSINE, MOST_NODES, SINE};
 
 /// Invocations in a workgroup.
 pub const WORKGROUP: u32 = 64;
+/// Workgroups of a dispatch along an axis, at most: what every adapter allows.
+pub const MOST_GROUPS: u32 = 65_535;
 /// Elements that fit a uniform buffer of 16 KiB, which every adapter has.
 pub const UNIFORM_ELEMENTS: usize = 1024;
 

@@ -9,7 +9,7 @@ use bytemuck::Zeroable;
 use num_complex::Complex32;
 use wgpu::BufferUsages;
 
-use crate::field::gpu::program::{FieldProgram, Params, Program, UNIFORM_ELEMENTS, WORKGROUP};
+use crate::field::gpu::program::{FieldProgram, MOST_GROUPS, Params, Program, UNIFORM_ELEMENTS, WORKGROUP};
 use crate::field::gpu::{Gpu, GpuError, Reading, Step};
 use crate::field::sources::MOST_NODES;
 use crate::field::{Samples, Sources, Wave};
@@ -85,7 +85,9 @@ impl Superposition {
         let mut runs = Vec::new();
         for first_element in (0..room).step_by((gpu.tuning.most_rounds / rounds) as usize) {
             let elements_ = first_element..room.min(first_element + gpu.tuning.most_rounds / rounds);
-            let length = (gpu.tuning.most_pairs / elements_.len() as u64).min(u64::from(count)) as u32;
+            let together = WORKGROUP * gpu.tuning.samples_per_invocation();
+            let most = u64::from(count.min(MOST_GROUPS * together));
+            let length = (gpu.tuning.most_pairs / elements_.len() as u64).min(most) as u32;
             for first in (0..count).step_by(length as usize) {
                 let params =
                     Params { first, count: length.min(count - first), written: written + first, ..common };
@@ -98,7 +100,7 @@ impl Superposition {
                     (4, out.as_entire_binding()),
                 ];
                 bindings.extend(nodes.as_ref().map(|nodes| (5, nodes.as_entire_binding())));
-                let groups = params.count.div_ceil(WORKGROUP * gpu.tuning.samples_per_invocation());
+                let groups = params.count.div_ceil(together);
                 let mut step = gpu.step(Program::Field(program), &bindings, (groups, 1));
                 step.pairs = u64::from(params.count) * elements_.len() as u64;
                 runs.push(Run { step, params, buffer, elements: elements_.clone() });
@@ -123,6 +125,9 @@ impl Superposition {
 
 /// The field of sources at samples, in pieces that fit a buffer.
 pub(super) fn pressure(gpu: &Gpu, sources: &Sources, samples: &Samples) -> Result<Vec<Complex32>, GpuError> {
+    if samples.is_empty() {
+        return Ok(Vec::new());
+    }
     let elements = Elements::with_room(gpu, sources.elements.len().max(1));
     elements.write(gpu, &sources.elements);
     let most = (gpu.buffer_limit / 8) as usize;

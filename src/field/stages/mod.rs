@@ -46,13 +46,6 @@ struct Job<'a> {
     probes: &'a Probes,
 }
 
-/// What a map depends on, but for its colours.
-#[derive(Clone, Debug, PartialEq)]
-struct MapKey {
-    request: Request,
-    exact: bool,
-}
-
 /// The stages of one evaluator.
 #[derive(Debug)]
 pub struct Stages {
@@ -61,11 +54,12 @@ pub struct Stages {
     gpu: Option<OnGpu>,
     cpu: OnCpu,
     ground: Ground,
-    map: Kept<MapKey, Map>,
+    /// Under what of the request it depends on.
+    map: Kept<Request, Map>,
     /// What the GPU does not make.
-    declined: Option<MapKey>,
-    colours: Kept<(MapKey, Colouring), Vec<[u8; 4]>>,
-    contours: Kept<(MapKey, f32), Vec<Line>>,
+    declined: Option<Request>,
+    colours: Kept<(Request, Colouring), Vec<[u8; 4]>>,
+    contours: Kept<(Request, f32), Vec<Line>>,
     work: Work,
 }
 
@@ -93,7 +87,6 @@ impl Ground {
         costs: Costs,
         work: &mut Work,
     ) -> Result<Job<'a>, FieldError> {
-        request.check()?;
         let of_liquid = request.quantity.declaration().of_liquid;
         let wanted = SiteKey::new(request, exact);
         let Self { site, frame } = self;
@@ -169,7 +162,7 @@ impl Stages {
     /// # Errors
     /// A request that makes no sense, a plane that the quantity is not defined on, or a GPU that failed.
     pub fn map(&mut self, request: &Request) -> Result<&Map, FieldError> {
-        self.advance(request, true)?;
+        self.advance(&request.relevant()?, true)?;
         Ok(&self.map.value)
     }
 
@@ -179,22 +172,21 @@ impl Stages {
     /// # Errors
     /// As [`Stages::map`].
     pub fn poll(&mut self, request: &Request) -> Result<Option<&Map>, FieldError> {
-        let is_there = self.advance(request, false)?;
+        let is_there = self.advance(&request.relevant()?, false)?;
         Ok(is_there.then_some(&self.map.value))
     }
 
-    /// Whether the map is there.
+    /// Whether the map of a relevant request is there.
     fn advance(&mut self, request: &Request, wait: bool) -> Result<bool, FieldError> {
-        let key = MapKey { request: request.clone(), exact: self.exact };
         let costs = self.costs();
         let Self { gpu, cpu, ground, map, declined, work, exact, .. } = self;
-        if map.is_of(&key) {
+        if map.is_of(request) {
             return Ok(true);
         }
         map.key = None;
         let job = ground.job(request, *exact, costs, work)?;
         let progress = match gpu {
-            Some(gpu) if declined.as_ref() != Some(&key) => gpu.map(&job, wait, work)?,
+            Some(gpu) if declined.as_ref() != Some(request) => gpu.map(&job, wait, work)?,
             Some(_) | None => Progress::Declined,
         };
         map.value = match progress {
@@ -205,7 +197,7 @@ impl Stages {
                 job.by_cpu(cpu, *exact, values, work)?
             }
         };
-        map.key = Some(key);
+        map.key = Some(request.clone());
         Ok(true)
     }
 
@@ -215,19 +207,19 @@ impl Stages {
     /// # Errors
     /// As [`Stages::map`].
     pub fn picture(&mut self, request: &Request, colouring: &Colouring) -> Result<Picture<'_>, FieldError> {
-        let key = MapKey { request: request.clone(), exact: self.exact };
+        let request = request.relevant()?;
         let costs = self.costs();
         let Self { gpu, ground, declined, work, exact, .. } = self;
         if let Some(gpu) = gpu
-            && declined.as_ref() != Some(&key)
+            && declined.as_ref() != Some(&request)
         {
-            let job = ground.job(request, *exact, costs, work)?;
+            let job = ground.job(&request, *exact, costs, work)?;
             if let Some(texture) = gpu.picture(&job, colouring, work)? {
                 return Ok(Picture::OnGpu(texture));
             }
-            *declined = Some(key);
+            *declined = Some(request.clone());
         }
-        self.colours(request, colouring).map(Picture::OnCpu)
+        self.colours(&request, colouring).map(Picture::OnCpu)
     }
 
     /// What is known of the map, but for its values, which may be missing; `None` while that is on its way from the GPU. The
@@ -236,18 +228,18 @@ impl Stages {
     /// # Errors
     /// As [`Stages::map`].
     pub fn figures(&mut self, request: &Request) -> Result<Option<(Map, Option<f64>)>, FieldError> {
-        let key = MapKey { request: request.clone(), exact: self.exact };
+        let request = request.relevant()?;
         let costs = self.costs();
         let Self { gpu, ground, map, declined, work, exact, .. } = self;
-        if map.is_of(&key) {
+        if map.is_of(&request) {
             return Ok(Some((map.value.without_values(), None)));
         }
-        let Some(gpu) = gpu.as_mut().filter(|_| declined.as_ref() != Some(&key)) else { return Ok(None) };
-        let job = ground.job(request, *exact, costs, work)?;
-        let figures = gpu.figures(&job)?;
+        let Some(gpu) = gpu.as_mut().filter(|_| declined.as_ref() != Some(&request)) else { return Ok(None) };
+        let job = ground.job(&request, *exact, costs, work)?;
+        let figures = gpu.figures(&job, work)?;
         // The next picture of it is the CPU's.
         if figures.as_ref().is_some_and(|(map, _)| job.is_too_far_off(map.error)) {
-            *declined = Some(key);
+            *declined = Some(request);
             return Ok(None);
         }
         Ok(figures)
@@ -258,9 +250,9 @@ impl Stages {
     /// # Errors
     /// As [`Stages::map`].
     pub fn colours(&mut self, request: &Request, colouring: &Colouring) -> Result<&[[u8; 4]], FieldError> {
-        self.map(request)?;
-        let Self { map, colours, work, exact, .. } = self;
-        let key = (MapKey { request: request.clone(), exact: *exact }, colouring.clone());
+        let key = (request.relevant()?, colouring.clone());
+        self.advance(&key.0, true)?;
+        let Self { map, colours, work, .. } = self;
         Ok(colours.update(&key, |colours| {
             work.picture += 1;
             colouring.colours(&map.value.values, map.value.peak, colours);
@@ -272,9 +264,9 @@ impl Stages {
     /// # Errors
     /// As [`Stages::map`].
     pub fn contours(&mut self, request: &Request, part: f32) -> Result<&[Line], FieldError> {
-        self.map(request)?;
-        let Self { map, contours, work, exact, .. } = self;
-        let key = (MapKey { request: request.clone(), exact: *exact }, part);
+        let key = (request.relevant()?, part);
+        self.advance(&key.0, true)?;
+        let Self { map, contours, work, .. } = self;
         Ok(contours.update(&key, |lines| {
             work.contours += 1;
             let Map { values, width, peak, .. } = &map.value;
@@ -284,7 +276,9 @@ impl Stages {
 
     /// Whether the GPU does not make this map, so that the CPU does.
     pub fn has_declined(&self, request: &Request) -> bool {
-        self.declined.as_ref().is_some_and(|key| key.request == *request)
+        self.declined
+            .as_ref()
+            .is_some_and(|declined| request.relevant().is_ok_and(|request| request == *declined))
     }
 
     /// What presses on the plane of a map, which is brought up to date first.
@@ -292,10 +286,12 @@ impl Stages {
     /// # Errors
     /// As [`Stages::map`].
     pub fn pressed(&mut self, request: &Request) -> Result<Pressed, FieldError> {
-        let by = self.map(request)?.by;
+        let request = request.relevant()?;
+        self.advance(&request, true)?;
+        let by = self.map.value.by;
         let costs = self.costs();
         let Self { cpu, ground, map, work, exact, .. } = self;
-        let job = ground.job(request, *exact, costs, work)?;
+        let job = ground.job(&request, *exact, costs, work)?;
         Ok(cpu.pressed(&job, &map.value.values, is_double(by), work))
     }
 
@@ -304,9 +300,10 @@ impl Stages {
     /// # Errors
     /// As [`Stages::map`]; a quantity that is not of a liquid has no surface.
     pub fn surface(&mut self, request: &Request) -> Result<(&Tank, &Dent), FieldError> {
+        let request = request.relevant()?;
         let costs = self.costs();
         let Self { cpu, ground, work, exact, .. } = self;
-        let job = ground.job(request, *exact, costs, work)?;
+        let job = ground.job(&request, *exact, costs, work)?;
         let double = *exact || job.site.plan.double;
         cpu.surface(&job, double, work).ok_or(FieldError::NotLevel)
     }

@@ -117,7 +117,6 @@ impl OnGpu {
         }
         let Self { gpu, chain, .. } = self;
         let Some(chain) = &mut chain.value else { return Ok(Progress::Declined) };
-        chain.ask_for_values(gpu);
         let Some((values, figures)) = chain.values(gpu, wait)? else { return Ok(Progress::UnderWay) };
         let error = error(job, &figures);
         if job.is_too_far_off(error) {
@@ -147,7 +146,14 @@ impl OnGpu {
     }
 
     /// A map without its values, as soon as its figures have come back; never waits.
-    pub(super) fn figures(&mut self, job: &Job<'_>) -> Result<Option<(Map, Option<f64>)>, GpuError> {
+    pub(super) fn figures(
+        &mut self,
+        job: &Job<'_>,
+        work: &mut Work,
+    ) -> Result<Option<(Map, Option<f64>)>, GpuError> {
+        if !self.form(job, work)? {
+            return Ok(None);
+        }
         let Self { gpu, chain, .. } = self;
         let Some(chain) = &mut chain.value else { return Ok(None) };
         let Some(figures) = chain.figures(gpu)? else { return Ok(None) };

@@ -54,6 +54,23 @@ impl Request {
         }
     }
 
+    /// The same without what the quantity does not depend on: a change of that changes no map.
+    ///
+    /// # Errors
+    /// A request that makes no sense.
+    pub(super) fn relevant(&self) -> Result<Self, FieldError> {
+        self.check()?;
+        let of_liquid = self.quantity.declaration().of_liquid;
+        let of_moment = self.quantity == Quantity::Instantaneous;
+        Ok(Self {
+            drives: self.counted().to_vec(),
+            moment: if of_moment { self.moment } else { 0.0 },
+            liquid: if of_liquid { self.liquid.clone() } else { Liquid::default() },
+            depth: self.depth.clone().filter(|_| of_liquid),
+            ..self.clone()
+        })
+    }
+
     pub(super) fn constants(&self) -> Constants {
         Constants::new(&self.air, self.aperture.element.wavenumber, self.moment)
     }
@@ -71,7 +88,7 @@ impl Request {
 
     /// # Errors
     /// No pixels or too many, drives that are not of this array, an envelope or a moment that makes no sense.
-    pub(super) fn check(&self) -> Result<(), FieldError> {
+    fn check(&self) -> Result<(), FieldError> {
         let (width, height) = self.size;
         let is_map = width.checked_mul(height).is_some_and(|pixels| (1..=MOST_PIXELS).contains(&pixels));
         if !is_map {

@@ -1,10 +1,6 @@
 //! Maps by plan: the tolerance is kept, whatever the scene, and what need not be evaluated is not.
 
-#![expect(clippy::unwrap_used, reason = "a test's helper may panic")]
-
-mod requirement;
-
-use std::f64::consts::TAU;
+use std::f64::consts::{FRAC_PI_2, TAU};
 
 use glam::{DVec2, DVec3};
 use num_complex::{Complex32, Complex64};
@@ -12,13 +8,14 @@ use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
 use sonoglyph::acoustics::Aperture;
 use sonoglyph::drive::Drive;
-use sonoglyph::field::gpu::adapter;
 use sonoglyph::field::plan::Costs;
 use sonoglyph::field::{
-    By, Colouring, Evaluator, Map, Plan, Quantity, Raster, Samples, Stages, Wanted, reference,
+    By, Colouring, Evaluator, Map, Plan, Quantity, Raster, Request, Samples, Stages, reference,
 };
 use sonoglyph::scene::{ElementModel, Plane, Scene, file};
 use sonoglyph::solver;
+
+use crate::{STEP, gpu, scattered};
 
 fn hit() -> (Scene, Drive) {
     let path = concat!(env!("CARGO_MANIFEST_DIR"), "/assets/scenes/hit.toml");
@@ -27,12 +24,13 @@ fn hit() -> (Scene, Drive) {
     (scene, drive)
 }
 
-fn gpu(buffer_bytes: u64) -> Option<Stages> {
-    let gpu = requirement::found("gpu", adapter::open_best(true))?;
-    Some(Stages::new(Evaluator::Gpu(Box::new(gpu.with_small_buffers(buffer_bytes)))))
+/// Stages on the GPU with buffers of no more than so many bytes.
+fn on_gpu(buffer_bytes: u64) -> Option<Stages> {
+    let gpu = gpu()?.with_small_buffers(buffer_bytes);
+    Some(Stages::new(Evaluator::Gpu(Box::new(gpu))))
 }
 
-/// A map with its pixels and its largest deviation at every `stride`-th of them, relative to the peak.
+/// A map with the complex pressure at its pixels, and the largest deviation at every `stride`-th of them, relative to the peak.
 fn made(
     stages: &mut Stages,
     scene: &Scene,
@@ -40,15 +38,19 @@ fn made(
     (width, height): (usize, usize),
     stride: usize,
 ) -> (Map, Vec<Complex32>, f64) {
-    let aperture = Aperture::new(scene);
-    let wanted = Wanted { aperture: &aperture, plane: &scene.plane, drive, width, height };
-    let map = stages.map(&wanted).unwrap().clone();
-    let field = stages.read(&wanted).unwrap();
+    // Re{P} is there at one moment, and Im{P} a quarter of a period before.
+    let at = |moment: f64| Request {
+        moment,
+        ..Request::new(scene, vec![drive.clone()], Quantity::Instantaneous, (width, height))
+    };
+    let map = stages.map(&at(0.0)).unwrap().clone();
+    let imaginary = &stages.map(&at(-FRAC_PI_2)).unwrap().values;
+    let field: Vec<_> = map.values.iter().zip(imaginary).map(|(&re, &im)| Complex32::new(re, im)).collect();
     assert_eq!(field.len(), width * height);
     let pixels = Samples::on_plane(&scene.plane, width, height).unwrap();
     let chosen: Vec<_> = (0..pixels.len()).step_by(stride).collect();
     let points = Samples::at(chosen.iter().map(|&pixel| pixels.point(pixel)).collect());
-    let expected = reference::pressure(&aperture, drive, &points);
+    let expected = reference::pressure(&Aperture::new(scene), drive, &points);
     let off = |(&pixel, expected): (&usize, &Complex64)| {
         (Complex64::new(field[pixel].re.into(), field[pixel].im.into()) - expected).norm()
     };
@@ -57,11 +59,6 @@ fn made(
     assert!((map.peak - peak).abs() <= 1e-5 * peak, "{} is not {peak}: {}", map.peak, map.how);
     let error = worst / f64::from(peak);
     (map, field, error)
-}
-
-fn scattered(elements: usize) -> Drive {
-    let phase = |n: usize| TAU * (n as f64 * 0.754_877_666).fract();
-    Drive { amplitudes: vec![1.0; elements], phases: (0..elements).map(phase).collect() }
 }
 
 #[test]
@@ -99,7 +96,7 @@ fn slanted_planes() -> [Plane; 7] {
 #[test]
 fn the_gpu_follows_the_same_plan() {
     let (mut scene, drive) = hit();
-    let Some(mut on_gpu) = gpu(u64::MAX) else { return };
+    let Some(mut on_gpu) = on_gpu(u64::MAX) else { return };
     let mut on_cpu = Stages::new(Evaluator::Cpu);
     for plane in slanted_planes() {
         for tolerance in [0.0, 1e-4] {
@@ -128,33 +125,29 @@ fn a_plan_counts_with_the_whole_array() {
 }
 
 #[test]
-fn small_buffers_are_filled_one_after_the_other() {
+fn maps_that_a_gpu_has_no_room_for_are_made_by_the_cpu() {
     let (mut scene, drive) = hit();
-    // Room for the samples, and for neither their table nor the pixels.
-    let Some(mut stages) = gpu(200_000) else { return };
-    for plane in slanted_planes() {
-        scene.plane = Plane { tolerance: 1e-3, ..plane };
-        let (map, _, error) = made(&mut stages, &scene, &drive, (301, 203), 97);
-        assert!(error < 1e-3, "{error:e}: {}", map.how);
-        assert_eq!(map.by, By::Gpu, "{}", map.how);
+    // Room for the samples and not for the pixels, and for neither.
+    for buffer_bytes in [200_000, 2000] {
+        let Some(mut stages) = on_gpu(buffer_bytes) else { return };
+        for plane in slanted_planes() {
+            scene.plane = Plane { tolerance: 1e-3, ..plane };
+            let (map, _, error) = made(&mut stages, &scene, &drive, (301, 203), 97);
+            assert!(error < 1e-3, "{error:e}: {}", map.how);
+            assert_eq!(map.by, By::Cpu, "{}", map.how);
+        }
     }
-    // Not even for the samples: the CPU has.
-    let Some(mut stages) = gpu(2000) else { return };
-    let (map, _, error) = made(&mut stages, &scene, &drive, (301, 203), 97);
-    assert!(error < 1e-3 && map.by == By::Cpu, "{error:e}: {}", map.how);
 }
 
 #[test]
 fn a_tight_tolerance_and_exact_evaluation_give_the_same_picture() {
     let (mut scene, drive) = hit();
-    let aperture = Aperture::new(&scene);
     let table = std::array::from_fn(|i| [i as u8; 4]);
     let colouring = Colouring::new(Quantity::Rms, table);
     let mut pictures = [0.0, 1e-5].map(|tolerance| {
         scene.plane.tolerance = tolerance;
-        let wanted =
-            Wanted { aperture: &aperture, plane: &scene.plane, drive: &drive, width: 512, height: 512 };
-        Stages::new(Evaluator::Cpu).colours(&wanted, &colouring).unwrap().to_vec()
+        let request = Request::new(&scene, vec![drive.clone()], Quantity::Rms, (512, 512));
+        Stages::new(Evaluator::Cpu).colours(&request, &colouring).unwrap().to_vec()
     });
     let interpolated = std::mem::take(&mut pictures[1]);
     let other = pictures[0].iter().zip(&interpolated).filter(|(a, b)| a != b).count();
@@ -200,7 +193,7 @@ fn where_the_elements_cancel_samples_are_evaluated_in_f64() {
     let (map, _, error) = made(&mut stages, &scene, &drive, (200, 200), 17);
     assert!(map.by == By::CpuInF64 && error < tolerance, "{error:e}");
     // Another drive does well with f32.
-    let (map, _, error) = made(&mut stages, &scene, &scattered(256), (200, 200), 17);
+    let (map, _, error) = made(&mut stages, &scene, &scattered(256, STEP), (200, 200), 17);
     assert!(map.by == By::Cpu && error < tolerance, "{error:e}");
 }
 

@@ -1,7 +1,5 @@
 //! The ghost of a drive, against a search in f64 that knows nothing of lobes but where they are.
 
-#![expect(clippy::unwrap_used, reason = "a test's helper may panic")]
-
 use glam::{DVec2, DVec3, dvec3};
 use sonoglyph::acoustics::Aperture;
 use sonoglyph::field::{Evaluator, Ghost, NoGhost, Samples, Stages, ghost, reference};

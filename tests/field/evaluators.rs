@@ -1,19 +1,16 @@
 //! The fast evaluators against the f64 reference.
 
-#![expect(clippy::unwrap_used, reason = "a test's helper may panic")]
-
-mod requirement;
-
 use glam::{DVec2, DVec3, dvec3};
 use num_complex::{Complex32, Complex64};
 use sonoglyph::acoustics::Aperture;
 use sonoglyph::drive::Drive;
 use sonoglyph::field::gpu::adapter;
-use sonoglyph::field::{Colouring, Gpu, GpuError, Quantity, Samples, Scale, Sources, cpu, reference};
-use sonoglyph::picture::ColourMap;
+use sonoglyph::field::{Gpu, GpuError, Samples, Sources, cpu, reference};
 use sonoglyph::scene::{ElementModel, Plane, Scene, file};
 use sonoglyph::simd::Isa;
 use sonoglyph::solver;
+
+use crate::{STEP, gpu, scattered};
 
 /// Largest |P - P_ref| over the largest |P_ref|.
 fn error(field: &[Complex32], reference: &[Complex64]) -> f64 {
@@ -27,21 +24,11 @@ fn error(field: &[Complex32], reference: &[Complex64]) -> f64 {
     field.iter().zip(reference).map(off).fold(0.0, f64::max) / peak
 }
 
-/// The software adapter is as good as any here. A machine without one fails the test where a GPU is required.
-fn gpu() -> Option<Gpu> {
-    requirement::found("gpu", adapter::open_best(true))
-}
-
-fn on_gpu(gpu: &Gpu, sources: &Sources, samples: &Samples) -> Vec<Complex32> {
-    gpu.read(&gpu.pressure(sources, samples).unwrap()).unwrap()
-}
-
-/// Deterministic phases without pattern.
-fn scattered(elements: usize, off: &[usize]) -> Drive {
-    let phase = |n: usize| ((n as f64 * 0.754_877_666).fract() - 0.5) * std::f64::consts::TAU;
+/// Amplitudes and phases without pattern.
+fn uneven(elements: usize, off: &[usize]) -> Drive {
     let amplitude =
         |n: usize| if off.contains(&n) { 0.0 } else { 0.3 + 0.7 * (n as f64 * 0.569_840_29).fract() };
-    Drive { amplitudes: (0..elements).map(amplitude).collect(), phases: (0..elements).map(phase).collect() }
+    Drive { amplitudes: (0..elements).map(amplitude).collect(), ..scattered(elements, STEP) }
 }
 
 fn assert_evaluators_agree(name: &str, scene: &Scene, drive: &Drive, samples: &Samples, gpu: Option<&Gpu>) {
@@ -55,7 +42,7 @@ fn assert_evaluators_agree(name: &str, scene: &Scene, drive: &Drive, samples: &S
         assert!(error < AGREEMENT, "{name}: CPU {} is {error:.1e} of the peak off", isa.name());
     }
     if let Some(gpu) = gpu {
-        let error = error(&on_gpu(gpu, &sources, samples), &reference);
+        let error = error(&gpu.pressure(&sources, samples).unwrap(), &reference);
         println!("{name}: GPU {error:.2e}");
         assert!(error < AGREEMENT, "{name}: the GPU is {error:.1e} of the peak off");
     }
@@ -112,7 +99,7 @@ fn evaluators_agree_on_tilted_and_vertical_planes_and_other_arrays() {
                 scene.array.columns = columns;
                 scene.array.off = off.to_vec();
                 scene.array.element = model;
-                let drive = scattered(scene.array.elements(), off);
+                let drive = uneven(scene.array.elements(), off);
                 let name = format!("{plane_name}, {array_name}, {model:?}");
                 assert_evaluators_agree(&name, &scene, &drive, &samples, gpu.as_ref());
             }
@@ -130,7 +117,7 @@ fn evaluators_agree_with_large_elements_and_strong_absorption() {
     scene.array.element_radius = 0.014;
     scene.medium.absorption = Some(60.0);
     let samples = Samples::on_plane(&scene.plane, 40, 40).unwrap();
-    let drive = scattered(64, &[]);
+    let drive = uneven(64, &[]);
     assert_evaluators_agree("large elements", &scene, &drive, &samples, gpu.as_ref());
 }
 
@@ -143,16 +130,32 @@ fn scattered_points_are_evaluated_like_grids() {
     };
     let samples = Samples::at((0..333).map(point).collect());
     let scene = Scene::default();
-    assert_evaluators_agree("points", &scene, &scattered(256, &[]), &samples, gpu.as_ref());
+    assert_evaluators_agree("points", &scene, &uneven(256, &[]), &samples, gpu.as_ref());
+}
+
+#[test]
+fn small_buffers_are_filled_one_after_the_other() {
+    let scene = Scene::default();
+    let samples = Samples::on_plane(&scene.plane, 301, 43).unwrap();
+    let drive = uneven(256, &[]);
+    let aperture = Aperture::new(&scene);
+    let sources = Sources::new(&aperture, &drive, &samples).unwrap();
+    let reference = reference::pressure(&aperture, &drive, &samples);
+    // Room for some rows, and for a part of one.
+    for bytes in [20_000, 2000] {
+        let Some(gpu) = gpu() else { return };
+        let error = error(&gpu.with_small_buffers(bytes).pressure(&sources, &samples).unwrap(), &reference);
+        assert!(error < 2e-5, "{bytes} bytes: {error:.1e}");
+    }
 }
 
 #[test]
 fn nothing_sounds_behind_the_array() {
     let samples = Samples::at(vec![dvec3(0.0, 0.0, -0.02), dvec3(0.01, 0.0, -2e-5), dvec3(0.0, 0.0, 0.02)]);
     let scene = Scene::default();
-    let sources = Sources::new(&Aperture::new(&scene), &scattered(256, &[]), &samples).unwrap();
+    let sources = Sources::new(&Aperture::new(&scene), &uneven(256, &[]), &samples).unwrap();
     let mut fields = vec![cpu::pressure(&sources, &samples)];
-    fields.extend(gpu().map(|gpu| on_gpu(&gpu, &sources, &samples)));
+    fields.extend(gpu().map(|gpu| gpu.pressure(&sources, &samples).unwrap()));
     for field in fields {
         assert_eq!(field[..2], [Complex32::ZERO; 2]);
         assert!(field[2].norm() > 0.0);
@@ -164,43 +167,5 @@ fn an_absent_adapter_is_an_error_and_not_a_panic() {
     let wanted = adapter::adapters().into_iter().all(|info| info.kind == adapter::Kind::Software);
     if wanted {
         assert!(matches!(adapter::open_best(false), Err(GpuError::NoAdapter(_))));
-    }
-}
-
-#[test]
-fn the_gpu_colours_a_field_like_the_cpu() {
-    let Some(gpu) = gpu() else { return };
-    let scene = Scene::default();
-    let samples = Samples::on_plane(&scene.plane, 61, 43).unwrap();
-    let sources = Sources::new(&Aperture::new(&scene), &scattered(256, &[]), &samples).unwrap();
-    let on_gpu = gpu.pressure(&sources, &samples).unwrap();
-    let field = gpu.read(&on_gpu).unwrap();
-    let peak = sonoglyph::field::peak(&field);
-    let (measured, probed) = gpu.measure(&on_gpu, Quantity::Rms, &[7, 0, 61 * 43 - 1]).unwrap();
-    assert!((measured - peak).abs() <= 1e-6 * peak);
-    assert_eq!(probed, [field[7], field[0], field[61 * 43 - 1]]);
-    for (quantity, map, scale) in [
-        (Quantity::Rms, ColourMap::Inferno, Scale::Linear),
-        (Quantity::Rms, ColourMap::Inferno, Scale::Logarithmic),
-        (Quantity::Phase, ColourMap::Cyclic, Scale::Linear),
-        (Quantity::Instantaneous, ColourMap::Grey, Scale::Linear),
-    ] {
-        for full in [None, Some(0.5 * peak)] {
-            let colouring = Colouring { full, scale, phase: 0.7, ..Colouring::new(quantity, map.table()) };
-            let (mut got, mut expected) = (Vec::new(), Vec::new());
-            gpu.colours(&on_gpu, &colouring, peak, &mut got).unwrap();
-            colouring.colours(&field, peak, &mut expected);
-            assert_eq!(got.len(), expected.len());
-            // Next to a step of the table rounding may go either way, and atan2 may be 4096 ulp off.
-            let place =
-                |pixel: &[u8; 4]| colouring.table.iter().position(|colour| colour == pixel).unwrap() as i32;
-            let mut other = 0;
-            for (got, expected) in got.iter().zip(&expected) {
-                let apart = (place(got) - place(expected)).rem_euclid(256);
-                assert!(apart.min(256 - apart) <= 1, "{quantity:?}: {got:?}, not {expected:?}");
-                other += usize::from(apart != 0);
-            }
-            assert!(other * 50 < got.len(), "{quantity:?} {scale:?}: {other} of {} pixels", got.len());
-        }
     }
 }

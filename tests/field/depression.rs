@@ -1,0 +1,160 @@
+//! A liquid under the sound: what its surface displaces and depends on, where it is not defined, and shapes in motion.
+
+use glam::{DVec2, DVec3, dvec3};
+use sonoglyph::field::{Evaluator, FieldError, Quantity, Request, Stages};
+use sonoglyph::scene::{Liquid, Plane, Shape, Target};
+use sonoglyph::solver;
+use sonoglyph::surface::Dent;
+
+use crate::{evaluators, fast_evaluators, three_foci};
+
+fn largest_difference(got: &[f32], expected: &[f64]) -> f64 {
+    assert_eq!(got.len(), expected.len());
+    let largest = expected.iter().copied().fold(0.0, f64::max);
+    let off = |(got, expected): (&f32, &f64)| (f64::from(*got) - expected).abs();
+    got.iter().zip(expected).map(off).fold(0.0, f64::max) / largest
+}
+
+#[test]
+fn a_depression_displaces_what_the_force_weighs_and_follows_the_envelope() {
+    let (scene, mut drives) = three_foci();
+    drives.truncate(1);
+    let request = Request::new(&scene, drives, Quantity::Depression, (64, 50));
+    for evaluator in evaluators() {
+        let mut stages = Stages::new(evaluator);
+        let mut pressed = |part: f64, liquid: &Liquid| {
+            let request = Request { part, liquid: liquid.clone(), ..request.clone() };
+            let peak = f64::from(stages.map(&request).unwrap().peak);
+            let pressed = stages.pressed(&request).unwrap();
+            (pressed.force, peak, pressed.dent.unwrap())
+        };
+        let water = Liquid::default();
+        let (force, peak, full) = pressed(1.0, &water);
+        let weight = full.volume * water.density() * water.gravity;
+        assert!((weight / full.force - 1.0).abs() < 1e-12, "{weight} {}", full.force);
+        assert!(force > 0.3 * full.force && force < 1.2 * full.force, "{force} of {}", full.force);
+        assert!((peak / full.deepest - 1.0).abs() < 0.05);
+        let (force_of_sine, peak_of_sine, of_sine) = pressed(0.375, &water);
+        assert!((force_of_sine / force - 0.375).abs() < 1e-9);
+        assert!((peak_of_sine / peak - 0.375).abs() < 1e-5);
+        assert!((of_sine.deepest / full.deepest - 0.375).abs() < 1e-12);
+        assert!((of_sine.slope / full.slope - 0.375).abs() < 1e-12);
+        let (_, _, of_oil) = pressed(1.0, &Liquid { surface_tension: Some(0.033), ..water });
+        assert!(of_oil.deepest > 1.2 * full.deepest, "less tension, deeper depression");
+    }
+}
+
+/// Where the sound is formed at cells, and beside the array where it is formed at the pixels.
+#[test]
+fn radiation_pressure_and_its_force_follow_the_envelope() {
+    let (scene, mut drives) = three_foci();
+    drives.truncate(1);
+    for z in [0.1, 0.008] {
+        let plane = Plane { centre: dvec3(0.003, 0.002, z), ..scene.plane.clone() };
+        let request =
+            Request { plane, ..Request::new(&scene, drives.clone(), Quantity::Radiation, (64, 50)) };
+        for evaluator in evaluators() {
+            let mut stages = Stages::new(evaluator);
+            let mut pressed = |part: f64| {
+                let request = Request { part, ..request.clone() };
+                let map = stages.map(&request).unwrap();
+                let sum: f64 = map.values.iter().map(|&value| f64::from(value)).sum();
+                let pixel = request.plane.size.x * request.plane.size.y / map.values.len() as f64;
+                let peak = map.peak;
+                let pressed = stages.pressed(&request).unwrap();
+                assert!(pressed.dent.is_none());
+                let of_peak = f64::from(peak) * request.plane.size.x * request.plane.size.y;
+                assert!(
+                    (pressed.force - sum * pixel).abs() < 1e-3 * of_peak,
+                    "{} {}",
+                    pressed.force,
+                    sum * pixel
+                );
+                (f64::from(peak), pressed.force)
+            };
+            let (full, of_sine) = (pressed(1.0), pressed(0.375));
+            assert!((of_sine.0 / full.0 - 0.375).abs() < 1e-5, "{z}: {full:?} {of_sine:?}");
+            assert!((of_sine.1 / full.1 - 0.375).abs() < 1e-5, "{z}: {full:?} {of_sine:?}");
+        }
+    }
+}
+
+/// What presses beside a plane moves the surface within it: the walls stand so far away that they are not noticed at the finest
+/// tolerance, however little of the surface is looked at.
+#[test]
+fn a_depression_does_not_depend_on_how_much_of_the_surface_is_shown() {
+    let (mut scene, _) = three_foci();
+    // A capillary length of 7 mm, so that the walls and not the interpolation's window decide where the cells end.
+    scene.liquid.surface_tension = Some(0.5);
+    scene.plane.tolerance = 1e-6;
+    let beside = DVec3::new(8.0 * scene.liquid.capillary_length(), 0.0, 0.1);
+    scene.targets = vec![Target::new(Shape::Point { at: beside })];
+    let drives = vec![solver::solve(&scene).unwrap().drive];
+    let mut stages = Stages::new(Evaluator::Reference);
+    let mut depth = |size: DVec2, pixels: (usize, usize)| {
+        let plane = Plane { size, ..scene.plane.clone() };
+        let request = Request::new(&scene, drives.clone(), Quantity::Depression, pixels);
+        stages.map(&Request { plane, ..request }).unwrap().values.clone()
+    };
+    let near = depth(DVec2::new(0.01, 0.01), (10, 10));
+    let wide = depth(DVec2::new(0.15, 0.03), (150, 30));
+    let within: Vec<_> = (0..100).map(|i| f64::from(wide[(i / 10 + 10) * 150 + i % 10 + 70])).collect();
+    let error = largest_difference(&near, &within);
+    assert!(error < 1e-4, "{error}");
+}
+
+#[test]
+fn what_has_no_surface_says_why() {
+    let (scene, drives) = three_foci();
+    let mut stages = Stages::new(Evaluator::Cpu);
+    let mut error = |plane: Plane, quantity: Quantity, liquid: Liquid| {
+        let request = Request { plane, liquid, ..Request::new(&scene, drives.clone(), quantity, (20, 20)) };
+        let error = stages.map(&request).err();
+        assert_eq!(stages.pressed(&request).err(), error);
+        if quantity.declaration().of_liquid {
+            assert_eq!(stages.surface(&request).err(), error);
+        }
+        error
+    };
+    let water = Liquid::default;
+    let upright = Plane { y_axis: DVec3::Z, ..scene.plane.clone() };
+    let low = Plane { centre: dvec3(0.0, 0.0, 0.008), ..scene.plane.clone() };
+    let heavy = Liquid { gravity: 1e-3, surface_tension: Some(10.0), ..Liquid::default() };
+    assert_eq!(error(upright.clone(), Quantity::Depression, water()), Some(FieldError::NotLevel));
+    assert_eq!(error(low.clone(), Quantity::Depression, water()), Some(FieldError::TooNear));
+    assert_eq!(error(scene.plane.clone(), Quantity::Depression, heavy), Some(FieldError::TooManyCells));
+    for quantity in Quantity::ALL.into_iter().filter(|quantity| !quantity.declaration().of_liquid) {
+        assert_eq!(error(upright.clone(), quantity, water()), None, "any plane has {quantity:?}");
+        assert_eq!(error(low.clone(), quantity, water()), None, "near the array there is {quantity:?}");
+    }
+    let turned = Plane { x_axis: dvec3(1.0, 2.0, 0.0), y_axis: dvec3(2.0, -1.0, 0.0), ..scene.plane.clone() };
+    assert_eq!(error(turned, Quantity::Depression, water()), None, "a liquid may be looked at from any side");
+}
+
+#[test]
+fn a_shape_of_the_surface_is_shown_as_the_depression_is() {
+    let (scene, drives) = three_foci();
+    let request = Request::new(&scene, drives, Quantity::Depression, (60, 50));
+    for evaluator in fast_evaluators() {
+        let mut stages = Stages::new(evaluator);
+        // At rest under the steady sound, whatever the envelope leaves of it.
+        let surface = |stages: &mut Stages, part: f64| {
+            let (tank, dent) = stages.surface(&Request { part, ..request.clone() }).unwrap();
+            assert_eq!(dent.depth.len(), tank.len());
+            dent.clone()
+        };
+        let dent = surface(&mut stages, 1.0);
+        assert_eq!(surface(&mut stages, 0.25), dent);
+        assert_eq!(stages.pressed(&request).unwrap().dent, Some(dent.clone()));
+        let expected: Vec<_> = stages.map(&request).unwrap().values.iter().map(|&h| f64::from(h)).collect();
+        let Dent { depth, .. } = dent;
+        for factor in [1.0, 2.0] {
+            let depth = Some(depth.iter().map(|depth| factor * depth).collect());
+            // A shape is what it is under any envelope.
+            let map = stages.map(&Request { depth, part: 0.25, ..request.clone() }).unwrap();
+            let shown: Vec<_> = map.values.iter().map(|depth| depth / factor as f32).collect();
+            let error = largest_difference(&shown, &expected);
+            assert!(error < 1e-4, "{factor} times: {error}");
+        }
+    }
+}

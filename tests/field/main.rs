@@ -1,0 +1,72 @@
+//! The field: evaluators against the f64 reference, plans that keep their tolerance, quantities against a model of their own,
+//! and stages that do nothing twice.
+
+#![expect(clippy::unwrap_used, reason = "a test's helper may panic")]
+
+mod depression;
+mod drag;
+mod evaluators;
+mod ghost;
+mod model;
+mod plan;
+mod quantities;
+#[path = "../requirement/mod.rs"]
+mod requirement;
+mod stages;
+mod texels;
+mod transfer;
+mod tunings;
+
+use glam::{DVec2, DVec3, dvec3};
+use sonoglyph::drive::Drive;
+use sonoglyph::field::gpu::adapter;
+use sonoglyph::field::{By, Evaluator, Gpu};
+use sonoglyph::scene::{Plane, Scene, Shape, Target};
+use sonoglyph::solver;
+
+/// The software adapter is as good as any here. A machine without one fails the test where a GPU is required.
+fn gpu() -> Option<Gpu> {
+    requirement::found("gpu", adapter::open_best(true))
+}
+
+/// All but the reference.
+fn fast_evaluators() -> Vec<Evaluator> {
+    let mut evaluators = vec![Evaluator::Cpu];
+    evaluators.extend(gpu().map(|gpu| Evaluator::Gpu(Box::new(gpu))));
+    evaluators
+}
+
+fn evaluators() -> Vec<Evaluator> {
+    let mut evaluators = fast_evaluators();
+    evaluators.push(Evaluator::Reference);
+    evaluators
+}
+
+/// The maker of maps that an evaluator has no reason to hand on.
+fn own(evaluator: &Evaluator) -> By {
+    match evaluator {
+        Evaluator::Reference => By::Reference,
+        Evaluator::Cpu => By::Cpu,
+        Evaluator::Gpu(_) => By::Gpu,
+    }
+}
+
+/// Deterministic phases without pattern; steps that are far from fractions give different ones.
+fn scattered(elements: usize, step: f64) -> Drive {
+    let phase = |n: usize| ((n as f64 * step).fract() - 0.5) * std::f64::consts::TAU;
+    Drive { amplitudes: vec![1.0; elements], phases: (0..elements).map(phase).collect() }
+}
+
+const STEP: f64 = 0.754_877_666;
+
+/// Three foci, one after the other, over a small plane.
+fn three_foci() -> (Scene, Vec<Drive>) {
+    let plane = Plane { size: DVec2::new(0.06, 0.05), ..Plane::default() };
+    let scene = Scene { plane, ..Scene::default() };
+    let drive = |at: DVec3| {
+        let targets = vec![Target::new(Shape::Point { at })];
+        solver::solve(&Scene { targets, ..scene.clone() }).unwrap().drive
+    };
+    let drives = [dvec3(0.01, 0.004, 0.1), dvec3(-0.012, 0.0, 0.1), dvec3(0.02, -0.03, 0.11)].map(drive);
+    (scene, drives.to_vec())
+}

@@ -1,0 +1,70 @@
+//! Every quantity in f64 from its formula: pressures by the reference, slopes by differences over a ten-thousandth of a
+//! wavelength, and nothing of `field::quantity`.
+
+use std::f64::consts::SQRT_2;
+
+use glam::DVec3;
+use num_complex::Complex64;
+use sonoglyph::acoustics::{Air, Aperture};
+use sonoglyph::drive::Drive;
+use sonoglyph::field::{Quantity, Samples, reference};
+
+/// The sound of one drive at a point.
+#[derive(Clone, Copy, Debug)]
+pub struct Sound {
+    /// Pa, peak.
+    pub p: Complex64,
+    /// Pa/m, along the plane's axes and its normal.
+    pub slopes: [Complex64; 3],
+}
+
+/// The sound at points that do not lie within a difference of the array's plane.
+pub fn sounds(aperture: &Aperture, drive: &Drive, axes: [DVec3; 3], points: &[DVec3]) -> Vec<Sound> {
+    let hair = 1e-4 * aperture.wavelength();
+    let around = |&point: &DVec3| {
+        let beside = axes.map(|axis| [point + axis * hair, point - axis * hair]);
+        [point].into_iter().chain(beside.into_iter().flatten())
+    };
+    let samples = Samples::at(points.iter().flat_map(around).collect());
+    let sound = |around: &[Complex64]| Sound {
+        p: around[0],
+        slopes: [1, 3, 5].map(|i| (around[i] - around[i + 1]) / (2.0 * hair)),
+    };
+    reference::pressure(aperture, drive, &samples).chunks(7).map(sound).collect()
+}
+
+/// The value of a quantity at a point: of one drive, or over several the mean, of squares where it is an RMS value.
+/// `moment` is the ωt of an instantaneous pressure.
+///
+/// # Panics
+/// A depression, which follows from more than the sound at a point.
+pub fn value(
+    quantity: Quantity,
+    air: &Air,
+    aperture: &Aperture,
+    moment: f64,
+    drives: impl ExactSizeIterator<Item = Sound>,
+) -> f64 {
+    let (rho, c) = (air.density, air.sound_speed);
+    let omega = aperture.element.wavenumber * c;
+    let count = drives.len() as f64;
+    let mean = |formula: &dyn Fn(Sound) -> f64| drives.map(formula).sum::<f64>() / count;
+    match quantity {
+        Quantity::Rms => mean(&|Sound { p, .. }| p.norm_sqr() / 2.0).sqrt(),
+        Quantity::Phase => mean(&|Sound { p, .. }| p.im.atan2(p.re)),
+        Quantity::Instantaneous => mean(&|Sound { p, .. }| (p * Complex64::cis(moment)).re),
+        // 2⟨p²⟩ = |P|² of the sound that doubles, less what flows along the surface.
+        Quantity::Radiation => mean(&|Sound { p, slopes: [x, y, _] }| {
+            let along = (x.norm_sqr() + y.norm_sqr()) / (rho * omega).powi(2);
+            p.norm_sqr() / (rho * c * c) - rho * along
+        }),
+        Quantity::Intensity => mean(&|Sound { p, slopes }| {
+            let velocity = slopes.map(|slope| Complex64::I * slope / (rho * omega));
+            velocity.map(|v| (0.5 * (p * v.conj()).re).powi(2)).iter().sum::<f64>().sqrt()
+        }),
+        Quantity::Velocity => {
+            mean(&|Sound { slopes: [_, _, n], .. }| (n.norm() / (rho * omega) / SQRT_2).powi(2)).sqrt()
+        }
+        Quantity::Depression => panic!("a depression follows from the pressure on the whole surface"),
+    }
+}

@@ -1,0 +1,269 @@
+//! Quantities against the model: formulae in WGSL and Rust, maps of one drive on any plane, and means of several.
+
+use std::f64::consts::TAU;
+
+use glam::{DVec2, DVec3, dvec3};
+use num_complex::{Complex32, Complex64};
+use sonoglyph::acoustics::{Air, Aperture};
+use sonoglyph::drive::Drive;
+use sonoglyph::field::quantity::{Constants, NORMAL, Norm, PRESSURE, Sound};
+use sonoglyph::field::{By, Map, Quantity, Request, Samples, Stages, reference};
+use sonoglyph::scene::{Plane, Scene};
+use sonoglyph::surface::Tank;
+
+use crate::model;
+use crate::{evaluators, fast_evaluators, gpu, own, three_foci};
+
+/// Numbers from -1 to 1 in no order.
+fn numbers() -> impl Iterator<Item = f32> {
+    (1u32..).map(|i| {
+        (i.wrapping_mul(0x9e37_79b9) ^ (i << 13)).wrapping_mul(0x85eb_ca6b) as f32 / 2f32.powi(31) - 1.0
+    })
+}
+
+#[test]
+fn a_formula_is_the_same_in_wgsl_and_in_rust() {
+    let Some(gpu) = gpu() else { return };
+    let mut numbers = numbers();
+    let mut number = || numbers.next().unwrap();
+    for scale in [1e-3, 1.0, 3000.0] {
+        let mut complex = || Complex32::new(scale * number(), scale * number());
+        let mut sounds: Vec<_> =
+            (0..999).map(|_| Sound { p: complex(), x: complex(), y: complex(), n: complex() }).collect();
+        sounds.push(Sound::default());
+        let constants = Constants {
+            of_pressure: 1.0 + number(),
+            of_gradient: 1.0 + number(),
+            of_velocity: 1.0 + number(),
+            turn: Complex32::cis(4.0 * number()),
+        };
+        for quantity in Quantity::ALL {
+            let got = gpu.form(quantity, &sounds, &constants).unwrap();
+            let expected: Vec<_> = sounds.iter().map(|&sound| quantity.of(sound, &constants)).collect();
+            assert_eq!(got.len(), expected.len());
+            let largest = expected.iter().fold(0.0f32, |most, value| most.max(value.abs()));
+            assert!(largest > 0.1 * scale.min(scale * scale) || quantity == Quantity::Phase);
+            for ((got, expected), sound) in got.iter().zip(&expected).zip(&sounds) {
+                let off = got - expected;
+                let is_same = if quantity == Quantity::Phase {
+                    // At the cut either end of a turn will do. WGSL lets atan2 be 4096 ulp off.
+                    (off - (off / TAU as f32).round() * TAU as f32).abs() < 1e-3
+                } else {
+                    off.abs() < 3e-6 * largest
+                };
+                assert!(is_same, "{quantity:?} of {sound:?}: {got}, not {expected}");
+            }
+        }
+    }
+}
+
+/// What a map should show at a pixel.
+struct Expected {
+    value: f64,
+    /// |P| (Pa), 0 where nothing sounds.
+    modulus: f64,
+}
+
+/// The largest deviation of a map's values at every [`STRIDE`]-th pixel, relative to its peak; of phases that of the phasors that
+/// have them.
+fn deviation(map: &Map, quantity: Quantity, expected: &[Expected]) -> f64 {
+    let off = |(&got, &Expected { value, modulus }): (&f32, &Expected)| {
+        let got = f64::from(got);
+        assert!(modulus != 0.0 || got == 0.0, "{quantity:?} of silence: {got}");
+        let off = if quantity == Quantity::Phase {
+            modulus * (Complex64::cis(got) - Complex64::cis(value)).norm()
+        } else {
+            (got - value).abs()
+        };
+        // `max` would pass over a NaN.
+        if off.is_nan() { f64::INFINITY } else { off }
+    };
+    let got = map.values.iter().step_by(STRIDE);
+    assert_eq!(got.len(), expected.len());
+    got.zip(expected).map(off).fold(0.0, f64::max) / f64::from(map.peak)
+}
+
+const SIZE: (usize, usize) = (120, 100);
+const STRIDE: usize = 37;
+
+fn planes() -> [(&'static str, Plane); 5] {
+    let plane = Plane { size: DVec2::new(0.06, 0.05), ..Plane::default() };
+    let upright = Plane { y_axis: DVec3::Z, ..plane.clone() };
+    [
+        ("parallel", plane.clone()),
+        ("tilted", Plane { x_axis: dvec3(1.0, 0.2, 0.4), y_axis: dvec3(0.0, 1.0, -0.5), ..plane.clone() }),
+        ("vertical", Plane { centre: dvec3(0.003, 0.001, 0.12), ..upright.clone() }),
+        ("through the array", Plane { centre: dvec3(0.0, 0.002, 0.021), ..upright }),
+        ("a millimetre in front of it", Plane { centre: dvec3(0.003, 0.001, 0.001), ..plane }),
+    ]
+}
+
+/// Who is to make a map: whoever is asked, where f32 keeps the tolerance and the quantity is formed at the pixels.
+fn maker(asked: By, quantity: Quantity, tolerance: f64, is_near: bool) -> Option<By> {
+    let by_pressure = quantity.declaration().parts == PRESSURE;
+    match asked {
+        By::Gpu if by_pressure => Some(By::Gpu),
+        // Finer slopes by differences are left to f64, and those beside the array are not the GPU's.
+        By::Gpu if quantity != Quantity::Radiation && tolerance > 5e-4 && !is_near => Some(By::Gpu),
+        By::Cpu if by_pressure => Some(By::Cpu),
+        By::Cpu if tolerance > 5e-4 && !is_near => Some(By::Cpu),
+        By::Reference => Some(By::Reference),
+        By::Cpu | By::CpuInF64 | By::Gpu => None,
+    }
+}
+
+#[test]
+fn every_quantity_keeps_the_tolerance_on_any_plane() {
+    const MOMENT: f64 = 0.7;
+    let (scene, drives) = three_foci();
+    let aperture = Aperture::new(&scene);
+    let pointwise = Quantity::ALL.into_iter().filter(|quantity| !quantity.declaration().of_liquid);
+    let mut stages: Vec<_> = evaluators().into_iter().map(|it| (own(&it), Stages::new(it))).collect();
+    for (name, plane) in planes() {
+        let (x, y) = plane.axes().unwrap();
+        let pixels = Samples::on_plane(&plane, SIZE.0, SIZE.1).unwrap();
+        let points: Vec<_> = (0..pixels.len()).step_by(STRIDE).map(|i| pixels.point(i)).collect();
+        let is_near = pixels.point(0).z < aperture.wavelength();
+        let sounds = model::sounds(&aperture, &drives[0], [x, y, x.cross(y)], &points);
+        for quantity in pointwise.clone() {
+            let request = Request {
+                plane: plane.clone(),
+                moment: MOMENT,
+                ..Request::new(&scene, vec![drives[0].clone()], quantity, SIZE)
+            };
+            let expected = |&sound: &model::Sound| Expected {
+                value: model::value(quantity, &request.air, &aperture, MOMENT, [sound].into_iter()),
+                modulus: sound.p.norm(),
+            };
+            let expected: Vec<_> = sounds.iter().map(expected).collect();
+            for (asked, stages) in &mut stages {
+                for tolerance in [1e-2, 1e-3, 1e-4] {
+                    let plane = Plane { tolerance, ..plane.clone() };
+                    let map = stages.map(&Request { plane, ..request.clone() }).unwrap();
+                    let off = deviation(map, quantity, &expected);
+                    let Map { by, error, how, .. } = map;
+                    let name = format!("{quantity:?}, {name}, {tolerance:e} of {asked:?} by {by:?}");
+                    println!("{name}: {off:.1e}, measured {error:.1e}, {how}");
+                    let most = if *asked == By::Reference { 1e-5 } else { tolerance };
+                    assert!(off < most, "{name}: {off:e}, {how}");
+                    assert!(
+                        *error < tolerance && off < 20.0 * error + 1e-5,
+                        "{name}: {off:e}, measured {error:e}"
+                    );
+                    let maker = maker(*asked, quantity, tolerance, is_near);
+                    assert!(maker.is_none_or(|maker| maker == *by), "{name}, not by {maker:?}: {how}");
+                    // Of phases and moments it is the largest |P|.
+                    if quantity.declaration().norm != Norm::Pressure {
+                        let largest = map.values.iter().fold(0.0f32, |most, value| most.max(value.abs()));
+                        assert!(
+                            (map.peak - largest).abs() <= 1e-6 * largest,
+                            "{name}: {} {largest}",
+                            map.peak
+                        );
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// Cells of a liquid's surface in the model: as wide as a pixel, and more of them beyond the plane.
+const STEP: f64 = 0.0005;
+const BEYOND: usize = 80;
+
+/// The depth (m) at every pixel of [`three_foci`]'s plane, from cells half as wide as a plan's or less.
+fn depths(aperture: &Aperture, scene: &Scene, drives: &[Drive], air: &Air) -> Vec<f64> {
+    /// Slopes by differences of six neighbours: 1e-5 off here.
+    const DIFFERENCE: [f64; 3] = [0.75, -0.15, 1.0 / 60.0];
+    let counts = [SIZE.0, SIZE.1].map(|count| count + 2 * BEYOND);
+    let wide = counts.map(|count| count + 6);
+    let size = DVec2::from(wide.map(|count| count as f64 * STEP));
+    let samples = Samples::on_plane(&Plane { size, ..scene.plane.clone() }, wide[0], wide[1]).unwrap();
+    let mut pressed = vec![0.0; counts[0] * counts[1]];
+    for drive in drives {
+        let pressure = reference::pressure(aperture, drive, &samples);
+        for (cell, pressed) in pressed.iter_mut().enumerate() {
+            let at = (cell / counts[0] + 3) * wide[0] + cell % counts[0] + 3;
+            let slope = |stride: usize| -> Complex64 {
+                let pair = |i: usize| pressure[at + (i + 1) * stride] - pressure[at - (i + 1) * stride];
+                (0..3).map(|i| pair(i) * DIFFERENCE[i]).sum::<Complex64>() / STEP
+            };
+            let sound = model::Sound { p: pressure[at], slopes: [slope(1), slope(wide[0]), Complex64::ZERO] };
+            let radiation = model::value(Quantity::Radiation, air, aperture, 0.0, [sound].into_iter());
+            *pressed += radiation / drives.len() as f64;
+        }
+    }
+    let depth = Tank::new(counts, [STEP; 2]).dent(&scene.liquid, &pressed).depth;
+    let of_pixel = |pixel: usize| (pixel / SIZE.0 + BEYOND) * counts[0] + pixel % SIZE.0 + BEYOND;
+    (0..SIZE.0 * SIZE.1).map(|pixel| depth[of_pixel(pixel)]).collect()
+}
+
+#[test]
+fn means_of_several_drives_keep_the_tolerance() {
+    let (mut scene, drives) = three_foci();
+    let aperture = Aperture::new(&scene);
+    let pixels = Samples::on_plane(&scene.plane, SIZE.0, SIZE.1).unwrap();
+    let points: Vec<_> = (0..pixels.len()).step_by(STRIDE).map(|i| pixels.point(i)).collect();
+    let axes = [DVec3::X, DVec3::Y, DVec3::Z];
+    let sounds: Vec<_> = drives.iter().map(|drive| model::sounds(&aperture, drive, axes, &points)).collect();
+    let mut stages: Vec<_> = evaluators().into_iter().map(|it| (own(&it), Stages::new(it))).collect();
+    for quantity in Quantity::ALL.into_iter().filter(|quantity| quantity.declaration().has_mean) {
+        let request = Request::new(&scene, drives.clone(), quantity, SIZE);
+        let values: Vec<_> = if quantity == Quantity::Depression {
+            depths(&aperture, &scene, &drives, &request.air).into_iter().step_by(STRIDE).collect()
+        } else {
+            let of_drives = |point: usize| sounds.iter().map(move |sounds| sounds[point]);
+            let value = |point| model::value(quantity, &request.air, &aperture, 0.0, of_drives(point));
+            (0..points.len()).map(value).collect()
+        };
+        let expected: Vec<_> = values.into_iter().map(|value| Expected { value, modulus: 1.0 }).collect();
+        for (asked, stages) in &mut stages {
+            for tolerance in [1e-2, 1e-3, 1e-4] {
+                scene.plane.tolerance = tolerance;
+                let map = stages.map(&Request { plane: scene.plane.clone(), ..request.clone() }).unwrap();
+                let off = deviation(map, quantity, &expected);
+                let Map { by, error, how, .. } = map;
+                let name = format!("{quantity:?} {tolerance:e} of {asked:?} by {by:?}");
+                println!("{name}: {off:.1e}, measured {error:.1e}, {how}");
+                assert!(off < tolerance, "{name}: {off:e}, {how}");
+                assert!(
+                    *error < tolerance && off < 20.0 * error + 1e-5,
+                    "{name}: {off:e}, measured {error:e}"
+                );
+                let largest = map.values.iter().fold(0.0f32, |most, value| most.max(value.abs()));
+                assert!((map.peak - largest).abs() <= 1e-6 * largest, "{name}: {} {largest}", map.peak);
+                // Squares at cells are few, so that the CPU makes them; and slopes of fine tolerances in f64.
+                let is_double = tolerance < 5e-4 && quantity.declaration().parts & NORMAL != 0;
+                let maker = match asked {
+                    By::Reference => By::Reference,
+                    By::Cpu | By::CpuInF64 | By::Gpu if is_double => By::CpuInF64,
+                    By::Cpu | By::CpuInF64 | By::Gpu => By::Cpu,
+                };
+                assert_eq!(*by, maker, "{name}");
+            }
+        }
+    }
+}
+
+#[test]
+fn contours_run_where_the_value_is_that_part_of_its_largest() {
+    let (scene, drives) = three_foci();
+    for evaluator in fast_evaluators() {
+        let mut stages = Stages::new(evaluator);
+        for quantity in Quantity::ALL.into_iter().filter(|quantity| quantity.declaration().has_mean) {
+            let request = Request::new(&scene, drives.clone(), quantity, (60, 50));
+            let lines = stages.contours(&request, 0.4).unwrap().to_vec();
+            assert!(!lines.is_empty(), "{quantity:?}");
+            let Map { values, peak, .. } = stages.map(&request).unwrap();
+            for [x, y] in lines.into_iter().flatten() {
+                // Between the centres of four pixels.
+                let (column, row) = ((x - 0.5).floor().clamp(0.0, 58.0), (y - 0.5).floor().clamp(0.0, 48.0));
+                let (right, up) = (x - 0.5 - column, y - 0.5 - row);
+                let first = row as usize * 60 + column as usize;
+                let along = |at: usize| values[at] * (1.0 - right) + values[at + 1] * right;
+                let value = along(first) * (1.0 - up) + along(first + 60) * up;
+                assert!((value / peak - 0.4).abs() < 0.02, "{quantity:?}: {value} of {peak}");
+            }
+        }
+    }
+}

@@ -1,0 +1,193 @@
+//! What changes nothing makes nothing run, whatever quantity is shown.
+
+use sonoglyph::drive::Drive;
+use sonoglyph::field::{Colouring, Evaluator, Quantity, Request, Stages, Work};
+use sonoglyph::picture::ColourMap;
+use sonoglyph::scene::Scene;
+
+use crate::{STEP, fast_evaluators, scattered, three_foci};
+
+/// Everything that a map is made from, and how it is shown.
+#[derive(Clone)]
+struct Shown {
+    scene: Scene,
+    drives: Vec<Drive>,
+    quantity: Quantity,
+    moment: f64,
+    part: f64,
+    size: (usize, usize),
+    colours: ColourMap,
+    full: Option<f32>,
+}
+
+impl Shown {
+    fn new(quantity: Quantity) -> Self {
+        Self {
+            scene: three_foci().0,
+            drives: vec![scattered(256, STEP)],
+            quantity,
+            moment: 0.3,
+            part: 1.0,
+            size: (130, 90),
+            colours: ColourMap::Inferno,
+            full: None,
+        }
+    }
+
+    /// The work that showing it takes, but for a GPU's memory.
+    fn show(&self, stages: &mut Stages) -> Work {
+        let before = stages.work();
+        let request = Request {
+            moment: self.moment,
+            part: self.part,
+            ..Request::new(&self.scene, self.drives.clone(), self.quantity, self.size)
+        };
+        let colouring = Colouring { full: self.full, ..Colouring::new(self.quantity, self.colours.table()) };
+        assert_eq!(stages.colours(&request, &colouring).unwrap().len(), self.size.0 * self.size.1);
+        Work { read_back: 0, allocations: 0, ..stages.work().since(before) }
+    }
+}
+
+/// The first stage that sees a change; those after it run too.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum First {
+    Plan,
+    Superposition,
+    /// The pixels are others.
+    Pixels,
+    /// ωt is another.
+    Moment,
+    /// The envelope leaves another part.
+    Part,
+    Liquid,
+    /// Capillary lengths are others, and walls stand elsewhere.
+    Margin,
+    Picture,
+    Nothing,
+}
+
+/// Where squares are formed.
+fn by_cells(quantity: Quantity) -> bool {
+    match quantity {
+        Quantity::Radiation | Quantity::Depression => true,
+        Quantity::Rms
+        | Quantity::Phase
+        | Quantity::Instantaneous
+        | Quantity::Intensity
+        | Quantity::Velocity => false,
+    }
+}
+
+fn expected(quantity: Quantity, on_gpu: bool, first: First) -> Work {
+    let (by_cells, of_liquid) = (by_cells(quantity), quantity == Quantity::Depression);
+    let on_gpu = on_gpu && !by_cells;
+    // The pressure and its slope along the normal are sums of their own, which a GPU counts as one and keeps no tables for.
+    let sums = if quantity == Quantity::Intensity && !on_gpu { 2 } else { 1 };
+    let picture = Work { picture: 1, ..Work::default() };
+    let resized = Work { interpolation: 1, forming: u64::from(!by_cells), ..picture };
+    let of_drive = Work { superposition: sums, forming: 1, response: u64::from(of_liquid), ..resized };
+    match first {
+        First::Plan => Work { plan: 1, transfer: if on_gpu { 0 } else { sums }, ..of_drive },
+        First::Superposition => of_drive,
+        // The passes of a GPU are made for their pixels.
+        First::Pixels if on_gpu => of_drive,
+        First::Pixels => resized,
+        First::Moment if quantity == Quantity::Instantaneous => Work { forming: 1, ..picture },
+        First::Liquid if of_liquid => Work { response: 1, ..resized },
+        First::Margin if of_liquid => expected(quantity, on_gpu, First::Plan),
+        First::Part if by_cells => resized,
+        First::Part => Work { forming: 1, ..picture },
+        First::Picture => picture,
+        First::Moment | First::Liquid | First::Margin | First::Nothing => Work::default(),
+    }
+}
+
+#[test]
+fn only_what_depends_on_the_change_runs() {
+    type Change = fn(&mut Shown);
+    let changes: &[(&str, Change, First)] = &[
+        ("nothing", |_| (), First::Nothing),
+        ("colour map", |s| s.colours = ColourMap::Grey, First::Picture),
+        ("range", |s| s.full = Some(1000.0), First::Picture),
+        ("size", |s| s.size = (133, 122), First::Pixels),
+        ("moment", |s| s.moment = 1.1, First::Moment),
+        ("envelope", |s| s.part = 0.5, First::Part),
+        ("targets", |s| s.scene.targets.clear(), First::Nothing),
+        ("density", |s| s.scene.liquid.density = Some(790.0), First::Margin),
+        ("viscosity", |s| s.scene.liquid.viscosity = Some(1.0), First::Liquid),
+        ("phase", |s| s.drives[0].phases[3] += 0.1, First::Superposition),
+        ("amplitude", |s| s.drives[0].amplitudes[255] = 0.5, First::Superposition),
+        ("a silent element", |s| s.drives[0].amplitudes[7] = 0.0, First::Superposition),
+        ("an element off", |s| s.scene.array.off = vec![9], First::Superposition),
+        ("plane", |s| s.scene.plane.centre.z = 0.11, First::Plan),
+        ("tolerance", |s| s.scene.plane.tolerance = 2e-3, First::Plan),
+        ("medium", |s| s.scene.medium.temperature = 30.0, First::Plan),
+        ("array", |s| s.scene.array.pitch = 0.0101, First::Plan),
+    ];
+    for evaluator in fast_evaluators() {
+        let on_gpu = matches!(evaluator, Evaluator::Gpu(_));
+        let mut stages = Stages::new(evaluator);
+        for quantity in Quantity::ALL {
+            let mut shown = Shown::new(quantity);
+            stages.forget();
+            assert_eq!(
+                shown.show(&mut stages),
+                expected(quantity, on_gpu, First::Plan),
+                "{quantity:?} at first"
+            );
+            for (name, change, first) in changes {
+                change(&mut shown);
+                let expected = expected(quantity, on_gpu, *first);
+                assert_eq!(shown.show(&mut stages), expected, "{quantity:?}: {name}, on the GPU: {on_gpu}");
+                assert_eq!(shown.show(&mut stages), Work::default(), "{quantity:?}: after {name}");
+            }
+        }
+    }
+}
+
+#[test]
+fn without_samples_nothing_is_tabled_and_nothing_interpolated() {
+    for evaluator in fast_evaluators() {
+        let mut stages = Stages::new(evaluator);
+        for quantity in [Quantity::Rms, Quantity::Phase, Quantity::Instantaneous] {
+            let mut shown = Shown::new(quantity);
+            shown.scene.plane.tolerance = 0.0;
+            stages.forget();
+            let of_pixels = Work { plan: 1, superposition: 1, forming: 1, picture: 1, ..Work::default() };
+            assert_eq!(shown.show(&mut stages), of_pixels, "{quantity:?}");
+        }
+    }
+}
+
+#[test]
+fn quantities_of_one_sound_share_it() {
+    let drives = three_foci().1;
+    let mut stages = Stages::new(Evaluator::Cpu);
+    for (drives, first, second, kept) in [
+        // At the pixels from the pressure there.
+        (&drives[..1], Quantity::Rms, Quantity::Phase, Work { forming: 1, picture: 1, ..Work::default() }),
+        (
+            &drives[..1],
+            Quantity::Phase,
+            Quantity::Instantaneous,
+            Work { forming: 1, picture: 1, ..Work::default() },
+        ),
+        // Phases are of the first drive, whatever the others are.
+        (
+            &drives[..],
+            Quantity::Phase,
+            Quantity::Instantaneous,
+            Work { forming: 1, picture: 1, ..Work::default() },
+        ),
+        // At the cells of another margin.
+        (&drives[..], Quantity::Depression, Quantity::Rms, expected(Quantity::Radiation, false, First::Plan)),
+    ] {
+        let mut shown = Shown { drives: drives.to_vec(), ..Shown::new(first) };
+        stages.forget();
+        shown.show(&mut stages);
+        shown.quantity = second;
+        let work = shown.show(&mut stages);
+        assert_eq!(work, kept, "{second:?} after {first:?}");
+        assert_eq!(shown.show(&mut stages), Work::default());
+    }
+}

@@ -1,0 +1,56 @@
+//! Tables of the transfer, whatever their layout, and several drives as one product.
+
+use glam::{DVec2, DVec3};
+use num_complex::{Complex32, Complex64};
+use sonoglyph::acoustics::Aperture;
+use sonoglyph::drive::Drive;
+use sonoglyph::field::plan::Costs;
+use sonoglyph::field::transfer::{Layout, Transfer};
+use sonoglyph::field::{Plan, Wave, reference};
+use sonoglyph::scene::{Plane, Scene};
+
+use crate::scattered;
+
+#[test]
+fn a_table_of_any_layout_gives_the_field_of_every_drive() {
+    let d = DVec3::new;
+    let plane = Plane { size: DVec2::new(0.15, 0.1), ..Plane::default() };
+    let planes = [
+        ("parallel", plane.clone(), 2),
+        ("backwards", Plane { x_axis: -DVec3::X, ..plane.clone() }, 2),
+        ("crossed", Plane { x_axis: DVec3::Y, y_axis: DVec3::X, ..plane.clone() }, 2),
+        ("vertical", Plane { y_axis: DVec3::Z, ..plane.clone() }, 1),
+        ("standing", Plane { x_axis: DVec3::Z, y_axis: -DVec3::Y, ..plane.clone() }, 1),
+        ("turned", Plane { x_axis: d(1.0, 0.2, 0.0), ..plane.clone() }, 0),
+    ];
+    let mut scene = Scene::default();
+    (scene.array.rows, scene.array.columns) = (5, 7);
+    let aperture = Aperture::new(&scene);
+    // Four that are added up together, and one alone.
+    let mut drives = [0.754_877_666, 0.569_840_29, 0.618_033_988, 0.819_172_513, 0.671_043_607]
+        .map(|step| scattered(35, step));
+    drives[1].amplitudes[4] = 0.0;
+    for (name, plane, shared) in planes {
+        let plan = Plan::new(&aperture, &plane, Costs::CPU).unwrap();
+        let grid = plan.grid.unwrap();
+        // Both without and with sharing, whichever of them the plan preferred.
+        let layout = Layout::new(&aperture, &grid);
+        let wave = Wave::new(&aperture, &grid.samples).unwrap();
+        assert!(grid.shared.iter().flatten().count() <= shared, "{name}");
+        let transfer = Transfer::new(&aperture, &wave, layout, None);
+        let excitation = |drive: &Drive| drive.excitation(&aperture.driven);
+        let excitations: Vec<_> = drives.iter().map(excitation).collect();
+        let terms = transfer.layout.terms(&aperture, [&excitations[1][..]]);
+        assert_eq!(terms.len(), 34, "silent elements are left out");
+        let fields = transfer.superpose(&aperture, &excitations, grid.samples.len());
+        for (drive, field) in drives.iter().zip(&fields) {
+            let expected = reference::pressure(&aperture, drive, &grid.samples);
+            let peak = expected.iter().map(|p| p.norm()).fold(0.0, f64::max);
+            assert_eq!(field.len(), expected.len());
+            for (p, expected) in field.iter().zip(&expected) {
+                let wide = |p: &Complex32| Complex64::new(p.re.into(), p.im.into());
+                assert!((wide(p) - expected).norm() < 3e-6 * peak, "{name}: {p} is not {expected}");
+            }
+        }
+    }
+}
