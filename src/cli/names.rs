@@ -93,7 +93,7 @@ impl ValueEnum for Subject {
 
     fn to_possible_value(&self) -> Option<PossibleValue> {
         let (name, help) = match self {
-            Self::Field => ("field", "Maps of the field, and dents and means beside them"),
+            Self::Field => ("field", "Maps: of one drive, of means, and of surface depressions"),
             Self::Solve => ("solve", "Solver methods"),
             Self::Stability => ("stability", "Solver methods on sets of foci that are hard to solve"),
             Self::Window => ("window", "Frames of the window"),

@@ -66,7 +66,7 @@ pub fn picture(
         format!("{name}: {}", liquid(scene)),
         figures(dent),
         format!(
-            "{:.0} x {:.0} mm seen from the front, dents drawn {} times as deep",
+            "{:.0} x {:.0} mm seen from the front, depths drawn {} times as deep",
             size.x,
             size.y,
             relief.exaggeration()

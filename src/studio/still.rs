@@ -110,7 +110,7 @@ impl Solved {
 #[derive(Clone, Debug)]
 pub struct Look {
     pub diagram: Diagram,
-    /// Whether a dent is drawn as a surface seen at an angle.
+    /// Whether a depression is drawn as a surface seen at an angle.
     pub shaded: bool,
     pub colours: ColourMap,
     /// Instead of what suits the diagram.
@@ -136,13 +136,15 @@ impl Look {
         }
         let mut frames = motion::follow(scene, &solved.name)?.frames;
         match moment {
-            Moment::Mean if matches!(self.diagram, Diagram::Map(quantity) if !quantity.declaration().has_mean) =>
+            Moment::Mean
+                if let Diagram::Map(quantity) = self.diagram
+                    && !quantity.declaration().has_mean =>
             {
-                bail!("a mean over frames has no such value: give a frame's number")
+                bail!("{} has no mean over frames: give a frame's number", quantity.declaration().words)
             }
             Moment::Mean => Ok(frames.into_iter().map(|frame| frame.drive).collect()),
             Moment::Frame(number) if number >= frames.len() => {
-                bail!("there is no frame {}: a round has {}", number + 1, frames.len())
+                bail!("there is no frame {}: a cycle has {}", number + 1, frames.len())
             }
             Moment::Frame(number) => Ok(vec![frames.swap_remove(number).drive]),
         }

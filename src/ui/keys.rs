@@ -43,7 +43,7 @@ pub const HELP: &[(&str, &str)] = &[
     ("Wheel", "Zoom where the pointer is"),
     ("Space or right button + drag", "Move the view"),
     ("Double click, or 0", "Show everything"),
-    ("1 2 3 4 5", "RMS pressure, phase, radiation, dent, instant"),
+    ("1 to 7", "RMS, phase, radiation, depression, instantaneous, intensity, velocity"),
     ("Shift while drawing", "Lines in steps of 15°, squares"),
     ("M", "Focal points and outlines on or off"),
     ("X", "Curve along a line on or off; Shift moves it"),

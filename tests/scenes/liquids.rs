@@ -36,6 +36,7 @@ struct Made {
     /// Under the part of the pressure that the envelope leaves.
     dent: Dent,
     by: By,
+    error: f64,
 }
 
 /// Pa, below which squares are less than f32 can hold.
@@ -101,18 +102,21 @@ fn pressed(stages: &mut Stages, Asked { request, .. }: &Asked<'_>) -> Option<Mad
         Err(FieldError::TooNear) => return None,
         other => other.unwrap(),
     };
-    let by = map.by;
+    let (by, error) = (map.by, map.error);
     assert!(map.values.iter().all(|depth| depth.is_finite()), "{map:?}");
     let pressed = stages.pressed(request).unwrap();
     assert!(pressed.force.is_finite(), "{pressed:?}");
     let tank = stages.surface(request).unwrap().0.clone();
-    Some(Made { tank, dent: pressed.dent.unwrap(), by })
+    Some(Made { tank, dent: pressed.dent.unwrap(), by, error })
 }
 
 /// What the pressure (Pa) may be off: the tolerance, of its largest value, which the squares of pressure and slope make; and what f32
-/// leaves of the squares.
-fn pressure_error(solved: &Solved, largest: f64, point: DVec3) -> f64 {
-    solved.scene.plane.tolerance.max(FINEST) * largest + square_error(solved, point)
+/// leaves of the squares. A map whose own error is more than the tolerance says so: where much is absorbed on the way across the
+/// plane, what is sampled beside it is many times as loud.
+fn pressure_error(solved: &Solved, error: f64, largest: f64, point: DVec3) -> f64 {
+    let tolerance = solved.scene.plane.tolerance.max(FINEST);
+    let own = if error > tolerance { 3.0 * error } else { tolerance };
+    own * largest + square_error(solved, point)
 }
 
 /// What f32 leaves of the radiation pressure at a point (Pa): of a square twice what it leaves of its root, of two parts. Its root is
@@ -161,7 +165,7 @@ fn radiation_is_the_models(
             continue;
         };
         // The oracle's differences are off by (k h)²/6 = 7e-6 of the gradient.
-        let most = pressure_error(solved, largest, point) + 5e-5 * part * of_pressure;
+        let most = pressure_error(solved, map.error, largest, point) + 5e-5 * part * of_pressure;
         within("radiation pressure", (f64::from(map.values[pixel]) - part * expected).abs(), most);
     }
     at_cells
@@ -184,7 +188,7 @@ fn it_bears_the_radiation_pressure(asked: &Asked<'_>, made: &Made, axes: [DVec3;
     let Asked { solved, parts, .. } = *asked;
     let Solved { scene, oracle, solution, .. } = solved;
     let (density, tension) = density_and_tension(&scene.liquid);
-    let Made { dent, tank, .. } = made;
+    let Made { dent, tank, error, .. } = made;
     let [columns, rows] = tank.counts;
     let mut modes = tank.modes(&dent.depth);
     for (index, mode) in modes.iter_mut().enumerate() {
@@ -207,7 +211,7 @@ fn it_bears_the_radiation_pressure(asked: &Asked<'_>, made: &Made, axes: [DVec3;
         }
         let Some((expected, of_pressure)) = oracle.radiation(&solution.drive, point, axes) else { continue };
         let expected = scene.modulation.mean_square() * expected;
-        let most = pressure_error(solved, largest, point) + 5e-5 * of_pressure + 1e-9 * largest;
+        let most = pressure_error(solved, *error, largest, point) + 5e-5 * of_pressure + 1e-9 * largest;
         within("borne pressure", (borne[cell[1] * columns + cell[0]] - expected).abs(), most);
     }
 }
