@@ -101,6 +101,19 @@ fn a_depression_is_in_metres_and_deepest_under_the_focus() {
 }
 
 #[test]
+fn a_depression_was_called_a_dent_and_still_is_one() {
+    let folder = folder_with(&[("a.toml", FAINT)]);
+    let render = |quantity: &str, data: &str| {
+        let args =
+            ["render", "a.toml", "-o", "a.png", "--quantity", quantity, "--size", "40", "--data", data];
+        succeed(folder.path(), &args).0
+    };
+    assert_eq!(render("depression", "new.npy"), render("dent", "old.npy"));
+    let bytes = |name: &str| fs::read(folder.path().join(name)).unwrap();
+    assert_eq!(bytes("new.npy"), bytes("old.npy"));
+}
+
+#[test]
 fn the_envelope_and_the_liquid_change_the_depression() {
     let sine = format!("{FAINT}[modulation]\nshape = \"sine\"\n");
     let ethanol = format!("{FAINT}[liquid]\nname = \"ethanol\"\n");
@@ -184,6 +197,40 @@ fn waves_are_an_animation_that_begins_at_rest() {
         red.iter().max().unwrap() - red.iter().min().unwrap()
     };
     assert!(contrast(1) < contrast(20), "{} {}", contrast(1), contrast(20));
+}
+
+#[test]
+fn the_depths_of_waves_are_written_with_the_times_of_their_pictures() {
+    let folder = folder_with(&[("a.toml", FAINT)]);
+    let waves = |seconds: &str, data: &str| {
+        let args = ["render", "a.toml", "-o", "a.gif", "--quantity", "depression", "--waves", "--size", "24"];
+        succeed(folder.path(), &[&args[..], &["--seconds", seconds, "--data", data]].concat());
+        npy(&folder.path().join(data))
+    };
+    let (header, depth) = waves("0.05", "waves.npy");
+    assert!(header.contains("'<f4'") && header.contains("(20, 18, 24)"), "{header}");
+    let (header, times) = npy(&folder.path().join("waves.times.npy"));
+    assert!(header.contains("'<f4'") && header.contains("(20,"), "{header}");
+    for (picture, time) in (1u16..).zip(&times) {
+        assert!((time - f32::from(picture) * 0.0025).abs() < 1e-7, "{times:?}");
+    }
+    // A surface that is pressed at once falls with the square of the time, until it feels its neighbours.
+    let frames: Vec<_> = depth.chunks_exact(18 * 24).collect();
+    let deepest = |frame: usize| largest(frames[frame]).1;
+    let fallen = deepest(1) / deepest(0);
+    assert!(deepest(0) > 0.0 && (3.2..4.0).contains(&fallen), "{fallen}");
+    // Half as long is the first half.
+    let (_, half) = waves("0.025", "half.npy");
+    assert_eq!(npy(&folder.path().join("half.times.npy")).1, times[..10]);
+    assert_eq!(half, depth[..half.len()]);
+    assert_eq!(half.len(), depth.len() / 2);
+    // They come to rest about the depression of steady sound.
+    let args =
+        ["render", "a.toml", "-o", "a.png", "--quantity", "depression", "--size", "24", "--data", "a.npy"];
+    succeed(folder.path(), &args);
+    let rest = largest(&npy(&folder.path().join("a.npy")).1).1;
+    let most = (0..20).map(deepest).fold(0.0, f32::max);
+    assert!((0.5..2.0).contains(&(most / rest)), "{most} m and at rest {rest} m");
 }
 
 #[test]

@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use eframe::egui_wgpu::{WgpuSetup, WgpuSetupCreateNew};
+use eframe::wgpu;
 use egui_kittest::wgpu::{WgpuTestRenderer, default_wgpu_setup};
 use sonoglyph::app::Window;
 use sonoglyph::field::gpu::{adapter, device_descriptor};
@@ -19,7 +20,7 @@ const MOST_BYTES: u64 = 4096;
 
 fn renderer() -> WgpuTestRenderer {
     let WgpuSetup::CreateNew(setup) = default_wgpu_setup() else { panic!("an existing device") };
-    let device_descriptor = Arc::new(|adapter: &eframe::wgpu::Adapter| device_descriptor(adapter));
+    let device_descriptor = Arc::new(|adapter: &wgpu::Adapter| device_descriptor(adapter));
     WgpuTestRenderer::from_setup(WgpuSetup::CreateNew(WgpuSetupCreateNew { device_descriptor, ..setup }))
 }
 
