@@ -15,7 +15,7 @@ use sonoglyph::ui::Map;
 use sonoglyph::ui::document::Document;
 use sonoglyph::ui::view::{Cut, FreePlane, Lens};
 
-use super::{Screen, rest};
+use super::{Screen, lens, rest, scene};
 
 fn focused(foci: &[DVec3]) -> Scene {
     let target = |&at: &DVec3| Target::new(Shape::Point { at });
