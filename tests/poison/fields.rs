@@ -146,7 +146,7 @@ fn planes_that_are_none_have_no_plan_no_samples_and_no_cells() {
                 }
             }
             Cells::new(&aperture, &plane, 0.01, 1e-3);
-            let (foci, drive) = (vec![DVec3::Z * 0.1], self::drive());
+            let (foci, drive) = (vec![DVec3::Z * 0.1], drive());
             let ghost = ghost::loudest(&mut stages, &aperture, &plane, &drive, &foci);
             assert!(
                 ghost.is_err() || ghost.is_ok_and(|ghost| ghost.pressure.is_finite()),
