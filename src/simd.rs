@@ -16,6 +16,8 @@ enum Set {
     Avx2,
     #[cfg(target_arch = "x86_64")]
     Avx512,
+    #[cfg(target_arch = "aarch64")]
+    Neon,
 }
 
 /// What the sets differ in.
@@ -49,6 +51,8 @@ impl Isa {
                 sets.push(Self(Set::Avx512));
             }
         }
+        #[cfg(target_arch = "aarch64")]
+        sets.push(Self(Set::Neon));
         sets
     }
 
@@ -65,6 +69,8 @@ impl Isa {
             Set::Avx2 => "AVX2 + FMA",
             #[cfg(target_arch = "x86_64")]
             Set::Avx512 => "AVX-512",
+            #[cfg(target_arch = "aarch64")]
+            Set::Neon => "NEON",
         }
     }
 
@@ -76,6 +82,8 @@ impl Isa {
             Set::Avx2 => wide::avx2(kernel),
             #[cfg(target_arch = "x86_64")]
             Set::Avx512 => wide::avx512(kernel),
+            #[cfg(target_arch = "aarch64")]
+            Set::Neon => kernel.run::<neon::Neon>(),
         }
     }
 }
@@ -227,6 +235,42 @@ mod wide {
     }
 }
 
+/// The set that every 64-bit ARM has.
+#[cfg(target_arch = "aarch64")]
+#[expect(unsafe_code, reason = "no machine is without NEON, and the pointers lead to arrays of four f32")]
+mod neon {
+    use std::arch::aarch64::{vld1q_f32, vmulq_f32, vrsqrteq_f32, vrsqrtsq_f32, vst1q_f32};
+
+    use crate::simd::Instructions;
+
+    pub(super) struct Neon;
+
+    impl Instructions for Neon {
+        const FMA: bool = true;
+        const WIDTH: usize = 4;
+
+        #[inline(always)]
+        fn rough_inverse_roots<const N: usize>(x: &[f32; N]) -> [f32; N] {
+            let mut roots = [0.0; N];
+            let (runs, rest) = x.as_chunks::<4>();
+            let (root_runs, root_rest) = roots.as_chunks_mut::<4>();
+            for (x, root) in runs.iter().zip(root_runs) {
+                // The estimate has eight bits; a step of Newton's doubles them.
+                unsafe {
+                    let x = vld1q_f32(x.as_ptr());
+                    let rough = vrsqrteq_f32(x);
+                    let step = vrsqrtsq_f32(x, vmulq_f32(rough, rough));
+                    vst1q_f32(root.as_mut_ptr(), vmulq_f32(rough, step));
+                }
+            }
+            for (x, root) in rest.iter().zip(root_rest) {
+                *root = 1.0 / x.sqrt();
+            }
+            roots
+        }
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -240,6 +284,38 @@ mod tests {
         fn run<I: Instructions>(self) -> [f32; 19] {
             let rough = I::rough_inverse_roots(&self.0);
             std::array::from_fn(|i| fused::<I>(rough[i], rough[i], 1.0))
+        }
+    }
+
+    #[test]
+    fn the_best_set_is_the_widest_that_is_there() {
+        let sets = Isa::available();
+        assert_eq!((sets[0], *sets.last().unwrap()), (Isa(Set::Baseline), Isa::best()));
+        // Of 64-bit ARM every machine has the same one.
+        assert_eq!(Isa::best().name() == "NEON", cfg!(target_arch = "aarch64"));
+    }
+
+    #[test]
+    fn rough_roots_have_eleven_bits() {
+        struct Rough([f32; 19]);
+
+        impl Kernel for Rough {
+            type Output = [f32; 19];
+
+            #[inline(always)]
+            fn run<I: Instructions>(self) -> [f32; 19] {
+                I::rough_inverse_roots(&self.0)
+            }
+        }
+
+        for isa in Isa::available() {
+            for start in [1e-30, 1e-6, 1.0, 1.7, 3e20] {
+                let x: [f32; 19] = std::array::from_fn(|i| start * 1.37f32.powi(i as i32));
+                for (x, rough) in x.iter().zip(isa.run(Rough(x))) {
+                    let error = f64::from(rough) * f64::from(*x).sqrt() - 1.0;
+                    assert!(error.abs() < 1.0 / 2048.0, "{}: {rough} for {x}", isa.name());
+                }
+            }
         }
     }
 

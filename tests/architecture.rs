@@ -22,7 +22,7 @@ const LAYERS: &[(&str, &[&str])] = &[
         &["colorous", "gif", "glam", "image", "npyz", "num_complex", "plotters", "png", "rayon", "thiserror"],
     ),
     ("import", &["glam", "image", "thiserror", "usvg"]),
-    ("device", &["cobs", "crc", "rustix", "serial2", "thiserror"]),
+    ("device", &["cobs", "crc", "rustix", "serialport", "thiserror"]),
     ("studio", &["anyhow", "glam", "num_complex", "rustix", "signal_hook", "tempfile"]),
     ("ui", &["egui", "egui_plot", "glam"]),
     (
@@ -39,6 +39,7 @@ const LAYERS: &[(&str, &[&str])] = &[
             "signal_hook",
             "tempfile",
             "toml",
+            "wgpu",
         ],
     ),
     (

@@ -3,6 +3,8 @@
 #![cfg(all(unix, feature = "serial"))]
 #![expect(clippy::unwrap_used, reason = "a test's helper may panic")]
 
+mod requirement;
+
 use std::io::{BufRead, BufReader};
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, ExitStatus, Output, Stdio};
@@ -223,4 +225,49 @@ fn ports_names_the_boards() {
         assert!(text.contains(profile.name()), "{text}");
     }
     assert!(text.contains("89 frames/s at 230400 baud"));
+}
+
+#[test]
+fn an_installed_program_finds_the_gateware_or_says_where_it_looked() {
+    let gateware = Path::new(env!("CARGO_MANIFEST_DIR")).join("gateware");
+    let installed = tempfile::tempdir_in(env!("CARGO_TARGET_TMPDIR")).unwrap();
+    let empty = Folder::new();
+    // Linked, not copied: a file that another thread's child still holds open for writing cannot be run.
+    let program = installed.path().join("sonoglyph");
+    std::fs::hard_link(env!("CARGO_BIN_EXE_sonoglyph"), &program).unwrap();
+    let simulate = |more: &[&str]| {
+        let mut command = Command::new(&program);
+        command.args(["board", "--rtl", "--seconds", "0.1"]).args(more).current_dir(empty.0.path());
+        command.output().unwrap()
+    };
+    let missing = |more: &[&str], looked_for: &[&str]| {
+        let output = simulate(more);
+        let error = said(&output.stderr);
+        assert_eq!((output.status.code(), error.lines().count()), (Some(2), 1), "{error}");
+        for part in
+            [looked_for, &["--rtl needs the gateware's sources; looked for ", "apt-get install verilator"]]
+                .concat()
+        {
+            assert!(error.contains(part), "{part} is not in: {error}");
+        }
+    };
+    let beside = installed.path().join("gateware");
+    let script = beside.join("sim/build").display().to_string();
+    missing(&[], &[&script, "./gateware/sim/build"]);
+    missing(&["--gateware", "elsewhere"], &["elsewhere/sim/build"]);
+
+    let verilator = Command::new("verilator").arg("--version").output();
+    if requirement::found("rtl", verilator.map_err(|error| format!("verilator: {error}"))).is_none() {
+        return;
+    }
+    let played = |output: Output| {
+        assert!(output.status.success(), "{}", said(&output.stderr));
+        assert!(said(&output.stdout).contains("0 spoiled"), "{}", said(&output.stdout));
+    };
+    played(simulate(&["--gateware", gateware.to_str().unwrap()]));
+    std::os::unix::fs::symlink(&gateware, empty.0.path().join("gateware")).unwrap();
+    played(simulate(&[]));
+    std::fs::remove_file(empty.0.path().join("gateware")).unwrap();
+    std::os::unix::fs::symlink(&gateware, &beside).unwrap();
+    played(simulate(&[]));
 }

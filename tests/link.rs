@@ -11,6 +11,7 @@ use sonoglyph::device::board::{Board, Setup, Shown};
 use sonoglyph::device::health::State;
 use sonoglyph::device::levels::{Level, Levels};
 use sonoglyph::device::link::{Content, Event, Link, Settings};
+use sonoglyph::device::port::{Port, PortError};
 use sonoglyph::device::profile::Profile;
 use sonoglyph::device::stock;
 use sonoglyph::scene::{Envelope, Modulation};
@@ -97,7 +98,7 @@ fn is_silent(board: &Board) -> bool {
     board.report().playing.unwrap().drive().amplitudes.iter().all(|&amplitude| amplitude == 0.0)
 }
 
-fn eventually(what: &str, condition: impl Fn() -> bool) {
+fn eventually(what: &str, mut condition: impl FnMut() -> bool) {
     let until = Instant::now() + PATIENCE;
     while !condition() {
         assert!(Instant::now() < until, "{what} did not come");
@@ -297,6 +298,41 @@ fn ports_that_cannot_be_opened_say_why() {
     assert!(lost("/dev/null".as_ref()).contains("is not a serial port"));
     let pair = pair(Profile::SonicSurface);
     assert!(lost(pair.board.path()).contains("in use"));
+}
+
+#[test]
+fn a_port_has_any_bit_rate_and_one_program_at_a_time() {
+    let bytes = stock::silence(Profile::SonicSurface);
+    for baud in [1200, 115_200, 250_000, 333_333, 3_000_000, 12_000_000] {
+        let (board, _shown) = board(Setup { baud: Some(baud), ..Setup::new(Profile::SonicSurface) });
+        let mut port = Port::open(board.path(), 57_600).unwrap();
+        assert!(matches!(Port::open(board.path(), baud), Err(PortError::Busy(_))));
+        port.set_baud(baud).unwrap();
+        port.write(&bytes[..10]).unwrap();
+        eventually("bytes", || board.report().bytes == 10);
+        drop(port);
+        let mut port = Port::open(board.path(), baud).unwrap();
+        port.write(&bytes[..10]).unwrap();
+        eventually("more bytes", || board.report().bytes == 20);
+        assert_eq!(board.report().wrong_baud, 0, "{baud} baud");
+    }
+}
+
+#[test]
+fn a_port_says_whether_its_line_is_stuck_or_gone() {
+    let (board, _shown) = board(Setup::new(Profile::Native));
+    let mut port = Port::open(board.path(), Profile::Native.baud()).unwrap();
+    assert!(port.read(Duration::ZERO).unwrap().is_empty() && port.read(Duration::from_millis(1)).is_ok());
+    board.stall(true);
+    // More than any line holds: the rest of it must not be waited for.
+    let (sender, written) = sync_channel(1);
+    std::thread::spawn(move || sender.send((port.write(&[0; 1 << 20]), port)));
+    let (written, mut port) = written.recv_timeout(PATIENCE).unwrap();
+    assert!(matches!(written, Err(PortError::Stalled(_))));
+    board.unplug(true);
+    eventually("the loss", || matches!(port.read(Duration::ZERO), Err(PortError::Lost { .. })));
+    assert!(matches!(port.write(&[0]), Err(PortError::Lost { .. })));
+    assert!(matches!(Port::open(board.path(), 1200), Err(PortError::Missing(_))));
 }
 
 #[test]

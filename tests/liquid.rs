@@ -1,4 +1,4 @@
-//! Radiation pressure, dents and waves as the command line makes them.
+//! Radiation pressure, surface depressions and waves as the command line makes them.
 
 #![expect(clippy::unwrap_used, reason = "a test's helper may panic")]
 
@@ -53,12 +53,22 @@ const FAINT: &str =
     "format = 1\n[array]\nstrength = 1.0\n[[target]]\nat = [0.01, 0.02, 0.1]\n[plane]\nsize = [0.08, 0.06]\n";
 
 #[test]
-fn a_dent_is_in_metres_and_deepest_under_the_focus() {
+fn a_depression_is_in_metres_and_deepest_under_the_focus() {
     let folder = folder_with(&[("a.toml", FAINT)]);
     let at = folder.path();
     for backend in ["cpu", "reference"] {
-        let args =
-            ["render", "a.toml", "-o", "a.png", "--quantity", "dent", "--size", "80", "--data", "a.npy"];
+        let args = [
+            "render",
+            "a.toml",
+            "-o",
+            "a.png",
+            "--quantity",
+            "depression",
+            "--size",
+            "80",
+            "--data",
+            "a.npy",
+        ];
         let (said, warned) = succeed(at, &[&args[..], &["--backend", backend]].concat());
         assert!(said.contains("µm") && said.contains("mm³") && said.contains("water 100 mm"), "{said}");
         assert!(!warned.contains("linear theory"), "{warned}");
@@ -67,7 +77,7 @@ fn a_dent_is_in_metres_and_deepest_under_the_focus() {
         let (place, deepest) = largest(&depth);
         let (x, y) = ((place % 80) as f64 + 0.5 - 40.0, (place / 80) as f64 + 0.5 - 30.0);
         assert!((x - 10.0).abs() <= 1.0 && (y - 20.0).abs() <= 1.0, "{x} {y}");
-        // Ten pascals dent water by half a millimetre.
+        // Ten pascals press water down by half a millimetre.
         succeed(
             at,
             &[
@@ -91,12 +101,26 @@ fn a_dent_is_in_metres_and_deepest_under_the_focus() {
 }
 
 #[test]
-fn the_envelope_and_the_liquid_change_the_dent() {
+fn a_depression_was_called_a_dent_and_still_is_one() {
+    let folder = folder_with(&[("a.toml", FAINT)]);
+    let render = |quantity: &str, data: &str| {
+        let args =
+            ["render", "a.toml", "-o", "a.png", "--quantity", quantity, "--size", "40", "--data", data];
+        succeed(folder.path(), &args).0
+    };
+    assert_eq!(render("depression", "new.npy"), render("dent", "old.npy"));
+    let bytes = |name: &str| fs::read(folder.path().join(name)).unwrap();
+    assert_eq!(bytes("new.npy"), bytes("old.npy"));
+}
+
+#[test]
+fn the_envelope_and_the_liquid_change_the_depression() {
     let sine = format!("{FAINT}[modulation]\nshape = \"sine\"\n");
     let ethanol = format!("{FAINT}[liquid]\nname = \"ethanol\"\n");
     let folder = folder_with(&[("a.toml", FAINT), ("sine.toml", &sine), ("ethanol.toml", &ethanol)]);
     let deepest = |scene: &str| {
-        let args = ["render", scene, "-o", "a.png", "--quantity", "dent", "--size", "60", "--data", "a.npy"];
+        let args =
+            ["render", scene, "-o", "a.png", "--quantity", "depression", "--size", "60", "--data", "a.npy"];
         let (said, _) = succeed(folder.path(), &args);
         (largest(&npy(&folder.path().join("a.npy")).1).1, said)
     };
@@ -108,11 +132,12 @@ fn the_envelope_and_the_liquid_change_the_dent() {
 }
 
 #[test]
-fn a_dent_too_steep_for_the_theory_says_so_with_the_drive_that_is_not() {
+fn a_depression_too_steep_for_the_theory_says_so_with_the_drive_that_is_not() {
     let strong = FAINT.replace("strength = 1.0", "strength = 6.0");
     let folder = folder_with(&[("a.toml", &strong)]);
     for view in ["flat", "shaded"] {
-        let args = ["render", "a.toml", "-o", "a.png", "--quantity", "dent", "--view", view, "--size", "400"];
+        let args =
+            ["render", "a.toml", "-o", "a.png", "--quantity", "depression", "--view", view, "--size", "400"];
         let (_, warned) = succeed(folder.path(), &args);
         assert!(warned.contains("beyond linear theory") && warned.contains("% of this drive's"), "{warned}");
         let picture = image::open(folder.path().join("a.png")).unwrap();
@@ -141,8 +166,8 @@ fn motion_presses_its_mean_unless_a_frame_is_asked_for() {
     for (mean, square) in mean.iter().zip(&squares) {
         assert!((mean - square.sqrt()).abs() < 2e-3 * peak, "{mean} {}", square.sqrt());
     }
-    let of_mean = largest(&map(&["--quantity", "dent"])).1;
-    let of_frame = largest(&map(&["--quantity", "dent", "--frame", "1"])).1;
+    let of_mean = largest(&map(&["--quantity", "depression"])).1;
+    let of_frame = largest(&map(&["--quantity", "depression", "--frame", "1"])).1;
     assert!(of_mean < 0.7 * of_frame, "{of_mean} {of_frame}");
 }
 
@@ -157,7 +182,7 @@ fn waves_are_an_animation_that_begins_at_rest() {
         "-o",
         "waves/",
         "--quantity",
-        "dent",
+        "depression",
         "--waves",
         "--seconds",
         "0.05",
@@ -175,6 +200,40 @@ fn waves_are_an_animation_that_begins_at_rest() {
 }
 
 #[test]
+fn the_depths_of_waves_are_written_with_the_times_of_their_pictures() {
+    let folder = folder_with(&[("a.toml", FAINT)]);
+    let waves = |seconds: &str, data: &str| {
+        let args = ["render", "a.toml", "-o", "a.gif", "--quantity", "depression", "--waves", "--size", "24"];
+        succeed(folder.path(), &[&args[..], &["--seconds", seconds, "--data", data]].concat());
+        npy(&folder.path().join(data))
+    };
+    let (header, depth) = waves("0.05", "waves.npy");
+    assert!(header.contains("'<f4'") && header.contains("(20, 18, 24)"), "{header}");
+    let (header, times) = npy(&folder.path().join("waves.times.npy"));
+    assert!(header.contains("'<f4'") && header.contains("(20,"), "{header}");
+    for (picture, time) in (1u16..).zip(&times) {
+        assert!((time - f32::from(picture) * 0.0025).abs() < 1e-7, "{times:?}");
+    }
+    // A surface that is pressed at once falls with the square of the time, until it feels its neighbours.
+    let frames: Vec<_> = depth.chunks_exact(18 * 24).collect();
+    let deepest = |frame: usize| largest(frames[frame]).1;
+    let fallen = deepest(1) / deepest(0);
+    assert!(deepest(0) > 0.0 && (3.2..4.0).contains(&fallen), "{fallen}");
+    // Half as long is the first half.
+    let (_, half) = waves("0.025", "half.npy");
+    assert_eq!(npy(&folder.path().join("half.times.npy")).1, times[..10]);
+    assert_eq!(half, depth[..half.len()]);
+    assert_eq!(half.len(), depth.len() / 2);
+    // They come to rest about the depression of steady sound.
+    let args =
+        ["render", "a.toml", "-o", "a.png", "--quantity", "depression", "--size", "24", "--data", "a.npy"];
+    succeed(folder.path(), &args);
+    let rest = largest(&npy(&folder.path().join("a.npy")).1).1;
+    let most = (0..20).map(deepest).fold(0.0, f32::max);
+    assert!((0.5..2.0).contains(&(most / rest)), "{most} m and at rest {rest} m");
+}
+
+#[test]
 fn what_cannot_be_pressed_or_shown_is_refused() {
     let upright = FAINT.replace("size = [0.08, 0.06]", "y_axis = [0, 0, 1]");
     let low = FAINT.replace("size", "centre = [0, 0, 0.005]\nsize");
@@ -187,27 +246,27 @@ fn what_cannot_be_pressed_or_shown_is_refused() {
         ("empty.toml", &empty),
         ("stretched.toml", &stretched),
     ]);
-    let dent = |scene: &'static str, more: &[&'static str]| {
-        refuse(folder.path(), &[&["render", scene, "-o", "a.gif", "--quantity", "dent"], more].concat())
+    let refused = |scene: &'static str, more: &[&'static str]| {
+        refuse(folder.path(), &[&["render", scene, "-o", "a.gif", "--quantity", "depression"], more].concat())
     };
     for (message, part) in [
-        (dent("upright.toml", &[]), "lies parallel to the array"),
-        (dent("low.toml", &[]), "nearer than a wavelength"),
-        (dent("empty.toml", &[]), "liquid.density = 0"),
-        (dent("stretched.toml", &[]), "liquid.surface_tension = -1"),
-        (dent("a.toml", &["--frame", "0"]), "counted from 1"),
-        (dent("a.toml", &["--frame", "2"]), "there is no frame 2"),
-        (dent("a.toml", &["--waves", "--seconds", "1e9"]), "were asked for"),
-        (dent("a.toml", &["--waves", "--seconds", "nan"]), "NaN s were asked for"),
-        (dent("a.toml", &["--seconds", "1"]), "--waves"),
-        (dent("a.toml", &["--waves", "--view", "shaded"]), "leave out --view shaded"),
-        (dent("a.toml", &["--waves", "--motion"]), "cannot be used with"),
+        (refused("upright.toml", &[]), "lies parallel to the array"),
+        (refused("low.toml", &[]), "nearer than a wavelength"),
+        (refused("empty.toml", &[]), "liquid.density = 0"),
+        (refused("stretched.toml", &[]), "liquid.surface_tension = -1"),
+        (refused("a.toml", &["--frame", "0"]), "counted from 1"),
+        (refused("a.toml", &["--frame", "2"]), "there is no frame 2"),
+        (refused("a.toml", &["--waves", "--seconds", "1e9"]), "were asked for"),
+        (refused("a.toml", &["--waves", "--seconds", "nan"]), "NaN s were asked for"),
+        (refused("a.toml", &["--seconds", "1"]), "--waves"),
+        (refused("a.toml", &["--waves", "--view", "shaded"]), "leave out --view shaded"),
+        (refused("a.toml", &["--waves", "--motion"]), "cannot be used with"),
     ] {
         assert!(message.contains(part), "{part}: {message}");
     }
     let rms = ["render", "a.toml", "-o", "a.gif", "--waves"];
-    assert!(refuse(folder.path(), &rms).contains("--quantity dent"));
+    assert!(refuse(folder.path(), &rms).contains("--quantity depression"));
     let phase = ["render", "a.toml", "-o", "a.png", "--quantity", "phase", "--frame", "mean"];
-    assert!(refuse(folder.path(), &phase).contains("has no phase"));
+    assert!(refuse(folder.path(), &phase).contains("phase has no mean over frames"));
     assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 5, "nothing was written");
 }

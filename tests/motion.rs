@@ -98,7 +98,7 @@ fn the_table_says_how_fast_the_focus_is_and_what_can_play_it() {
     let fast = SQUARE.replace("rate = 2", "rate = 4000");
     let folder = folder_with(&[("a.toml", SQUARE), ("fast.toml", &fast)]);
     let table = succeed(folder.path(), &["solve", "a.toml", "--motion"]);
-    for part in ["80.0 mm a round", "24 frames/s", "SonicSurface", "0.160 m/s; 5 to 8 m/s", "phase steps"] {
+    for part in ["80.0 mm a cycle", "24 frames/s", "SonicSurface", "0.160 m/s; 5 to 8 m/s", "phase steps"] {
         assert!(table.contains(part), "{part}: {table}");
     }
     let output = run(folder.path(), &["solve", "fast.toml", "--motion"]);
@@ -123,7 +123,7 @@ fn animations_show_the_focus_where_it_is_in_colours_that_all_frames_share() {
     for (output, count) in [("a.gif", 4), ("a.png", 4), ("a.apng", 4), ("frames/", 4)] {
         let said = succeed(folder.path(), &args(output));
         assert!(said.contains(&format!("{count} frames of 100 x 100 pixels")), "{said}");
-        assert!(said.contains("a round takes 1.000 s, and so it does here"), "{said}");
+        assert!(said.contains("a cycle takes 1.000 s, and so it does here"), "{said}");
     }
     let bytes = fs::read(folder.path().join("a.png")).unwrap();
     assert_eq!(bytes, fs::read(folder.path().join("a.apng")).unwrap());
@@ -164,7 +164,7 @@ fn what_is_too_fast_for_viewers_is_slowed_down_and_says_so() {
     let folder = folder_with(&[("a.toml", &SQUARE.replace("rate = 2", "rate = 50"))]);
     let args = ["render", "a.toml", "--motion", "-o", "a.gif", "--size", "32", "--quantity", "phase"];
     let said = succeed(folder.path(), &args);
-    assert!(said.contains("a round takes 0.020 s, shown slowed down 12.0 x"), "{said}");
+    assert!(said.contains("a cycle takes 0.020 s, shown slowed down 12.0 x"), "{said}");
     assert!(!said.contains("RMS"), "a map of phases has no range: {said}");
 }
 
@@ -233,7 +233,7 @@ fn bad_arguments_are_refused() {
         (render(&["no/a.gif"]), "no/a.gif: cannot write"),
         (render(&["file/"]), "cannot make the folder"),
         (render(&["a.gif", "--size", "70000x2"]), "65535"),
-        (render(&["a.gif", "--quantity", "sheet"]), "rms, phase, radiation or dent"),
+        (render(&["a.gif", "--quantity", "sheet"]), "rms, phase, radiation, depression"),
         (render(&["a.gif", "--data", "a.npy"]), "--data"),
         (render(&["a.gif", "--method", "focus"]), "2"),
         (vec!["render", "a.toml", "a.toml", "--motion", "-o", "a.gif"], "2 are given"),

@@ -4,8 +4,8 @@ use std::cell::RefCell;
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
 
-use eframe::{egui, wgpu};
 use eframe::egui_wgpu::{WgpuSetup, WgpuSetupExisting};
+use eframe::{egui, wgpu};
 
 use crate::app::recovery::Recovery;
 use crate::app::settings::{Memory, Settings};
@@ -41,9 +41,7 @@ pub fn run(path: Option<&Path>, renderer: Renderer) -> anyhow::Result<()> {
 }
 
 fn open(document: Document, renderer: Renderer) -> Result<(), String> {
-    let has_display = |name| std::env::var_os(name).is_some_and(|value| !value.is_empty());
-    if cfg!(all(unix, not(target_os = "macos"))) && !has_display("DISPLAY") && !has_display("WAYLAND_DISPLAY")
-    {
+    if cfg!(all(unix, not(target_os = "macos"))) && display().is_none() {
         return Err("no display".to_owned());
     }
     let setup = setup(renderer).map_err(|error| error.to_string())?;
@@ -119,7 +117,7 @@ fn show(
         }
         Ok(Box::new(window))
     });
-    eframe::run_native(TITLE, options, make).map_err(|error| said(&error.to_string()))
+    eframe::run_native(TITLE, options, make).map_err(|error| said(&error))
 }
 
 /// Who computes the field: the device that draws the window, if wgpu draws it, else the CPU.
@@ -133,11 +131,28 @@ pub(super) fn evaluator(context: &eframe::CreationContext<'_>) -> Evaluator {
     }
 }
 
-/// What a desktop's error says, without the place in somebody's source from where it says it.
-fn said(error: &str) -> String {
-    match error.rsplit_once(".rs:").and_then(|(_, rest)| rest.split_once(": ")) {
-        Some((_, said)) => said.to_owned(),
-        None => error.to_owned(),
+/// The display that the environment names, Wayland's before X11's, as winit chooses.
+fn display() -> Option<String> {
+    ["WAYLAND_DISPLAY", "DISPLAY"].into_iter().find_map(|name| {
+        let value = std::env::var_os(name).filter(|value| !value.is_empty())?;
+        Some(format!("{name}={}", value.to_string_lossy()))
+    })
+}
+
+/// What eframe's error means to whoever sits at this display.
+fn said(error: &eframe::Error) -> String {
+    let display = display().unwrap_or_else(|| "this desktop".to_owned());
+    match error {
+        eframe::Error::AppCreation(error) => error.to_string(),
+        // winit's own words are a place in its source, and a cause that it does not tell in another way.
+        eframe::Error::WinitEventLoop(_) => {
+            format!("no display server answers at {display}, or its libraries are not installed")
+        }
+        eframe::Error::Winit(_) => format!("the display server at {display} opens no window"),
+        eframe::Error::Glutin(error) => format!("no OpenGL at {display}: {error}"),
+        eframe::Error::NoGlutinConfigs(_, error) => format!("no OpenGL at {display}: {error}"),
+        eframe::Error::OpenGL(error) => format!("no usable OpenGL at {display}: {error}"),
+        eframe::Error::Wgpu(error) => format!("no usable graphics driver at {display}: {error}"),
     }
 }
 

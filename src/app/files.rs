@@ -269,7 +269,8 @@ impl Window {
         let request = Request::new(scene, vec![solution.drive.clone()], Quantity::Rms, (width, height));
         let drawn = map::draw(&request, colours, &mut Stages::new(Evaluator::Cpu), false)?;
         let name = self.editor.document.name();
-        let page = sheet::sheet(scene, solution, &name, &drawn.picture, (colours, drawn.map.peak.into()), page)?;
+        let page =
+            sheet::sheet(scene, solution, &name, &drawn.picture, (colours, drawn.map.peak.into()), page)?;
         Ok(export::png(&page)?)
     }
 }

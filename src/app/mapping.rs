@@ -66,14 +66,24 @@ pub struct Mapping {
 
 impl std::fmt::Debug for Mapping {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.debug_struct("Mapping").field("stages", &self.stages).field("drawn", &self.drawn).finish_non_exhaustive()
+        f.debug_struct("Mapping")
+            .field("stages", &self.stages)
+            .field("drawn", &self.drawn)
+            .finish_non_exhaustive()
     }
 }
 
 impl Mapping {
     /// With a `screen`, pictures stay on its device, which is that of the evaluator.
     pub fn new(evaluator: Evaluator, screen: Option<RenderState>) -> Self {
-        Self { stages: Stages::new(evaluator), screen, registered: None, drawn: None, given_up: None, has_lost_screen: false }
+        Self {
+            stages: Stages::new(evaluator),
+            screen,
+            registered: None,
+            drawn: None,
+            given_up: None,
+            has_lost_screen: false,
+        }
     }
 
     /// Who computes the field.
@@ -110,8 +120,7 @@ impl Mapping {
         };
         let is_drawn = self.drawn.as_ref().is_some_and(|drawn| drawn.wanted == wanted);
         let start = Instant::now();
-        let made =
-            if is_drawn { self.complete(shown) } else { self.make(wanted, editor, shown, lens, ctx) };
+        let made = if is_drawn { self.complete(shown) } else { self.make(wanted, editor, shown, lens, ctx) };
         match made {
             Ok(()) if !is_drawn => shown.mapping = start.elapsed().as_secs_f64() * 1e3,
             Ok(()) => {}
@@ -254,7 +263,8 @@ impl Mapping {
     /// The map's values, height and width first. Waits for a GPU.
     pub fn numbers(&mut self) -> Option<(Vec<u64>, Vec<f32>)> {
         let request = self.drawn.as_ref()?.wanted.request.clone();
-        let values = self.or_by_cpu(|own| own.stages.map(&request).map(|map: &Values| map.values.clone())).ok()?;
+        let values =
+            self.or_by_cpu(|own| own.stages.map(&request).map(|map: &Values| map.values.clone())).ok()?;
         Some((vec![request.size.1 as u64, request.size.0 as u64], values))
     }
 }

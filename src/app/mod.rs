@@ -280,7 +280,8 @@ impl Window {
             return;
         }
         let Some(legacy) = self.legacy.take() else { return };
-        let text = "The GPU was lost; OpenGL draws the window and the CPU computes the field from now on".to_owned();
+        let text =
+            "The GPU was lost; OpenGL draws the window and the CPU computes the field from now on".to_owned();
         let blank = Editor::new(Document::new(Scene::default(), "untitled"));
         let editor = std::mem::replace(&mut self.editor, blank);
         *legacy.borrow_mut() = Some((editor, Notice { text, is_error: true }));

@@ -225,8 +225,10 @@ impl Workshop {
     /// What presses on the scene's plane, once nothing is dragged.
     fn press(&mut self, editor: &Editor, shown: &mut Shown, ctx: &Context) {
         let quantity = editor.view.quantity;
-        let is_of_array =
-            shown.sound.as_ref().is_some_and(|sound| sound.drive.phases.len() == sound.aperture.positions.len());
+        let is_of_array = shown
+            .sound
+            .as_ref()
+            .is_some_and(|sound| sound.drive.phases.len() == sound.aperture.positions.len());
         if !quantity.declaration().is_slow || !is_of_array {
             shown.pressed = None;
             return;

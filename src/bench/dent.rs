@@ -95,7 +95,8 @@ impl Case {
         let View { scene, rounds, size } = view;
         let drives = rounds[round % 2][..self.frames].to_vec();
         let request = Request { part: 1.0, ..Request::new(scene, drives, self.quantity, (*size, *size)) };
-        let colouring = Colouring::new(self.quantity, map::colours(self.quantity, ColourMap::Inferno).table());
+        let colouring =
+            Colouring::new(self.quantity, map::colours(self.quantity, ColourMap::Inferno).table());
         self.stages.colours(&request, &colouring)?;
         self.error = self.stages.map(&request)?.error;
         Ok(())

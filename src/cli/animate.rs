@@ -6,7 +6,7 @@ use anyhow::bail;
 use indicatif::{ProgressBar, ProgressStyle};
 
 use crate::cli::{RenderArgs, View, read_scene, render};
-use crate::field::{Colouring, Request, Stages};
+use crate::field::{Colouring, Quantity, Request, Stages};
 use crate::solver::frames;
 use crate::studio::animate::{Film, Target};
 use crate::studio::evaluator::{self, Backend};
@@ -32,7 +32,8 @@ pub fn run(args: &RenderArgs) -> anyhow::Result<()> {
         }
         Diagram::Map(quantity) => quantity,
         Diagram::Drive | Diagram::Sheet => {
-            bail!("maps are animated: --quantity rms, phase, radiation, depression, intensity or velocity")
+            let names = Quantity::ALL.map(|quantity| quantity.declaration().name);
+            bail!("maps are animated: --quantity {}", names.join(", "))
         }
     };
     if args.view == View::Shaded {

@@ -51,13 +51,13 @@ enum Command {
     ///
     ///   sonoglyph render assets/scenes/*.toml -o pictures/ --size 1024
     ///
-    ///   sonoglyph render water-two-points.toml -o dents.png --quantity dent --view shaded
+    ///   sonoglyph render water-two-points.toml -o water.png --quantity depression --view shaded
     ///
     ///   sonoglyph render hit.toml -o hit.png --data hit.npy --backend reference
     ///
     ///   sonoglyph render assets/scenes/water-moving-square.toml --motion -o square.gif
     ///
-    ///   sonoglyph render assets/scenes/water-moving-square.toml --quantity dent --waves -o waves.gif
+    ///   sonoglyph render assets/scenes/water-moving-square.toml --quantity depression --waves -o waves.gif
     #[command(verbatim_doc_comment)]
     Render(RenderArgs),
     /// Find the drive of a scene and say how good it is
@@ -105,7 +105,7 @@ enum Command {
     Ports,
     /// Play a scene on a board
     ///
-    /// A scene at rest is played for a second, a scene with motion for one round; --loop goes on until Ctrl-C. When it ends, in
+    /// A scene at rest is played for a second, a scene with motion for one cycle; --loop goes on until Ctrl-C. When it ends, in
     /// whichever way, the board falls silent. Examples:
     ///
     ///   sonoglyph send hit.toml --port /dev/ttyUSB0 --profile sonicsurface --loop
@@ -140,7 +140,7 @@ struct RenderArgs {
     /// Pixels: W, or WxH; W alone keeps the plane's shape [default: 512, sheets 1600]
     #[arg(long, value_name = "W[xH]", value_parser = render::parse_size)]
     size: Option<Size>,
-    /// How a dent is shown
+    /// How a surface depression is shown
     #[arg(long, value_enum, default_value_t = View::Flat)]
     view: View,
     /// Solver method, instead of the scene's
@@ -156,28 +156,30 @@ struct RenderArgs {
     /// Colours of pressure maps
     #[arg(long, value_enum, default_value_t = ColourMap::Inferno)]
     colours: ColourMap,
-    /// Write the numbers too: NPY, float32, (H, W), row 0 at the smallest y; rms and radiation in Pa, phase in rad, dent
-    /// in m (positive down). For `drive` the
-    /// shape is (2, rows, columns): phase in rad, amplitude before it is made uniform
+    /// Write the numbers too: NPY, float32, (H, W), row 0 at the smallest y
+    ///
+    /// Pressures in Pa, phase in rad, depression in m (positive down), intensity in W/m², velocity in m/s. For --waves the
+    /// shape is (frames, H, W), and FILE.times.npy has the time of every frame in s. For `drive` it is (2, rows, columns):
+    /// phase in rad, amplitude before it is made uniform.
     #[arg(long, value_name = "FILE.npy")]
     data: Option<PathBuf>,
-    /// Animate a round of the scene's motion: FILE.gif, an animated FILE.png or FILE.apng, or a PNG per frame in FOLDER/
+    /// Animate a cycle of the scene's motion: FILE.gif, an animated FILE.png or FILE.apng, or a PNG per frame in FOLDER/
     ///
-    /// All frames share one range of colours. A round takes as long as it really does, unless frames would be shown for less
+    /// All frames share one range of colours. A cycle takes as long as it really does, unless frames would be shown for less
     /// than 20 ms.
     #[arg(long)]
     motion: bool,
-    /// Animate the liquid's surface from the moment that the sound begins: waves, for --quantity dent
+    /// Animate the liquid's surface from the moment that the sound begins: waves, for --quantity depression
     ///
     /// The envelope swings and the targets move as the scene says. The walls, 14 capillary lengths beyond the plane, reflect.
     #[arg(long, conflicts_with = "motion")]
     waves: bool,
-    /// How long --waves goes on [default: a round of the motion, or 0.25 s where nothing moves]
+    /// How long --waves goes on [default: a cycle of the motion, or 0.25 s where nothing moves]
     #[arg(long, value_name = "S", requires = "waves")]
     seconds: Option<f64>,
-    /// What a still picture of a scene with motion shows: a frame, counted from 1, or the mean of a round
+    /// What a still picture of a scene with motion shows: a frame, counted from 1, or the mean of a cycle
     ///
-    /// Otherwise targets stand where the scene puts them, but for `radiation` and `dent`: a liquid is slow and feels the mean.
+    /// Otherwise targets stand where the scene puts them, but for `radiation` and `depression`: a liquid is slow and feels the mean.
     #[arg(long, value_name = "N|mean", value_parser = render::parse_moment, conflicts_with_all = ["motion", "waves"])]
     frame: Option<Moment>,
     /// Say what was used and how long it took

@@ -114,11 +114,11 @@ fn print(scene: &Scene, sequence: &Sequence) -> anyhow::Result<()> {
     let mut rows = vec![("path", motion.path.name().to_owned())];
     let length = motion.length();
     if length > 0.0 {
-        rows[0].1 += &format!(", {:.1} mm a round", length * 1e3);
+        rows[0].1 += &format!(", {:.1} mm a cycle", length * 1e3);
     }
     match rate(scene) {
         Some(rate) => {
-            rows.push(("rate", format!("{} rounds/s of {count} frames: {rate} frames/s", motion.rate)));
+            rows.push(("rate", format!("{} cycles/s of {count} frames: {rate} frames/s", motion.rate)));
             rows.push(("can be played", playable(rate, scene.array.frequency)));
         }
         None => rows.push(("frames", count.to_string())),

@@ -32,7 +32,9 @@ impl ValueEnum for Renderer {
     fn to_possible_value(&self) -> Option<PossibleValue> {
         Some(match self {
             Self::Auto => PossibleValue::new("auto").help("wgpu where there is a GPU, else glow"),
-            Self::Wgpu => PossibleValue::new("wgpu").help("The device that computes the field draws the window too"),
+            Self::Wgpu => {
+                PossibleValue::new("wgpu").help("The device that computes the field draws the window too")
+            }
             Self::Glow => PossibleValue::new("glow").help("OpenGL; the CPU computes the field"),
         })
     }
@@ -91,7 +93,7 @@ impl ValueEnum for Subject {
 
     fn to_possible_value(&self) -> Option<PossibleValue> {
         let (name, help) = match self {
-            Self::Field => ("field", "Maps of the field, and dents and means beside them"),
+            Self::Field => ("field", "Maps: of one drive, of means, and of surface depressions"),
             Self::Solve => ("solve", "Solver methods"),
             Self::Stability => ("stability", "Solver methods on sets of foci that are hard to solve"),
             Self::Window => ("window", "Frames of the window"),

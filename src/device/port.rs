@@ -1,15 +1,24 @@
 //! Serial ports: which there are, and one that is open.
 
-use std::io;
+use std::fs::File;
+use std::io::{self, IsTerminal, Read, Write};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
-use serial2::SerialPort;
+#[cfg(windows)]
+use serialport::COMPort as Serial;
+use serialport::SerialPort;
+#[cfg(unix)]
+use serialport::TTYPort as Serial;
 
 use crate::device::pace::Pace;
 
 /// After this a port that takes nothing is given up.
 const WRITE_TIMEOUT: Duration = Duration::from_millis(500);
+/// A receiver still reads a line whose rate is wrong by one part in so many.
+const BAUD_TOLERANCE: u32 = 40;
+/// Where Linux lists its terminals.
+const LINUX_PORTS: &str = "/sys/class/tty";
 
 #[derive(Debug, thiserror::Error)]
 pub enum PortError {
@@ -32,7 +41,7 @@ pub enum PortError {
 /// An open port, and what it has still to send.
 #[derive(Debug)]
 pub struct Port {
-    serial: SerialPort,
+    serial: Serial,
     name: String,
     baud: u32,
     pace: Pace,
@@ -43,11 +52,14 @@ pub struct Port {
 /// # Errors
 /// A system that does not say.
 pub fn available() -> io::Result<Vec<PathBuf>> {
-    let mut ports = match SerialPort::available_ports() {
-        // A system that lists no devices, as containers may, has none to offer.
-        Err(error) if error.kind() == io::ErrorKind::NotFound => Vec::new(),
-        ports => ports?,
-    };
+    // serialport panics where Linux lists no terminals, as in some containers.
+    if cfg!(target_os = "linux")
+        && let Err(error) = std::fs::read_dir(LINUX_PORTS)
+    {
+        return if error.kind() == io::ErrorKind::NotFound { Ok(Vec::new()) } else { Err(error) };
+    }
+    let listed = serialport::available_ports()?;
+    let mut ports: Vec<_> = listed.into_iter().map(|port| PathBuf::from(port.port_name)).collect();
     ports.sort();
     Ok(ports)
 }
@@ -63,16 +75,11 @@ impl Port {
         if file.as_ref().is_ok_and(|file| file.is_file() || file.is_dir()) {
             return Err(PortError::NotSerial(name));
         }
-        // Opened as it is first, so that what cannot be set up is told from what cannot be opened.
-        let mut serial =
-            SerialPort::open(path, serial2::KeepSettings).map_err(|error| refused(name.clone(), error))?;
-        alone(&serial).map_err(|_| PortError::Busy(name.clone()))?;
-        let mut settings = serial.get_configuration().map_err(|_| PortError::NotSerial(name.clone()))?;
-        settings.set_raw();
-        let set = settings.set_baud_rate(baud).and_then(|()| serial.set_configuration(&settings));
-        set.map_err(|error| PortError::Baud { path: name.clone(), baud, error })?;
-        let timeout = serial.set_write_timeout(WRITE_TIMEOUT);
-        timeout.map_err(|error| PortError::Lost { path: name.clone(), error })?;
+        let serial = serialport::new(path.to_string_lossy(), baud)
+            .open_native()
+            .map_err(|error| refused(path, baud, error))?;
+        never_block(&serial).map_err(|error| PortError::Lost { path: name.clone(), error })?;
+        check_rate(&serial, baud).map_err(|error| PortError::Baud { path: name.clone(), baud, error })?;
         Ok(Self { serial, name, baud, pace: Pace::new(f64::from(baud), Instant::now()) })
     }
 
@@ -89,11 +96,8 @@ impl Port {
     /// # Errors
     /// A bit rate that this port cannot have.
     pub fn set_baud(&mut self, baud: u32) -> Result<(), PortError> {
-        let set = self.serial.flush().and_then(|()| self.serial.get_configuration());
-        let set = set.and_then(|mut settings| {
-            settings.set_baud_rate(baud)?;
-            self.serial.set_configuration(&settings)
-        });
+        let set = self.serial.flush().and_then(|()| Ok(self.serial.set_baud_rate(baud)?));
+        let set = set.and_then(|()| check_rate(&self.serial, baud));
         set.map_err(|error| PortError::Baud { path: self.name.clone(), baud, error })?;
         self.baud = baud;
         self.pace = Pace::new(f64::from(baud), Instant::now());
@@ -105,9 +109,10 @@ impl Port {
     /// # Errors
     /// A port that is gone, or takes nothing for [`WRITE_TIMEOUT`].
     pub fn write(&mut self, bytes: &[u8]) -> Result<Instant, PortError> {
-        self.serial.write_all(bytes).map_err(|error| match error.kind() {
-            io::ErrorKind::TimedOut => PortError::Stalled(self.name.clone()),
-            _ => self.lost(error),
+        let written = self.wait_at_most(WRITE_TIMEOUT).and_then(|()| self.serial.write_all(bytes));
+        written.map_err(|error| match waited_in_vain(&error) {
+            true => PortError::Stalled(self.name.clone()),
+            false => self.lost(error),
         })?;
         Ok(self.pace.sent(bytes.len(), Instant::now()))
     }
@@ -118,13 +123,20 @@ impl Port {
     /// A port that is gone.
     pub fn read(&mut self, timeout: Duration) -> Result<Vec<u8>, PortError> {
         let mut bytes = [0; 1024];
-        let read = self.serial.set_read_timeout(timeout).and_then(|()| self.serial.read(&mut bytes));
+        let read = self.wait_at_most(timeout).and_then(|()| self.serial.read(&mut bytes));
         match read {
             Ok(0) => Err(self.lost(io::ErrorKind::UnexpectedEof.into())),
             Ok(count) => Ok(bytes[..count].to_vec()),
-            Err(error) if error.kind() == io::ErrorKind::TimedOut => Ok(Vec::new()),
+            Err(error) if waited_in_vain(&error) => Ok(Vec::new()),
             Err(error) => Err(self.lost(error)),
         }
+    }
+
+    /// serialport has one timeout for reads and writes.
+    fn wait_at_most(&mut self, timeout: Duration) -> io::Result<()> {
+        // Windows does not say what a timeout of 0 is.
+        let least = Duration::from_millis(if cfg!(windows) { 1 } else { 0 });
+        Ok(self.serial.set_timeout(timeout.max(least))?)
     }
 
     /// How long the line is still busy.
@@ -142,18 +154,44 @@ impl Port {
     }
 }
 
-fn refused(name: String, error: io::Error) -> PortError {
-    /// Of Unix: another program has it for itself.
-    const EBUSY: i32 = 16;
-    /// No such device behind the file.
+/// Whether nothing could be read or written in time. Windows then writes no bytes, which is no error there.
+fn waited_in_vain(error: &io::Error) -> bool {
+    use io::ErrorKind::{Interrupted, TimedOut, WouldBlock, WriteZero};
+    matches!(error.kind(), Interrupted | TimedOut | WouldBlock | WriteZero)
+}
+
+/// Why a port could not be opened. serialport tells few reasons apart, so the system is asked once more.
+fn refused(path: &Path, baud: u32, error: serialport::Error) -> PortError {
+    let name = path.display().to_string();
+    if cfg!(unix) && error.kind == serialport::ErrorKind::NoDevice {
+        return PortError::Busy(name);
+    }
+    match open_as_file(path) {
+        Err(error) => unopened(name, error),
+        Ok(file) if cfg!(unix) && !file.is_terminal() => PortError::NotSerial(name),
+        Ok(_) => PortError::Baud { path: name, baud, error: error.into() },
+    }
+}
+
+/// Opens a port without setting it up, and without waiting for a carrier.
+#[cfg(unix)]
+fn open_as_file(path: &Path) -> io::Result<File> {
+    use rustix::fs::{Mode, OFlags};
+    let how = OFlags::RDWR | OFlags::NOCTTY | OFlags::NONBLOCK | OFlags::CLOEXEC;
+    Ok(rustix::fs::open(path, how, Mode::empty())?.into())
+}
+
+#[cfg(windows)]
+fn open_as_file(path: &Path) -> io::Result<File> {
+    File::options().read(true).write(true).open(format!(r"\\.\{}", path.display()))
+}
+
+fn unopened(name: String, error: io::Error) -> PortError {
+    /// Of Unix: no such device behind the file.
     const ENXIO: i32 = 6;
-    /// A file that is no terminal.
-    const ENOTTY: i32 = 25;
     match (error.kind(), error.raw_os_error()) {
         (io::ErrorKind::NotFound, _) => PortError::Missing(name),
-        (_, Some(EBUSY)) if cfg!(unix) => PortError::Busy(name),
         (_, Some(ENXIO)) if cfg!(unix) => PortError::Missing(name),
-        (_, Some(ENOTTY)) if cfg!(unix) => PortError::NotSerial(name),
         // Windows lets one program have a port and denies it to others.
         (io::ErrorKind::PermissionDenied, _) if cfg!(windows) => PortError::Busy(name),
         (io::ErrorKind::PermissionDenied, _) => PortError::NoPermission(name),
@@ -161,13 +199,26 @@ fn refused(name: String, error: io::Error) -> PortError {
     }
 }
 
-/// Two programs that write to one board at once tear each other's frames: the second is refused.
-#[cfg(unix)]
-fn alone(serial: &SerialPort) -> io::Result<()> {
-    Ok(rustix::fs::flock(serial, rustix::fs::FlockOperation::NonBlockingLockExclusive)?)
+/// A driver may choose a rate of its own; a line at another rate carries noise.
+fn check_rate(serial: &Serial, baud: u32) -> io::Result<()> {
+    match serial.baud_rate()? {
+        rate if rate.abs_diff(baud) <= baud / BAUD_TOLERANCE => Ok(()),
+        rate => Err(io::Error::other(format!("the port runs at {rate} instead"))),
+    }
 }
 
+/// serialport begins to write when the line takes something, and would then wait, for ever, until it has taken all.
+#[cfg(unix)]
+#[expect(unsafe_code, reason = "the descriptor stays open as long as the port that it is borrowed from")]
+fn never_block(serial: &Serial) -> io::Result<()> {
+    use rustix::fd::{AsRawFd, BorrowedFd};
+    use rustix::fs::{OFlags, fcntl_setfl};
+    let descriptor = unsafe { BorrowedFd::borrow_raw(serial.as_raw_fd()) };
+    Ok(fcntl_setfl(descriptor, OFlags::NONBLOCK)?)
+}
+
+/// On Windows its timeout holds for all of the bytes.
 #[cfg(windows)]
-fn alone(_: &SerialPort) -> io::Result<()> {
+fn never_block(_: &Serial) -> io::Result<()> {
     Ok(())
 }

@@ -17,6 +17,7 @@ pub mod quantity;
 pub mod raster;
 pub mod reference;
 pub mod slope;
+pub mod sound;
 pub mod sources;
 pub mod stages;
 pub mod transfer;
@@ -162,9 +163,8 @@ impl Evaluator {
 
 /// Complex pressure (Pa, peak) at every sample by the CPU, in f64 if `double` or where f32 declines.
 fn on_cpu(aperture: &Aperture, drive: &Drive, samples: &Samples, double: bool) -> Vec<Complex32> {
-    let in_f64 = |samples: &Samples| {
-        reference::pressure(aperture, drive, samples).into_iter().map(quantity::narrow)
-    };
+    let in_f64 =
+        |samples: &Samples| reference::pressure(aperture, drive, samples).into_iter().map(sound::narrow);
     match Sources::new(aperture, drive, samples) {
         Some(sources) if !double => {
             let mut field = cpu::pressure(&sources, samples);

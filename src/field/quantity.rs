@@ -8,84 +8,8 @@ use std::f64::consts::{PI, TAU};
 
 use num_complex::{Complex32, Complex64};
 
-use crate::acoustics::Air;
+pub use crate::field::sound::{ALONG, Constants, NORMAL, PRESSURE, Part, Sound, Sounds, narrow};
 use crate::simd::{Instructions, Isa, Kernel};
-
-/// The sound of one drive at a point: complex peak amplitudes.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Sound {
-    /// Pa
-    pub p: Complex32,
-    /// Slopes of the pressure along the plane's first axis, its second, and its normal; Pa/m.
-    pub x: Complex32,
-    pub y: Complex32,
-    pub n: Complex32,
-}
-
-impl Sound {
-    pub fn part_mut(&mut self, part: Part) -> &mut Complex32 {
-        match part {
-            Part::Pressure => &mut self.p,
-            Part::AlongX => &mut self.x,
-            Part::AlongY => &mut self.y,
-            Part::Normal => &mut self.n,
-        }
-    }
-}
-
-/// One of the numbers of a [`Sound`].
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Part {
-    Pressure,
-    AlongX,
-    AlongY,
-    Normal,
-}
-
-impl Part {
-    /// In the order in which evaluators keep them.
-    pub const ALL: [Self; 4] = [Self::Pressure, Self::AlongX, Self::AlongY, Self::Normal];
-
-    const fn bit(self) -> u8 {
-        1 << self as u8
-    }
-
-    /// The parts that are named by their bits.
-    pub fn of(bits: u8) -> impl Iterator<Item = Self> {
-        Self::ALL.into_iter().filter(move |part| bits & part.bit() != 0)
-    }
-}
-
-/// Bits of parts.
-pub const PRESSURE: u8 = Part::Pressure.bit();
-pub const ALONG: u8 = Part::AlongX.bit() | Part::AlongY.bit();
-pub const NORMAL: u8 = Part::Normal.bit();
-
-/// What formulae need to know of the air and of the moment.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Constants {
-    /// 1/(ρc²), 1/Pa
-    pub of_pressure: f32,
-    /// 1/(ρω²), m²/Pa
-    pub of_gradient: f32,
-    /// 1/(ρω), m²/(Pa·s): |v| of |∇p|.
-    pub of_velocity: f32,
-    /// e^{jωt} of an instantaneous pressure.
-    pub turn: Complex32,
-}
-
-impl Constants {
-    /// In this air, for a wavenumber (1/m), at the moment ωt (rad).
-    pub fn new(air: &Air, wavenumber: f64, moment: f64) -> Self {
-        let angular = wavenumber * air.sound_speed;
-        Self {
-            of_pressure: (1.0 / (air.density * air.sound_speed.powi(2))) as f32,
-            of_gradient: (1.0 / (air.density * angular * angular)) as f32,
-            of_velocity: (1.0 / (air.density * angular)) as f32,
-            turn: Complex32::cis(moment as f32),
-        }
-    }
-}
 
 /// How values run, and so how they are coloured.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -135,7 +59,7 @@ impl Unit {
     }
 }
 
-/// One quantity. See [`quantities`].
+/// One quantity.
 #[derive(Debug)]
 pub struct Declaration {
     /// In files and arguments.
@@ -171,17 +95,26 @@ pub struct Declaration {
     pub of_liquid: bool,
 }
 
-/// The parts of the sound at a run of points; those that a formula does not read are empty.
-#[derive(Clone, Copy, Debug)]
-pub struct Sounds<'a>(pub [&'a [Complex32]; 4]);
-
-impl<'a> Sounds<'a> {
-    /// From the parts in `of` only, in their order.
-    pub fn of(of: u8, parts: impl IntoIterator<Item = &'a [Complex32]>) -> Self {
-        let mut parts = parts.into_iter();
-        Self(std::array::from_fn(|i| if of & 1 << i == 0 { &[][..] } else { parts.next().unwrap_or(&[]) }))
-    }
-}
+/// What a declaration leaves out.
+const USUAL: Declaration = Declaration {
+    name: "",
+    aliases: &[],
+    title: "",
+    words: "",
+    help: "",
+    unit: Unit::Pascal,
+    range: Range::Amount,
+    norm: Norm::Value,
+    parts: PRESSURE,
+    formula: |_, _, _| (),
+    wgsl: "",
+    is_square: false,
+    has_mean: true,
+    is_root: false,
+    decibels: 20.0,
+    is_slow: false,
+    of_liquid: false,
+};
 
 macro_rules! quantities {
     ($($(#[$doc:meta])* $quantity:ident {
@@ -208,6 +141,7 @@ macro_rules! quantities {
                                 Isa::best().run(Along::<_, { $parts }> { sounds, constants, values, at });
                             },
                             $($field: $value,)*
+                            ..USUAL
                         };
                         &DECLARATION
                     })*
@@ -224,19 +158,11 @@ quantities! {
         formula: |s, _c| 0.5 * s.p.norm_sqr(),
         wgsl: "0.5 * dot(s.p, s.p)",
         name: "rms",
-        aliases: &[],
         title: "RMS",
         words: "RMS pressure",
         help: "RMS pressure of the sound",
-        unit: Unit::Pascal,
-        range: Range::Amount,
-        norm: Norm::Value,
         is_square: true,
-        has_mean: true,
         is_root: true,
-        decibels: 20.0,
-        is_slow: false,
-        of_liquid: false,
     }
     /// arg P, rad in (-π, π].
     Phase {
@@ -245,19 +171,13 @@ quantities! {
         formula: |s, _c| s.p.im.atan2(if s.p == Complex32::ZERO { 1.0 } else { s.p.re }),
         wgsl: "atan2(s.p.y, select(s.p.x, 1.0, all(s.p == vec2f(0.0))))",
         name: "phase",
-        aliases: &[],
         title: "Phase",
         words: "phase",
         help: "Where in its period the sound is",
         unit: Unit::Radian,
         range: Range::Cyclic,
         norm: Norm::Pressure,
-        is_square: false,
         has_mean: false,
-        is_root: false,
-        decibels: 20.0,
-        is_slow: false,
-        of_liquid: false,
     }
     /// Radiation pressure (Pa) on the plane as a rigid surface, or one of a liquid, which reflects 99.9 % of the sound.
     ///
@@ -269,19 +189,14 @@ quantities! {
         formula: |s, c| c.of_pressure * s.p.norm_sqr() - c.of_gradient * (s.x.norm_sqr() + s.y.norm_sqr()),
         wgsl: "c.of_pressure * dot(s.p, s.p) - c.of_gradient * (dot(s.x, s.x) + dot(s.y, s.y))",
         name: "radiation",
-        aliases: &[],
         title: "Radiation",
         words: "radiation pressure",
         help: "The steady pressure of the sound on a surface that reflects it",
-        unit: Unit::Pascal,
         range: Range::Signed,
         norm: Norm::Difference,
         is_square: true,
-        has_mean: true,
-        is_root: false,
         decibels: 10.0,
         is_slow: true,
-        of_liquid: false,
     }
     /// Surface depression (m, positive down) of the liquid whose surface the plane is, under the radiation pressure.
     Depression {
@@ -294,11 +209,8 @@ quantities! {
         words: "surface depression",
         help: "How deep the sound presses the liquid whose surface the plane is",
         unit: Unit::Metre,
-        range: Range::Amount,
         norm: Norm::Difference,
         is_square: true,
-        has_mean: true,
-        is_root: false,
         decibels: 10.0,
         is_slow: true,
         of_liquid: true,
@@ -309,43 +221,30 @@ quantities! {
         formula: |s, c| s.p.re * c.turn.re - s.p.im * c.turn.im,
         wgsl: "s.p.x * c.turn.x - s.p.y * c.turn.y",
         name: "instantaneous",
-        aliases: &[],
         title: "Instantaneous",
         words: "instantaneous pressure",
         help: "The pressure at one moment: the waves as they run, slowed down",
-        unit: Unit::Pascal,
         range: Range::Signed,
         norm: Norm::Pressure,
-        is_square: false,
         has_mean: false,
-        is_root: false,
-        decibels: 20.0,
-        is_slow: false,
-        of_liquid: false,
     }
     /// Magnitude of the mean flow of energy, W/m²: |½ Re{P V*}| with V = j∇P/(ρω).
     Intensity {
         parts: PRESSURE | ALONG | NORMAL,
         formula: |s, c| {
-            let flow = |slope: Complex32| s.p.im * slope.re - s.p.re * slope.im;
+            // In W/m² before it is squared, where f32 has as much room below as above.
+            let flow = |slope: Complex32| 0.5 * c.of_velocity * (s.p.im * slope.re - s.p.re * slope.im);
             let (x, y, n) = (flow(s.x), flow(s.y), flow(s.n));
-            0.5 * c.of_velocity * (x * x + y * y + n * n).sqrt()
+            (x * x + y * y + n * n).sqrt()
         },
-        wgsl: "0.5 * c.of_velocity * length(s.p.y * vec3f(s.x.x, s.y.x, s.n.x) - s.p.x * vec3f(s.x.y, s.y.y, s.n.y))",
+        wgsl: "length(0.5 * c.of_velocity * (s.p.y * vec3f(s.x.x, s.y.x, s.n.x) - s.p.x * vec3f(s.x.y, s.y.y, s.n.y)))",
         name: "intensity",
-        aliases: &[],
         title: "Intensity",
         words: "acoustic intensity",
         help: "How much power the sound carries through a square metre, in whichever direction",
         unit: Unit::WattPerSquareMetre,
-        range: Range::Amount,
         norm: Norm::Difference,
-        is_square: false,
-        has_mean: true,
-        is_root: false,
         decibels: 10.0,
-        is_slow: false,
-        of_liquid: false,
     }
     /// RMS particle velocity along the plane's normal, m/s: |∂P/∂n|/(√2 ρω).
     Velocity {
@@ -353,19 +252,12 @@ quantities! {
         formula: |s, c| 0.5 * c.of_velocity * c.of_velocity * s.n.norm_sqr(),
         wgsl: "0.5 * c.of_velocity * c.of_velocity * dot(s.n, s.n)",
         name: "velocity",
-        aliases: &[],
         title: "Velocity",
         words: "RMS particle velocity",
         help: "RMS velocity of the air along the plane's normal",
         unit: Unit::MetrePerSecond,
-        range: Range::Amount,
-        norm: Norm::Value,
         is_square: true,
-        has_mean: true,
         is_root: true,
-        decibels: 20.0,
-        is_slow: false,
-        of_liquid: false,
     }
 }
 
@@ -421,11 +313,6 @@ pub fn figures(value: f64) -> String {
     format!("{value:.decimals$}")
 }
 
-/// In f32.
-pub fn narrow(p: Complex64) -> Complex32 {
-    Complex32::new(p.re as f32, p.im as f32)
-}
-
 /// A formula at every point of a run.
 struct Along<'a, F, const PARTS: u8> {
     sounds: Sounds<'a>,
@@ -463,6 +350,7 @@ impl<F: Fn(Sound, &Constants) -> f32, const PARTS: u8> Kernel for Along<'_, F, P
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::acoustics::Air;
     use crate::scene::Medium;
 
     fn constants() -> (Air, Constants, f64) {

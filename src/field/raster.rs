@@ -21,13 +21,7 @@ impl Raster {
     /// `None` where the plane's axes span no plane.
     pub fn new(plan: &Plan, (width, height): (usize, usize)) -> Option<Self> {
         let Samples { columns, rows } = Samples::on_plane(&plan.plane, width, height)?;
-        let direct = Self {
-            width,
-            height,
-            interpolated: 0..0,
-            columns,
-            rows,
-        };
+        let direct = Self { width, height, interpolated: 0..0, columns, rows };
         let Some(grid) = &plan.grid else { return Some(direct) };
         let row = |j: usize| plan.plane.size.y * ((j as f64 + 0.5) / height as f64 - 0.5);
         let below = |place: f64| (0..height).filter(|&j| row(j) < place).count();

@@ -143,9 +143,7 @@ impl Wave {
     /// What a drive makes of the array, as in [`Sources::elements`]; silent elements are left out.
     pub fn elements(&self, aperture: &Aperture, drive: &Drive) -> Vec<[f32; 4]> {
         let sounding = aperture.driven.iter().filter(|&&n| drive.amplitudes[n] != 0.0);
-        sounding
-            .map(|&n| self.element(aperture.positions[n], drive.amplitudes[n], drive.phases[n]))
-            .collect()
+        sounding.map(|&n| self.element(aperture.positions[n], drive.amplitudes[n], drive.phases[n])).collect()
     }
 
     /// The factor from the amplitudes of another wave's elements to those of this one's, which lie at other distances.

@@ -259,7 +259,7 @@ fn modulation(modulation: &Modulation) -> Result<(), KeyError> {
 
 fn motion(motion: &Motion) -> Result<(), KeyError> {
     length("size", motion.size)?;
-    within("rate", motion.rate, 1e-6, 1e5, "rounds per second")?;
+    within("rate", motion.rate, 1e-6, 1e5, "cycles per second")?;
     // How many are too many depends on the array: `motion::check` knows.
     count("frames", u64::from(motion.frames), 1, u64::from(u32::MAX))?;
     for (index, offset) in motion.points.iter().enumerate() {

@@ -10,9 +10,9 @@ use anyhow::{Context, bail};
 use crate::field::Evaluator;
 use crate::field::quantity::Range;
 use crate::field::{Colouring, FieldError, Request, Stages};
+use crate::picture::ColourMap;
 use crate::picture::animation::{Animation, Format, Pace};
 use crate::picture::export::{self, Numbers};
-use crate::picture::ColourMap;
 use crate::scene::Scene;
 use crate::studio::evaluator::or_by_cpu;
 use crate::studio::map;
@@ -199,11 +199,12 @@ impl<'a> Film<'a> {
     /// The range of all frames; their values are written if they are wanted.
     fn measured(&mut self, count: usize, step: &dyn Fn() -> anyhow::Result<()>) -> anyhow::Result<[f32; 2]> {
         let mut range = [0.0f32; 2];
-        let mut measure = |film: &mut Self, request: &Request, take: &mut dyn FnMut(&[f32]) -> io::Result<()>| {
-            let [low, high] = film.extent(request, take)?;
-            range = [range[0].min(low), range[1].max(high)];
-            step()
-        };
+        let mut measure =
+            |film: &mut Self, request: &Request, take: &mut dyn FnMut(&[f32]) -> io::Result<()>| {
+                let [low, high] = film.extent(request, take)?;
+                range = [range[0].min(low), range[1].max(high)];
+                step()
+            };
         let Some(path) = self.data.clone() else {
             self.each(|film, _, request| measure(film, request, &mut |_| Ok(())))?;
             return Ok(range);
@@ -224,11 +225,9 @@ impl<'a> Film<'a> {
         let quantity = self.request.quantity;
         let declaration = quantity.declaration();
         match (self.schedule, declaration.range) {
-            (Some(_), _) => format!(
-                ", depth {} to {}",
-                quantity.with_unit(low.into()),
-                quantity.with_unit(high.into())
-            ),
+            (Some(_), _) => {
+                format!(", depth {} to {}", quantity.with_unit(low.into()), quantity.with_unit(high.into()))
+            }
             (None, Range::Cyclic) => String::new(),
             (None, Range::Amount | Range::Signed) => {
                 format!(", {}", map::extent(quantity, high.into()))
@@ -249,12 +248,11 @@ impl<'a> Film<'a> {
             return Ok(());
         };
         let (scene, asked_for) = (self.scene, self.gpu_is_asked_for);
-        let mut swell = or_by_cpu(&mut self.stages, asked_for, |stages| {
-            Swell::new(scene, schedule, &all, stages)
-        })?;
+        let mut swell =
+            or_by_cpu(&mut self.stages, asked_for, |stages| Swell::new(scene, schedule, &all, stages))?;
         let first = Request { drives: vec![all.drives[0].clone()], part: 1.0, ..all };
         for index in 0..schedule.pictures {
-            take(self, index, &Request { depth: Some(swell.next()), ..first.clone() })?;
+            take(self, index, &Request { depth: Some(swell.next_surface()), ..first.clone() })?;
         }
         Ok(())
     }

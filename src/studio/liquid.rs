@@ -1,10 +1,10 @@
 //! What sound does to a liquid, in words and as a picture.
 
+use crate::field::Pressed;
 use crate::picture::relief::{self, Relief, Words};
 use crate::picture::sheet::pascals;
 use crate::picture::{Picture, PictureError};
 use crate::scene::{Envelope, Plane, Scene};
-use crate::field::Pressed;
 use crate::studio::map::DrawnMap;
 use crate::studio::output::warn;
 use crate::surface::Dent;
@@ -66,7 +66,7 @@ pub fn picture(
         format!("{name}: {}", liquid(scene)),
         figures(dent),
         format!(
-            "{:.0} x {:.0} mm seen from the front, dents drawn {} times as deep",
+            "{:.0} x {:.0} mm seen from the front, depths drawn {} times as deep",
             size.x,
             size.y,
             relief.exaggeration()

@@ -5,6 +5,7 @@ pub mod animate;
 pub mod evaluator;
 pub mod liquid;
 pub mod map;
+mod memory;
 pub mod motion;
 pub mod output;
 pub mod probe;

@@ -1,4 +1,4 @@
-//! The drives of all frames of a round, with what the user should know of them.
+//! The drives of all frames of a cycle, with what the user should know of them.
 
 use crate::acoustics::Aperture;
 use crate::picture::sheet::pascals;

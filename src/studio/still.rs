@@ -13,7 +13,7 @@ use crate::solver::{self, Solution};
 use crate::studio::evaluator::{self, Backend};
 use crate::studio::map;
 use crate::studio::output::{self, say, warn};
-use crate::studio::{EXAMPLE, liquid, motion};
+use crate::studio::{EXAMPLE, liquid, memory, motion};
 
 /// What the sheet of a scene is called when nobody named a file.
 const DEFAULT_SHEET: &str = "sonoglyph.png";
@@ -49,15 +49,6 @@ pub enum Moment {
     /// Counted from 0.
     Frame(usize),
     Mean,
-}
-
-/// Whether the system would give so many bytes. A refusal is a message now; in the middle of the work it would be the end.
-fn there_is_room(bytes: usize) -> bool {
-    let mut room = Vec::<u8>::new();
-    let is_given = room.try_reserve_exact(bytes).is_ok();
-    // Otherwise a compiler may leave out what nobody uses.
-    std::hint::black_box(&mut room);
-    is_given
 }
 
 /// The sheet of a scene, or of the example, in the current folder.
@@ -119,7 +110,7 @@ impl Solved {
 #[derive(Clone, Debug)]
 pub struct Look {
     pub diagram: Diagram,
-    /// Whether a dent is drawn as a surface seen at an angle.
+    /// Whether a depression is drawn as a surface seen at an angle.
     pub shaded: bool,
     pub colours: ColourMap,
     /// Instead of what suits the diagram.
@@ -145,12 +136,15 @@ impl Look {
         }
         let mut frames = motion::follow(scene, &solved.name)?.frames;
         match moment {
-            Moment::Mean if matches!(self.diagram, Diagram::Map(quantity) if !quantity.declaration().has_mean) => {
-                bail!("a mean over frames has no such value: give a frame's number")
+            Moment::Mean
+                if let Diagram::Map(quantity) = self.diagram
+                    && !quantity.declaration().has_mean =>
+            {
+                bail!("{} has no mean over frames: give a frame's number", quantity.declaration().words)
             }
             Moment::Mean => Ok(frames.into_iter().map(|frame| frame.drive).collect()),
             Moment::Frame(number) if number >= frames.len() => {
-                bail!("there is no frame {}: a round has {}", number + 1, frames.len())
+                bail!("there is no frame {}: a cycle has {}", number + 1, frames.len())
             }
             Moment::Frame(number) => Ok(vec![frames.swap_remove(number).drive]),
         }
@@ -182,7 +176,7 @@ impl Look {
             );
         }
         let bytes = width * height * BYTES_PER_PIXEL;
-        if !there_is_room(bytes) {
+        if !memory::holds(bytes) {
             bail!("{width} x {height} pixels need about {} MiB of memory, more than there is", bytes >> 20);
         }
         if is_page && width.min(height) < SMALLEST_SHEET {
@@ -250,7 +244,9 @@ pub fn render(solved: &Solved, stages: &mut Stages, look: &Look) -> anyhow::Resu
     let drawn = map::draw(&request, look.colours, stages, look.backend == Backend::Gpu)?;
     let (tolerance, error) = (scene.plane.tolerance, drawn.map.error);
     if tolerance > 0.0 && error > tolerance {
-        warn(&format!("{name}: the map's error is {error:.1e} of its peak, more than the {tolerance:e} wanted"));
+        warn(&format!(
+            "{name}: the map's error is {error:.1e} of its peak, more than the {tolerance:e} wanted"
+        ));
     }
     let peak = f64::from(drawn.map.peak);
     let what = match &drawn.pressed {
@@ -258,9 +254,7 @@ pub fn render(solved: &Solved, stages: &mut Stages, look: &Look) -> anyhow::Resu
         Some(pressed) => format!("\n  {}", liquid::describe(scene, pressed, peak)),
     };
     let picture = match look.diagram {
-        Diagram::Sheet => {
-            sheet::sheet(scene, solution, name, &drawn.picture, (look.colours, peak), page)?
-        }
+        Diagram::Sheet => sheet::sheet(scene, solution, name, &drawn.picture, (look.colours, peak), page)?,
         Diagram::Map(_) if quantity.declaration().of_liquid => {
             liquid::picture(name, scene, &drawn, look.is_shaded().then_some((width, page)))?
         }

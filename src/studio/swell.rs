@@ -98,7 +98,7 @@ impl<'a> Swell<'a> {
     }
 
     /// The depth (m, positive down) of every cell at the next picture.
-    pub fn next(&mut self) -> Vec<f64> {
+    pub fn next_surface(&mut self) -> Vec<f64> {
         for _ in 0..self.schedule.steps {
             let time = (self.done as f64 + 0.5) * self.schedule.step;
             let rounds = time * self.scene.motion.rate;
@@ -134,7 +134,7 @@ mod tests {
         let dent = stages.surface(&request).unwrap().1.clone();
         let schedule = Schedule::new(&scene, Some(5.0)).unwrap();
         let mut swell = Swell::new(&scene, schedule, &request, &mut stages).unwrap();
-        let surface = (0..schedule.pictures).map(|_| swell.next()).last().unwrap();
+        let surface = (0..schedule.pictures).map(|_| swell.next_surface()).last().unwrap();
         // The liquid that is pushed aside stays in the tank.
         let lift = dent.depth.iter().sum::<f64>() / dent.depth.len() as f64;
         let deepest = surface.iter().copied().fold(0.0, f64::max);

@@ -2,10 +2,12 @@
 
 use crate::scene::Liquid;
 use crate::surface::Tank;
+use crate::surface::dispersion::Mode;
 
 /// A surface in motion, as amplitudes of its modes ([`Tank::modes`]).
 ///
-/// A mode with wavenumber q obeys h'' + 4νq² h' + ω² h = (q tanh(q d)/ρ) p, ω² = (g q + σ q³/ρ) tanh(q d), for small damping.
+/// A mode obeys h'' + 2γ h' + Ω² (h - rest) = 0, with the two roots of Lamb's exact equation for viscous waves ([`Mode`]). The
+/// vorticity that is still spreading into the liquid after a change of the pressure is left out.
 #[derive(Clone, Debug)]
 pub struct Waves {
     /// Depth of each mode, m.
@@ -48,7 +50,7 @@ impl Waves {
     /// A step that is no time: negative, or longer than 1e9 s.
     pub fn new(tank: &Tank, liquid: &Liquid, step: f64) -> Self {
         assert!((0.0..=1e9).contains(&step), "no time: {step} s");
-        let steps = tank.squares().map(|square| Step::new(liquid, square.sqrt(), step)).collect();
+        let steps = tank.squares().map(|square| Step::new(Mode::new(liquid, square.sqrt()), step)).collect();
         Self { depth: vec![0.0; tank.len()], speed: vec![0.0; tank.len()], steps }
     }
 
@@ -69,23 +71,20 @@ impl Waves {
 }
 
 impl Step {
-    fn new(liquid: &Liquid, q: f64, time: f64) -> Self {
-        let density = liquid.density();
-        let square =
-            (liquid.gravity * q + liquid.surface_tension() * q.powi(3) / density) * (q * liquid.depth).tanh();
-        let damping = 2.0 * liquid.viscosity() / density * q * q;
+    fn new(Mode { damping, square, swing }: Mode, time: f64) -> Self {
         // e^{-γt} cos and e^{-γt} sin/ω of the damped mode, or their hyperbolic likes of one that creeps.
-        let (cosine, sine) = if square > damping * damping {
-            let angular = (square - damping * damping).sqrt();
+        let (cosine, sine) = if swing > 0.0 {
+            let angular = swing.sqrt();
             let left = (-damping * time).exp();
             (left * (angular * time).cos(), left * (angular * time).sin() / angular)
         } else {
-            let apart = (damping * damping - square).sqrt();
+            let apart = (-swing).sqrt();
             let fast = damping + apart;
             let slow = if fast > 0.0 { square / fast } else { 0.0 };
-            let (slowly, quickly) = ((-slow * time).exp(), (-fast * time).exp());
-            let sine = if apart * time > 1e-6 { (slowly - quickly) / (2.0 * apart) } else { time * slowly };
-            ((slowly + quickly) / 2.0, sine)
+            let slowly = (-slow * time).exp();
+            // e^{-slow t} - e^{-fast t}, also where the two roots are all but one.
+            let between = -slowly * (-2.0 * apart * time).exp_m1();
+            (slowly - between / 2.0, if apart > 0.0 { between / (2.0 * apart) } else { time * slowly })
         };
         Self { a: cosine + damping * sine, b: sine, c: -square * sine, d: cosine - damping * sine }
     }
@@ -94,6 +93,8 @@ impl Step {
 #[cfg(test)]
 mod tests {
     use std::f64::consts::{PI, TAU};
+
+    use num_complex::Complex64;
 
     use super::*;
     use crate::scene::LiquidName;
@@ -109,11 +110,15 @@ mod tests {
         tank.surface(modes)
     }
 
-    fn properties(liquid: &Liquid, tank: &Tank, mode: usize) -> (f64, f64, f64) {
-        let q = PI * mode as f64 / (tank.step[0] * tank.counts[0] as f64);
-        let square = (liquid.gravity * q + liquid.surface_tension() * q.powi(3) / liquid.density())
-            * (q * liquid.depth).tanh();
-        (q, square, 2.0 * liquid.viscosity() / liquid.density() * q * q)
+    /// Wavenumber of a mode along the rows, 1/m.
+    fn wavenumber(tank: &Tank, mode: usize) -> f64 {
+        PI * mode as f64 / (tank.step[0] * tank.counts[0] as f64)
+    }
+
+    /// Silicone oil of 10 000 cSt.
+    fn thick_oil() -> Liquid {
+        let (density, tension) = (Some(975.0), Some(0.0205));
+        Liquid { density, surface_tension: tension, viscosity: Some(9.75), ..Liquid::default() }
     }
 
     #[test]
@@ -121,7 +126,8 @@ mod tests {
         let tank = Tank::new([40, 1], [0.001, 0.001]);
         for name in [LiquidName::Water, LiquidName::Glycerol] {
             let liquid = Liquid { name, ..Liquid::default() };
-            let (q, square, damping) = properties(&liquid, &tank, 6);
+            let q = wavenumber(&tank, 6);
+            let Mode { damping, square, .. } = Mode::new(&liquid, q);
             let rest = 3.0 / (liquid.density() * liquid.gravity + liquid.surface_tension() * q * q);
             for steps in [7, 100] {
                 let time = 0.083;
@@ -129,7 +135,7 @@ mod tests {
                 let pressed = self::rest(&tank, &liquid, &pressure);
                 let mut waves = Waves::new(&tank, &liquid, time / f64::from(steps));
                 (0..steps).for_each(|_| waves.advance(&pressed, 1.0));
-                let swing = num_complex::Complex64::from(square - damping * damping).sqrt();
+                let swing = Complex64::from(square - damping * damping).sqrt();
                 let answer = (swing * time).cos() + damping * (swing * time).sin() / swing;
                 let expected = rest * (1.0 - (-damping * time).exp() * answer.re);
                 assert!(
@@ -141,12 +147,87 @@ mod tests {
         }
     }
 
+    /// The root of a mode that a step of `time` (s) leaves over, 1/s; of two that creep, the slower.
+    fn root(step: Step, time: f64) -> Complex64 {
+        let half = (step.a + step.d) / 2.0;
+        let between = Complex64::from(half * half - (step.a * step.d - step.b * step.c)).sqrt();
+        (half + between).ln() / time
+    }
+
+    #[test]
+    fn every_mode_dies_away_as_lambs_equation_says() {
+        let named = |name| Liquid { name, ..Liquid::default() };
+        let liquids = [LiquidName::Water, LiquidName::SiliconeOil, LiquidName::Glycerol].map(named);
+        for liquid in liquids.into_iter().chain([thick_oil()]) {
+            let liquid = Liquid { depth: 1.0, ..liquid };
+            for q in (4..=100).map(|twentieths| f64::from(twentieths) / 20.0 / liquid.capillary_length()) {
+                let square = liquid.gravity * q + liquid.surface_tension() * q.powi(3) / liquid.density();
+                let n = liquid.viscosity() / liquid.density() * q * q;
+                let time = 0.5 / (square.sqrt() + square / n).min(10.0 * square.sqrt());
+                let s = root(Step::new(Mode::new(&liquid, q), time), time);
+                // How far s is from a root, by Newton's step.
+                let sheet = (s / n + 1.0).sqrt();
+                let (value, slope) = (
+                    (s + 2.0 * n).powi(2) + square - 4.0 * n * n * sheet,
+                    2.0 * (s + 2.0 * n) - 2.0 * n / sheet,
+                );
+                assert!(
+                    s.re < 0.0 && (value / slope / s).norm() < 1e-6,
+                    "{liquid:?} {q}: {s} {}",
+                    value / slope
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn critical_damping_is_met_from_both_sides() {
+        let (damping, time) = (3.0f64, 0.2f64);
+        let left = (-damping * time).exp();
+        for swing in [-1e-9, -1e-15, 0.0, 1e-15, 1e-9] {
+            let step = Step::new(Mode { damping, square: damping * damping + swing, swing }, time);
+            let expected = [
+                left * (1.0 + damping * time),
+                left * time,
+                -left * time * damping * damping,
+                left * (1.0 - damping * time),
+            ];
+            for (met, expected) in [step.a, step.b, step.c, step.d].into_iter().zip(expected) {
+                assert!((met - expected).abs() < 1e-8, "{swing}: {step:?} {expected}");
+            }
+        }
+    }
+
+    #[test]
+    fn thick_liquids_creep_at_the_known_rates() {
+        let glycerol = Liquid { name: LiquidName::Glycerol, ..Liquid::default() };
+        // 1/s at q of one and two radians per capillary length, from Lamb's equation.
+        for (liquid, rates) in [(glycerol, [21.48, 25.38]), (thick_oil(), [1.436, 1.795])] {
+            for (rate, radians) in rates.into_iter().zip([1.0, 2.0]) {
+                let side = PI * liquid.capillary_length() / radians;
+                let tank = Tank::new([8, 1], [side / 8.0, side / 8.0]);
+                let pressed = rest(&tank, &liquid, &single(&tank, 1));
+                let time = 0.5 / rate;
+                let mut waves = Waves::new(&tank, &liquid, time);
+                (0..40).for_each(|_| waves.advance(&pressed, 1.0));
+                let settled = waves.depth[1];
+                (0..2).for_each(|_| waves.advance(&pressed, 0.0));
+                let before = waves.depth[1];
+                waves.advance(&pressed, 0.0);
+                let measured = (before / waves.depth[1]).ln() / time;
+                assert!((settled / pressed.0[1] - 1.0).abs() < 1e-6, "{settled} {}", pressed.0[1]);
+                assert!((measured / rate - 1.0).abs() < 5e-4, "{measured} {rate}");
+            }
+        }
+    }
+
     #[test]
     fn a_mode_under_a_swinging_pressure_ends_in_its_resonance_curve() {
         const STEPS: u32 = 400;
         let tank = Tank::new([40, 1], [0.001, 0.001]);
         let liquid = Liquid { viscosity: Some(0.02), ..Liquid::default() };
-        let (q, square, damping) = properties(&liquid, &tank, 8);
+        let q = wavenumber(&tank, 8);
+        let Mode { damping, square, .. } = Mode::new(&liquid, q);
         let rest = 1.0 / (liquid.density() * liquid.gravity + liquid.surface_tension() * q * q);
         for frequency in [10.0, 35.0, 80.0] {
             let pressed = self::rest(&tank, &liquid, &single(&tank, 8));

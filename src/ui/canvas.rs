@@ -232,7 +232,7 @@ fn value(map: &Map, sound: &Sound, uv: DVec2, point: DVec3) -> String {
     format!(
         "{} RMS   {:.1} dB SPL{of_map}   phase {:.0}°",
         pascals(reading.rms()),
-        reading.spl(),
+        reading.spl().max(-99.9),
         reading.phase().to_degrees()
     )
 }

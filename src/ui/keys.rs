@@ -43,7 +43,7 @@ pub const HELP: &[(&str, &str)] = &[
     ("Wheel", "Zoom where the pointer is"),
     ("Space or right button + drag", "Move the view"),
     ("Double click, or 0", "Show everything"),
-    ("1 2 3 4 5", "RMS pressure, phase, radiation, dent, instant"),
+    ("1 to 7", "RMS, phase, radiation, depression, instantaneous, intensity, velocity"),
     ("Shift while drawing", "Lines in steps of 15°, squares"),
     ("M", "Focal points and outlines on or off"),
     ("X", "Curve along a line on or off; Shift moves it"),
@@ -145,17 +145,8 @@ fn plain_keys(editor: &mut Editor, ctx: &Context) {
     if pressed(Key::Num0) {
         editor.view.window = None;
     }
-    const DIGITS: [Key; 9] = [
-        Key::Num1,
-        Key::Num2,
-        Key::Num3,
-        Key::Num4,
-        Key::Num5,
-        Key::Num6,
-        Key::Num7,
-        Key::Num8,
-        Key::Num9,
-    ];
+    const DIGITS: [Key; 9] =
+        [Key::Num1, Key::Num2, Key::Num3, Key::Num4, Key::Num5, Key::Num6, Key::Num7, Key::Num8, Key::Num9];
     for (key, quantity) in DIGITS.into_iter().zip(Quantity::ALL) {
         if pressed(key) {
             editor.view.quantity = quantity;

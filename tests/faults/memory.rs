@@ -1,8 +1,10 @@
 //! Half a gigabyte: what people do every day stays within it, and what cannot fit is refused with a word.
 
 use std::fs::{self, File};
+use std::path::Path;
+use std::process::Command;
 
-use crate::{folder, program_after, refused, succeed};
+use crate::{PROGRAM, at_home, folder, program_after, refused, requirement, succeed};
 
 /// KiB of memory that a program may write to, its threads' stacks included: a harder limit than that of what it really uses.
 const HALF_A_GIBIBYTE: &str = "ulimit -d 524288";
@@ -53,4 +55,38 @@ fn what_cannot_fit_is_refused_with_a_word() {
         }
     }
     assert_eq!(crate::listing(folder.path()), ["a.toml"]);
+}
+
+/// The program in a namespace of its own, where the kernel says that so many KiB of memory and swap are left.
+fn program_with_left(memory: usize, swap: usize, folder: &Path, args: &[&str]) -> Command {
+    let figures = format!("MemAvailable: {memory} kB\nSwapFree: {swap} kB\n");
+    fs::write(folder.join("meminfo"), figures).unwrap();
+    let mut command = Command::new("unshare");
+    let shell = "mount --bind meminfo /proc/meminfo && exec \"$0\" \"$@\"";
+    at_home(&mut command, folder).args(["-rm", "sh", "-c", shell, PROGRAM]).args(args);
+    command
+}
+
+#[test]
+fn memory_that_is_promised_but_not_there_is_not_counted_on() {
+    let folder = folder();
+    let mounted = program_with_left(0, 0, folder.path(), &["--version"]).output();
+    let mounted =
+        mounted.map_err(|error| error.to_string()).and_then(|output| match output.status.success() {
+            true => Ok(()),
+            false => Err(String::from_utf8_lossy(&output.stderr).into_owned()),
+        });
+    if requirement::found("namespaces", mounted).is_none() {
+        return;
+    }
+    let args = ["render", "a.toml", "-o", "x.png", "--size", "2048"];
+    // 24 bytes a pixel.
+    let kibibytes = 2048 * 2048 * 24 / 1024;
+    let message = refused(&mut program_with_left(kibibytes - 1000, 999, folder.path(), &args));
+    assert!(
+        message.contains("2048 x 2048 pixels need about 96 MiB of memory, more than there is"),
+        "{message}"
+    );
+    assert_eq!(crate::listing(folder.path()), ["a.toml", "meminfo"]);
+    succeed(&mut program_with_left(kibibytes - 1000, 1000, folder.path(), &args));
 }

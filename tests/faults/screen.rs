@@ -26,7 +26,7 @@ fn a_screen_that_is_not_there_is_no_window() {
         }
         let folder = folder();
         let output = program(folder.path(), &["a.toml"]).envs([nowhere, (name, value)]).output().unwrap();
-        sheet_of(&output, folder.path(), "");
+        sheet_of(&output, folder.path(), &format!("no display server answers at {name}={value}, "));
     }
     let folder = folder();
     let output = program(folder.path(), &["a.toml"]).envs([nowhere]).output().unwrap();
@@ -58,7 +58,7 @@ fn a_screen_without_graphics_is_no_window() {
         .env("LIBGL_DRIVERS_PATH", "/nonexistent")
         .output()
         .unwrap();
-    sheet_of(&output, folder.path(), "");
+    sheet_of(&output, folder.path(), &format!("OpenGL at DISPLAY=:{}", number.trim()));
 }
 
 #[test]

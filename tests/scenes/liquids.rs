@@ -3,51 +3,42 @@
 use std::f64::consts::PI;
 
 use glam::DVec3;
-use sonoglyph::acoustics::Air;
 use sonoglyph::drive::Drive;
 use sonoglyph::field::cells::Cells;
-use sonoglyph::field::{Average, AverageMap, FieldError, Mean, Samples, Stages};
+use sonoglyph::field::{By, FieldError, Quantity, Request, Samples, Stages};
 use sonoglyph::scene::ElementModel;
-use sonoglyph::surface::Reflector;
+use sonoglyph::surface::{Dent, Tank};
 
 use crate::dice::Dice;
-use crate::fields::{Evaluators, f32_error, moduli};
+use crate::fields::{Evaluators, WIDEST, f32_error, moduli};
 use crate::oracle::density_and_tension;
 use crate::solving::Solved;
 use crate::tally::{count, within};
 
-/// Cells of a plane on which a scene of thousands is averaged.
+/// Cells of a plane on which the radiation pressure of thousands of scenes is formed.
 const MOST_CELLS: usize = 30_000;
 const SIZE: (usize, usize) = (24, 18);
-/// The finest tolerance of an average.
+/// The finest tolerance of what is formed at cells.
 const FINEST: f64 = 1e-6;
 
-/// A drive on the scene's plane: the mean of some drives, as it is asked for.
+/// The depression of the scene's liquid, as it is asked for.
 struct Asked<'a> {
     solved: &'a Solved,
-    drives: &'a [Drive],
-    mean: Mean,
+    request: Request,
     /// Pa: what the two parts of the radiation pressure come to where they do not cancel. Along a beam, on a plane that sound only
     /// grazes, they do, and the tolerance is of them.
     parts: f64,
 }
 
-impl Asked<'_> {
-    fn of<T>(&self, read: impl FnOnce(&Average<'_>) -> T) -> T {
-        read(&Average {
-            aperture: &self.solved.aperture,
-            plane: &self.solved.scene.plane,
-            drives: self.drives,
-            mean: self.mean.clone(),
-            part: self.solved.scene.modulation.mean_square(),
-            width: SIZE.0,
-            height: SIZE.1,
-        })
-    }
+/// A pressed liquid, and who made its map.
+struct Made {
+    tank: Tank,
+    /// Under the part of the pressure that the envelope leaves.
+    dent: Dent,
+    by: By,
+    error: f64,
 }
 
-/// Radii of an element per distance: of a far field that is nearer, the oracle's differences are too coarse.
-const WIDEST: f64 = 0.3;
 /// Pa, below which squares are less than f32 can hold.
 const FAINTEST: f64 = 1e-14;
 
@@ -61,65 +52,71 @@ pub fn hold(evaluators: &mut Evaluators, solved: &Solved, peak: f64, dice: &mut 
     if scene.array.element == ElementModel::Piston && radius > WIDEST * scene.plane.centre.z {
         return count("averages left out: elements wider than they are far away");
     }
-    let Some(cells) = Cells::new(&solved.aperture, &scene.plane, 0.0, FINEST) else {
-        return count("averages refused: too many cells");
-    };
-    if cells.len() > MOST_CELLS {
+    let cells = Cells::new(&solved.aperture, &scene.plane, 0.0, FINEST);
+    if cells.as_ref().is_some_and(|cells| cells.len() > MOST_CELLS) {
         return count("averages left out: more cells than there is time for");
     }
-    let reflector = Reflector::new(&Air::new(&scene.medium, scene.array.frequency), scene.array.frequency);
-    let drives = std::slice::from_ref(&solved.solution.drive);
+    let request = |quantity| Request::new(scene, vec![solved.solution.drive.clone()], quantity, SIZE);
     let (x, y) = scene.plane.axes().unwrap();
     let is_level = x.cross(y).z.abs() > 1.0 - 1e-9;
     let square = peak * peak / (solved.oracle.density * solved.oracle.sound_speed.powi(2));
     let parts = 2.0 * scene.modulation.mean_square() * square;
-    let dent = Asked { solved, drives, mean: Mean::Dent(reflector, scene.liquid.clone()), parts };
-    if !is_level {
-        assert_eq!(dent.of(|wanted| evaluators.cpu.average(wanted).err()), Some(FieldError::NotLevel));
+    let radiation = Asked { solved, request: request(Quantity::Radiation), parts };
+    let at_cells = radiation_is_the_models(&mut evaluators.cpu, &radiation, [x, y], dice);
+    if let Some(gpu) = evaluators.gpu.as_mut().filter(|_| !at_cells) {
+        radiation_is_the_models(gpu, &radiation, [x, y], dice);
     }
-    let radiation = Asked { mean: Mean::Radiation(reflector), ..dent };
-    match radiation.of(|wanted| evaluators.cpu.read_average(wanted)) {
-        Err(FieldError::TooNear) => return count("averages refused: the plane is too near"),
-        Err(error) => panic!("{error}"),
-        Ok(pressures) => radiation_is_the_models(solved, &pressures, parts, [x, y], dice),
-    }
+    let dent = Asked { request: request(Quantity::Depression), ..radiation };
     if !is_level {
+        assert_eq!(evaluators.cpu.map(&dent.request).err(), Some(FieldError::NotLevel));
         return count("radiation on tilted planes");
     }
-    let dent = Asked { mean: Mean::Dent(reflector, scene.liquid.clone()), ..radiation };
-    let Some(map) = made(&mut evaluators.cpu, &dent) else {
+    if !at_cells {
+        let refused = evaluators.cpu.map(&dent.request).err();
+        assert_eq!(refused == Some(FieldError::TooManyCells), cells.is_none(), "{refused:?}");
+        assert!(cells.is_none() || refused == Some(FieldError::TooNear), "{refused:?}");
+        return count("dents refused: radiation pressure is formed at the pixels");
+    }
+    let Some(made) = pressed(&mut evaluators.cpu, &dent) else {
         return count("dents refused: the plane is too near");
     };
     count("dents");
-    it_displaces_what_the_pressure_weighs(solved, &map, 1e-9);
-    it_bears_the_radiation_pressure(&dent, &map, [x, y], dice);
+    it_displaces_what_the_pressure_weighs(solved, &made, 1e-9);
+    it_bears_the_radiation_pressure(&dent, &made, [x, y], dice);
     // By turns.
     if dice.of(0.5) {
-        return it_goes_with_the_square_of_the_drive(evaluators, &dent, &map);
+        return it_goes_with_the_square_of_the_drive(evaluators, &dent, &made);
     }
     if let Some(gpu) = &mut evaluators.gpu {
-        let by_gpu = made(gpu, &dent).unwrap();
+        let by_gpu = pressed(gpu, &dent).unwrap();
         it_displaces_what_the_pressure_weighs(solved, &by_gpu, 1e-5);
-        let most = depth_error(&dent, &map);
-        within("a dent by the GPU", furthest(&by_gpu, &map, 1.0), 2.0 * most);
+        let most = depth_error(&dent, &made);
+        within("a dent by stages with a GPU", furthest(&by_gpu, &made, 1.0), 2.0 * most);
         count(&format!("dents by {:?}, asked of the GPU", by_gpu.by));
     }
 }
 
-fn made(stages: &mut Stages, dent: &Asked<'_>) -> Option<AverageMap> {
-    let map = match dent.of(|wanted| stages.average(wanted).cloned()) {
+/// `None` where the plane is too near.
+fn pressed(stages: &mut Stages, Asked { request, .. }: &Asked<'_>) -> Option<Made> {
+    let map = match stages.map(request) {
         Err(FieldError::TooNear) => return None,
         other => other.unwrap(),
     };
-    let pixels = dent.of(|wanted| stages.read_average(wanted)).unwrap();
-    assert!(pixels.iter().all(|depth| depth.is_finite()) && map.force.is_finite(), "{map:?}");
-    Some(map)
+    let (by, error) = (map.by, map.error);
+    assert!(map.values.iter().all(|depth| depth.is_finite()), "{map:?}");
+    let pressed = stages.pressed(request).unwrap();
+    assert!(pressed.force.is_finite(), "{pressed:?}");
+    let tank = stages.surface(request).unwrap().0.clone();
+    Some(Made { tank, dent: pressed.dent.unwrap(), by, error })
 }
 
 /// What the pressure (Pa) may be off: the tolerance, of its largest value, which the squares of pressure and slope make; and what f32
-/// leaves of the squares.
-fn pressure_error(solved: &Solved, largest: f64, point: DVec3) -> f64 {
-    solved.scene.plane.tolerance.max(FINEST) * largest + square_error(solved, point)
+/// leaves of the squares. A map whose own error is more than the tolerance says so: where much is absorbed on the way across the
+/// plane, what is sampled beside it is many times as loud.
+fn pressure_error(solved: &Solved, error: f64, largest: f64, point: DVec3) -> f64 {
+    let tolerance = solved.scene.plane.tolerance.max(FINEST);
+    let own = if error > tolerance { 3.0 * error } else { tolerance };
+    own * largest + square_error(solved, point)
 }
 
 /// What f32 leaves of the radiation pressure at a point (Pa): of a square twice what it leaves of its root, of two parts. Its root is
@@ -131,34 +128,53 @@ fn square_error(solved: &Solved, point: DVec3) -> f64 {
     4.0 * per_square * arriving * f32_error(solved, &solution.drive, point) + 1e-37
 }
 
+/// Whether it was formed at cells.
 fn radiation_is_the_models(
-    solved: &Solved,
-    pressures: &[f32],
-    parts: f64,
+    stages: &mut Stages,
+    asked: &Asked<'_>,
     axes: [DVec3; 2],
     dice: &mut Dice,
-) {
-    let Solved { scene, solution, .. } = solved;
-    assert!(pressures.iter().all(|pressure| pressure.is_finite()));
+) -> bool {
+    let Asked { solved, request, parts } = asked;
+    let Solved { scene, oracle, solution, .. } = solved;
+    let map = stages.map(request).unwrap().clone();
+    assert!(map.values.iter().all(|pressure| pressure.is_finite()), "{map:?}");
+    let at_cells = map.how.contains("cells");
+    count(&format!("radiation at {} by {:?}", if at_cells { "cells" } else { "pixels" }, map.by));
+    if !at_cells {
+        let area = scene.plane.size.x * scene.plane.size.y / map.values.len() as f64;
+        let sum = |of: fn(f64) -> f64| map.values.iter().map(|&value| of(value.into())).sum::<f64>() * area;
+        let force = stages.pressed(request).unwrap().force;
+        within(
+            "force on a plane",
+            (force - sum(|value| value)).abs(),
+            1e-9 * sum(f64::abs) + f64::MIN_POSITIVE,
+        );
+    }
     let part = scene.modulation.mean_square();
     let pixels = Samples::on_plane(&scene.plane, SIZE.0, SIZE.1).unwrap();
-    let largest = f64::from(pressures.iter().copied().fold(0.0, f32::max)).max(parts);
+    let largest = f64::from(map.values.iter().copied().fold(0.0, f32::max)).max(*parts);
     for _ in 0..4 {
-        let pixel = dice.whole(0, pressures.len() as u32 - 1) as usize;
+        let pixel = dice.whole(0, map.values.len() as u32 - 1) as usize;
         let point = pixels.point(pixel);
-        let Some((expected, of_pressure)) = solved.oracle.radiation(&solution.drive, point, axes) else {
+        // Slopes nearer to the array than that are those a little further away.
+        if !at_cells && point.z < 0.5 * oracle.wavelength() {
+            continue;
+        }
+        let Some((expected, of_pressure)) = oracle.radiation(&solution.drive, point, axes) else {
             continue;
         };
         // The oracle's differences are off by (k h)²/6 = 7e-6 of the gradient.
-        let most = pressure_error(solved, largest, point) + 5e-5 * part * of_pressure;
-        within("radiation pressure", (f64::from(pressures[pixel]) - part * expected).abs(), most);
+        let most = pressure_error(solved, map.error, largest, point) + 5e-5 * part * of_pressure;
+        within("radiation pressure", (f64::from(map.values[pixel]) - part * expected).abs(), most);
     }
+    at_cells
 }
 
 /// ρ g V = F.
-fn it_displaces_what_the_pressure_weighs(solved: &Solved, map: &AverageMap, rounding: f64) {
+fn it_displaces_what_the_pressure_weighs(solved: &Solved, made: &Made, rounding: f64) {
     let (density, _) = density_and_tension(&solved.scene.liquid);
-    let (dent, tank) = (map.dent.as_ref().unwrap(), map.tank.as_ref().unwrap());
+    let Made { dent, tank, .. } = made;
     let weight = density * solved.scene.liquid.gravity * dent.volume;
     let all: f64 = dent.depth.iter().map(|depth| depth.abs()).sum();
     let all = density * solved.scene.liquid.gravity * all * tank.step[0] * tank.step[1];
@@ -168,11 +184,11 @@ fn it_displaces_what_the_pressure_weighs(solved: &Solved, map: &AverageMap, roun
 }
 
 /// ρ g h - σ ∇²h is the pressure again: by the oracle's own modes at one cell in the plane.
-fn it_bears_the_radiation_pressure(dent: &Asked<'_>, map: &AverageMap, axes: [DVec3; 2], dice: &mut Dice) {
-    let Asked { solved, parts, .. } = *dent;
+fn it_bears_the_radiation_pressure(asked: &Asked<'_>, made: &Made, axes: [DVec3; 2], dice: &mut Dice) {
+    let Asked { solved, parts, .. } = *asked;
     let Solved { scene, oracle, solution, .. } = solved;
     let (density, tension) = density_and_tension(&scene.liquid);
-    let (dent, tank) = (map.dent.as_ref().unwrap(), map.tank.as_ref().unwrap());
+    let Made { dent, tank, error, .. } = made;
     let [columns, rows] = tank.counts;
     let mut modes = tank.modes(&dent.depth);
     for (index, mode) in modes.iter_mut().enumerate() {
@@ -195,35 +211,35 @@ fn it_bears_the_radiation_pressure(dent: &Asked<'_>, map: &AverageMap, axes: [DV
         }
         let Some((expected, of_pressure)) = oracle.radiation(&solution.drive, point, axes) else { continue };
         let expected = scene.modulation.mean_square() * expected;
-        let most = pressure_error(solved, largest, point) + 5e-5 * of_pressure + 1e-9 * largest;
+        let most = pressure_error(solved, *error, largest, point) + 5e-5 * of_pressure + 1e-9 * largest;
         within("borne pressure", (borne[cell[1] * columns + cell[0]] - expected).abs(), most);
     }
 }
 
 /// What a depth (m) may be off: the tolerance, of what the parts of the pressure alone would press, and what f32 leaves of those.
-fn depth_error(dent: &Asked<'_>, map: &AverageMap) -> f64 {
+fn depth_error(dent: &Asked<'_>, made: &Made) -> f64 {
     let scene = &dent.solved.scene;
     let (density, _) = density_and_tension(&scene.liquid);
     let under_parts = dent.parts / (density * scene.liquid.gravity);
-    let depths = map.dent.as_ref().unwrap().depth.iter();
+    let depths = made.dent.depth.iter();
     let deepest = depths.map(|depth| depth.abs()).fold(under_parts, f64::max);
     let rounding = square_error(dent.solved, scene.plane.centre) / (density * scene.liquid.gravity);
     scene.plane.tolerance.max(FINEST) * deepest + rounding + 1e-37
 }
 
 /// The largest difference of depths of the second times a factor, m.
-fn furthest(one: &AverageMap, other: &AverageMap, times: f64) -> f64 {
-    let (one, other) = (one.dent.as_ref().unwrap(), other.dent.as_ref().unwrap());
-    assert_eq!(one.depth.len(), other.depth.len());
-    one.depth.iter().zip(&other.depth).map(|(a, b)| (a - b * times).abs()).fold(0.0, f64::max)
+fn furthest(one: &Made, other: &Made, times: f64) -> f64 {
+    let (one, other) = (&one.dent.depth, &other.dent.depth);
+    assert_eq!(one.len(), other.len());
+    one.iter().zip(other).map(|(a, b)| (a - b * times).abs()).fold(0.0, f64::max)
 }
 
-fn it_goes_with_the_square_of_the_drive(evaluators: &mut Evaluators, dent: &Asked<'_>, map: &AverageMap) {
+fn it_goes_with_the_square_of_the_drive(evaluators: &mut Evaluators, dent: &Asked<'_>, made: &Made) {
     const LESS: f64 = 0.7;
-    let drive = &dent.drives[0];
+    let drive = &dent.request.drives[0];
     let amplitudes = drive.amplitudes.iter().map(|amplitude| LESS * amplitude).collect();
-    let weaker = [Drive { amplitudes, phases: drive.phases.clone() }];
-    let asked = Asked { drives: &weaker, mean: dent.mean.clone(), ..*dent };
-    let weaker = made(&mut evaluators.cpu, &asked).unwrap();
-    within("a weaker drive's dent", furthest(&weaker, map, LESS * LESS), depth_error(dent, map));
+    let weaker = Drive { amplitudes, phases: drive.phases.clone() };
+    let asked = Asked { request: Request { drives: vec![weaker], ..dent.request.clone() }, ..*dent };
+    let weaker = pressed(&mut evaluators.cpu, &asked).unwrap();
+    within("a weaker drive's dent", furthest(&weaker, made, LESS * LESS), depth_error(dent, made));
 }

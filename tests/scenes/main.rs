@@ -127,12 +127,21 @@ fn random_scenes_hold_every_invariant() {
 
 /// An invariant that no scene has a part in holds of nothing.
 fn everything_was_drawn() {
-    let by_gpu = [("maps by Gpu, asked of the GPU", 6000), ("dents by Gpu, asked of the GPU", 1000)];
+    let by_gpu = [
+        ("maps by Gpu, asked of the GPU", 6000),
+        ("dents by Cpu, asked of the GPU", 1000),
+        ("RMS particle velocity by Gpu", 500),
+        ("acoustic intensity by Gpu", 500),
+    ];
     let has_gpu = adapter::open_best(true).is_ok();
     let by_gpu = by_gpu.into_iter().filter(|_| has_gpu);
     let drawn = [
         ("dents", 2000),
         ("radiation on tilted planes", 1000),
+        ("radiation at cells by Cpu", 2000),
+        ("radiation at pixels by Cpu", 500),
+        ("RMS particle velocity by Cpu", 2000),
+        ("acoustic intensity by Cpu", 2000),
         ("motions", 500),
         ("turned down to the pascals asked for", 1000),
         ("maps by Cpu, asked of the CPU", 6000),

@@ -7,7 +7,10 @@
 mod board;
 mod edits;
 mod files;
+mod gpu;
 mod reach;
+#[path = "../requirement/mod.rs"]
+mod requirement;
 mod robust;
 mod view;
 
@@ -274,7 +277,7 @@ fn another_method_and_the_dent_are_a_click_away() {
     key(&mut screen, Key::Num4);
     let dent = screen.state().shown().pressed.as_ref().unwrap().dent.as_ref().unwrap();
     assert!(dent.deepest > 1e-6 && dent.slope > 0.0);
-    assert_eq!(screen.state().shown().map.as_ref().unwrap().quantity, Quantity::Dent);
+    assert_eq!(screen.state().shown().map.as_ref().unwrap().quantity, Quantity::Depression);
     for panel in ["Drive", "Liquid", "Motion", "Device", "Scene"] {
         screen.get_by_label(panel).click();
         rest(&mut screen);

@@ -9,13 +9,13 @@ use egui_kittest::kittest::Queryable;
 use glam::{DVec2, DVec3};
 use sonoglyph::app::Window;
 use sonoglyph::field::contour::Line;
-use sonoglyph::field::{Evaluator, Quantity, Work};
+use sonoglyph::field::{Evaluator, Quantity, Request, Stages, Work};
 use sonoglyph::scene::{MotionPath, Scene, Shape, Target};
 use sonoglyph::ui::Map;
 use sonoglyph::ui::document::Document;
 use sonoglyph::ui::view::{Cut, FreePlane, Lens};
 
-use super::{Screen, rest};
+use super::{Screen, lens, rest, scene};
 
 fn focused(foci: &[DVec3]) -> Scene {
     let target = |&at: &DVec3| Target::new(Shape::Point { at });
@@ -249,7 +249,7 @@ fn while_a_motion_is_solved_it_is_said_that_the_scene_at_rest_is_shown() {
     (scene.motion.path, scene.motion.frames) = (MotionPath::Circle, 256);
     let mut screen = open(scene);
     assert_eq!(screen.state().shown().pending, None, "a map of the scene at rest waits for nothing");
-    screen.state_mut().editor_mut().view.quantity = Quantity::Dent;
+    screen.state_mut().editor_mut().view.quantity = Quantity::Depression;
     // What is asked for in this frame is there in the next at the earliest.
     screen.step();
     let shown = screen.state().shown();
@@ -257,4 +257,28 @@ fn while_a_motion_is_solved_it_is_said_that_the_scene_at_rest_is_shown() {
     rest(&mut screen);
     let shown = screen.state().shown();
     assert!(shown.round.is_some() && shown.pending.is_none());
+}
+
+#[test]
+fn what_presses_on_the_scenes_plane_does_not_depend_on_the_zoom() {
+    let mut screen = open(focused(&[DVec3::new(0.01, 0.0, 0.1)]));
+    screen.state_mut().editor_mut().view.quantity = Quantity::Depression;
+    rest(&mut screen);
+    let figures = |screen: &Screen| {
+        let pressed = screen.state().shown().pressed.as_ref().unwrap();
+        (pressed.force, pressed.dent.as_ref().unwrap().volume)
+    };
+    let whole = figures(&screen);
+    let lens = lens(&screen);
+    screen.state_mut().editor_mut().view.window = Some(lens.zoomed(lens.rect.center(), 8.0));
+    rest(&mut screen);
+    assert_eq!(figures(&screen), whole);
+    // As the command line has them.
+    let scene = scene(&screen).clone();
+    let drive = screen.state().shown().sound.as_ref().unwrap().drive.clone();
+    let request = Request::new(&scene, vec![drive], Quantity::Depression, (64, 64));
+    let pressed = Stages::new(Evaluator::Cpu).pressed(&request).unwrap();
+    assert!((pressed.force / whole.0 - 1.0).abs() < 1e-9, "{} {}", pressed.force, whole.0);
+    let weight = whole.1 * scene.liquid.density() * scene.liquid.gravity;
+    assert!(weight > whole.0 / 2.0, "{weight} N displaced under {} N", whole.0);
 }

@@ -40,7 +40,7 @@ pub fn run(args: &BoardArgs) -> anyhow::Result<()> {
         if args.profile != Profile::Native {
             bail!("--rtl simulates the native gateware, and {} is another board", args.profile.name());
         }
-        setup.program = Some(build(args.phase_bits)?);
+        setup.program = Some(build(&gateware(args.gateware.as_deref())?, args.phase_bits)?);
     }
     let board = Board::start(setup.clone(), Box::new(|_| {}))?;
     say!("{}", board.path().display())?;
@@ -98,19 +98,37 @@ fn scene(args: &BoardArgs) -> anyhow::Result<Scene> {
     Ok(scene)
 }
 
+/// Within the gateware's folder: makes the simulated device.
+const SIMULATION: &str = "sim/build";
+
+/// The gateware's folder: the one that is given, or else one beside the program or in the current folder.
+fn gateware(given: Option<&Path>) -> anyhow::Result<PathBuf> {
+    let beside = || std::env::current_exe().ok()?.parent().map(|folder| folder.join("gateware"));
+    let folders = match given {
+        Some(folder) => vec![folder.to_owned()],
+        None => beside().into_iter().chain([PathBuf::from("./gateware")]).collect(),
+    };
+    let scripts: Vec<_> =
+        folders.iter().map(|folder| folder.join(SIMULATION).display().to_string()).collect();
+    folders.into_iter().find(|folder| folder.join(SIMULATION).is_file()).with_context(|| {
+        format!(
+            "--rtl needs the gateware's sources; looked for {}. Give the folder `gateware` of Sonoglyph's sources \
+             with --gateware: Verilator builds the simulation there (on Debian, `apt-get install verilator make g++`)",
+            scripts.join(" and ")
+        )
+    })
+}
+
 /// The simulated device, made by Verilator if it is not there yet.
-fn build(phase_bits: u8) -> anyhow::Result<PathBuf> {
-    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
-    let folder = root.join(format!("target/gateware/{phase_bits}"));
-    let script = root.join("gateware/sim/build");
+fn build(gateware: &Path, phase_bits: u8) -> anyhow::Result<PathBuf> {
+    let folder = gateware.join(format!("../target/gateware/{phase_bits}"));
+    let script = gateware.join(SIMULATION);
     note("building the simulated gateware, which takes a minute the first time");
     let made = Command::new(&script).arg(phase_bits.to_string()).arg(&folder).status();
-    let made = made.with_context(|| {
-        format!("{}: --rtl needs the checkout that this program was built in", script.display())
-    })?;
-    if !made.success() {
+    if !made.with_context(|| script.display().to_string())?.success() {
         bail!(
-            "the gateware was not built; on Debian, `apt-get install verilator make g++` brings what it needs"
+            "the gateware was not built in {}; on Debian, `apt-get install verilator make g++` brings what it needs",
+            folder.display()
         );
     }
     Ok(folder.join("device"))

@@ -55,6 +55,9 @@ pub struct BoardArgs {
     /// Run the gateware itself in a simulation by Verilator, instead of the model
     #[arg(long)]
     rtl: bool,
+    /// Folder of the gateware that --rtl runs; else `gateware` beside the program, then in the current folder
+    #[arg(long, value_name = "FOLDER", requires = "rtl")]
+    gateware: Option<PathBuf>,
     /// Phase bits of the native device
     #[arg(long, default_value_t = 7, value_parser = clap::value_parser!(u8).range(5..=8))]
     phase_bits: u8,

@@ -220,6 +220,7 @@ impl Line {
             if plugged != self.pty.is_some() {
                 self.plug(plugged);
             }
+            self.pty.iter().for_each(Pty::lift_claim);
             if matches!(self.logic, Logic::Rtl(_)) {
                 if let Err(error) = self.simulate() {
                     locked(&self.report).events.push(format!("the simulated device ended: {error}"));

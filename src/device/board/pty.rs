@@ -9,7 +9,7 @@ use std::time::Duration;
 use rustix::event::{PollFd, PollFlags, Timespec, poll};
 use rustix::fs::{Mode, OFlags, fcntl_setfl, open};
 use rustix::pty::{OpenptFlags, grantpt, openpt, ptsname, unlockpt};
-use rustix::termios::{OptionalActions, tcgetattr, tcsetattr};
+use rustix::termios::{OptionalActions, ioctl_tiocnxcl, tcgetattr, tcsetattr};
 
 /// The board's end. A link in the folder for temporary files leads to the other end, and stays the same when the board is
 /// unplugged and comes back.
@@ -17,7 +17,7 @@ use rustix::termios::{OptionalActions, tcgetattr, tcsetattr};
 pub struct Pty {
     master: OwnedFd,
     /// Keeps the other end open, so that it outlives programs that open and close it.
-    _slave: OwnedFd,
+    slave: OwnedFd,
     link: PathBuf,
 }
 
@@ -40,12 +40,19 @@ impl Pty {
             Err(error) if error.kind() != io::ErrorKind::NotFound => return Err(error),
             _ => std::os::unix::fs::symlink(&*target, link)?,
         }
-        Ok(Self { master, _slave: slave, link: link.to_owned() })
+        Ok(Self { master, slave, link: link.to_owned() })
     }
 
     /// The bit rate that the other end has set.
     pub fn baud(&self) -> u32 {
         tcgetattr(&self.master).map_or(0, |settings| settings.output_speed())
+    }
+
+    /// Lets other programs open the port, as a real one does by itself when the program that had claimed it is killed.
+    /// What keeps them off a port in use is the lock on it.
+    pub fn lift_claim(&self) {
+        // A terminal that is gone has no claim on it.
+        let _ = ioctl_tiocnxcl(&self.slave);
     }
 
     /// Waits until there is something to read, for `timeout` at most.

@@ -8,9 +8,10 @@ use wgpu::BufferUsages;
 
 use crate::acoustics::Aperture;
 use crate::drive::Drive;
-use crate::field::colouring::{Colouring, SMALLEST, Scale};
+use crate::field::colouring::Colouring;
 use crate::field::gpu::forming::Forming;
-use crate::field::gpu::program::{GatherParams, MOST_GROUPS, PictureParams, Program, WORKGROUP};
+use crate::field::gpu::painting::{Painting, Source, Texture};
+use crate::field::gpu::program::{GatherParams, MOST_GROUPS, Program, WORKGROUP};
 use crate::field::gpu::reading::Reading;
 use crate::field::gpu::resampling::{self, Lines};
 use crate::field::gpu::superposition::{Elements, Superposition};
@@ -31,14 +32,22 @@ pub struct Shape<'a> {
     pub quantity: Quantity,
     /// Width and height in pixels.
     pub size: (usize, usize),
-    /// The samples of the rows that are interpolated, and for every part of the sound how, across and up.
-    pub interpolated: Option<(&'a Samples, Range<usize>, Vec<[&'a Resampling; 2]>)>,
+    pub interpolated: Option<Interpolated<'a>>,
     /// First rows and places of those that are evaluated pixel by pixel.
     pub direct: Vec<(usize, Samples)>,
     /// Of the plane.
     pub normal: DVec3,
     /// Pixels that are compared with the reference.
     pub probes: &'a [usize],
+}
+
+/// Rows of pixels that are interpolated.
+#[derive(Debug)]
+pub struct Interpolated<'a> {
+    pub rows: Range<usize>,
+    pub samples: &'a Samples,
+    /// For every part of the sound, across and up.
+    pub weights: Vec<[&'a Resampling; 2]>,
 }
 
 /// The passes of a map.
@@ -85,31 +94,6 @@ pub struct Figures {
     pub seconds: Option<f64>,
 }
 
-/// A picture on the GPU, r, g, b, a in 8 bits each, row 0 at the smallest y.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Texture {
-    view: wgpu::TextureView,
-    /// Width and height in pixels.
-    pub size: (usize, usize),
-}
-
-impl Texture {
-    pub fn view(&self) -> &wgpu::TextureView {
-        &self.view
-    }
-}
-
-#[derive(Debug)]
-struct Painting {
-    texture: Texture,
-    step: Step,
-    scale: Scale,
-    colours: wgpu::Buffer,
-    params: wgpu::Buffer,
-    /// What is painted, and of which run.
-    painted: Option<(Colouring, u64)>,
-}
-
 impl Chain {
     /// `None` where f32 has no room for the elements or is not right beside them, or a buffer has none for the map.
     pub fn new(gpu: &Gpu, shape: &Shape<'_>) -> Option<Self> {
@@ -127,7 +111,7 @@ impl Chain {
         let mut chain =
             Making { gpu, shape, wave: None, elements, superpositions: Vec::new(), sums: Vec::new() };
         let mut interpolation = Vec::new();
-        if let Some((samples, rows, weights)) = &shape.interpolated {
+        if let Some(Interpolated { rows, samples, weights }) = &shape.interpolated {
             bytes(samples.len())?;
             let wide = gpu.storage("wide", bytes(samples.rows.len() * width)?);
             let mut sampled: [Option<wgpu::Buffer>; 2] = [None, None];
@@ -248,34 +232,12 @@ impl Chain {
         gpu.submit(encoder);
     }
 
-    /// The map in colours. What is painted already is not painted again.
+    /// The map in colours, and whether it was painted anew.
     pub fn paint(&mut self, gpu: &Gpu, colouring: &Colouring) -> (Texture, bool) {
-        if self.painting.as_ref().is_none_or(|painting| painting.scale != colouring.scale()) {
-            self.painting = Some(Painting::new(gpu, self, colouring.scale()));
-        }
-        let Some(painting) = &mut self.painting else { unreachable!("it was just made") };
-        let wanted = (colouring.clone(), self.run);
-        let is_new = painting.painted.as_ref() != Some(&wanted);
-        if is_new {
-            if painting.painted.as_ref().is_none_or(|(painted, _)| painted != colouring) {
-                let line = colouring.line();
-                let params = PictureParams {
-                    width: self.size.0 as u32,
-                    count: (self.size.0 * self.size.1) as u32,
-                    invocations: gpu.tuning.walking_groups * WORKGROUP,
-                    zero: line.zero,
-                    spread: line.spread,
-                    full: line.full.map_or(0.0, |full| full.max(SMALLEST)),
-                };
-                gpu.queue.write_buffer(&painting.params, 0, bytemuck::bytes_of(&params));
-                gpu.queue.write_buffer(&painting.colours, 0, bytemuck::cast_slice(&colouring.table));
-            }
-            let mut encoder = gpu.encoder();
-            painting.step.run(&mut encoder.begin_compute_pass(&Default::default()));
-            gpu.submit(encoder);
-            painting.painted = Some(wanted);
-        }
-        (painting.texture.clone(), is_new)
+        let source = Source { values: &self.values, peak: &self.forming.peak, size: self.size };
+        let fits = self.painting.take().filter(|painting| painting.scale() == colouring.scale());
+        let painting = fits.unwrap_or_else(|| Painting::new(gpu, &source, colouring.scale()));
+        self.painting.insert(painting).paint(gpu, colouring, self.run)
     }
 
     /// Figures of the last run, if they are there; never waits. They are asked for if nobody has.
@@ -429,39 +391,5 @@ impl Clock {
         });
         let usage = BufferUsages::QUERY_RESOLVE | BufferUsages::COPY_SRC;
         Some(Self { queries, resolved: gpu.buffer("times", 16, usage) })
-    }
-}
-
-impl Painting {
-    fn new(gpu: &Gpu, chain: &Chain, scale: Scale) -> Self {
-        let size = chain.size;
-        gpu.count(|traffic| traffic.allocations += 1);
-        let texture = gpu.device.create_texture(&wgpu::TextureDescriptor {
-            label: Some("map"),
-            size: wgpu::Extent3d { width: size.0 as u32, height: size.1 as u32, depth_or_array_layers: 1 },
-            mip_level_count: 1,
-            sample_count: 1,
-            dimension: wgpu::TextureDimension::D2,
-            format: wgpu::TextureFormat::Rgba8Unorm,
-            usage: wgpu::TextureUsages::STORAGE_BINDING
-                | wgpu::TextureUsages::TEXTURE_BINDING
-                | wgpu::TextureUsages::COPY_SRC,
-            view_formats: &[],
-        });
-        let view = texture.create_view(&wgpu::TextureViewDescriptor::default());
-        let colours = gpu.filled("colours", &[0; 1024], BufferUsages::STORAGE);
-        let params = gpu.params(&[0; size_of::<PictureParams>()]);
-        let step = gpu.step(
-            Program::Picture(scale),
-            &[
-                (0, params.as_entire_binding()),
-                (1, chain.values.as_entire_binding()),
-                (2, chain.forming.peak.as_entire_binding()),
-                (3, colours.as_entire_binding()),
-                (4, wgpu::BindingResource::TextureView(&view)),
-            ],
-            (gpu.tuning.walking_groups, 1),
-        );
-        Self { texture: Texture { view, size }, step, scale, colours, params, painted: None }
     }
 }

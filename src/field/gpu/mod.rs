@@ -6,6 +6,7 @@
 pub mod adapter;
 pub mod chain;
 mod forming;
+mod painting;
 pub mod program;
 mod reading;
 mod resampling;
@@ -25,7 +26,8 @@ use program::Program;
 use tuning::Tuning;
 
 pub use adapter::AdapterInfo;
-pub use chain::{Chain, Shape, Texture};
+pub use chain::{Chain, Shape};
+pub use painting::Texture;
 pub use reading::Reading;
 
 /// Bytes of a buffer, at most.

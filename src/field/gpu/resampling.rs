@@ -36,12 +36,7 @@ pub(super) fn step(
     }
 }
 
-fn single(
-    gpu: &Gpu,
-    resampling: &Resampling,
-    [samples, pixels]: [&wgpu::Buffer; 2],
-    lines: &Lines,
-) -> Step {
+fn single(gpu: &Gpu, resampling: &Resampling, [samples, pixels]: [&wgpu::Buffer; 2], lines: &Lines) -> Step {
     let (count, taps) = (resampling.len(), resampling.taps);
     let pixels_run_along_x = lines.steps[1] == 1;
     let (across, up) = if pixels_run_along_x { (count, lines.count) } else { (lines.count, count) };
@@ -58,7 +53,8 @@ fn single(
         pixel_stride: lines.steps[1] as u32,
         pixel_line_stride: lines.strides[1] as u32,
     };
-    let of_tap = |tap: usize| (0..count).map(move |pixel: usize| resampling.weights[pixel * taps + tap].to_bits());
+    let of_tap =
+        |tap: usize| (0..count).map(move |pixel: usize| resampling.weights[pixel * taps + tap].to_bits());
     let weights = resampling.first.iter().copied().chain((0..taps).flat_map(of_tap)).collect::<Vec<_>>();
     let weights = gpu.filled("weights", bytemuck::cast_slice(&weights), BufferUsages::STORAGE);
     let params = gpu.params(bytemuck::bytes_of(&params));

@@ -68,7 +68,15 @@ pub struct Stages {
 struct Ground {
     /// The site, under the key that was asked for: what cannot be formed at cells may be formed at the pixels.
     site: Kept<SiteKey, Option<(SiteKey, Site)>>,
-    frame: Kept<(SiteKey, (usize, usize), bool), Option<(Frame, Probes)>>,
+    frame: Kept<FrameKey, Option<(Frame, Probes)>>,
+}
+
+/// What the pixels and probes depend on.
+#[derive(Clone, Debug, PartialEq)]
+struct FrameKey {
+    site: SiteKey,
+    size: (usize, usize),
+    of_liquid: bool,
 }
 
 impl Ground {
@@ -96,7 +104,8 @@ impl Ground {
             Ok::<_, FieldError>(())
         })?;
         let (key, site) = site.as_ref().ok_or(FieldError::NoPlane)?;
-        let frame = frame.update(&(key.clone(), request.size, of_liquid), |made| {
+        let wanted = FrameKey { site: key.clone(), size: request.size, of_liquid };
+        let frame = frame.update(&wanted, |made| {
             let probes = Probes::new(key, site, request.size, of_liquid);
             *made = Frame::new(key, site, request.size).map(|frame| (frame, probes));
         });
@@ -347,9 +356,10 @@ impl Job<'_> {
         }
         // Where little of the field meets the plane, what samples leave out is much of that.
         let plan = self.site.plan.direct("samples do not keep the tolerance");
+        let key = self.key.direct();
         let site = Site { plan, sampled: self.site.sampled.clone(), cells: None, axes: self.site.axes };
-        let frame = Frame::new(self.key, &site, self.request.size).ok_or(FieldError::NoPlane)?;
-        let job = Job { site: &site, frame: &frame, ..*self };
+        let frame = Frame::new(&key, &site, self.request.size).ok_or(FieldError::NoPlane)?;
+        let job = Job { key: &key, site: &site, frame: &frame, ..*self };
         // Where f64 has not helped, it is not f32 that is at fault.
         let mut made = make(&job, if self.site.plan.double { made.2 } else { By::Cpu }, &mut values);
         if made.2 == By::Cpu && job.is_too_far_off(made.0) {

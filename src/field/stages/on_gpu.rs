@@ -2,7 +2,7 @@
 
 use num_complex::Complex64;
 
-use crate::field::gpu::chain::Figures;
+use crate::field::gpu::chain::{Figures, Interpolated};
 use crate::field::gpu::{Chain, Shape, Texture};
 use crate::field::quantity::{Constants, Part, Quantity};
 use crate::field::stages::kept::Kept;
@@ -75,7 +75,7 @@ impl OnGpu {
             let grid = job.site.plan.grid.as_ref().zip(weights.as_ref());
             let interpolated = grid.map(|(grid, weights)| {
                 let weights = Part::of(job.key.parts).map(|part| weights.of(part)).collect();
-                (&grid.samples, raster.interpolated.clone(), weights)
+                Interpolated { rows: raster.interpolated.clone(), samples: &grid.samples, weights }
             });
             let direct = raster.direct().map(|rows| (rows.start, raster.pixel_rows(rows)));
             let shape = Shape {

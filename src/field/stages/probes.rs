@@ -53,7 +53,8 @@ impl Probes {
                 }
             }
             Some(_) | None => {
-                let place = |i: usize, count: usize, length: f64| length * ((i as f64 + 0.5) / count as f64 - 0.5);
+                let place =
+                    |i: usize, count: usize, length: f64| length * ((i as f64 + 0.5) / count as f64 - 0.5);
                 for pixel in spread(width * height) {
                     let x = place(pixel % width, width, plane.size.x);
                     add(pixel, x, place(pixel / width, height, plane.size.y));

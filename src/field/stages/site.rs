@@ -63,11 +63,7 @@ pub(super) struct Weights {
 
 impl Weights {
     /// Slopes are left out where no part needs them.
-    pub(super) fn new(
-        grid: &Grid,
-        parts: u8,
-        places: [&mut dyn Iterator<Item = f64>; 2],
-    ) -> Self {
+    pub(super) fn new(grid: &Grid, parts: u8, places: [&mut dyn Iterator<Item = f64>; 2]) -> Self {
         let places = places.map(|places| places.collect::<Vec<_>>());
         let along = |axis: usize| places[axis].iter().copied();
         Self {
@@ -123,6 +119,13 @@ impl SiteKey {
         let is_liquid = declaration.of_liquid;
         let margin = if is_liquid { TO_THE_WALLS * request.liquid.capillary_length() } else { 0.0 };
         Self::with(request, tolerance, Some(ByCells { margin, accuracy, is_liquid }))
+    }
+
+    /// The same pixel by pixel: nothing that was made from samples belongs to it.
+    pub(super) fn direct(&self) -> Self {
+        let mut direct = self.clone();
+        direct.setting.plane.tolerance = 0.0;
+        direct
     }
 
     fn with(request: &Request, tolerance: f64, by_cells: Option<ByCells>) -> Self {
@@ -187,9 +190,8 @@ impl Frame {
         let raster = Raster::new(&site.plan, (width, height))?;
         let rows = raster.interpolated.clone();
         let grid = site.plan.grid.as_ref().filter(|_| !rows.is_empty());
-        let weights = grid.map(|grid| {
-            Weights::new(grid, key.parts, [&mut (0..width).map(column), &mut rows.map(row)])
-        });
+        let weights =
+            grid.map(|grid| Weights::new(grid, key.parts, [&mut (0..width).map(column), &mut rows.map(row)]));
         Some(Self::Pixels { raster, weights })
     }
 }

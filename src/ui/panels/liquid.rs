@@ -71,7 +71,11 @@ fn depression(editor: &mut Editor, shown: &Shown, ui: &mut Ui) {
                 let tip = "Below the level surface, in what is on the screen";
                 fact(ui, ("Deepest", tip), Quantity::Depression.with_unit(map.largest));
             }
-            fact(ui, ("Displaced", "Volume of the depression on the scene's plane"), format!("{:.1} mm³", dent.volume * 1e9));
+            fact(
+                ui,
+                ("Displaced", "Volume of the depression on the scene's plane"),
+                format!("{:.1} mm³", dent.volume * 1e9),
+            );
             fact(
                 ui,
                 ("Steepest slope", "Rise over run; linear theory wants it small"),

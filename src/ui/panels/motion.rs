@@ -43,7 +43,7 @@ pub fn show(editor: &mut Editor, shown: &Shown, ui: &mut Ui) {
     playback(editor, shown, ui);
     if let Some(round) = &shown.round {
         let frames = &round.frames;
-        heading(ui, "The round");
+        heading(ui, "Cycle");
         form(ui, "round", |ui| {
             let mean = frames.iter().map(Frame::mean_pressure).sum::<f64>() / frames.len().max(1) as f64;
             fact(ui, ("Mean pressure", "Over focal points and frames, peak"), pascals(mean));
@@ -73,8 +73,8 @@ fn settings(editor: &mut Editor, ui: &mut Ui) {
             number(ui, ("Size", size), &mut scene.motion.size, MM, 1e-4..=1.0);
         }
         let hertz = Unit { per: 1.0, suffix: " Hz", decimals: 2, speed: 0.1 };
-        number(ui, ("Rate", "Rounds per second"), &mut scene.motion.rate, hertz, 0.01..=1e4);
-        count(ui, ("Frames", "Drives per round"), &mut scene.motion.frames, 1..=4096);
+        number(ui, ("Rate", "Cycles per second"), &mut scene.motion.rate, hertz, 0.01..=1e4);
+        count(ui, ("Frames", "Drives per cycle"), &mut scene.motion.frames, 1..=4096);
         if !matches!(path, MotionPath::None | MotionPath::Steps) {
             let speed = format!("{:.2} m/s", scene.motion.speed());
             fact(ui, ("Speed", "Of a focus; 5 to 8 m/s are felt most"), speed);

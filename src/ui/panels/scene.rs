@@ -170,7 +170,7 @@ fn plane(editor: &mut Editor, shown: &Shown, ui: &mut Ui) {
         let lens = crate::ui::view::Lens { rect: map.rect, window: map.window };
         editor.view.plane(scene, &lens)
     });
-    let tip = "The scene's plane is what `sonoglyph render` draws and whose surface a dent is in";
+    let tip = "The scene's plane is what `sonoglyph render` draws, and the surface of the liquid";
     let plane = &scene.plane;
     ui.label(format!(
         "Of the scene: {:.0} x {:.0} mm about ({:.0}, {:.0}, {:.0})",

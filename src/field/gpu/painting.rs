@@ -1,0 +1,104 @@
+//! A map in colours, as a texture that its device draws.
+
+use wgpu::BufferUsages;
+
+use crate::field::colouring::{Colouring, SMALLEST, Scale};
+use crate::field::gpu::program::{PictureParams, Program, WORKGROUP};
+use crate::field::gpu::{Gpu, Step};
+
+/// A picture on the GPU, r, g, b, a in 8 bits each, row 0 at the smallest y.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Texture {
+    view: wgpu::TextureView,
+    /// Width and height in pixels.
+    pub size: (usize, usize),
+}
+
+impl Texture {
+    pub fn view(&self) -> &wgpu::TextureView {
+        &self.view
+    }
+}
+
+/// What is painted: the values of a map and their peak.
+pub(super) struct Source<'a> {
+    pub(super) values: &'a wgpu::Buffer,
+    pub(super) peak: &'a wgpu::Buffer,
+    pub(super) size: (usize, usize),
+}
+
+/// The pass that paints, with what it paints on.
+#[derive(Debug)]
+pub(super) struct Painting {
+    texture: Texture,
+    step: Step,
+    scale: Scale,
+    colours: wgpu::Buffer,
+    params: wgpu::Buffer,
+    /// In which colours which run is painted.
+    painted: Option<(Colouring, u64)>,
+}
+
+impl Painting {
+    pub(super) fn new(gpu: &Gpu, source: &Source<'_>, scale: Scale) -> Self {
+        let size = source.size;
+        gpu.count(|traffic| traffic.allocations += 1);
+        let texture = gpu.device.create_texture(&wgpu::TextureDescriptor {
+            label: Some("map"),
+            size: wgpu::Extent3d { width: size.0 as u32, height: size.1 as u32, depth_or_array_layers: 1 },
+            mip_level_count: 1,
+            sample_count: 1,
+            dimension: wgpu::TextureDimension::D2,
+            format: wgpu::TextureFormat::Rgba8Unorm,
+            usage: wgpu::TextureUsages::STORAGE_BINDING
+                | wgpu::TextureUsages::TEXTURE_BINDING
+                | wgpu::TextureUsages::COPY_SRC,
+            view_formats: &[],
+        });
+        let view = texture.create_view(&wgpu::TextureViewDescriptor::default());
+        let colours = gpu.filled("colours", &[0; 1024], BufferUsages::STORAGE);
+        let params = gpu.params(&[0; size_of::<PictureParams>()]);
+        let step = gpu.step(
+            Program::Picture(scale),
+            &[
+                (0, params.as_entire_binding()),
+                (1, source.values.as_entire_binding()),
+                (2, source.peak.as_entire_binding()),
+                (3, colours.as_entire_binding()),
+                (4, wgpu::BindingResource::TextureView(&view)),
+            ],
+            (gpu.tuning.walking_groups, 1),
+        );
+        Self { texture: Texture { view, size }, step, scale, colours, params, painted: None }
+    }
+
+    pub(super) fn scale(&self) -> Scale {
+        self.scale
+    }
+
+    /// The picture of a `run`, and whether it was painted anew.
+    pub(super) fn paint(&mut self, gpu: &Gpu, colouring: &Colouring, run: u64) -> (Texture, bool) {
+        let before = self.painted.as_ref();
+        if before.is_some_and(|(painted, of)| painted == colouring && *of == run) {
+            return (self.texture.clone(), false);
+        }
+        if before.is_none_or(|(painted, _)| painted != colouring) {
+            let (line, (width, height)) = (colouring.line(), self.texture.size);
+            let params = PictureParams {
+                width: width as u32,
+                count: (width * height) as u32,
+                invocations: gpu.tuning.walking_groups * WORKGROUP,
+                zero: line.zero,
+                spread: line.spread,
+                full: line.full.map_or(0.0, |full| full.max(SMALLEST)),
+            };
+            gpu.queue.write_buffer(&self.params, 0, bytemuck::bytes_of(&params));
+            gpu.queue.write_buffer(&self.colours, 0, bytemuck::cast_slice(&colouring.table));
+        }
+        let mut encoder = gpu.encoder();
+        self.step.run(&mut encoder.begin_compute_pass(&Default::default()));
+        gpu.submit(encoder);
+        self.painted = Some((colouring.clone(), run));
+        (self.texture.clone(), true)
+    }
+}

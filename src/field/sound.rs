@@ -1,0 +1,98 @@
+//! The sound at a point: pressure and its slopes, and what formulae need to know of the air beside it.
+
+use num_complex::{Complex32, Complex64};
+
+use crate::acoustics::Air;
+
+/// The sound of one drive at a point: complex peak amplitudes.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Sound {
+    /// Pa
+    pub p: Complex32,
+    /// Slopes of the pressure along the plane's first axis, its second, and its normal; Pa/m.
+    pub x: Complex32,
+    pub y: Complex32,
+    pub n: Complex32,
+}
+
+impl Sound {
+    pub fn part_mut(&mut self, part: Part) -> &mut Complex32 {
+        match part {
+            Part::Pressure => &mut self.p,
+            Part::AlongX => &mut self.x,
+            Part::AlongY => &mut self.y,
+            Part::Normal => &mut self.n,
+        }
+    }
+}
+
+/// One of the numbers of a [`Sound`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Part {
+    Pressure,
+    AlongX,
+    AlongY,
+    Normal,
+}
+
+impl Part {
+    /// In the order in which evaluators keep them.
+    pub const ALL: [Self; 4] = [Self::Pressure, Self::AlongX, Self::AlongY, Self::Normal];
+
+    const fn bit(self) -> u8 {
+        1 << self as u8
+    }
+
+    /// The parts that are named by their bits.
+    pub fn of(bits: u8) -> impl Iterator<Item = Self> {
+        Self::ALL.into_iter().filter(move |part| bits & part.bit() != 0)
+    }
+}
+
+/// Bits of parts.
+pub const PRESSURE: u8 = Part::Pressure.bit();
+pub const ALONG: u8 = Part::AlongX.bit() | Part::AlongY.bit();
+pub const NORMAL: u8 = Part::Normal.bit();
+
+/// What formulae need to know of the air and of the moment.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Constants {
+    /// 1/(ρc²), 1/Pa
+    pub of_pressure: f32,
+    /// 1/(ρω²), m²/Pa
+    pub of_gradient: f32,
+    /// 1/(ρω), m²/(Pa·s): |v| of |∇p|.
+    pub of_velocity: f32,
+    /// e^{jωt} of an instantaneous pressure.
+    pub turn: Complex32,
+}
+
+impl Constants {
+    /// In this air, for a wavenumber (1/m), at the moment ωt (rad).
+    pub fn new(air: &Air, wavenumber: f64, moment: f64) -> Self {
+        let angular = wavenumber * air.sound_speed;
+        Self {
+            of_pressure: (1.0 / (air.density * air.sound_speed.powi(2))) as f32,
+            of_gradient: (1.0 / (air.density * angular * angular)) as f32,
+            of_velocity: (1.0 / (air.density * angular)) as f32,
+            turn: Complex32::cis(moment as f32),
+        }
+    }
+}
+
+/// The parts of the sound at a run of points; those that a formula does not read are empty.
+#[derive(Clone, Copy, Debug)]
+pub struct Sounds<'a>(pub [&'a [Complex32]; 4]);
+
+impl<'a> Sounds<'a> {
+    /// From the parts in `of` only, in their order.
+    pub fn of(of: u8, parts: impl IntoIterator<Item = &'a [Complex32]>) -> Self {
+        let mut parts = parts.into_iter();
+        Self(std::array::from_fn(|i| if of & 1 << i == 0 { &[][..] } else { parts.next().unwrap_or(&[]) }))
+    }
+}
+
+/// In f32.
+pub fn narrow(p: Complex64) -> Complex32 {
+    Complex32::new(p.re as f32, p.im as f32)
+}
