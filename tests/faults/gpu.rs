@@ -2,7 +2,7 @@
 
 use glam::{DVec2, DVec3};
 use sonoglyph::field::gpu::adapter;
-use sonoglyph::field::{Colouring, Evaluator, FieldError, Gpu, GpuError, Quantity, Request, Stages};
+use sonoglyph::field::{By, Colouring, Evaluator, FieldError, Gpu, GpuError, Quantity, Request, Stages};
 use sonoglyph::picture::ColourMap;
 use sonoglyph::scene::{Plane, Scene, Shape, Target};
 use sonoglyph::solver;
@@ -19,7 +19,7 @@ fn requests() -> Vec<Request> {
     let drives = vec![solver::solve(&scene).unwrap().drive];
     let on_gpu =
         [Quantity::Rms, Quantity::Phase, Quantity::Instantaneous, Quantity::Intensity, Quantity::Velocity];
-    on_gpu.map(|quantity| Request::new(&scene, drives.clone(), quantity, (64, 48))).to_vec()
+    on_gpu.map(|quantity| Request::new(&scene, drives.clone(), quantity, (128, 96))).to_vec()
 }
 
 fn is_lost<T>(done: &Result<T, FieldError>) -> bool {
@@ -39,6 +39,7 @@ fn every_kind_of_work_on_a_lost_gpu_is_an_error_and_no_panic() {
                 stages.picture(&request, &grey(&request)).unwrap();
                 stages.figures(&request).unwrap();
                 stages.colours(&request, &grey(&request)).unwrap();
+                assert_eq!(stages.map(&request).unwrap().by, By::Gpu, "{name}");
             }
             stages.gpu().unwrap().lose();
             if is_warm {

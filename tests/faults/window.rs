@@ -183,14 +183,15 @@ fn two_windows_on_one_file_take_nothing_from_each_other() {
 
 #[test]
 fn a_lost_gpu_is_replaced_by_the_cpu_with_one_word_and_nothing_is_lost() {
+    let document = || Document::parse(crate::SCENE.to_owned(), "a").unwrap();
+    let before = open_on(document(), Evaluator::Cpu).state_mut().numbers().unwrap();
+    let peak = before.1.iter().copied().fold(0.0, f32::max);
     for loses_before_export in [false, true] {
         let Some(gpu) = gpu::gpu() else { return };
-        let document = Document::parse(crate::SCENE.to_owned(), "a").unwrap();
-        let mut screen = open_on(document, Evaluator::Gpu(Box::new(gpu)));
-        let before = screen.state_mut().numbers().unwrap();
-        let peak = before.1.iter().copied().fold(0.0, f32::max);
+        let mut screen = open_on(document(), Evaluator::Gpu(Box::new(gpu)));
         screen.state().gpu().unwrap().lose();
         if loses_before_export {
+            // The GPU alone had them.
             let numbers = screen.state_mut().numbers().unwrap();
             assert!(before.1.iter().zip(&numbers.1).all(|(a, b)| (a - b).abs() < 2e-3 * peak));
             assert!(screen.state_mut().picture().is_some());

@@ -252,12 +252,10 @@ impl Gpu {
     /// # Errors
     /// It is there.
     pub fn check(&self) -> Result<(), GpuError> {
-        let failure = || self.failure.lock().unwrap_or_else(std::sync::PoisonError::into_inner).clone();
-        if matches!(failure(), Some(GpuError::Refused(_))) {
-            // A lost device refuses everything, and says only when it is asked that it is lost.
-            self.device.poll(wgpu::PollType::Poll).ok();
-        }
-        failure().map_or(Ok(()), Err)
+        // A loss is reported where the device is polled, and explains what was refused after it.
+        self.device.poll(wgpu::PollType::Poll).ok();
+        let failure = self.failure.lock().unwrap_or_else(std::sync::PoisonError::into_inner).clone();
+        failure.map_or(Ok(()), Err)
     }
 }
 

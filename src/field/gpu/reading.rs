@@ -59,7 +59,6 @@ impl Reading {
     /// # Errors
     /// The device was lost.
     pub fn poll(&mut self, gpu: &Gpu) -> Result<Option<Vec<u8>>, GpuError> {
-        gpu.device.poll(wgpu::PollType::Poll).map_err(|e| GpuError::Lost(e.to_string()))?;
         gpu.check()?;
         let Some(arrived) = self.arrived.as_ref().and_then(|arrived| arrived.get().cloned()) else {
             return Ok(None);

@@ -360,7 +360,8 @@ impl Job<'_> {
         let site = Site { plan, sampled: self.site.sampled.clone(), cells: None, axes: self.site.axes };
         let frame = Frame::new(&key, &site, self.request.size).ok_or(FieldError::NoPlane)?;
         let job = Job { key: &key, site: &site, frame: &frame, ..*self };
-        let mut made = make(&job, if is_double(made.2) { made.2 } else { By::Cpu }, &mut values);
+        // Where f64 has not helped, it is not f32 that is at fault.
+        let mut made = make(&job, if self.site.plan.double { made.2 } else { By::Cpu }, &mut values);
         if made.2 == By::Cpu && job.is_too_far_off(made.0) {
             made = make(&job, By::CpuInF64, &mut values);
         }

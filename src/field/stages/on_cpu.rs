@@ -33,7 +33,7 @@ pub(super) struct OnCpu {
     /// Of a single drive, in f64 or not.
     samples: Kept<SampledKey, Samples>,
     /// Its sound at the pixels, if that is no more than a band.
-    at_pixels: Kept<LatticeKey, Lattice>,
+    at_pixels: Kept<(SampledKey, (usize, usize)), Lattice>,
     at_cells: Lattice,
     /// Means of the formula over the drives, per cell.
     cells: Kept<FormedKey, Vec<f64>>,
@@ -48,15 +48,6 @@ struct SampledKey {
     site: SiteKey,
     excitation: Vec<Complex64>,
     double: bool,
-}
-
-/// What its sound at the pixels depends on.
-#[derive(Clone, Debug, PartialEq)]
-struct LatticeKey {
-    samples: SampledKey,
-    size: (usize, usize),
-    /// Samples that do not keep the tolerance are passed over.
-    is_interpolated: bool,
 }
 
 /// What the means at the cells depend on.
@@ -218,11 +209,7 @@ impl OnCpu {
             for first in (0..raster.height).step_by(rows_together) {
                 let rows = first..raster.height.min(first + rows_together);
                 let pixels = rows.start * raster.width..rows.end * raster.width;
-                let lattice_key = LatticeKey {
-                    samples: key.clone(),
-                    size: request.size,
-                    is_interpolated: weights.is_some(),
-                };
+                let lattice_key = (key.clone(), request.size);
                 if rows != (0..raster.height) || !self.at_pixels.is_of(&lattice_key) {
                     self.at_pixels.key = None;
                     self.fill_pixels(job, drive, &key, (raster, weights), rows.clone(), work);

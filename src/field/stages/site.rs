@@ -110,10 +110,9 @@ impl SiteKey {
 
     fn by_cells(request: &Request, exact: bool) -> Self {
         let declaration = request.quantity.declaration();
-        let tolerance = match request.plane.tolerance {
-            tolerance if tolerance > 0.0 && !exact => tolerance.max(FINEST),
-            _ => FINEST,
-        };
+        let wanted = if exact { 0.0 } else { request.plane.tolerance };
+        // What is no tolerance stays none, for the plan to refuse.
+        let tolerance = if (0.0..FINEST).contains(&wanted) { FINEST } else { wanted };
         // The root of a square that is off by a millionth of the largest is off by a thousandth where it should be 0; but windows
         // leak far less there than where they are worst.
         let accuracy = if declaration.is_root { tolerance.powf(1.5).max(1e-8) } else { tolerance };
