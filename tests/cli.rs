@@ -4,10 +4,12 @@
 
 mod requirement;
 
+use std::f64::consts::{SQRT_2, TAU};
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
+use num_complex::Complex64;
 use serde_json::Value;
 use tempfile::TempDir;
 
@@ -235,6 +237,61 @@ fn render_writes_pictures_and_the_numbers_behind_them() {
     assert!(brightest((at % 64) as u32, 31 - (at / 64) as u32) > 600, "row 0 is the bottom of the picture");
 }
 
+/// Shape and values of a file that a command has written for numpy.
+fn npy(path: &Path) -> (Vec<u64>, Vec<f32>) {
+    let bytes = fs::read(path).unwrap();
+    assert!(String::from_utf8_lossy(&bytes[..80]).contains("'<f4'"));
+    let npy = npyz::NpyFile::new(&bytes[..]).unwrap();
+    (npy.shape().to_vec(), npy.into_vec().unwrap())
+}
+
+#[test]
+fn intensity_and_velocity_are_those_of_the_probed_pressures() {
+    const MEDIUM: &str = "[medium]\nsound_speed = 340.0\ndensity = 1.2\n[plane]\ncentre = [0.01, 0.01, 0.1]\nsize = [0.04, 0.02]\n";
+    let folder = folder_with(&[("a.toml", &format!("{POINT}{MEDIUM}"))]);
+    let (width, height, hair) = (40, 20, 1e-6);
+    let map = |quantity: &str| {
+        let args =
+            ["render", "a.toml", "-o", "a.png", "--size", "40", "--data", "a.npy", "--quantity", quantity];
+        let said = succeed(folder.path(), &args);
+        let (shape, values) = npy(&folder.path().join("a.npy"));
+        assert_eq!(shape, [height, width], "{quantity}");
+        (said, values)
+    };
+    let ((said, intensity), (also_said, velocity)) = (map("intensity"), map("velocity"));
+    assert!(said.contains("intensity up to") && said.contains("W/m²"), "{said}");
+    assert!(also_said.contains("velocity up to") && also_said.contains("m/s"), "{also_said}");
+    let peak = |values: &[f32]| f64::from(values.iter().copied().fold(0.0, f32::max));
+    // Beside the focus, where the sound runs askew, and at it: columns of 1 mm from -10 mm, rows from 0 mm.
+    for (column, row) in [(5, 12), (20, 19), (33, 2)] {
+        let [x, y, z] = [-0.0095 + 1e-3 * column as f64, 0.0005 + 1e-3 * row as f64, 0.1];
+        let mut points = format!("x,y,z\n{x},{y},{z}\n");
+        for axis in 0..3 {
+            for side in [hair, -hair] {
+                let mut at = [x, y, z];
+                at[axis] += side;
+                points += &format!("{},{},{}\n", at[0], at[1], at[2]);
+            }
+        }
+        fs::write(folder.path().join("points.csv"), points).unwrap();
+        let answer = succeed(folder.path(), &["probe", "a.toml", "--points", "points.csv"]);
+        let number = |line: &str, column: usize| line.split(',').nth(column).unwrap().parse::<f64>().unwrap();
+        let p: Vec<_> =
+            answer.lines().skip(1).map(|line| Complex64::new(number(line, 3), number(line, 4))).collect();
+        // jωρV = -∇P
+        let resistance = -Complex64::I * TAU * 40e3 * 1.2;
+        let v = [1, 3, 5].map(|i| (p[i] - p[i + 1]) / (2.0 * hair) / resistance);
+        let expected =
+            v.map(|v| 0.5 * (p[0] * v.conj()).re).iter().map(|flow| flow * flow).sum::<f64>().sqrt();
+        let pixel = row * width as usize + column;
+        let off = (f64::from(intensity[pixel]) - expected).abs();
+        assert!(off < 2e-3 * peak(&intensity), "{column}, {row}: {} W/m², not {expected}", intensity[pixel]);
+        let expected = v[2].norm() / SQRT_2;
+        let off = (f64::from(velocity[pixel]) - expected).abs();
+        assert!(off < 2e-3 * peak(&velocity), "{column}, {row}: {} m/s, not {expected}", velocity[pixel]);
+    }
+}
+
 #[test]
 fn every_backend_renders_the_same_numbers() {
     let folder = folder_with(&[("a.toml", POINT)]);
@@ -368,10 +425,22 @@ fn bad_arguments_and_files_are_refused() {
             "element 2 of 256 is missing",
         ),
         (&["dance"], "dance"),
+        (&["--renderer", "bad"], "auto, wgpu, glow"),
     ] {
         let message = refuse(folder.path(), args);
         assert!(message.contains(part), "{args:?}: {message}");
     }
+}
+
+#[test]
+fn help_names_every_quantity_and_who_draws_the_window() {
+    let folder = folder_with(&[]);
+    let render = succeed(folder.path(), &["render", "--help"]);
+    for quantity in ["rms", "phase", "radiation", "depression", "instantaneous", "intensity", "velocity"] {
+        assert!(render.contains(&format!("- {quantity}:")), "{quantity}: {render}");
+    }
+    let all = succeed(folder.path(), &["--help"]);
+    assert!(["--renderer", "wgpu", "glow"].iter().all(|word| all.contains(word)), "{all}");
 }
 
 #[test]

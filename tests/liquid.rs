@@ -57,8 +57,18 @@ fn a_depression_is_in_metres_and_deepest_under_the_focus() {
     let folder = folder_with(&[("a.toml", FAINT)]);
     let at = folder.path();
     for backend in ["cpu", "reference"] {
-        let args =
-            ["render", "a.toml", "-o", "a.png", "--quantity", "depression", "--size", "80", "--data", "a.npy"];
+        let args = [
+            "render",
+            "a.toml",
+            "-o",
+            "a.png",
+            "--quantity",
+            "depression",
+            "--size",
+            "80",
+            "--data",
+            "a.npy",
+        ];
         let (said, warned) = succeed(at, &[&args[..], &["--backend", backend]].concat());
         assert!(said.contains("µm") && said.contains("mm³") && said.contains("water 100 mm"), "{said}");
         assert!(!warned.contains("linear theory"), "{warned}");
@@ -91,12 +101,26 @@ fn a_depression_is_in_metres_and_deepest_under_the_focus() {
 }
 
 #[test]
+fn a_depression_was_called_a_dent_and_still_is_one() {
+    let folder = folder_with(&[("a.toml", FAINT)]);
+    let render = |quantity: &str, data: &str| {
+        let args =
+            ["render", "a.toml", "-o", "a.png", "--quantity", quantity, "--size", "40", "--data", data];
+        succeed(folder.path(), &args).0
+    };
+    assert_eq!(render("depression", "new.npy"), render("dent", "old.npy"));
+    let bytes = |name: &str| fs::read(folder.path().join(name)).unwrap();
+    assert_eq!(bytes("new.npy"), bytes("old.npy"));
+}
+
+#[test]
 fn the_envelope_and_the_liquid_change_the_depression() {
     let sine = format!("{FAINT}[modulation]\nshape = \"sine\"\n");
     let ethanol = format!("{FAINT}[liquid]\nname = \"ethanol\"\n");
     let folder = folder_with(&[("a.toml", FAINT), ("sine.toml", &sine), ("ethanol.toml", &ethanol)]);
     let deepest = |scene: &str| {
-        let args = ["render", scene, "-o", "a.png", "--quantity", "depression", "--size", "60", "--data", "a.npy"];
+        let args =
+            ["render", scene, "-o", "a.png", "--quantity", "depression", "--size", "60", "--data", "a.npy"];
         let (said, _) = succeed(folder.path(), &args);
         (largest(&npy(&folder.path().join("a.npy")).1).1, said)
     };
@@ -112,7 +136,8 @@ fn a_depression_too_steep_for_the_theory_says_so_with_the_drive_that_is_not() {
     let strong = FAINT.replace("strength = 1.0", "strength = 6.0");
     let folder = folder_with(&[("a.toml", &strong)]);
     for view in ["flat", "shaded"] {
-        let args = ["render", "a.toml", "-o", "a.png", "--quantity", "depression", "--view", view, "--size", "400"];
+        let args =
+            ["render", "a.toml", "-o", "a.png", "--quantity", "depression", "--view", view, "--size", "400"];
         let (_, warned) = succeed(folder.path(), &args);
         assert!(warned.contains("beyond linear theory") && warned.contains("% of this drive's"), "{warned}");
         let picture = image::open(folder.path().join("a.png")).unwrap();
@@ -172,6 +197,40 @@ fn waves_are_an_animation_that_begins_at_rest() {
         red.iter().max().unwrap() - red.iter().min().unwrap()
     };
     assert!(contrast(1) < contrast(20), "{} {}", contrast(1), contrast(20));
+}
+
+#[test]
+fn the_depths_of_waves_are_written_with_the_times_of_their_pictures() {
+    let folder = folder_with(&[("a.toml", FAINT)]);
+    let waves = |seconds: &str, data: &str| {
+        let args = ["render", "a.toml", "-o", "a.gif", "--quantity", "depression", "--waves", "--size", "24"];
+        succeed(folder.path(), &[&args[..], &["--seconds", seconds, "--data", data]].concat());
+        npy(&folder.path().join(data))
+    };
+    let (header, depth) = waves("0.05", "waves.npy");
+    assert!(header.contains("'<f4'") && header.contains("(20, 18, 24"), "{header}");
+    let (header, times) = npy(&folder.path().join("waves.times.npy"));
+    assert!(header.contains("'<f4'") && header.contains("(20,"), "{header}");
+    for (picture, time) in (1u16..).zip(&times) {
+        assert!((time - f32::from(picture) * 0.0025).abs() < 1e-7, "{times:?}");
+    }
+    // A surface that is pressed at once falls with the square of the time, until it feels its neighbours.
+    let frames: Vec<_> = depth.chunks_exact(18 * 24).collect();
+    let deepest = |frame: usize| largest(frames[frame]).1;
+    let fallen = deepest(1) / deepest(0);
+    assert!(deepest(0) > 0.0 && (3.2..4.0).contains(&fallen), "{fallen}");
+    // Half as long is the first half.
+    let (_, half) = waves("0.025", "half.npy");
+    assert_eq!(npy(&folder.path().join("half.times.npy")).1, times[..10]);
+    assert_eq!(half, depth[..half.len()]);
+    assert_eq!(half.len(), depth.len() / 2);
+    // They come to rest about the depression of steady sound.
+    let args =
+        ["render", "a.toml", "-o", "a.png", "--quantity", "depression", "--size", "24", "--data", "a.npy"];
+    succeed(folder.path(), &args);
+    let rest = largest(&npy(&folder.path().join("a.npy")).1).1;
+    let most = (0..20).map(deepest).fold(0.0, f32::max);
+    assert!((0.5..2.0).contains(&(most / rest)), "{most} m and at rest {rest} m");
 }
 
 #[test]

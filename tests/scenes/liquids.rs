@@ -145,7 +145,11 @@ fn radiation_is_the_models(
         let area = scene.plane.size.x * scene.plane.size.y / map.values.len() as f64;
         let sum = |of: fn(f64) -> f64| map.values.iter().map(|&value| of(value.into())).sum::<f64>() * area;
         let force = stages.pressed(request).unwrap().force;
-        within("force on a plane", (force - sum(|value| value)).abs(), 1e-9 * sum(f64::abs) + f64::MIN_POSITIVE);
+        within(
+            "force on a plane",
+            (force - sum(|value| value)).abs(),
+            1e-9 * sum(f64::abs) + f64::MIN_POSITIVE,
+        );
     }
     let part = scene.modulation.mean_square();
     let pixels = Samples::on_plane(&scene.plane, SIZE.0, SIZE.1).unwrap();
