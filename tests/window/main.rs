@@ -7,6 +7,7 @@
 mod board;
 mod edits;
 mod files;
+mod quantities;
 mod reach;
 mod robust;
 mod view;
@@ -258,7 +259,7 @@ fn a_rubber_band_selects_and_what_is_selected_moves_and_goes() {
 }
 
 #[test]
-fn another_method_and_the_dent_are_a_click_away() {
+fn another_method_and_the_depression_are_a_click_away() {
     let mut screen = open();
     screen.get_by_label("Solver").click();
     rest(&mut screen);
@@ -274,7 +275,7 @@ fn another_method_and_the_dent_are_a_click_away() {
     key(&mut screen, Key::Num4);
     let dent = screen.state().shown().pressed.as_ref().unwrap().dent.as_ref().unwrap();
     assert!(dent.deepest > 1e-6 && dent.slope > 0.0);
-    assert_eq!(screen.state().shown().map.as_ref().unwrap().quantity, Quantity::Dent);
+    assert_eq!(screen.state().shown().map.as_ref().unwrap().quantity, Quantity::Depression);
     for panel in ["Drive", "Liquid", "Motion", "Device", "Scene"] {
         screen.get_by_label(panel).click();
         rest(&mut screen);
