@@ -25,6 +25,9 @@ use crate::ui::{Editor, MethodRow, Panel, Pressed, Shown, Sound};
 /// Foci times elements that are solved between two frames; more is solved beside them.
 const AT_ONCE: usize = 120 * 256;
 
+/// Pixels of what presses on a plane: a square of the sound has two cycles per wavelength.
+const PER_WAVELENGTH: f64 = 6.0;
+const MOST_PER_SIDE: f64 = 1024.0;
 /// s that a period of the sound takes where it is shown.
 const OSCILLATION_PERIOD: f64 = 2.0;
 /// Between two pictures of it.
@@ -225,18 +228,20 @@ impl Workshop {
     /// What presses on the scene's plane, once nothing is dragged.
     fn press(&mut self, editor: &Editor, shown: &mut Shown, ctx: &Context) {
         let quantity = editor.view.quantity;
-        let is_of_array = shown
-            .sound
-            .as_ref()
-            .is_some_and(|sound| sound.drive.phases.len() == sound.aperture.positions.len());
-        if !quantity.declaration().is_slow || !is_of_array {
+        let is_of_array = |sound: &&Sound| sound.drive.phases.len() == sound.aperture.positions.len();
+        let sound = shown.sound.as_ref().filter(is_of_array);
+        let Some(sound) = sound.filter(|_| quantity.declaration().is_slow) else {
             shown.pressed = None;
             return;
-        }
+        };
         if ctx.input(|input| input.pointer.any_down()) {
             return;
         }
-        let request = Request::new(editor.scene(), shown.drives(editor, quantity), quantity, (1, 1));
+        // A plane that is too near for cells has its force from the pixels.
+        let pixels = editor.scene().plane.size * PER_WAVELENGTH / sound.aperture.wavelength();
+        let [width, height] = pixels.to_array().map(|side| side.ceil().clamp(1.0, MOST_PER_SIDE) as usize);
+        let drives = shown.drives(editor, quantity);
+        let request = Request::new(editor.scene(), drives, quantity, (width, height));
         self.pressed.ask(&request, ctx, pressed);
         if let Some(pressed) = self.pressed.get(&request) {
             shown.pressed.clone_from(pressed);

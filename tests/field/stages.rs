@@ -180,7 +180,12 @@ fn quantities_of_one_sound_share_it() {
             Work { forming: 1, picture: 1, ..Work::default() },
         ),
         // At the cells of another margin.
-        (&drives[..], Quantity::Depression, Quantity::Rms, Work { forming: 3, ..expected(Quantity::Radiation, false, First::Plan) }),
+        (
+            &drives[..],
+            Quantity::Depression,
+            Quantity::Rms,
+            Work { forming: 3, ..expected(Quantity::Radiation, false, First::Plan) },
+        ),
     ] {
         let mut shown = Shown { drives: drives.to_vec(), ..Shown::new(first) };
         stages.forget();

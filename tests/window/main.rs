@@ -8,6 +8,7 @@ mod board;
 mod edits;
 mod files;
 mod gpu;
+mod quantities;
 mod reach;
 #[path = "../requirement/mod.rs"]
 mod requirement;
@@ -261,7 +262,7 @@ fn a_rubber_band_selects_and_what_is_selected_moves_and_goes() {
 }
 
 #[test]
-fn another_method_and_the_dent_are_a_click_away() {
+fn another_method_and_the_depression_are_a_click_away() {
     let mut screen = open();
     screen.get_by_label("Solver").click();
     rest(&mut screen);

@@ -1,4 +1,4 @@
-//! What the window shows, without a screen: contour lines, the pressure at a moment, a shaded dent and a free plane, against the
+//! What the window shows, without a screen: contour lines, the pressure at a moment, a shaded depression and a free plane, against the
 //! field that they are of.
 
 use std::f64::consts::SQRT_2;
@@ -127,8 +127,8 @@ fn a_moment_is_the_negative_of_the_one_half_a_period_on_and_all_have_the_rms_tha
     let work = screen.state().work().since(before);
     assert_eq!(
         work,
-        Work { picture, ..Work::default() },
-        "another moment is another picture and nothing else"
+        Work { forming: picture, picture, ..Work::default() },
+        "another moment is formed and coloured, and nothing else"
     );
     let largest = map(&screen).largest as f32;
     assert!((largest / shown_rms.iter().copied().fold(0.0, f32::max) - SQRT_2 as f32).abs() < 1e-3);
@@ -152,7 +152,7 @@ fn waves_run_only_while_they_are_looked_at() {
     screen.run_steps(30);
     assert_ne!(part(&screen), running);
     let since = screen.state().work().since(work);
-    assert_eq!(since, Work { picture: since.picture, ..Work::default() });
+    assert_eq!(since, Work { forming: since.picture, picture: since.picture, ..Work::default() });
     assert!(since.picture > 10);
     click(&mut screen, "Pause");
     let stopped = part(&screen);
@@ -162,7 +162,7 @@ fn waves_run_only_while_they_are_looked_at() {
 }
 
 #[test]
-fn a_shaded_dent_is_where_the_focus_is_and_takes_no_edits() {
+fn a_shaded_depression_is_where_the_focus_is_and_takes_no_edits() {
     let at = |x: f64| Shape::Point { at: DVec3::new(x, 0.0, 0.1) };
     let mut screen = open(focused(&[DVec3::new(-0.04, 0.0, 0.1)]));
     screen.key_press_modifiers(Modifiers::NONE, Key::Num4);

@@ -1,0 +1,183 @@
+//! Every quantity by its key and its button, and the figures of what presses on a liquid.
+
+use std::f64::consts::{PI, TAU};
+use std::process::Command as Program;
+
+use egui_kittest::kittest::NodeT;
+use sonoglyph::app::Window;
+use sonoglyph::field::Evaluator;
+use sonoglyph::scene::{Envelope, Target};
+use sonoglyph::studio::probe;
+use sonoglyph::ui::document::Document;
+
+use super::*;
+
+const FOCUS: DVec3 = DVec3::new(0.012, -0.008, 0.1);
+
+/// One focus above a small plane, and sound that swells and fades.
+fn scene_at(height: f64) -> Scene {
+    let mut scene = Scene { targets: vec![Target::new(Shape::Point { at: FOCUS })], ..Scene::default() };
+    scene.array.strength = 3.0;
+    scene.plane.centre.z = height;
+    scene.plane.size = DVec2::new(0.08, 0.06);
+    (scene.modulation.shape, scene.modulation.frequency) = (Envelope::Sine, 200.0);
+    scene
+}
+
+fn open(scene: Scene) -> Screen {
+    let harness = Harness::builder().with_size(vec2(1280.0, 800.0));
+    let mut screen = harness.build_eframe(move |context| {
+        let mut window = Window::new(&context.egui_ctx, Document::new(scene, "test"), Evaluator::Cpu);
+        window.editor_mut().oscillation.playing = false;
+        window
+    });
+    rest(&mut screen);
+    screen
+}
+
+/// The map on the screen is of this quantity, with the values that the sound has at single points in f64.
+fn shows(screen: &mut Screen, quantity: Quantity) {
+    let (_, values) = screen.state_mut().numbers().unwrap();
+    let shown = screen.state().shown();
+    assert_eq!((shown.problem.as_ref(), shown.pending.as_ref()), (None, None), "{quantity:?}");
+    let (map, sound) = (shown.map.as_ref().unwrap(), shown.sound.as_ref().unwrap());
+    assert_eq!(map.quantity, quantity);
+    assert!(map.largest > 0.0 && map.error < 1e-3, "{quantity:?}: {map:?}");
+    let axes = [map.axes.x, map.axes.y, map.axes.x.cross(map.axes.y)];
+    let lens = lens(screen);
+    let part = if quantity.declaration().is_slow { scene(screen).modulation.mean_square() } else { 1.0 };
+    let place = lens.screen(map.axes.flat(FOCUS)) - lens.rect.min;
+    // The focus, and what lies beside it.
+    for offset in [vec2(0.0, 0.0), vec2(7.0, 4.0), vec2(-5.0, 12.0)] {
+        let column = (place.x + offset.x) / lens.rect.width() * map.width as f32;
+        let row = (1.0 - (place.y + offset.y) / lens.rect.height()) * map.height as f32;
+        let centre = vec2((column.floor() + 0.5) / map.width as f32, (row.floor() + 0.5) / map.height as f32);
+        let centre = lens.rect.left_bottom() + vec2(centre.x, -centre.y) * lens.rect.size();
+        let point = map.axes.world(lens.flat(centre));
+        let air = (&sound.aperture, &sound.air);
+        let expected = probe::values(air, &sound.drive, (quantity, map.phase), axes, &[point]);
+        let value = f64::from(values[row as usize * map.width + column as usize]);
+        let (off, largest) = match expected[..] {
+            [] => (0.0, 0.0),
+            [expected] if quantity == Quantity::Phase => ((value - expected + PI).rem_euclid(TAU) - PI, PI),
+            [expected] => (value - part * expected, map.largest),
+            _ => panic!("one point has one value: {expected:?}"),
+        };
+        assert!(off.abs() <= 2e-3 * largest, "{quantity:?} at {point}: off by {off}");
+    }
+    let deepest = values.iter().copied().fold(f32::MIN, f32::max);
+    let liquid = quantity.declaration().of_liquid;
+    assert!(!liquid || (f64::from(deepest) / map.largest - 1.0).abs() < 1e-6, "{deepest} {}", map.largest);
+}
+
+#[test]
+fn every_quantity_has_a_key_and_a_button() {
+    let mut screen = open(scene_at(0.1));
+    let all = [
+        (Key::Num1, "RMS", Quantity::Rms),
+        (Key::Num2, "Phase", Quantity::Phase),
+        (Key::Num3, "Radiation", Quantity::Radiation),
+        (Key::Num4, "Depression", Quantity::Depression),
+        (Key::Num5, "Instantaneous", Quantity::Instantaneous),
+        (Key::Num6, "Intensity", Quantity::Intensity),
+        (Key::Num7, "Velocity", Quantity::Velocity),
+    ];
+    assert_eq!(all.map(|(.., quantity)| quantity), Quantity::ALL);
+    for (name, _, quantity) in all {
+        key(&mut screen, name);
+        shows(&mut screen, quantity);
+    }
+    for (_, title, quantity) in all {
+        screen.get_by_label(title).click();
+        rest(&mut screen);
+        shows(&mut screen, quantity);
+    }
+}
+
+/// The number that stands beside a name in the panel.
+fn fact(screen: &Screen, name: &str) -> f64 {
+    let text = |node: &egui_kittest::Node<'_>| {
+        let node = node.accesskit_node();
+        node.label().or_else(|| node.value()).unwrap_or_default()
+    };
+    let texts: Vec<_> = screen.root().children_recursive().map(|node| text(&node)).collect();
+    let after = texts.iter().skip_while(|text| *text != name).find(|text| *text != name);
+    number(after.unwrap_or_else(|| panic!("no {name} in {texts:?}")))
+}
+
+fn number(text: &str) -> f64 {
+    text.split(' ').next().unwrap().parse().unwrap_or_else(|error| panic!("{text}: {error}"))
+}
+
+/// What the command line prints of a scene and a quantity behind these words; mN or mm³.
+fn printed(path: &Path, quantity: &str, before: &str) -> f64 {
+    let program = Program::new(env!("CARGO_BIN_EXE_sonoglyph"))
+        .args(["render", "scene.toml", "-o", "a.png", "--backend", "cpu", "--quantity", quantity])
+        .current_dir(path)
+        .output()
+        .unwrap();
+    let said = String::from_utf8(program.stdout).unwrap();
+    let rest = said.split(before).nth(1).unwrap_or_else(|| panic!("{said}"));
+    match rest.split([' ', '\n']).nth(1) {
+        Some("mN" | "mm³") => number(rest),
+        Some("µN") => 1e-3 * number(rest),
+        unit => panic!("{unit:?}: {said}"),
+    }
+}
+
+#[test]
+fn force_and_volume_are_those_of_the_scene_whatever_is_on_the_screen() {
+    let folder = tempfile::tempdir().unwrap();
+    let written = scene_at(0.1);
+    std::fs::write(folder.path().join("scene.toml"), file::write(&written)).unwrap();
+    let volume = printed(folder.path(), "depression", "m, ");
+    let force = printed(folder.path(), "radiation", "Pa, ");
+    assert!(volume > 10.0 && force > 1.0, "{volume} mm³, {force} mN");
+
+    let mut screen = open(written);
+    screen.get_by_label("Liquid").click();
+    rest(&mut screen);
+    screen.get_by_label("Show the depression").click();
+    rest(&mut screen);
+    let figures = |screen: &Screen| (fact(screen, "Force"), fact(screen, "Displaced"));
+    let (own_force, own_volume) = figures(&screen);
+    assert!((own_volume - volume).abs() < 0.11, "{own_volume} mm³, and {volume} is printed");
+    assert!((own_force - force).abs() < 0.006, "{own_force} mN, and {force} is printed");
+    // Another part of the plane, nearer, and another height.
+    screen.hover_at(lens(&screen).rect.center());
+    let window = lens(&screen).window;
+    for _ in 0..5 {
+        screen.event(Event::MouseWheel {
+            unit: egui::MouseWheelUnit::Line,
+            delta: vec2(0.0, 3.0),
+            phase: egui::TouchPhase::Move,
+            modifiers: Modifiers::NONE,
+            source: egui::MouseWheelSource::Wheel,
+        });
+        rest(&mut screen);
+    }
+    assert_ne!(lens(&screen).window, window, "it is zoomed");
+    assert_eq!(figures(&screen), (own_force, own_volume));
+    screen.state_mut().editor_mut().view.heights[0] = 0.13;
+    rest(&mut screen);
+    assert_eq!(figures(&screen), (own_force, own_volume));
+    key(&mut screen, Key::Num3);
+    assert!((fact(&screen, "Force") - force).abs() < 0.006, "{} mN", fact(&screen, "Force"));
+    // Less sound presses less.
+    screen.state_mut().editor_mut().document.scene.array.strength = 1.5;
+    rest(&mut screen);
+    assert!((fact(&screen, "Force") / force - 0.25).abs() < 0.02, "{} mN", fact(&screen, "Force"));
+}
+
+#[test]
+fn force_on_a_plane_near_the_array_is_that_of_the_whole_plane() {
+    let folder = tempfile::tempdir().unwrap();
+    let near = scene_at(0.006);
+    std::fs::write(folder.path().join("scene.toml"), file::write(&near)).unwrap();
+    let force = printed(folder.path(), "radiation", "Pa, ");
+    let mut screen = open(near);
+    screen.get_by_label("Liquid").click();
+    key(&mut screen, Key::Num3);
+    let own = fact(&screen, "Force");
+    assert!((own / force - 1.0).abs() < 0.02, "{own} mN, and {force} is printed");
+}
