@@ -1,5 +1,7 @@
 //! Every dependency may be used: its licence is one of those that deny.toml allows, to all crates or to this one.
 
+#![expect(clippy::unwrap_used, reason = "a test's helper may panic")]
+
 use std::collections::BTreeSet;
 use std::process::Command;
 

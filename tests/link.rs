@@ -326,7 +326,8 @@ fn a_port_says_whether_its_line_is_stuck_or_gone() {
     board.stall(true);
     // More than any line holds: the rest of it must not be waited for.
     let (sender, written) = sync_channel(1);
-    std::thread::spawn(move || sender.send((port.write(&[0; 1 << 20]), port)));
+    let write = move || drop(sender.send((port.write(&[0; 1 << 20]), port)));
+    std::thread::Builder::new().name("writer".to_owned()).spawn(write).unwrap();
     let (written, mut port) = written.recv_timeout(PATIENCE).unwrap();
     assert!(matches!(written, Err(PortError::Stalled(_))));
     board.unplug(true);
