@@ -6,6 +6,8 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
 use sonoglyph::device::profile::{Profile, Strength};
+use sonoglyph::field::Quantity;
+use sonoglyph::field::quantity::Unit;
 use sonoglyph::scene::{Scene, file};
 use toml::{Table, Value};
 
@@ -41,7 +43,11 @@ impl Row {
 }
 
 fn document() -> String {
-    std::fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/scene.md")).unwrap()
+    text("docs/scene.md")
+}
+
+fn text(path: &str) -> String {
+    std::fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join(path)).unwrap()
 }
 
 /// The rows that tell of a key: `table.key`, unit, default, limits, meaning.
@@ -191,7 +197,7 @@ fn limits_are_where_values_begin_to_be_refused() {
 
 #[test]
 fn boards_are_documented_with_their_facts() {
-    let text = std::fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/boards.md")).unwrap();
+    let text = text("docs/boards.md");
     let table = text.split("## Which\n").nth(1).unwrap().split("##").next().unwrap();
     let said: Vec<Vec<_>> = table
         .lines()
@@ -210,6 +216,32 @@ fn boards_are_documented_with_their_facts() {
         [format!("`{}`", profile.name()), elements, levels, amplitude, baud, frames]
     });
     assert_eq!(said, facts);
+}
+
+#[test]
+fn quantities_are_documented_with_their_units() {
+    let model = text("docs/model.md");
+    let table = model.split("| quantity | value |").nth(1).unwrap().split("\n\n").next().unwrap();
+    let said: BTreeMap<_, _> = table
+        .lines()
+        .filter_map(|line| line.strip_prefix("| `")?.split_once("` | "))
+        .map(|(name, value)| (name.to_owned(), value.to_owned()))
+        .collect();
+    let names = Quantity::ALL.map(|quantity| quantity.declaration().name.to_owned());
+    assert_eq!(said.keys().collect::<BTreeSet<_>>(), names.iter().collect());
+    let commands = text("docs/commands.md");
+    for (quantity, name) in Quantity::ALL.into_iter().zip(names) {
+        let unit = match quantity.declaration().unit {
+            Unit::Pascal => "Pa",
+            Unit::Radian => "rad",
+            Unit::Metre => "m",
+            Unit::WattPerSquareMetre => "W/m²",
+            Unit::MetrePerSecond => "m/s",
+        };
+        let value = &said[&name];
+        assert!(value.split([' ', ',']).any(|word| word == unit), "{name} in {unit}: {value}");
+        assert!(commands.contains(&format!("`{name}`")), "{name} is in docs/commands.md");
+    }
 }
 
 /// All Markdown files below a folder but those of builds.
