@@ -4,9 +4,9 @@
 //! A formula gives one real number at one point from the sound of one drive there. Numbers of several drives are
 //! averaged; the root is taken of that mean where the quantity is an RMS value, or a liquid answers to it.
 
-use std::f64::consts::{PI, TAU};
+use std::f64::consts::PI;
 
-use num_complex::{Complex32, Complex64};
+use num_complex::Complex32;
 
 pub use crate::field::sound::{ALONG, Constants, NORMAL, PRESSURE, Part, Sound, Sounds, narrow};
 use crate::simd::{Instructions, Isa, Kernel};
@@ -290,14 +290,6 @@ impl Quantity {
         (self.declaration().formula)(Sounds(parts.each_ref().map(|part| &part[..])), constants, &mut value);
         self.value(value[0])
     }
-
-    /// The value that a complex pressure (Pa, peak) alone gives, at the moment ωt (rad). `None` where slopes are needed.
-    pub fn of_pressure(self, p: Complex64, moment: f64) -> Option<f64> {
-        let turn = Complex32::cis((moment % TAU) as f32);
-        let constants = Constants { of_pressure: 0.0, of_gradient: 0.0, of_velocity: 0.0, turn };
-        let sound = Sound { p: narrow(p), ..Sound::default() };
-        (self.declaration().parts == PRESSURE).then(|| self.of(sound, &constants).into())
-    }
 }
 
 /// Three figures.
@@ -349,6 +341,10 @@ impl<F: Fn(Sound, &Constants) -> f32, const PARTS: u8> Kernel for Along<'_, F, P
 
 #[cfg(test)]
 mod tests {
+    use std::f64::consts::TAU;
+
+    use num_complex::Complex64;
+
     use super::*;
     use crate::acoustics::Air;
     use crate::scene::Medium;
@@ -387,14 +383,6 @@ mod tests {
             near(Quantity::Phase, 0.7);
             near(Quantity::Instantaneous, 100.0 * 0.7f64.cos());
         }
-    }
-
-    #[test]
-    fn a_moment_of_the_wave_turns_with_its_phase() {
-        let p = Complex64::from_polar(3.0, 0.4);
-        let at = |moment| Quantity::Instantaneous.of_pressure(p, moment).unwrap();
-        assert!((at(1.1) - 3.0 * 1.5f64.cos()).abs() < 1e-6);
-        assert!(Quantity::Intensity.of_pressure(p, 0.0).is_none());
     }
 
     #[test]

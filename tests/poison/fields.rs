@@ -1,7 +1,7 @@
 //! Poison in maps, formulae, samples, colours and contours.
 
 use glam::{DVec2, DVec3};
-use num_complex::{Complex32, Complex64};
+use num_complex::Complex32;
 use sonoglyph::acoustics::{Air, Aperture};
 use sonoglyph::drive::Drive;
 use sonoglyph::field::cells::Cells;
@@ -100,12 +100,11 @@ fn formulae_take_any_number() {
                 let is_read = quantity.declaration().parts & 1 << part as u8 != 0;
                 let value = quantity.of(sound, &Constants::new(&air, 733.0, 0.0));
                 assert!(
-                    value.is_finite() || (is_read && !(poison.abs() < 1e10)),
+                    value.is_finite() || (is_read && (poison.is_nan() || poison.abs() >= 1e10)),
                     "{quantity:?} of {sound:?}"
                 );
             }
             quantity.of(Sound::default(), &Constants::new(&air, poison, poison));
-            quantity.of_pressure(Complex64::new(poison, poison), poison);
             assert!(!quantity.with_unit(poison).is_empty() && !quantity.decibels(poison).is_nan());
         }
     }

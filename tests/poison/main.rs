@@ -3,8 +3,6 @@
 //! What takes them answers with an error or a number in its range, or panics as its documentation says. What checked scenes cannot
 //! hold, their check refuses; mathematics (`acoustics`, `surface`) makes NaN of NaN, and of nothing else.
 
-#![expect(clippy::unwrap_used, reason = "a test's helper may panic")]
-
 mod boards;
 mod fields;
 #[cfg(feature = "window")]
