@@ -44,14 +44,24 @@ fn open(document: Document, renderer: Renderer) -> Result<(), String> {
     if cfg!(all(unix, not(target_os = "macos"))) && display().is_none() {
         return Err("no display".to_owned());
     }
-    let setup = setup(renderer).map_err(|error| error.to_string())?;
+    let (setup, lacking) = match setup(renderer) {
+        Err(error) if renderer == Renderer::Auto => (None, Some(error)),
+        setup => (setup.map_err(|error| error.to_string())?, None),
+    };
     let legacy = Legacy::default();
-    show(Editor::new(document), None, setup, &legacy)?;
+    show(Editor::new(document), Said::Lacking(lacking), setup, &legacy)?;
     let left = legacy.borrow_mut().take();
     match left {
-        Some((editor, notice)) => show(editor, Some(notice), None, &legacy),
+        Some((editor, notice)) => show(editor, Said::Notice(notice), None, &legacy),
         None => Ok(()),
     }
+}
+
+/// What is said once the window is there.
+enum Said {
+    /// Why no GPU computes, where one was looked for.
+    Lacking(Option<GpuError>),
+    Notice(Notice),
 }
 
 /// The device that computes the field and draws the window. `None` where the CPU computes and OpenGL draws, which on software
@@ -60,13 +70,7 @@ fn setup(renderer: Renderer) -> Result<Option<WgpuSetup>, GpuError> {
     let found = match renderer {
         Renderer::Glow => return Ok(None),
         Renderer::Wgpu => adapter::best(true)?,
-        Renderer::Auto => match adapter::best(false) {
-            Ok(found) => found,
-            Err(error) => {
-                note(&format!("{error}; the CPU computes the field"));
-                return Ok(None);
-            }
-        },
+        Renderer::Auto => adapter::best(false)?,
     };
     let (instance, adapter) = found;
     let refused = |error: wgpu::RequestDeviceError| GpuError::Refused(error.to_string());
@@ -76,12 +80,7 @@ fn setup(renderer: Renderer) -> Result<Option<WgpuSetup>, GpuError> {
 }
 
 /// Shows the window until it is closed.
-fn show(
-    editor: Editor,
-    notice: Option<Notice>,
-    setup: Option<WgpuSetup>,
-    legacy: &Legacy,
-) -> Result<(), String> {
+fn show(editor: Editor, said: Said, setup: Option<WgpuSetup>, legacy: &Legacy) -> Result<(), String> {
     let folder = state_folder();
     let (memory, settings, word) = match folder.as_deref().map(Memory::at) {
         Some((memory, settings, word)) => (Some(memory), settings, word),
@@ -112,12 +111,14 @@ fn show(
         window.remember(memory, &settings, word, &context.egui_ctx);
         window.recover(folder.as_deref().and_then(Recovery::at));
         window.leave_to(legacy);
-        if let Some(notice) = notice {
-            window.shown.notice = Some(notice);
+        match said {
+            Said::Notice(notice) => window.shown.notice = Some(notice),
+            Said::Lacking(Some(error)) => note(&format!("{error}; the CPU computes the field")),
+            Said::Lacking(None) => {}
         }
         Ok(Box::new(window))
     });
-    eframe::run_native(TITLE, options, make).map_err(|error| said(&error))
+    eframe::run_native(TITLE, options, make).map_err(|error| in_words(&error))
 }
 
 /// Who computes the field: the device that draws the window, if wgpu draws it, else the CPU.
@@ -140,7 +141,7 @@ fn display() -> Option<String> {
 }
 
 /// What eframe's error means to whoever sits at this display.
-fn said(error: &eframe::Error) -> String {
+fn in_words(error: &eframe::Error) -> String {
     let display = display().unwrap_or_else(|| "this desktop".to_owned());
     match error {
         eframe::Error::AppCreation(error) => error.to_string(),

@@ -195,9 +195,9 @@ fn a_lost_gpu_is_replaced_by_the_cpu_with_one_word_and_nothing_is_lost() {
             let numbers = screen.state_mut().numbers().unwrap();
             assert!(before.1.iter().zip(&numbers.1).all(|(a, b)| (a - b).abs() < 2e-3 * peak));
             assert!(screen.state_mut().picture().is_some());
-        } else {
-            edit(&mut screen);
         }
+        // What is kept needs no GPU, and what is new does.
+        edit(&mut screen);
         rest(&mut screen);
         let shown = screen.state().shown();
         assert!(screen.state().gpu().is_none() && shown.evaluator.starts_with("CPU"), "{}", shown.evaluator);
