@@ -25,7 +25,7 @@ fn write(offset: u32, z: vec4f, turns: vec4f, sum: Phasor) {
     for (var i = 0u; i < 4u; i++) {
         let at = offset + i * WORKGROUP;
         if at < params.count {
-            pressure[params.written + at] += vec2f(re[i], im[i]);
+            pressure[params.first + at] += vec2f(re[i], im[i]);
         }
     }
 }

@@ -1,10 +1,8 @@
-// Values of a quantity from the parts of the sound, and the largest of them, so that a picture can be scaled without reading
-// anything back. `src/field/quantity.rs` declares the formula; `sound`, `formula` and `extent` are written by
-// `src/field/gpu/program.rs` from that.
+// What becomes of the sound at a pixel: its value. The largest of them is kept, so that a picture can be scaled without reading
+// anything back. `src/field/quantity.rs` declares the formula; `formula` and `extent` are written by `src/field/gpu/program.rs`
+// from that.
 
 struct FormParams {
-    count: u32,
-    invocations: u32,
     // 1/(ρc²), 1/(ρω²) and 1/(ρω).
     of_pressure: f32,
     of_gradient: f32,
@@ -15,30 +13,23 @@ struct FormParams {
     turn: vec2f,
 }
 
-// Pressure, and its slopes along the plane's axes and its normal.
-struct Sound {
-    p: vec2f,
-    x: vec2f,
-    y: vec2f,
-    n: vec2f,
+@group(0) @binding(3) var<uniform> c: FormParams;
+@group(0) @binding(4) var<storage, read_write> values: array<f32>;
+// Bits of a float that is not negative: they order as the float does.
+@group(0) @binding(5) var<storage, read_write> peak: atomic<u32>;
+
+// The extent of what was put there.
+fn put(pixel: u32, sound: Sound) -> f32 {
+    let mean = c.factor * formula(sound);
+    let value = select(mean, sqrt(max(mean, 0.0)), IS_ROOT);
+    values[pixel] = value;
+    return extent(sound, value);
 }
 
-@group(0) @binding(0) var<uniform> c: FormParams;
-// One part of the sound after the other.
-@group(0) @binding(1) var<storage, read> parts: array<vec2f>;
-@group(0) @binding(2) var<storage, read_write> values: array<f32>;
-// Bits of a float that is not negative: they order as the float does.
-@group(0) @binding(3) var<storage, read_write> peak: atomic<u32>;
-
-@compute @workgroup_size(WORKGROUP)
-fn form_main(@builtin(global_invocation_id) id: vec3u) {
-    var largest = 0.0;
-    for (var i = id.x; i < c.count; i += c.invocations) {
-        let s = sound(i);
-        let mean = c.factor * formula(s);
-        let value = select(mean, sqrt(max(mean, 0.0)), IS_ROOT);
-        values[i] = value;
-        largest = max(largest, extent(s, value));
+fn finish(largest: f32) {
+    let bits = bitcast<u32>(largest);
+    // A look is cheap, where all invocations wait for their turn to write.
+    if bits > atomicLoad(&peak) {
+        atomicMax(&peak, bits);
     }
-    atomicMax(&peak, bitcast<u32>(largest));
 }

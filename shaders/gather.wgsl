@@ -1,25 +1,45 @@
 // What the panels want to know of a map: the parts of the sound at the probes, one part after the other, and the peak at the end.
 
 struct GatherParams {
-    // Values in a part, probes, and probes times parts.
-    count: u32,
+    // Probes whose sound is made here, and those of the whole map.
     probes: u32,
-    gathered: u32,
+    all: u32,
+    parts: u32,
+    // The part that takes the weights of slopes.
+    sloped: u32,
+    // Samples that a sound is made of, from one to the next, and from one part to the next.
+    taps: u32,
+    tap_stride: u32,
+    part_stride: u32,
 }
 
 @group(0) @binding(0) var<uniform> params: GatherParams;
-@group(0) @binding(1) var<storage, read> parts: array<vec2f>;
-@group(0) @binding(2) var<storage, read> places: array<u32>;
+@group(0) @binding(1) var<storage, read> samples: array<vec2f>;
+// Of every probe its number, the place of its first sample, and the bits of its weights, of values and of slopes.
+@group(0) @binding(2) var<storage, read> probes: array<u32>;
 // Bits of a float.
 @group(0) @binding(3) var<storage, read> peak: u32;
 @group(0) @binding(4) var<storage, read_write> gathered: array<vec2f>;
 
 @compute @workgroup_size(WORKGROUP)
 fn gather_main(@builtin(global_invocation_id) id: vec3u) {
-    let i = id.x;
-    if i < params.gathered {
-        gathered[i] = parts[(i / params.probes) * params.count + places[i % params.probes]];
-    } else if i == params.gathered {
-        gathered[i] = vec2f(bitcast<f32>(peak), 0.0);
+    if id.x == 0u {
+        gathered[params.parts * params.all] = vec2f(bitcast<f32>(peak), 0.0);
     }
+    if id.x >= params.parts * params.probes {
+        return;
+    }
+    let part = id.x / params.probes;
+    let probe = (id.x % params.probes) * (2u + 2u * params.taps);
+    var weight = probe + 2u + select(0u, params.taps, part == params.sloped);
+    var at = probes[probe + 1u] + part * params.part_stride;
+    var sum = vec2f(0.0);
+    // Not of uniforms alone, as in the field's.
+    let taps = params.taps + id.z;
+    for (var tap = 0u; tap < taps; tap++) {
+        sum += bitcast<f32>(probes[weight]) * samples[at];
+        weight++;
+        at += params.tap_stride;
+    }
+    gathered[part * params.all + probes[probe]] = sum;
 }

@@ -12,18 +12,14 @@ struct Params {
     first_element: u32,
     last_element: u32,
     columns: u32,
-    // The run computes samples first .. first + count and writes them from `written` on.
+    // The run computes samples first .. first + count.
     first: u32,
     count: u32,
-    written: u32,
     nodes: u32,
     radius: f32,
     piston_scale: f32,
     // On what is added.
     gain: f32,
-    padding_0: u32,
-    padding_1: u32,
-    padding_2: u32,
 }
 
 @group(0) @binding(0) var<uniform> params: Params;

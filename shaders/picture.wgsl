@@ -2,8 +2,6 @@
 
 struct PictureParams {
     width: u32,
-    count: u32,
-    invocations: u32,
     // The place of 0, and how many places lie between it and `full`.
     zero: f32,
     spread: f32,
@@ -15,7 +13,8 @@ struct PictureParams {
 @group(0) @binding(1) var<storage, read> values: array<f32>;
 // Bits of a float.
 @group(0) @binding(2) var<storage, read> peak: u32;
-@group(0) @binding(3) var<storage, read> colours: array<u32, 256>;
+// A texture, since software drivers read one faster than a buffer.
+@group(0) @binding(3) var colours: texture_2d<f32>;
 @group(0) @binding(4) var picture: texture_storage_2d<rgba8unorm, write>;
 
 fn place(value: f32, full: f32) -> f32 {
@@ -28,9 +27,9 @@ fn place(value: f32, full: f32) -> f32 {
 
 @compute @workgroup_size(WORKGROUP)
 fn picture_main(@builtin(global_invocation_id) id: vec3u) {
-    let full = max(select(params.full, bitcast<f32>(peak), params.full == 0.0), SMALLEST);
-    for (var i = id.x; i < params.count; i += params.invocations) {
-        let colour = colours[u32(clamp(place(values[i], full), 0.0, 255.0) + 0.5)];
-        textureStore(picture, vec2u(i % params.width, i / params.width), unpack4x8unorm(colour));
+    if id.x < params.width {
+        let full = max(select(params.full, bitcast<f32>(peak), params.full == 0.0), SMALLEST);
+        let colour = clamp(place(values[id.y * params.width + id.x], full), 0.0, 255.0);
+        textureStore(picture, id.xy, textureLoad(colours, vec2u(u32(colour + 0.5), 0u), 0));
     }
 }

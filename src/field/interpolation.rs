@@ -109,7 +109,7 @@ impl Resampling {
     }
 
     /// The first sample of some neighbouring pixels that are alike, and the weights of each.
-    fn of(&self, pixel: usize, count: usize) -> (usize, &[f32]) {
+    pub fn of(&self, pixel: usize, count: usize) -> (usize, &[f32]) {
         (self.first[pixel] as usize, &self.weights[pixel * self.taps..(pixel + count) * self.taps])
     }
 

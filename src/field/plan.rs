@@ -54,7 +54,7 @@ impl Costs {
 
     pub const CPU: Self = Self { tap: 0.06, shared_pair: 0.1, kept_pair: 0.2 };
     /// Without a table.
-    pub const GPU: Self = Self { tap: 0.5, shared_pair: 1.0, kept_pair: 1.0 };
+    pub const GPU: Self = Self { tap: 0.3, shared_pair: 1.0, kept_pair: 1.0 };
 }
 
 /// What to evaluate for maps of a plane.

@@ -56,7 +56,7 @@ fn difference(values: &[f32], expected: &Map) -> f32 {
 #[test]
 fn every_tuning_gives_the_same_maps_and_pictures() {
     // Work that is cut much finer than any adapter needs.
-    let starved = Tuning { walking_groups: 1, most_rounds: 1 << 11, most_pairs: 1 << 17, ..Tuning::SOFTWARE };
+    let starved = Tuning { most_rounds: 1 << 11, most_pairs: 1 << 17, ..Tuning::SOFTWARE };
     let requests = requests();
     let mut on_cpu = Stages::new(Evaluator::Cpu);
     let by_cpu: Vec<_> = requests.iter().map(|(_, request)| on_cpu.map(request).unwrap().clone()).collect();

@@ -264,7 +264,9 @@ impl Case {
                 self.on_gpu.extend(seconds);
                 return Ok(());
             }
-            std::thread::yield_now();
+            if let Some(gpu) = self.stages.gpu() {
+                gpu.wait()?;
+            }
         }
     }
 

@@ -3,21 +3,21 @@
 use std::ops::Range;
 
 use glam::DVec3;
-use num_complex::Complex32;
 use wgpu::BufferUsages;
 
 use crate::acoustics::Aperture;
 use crate::drive::Drive;
 use crate::field::colouring::Colouring;
 use crate::field::gpu::forming::Forming;
+use crate::field::gpu::gathering::{Figures, Gathering, Probe};
 use crate::field::gpu::painting::{Painting, Source, Texture};
-use crate::field::gpu::program::{GatherParams, MOST_GROUPS, Program, WORKGROUP};
+use crate::field::gpu::program::{MOST_GROUPS, Program};
 use crate::field::gpu::reading::Reading;
 use crate::field::gpu::resampling::{self, Lines};
 use crate::field::gpu::superposition::{Elements, Superposition};
 use crate::field::gpu::{Gpu, GpuError, Step};
 use crate::field::interpolation::Resampling;
-use crate::field::quantity::{Constants, Part, Quantity, Sound};
+use crate::field::quantity::{Constants, PRESSURE, Part, Quantity};
 use crate::field::slope::{shifted, stencil};
 use crate::field::{Samples, Sources, Wave};
 
@@ -59,14 +59,10 @@ pub struct Chain {
     superpositions: Vec<Superposition>,
     /// What superpositions add to.
     sums: Vec<wgpu::Buffer>,
-    interpolation: Vec<Step>,
+    across: Vec<Step>,
     forming: Forming,
-    gather: Step,
-    values: wgpu::Buffer,
-    gathered: wgpu::Buffer,
+    gathering: Gathering,
     clock: Option<Clock>,
-    parts: u8,
-    probes: usize,
     size: (usize, usize),
     painting: Option<Painting>,
     /// The run that figures are of, and those on their way.
@@ -83,17 +79,6 @@ struct Clock {
     resolved: wgpu::Buffer,
 }
 
-/// What panels want to know of a map.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Figures {
-    /// See [`crate::field::Map::peak`].
-    pub peak: f32,
-    /// At the probes.
-    pub sounds: Vec<Sound>,
-    /// s that the GPU took, where it can be timed.
-    pub seconds: Option<f64>,
-}
-
 impl Chain {
     /// `None` where f32 has no room for the elements or is not right beside them, or a buffer has none for the map.
     pub fn new(gpu: &Gpu, shape: &Shape<'_>) -> Option<Self> {
@@ -105,68 +90,83 @@ impl Chain {
         }
         let (parts, pixels) = (declaration.parts, width * height);
         let bytes = |values: usize| Some((values * 8) as u64).filter(|&bytes| bytes <= gpu.buffer_limit);
-        let lattice = gpu.storage("sound", bytes(pixels * parts.count_ones() as usize)?);
-        let values = gpu.storage("values", bytes(pixels.div_ceil(2))?);
+        bytes(pixels.div_ceil(2))?;
         let elements = Elements::with_room(gpu, shape.aperture.positions.len());
-        let mut chain =
+        let mut making =
             Making { gpu, shape, wave: None, elements, superpositions: Vec::new(), sums: Vec::new() };
-        let mut interpolation = Vec::new();
+        let mut across = Vec::new();
+        let mut forming = Forming::new(gpu, shape.quantity, pixels);
+        let mut gathering = Gathering::new(gpu, parts, shape.probes.len());
         if let Some(Interpolated { rows, samples, weights }) = &shape.interpolated {
+            let (columns, lines) = (samples.columns.len(), samples.rows.len());
             bytes(samples.len())?;
-            let wide = gpu.storage("wide", bytes(samples.rows.len() * width)?);
+            let wide = gpu.storage("wide", bytes(lines * width * weights.len())?);
             let mut sampled: [Option<wgpu::Buffer>; 2] = [None, None];
-            for (place, (part, [across, up])) in Part::of(parts).zip(weights).enumerate() {
+            for (place, (part, [weights, _])) in Part::of(parts).zip(weights).enumerate() {
                 let normal = part == Part::Normal;
                 let sampled = match &mut sampled[usize::from(normal)] {
                     Some(sampled) => sampled.clone(),
-                    none => none.insert(chain.sample(samples, normal)?).clone(),
+                    none => none.insert(making.sample(samples, normal)?).clone(),
                 };
-                let columns = samples.columns.len();
                 let lines = Lines {
-                    count: samples.rows.len(),
-                    start: 0,
-                    out_start: 0,
-                    strides: [columns, width],
-                    steps: [1, 1],
+                    count: lines,
+                    strides: [1, columns, 0],
+                    first_pixel: place * lines * width,
+                    pixel_strides: [1, width],
                 };
-                interpolation.push(resampling::step(gpu, across, [&sampled, &wide], &lines));
-                let lines = Lines {
-                    count: width,
-                    start: 0,
-                    out_start: place * pixels + rows.start * width,
-                    strides: [1, 1],
-                    steps: [width, width],
-                };
-                interpolation.push(resampling::step(gpu, up, [&wide, &lattice], &lines));
+                let made = [(3, wide.as_entire_binding())];
+                across.push(resampling::step(
+                    gpu,
+                    (Program::Across, PRESSURE),
+                    &sampled,
+                    [weights; 2],
+                    &lines,
+                    &made,
+                ));
             }
+            // No quantity needs slopes along the second axis alone.
+            let values = weights[0][1];
+            let slopes = Part::of(parts).position(|part| part == Part::AlongY);
+            let slopes = slopes.map_or(values, |place| weights[place][1]);
+            let strides = [width, 1, lines * width];
+            let of_pixels =
+                Lines { count: width, strides, first_pixel: rows.start * width, pixel_strides: [width, 1] };
+            forming.interpolate(gpu, &wide, [values, slopes], &of_pixels);
+            let probe = |(number, &place): (usize, &usize)| {
+                let row = (place / width)
+                    .checked_sub(rows.start)
+                    .filter(|row| rows.contains(&(row + rows.start)))?;
+                let ((first, values), (_, slopes)) = (values.of(row, 1), slopes.of(row, 1));
+                Some(Probe { number, first: first * width + place % width, weights: [values, slopes] })
+            };
+            let probes: Vec<_> = shape.probes.iter().enumerate().filter_map(probe).collect();
+            gathering.add(gpu, [&wide, &forming.peak], [width, lines * width], &probes);
         }
         for (row, places) in &shape.direct {
             // A slope beside the array takes more than one pass; the CPU makes it.
-            let is_pressure = Part::of(parts).eq([Part::Pressure]);
-            chain.add(places, (&lattice, (row * width) as u32), 1.0).filter(|()| is_pressure)?;
+            Some(()).filter(|()| Part::of(parts).eq([Part::Pressure]))?;
+            let sums = gpu.storage("sums", bytes(places.len())?);
+            making.add(places, &sums, 1.0)?;
+            making.sums.push(sums.clone());
+            let first = row * width;
+            forming.take(gpu, &sums, [width, places.rows.len()], first);
+            let probe = |(number, &place): (usize, &usize)| {
+                let first = place.checked_sub(first).filter(|&place| place < places.len())?;
+                Some(Probe { number, first, weights: [&[1.0]; 2] })
+            };
+            let probes: Vec<_> = shape.probes.iter().enumerate().filter_map(probe).collect();
+            gathering.add(gpu, [&sums, &forming.peak], [1, 0], &probes);
         }
-        if !shape.direct.is_empty() {
-            chain.sums.push(lattice.clone());
-        }
-        let Making { wave, elements, superpositions, sums, .. } = chain;
-        let forming = Forming::new(gpu, shape.quantity, pixels, [&lattice, &values]);
-        let count = shape.probes.len() * parts.count_ones() as usize;
-        // Behind the sounds stand the peak, and the times at which the passes began and ended.
-        let gathered = gpu.storage("gathered", (count as u64 + 3) * 8);
-        let gather = gather(gpu, shape, [&lattice, &forming.peak, &gathered], count);
+        let Making { wave, elements, superpositions, sums, .. } = making;
         Some(Self {
             wave: wave?,
             elements,
             superpositions,
             sums,
-            interpolation,
+            across,
             forming,
-            gather,
-            values,
-            gathered,
+            gathering,
             clock: Clock::new(gpu),
-            parts,
-            probes: shape.probes.len(),
             size: shape.size,
             painting: None,
             run: 0,
@@ -192,9 +192,9 @@ impl Chain {
                 encoder.clear_buffer(sum, 0, None);
             }
             steps.extend(self.superpositions.iter().flat_map(Superposition::steps));
-            steps.extend(&self.interpolation);
+            steps.extend(&self.across);
         }
-        steps.extend([&self.forming.step, &self.gather]);
+        steps.extend(self.forming.steps.iter().chain(&self.gathering.steps));
         let timed = |beginning, end| {
             self.clock.as_ref().map(|clock| wgpu::ComputePassTimestampWrites {
                 query_set: &clock.queries,
@@ -226,15 +226,15 @@ impl Chain {
         }
         if let Some(clock) = &self.clock {
             encoder.resolve_query_set(&clock.queries, 0..2, &clock.resolved, 0);
-            let end = self.gathered.size() - 16;
-            encoder.copy_buffer_to_buffer(&clock.resolved, 0, &self.gathered, end, 16);
+            let gathered = &self.gathering.buffer;
+            encoder.copy_buffer_to_buffer(&clock.resolved, 0, gathered, gathered.size() - 16, 16);
         }
         gpu.submit(encoder);
     }
 
     /// The map in colours, and whether it was painted anew.
     pub fn paint(&mut self, gpu: &Gpu, colouring: &Colouring) -> (Texture, bool) {
-        let source = Source { values: &self.values, peak: &self.forming.peak, size: self.size };
+        let source = Source { values: &self.forming.values, peak: &self.forming.peak, size: self.size };
         let fits = self.painting.take().filter(|painting| painting.scale() == colouring.scale());
         let painting = fits.unwrap_or_else(|| Painting::new(gpu, &source, colouring.scale()));
         self.painting.insert(painting).paint(gpu, colouring, self.run)
@@ -252,7 +252,7 @@ impl Chain {
             }
         }
         if let Some(bytes) = found {
-            return Ok(Some(self.read(gpu, &bytes)));
+            return Ok(Some(self.gathering.read(gpu, &bytes)));
         }
         let is_asked = self.figures.iter().any(|(run, reading)| *run == self.run && !reading.is_free());
         if !is_asked {
@@ -263,12 +263,12 @@ impl Chain {
 
     fn ask(&mut self, gpu: &Gpu) {
         if self.figures.is_empty() {
-            let bytes = self.gathered.size();
+            let bytes = self.gathering.buffer.size();
             self.figures.extend((0..ON_THEIR_WAY).map(|_| (0, Reading::with_room(gpu, bytes))));
         }
         // If all are on their way, the next frame asks again.
         if let Some((run, reading)) = self.figures.iter_mut().find(|(_, reading)| reading.is_free()) {
-            reading.ask(gpu, gpu.encoder(), &[&self.gathered]);
+            reading.ask(gpu, gpu.encoder(), &[&self.gathering.buffer]);
             *run = self.run;
         }
     }
@@ -280,38 +280,20 @@ impl Chain {
     /// The device was lost.
     pub fn values(&mut self, gpu: &Gpu, wait: bool) -> Result<Option<(Vec<f32>, Figures)>, GpuError> {
         loop {
-            let bytes = self.gathered.size() + self.values.size();
+            let bytes = self.gathering.buffer.size() + self.forming.values.size();
             let (run, reading) = self.reading.get_or_insert_with(|| (0, Reading::with_room(gpu, bytes)));
             if reading.is_free() {
-                reading.ask(gpu, gpu.encoder(), &[&self.gathered, &self.values]);
+                reading.ask(gpu, gpu.encoder(), &[&self.gathering.buffer, &self.forming.values]);
                 *run = self.run;
             }
             let bytes = if wait { Some(reading.wait(gpu)?) } else { reading.poll(gpu)? };
             let Some(bytes) = bytes else { return Ok(None) };
             // What an earlier run made is of no use any more.
             if *run == self.run {
-                let (figures, values) = bytes.split_at(self.gathered.size() as usize);
+                let (figures, values) = bytes.split_at(self.gathering.buffer.size() as usize);
                 let values = &bytemuck::cast_slice(values)[..self.size.0 * self.size.1];
-                return Ok(Some((values.to_vec(), self.read(gpu, figures))));
+                return Ok(Some((values.to_vec(), self.gathering.read(gpu, figures))));
             }
-        }
-    }
-
-    fn read(&self, gpu: &Gpu, bytes: &[u8]) -> Figures {
-        let numbers: &[Complex32] = bytemuck::cast_slice(bytes);
-        let count = self.parts.count_ones() as usize;
-        let sound = |probe: usize| {
-            let mut sound = Sound::default();
-            for (place, part) in Part::of(self.parts).enumerate() {
-                *sound.part_mut(part) = numbers[place * self.probes + probe];
-            }
-            sound
-        };
-        let times: &[u64] = bytemuck::cast_slice(&numbers[count * self.probes + 1..]);
-        Figures {
-            peak: numbers[count * self.probes].re,
-            sounds: (0..self.probes).map(sound).collect(),
-            seconds: gpu.tick.map(|tick| times[1].saturating_sub(times[0]) as f64 * f64::from(tick) * 1e-9),
         }
     }
 }
@@ -332,16 +314,16 @@ impl Making<'_> {
         let out = self.gpu.storage("samples", (samples.len() * 8) as u64);
         self.sums.push(out.clone());
         if !normal {
-            return self.add(samples, (&out, 0), 1.0).map(|()| out);
+            return self.add(samples, &out, 1.0).map(|()| out);
         }
         for (shift, weight) in stencil(self.shape.aperture.wavelength()) {
-            self.add(&shifted(samples, self.shape.normal * shift), (&out, 0), weight)?;
+            self.add(&shifted(samples, self.shape.normal * shift), &out, weight)?;
         }
         Some(out)
     }
 
     /// `None` where f32 is not right.
-    fn add(&mut self, samples: &Samples, out: (&wgpu::Buffer, u32), gain: f64) -> Option<()> {
+    fn add(&mut self, samples: &Samples, out: &wgpu::Buffer, gain: f64) -> Option<()> {
         let aperture = self.shape.aperture;
         let wave = Wave::new(aperture, samples)?;
         let everything = Drive {
@@ -357,28 +339,6 @@ impl Making<'_> {
         self.wave.get_or_insert(wave);
         Some(())
     }
-}
-
-fn gather(gpu: &Gpu, shape: &Shape<'_>, [lattice, peak, gathered]: [&wgpu::Buffer; 3], count: usize) -> Step {
-    let params = GatherParams {
-        count: (shape.size.0 * shape.size.1) as u32,
-        probes: shape.probes.len() as u32,
-        gathered: count as u32,
-    };
-    let params = gpu.params(bytemuck::bytes_of(&params));
-    let places: Vec<_> = shape.probes.iter().map(|&place| place as u32).collect();
-    let places = gpu.filled("probes", bytemuck::cast_slice(&places), BufferUsages::STORAGE);
-    gpu.step(
-        Program::Gather,
-        &[
-            (0, params.as_entire_binding()),
-            (1, lattice.as_entire_binding()),
-            (2, places.as_entire_binding()),
-            (3, peak.as_entire_binding()),
-            (4, gathered.as_entire_binding()),
-        ],
-        ((count as u32 + 1).div_ceil(WORKGROUP), 1),
-    )
 }
 
 impl Clock {

@@ -2,45 +2,80 @@
 
 use bytemuck::Zeroable;
 use num_complex::Complex32;
+use wgpu::BindingResource;
 
-use crate::field::gpu::program::{FormParams, Program, WORKGROUP};
+use crate::field::gpu::program::{DirectParams, FormParams, Program, WORKGROUP};
+use crate::field::gpu::resampling::{self, Lines};
 use crate::field::gpu::{Gpu, GpuError, Reading, Step};
+use crate::field::interpolation::Resampling;
 use crate::field::quantity::{Constants, Part, Quantity, Sound};
 
-/// The pass that forms values, with its constants.
+/// The passes that form values, with their constants.
 #[derive(Debug)]
 pub(super) struct Forming {
-    pub(super) step: Step,
+    quantity: Quantity,
+    pub(super) steps: Vec<Step>,
     params: FormParams,
     buffer: wgpu::Buffer,
+    pub(super) values: wgpu::Buffer,
     /// The largest extent, as the bits of a float.
     pub(super) peak: wgpu::Buffer,
 }
 
 impl Forming {
-    /// From `count` values of each part that the quantity needs, one part after the other.
-    pub(super) fn new(
+    /// For so many pixels.
+    pub(super) fn new(gpu: &Gpu, quantity: Quantity, pixels: usize) -> Self {
+        Self {
+            quantity,
+            steps: Vec::new(),
+            params: FormParams::zeroed(),
+            buffer: gpu.params(bytemuck::bytes_of(&FormParams::zeroed())),
+            // Readers take eight bytes at a time.
+            values: gpu.storage("values", (pixels.div_ceil(2) * 8) as u64),
+            peak: gpu.storage("peak", 4),
+        }
+    }
+
+    fn made(&self) -> [(u32, BindingResource<'_>); 3] {
+        [
+            (3, self.buffer.as_entire_binding()),
+            (4, self.values.as_entire_binding()),
+            (5, self.peak.as_entire_binding()),
+        ]
+    }
+
+    /// Adds pixels that are interpolated from the parts of the sound, one after the other; slopes along the second axis take weights
+    /// of their own.
+    pub(super) fn interpolate(
+        &mut self,
         gpu: &Gpu,
-        quantity: Quantity,
-        count: usize,
-        [parts, values]: [&wgpu::Buffer; 2],
-    ) -> Self {
-        let groups = gpu.tuning.walking_groups;
-        let params =
-            FormParams { count: count as u32, invocations: groups * WORKGROUP, ..FormParams::zeroed() };
-        let buffer = gpu.params(bytemuck::bytes_of(&params));
-        let peak = gpu.storage("peak", 4);
-        let step = gpu.step(
-            Program::Form(quantity),
-            &[
-                (0, buffer.as_entire_binding()),
-                (1, parts.as_entire_binding()),
-                (2, values.as_entire_binding()),
-                (3, peak.as_entire_binding()),
-            ],
-            (groups, 1),
-        );
-        Self { step, params, buffer, peak }
+        parts: &wgpu::Buffer,
+        weights: [&Resampling; 2],
+        lines: &Lines,
+    ) {
+        let program = (Program::Form(self.quantity), self.quantity.declaration().parts);
+        let step = resampling::step(gpu, program, parts, weights, lines, &self.made());
+        self.steps.push(step);
+    }
+
+    /// Adds pixels at which the parts of the sound are known, in rows of so many columns.
+    pub(super) fn take(
+        &mut self,
+        gpu: &Gpu,
+        parts: &wgpu::Buffer,
+        [columns, rows]: [usize; 2],
+        first_pixel: usize,
+    ) {
+        let params = DirectParams {
+            columns: columns as u32,
+            count: (columns * rows) as u32,
+            first_pixel: first_pixel as u32,
+        };
+        let params = gpu.params(bytemuck::bytes_of(&params));
+        let mut bindings = vec![(0, params.as_entire_binding()), (1, parts.as_entire_binding())];
+        bindings.extend(self.made());
+        let groups = ((columns as u32).div_ceil(WORKGROUP), rows as u32);
+        self.steps.push(gpu.step(Program::FormDirect(self.quantity), &bindings, groups));
     }
 
     /// Sets the constants, and a factor on the formula.
@@ -51,7 +86,6 @@ impl Forming {
             of_velocity: constants.of_velocity,
             factor,
             turn: [constants.turn.re, constants.turn.im],
-            ..self.params
         };
         if params != self.params {
             self.params = params;
@@ -71,11 +105,13 @@ pub(super) fn form(
         .flat_map(|part| sounds.iter().copied().map(move |mut sound| *sound.part_mut(part)))
         .collect();
     let sound = gpu.filled("sound", bytemuck::cast_slice(&parts), wgpu::BufferUsages::STORAGE);
-    let values = gpu.storage("values", (sounds.len() * 4) as u64);
-    let mut forming = Forming::new(gpu, quantity, sounds.len(), [&sound, &values]);
+    let mut forming = Forming::new(gpu, quantity, sounds.len());
+    forming.take(gpu, &sound, [sounds.len(), 1], 0);
     forming.set(gpu, constants, 1.0);
     let mut encoder = gpu.encoder();
-    forming.step.run(&mut encoder.begin_compute_pass(&Default::default()));
-    let bytes = Reading::new(gpu, encoder, &values).wait(gpu)?;
-    Ok(bytemuck::cast_slice(&bytes).to_vec())
+    for step in &forming.steps {
+        step.run(&mut encoder.begin_compute_pass(&Default::default()));
+    }
+    let bytes = Reading::new(gpu, encoder, &forming.values).wait(gpu)?;
+    Ok(bytemuck::cast_slice(&bytes)[..sounds.len()].to_vec())
 }

@@ -6,6 +6,7 @@
 pub mod adapter;
 pub mod chain;
 mod forming;
+mod gathering;
 mod painting;
 pub mod program;
 mod reading;
@@ -27,6 +28,7 @@ use tuning::Tuning;
 
 pub use adapter::AdapterInfo;
 pub use chain::{Chain, Shape};
+pub use gathering::Figures;
 pub use painting::Texture;
 pub use reading::Reading;
 
@@ -245,6 +247,17 @@ impl Gpu {
             entries: &entries,
         });
         Step { pipeline, group, workgroups, pairs: 0 }
+    }
+
+    /// Waits until all is done that was submitted.
+    ///
+    /// # Errors
+    /// The device was lost, or does not answer.
+    pub fn wait(&self) -> Result<(), GpuError> {
+        /// How long one submission may take.
+        const TIMEOUT: std::time::Duration = std::time::Duration::from_secs(120);
+        let wait = wgpu::PollType::Wait { submission_index: None, timeout: Some(TIMEOUT) };
+        self.device.poll(wait).map(|_| ()).map_err(|e| GpuError::Lost(e.to_string()))
     }
 
     /// The failure that the driver has reported meanwhile.

@@ -1,6 +1,6 @@
 //! A map in colours, as a texture that its device draws.
 
-use wgpu::BufferUsages;
+use wgpu::{BindingResource, TextureUsages};
 
 use crate::field::colouring::{Colouring, SMALLEST, Scale};
 use crate::field::gpu::program::{PictureParams, Program, WORKGROUP};
@@ -33,7 +33,7 @@ pub(super) struct Painting {
     texture: Texture,
     step: Step,
     scale: Scale,
-    colours: wgpu::Buffer,
+    colours: wgpu::Texture,
     params: wgpu::Buffer,
     /// In which colours which run is painted.
     painted: Option<(Colouring, u64)>,
@@ -42,32 +42,21 @@ pub(super) struct Painting {
 impl Painting {
     pub(super) fn new(gpu: &Gpu, source: &Source<'_>, scale: Scale) -> Self {
         let size = source.size;
-        gpu.count(|traffic| traffic.allocations += 1);
-        let texture = gpu.device.create_texture(&wgpu::TextureDescriptor {
-            label: Some("map"),
-            size: wgpu::Extent3d { width: size.0 as u32, height: size.1 as u32, depth_or_array_layers: 1 },
-            mip_level_count: 1,
-            sample_count: 1,
-            dimension: wgpu::TextureDimension::D2,
-            format: wgpu::TextureFormat::Rgba8Unorm,
-            usage: wgpu::TextureUsages::STORAGE_BINDING
-                | wgpu::TextureUsages::TEXTURE_BINDING
-                | wgpu::TextureUsages::COPY_SRC,
-            view_formats: &[],
-        });
-        let view = texture.create_view(&wgpu::TextureViewDescriptor::default());
-        let colours = gpu.filled("colours", &[0; 1024], BufferUsages::STORAGE);
+        let picture = texture(gpu, "map", size, TextureUsages::STORAGE_BINDING);
+        let view = picture.create_view(&Default::default());
+        let colours = texture(gpu, "colours", (256, 1), TextureUsages::COPY_DST);
         let params = gpu.params(&[0; size_of::<PictureParams>()]);
+        let (width, height) = (size.0 as u32, size.1 as u32);
         let step = gpu.step(
             Program::Picture(scale),
             &[
                 (0, params.as_entire_binding()),
                 (1, source.values.as_entire_binding()),
                 (2, source.peak.as_entire_binding()),
-                (3, colours.as_entire_binding()),
-                (4, wgpu::BindingResource::TextureView(&view)),
+                (3, BindingResource::TextureView(&colours.create_view(&Default::default()))),
+                (4, BindingResource::TextureView(&view)),
             ],
-            (gpu.tuning.walking_groups, 1),
+            (width.div_ceil(WORKGROUP), height),
         );
         Self { texture: Texture { view, size }, step, scale, colours, params, painted: None }
     }
@@ -83,17 +72,20 @@ impl Painting {
             return (self.texture.clone(), false);
         }
         if before.is_none_or(|(painted, _)| painted != colouring) {
-            let (line, (width, height)) = (colouring.line(), self.texture.size);
+            let line = colouring.line();
             let params = PictureParams {
-                width: width as u32,
-                count: (width * height) as u32,
-                invocations: gpu.tuning.walking_groups * WORKGROUP,
+                width: self.texture.size.0 as u32,
                 zero: line.zero,
                 spread: line.spread,
                 full: line.full.map_or(0.0, |full| full.max(SMALLEST)),
             };
             gpu.queue.write_buffer(&self.params, 0, bytemuck::bytes_of(&params));
-            gpu.queue.write_buffer(&self.colours, 0, bytemuck::cast_slice(&colouring.table));
+            gpu.queue.write_texture(
+                self.colours.as_image_copy(),
+                bytemuck::cast_slice(&colouring.table),
+                wgpu::TexelCopyBufferLayout::default(),
+                self.colours.size(),
+            );
         }
         let mut encoder = gpu.encoder();
         self.step.run(&mut encoder.begin_compute_pass(&Default::default()));
@@ -101,4 +93,19 @@ impl Painting {
         self.painted = Some((colouring.clone(), run));
         (self.texture.clone(), true)
     }
+}
+
+/// A texture of colours that programs read or write, and others may copy or draw.
+fn texture(gpu: &Gpu, label: &str, (width, height): (usize, usize), usage: TextureUsages) -> wgpu::Texture {
+    gpu.count(|traffic| traffic.allocations += 1);
+    gpu.device.create_texture(&wgpu::TextureDescriptor {
+        label: Some(label),
+        size: wgpu::Extent3d { width: width as u32, height: height as u32, depth_or_array_layers: 1 },
+        mip_level_count: 1,
+        sample_count: 1,
+        dimension: wgpu::TextureDimension::D2,
+        format: wgpu::TextureFormat::Rgba8Unorm,
+        usage: usage | TextureUsages::TEXTURE_BINDING | TextureUsages::COPY_SRC,
+        view_formats: &[],
+    })
 }

@@ -5,7 +5,7 @@ use bytemuck::{Pod, Zeroable};
 use crate::acoustics::element::NEAREST;
 use crate::field::colouring::{FLOOR, SMALLEST, Scale};
 use crate::field::gpu::tuning::Tuning;
-use crate::field::quantity::{Norm, Part, Quantity};
+use crate::field::quantity::{Norm, PRESSURE, Part, Quantity};
 use crate::field::sources::{COSINE, MOST_NODES, SINE};
 
 /// Invocations in a workgroup.
@@ -28,44 +28,24 @@ pub struct Params {
     pub columns: u32,
     pub first: u32,
     pub count: u32,
-    pub written: u32,
     pub nodes: u32,
     pub radius: f32,
     pub piston_scale: f32,
     pub gain: f32,
-    pub padding_0: u32,
-    pub padding_1: u32,
-    pub padding_2: u32,
 }
 
 /// The same struct as in `shaders/interpolation.wgsl`.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
-pub struct ResampleParams {
+pub struct InterpolationParams {
     pub pixels: u32,
     pub lines: u32,
-    pub start: u32,
-    pub out_start: u32,
     pub span: u32,
+    pub slopes: u32,
     pub tap_stride: u32,
     pub line_stride: u32,
-    pub pixel_stride: u32,
-    pub pixel_line_stride: u32,
-}
-
-/// The same struct as in `shaders/interpolation_single.wgsl`.
-#[repr(C)]
-#[derive(Clone, Copy, Debug, Pod, Zeroable)]
-pub struct SingleParams {
-    pub across: u32,
-    pub up: u32,
-    pub pixels_run_along_x: u32,
-    pub pixels: u32,
-    pub taps: u32,
-    pub start: u32,
-    pub out_start: u32,
-    pub tap_stride: u32,
-    pub line_stride: u32,
+    pub part_stride: u32,
+    pub first_pixel: u32,
     pub pixel_stride: u32,
     pub pixel_line_stride: u32,
 }
@@ -74,8 +54,6 @@ pub struct SingleParams {
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 pub struct FormParams {
-    pub count: u32,
-    pub invocations: u32,
     pub of_pressure: f32,
     pub of_gradient: f32,
     pub of_velocity: f32,
@@ -83,13 +61,26 @@ pub struct FormParams {
     pub turn: [f32; 2],
 }
 
+/// The same struct as in `shaders/direct.wgsl`.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+pub struct DirectParams {
+    pub columns: u32,
+    pub count: u32,
+    pub first_pixel: u32,
+}
+
 /// The same struct as in `shaders/gather.wgsl`.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 pub struct GatherParams {
-    pub count: u32,
     pub probes: u32,
-    pub gathered: u32,
+    pub all: u32,
+    pub parts: u32,
+    pub sloped: u32,
+    pub taps: u32,
+    pub tap_stride: u32,
+    pub part_stride: u32,
 }
 
 /// The same struct as in `shaders/picture.wgsl`.
@@ -97,12 +88,14 @@ pub struct GatherParams {
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 pub struct PictureParams {
     pub width: u32,
-    pub count: u32,
-    pub invocations: u32,
     pub zero: f32,
     pub spread: f32,
     pub full: f32,
 }
+
+const SOUND: &str = include_str!("../../../shaders/sound.wgsl");
+const FORM: &str = include_str!("../../../shaders/form.wgsl");
+const INTERPOLATION: &str = include_str!("../../../shaders/interpolation.wgsl");
 
 /// A program. What a run decides once is a constant: of a condition on uniforms alone, lavapipe makes a program of its own in
 /// every run, and keeps it.
@@ -110,10 +103,12 @@ pub struct PictureParams {
 pub enum Program {
     /// Sums over the elements.
     Field(FieldProgram),
-    /// From samples to pixels along one axis.
-    Interpolation,
-    /// From the sound to values.
+    /// From samples to what is interpolated once more.
+    Across,
+    /// From that to values.
     Form(Quantity),
+    /// From the sound at the pixels to values.
+    FormDirect(Quantity),
     Gather,
     /// From values to colours.
     Picture(Scale),
@@ -163,9 +158,10 @@ impl FieldProgram {
 impl Program {
     /// All of them.
     pub fn all() -> Vec<Self> {
-        let mut all = vec![Self::Interpolation, Self::Gather];
+        let mut all = vec![Self::Across, Self::Gather];
         all.extend(FieldProgram::all().map(Self::Field));
         all.extend(Quantity::ALL.map(Self::Form));
+        all.extend(Quantity::ALL.map(Self::FormDirect));
         all.extend([Scale::Linear, Scale::Logarithmic].map(Self::Picture));
         all
     }
@@ -173,12 +169,17 @@ impl Program {
     pub fn source(self, tuning: &Tuning) -> String {
         let source = match self {
             Self::Field(field) => field.source(tuning),
-            Self::Interpolation if tuning.single_pixels => {
-                include_str!("../../../shaders/interpolation_single.wgsl").to_owned()
+            Self::Across => {
+                let across = include_str!("../../../shaders/across.wgsl");
+                [&places(PRESSURE), SOUND, across, &blocks(tuning, PRESSURE), INTERPOLATION].join("\n")
             }
-            Self::Interpolation => include_str!("../../../shaders/interpolation.wgsl").to_owned(),
             Self::Form(quantity) => {
-                [&declared(quantity), include_str!("../../../shaders/form.wgsl")].join("\n")
+                let blocks = blocks(tuning, quantity.declaration().parts);
+                [&declared(quantity), SOUND, FORM, &blocks, INTERPOLATION].join("\n")
+            }
+            Self::FormDirect(quantity) => {
+                let direct = include_str!("../../../shaders/direct.wgsl");
+                [&declared(quantity), SOUND, FORM, direct].join("\n")
             }
             Self::Gather => include_str!("../../../shaders/gather.wgsl").to_owned(),
             Self::Picture(scale) => {
@@ -190,28 +191,40 @@ impl Program {
     }
 }
 
+fn blocks(tuning: &Tuning, parts: u8) -> String {
+    let [_, lines] = tuning.block(parts);
+    format!("const SIXTEEN_PIXELS: bool = {};\nconst FOUR_LINES: bool = {};", tuning.large_blocks, lines > 1)
+}
+
+/// Where the parts of the sound lie that a program needs.
+fn places(parts: u8) -> String {
+    let place = |wanted: Part| match Part::of(parts).position(|part| part == wanted) {
+        Some(place) => format!("{place}u"),
+        None => "NOWHERE".to_owned(),
+    };
+    let [pressure, along_x, along_y, normal] = Part::ALL.map(place);
+    format!(
+        "const NOWHERE: u32 = 0xffffffffu;\n\
+         const PRESSURE: u32 = {pressure};\n\
+         const ALONG_X: u32 = {along_x};\n\
+         const ALONG_Y: u32 = {along_y};\n\
+         const NORMAL: u32 = {normal};\n"
+    )
+}
+
 /// What a quantity declares, as `shaders/form.wgsl` calls it.
 fn declared(quantity: Quantity) -> String {
     let declaration = quantity.declaration();
-    let mut place = 0;
-    let parts = Part::ALL.map(|part| {
-        if !Part::of(declaration.parts).any(|needed| needed == part) {
-            return "vec2f(0.0)".to_owned();
-        }
-        place += 1;
-        format!("parts[i + {}u * c.count]", place - 1)
-    });
     let extent = match declaration.norm {
         Norm::Value | Norm::Difference => "abs(value)",
         Norm::Pressure => "length(s.p)",
     };
     format!(
-        "const IS_ROOT: bool = {};\n\
-         fn sound(i: u32) -> Sound {{ return Sound({}); }}\n\
+        "{}const IS_ROOT: bool = {};\n\
          fn formula(s: Sound) -> f32 {{ return {}; }}\n\
          fn extent(s: Sound, value: f32) -> f32 {{ return {extent}; }}\n",
+        places(declaration.parts),
         declaration.is_root,
-        parts.join(", "),
         declaration.wgsl
     )
 }
@@ -325,54 +338,39 @@ mod tests {
                 columns,
                 first,
                 count,
-                written,
                 nodes,
                 radius,
                 piston_scale,
-                gain,
-                padding_0,
-                padding_1,
-                padding_2
+                gain
             }
         );
         assert_same_layout!(
             &module(Program::Form(Quantity::Rms), &Tuning::SOFTWARE),
-            FormParams { count, invocations, of_pressure, of_gradient, of_velocity, factor, turn }
+            FormParams { of_pressure, of_gradient, of_velocity, factor, turn }
+        );
+        assert_same_layout!(
+            &module(Program::FormDirect(Quantity::Rms), &Tuning::SOFTWARE),
+            DirectParams { columns, count, first_pixel }
         );
         assert_same_layout!(
             &module(Program::Gather, &Tuning::SOFTWARE),
-            GatherParams { count, probes, gathered }
+            GatherParams { probes, all, parts, sloped, taps, tap_stride, part_stride }
         );
         assert_same_layout!(
             &module(Program::Picture(Scale::Linear), &Tuning::SOFTWARE),
-            PictureParams { width, count, invocations, zero, spread, full }
+            PictureParams { width, zero, spread, full }
         );
         assert_same_layout!(
-            &module(Program::Interpolation, &Tuning::SOFTWARE),
-            ResampleParams {
+            &module(Program::Across, &Tuning::SOFTWARE),
+            InterpolationParams {
                 pixels,
                 lines,
-                start,
-                out_start,
                 span,
+                slopes,
                 tap_stride,
                 line_stride,
-                pixel_stride,
-                pixel_line_stride
-            }
-        );
-        assert_same_layout!(
-            &module(Program::Interpolation, &Tuning::DISCRETE),
-            SingleParams {
-                across,
-                up,
-                pixels_run_along_x,
-                pixels,
-                taps,
-                start,
-                out_start,
-                tap_stride,
-                line_stride,
+                part_stride,
+                first_pixel,
                 pixel_stride,
                 pixel_line_stride
             }

@@ -6,9 +6,6 @@ use wgpu::BufferUsages;
 
 use crate::field::gpu::{Gpu, GpuError};
 
-/// How long one submission may take.
-const TIMEOUT: std::time::Duration = std::time::Duration::from_secs(120);
-
 /// Memory that the CPU can read, and what was copied there last.
 #[derive(Debug)]
 pub struct Reading {
@@ -78,8 +75,7 @@ impl Reading {
     /// # Errors
     /// The device was lost, or does not answer.
     pub fn wait(&mut self, gpu: &Gpu) -> Result<Vec<u8>, GpuError> {
-        let wait = wgpu::PollType::Wait { submission_index: None, timeout: Some(TIMEOUT) };
-        gpu.device.poll(wait).map_err(|e| GpuError::Lost(e.to_string()))?;
+        gpu.wait()?;
         self.poll(gpu)?.ok_or_else(|| GpuError::Lost("it did not answer in time".to_owned()))
     }
 }

@@ -52,13 +52,13 @@ struct Run {
 }
 
 impl Superposition {
-    /// For samples that are written from place `written` of `out` on, times a `gain`.
+    /// For samples whose pressure is written to `out`, times a `gain`.
     pub(super) fn new(
         gpu: &Gpu,
         wave: &Wave,
         elements: &Elements,
         samples: &Samples,
-        (out, written): (&wgpu::Buffer, u32),
+        out: &wgpu::Buffer,
         gain: f64,
     ) -> Self {
         let program = FieldProgram {
@@ -89,8 +89,7 @@ impl Superposition {
             let most = u64::from(count.min(MOST_GROUPS * together));
             let length = (gpu.tuning.most_pairs / elements_.len() as u64).min(most) as u32;
             for first in (0..count).step_by(length as usize) {
-                let params =
-                    Params { first, count: length.min(count - first), written: written + first, ..common };
+                let params = Params { first, count: length.min(count - first), ..common };
                 let buffer = gpu.params(bytemuck::bytes_of(&params));
                 let mut bindings = vec![
                     (0, buffer.as_entire_binding()),
@@ -137,7 +136,7 @@ pub(super) fn pressure(gpu: &Gpu, sources: &Sources, samples: &Samples) -> Resul
         for columns in samples.columns.chunks(most / rows.len()) {
             let piece = Samples { columns: columns.to_vec(), rows: rows.to_vec() };
             let out = gpu.storage("pressure", (piece.len() * 8) as u64);
-            let mut runs = Superposition::new(gpu, &sources.wave, &elements, &piece, (&out, 0), 1.0);
+            let mut runs = Superposition::new(gpu, &sources.wave, &elements, &piece, &out, 1.0);
             runs.set(gpu, sources.elements.len() as u32);
             for step in runs.steps() {
                 let mut encoder = gpu.encoder();

@@ -8,10 +8,8 @@ pub struct Tuning {
     /// Samples that an invocation of the field computes: eight, or four. Software drivers take the time to read an element,
     /// real ones need many invocations.
     pub eight_samples: bool,
-    /// Interpolation makes one pixel per invocation, and not 16 on each of 4 lines.
-    pub single_pixels: bool,
-    /// Workgroups of the passes that walk over all pixels.
-    pub walking_groups: u32,
+    /// Interpolation makes many pixels per invocation, or a few, for the same reasons.
+    pub large_blocks: bool,
     /// Rounds of loops in one invocation, at most.
     pub most_rounds: u32,
     /// Samples times elements in one submission, so that no driver thinks that the device hangs.
@@ -20,21 +18,11 @@ pub struct Tuning {
 
 impl Tuning {
     /// llvmpipe leaves a shader's loops after 65 535 rounds of them in all, and says nothing.
-    pub const SOFTWARE: Self = Self {
-        eight_samples: true,
-        single_pixels: false,
-        walking_groups: 256,
-        most_rounds: 1 << 15,
-        most_pairs: 1 << 31,
-    };
-    pub const INTEGRATED: Self = Self {
-        eight_samples: false,
-        single_pixels: true,
-        walking_groups: 1024,
-        most_rounds: 1 << 20,
-        most_pairs: 1 << 33,
-    };
-    pub const DISCRETE: Self = Self { walking_groups: 8192, most_pairs: 1 << 36, ..Self::INTEGRATED };
+    pub const SOFTWARE: Self =
+        Self { eight_samples: true, large_blocks: true, most_rounds: 1 << 15, most_pairs: 1 << 31 };
+    pub const INTEGRATED: Self =
+        Self { eight_samples: false, large_blocks: false, most_rounds: 1 << 20, most_pairs: 1 << 33 };
+    pub const DISCRETE: Self = Self { most_pairs: 1 << 36, ..Self::INTEGRATED };
 
     pub fn of(kind: Kind) -> Self {
         match kind {
@@ -47,5 +35,15 @@ impl Tuning {
     /// Samples of a workgroup of the field.
     pub fn samples_per_invocation(&self) -> u32 {
         if self.eight_samples { 8 } else { 4 }
+    }
+
+    /// Pixels of a line and lines that an invocation of the interpolation makes of so many parts of the sound: what is alone leaves
+    /// room for more lines.
+    pub fn block(&self, parts: u8) -> [usize; 2] {
+        match (self.large_blocks, parts.count_ones()) {
+            (true, 1) => [16, 4],
+            (true, _) => [16, 1],
+            (false, _) => [4, 1],
+        }
     }
 }

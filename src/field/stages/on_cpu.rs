@@ -22,6 +22,10 @@ use crate::surface::{Dent, Tank};
 
 /// Drives whose samples are there at the same time.
 const TOGETHER: usize = 64;
+/// Shares into which these are cut, as many as threads may work on, and the cells that all shares may have. How many there are does
+/// not depend on the threads, so that sums do not either.
+const SHARES: usize = 8;
+const MOST_SHARED_CELLS: usize = 1 << 22;
 /// Pixels whose sound is there at the same time.
 const BAND: usize = 1 << 22;
 /// Places at which a formula is evaluated together.
@@ -34,7 +38,7 @@ pub(super) struct OnCpu {
     samples: Kept<SampledKey, Samples>,
     /// Its sound at the pixels, if that is no more than a band.
     at_pixels: Kept<(SampledKey, (usize, usize)), Lattice>,
-    at_cells: Lattice,
+    shares: Vec<Share>,
     /// Means of the formula over the drives, per cell.
     cells: Kept<FormedKey, Vec<f64>>,
     tank: Kept<SiteKey, Option<Tank>>,
@@ -100,6 +104,40 @@ impl Lattice {
     }
 }
 
+/// Sums of the formula at the cells over some of the drives, and the sound of one of them.
+#[derive(Debug, Default)]
+struct Share {
+    sums: Vec<f64>,
+    lattice: Lattice,
+    between: Between,
+}
+
+impl Share {
+    fn sum(&mut self, job: &Job<'_>, filled: &Filled, drives: &[Samples]) {
+        let Self { sums, lattice, between } = self;
+        let (parts, constants) = (job.key.parts, job.request.constants());
+        let formula = job.request.quantity.declaration().formula;
+        let Some(grid) = &job.site.plan.grid else { return };
+        let (columns, count) = (grid.samples.columns.len(), filled.cells.len());
+        sums.clear();
+        sums.resize(count, 0.0);
+        lattice.resize(parts, count);
+        for samples in drives {
+            for (part, values) in Part::of(parts).zip(&mut lattice.0) {
+                let [across, up] = filled.weights.of(part);
+                interpolate(samples.of(part), columns, across, up, between, values);
+            }
+            sums.par_chunks_mut(RUN).enumerate().with_min_len(16).for_each(|(run, sums)| {
+                let mut of_drive = [0.0; RUN];
+                let of_drive = &mut of_drive[..sums.len()];
+                let places = run * RUN..run * RUN + sums.len();
+                formula(lattice.sounds(parts, places), &constants, of_drive);
+                sums.iter_mut().zip(of_drive).for_each(|(sum, of_drive)| *sum += f64::from(*of_drive));
+            });
+        }
+    }
+}
+
 /// Sums over the elements at the samples of a plan, from tables where there is room for them.
 #[derive(Debug, Default)]
 struct Superposition {
@@ -156,10 +194,10 @@ pub(super) struct Made {
 impl OnCpu {
     pub(super) fn forget(&mut self) {
         let old = std::mem::take(self);
-        let Self { mut superposition, mut samples, mut at_pixels, at_cells, between, .. } = old;
+        let Self { mut superposition, mut samples, mut at_pixels, shares, between, .. } = old;
         (superposition.pressure.key, superposition.normal.key) = (None, None);
         (samples.key, at_pixels.key) = (None, None);
-        *self = Self { superposition, samples, at_pixels, at_cells, between, ..Self::default() };
+        *self = Self { superposition, samples, at_pixels, shares, between, ..Self::default() };
     }
 
     /// Makes the values of all pixels.
@@ -344,34 +382,25 @@ impl OnCpu {
     /// The mean of the formula over the drives, at every cell.
     fn fill_cells(&mut self, job: &Job<'_>, filled: &Filled, key: &FormedKey, work: &mut Work) {
         let Some(grid) = &job.site.plan.grid else { return };
-        let Self { superposition, at_cells, cells, between, .. } = self;
-        let (parts, constants) = (job.key.parts, job.request.constants());
-        let formula = job.request.quantity.declaration().formula;
+        let Self { superposition, shares, cells, .. } = self;
         cells.update(key, |cells| {
             cells.clear();
             cells.resize(filled.cells.len(), 0.0);
+            let most = (MOST_SHARED_CELLS / cells.len()).clamp(1, SHARES);
             let drives = job.request.counted();
-            let share = 1.0 / drives.len() as f64;
             for drives in drives.chunks(TOGETHER) {
-                for samples in sampled(superposition, job, grid, drives, key.double, work) {
-                    at_cells.resize(parts, cells.len());
-                    for (part, values) in Part::of(parts).zip(&mut at_cells.0) {
-                        let [across, up] = filled.weights.of(part);
-                        let columns = grid.samples.columns.len();
-                        interpolate(samples.of(part), columns, across, up, between, values);
-                    }
-                    work.forming += 1;
-                    cells.par_chunks_mut(RUN).enumerate().with_min_len(4).for_each(|(run, cells)| {
-                        let mut of_drive = [0.0; RUN];
-                        let of_drive = &mut of_drive[..cells.len()];
-                        let places = run * RUN..run * RUN + cells.len();
-                        formula(at_cells.sounds(parts, places), &constants, of_drive);
-                        for (cell, of_drive) in cells.iter_mut().zip(of_drive) {
-                            *cell += share * f64::from(*of_drive);
-                        }
-                    });
+                let samples = sampled(superposition, job, grid, drives, key.double, work);
+                work.forming += samples.len() as u64;
+                let of_share = samples.len().div_ceil(most);
+                shares.resize_with(samples.len().div_ceil(of_share), Share::default);
+                let filling = samples.par_chunks(of_share).zip(&mut *shares);
+                filling.for_each(|(samples, share)| share.sum(job, filled, samples));
+                for share in &*shares {
+                    cells.iter_mut().zip(&share.sums).for_each(|(cell, sum)| *cell += sum);
                 }
             }
+            let share = 1.0 / drives.len() as f64;
+            cells.iter_mut().for_each(|cell| *cell *= share);
         });
     }
 

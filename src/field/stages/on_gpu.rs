@@ -2,8 +2,8 @@
 
 use num_complex::Complex64;
 
-use crate::field::gpu::chain::{Figures, Interpolated};
-use crate::field::gpu::{Chain, Shape, Texture};
+use crate::field::gpu::chain::Interpolated;
+use crate::field::gpu::{Chain, Figures, Shape, Texture};
 use crate::field::quantity::{Constants, Part, Quantity};
 use crate::field::stages::kept::Kept;
 use crate::field::stages::probes::AtProbes;

@@ -1,0 +1,10 @@
+// What becomes of the sound between two interpolations: it is kept.
+
+@group(0) @binding(3) var<storage, read_write> wide: array<vec2f>;
+
+fn put(pixel: u32, sound: Sound) -> f32 {
+    wide[pixel] = sound.p;
+    return 0.0;
+}
+
+fn finish(largest: f32) {}

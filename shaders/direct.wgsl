@@ -1,0 +1,28 @@
+// Values where the sound is known at the pixels themselves.
+
+struct DirectParams {
+    columns: u32,
+    // Sounds in all.
+    count: u32,
+    first_pixel: u32,
+}
+
+@group(0) @binding(0) var<uniform> params: DirectParams;
+// One part of the sound after the other.
+@group(0) @binding(1) var<storage, read> parts: array<vec2f>;
+
+fn part(place: u32, i: u32) -> vec2f {
+    if place == NOWHERE {
+        return vec2f(0.0);
+    }
+    return parts[place * params.count + i];
+}
+
+@compute @workgroup_size(WORKGROUP)
+fn direct_main(@builtin(global_invocation_id) id: vec3u) {
+    if id.x < params.columns {
+        let i = id.y * params.columns + id.x;
+        let sound = Sound(part(PRESSURE, i), part(ALONG_X, i), part(ALONG_Y, i), part(NORMAL, i));
+        finish(put(params.first_pixel + i, sound));
+    }
+}
