@@ -11,6 +11,9 @@ mod request;
 mod site;
 mod work;
 
+use num_complex::Complex64;
+
+use crate::drive::Drive;
 use crate::field::contour::{self, Line};
 use crate::field::gpu::Texture;
 use crate::field::plan::Costs;
@@ -44,6 +47,8 @@ struct Job<'a> {
     site: &'a Site,
     frame: &'a Frame,
     probes: &'a Probes,
+    /// Of the drives that count, of every element.
+    excitations: &'a [Vec<Complex64>],
 }
 
 /// The stages of one evaluator.
@@ -69,6 +74,8 @@ struct Ground {
     /// The site, under the key that was asked for: what cannot be formed at cells may be formed at the pixels.
     site: Kept<SiteKey, Option<(SiteKey, Site)>>,
     frame: Kept<FrameKey, Option<(Frame, Probes)>>,
+    /// Of the drives with these elements driven.
+    excitations: Kept<(Vec<Drive>, Vec<usize>), Vec<Vec<Complex64>>>,
 }
 
 /// What the pixels and probes depend on.
@@ -89,7 +96,7 @@ impl Ground {
     ) -> Result<Job<'a>, FieldError> {
         let of_liquid = request.quantity.declaration().of_liquid;
         let wanted = SiteKey::new(request, exact);
-        let Self { site, frame } = self;
+        let Self { site, frame, excitations } = self;
         let site = site.try_update(&wanted, |site| {
             work.plan += 1;
             let made = match Site::new(&wanted, costs) {
@@ -110,7 +117,9 @@ impl Ground {
             *made = Frame::new(key, site, request.size).map(|frame| (frame, probes));
         });
         let (frame, probes) = frame.as_ref().ok_or(FieldError::NoPlane)?;
-        Ok(Job { request, key, site, frame, probes })
+        let sounding = (request.counted().to_vec(), request.aperture.driven.clone());
+        let excitations = excitations.update(&sounding, |made| *made = request.excitations());
+        Ok(Job { request, key, site, frame, probes, excitations })
     }
 }
 
@@ -328,7 +337,7 @@ impl Job<'_> {
     ) -> Result<Map, FieldError> {
         let mut make = |job: &Job<'_>, by: By, values: &mut Vec<f32>| {
             let made = cpu.values(job, is_double(by), values, work);
-            (job.probes.error(job.request, &made.at_probes, made.relative_to), made, by)
+            (job.probes.error((job.request, job.excitations), &made.at_probes, made.relative_to), made, by)
         };
         let all_of_it = |job: &Job<'_>, made: (f64, Made, By), values| {
             let (error, Made { peak, .. }, by) = made;

@@ -12,7 +12,7 @@ use crate::field::quantity::{Constants, Norm, Part, Sound, Sounds};
 use crate::field::slope::part_on_cpu;
 use crate::field::stages::kept::Kept;
 use crate::field::stages::probes::AtProbes;
-use crate::field::stages::request::{Pressed, Setting, excitation};
+use crate::field::stages::request::{Pressed, Setting};
 use crate::field::stages::site::{Filled, Frame, SiteKey, Weights};
 use crate::field::stages::{Job, Work};
 use crate::field::transfer::{Layout, Transfer};
@@ -151,7 +151,7 @@ impl Superposition {
         &mut self,
         job: &Job<'_>,
         grid: &Grid,
-        drives: &[Drive],
+        drives: Range<usize>,
         part: Part,
         double: bool,
         work: &mut Work,
@@ -159,8 +159,9 @@ impl Superposition {
         work.superposition += 1;
         let aperture = &job.request.aperture;
         let each = |drive: &Drive| part_on_cpu(aperture, drive, &grid.samples, part, job.site.axes, double);
+        let played = &job.request.counted()[drives.clone()];
         if double {
-            return drives.iter().map(each).collect();
+            return played.iter().map(each).collect();
         }
         let setting = &job.site.sampled;
         let (kept, direction) = match part {
@@ -177,9 +178,8 @@ impl Superposition {
                 *table = Transfer::of_part(&setting.aperture, grid, direction, old);
             }
         });
-        let Some(table) = table else { return drives.iter().map(each).collect() };
-        let excitations: Vec<_> = drives.iter().map(|drive| excitation(aperture, drive)).collect();
-        table.superpose(aperture, &excitations, grid.samples.len())
+        let Some(table) = table else { return played.iter().map(each).collect() };
+        table.superpose(aperture, &job.excitations[drives], grid.samples.len())
     }
 }
 
@@ -238,12 +238,8 @@ impl OnCpu {
         if drives.len() > 1 {
             values.fill(0.0);
         }
-        for drive in drives {
-            let key = SampledKey {
-                site: job.key.clone(),
-                excitation: excitation(&request.aperture, drive),
-                double,
-            };
+        for (drive, excitation) in job.excitations.iter().enumerate() {
+            let key = SampledKey { site: job.key.clone(), excitation: excitation.clone(), double };
             for first in (0..raster.height).step_by(rows_together) {
                 let rows = first..raster.height.min(first + rows_together);
                 let pixels = rows.start * raster.width..rows.end * raster.width;
@@ -297,7 +293,7 @@ impl OnCpu {
     fn fill_pixels(
         &mut self,
         job: &Job<'_>,
-        drive: &Drive,
+        drive: usize,
         key: &SampledKey,
         (raster, weights): (&Raster, Option<&Weights>),
         rows: Range<usize>,
@@ -314,7 +310,14 @@ impl OnCpu {
             work.superposition += 1;
             let places = raster.pixel_rows(direct.clone());
             for (part, values) in Part::of(parts).zip(&mut at_pixels.value.0) {
-                let sound = part_on_cpu(&job.request.aperture, drive, &places, part, axes, key.double);
+                let sound = part_on_cpu(
+                    &job.request.aperture,
+                    &job.request.drives[drive],
+                    &places,
+                    part,
+                    axes,
+                    key.double,
+                );
                 values[of(&direct)].copy_from_slice(&sound);
             }
         }
@@ -324,8 +327,7 @@ impl OnCpu {
             return;
         }
         let samples = samples.update(key, |samples| {
-            *samples = sampled(superposition, job, grid, std::slice::from_ref(drive), key.double, work)
-                .swap_remove(0);
+            *samples = sampled(superposition, job, grid, drive..drive + 1, key.double, work).swap_remove(0);
         });
         work.interpolation += 1;
         let first = raster.interpolated.start;
@@ -387,8 +389,9 @@ impl OnCpu {
             cells.clear();
             cells.resize(filled.cells.len(), 0.0);
             let most = (MOST_SHARED_CELLS / cells.len()).clamp(1, SHARES);
-            let drives = job.request.counted();
-            for drives in drives.chunks(TOGETHER) {
+            let count = job.excitations.len();
+            for first in (0..count).step_by(TOGETHER) {
+                let drives = first..count.min(first + TOGETHER);
                 let samples = sampled(superposition, job, grid, drives, key.double, work);
                 work.forming += samples.len() as u64;
                 let of_share = samples.len().div_ceil(most);
@@ -399,7 +402,7 @@ impl OnCpu {
                     cells.iter_mut().zip(&share.sums).for_each(|(cell, sum)| *cell += sum);
                 }
             }
-            let share = 1.0 / drives.len() as f64;
+            let share = 1.0 / count as f64;
             cells.iter_mut().for_each(|cell| *cell *= share);
         });
     }
@@ -460,7 +463,7 @@ impl FormedKey {
         Self {
             site: job.key.clone(),
             quantity: job.request.quantity,
-            excitations: job.request.excitations(),
+            excitations: job.excitations.to_vec(),
             constants: job.request.constants(),
             double,
         }
@@ -472,14 +475,14 @@ fn sampled(
     superposition: &mut Superposition,
     job: &Job<'_>,
     grid: &Grid,
-    drives: &[Drive],
+    drives: Range<usize>,
     double: bool,
     work: &mut Work,
 ) -> Vec<Samples> {
     let mut needs = |normal: bool| {
         let part = Part::of(job.key.parts).find(|&part| (part == Part::Normal) == normal);
         match part {
-            Some(part) => superposition.at(job, grid, drives, part, double, work),
+            Some(part) => superposition.at(job, grid, drives.clone(), part, double, work),
             None => vec![Vec::new(); drives.len()],
         }
     };

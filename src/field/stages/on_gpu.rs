@@ -7,7 +7,6 @@ use crate::field::gpu::{Chain, Figures, Shape, Texture};
 use crate::field::quantity::{Constants, Part, Quantity};
 use crate::field::stages::kept::Kept;
 use crate::field::stages::probes::AtProbes;
-use crate::field::stages::request::excitation;
 use crate::field::stages::site::{Frame, SiteKey};
 use crate::field::stages::{By, Job, Map, Work};
 use crate::field::{Colouring, Gpu, GpuError};
@@ -91,7 +90,7 @@ impl OnGpu {
         });
         let Some(chain) = &mut chain.value else { return Ok(false) };
         let wanted = Formed {
-            excitation: excitation(&request.aperture, drive),
+            excitation: job.excitations[0].clone(),
             constants: request.constants(),
             part: request.part,
         };
@@ -171,5 +170,5 @@ fn error(job: &Job<'_>, figures: &Figures) -> f64 {
     };
     let values = figures.sounds.iter().map(|&sound| value(sound)).collect();
     let at_probes = AtProbes { values, sounds: Some(figures.sounds.clone()) };
-    job.probes.error(job.request, &at_probes, figures.peak)
+    job.probes.error((job.request, job.excitations), &at_probes, figures.peak)
 }

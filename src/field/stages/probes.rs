@@ -67,11 +67,15 @@ impl Probes {
     }
 
     /// The largest deviation, relative to `peak`: of the values, or of what the quantity's norm says.
-    pub(super) fn error(&self, request: &Request, got: &AtProbes, peak: f32) -> f64 {
+    pub(super) fn error(
+        &self,
+        (request, excitations): (&Request, &[Vec<Complex64>]),
+        got: &AtProbes,
+        peak: f32,
+    ) -> f64 {
         let peak = f64::from(peak).max(f64::MIN_POSITIVE);
         let (quantity, constants) = (request.quantity, request.constants());
-        let excitations = request.excitations();
-        if let ([excitation], Some(sounds)) = (&excitations[..], &got.sounds) {
+        if let ([excitation], Some(sounds)) = (excitations, &got.sounds) {
             let expected = self.sounds(excitation);
             let off = expected.iter().zip(sounds).map(|(expected, got)| less(expected, got));
             let norm = |off: Sound| match quantity.declaration().norm {
@@ -84,7 +88,7 @@ impl Probes {
             }
         }
         let mut means = vec![0.0; self.places.len()];
-        for excitation in &excitations {
+        for excitation in excitations {
             for (mean, sound) in means.iter_mut().zip(self.sounds(excitation)) {
                 *mean += formula(quantity, sound, &constants) / excitations.len() as f64;
             }

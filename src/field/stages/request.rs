@@ -77,7 +77,15 @@ impl Request {
 
     /// u of every element of the array, 0 for those that are off, for every drive that counts.
     pub(super) fn excitations(&self) -> Vec<Vec<Complex64>> {
-        self.counted().iter().map(|drive| excitation(&self.aperture, drive)).collect()
+        let of_drive = |drive: &Drive| {
+            let mut excitation = vec![Complex64::ZERO; self.aperture.positions.len()];
+            let driven = &self.aperture.driven;
+            for (&n, u) in driven.iter().zip(drive.excitation(driven)) {
+                excitation[n] = u;
+            }
+            excitation
+        };
+        self.counted().iter().map(of_drive).collect()
     }
 
     /// The drives that count.
@@ -197,13 +205,4 @@ impl Setting {
         let all = (0..aperture.positions.len()).collect();
         Self { aperture: Aperture { driven: all, ..aperture.clone() }, plane }
     }
-}
-
-/// u of every element of the array; 0 for those that are off.
-pub(super) fn excitation(aperture: &Aperture, drive: &Drive) -> Vec<Complex64> {
-    let mut excitation = vec![Complex64::ZERO; aperture.positions.len()];
-    for (&n, u) in aperture.driven.iter().zip(drive.excitation(&aperture.driven)) {
-        excitation[n] = u;
-    }
-    excitation
 }
