@@ -3,7 +3,7 @@
 //! Every value is kept beside what it was made from and made again when that differs. What takes long is made on a thread
 //! beside, and what was there before stays on the screen meanwhile.
 
-use std::sync::Arc;
+use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
 use eframe::egui_wgpu::RenderState;
@@ -71,6 +71,8 @@ pub struct Workshop {
     wants_methods: Option<Scene>,
     round: Later<Scene, Result<Arc<Sequence>, String>>,
     pressed: Later<Request, Option<Pressed>>,
+    /// What makes it, with what it keeps from one time to the next.
+    presser: Arc<Mutex<Stages>>,
     motion: Clock,
     oscillation: Clock,
 }
@@ -86,6 +88,7 @@ impl Workshop {
             wants_methods: None,
             round: Later::default(),
             pressed: Later::default(),
+            presser: Arc::new(Mutex::new(Stages::new(Evaluator::Cpu))),
             motion: Clock::default(),
             oscillation: Clock::default(),
         }
@@ -242,7 +245,10 @@ impl Workshop {
         let [width, height] = pixels.to_array().map(|side| side.ceil().clamp(1.0, MOST_PER_SIDE) as usize);
         let drives = shown.drives(editor, quantity);
         let request = Request::new(editor.scene(), drives, quantity, (width, height));
-        self.pressed.ask(&request, ctx, pressed);
+        let presser = Arc::clone(&self.presser);
+        self.pressed.ask(&request, ctx, move |request| {
+            pressed(&mut presser.lock().unwrap_or_else(PoisonError::into_inner), request)
+        });
         if let Some(pressed) = self.pressed.get(&request) {
             shown.pressed.clone_from(pressed);
         }
@@ -320,8 +326,8 @@ fn all_methods(scene: &Scene) -> Vec<MethodRow> {
     Method::ALL.map(row).to_vec()
 }
 
-fn pressed(request: &Request) -> Option<Pressed> {
-    let field::Pressed { force, dent } = Stages::new(Evaluator::Cpu).pressed(request).ok()?;
+fn pressed(stages: &mut Stages, request: &Request) -> Option<Pressed> {
+    let field::Pressed { force, dent } = stages.pressed(request).ok()?;
     let beyond = dent.as_ref().and_then(|dent| liquid::beyond_linear_theory(dent.slope));
     Some(Pressed { force, dent, beyond })
 }
