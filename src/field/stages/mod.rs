@@ -8,6 +8,7 @@ mod on_cpu;
 mod on_gpu;
 mod probes;
 mod request;
+mod samples;
 mod site;
 mod work;
 
@@ -75,8 +76,11 @@ struct Ground {
     site: Kept<SiteKey, Option<(SiteKey, Site)>>,
     frame: Kept<FrameKey, Option<(Frame, Probes)>>,
     /// Of the drives with these elements driven.
-    excitations: Kept<(Vec<Drive>, Vec<usize>), Vec<Vec<Complex64>>>,
+    excitations: Kept<Sounding, Vec<Vec<Complex64>>>,
 }
+
+/// Drives, and the elements that are driven.
+type Sounding = (Vec<Drive>, Vec<usize>);
 
 /// What the pixels and probes depend on.
 #[derive(Clone, Debug, PartialEq)]

@@ -5,18 +5,16 @@ use std::ops::Range;
 use num_complex::{Complex32, Complex64};
 use rayon::prelude::*;
 
-use crate::drive::Drive;
 use crate::field::interpolation::{Between, Resampling, interpolate};
-use crate::field::plan::{Grid, TABLE_CEILING};
 use crate::field::quantity::{Constants, Norm, Part, Sound, Sounds};
 use crate::field::slope::part_on_cpu;
 use crate::field::stages::kept::Kept;
 use crate::field::stages::probes::AtProbes;
-use crate::field::stages::request::{Pressed, Setting};
+use crate::field::stages::request::Pressed;
+use crate::field::stages::samples::{Samples, Superposition, sampled};
 use crate::field::stages::site::{Filled, Frame, SiteKey, Weights};
 use crate::field::stages::{Job, Work};
-use crate::field::transfer::{Layout, Transfer};
-use crate::field::{self, Raster, Wave};
+use crate::field::{self, Raster};
 use crate::scene::Liquid;
 use crate::surface::{Dent, Tank};
 
@@ -62,22 +60,6 @@ struct FormedKey {
     excitations: Vec<Vec<Complex64>>,
     constants: Constants,
     double: bool,
-}
-
-/// The pressure at the samples, and its slope along the plane's normal; empty where no part needs them.
-#[derive(Clone, Debug, Default)]
-struct Samples {
-    pressure: Vec<Complex32>,
-    normal: Vec<Complex32>,
-}
-
-impl Samples {
-    fn of(&self, part: Part) -> &[Complex32] {
-        match part {
-            Part::Pressure | Part::AlongX | Part::AlongY => &self.pressure,
-            Part::Normal => &self.normal,
-        }
-    }
 }
 
 /// The parts of the sound at a lattice, in their order; kept for the next drive, since fresh memory costs more than the work
@@ -138,51 +120,6 @@ impl Share {
     }
 }
 
-/// Sums over the elements at the samples of a plan, from tables where there is room for them.
-#[derive(Debug, Default)]
-struct Superposition {
-    pressure: Kept<Setting, Option<Transfer>>,
-    normal: Kept<Setting, Option<Transfer>>,
-}
-
-impl Superposition {
-    /// One part of the sound at the samples, for every drive.
-    fn at(
-        &mut self,
-        job: &Job<'_>,
-        grid: &Grid,
-        drives: Range<usize>,
-        part: Part,
-        double: bool,
-        work: &mut Work,
-    ) -> Vec<Vec<Complex32>> {
-        work.superposition += 1;
-        let aperture = &job.request.aperture;
-        let each = |drive: &Drive| part_on_cpu(aperture, drive, &grid.samples, part, job.site.axes, double);
-        let played = &job.request.counted()[drives.clone()];
-        if double {
-            return played.iter().map(each).collect();
-        }
-        let setting = &job.site.sampled;
-        let (kept, direction) = match part {
-            Part::Pressure | Part::AlongX | Part::AlongY => (&mut self.pressure, None),
-            Part::Normal => (&mut self.normal, Some(job.site.axes[2])),
-        };
-        let table = kept.update(setting, |table| {
-            let layout = Layout::new(&setting.aperture, grid);
-            let is_possible =
-                layout.fits(TABLE_CEILING) && Wave::new(&setting.aperture, &grid.samples).is_some();
-            work.transfer += u64::from(is_possible);
-            let old = table.take().filter(|_| is_possible);
-            if is_possible {
-                *table = Transfer::of_part(&setting.aperture, grid, direction, old);
-            }
-        });
-        let Some(table) = table else { return played.iter().map(each).collect() };
-        table.superpose(aperture, &job.excitations[drives], grid.samples.len())
-    }
-}
-
 /// What was made, and what of it is compared with the reference.
 pub(super) struct Made {
     pub(super) peak: f32,
@@ -195,7 +132,7 @@ impl OnCpu {
     pub(super) fn forget(&mut self) {
         let old = std::mem::take(self);
         let Self { mut superposition, mut samples, mut at_pixels, shares, between, .. } = old;
-        (superposition.pressure.key, superposition.normal.key) = (None, None);
+        superposition.forget();
         (samples.key, at_pixels.key) = (None, None);
         *self = Self { superposition, samples, at_pixels, shares, between, ..Self::default() };
     }
@@ -468,27 +405,6 @@ impl FormedKey {
             double,
         }
     }
-}
-
-/// The samples of every drive that the parts are made of.
-fn sampled(
-    superposition: &mut Superposition,
-    job: &Job<'_>,
-    grid: &Grid,
-    drives: Range<usize>,
-    double: bool,
-    work: &mut Work,
-) -> Vec<Samples> {
-    let mut needs = |normal: bool| {
-        let part = Part::of(job.key.parts).find(|&part| (part == Part::Normal) == normal);
-        match part {
-            Some(part) => superposition.at(job, grid, drives.clone(), part, double, work),
-            None => vec![Vec::new(); drives.len()],
-        }
-    };
-    let (pressures, normals) = (needs(false), needs(true));
-    let pairs = pressures.into_iter().zip(normals);
-    pairs.map(|(pressure, normal)| Samples { pressure, normal }).collect()
 }
 
 /// The values at some places.

@@ -1,0 +1,102 @@
+//! The sound at the samples of a plan, on the CPU.
+
+use std::ops::Range;
+
+use num_complex::Complex32;
+
+use crate::drive::Drive;
+use crate::field::Wave;
+use crate::field::plan::{Grid, TABLE_CEILING};
+use crate::field::quantity::Part;
+use crate::field::slope::part_on_cpu;
+use crate::field::stages::kept::Kept;
+use crate::field::stages::request::Setting;
+use crate::field::stages::{Job, Work};
+use crate::field::transfer::{Layout, Transfer};
+
+/// The pressure at the samples, and its slope along the plane's normal; empty where no part needs them.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Samples {
+    pressure: Vec<Complex32>,
+    normal: Vec<Complex32>,
+}
+
+impl Samples {
+    pub(super) fn of(&self, part: Part) -> &[Complex32] {
+        match part {
+            Part::Pressure | Part::AlongX | Part::AlongY => &self.pressure,
+            Part::Normal => &self.normal,
+        }
+    }
+}
+
+/// Sums over the elements at the samples of a plan, from tables where there is room for them.
+#[derive(Debug, Default)]
+pub(super) struct Superposition {
+    pressure: Kept<Setting, Option<Transfer>>,
+    normal: Kept<Setting, Option<Transfer>>,
+}
+
+impl Superposition {
+    /// Keeps the memory of its tables alone.
+    pub(super) fn forget(&mut self) {
+        (self.pressure.key, self.normal.key) = (None, None);
+    }
+
+    /// One part of the sound at the samples, for every drive.
+    fn at(
+        &mut self,
+        job: &Job<'_>,
+        grid: &Grid,
+        drives: Range<usize>,
+        part: Part,
+        double: bool,
+        work: &mut Work,
+    ) -> Vec<Vec<Complex32>> {
+        work.superposition += 1;
+        let aperture = &job.request.aperture;
+        let each = |drive: &Drive| part_on_cpu(aperture, drive, &grid.samples, part, job.site.axes, double);
+        let played = &job.request.counted()[drives.clone()];
+        if double {
+            return played.iter().map(each).collect();
+        }
+        let setting = &job.site.sampled;
+        let (kept, direction) = match part {
+            Part::Pressure | Part::AlongX | Part::AlongY => (&mut self.pressure, None),
+            Part::Normal => (&mut self.normal, Some(job.site.axes[2])),
+        };
+        let table = kept.update(setting, |table| {
+            let layout = Layout::new(&setting.aperture, grid);
+            let is_possible =
+                layout.fits(TABLE_CEILING) && Wave::new(&setting.aperture, &grid.samples).is_some();
+            work.transfer += u64::from(is_possible);
+            let old = table.take().filter(|_| is_possible);
+            if is_possible {
+                *table = Transfer::of_part(&setting.aperture, grid, direction, old);
+            }
+        });
+        let Some(table) = table else { return played.iter().map(each).collect() };
+        table.superpose(aperture, &job.excitations[drives], grid.samples.len())
+    }
+}
+
+/// The samples of every drive that the parts are made of.
+pub(super) fn sampled(
+    superposition: &mut Superposition,
+    job: &Job<'_>,
+    grid: &Grid,
+    drives: Range<usize>,
+    double: bool,
+    work: &mut Work,
+) -> Vec<Samples> {
+    let mut needs = |normal: bool| {
+        let part = Part::of(job.key.parts).find(|&part| (part == Part::Normal) == normal);
+        match part {
+            Some(part) => superposition.at(job, grid, drives.clone(), part, double, work),
+            None => vec![Vec::new(); drives.len()],
+        }
+    };
+    let (pressures, normals) = (needs(false), needs(true));
+    let pairs = pressures.into_iter().zip(normals);
+    pairs.map(|(pressure, normal)| Samples { pressure, normal }).collect()
+}
