@@ -12,6 +12,7 @@ use toml::de::{DeTable, DeValue};
 
 use crate::scene::check::{Key, KeyError, check};
 use crate::scene::target::TargetTable;
+use crate::scene::zone::ZoneTable;
 use crate::scene::{
     Array, Liquid, Listener, Medium, Modulation, Motion, Plane, Scene, Solver, Target, motion,
 };
@@ -138,6 +139,8 @@ struct SceneTable {
     #[serde(default)]
     target: Vec<TargetTable>,
     #[serde(default)]
+    quiet: Vec<ZoneTable>,
+    #[serde(default)]
     solver: Solver,
     #[serde(default)]
     plane: Plane,
@@ -152,8 +155,19 @@ struct SceneTable {
 
 impl SceneTable {
     fn into_scene(self) -> Result<Scene, KeyError> {
-        let Self { format, medium, array, target, solver, plane, liquid, modulation, motion, listener } =
-            self;
+        let Self {
+            format,
+            medium,
+            array,
+            target,
+            quiet,
+            solver,
+            plane,
+            liquid,
+            modulation,
+            motion,
+            listener,
+        } = self;
         if format != FORMAT {
             return Err(KeyError::new([Key::from("format")], format!("this program reads format {FORMAT}")));
         }
@@ -162,7 +176,24 @@ impl SceneTable {
             .enumerate()
             .map(|(index, table)| table.into_target(index))
             .collect::<Result<_, _>>()?;
-        Ok(Scene { format, medium, array, targets, solver, plane, liquid, modulation, motion, listener })
+        let quiet = quiet
+            .into_iter()
+            .enumerate()
+            .map(|(index, table)| table.into_zone(index))
+            .collect::<Result<_, _>>()?;
+        Ok(Scene {
+            format,
+            medium,
+            array,
+            targets,
+            quiet,
+            solver,
+            plane,
+            liquid,
+            modulation,
+            motion,
+            listener,
+        })
     }
 }
 
