@@ -261,6 +261,25 @@ method = "gs"  # quick
     }
 
     #[test]
+    fn zones_take_their_comments_along() {
+        let text = "format = 1\n\n# An ear.\n[[quiet]]\nradius = 0.010 # m\n\n# A hand.\n[[quiet]] # flat\n\n[solver]\nquiet = 0.9 # much\n";
+        let mut edited = scene(text);
+        edited.quiet[1].weight = 2.0;
+        edited.solver.search = 1.0;
+        let written = rewrite(text, &edited);
+        assert_eq!(scene(&written), edited, "{written}");
+        for part in
+            ["# An ear.\n[[quiet]]\nradius = 0.010 # m", "# A hand.", "weight = 2.0", "quiet = 0.9 # much"]
+        {
+            assert!(written.contains(part), "{part} in {written}");
+        }
+        edited.quiet.clear();
+        edited.solver.quiet = crate::scene::Solver::QUIET;
+        let written = rewrite(&written, &edited);
+        assert!(scene(&written) == edited && !written.contains("quiet"), "{written}");
+    }
+
+    #[test]
     fn other_layouts_are_held_too() {
         for text in [
             "format = 1\ntarget = [{ at = [0, 0, 0.1] }, { kind = \"circle\" }]\n",

@@ -179,3 +179,67 @@ impl ZoneTable {
         })
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const AT: DVec3 = DVec3::new(0.01, 0.02, 0.15);
+
+    fn zones() -> [Zone; 3] {
+        let zone = |area| Zone { normal: DVec3::new(0.3, -0.2, 1.0), angle: 0.4, ..Zone::new(area, AT) };
+        [
+            zone(Area::Circle { radius: 0.03 }),
+            zone(Area::Rectangle { width: 0.05, height: 0.02 }),
+            zone(Area::Polygon { radius: 0.03, sides: 5 }),
+        ]
+    }
+
+    #[test]
+    fn samples_fill_the_zone_and_lie_in_its_plane() {
+        const SPACING: f64 = 0.5e-3;
+        let areas = [TAU / 2.0 * 9e-4, 1e-3, 2.5 * 9e-4 * (TAU / 5.0).sin()];
+        for (zone, area) in zones().into_iter().zip(areas) {
+            let points = zone.points(SPACING);
+            let own = points.len() as f64 * SPACING * SPACING;
+            // Of 4000 samples and less, one in ten may be at the edge.
+            assert!((own / area - 1.0).abs() < 0.1 || points.len() > 3000, "{zone:?}: {own} of {area}");
+            assert!(points.iter().any(|point| point.distance(AT) < 1e-12), "its centre");
+            let reach = zone.area.half().length();
+            for point in &points {
+                assert!((*point - AT).dot(zone.normal).abs() < 1e-12, "{zone:?}: {point}");
+                assert!(point.distance(AT) <= reach && point.z >= zone.lowest() - 1e-12, "{zone:?}: {point}");
+            }
+            let nearest = points[1..].iter().map(|point| point.distance(points[0])).fold(1.0, f64::min);
+            assert!(nearest > SPACING * 0.999, "{nearest}");
+        }
+    }
+
+    #[test]
+    fn a_polygon_has_its_first_corner_at_the_top() {
+        let area = Area::Polygon { radius: 1.0, sides: 3 };
+        for (inside, point) in [
+            (true, (0.0, 0.99)),
+            (false, (0.0, 1.01)),
+            (true, (0.0, -0.49)),
+            (false, (0.0, -0.51)),
+            (true, (0.85, -0.49)),
+            (false, (0.6, 0.3)),
+        ] {
+            assert_eq!(area.contains(DVec2::from(point)), inside, "{point:?}");
+        }
+    }
+
+    #[test]
+    fn samples_are_limited_and_never_none() {
+        for (width, height) in [(1e-9, 1e-9), (1e-9, 100.0), (100.0, 100.0), (0.02, 3.0), (0.3, 0.3)] {
+            let zone = Zone::new(Area::Rectangle { width, height }, DVec3::Z * 200.0);
+            for spacing in [0.0, 1e-300, 2e-3, 1e300, f64::NAN] {
+                let count = zone.points(spacing).len();
+                assert!((1..=4096).contains(&count), "{width} x {height} in steps of {spacing}: {count}");
+            }
+        }
+        let wide = Zone::new(Area::Rectangle { width: 1.0, height: 1.0 }, DVec3::Z).points(1e-3);
+        assert!(wide.len() > 3000, "as many as there may be: {}", wide.len());
+    }
+}
