@@ -210,7 +210,7 @@ struct SolveArgs {
     #[arg(long, conflicts_with = "levels")]
     motion: bool,
     /// Search further for so long (s), instead of the scene's time
-    #[arg(long, value_name = "S", conflicts_with = "motion", value_parser = solve::parse_search)]
+    #[arg(long, value_name = "S", conflicts_with = "motion", allow_negative_numbers = true, value_parser = solve::parse_search)]
     search: Option<f64>,
     /// Say how loud it is for an ear at a point (m), instead of the scene's
     #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true, value_parser = solve::parse_listener)]

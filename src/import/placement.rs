@@ -40,8 +40,10 @@ impl Placement {
             Sampling::Points(points) => self.spacing_for(points, drawing),
             Sampling::Whole => self.side,
             Sampling::Continuous => {
-                let lines = drawing.lines.iter();
-                return Ok(lines.map(|line| self.target(line, Sampling::Continuous, SHORTEST)).collect());
+                let stroke = |line: &Line| self.target(line, Sampling::Continuous, SHORTEST);
+                let targets: Vec<_> = drawing.lines.iter().map(stroke).collect();
+                outline::count(&targets)?;
+                return Ok(targets);
             }
         };
         let targets = self.at_spacing(drawing, spacing);
