@@ -8,8 +8,11 @@ use std::path::{Path, PathBuf};
 use sonoglyph::device::profile::{Profile, Strength};
 use sonoglyph::field::Quantity;
 use sonoglyph::field::quantity::Unit;
-use sonoglyph::scene::{Scene, file};
+use sonoglyph::scene::{Scene, Solver, file};
 use toml::{Table, Value};
+
+/// Tables that stand as often as there are things of their kind.
+const REPEATED: [&str; 2] = ["target", "quiet"];
 
 /// One row of a table in docs/scene.md.
 struct Row {
@@ -25,6 +28,7 @@ impl Row {
         let Self { table, key, .. } = self;
         let (head, rest) = match (table.as_str(), key.as_str()) {
             ("target", "spacing") => ("[[target]]\nkind = \"circle\"\nradius = 0.001", ""),
+            ("quiet", _) => ("[[quiet]]", ""),
             ("target", _) => ("[[target]]\nkind = \"circle\"", "\n[solver]\nmethod = \"naive\""),
             _ => (&*format!("[{table}]"), ""),
         };
@@ -76,6 +80,9 @@ fn known() -> BTreeMap<String, Table> {
         viscosity = 0.001
         [listener]
         at = [0, 0, 1]
+        [solver]
+        quiet = 0.1
+        search = 1
         [motion]
         path = "points"
         points = [[0, 0, 0]]
@@ -89,7 +96,7 @@ fn known() -> BTreeMap<String, Table> {
 fn every_key_of_a_scene_is_documented_and_none_else() {
     let documented: BTreeSet<_> = rows()
         .iter()
-        .filter(|row| row.table != "target")
+        .filter(|row| !REPEATED.contains(&&*row.table))
         .map(|row| (row.table.clone(), row.key.clone()))
         .collect();
     let known: BTreeSet<_> = known()
@@ -100,16 +107,22 @@ fn every_key_of_a_scene_is_documented_and_none_else() {
 }
 
 #[test]
-fn every_key_of_a_target_is_documented_and_none_else() {
+fn every_key_of_a_target_and_of_a_zone_is_documented_and_none_else() {
+    every_key_of_a_kind_is_documented("target", "| kind | keys |");
+    every_key_of_a_kind_is_documented("quiet", "| kind of zone | keys |");
+}
+
+fn every_key_of_a_kind_is_documented(table: &str, head: &str) {
     // The message that refuses a key lists those that there are.
-    let message = file::parse("format = 1\n[[target]]\nno_such_key = 1\n", Path::new("a.toml")).unwrap_err();
+    let text = format!("format = 1\n[[{table}]]\nno_such_key = 1\n");
+    let message = file::parse(&text, Path::new("a.toml")).unwrap_err();
     let message = message.to_string();
     let listed = message.split("expected one of").nth(1).unwrap();
     let known: BTreeSet<_> = listed.split('`').skip(1).step_by(2).map(str::to_owned).collect();
     let mut documented: BTreeSet<_> =
-        rows().into_iter().filter(|row| row.table == "target").map(|row| row.key).collect();
+        rows().into_iter().filter(|row| row.table == table).map(|row| row.key).collect();
     let document = document();
-    let kinds = document.split("| kind | keys |").nth(1).unwrap().split("\n\n").next().unwrap();
+    let kinds = document.split(head).nth(1).unwrap().split("\n\n").next().unwrap();
     for line in kinds.lines().filter(|line| line.starts_with("| `")) {
         let mut words = line.split('`').skip(1).step_by(2);
         let kind = words.next().unwrap();
@@ -119,12 +132,12 @@ fn every_key_of_a_target_is_documented_and_none_else() {
             _ => "",
         };
         let scene = file::parse(
-            &format!("format = 1\n[[target]]\nkind = \"{kind}\"\n{target}"),
+            &format!("format = 1\n[[{table}]]\nkind = \"{kind}\"\n{target}"),
             Path::new("kind.toml"),
         )
         .unwrap();
         let written: Table = toml::from_str(&file::write(&scene)).unwrap();
-        let written = written["target"][0].as_table().unwrap();
+        let written = written[table][0].as_table().unwrap();
         assert!(
             keys.iter().all(|key| written.contains_key(key)),
             "{kind}: {keys:?}, and there are {written:?}"
@@ -137,15 +150,27 @@ fn every_key_of_a_target_is_documented_and_none_else() {
 #[test]
 fn defaults_are_those_of_an_empty_scene() {
     let mut empty: Table = toml::from_str(&file::write(&Scene::default())).unwrap();
-    let circle = file::parse("format = 1\n[[target]]\nkind = \"circle\"", Path::new("circle.toml")).unwrap();
-    let target: Table = toml::from_str(&file::write(&circle)).unwrap();
-    let mut target = target["target"][0].as_table().unwrap().clone();
-    // These are written only where they are not this; `kind` is what makes it a circle.
-    for (key, value) in [("angle", Value::Float(0.0)), ("kind", "point".into()), ("visible", true.into())] {
-        target.insert(key.to_owned(), value);
+    let circle = "format = 1\n[[target]]\nkind = \"circle\"\n[[quiet]]\n";
+    let circle = file::parse(circle, Path::new("circle.toml")).unwrap();
+    let tables: Table = toml::from_str(&file::write(&circle)).unwrap();
+    for table in REPEATED {
+        let mut own = tables[table][0].as_table().unwrap().clone();
+        // These are written only where they are not this.
+        for (key, value) in [("angle", Value::Float(0.0)), ("normal", vec![0, 0, 1].into())] {
+            own.insert(key.to_owned(), value);
+        }
+        empty.insert(table.to_owned(), own.into());
     }
-    target.insert("normal".to_owned(), vec![0, 0, 1].into());
-    empty.insert("target".to_owned(), target.into());
+    // And so are these; `kind` is what made it a circle.
+    let Solver { quiet, search, .. } = Scene::default().solver;
+    for (table, key, value) in [
+        ("target", "kind", "point".into()),
+        ("target", "visible", true.into()),
+        ("solver", "quiet", quiet.into()),
+        ("solver", "search", search.into()),
+    ] {
+        empty[table].as_table_mut().unwrap().insert(key.to_owned(), value);
+    }
     for Row { table, key, default, .. } in rows() {
         let own = empty.get(&table).and_then(|table| table.get(&key));
         if default == "-" || default == "[]" {

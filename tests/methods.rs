@@ -15,7 +15,7 @@ const TARGETS: [f64; 4] = [1.0, 0.5, 2.0, 1.5];
 
 /// Foci of which some disturb each other, with targets of their own.
 fn problem(aperture: &Aperture) -> Problem<'_> {
-    let focus = |(&position, &target): (&DVec3, &f64)| Focus { position, target };
+    let focus = |(&position, &target): (&DVec3, &f64)| Focus::new(position, target);
     Problem::new(aperture, PLACES.iter().zip(&TARGETS).map(focus).collect())
 }
 
@@ -220,7 +220,7 @@ fn as_many_foci_as_elements_may_still_be_too_many() {
     (scene.array.rows, scene.array.columns) = (2, 2);
     let aperture = Aperture::new(&scene);
     let limits = |places: [DVec3; 4]| {
-        let foci = places.map(|position| Focus { position, target: 1.0 }).to_vec();
+        let foci = places.map(|position| Focus::new(position, 1.0)).to_vec();
         let problem = Problem::new(&aperture, foci);
         let limits = Limits::new(&problem);
         (limits.rank, limits.warning(&problem))
@@ -247,7 +247,7 @@ fn one_focus_reaches_its_bound_and_rounding_never_passes_it() {
 #[test]
 fn warnings_count_pairs_and_name_the_closest() {
     let aperture = aperture();
-    let at = |millimetres: f64| Focus { position: dvec3(1e-3 * millimetres, 0.0, 0.1), target: 1.0 };
+    let at = |millimetres: f64| Focus::new(dvec3(1e-3 * millimetres, 0.0, 0.1), 1.0);
     let warnings = |places: &[f64]| {
         solver::warnings(&aperture, &places.iter().map(|&place| at(place)).collect::<Vec<_>>())
     };

@@ -292,7 +292,7 @@ fn best_is_level_stronger_than_long_iteration_and_certified() {
         assert!(quality.spread < 2e-3, "{count}: {quality:?}");
         assert!(certified(&Scene::default(), &solution) > 0.89, "{count}: {quality:?}");
         let aperture = Aperture::new(&Scene::default());
-        let foci = points.iter().map(|&position| Focus { position, target: 1.0 }).collect();
+        let foci = points.iter().map(|&position| Focus::new(position, 1.0)).collect();
         let problem = Problem::new(&aperture, foci);
         let long = solver::excite(&problem, Method::Wgs, 200).unwrap();
         assert!(quality.min_pressure > 0.99 * weakest(&problem, &long.values), "{count}: {quality:?}");
@@ -318,7 +318,7 @@ fn crowded(count: usize, rise: f64, shift: f64) -> Vec<Focus> {
     let focus = |i: usize| {
         let part = i as f64 / count as f64;
         let (sin, cos) = (TAU * part).sin_cos();
-        Focus { position: dvec3(0.03 * cos + shift, 0.03 * sin, 0.1 + rise * part), target: 1.0 }
+        Focus::new(dvec3(0.03 * cos + shift, 0.03 * sin, 0.1 + rise * part), 1.0)
     };
     (0..count).map(focus).collect()
 }
@@ -326,7 +326,7 @@ fn crowded(count: usize, rise: f64, shift: f64) -> Vec<Focus> {
 #[test]
 fn few_levels_cost_what_theory_says_and_a_search_wins_some_of_it_back() {
     let aperture = Aperture::new(&Scene::default());
-    let foci = apart(8).into_iter().map(|position| Focus { position, target: 1.0 }).collect();
+    let foci = apart(8).into_iter().map(|position| Focus::new(position, 1.0)).collect();
     let problem = Problem::new(&aperture, foci);
     let drive = {
         let values = solver::excite(&problem, Method::Best, 0).unwrap().values;
@@ -352,7 +352,7 @@ fn moving_foci_are_followed_from_the_last_solution() {
     let aperture = Aperture::new(&Scene::default());
     let problem = |step: usize| {
         let moved = apart(8).into_iter().map(|point| point + 0.0005 * step as f64 * DVec3::X);
-        Problem::new(&aperture, moved.map(|position| Focus { position, target: 1.0 }).collect())
+        Problem::new(&aperture, moved.map(|position| Focus::new(position, 1.0)).collect())
     };
     let mut followed = solver::excite(&problem(0), Method::Best, 0).unwrap();
     let mut part = 0.0;
@@ -433,7 +433,7 @@ proptest! {
         scene.array.rows = 1;
         scene.array.columns = 3;
         let aperture = Aperture::new(&scene);
-        let foci = points.iter().map(|&position| Focus { position, target: 1.0 }).collect();
+        let foci = points.iter().map(|&position| Focus::new(position, 1.0)).collect();
         let bound = solver::bound(&Problem::new(&aperture, foci));
         let transfer = aperture.transfer(&points);
         let steps = || (0..24).map(|i| Complex64::from_polar(1.0, TAU * f64::from(i) / 24.0));

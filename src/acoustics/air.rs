@@ -4,8 +4,6 @@ use crate::scene::Medium;
 
 /// dB per neper, 20/ln 10.
 const DB_PER_NEPER: f64 = 20.0 / std::f64::consts::LN_10;
-/// K at 0 °C.
-const ZERO_CELSIUS: f64 = 273.15;
 
 /// What a wave needs to know of the air at one frequency.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -21,15 +19,15 @@ pub struct Air {
 impl Air {
     /// The medium at `frequency` (Hz); what the scene gives outright goes before what follows from the weather.
     ///
-    /// Sound speed and density are those of dry air, c = 331.3 √(T/273.15 K) and ρ = p/(287.05 T): humidity would
-    /// raise c by less than 0.3 % below 30 °C.
+    /// Sound speed ([`Medium::speed_of_sound`]) and density, ρ = p/(287.05 T), are those of dry air: humidity would raise c by
+    /// less than 0.3 % below 30 °C.
     pub fn new(medium: &Medium, frequency: f64) -> Self {
-        let kelvin = medium.temperature + ZERO_CELSIUS;
+        let kelvin = medium.kelvin();
         let absorption = medium
             .absorption
             .unwrap_or_else(|| absorption(frequency, medium.temperature, medium.humidity, medium.pressure));
         Self {
-            sound_speed: medium.sound_speed.unwrap_or_else(|| 331.3 * (kelvin / ZERO_CELSIUS).sqrt()),
+            sound_speed: medium.speed_of_sound(),
             density: medium.density.unwrap_or_else(|| medium.pressure / (287.05 * kelvin)),
             attenuation: absorption / DB_PER_NEPER,
         }
@@ -51,7 +49,7 @@ impl Air {
 ///
 /// `frequency` in Hz, `temperature` in °C, relative `humidity` in %, `pressure` in Pa.
 pub fn absorption(frequency: f64, temperature: f64, humidity: f64, pressure: f64) -> f64 {
-    let kelvin = temperature + ZERO_CELSIUS;
+    let kelvin = temperature + Medium::ZERO_CELSIUS;
     let (relative_temperature, relative_pressure) = (kelvin / 293.15, pressure / 101_325.0);
     let saturation = 10f64.powf(-6.8346 * (273.16 / kelvin).powf(1.261) + 4.6151);
     let vapour = humidity * saturation / relative_pressure;

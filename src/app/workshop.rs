@@ -301,6 +301,7 @@ fn posed(scene: &Scene) -> Scene {
         medium: scene.medium.clone(),
         array: scene.array.clone(),
         targets: scene.targets.clone(),
+        quiet: scene.quiet.clone(),
         solver: scene.solver.clone(),
         ..Scene::default()
     }

@@ -15,7 +15,7 @@ pub fn helix(count: usize, rise: f64) -> Vec<Focus> {
         let part = i as f64 / count as f64;
         let (sin, cos) = (TAU * part).sin_cos();
         let z = 0.15 + rise * (part - 0.5);
-        Focus { position: DVec3::new(RADIUS * cos, RADIUS * sin, z), target: 1.0 }
+        Focus::new(DVec3::new(RADIUS * cos, RADIUS * sin, z), 1.0)
     };
     (0..count).map(focus).collect()
 }
@@ -35,7 +35,7 @@ pub fn random(count: usize, depth: f64, seed: u64) -> Vec<Focus> {
     while foci.len() < count {
         let position = DVec3::new(0.1 * unit() - 0.05, 0.1 * unit() - 0.05, 0.1 + depth * unit());
         if foci.iter().all(|other| other.position.distance(position) > 0.0085) {
-            foci.push(Focus { position, target: 1.0 });
+            foci.push(Focus::new(position, 1.0));
         }
     }
     foci
@@ -46,7 +46,7 @@ pub fn disc(count: usize) -> Vec<Focus> {
     let focus = |i: usize| {
         let (sin, cos) = (2.4 * i as f64).sin_cos();
         let radius = 0.05 * (i as f64 / count as f64).sqrt();
-        Focus { position: DVec3::new(radius * cos, radius * sin, 0.1), target: 1.0 }
+        Focus::new(DVec3::new(radius * cos, radius * sin, 0.1), 1.0)
     };
     (0..count).map(focus).collect()
 }

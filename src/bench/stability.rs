@@ -108,7 +108,7 @@ fn weakest(problem: &Problem<'_>, values: &[num_complex::Complex64]) -> f64 {
 
 fn cases(quick: bool) -> Vec<Case> {
     let foci_at = |points: &[DVec3]| -> Vec<Focus> {
-        points.iter().map(|&position| Focus { position, target: 1.0 }).collect()
+        points.iter().map(|&position| Focus::new(position, 1.0)).collect()
     };
     let ring = |count: usize, radius: f64, z: f64| -> Vec<DVec3> {
         let point = |i: usize| {

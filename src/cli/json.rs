@@ -35,6 +35,7 @@ pub fn solution(solution: &Solution, limits: Option<&Limits>) -> Value {
         "phases": solution.drive.phases,
         "amplitudes": solution.drive.amplitudes,
     });
+    shape(&mut value["quality"], solution);
     if let Some(limits) = limits {
         let quality = &mut value["quality"];
         quality["bound"] = json!(limits.bound);
@@ -43,4 +44,9 @@ pub fn solution(solution: &Solution, limits: Option<&Limits>) -> Value {
         quality["condition"] = json!(limits.condition);
     }
     value
+}
+
+/// Adds the figures of a shape.
+fn shape(quality: &mut Value, solution: &Solution) {
+    quality["evenness"] = json!(solution.quality.evenness);
 }

@@ -209,6 +209,9 @@ struct SolveArgs {
     /// off. --json prints one object whose `frames` hold time, foci, pressures (Pa, peak) and phases.
     #[arg(long, conflicts_with = "levels")]
     motion: bool,
+    /// Search further for so long (s), instead of the scene's time
+    #[arg(long, value_name = "S", conflicts_with = "motion", allow_negative_numbers = true, value_parser = solve::parse_search)]
+    search: Option<f64>,
     /// Say how loud it is for an ear at a point (m), instead of the scene's
     #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true, value_parser = solve::parse_listener)]
     listener: Option<Listener>,

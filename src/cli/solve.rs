@@ -39,6 +39,12 @@ pub fn parse_listener(text: &str) -> Result<Listener, String> {
     Ok(listener)
 }
 
+pub fn parse_search(text: &str) -> Result<f64, String> {
+    let search = text.trim().parse().map_err(|_| "give a time in seconds".to_owned())?;
+    check::search(search).map_err(|error| error.message)?;
+    Ok(search)
+}
+
 pub(in crate::cli) fn run(args: &SolveArgs) -> anyhow::Result<()> {
     let one = match args.method {
         Some(Methods::One(method)) => Some(method),
@@ -46,6 +52,7 @@ pub(in crate::cli) fn run(args: &SolveArgs) -> anyhow::Result<()> {
     };
     let mut scene = read_scene(&args.scene, one)?;
     scene.listener = args.listener.clone().or(scene.listener);
+    scene.solver.search = args.search.unwrap_or(scene.solver.search);
     if let Some(path) = &args.csv {
         if args.method == Some(Methods::All) {
             anyhow::bail!("--csv writes one drive: name one method");
@@ -302,7 +309,9 @@ impl Findings {
     fn print(&self, scene: &Scene) -> anyhow::Result<()> {
         let Self { solution, limits, .. } = self;
         let quality = &solution.quality;
-        say!("{}", foci_table(scene, solution))?;
+        if solution.foci.iter().any(|focus| !focus.of_stroke) {
+            say!("{}", foci_table(scene, solution))?;
+        }
         let no_more = match scene.solver.pressures {
             Pressures::Relative => {
                 format!(
@@ -329,6 +338,7 @@ impl Findings {
             ("mean pressure", pascals(quality.mean_pressure)),
             ("weakest focus", pascals(quality.min_pressure)),
             ("spread", percent(quality.spread)),
+            ("evenness", format!("{}, weakest over mean", percent(quality.evenness))),
             ("efficiency", percent(quality.efficiency)),
             ("relative to single", format!("{:.4}", quality.relative_to_single)),
             ("bound", no_more),
@@ -346,6 +356,10 @@ impl Findings {
                 format!("{} of {} foci, {:.2e}", limits.rank, solution.foci.len(), limits.condition),
             ),
         ];
+        let samples = solution.foci.iter().filter(|focus| focus.of_stroke).count();
+        if samples > 0 {
+            rows.insert(1, ("continuous strokes", format!("{samples} samples")));
+        }
         if let Some(heard) = &self.heard {
             let [x, y, z] = millimetres(heard.position);
             rows.push((
@@ -398,7 +412,8 @@ fn foci_table(scene: &Scene, solution: &Solution) -> Table {
         Pressures::Pascal => "target / Pa",
     };
     foci.set_header(["focus", "x / mm", "y / mm", "z / mm", target, "pressure (peak)", "phase / rad"]);
-    for (index, (focus, pressure)) in solution.foci.iter().zip(&solution.pressures).enumerate() {
+    let separate = solution.foci.iter().zip(&solution.pressures).filter(|(focus, _)| !focus.of_stroke);
+    for (index, (focus, pressure)) in separate.enumerate() {
         let [x, y, z] = millimetres(focus.position);
         foci.add_row([
             (index + 1).to_string(),

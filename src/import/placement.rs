@@ -1,4 +1,4 @@
-//! From a drawing to targets: how large it is, where it stands, and how densely it is played.
+//! From a drawing to targets: how large it is, where it stands, and how it is played.
 
 use glam::{DVec2, DVec3};
 
@@ -7,6 +7,8 @@ use crate::scene::{KeyError, Sampling, Shape, Target, outline};
 
 /// Ends nearer to another line than this part of the spacing would put a second focal point on its own.
 const TOUCHES: f64 = 0.6;
+/// m: lines shorter than this are points, whatever is asked.
+const SHORTEST: f64 = 1e-6;
 /// Halvings that find a spacing for a number of points.
 const HALVINGS: u32 = 24;
 
@@ -20,13 +22,15 @@ pub struct Placement {
     pub y: DVec3,
     /// m, its longer side.
     pub side: f64,
-    /// A distance along the lines, or a number on all of them together, which is met as nearly as the lines allow.
+    /// Continuous strokes, a distance along the lines, or a number on all of them together, which is met as nearly as the lines
+    /// allow.
     pub sampling: Sampling,
 }
 
 impl Placement {
     /// The drawing as targets: a `path` for each line, a `point` for what is too short for two. Where a line
-    /// ends on another one, it is cut short by the spacing, so that no two focal points fall together.
+    /// ends on another one, it is cut short by the spacing, so that no two focal points fall together; continuous strokes
+    /// stay whole.
     ///
     /// # Errors
     /// More focal points than a scene may have.
@@ -35,6 +39,12 @@ impl Placement {
             Sampling::Spacing(spacing) => spacing,
             Sampling::Points(points) => self.spacing_for(points, drawing),
             Sampling::Whole => self.side,
+            Sampling::Continuous => {
+                let stroke = |line: &Line| self.target(line, Sampling::Continuous, SHORTEST);
+                let targets: Vec<_> = drawing.lines.iter().map(stroke).collect();
+                outline::count(&targets)?;
+                return Ok(targets);
+            }
         };
         let targets = self.at_spacing(drawing, spacing);
         outline::count(&targets)?;
@@ -60,19 +70,19 @@ impl Placement {
         let own = spacing / self.side;
         let lines = drawing.lines.iter().zip(&drawing.gaps);
         let apart = lines.filter_map(|(line, &gaps)| apart(line, gaps, own));
-        apart.map(|line| self.target(&line, spacing)).collect()
+        // A loop is never divided into less than three.
+        let shortest = |line: &Line| if line.closed { 1.5 * spacing } else { 0.5 * spacing };
+        apart.map(|line| self.target(&line, Sampling::Spacing(spacing), shortest(&line))).collect()
     }
 
-    fn target(&self, line: &Line, spacing: f64) -> Target {
+    /// A path, or a point for a line shorter than `shortest` (m).
+    fn target(&self, line: &Line, sampling: Sampling, shortest: f64) -> Target {
         let world = |point: DVec2| self.at + (self.x * point.x + self.y * point.y) * self.side;
-        // A loop is never divided into less than three.
-        let shortest = if line.closed { 1.5 * spacing } else { 0.5 * spacing };
         if line.length() * self.side < shortest {
             let middle = line.points.iter().sum::<DVec2>() / line.points.len().max(1) as f64;
             return Target::new(Shape::Point { at: world(middle) });
         }
         let vertices = line.points.iter().map(|&point| world(point)).collect();
-        let sampling = Sampling::Spacing(spacing);
         Target { sampling, ..Target::new(Shape::Path { vertices, closed: line.closed }) }
     }
 }
@@ -147,6 +157,20 @@ mod tests {
         }
         let error = placement(Sampling::Spacing(1e-6)).targets(&drawing).unwrap_err();
         assert!(error.message.contains("a scene may have 1024"), "{error}");
+    }
+
+    #[test]
+    fn continuous_strokes_stay_whole() {
+        let bar = line(&[(-1.0, 1.0), (1.0, 1.0)]);
+        let stem = line(&[(0.0, 1.0), (0.0, 0.0)]);
+        let drawing = Drawing::new(vec![stem, bar], Vec::new()).unwrap();
+        let targets = placement(Sampling::Continuous).targets(&drawing).unwrap();
+        assert!(targets.iter().all(|target| target.sampling == Sampling::Continuous));
+        let length = |target: &Target| {
+            outline::strokes(target).unwrap()[0].windows(2).map(|pair| pair[0].distance(pair[1])).sum::<f64>()
+        };
+        assert!((targets.iter().map(length).sum::<f64>() - 0.12).abs() < 1e-9, "{targets:?}");
+        assert!(foci(targets).len() > 50);
     }
 
     #[test]

@@ -7,7 +7,7 @@ use plotters::prelude::*;
 use crate::acoustics::Aperture;
 use crate::field::colouring::phase_index;
 use crate::picture::{ColourMap, Picture, PictureError, register_font};
-use crate::scene::{Plane, Scene, outline};
+use crate::scene::{Focus, Plane, Sampling, Scene, outline};
 use crate::solver::{self, Problem, Solution};
 
 /// Width and height of a sheet for which the measures below are meant; other sizes scale them.
@@ -22,6 +22,8 @@ const ROWS: [f64; 2] = [190.0, 905.0];
 
 const INK: RGBColor = RGBColor(30, 30, 34);
 const FAINT: RGBColor = RGBColor(205, 205, 210);
+/// Where sound is wanted.
+const WANTED: RGBColor = RGBColor(196, 43, 60);
 const EMPTY: [u8; 3] = [244, 244, 246];
 
 /// Height of a sheet of this width.
@@ -81,15 +83,28 @@ pub fn drive(
     })
 }
 
+/// How many focal points there are, and samples of strokes.
+fn amount(foci: &[Focus]) -> String {
+    let samples = foci.iter().filter(|focus| focus.of_stroke).count();
+    let separate = match foci.len() - samples {
+        1 => "1 focus".to_owned(),
+        separate => format!("{separate} foci"),
+    };
+    match (foci.len() - samples, samples) {
+        (_, 0) => separate,
+        (0, _) => format!("{samples} samples of strokes"),
+        _ => format!("{separate}, {samples} samples of strokes"),
+    }
+}
+
 fn summary(scene: &Scene, solution: &Solution) -> String {
     let quality = &solution.quality;
     let aperture = Aperture::new(scene);
     let bound = solver::bound(&Problem::new(&aperture, solution.foci.clone()));
     format!(
-        "{}, {} {}     mean {}, weakest {}, spread {:.1} %     η {:.1} %     at least {:.0} % of the best any drive can do",
+        "{}, {}     mean {}, weakest {}, spread {:.1} %     η {:.1} %     at least {:.0} % of the best any drive can do",
         solution.method.name(),
-        solution.foci.len(),
-        if solution.foci.len() == 1 { "focus" } else { "foci" },
+        amount(&solution.foci),
         pascals(quality.mean_pressure),
         pascals(quality.min_pressure),
         100.0 * quality.spread,
@@ -254,14 +269,15 @@ impl Panels<'_, '_> {
         let plane = &scene.plane;
         let plot = page.plot(cell, plane.size);
         let half = plane.size / 2.0 * 1e3;
-        let title = format!("Wanted points ({})", solution.foci.len());
+        let title = format!("Wanted ({})", amount(&solution.foci));
         let mut chart = page.chart(root, plot, &title, ranges(plane), labels(plane))?;
         let place = |point: DVec3| on_plane(plane, point).map(|p| (p.x, p.y));
         for target in scene.targets.iter().filter(|target| target.is_in(0)) {
+            let colour = if target.sampling == Sampling::Continuous { WANTED } else { FAINT };
             for stroke in outline::strokes(target).map_err(|e| PictureError(e.to_string()))? {
                 let line: Vec<_> = stroke.into_iter().filter_map(place).collect();
                 chart
-                    .draw_series([PathElement::new(line, FAINT.stroke_width(page.px(3.0).max(1) as u32))])?;
+                    .draw_series([PathElement::new(line, colour.stroke_width(page.px(3.0).max(1) as u32))])?;
             }
         }
         let most = solution.foci.iter().map(|focus| focus.target).fold(0.0, f64::max);
@@ -269,10 +285,11 @@ impl Panels<'_, '_> {
             let offset = DVec2::new(x, y) - centre(plane);
             offset.x.abs() <= half.x && offset.y.abs() <= half.y
         };
-        let dots = solution.foci.iter().filter_map(|focus| Some((place(focus.position)?, focus.target)));
+        let separate = solution.foci.iter().filter(|focus| !focus.of_stroke);
+        let dots = separate.filter_map(|focus| Some((place(focus.position)?, focus.target)));
         // A weaker focus is a smaller dot.
         let dot = |((x, y), target): ((f64, f64), f64)| {
-            Circle::new((x, y), page.px(8.0 * (target / most).sqrt()).max(1), RGBColor(196, 43, 60).filled())
+            Circle::new((x, y), page.px(8.0 * (target / most).sqrt()).max(1), WANTED.filled())
         };
         chart.draw_series(dots.filter(|(at, _)| inside(at)).map(dot))?;
         frame(root, plot.corner, plot.size)

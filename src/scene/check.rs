@@ -5,8 +5,8 @@ use std::fmt;
 use glam::DVec3;
 
 use crate::scene::{
-    Array, Liquid, Listener, Medium, Modulation, Motion, MotionPath, Plane, Pressures, Sampling, Scene,
-    Shape, Target,
+    Area, Array, Liquid, Listener, Medium, Modulation, Motion, MotionPath, Plane, Pressures, Sampling, Scene,
+    Shape, Solver, Target, Zone,
 };
 
 /// Elements that an array may have: 256 x 256.
@@ -15,8 +15,15 @@ pub const MOST_ELEMENTS: u64 = 65_536;
 pub const MOST_FOCI: usize = 1024;
 /// Targets that a scene may have, shown at once or one after the other.
 pub const MOST_TARGETS: usize = 10_000;
+/// Zones that a scene may keep quiet.
+pub const MOST_ZONES: usize = 64;
+/// Wanted pressures, relative or in Pa (peak).
+const LEAST_PRESSURE: f64 = 1e-6;
+const MOST_PRESSURE: f64 = 1e9;
 /// Iterations of a method: a thousand times what any of them needs.
 const MOST_ITERATIONS: u64 = 100_000;
+/// s of search.
+const LONGEST_SEARCH: f64 = 3600.0;
 /// m; lengths beyond are slips of the unit, not scenes.
 const LONGEST: f64 = 100.0;
 
@@ -95,8 +102,14 @@ pub fn check(scene: &Scene) -> Result<(), KeyError> {
         self::target(target, scene.solver.pressures)
             .map_err(|e| e.under(&["target".into(), index.into()]))?;
     }
-    count("iterations", scene.solver.iterations.into(), 0, MOST_ITERATIONS)
-        .map_err(|e| e.under(&["solver".into()]))?;
+    if scene.quiet.len() > MOST_ZONES {
+        let message = format!("{} are more than the {MOST_ZONES} that a scene may have", scene.quiet.len());
+        return refuse("quiet", message);
+    }
+    for (index, zone) in scene.quiet.iter().enumerate() {
+        self::zone(zone).map_err(|e| e.under(&["quiet".into(), index.into()]))?;
+    }
+    solver(&scene.solver).map_err(|e| e.under(&["solver".into()]))?;
     plane(&scene.plane).map_err(|e| e.under(&["plane".into()]))?;
     liquid(&scene.liquid).map_err(|e| e.under(&["liquid".into()]))?;
     modulation(&scene.modulation).map_err(|e| e.under(&["modulation".into()]))?;
@@ -150,8 +163,6 @@ fn array(array: &Array) -> Result<(), KeyError> {
 }
 
 fn target(target: &Target, pressures: Pressures) -> Result<(), KeyError> {
-    const LEAST: f64 = 1e-6;
-    const MOST: f64 = 1e9;
     shape(&target.shape)?;
     let unit = match pressures {
         Pressures::Relative => "relative to the other foci",
@@ -159,18 +170,80 @@ fn target(target: &Target, pressures: Pressures) -> Result<(), KeyError> {
     };
     if target.pressure <= 0.0 {
         let message = format!(
-            "0 or less is no target: leave the target out, or give a number from {LEAST} to {MOST} {unit}"
+            "0 or less is no target: leave the target out, or give a number from {LEAST_PRESSURE} to {MOST_PRESSURE} \
+             {unit}"
         );
         return refuse("pressure", message);
     }
-    within("pressure", target.pressure, LEAST, MOST, unit)?;
+    within("pressure", target.pressure, LEAST_PRESSURE, MOST_PRESSURE, unit)?;
+    self::pressures(target)?;
     finite("angle", target.angle)?;
     direction("normal", target.normal)?;
     match target.sampling {
-        Sampling::Whole => Ok(()),
+        Sampling::Whole | Sampling::Continuous => Ok(()),
         Sampling::Spacing(spacing) => length("spacing", spacing),
         Sampling::Points(points) => count("points", points as u64, 1, MOST_FOCI as u64),
     }
+}
+
+/// Checks the pressures along a path.
+fn pressures(target: &Target) -> Result<(), KeyError> {
+    let Shape::Path { vertices, .. } = &target.shape else {
+        return if target.pressures.is_empty() {
+            Ok(())
+        } else {
+            refuse("pressures", "only a path has one per vertex")
+        };
+    };
+    if !target.pressures.is_empty() && target.pressures.len() != vertices.len() {
+        let (given, asked) = (target.pressures.len(), vertices.len());
+        return refuse("pressures", format!("{given} pressures for {asked} vertices: give one for each"));
+    }
+    for (index, pressure) in target.pressures.iter().enumerate() {
+        if !(LEAST_PRESSURE..=MOST_PRESSURE).contains(&(pressure * target.pressure)) {
+            let message =
+                format!("times `pressure`, must be a number from {LEAST_PRESSURE} to {MOST_PRESSURE}");
+            return Err(KeyError::new([Key::from("pressures"), Key::from(index)], message));
+        }
+    }
+    Ok(())
+}
+
+fn zone(zone: &Zone) -> Result<(), KeyError> {
+    point("at", zone.at)?;
+    match zone.area {
+        Area::Circle { radius } => length("radius", radius)?,
+        Area::Rectangle { width, height } => {
+            length("width", width)?;
+            length("height", height)?;
+        }
+        Area::Polygon { radius, sides } => {
+            length("radius", radius)?;
+            count("sides", u64::from(sides), 3, MOST_FOCI as u64)?;
+        }
+    }
+    direction("normal", zone.normal)?;
+    finite("angle", zone.angle)?;
+    within("weight", zone.weight, 1e-6, 1e6, "(1: as much as the rest of the plane)")?;
+    if zone.lowest() > 0.0 {
+        return Ok(());
+    }
+    let message = "the zone reaches on or behind the array, which stands in z = 0 and radiates towards +z";
+    refuse("at", message)
+}
+
+fn solver(solver: &Solver) -> Result<(), KeyError> {
+    count("iterations", solver.iterations.into(), 0, MOST_ITERATIONS)?;
+    within("quiet", solver.quiet, 0.0, 1.0, "(0: the strongest drive, 1: the quietest elsewhere)")?;
+    search(solver.search)
+}
+
+/// Checks a time of search, s.
+///
+/// # Errors
+/// A negative time, or more than an hour.
+pub fn search(seconds: f64) -> Result<(), KeyError> {
+    within("search", seconds, 0.0, LONGEST_SEARCH, "s")
 }
 
 fn shape(shape: &Shape) -> Result<(), KeyError> {

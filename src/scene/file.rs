@@ -12,6 +12,7 @@ use toml::de::{DeTable, DeValue};
 
 use crate::scene::check::{Key, KeyError, check};
 use crate::scene::target::TargetTable;
+use crate::scene::zone::ZoneTable;
 use crate::scene::{
     Array, Liquid, Listener, Medium, Modulation, Motion, Plane, Scene, Solver, Target, motion,
 };
@@ -138,6 +139,8 @@ struct SceneTable {
     #[serde(default)]
     target: Vec<TargetTable>,
     #[serde(default)]
+    quiet: Vec<ZoneTable>,
+    #[serde(default)]
     solver: Solver,
     #[serde(default)]
     plane: Plane,
@@ -152,8 +155,19 @@ struct SceneTable {
 
 impl SceneTable {
     fn into_scene(self) -> Result<Scene, KeyError> {
-        let Self { format, medium, array, target, solver, plane, liquid, modulation, motion, listener } =
-            self;
+        let Self {
+            format,
+            medium,
+            array,
+            target,
+            quiet,
+            solver,
+            plane,
+            liquid,
+            modulation,
+            motion,
+            listener,
+        } = self;
         if format != FORMAT {
             return Err(KeyError::new([Key::from("format")], format!("this program reads format {FORMAT}")));
         }
@@ -162,7 +176,24 @@ impl SceneTable {
             .enumerate()
             .map(|(index, table)| table.into_target(index))
             .collect::<Result<_, _>>()?;
-        Ok(Scene { format, medium, array, targets, solver, plane, liquid, modulation, motion, listener })
+        let quiet = quiet
+            .into_iter()
+            .enumerate()
+            .map(|(index, table)| table.into_zone(index))
+            .collect::<Result<_, _>>()?;
+        Ok(Scene {
+            format,
+            medium,
+            array,
+            targets,
+            quiet,
+            solver,
+            plane,
+            liquid,
+            modulation,
+            motion,
+            listener,
+        })
     }
 }
 
@@ -214,9 +245,23 @@ fn line_of(text: &str, offset: usize) -> usize {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::scene::{Area, Sampling, Zone};
 
     fn error(text: &str) -> String {
         parse(text, Path::new("a.toml")).unwrap_err().to_string()
+    }
+
+    #[test]
+    fn defaults_that_go_without_saying_are_not_written() {
+        let text = "format = 1\n[[target]]\nkind = \"circle\"\n[[quiet]]\n";
+        let written = write(&parse(text, Path::new("a.toml")).unwrap());
+        let [zone] = &parse(&written, Path::new("b.toml")).unwrap().quiet[..] else { panic!("{written}") };
+        assert_eq!(*zone, Zone::new(Area::Circle { radius: 0.02 }, glam::DVec3::Z * 0.1));
+        for key in ["spacing", "points", "pressures =", "search", "quiet =", "normal", "angle"] {
+            // The solver has pressures of its own.
+            let count = usize::from(key == "pressures =");
+            assert_eq!(written.matches(key).count(), count, "{key}: {written}");
+        }
     }
 
     #[test]
@@ -276,6 +321,31 @@ mod tests {
             ("[[target]]\npressure = 1e10", 3, "must be a number from"),
             (&"[[target]]\n".repeat(10_001), 2, "target: 10001 are more than the 10000"),
             (&format!("[[target]]\nkind = \"text\"\ntext = \"{}\"", "i".repeat(1025)), 4, "1024 characters"),
+            ("[[target]]\npressures = [1]", 3, "kind `point` has no such key"),
+            (
+                "[[target]]\nkind = \"path\"\nvertices = [[0, 0, 0.1], [0, 0, 0.2]]\npressures = [1]",
+                5,
+                "1 pressures for 2",
+            ),
+            (
+                "[[target]]\nkind = \"path\"\nvertices = [[0, 0, 0.1], [0, 0, 0.2]]\npressures = [1, 0]",
+                5,
+                "target[1].pressures[2] = 0: times `pressure`, must be",
+            ),
+            ("[solver]\nquiet = 1.5", 3, "solver.quiet = 1.5: must be a number from 0 to 1"),
+            ("[solver]\nquiet = nan", 3, "solver.quiet = nan"),
+            ("[solver]\nsearch = -1", 3, "solver.search = -1: must be a number from 0 to 3600 s"),
+            ("[[quiet]]\nradius = 0", 3, "quiet[1].radius = 0: must be a length"),
+            ("[[quiet]]\n[[quiet]]\nkind = \"rectangle\"\nheight = -1", 5, "quiet[2].height = -1"),
+            ("[[quiet]]\nkind = \"polygon\"\nsides = 2", 4, "quiet[1].sides = 2"),
+            ("[[quiet]]\nkind = \"line\"", 3, "unknown variant `line`"),
+            ("[[quiet]]\nsides = 4", 3, "quiet[1].sides = 4: a zone of kind `circle` has no such key"),
+            ("[[quiet]]\nweight = 0", 3, "quiet[1].weight = 0"),
+            ("[[quiet]]\nnormal = [0, 0, 0]", 3, "quiet[1].normal = [0, 0, 0]"),
+            ("[[quiet]]\nangle = inf", 3, "quiet[1].angle = inf"),
+            ("[[quiet]]\nat = [0, 0, -0.1]", 3, "reaches on or behind the array"),
+            ("[[quiet]]\nat = [0, 0, 0.01]\nnormal = [1, 0, 0]", 3, "reaches on or behind the array"),
+            (&"[[quiet]]\n".repeat(65), 2, "quiet: 65 are more than the 64"),
             ("[listener]\nat = [0, 0.3, -0.1]", 3, "listener.at = [0, 0.3, -0.1]: behind the array"),
             ("[listener]\nat = [0, 0, 200]", 3, "listener.at"),
         ] {
@@ -321,6 +391,7 @@ mod tests {
             kind = "path"
             vertices = [[0, 0, 0.1], [0.01, 0.02, 0.1]]
             closed = true
+            pressures = [1, 0.25]
             [[target]]
             kind = "text"
             text = "é \"α\""
@@ -332,6 +403,18 @@ mod tests {
             [solver]
             pressures = "pascal"
             amplitudes = "free"
+            quiet = 0.25
+            search = 1.5
+            [[quiet]]
+            [[quiet]]
+            kind = "rectangle"
+            width = 0.1
+            angle = 0.5
+            [[quiet]]
+            kind = "polygon"
+            sides = 5
+            normal = [0, 1, 1]
+            weight = 3
             [listener]
             at = [0, -0.3, 0.4]
         "#;
@@ -348,7 +431,17 @@ mod tests {
         let scene = parse(steps, Path::new("a.toml")).unwrap();
         assert_eq!(parse(&write(&scene), Path::new("b.toml")).unwrap(), scene);
         let scene = parse(text, Path::new("a.toml")).unwrap();
-        assert_eq!(scene.targets.len(), 8);
+        assert_eq!((scene.targets.len(), scene.quiet.len()), (8, 3));
+        assert_eq!((scene.solver.quiet, scene.solver.search), (0.25, 1.5));
+        let samplings = [
+            Sampling::Whole,
+            Sampling::Points(5),
+            Sampling::Continuous,
+            Sampling::Continuous,
+            Sampling::Continuous,
+            Sampling::Spacing(0.007),
+        ];
+        assert!(scene.targets.iter().zip(samplings).all(|(target, sampling)| target.sampling == sampling));
         assert_eq!(parse_targets(&write_targets(&scene.targets)).as_ref(), Some(&scene.targets));
         assert_eq!(parse_targets("no scene"), None);
         assert_eq!(parse(&write(&scene), Path::new("b.toml")).unwrap(), scene);

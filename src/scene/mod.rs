@@ -12,7 +12,9 @@ pub mod modulation;
 pub mod motion;
 pub mod outline;
 pub mod rewrite;
+mod run;
 pub mod target;
+pub mod zone;
 
 use glam::{DVec2, DVec3};
 use serde::{Deserialize, Serialize};
@@ -22,6 +24,7 @@ pub use liquid::{Liquid, LiquidName};
 pub use modulation::{Envelope, Modulation};
 pub use motion::{Motion, MotionPath};
 pub use target::{Sampling, Shape, Target};
+pub use zone::{Area, Zone};
 
 /// Everything a scene file holds.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -31,6 +34,9 @@ pub struct Scene {
     pub array: Array,
     #[serde(rename = "target")]
     pub targets: Vec<Target>,
+    /// Where it is to be quiet, beside the rest of the plane.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub quiet: Vec<Zone>,
     pub solver: Solver,
     pub plane: Plane,
     pub liquid: Liquid,
@@ -47,6 +53,7 @@ impl Default for Scene {
             medium: Medium::default(),
             array: Array::default(),
             targets: Vec::new(),
+            quiet: Vec::new(),
             solver: Solver::default(),
             plane: Plane::default(),
             liquid: Liquid::default(),
@@ -57,6 +64,13 @@ impl Default for Scene {
     }
 }
 
+impl Scene {
+    /// m, of the carrier.
+    pub fn wavelength(&self) -> f64 {
+        self.medium.speed_of_sound() / self.array.frequency
+    }
+}
+
 /// A point at which sound is wanted.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Focus {
@@ -64,6 +78,15 @@ pub struct Focus {
     pub position: DVec3,
     /// Wanted pressure: relative to the other foci, or Pa (peak), as [`Solver::pressures`] says.
     pub target: f64,
+    /// A sample of a continuous stroke, not a focal point of its own.
+    pub of_stroke: bool,
+}
+
+impl Focus {
+    /// A focal point of its own; position in m.
+    pub fn new(position: DVec3, target: f64) -> Self {
+        Self { position, target, of_stroke: false }
+    }
 }
 
 /// The air. What is `None` follows from temperature, humidity and pressure.
@@ -97,6 +120,21 @@ impl Default for Medium {
             density: None,
             absorption: None,
         }
+    }
+}
+
+impl Medium {
+    /// K at 0 °C.
+    pub(crate) const ZERO_CELSIUS: f64 = 273.15;
+
+    /// K
+    pub fn kelvin(&self) -> f64 {
+        self.temperature + Self::ZERO_CELSIUS
+    }
+
+    /// m/s: what the scene gives outright, or else that of dry air, c = 331.3 √(T/273.15 K).
+    pub fn speed_of_sound(&self) -> f64 {
+        self.sound_speed.unwrap_or_else(|| 331.3 * (self.kelvin() / Self::ZERO_CELSIUS).sqrt())
     }
 }
 
@@ -162,6 +200,25 @@ pub struct Solver {
     pub iterations: u32,
     pub pressures: Pressures,
     pub amplitudes: Amplitudes,
+    /// How much quiet beside the drawing counts: 0 for the strongest drive, 1 for the quietest.
+    #[serde(skip_serializing_if = "is_default_quiet")]
+    pub quiet: f64,
+    /// s of further search for a better drive.
+    #[serde(skip_serializing_if = "is_zero")]
+    pub search: f64,
+}
+
+impl Solver {
+    /// Default of `quiet`.
+    pub const QUIET: f64 = 0.5;
+}
+
+fn is_default_quiet(quiet: &f64) -> bool {
+    *quiet == Solver::QUIET
+}
+
+fn is_zero(value: &f64) -> bool {
+    *value == 0.0
 }
 
 impl Default for Solver {
@@ -171,6 +228,8 @@ impl Default for Solver {
             iterations: 0,
             pressures: Pressures::Relative,
             amplitudes: Amplitudes::Uniform,
+            quiet: Self::QUIET,
+            search: 0.0,
         }
     }
 }

@@ -1,22 +1,33 @@
 //! From shapes and letters to focal points, evenly along the outline, corners included.
 //!
 //! An outline is a set of strokes. Strokes are cut at their corners (ends, sharp turns, and places where strokes meet)
-//! into [`Run`]s; every corner becomes one focal point, and the inside of a run is divided evenly by arc length.
+//! into [`run::Run`]s; every corner becomes one focal point, and the inside of a run is divided evenly by arc length.
+//! A continuous stroke gets its samples the same way, as many as the wavelength asks for.
 
-use std::collections::{HashMap, HashSet};
 use std::f64::consts::TAU;
 
 use glam::{DQuat, DVec2, DVec3};
 
 use crate::scene::check::{Key, KeyError, MOST_FOCI};
+use crate::scene::run::{self, Run, Vertex};
 use crate::scene::{Focus, Sampling, Scene, Shape, Target, font};
 
-/// cos of the turn beyond which a vertex is a corner: 30°. One piece of a stroke font's arc turns by 6°.
-const CORNER_COS: f64 = 0.866;
+/// Samples of a continuous stroke in a wavelength, at least: |p|² has up to two cycles in one.
+const PER_WAVELENGTH: f64 = 4.0;
+/// Halvings that find the spacing of continuous strokes too long for that.
+const HALVINGS: u32 = 48;
 /// Vertices of a circle that is drawn rather than sampled.
 const CIRCLE_VERTICES: usize = 96;
 
-/// The focal points of the scene at rest, target by target in the order of the file; of its first step, if it has several.
+/// Whether a target that is shown, in any step of the motion, is a continuous stroke.
+pub fn is_continuous(scene: &Scene) -> bool {
+    scene.targets.iter().any(|target| target.visible && target.sampling == Sampling::Continuous)
+}
+
+/// The focal points of the scene at rest and the samples of its continuous strokes, target by target in the order of the
+/// file; of its first step, if it has several.
+///
+/// Samples are at most λ/4 apart along their stroke, or as far as [`MOST_FOCI`] in all demand.
 ///
 /// # Errors
 /// No targets or only hidden ones, a glyph that the font lacks, more focal points than [`MOST_FOCI`], fewer points than corners, or a
@@ -37,19 +48,25 @@ pub fn foci_of_step(scene: &Scene, step: u32) -> Result<Vec<Focus>, KeyError> {
         let message = "every target is hidden: nothing to focus on";
         return Err(KeyError::new([Key::from("target"), Key::from(0), Key::from("visible")], message));
     }
+    let shown: Vec<_> = scene.targets.iter().enumerate().filter(|(_, target)| target.is_in(step)).collect();
+    let mut divisions = divisions(&shown)?;
+    spread(&mut divisions, scene.wavelength() / PER_WAVELENGTH);
     let mut foci = Vec::new();
-    for (index, target) in scene.targets.iter().enumerate().filter(|(_, target)| target.is_in(step)) {
-        let refuse = |error: KeyError| error.under(&[Key::from("target"), Key::from(index)]);
-        let points = points(target, MOST_FOCI - foci.len()).map_err(refuse)?;
-        if let Some(point) = points.iter().find(|point| point.z <= 0.0) {
+    for ((index, target), division) in shown.into_iter().zip(divisions) {
+        let points = division.points();
+        if let Some(point) = points.iter().map(|point| point.at).find(|at| at.z <= 0.0) {
             let [x, y, z] = point.to_array();
             let message = format!(
                 "the focal point ({x}, {y}, {z}) lies on or behind the array, which stands in z = 0 and radiates \
                  towards +z"
             );
-            return Err(refuse(KeyError::new([], message)));
+            return Err(KeyError::new([Key::from("target"), Key::from(index)], message));
         }
-        foci.extend(points.into_iter().map(|position| Focus { position, target: target.pressure }));
+        foci.extend(points.into_iter().map(|point| Focus {
+            position: point.at,
+            target: target.pressure * point.pressure,
+            of_stroke: target.sampling == Sampling::Continuous,
+        }));
     }
     if foci.is_empty() {
         let message = format!("no target is shown in step {step}: nothing to focus on");
@@ -71,14 +88,7 @@ pub fn strokes(target: &Target) -> Result<Vec<Vec<DVec3>>, KeyError> {
     Ok(match &target.shape {
         Shape::Point { at } => vec![vec![*at]],
         Shape::Line { from, to } => vec![[*from, *to].iter().map(turned).collect()],
-        Shape::Path { vertices, closed } => {
-            let mut vertices: Vec<_> = vertices.iter().map(turned).collect();
-            vertices.dedup();
-            if *closed && vertices.first() != vertices.last() {
-                vertices.push(vertices[0]);
-            }
-            vec![vertices]
-        }
+        Shape::Path { .. } => vec![path(target).iter().map(|vertex| vertex.at).collect()],
         Shape::Circle { radius, .. } => flat(ring(*radius, CIRCLE_VERTICES, 0.0)),
         Shape::Rectangle { width, height, .. } => {
             let (x, y) = (width / 2.0, height / 2.0);
@@ -94,6 +104,31 @@ pub fn strokes(target: &Target) -> Result<Vec<Vec<DVec3>>, KeyError> {
             .map(|stroke| stroke.iter().map(placed).collect())
             .collect(),
     })
+}
+
+/// The vertices of a path, as drawn, with the pressures wanted there.
+fn path(target: &Target) -> Vec<Vertex> {
+    let Shape::Path { vertices, closed } = &target.shape else { return Vec::new() };
+    let (centre, turn) = (centre(&target.shape), DQuat::from_rotation_z(target.angle));
+    let vertex = |(i, at): (usize, &DVec3)| Vertex {
+        at: centre + turn * (*at - centre),
+        pressure: target.pressures.get(i).copied().unwrap_or(1.0),
+    };
+    let mut vertices: Vec<_> = vertices.iter().enumerate().map(vertex).collect();
+    vertices.dedup_by(|next, vertex| next.at == vertex.at);
+    if *closed && vertices.first().map(|first| first.at) != vertices.last().map(|last| last.at) {
+        vertices.push(vertices[0]);
+    }
+    vertices
+}
+
+/// The runs of a target.
+fn runs(target: &Target) -> Result<Vec<Run>, KeyError> {
+    if let Shape::Path { .. } = target.shape {
+        return Ok(run::runs(&[path(target)]));
+    }
+    let even = |stroke: Vec<DVec3>| stroke.into_iter().map(|at| Vertex { at, pressure: 1.0 }).collect();
+    Ok(run::runs(&strokes(target)?.into_iter().map(even).collect::<Vec<_>>()))
 }
 
 /// The point about which a target turns.
@@ -116,218 +151,118 @@ fn ring(radius: f64, vertices: usize, start: f64) -> Vec<DVec2> {
     (0..=vertices).map(vertex).collect()
 }
 
-/// How many focal points targets ask for together, without making them.
+/// How many focal points targets ask for together, without making them; continuous strokes count with their corners.
 ///
 /// # Errors
 /// More than [`MOST_FOCI`], a glyph that the font lacks, or fewer points than corners.
 pub fn count(targets: &[Target]) -> Result<usize, KeyError> {
-    let mut count = 0;
-    for (index, target) in targets.iter().enumerate().filter(|(_, target)| target.visible) {
-        let (runs, pieces) =
-            divided(target, MOST_FOCI - count).map_err(|e| e.under(&["target".into(), index.into()]))?;
-        count += wanted(&runs, &pieces);
-    }
-    Ok(count)
+    let shown: Vec<_> = targets.iter().enumerate().filter(|(_, target)| target.visible).collect();
+    Ok(divisions(&shown)?.iter().map(Division::count).sum())
 }
 
-fn points(target: &Target, most: usize) -> Result<Vec<DVec3>, KeyError> {
-    let (runs, pieces) = divided(target, most)?;
-    // A circle is no polygon: its points are computed, not taken from the one that is drawn.
-    if let (Shape::Circle { at, radius }, [pieces]) = (&target.shape, &pieces[..]) {
-        let facing = DQuat::from_rotation_arc(DVec3::Z, target.normal.try_normalize().unwrap_or(DVec3::Z));
-        let place = |i| {
-            *at + facing
-                * (DVec2::from_angle(target.angle + TAU * i as f64 / *pieces as f64) * *radius).extend(0.0)
+/// An outline in pieces.
+struct Division<'a> {
+    target: &'a Target,
+    runs: Vec<Run>,
+    /// Of each run.
+    pieces: Vec<usize>,
+}
+
+impl<'a> Division<'a> {
+    /// A continuous stroke is left in as few pieces as can be.
+    fn new(target: &'a Target, most: usize) -> Result<Self, KeyError> {
+        let mut runs = runs(target)?;
+        let pieces = match target.sampling {
+            Sampling::Whole | Sampling::Continuous => vec![1; runs.len()],
+            Sampling::Spacing(spacing) => run::pieces_by_spacing(&runs, spacing),
+            // What is too much is refused before it is shared out.
+            Sampling::Points(points) if points > most => return Err(too_many(target, points)),
+            Sampling::Points(points) => run::pieces_by_count(&runs, points)?,
         };
-        return Ok((0..*pieces).map(place).collect());
+        if let (Sampling::Continuous, Shape::Circle { radius, .. }, [ring]) =
+            (target.sampling, &target.shape, &mut runs[..])
+        {
+            // A circle is longer than the polygon that is drawn for it.
+            ring.length = TAU * radius;
+        }
+        let division = Self { target, runs, pieces };
+        if division.count() > most { Err(too_many(target, division.count())) } else { Ok(division) }
     }
-    Ok(divide(&runs, &pieces))
+
+    fn count(&self) -> usize {
+        run::points_of(&self.runs, &self.pieces)
+    }
+
+    fn points(&self) -> Vec<Vertex> {
+        // A circle is no polygon: its points are computed, not taken from the one that is drawn.
+        let (Shape::Circle { at, radius }, [pieces]) = (&self.target.shape, &self.pieces[..]) else {
+            return run::divide(&self.runs, &self.pieces);
+        };
+        let Target { normal, angle, .. } = self.target;
+        let facing = DQuat::from_rotation_arc(DVec3::Z, normal.try_normalize().unwrap_or(DVec3::Z));
+        let place = |i| {
+            let turn = DVec2::from_angle(angle + TAU * i as f64 / *pieces as f64);
+            Vertex { at: *at + facing * (turn * *radius).extend(0.0), pressure: 1.0 }
+        };
+        (0..*pieces).map(place).collect()
+    }
 }
 
-/// The runs of a target, and into how many pieces each is divided.
-fn divided(target: &Target, most: usize) -> Result<(Vec<Run>, Vec<usize>), KeyError> {
-    let runs = runs(&strokes(target)?);
-    let pieces = match target.sampling {
-        Sampling::Whole => vec![1; runs.len()],
-        Sampling::Spacing(spacing) => pieces_by_spacing(&runs, spacing),
-        // What is too much is refused before it is shared out.
-        Sampling::Points(points) if points > most => return Err(too_many("points", points)),
-        Sampling::Points(points) => pieces_by_count(&runs, points)?,
+/// Targets in pieces, each with its place in the scene.
+fn divisions<'a>(shown: &[(usize, &'a Target)]) -> Result<Vec<Division<'a>>, KeyError> {
+    let mut left = MOST_FOCI;
+    let divide = |&(index, target): &(usize, &'a Target)| {
+        let division = Division::new(target, left).map_err(|e| e.under(&["target".into(), index.into()]))?;
+        left -= division.count();
+        Ok(division)
     };
-    let wanted = wanted(&runs, &pieces);
-    if wanted > most {
-        let key = if matches!(target.sampling, Sampling::Spacing(_)) { "spacing" } else { "points" };
-        return Err(too_many(key, wanted));
+    shown.iter().map(divide).collect()
+}
+
+/// Divides continuous strokes into pieces of at most `spacing` (m), or longer ones where that would be more than [`MOST_FOCI`]
+/// with all that there is.
+fn spread(divisions: &mut [Division<'_>], spacing: f64) {
+    let is_continuous = |division: &&Division<'_>| division.target.sampling == Sampling::Continuous;
+    let separate: usize =
+        divisions.iter().filter(|division| !is_continuous(division)).map(Division::count).sum();
+    let most = MOST_FOCI - separate;
+    let strokes: Vec<_> = divisions.iter().filter(is_continuous).map(|division| &division.runs).collect();
+    let fits = |spacing: f64| {
+        let counts = strokes.iter().map(|runs| run::points_of(runs, &run::pieces_within(runs, spacing)));
+        counts.fold(0, usize::saturating_add) <= most
+    };
+    // Whole runs fit.
+    let longest = strokes.iter().copied().flatten().map(|run| run.length).fold(0.0, f64::max);
+    let mut spacing = spacing;
+    if !fits(spacing) {
+        let (mut dense, mut sparse) = (spacing, longest);
+        for _ in 0..HALVINGS {
+            let middle = (dense * sparse).sqrt();
+            if fits(middle) { sparse = middle } else { dense = middle }
+        }
+        spacing = sparse;
     }
-    Ok((runs, pieces))
+    for division in divisions.iter_mut().filter(|division| is_continuous(&&**division)) {
+        division.pieces = run::pieces_within(&division.runs, spacing);
+    }
 }
 
-/// Focal points of runs that are divided into so many pieces; a spacing of next to nothing asks for more than can be counted.
-fn wanted(runs: &[Run], pieces: &[usize]) -> usize {
-    corners(runs).saturating_add(interior(runs, pieces))
-}
-
-fn too_many(key: &'static str, wanted: usize) -> KeyError {
-    refusal(key, format!("{wanted} focal points are asked for, and a scene may have {MOST_FOCI}"))
+fn too_many(target: &Target, wanted: usize) -> KeyError {
+    let most = format!("and a scene may have {MOST_FOCI}");
+    let asked = format!("{wanted} focal points are asked for, {most}");
+    match target.sampling {
+        Sampling::Spacing(_) => refusal("spacing", asked),
+        Sampling::Points(_) => refusal("points", asked),
+        Sampling::Whole => KeyError::new([], asked),
+        Sampling::Continuous => KeyError::new(
+            [],
+            format!("its corners alone need {wanted} focal points beside those of other targets, {most}"),
+        ),
+    }
 }
 
 fn refusal(key: &'static str, message: impl Into<String>) -> KeyError {
     KeyError::new([Key::from(key)], message)
-}
-
-/// A smooth part of an outline, from corner to corner or once round.
-struct Run {
-    vertices: Vec<DVec3>,
-    length: f64,
-    /// It closes on itself with no corner.
-    closed: bool,
-}
-
-impl Run {
-    fn new(vertices: Vec<DVec3>, closed: bool) -> Self {
-        let length = vertices.windows(2).map(|pair| pair[0].distance(pair[1])).sum();
-        Self { vertices, length, closed }
-    }
-
-    /// Fewest pieces into which it can be divided: three points make a ring.
-    fn fewest(&self) -> usize {
-        if self.closed { 3 } else { 1 }
-    }
-
-    /// Focal points besides the corners.
-    fn interior(&self, pieces: usize) -> usize {
-        if self.closed { pieces } else { pieces - 1 }
-    }
-
-    /// The point at a distance along the run.
-    fn at(&self, distance: f64) -> DVec3 {
-        let mut left = distance;
-        for pair in self.vertices.windows(2) {
-            let length = pair[0].distance(pair[1]);
-            if left <= length {
-                return pair[0].lerp(pair[1], if length > 0.0 { left / length } else { 0.0 });
-            }
-            left -= length;
-        }
-        self.vertices[self.vertices.len() - 1]
-    }
-}
-
-/// Positions that are written the same are the same corner: strokes meet at equal vertices.
-fn key(vertex: DVec3) -> [i64; 3] {
-    const QUANTUM: f64 = 1e-9;
-    vertex.to_array().map(|x| (x / QUANTUM).round() as i64)
-}
-
-/// Cuts strokes at their corners.
-fn runs(strokes: &[Vec<DVec3>]) -> Vec<Run> {
-    let corners = corner_keys(strokes);
-    let mut runs = Vec::new();
-    for stroke in strokes {
-        let closed = stroke.len() > 2 && key(stroke[0]) == key(stroke[stroke.len() - 1]);
-        let first = stroke.iter().position(|vertex| corners.contains(&key(*vertex)));
-        match first {
-            None => runs.push(Run::new(stroke.clone(), closed)),
-            Some(first) => {
-                let mut stroke = stroke.clone();
-                if closed {
-                    stroke.pop();
-                    stroke.rotate_left(first);
-                    stroke.push(stroke[0]);
-                }
-                let mut run = vec![stroke[0]];
-                for &vertex in &stroke[1..] {
-                    run.push(vertex);
-                    if corners.contains(&key(vertex)) {
-                        runs.push(Run::new(std::mem::replace(&mut run, vec![vertex]), false));
-                    }
-                }
-                if stroke.len() == 1 {
-                    runs.push(Run::new(run, false));
-                }
-            }
-        }
-    }
-    runs
-}
-
-fn corner_keys(strokes: &[Vec<DVec3>]) -> HashSet<[i64; 3]> {
-    let mut corners = HashSet::new();
-    let mut stroke_of = HashMap::new();
-    for (index, stroke) in strokes.iter().enumerate() {
-        let (first, last) = (stroke[0], stroke[stroke.len() - 1]);
-        let closed = stroke.len() > 2 && key(first) == key(last);
-        if !closed {
-            corners.extend([key(first), key(last)]);
-        } else if is_corner(stroke[stroke.len() - 2], first, stroke[1]) {
-            corners.insert(key(first));
-        }
-        for triple in stroke.windows(3) {
-            if is_corner(triple[0], triple[1], triple[2]) {
-                corners.insert(key(triple[1]));
-            }
-        }
-        for vertex in stroke {
-            if *stroke_of.entry(key(*vertex)).or_insert(index) != index {
-                corners.insert(key(*vertex));
-            }
-        }
-    }
-    corners
-}
-
-fn is_corner(before: DVec3, at: DVec3, after: DVec3) -> bool {
-    let (arriving, leaving) = ((at - before).normalize_or_zero(), (after - at).normalize_or_zero());
-    arriving.dot(leaving) < CORNER_COS
-}
-
-fn corners(runs: &[Run]) -> usize {
-    let ends = |run: &Run| [key(run.vertices[0]), key(run.vertices[run.vertices.len() - 1])];
-    runs.iter().filter(|run| !run.closed).flat_map(ends).collect::<HashSet<_>>().len()
-}
-
-fn interior(runs: &[Run], pieces: &[usize]) -> usize {
-    runs.iter().zip(pieces).fold(0, |sum, (run, &pieces)| sum.saturating_add(run.interior(pieces)))
-}
-
-fn pieces_by_spacing(runs: &[Run], spacing: f64) -> Vec<usize> {
-    runs.iter().map(|run| ((run.length / spacing).round() as usize).max(run.fewest())).collect()
-}
-
-/// Shares `points` out among the runs so that the longest piece is as short as can be.
-fn pieces_by_count(runs: &[Run], points: usize) -> Result<Vec<usize>, KeyError> {
-    let mut pieces: Vec<_> = runs.iter().map(Run::fewest).collect();
-    let fewest = corners(runs) + interior(runs, &pieces);
-    let Some(spare) = points.checked_sub(fewest) else {
-        return Err(refusal("points", format!("too few: the outline's corners alone need {fewest}")));
-    };
-    for _ in 0..spare {
-        let longest = |&i: &usize, &j: &usize| {
-            let piece = |i: usize| runs[i].length / pieces[i] as f64;
-            piece(i).total_cmp(&piece(j)).then(j.cmp(&i))
-        };
-        match (0..runs.len()).filter(|&i| runs[i].length > 0.0).max_by(longest) {
-            Some(run) => pieces[run] += 1,
-            None => return Err(refusal("points", "an outline without length cannot be divided")),
-        }
-    }
-    Ok(pieces)
-}
-
-fn divide(runs: &[Run], pieces: &[usize]) -> Vec<DVec3> {
-    let mut seen = HashSet::new();
-    let mut points = Vec::new();
-    for (run, &pieces) in runs.iter().zip(pieces) {
-        let steps = if run.closed { 0..pieces } else { 0..pieces + 1 };
-        for step in steps {
-            let point = run.at(run.length * step as f64 / pieces as f64);
-            let is_end = !run.closed && (step == 0 || step == pieces);
-            if !is_end || seen.insert(key(point)) {
-                points.push(point);
-            }
-        }
-    }
-    points
 }
 
 #[cfg(test)]
@@ -337,7 +272,12 @@ mod tests {
     use super::*;
 
     fn sampled(shape: Shape, sampling: Sampling) -> Vec<DVec3> {
-        points(&Target { sampling, ..Target::new(shape) }, MOST_FOCI).unwrap()
+        points(&Target { sampling, ..Target::new(shape) }).unwrap()
+    }
+
+    fn points(target: &Target) -> Result<Vec<DVec3>, KeyError> {
+        let foci = foci(&Scene { targets: vec![target.clone()], ..Scene::default() })?;
+        Ok(foci.into_iter().map(|focus| focus.position).collect())
     }
 
     const AT: DVec3 = DVec3::new(0.01, 0.02, 0.1);
@@ -380,7 +320,7 @@ mod tests {
             sampling: Sampling::Points(11),
             ..Target::new(Shape::Circle { at: AT, radius: 0.02 })
         };
-        let points = points(&target, MOST_FOCI).unwrap();
+        let points = points(&target).unwrap();
         for (i, point) in points.iter().enumerate() {
             let (sin, cos) = (0.3 + TAU * i as f64 / 11.0).sin_cos();
             assert!(point.distance(AT + 0.02 * DVec3::new(cos, sin, 0.0)) < 1e-12);
@@ -403,7 +343,7 @@ mod tests {
     fn a_normal_turns_the_shape_out_of_the_plane() {
         let mut target = Target::new(Shape::Circle { at: AT, radius: 0.02 });
         target.normal = DVec3::new(0.0, 3.0, 3.0);
-        for point in points(&target, MOST_FOCI).unwrap() {
+        for point in points(&target).unwrap() {
             assert!((point - AT).dot(target.normal).abs() < 1e-12);
             assert!((point.distance(AT) - 0.02).abs() < 1e-12);
         }
@@ -413,7 +353,7 @@ mod tests {
     fn an_angle_turns_lines_and_text_about_their_centre() {
         let mut target = Target::new(Shape::Line { from: AT, to: AT + 0.02 * DVec3::X });
         target.angle = TAU / 4.0;
-        let points = points(&target, MOST_FOCI).unwrap();
+        let points = points(&target).unwrap();
         assert!(points.iter().all(|p| (p.x - AT.x - 0.01).abs() < 1e-12), "{points:?}");
     }
 
@@ -423,10 +363,10 @@ mod tests {
             sampling: Sampling::Spacing(1e-9),
             ..Target::new(Shape::Line { from: AT, to: AT + DVec3::X })
         };
-        assert!(points(&target, MOST_FOCI).unwrap_err().message.contains("1000000001 focal points"));
+        assert!(points(&target).unwrap_err().message.contains("1000000001 focal points"));
         // More than can be counted.
         let target = Target { sampling: Sampling::Spacing(1e-300), ..target };
-        assert!(points(&target, MOST_FOCI).unwrap_err().message.contains("focal points are asked for"));
+        assert!(points(&target).unwrap_err().message.contains("focal points are asked for"));
         assert!(count(&[target]).is_err());
     }
 
@@ -446,6 +386,6 @@ mod tests {
             sampling: Sampling::Points(3),
             ..Target::new(Shape::Rectangle { at: AT, width: 0.04, height: 0.02 })
         };
-        assert!(points(&target, MOST_FOCI).unwrap_err().message.contains("need 4"));
+        assert!(points(&target).unwrap_err().message.contains("need 4"));
     }
 }

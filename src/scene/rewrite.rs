@@ -7,7 +7,8 @@ use toml_edit::{ArrayOfTables, DocumentMut, Item, Table, TableLike};
 
 use crate::scene::{Scene, file};
 
-const TARGET: &str = "target";
+/// Tables that stand as often as there are things of their kind.
+const REPEATED: [&str; 2] = ["target", "quiet"];
 
 /// The text with the scene in it: the same to the byte where it holds the scene already. Where the text is no scene,
 /// or cannot hold this one as it is laid out, the scene is written anew.
@@ -25,7 +26,7 @@ fn rewritten(text: &str, before: &Scene, after: &Scene) -> Option<String> {
     let document = |text: &str| text.parse::<DocumentMut>().ok();
     let mut own = document(text)?;
     let (before, after) = (document(&file::write(before))?, document(&file::write(after))?);
-    for (key, item) in after.iter().filter(|(key, _)| *key != TARGET) {
+    for (key, item) in after.iter().filter(|(key, _)| !REPEATED.contains(key)) {
         let old = before.get(key);
         match item.as_table_like() {
             Some(table) if old.is_some() => {
@@ -35,10 +36,12 @@ fn rewritten(text: &str, before: &Scene, after: &Scene) -> Option<String> {
             None => set(own.as_table_mut(), key, old, item),
         }
     }
-    for (key, _) in before.iter().filter(|(key, _)| *key != TARGET && after.get(key).is_none()) {
+    for (key, _) in before.iter().filter(|(key, _)| !REPEATED.contains(key) && after.get(key).is_none()) {
         own.remove(key);
     }
-    targets(&mut own, &before, &after)?;
+    for key in REPEATED {
+        repeated(&mut own, &before, &after, key)?;
+    }
     // A table that holds nothing new was only made to look.
     let is_idle =
         |item: &Item| item.as_table().is_some_and(|table| table.is_empty() && table.position().is_none());
@@ -85,11 +88,11 @@ fn set(own: &mut dyn TableLike, key: &str, before: Option<&Item>, after: &Item) 
     }
 }
 
-/// Every target keeps its table and with it its comments, wherever it stands now.
-fn targets(own: &mut DocumentMut, before: &DocumentMut, after: &DocumentMut) -> Option<()> {
+/// Every target or zone keeps its table and with it its comments, wherever it stands now.
+fn repeated(own: &mut DocumentMut, before: &DocumentMut, after: &DocumentMut, key: &str) -> Option<()> {
     let tables = |document: &DocumentMut| -> Vec<Table> {
-        let targets = document.get(TARGET).and_then(Item::as_array_of_tables);
-        targets.map(|tables| tables.iter().cloned().collect()).unwrap_or_default()
+        let tables = document.get(key).and_then(Item::as_array_of_tables);
+        tables.map(|tables| tables.iter().cloned().collect()).unwrap_or_default()
     };
     let (before, after) = (tables(before), tables(after));
     let text = |table: &Table| table.to_string();
@@ -103,7 +106,7 @@ fn targets(own: &mut DocumentMut, before: &DocumentMut, after: &DocumentMut) -> 
     places.sort_unstable();
     let origins =
         origins(&before.iter().map(text).collect::<Vec<_>>(), &after.iter().map(text).collect::<Vec<_>>());
-    let mut targets = ArrayOfTables::new();
+    let mut made = ArrayOfTables::new();
     for (index, (table, origin)) in after.iter().zip(origins).enumerate() {
         let mut item = match origin.and_then(|origin| Some((origin, written[origin].take()?))) {
             Some((origin, own)) => {
@@ -115,17 +118,17 @@ fn targets(own: &mut DocumentMut, before: &DocumentMut, after: &DocumentMut) -> 
         };
         let own = item.as_table_mut()?;
         own.set_position(places.get(index).copied().flatten());
-        targets.push(own.clone());
+        made.push(own.clone());
     }
-    if targets.is_empty() {
-        own.remove(TARGET);
+    if made.is_empty() {
+        own.remove(key);
     } else {
-        own.insert(TARGET, Item::ArrayOfTables(targets));
+        own.insert(key, Item::ArrayOfTables(made));
     }
     Some(())
 }
 
-/// Which of the former targets each of the new ones is: the one that is the same, or else the one that stood in its place
+/// Which of the former tables each of the new ones is: the one that is the same, or else the one that stood in its place
 /// and is nowhere else now.
 fn origins(before: &[String], after: &[String]) -> Vec<Option<usize>> {
     let mut is_free = vec![true; before.len()];
@@ -255,6 +258,25 @@ method = "gs"  # quick
         );
         let text = edited(|scene| scene.targets.push(scene.targets[0].clone()));
         assert!(text.contains("# The left one.") && text.contains("# a circle"), "{text}");
+    }
+
+    #[test]
+    fn zones_take_their_comments_along() {
+        let text = "format = 1\n\n# An ear.\n[[quiet]]\nradius = 0.010 # m\n\n# A hand.\n[[quiet]] # flat\n\n[solver]\nquiet = 0.9 # much\n";
+        let mut edited = scene(text);
+        edited.quiet[1].weight = 2.0;
+        edited.solver.search = 1.0;
+        let written = rewrite(text, &edited);
+        assert_eq!(scene(&written), edited, "{written}");
+        for part in
+            ["# An ear.\n[[quiet]]\nradius = 0.010 # m", "# A hand.", "weight = 2.0", "quiet = 0.9 # much"]
+        {
+            assert!(written.contains(part), "{part} in {written}");
+        }
+        edited.quiet.clear();
+        edited.solver.quiet = crate::scene::Solver::QUIET;
+        let written = rewrite(&written, &edited);
+        assert!(scene(&written) == edited && !written.contains("quiet"), "{written}");
     }
 
     #[test]

@@ -12,7 +12,10 @@ pub struct Target {
     pub shape: Shape,
     /// Wanted pressure relative to the other targets.
     pub pressure: f64,
-    #[serde(flatten, skip_serializing_if = "is_of_point")]
+    /// At each vertex of a path, times `pressure`, and evenly from one to the next along the path; empty: the same everywhere.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub pressures: Vec<f64>,
+    #[serde(flatten, skip_serializing_if = "has_no_key")]
     pub sampling: Sampling,
     /// rad, about the target's centre.
     #[serde(skip_serializing_if = "is_zero")]
@@ -33,7 +36,16 @@ impl Target {
     pub fn new(shape: Shape) -> Self {
         let sampling =
             if matches!(shape, Shape::Point { .. }) { Sampling::Whole } else { Sampling::default() };
-        Self { shape, pressure: 1.0, sampling, angle: 0.0, normal: DVec3::Z, step: None, visible: true }
+        Self {
+            shape,
+            pressure: 1.0,
+            pressures: Vec::new(),
+            sampling,
+            angle: 0.0,
+            normal: DVec3::Z,
+            step: None,
+            visible: true,
+        }
     }
 
     /// Whether it is played in a step of the motion.
@@ -56,28 +68,25 @@ pub enum Shape {
     Text { text: String, at: DVec3, height: f64 },
 }
 
-/// How many focal points an outline gets.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+/// How an outline is played: as one stroke, or as separate focal points and how many.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Sampling {
     /// A point target is its one focal point.
     #[serde(skip)]
     Whole,
+    /// A curve that is to be evenly loud, with as many samples as the wavelength asks for.
+    #[default]
+    #[serde(skip)]
+    Continuous,
     /// m between neighbours along the outline, met as nearly as the corners allow.
     Spacing(f64),
     /// Focal points on the whole outline.
     Points(usize),
 }
 
-impl Default for Sampling {
-    /// A little over one wavelength at 40 kHz.
-    fn default() -> Self {
-        Self::Spacing(0.01)
-    }
-}
-
-fn is_of_point(sampling: &Sampling) -> bool {
-    *sampling == Sampling::Whole
+fn has_no_key(sampling: &Sampling) -> bool {
+    matches!(sampling, Sampling::Whole | Sampling::Continuous)
 }
 
 fn is_zero(angle: &f64) -> bool {
@@ -110,6 +119,7 @@ pub(crate) struct TargetTable {
     closed: Option<bool>,
     text: Option<String>,
     pressure: Option<f64>,
+    pressures: Option<Vec<f64>>,
     spacing: Option<f64>,
     points: Option<usize>,
     angle: Option<f64>,
@@ -179,6 +189,9 @@ impl TargetTable {
             target.angle = table.angle.take().unwrap_or(target.angle);
             target.sampling = table.sampling(index)?.unwrap_or(target.sampling);
         }
+        if table.kind == Kind::Path {
+            target.pressures = table.pressures.take().unwrap_or_default();
+        }
         if !matches!(table.kind, Kind::Point | Kind::Line | Kind::Path) {
             target.normal = table.normal.take().unwrap_or(target.normal);
         }
@@ -219,6 +232,7 @@ impl TargetTable {
             closed,
             text,
             pressure: _,
+            pressures,
             spacing,
             points,
             angle,
@@ -238,6 +252,7 @@ impl TargetTable {
             ("vertices", vertices.is_some()),
             ("closed", closed.is_some()),
             ("text", text.is_some()),
+            ("pressures", pressures.is_some()),
             ("spacing", spacing.is_some()),
             ("points", points.is_some()),
             ("angle", angle.is_some()),

@@ -384,7 +384,7 @@ mod tests {
         const STRIDE: f64 = 2.5e-3;
         // Steps of a millimetre, and a jump.
         let places = (0..20).map(|i| DVec3::new(1e-3 * f64::from(i + if i < 11 { 0 } else { 7 }), 0.0, 0.1));
-        let frames: Vec<_> = places.map(|position| [Focus { position, target: 1.0 }]).collect();
+        let frames: Vec<_> = places.map(|position| [Focus::new(position, 1.0)]).collect();
         let frames: Vec<_> = frames.iter().map(|foci| &foci[..]).collect();
         let keys = keyframes(&frames, STRIDE);
         assert_eq!(keys[0], 0);

@@ -42,7 +42,7 @@ impl<'a> Problem<'a> {
         /// m; phases are rounded to whole turns beyond.
         const FARTHEST: f64 = 1e6;
         assert!(!foci.is_empty(), "a problem needs a focus");
-        for Focus { position, target } in &foci {
+        for Focus { position, target, .. } in &foci {
             assert!(position.is_finite() && position.abs().max_element() <= FARTHEST, "no focus: {position}");
             assert!(target.is_finite() && *target > 0.0, "no target: {target}");
         }
@@ -238,13 +238,15 @@ fn focus(problem: &Problem<'_>) -> Result<Excitation, SolveError> {
     Ok(Excitation { values, iterations: 0, residual: None, weights: None })
 }
 
-/// What the user should know of foci in front of an array, a sentence each.
+/// What the user should know of foci in front of an array, a sentence each. Samples of continuous strokes may stand as close as
+/// they like.
 pub fn warnings(aperture: &Aperture, foci: &[Focus]) -> Vec<String> {
     let mut warnings = Vec::new();
     let resolution_at = aperture.resolution();
     let (mut coincident, mut close, mut closest) = (0, 0, (f64::INFINITY, 0.0));
-    for (i, focus) in foci.iter().enumerate() {
-        for other in &foci[..i] {
+    let separate: Vec<_> = foci.iter().filter(|focus| !focus.of_stroke).collect();
+    for (i, focus) in separate.iter().enumerate() {
+        for other in &separate[..i] {
             let distance = focus.position.distance(other.position);
             let resolution = resolution_at((focus.position + other.position) / 2.0);
             coincident += usize::from(distance < 1e-9);
@@ -267,10 +269,10 @@ pub fn warnings(aperture: &Aperture, foci: &[Focus]) -> Vec<String> {
         ));
     }
     let elements = aperture.driven.len();
-    if foci.len() > elements {
+    if separate.len() > elements {
         warnings.push(format!(
             "{} foci are more than the {elements} driven elements can set: the pressures are a compromise",
-            foci.len()
+            separate.len()
         ));
     }
     warnings

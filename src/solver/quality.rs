@@ -13,6 +13,8 @@ pub struct Quality {
     pub min_pressure: f64,
     /// Standard deviation over mean of pressure/target.
     pub spread: f64,
+    /// Least over mean of pressure/target: 1 where all are alike.
+    pub evenness: f64,
     /// η = Σ|u|²/(N max|u|²) of the method's own excitation.
     pub efficiency: f64,
     /// Mean over foci of |p_m| √M / Σ_n |H_mn|: 1 for a single focus by time of flight.
@@ -34,6 +36,7 @@ impl Quality {
             mean_pressure: mean(&moduli),
             min_pressure: moduli.iter().copied().fold(f64::INFINITY, f64::min),
             spread: spread(&relative),
+            evenness: evenness(&relative),
             efficiency: efficiency(&excitation.values),
             relative_to_single: moduli
                 .iter()
@@ -66,6 +69,10 @@ impl Limits {
     /// What the user should know of these foci, in words.
     pub fn warning(&self, problem: &Problem<'_>) -> Option<String> {
         let Transfer { points, elements, .. } = problem.transfer;
+        // Neighbouring samples of a stroke are to depend on each other.
+        if problem.foci.iter().any(|focus| focus.of_stroke) {
+            return None;
+        }
         // That more foci than elements are dependent, every solution says.
         (points <= elements && self.rank < points).then(|| {
             format!(
@@ -152,4 +159,9 @@ pub fn spread(values: &[f64]) -> f64 {
     let mean = mean(values);
     let variance = values.iter().map(|value| (value - mean).powi(2)).sum::<f64>() / values.len() as f64;
     variance.sqrt() / mean.max(f64::MIN_POSITIVE)
+}
+
+/// Least over mean.
+fn evenness(values: &[f64]) -> f64 {
+    values.iter().copied().fold(f64::INFINITY, f64::min) / mean(values).max(f64::MIN_POSITIVE)
 }

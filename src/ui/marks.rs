@@ -4,7 +4,7 @@ use egui::{Align2, Color32, FontId, Painter, Pos2, Rect, Shape, Stroke, StrokeKi
 use glam::{DVec2, DVec3};
 
 use crate::picture::sheet::pascals;
-use crate::scene::{MotionPath, outline};
+use crate::scene::{MotionPath, Sampling, outline};
 use crate::ui::gesture::Gesture;
 use crate::ui::view::{Cut, Lens, array_size};
 use crate::ui::{Editor, Shown, Sound, edit, handle, theme};
@@ -23,7 +23,10 @@ pub fn paint(editor: &Editor, shown: &Shown, painter: &Painter, lens: &Lens, poi
         if !target.visible && !chosen {
             continue;
         }
-        let colour = if chosen { theme::CHOSEN } else { Color32::from_white_alpha(110) };
+        // Where separate foci are marked, their outline stays behind.
+        let is_continuous = target.sampling == Sampling::Continuous;
+        let (width, alpha) = if is_continuous { (1.8, 190) } else { (1.0, 110) };
+        let colour = if chosen { theme::CHOSEN } else { Color32::from_white_alpha(alpha) };
         for stroke in edit::outline_on(target, &axes) {
             let points: Vec<_> = stroke.into_iter().map(|uv| lens.screen(uv)).collect();
             if let [only] = points[..] {
@@ -35,7 +38,7 @@ pub fn paint(editor: &Editor, shown: &Shown, painter: &Painter, lens: &Lens, poi
             if chosen {
                 painter.add(Shape::line(points.clone(), Stroke::new(4.0, theme::MARK_EDGE)));
             }
-            painter.add(Shape::line(points, Stroke::new(if chosen { 2.0 } else { 1.0 }, colour)));
+            painter.add(Shape::line(points, Stroke::new(if chosen { 2.0 } else { width }, colour)));
         }
         if chosen {
             frame(editor, painter, lens, index);
@@ -103,9 +106,11 @@ fn array(editor: &Editor, painter: &Painter, lens: &Lens) {
 
 fn foci(editor: &Editor, sound: &Sound, painter: &Painter, lens: &Lens, pointer: Option<Pos2>) {
     let axes = editor.view.axes(editor.scene());
-    let most = sound.foci.iter().map(|focus| focus.target).fold(0.0, f64::max);
-    let few = sound.foci.len() <= 12;
-    for (focus, reading) in sound.foci.iter().zip(&sound.readings) {
+    // A stroke is seen as the line that it is.
+    let separate = sound.foci.iter().zip(&sound.readings).filter(|(focus, _)| !focus.of_stroke);
+    let most = separate.clone().map(|(focus, _)| focus.target).fold(0.0, f64::max);
+    let few = separate.clone().count() <= 12;
+    for (focus, reading) in separate {
         let at = lens.screen(axes.flat(focus.position));
         let height = axes.height(focus.position);
         let asked = pointer.is_some_and(|pointer| pointer.distance(at) < ASKS);

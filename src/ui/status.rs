@@ -30,9 +30,15 @@ pub fn bar(editor: &Editor, shown: &Shown, ui: &mut Ui) {
         ui.label(&shown.evaluator).on_hover_text("Who computes the field");
         ui.separator();
         if let Some(sound) = &shown.sound {
-            let foci = sound.foci.len();
-            ui.label(format!("{foci} {}", if foci == 1 { "focus" } else { "foci" }))
-                .on_hover_text("Points at which the waves of all elements arrive in step");
+            let foci = sound.foci.iter().filter(|focus| !focus.of_stroke).count();
+            if foci > 0 {
+                ui.label(format!("{foci} {}", if foci == 1 { "focus" } else { "foci" }))
+                    .on_hover_text("Points at which the waves of all elements arrive in step");
+            }
+            if foci < sound.foci.len() {
+                ui.label(format!("{} samples", sound.foci.len() - foci))
+                    .on_hover_text("Places along continuous strokes at which the pressure is evened out");
+            }
             ui.separator();
         }
         message(shown, ui);

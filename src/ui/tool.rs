@@ -5,13 +5,11 @@ use std::f64::consts::TAU;
 use egui::{Key, Painter, Pos2, Rect, Stroke, StrokeKind};
 use glam::{DQuat, DVec2, DVec3};
 
-use crate::scene::{Sampling, Shape, Target};
+use crate::scene::{Shape, Target};
 use crate::ui::view::Axes;
 
 /// m: what a click draws that was no drag.
 const DEFAULT_SIZE: f64 = 0.04;
-/// m between the focal points of letters of that size: they are read more easily than with the default.
-const LETTER_SPACING: f64 = 0.008;
 /// m: shapes smaller than this are slips of the hand.
 const SMALLEST: f64 = 1e-3;
 
@@ -131,7 +129,7 @@ impl Tool {
 /// Text that is being typed.
 pub fn text(axes: &Axes, at: DVec2, text: &str) -> Target {
     let shape = Shape::Text { text: text.to_owned(), at: axes.world(at), height: DEFAULT_SIZE };
-    Target { sampling: Sampling::Spacing(LETTER_SPACING), ..facing(shape, axes) }
+    facing(shape, axes)
 }
 
 /// A stroke through points of a cut.

@@ -4,8 +4,8 @@ use glam::{DVec2, DVec3};
 use sonoglyph::field::{Evaluator, FieldError, Quantity, Request, Stages};
 use sonoglyph::scene::check::check;
 use sonoglyph::scene::{
-    ElementModel, Envelope, Listener, MotionPath, Pressures, Sampling, Scene, Shape, Target, font, motion,
-    outline,
+    Area, ElementModel, Envelope, Listener, MotionPath, Pressures, Sampling, Scene, Shape, Target, Zone,
+    font, motion, outline,
 };
 use sonoglyph::solver::{self, SolveError};
 
@@ -46,6 +46,22 @@ const NUMBERS: &[(&str, Put<f64>)] = &[
     }),
     ("target.pressure", |s, x| s.targets[0].pressure = x),
     ("target.pressure", |s, x| (s.targets[0].pressure, s.solver.pressures) = (x, Pressures::Pascal)),
+    ("target.pressures", |s, x| {
+        let vertices = vec![DVec3::Z * 0.1, DVec3::Z * 0.12];
+        s.targets[0].shape = Shape::Path { vertices, closed: false };
+        s.targets[0].pressures = vec![x, 1.0];
+    }),
+    ("quiet.at", |s, x| s.quiet = vec![Zone::new(Area::Circle { radius: 0.01 }, DVec3::new(0.0, x, 0.1))]),
+    ("quiet.radius", |s, x| s.quiet = vec![Zone::new(Area::Circle { radius: x }, DVec3::Z)]),
+    ("quiet.radius", |s, x| s.quiet = vec![Zone::new(Area::Polygon { radius: x, sides: 5 }, DVec3::Z)]),
+    ("quiet.width", |s, x| {
+        s.quiet = vec![Zone::new(Area::Rectangle { width: x, height: 0.01 }, DVec3::Z)];
+    }),
+    ("quiet.weight", |s, x| {
+        s.quiet = vec![Zone { weight: x, ..Zone::new(Area::Circle { radius: 0.01 }, DVec3::Z) }];
+    }),
+    ("solver.quiet", |s, x| s.solver.quiet = x),
+    ("solver.search", |s, x| s.solver.search = x),
     ("target.spacing", |s, x| {
         s.targets[0].shape =
             Shape::Line { from: DVec3::new(-0.02, 0.0, 0.1), to: DVec3::new(0.02, 0.0, 0.1) };

@@ -114,7 +114,7 @@ fn drives_are_in_range_whatever_they_are_made_of() {
 }
 
 fn focus(position: DVec3, target: f64) -> Focus {
-    Focus { position, target }
+    Focus::new(position, target)
 }
 
 #[test]

@@ -213,6 +213,7 @@ fn solver(dice: &mut Dice) -> Solver {
         iterations: dice.one_of(&[0, 0, 0, 1, 3, 12]),
         pressures: dice.one_of(&[Pressures::Relative, Pressures::Relative, Pressures::Pascal]),
         amplitudes: dice.one_of(&[Amplitudes::Uniform, Amplitudes::Uniform, Amplitudes::Free]),
+        ..Solver::default()
     }
 }
 

@@ -16,6 +16,7 @@ mod oracle;
 #[path = "../requirement/mod.rs"]
 mod requirement;
 mod solving;
+mod strokes;
 mod tally;
 
 use std::any::Any;

@@ -1,6 +1,6 @@
 //! What can be edited besides drawing: handles, the list, the clipboard, modulation, motion and listener.
 
-use sonoglyph::scene::{Envelope, MotionPath, Target};
+use sonoglyph::scene::{Envelope, MotionPath, Sampling, Target};
 
 use super::*;
 
@@ -98,6 +98,55 @@ fn targets_are_copied_cut_and_pasted() {
     let Shape::Point { at } = scene(&screen).targets[1].shape else { panic!("no point") };
     assert!(at.distance(AT + DVec3::new(-0.02, -0.01, 0.0)) < 1e-12, "beside where it stood: {at}");
     assert!(screen.state().editor().selection.contains(&1));
+}
+
+#[test]
+fn an_outline_is_a_continuous_stroke_or_separate_foci() {
+    let mut screen = open_with(&[Shape::Circle { at: AT, radius: 0.02 }, point(0.0)]);
+    let samples = |screen: &Screen| {
+        let foci = &screen.state().shown().sound.as_ref().unwrap().foci;
+        let of_stroke = foci.iter().filter(|focus| focus.of_stroke).count();
+        (of_stroke, foci.len() - of_stroke)
+    };
+    assert_eq!(scene(&screen).targets[0].sampling, Sampling::Continuous);
+    assert_eq!(samples(&screen), (59, 1), "126 mm in pieces of 2.1 mm");
+    let said = |screen: &Screen| {
+        [screen.query_by_label("59 samples"), screen.query_by_label("1 focus")].map(|it| it.is_some())
+    };
+    assert_eq!(said(&screen), [true, true]);
+    assert!(screen.state().shown().warnings.is_empty(), "{:?}", screen.state().shown().warnings);
+
+    screen.get_by_label("Spacing").click();
+    rest(&mut screen);
+    type_in(&mut screen, "Stroke", "8");
+    assert_eq!(scene(&screen).targets[0].sampling, Sampling::Spacing(0.008));
+    assert_eq!(samples(&screen), (0, 17));
+    screen.get_by_label("Count").click();
+    rest(&mut screen);
+    type_in(&mut screen, "Stroke", "11");
+    assert_eq!((scene(&screen).targets[0].sampling, samples(&screen)), (Sampling::Points(11), (0, 12)));
+    screen.get_by_label("Continuous").click();
+    rest(&mut screen);
+    assert_eq!((scene(&screen).targets[0].sampling, samples(&screen)), (Sampling::Continuous, (59, 1)));
+    press(&mut screen, Modifiers::COMMAND, Key::Z);
+    assert_eq!(scene(&screen).targets[0].sampling, Sampling::Points(11));
+}
+
+#[test]
+fn a_stroke_is_drawn_as_a_line_without_a_dot_for_each_sample() {
+    let mut screen = open_with(&[Shape::Circle { at: AT, radius: 0.02 }]);
+    screen.state_mut().editor_mut().selection.clear();
+    rest(&mut screen);
+    let circles = |screen: &mut Screen| {
+        screen.run_steps(1);
+        let shapes = &screen.output().shapes;
+        let is_dot = |shape: &egui::Shape| matches!(shape, egui::Shape::Circle(circle) if circle.fill == sonoglyph::ui::theme::MARK);
+        shapes.iter().filter(|clipped| is_dot(&clipped.shape)).count()
+    };
+    assert_eq!(circles(&mut screen), 0);
+    screen.state_mut().editor_mut().document.scene.targets[0].sampling = Sampling::Points(9);
+    rest(&mut screen);
+    assert_eq!(circles(&mut screen), 9);
 }
 
 /// Chooses an entry of a box that opens.

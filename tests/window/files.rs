@@ -45,7 +45,12 @@ fn a_dropped_drawing_becomes_targets_where_it_is_placed() {
     clear(&mut screen);
     drop_file(&mut screen, &path);
     assert!(question(&screen).placement.side > 0.0);
+    assert!(screen.query_by_label("1 line, evenly loud").is_some());
+    screen.get_by_label("Spacing").click();
+    rest(&mut screen);
     assert!(screen.query_by_label_contains("focal points on 1 line").is_some());
+    screen.get_by_label("Continuous").click();
+    rest(&mut screen);
     if let Some(Dialog::Import(import)) = &mut screen.state_mut().editor_mut().dialog {
         import.placement.side = 0.05;
         import.placement.at = DVec3::new(0.01, -0.02, 0.1);
@@ -54,7 +59,7 @@ fn a_dropped_drawing_becomes_targets_where_it_is_placed() {
     screen.get_by_label("Import").click();
     rest(&mut screen);
     let foci = screen.state().shown().sound.as_ref().unwrap().foci.clone();
-    assert_eq!(foci.len(), 20, "2π · 25 mm at 8 mm");
+    assert_eq!(foci.len(), 74, "2π · 25 mm in pieces of 2.1 mm");
     for focus in &foci {
         let radius = focus.position.distance(DVec3::new(0.01, -0.02, 0.1));
         assert!((radius - 0.025).abs() < 1e-4, "{radius}");

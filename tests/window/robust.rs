@@ -241,8 +241,9 @@ fn a_thousand_random_commands_do_no_harm_and_can_all_be_taken_back() {
                     "points",
                     "steps",
                     "none",
-                    "in all",
-                    "every",
+                    "Count",
+                    "Spacing",
+                    "Continuous",
                 ];
                 if let Some(node) = screen.query_all_by_label(labels[dice.below(labels.len())]).next() {
                     node.click();

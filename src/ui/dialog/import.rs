@@ -1,17 +1,16 @@
-//! The question where a drawing is to stand, how large it is to be, and how densely it is to be played.
+//! The question where a drawing is to stand, how large it is to be, and how it is to be played.
 
 use egui::{Color32, Rect, RichText, Sense, Shape, Stroke, Ui, pos2, vec2};
 
 use crate::acoustics::Aperture;
 use crate::import::{Drawing, Placement};
-use crate::scene::{Sampling, Scene, Target, outline};
+use crate::scene::{Focus, Sampling, Scene, Target, outline};
 use crate::solver;
 use crate::ui::panels::{self, MM};
 use crate::ui::{Editor, theme};
 
-/// m: the longer side that is proposed, and the spacing.
+/// m: the longer side that is proposed.
 const SIDE: f64 = 0.06;
-const SPACING: f64 = 0.008;
 /// m: the sides that can be asked for.
 const SIDES: std::ops::RangeInclusive<f64> = 1e-3..=2.0;
 /// Points of the screen: the preview.
@@ -32,7 +31,7 @@ pub struct Import {
 struct Made {
     of: Placement,
     targets: Result<Vec<Target>, String>,
-    foci: Vec<crate::scene::Focus>,
+    foci: Vec<Focus>,
     warnings: Vec<String>,
 }
 
@@ -47,7 +46,7 @@ impl Import {
             x: axes.x,
             y: axes.y,
             side: SIDE,
-            sampling: Sampling::Spacing(SPACING),
+            sampling: Sampling::Continuous,
         };
         Self { name, drawing, placement, made: None }
     }
@@ -61,11 +60,7 @@ impl Import {
         let Some(made) = &self.made else { return true };
         match &made.targets {
             Ok(targets) => {
-                let (foci, lines) = (made.foci.len(), targets.len());
-                ui.strong(format!(
-                    "{foci} focal points on {lines} {}",
-                    if lines == 1 { "line" } else { "lines" }
-                ));
+                ui.strong(summary(&made.foci, targets.len()));
             }
             Err(problem) => {
                 ui.label(RichText::new(problem).color(theme::error(ui.visuals())));
@@ -149,7 +144,7 @@ impl Import {
             painter.add(Shape::line(points, Stroke::new(1.5, theme::CHOSEN)));
         }
         let Some(made) = &self.made else { return };
-        for focus in &made.foci {
+        for focus in made.foci.iter().filter(|focus| !focus.of_stroke) {
             let offset = (focus.position - made.of.at) / made.of.side;
             painter.circle_filled(
                 place(glam::DVec2::new(offset.dot(made.of.x), offset.dot(made.of.y))),
@@ -157,5 +152,18 @@ impl Import {
                 theme::MARK,
             );
         }
+    }
+}
+
+/// What a drawing becomes, in words.
+fn summary(foci: &[Focus], targets: usize) -> String {
+    let separate = foci.iter().filter(|focus| !focus.of_stroke).count();
+    let lines = format!("{targets} {}", if targets == 1 { "line" } else { "lines" });
+    if separate == foci.len() {
+        format!("{separate} focal points on {lines}")
+    } else if separate == 0 {
+        format!("{lines}, evenly loud")
+    } else {
+        format!("{lines}, evenly loud, {separate} of them points")
     }
 }

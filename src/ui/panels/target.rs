@@ -7,6 +7,8 @@ use crate::scene::check::MOST_FOCI;
 use crate::scene::{MotionPath, Pressures, Sampling, Scene, Shape, Target, font};
 use crate::ui::panels::{DEGREES, MM, PLAIN, Unit, count, form, number};
 
+/// m between the focal points that an outline gets when they are first asked for.
+const SPACING: f64 = 0.01;
 /// m
 const LENGTH: std::ops::RangeInclusive<f64> = 1e-4..=10.0;
 
@@ -127,20 +129,25 @@ fn pressure(target: &mut Target, pressures: Pressures, ui: &mut Ui) {
     }
 }
 
-/// How many focal points an outline gets.
+/// Whether an outline is a stroke or separate focal points, and how many.
 pub fn sampling(ui: &mut Ui, sampling: &mut Sampling) {
-    let label =
-        ui.label("Focal points").on_hover_text("By their distance along the outline, or by their number");
-    ui.horizontal(|ui| {
-        let by_count = matches!(sampling, Sampling::Points(_));
-        if ui.selectable_label(!by_count, "every").clicked() && by_count {
-            *sampling = Sampling::default();
-        }
-        if ui.selectable_label(by_count, "in all").clicked() && !by_count {
-            *sampling = Sampling::Points(16);
-        }
+    let label = ui.label("Stroke").on_hover_text("Evenly loud all along, or separate focal points");
+    ui.vertical(|ui| {
+        ui.horizontal(|ui| {
+            let choices = [
+                ("Continuous", "Evenly loud all along", Sampling::Continuous),
+                ("Spacing", "Focal points, by their distance along the outline", Sampling::Spacing(SPACING)),
+                ("Count", "Focal points, by their number", Sampling::Points(16)),
+            ];
+            for (name, tip, choice) in choices {
+                let is_chosen = std::mem::discriminant(sampling) == std::mem::discriminant(&choice);
+                if ui.selectable_label(is_chosen, name).on_hover_text(tip).clicked() && !is_chosen {
+                    *sampling = choice;
+                }
+            }
+        });
         match sampling {
-            Sampling::Whole => {}
+            Sampling::Whole | Sampling::Continuous => {}
             Sampling::Spacing(spacing) => {
                 crate::ui::panels::bare_number(ui, spacing, MM, 1e-3..=0.2).labelled_by(label.id);
             }

@@ -13,7 +13,7 @@ pub fn run(bytes: &[u8]) {
     match import::read(bytes) {
         Ok(drawing) => {
             is_bounded(&drawing);
-            for sampling in [Sampling::Spacing(0.004), Sampling::Points(40)] {
+            for sampling in [Sampling::Continuous, Sampling::Spacing(0.004), Sampling::Points(40)] {
                 becomes_a_scene(&drawing, sampling);
             }
         }

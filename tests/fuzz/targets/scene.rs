@@ -81,9 +81,14 @@ fn survives(text: &str, scene: &Scene) {
 }
 
 /// What a window may do to a scene.
-const EDITS: [fn(&mut Scene); 6] = [
+const EDITS: [fn(&mut Scene); 7] = [
     |scene| scene.solver.method = if scene.solver.method == Method::Gs { Method::Wgs } else { Method::Gs },
     |scene| scene.targets.reverse(),
+    |scene| {
+        scene.solver.quiet = if scene.solver.quiet == 0.25 { 0.5 } else { 0.25 };
+        scene.quiet.reverse();
+        scene.quiet.pop();
+    },
     |scene| scene.targets.extend(scene.targets.last().cloned()),
     |scene| drop(scene.targets.drain(..scene.targets.len().min(1))),
     |scene| {
