@@ -77,6 +77,15 @@ fn weighted(problem: &Problem<'_>, iterations: u32) -> (Vec<Complex64>, Vec<Comp
     (state.excitation(), state.pressure[0].to_vec(targets.len()))
 }
 
+/// The same, from phases (rad) at the foci; u of the driven elements.
+pub fn weighted_from(problem: &Problem<'_>, phases: &[f64], iterations: u32) -> Vec<Complex64> {
+    let targets = problem.targets();
+    let wanted = targets.iter().zip(phases).map(|(target, phase)| Complex64::from_polar(*target, *phase));
+    let mut state = State::from_foci(&problem.transfer, wanted.collect());
+    state.weigh(&targets, targets.clone(), iterations);
+    state.excitation()
+}
+
 /// Every element in turn takes the one of 16 phases that brings the foci nearest to their targets (Suzuki 2021).
 pub fn greedy(problem: &Problem<'_>, sweeps: u32) -> Excitation {
     let (transfer, targets) = (&problem.transfer, problem.targets());

@@ -6,11 +6,13 @@
 //! the phase iterations (`naive`, `gs`, `gspat`, `wgs`, `greedy`, `best`) in [`iteration`]. [`frames`] solves a
 //! scene that moves.
 
+mod descent;
 pub mod frames;
 mod inverse;
 mod iteration;
 pub mod levels;
 mod quality;
+pub mod shape;
 mod starts;
 
 use std::time::Instant;
@@ -23,6 +25,7 @@ use crate::scene::{Amplitudes, Focus, KeyError, Method, Pressures, Scene, Solver
 
 pub use inverse::rank_and_condition;
 pub use quality::{Limits, Quality, bound};
+pub use shape::Surroundings;
 
 /// What a method gets to see.
 #[derive(Clone, Debug)]
@@ -31,6 +34,8 @@ pub struct Problem<'a> {
     pub foci: Vec<Focus>,
     /// Foci x driven elements.
     pub transfer: Transfer,
+    /// What is to be quiet, where the foci are samples of a shape.
+    pub surroundings: Option<Surroundings>,
 }
 
 impl<'a> Problem<'a> {
@@ -47,7 +52,13 @@ impl<'a> Problem<'a> {
             assert!(target.is_finite() && *target > 0.0, "no target: {target}");
         }
         let points: Vec<_> = foci.iter().map(|focus| focus.position).collect();
-        Self { aperture, transfer: aperture.transfer(&points), foci }
+        Self { aperture, transfer: aperture.transfer(&points), foci, surroundings: None }
+    }
+
+    /// The foci are samples of a shape and separate foci, and what is around them is to be quiet: `best` then is
+    /// [`shape::best`].
+    pub fn with_surroundings(self, surroundings: Surroundings) -> Self {
+        Self { surroundings: Some(surroundings), ..self }
     }
 
     /// Wanted pressure of every focus: ratios, or Pa (peak).
@@ -208,7 +219,10 @@ pub fn excite(problem: &Problem<'_>, method: Method, iterations: u32) -> Result<
         Method::Gspat => iteration::gspat(problem, or(100)),
         Method::Wgs => iteration::wgs(problem, or(100)),
         Method::Greedy => iteration::greedy(problem, or(1)),
-        Method::Best => iteration::best(problem, or(20)),
+        Method::Best => match &problem.surroundings {
+            Some(surroundings) => shape::best(problem, surroundings),
+            None => iteration::best(problem, or(20)),
+        },
     })
 }
 
@@ -217,7 +231,10 @@ pub fn excite(problem: &Problem<'_>, method: Method, iterations: u32) -> Result<
 pub fn excite_from(problem: &Problem<'_>, before: &Excitation) -> Excitation {
     /// Over many frames the weights follow all the same.
     const ITERATIONS: u32 = 1;
-    iteration::best_from(problem, before, ITERATIONS)
+    match &problem.surroundings {
+        Some(surroundings) => shape::best_from(problem, surroundings, &before.values),
+        None => iteration::best_from(problem, before, ITERATIONS),
+    }
 }
 
 /// The strongest drive of `batches` of eight starts, levelled for long: a baseline for `best`, and hundreds of times slower.

@@ -1,0 +1,156 @@
+//! How good a drive of a shape is, in f64 and on samples finer than the solver's.
+
+use glam::DVec3;
+use num_complex::Complex64;
+
+use crate::acoustics::Aperture;
+use crate::scene::{Focus, Plane};
+use crate::solver::Problem;
+use crate::solver::shape::grid::{Grid, Layout};
+use crate::solver::shape::real::Waves;
+use crate::solver::shape::region::{self, Area};
+use crate::solver::shape::{Surroundings, strongest};
+
+/// Points whose transfers are made at once.
+const CHUNK: usize = 256;
+
+/// Figures of a drive; they do not depend on its scale.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Figures {
+    /// Least over mean of |p|/wanted along the strokes and at the foci, 0 to 1.
+    pub evenness: f64,
+    /// Loudest over least of |p|/wanted there, dB.
+    pub ripple_db: f64,
+    /// The loudest |p| of the plane, farther than 8 mm (0.93 wavelengths, if that is more) from every focus, over the mean at
+    /// the foci; 0 where there is no such place.
+    pub side_lobe: f64,
+    /// m
+    pub side_lobe_position: DVec3,
+    /// Mean |p|/wanted over that of the strongest drive, the one of `quiet` = 0.
+    pub strength: f64,
+}
+
+/// The figures of a drive, u of the driven elements to any scale, as far on the plane as the array radiates.
+///
+/// # Panics
+/// Other than a value per driven element.
+pub fn figures(problem: &Problem<'_>, surroundings: &Surroundings, u: &[Complex64]) -> Figures {
+    let aperture = problem.aperture;
+    let at_foci: Vec<_> = problem.transfer.pressure(u).iter().map(|p| p.norm()).collect();
+    let (between, wanted): (Vec<_>, Vec<_>) =
+        between(&problem.foci, aperture.wavelength()).into_iter().unzip();
+    let relative: Vec<_> = (at_foci.iter().zip(problem.targets()))
+        .map(|(p, target)| p / target)
+        .chain(moduli(aperture, &between, u).iter().zip(&wanted).map(|(p, wanted)| p / wanted))
+        .collect();
+    let (least, most) =
+        relative.iter().fold((f64::INFINITY, 0.0f64), |(least, most), &p| (least.min(p), most.max(p)));
+    let mean = mean(&relative).max(f64::MIN_POSITIVE);
+    let (side_lobe_position, loudest) = side_lobe(problem, &surroundings.plane, u).unwrap_or_default();
+    let strength = |u: &[Complex64]| {
+        let pressure = problem.transfer.pressure(u);
+        let played = u.iter().map(|u| u.norm()).fold(f64::MIN_POSITIVE, f64::max);
+        let relative: Vec<_> =
+            pressure.iter().zip(problem.targets()).map(|(p, target)| p.norm() / target).collect();
+        self::mean(&relative) / played
+    };
+    Figures {
+        evenness: least / mean,
+        ripple_db: 20.0 * (most / least.max(1e-6 * most).max(f64::MIN_POSITIVE)).max(1.0).log10(),
+        side_lobe: loudest / self::mean(&at_foci).max(f64::MIN_POSITIVE),
+        side_lobe_position,
+        strength: strength(u) / strength(&strongest(problem)).max(f64::MIN_POSITIVE),
+    }
+}
+
+fn mean(values: &[f64]) -> f64 {
+    values.iter().sum::<f64>() / values.len() as f64
+}
+
+/// |p| (Pa) at points.
+fn moduli(aperture: &Aperture, points: &[DVec3], u: &[Complex64]) -> Vec<f64> {
+    let pressure = |chunk: &[DVec3]| aperture.transfer(chunk).pressure(u).into_iter().map(|p| p.norm());
+    points.chunks(CHUNK).flat_map(|chunk| pressure(chunk).collect::<Vec<_>>()).collect()
+}
+
+/// Places between neighbouring samples of a stroke, and what is wanted there.
+fn between(foci: &[Focus], wavelength: f64) -> Vec<(DVec3, f64)> {
+    /// Places for each pair.
+    const PLACES: usize = 3;
+    /// Wavelengths: samples that are farther apart are separate foci.
+    const NEIGHBOURS: f64 = 0.27;
+    let is_near = |pair: &&[Focus]| pair[0].position.distance(pair[1].position) < NEIGHBOURS * wavelength;
+    let places = |pair: &[Focus]| {
+        let (from, to) = (pair[0], pair[1]);
+        (1..=PLACES).map(move |place| {
+            let part = place as f64 / (PLACES + 1) as f64;
+            (from.position.lerp(to.position, part), from.target + (to.target - from.target) * part)
+        })
+    };
+    foci.windows(2).filter(is_near).flat_map(places).collect()
+}
+
+/// The loudest place of the plane that is not drawn, and |p| (Pa) there.
+fn side_lobe(problem: &Problem<'_>, plane: &Plane, u: &[Complex64]) -> Option<(DVec3, f64)> {
+    /// m, and wavelengths.
+    const NEAREST: f64 = 8e-3;
+    const NEAREST_WAVES: f64 = 0.93;
+    /// Of the loudest sample, and how many at most: places from which a louder one is looked for.
+    const LOUD: f64 = 0.8;
+    const MOST: usize = 48;
+    let (aperture, foci) = (problem.aperture, &problem.foci);
+    let (x, y) = plane.axes()?;
+    let nearest = (NEAREST_WAVES * aperture.wavelength()).max(NEAREST);
+    let (samples, spacing) = match Area::new(problem, plane, true)? {
+        Area::Grid(layout) => (heard(problem, &layout, u, nearest), layout.spacing(aperture.pitch)),
+        Area::Points { points, spacing } => {
+            let points: Vec<_> =
+                points.into_iter().filter(|&point| region::distance(point, foci) > nearest).collect();
+            let heard = moduli(aperture, &points, u);
+            (points.into_iter().zip(heard).collect::<Vec<_>>(), spacing)
+        }
+    };
+    let loudest = samples.iter().map(|(_, p)| *p).fold(0.0, f64::max);
+    let mut loud: Vec<_> = samples.into_iter().filter(|(_, p)| *p >= LOUD * loudest).collect();
+    loud.sort_by(|a, b| b.1.total_cmp(&a.1));
+    let refined = |&(place, _): &(DVec3, f64)| {
+        let mut best = (place, moduli(aperture, &[place], u)[0]);
+        let mut step = 0.5 * spacing;
+        while step > 0.02 * spacing {
+            let sides = [x, -x, y, -y, x + y, x - y, y - x, -x - y].map(|side| best.0 + side * step);
+            let sides: Vec<_> =
+                sides.into_iter().filter(|&place| region::distance(place, foci) > nearest).collect();
+            let louder =
+                sides.iter().copied().zip(moduli(aperture, &sides, u)).max_by(|a, b| a.1.total_cmp(&b.1));
+            match louder {
+                Some(louder) if louder.1 > best.1 => best = louder,
+                _ => step *= 0.5,
+            }
+        }
+        best
+    };
+    loud.iter().take(MOST).map(refined).max_by(|a, b| a.1.total_cmp(&b.1))
+}
+
+/// Places farther than `nearest` (m) from every focus, and |p| (Pa) there, as f32 hears it.
+fn heard(problem: &Problem<'_>, layout: &Layout, u: &[Complex64], nearest: f64) -> Vec<(DVec3, f64)> {
+    let aperture = problem.aperture;
+    let largest = u.iter().map(|u| u.norm()).fold(f64::MIN_POSITIVE, f64::max);
+    // A number of one element's size, so that f32 holds squares.
+    let scale = layout.height / aperture.element.strength.max(f64::MIN_POSITIVE);
+    let mut grid = Grid::<f32>::new(aperture, *layout, scale);
+    let played = Waves {
+        re: u.iter().map(|u| (u.re / largest) as f32).collect(),
+        im: u.iter().map(|u| (u.im / largest) as f32).collect(),
+    };
+    let mut field = Waves::zeros(layout.len());
+    grid.forward(&played, &mut field);
+    let distances = region::distances(layout, aperture.pitch, &problem.foci, 1.1 * nearest);
+    let places = layout.places(aperture.pitch).filter(|(index, _)| distances[*index] > nearest);
+    places
+        .map(|(index, place)| {
+            let modulus = f64::from(field.re[index].hypot(field.im[index]));
+            (place.extend(layout.height), modulus * largest / scale)
+        })
+        .collect()
+}

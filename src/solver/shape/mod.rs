@@ -1,0 +1,395 @@
+//! Drives of shapes that are only the shape: strokes evenly loud, and everything else on the plane as quiet as can be.
+//!
+//! The first drive minds the strokes alone: weighted Gerchberg-Saxton from equal phases along them ([`start`]), then
+//! descent ([`crate::solver::descent`]). What follows makes an [`objective`] small that hears everything the array radiates
+//! to: the plane by Fourier transforms ([`grid`]) where it is parallel to the array, by a [`table`] elsewhere. There is no
+//! clock inside and one thread: the same calls give the same drives.
+
+mod fft;
+mod figures;
+mod grid;
+mod objective;
+mod real;
+mod region;
+mod start;
+mod table;
+
+use glam::DVec3;
+use num_complex::Complex64;
+
+use crate::scene::Plane;
+use crate::solver::descent::Descent;
+use crate::solver::{Excitation, Problem, iteration};
+
+use objective::{Loudness, Objective, Weights};
+use start::Start;
+use table::Table;
+
+pub use figures::{Figures, figures};
+
+/// How what is not drawn is kept quiet.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Surroundings {
+    /// Its centre and axes; it is quiet as far as the array radiates, whatever part of it is shown.
+    pub plane: Plane,
+    /// 0, the strongest drive, to 1, the quietest.
+    pub quiet: f64,
+    pub zones: Vec<Zone>,
+}
+
+/// Points that are to be quiet, wherever they are.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Zone {
+    /// m
+    pub points: Vec<DVec3>,
+    /// |p| there counts as so many times as loud; 0 for nothing.
+    pub weight: f64,
+}
+
+/// Steps of one call of [`Search::advance`], and calls, of each part of the schedule.
+const COARSE: (usize, u32) = (20, 3);
+const FINE: (usize, u32) = (25, 4);
+const LAST: (usize, u32) = (25, 4);
+/// Steps of another start, and of the best of these.
+const TRIAL: usize = 25;
+const TRIAL_REST: usize = 35;
+/// Steps of one call that goes on from a drive.
+const FRAME: usize = 15;
+/// Steps on the strokes alone: for the first drive, for other starts, and for the strength that a moved shape can have.
+const FIRST_STEPS: usize = 25;
+const OTHER_STEPS: usize = 10;
+const MOVED_STEPS: usize = 8;
+/// Steps after which tables choose their rows anew; and after which no more is gained than rounding makes.
+const REFRESH: usize = 8;
+const STALL: usize = 10;
+/// Gain per step below which a descent ends.
+const LEAST_GAIN: f64 = 1e-5;
+
+/// On the strokes alone: even, and strong.
+const STROKES: Weights =
+    Weights { even: 2.0, quiet: 0.0, strong: 1.0, sharpness: 8, loudness: Loudness::Eight, floor: 0.0 };
+
+/// A search for the drive of a shape that goes on as long as it is asked to, until it stops gaining.
+#[derive(Debug)]
+pub struct Search<'a> {
+    problem: &'a Problem<'a>,
+    surroundings: Surroundings,
+    objective: Objective<f32>,
+    /// Of transfers, so that pressures are near 1.
+    scale: f64,
+    /// M of the strongest drive.
+    strongest: f64,
+    /// From equal phases, and from the best other start.
+    ways: [Option<Descent>; 2],
+    /// Which of the ways is the better one.
+    leader: usize,
+    stage: Stage,
+    /// u of the driven elements, as given last.
+    given: Option<Vec<Complex64>>,
+    steps: usize,
+}
+
+/// What the next call does; numbers count calls and starts.
+#[derive(Clone, Copy, Debug)]
+enum Stage {
+    First,
+    Coarse(u32),
+    Other(usize),
+    Leader(u32),
+    Rival(u32),
+    Last(u32),
+    /// Goes on from a drive.
+    Moved,
+    Going,
+    Done,
+}
+
+impl<'a> Search<'a> {
+    /// The problem's foci are samples of strokes, a quarter of a wavelength apart, and separate foci.
+    pub fn new(problem: &'a Problem<'a>, surroundings: &Surroundings) -> Self {
+        let (table, scale) = strokes(problem);
+        let stage = if table.points() == 0 { Stage::Done } else { Stage::First };
+        let surroundings = surroundings.clone();
+        let objective = Objective::new(table, STROKES);
+        let (ways, given) = ([None, None], None);
+        Self {
+            problem,
+            surroundings,
+            objective,
+            scale,
+            strongest: 0.0,
+            ways,
+            leader: 0,
+            stage,
+            given,
+            steps: 0,
+        }
+    }
+
+    /// Goes on from u of the driven elements, which was found for a problem near this one: each call is the work of a frame.
+    pub fn from(problem: &'a Problem<'a>, surroundings: &Surroundings, before: &[Complex64]) -> Self {
+        let mut search = Self::new(problem, surroundings);
+        let is_drive = before.len() == problem.aperture.driven.len() && before.iter().all(|u| u.is_finite());
+        if is_drive && matches!(search.stage, Stage::First) {
+            search.stage = Stage::Moved;
+        }
+        search.given = is_drive.then(|| before.iter().map(|&u| iteration::phase(u)).collect());
+        search
+    }
+
+    /// The best drive so far, turned by a common phase to be near the one before: first that of the strokes alone, then one
+    /// after every few steps, which is the one before again where they were spent on another start. `None` once nothing is
+    /// gained any more.
+    pub fn advance(&mut self) -> Option<Excitation> {
+        let before = self.steps;
+        match self.stage {
+            Stage::First => self.first(),
+            Stage::Coarse(call) => self.coarse(call),
+            Stage::Other(start) => self.other(start),
+            Stage::Leader(call) => {
+                if call == 0 {
+                    self.refine();
+                }
+                let goes_on = self.run(self.leader, FINE.0) && call + 1 < FINE.1;
+                self.stage = if goes_on { Stage::Leader(call + 1) } else { Stage::Rival(0) };
+            }
+            Stage::Rival(call) => self.rival(call),
+            Stage::Last(call) => {
+                let goes_on = self.run(self.leader, LAST.0) && call + 1 < LAST.1;
+                self.stage = if goes_on { Stage::Last(call + 1) } else { Stage::Done };
+            }
+            Stage::Moved => self.moved(),
+            Stage::Going => {
+                if !self.run(0, FRAME) {
+                    self.stage = Stage::Done;
+                }
+            }
+            Stage::Done if self.steps == 0 && self.given.is_none() => return Some(self.silent()),
+            Stage::Done => return None,
+        }
+        (self.steps > before).then(|| self.give())
+    }
+
+    /// No element is heard where anything is drawn: any drive is as good.
+    fn silent(&mut self) -> Excitation {
+        let values = vec![Complex64::ONE; self.problem.aperture.driven.len()];
+        self.given = Some(values.clone());
+        Excitation { values, iterations: 0, residual: None, weights: None }
+    }
+
+    fn first(&mut self) {
+        let way = self.along_strokes(Start::Equal, FIRST_STEPS);
+        self.strongest = self.objective.mean_square(&way.x);
+        self.ways[0] = Some(way);
+        self.stage = if self.is_quiet() { Stage::Coarse(0) } else { Stage::Done };
+    }
+
+    fn coarse(&mut self, call: u32) {
+        if call == 0 {
+            self.hear(false);
+            if self.objective.quiet.is_empty() {
+                self.stage = Stage::Done;
+                return;
+            }
+            self.objective.weights = self.weights(Loudness::Eight);
+            self.renew(0);
+        }
+        let goes_on = self.run(0, COARSE.0) && call + 1 < COARSE.1;
+        self.stage = if goes_on { Stage::Coarse(call + 1) } else { Stage::Other(0) };
+    }
+
+    /// Tries another start; after the last of them the best goes on as far as the first did.
+    fn other(&mut self, start: usize) {
+        let weights = self.objective.weights;
+        let way = self.along_strokes(Start::OTHERS[start], OTHER_STEPS);
+        self.objective.weights = weights;
+        let best = self.ways[1].replace(way);
+        self.renew(1);
+        self.run(1, TRIAL);
+        if value(&best) <= value(&self.ways[1]) {
+            self.ways[1] = best;
+        }
+        if start + 1 < Start::OTHERS.len() {
+            self.stage = Stage::Other(start + 1);
+            return;
+        }
+        self.run(1, TRIAL_REST);
+        self.leader = usize::from(value(&self.ways[1]) < value(&self.ways[0]));
+        self.stage = Stage::Leader(0);
+    }
+
+    /// Finer samples and a sharper maximum, for both ways.
+    fn refine(&mut self) {
+        self.hear(true);
+        self.objective.weights = self.weights(Loudness::Twelve);
+        self.renew(0);
+        self.renew(1);
+    }
+
+    fn rival(&mut self, call: u32) {
+        let rival = 1 - self.leader;
+        if self.run(rival, FINE.0) && call + 1 < FINE.1 {
+            self.stage = Stage::Rival(call + 1);
+            return;
+        }
+        if value(&self.ways[rival]) < value(&self.ways[self.leader]) {
+            self.leader = rival;
+        }
+        self.stage = Stage::Last(0);
+    }
+
+    /// The first steps from the drive that was given; what strength this shape can have is found anew.
+    fn moved(&mut self) {
+        let phases = self.given.iter().flatten().map(|u| u.arg()).collect();
+        if self.is_quiet() {
+            let strong = self.along_strokes(Start::Equal, MOVED_STEPS);
+            self.strongest = self.objective.mean_square(&strong.x);
+            self.hear(true);
+            self.objective.weights = self.weights(Loudness::Twelve);
+        }
+        self.ways[0] = Some(Descent::new(phases, &mut self.objective));
+        self.stage = if self.run(0, FRAME) { Stage::Going } else { Stage::Done };
+    }
+
+    fn is_quiet(&self) -> bool {
+        self.surroundings.quiet > 0.0
+    }
+
+    /// With the surroundings: most of the strength is kept.
+    fn weights(&self, loudness: Loudness) -> Weights {
+        /// Below this `quiet` side lobes count less and less.
+        const FULL: f64 = 0.25;
+        /// Of the strongest |p|: what `quiet` = 1 may cost.
+        const COST: f64 = 0.2;
+        let wanted = self.surroundings.quiet.min(1.0);
+        let kept = 1.0 - COST * wanted;
+        let floor = kept * kept * self.strongest;
+        Weights { even: 1.5, quiet: (wanted / FULL).min(1.0), strong: 0.0, sharpness: 16, loudness, floor }
+    }
+
+    /// Samples of the surroundings; coarse ones are replaced by finer ones where there are such.
+    fn hear(&mut self, finer: bool) {
+        let Self { problem, surroundings, objective, scale, .. } = self;
+        if finer && !objective.quiet.is_empty() && objective.quiet.iter().all(|quiet| quiet.is_table()) {
+            return;
+        }
+        objective.quiet.retain(|_| false);
+        objective.quiet.extend(region::on_plane(problem, &surroundings.plane, finer, *scale));
+        objective.quiet.extend(region::in_zones(problem, &surroundings.zones, *scale));
+    }
+
+    fn along_strokes(&mut self, start: Start, steps: usize) -> Descent {
+        let samples: Vec<_> = self.problem.foci.iter().map(|focus| focus.position).collect();
+        let phases = along(self.problem, &start.phases(&samples, &self.surroundings.plane));
+        self.objective.weights = STROKES;
+        let mut way = Descent::new(phases, &mut self.objective);
+        self.steps += descend(&mut way, &mut self.objective, steps).0;
+        way
+    }
+
+    /// A way under weights and samples that have changed.
+    fn renew(&mut self, way: usize) {
+        if let Some(way) = &mut self.ways[way] {
+            self.objective.refresh(&way.x);
+            *way = Descent::new(std::mem::take(&mut way.x), &mut self.objective);
+        }
+    }
+
+    /// Steps of one of the ways; false once it gains nothing.
+    fn run(&mut self, way: usize, steps: usize) -> bool {
+        let Some(way) = &mut self.ways[way] else { return false };
+        let (done, goes_on) = descend(way, &mut self.objective, steps);
+        self.steps += done;
+        goes_on
+    }
+
+    fn give(&mut self) -> Excitation {
+        let phases = self.ways[self.leader].iter().flat_map(|way| &way.x);
+        let mut values: Vec<_> = phases.map(|&phase| Complex64::from_polar(1.0, phase)).collect();
+        if let Some(before) = &self.given {
+            let ahead = before.iter().zip(&values).map(|(from, to)| from.conj() * to).sum::<Complex64>();
+            let back = Complex64::from_polar(1.0, -ahead.arg());
+            values.iter_mut().for_each(|u| *u *= back);
+        }
+        self.given = Some(values.clone());
+        Excitation { values, iterations: self.steps as u32, residual: None, weights: None }
+    }
+}
+
+/// Steps of a descent: how many were made, one at least, and whether more would gain.
+fn descend(way: &mut Descent, objective: &mut Objective<f32>, steps: usize) -> (usize, bool) {
+    let mut done = 0;
+    while done < steps {
+        let renewed = objective.refresh(&way.x);
+        if renewed {
+            way.renew(objective);
+        }
+        let part = (steps - done).min(if renewed { REFRESH } else { STALL });
+        let before = way.value;
+        for _ in 0..part {
+            done += 1;
+            if !way.step(objective) {
+                return (done, false);
+            }
+        }
+        if part >= REFRESH && before - way.value < LEAST_GAIN * part as f64 {
+            return (done, false);
+        }
+    }
+    (done, true)
+}
+
+/// What a way has come down to.
+fn value(way: &Option<Descent>) -> f64 {
+    way.as_ref().map_or(f64::INFINITY, |way| way.value)
+}
+
+/// Phases of the elements from those along the strokes, by damped weighted Gerchberg-Saxton.
+fn along(problem: &Problem<'_>, phases: &[f64]) -> Vec<f64> {
+    const ITERATIONS: u32 = 10;
+    iteration::weighted_from(problem, phases, ITERATIONS).iter().map(|u| u.arg()).collect()
+}
+
+/// The transfer to the foci over what is wanted there, and the scale of transfers that brings it near 1; foci that cannot be made
+/// to hear anything are left out.
+fn strokes(problem: &Problem<'_>) -> (Table<f32>, f64) {
+    /// Of what the focus hears that hears most, over its target.
+    const FAINTEST: f64 = 1e-4;
+    let targets = problem.targets();
+    let mean = targets.iter().sum::<f64>() / targets.len() as f64;
+    let heard = |row: usize| problem.transfer.row(row).map(|h| h.norm()).sum::<f64>() * mean / targets[row];
+    let heard: Vec<_> = (0..targets.len()).map(heard).collect();
+    let most = heard.iter().copied().filter(|heard| heard.is_finite()).fold(0.0, f64::max);
+    let scale = 1.0 / most;
+    let mut table = Table::new(problem.transfer.elements);
+    if scale.is_finite() && scale > 0.0 {
+        for (row, (heard, target)) in problem.transfer.rows().zip(heard.iter().zip(&targets)) {
+            if *heard >= FAINTEST * most {
+                table.push(row, scale * mean / target);
+            }
+        }
+    }
+    (table, scale)
+}
+
+/// The strongest drive: that of the strokes alone.
+fn strongest(problem: &Problem<'_>) -> Vec<Complex64> {
+    let plane = Plane::default();
+    best(problem, &Surroundings { plane, quiet: 0.0, zones: Vec::new() }).values
+}
+
+/// The drive at the end of a [`Search`].
+pub fn best(problem: &Problem<'_>, surroundings: &Surroundings) -> Excitation {
+    let mut search = Search::new(problem, surroundings);
+    let mut best = None;
+    while let Some(better) = search.advance() {
+        best = Some(better);
+    }
+    best.unwrap_or_else(|| search.silent())
+}
+
+/// One call of a search that goes on from u of the driven elements: what a frame of a motion or of a drag has time for.
+pub fn best_from(problem: &Problem<'_>, surroundings: &Surroundings, before: &[Complex64]) -> Excitation {
+    let mut search = Search::from(problem, surroundings, before);
+    search.advance().unwrap_or_else(|| search.silent())
+}

@@ -1,0 +1,302 @@
+//! What a drive of a shape is to make small: unevenness along the strokes and side lobes, and how weak it gets.
+//!
+//! With I = |p|² over its wanted value on the strokes, M the mean of it there, and phases φ of the elements, it is
+//!   α E + β Q - γ S + ½ 30 (max(0, ½ ln(floor/M)))²,
+//!   E = 1/2p ln(mean (M/I)^p), a soft minimum of |p| along the strokes under their mean,
+//!   Q = 1/2q ln(Σ m (I/M)^q), a soft maximum of |p| elsewhere over that mean, m the mask,
+//!   S = ½ ln M.
+//! Its derivative by φ_n is 2 Im(u_n* b_n) with b = Hᴴ (w p) and w its derivative by I.
+
+use crate::simd::{Instructions, Isa, Kernel};
+use crate::solver::descent::Function;
+use crate::solver::shape::grid::Grid;
+use crate::solver::shape::real::{LANES, Real, Waves, lanes};
+use crate::solver::shape::table::Table;
+
+/// Of the mean |p|²: what is less counts as this much.
+const LEAST: f64 = 1e-6;
+/// Of the penalty for strength that is lost.
+const STIFFNESS: f64 = 30.0;
+
+/// How much each of it counts.
+#[derive(Clone, Copy, Debug)]
+pub struct Weights {
+    /// α
+    pub even: f64,
+    /// β
+    pub quiet: f64,
+    /// γ
+    pub strong: f64,
+    /// p
+    pub sharpness: i32,
+    /// q
+    pub loudness: Loudness,
+    /// The M that is kept; 0 for none.
+    pub floor: f64,
+}
+
+/// How near the soft maximum of |p|² elsewhere is to the maximum: q.
+#[derive(Clone, Copy, Debug)]
+pub enum Loudness {
+    Eight,
+    Twelve,
+}
+
+/// Samples that are to be quiet.
+#[derive(Debug)]
+pub enum Samples<T> {
+    Grid(Box<Grid<T>>),
+    Table(Table<T>),
+}
+
+/// Samples that are to be quiet, how much each counts, and the field there.
+#[derive(Debug)]
+pub struct Quiet<T> {
+    samples: Samples<T>,
+    /// Of every sample, 0 to 1.
+    mask: Vec<T>,
+    /// Of those in use, padded with zeros to whole blocks of lanes.
+    in_use: Vec<T>,
+    p: Waves<T>,
+}
+
+impl<T: Real> Quiet<T> {
+    /// The mask is laid out as the field of the samples is.
+    pub fn new(samples: Samples<T>, mask: Vec<T>) -> Self {
+        let padded = mask.len().next_multiple_of(LANES);
+        let mut in_use = mask.clone();
+        in_use.resize(padded, T::default());
+        Self { samples, mask, in_use, p: Waves::zeros(padded) }
+    }
+
+    pub fn is_table(&self) -> bool {
+        match self.samples {
+            Samples::Grid(_) => false,
+            Samples::Table(_) => true,
+        }
+    }
+
+    fn hear(&mut self, u: &Waves<T>) {
+        match &mut self.samples {
+            Samples::Grid(grid) => grid.forward(u, &mut self.p),
+            Samples::Table(table) => table.forward(u, &mut self.p),
+        }
+    }
+
+    /// b += Hᴴ p
+    fn back(&mut self, b: &mut Waves<T>) {
+        match &mut self.samples {
+            Samples::Grid(grid) => grid.back(&self.p, b),
+            Samples::Table(table) => table.back(&self.p, b),
+        }
+    }
+
+    /// Of a table, the rows at which this drive is loud are in use from now on.
+    fn refresh(&mut self, u: &Waves<T>) {
+        /// Of the loudest |p|²: less is dangerous, since side lobes grow between two refreshes.
+        const LOUD: f64 = 0.16;
+        let Samples::Table(table) = &mut self.samples else { return };
+        table.rows = (0..self.mask.len() as u32).collect();
+        let padded = self.mask.len().next_multiple_of(LANES);
+        self.p = Waves::zeros(padded);
+        table.forward(u, &mut self.p);
+        let loudness = |row: usize| {
+            let (re, im) = (self.p.re[row].wide(), self.p.im[row].wide());
+            if self.mask[row] > T::default() { re * re + im * im } else { 0.0 }
+        };
+        let loudest = (0..self.mask.len()).map(loudness).fold(0.0, f64::max);
+        let rows: Vec<_> = (0..self.mask.len()).filter(|&row| loudness(row) >= LOUD * loudest).collect();
+        self.in_use = rows.iter().map(|&row| self.mask[row]).collect();
+        table.rows = rows.iter().map(|&row| row as u32).collect();
+        let padded = rows.len().next_multiple_of(LANES);
+        self.in_use.resize(padded, T::default());
+        self.p = Waves::zeros(padded);
+    }
+}
+
+/// The function to be made small, of the phases (rad) of the driven elements.
+#[derive(Debug)]
+pub struct Objective<T> {
+    pub weights: Weights,
+    pub quiet: Vec<Quiet<T>>,
+    /// Transfers over wanted pressures.
+    strokes: Table<T>,
+    u: Waves<T>,
+    heard: Waves<T>,
+    p: Waves<T>,
+    /// |p|² over its wanted value along the strokes.
+    intensities: Vec<f64>,
+}
+
+impl<T: Real> Objective<T> {
+    pub fn new(strokes: Table<T>, weights: Weights) -> Self {
+        let (u, heard, p) = (strokes.excitation(), strokes.excitation(), Waves::zeros(strokes.points()));
+        Self { weights, quiet: Vec::new(), strokes, u, heard, p, intensities: Vec::new() }
+    }
+
+    /// M at these phases.
+    pub fn mean_square(&mut self, phases: &[f64]) -> f64 {
+        self.play(phases);
+        self.intensities.iter().sum::<f64>() / self.intensities.len() as f64
+    }
+
+    /// Tables keep the rows that are loud at these phases; false where there are no tables.
+    pub fn refresh(&mut self, phases: &[f64]) -> bool {
+        if !self.quiet.iter().any(Quiet::is_table) {
+            return false;
+        }
+        self.play(phases);
+        self.quiet.iter_mut().for_each(|quiet| quiet.refresh(&self.u));
+        true
+    }
+
+    fn play(&mut self, phases: &[f64]) {
+        for ((phase, re), im) in phases.iter().zip(&mut self.u.re).zip(&mut self.u.im) {
+            let (sin, cos) = phase.sin_cos();
+            (*re, *im) = (T::of(cos), T::of(sin));
+        }
+        self.strokes.forward(&self.u, &mut self.p);
+        let square = |(re, im): (&T, &T)| re.wide() * re.wide() + im.wide() * im.wide();
+        self.intensities.clear();
+        self.intensities.extend(self.p.re.iter().zip(&self.p.im).map(square));
+    }
+
+    /// ln(Σ m I^q)/2q, and β/2 of its derivatives sent back to the elements; `None` where there is nothing to be heard.
+    fn hear(&mut self) -> Option<f64> {
+        self.heard.clear();
+        if self.weights.quiet == 0.0 {
+            return None;
+        }
+        self.quiet.iter_mut().for_each(|quiet| quiet.hear(&self.u));
+        let loudest =
+            self.quiet.iter().map(|quiet| Isa::best().run(Loudest { quiet }).wide()).fold(0.0, f64::max);
+        let inverse = T::of(1.0 / loudest);
+        if loudest <= 0.0 || !inverse.wide().is_finite() {
+            return None;
+        }
+        let (sum, q) = match self.weights.loudness {
+            Loudness::Eight => (self.weigh::<8>(inverse), 8.0),
+            Loudness::Twelve => (self.weigh::<12>(inverse), 12.0),
+        };
+        self.quiet.iter_mut().for_each(|quiet| quiet.back(&mut self.heard));
+        self.heard.scale(T::of(0.5 * self.weights.quiet / (sum * loudest)));
+        Some(0.5 * loudest.ln() + sum.ln() / (2.0 * q))
+    }
+
+    fn weigh<const Q: usize>(&mut self, inverse: T) -> f64 {
+        self.quiet.iter_mut().map(|quiet| Isa::best().run(Weigh::<T, Q> { quiet, inverse })).sum()
+    }
+}
+
+impl<T: Real> Function for Objective<T> {
+    fn evaluate(&mut self, phases: &[f64], gradient: &mut [f64]) -> f64 {
+        self.play(phases);
+        let Weights { even, strong, sharpness, floor, .. } = self.weights;
+        let count = self.intensities.len() as f64;
+        let mean = self.intensities.iter().sum::<f64>() / count;
+        if mean.is_nan() || mean <= 0.0 {
+            gradient.fill(0.0);
+            return f64::INFINITY;
+        }
+        let weakness = |intensity: f64| (mean / intensity.max(LEAST * mean)).powi(sharpness);
+        let sum = self.intensities.iter().map(|&intensity| weakness(intensity)).sum::<f64>();
+        let lack = if floor > 0.0 { (0.5 * (floor / mean).ln()).max(0.0) } else { 0.0 };
+        let mut value = even * (sum / count).ln() / (2.0 * f64::from(sharpness)) - 0.5 * strong * mean.ln();
+        value += 0.5 * STIFFNESS * lack * lack;
+        let mut along = even - strong - STIFFNESS * lack;
+        if let Some(loudness) = self.hear() {
+            value += self.weights.quiet * (loudness - 0.5 * mean.ln());
+            along -= self.weights.quiet;
+        }
+        for ((&intensity, re), im) in self.intensities.iter().zip(&mut self.p.re).zip(&mut self.p.im) {
+            let weak = even * weakness(intensity) / (sum * intensity.max(LEAST * mean));
+            let derivative = T::of(0.5 * (along / (count * mean) - weak));
+            (*re, *im) = (*re * derivative, *im * derivative);
+        }
+        self.strokes.back(&self.p, &mut self.heard);
+        for (n, slope) in gradient.iter_mut().enumerate() {
+            let ahead = self.u.re[n].wide() * self.heard.im[n].wide();
+            *slope = 2.0 * (ahead - self.u.im[n].wide() * self.heard.re[n].wide());
+        }
+        value
+    }
+}
+
+/// The loudest |p|² where the mask is not 0.
+struct Loudest<'a, T> {
+    quiet: &'a Quiet<T>,
+}
+
+impl<T: Real> Kernel for Loudest<'_, T> {
+    type Output = T;
+
+    #[inline(always)]
+    fn run<I: Instructions>(self) -> T {
+        let Quiet { p, in_use, .. } = self.quiet;
+        let [re, im, mask] = [&p.re, &p.im, in_use].map(|part| part.as_chunks::<LANES>().0);
+        let mut most = [T::default(); LANES];
+        for ((re, im), mask) in re.iter().zip(im).zip(mask) {
+            let square: [T; LANES] = lanes(|i| T::fused::<I>(re[i], re[i], im[i] * im[i]));
+            let heard = lanes(|i| if mask[i] > T::default() { square[i] } else { T::default() });
+            let before = most;
+            most = lanes(|i| if heard[i] > before[i] { heard[i] } else { before[i] });
+        }
+        most.into_iter().fold(T::default(), |most, square| if square > most { square } else { most })
+    }
+}
+
+/// Σ m t^q with t = |p|² · inverse, 1 at most; p ← p m t^{q-1}.
+struct Weigh<'a, T, const Q: usize> {
+    quiet: &'a mut Quiet<T>,
+    inverse: T,
+}
+
+impl<T: Real, const Q: usize> Kernel for Weigh<'_, T, Q> {
+    type Output = f64;
+
+    #[inline(always)]
+    fn run<I: Instructions>(self) -> f64 {
+        /// Powers of less are too small for f32, and nothing beside that of the loudest.
+        const FAINT: f64 = 2e-3;
+        /// Blocks that are summed before their sum is widened.
+        const RUN: usize = 64;
+        let Self { quiet, inverse } = self;
+        let mask = quiet.in_use.as_chunks::<LANES>().0;
+        let re = quiet.p.re.as_chunks_mut::<LANES>().0;
+        let im = quiet.p.im.as_chunks_mut::<LANES>().0;
+        let (faint, one) = (T::of(FAINT), T::of(1.0));
+        let mut sum = 0.0;
+        for ((re, im), mask) in re.chunks_mut(RUN).zip(im.chunks_mut(RUN)).zip(mask.chunks(RUN)) {
+            let mut sums = [T::default(); LANES];
+            for ((to_re, to_im), mask) in re.iter_mut().zip(im).zip(mask) {
+                let (re, im, before) = (*to_re, *to_im, sums);
+                let square: [T; LANES] = lanes(|i| T::fused::<I>(re[i], re[i], im[i] * im[i]) * inverse);
+                let part: [T; LANES] = lanes(|i| if square[i] < one { square[i] } else { one });
+                let part: [T; LANES] = lanes(|i| if part[i] > faint { part[i] } else { T::default() });
+                let powers = power(&part, Q - 1);
+                let weight: [T; LANES] = lanes(|i| mask[i] * powers[i]);
+                sums = lanes(|i| T::fused::<I>(weight[i], part[i], before[i]));
+                *to_re = lanes(|i| re[i] * weight[i]);
+                *to_im = lanes(|i| im[i] * weight[i]);
+            }
+            sum += sums.into_iter().map(Real::wide).sum::<f64>();
+        }
+        sum
+    }
+}
+
+/// By squares of squares; the exponent is a constant once this is inlined.
+#[inline(always)]
+fn power<T: Real>(base: &[T; LANES], exponent: usize) -> [T; LANES] {
+    let (mut power, mut square, mut rest) = ([T::of(1.0); LANES], *base, exponent);
+    while rest > 0 {
+        if rest % 2 == 1 {
+            let before = power;
+            power = lanes(|i| before[i] * square[i]);
+        }
+        let before = square;
+        square = lanes(|i| before[i] * before[i]);
+        rest /= 2;
+    }
+    power
+}

@@ -1,0 +1,104 @@
+//! Real numbers and split complex vectors of either precision: f32 solves, f64 checks derivatives.
+
+use std::fmt::Debug;
+use std::ops::{Add, AddAssign, Mul, MulAssign, Neg, Sub};
+
+use crate::simd::{Instructions, fused, fused64};
+
+/// Numbers that are worked on together.
+pub const LANES: usize = 8;
+
+/// f32 or f64.
+pub trait Real:
+    Copy
+    + Debug
+    + Default
+    + PartialOrd
+    + Add<Output = Self>
+    + Sub<Output = Self>
+    + Mul<Output = Self>
+    + Neg<Output = Self>
+    + AddAssign
+    + MulAssign
+{
+    fn of(value: f64) -> Self;
+    fn wide(self) -> f64;
+    /// a b + c
+    fn fused<I: Instructions>(a: Self, b: Self, c: Self) -> Self;
+}
+
+impl Real for f32 {
+    #[inline(always)]
+    fn of(value: f64) -> Self {
+        value as Self
+    }
+
+    #[inline(always)]
+    fn wide(self) -> f64 {
+        f64::from(self)
+    }
+
+    #[inline(always)]
+    fn fused<I: Instructions>(a: Self, b: Self, c: Self) -> Self {
+        fused::<I>(a, b, c)
+    }
+}
+
+impl Real for f64 {
+    #[inline(always)]
+    fn of(value: f64) -> Self {
+        value
+    }
+
+    #[inline(always)]
+    fn wide(self) -> f64 {
+        self
+    }
+
+    #[inline(always)]
+    fn fused<I: Instructions>(a: Self, b: Self, c: Self) -> Self {
+        fused64::<I>(a, b, c)
+    }
+}
+
+/// One value for every lane; a loop of one expression becomes vector code.
+#[inline(always)]
+pub fn lanes<T: Real>(value: impl Fn(usize) -> T) -> [T; LANES] {
+    let mut values = [T::default(); LANES];
+    for (lane, to) in values.iter_mut().enumerate() {
+        *to = value(lane);
+    }
+    values
+}
+
+/// Complex numbers, real and imaginary parts apart.
+#[derive(Clone, Debug, Default)]
+pub struct Waves<T> {
+    pub re: Vec<T>,
+    pub im: Vec<T>,
+}
+
+impl<T: Real> Waves<T> {
+    pub fn zeros(count: usize) -> Self {
+        Self { re: vec![T::default(); count], im: vec![T::default(); count] }
+    }
+
+    pub fn len(&self) -> usize {
+        self.re.len()
+    }
+
+    pub fn clear(&mut self) {
+        self.re.fill(T::default());
+        self.im.fill(T::default());
+    }
+
+    pub fn scale(&mut self, by: T) {
+        self.re.iter_mut().chain(&mut self.im).for_each(|value| *value *= by);
+    }
+
+    /// Real and imaginary parts exchanged: what makes the inverse of a Fourier transform of it.
+    #[inline(always)]
+    pub fn exchange(&mut self) {
+        std::mem::swap(&mut self.re, &mut self.im);
+    }
+}

@@ -1,0 +1,172 @@
+//! Where it is to be quiet: samples of the scene's plane as far as the array radiates, and of zones, less what is drawn.
+
+use glam::{DVec2, DVec3};
+
+use crate::acoustics::Aperture;
+use crate::scene::{Focus, Plane};
+use crate::solver::Problem;
+use crate::solver::shape::Zone;
+use crate::solver::shape::grid::{Grid, Layout};
+use crate::solver::shape::objective::{Quiet, Samples};
+use crate::solver::shape::real::Real;
+use crate::solver::shape::table::{BLOCK, Table};
+
+/// Wavelengths from what is drawn within which nothing is to be quiet, and beyond which everything is.
+const DRAWN: f64 = 0.58;
+const ELSEWHERE: f64 = 0.82;
+/// Values of a table at most, and samples of a plane in one.
+const MOST_VALUES: usize = 16 << 20;
+const MOST_SAMPLES: usize = 10_000;
+/// Points whose transfers are made at once.
+const CHUNK: usize = 256;
+
+/// Samples of a plane.
+#[derive(Debug)]
+pub enum Area {
+    Grid(Layout),
+    Points {
+        points: Vec<DVec3>,
+        /// m, between neighbours.
+        spacing: f64,
+    },
+}
+
+impl Area {
+    /// `None` where the array is not heard. Finer samples for the last steps.
+    pub fn new(problem: &Problem<'_>, plane: &Plane, finer: bool) -> Option<Self> {
+        let (x, y) = plane.axes()?;
+        let aperture = problem.aperture;
+        let is_parallel = x.cross(y).truncate().length() < 1e-9;
+        if is_parallel && plane.centre.z <= 0.0 {
+            return None;
+        }
+        if is_parallel {
+            let height = plane.centre.z;
+            let farthest =
+                problem.foci.iter().fold(DVec2::ZERO, |far, focus| far.max(focus.position.truncate().abs()));
+            let corner = aperture.corners().0.abs();
+            // Of a drawing far from the axis side lobes lie farther out, on the side away from it nearer.
+            let reach = (slope(aperture) * height + 0.6 * farthest).max(corner);
+            let coarse = (aperture.pitch / spacing(aperture, height)).ceil().clamp(1.0, 16.0) as usize;
+            let grids = coarse + usize::from(finer);
+            if reach.max_element() < 1e4 * aperture.pitch {
+                let layout = Layout::new(aperture, height, reach, grids);
+                if layout.area() <= 64 * aperture.positions.len() + (1 << 16) {
+                    return Some(Self::Grid(layout));
+                }
+            }
+        }
+        let middle =
+            problem.foci.iter().map(|focus| focus.position).sum::<DVec3>() / problem.foci.len() as f64;
+        let normal = x.cross(y);
+        let on_plane = middle - normal * normal.dot(middle - plane.centre);
+        let drawn = problem.foci.iter().map(|focus| focus.position.distance(middle)).fold(0.0, f64::max);
+        let distance = on_plane.length().max(aperture.corners().0.length());
+        let half = slope(aperture) * distance + 0.6 * drawn;
+        let most = (MOST_VALUES / aperture.driven.len().max(1)).clamp(64, MOST_SAMPLES) as f64;
+        let along = (2.0 * half / spacing(aperture, distance)).min(most.sqrt() - 1.0).ceil().max(1.0);
+        let step = 2.0 * half / along;
+        // What is next to an element is loud whatever the others do.
+        let nearest = problem.foci.iter().map(|focus| focus.position.z).fold(f64::INFINITY, f64::min);
+        let lowest = (2.0 * aperture.wavelength()).min(0.5 * nearest).max(0.0);
+        let along = along as i64;
+        let point = |i: i64, j: i64| on_plane + x * (i as f64 * step - half) + y * (j as f64 * step - half);
+        let points = (0..=along).flat_map(|j| (0..=along).map(move |i| point(i, j)));
+        let points: Vec<_> = points.filter(|point| point.z > lowest && point.is_finite()).collect();
+        (!points.is_empty()).then_some(Self::Points { points, spacing: step })
+    }
+}
+
+/// How far to the side an array radiates at a height of 1: its first grating lobe, if that is at 37 to 58°.
+fn slope(aperture: &Aperture) -> f64 {
+    let sin = (aperture.wavelength() / aperture.pitch).clamp(0.6, 0.85);
+    sin / (1.0 - sin * sin).sqrt()
+}
+
+/// Spacing (m) of samples between which no side lobe hides at a distance (m): half a fringe of the outermost elements.
+fn spacing(aperture: &Aperture, distance: f64) -> f64 {
+    let (corner, wavelength) = (aperture.corners().0.abs().max_element(), aperture.wavelength());
+    let sines = 2.0 * corner / corner.hypot(distance);
+    (0.51 * wavelength / sines.max(1e-6)).max(0.31 * wavelength)
+}
+
+/// Samples of a plane; `None` where nothing of it is to be quiet.
+pub fn on_plane<T: Real>(problem: &Problem<'_>, plane: &Plane, finer: bool, scale: f64) -> Option<Quiet<T>> {
+    match Area::new(problem, plane, finer)? {
+        Area::Grid(layout) => {
+            let aperture = problem.aperture;
+            let mask = mask(&layout, aperture, &problem.foci);
+            let is_somewhere = mask.iter().any(|&part| part > T::default());
+            let grid = || Samples::Grid(Box::new(Grid::new(aperture, layout, scale)));
+            is_somewhere.then(|| Quiet::new(grid(), mask))
+        }
+        Area::Points { points, .. } => scattered(problem, points.into_iter().map(|point| (point, scale))),
+    }
+}
+
+/// Samples of zones, times their weights; `None` where nothing of them is to be quiet.
+pub fn in_zones<T: Real>(problem: &Problem<'_>, zones: &[Zone], scale: f64) -> Option<Quiet<T>> {
+    let heard = zones.iter().filter(|zone| zone.weight > 0.0 && zone.weight.is_finite());
+    let points = heard.flat_map(|zone| zone.points.iter().map(|&point| (point, zone.weight * scale)));
+    scattered(problem, points.filter(|(point, _)| point.is_finite()))
+}
+
+/// A table of points with the scale of each, less those that are drawn and those that hear nothing.
+fn scattered<T: Real>(problem: &Problem<'_>, points: impl Iterator<Item = (DVec3, f64)>) -> Option<Quiet<T>> {
+    let aperture = problem.aperture;
+    let points: Vec<_> = points.collect();
+    let most = (MOST_VALUES / aperture.driven.len().next_multiple_of(BLOCK)).max(64);
+    let every = points.len().div_ceil(most).max(1);
+    let kept = |(point, scale): (DVec3, f64)| {
+        let part = part(distance(point, &problem.foci), aperture.wavelength());
+        (part > 0.0).then_some((point, scale, part))
+    };
+    let kept: Vec<_> = points.into_iter().step_by(every).filter_map(kept).collect();
+    let mut table = Table::new(aperture.driven.len());
+    let mut mask = Vec::new();
+    for chunk in kept.chunks(CHUNK) {
+        let transfer = aperture.transfer(&chunk.iter().map(|(point, ..)| *point).collect::<Vec<_>>());
+        for (row, (_, scale, part)) in transfer.rows().zip(chunk) {
+            if row.clone().any(|h| h.norm_sqr() > 0.0) {
+                table.push(row, *scale);
+                mask.push(T::of(*part));
+            }
+        }
+    }
+    (!mask.is_empty()).then(|| Quiet::new(Samples::Table(table), mask))
+}
+
+/// m, from a point to the nearest focus.
+pub fn distance(point: DVec3, foci: &[Focus]) -> f64 {
+    foci.iter().map(|focus| focus.position.distance_squared(point)).fold(f64::INFINITY, f64::min).sqrt()
+}
+
+/// How much a sample at a distance (m) from what is drawn counts, 0 to 1.
+fn part(distance: f64, wavelength: f64) -> f64 {
+    let t = ((distance / wavelength - DRAWN) / (ELSEWHERE - DRAWN)).clamp(0.0, 1.0);
+    t * t * (3.0 - 2.0 * t)
+}
+
+fn mask<T: Real>(layout: &Layout, aperture: &Aperture, foci: &[Focus]) -> Vec<T> {
+    let wavelength = aperture.wavelength();
+    let mut mask = vec![T::default(); layout.len()];
+    let distances = distances(layout, aperture.pitch, foci, ELSEWHERE * wavelength);
+    for (index, _) in layout.places(aperture.pitch) {
+        mask[index] = T::of(part(distances[index], wavelength));
+    }
+    mask
+}
+
+/// m, from every sample to the nearest focus, infinite where that is farther than `farthest`; laid out as a field is.
+pub fn distances(layout: &Layout, pitch: f64, foci: &[Focus], farthest: f64) -> Vec<f64> {
+    let mut distances = vec![f64::INFINITY; layout.len()];
+    for Focus { position, .. } in foci {
+        if (position.z - layout.height).abs() < farthest {
+            for (index, place) in layout.places_near(pitch, position.truncate(), farthest) {
+                let distance = place.extend(layout.height).distance(*position);
+                distances[index] = distances[index].min(distance);
+            }
+        }
+    }
+    distances
+}

@@ -1,0 +1,50 @@
+//! Phases of the strokes to start from: fields that are smooth along them, each of another kind.
+
+use std::f64::consts::{PI, TAU};
+
+use glam::{DVec2, DVec3};
+
+use crate::scene::Plane;
+use crate::solver::starts::scatter;
+
+/// Phases of the pressure along the strokes.
+#[derive(Clone, Copy, Debug)]
+pub enum Start {
+    /// The same everywhere: hardly any other ends better.
+    Equal,
+    /// Once round the middle, backwards.
+    Vortex,
+    /// Rising along y.
+    Tilted,
+    /// As if focused behind the plane.
+    Curved,
+    Scattered,
+}
+
+impl Start {
+    /// Those beside the first, in the order in which they are tried.
+    pub const OTHERS: [Self; 4] = [Self::Vortex, Self::Tilted, Self::Curved, Self::Scattered];
+
+    /// rad, of every sample, in the plane's axes.
+    pub fn phases(self, samples: &[DVec3], plane: &Plane) -> Vec<f64> {
+        /// Of the scattered phases.
+        const SEED: usize = 21;
+        let count = samples.len() as f64;
+        let (x, y) = plane.axes().unwrap_or((DVec3::X, DVec3::Y));
+        let middle = samples.iter().sum::<DVec3>() / count;
+        let flat = |sample: &DVec3| DVec2::new((sample - middle).dot(x), (sample - middle).dot(y));
+        let mean_square = samples.iter().map(|sample| flat(sample).length_squared()).sum::<f64>() / count;
+        let size = mean_square.sqrt().max(f64::MIN_POSITIVE);
+        let phase = |(index, sample): (usize, &DVec3)| {
+            let place = flat(sample) / size;
+            match self {
+                Self::Equal => 0.0,
+                Self::Vortex => -place.y.atan2(place.x),
+                Self::Tilted => PI * place.y,
+                Self::Curved => 0.5 * PI * place.length_squared(),
+                Self::Scattered => TAU * SEED as f64 * scatter(index + SEED),
+            }
+        };
+        samples.iter().enumerate().map(phase).collect()
+    }
+}
