@@ -14,7 +14,7 @@ use crate::app::later::Later;
 use crate::app::mapping::Mapping;
 use crate::drive::Drive;
 use crate::field::{self, Evaluator, Quantity, Request, Stages};
-use crate::scene::{Focus, Method, MotionPath, Scene, check, motion, outline};
+use crate::scene::{Focus, Method, MotionPath, Plane, Scene, check, motion, outline};
 use crate::solver::frames::{self, Sequence};
 use crate::solver::{self, Problem, Solution};
 use crate::studio::liquid;
@@ -141,11 +141,12 @@ impl Workshop {
             return;
         }
         let posed = posed(scene);
+        let amount = amount(&posed);
         if self.solved.as_ref().is_none_or(|(scene, _)| *scene != posed) {
             let start = Instant::now();
-            let outcome = match amount(&posed) {
-                Err(problem) => Err(problem),
-                Ok(amount) if amount > AT_ONCE => {
+            let outcome = match &amount {
+                Err(problem) => Err(problem.clone()),
+                Ok(amount) if *amount > AT_ONCE => {
                     self.solving.ask(&posed, ctx, solve);
                     match self.solving.get(&posed) {
                         Some(solved) => solved.clone(),
@@ -155,17 +156,38 @@ impl Workshop {
                         }
                     }
                 }
-                Ok(_) => solve(&posed),
+                Ok(_) => {
+                    let before = shown.solution.as_ref().map(|solution| &solution.drive);
+                    let found = solver::solve_on(&posed, before);
+                    found.map(Arc::new).map_err(|error| error.to_string())
+                }
             };
-            shown.solving = outcome.as_ref().map_or(start.elapsed().as_secs_f64(), |done| done.seconds) * 1e3;
-            if let Ok(solution) = &outcome {
-                shown.solution = Some(solution.clone());
+            self.take(posed.clone(), outcome, start.elapsed().as_secs_f64(), shown);
+        }
+        let is_idle = !ctx.input(|input| input.pointer.any_down());
+        if let Some((_, Ok(found))) = &self.solved
+            && is_shape(&posed)
+            && found.figures.is_none()
+            && is_idle
+        {
+            // What a frame has time for is not the best that there is.
+            self.solving.ask(&posed, ctx, solve);
+            if let Some(Ok(better)) = self.solving.get(&posed) {
+                let better = Solution::clone(better).turned_to(&found.drive);
+                self.take(posed, Ok(Arc::new(better)), 0.0, shown);
             }
-            self.solved = Some((posed, outcome));
         }
         if let Some((_, Err(problem))) = &self.solved {
             shown.problem = Some(problem.clone());
         }
+    }
+
+    fn take(&mut self, posed: Scene, outcome: Solved, elapsed: f64, shown: &mut Shown) {
+        shown.solving = outcome.as_ref().map_or(elapsed, |done| done.seconds) * 1e3;
+        if let Ok(solution) = &outcome {
+            shown.solution = Some(solution.clone());
+        }
+        self.solved = Some((posed, outcome));
     }
 
     /// What is proved of the solution, and all methods side by side.
@@ -303,8 +325,20 @@ fn posed(scene: &Scene) -> Scene {
         targets: scene.targets.clone(),
         quiet: scene.quiet.clone(),
         solver: scene.solver.clone(),
+        plane: if is_shape(scene) { quiet_plane(&scene.plane) } else { Plane::default() },
         ..Scene::default()
     }
+}
+
+/// What is not drawn is to be quiet there, whatever part of it is shown.
+fn quiet_plane(plane: &Plane) -> Plane {
+    let Plane { size, tolerance, .. } = Plane::default();
+    Plane { size, tolerance, ..plane.clone() }
+}
+
+/// Whether its drive goes on being searched for.
+fn is_shape(scene: &Scene) -> bool {
+    scene.solver.method == Method::Best && (outline::is_continuous(scene) || !scene.quiet.is_empty())
 }
 
 /// Foci times elements.

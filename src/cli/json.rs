@@ -49,4 +49,10 @@ pub fn solution(solution: &Solution, limits: Option<&Limits>) -> Value {
 /// Adds the figures of a shape.
 fn shape(quality: &mut Value, solution: &Solution) {
     quality["evenness"] = json!(solution.quality.evenness);
+    if let Some(figures) = &solution.figures {
+        quality["evenness"] = json!(figures.evenness);
+        quality["side_lobe"] = json!(figures.side_lobe);
+        quality["side_lobe_position"] = json!(figures.side_lobe_position.to_array());
+        quality["strength"] = json!(figures.strength);
+    }
 }

@@ -11,7 +11,7 @@ use crate::field::{Evaluator, Ghost, NoGhost, Stages, ghost};
 use crate::picture::sheet::pascals;
 use crate::scene::{Amplitudes, Listener, Method, Pressures, Scene, check};
 use crate::solver::levels::{self, Reached};
-use crate::solver::{self, Limits, Problem, Solution, SolveError};
+use crate::solver::{self, Limits, Problem, Solution, SolveError, Surroundings, shape};
 use crate::studio::output::{self, say, warn};
 use crate::studio::probe::{self, Reading};
 
@@ -66,9 +66,12 @@ pub(in crate::cli) fn run(args: &SolveArgs) -> anyhow::Result<()> {
         return compare(&scene, args.json);
     }
     let in_file = |error: SolveError| anyhow::anyhow!("{}: {error}", args.scene.display());
-    let solution = solver::solve(&scene).map_err(in_file)?;
+    let mut solution = solver::solve(&scene).map_err(in_file)?;
     let aperture = Aperture::new(&scene);
-    let problem = Problem::new(&aperture, solution.foci.clone());
+    let problem = Problem::of_scene(&scene, &aperture, solution.foci.clone());
+    let figures =
+        || shape::figures(&problem, &Surroundings::new(&scene), &solver::driven(&aperture, &solution));
+    solution.figures = Some(solution.figures.unwrap_or_else(figures));
     let findings = Findings::new(&scene, &problem, Limits::new(&problem), &mut stages(), solution);
     findings.warnings().iter().for_each(|warning| warn(warning));
     let played = args.levels.map(|levels| Played::new(&problem, &findings.solution, levels));
@@ -338,7 +341,6 @@ impl Findings {
             ("mean pressure", pascals(quality.mean_pressure)),
             ("weakest focus", pascals(quality.min_pressure)),
             ("spread", percent(quality.spread)),
-            ("evenness", format!("{}, weakest over mean", percent(quality.evenness))),
             ("efficiency", percent(quality.efficiency)),
             ("relative to single", format!("{:.4}", quality.relative_to_single)),
             ("bound", no_more),
@@ -356,6 +358,21 @@ impl Findings {
                 format!("{} of {} foci, {:.2e}", limits.rank, solution.foci.len(), limits.condition),
             ),
         ];
+        if let Some(figures) = &solution.figures {
+            let [x, y, z] = millimetres(figures.side_lobe_position);
+            let figures = [
+                (
+                    "evenness",
+                    format!("{}, weakest over mean; {:.1} dB", percent(figures.evenness), figures.ripple_db),
+                ),
+                (
+                    "loudest elsewhere",
+                    format!("{} of the mean, at ({x:.1}, {y:.1}, {z:.1}) mm", percent(figures.side_lobe)),
+                ),
+                ("strength", format!("{} of the strongest drive's mean", percent(figures.strength))),
+            ];
+            rows.splice(5..5, figures);
+        }
         let samples = solution.foci.iter().filter(|focus| focus.of_stroke).count();
         if samples > 0 {
             rows.insert(1, ("continuous strokes", format!("{samples} samples")));

@@ -86,10 +86,10 @@ pub fn follow(scene: &Scene) -> Result<Sequence, SolveError> {
     let aperture = Aperture::new(scene);
     // What stands still is solved once.
     let stands: Vec<_> = frames.chunk_by(|a, b| a == b).collect();
-    let problem = |stand: &&[Vec<Focus>]| Problem::new(&aperture, stand[0].clone());
+    let problem = |stand: &&[Vec<Focus>]| Problem::of_scene(scene, &aperture, stand[0].clone());
     let settings = &scene.solver;
     let solved = if settings.method == Method::Best {
-        chained(&aperture, &stands.iter().map(|stand| &stand[0][..]).collect::<Vec<_>>(), settings)?
+        chained(scene, &aperture, &stands.iter().map(|stand| &stand[0][..]).collect::<Vec<_>>())?
     } else {
         let alone = |stand| {
             let problem = problem(stand);
@@ -183,8 +183,9 @@ fn excite(problem: &Problem<'_>, settings: &Solver) -> Result<Excitation, SolveE
     solver::excite(problem, settings.method, settings.iterations)
 }
 
-fn chained(aperture: &Aperture, foci: &[&[Focus]], settings: &Solver) -> Result<Vec<Found>, SolveError> {
-    let problem = |frame: usize| Problem::new(aperture, foci[frame].to_vec());
+fn chained(scene: &Scene, aperture: &Aperture, foci: &[&[Focus]]) -> Result<Vec<Found>, SolveError> {
+    let settings = &scene.solver;
+    let problem = |frame: usize| Problem::of_scene(scene, aperture, foci[frame].to_vec());
     let keys = keyframes(foci, STRIDE * aperture.wavelength());
     let first = problem(keys[0]);
     let mut links = vec![Link::new(&first, settings, excite(&first, settings)?, true)];

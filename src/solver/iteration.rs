@@ -2,6 +2,7 @@
 //! kin, greedy search, and the combination that is best on measured sets.
 
 use std::f64::consts::TAU;
+use std::time::{Duration, Instant};
 
 use faer::linalg::solvers::{Llt, Solve};
 use faer::{Mat, Side};
@@ -132,20 +133,53 @@ pub fn best(problem: &Problem<'_>, iterations: u32) -> Excitation {
 
 /// The strongest that levelling from many batches of starts finds: slow, and what `best` is measured against.
 pub fn search(problem: &Problem<'_>, batches: usize, iterations: u32) -> Excitation {
-    let (transfer, targets) = (&problem.transfer, problem.targets());
-    let gram = transfer.gram(None);
-    let weakest = |excitation: &Excitation| {
-        let pressure = transfer.pressure(&excitation.values);
-        pressure.iter().zip(&targets).map(|(p, target)| p.norm() / target).fold(f64::INFINITY, f64::min)
-    };
-    let from = |batch: usize| {
-        let state = State::from_foci(transfer, starts::strongest(&gram, &targets, CLIMB, batch));
-        levelled(state, &targets, targets.clone(), iterations)
-    };
-    let first = from(0);
-    (1..batches)
-        .map(from)
-        .fold(first, |best, other| if weakest(&other) > weakest(&best) { other } else { best })
+    let mut further = Further::new(problem, iterations);
+    let first = further.next(0);
+    (1..batches).fold(first, |best, batch| further.stronger(best, batch))
+}
+
+/// The strongest of an excitation and of what levelling from further batches of starts finds in some time.
+pub fn search_on(problem: &Problem<'_>, excitation: Excitation, time: Duration) -> Excitation {
+    const ITERATIONS: u32 = 200;
+    let start = Instant::now();
+    if time.is_zero() {
+        return excitation;
+    }
+    let mut further = Further::new(problem, ITERATIONS);
+    let batches = (0..).take_while(|_| start.elapsed() < time);
+    batches.fold(excitation, |best, batch| further.stronger(best, batch))
+}
+
+/// Levelling from one batch of starts after the other.
+struct Further<'a> {
+    transfer: &'a Transfer,
+    targets: Vec<f64>,
+    gram: Phasors,
+    iterations: u32,
+}
+
+impl<'a> Further<'a> {
+    fn new(problem: &'a Problem<'_>, iterations: u32) -> Self {
+        let transfer = &problem.transfer;
+        Self { transfer, targets: problem.targets(), gram: transfer.gram(None), iterations }
+    }
+
+    fn next(&mut self, batch: usize) -> Excitation {
+        let Self { transfer, targets, gram, iterations } = self;
+        let state = State::from_foci(transfer, starts::strongest(gram, targets, CLIMB, batch));
+        levelled(state, targets, targets.clone(), *iterations)
+    }
+
+    fn stronger(&mut self, best: Excitation, batch: usize) -> Excitation {
+        let other = self.next(batch);
+        if self.weakest(&other) > self.weakest(&best) { other } else { best }
+    }
+
+    fn weakest(&self, excitation: &Excitation) -> f64 {
+        let played: Vec<_> = excitation.values.iter().map(|&u| phase(u)).collect();
+        let relative = self.transfer.pressure(&played).into_iter().zip(&self.targets);
+        relative.map(|(p, target)| p.norm() / target).fold(f64::INFINITY, f64::min)
+    }
 }
 
 /// `best` for a problem near one that `before` solves: no start is searched for, and the phases move as little as they

@@ -15,7 +15,7 @@ mod quality;
 pub mod shape;
 mod starts;
 
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 use num_complex::Complex64;
 
@@ -25,7 +25,7 @@ use crate::scene::{Amplitudes, Focus, KeyError, Method, Pressures, Scene, Solver
 
 pub use inverse::rank_and_condition;
 pub use quality::{Limits, Quality, bound};
-pub use shape::Surroundings;
+pub use shape::{Figures, Search, Surroundings};
 
 /// What a method gets to see.
 #[derive(Clone, Debug)]
@@ -53,6 +53,13 @@ impl<'a> Problem<'a> {
         }
         let points: Vec<_> = foci.iter().map(|focus| focus.position).collect();
         Self { aperture, transfer: aperture.transfer(&points), foci, surroundings: None }
+    }
+
+    /// Foci of a scene: what is not drawn is to be quiet where it has continuous strokes or quiet zones.
+    pub fn of_scene(scene: &Scene, aperture: &'a Aperture, foci: Vec<Focus>) -> Self {
+        let is_shape = !scene.quiet.is_empty() || foci.iter().any(|focus| focus.of_stroke);
+        let problem = Self::new(aperture, foci);
+        if is_shape { problem.with_surroundings(Surroundings::new(scene)) } else { problem }
     }
 
     /// The foci are samples of a shape and separate foci, and what is around them is to be quiet: `best` then is
@@ -93,6 +100,8 @@ pub struct Solution {
     /// Complex pressure (Pa, peak) that the drive makes at each focus.
     pub pressures: Vec<Complex64>,
     pub quality: Quality,
+    /// Of a shape, where they were asked for.
+    pub figures: Option<Figures>,
     pub iterations: u32,
     /// Time that the method took, transfer included, quality not.
     pub seconds: f64,
@@ -110,6 +119,21 @@ impl Solution {
     }
 }
 
+impl Solution {
+    /// The same, turned by a common phase to be near another drive of the array: nothing that is heard changes, and a board that
+    /// plays the other goes over to it without a jump.
+    pub fn turned_to(mut self, other: &Drive) -> Self {
+        if other.phases.len() != self.drive.phases.len() {
+            return self;
+        }
+        let ahead = |(to, from): (&f64, &f64)| Complex64::cis(to - from);
+        let angle = self.drive.phases.iter().zip(&other.phases).map(ahead).sum::<Complex64>().arg();
+        self.drive.phases.iter_mut().for_each(|phase| *phase -= angle);
+        self.pressures.iter_mut().for_each(|pressure| *pressure *= Complex64::cis(-angle));
+        self
+    }
+}
+
 /// Why there is no drive.
 #[derive(Debug, thiserror::Error)]
 pub enum SolveError {
@@ -121,37 +145,83 @@ pub enum SolveError {
     SeveralFoci(usize),
 }
 
-/// Solves the scene with the method that it names.
+/// Solves the scene with the method that it names, and searches on for as long as the scene says.
 ///
 /// # Errors
 /// A scene without usable focal points, or `focus` with several.
 pub fn solve(scene: &Scene) -> Result<Solution, SolveError> {
     let start = Instant::now();
-    let foci = outline::foci(scene)?;
     let aperture = Aperture::new(scene);
-    let problem = Problem::new(&aperture, foci);
-    let excitation = excite(&problem, scene.solver.method, scene.solver.iterations)?;
-    let seconds = start.elapsed().as_secs_f64();
-
-    let Played { values, pressures, needed } = Played::new(&problem, &scene.solver, excitation.clone());
-    let (elements, driven) = (aperture.positions.len(), &aperture.driven);
-    let quality = Quality::new(&problem, &excitation, &pressures);
-    let mut warnings = warnings(&aperture, &problem.foci);
-    if needed > 1.0 {
-        warnings.push(too_much(&problem, &quality));
+    let problem = Problem::of_scene(scene, &aperture, outline::foci(scene)?);
+    let mut excitation = excite(&problem, scene.solver.method, scene.solver.iterations)?;
+    if scene.solver.method == Method::Best && problem.surroundings.is_none() {
+        let time = Duration::try_from_secs_f64(scene.solver.search).unwrap_or_default();
+        excitation = iteration::search_on(&problem, excitation, time);
     }
-    Ok(Solution {
+    let seconds = start.elapsed().as_secs_f64();
+    let mut solution = solution(scene, &problem, excitation, seconds);
+    let figures = |surroundings| shape::figures(&problem, surroundings, &driven(&aperture, &solution));
+    solution.figures = problem.surroundings.as_ref().map(figures);
+    Ok(solution)
+}
+
+/// What a frame of a drag has time for: a shape's drive goes on from the one before, or is a first one, and has no
+/// [`Solution::figures`]. Other scenes are solved as ever.
+///
+/// # Errors
+/// As [`solve`].
+pub fn solve_on(scene: &Scene, before: Option<&Drive>) -> Result<Solution, SolveError> {
+    /// Calls from cold: the strokes alone, and some quiet around them.
+    const CALLS: usize = 2;
+    let start = Instant::now();
+    let aperture = Aperture::new(scene);
+    let problem = Problem::of_scene(scene, &aperture, outline::foci(scene)?);
+    let Some(surroundings) = problem.surroundings.as_ref().filter(|_| scene.solver.method == Method::Best)
+    else {
+        return solve(scene);
+    };
+    let excitation = match before.filter(|drive| drive.phases.len() == aperture.positions.len()) {
+        Some(drive) => {
+            let values = drive.excitation(&aperture.driven);
+            excite_from(&problem, &Excitation { values, iterations: 0, residual: None, weights: None })
+        }
+        None => {
+            let mut search = Search::new(&problem, surroundings);
+            let found = std::iter::from_fn(|| search.advance()).take(CALLS).last();
+            found.unwrap_or_else(|| iteration::naive(&problem))
+        }
+    };
+    Ok(solution(scene, &problem, excitation, start.elapsed().as_secs_f64()))
+}
+
+/// What the excitation of the scene's method does as it is played.
+fn solution(scene: &Scene, problem: &Problem<'_>, excitation: Excitation, seconds: f64) -> Solution {
+    let aperture = problem.aperture;
+    let Played { values, pressures, needed } = Played::new(problem, &scene.solver, excitation.clone());
+    let (elements, driven) = (aperture.positions.len(), &aperture.driven);
+    let quality = Quality::new(problem, &excitation, &pressures);
+    let mut warnings = warnings(aperture, &problem.foci);
+    if needed > 1.0 {
+        warnings.push(too_much(problem, &quality));
+    }
+    Solution {
         method: scene.solver.method,
         drive: Drive::of(elements, driven, &values),
         turned_down: needed.min(1.0),
         excitation: Drive::free(elements, driven, &excitation.values).amplitudes,
         warnings,
-        foci: problem.foci,
+        foci: problem.foci.clone(),
         pressures,
         quality,
+        figures: None,
         iterations: excitation.iterations,
         seconds,
-    })
+    }
+}
+
+/// u of the driven elements.
+pub fn driven(aperture: &Aperture, solution: &Solution) -> Vec<Complex64> {
+    solution.drive.excitation(&aperture.driven)
 }
 
 /// A method's excitation as the scene wants it played.

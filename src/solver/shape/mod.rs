@@ -17,7 +17,7 @@ mod table;
 use glam::DVec3;
 use num_complex::Complex64;
 
-use crate::scene::Plane;
+use crate::scene::{self, Plane, Scene};
 use crate::solver::descent::Descent;
 use crate::solver::{Excitation, Problem, iteration};
 
@@ -35,6 +35,17 @@ pub struct Surroundings {
     /// 0, the strongest drive, to 1, the quietest.
     pub quiet: f64,
     pub zones: Vec<Zone>,
+}
+
+impl Surroundings {
+    /// Those that a scene asks for.
+    pub fn new(scene: &Scene) -> Self {
+        /// Wavelengths from one sample of a zone to the next.
+        const SPACING: f64 = 0.4;
+        let points = |zone: &scene::Zone| zone.points(SPACING * scene.wavelength());
+        let zones = scene.quiet.iter().map(|zone| Zone { points: points(zone), weight: zone.weight });
+        Self { plane: scene.plane.clone(), quiet: scene.solver.quiet, zones: zones.collect() }
+    }
 }
 
 /// Points that are to be quiet, wherever they are.

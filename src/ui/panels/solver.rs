@@ -4,8 +4,8 @@ use egui::Ui;
 
 use crate::picture::sheet::pascals;
 use crate::scene::{Amplitudes, Method, Pressures};
-use crate::solver::Solution;
-use crate::ui::panels::{choice, count, fact, form, heading};
+use crate::solver::{Figures, Solution};
+use crate::ui::panels::{PLAIN, choice, count, fact, form, heading, number};
 use crate::ui::{Command, Editor, Shown, theme};
 
 pub fn show(editor: &mut Editor, shown: &Shown, ui: &mut Ui, commands: &mut Vec<Command>) {
@@ -44,6 +44,8 @@ fn settings(editor: &mut Editor, ui: &mut Ui) {
         let amplitudes =
             [(Amplitudes::Uniform, "the same for all"), (Amplitudes::Free, "one for each element")];
         choice(ui, ("Amplitude", "What the board can play"), &mut solver.amplitudes, &amplitudes);
+        let tip = "How much quiet beside the drawing counts: 0 for the strongest drive, 1 for the quietest";
+        number(ui, ("Quiet", tip), &mut solver.quiet, PLAIN, 0.0..=1.0);
         let pressures = [(Pressures::Relative, "relative"), (Pressures::Pascal, "pascals")];
         choice(ui, ("Pressures are", "What the targets' pressures mean"), &mut solver.pressures, &pressures);
     });
@@ -61,6 +63,9 @@ fn quality(shown: &Shown, solution: &Solution, ui: &mut Ui) {
             ("Spread", "How uneven the points are: standard deviation over mean"),
             format!("{:.1} %", 100.0 * quality.spread),
         );
+        if let Some(figures) = &solution.figures {
+            shape(figures, ui);
+        }
         fact(
             ui,
             ("Efficiency", "How evenly the method's own solution uses the elements: Σ|u|² / (N max|u|²)"),
@@ -87,6 +92,21 @@ fn quality(shown: &Shown, solution: &Solution, ui: &mut Ui) {
     for warning in &solution.warnings {
         ui.label(egui::RichText::new(warning).color(theme::warning(ui.visuals())));
     }
+}
+
+/// Figures that only shapes have.
+fn shape(figures: &Figures, ui: &mut Ui) {
+    let percent = |part: f64| format!("{:.0} %", 100.0 * part);
+    let tip = "Least over mean of the pressure along the strokes, and how far apart least and largest are";
+    let even = format!("{}, {:.1} dB", percent(figures.evenness), figures.ripple_db);
+    fact(ui, ("Evenness", tip), even);
+    let [x, y, z] = (figures.side_lobe_position * 1e3).to_array();
+    let tip = format!(
+        "The loudest place of the plane more than 8 mm beside the drawing, over the drawing's mean: at {x:.0}, {y:.0}, {z:.0} mm"
+    );
+    fact(ui, ("Loudest elsewhere", &tip), percent(figures.side_lobe));
+    let tip = "Mean pressure over that of the strongest drive: what quiet costs";
+    fact(ui, ("Strength", tip), percent(figures.strength));
 }
 
 /// All methods on the same scene, side by side.
