@@ -29,7 +29,7 @@ fn shapes(size: f64) -> Vec<Shape> {
         Shape::Path { vertices: vec![AT, to, AT + DVec3::X * size], closed: true },
         Shape::Path { vertices: vec![AT, AT + DVec3::Y * size, to], closed: false },
         Shape::Text { text: "HIT".to_owned(), at: AT, height: size },
-        Shape::Text { text: "§&éß.".to_owned(), at: AT, height: size },
+        Shape::Text { text: "Océ α8.".to_owned(), at: AT, height: size },
     ]
 }
 
@@ -40,7 +40,10 @@ fn distance(strokes: &[Vec<DVec3>], point: DVec3) -> f64 {
         let part = ((point - pair[0]).dot(along) / along.length_squared().max(1e-30)).clamp(0.0, 1.0);
         point.distance(pair[0] + along * part)
     };
-    strokes.iter().flat_map(|stroke| stroke.windows(2)).map(to_piece).fold(f64::INFINITY, f64::min)
+    // A full stop is a stroke of one vertex.
+    let to_vertices = strokes.iter().flatten().map(|vertex| vertex.distance(point));
+    let to_pieces = strokes.iter().flat_map(|stroke| stroke.windows(2)).map(to_piece);
+    to_pieces.chain(to_vertices).fold(f64::INFINITY, f64::min)
 }
 
 /// m: the longest way along an outline, in steps of a tenth of a millimetre, on which no sample lies.
@@ -123,7 +126,7 @@ fn what_is_short_has_few_samples_and_what_is_long_has_them_farther_apart() {
             assert!((1..=fewest).contains(&samples.len()), "{shape:?}: {}", samples.len());
         }
     }
-    for size in [3.0, 90.0] {
+    for size in [6.0, 90.0] {
         for mut shape in shapes(size) {
             if let Shape::Line { to, .. } = &mut shape {
                 to.z = AT.z;
