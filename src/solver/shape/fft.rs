@@ -88,25 +88,23 @@ impl<T: Real> Stage<T> {
         let (radix, stride, blocks) = (*radix, *stride, width / LANES);
         let runs = length / (stride * radix);
         let from = [from.re.as_chunks::<LANES>().0, from.im.as_chunks::<LANES>().0];
-        let to_re = to.re.as_chunks_mut::<LANES>().0;
-        let to_im = to.im.as_chunks_mut::<LANES>().0;
+        let (to_re, to_im) = (to.re.as_chunks_mut::<LANES>().0, to.im.as_chunks_mut::<LANES>().0);
+        let step = stride * blocks;
         for run in 0..runs {
             for k in 0..stride {
-                let row = |part: usize| ((part * runs + run) * stride + k) * blocks;
-                let source =
-                    |part: usize| -> Row<'_, T> { from.map(|from| &from[row(part)..row(part) + blocks]) };
+                let first_at = (run * stride + k) * blocks;
+                let apart = runs * stride * blocks;
                 let target = (run * radix * stride + k) * blocks;
-                let step = stride * blocks;
                 // Later rows of a first stage are zero: what it makes of the first is this row, again and again.
                 if stride == 1 && filled <= runs {
-                    for part in 0..radix {
-                        let at = target + part * step;
+                    let first = row(from, first_at, blocks);
+                    for to in (target..target + radix * step).step_by(step) {
                         if run < filled {
-                            to_re[at..at + blocks].copy_from_slice(source(0)[0]);
-                            to_im[at..at + blocks].copy_from_slice(source(0)[1]);
+                            to_re[to..to + blocks].copy_from_slice(first[0]);
+                            to_im[to..to + blocks].copy_from_slice(first[1]);
                         } else {
-                            to_re[at..at + blocks].fill([T::default(); LANES]);
-                            to_im[at..at + blocks].fill([T::default(); LANES]);
+                            to_re[to..to + blocks].fill([T::default(); LANES]);
+                            to_im[to..to + blocks].fill([T::default(); LANES]);
                         }
                     }
                     continue;
@@ -114,13 +112,28 @@ impl<T: Real> Stage<T> {
                 let last = target + (radix - 1) * step + blocks;
                 let to = (&mut to_re[target..last], &mut to_im[target..last]);
                 match radix {
-                    4 => four([0, 1, 2, 3].map(source), to, step, &turns[k]),
-                    3 => three([0, 1, 2].map(source), to, step, &turns[k]),
-                    _ => two([0, 1].map(source), to, step, &turns[k]),
+                    4 => {
+                        let [a, b] = [row(from, first_at, blocks), row(from, first_at + apart, blocks)];
+                        let [c, d] = [first_at + 2 * apart, first_at + 3 * apart];
+                        four([a, b, row(from, c, blocks), row(from, d, blocks)], to, step, &turns[k]);
+                    }
+                    3 => {
+                        let [a, b] = [row(from, first_at, blocks), row(from, first_at + apart, blocks)];
+                        three([a, b, row(from, first_at + 2 * apart, blocks)], to, step, &turns[k]);
+                    }
+                    _ => {
+                        let [a, b] = [row(from, first_at, blocks), row(from, first_at + apart, blocks)];
+                        two([a, b], to, step, &turns[k]);
+                    }
                 }
             }
         }
     }
+}
+
+#[inline(always)]
+fn row<'a, T>(all: Row<'a, T>, at: usize, blocks: usize) -> Row<'a, T> {
+    [&all[0][at..at + blocks], &all[1][at..at + blocks]]
 }
 
 #[inline(always)]

@@ -1,5 +1,7 @@
 //! How good a drive of a shape is, in f64 and on samples finer than the solver's.
 
+use std::f64::consts::TAU;
+
 use glam::DVec3;
 use num_complex::Complex64;
 
@@ -79,15 +81,17 @@ fn between(foci: &[Focus], wavelength: f64) -> Vec<(DVec3, f64)> {
     const PLACES: usize = 3;
     /// Wavelengths: samples that are farther apart are separate foci.
     const NEIGHBOURS: f64 = 0.27;
-    let is_near = |pair: &&[Focus]| pair[0].position.distance(pair[1].position) < NEIGHBOURS * wavelength;
-    let places = |pair: &[Focus]| {
-        let (from, to) = (pair[0], pair[1]);
+    let between = |from: &Focus, to: &Focus| {
+        let (from, to) = (*from, *to);
         (1..=PLACES).map(move |place| {
             let part = place as f64 / (PLACES + 1) as f64;
             (from.position.lerp(to.position, part), from.target + (to.target - from.target) * part)
         })
     };
-    foci.windows(2).filter(is_near).flat_map(places).collect()
+    let is_near = |from: &Focus, to: &Focus| from.position.distance(to.position) < NEIGHBOURS * wavelength;
+    // Where strokes meet, neighbours do not follow each other.
+    let pairs = foci.iter().enumerate().flat_map(|(i, from)| foci[i + 1..].iter().map(move |to| (from, to)));
+    pairs.filter(|(from, to)| is_near(from, to)).flat_map(|(from, to)| between(from, to)).collect()
 }
 
 /// The loudest place of the plane that is not drawn, and |p| (Pa) there.
@@ -110,6 +114,9 @@ fn side_lobe(problem: &Problem<'_>, plane: &Plane, u: &[Complex64]) -> Option<(D
             (points.into_iter().zip(heard).collect::<Vec<_>>(), spacing)
         }
     };
+    let at_edge = edge(foci, plane.centre, [x, y], nearest);
+    let heard = moduli(aperture, &at_edge, u);
+    let samples: Vec<_> = samples.into_iter().chain(at_edge.into_iter().zip(heard)).collect();
     let loudest = samples.iter().map(|(_, p)| *p).fold(0.0, f64::max);
     let mut loud: Vec<_> = samples.into_iter().filter(|(_, p)| *p >= LOUD * loudest).collect();
     loud.sort_by(|a, b| b.1.total_cmp(&a.1));
@@ -130,6 +137,26 @@ fn side_lobe(problem: &Problem<'_>, plane: &Plane, u: &[Complex64]) -> Option<(D
         best
     };
     loud.iter().take(MOST).map(refined).max_by(|a, b| a.1.total_cmp(&b.1))
+}
+
+/// Places of the plane just farther than `nearest` (m) from the foci, where what is drawn fades: between them and the next sample it
+/// may fade by more than a side lobe does.
+fn edge(foci: &[Focus], centre: DVec3, [x, y]: [DVec3; 2], nearest: f64) -> Vec<DVec3> {
+    /// Around a focus, and around all of them at most.
+    const DIRECTIONS: usize = 16;
+    const MOST: usize = 2048;
+    let around = |focus: &Focus| {
+        let away = (focus.position - centre).dot(x.cross(y));
+        let on_plane = focus.position - x.cross(y) * away;
+        let radius = 1.001 * (nearest * nearest - away * away).max(0.0).sqrt();
+        (0..DIRECTIONS).map(move |direction| {
+            let (sin, cos) = (TAU * direction as f64 / DIRECTIONS as f64).sin_cos();
+            on_plane + (x * cos + y * sin) * radius
+        })
+    };
+    let every = (foci.len() * DIRECTIONS).div_ceil(MOST);
+    let places = foci.iter().flat_map(around).step_by(every);
+    places.filter(|&place| region::distance(place, foci) > nearest).collect()
 }
 
 /// Places farther than `nearest` (m) from every focus, and |p| (Pa) there, as f32 hears it.

@@ -173,11 +173,13 @@ fn fields<T: Real>(aperture: &Aperture, layout: &Layout, scale: f64) -> Vec<Wave
     let metres = |steps: &u64| *steps as f64 * aperture.pitch / (2 * layout.grids) as f64;
     // One element at every distance along y, one point at every distance along x.
     let places: Vec<_> = distances[1].iter().map(|steps| DVec2::new(0.0, metres(steps))).collect();
-    let column =
-        Aperture { driven: (0..places.len()).collect(), positions: places, columns: 1, ..aperture.clone() };
+    let lines = places.len();
+    let column = Aperture { driven: (0..lines).collect(), positions: places, columns: 1, ..aperture.clone() };
     let points: Vec<_> =
         distances[0].iter().map(|steps| DVec3::new(metres(steps), 0.0, layout.height)).collect();
     let transfer = column.transfer(&points);
+    let values = transfer.rows().flatten().map(|value| value * scale);
+    let (re, im): (Vec<_>, Vec<_>) = values.map(|value| (T::of(value.re), T::of(value.im))).unzip();
     let index = |axis: usize, grid: usize| {
         let place = |index: usize| distances[axis].binary_search(&away(axis, grid, index)).unwrap_or(0);
         (0..layout.lengths[axis]).map(place).collect::<Vec<_>>()
@@ -185,10 +187,15 @@ fn fields<T: Real>(aperture: &Aperture, layout: &Layout, scale: f64) -> Vec<Wave
     let indices = [0, 1].map(|axis| (0..layout.grids).map(|grid| index(axis, grid)).collect::<Vec<_>>());
     let field = |grid: usize| {
         let (along_x, along_y) = (&indices[0][grid % layout.grids], &indices[1][grid / layout.grids]);
-        let pairs = along_x.iter().flat_map(|&x| along_y.iter().map(move |&y| (x, y)));
-        let values = pairs.map(|(x, y)| transfer.at(x, y) * scale);
-        let (re, im) = values.map(|value| (T::of(value.re), T::of(value.im))).unzip();
-        Waves { re, im }
+        let gathered = |all: &[T]| {
+            let mut part = Vec::with_capacity(layout.area());
+            for x in along_x {
+                let row = &all[x * lines..][..lines];
+                part.extend(along_y.iter().map(|&y| row[y]));
+            }
+            part
+        };
+        Waves { re: gathered(&re), im: gathered(&im) }
     };
     (0..layout.grids * layout.grids).map(field).collect()
 }
@@ -264,8 +271,8 @@ impl<T: Real> Kernel for Forward<'_, T> {
 #[inline(always)]
 fn multiply<I: Instructions, T: Real>(a: &Waves<T>, b: &Waves<T>, to: &mut Waves<T>) {
     let count = a.re.as_chunks::<LANES>().0.len();
-    let [a_re, a_im, b_re, b_im] =
-        [&a.re, &a.im, &b.re, &b.im].map(|part| &part.as_chunks::<LANES>().0[..count]);
+    let (a_re, a_im) = (&a.re.as_chunks::<LANES>().0[..count], &a.im.as_chunks::<LANES>().0[..count]);
+    let (b_re, b_im) = (&b.re.as_chunks::<LANES>().0[..count], &b.im.as_chunks::<LANES>().0[..count]);
     let to_re = &mut to.re.as_chunks_mut::<LANES>().0[..count];
     let to_im = &mut to.im.as_chunks_mut::<LANES>().0[..count];
     for block in 0..count {
@@ -279,8 +286,8 @@ fn multiply<I: Instructions, T: Real>(a: &Waves<T>, b: &Waves<T>, to: &mut Waves
 #[inline(always)]
 fn accumulate<I: Instructions, T: Real>(a: &Waves<T>, b: &Waves<T>, to: &mut Waves<T>) {
     let count = a.re.as_chunks::<LANES>().0.len();
-    let [a_re, a_im, b_re, b_im] =
-        [&a.re, &a.im, &b.re, &b.im].map(|part| &part.as_chunks::<LANES>().0[..count]);
+    let (a_re, a_im) = (&a.re.as_chunks::<LANES>().0[..count], &a.im.as_chunks::<LANES>().0[..count]);
+    let (b_re, b_im) = (&b.re.as_chunks::<LANES>().0[..count], &b.im.as_chunks::<LANES>().0[..count]);
     let to_re = &mut to.re.as_chunks_mut::<LANES>().0[..count];
     let to_im = &mut to.im.as_chunks_mut::<LANES>().0[..count];
     for block in 0..count {

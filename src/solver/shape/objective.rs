@@ -233,7 +233,8 @@ impl<T: Real> Kernel for Loudest<'_, T> {
     #[inline(always)]
     fn run<I: Instructions>(self) -> T {
         let Quiet { p, in_use, .. } = self.quiet;
-        let [re, im, mask] = [&p.re, &p.im, in_use].map(|part| part.as_chunks::<LANES>().0);
+        let (re, im) = (p.re.as_chunks::<LANES>().0, p.im.as_chunks::<LANES>().0);
+        let mask = in_use.as_chunks::<LANES>().0;
         let mut most = [T::default(); LANES];
         for ((re, im), mask) in re.iter().zip(im).zip(mask) {
             let square: [T; LANES] = lanes(|i| T::fused::<I>(re[i], re[i], im[i] * im[i]));

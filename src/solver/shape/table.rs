@@ -60,7 +60,8 @@ type Halves<'a, T> = [&'a [[T; LANES]]; 2];
 
 #[inline(always)]
 fn halves<T>(waves: &Waves<T>, from: usize, count: usize) -> Halves<'_, T> {
-    [&waves.re, &waves.im].map(|part| part[from..from + count].as_chunks::<LANES>().0)
+    let (re, im) = (&waves.re[from..from + count], &waves.im[from..from + count]);
+    [re.as_chunks::<LANES>().0, im.as_chunks::<LANES>().0]
 }
 
 struct Forward<'a, T> {
