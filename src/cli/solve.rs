@@ -11,7 +11,7 @@ use crate::field::{Evaluator, Ghost, NoGhost, Stages, ghost};
 use crate::picture::sheet::pascals;
 use crate::scene::{Amplitudes, Listener, Method, Pressures, Scene, check};
 use crate::solver::levels::{self, Reached};
-use crate::solver::{self, Limits, Problem, Solution, SolveError, Surroundings, shape};
+use crate::solver::{self, Limits, Problem, Solution, SolveError};
 use crate::studio::output::{self, say, warn};
 use crate::studio::probe::{self, Reading};
 
@@ -69,9 +69,7 @@ pub(in crate::cli) fn run(args: &SolveArgs) -> anyhow::Result<()> {
     let mut solution = solver::solve(&scene).map_err(in_file)?;
     let aperture = Aperture::new(&scene);
     let problem = Problem::of_scene(&scene, &aperture, solution.foci.clone());
-    let figures =
-        || shape::figures(&problem, &Surroundings::new(&scene), &solver::driven(&aperture, &solution));
-    solution.figures = Some(solution.figures.unwrap_or_else(figures));
+    solution.judge(&scene, &problem);
     let findings = Findings::new(&scene, &problem, Limits::new(&problem), &mut stages(), solution);
     findings.warnings().iter().for_each(|warning| warn(warning));
     let played = args.levels.map(|levels| Played::new(&problem, &findings.solution, levels));
@@ -367,7 +365,7 @@ impl Findings {
                 ),
                 (
                     "loudest elsewhere",
-                    format!("{} of the mean, at ({x:.1}, {y:.1}, {z:.1}) mm", percent(figures.side_lobe)),
+                    format!("{} of the mean, at ({x}, {y}, {z}) mm", percent(figures.side_lobe)),
                 ),
                 ("strength", format!("{} of the strongest drive's mean", percent(figures.strength))),
             ];

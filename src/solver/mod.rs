@@ -120,6 +120,12 @@ impl Solution {
 }
 
 impl Solution {
+    /// Adds the figures of a shape, if they are not there; `problem` is that of the scene.
+    pub fn judge(&mut self, scene: &Scene, problem: &Problem<'_>) {
+        let u = self.drive.excitation(&problem.aperture.driven);
+        self.figures.get_or_insert_with(|| shape::figures(problem, &Surroundings::new(scene), &u));
+    }
+
     /// The same, turned by a common phase to be near another drive of the array: nothing that is heard changes, and a board that
     /// plays the other goes over to it without a jump.
     pub fn turned_to(mut self, other: &Drive) -> Self {
@@ -160,8 +166,9 @@ pub fn solve(scene: &Scene) -> Result<Solution, SolveError> {
     }
     let seconds = start.elapsed().as_secs_f64();
     let mut solution = solution(scene, &problem, excitation, seconds);
-    let figures = |surroundings| shape::figures(&problem, surroundings, &driven(&aperture, &solution));
-    solution.figures = problem.surroundings.as_ref().map(figures);
+    if problem.surroundings.is_some() {
+        solution.judge(scene, &problem);
+    }
     Ok(solution)
 }
 
@@ -217,11 +224,6 @@ fn solution(scene: &Scene, problem: &Problem<'_>, excitation: Excitation, second
         iterations: excitation.iterations,
         seconds,
     }
-}
-
-/// u of the driven elements.
-pub fn driven(aperture: &Aperture, solution: &Solution) -> Vec<Complex64> {
-    solution.drive.excitation(&aperture.driven)
 }
 
 /// A method's excitation as the scene wants it played.

@@ -13,6 +13,7 @@ mod reach;
 #[path = "../requirement/mod.rs"]
 mod requirement;
 mod robust;
+mod shape;
 mod view;
 
 use std::path::Path;

@@ -71,9 +71,13 @@ impl Task {
         keys.entry("format").or_insert_with(|| file::FORMAT.into());
         let mut scene = file::from_tables(tables)?;
         scene.solver.method = self.method.unwrap_or(scene.solver.method);
-        let solution = solver::solve(&scene)?;
-        let limits =
-            self.limits.then(|| Limits::new(&Problem::new(&Aperture::new(&scene), solution.foci.clone())));
+        let mut solution = solver::solve(&scene)?;
+        let limits = self.limits.then(|| {
+            let aperture = Aperture::new(&scene);
+            let problem = Problem::of_scene(&scene, &aperture, solution.foci.clone());
+            solution.judge(&scene, &problem);
+            Limits::new(&problem)
+        });
         let mut answer = json::solution(&solution, limits.as_ref());
         if !solution.warnings.is_empty() {
             answer["warnings"] = json!(solution.warnings);

@@ -1,0 +1,206 @@
+//! Shapes: strokes evenly loud, and the rest of the plane quiet, judged by the formulae written out plainly.
+
+#![expect(clippy::unwrap_used, reason = "a test's helper may panic")]
+
+use std::f64::consts::TAU;
+use std::path::Path;
+use std::process::{Command, Output};
+
+use num_complex::Complex64;
+use serde_json::Value;
+use tempfile::TempDir;
+
+fn run(folder: &Path, args: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_sonoglyph")).args(args).current_dir(folder).output().unwrap()
+}
+
+fn succeed(folder: &Path, args: &[&str]) -> String {
+    let output = run(folder, args);
+    assert!(output.status.success(), "{args:?}: {}", String::from_utf8_lossy(&output.stderr));
+    String::from_utf8(output.stdout).unwrap()
+}
+
+fn folder_with(files: &[(&str, &str)]) -> TempDir {
+    let folder = tempfile::tempdir().unwrap();
+    for (name, text) in files {
+        std::fs::write(folder.path().join(name), text).unwrap();
+    }
+    folder
+}
+
+fn solved(scene: &str, args: &[&str]) -> Value {
+    let folder = folder_with(&[("a.toml", scene)]);
+    let text = succeed(folder.path(), &[&["solve", "a.toml", "--json"], args].concat());
+    serde_json::from_str(&text).unwrap()
+}
+
+/// |p| of the default array's drive at points on the plane z = 0.1 m, to any scale: far-field pistons without absorption.
+fn judged(solution: &Value, points: &[[f64; 2]]) -> Vec<f64> {
+    const PITCH: f64 = 0.0105;
+    const RADIUS: f64 = 0.005;
+    const HEIGHT: f64 = 0.1;
+    let k = TAU * 40e3 / (331.3 * (293.15f64 / 273.15).sqrt());
+    // The first terms of 2 J1(x)/x; x is at most 3.7.
+    let directivity = |x: f64| {
+        let (mut term, mut sum) = (1.0, 1.0);
+        for n in 1..20 {
+            term *= -(x * x / 4.0) / f64::from(n * (n + 1));
+            sum += term;
+        }
+        sum
+    };
+    let phases: Vec<_> = solution["phases"].as_array().unwrap().iter().map(|v| v.as_f64().unwrap()).collect();
+    let at = |&[x, y]: &[f64; 2]| {
+        let mut sum = Complex64::ZERO;
+        for (n, phase) in phases.iter().enumerate() {
+            let (dx, dy) = (x - PITCH * ((n % 16) as f64 - 7.5), y - PITCH * ((n / 16) as f64 - 7.5));
+            let flat = dx.hypot(dy);
+            let r = flat.hypot(HEIGHT);
+            sum += Complex64::from_polar(directivity(k * RADIUS * flat / r) / r, phase - k * r);
+        }
+        sum.norm()
+    };
+    points.iter().map(at).collect()
+}
+
+/// Places every half a millimetre along a line through some vertices (m).
+fn along(vertices: &[[f64; 2]]) -> Vec<[f64; 2]> {
+    let piece = |pair: &[[f64; 2]]| {
+        let [[x, y], [to_x, to_y]] = [pair[0], pair[1]];
+        let count = ((to_x - x).hypot(to_y - y) / 5e-4).ceil() as usize;
+        let part = move |i: usize| i as f64 / count as f64;
+        (0..=count).map(move |i| [x + (to_x - x) * part(i), y + (to_y - y) * part(i)])
+    };
+    vertices.windows(2).flat_map(piece).collect()
+}
+
+/// Least over mean along a stroke, and the loudest place of 40 x 40 cm that is farther than 8 mm from it over that mean.
+fn figures(solution: &Value, stroke: &[[f64; 2]]) -> (f64, f64) {
+    let heard = judged(solution, stroke);
+    let mean = heard.iter().sum::<f64>() / heard.len() as f64;
+    let least = heard.iter().copied().fold(f64::INFINITY, f64::min);
+    let lattice = (0..200).flat_map(|i| (0..200).map(move |j| [i, j].map(|i| (f64::from(i) - 99.5) * 2e-3)));
+    let is_beside = |[x, y]: &[f64; 2]| stroke.iter().all(|at| (x - at[0]).hypot(y - at[1]) > 8e-3);
+    let beside: Vec<_> = lattice.filter(is_beside).collect();
+    (least / mean, judged(solution, &beside).into_iter().fold(0.0, f64::max) / mean)
+}
+
+fn path(vertices: &[[f64; 2]]) -> String {
+    let vertices: Vec<_> = vertices.iter().map(|[x, y]| format!("[{x}, {y}, 0.1]")).collect();
+    format!("format = 1\n[[target]]\nkind = \"path\"\nvertices = [{}]\n", vertices.join(", "))
+}
+
+/// A star's outline, the letter N and a spiral.
+fn drawings() -> [Vec<[f64; 2]>; 3] {
+    let polar = |r: f64, angle: f64| [r * angle.sin(), r * angle.cos()];
+    let star = (0..=10).map(|i| polar([0.022, 0.01][i % 2], i as f64 * TAU / 10.0)).collect();
+    let letter = vec![[-0.015, -0.02], [-0.015, 0.02], [0.015, -0.02], [0.015, 0.02]];
+    let spiral =
+        (0..=60).map(|i| polar(0.005 + 0.015 * f64::from(i) / 60.0, f64::from(i) * TAU / 40.0)).collect();
+    [star, letter, spiral]
+}
+
+#[test]
+fn a_drawing_is_even_and_all_around_it_is_quiet() {
+    for drawing in drawings() {
+        let scene = path(&drawing);
+        let (solution, stroke) = (solved(&scene, &[]), along(&drawing));
+        let (evenness, side_lobe) = figures(&solution, &stroke);
+        assert!(evenness >= 0.85 && side_lobe <= 0.6, "{evenness:.3}, {side_lobe:.3}: {scene}");
+        let said = |key: &str| solution["quality"][key].as_f64().unwrap();
+        assert!((said("evenness") - evenness).abs() < 0.02, "{evenness:.3}: {}", said("evenness"));
+        assert!((said("side_lobe") / side_lobe - 1.0).abs() < 0.1, "{side_lobe:.3}: {}", said("side_lobe"));
+        assert!((0.8..=1.05).contains(&said("strength")), "{}", said("strength"));
+        // Separate foci are what they were: beads, with ghosts as loud as the drawing.
+        let beads = figures(&solved(&format!("{scene}spacing = 0.01\n"), &[]), &stroke);
+        assert!(beads.0 < evenness - 0.2 && beads.1 > side_lobe + 0.1, "{beads:?}");
+    }
+}
+
+#[test]
+fn quiet_is_bought_with_strength() {
+    let scene = path(&drawings()[1]);
+    let of = |quiet: f64| {
+        let solution = solved(&format!("{scene}[solver]\nquiet = {quiet}\n"), &[]);
+        let said = |key: &str| solution["quality"][key].as_f64().unwrap();
+        (said("strength"), said("side_lobe"))
+    };
+    let (loud, some, quietest) = (of(0.0), of(0.5), of(1.0));
+    assert!((loud.0 - 1.0).abs() < 1e-3, "{loud:?}");
+    assert!(loud.0 > some.0 && some.0 > quietest.0, "{loud:?}, {some:?}, {quietest:?}");
+    assert!(loud.1 > some.1 + 0.1 && some.1 >= quietest.1 - 0.01, "{loud:?}, {some:?}, {quietest:?}");
+}
+
+#[test]
+fn a_quiet_zone_is_quieter_than_without_it() {
+    let drawing = &drawings()[1];
+    let zone = [[-0.036, 0.0], [-0.04, 0.004], [-0.044, 0.0], [-0.04, -0.004], [-0.04, 0.0]];
+    let loudest = |text: &str| {
+        let solution = solved(&format!("{}{text}", path(drawing)), &[]);
+        let heard = judged(&solution, drawing);
+        let mean = heard.iter().sum::<f64>() / heard.len() as f64;
+        judged(&solution, &zone).into_iter().fold(0.0, f64::max) / mean
+    };
+    let text = "[[quiet]]\nkind = \"circle\"\nat = [-0.04, 0.0, 0.1]\nradius = 0.005\nweight = 4.0\n";
+    let (without, with) = (loudest(""), loudest(text));
+    assert!(with < 0.6 * without, "{with:.3}, and {without:.3} without it");
+}
+
+#[test]
+fn searching_on_finds_no_weaker_drive() {
+    let foci: String = (0..9)
+        .map(|i| {
+            let (x, y) = (f64::from(i * 37 % 9) * 8e-3 - 0.03, f64::from(i * 23 % 9) * 7e-3 - 0.03);
+            format!("[[target]]\nat = [{x}, {y}, 0.1]\n")
+        })
+        .collect();
+    let scene = format!("format = 1\n{foci}");
+    let weakest = |args: &[&str]| solved(&scene, args)["quality"]["min_pressure"].as_f64().unwrap();
+    let (soon, later) = (weakest(&[]), weakest(&["--search", "0.3"]));
+    assert!(later >= soon, "{later} Pa, and {soon} at once");
+    assert!(later > 1.0001 * soon, "nothing was searched: {later} Pa");
+}
+
+/// A stroke wanted three times as loud at one end, and a point; evenness is of pressure over target.
+#[test]
+fn solve_answers_with_the_samples_of_a_stroke() {
+    let stroke = "format = 1\n[[target]]\nkind = \"path\"\nvertices = [[-0.02, 0, 0.1], [0.02, 0, 0.1]]\n\
+                  pressures = [1, 3]\n[[target]]\nat = [0, 0.03, 0.1]\n";
+    let folder = folder_with(&[("stroke.toml", stroke), ("alone.toml", stroke.rsplit_once("[[").unwrap().0)]);
+    let json = succeed(folder.path(), &["solve", "stroke.toml", "--json", "--search", "0"]);
+    let value: Value = serde_json::from_str(&json).unwrap();
+    let foci = value["foci"].as_array().unwrap();
+    assert_eq!(foci.len(), 21, "19 pieces of 2.1 mm, and the point");
+    let number = |focus: &Value, key: &str| focus[key].as_f64().unwrap();
+    assert_eq!((number(&foci[0], "target"), number(&foci[19], "target")), (1.0, 3.0));
+    let relative: Vec<_> = foci.iter().map(|it| number(it, "pressure") / number(it, "target")).collect();
+    let mean = relative.iter().sum::<f64>() / relative.len() as f64;
+    let least = relative.iter().copied().fold(f64::INFINITY, f64::min);
+    // It is looked for between the samples too.
+    let lower = least / mean - number(&value["quality"], "evenness");
+    assert!((-0.01..0.05).contains(&lower), "{lower}");
+    // Samples are no foci that blur, and fill no table.
+    let output = run(folder.path(), &["solve", "stroke.toml"]);
+    let (text, warnings) =
+        (String::from_utf8(output.stdout).unwrap(), String::from_utf8(output.stderr).unwrap());
+    assert_eq!(warnings, "");
+    assert!(text.contains("20 samples") && text.contains("evenness"), "{text}");
+    assert_eq!(text.matches(" Pa ").count().min(1), 1, "{text}");
+    assert!(text.contains("30.00") && !text.contains("20.00"), "the point alone: {text}");
+    assert!(!succeed(folder.path(), &["solve", "alone.toml"]).contains("x / mm"));
+}
+
+#[test]
+fn a_time_to_search_that_is_none_is_refused() {
+    let folder = folder_with(&[("a.toml", "format = 1\n[[target]]\n")]);
+    for (args, part) in [
+        (&["--search", "-1"][..], "from 0 to 3600 s"),
+        (&["--search", "nan"], "from 0 to 3600 s"),
+        (&["--search", "soon"], "a time in seconds"),
+        (&["--search", "1", "--motion"], "--motion"),
+    ] {
+        let output = run(folder.path(), &[&["solve", "a.toml"], args].concat());
+        let message = String::from_utf8(output.stderr).unwrap();
+        assert!(output.status.code() == Some(2) && message.contains(part), "{args:?}: {message}");
+    }
+}
