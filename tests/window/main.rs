@@ -272,6 +272,8 @@ fn another_method_and_the_depression_are_a_click_away() {
     rest(&mut screen);
     assert_eq!(screen.state().shown().methods.len(), Method::ALL.len());
     let best = screen.state().shown().solution.as_ref().unwrap().quality.min_pressure;
+    screen.get_by_label("naive").scroll_to_me();
+    rest(&mut screen);
     screen.get_by_label("naive").click();
     rest(&mut screen);
     assert_eq!(scene(&screen).solver.method, Method::Naive);

@@ -4,7 +4,7 @@ use egui::Ui;
 
 use crate::picture::sheet::pascals;
 use crate::scene::{Amplitudes, Method, Pressures};
-use crate::solver::{Figures, Solution};
+use crate::solver::{Figures, Quality, Solution};
 use crate::ui::panels::{PLAIN, choice, count, fact, form, heading, number};
 use crate::ui::{Command, Editor, Shown, theme};
 
@@ -63,22 +63,11 @@ fn quality(shown: &Shown, solution: &Solution, ui: &mut Ui) {
             ("Spread", "How uneven the points are: standard deviation over mean"),
             format!("{:.1} %", 100.0 * quality.spread),
         );
-        if let Some(figures) = &solution.figures {
-            shape(figures, ui);
+        if solution.foci.iter().any(|focus| focus.of_stroke) {
+            shape(solution.figures.as_ref(), ui);
+        } else {
+            foci(quality, ui);
         }
-        fact(
-            ui,
-            ("Efficiency", "How evenly the method's own solution uses the elements: Σ|u|² / (N max|u|²)"),
-            format!("{:.1} %", 100.0 * quality.efficiency),
-        );
-        fact(
-            ui,
-            (
-                "Against one focus",
-                "Pressure against that of a single focus, which shares with nobody; 1 is the most",
-            ),
-            format!("{:.2}", quality.relative_to_single),
-        );
         let certified = match shown.certified {
             Some(certified) => format!("at least {:.0} %", (100.0 * certified).floor()),
             None => "…".to_owned(),
@@ -94,19 +83,33 @@ fn quality(shown: &Shown, solution: &Solution, ui: &mut Ui) {
     }
 }
 
-/// Figures that only shapes have.
-fn shape(figures: &Figures, ui: &mut Ui) {
+/// Figures that say something of separate foci.
+fn foci(quality: &Quality, ui: &mut Ui) {
+    fact(
+        ui,
+        ("Efficiency", "How evenly the method's own solution uses the elements: Σ|u|² / (N max|u|²)"),
+        format!("{:.1} %", 100.0 * quality.efficiency),
+    );
+    let tip = "Pressure against that of a single focus, which shares with nobody; 1 is the most";
+    fact(ui, ("Against one focus", tip), format!("{:.2}", quality.relative_to_single));
+}
+
+/// Figures that only shapes have; they come when nothing is dragged.
+fn shape(figures: Option<&Figures>, ui: &mut Ui) {
+    let told = |tell: &dyn Fn(&Figures) -> String| figures.map_or("…".to_owned(), tell);
     let percent = |part: f64| format!("{:.0} %", 100.0 * part);
     let tip = "Least over mean of the pressure along the strokes, and how far apart least and largest are";
-    let even = format!("{}, {:.1} dB", percent(figures.evenness), figures.ripple_db);
-    fact(ui, ("Evenness", tip), even);
-    let [x, y, z] = (figures.side_lobe_position * 1e3).to_array();
+    fact(ui, ("Evenness", tip), told(&|it| format!("{}, {:.1} dB", percent(it.evenness), it.ripple_db)));
+    let place = told(&|it| {
+        let [x, y, z] = (it.side_lobe_position * 1e3).to_array();
+        format!("{x:.0}, {y:.0}, {z:.0} mm")
+    });
     let tip = format!(
-        "The loudest place of the plane more than 8 mm beside the drawing, over the drawing's mean: at {x:.0}, {y:.0}, {z:.0} mm"
+        "The loudest place of the plane more than 8 mm beside the drawing, over the drawing's mean: at {place}"
     );
-    fact(ui, ("Loudest elsewhere", &tip), percent(figures.side_lobe));
+    fact(ui, ("Loudest elsewhere", &tip), told(&|it| percent(it.side_lobe)));
     let tip = "Mean pressure over that of the strongest drive: what quiet costs";
-    fact(ui, ("Strength", tip), percent(figures.strength));
+    fact(ui, ("Strength", tip), told(&|it| percent(it.strength)));
 }
 
 /// All methods on the same scene, side by side.
