@@ -3,8 +3,8 @@
 //! Every method is a function from a [`Problem`] to an [`Excitation`]; [`solve`] makes the excitation uniform, since
 //! that is what most boards can play, turns it down where the targets are pascals, and measures the result. How near that
 //! is to the best that any drive can do, [`Limits`] tell who asks. The inverses (`pinv`, `weighted`) are in [`inverse`],
-//! the phase iterations (`naive`, `gs`, `gspat`, `wgs`, `greedy`, `best`) in [`iteration`]. [`frames`] solves a
-//! scene that moves.
+//! the phase iterations (`naive`, `gs`, `gspat`, `wgs`, `greedy`, `best`) in [`iteration`]. [`shape`] is `best` for
+//! strokes that are to be even and alone. [`frames`] solves a scene that moves.
 
 mod descent;
 pub mod frames;
@@ -136,7 +136,9 @@ pub fn solve(scene: &Scene) -> Result<Solution, SolveError> {
     let Played { values, pressures, needed } = Played::new(&problem, &scene.solver, excitation.clone());
     let (elements, driven) = (aperture.positions.len(), &aperture.driven);
     let quality = Quality::new(&problem, &excitation, &pressures);
-    let mut warnings = warnings(&aperture, &problem.foci);
+    // Samples of a shape are to blur into one.
+    let mut warnings =
+        if problem.surroundings.is_some() { Vec::new() } else { warnings(&aperture, &problem.foci) };
     if needed > 1.0 {
         warnings.push(too_much(&problem, &quality));
     }
