@@ -21,6 +21,8 @@ const STRIDE: f64 = 0.15;
 const FARTHEST: f64 = 0.5;
 /// The part of what the frames before reached that a frame may fall to before it is searched for anew.
 const KEPT: f64 = 0.96;
+/// The same for a shape, whose weakest place comes and goes with the samples.
+const KEPT_OF_SHAPE: f64 = 0.85;
 
 /// All frames of a round, each with its drive.
 #[derive(Clone, Debug)]
@@ -232,7 +234,8 @@ fn go_on(problem: &Problem<'_>, before: &Link, settings: &Solver) -> Result<Link
         return search();
     }
     let warm = Link::new(problem, settings, solver::excite_from(problem, &before.excitation()), false);
-    if warm.part >= KEPT * before.most {
+    let kept = if problem.surroundings.is_some() { KEPT_OF_SHAPE } else { KEPT };
+    if warm.part >= kept * before.most {
         return Ok(Link { most: warm.part.max(before.most), ..warm });
     }
     let cold: Link = search()?;

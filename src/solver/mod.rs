@@ -3,8 +3,8 @@
 //! Every method is a function from a [`Problem`] to an [`Excitation`]; [`solve`] makes the excitation uniform, since
 //! that is what most boards can play, turns it down where the targets are pascals, and measures the result. How near that
 //! is to the best that any drive can do, [`Limits`] tell who asks. The inverses (`pinv`, `weighted`) are in [`inverse`],
-//! the phase iterations (`naive`, `gs`, `gspat`, `wgs`, `greedy`, `best`) in [`iteration`]. [`frames`] solves a
-//! scene that moves.
+//! the phase iterations (`naive`, `gs`, `gspat`, `wgs`, `greedy`, `best`) in [`iteration`]. [`shape`] is `best` for
+//! strokes that are to be even and alone. [`frames`] solves a scene that moves.
 
 mod descent;
 pub mod frames;

@@ -24,7 +24,7 @@ pub struct Figures {
     /// Loudest over least of |p|/wanted there, dB.
     pub ripple_db: f64,
     /// The loudest |p| of the plane, farther than 8 mm (0.93 wavelengths, if that is more) from every focus, over the mean at
-    /// the foci; 0 where there is no such place.
+    /// the foci; 0 where there is no such place or nothing is heard at the foci.
     pub side_lobe: f64,
     /// m
     pub side_lobe_position: DVec3,
@@ -49,6 +49,7 @@ pub fn figures(problem: &Problem<'_>, surroundings: &Surroundings, u: &[Complex6
         relative.iter().fold((f64::INFINITY, 0.0f64), |(least, most), &p| (least.min(p), most.max(p)));
     let mean = mean(&relative).max(f64::MIN_POSITIVE);
     let (side_lobe_position, loudest) = side_lobe(problem, &surroundings.plane, u).unwrap_or_default();
+    let at_mean = self::mean(&at_foci);
     let strength = |u: &[Complex64]| {
         let pressure = problem.transfer.pressure(u);
         let played = u.iter().map(|u| u.norm()).fold(f64::MIN_POSITIVE, f64::max);
@@ -59,7 +60,7 @@ pub fn figures(problem: &Problem<'_>, surroundings: &Surroundings, u: &[Complex6
     Figures {
         evenness: least / mean,
         ripple_db: 20.0 * (most / least.max(1e-6 * most).max(f64::MIN_POSITIVE)).max(1.0).log10(),
-        side_lobe: loudest / self::mean(&at_foci).max(f64::MIN_POSITIVE),
+        side_lobe: if at_mean > 0.0 { loudest / at_mean } else { 0.0 },
         side_lobe_position,
         strength: strength(u) / strength(&strongest(problem)).max(f64::MIN_POSITIVE),
     }
@@ -136,7 +137,15 @@ fn side_lobe(problem: &Problem<'_>, plane: &Plane, u: &[Complex64]) -> Option<(D
         }
         best
     };
-    loud.iter().take(MOST).map(refined).max_by(|a, b| a.1.total_cmp(&b.1))
+    // One place of every lobe.
+    let apart = 0.4 * aperture.wavelength();
+    let mut places: Vec<(DVec3, f64)> = Vec::new();
+    for loud in loud {
+        if places.len() < MOST && places.iter().all(|place| place.0.distance(loud.0) > apart) {
+            places.push(loud);
+        }
+    }
+    places.iter().map(refined).max_by(|a, b| a.1.total_cmp(&b.1))
 }
 
 /// Places of the plane just farther than `nearest` (m) from the foci, where what is drawn fades: between them and the next sample it

@@ -301,3 +301,98 @@ fn power<T: Real>(base: &[T; LANES], exponent: usize) -> [T; LANES] {
     }
     power
 }
+
+#[cfg(test)]
+mod tests {
+    use glam::{DVec2, DVec3};
+
+    use super::*;
+    use crate::acoustics::Aperture;
+    use crate::scene::Scene;
+    use crate::solver::shape::grid::Layout;
+    use crate::solver::starts::scatter;
+
+    fn table<T: Real>(aperture: &Aperture, points: &[DVec3], scale: f64) -> Table<T> {
+        let mut table = Table::new(aperture.driven.len());
+        aperture.transfer(points).rows().for_each(|row| table.push(row, scale));
+        table
+    }
+
+    /// A few samples of a stroke, and a grid and a table that are to be quiet.
+    fn objective<T: Real>(aperture: &Aperture, weights: Weights) -> Objective<T> {
+        const SCALE: f64 = 1e-2;
+        let stroke: Vec<_> = (0..9).map(|i| DVec3::new(2e-3 * f64::from(i), 1e-3, 0.05)).collect();
+        let mut objective = Objective::new(table(aperture, &stroke, SCALE), weights);
+        let layout = Layout::new(aperture, 0.05, DVec2::splat(0.05), 2);
+        let mut mask = vec![T::default(); layout.len()];
+        layout.places(aperture.pitch).for_each(|(index, _)| mask[index] = T::of(scatter(index)));
+        let grid = Samples::Grid(Box::new(Grid::new(aperture, layout, SCALE)));
+        objective.quiet.push(Quiet::new(grid, mask));
+        let zone: Vec<_> = (0..19).map(|i| DVec3::new(-0.03, 2e-3 * f64::from(i), 0.06)).collect();
+        let zone = Samples::Table(table(aperture, &zone, 2.0 * SCALE));
+        objective.quiet.push(Quiet::new(zone, vec![T::of(0.7); 19]));
+        objective
+    }
+
+    fn check<T: Real>(step: f64, most: f64) {
+        let mut scene = Scene::default();
+        (scene.array.rows, scene.array.columns, scene.array.off) = (5, 7, vec![3, 11]);
+        let aperture = Aperture::new(&scene);
+        let phases: Vec<_> = (0..aperture.driven.len()).map(|n| 6.0 * scatter(n)).collect();
+        let alone = Weights {
+            even: 2.0,
+            quiet: 0.0,
+            strong: 1.0,
+            sharpness: 8,
+            loudness: Loudness::Eight,
+            floor: 0.0,
+        };
+        let all = Weights { even: 1.5, quiet: 1.0, strong: 0.0, sharpness: 16, ..alone };
+        let kept = Weights { loudness: Loudness::Twelve, floor: 1e3, quiet: 0.4, ..all };
+        for weights in [alone, all, kept] {
+            let mut objective = objective::<T>(&aperture, weights);
+            let mut gradient = vec![0.0; phases.len()];
+            objective.evaluate(&phases, &mut gradient);
+            let largest = gradient.iter().fold(0.0f64, |most, slope| most.max(slope.abs()));
+            for n in 0..phases.len() {
+                let mut at = |by: f64| {
+                    let mut moved = phases.clone();
+                    moved[n] += by;
+                    objective.evaluate(&moved, &mut vec![0.0; phases.len()])
+                };
+                let expected = (at(step) - at(-step)) / (2.0 * step);
+                let off = (gradient[n] - expected).abs() / largest;
+                assert!(off < most, "{weights:?}, element {n}: off by {off:e}");
+            }
+        }
+    }
+
+    #[test]
+    fn the_gradient_is_that_of_central_differences() {
+        check::<f64>(1e-5, 1e-6);
+        check::<f32>(1e-2, 3e-3);
+    }
+
+    #[test]
+    fn rows_that_are_faint_are_left_out_until_they_are_chosen_again() {
+        let aperture = Aperture::new(&Scene::default());
+        let points: Vec<_> = (0..40).map(|i| DVec3::new(5e-3 * f64::from(i), 0.0, 0.1)).collect();
+        let mut quiet = Quiet::new(Samples::Table(table::<f32>(&aperture, &points, 1e-2)), vec![1.0; 40]);
+        let mut u = Waves::zeros(256);
+        let rows = |quiet: &Quiet<f32>| match &quiet.samples {
+            Samples::Table(table) => table.rows.clone(),
+            Samples::Grid(_) => Vec::new(),
+        };
+        // Equal phases radiate along the axis; a gradient of phases to the side.
+        for (wavenumber, expected) in [(0.0, 0), (-500.0, 20)] {
+            for (n, position) in aperture.positions.iter().enumerate() {
+                let phase = wavenumber * position.x;
+                (u.re[n], u.im[n]) = (phase.cos() as f32, phase.sin() as f32);
+            }
+            quiet.refresh(&u);
+            let rows = rows(&quiet);
+            let near = rows.iter().map(|row| row.abs_diff(expected)).min();
+            assert!(rows.len() < 30 && near < Some(6), "{rows:?} near {expected}");
+        }
+    }
+}

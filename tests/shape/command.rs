@@ -1,6 +1,4 @@
-//! Shapes: strokes evenly loud, and the rest of the plane quiet, judged by the formulae written out plainly.
-
-#![expect(clippy::unwrap_used, reason = "a test's helper may panic")]
+//! Shapes through the command line.
 
 use std::f64::consts::TAU;
 use std::path::Path;

@@ -1,0 +1,6 @@
+//! Shapes: strokes evenly loud and the rest of the plane quiet, judged in f64 by formulae written out plainly.
+
+#![expect(clippy::unwrap_used, reason = "a test's helper may panic")]
+
+mod command;
+mod solver;
