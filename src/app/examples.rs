@@ -3,6 +3,8 @@
 /// Name and text, the first one first shown.
 pub const EXAMPLES: &[(&str, &str)] = &[
     ("hit", include_str!("../../assets/scenes/hit.toml")),
+    ("heart", include_str!("../../assets/scenes/heart.toml")),
+    ("star", include_str!("../../assets/scenes/star.toml")),
     ("letter-h", include_str!("../../assets/scenes/letter-h.toml")),
     ("letter-i", include_str!("../../assets/scenes/letter-i.toml")),
     ("letter-t", include_str!("../../assets/scenes/letter-t.toml")),
