@@ -42,7 +42,7 @@ const SUBJECTS: [Subject; 3] = [
 /// `drawn`: of each drawing the records in their order, the search first.
 pub fn charts(drawn: &[Vec<Record>], summaries: &[Summary]) -> Vec<(String, Chart)> {
     let chart = |subject: &Subject| Chart {
-        title: format!("Time against {}: {} drawings, 256 elements", subject.name, drawn.len()),
+        title: format!("Time against {}: drawings, 256 elements", subject.name.replace('-', " ")),
         x_label: "CPU-ms since the start".to_owned(),
         y_label: subject.label.to_owned(),
         series: series(drawn, summaries, subject),
