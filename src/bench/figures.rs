@@ -37,7 +37,7 @@ pub struct Measured {
     pub found: Spread,
 }
 
-const FIGURES: [Figure; 14] = [
+const FIGURES: [Figure; 16] = [
     Figure {
         name: "a map of 1024 x 1024 pixels within 1e-3 of its peak, after a new drive: faster than evaluating every pixel",
         unit: Unit::Times,
@@ -125,6 +125,20 @@ const FIGURES: [Figure; 14] = [
         },
     },
     Figure {
+        name: "the drive of a drawing: least pressure along its strokes over their mean, in the worst drawing",
+        unit: Unit::Percent,
+        value: 0.906,
+        spread: [0.85, 0.95],
+        find: |report| drawn(report, "evenness", "least"),
+    },
+    Figure {
+        name: "and the loudest place beside it over that mean, mean over the drawings",
+        unit: Unit::Percent,
+        value: 0.464,
+        spread: [0.4, 0.5],
+        find: |report| drawn(report, "side_lobe", "mean"),
+    },
+    Figure {
         name: "a frame in which one of 8 foci is dragged, in a window of 1280 x 800: faster than with every pixel evaluated",
         unit: Unit::Times,
         value: 18.4,
@@ -172,6 +186,12 @@ fn dent(report: &Value, frames: usize) -> Option<Value> {
 fn best(report: &Value, key: &str) -> Option<Value> {
     let wanted = json!({ "workload": "plane", "foci": 32, "method": "best" });
     Some(record(report, "solve", &wanted)?[key].clone())
+}
+
+/// At the end of the search.
+fn drawn(report: &Value, key: &str, of_all: &str) -> Option<Value> {
+    let wanted = json!({ "drawing": "all", "drive": "end" });
+    Some(record(report, "shapes", &wanted)?[key][of_all].clone())
 }
 
 /// The first record of a section that has all these values.
@@ -275,10 +295,15 @@ mod tests {
         };
         let report = json!({
             "field": [map("gpu", 1e-3, times(9.0)), map("cpu", 1e-2, times(8.0)), map("cpu", 1e-3, times(7.0))],
+            "shapes": [
+                { "drawing": "A", "drive": "end", "evenness": 0.95, "side_lobe": 0.42 },
+                { "drawing": "all", "drive": "first drive", "evenness": { "least": 0.94 }, "side_lobe": { "mean": 0.8 } },
+                { "drawing": "all", "drive": "end", "evenness": { "least": 0.9 }, "side_lobe": { "mean": 0.45 } },
+            ],
             "window": [{ "what": "nothing happens", "frames": 3 }],
         });
         let found: Vec<_> = measured(&report).iter().map(|figure| figure.found.median).collect();
-        assert_eq!(found, [7.0, 5e-4, 3.0]);
+        assert_eq!(found, [7.0, 5e-4, 0.9, 0.45, 3.0]);
         assert!(measured(&json!({})).is_empty());
     }
 }

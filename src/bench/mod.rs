@@ -8,6 +8,7 @@ mod foci;
 #[cfg(all(unix, feature = "serial"))]
 mod link;
 mod page;
+mod shapes;
 mod solve;
 mod stability;
 mod time;
@@ -45,6 +46,8 @@ pub enum Subject {
     Solve,
     /// Solver methods on sets of foci that are hard to solve.
     Stability,
+    /// Drives of drawings.
+    Shapes,
     /// Frames of the window.
     Window,
     /// Links to virtual boards.
@@ -78,12 +81,13 @@ struct Section {
 }
 
 /// Subject, key in the JSON, title, and who measures it.
-fn subjects() -> [(Subject, &'static str, &'static str, Measure); 6] {
+fn subjects() -> [(Subject, &'static str, &'static str, Measure); 7] {
     [
         (Subject::Field, "field", "Maps of the field", field::run),
         (Subject::Field, "dent", "Dents, radiation pressure and means over a round", dent::run),
         (Subject::Solve, "solve", "Solver methods", solve::run),
         (Subject::Stability, "stability", "Foci that are hard to solve", stability::run),
+        (Subject::Shapes, "shapes", "Drives of drawings", shapes::run),
         (Subject::Window, "window", "Frames of the window", window()),
         (Subject::Link, "link", "Links to boards", link()),
     ]

@@ -51,7 +51,7 @@ fn of_conditions(conditions: &Conditions) -> String {
     }
     html += "<p>Milliseconds differ between machines, and ratios to the baseline in the same run much less: compare these. The \
              baseline of a map is the same map with every pixel evaluated; of a dent, a picture of the pressure; of a solver, 200 \
-             iterations of weighted Gerchberg-Saxton; of the window, the window with every pixel evaluated; of a link, what the \
+             iterations of weighted Gerchberg-Saxton; of a drawing, weighted Gerchberg-Saxton for foci 4 mm apart; of the window, the window with every pixel evaluated; of a link, what the \
              line carries. Works and their baseline take turns, round by round. A ratio is the median over the rounds, with \
              quartiles beside it: half of the rounds lay between them. CPU-ms count all threads of the process, and other work on \
              the machine moves them little.</p>\n";

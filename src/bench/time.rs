@@ -1,5 +1,6 @@
 //! What work takes, and how much that varies: medians and quartiles over rounds in which everything compared takes turns.
 
+use std::ops::AddAssign;
 use std::time::{Duration, Instant};
 
 use cpu_time::ProcessTime;
@@ -40,10 +41,23 @@ impl Spent {
         Ok(Self::median(&runs))
     }
 
+    /// What several pieces of work take on average.
+    pub fn mean(pieces: &[Self]) -> Self {
+        let of = |time: fn(&Self) -> f64| pieces.iter().map(time).sum::<f64>() / pieces.len() as f64;
+        Self { cpu: of(|piece| piece.cpu), wall: of(|piece| piece.wall) }
+    }
+
     /// The medians of several runs.
     pub fn median(runs: &[Self]) -> Self {
         let of = |time: fn(&Self) -> f64| median(&runs.iter().map(time).collect::<Vec<_>>());
         Self { cpu: of(|run| run.cpu), wall: of(|run| run.wall) }
+    }
+}
+
+impl AddAssign for Spent {
+    fn add_assign(&mut self, other: Self) {
+        self.cpu += other.cpu;
+        self.wall += other.wall;
     }
 }
 

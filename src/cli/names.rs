@@ -88,7 +88,7 @@ impl ValueEnum for ColourMap {
 
 impl ValueEnum for Subject {
     fn value_variants<'a>() -> &'a [Self] {
-        &[Self::Field, Self::Solve, Self::Stability, Self::Window, Self::Link, Self::All]
+        &[Self::Field, Self::Solve, Self::Stability, Self::Shapes, Self::Window, Self::Link, Self::All]
     }
 
     fn to_possible_value(&self) -> Option<PossibleValue> {
@@ -96,6 +96,7 @@ impl ValueEnum for Subject {
             Self::Field => ("field", "Maps: of one drive, of means, and of surface depressions"),
             Self::Solve => ("solve", "Solver methods"),
             Self::Stability => ("stability", "Solver methods on sets of foci that are hard to solve"),
+            Self::Shapes => ("shapes", "Drives of drawings, call by call, beside separate foci"),
             Self::Window => ("window", "Frames of the window"),
             Self::Link => ("link", "Links to virtual boards"),
             Self::All => return Some(PossibleValue::new("all")),

@@ -25,7 +25,7 @@ use crate::scene::{Amplitudes, Focus, KeyError, Method, Pressures, Scene, Solver
 
 pub use inverse::rank_and_condition;
 pub use quality::{Limits, Quality, bound};
-pub use shape::{Figures, Search, Surroundings};
+pub use shape::{Figures, Search, Stage, Surroundings};
 
 /// What a method gets to see.
 #[derive(Clone, Debug)]

@@ -58,7 +58,7 @@ pub struct Zone {
 }
 
 /// Steps of one call of [`Search::advance`], and calls, of each part of the schedule.
-const COARSE: (usize, u32) = (20, 3);
+pub const COARSE: (usize, u32) = (20, 3);
 const FINE: (usize, u32) = (25, 4);
 const LAST: (usize, u32) = (25, 4);
 /// Steps of another start, and of the best of these.
@@ -100,12 +100,16 @@ pub struct Search<'a> {
     steps: usize,
 }
 
-/// What the next call does; numbers count calls and starts.
-#[derive(Clone, Copy, Debug)]
-enum Stage {
+/// What the next call of [`Search::advance`] does; numbers count calls and starts.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Stage {
+    /// The strokes alone.
     First,
+    /// On coarse samples of the surroundings.
     Coarse(u32),
+    /// Another start.
     Other(usize),
+    /// On fine samples, from the better start and from the other.
     Leader(u32),
     Rival(u32),
     Last(u32),
@@ -146,6 +150,10 @@ impl<'a> Search<'a> {
         }
         search.given = is_drive.then(|| before.iter().map(|&u| iteration::phase(u)).collect());
         search
+    }
+
+    pub fn stage(&self) -> Stage {
+        self.stage
     }
 
     /// The best drive so far, turned by a common phase to be near the one before: first that of the strokes alone, then one
