@@ -262,7 +262,8 @@ fn whatever_is_asked_has_a_drive_that_can_be_played() {
                 let surroundings = Surroundings { plane: plane.clone(), quiet, zones };
                 let mut search = Search::new(&problem, &surroundings);
                 let mut last = search.advance().unwrap();
-                for _ in 0..6 {
+                let calls = if (index + number) % 3 == 0 { 6 } else { 1 };
+                for _ in 0..calls {
                     assert_playable(&last.values, aperture.driven.len(), &what);
                     let Some(next) = search.advance() else { break };
                     last = next;

@@ -91,7 +91,7 @@ impl<T: Real> Stage<T> {
         let (to_re, to_im) = (to.re.as_chunks_mut::<LANES>().0, to.im.as_chunks_mut::<LANES>().0);
         let step = stride * blocks;
         for run in 0..runs {
-            for k in 0..stride {
+            for (k, turns) in turns.iter().enumerate() {
                 let first_at = (run * stride + k) * blocks;
                 let apart = runs * stride * blocks;
                 let target = (run * radix * stride + k) * blocks;
@@ -115,15 +115,15 @@ impl<T: Real> Stage<T> {
                     4 => {
                         let [a, b] = [row(from, first_at, blocks), row(from, first_at + apart, blocks)];
                         let [c, d] = [first_at + 2 * apart, first_at + 3 * apart];
-                        four([a, b, row(from, c, blocks), row(from, d, blocks)], to, step, &turns[k]);
+                        four([a, b, row(from, c, blocks), row(from, d, blocks)], to, step, turns);
                     }
                     3 => {
                         let [a, b] = [row(from, first_at, blocks), row(from, first_at + apart, blocks)];
-                        three([a, b, row(from, first_at + 2 * apart, blocks)], to, step, &turns[k]);
+                        three([a, b, row(from, first_at + 2 * apart, blocks)], to, step, turns);
                     }
                     _ => {
                         let [a, b] = [row(from, first_at, blocks), row(from, first_at + apart, blocks)];
-                        two([a, b], to, step, &turns[k]);
+                        two([a, b], to, step, turns);
                     }
                 }
             }

@@ -101,7 +101,7 @@ fn total<T: Real>(sums: &[[T; LANES]; 2]) -> T {
     let mut sums: [T; LANES] = lanes(|i| sums[0][i] + sums[1][i]);
     for width in [4, 2, 1] {
         for lane in 0..width {
-            sums[lane] = sums[lane] + sums[lane + width];
+            sums[lane] += sums[lane + width];
         }
     }
     sums[0]
