@@ -165,7 +165,7 @@ pub fn solve(scene: &Scene) -> Result<Solution, SolveError> {
         excitation = iteration::search_on(&problem, excitation, time);
     }
     let seconds = start.elapsed().as_secs_f64();
-    let mut solution = solution(scene, &problem, excitation, seconds);
+    let mut solution = solution(scene, &problem, &excitation, seconds);
     if problem.surroundings.is_some() {
         solution.judge(scene, &problem);
     }
@@ -198,15 +198,15 @@ pub fn solve_on(scene: &Scene, before: Option<&Drive>) -> Result<Solution, Solve
             found.unwrap_or_else(|| iteration::naive(&problem))
         }
     };
-    Ok(solution(scene, &problem, excitation, start.elapsed().as_secs_f64()))
+    Ok(solution(scene, &problem, &excitation, start.elapsed().as_secs_f64()))
 }
 
 /// What the excitation of the scene's method does as it is played.
-fn solution(scene: &Scene, problem: &Problem<'_>, excitation: Excitation, seconds: f64) -> Solution {
+fn solution(scene: &Scene, problem: &Problem<'_>, excitation: &Excitation, seconds: f64) -> Solution {
     let aperture = problem.aperture;
     let Played { values, pressures, needed } = Played::new(problem, &scene.solver, excitation.clone());
     let (elements, driven) = (aperture.positions.len(), &aperture.driven);
-    let quality = Quality::new(problem, &excitation, &pressures);
+    let quality = Quality::new(problem, excitation, &pressures);
     let mut warnings = warnings(aperture, &problem.foci);
     if needed > 1.0 {
         warnings.push(too_much(problem, &quality));
