@@ -58,8 +58,8 @@ impl<'a> Problem<'a> {
     /// Foci of a scene: what is not drawn is to be quiet where it has continuous strokes or quiet zones.
     pub fn of_scene(scene: &Scene, aperture: &'a Aperture, foci: Vec<Focus>) -> Self {
         let is_shape = !scene.quiet.is_empty() || foci.iter().any(|focus| focus.of_stroke);
-        let problem = Self::new(aperture, foci);
-        if is_shape { problem.with_surroundings(Surroundings::new(scene)) } else { problem }
+        let surroundings = is_shape.then(|| Surroundings::new(scene, &foci));
+        Self { surroundings, ..Self::new(aperture, foci) }
     }
 
     /// The foci are samples of a shape and separate foci, and what is around them is to be quiet: `best` then is
@@ -123,7 +123,8 @@ impl Solution {
     /// Adds the figures of a shape, if they are not there; `problem` is that of the scene.
     pub fn judge(&mut self, scene: &Scene, problem: &Problem<'_>) {
         let u = self.drive.excitation(&problem.aperture.driven);
-        self.figures.get_or_insert_with(|| shape::figures(problem, &Surroundings::new(scene), &u));
+        self.figures
+            .get_or_insert_with(|| shape::figures(problem, &Surroundings::new(scene, &problem.foci), &u));
     }
 
     /// The same, turned by a common phase to be near another drive of the array: nothing that is heard changes, and a board that

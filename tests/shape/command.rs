@@ -144,6 +144,21 @@ fn a_quiet_zone_is_quieter_than_without_it() {
     assert!(with < 0.6 * without, "{with:.3}, and {without:.3} without it");
 }
 
+/// A section across a drawing cannot be quiet: the plane that the drawing lies on is.
+#[test]
+fn a_drawing_is_as_even_where_the_scene_shows_a_section_of_it() {
+    let drawing = &drawings()[1];
+    let section = format!("{}[plane]\ny_axis = [0, 0, 1]\n", path(drawing));
+    let (solution, level) = (solved(&section, &[]), solved(&path(drawing), &[]));
+    let of = |solution: &Value, key: &str| solution["quality"][key].as_f64().unwrap();
+    for key in ["evenness", "side_lobe", "strength"] {
+        let (seen, known) = (of(&solution, key), of(&level, key));
+        assert!((seen - known).abs() < 0.03, "{key}: {seen:.3}, not {known:.3}");
+    }
+    let height = solution["quality"]["side_lobe_position"][2].as_f64().unwrap();
+    assert!((height - 0.1).abs() < 1e-9, "{height}");
+}
+
 #[test]
 fn searching_on_finds_no_weaker_drive() {
     let foci: String = (0..9)

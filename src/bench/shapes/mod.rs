@@ -225,7 +225,7 @@ fn search(scene: &Scene) -> Result<Vec<Played>, SolveError> {
         Spent::once(|| Ok::<_, SolveError>(Problem::of_scene(scene, &aperture, outline::foci(scene)?)));
     total += spent;
     let problem = problem?;
-    let (spent, mut search) = Spent::once(|| Search::new(&problem, &Surroundings::new(scene)));
+    let (spent, mut search) = Spent::once(|| Search::new(&problem, &Surroundings::new(scene, &problem.foci)));
     total += spent;
     let mut calls = Vec::new();
     loop {
@@ -284,7 +284,11 @@ fn figures(drawing: &Drawing, moved: f64, drive: &Drive) -> Result<Figures, Solv
     let scene = drawing.scene(moved, Sampling::Continuous);
     let aperture = Aperture::new(&scene);
     let problem = Problem::of_scene(&scene, &aperture, outline::foci(&scene)?);
-    Ok(shape::figures(&problem, &Surroundings::new(&scene), &drive.excitation(&aperture.driven)))
+    Ok(shape::figures(
+        &problem,
+        &Surroundings::new(&scene, &problem.foci),
+        &drive.excitation(&aperture.driven),
+    ))
 }
 
 /// A row for each work: of a search, what it has at its end.

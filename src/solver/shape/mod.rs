@@ -17,7 +17,7 @@ mod table;
 use glam::DVec3;
 use num_complex::Complex64;
 
-use crate::scene::{self, Plane, Scene};
+use crate::scene::{self, Focus, Plane, Scene};
 use crate::solver::descent::Descent;
 use crate::solver::{Excitation, Problem, iteration};
 
@@ -38,13 +38,25 @@ pub struct Surroundings {
 }
 
 impl Surroundings {
-    /// Those that a scene asks for.
-    pub fn new(scene: &Scene) -> Self {
+    /// Those that a scene asks for: its plane where these foci lie on it, or else a level one through them, since a section across
+    /// a drawing cannot be quiet.
+    pub fn new(scene: &Scene, foci: &[Focus]) -> Self {
         /// Wavelengths from one sample of a zone to the next.
         const SPACING: f64 = 0.4;
+        /// Wavelengths from a plane on which foci still lie.
+        const NEAR: f64 = 0.5;
+        let normal = scene.plane.axes().map_or(DVec3::Z, |(x, y)| x.cross(y));
+        let height = |focus: &Focus| (focus.position - scene.plane.centre).dot(normal).abs();
+        let is_drawn_on = foci.iter().map(height).fold(0.0, f64::max) <= NEAR * scene.wavelength();
+        let plane = if is_drawn_on {
+            scene.plane.clone()
+        } else {
+            let centre = foci.iter().map(|focus| focus.position).sum::<DVec3>() / foci.len() as f64;
+            Plane { centre, x_axis: DVec3::X, y_axis: DVec3::Y, ..scene.plane.clone() }
+        };
         let points = |zone: &scene::Zone| zone.points(SPACING * scene.wavelength());
         let zones = scene.quiet.iter().map(|zone| Zone { points: points(zone), weight: zone.weight });
-        Self { plane: scene.plane.clone(), quiet: scene.solver.quiet, zones: zones.collect() }
+        Self { plane, quiet: scene.solver.quiet, zones: zones.collect() }
     }
 }
 
