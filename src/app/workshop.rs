@@ -141,12 +141,11 @@ impl Workshop {
             return;
         }
         let posed = posed(scene);
-        let amount = amount(&posed);
         if self.solved.as_ref().is_none_or(|(scene, _)| *scene != posed) {
             let start = Instant::now();
-            let outcome = match &amount {
-                Err(problem) => Err(problem.clone()),
-                Ok(amount) if *amount > AT_ONCE => {
+            let outcome = match amount(&posed) {
+                Err(problem) => Err(problem),
+                Ok(amount) if amount > AT_ONCE => {
                     self.solving.ask(&posed, ctx, solve);
                     match self.solving.get(&posed) {
                         Some(solved) => solved.clone(),

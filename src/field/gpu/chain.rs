@@ -144,7 +144,9 @@ impl Chain {
         }
         for (row, places) in &shape.direct {
             // A slope beside the array takes more than one pass; the CPU makes it.
-            Some(()).filter(|()| Part::of(parts).eq([Part::Pressure]))?;
+            if !Part::of(parts).eq([Part::Pressure]) {
+                return None;
+            }
             let sums = gpu.storage("sums", bytes(places.len())?);
             making.add(places, &sums, 1.0)?;
             making.sums.push(sums.clone());

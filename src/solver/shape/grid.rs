@@ -270,12 +270,10 @@ impl<T: Real> Kernel for Forward<'_, T> {
 /// to = a b
 #[inline(always)]
 fn multiply<I: Instructions, T: Real>(a: &Waves<T>, b: &Waves<T>, to: &mut Waves<T>) {
-    let count = a.re.as_chunks::<LANES>().0.len();
-    let (a_re, a_im) = (&a.re.as_chunks::<LANES>().0[..count], &a.im.as_chunks::<LANES>().0[..count]);
-    let (b_re, b_im) = (&b.re.as_chunks::<LANES>().0[..count], &b.im.as_chunks::<LANES>().0[..count]);
-    let to_re = &mut to.re.as_chunks_mut::<LANES>().0[..count];
-    let to_im = &mut to.im.as_chunks_mut::<LANES>().0[..count];
-    for block in 0..count {
+    let count = a.len() / LANES * LANES;
+    let ([a_re, a_im], [b_re, b_im]) = (a.blocks(0, count), b.blocks(0, count));
+    let [to_re, to_im] = to.blocks_mut(count);
+    for block in 0..to_re.len() {
         let (c, d, e, f) = (&a_re[block], &a_im[block], &b_re[block], &b_im[block]);
         to_re[block] = lanes(|i| T::fused::<I>(c[i], e[i], -(d[i] * f[i])));
         to_im[block] = lanes(|i| T::fused::<I>(c[i], f[i], d[i] * e[i]));
@@ -285,12 +283,10 @@ fn multiply<I: Instructions, T: Real>(a: &Waves<T>, b: &Waves<T>, to: &mut Waves
 /// to += a* b
 #[inline(always)]
 fn accumulate<I: Instructions, T: Real>(a: &Waves<T>, b: &Waves<T>, to: &mut Waves<T>) {
-    let count = a.re.as_chunks::<LANES>().0.len();
-    let (a_re, a_im) = (&a.re.as_chunks::<LANES>().0[..count], &a.im.as_chunks::<LANES>().0[..count]);
-    let (b_re, b_im) = (&b.re.as_chunks::<LANES>().0[..count], &b.im.as_chunks::<LANES>().0[..count]);
-    let to_re = &mut to.re.as_chunks_mut::<LANES>().0[..count];
-    let to_im = &mut to.im.as_chunks_mut::<LANES>().0[..count];
-    for block in 0..count {
+    let count = a.len() / LANES * LANES;
+    let ([a_re, a_im], [b_re, b_im]) = (a.blocks(0, count), b.blocks(0, count));
+    let [to_re, to_im] = to.blocks_mut(count);
+    for block in 0..to_re.len() {
         let (c, d, e, f) = (&a_re[block], &a_im[block], &b_re[block], &b_im[block]);
         let (re, im) = (to_re[block], to_im[block]);
         let part = lanes(|i| T::fused::<I>(c[i], e[i], re[i]));

@@ -92,6 +92,18 @@ impl<T: Real> Waves<T> {
         self.im.fill(T::default());
     }
 
+    /// Both parts of so many numbers from a place on, in whole blocks of lanes.
+    #[inline(always)]
+    pub fn blocks(&self, from: usize, count: usize) -> [&[[T; LANES]]; 2] {
+        [&self.re, &self.im].map(|part| part[from..from + count].as_chunks().0)
+    }
+
+    /// Both parts of the first numbers.
+    #[inline(always)]
+    pub fn blocks_mut(&mut self, count: usize) -> [&mut [[T; LANES]]; 2] {
+        [&mut self.re, &mut self.im].map(|part| part[..count].as_chunks_mut().0)
+    }
+
     pub fn scale(&mut self, by: T) {
         self.re.iter_mut().chain(&mut self.im).for_each(|value| *value *= by);
     }

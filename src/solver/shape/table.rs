@@ -55,15 +55,6 @@ impl<T: Real> Table<T> {
     }
 }
 
-/// Real and imaginary parts, in whole blocks of lanes.
-type Halves<'a, T> = [&'a [[T; LANES]]; 2];
-
-#[inline(always)]
-fn halves<T>(waves: &Waves<T>, from: usize, count: usize) -> Halves<'_, T> {
-    let (re, im) = (&waves.re[from..from + count], &waves.im[from..from + count]);
-    [re.as_chunks::<LANES>().0, im.as_chunks::<LANES>().0]
-}
-
 struct Forward<'a, T> {
     table: &'a Table<T>,
     u: &'a Waves<T>,
@@ -76,9 +67,9 @@ impl<T: Real> Kernel for Forward<'_, T> {
     #[inline(always)]
     fn run<I: Instructions>(self) {
         let Self { table, u, p } = self;
-        let [u_re, u_im] = halves(u, 0, table.stride);
+        let [u_re, u_im] = u.blocks(0, table.stride);
         for ((&row, p_re), p_im) in table.rows.iter().zip(&mut p.re).zip(&mut p.im) {
-            let [h_re, h_im] = halves(&table.values, row as usize * table.stride, table.stride);
+            let [h_re, h_im] = table.values.blocks(row as usize * table.stride, table.stride);
             // Two sums of each kind: one would be waited for.
             let (mut re, mut im) = ([[T::default(); LANES]; 2], [[T::default(); LANES]; 2]);
             for block in 0..table.stride / LANES {
@@ -119,13 +110,12 @@ impl<T: Real> Kernel for Back<'_, T> {
     #[inline(always)]
     fn run<I: Instructions>(self) {
         let Self { table, y, b } = self;
-        let b_re = b.re[..table.stride].as_chunks_mut::<LANES>().0;
-        let b_im = b.im[..table.stride].as_chunks_mut::<LANES>().0;
+        let [b_re, b_im] = b.blocks_mut(table.stride);
         for ((&row, &re), &im) in table.rows.iter().zip(&y.re).zip(&y.im) {
             if re == T::default() && im == T::default() {
                 continue;
             }
-            let [h_re, h_im] = halves(&table.values, row as usize * table.stride, table.stride);
+            let [h_re, h_im] = table.values.blocks(row as usize * table.stride, table.stride);
             for block in 0..table.stride / LANES {
                 let (h_re, h_im, to_re, to_im) = (&h_re[block], &h_im[block], b_re[block], b_im[block]);
                 let part = lanes(|i| T::fused::<I>(h_re[i], re, to_re[i]));
