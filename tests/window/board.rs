@@ -52,6 +52,8 @@ fn connected(profile: Profile) -> (Screen, Board, Receiver<Shown>) {
         screen.state().shown().board.health.as_ref().is_some_and(|health| health.state == State::Ready)
     };
     until(&mut screen, "the board", is_ready);
+    // The frame that learns that the board is ready was drawn before it knew.
+    screen.step();
     (screen, board, shown)
 }
 
