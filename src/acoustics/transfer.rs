@@ -119,6 +119,20 @@ impl Transfer {
         Isa::best().run(Forward { transfer: self, played: &played })
     }
 
+    /// |p| (peak) at every point: the root of the mean square of |H u| over drives that take turns, given one after the other.
+    ///
+    /// # Panics
+    /// Other than a value per element and drive.
+    pub fn moduli(&self, drives: &[Complex64]) -> Vec<f64> {
+        let count = drives.len() / self.elements;
+        let mut squares = vec![0.0; self.points];
+        for excitation in drives.chunks(self.elements) {
+            let pressure = self.pressure(excitation);
+            squares.iter_mut().zip(pressure).for_each(|(sum, p)| *sum += p.norm_sqr());
+        }
+        squares.into_iter().map(|sum| (sum / count as f64).sqrt()).collect()
+    }
+
     /// H* p: what every element would hear.
     ///
     /// # Panics

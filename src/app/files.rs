@@ -256,7 +256,7 @@ impl Window {
 
     fn drive_csv(&self) -> anyhow::Result<Vec<u8>> {
         let sound = self.shown.sound.as_ref().context("nothing is played")?;
-        Ok(sound.drive.write(&sound.aperture).into_bytes())
+        Ok(sound.drive().write(&sound.aperture).into_bytes())
     }
 
     /// The page of the scene at rest, on the scene's own plane.
@@ -266,7 +266,7 @@ impl Window {
         let page = (SHEET_WIDTH, sheet::height(SHEET_WIDTH));
         let (width, height) = sheet::map_size(&scene.plane, page.0, page.1);
         let colours = self.editor.view.colours;
-        let request = Request::new(scene, vec![solution.drive.clone()], Quantity::Rms, (width, height));
+        let request = Request::new(scene, solution.drives(), Quantity::Rms, (width, height));
         let drawn = map::draw(&request, colours, &mut Stages::new(Evaluator::Cpu), false)?;
         let name = self.editor.document.name();
         let page =

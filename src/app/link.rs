@@ -31,7 +31,8 @@ pub struct Board {
     link: Arc<Mutex<Option<Link>>>,
     hears_signals: bool,
     calibration: Calibration,
-    drive: Option<Drive>,
+    /// Those that take turns, as sent.
+    drives: Option<Vec<Drive>>,
     modulation: Option<Modulation>,
     /// A motion is wanted and its frames are not there yet.
     awaits_round: bool,
@@ -53,7 +54,7 @@ impl Board {
                 *locked(&self.link) = None;
                 (shown.board.health, shown.board.found, shown.board.plays) = (None, None, Plays::Nothing);
             }
-            BoardCommand::Send => (self.drive, shown.board.plays) = (None, Plays::Scene),
+            BoardCommand::Send => (self.drives, shown.board.plays) = (None, Plays::Scene),
             BoardCommand::PlayMotion => (self.awaits_round, shown.board.plays) = (true, Plays::Motion),
             BoardCommand::Stop => {
                 shown.board.plays = Plays::Nothing;
@@ -62,11 +63,12 @@ impl Board {
             BoardCommand::One => {
                 let element = editor.board.element;
                 shown.board.plays = Plays::One(element);
-                self.show(Levels::one(profile, element as usize));
+                self.show(Content::Still(Levels::one(profile, element as usize)));
             }
             BoardCommand::Checkerboard => {
                 shown.board.plays = Plays::Checkerboard;
-                self.show(Levels::checkerboard(profile, editor.scene().array.columns as usize));
+                let columns = editor.scene().array.columns as usize;
+                self.show(Content::Still(Levels::checkerboard(profile, columns)));
             }
             BoardCommand::TakeCarrier => {
                 if let Some(carrier) = shown.board.found.and_then(|found| found.carrier) {
@@ -76,9 +78,9 @@ impl Board {
         }
     }
 
-    fn show(&self, levels: Levels) {
+    fn show(&self, content: Content) {
         if let Some(link) = &*locked(&self.link) {
-            link.show(Content::Still(levels));
+            link.show(content);
         }
     }
 
@@ -102,7 +104,7 @@ impl Board {
                 shown.board.messages.clear();
                 self.hear_signals();
                 *locked(&self.link) = Some(link);
-                (self.calibration, self.drive, self.modulation) = (calibration, None, None);
+                (self.calibration, self.drives, self.modulation) = (calibration, None, None);
             }
             Err(error) => shown.notice = Some(Notice { text: error, is_error: true }),
         }
@@ -145,20 +147,25 @@ impl Board {
     fn send_scene(&mut self, editor: &Editor, shown: &mut Shown) {
         let Some(solution) = &shown.solution else {
             // Nothing is drawn any more, so nothing sounds.
-            if self.drive.take().is_some() {
+            if self.drives.take().is_some() {
                 locked(&self.link).iter().for_each(Link::stop);
             }
             return;
         };
-        if self.drive.as_ref() == Some(&solution.drive) || (self.drive.is_some() && !editor.board.live) {
+        let drives = solution.drives();
+        if self.drives.as_ref() == Some(&drives) || (self.drives.is_some() && !editor.board.live) {
             return;
         }
-        let drive = solution.drive.clone();
-        match Levels::new(editor.board.profile, &drive, &self.calibration) {
-            Ok(levels) => self.show(levels),
+        let profile = editor.board.profile;
+        let levels = |drive: &Drive| Levels::new(profile, drive, &self.calibration);
+        match drives.iter().map(levels).collect() {
+            Ok(frames) => {
+                let rate = profile.turns_per_second(editor.board.baud().unwrap_or(profile.baud()));
+                self.show(Content::in_turn(frames, rate));
+            }
             Err(error) => refuse(shown, error.to_string()),
         }
-        self.drive = Some(drive);
+        self.drives = Some(drives);
     }
 
     fn send_motion(&mut self, editor: &Editor, shown: &mut Shown) {
@@ -168,8 +175,7 @@ impl Board {
         let frames: Result<Vec<_>, _> = round.frames.iter().map(|frame| levels(&frame.drive)).collect();
         match frames {
             Ok(frames) => {
-                let content = Content::Motion { frames, rate: editor.scene().motion.frames_per_second() };
-                locked(&self.link).iter().for_each(|link| link.show(content.clone()));
+                self.show(Content::Motion { frames, rate: editor.scene().motion.frames_per_second() });
             }
             Err(error) => refuse(shown, error.to_string()),
         }

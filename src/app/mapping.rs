@@ -274,7 +274,7 @@ fn wanted(editor: &Editor, shown: &Shown, lens: &Lens, ctx: &Context) -> Option<
     let (scene, view) = (editor.scene(), &editor.view);
     let sound = shown.sound.as_ref()?;
     // Until the scene is solved again, the drive may be that of another array.
-    if sound.drive.phases.len() != sound.aperture.positions.len() {
+    if sound.drive().phases.len() != sound.aperture.positions.len() {
         return None;
     }
     let pixels = |points: f32| ((points * ctx.pixels_per_point()).round() as usize).max(1);

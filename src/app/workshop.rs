@@ -12,7 +12,6 @@ use egui::Context;
 use crate::acoustics::{Air, Aperture};
 use crate::app::later::Later;
 use crate::app::mapping::Mapping;
-use crate::drive::Drive;
 use crate::field::{self, Evaluator, Quantity, Request, Stages};
 use crate::scene::{Focus, Method, MotionPath, Plane, Scene, check, motion, outline};
 use crate::solver::frames::{self, Sequence};
@@ -156,8 +155,7 @@ impl Workshop {
                     }
                 }
                 Ok(_) => {
-                    let before = shown.solution.as_ref().map(|solution| &solution.drive);
-                    let found = solver::solve_on(&posed, before);
+                    let found = solver::solve_on(&posed, shown.solution.as_deref());
                     found.map(Arc::new).map_err(|error| error.to_string())
                 }
             };
@@ -172,7 +170,7 @@ impl Workshop {
             // What a frame has time for is not the best that there is.
             self.solving.ask(&posed, ctx, solve);
             if let Some(Ok(better)) = self.solving.get(&posed) {
-                let better = Solution::clone(better).turned_to(&found.drive);
+                let better = Solution::clone(better).turned_to(found);
                 self.take(posed, Ok(Arc::new(better)), 0.0, shown);
             }
         }
@@ -252,7 +250,7 @@ impl Workshop {
     /// What presses on the scene's plane, once nothing is dragged.
     fn press(&mut self, editor: &Editor, shown: &mut Shown, ctx: &Context) {
         let quantity = editor.view.quantity;
-        let is_of_array = |sound: &&Sound| sound.drive.phases.len() == sound.aperture.positions.len();
+        let is_of_array = |sound: &&Sound| sound.drive().phases.len() == sound.aperture.positions.len();
         let sound = shown.sound.as_ref().filter(is_of_array);
         let Some(sound) = sound.filter(|_| quantity.declaration().is_slow) else {
             shown.pressed = None;
@@ -337,7 +335,8 @@ fn quiet_plane(plane: &Plane) -> Plane {
 
 /// Whether its drive goes on being searched for.
 fn is_shape(scene: &Scene) -> bool {
-    scene.solver.method == Method::Best && (outline::is_continuous(scene) || !scene.quiet.is_empty())
+    scene.solver.method == Method::Best
+        && (outline::is_continuous(scene) || !scene.quiet.is_empty() || scene.solver.frames > 1)
 }
 
 /// Foci times elements.
@@ -369,24 +368,24 @@ fn pressed(stages: &mut Stages, request: &Request) -> Option<Pressed> {
 /// What is played and what arrives, as a board with few phases plays it if that is asked for.
 fn sound(editor: &Editor, source: &Source) -> Sound {
     let aperture = Aperture::new(editor.scene());
-    let (drive, foci, pressures): (&Drive, &[Focus], _) = match source {
-        Source::Still(solution) => (&solution.drive, &solution.foci, &solution.pressures),
+    let (drives, foci, pressures): (_, &[Focus], _) = match source {
+        Source::Still(solution) => (solution.drives(), &solution.foci, &solution.pressures),
         Source::Frame(round, frame) => {
             let frame = &round.frames[*frame];
-            (&frame.drive, &frame.foci, &frame.pressures)
+            (vec![frame.drive.clone()], &frame.foci, &frame.pressures)
         }
     };
     let at_foci = |(focus, &pressure): (&Focus, _)| Reading { position: focus.position, pressure };
-    let (mut drive, mut readings) = (drive.clone(), foci.iter().zip(pressures).map(at_foci).collect());
+    let (mut drives, mut readings) = (drives, foci.iter().zip(pressures).map(at_foci).collect());
     if let Some(levels) = editor.levels {
-        drive = drive.at_levels(levels);
-        if drive.phases.len() == aperture.positions.len() {
+        drives.iter_mut().for_each(|drive| *drive = drive.at_levels(levels));
+        if drives[0].phases.len() == aperture.positions.len() {
             let points: Vec<_> = foci.iter().map(|focus| focus.position).collect();
-            readings = probe::readings(&aperture, &drive, &points);
+            readings = probe::readings(&aperture, &drives, &points);
         }
     }
     let air = Air::new(&editor.scene().medium, editor.scene().array.frequency);
-    Sound { aperture, air, drive, foci: foci.to_vec(), readings }
+    Sound { aperture, air, drives, foci: foci.to_vec(), readings }
 }
 
 /// What to know before trusting what is seen.

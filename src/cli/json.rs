@@ -3,6 +3,7 @@
 use num_complex::Complex64;
 use serde_json::{Value, json};
 
+use crate::drive::Drive;
 use crate::scene::Focus;
 use crate::solver::{Limits, Solution};
 
@@ -36,6 +37,10 @@ pub fn solution(solution: &Solution, limits: Option<&Limits>) -> Value {
         "amplitudes": solution.drive.amplitudes,
     });
     shape(&mut value["quality"], solution);
+    if !solution.others.is_empty() {
+        let drive = |drive: &Drive| json!({ "phases": drive.phases, "amplitudes": drive.amplitudes });
+        value["frames"] = solution.drives().iter().map(drive).collect();
+    }
     if let Some(limits) = limits {
         let quality = &mut value["quality"];
         quality["bound"] = json!(limits.bound);

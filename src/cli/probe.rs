@@ -12,7 +12,7 @@ use crate::drive::Drive;
 use crate::field::{Evaluator, Samples, reference};
 use crate::solver;
 use crate::studio::evaluator;
-use crate::studio::output::{self, warn};
+use crate::studio::output::{self, note, warn};
 use crate::studio::probe::Reading;
 use crate::table::TableError;
 
@@ -22,23 +22,31 @@ pub fn run(args: &ProbeArgs) -> anyhow::Result<()> {
     if let Some(path) = &args.output {
         output::check_writable(path)?;
     }
-    let drive = match &args.drive {
-        Some(path) => read_table(path, |csv| Drive::read(csv, scene.array.elements()))?,
+    let drives = match &args.drive {
+        Some(path) => vec![read_table(path, |csv| Drive::read(csv, scene.array.elements()))?],
         None => {
             let solution = solver::solve(&scene).with_context(|| args.scene.display().to_string())?;
             solution.warnings.iter().for_each(|warning| warn(warning));
-            solution.drive
+            solution.drives()
         }
     };
     let evaluator = evaluator::for_points(args.backend.backend)?;
     let aperture = Aperture::new(&scene);
-    let pressures: Vec<Complex64> = match evaluator {
-        Evaluator::Reference => reference::pressure(&aperture, &drive, &samples),
-        fast => {
-            let wide = |p: num_complex::Complex32| Complex64::new(p.re.into(), p.im.into());
-            fast.pressure(&aperture, &drive, &samples)?.into_iter().map(wide).collect()
-        }
+    let pressure = |drive: &Drive| -> anyhow::Result<Vec<Complex64>> {
+        Ok(match evaluator {
+            Evaluator::Reference => reference::pressure(&aperture, drive, &samples),
+            Evaluator::Cpu | Evaluator::Gpu(_) => {
+                let wide = |p: num_complex::Complex32| Complex64::new(p.re.into(), p.im.into());
+                evaluator.pressure(&aperture, drive, &samples)?.into_iter().map(wide).collect()
+            }
+        })
     };
+    let pressures = mean(&drives.iter().map(pressure).collect::<Result<Vec<_>, _>>()?);
+    if drives.len() > 1 {
+        note(
+            "`re` and `im` have the modulus of the mean of all drives that take turns, and the phase of the first",
+        );
+    }
     let mut text = String::from("x,y,z,re,im,rms\n");
     for (&point, &p) in samples.columns.iter().zip(&pressures) {
         let rms = Reading { position: point, pressure: p }.rms();
@@ -48,6 +56,19 @@ pub fn run(args: &ProbeArgs) -> anyhow::Result<()> {
         Some(path) => output::write(path, text.as_bytes()),
         None => output::print(format_args!("{text}")),
     }
+}
+
+/// As loud as the mean square of all, with the phase of the first.
+fn mean(drives: &[Vec<Complex64>]) -> Vec<Complex64> {
+    if let [one] = drives {
+        return one.clone();
+    }
+    let modulus = |index: usize| {
+        let squares = drives.iter().map(|pressures| pressures[index].norm_sqr()).sum::<f64>();
+        (squares / drives.len() as f64).sqrt()
+    };
+    let first = drives.iter().take(1).flatten().enumerate();
+    first.map(|(index, p)| Complex64::from_polar(modulus(index), p.arg())).collect()
 }
 
 /// What `read` makes of a file; its errors name the file in front of the line.

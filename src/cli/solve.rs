@@ -67,6 +67,12 @@ pub(in crate::cli) fn run(args: &SolveArgs) -> anyhow::Result<()> {
     }
     let in_file = |error: SolveError| anyhow::anyhow!("{}: {error}", args.scene.display());
     let mut solution = solver::solve(&scene).map_err(in_file)?;
+    if !solution.others.is_empty() && (args.csv.is_some() || args.levels.is_some()) {
+        anyhow::bail!(
+            "--csv and --levels are of one drive, and {} take turns (`frames` in [solver]): --json has them all",
+            solution.others.len() + 1
+        );
+    }
     let aperture = Aperture::new(&scene);
     let problem = Problem::of_scene(&scene, &aperture, solution.foci.clone());
     solution.judge(&scene, &problem);
@@ -118,9 +124,9 @@ impl Findings {
     ) -> Self {
         let points: Vec<_> = solution.foci.iter().map(|focus| focus.position).collect();
         let aperture = problem.aperture;
-        let ghost = ghost::loudest(stages, aperture, &scene.plane, &solution.drive, &points);
+        let ghost = ghost::loudest(stages, aperture, &scene.plane, &solution.drives(), &points);
         let heard =
-            scene.listener.as_ref().map(|listener| probe::reading(aperture, &solution.drive, listener.at));
+            scene.listener.as_ref().map(|listener| probe::reading(aperture, &solution.drives(), listener.at));
         let mut notices: Vec<_> = limits.warning(problem).into_iter().collect();
         if scene.solver.pressures == Pressures::Pascal && limits.bound < 1.0 {
             notices.push(format!(

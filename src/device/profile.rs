@@ -119,6 +119,17 @@ impl Profile {
         f64::from(baud) / 10.0 / self.frame_bytes() as f64
     }
 
+    /// Frames per second of drives that take turns: what the line carries, and no more than a transducer's ringing of some 0.3 ms
+    /// lets be apart.
+    pub fn turns_per_second(self, baud: u32) -> f64 {
+        const MOST: f64 = 1000.0;
+        match self {
+            // It keeps them.
+            Self::Native => MOST,
+            _ => self.frames_per_second(baud).min(MOST),
+        }
+    }
+
     /// "89 frames/s at 230400 baud"
     pub fn bandwidth(self, baud: u32) -> String {
         format!("{:.0} frames/s at {baud} baud", self.frames_per_second(baud).floor())

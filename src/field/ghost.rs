@@ -62,7 +62,7 @@ pub enum NoGhost {
     Field(#[from] FieldError),
 }
 
-/// The ghost of a drive on a plane.
+/// The ghost on a plane of a drive, or of several that take turns.
 ///
 /// # Errors
 /// [`NoGhost`]: it may have none, or the field may fail.
@@ -70,7 +70,7 @@ pub fn loudest(
     stages: &mut Stages,
     aperture: &Aperture,
     plane: &Plane,
-    drive: &Drive,
+    drives: &[Drive],
     foci: &[DVec3],
 ) -> Result<Ghost, NoGhost> {
     let lobes: Vec<_> = foci.iter().map(|&focus| Lobe::of(aperture, focus)).collect();
@@ -90,7 +90,7 @@ pub fn loudest(
     let request = Request {
         aperture: aperture.clone(),
         plane: plane.clone(),
-        ..Request::new(&Scene::default(), vec![drive.clone()], Quantity::Rms, (width, height))
+        ..Request::new(&Scene::default(), drives.to_vec(), Quantity::Rms, (width, height))
     };
     let pressures = &stages.map(&request)?.values;
     // Nearer to the array than a wavelength it is the elements themselves that are loud.
@@ -102,11 +102,11 @@ pub fn loudest(
     maxima.sort_by(|&a, &b| pressures[b].total_cmp(&pressures[a]));
     let found = maxima.into_iter().find(is_ghost).ok_or(NoGhost::NoMaximum)?;
 
-    let excitation = drive.excitation(&aperture.driven);
-    let pressure = |point: DVec3| aperture.transfer(&[point]).pressure(&excitation)[0].norm();
+    let played: Vec<_> = drives.iter().flat_map(|drive| drive.excitation(&aperture.driven)).collect();
+    let pressure = |point: DVec3| aperture.transfer(&[point]).moduli(&played)[0];
     let position = climbed(samples.point(found), [x_axis * step, y_axis * step], pressure);
-    let focal = aperture.transfer(foci).pressure(&excitation);
-    let mean = focal.iter().map(|p| p.norm()).sum::<f64>() / focal.len() as f64;
+    let focal = aperture.transfer(foci).moduli(&played);
+    let mean = focal.iter().sum::<f64>() / focal.len() as f64;
     let pressure = pressure(position);
     Ok(Ghost { position, pressure, part: pressure / mean.max(f64::MIN_POSITIVE) })
 }
@@ -279,7 +279,7 @@ mod tests {
             let conjugate = aperture.transfer(&[focus]).back(&[Complex64::ONE]);
             let drive = Drive::uniform(aperture.positions.len(), &aperture.driven, &conjugate);
             let mut stages = Stages::new(Evaluator::Cpu);
-            let ghost = loudest(&mut stages, &aperture, &plane, &drive, &[focus]).unwrap();
+            let ghost = loudest(&mut stages, &aperture, &plane, &[drive], &[focus]).unwrap();
             assert!(ghost.part > 0.99 * next, "{columns}: {ghost:?}, not {next}");
             ghost.part
         });

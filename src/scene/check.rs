@@ -22,6 +22,8 @@ const LEAST_PRESSURE: f64 = 1e-6;
 const MOST_PRESSURE: f64 = 1e9;
 /// Iterations of a method: a thousand times what any of them needs.
 const MOST_ITERATIONS: u64 = 100_000;
+/// Drives that take turns: more are no quieter on the average.
+const MOST_TURNS: u64 = 32;
 /// s of search.
 const LONGEST_SEARCH: f64 = 3600.0;
 /// m; lengths beyond are slips of the unit, not scenes.
@@ -114,6 +116,11 @@ pub fn check(scene: &Scene) -> Result<(), KeyError> {
     liquid(&scene.liquid).map_err(|e| e.under(&["liquid".into()]))?;
     modulation(&scene.modulation).map_err(|e| e.under(&["modulation".into()]))?;
     motion(&scene.motion).map_err(|e| e.under(&["motion".into()]))?;
+    if scene.solver.frames > 1 && scene.motion.path != MotionPath::None {
+        let message =
+            "drives take turns where nothing moves, and [motion] has a path: every frame of it is one drive";
+        return Err(KeyError::new(["solver".into(), "frames".into()], message));
+    }
     scene.listener.as_ref().map_or(Ok(()), |it| listener(it).map_err(|e| e.under(&["listener".into()])))
 }
 
@@ -235,6 +242,7 @@ fn zone(zone: &Zone) -> Result<(), KeyError> {
 fn solver(solver: &Solver) -> Result<(), KeyError> {
     count("iterations", solver.iterations.into(), 0, MOST_ITERATIONS)?;
     within("quiet", solver.quiet, 0.0, 1.0, "(0: the strongest drive, 1: the quietest elsewhere)")?;
+    count("frames", solver.frames.into(), 1, MOST_TURNS)?;
     search(solver.search)
 }
 

@@ -206,6 +206,9 @@ pub struct Solver {
     /// s of further search for a better drive.
     #[serde(skip_serializing_if = "is_zero")]
     pub search: f64,
+    /// Drives that take turns, whose mean |p|² is to be what is drawn.
+    #[serde(skip_serializing_if = "is_one")]
+    pub frames: u32,
 }
 
 impl Solver {
@@ -215,6 +218,10 @@ impl Solver {
 
 fn is_default_quiet(quiet: &f64) -> bool {
     *quiet == Solver::QUIET
+}
+
+fn is_one(count: &u32) -> bool {
+    *count == 1
 }
 
 fn is_zero(value: &f64) -> bool {
@@ -230,6 +237,7 @@ impl Default for Solver {
             amplitudes: Amplitudes::Uniform,
             quiet: Self::QUIET,
             search: 0.0,
+            frames: 1,
         }
     }
 }

@@ -12,7 +12,7 @@ use rayon::prelude::*;
 
 use crate::acoustics::Aperture;
 use crate::drive::Drive;
-use crate::scene::{Focus, Method, Scene, Solver, motion};
+use crate::scene::{Focus, Method, MotionPath, Scene, Solver, motion};
 use crate::solver::{self, Excitation, Played, Problem, SolveError, quality};
 
 /// Wavelengths that a focus may go from one keyframe to the next, if there are frames between them.
@@ -24,7 +24,7 @@ const KEPT: f64 = 0.96;
 /// The same for a shape, whose weakest place comes and goes with the samples.
 const KEPT_OF_SHAPE: f64 = 0.85;
 
-/// All frames of a round, each with its drive.
+/// All frames of a round, or all drives that take turns in a scene that stands.
 #[derive(Clone, Debug)]
 pub struct Sequence {
     pub frames: Vec<Frame>,
@@ -84,6 +84,9 @@ impl Frame {
 /// As [`solver::solve`], and frames that [`motion::frames`] refuses.
 pub fn follow(scene: &Scene) -> Result<Sequence, SolveError> {
     let start = Instant::now();
+    if scene.solver.frames > 1 && scene.motion.path == MotionPath::None {
+        return turns_of(scene);
+    }
     let frames = motion::frames(scene)?;
     let aperture = Aperture::new(scene);
     // What stands still is solved once.
@@ -109,6 +112,22 @@ pub fn follow(scene: &Scene) -> Result<Sequence, SolveError> {
     let repeated =
         solved.into_iter().zip(&stands).flat_map(|(frame, stand)| std::iter::repeat_n(frame, stand.len()));
     Ok(Sequence { frames: repeated.collect(), steps, seconds })
+}
+
+/// The drives that take turns, as frames.
+fn turns_of(scene: &Scene) -> Result<Sequence, SolveError> {
+    let solution = solver::solve(scene)?;
+    let aperture = Aperture::new(scene);
+    let transfer = Problem::new(&aperture, solution.foci.clone()).transfer;
+    let frame = |drive: Drive| Frame {
+        foci: solution.foci.clone(),
+        pressures: transfer.pressure(&drive.excitation(&aperture.driven)),
+        drive,
+        cold: true,
+    };
+    let frames: Vec<_> = solution.drives().into_iter().map(frame).collect();
+    let steps = phase_steps(&frames, &aperture.driven, frames.len());
+    Ok(Sequence { frames, steps, seconds: solution.seconds })
 }
 
 /// What is found for a frame, before it is turned as a whole.

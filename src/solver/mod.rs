@@ -36,6 +36,8 @@ pub struct Problem<'a> {
     pub transfer: Transfer,
     /// What is to be quiet, where the foci are samples of a shape.
     pub surroundings: Option<Surroundings>,
+    /// Drives that take turns, 1 or more; only a shape's can be several.
+    pub drives: usize,
 }
 
 impl<'a> Problem<'a> {
@@ -52,14 +54,15 @@ impl<'a> Problem<'a> {
             assert!(target.is_finite() && *target > 0.0, "no target: {target}");
         }
         let points: Vec<_> = foci.iter().map(|focus| focus.position).collect();
-        Self { aperture, transfer: aperture.transfer(&points), foci, surroundings: None }
+        Self { aperture, transfer: aperture.transfer(&points), foci, surroundings: None, drives: 1 }
     }
 
-    /// Foci of a scene: what is not drawn is to be quiet where it has continuous strokes or quiet zones.
+    /// Foci of a scene: what is not drawn is to be quiet where it has continuous strokes, quiet zones or drives that take turns.
     pub fn of_scene(scene: &Scene, aperture: &'a Aperture, foci: Vec<Focus>) -> Self {
-        let is_shape = !scene.quiet.is_empty() || foci.iter().any(|focus| focus.of_stroke);
+        let drives = scene.solver.frames as usize;
+        let is_shape = !scene.quiet.is_empty() || drives > 1 || foci.iter().any(|focus| focus.of_stroke);
         let surroundings = is_shape.then(|| Surroundings::new(scene, &foci));
-        Self { surroundings, ..Self::new(aperture, foci) }
+        Self { surroundings, drives, ..Self::new(aperture, foci) }
     }
 
     /// The foci are samples of a shape and separate foci, and what is around them is to be quiet: `best` then is
@@ -77,7 +80,7 @@ impl<'a> Problem<'a> {
 /// What a method wants the driven elements to do, before it is made uniform.
 #[derive(Clone, Debug)]
 pub struct Excitation {
-    /// u of each driven element, to any scale.
+    /// u of each driven element, to any scale; of drives that take turns, one after the other.
     pub values: Vec<Complex64>,
     pub iterations: u32,
     /// ‖H u - p‖/‖p‖ where the method prescribes p with its phases.
@@ -92,12 +95,15 @@ pub struct Solution {
     pub method: Method,
     /// What is played: uniform amplitude on every element that is not off, unless the scene asks otherwise.
     pub drive: Drive,
+    /// Those that take turns with it.
+    pub others: Vec<Drive>,
     /// What the drive was turned down to, 0 to 1, so that the foci get the pascals asked for.
     pub turned_down: f64,
     /// |u| of the method's own excitation over its largest, per element of the array; 0 for elements that are off.
     pub excitation: Vec<f64>,
     pub foci: Vec<Focus>,
-    /// Complex pressure (Pa, peak) that the drive makes at each focus.
+    /// Complex pressure (Pa, peak) that the drive makes at each focus; where others take turns with it, the modulus is the root of
+    /// the mean square over all.
     pub pressures: Vec<Complex64>,
     pub quality: Quality,
     /// Of a shape, where they were asked for.
@@ -120,25 +126,45 @@ impl Solution {
 }
 
 impl Solution {
+    /// All that take turns.
+    pub fn drives(&self) -> Vec<Drive> {
+        std::iter::once(&self.drive).chain(&self.others).cloned().collect()
+    }
+
+    /// u of the driven elements, drive after drive.
+    fn played(&self, driven: &[usize]) -> Vec<Complex64> {
+        let drives = std::iter::once(&self.drive).chain(&self.others);
+        drives.flat_map(|drive| drive.excitation(driven)).collect()
+    }
+
     /// Adds the figures of a shape, if they are not there; `problem` is that of the scene.
     pub fn judge(&mut self, scene: &Scene, problem: &Problem<'_>) {
-        let u = self.drive.excitation(&problem.aperture.driven);
+        let u = self.played(&problem.aperture.driven);
         self.figures
             .get_or_insert_with(|| shape::figures(problem, &Surroundings::new(scene, &problem.foci), &u));
     }
 
-    /// The same, turned by a common phase to be near another drive of the array: nothing that is heard changes, and a board that
-    /// plays the other goes over to it without a jump.
-    pub fn turned_to(mut self, other: &Drive) -> Self {
-        if other.phases.len() != self.drive.phases.len() {
+    /// The same, every drive turned by a common phase to be near that of another solution for the array: nothing that is heard
+    /// changes, and a board that plays the other goes over to it without a jump.
+    pub fn turned_to(mut self, other: &Self) -> Self {
+        if other.drive.phases.len() != self.drive.phases.len() {
             return self;
         }
-        let ahead = |(to, from): (&f64, &f64)| Complex64::cis(to - from);
-        let angle = self.drive.phases.iter().zip(&other.phases).map(ahead).sum::<Complex64>().arg();
-        self.drive.phases.iter_mut().for_each(|phase| *phase -= angle);
+        let angle = turn(&mut self.drive, &other.drive);
         self.pressures.iter_mut().for_each(|pressure| *pressure *= Complex64::cis(-angle));
+        self.others.iter_mut().zip(&other.others).for_each(|(drive, other)| {
+            turn(drive, other);
+        });
         self
     }
+}
+
+/// Turns a drive back by the angle (rad) by which it is ahead of another.
+fn turn(drive: &mut Drive, other: &Drive) -> f64 {
+    let ahead = |(to, from): (&f64, &f64)| Complex64::cis(to - from);
+    let angle = drive.phases.iter().zip(&other.phases).map(ahead).sum::<Complex64>().arg();
+    drive.phases.iter_mut().for_each(|phase| *phase -= angle);
+    angle
 }
 
 /// Why there is no drive.
@@ -178,7 +204,7 @@ pub fn solve(scene: &Scene) -> Result<Solution, SolveError> {
 ///
 /// # Errors
 /// As [`solve`].
-pub fn solve_on(scene: &Scene, before: Option<&Drive>) -> Result<Solution, SolveError> {
+pub fn solve_on(scene: &Scene, before: Option<&Solution>) -> Result<Solution, SolveError> {
     /// Calls from cold: the strokes alone, and some quiet around them.
     const CALLS: usize = 2;
     let start = Instant::now();
@@ -188,9 +214,12 @@ pub fn solve_on(scene: &Scene, before: Option<&Drive>) -> Result<Solution, Solve
     else {
         return solve(scene);
     };
-    let excitation = match before.filter(|drive| drive.phases.len() == aperture.positions.len()) {
-        Some(drive) => {
-            let values = drive.excitation(&aperture.driven);
+    let is_like = |before: &&Solution| {
+        before.drive.phases.len() == aperture.positions.len() && before.others.len() + 1 == problem.drives
+    };
+    let excitation = match before.filter(is_like) {
+        Some(before) => {
+            let values = before.played(&aperture.driven);
             excite_from(&problem, &Excitation { values, iterations: 0, residual: None, weights: None })
         }
         None => {
@@ -207,6 +236,7 @@ fn solution(scene: &Scene, problem: &Problem<'_>, excitation: &Excitation, secon
     let aperture = problem.aperture;
     let Played { values, pressures, needed } = Played::new(problem, &scene.solver, excitation.clone());
     let (elements, driven) = (aperture.positions.len(), &aperture.driven);
+    let mut drives = values.chunks(driven.len()).map(|values| Drive::of(elements, driven, values));
     let quality = Quality::new(problem, excitation, &pressures);
     let mut warnings = warnings(aperture, &problem.foci);
     if needed > 1.0 {
@@ -214,9 +244,10 @@ fn solution(scene: &Scene, problem: &Problem<'_>, excitation: &Excitation, secon
     }
     Solution {
         method: scene.solver.method,
-        drive: Drive::of(elements, driven, &values),
+        drive: drives.next().unwrap_or_default(),
+        others: drives.collect(),
         turned_down: needed.min(1.0),
-        excitation: Drive::free(elements, driven, &excitation.values).amplitudes,
+        excitation: Drive::free(elements, driven, &excitation.values[..driven.len()]).amplitudes,
         warnings,
         foci: problem.foci.clone(),
         pressures,
@@ -229,9 +260,9 @@ fn solution(scene: &Scene, problem: &Problem<'_>, excitation: &Excitation, secon
 
 /// A method's excitation as the scene wants it played.
 struct Played {
-    /// u of each driven element, of modulus 1 at most.
+    /// u of each driven element, of modulus 1 at most; of drives that take turns, one after the other.
     values: Vec<Complex64>,
-    /// Pa, peak, at the foci.
+    /// As [`Solution::pressures`].
     pressures: Vec<Complex64>,
     /// The part of full drive that the targets ask for; full drive is the most that is played.
     needed: f64,
@@ -247,7 +278,12 @@ impl Played {
                 values.iter_mut().for_each(|u| *u /= largest);
             }
         }
-        let mut pressures = problem.transfer.pressure(&values);
+        let mut pressures = problem.transfer.pressure(&values[..problem.transfer.elements]);
+        if problem.drives > 1 {
+            let moduli = problem.transfer.moduli(&values);
+            let of_modulus = |(p, modulus): (&mut Complex64, _)| *p = Complex64::from_polar(modulus, p.arg());
+            pressures.iter_mut().zip(moduli).for_each(of_modulus);
+        }
         let needed = match solver.pressures {
             Pressures::Relative => 1.0,
             Pressures::Pascal => needed(problem, &pressures),

@@ -96,7 +96,7 @@ pub fn efficiency(values: &[Complex64]) -> f64 {
 /// How far the moduli of H u are from a multiple of the targets.
 fn modulus_residual(problem: &Problem<'_>, excitation: &Excitation) -> f64 {
     let targets = problem.targets();
-    let moduli: Vec<_> = problem.transfer.pressure(&excitation.values).iter().map(|p| p.norm()).collect();
+    let moduli = problem.transfer.moduli(&excitation.values);
     let power = targets.iter().map(|target| target * target).sum::<f64>();
     let scale = moduli.iter().zip(&targets).map(|(modulus, target)| modulus * target).sum::<f64>() / power;
     let miss =

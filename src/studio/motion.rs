@@ -12,7 +12,7 @@ use crate::studio::output::{note, warn};
 /// # Errors
 /// A scene that cannot be solved.
 pub fn follow(scene: &Scene, name: &str) -> anyhow::Result<Sequence> {
-    if scene.motion.path == MotionPath::None {
+    if scene.motion.path == MotionPath::None && scene.solver.frames == 1 {
         note("nothing moves: `path` in [motion] is \"none\", so there is one frame");
     }
     let sequence = frames::follow(scene).map_err(|error| anyhow::anyhow!("{name}: {error}"))?;

@@ -16,7 +16,7 @@ const REFERENCE: f64 = 20e-6;
 /// dB: what consensus allows an ear between 25 and 50 kHz for less than 4 hours (Howard, Hansen and Zander, 2004).
 pub const LIMIT: f64 = 110.0;
 
-/// The sound at one point.
+/// The sound at one point; of drives that take turns its modulus is the root of the mean square, its phase that of the first.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Reading {
     /// m
@@ -25,23 +25,30 @@ pub struct Reading {
     pub pressure: Complex64,
 }
 
-/// What a drive makes at points in front of the array.
-pub fn readings(aperture: &Aperture, drive: &Drive, points: &[DVec3]) -> Vec<Reading> {
-    let pressures = aperture.transfer(points).pressure(&drive.excitation(&aperture.driven));
+/// What drives that take turns make at points in front of the array.
+///
+/// # Panics
+/// No drive.
+pub fn readings(aperture: &Aperture, drives: &[Drive], points: &[DVec3]) -> Vec<Reading> {
+    let transfer = aperture.transfer(points);
+    let played: Vec<_> = drives.iter().flat_map(|drive| drive.excitation(&aperture.driven)).collect();
+    let first = transfer.pressure(&played[..aperture.driven.len()]);
+    let of_modulus = |(p, modulus): (Complex64, f64)| Complex64::from_polar(modulus, p.arg());
+    let pressures = first.into_iter().zip(transfer.moduli(&played)).map(of_modulus);
     points.iter().zip(pressures).map(|(&position, pressure)| Reading { position, pressure }).collect()
 }
 
 /// The same at one point.
-pub fn reading(aperture: &Aperture, drive: &Drive, position: DVec3) -> Reading {
-    let pressure = aperture.transfer(&[position]).pressure(&drive.excitation(&aperture.driven))[0];
-    Reading { position, pressure }
+pub fn reading(aperture: &Aperture, drives: &[Drive], position: DVec3) -> Reading {
+    readings(aperture, drives, &[position])[0]
 }
 
 /// The values of a map at points of its plane, whose axes and normal these are; `moment` (rad) is that of an instantaneous
-/// pressure. Empty where values follow from more than the points.
+/// pressure. Empty where values follow from more than the points; of drives that take turns, their mean, or where there is none the
+/// first's.
 pub fn values(
     (aperture, air): (&Aperture, &Air),
-    drive: &Drive,
+    drives: &[Drive],
     (quantity, moment): (Quantity, f64),
     axes: [DVec3; 3],
     points: &[DVec3],
@@ -51,11 +58,19 @@ pub fn values(
         return Vec::new();
     }
     let constants = Constants::new(air, aperture.element.wavenumber, moment);
-    let excitation = drive.excitation(&aperture.driven);
+    let drives = if declaration.has_mean { drives } else { &drives[..1] };
     let around = Around::new(declaration.parts, axes, aperture.wavelength());
     let transfer = aperture.transfer(&around.points(points));
-    let sounds = around.sounds(&transfer.pressure(&excitation));
-    sounds.into_iter().map(|sound| quantity.of(sound, &constants).into()).collect()
+    let mut sums = vec![0.0; points.len()];
+    for drive in drives {
+        let sounds = around.sounds(&transfer.pressure(&drive.excitation(&aperture.driven)));
+        for (sum, sound) in sums.iter_mut().zip(sounds) {
+            let value = f64::from(quantity.of(sound, &constants));
+            *sum += if declaration.is_root { value * value } else { value };
+        }
+    }
+    let mean = |sum: f64| sum / drives.len() as f64;
+    sums.into_iter().map(|sum| if declaration.is_root { mean(sum).sqrt() } else { mean(sum) }).collect()
 }
 
 impl Reading {
@@ -105,7 +120,7 @@ mod tests {
     #[test]
     fn one_element_is_as_loud_as_its_strength_says() {
         let aperture = one_element();
-        let drive = |amplitude: f64| Drive { amplitudes: vec![amplitude], phases: vec![1.0] };
+        let drive = |amplitude: f64| [Drive { amplitudes: vec![amplitude], phases: vec![1.0] }];
         let read = |amplitude: f64, z: f64| reading(&aperture, &drive(amplitude), DVec3::Z * z);
         // 3.4 Pa·m at half a metre is 6.8 Pa peak and 4.81 Pa RMS.
         let near = read(1.0, 0.5);
@@ -124,15 +139,15 @@ mod tests {
 
     #[test]
     fn a_reading_has_the_values_of_maps() {
-        let (aperture, drive) = (one_element(), Drive { amplitudes: vec![0.5], phases: vec![-0.4] });
+        let (aperture, drives) = (one_element(), [Drive { amplitudes: vec![0.5], phases: vec![-0.4] }]);
         let air = Air::new(&crate::scene::Medium::default(), 40e3);
         let points = [0.2, 0.31].map(|z| DVec3::new(0.01, 0.0, z));
-        let all = readings(&aperture, &drive, &points);
+        let all = readings(&aperture, &drives, &points);
         for (read, &point) in all.iter().zip(&points) {
-            assert_eq!((*read, read.position), (reading(&aperture, &drive, point), point));
+            assert_eq!((*read, read.position), (reading(&aperture, &drives, point), point));
             let value = |quantity, moment| {
                 let axes = [DVec3::X, DVec3::Y, DVec3::Z];
-                values((&aperture, &air), &drive, (quantity, moment), axes, &[point])[0]
+                values((&aperture, &air), &drives, (quantity, moment), axes, &[point])[0]
             };
             assert!((value(Quantity::Rms, 0.7) - read.rms()).abs() < 1e-6 * read.rms());
             // The wave's crest passes when its phase and ωt make a whole turn.

@@ -128,7 +128,7 @@ impl Look {
         let presses = matches!(self.diagram, Diagram::Map(quantity) if quantity.declaration().is_slow);
         let moment = match self.moment {
             None if presses && scene.motion.path != MotionPath::None => Moment::Mean,
-            None => return Ok(vec![solution.drive.clone()]),
+            None => return Ok(solution.drives()),
             Some(moment) => moment,
         };
         if matches!(self.diagram, Diagram::Sheet | Diagram::Drive) {

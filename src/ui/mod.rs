@@ -220,14 +220,14 @@ pub struct Shown {
 }
 
 impl Shown {
-    /// The drives that a map of this quantity is of: the one that is played, or all frames of the motion where their mean counts
+    /// The drives that a map of this quantity is of: those that are played, or all frames of the motion where their mean counts
     /// and none of them is looked at.
     pub fn drives(&self, editor: &Editor, quantity: Quantity) -> Vec<Drive> {
         match (&self.round, &self.sound) {
             (Some(round), _) if quantity.declaration().is_slow && editor.playback.frame.is_none() => {
                 round.frames.iter().map(|frame| frame.drive.clone()).collect()
             }
-            (_, sound) => sound.iter().map(|sound| sound.drive.clone()).collect(),
+            (_, sound) => sound.iter().flat_map(|sound| sound.drives.clone()).collect(),
         }
     }
 }
@@ -305,17 +305,23 @@ impl std::fmt::Debug for Texture {
 pub struct Sound {
     pub aperture: Aperture,
     pub air: Air,
-    pub drive: Drive,
+    /// Those that take turns, one at least.
+    pub drives: Vec<Drive>,
     pub foci: Vec<Focus>,
     /// What arrives at the foci.
     pub readings: Vec<Reading>,
 }
 
 impl Sound {
+    /// The first of those that take turns.
+    pub fn drive(&self) -> &Drive {
+        &self.drives[0]
+    }
+
     /// The values of a map at points of its plane, in f64; none where these follow from more than the points.
     fn values(&self, map: &Map, points: &[glam::DVec3]) -> Vec<f64> {
         let axes = [map.axes.x, map.axes.y, map.axes.x.cross(map.axes.y)];
-        probe::values((&self.aperture, &self.air), &self.drive, (map.quantity, map.phase), axes, points)
+        probe::values((&self.aperture, &self.air), &self.drives, (map.quantity, map.phase), axes, points)
     }
 
     fn value(&self, map: &Map, point: glam::DVec3) -> Option<f64> {

@@ -17,7 +17,7 @@ fn solved(points: &[DVec3], method: Method) -> (Scene, Solution) {
 fn ghost_of(scene: &Scene, solution: &Solution) -> Result<Ghost, NoGhost> {
     let aperture = Aperture::new(scene);
     let foci: Vec<_> = solution.foci.iter().map(|focus| focus.position).collect();
-    ghost::loudest(&mut Stages::new(Evaluator::Cpu), &aperture, &scene.plane, &solution.drive, &foci)
+    ghost::loudest(&mut Stages::new(Evaluator::Cpu), &aperture, &scene.plane, &solution.drives(), &foci)
 }
 
 /// Every local maximum of |p| (Pa) on the plane, in steps of a twentieth of a wavelength, in f64; the loudest first.

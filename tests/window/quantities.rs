@@ -55,7 +55,7 @@ fn shows(screen: &mut Screen, quantity: Quantity) {
         let centre = lens.rect.left_bottom() + vec2(centre.x, -centre.y) * lens.rect.size();
         let point = map.axes.world(lens.flat(centre));
         let air = (&sound.aperture, &sound.air);
-        let expected = probe::values(air, &sound.drive, (quantity, map.phase), axes, &[point]);
+        let expected = probe::values(air, &sound.drives, (quantity, map.phase), axes, &[point]);
         let value = f64::from(values[row as usize * map.width + column as usize]);
         let (off, largest) = match expected[..] {
             [] => (0.0, 0.0),

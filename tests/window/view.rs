@@ -55,7 +55,7 @@ fn place(map: &Map, [x, y]: [f32; 2]) -> DVec2 {
 /// Pa RMS by the f64 reference.
 fn rms(screen: &Screen, point: DVec3) -> f64 {
     let sound = screen.state().shown().sound.as_ref().unwrap();
-    let drive = sound.drive.excitation(&sound.aperture.driven);
+    let drive = sound.drive().excitation(&sound.aperture.driven);
     sound.aperture.transfer(&[point]).pressure(&drive)[0].norm() / SQRT_2
 }
 
@@ -275,7 +275,7 @@ fn what_presses_on_the_scenes_plane_does_not_depend_on_the_zoom() {
     assert_eq!(figures(&screen), whole);
     // As the command line has them.
     let scene = scene(&screen).clone();
-    let drive = screen.state().shown().sound.as_ref().unwrap().drive.clone();
+    let drive = screen.state().shown().sound.as_ref().unwrap().drive().clone();
     let request = Request::new(&scene, vec![drive], Quantity::Depression, (64, 64));
     let pressed = Stages::new(Evaluator::Cpu).pressed(&request).unwrap();
     assert!((pressed.force / whole.0 - 1.0).abs() < 1e-9, "{} {}", pressed.force, whole.0);

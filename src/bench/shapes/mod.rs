@@ -208,12 +208,11 @@ fn measure(drawing: &Drawing) -> Result<Vec<Record>, SolveError> {
 /// All works on a drawing, once.
 fn round(drawing: &Drawing) -> Result<Vec<Played>, SolveError> {
     let mut played = search(&drawing.scene(0.0, Sampling::Continuous))?;
-    let rest = played.last().map(|played| played.drive.clone());
     for (index, (distance, method)) in FOCI.into_iter().enumerate() {
         let scene = drawing.scene(0.0, Sampling::Spacing(f64::from(distance) * 1e-3));
         played.push(separate(&scene, method, Work::Foci(index))?);
     }
-    played.extend(drag(drawing, rest)?);
+    played.extend(drag(drawing)?);
     Ok(played)
 }
 
@@ -250,16 +249,16 @@ fn separate(scene: &Scene, method: Method, work: Work) -> Result<Played, SolveEr
 }
 
 /// Frames in which the drawing moves, from the drive at rest on.
-fn drag(drawing: &Drawing, mut before: Option<Drive>) -> Result<Vec<Played>, SolveError> {
+fn drag(drawing: &Drawing) -> Result<Vec<Played>, SolveError> {
+    let mut before = solver::solve(&drawing.scene(0.0, Sampling::Continuous))?;
     let mut frames = Vec::new();
     for frame in 1..=FRAMES {
         let moved = f64::from(frame) * STRIDE;
         let scene = drawing.scene(moved, Sampling::Continuous);
-        let (spent, found) = Spent::once(|| solver::solve_on(&scene, before.as_ref()));
-        let found = found?;
-        before = Some(found.drive.clone());
-        let work = Work::Dragged;
-        frames.push(Played { work, steps: found.iterations, spent, drive: found.drive, moved });
+        let (spent, found) = Spent::once(|| solver::solve_on(&scene, Some(&before)));
+        before = found?;
+        let (work, steps, drive) = (Work::Dragged, before.iterations, before.drive.clone());
+        frames.push(Played { work, steps, spent, drive, moved });
     }
     Ok(frames)
 }

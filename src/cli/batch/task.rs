@@ -83,16 +83,22 @@ impl Task {
             answer["warnings"] = json!(solution.warnings);
         }
         if self.field || self.data.is_some() {
-            answer["field"] = self.field(line.number, &scene, &solution.drive, stages)?;
+            answer["field"] = self.field(line.number, &scene, solution.drives(), stages)?;
         }
         Ok(answer)
     }
 
     /// Statistics of the RMS pressure on the scene's plane, and where its numbers are.
-    fn field(&self, number: u64, scene: &Scene, drive: &Drive, stages: &mut Stages) -> anyhow::Result<Value> {
+    fn field(
+        &self,
+        number: u64,
+        scene: &Scene,
+        drives: Vec<Drive>,
+        stages: &mut Stages,
+    ) -> anyhow::Result<Value> {
         let shape = scene.plane.size.y / scene.plane.size.x;
         let (width, height) = (self.size, ((self.size as f64 * shape).round() as usize).clamp(1, MOST_ROWS));
-        let request = Request::new(scene, vec![drive.clone()], Quantity::Rms, (width, height));
+        let request = Request::new(scene, drives, Quantity::Rms, (width, height));
         let Map { values: rms, error, .. } = stages.map(&request)?;
         let (loudest, peak) =
             rms.iter().copied().enumerate().fold((0, 0.0), |a, b| if b.1 > a.1 { b } else { a });

@@ -33,7 +33,7 @@ pub fn run(args: &SendArgs) -> anyhow::Result<()> {
     let interrupted = interrupt::watch()?;
     let settings = Settings { port: args.port.clone(), profile: args.profile, baud: args.baud };
     note(&args.profile.bandwidth(settings.baud()));
-    let link = Link::open(settings, Box::new(|| {}))?;
+    let link = Link::open(settings.clone(), Box::new(|| {}))?;
     let found = loop {
         match link.event_within(Duration::from_millis(20)) {
             Some(Event::Ready(found)) => break found,
@@ -44,7 +44,7 @@ pub fn run(args: &SendArgs) -> anyhow::Result<()> {
         }
     };
     follow_carrier(&mut scene, found);
-    let (content, lasts) = content(&scene, &name, args.profile, &calibration)?;
+    let (content, lasts) = content(&scene, &name, &settings, &calibration)?;
     link.modulate(scene.modulation.clone());
     link.show(content);
 
@@ -97,9 +97,10 @@ fn follow_carrier(scene: &mut Scene, found: Found) {
 fn content(
     scene: &Scene,
     name: &str,
-    profile: Profile,
+    settings: &Settings,
     calibration: &Calibration,
 ) -> anyhow::Result<(Content, Duration)> {
+    let profile = settings.profile;
     let levels = |drive: &Drive| Levels::new(profile, drive, calibration);
     let tell = |drive: &Drive| {
         // A native board has said its carrier by now, and the scene follows it.
@@ -110,7 +111,8 @@ fn content(
         let solution = solver::solve(scene).map_err(|error| anyhow::anyhow!("{name}: {error}"))?;
         solution.warnings.iter().for_each(|warning| warn(warning));
         tell(&solution.drive);
-        return Ok((Content::Still(levels(&solution.drive)?), GLANCE));
+        let frames = solution.drives().iter().map(levels).collect::<Result<_, _>>()?;
+        return Ok((Content::in_turn(frames, profile.turns_per_second(settings.baud())), GLANCE));
     }
     let sequence = motion::follow(scene, name)?;
     tell(&sequence.frames[0].drive);

@@ -322,6 +322,14 @@ impl Drop for Sounding {
 }
 
 impl Content {
+    /// Drives that take turns, or the one that stands.
+    pub fn in_turn(mut frames: Vec<Levels>, rate: f64) -> Self {
+        match frames.len() {
+            1 => Self::Still(frames.remove(0)),
+            _ => Self::Motion { frames, rate },
+        }
+    }
+
     fn plays(&self) -> bool {
         match self {
             Self::Still(_) => true,

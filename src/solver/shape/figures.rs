@@ -32,13 +32,14 @@ pub struct Figures {
     pub strength: f64,
 }
 
-/// The figures of a drive, u of the driven elements to any scale, as far on the plane as the array radiates.
+/// The figures of drives that take turns, u of the driven elements to any scale, drive after drive, as far on the plane as the
+/// array radiates. |p| is the root of the mean square over all drives.
 ///
 /// # Panics
-/// Other than a value per driven element.
+/// Other than a value per driven element and drive.
 pub fn figures(problem: &Problem<'_>, surroundings: &Surroundings, u: &[Complex64]) -> Figures {
     let aperture = problem.aperture;
-    let at_foci: Vec<_> = problem.transfer.pressure(u).iter().map(|p| p.norm()).collect();
+    let at_foci = problem.transfer.moduli(u);
     let (between, wanted): (Vec<_>, Vec<_>) =
         between(&problem.foci, aperture.wavelength()).into_iter().unzip();
     let relative: Vec<_> = (at_foci.iter().zip(problem.targets()))
@@ -51,10 +52,9 @@ pub fn figures(problem: &Problem<'_>, surroundings: &Surroundings, u: &[Complex6
     let (side_lobe_position, loudest) = side_lobe(problem, &surroundings.plane, u).unwrap_or_default();
     let at_mean = self::mean(&at_foci);
     let strength = |u: &[Complex64]| {
-        let pressure = problem.transfer.pressure(u);
         let played = u.iter().map(|u| u.norm()).fold(f64::MIN_POSITIVE, f64::max);
         let relative: Vec<_> =
-            pressure.iter().zip(problem.targets()).map(|(p, target)| p.norm() / target).collect();
+            problem.transfer.moduli(u).iter().zip(problem.targets()).map(|(p, target)| p / target).collect();
         self::mean(&relative) / played
     };
     Figures {
@@ -72,8 +72,7 @@ fn mean(values: &[f64]) -> f64 {
 
 /// |p| (Pa) at points.
 fn moduli(aperture: &Aperture, points: &[DVec3], u: &[Complex64]) -> Vec<f64> {
-    let pressure = |chunk: &[DVec3]| aperture.transfer(chunk).pressure(u).into_iter().map(|p| p.norm());
-    points.chunks(CHUNK).flat_map(|chunk| pressure(chunk).collect::<Vec<_>>()).collect()
+    points.chunks(CHUNK).flat_map(|chunk| aperture.transfer(chunk).moduli(u)).collect()
 }
 
 /// Places between neighbouring samples of a stroke, and what is wanted there.
@@ -175,17 +174,23 @@ fn heard(problem: &Problem<'_>, layout: &Layout, u: &[Complex64], nearest: f64) 
     // A number of one element's size, so that f32 holds squares.
     let scale = layout.height / aperture.element.strength.max(f64::MIN_POSITIVE);
     let mut grid = Grid::<f32>::new(aperture, *layout, scale);
-    let played = Waves {
-        re: u.iter().map(|u| (u.re / largest) as f32).collect(),
-        im: u.iter().map(|u| (u.im / largest) as f32).collect(),
-    };
-    let mut field = Waves::zeros(layout.len());
-    grid.forward(&played, &mut field);
+    let mut squares = vec![0.0; layout.len()];
+    let elements = aperture.driven.len();
+    for u in u.chunks(elements) {
+        let played = Waves {
+            re: u.iter().map(|u| (u.re / largest) as f32).collect(),
+            im: u.iter().map(|u| (u.im / largest) as f32).collect(),
+        };
+        let mut field = Waves::zeros(layout.len());
+        grid.forward(&played, &mut field);
+        squares.iter_mut().enumerate().for_each(|(index, sum)| *sum += field.square(index));
+    }
+    let drives = (u.len() / elements) as f64;
     let distances = region::distances(layout, aperture.pitch, &problem.foci, 1.1 * nearest);
     let places = layout.places(aperture.pitch).filter(|(index, _)| distances[*index] > nearest);
     places
         .map(|(index, place)| {
-            let modulus = f64::from(field.re[index].hypot(field.im[index]));
+            let modulus = (squares[index] / drives).sqrt();
             (place.extend(layout.height), modulus * largest / scale)
         })
         .collect()

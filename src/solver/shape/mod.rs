@@ -107,7 +107,7 @@ pub struct Search<'a> {
     /// Which of the ways is the better one.
     leader: usize,
     stage: Stage,
-    /// u of the driven elements, as given last.
+    /// u of the driven elements, drive after drive, as given last.
     given: Option<Vec<Complex64>>,
     steps: usize,
 }
@@ -137,7 +137,7 @@ impl<'a> Search<'a> {
         let (table, scale) = strokes(problem);
         let stage = if table.points() == 0 { Stage::Done } else { Stage::First };
         let surroundings = surroundings.clone();
-        let objective = Objective::new(table, STROKES);
+        let objective = Objective::new(table, problem.drives, STROKES);
         let (ways, given) = ([None, None], None);
         Self {
             problem,
@@ -156,7 +156,8 @@ impl<'a> Search<'a> {
     /// Goes on from u of the driven elements, which was found for a problem near this one: each call is the work of a frame.
     pub fn from(problem: &'a Problem<'a>, surroundings: &Surroundings, before: &[Complex64]) -> Self {
         let mut search = Self::new(problem, surroundings);
-        let is_drive = before.len() == problem.aperture.driven.len() && before.iter().all(|u| u.is_finite());
+        let count = problem.drives * problem.aperture.driven.len();
+        let is_drive = before.len() == count && before.iter().all(|u| u.is_finite());
         if is_drive && matches!(search.stage, Stage::First) {
             search.stage = Stage::Moved;
         }
@@ -203,13 +204,13 @@ impl<'a> Search<'a> {
 
     /// No element is heard where anything is drawn: any drive is as good.
     fn silent(&mut self) -> Excitation {
-        let values = vec![Complex64::ONE; self.problem.aperture.driven.len()];
+        let values = vec![Complex64::ONE; self.problem.drives * self.problem.aperture.driven.len()];
         self.given = Some(values.clone());
         Excitation { values, iterations: 0, residual: None, weights: None }
     }
 
     fn first(&mut self) {
-        let way = self.along_strokes(Start::Equal, FIRST_STEPS);
+        let way = self.along_strokes(0, FIRST_STEPS);
         self.strongest = self.objective.mean_square(&way.x);
         self.ways[0] = Some(way);
         self.stage = if self.is_quiet() { Stage::Coarse(0) } else { Stage::Done };
@@ -232,7 +233,7 @@ impl<'a> Search<'a> {
     /// Tries another start; after the last of them the best goes on as far as the first did.
     fn other(&mut self, start: usize) {
         let weights = self.objective.weights;
-        let way = self.along_strokes(Start::OTHERS[start], OTHER_STEPS);
+        let way = self.along_strokes(start + 1, OTHER_STEPS);
         self.objective.weights = weights;
         let best = self.ways[1].replace(way);
         self.renew(1);
@@ -240,7 +241,7 @@ impl<'a> Search<'a> {
         if value(&best) <= value(&self.ways[1]) {
             self.ways[1] = best;
         }
-        if start + 1 < Start::OTHERS.len() {
+        if start + 2 < Start::ALL.len() {
             self.stage = Stage::Other(start + 1);
             return;
         }
@@ -273,7 +274,7 @@ impl<'a> Search<'a> {
     fn moved(&mut self) {
         let phases = self.given.iter().flatten().map(|u| u.arg()).collect();
         if self.is_quiet() {
-            let strong = self.along_strokes(Start::Equal, MOVED_STEPS);
+            let strong = self.along_strokes(0, MOVED_STEPS);
             self.strongest = self.objective.mean_square(&strong.x);
             self.hear(true);
             self.objective.weights = self.weights(Loudness::Twelve);
@@ -309,9 +310,14 @@ impl<'a> Search<'a> {
         objective.quiet.extend(region::in_zones(problem, &surroundings.zones, *scale));
     }
 
-    fn along_strokes(&mut self, start: Start, steps: usize) -> Descent {
+    /// Every drive that takes turns begins at another start, the first at this one.
+    fn along_strokes(&mut self, start: usize, steps: usize) -> Descent {
         let samples: Vec<_> = self.problem.foci.iter().map(|focus| focus.position).collect();
-        let phases = along(self.problem, &start.phases(&samples, &self.surroundings.plane));
+        let phases = |drive: usize| {
+            let phases = Start::phases(start + drive, &samples, &self.surroundings.plane);
+            along(self.problem, &phases)
+        };
+        let phases = (0..self.problem.drives).flat_map(phases).collect();
         self.objective.weights = STROKES;
         let mut way = Descent::new(phases, &mut self.objective);
         self.steps += descend(&mut way, &mut self.objective, steps).0;
@@ -337,10 +343,13 @@ impl<'a> Search<'a> {
     fn give(&mut self) -> Excitation {
         let phases = self.ways[self.leader].iter().flat_map(|way| &way.x);
         let mut values: Vec<_> = phases.map(|&phase| Complex64::from_polar(1.0, phase)).collect();
+        let elements = self.problem.aperture.driven.len();
         if let Some(before) = &self.given {
-            let ahead = before.iter().zip(&values).map(|(from, to)| from.conj() * to).sum::<Complex64>();
-            let back = Complex64::from_polar(1.0, -ahead.arg());
-            values.iter_mut().for_each(|u| *u *= back);
+            for (before, values) in before.chunks(elements).zip(values.chunks_mut(elements)) {
+                let ahead = before.iter().zip(&*values).map(|(from, to)| from.conj() * to).sum::<Complex64>();
+                let back = Complex64::from_polar(1.0, -ahead.arg());
+                values.iter_mut().for_each(|u| *u *= back);
+            }
         }
         self.given = Some(values.clone());
         Excitation { values, iterations: self.steps as u32, residual: None, weights: None }
@@ -403,7 +412,7 @@ fn strokes(problem: &Problem<'_>) -> (Table<f32>, f64) {
     (table, scale)
 }
 
-/// The strongest drive: that of the strokes alone.
+/// The strongest drives: those of the strokes alone.
 fn strongest(problem: &Problem<'_>) -> Vec<Complex64> {
     let plane = Plane::default();
     best(problem, &Surroundings { plane, quiet: 0.0, zones: Vec::new() }).values

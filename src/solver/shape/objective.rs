@@ -1,11 +1,12 @@
 //! What a drive of a shape is to make small: unevenness along the strokes and side lobes, and how weak it gets.
 //!
-//! With I = |p|² over its wanted value on the strokes, M the mean of it there, and phases φ of the elements, it is
+//! With I the mean |p|² of all drives that take turns, over its wanted value on the strokes, M the mean of it there, and
+//! phases φ of the elements in each of them, it is
 //!   α E + β Q - γ S + ½ 30 (max(0, ½ ln(floor/M)))²,
 //!   E = 1/2p ln(mean (M/I)^p), a soft minimum of |p| along the strokes under their mean,
 //!   Q = 1/2q ln(Σ m (I/M)^q), a soft maximum of |p| elsewhere over that mean, m the mask,
 //!   S = ½ ln M.
-//! Its derivative by φ_n is 2 Im(u_n* b_n) with b = Hᴴ (w p) and w its derivative by I.
+//! Its derivative by φ_n of one of K drives is 2/K Im(u_n* b_n) with b = Hᴴ (w p) and w its derivative by I.
 
 use crate::simd::{Instructions, Isa, Kernel};
 use crate::solver::descent::Function;
@@ -57,7 +58,8 @@ pub struct Quiet<T> {
     mask: Vec<T>,
     /// Of those in use, padded with zeros to whole blocks of lanes.
     in_use: Vec<T>,
-    p: Waves<T>,
+    /// Of every drive.
+    p: Vec<Waves<T>>,
 }
 
 impl<T: Real> Quiet<T> {
@@ -66,7 +68,7 @@ impl<T: Real> Quiet<T> {
         let padded = mask.len().next_multiple_of(LANES);
         let mut in_use = mask.clone();
         in_use.resize(padded, T::default());
-        Self { samples, mask, in_use, p: Waves::zeros(padded) }
+        Self { samples, mask, in_use, p: Vec::new() }
     }
 
     pub fn is_table(&self) -> bool {
@@ -76,33 +78,40 @@ impl<T: Real> Quiet<T> {
         }
     }
 
-    fn hear(&mut self, u: &Waves<T>) {
-        match &mut self.samples {
-            Samples::Grid(grid) => grid.forward(u, &mut self.p),
-            Samples::Table(table) => table.forward(u, &mut self.p),
+    fn hear(&mut self, drives: &[Waves<T>]) {
+        self.p.resize_with(drives.len(), || Waves::zeros(self.in_use.len()));
+        for (u, p) in drives.iter().zip(&mut self.p) {
+            match &mut self.samples {
+                Samples::Grid(grid) => grid.forward(u, p),
+                Samples::Table(table) => table.forward(u, p),
+            }
         }
     }
 
     /// b += Hᴴ p
-    fn back(&mut self, b: &mut Waves<T>) {
-        match &mut self.samples {
-            Samples::Grid(grid) => grid.back(&self.p, b),
-            Samples::Table(table) => table.back(&self.p, b),
+    fn back(&mut self, drives: &mut [Waves<T>]) {
+        for (p, b) in self.p.iter().zip(drives) {
+            match &mut self.samples {
+                Samples::Grid(grid) => grid.back(p, b),
+                Samples::Table(table) => table.back(p, b),
+            }
         }
     }
 
-    /// Of a table, the rows at which this drive is loud are in use from now on.
-    fn refresh(&mut self, u: &Waves<T>) {
+    /// Of a table, the rows at which these drives are loud are in use from now on.
+    fn refresh(&mut self, drives: &[Waves<T>]) {
         /// Of the loudest |p|²: less is dangerous, since side lobes grow between two refreshes.
         const LOUD: f64 = 0.16;
         let Samples::Table(table) = &mut self.samples else { return };
         table.rows = (0..self.mask.len() as u32).collect();
-        let padded = self.mask.len().next_multiple_of(LANES);
-        self.p = Waves::zeros(padded);
-        table.forward(u, &mut self.p);
+        let hear = |u: &Waves<T>| {
+            let mut p = Waves::zeros(self.mask.len());
+            table.forward(u, &mut p);
+            p
+        };
+        let heard: Vec<_> = drives.iter().map(hear).collect();
         let loudness = |row: usize| {
-            let (re, im) = (self.p.re[row].wide(), self.p.im[row].wide());
-            if self.mask[row] > T::default() { re * re + im * im } else { 0.0 }
+            if self.mask[row] > T::default() { heard.iter().map(|p| p.square(row)).sum() } else { 0.0 }
         };
         let loudest = (0..self.mask.len()).map(loudness).fold(0.0, f64::max);
         let rows: Vec<_> = (0..self.mask.len()).filter(|&row| loudness(row) >= LOUD * loudest).collect();
@@ -110,27 +119,30 @@ impl<T: Real> Quiet<T> {
         table.rows = rows.iter().map(|&row| row as u32).collect();
         let padded = rows.len().next_multiple_of(LANES);
         self.in_use.resize(padded, T::default());
-        self.p = Waves::zeros(padded);
+        self.p.clear();
     }
 }
 
-/// The function to be made small, of the phases (rad) of the driven elements.
+/// The function to be made small, of the phases (rad) of the driven elements, drive after drive.
 #[derive(Debug)]
 pub struct Objective<T> {
     pub weights: Weights,
     pub quiet: Vec<Quiet<T>>,
     /// Transfers over wanted pressures.
     strokes: Table<T>,
-    u: Waves<T>,
-    heard: Waves<T>,
-    p: Waves<T>,
-    /// |p|² over its wanted value along the strokes.
+    /// Of every drive: the excitation, what is sent back to it, and the pressures along the strokes.
+    u: Vec<Waves<T>>,
+    heard: Vec<Waves<T>>,
+    p: Vec<Waves<T>>,
+    /// Mean |p|² over its wanted value along the strokes.
     intensities: Vec<f64>,
 }
 
 impl<T: Real> Objective<T> {
-    pub fn new(strokes: Table<T>, weights: Weights) -> Self {
-        let (u, heard, p) = (strokes.excitation(), strokes.excitation(), Waves::zeros(strokes.points()));
+    /// For so many drives that take turns.
+    pub fn new(strokes: Table<T>, drives: usize, weights: Weights) -> Self {
+        let u = vec![strokes.excitation(); drives];
+        let (heard, p) = (u.clone(), vec![Waves::zeros(strokes.points()); drives]);
         Self { weights, quiet: Vec::new(), strokes, u, heard, p, intensities: Vec::new() }
     }
 
@@ -151,19 +163,23 @@ impl<T: Real> Objective<T> {
     }
 
     fn play(&mut self, phases: &[f64]) {
-        for ((phase, re), im) in phases.iter().zip(&mut self.u.re).zip(&mut self.u.im) {
-            let (sin, cos) = phase.sin_cos();
-            (*re, *im) = (T::of(cos), T::of(sin));
+        let elements = phases.len() / self.u.len();
+        for ((phases, u), p) in phases.chunks(elements).zip(&mut self.u).zip(&mut self.p) {
+            for ((phase, re), im) in phases.iter().zip(&mut u.re).zip(&mut u.im) {
+                let (sin, cos) = phase.sin_cos();
+                (*re, *im) = (T::of(cos), T::of(sin));
+            }
+            self.strokes.forward(u, p);
         }
-        self.strokes.forward(&self.u, &mut self.p);
-        let square = |(re, im): (&T, &T)| re.wide() * re.wide() + im.wide() * im.wide();
+        let inverse = 1.0 / self.u.len() as f64;
+        let mean = |point| self.p.iter().map(|p| p.square(point)).sum::<f64>() * inverse;
         self.intensities.clear();
-        self.intensities.extend(self.p.re.iter().zip(&self.p.im).map(square));
+        self.intensities.extend((0..self.strokes.points()).map(mean));
     }
 
     /// ln(Σ m I^q)/2q, and β/2 of its derivatives sent back to the elements; `None` where there is nothing to be heard.
     fn hear(&mut self) -> Option<f64> {
-        self.heard.clear();
+        self.heard.iter_mut().for_each(Waves::clear);
         if self.weights.quiet == 0.0 {
             return None;
         }
@@ -179,8 +195,10 @@ impl<T: Real> Objective<T> {
             Loudness::Twelve => (self.weigh::<12>(inverse), 12.0),
         };
         self.quiet.iter_mut().for_each(|quiet| quiet.back(&mut self.heard));
-        self.heard.scale(T::of(0.5 * self.weights.quiet / (sum * loudest)));
-        Some(0.5 * loudest.ln() + sum.ln() / (2.0 * q))
+        let drives = self.u.len() as f64;
+        let scale = T::of(0.5 * drives * self.weights.quiet / (sum * loudest));
+        self.heard.iter_mut().for_each(|heard| heard.scale(scale));
+        Some(0.5 * (loudest / drives).ln() + sum.ln() / (2.0 * q))
     }
 
     fn weigh<const Q: usize>(&mut self, inverse: T) -> f64 {
@@ -208,21 +226,29 @@ impl<T: Real> Function for Objective<T> {
             value += self.weights.quiet * (loudness - 0.5 * mean.ln());
             along -= self.weights.quiet;
         }
-        for ((&intensity, re), im) in self.intensities.iter().zip(&mut self.p.re).zip(&mut self.p.im) {
+        for (point, &intensity) in self.intensities.iter().enumerate() {
             let weak = even * weakness(intensity) / (sum * intensity.max(LEAST * mean));
             let derivative = T::of(0.5 * (along / (count * mean) - weak));
-            (*re, *im) = (*re * derivative, *im * derivative);
+            for p in &mut self.p {
+                p.re[point] *= derivative;
+                p.im[point] *= derivative;
+            }
         }
-        self.strokes.back(&self.p, &mut self.heard);
-        for (n, slope) in gradient.iter_mut().enumerate() {
-            let ahead = self.u.re[n].wide() * self.heard.im[n].wide();
-            *slope = 2.0 * (ahead - self.u.im[n].wide() * self.heard.re[n].wide());
+        let elements = phases.len() / self.u.len();
+        let part = 2.0 / self.u.len() as f64;
+        let slopes = gradient.chunks_mut(elements);
+        for (((p, u), heard), slopes) in self.p.iter().zip(&self.u).zip(&mut self.heard).zip(slopes) {
+            self.strokes.back(p, heard);
+            for (n, slope) in slopes.iter_mut().enumerate() {
+                let ahead = u.re[n].wide() * heard.im[n].wide();
+                *slope = part * (ahead - u.im[n].wide() * heard.re[n].wide());
+            }
         }
         value
     }
 }
 
-/// The loudest |p|² where the mask is not 0.
+/// The loudest Σ |p|² over drives where the mask is not 0.
 struct Loudest<'a, T> {
     quiet: &'a Quiet<T>,
 }
@@ -233,11 +259,9 @@ impl<T: Real> Kernel for Loudest<'_, T> {
     #[inline(always)]
     fn run<I: Instructions>(self) -> T {
         let Quiet { p, in_use, .. } = self.quiet;
-        let (re, im) = (p.re.as_chunks::<LANES>().0, p.im.as_chunks::<LANES>().0);
-        let mask = in_use.as_chunks::<LANES>().0;
         let mut most = [T::default(); LANES];
-        for ((re, im), mask) in re.iter().zip(im).zip(mask) {
-            let square: [T; LANES] = lanes(|i| T::fused::<I>(re[i], re[i], im[i] * im[i]));
+        for (block, mask) in in_use.as_chunks::<LANES>().0.iter().enumerate() {
+            let square = squares::<T, I>(p, block);
             let heard = lanes(|i| if mask[i] > T::default() { square[i] } else { T::default() });
             let before = most;
             most = lanes(|i| if heard[i] > before[i] { heard[i] } else { before[i] });
@@ -246,7 +270,7 @@ impl<T: Real> Kernel for Loudest<'_, T> {
     }
 }
 
-/// Σ m t^q with t = |p|² · inverse, 1 at most; p ← p m t^{q-1}.
+/// Σ m t^q with t = Σ |p|² over drives · inverse, 1 at most; every p ← p m t^{q-1}.
 struct Weigh<'a, T, const Q: usize> {
     quiet: &'a mut Quiet<T>,
     inverse: T,
@@ -261,29 +285,43 @@ impl<T: Real, const Q: usize> Kernel for Weigh<'_, T, Q> {
         const FAINT: f64 = 2e-3;
         /// Blocks that are summed before their sum is widened.
         const RUN: usize = 64;
-        let Self { quiet, inverse } = self;
-        let mask = quiet.in_use.as_chunks::<LANES>().0;
-        let re = quiet.p.re.as_chunks_mut::<LANES>().0;
-        let im = quiet.p.im.as_chunks_mut::<LANES>().0;
+        let Self { quiet: Quiet { p, in_use, .. }, inverse } = self;
         let (faint, one) = (T::of(FAINT), T::of(1.0));
         let mut sum = 0.0;
-        for ((re, im), mask) in re.chunks_mut(RUN).zip(im.chunks_mut(RUN)).zip(mask.chunks(RUN)) {
+        for (run, mask) in in_use.as_chunks::<LANES>().0.chunks(RUN).enumerate() {
             let mut sums = [T::default(); LANES];
-            for ((to_re, to_im), mask) in re.iter_mut().zip(im).zip(mask) {
-                let (re, im, before) = (*to_re, *to_im, sums);
-                let square: [T; LANES] = lanes(|i| T::fused::<I>(re[i], re[i], im[i] * im[i]) * inverse);
-                let part: [T; LANES] = lanes(|i| if square[i] < one { square[i] } else { one });
+            for (block, mask) in mask.iter().enumerate() {
+                let (block, before) = (run * RUN + block, sums);
+                let square = squares::<T, I>(p, block);
+                let part: [T; LANES] =
+                    lanes(|i| if square[i] * inverse < one { square[i] * inverse } else { one });
                 let part: [T; LANES] = lanes(|i| if part[i] > faint { part[i] } else { T::default() });
                 let powers = power(&part, Q - 1);
                 let weight: [T; LANES] = lanes(|i| mask[i] * powers[i]);
                 sums = lanes(|i| T::fused::<I>(weight[i], part[i], before[i]));
-                *to_re = lanes(|i| re[i] * weight[i]);
-                *to_im = lanes(|i| im[i] * weight[i]);
+                for p in p.iter_mut() {
+                    let [re, im] = p.block_mut(block);
+                    let before = (*re, *im);
+                    *re = lanes(|i| before.0[i] * weight[i]);
+                    *im = lanes(|i| before.1[i] * weight[i]);
+                }
             }
             sum += sums.into_iter().map(Real::wide).sum::<f64>();
         }
         sum
     }
+}
+
+/// Σ |p|² over drives in a block of samples.
+#[inline(always)]
+fn squares<T: Real, I: Instructions>(p: &[Waves<T>], block: usize) -> [T; LANES] {
+    let mut sum = [T::default(); LANES];
+    for p in p {
+        let ([re, im], before) = (p.block(block), sum);
+        let part: [T; LANES] = lanes(|i| T::fused::<I>(re[i], re[i], before[i]));
+        sum = lanes(|i| T::fused::<I>(im[i], im[i], part[i]));
+    }
+    sum
 }
 
 /// By squares of squares; the exponent is a constant once this is inlined.
@@ -319,10 +357,10 @@ mod tests {
     }
 
     /// A few samples of a stroke, and a grid and a table that are to be quiet.
-    fn objective<T: Real>(aperture: &Aperture, weights: Weights) -> Objective<T> {
+    fn objective<T: Real>(aperture: &Aperture, drives: usize, weights: Weights) -> Objective<T> {
         const SCALE: f64 = 1e-2;
         let stroke: Vec<_> = (0..9).map(|i| DVec3::new(2e-3 * f64::from(i), 1e-3, 0.05)).collect();
-        let mut objective = Objective::new(table(aperture, &stroke, SCALE), weights);
+        let mut objective = Objective::new(table(aperture, &stroke, SCALE), drives, weights);
         let layout = Layout::new(aperture, 0.05, DVec2::splat(0.05), 2);
         let mut mask = vec![T::default(); layout.len()];
         layout.places(aperture.pitch).for_each(|(index, _)| mask[index] = T::of(scatter(index)));
@@ -338,7 +376,6 @@ mod tests {
         let mut scene = Scene::default();
         (scene.array.rows, scene.array.columns, scene.array.off) = (5, 7, vec![3, 11]);
         let aperture = Aperture::new(&scene);
-        let phases: Vec<_> = (0..aperture.driven.len()).map(|n| 6.0 * scatter(n)).collect();
         let alone = Weights {
             even: 2.0,
             quiet: 0.0,
@@ -349,8 +386,9 @@ mod tests {
         };
         let all = Weights { even: 1.5, quiet: 1.0, strong: 0.0, sharpness: 16, ..alone };
         let kept = Weights { loudness: Loudness::Twelve, floor: 1e3, quiet: 0.4, ..all };
-        for weights in [alone, all, kept] {
-            let mut objective = objective::<T>(&aperture, weights);
+        for (drives, weights) in [(1, alone), (1, all), (1, kept), (3, kept)] {
+            let phases: Vec<_> = (0..drives * aperture.driven.len()).map(|n| 6.0 * scatter(n)).collect();
+            let mut objective = objective::<T>(&aperture, drives, weights);
             let mut gradient = vec![0.0; phases.len()];
             objective.evaluate(&phases, &mut gradient);
             let largest = gradient.iter().fold(0.0f64, |most, slope| most.max(slope.abs()));
@@ -362,7 +400,7 @@ mod tests {
                 };
                 let expected = (at(step) - at(-step)) / (2.0 * step);
                 let off = (gradient[n] - expected).abs() / largest;
-                assert!(off < most, "{weights:?}, element {n}: off by {off:e}");
+                assert!(off < most, "{drives} drives, {weights:?}, element {n}: off by {off:e}");
             }
         }
     }
@@ -389,7 +427,7 @@ mod tests {
                 let phase = wavenumber * position.x;
                 (u.re[n], u.im[n]) = (phase.cos() as f32, phase.sin() as f32);
             }
-            quiet.refresh(&u);
+            quiet.refresh(std::slice::from_ref(&u));
             let rows = rows(&quiet);
             let near = rows.iter().map(|row| row.abs_diff(expected)).min();
             assert!(rows.len() < 30 && near < Some(6), "{rows:?} near {expected}");

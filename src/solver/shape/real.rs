@@ -87,6 +87,13 @@ impl<T: Real> Waves<T> {
         self.re.len()
     }
 
+    /// |p|² of one number.
+    #[inline(always)]
+    pub fn square(&self, index: usize) -> f64 {
+        let (re, im) = (self.re[index].wide(), self.im[index].wide());
+        re * re + im * im
+    }
+
     pub fn clear(&mut self) {
         self.re.fill(T::default());
         self.im.fill(T::default());
@@ -96,6 +103,17 @@ impl<T: Real> Waves<T> {
     #[inline(always)]
     pub fn blocks(&self, from: usize, count: usize) -> [&[[T; LANES]]; 2] {
         [&self.re, &self.im].map(|part| part[from..from + count].as_chunks().0)
+    }
+
+    /// Both parts of one block of lanes.
+    #[inline(always)]
+    pub fn block(&self, index: usize) -> [&[T; LANES]; 2] {
+        [&self.re, &self.im].map(|part| &part.as_chunks().0[index])
+    }
+
+    #[inline(always)]
+    pub fn block_mut(&mut self, index: usize) -> [&mut [T; LANES]; 2] {
+        [&mut self.re, &mut self.im].map(|part| &mut part.as_chunks_mut().0[index])
     }
 
     /// Both parts of the first numbers.

@@ -22,13 +22,15 @@ pub enum Start {
 }
 
 impl Start {
-    /// Those beside the first, in the order in which they are tried.
-    pub const OTHERS: [Self; 4] = [Self::Vortex, Self::Tilted, Self::Curved, Self::Scattered];
+    /// In the order in which they are tried.
+    pub const ALL: [Self; 5] = [Self::Equal, Self::Vortex, Self::Tilted, Self::Curved, Self::Scattered];
 
-    /// rad, of every sample, in the plane's axes.
-    pub fn phases(self, samples: &[DVec3], plane: &Plane) -> Vec<f64> {
+    /// rad, of every sample, in the plane's axes; beyond the last start all are scattered, each in another way.
+    pub fn phases(number: usize, samples: &[DVec3], plane: &Plane) -> Vec<f64> {
         /// Of the scattered phases.
-        const SEED: usize = 21;
+        const SEED: usize = 17;
+        let start = Self::ALL.get(number).copied().unwrap_or(Self::Scattered);
+        let seed = SEED + number;
         let count = samples.len() as f64;
         let (x, y) = plane.axes().unwrap_or((DVec3::X, DVec3::Y));
         let middle = samples.iter().sum::<DVec3>() / count;
@@ -37,12 +39,12 @@ impl Start {
         let size = mean_square.sqrt().max(f64::MIN_POSITIVE);
         let phase = |(index, sample): (usize, &DVec3)| {
             let place = flat(sample) / size;
-            match self {
+            match start {
                 Self::Equal => 0.0,
                 Self::Vortex => -place.y.atan2(place.x),
                 Self::Tilted => PI * place.y,
                 Self::Curved => 0.5 * PI * place.length_squared(),
-                Self::Scattered => TAU * SEED as f64 * scatter(index + SEED),
+                Self::Scattered => TAU * seed as f64 * scatter(index + seed),
             }
         };
         samples.iter().enumerate().map(phase).collect()

@@ -31,18 +31,18 @@ pub fn show(editor: &mut Editor, shown: &Shown, ui: &mut Ui) {
         choice(ui, ("As played with", tip), &mut editor.levels, &LEVELS);
         let mean = sound.readings.iter().map(Reading::peak).sum::<f64>() / sound.readings.len().max(1) as f64;
         fact(ui, ("Mean pressure", "Over the focal points, peak"), pascals(mean));
-        let silent = sound.drive.amplitudes.iter().filter(|&&amplitude| amplitude == 0.0).count();
+        let silent = sound.drive().amplitudes.iter().filter(|&&amplitude| amplitude == 0.0).count();
         if silent > 0 {
             fact(ui, ("Silent", "Elements that play nothing"), format!("{silent} elements"));
         }
     });
     heading(ui, "Phase");
     let cyclic = ColourMap::Cyclic.table();
-    map(editor, sound, ui, "Phase of every element", |n| cyclic[phase_index(sound.drive.phases[n])]);
+    map(editor, sound, ui, "Phase of every element", |n| cyclic[phase_index(sound.drive().phases[n])]);
     strip(ui, &cyclic, ["-180°", "0°", "180°"]);
     heading(ui, "Amplitude");
     let viridis = ColourMap::Viridis.table();
-    let colour = |n: usize| viridis[(sound.drive.amplitudes[n] * 255.0).round().clamp(0.0, 255.0) as usize];
+    let colour = |n: usize| viridis[(sound.drive().amplitudes[n] * 255.0).round().clamp(0.0, 255.0) as usize];
     map(editor, sound, ui, "Amplitude of every element", colour);
     strip(ui, &viridis, ["0", "0.5", "1"]);
 }
@@ -68,15 +68,15 @@ fn strip(ui: &mut Ui, table: &[[u8; 4]; 256], labels: [&str; 3]) {
 fn map(editor: &Editor, sound: &Sound, ui: &mut Ui, name: &str, colour: impl Fn(usize) -> [u8; 4]) {
     let array = &editor.scene().array;
     // Until the scene is solved again, the drive may be that of another array.
-    if sound.drive.phases.len() != array.elements() {
+    if sound.drive().phases.len() != array.elements() {
         return;
     }
     let (response, under) = element_map::show(ui, name, array, Sense::hover(), |n| {
         let [r, g, b, _] = colour(n);
-        (sound.drive.amplitudes[n] > 0.0).then(|| Color32::from_rgb(r, g, b))
+        (sound.drive().amplitudes[n] > 0.0).then(|| Color32::from_rgb(r, g, b))
     });
     if let Some(n) = under {
-        let Sound { drive, .. } = sound;
+        let drive = sound.drive();
         response.on_hover_text_at_pointer(format!(
             "Element {n}: {:.0}°, amplitude {:.2}",
             drive.phases[n].to_degrees(),

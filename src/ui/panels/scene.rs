@@ -127,7 +127,7 @@ fn listener(editor: &mut Editor, shown: &Shown, ui: &mut Ui) {
     form(ui, "listener", |ui| {
         target::point(ui, "Ear", &mut listener.at);
         if let Some(sound) = &shown.sound {
-            let heard = probe::reading(&sound.aperture, &sound.drive, listener.at);
+            let heard = probe::reading(&sound.aperture, &sound.drives, listener.at);
             let tip = "Sound pressure level there, of the sound without its modulation";
             fact(ui, ("Loudness", tip), format!("{:.1} dB SPL", heard.spl()));
             if let Some(warning) = heard.warning() {

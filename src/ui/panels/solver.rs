@@ -46,6 +46,8 @@ fn settings(editor: &mut Editor, ui: &mut Ui) {
         choice(ui, ("Amplitude", "What the board can play"), &mut solver.amplitudes, &amplitudes);
         let tip = "How much quiet beside the drawing counts: 0 for the strongest drive, 1 for the quietest";
         number(ui, ("Quiet", tip), &mut solver.quiet, PLAIN, 0.0..=1.0);
+        let tip = "Drives that take turns, whose mean is what is drawn: their ghosts are in different places";
+        count(ui, ("Take turns", tip), &mut solver.frames, 1..=32);
         let pressures = [(Pressures::Relative, "relative"), (Pressures::Pascal, "pascals")];
         choice(ui, ("Pressures are", "What the targets' pressures mean"), &mut solver.pressures, &pressures);
     });
