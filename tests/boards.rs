@@ -147,6 +147,24 @@ fn a_motion_goes_to_the_native_device_as_a_whole() {
 }
 
 #[test]
+fn drives_that_take_turns_go_to_the_board_in_turn() {
+    let folder = Folder::new();
+    let text = "format = 1\n[[target]]\nkind = \"line\"\n[solver]\nframes = 3\n";
+    let scene = folder.write("line.toml", text);
+    for profile in [Profile::Native, Profile::SonicSurface] {
+        let (board, shown) = board(Setup::new(profile));
+        let output = send(&scene, board.path(), profile, &["--seconds", "0.5"]);
+        assert!(output.status.success(), "{}", said(&output.stderr));
+        let seen: Vec<_> = shown.try_iter().map(|shown| shown.levels).collect();
+        for drive in solver::solve(&read(&scene)).unwrap().drives() {
+            let levels = Levels::new(profile, &drive, &Calibration::default()).unwrap();
+            let times = seen.iter().filter(|seen| **seen == levels).count();
+            assert!(times > 0, "{profile:?} never showed one of them");
+        }
+    }
+}
+
+#[test]
 fn the_scene_is_made_for_the_boards_carrier() {
     let folder = Folder::new();
     let scene = folder.write("point.toml", POINT);

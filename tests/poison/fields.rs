@@ -146,7 +146,7 @@ fn planes_that_are_none_have_no_plan_no_samples_and_no_cells() {
             }
             Cells::new(&aperture, &plane, 0.01, 1e-3);
             let (foci, drive) = (vec![DVec3::Z * 0.1], drive());
-            let ghost = ghost::loudest(&mut stages, &aperture, &plane, &[drive.clone()], &foci);
+            let ghost = ghost::loudest(&mut stages, &aperture, &plane, std::slice::from_ref(&drive), &foci);
             assert!(
                 ghost.is_err() || ghost.is_ok_and(|ghost| ghost.pressure.is_finite()),
                 "{index}: {poison}"
@@ -185,7 +185,7 @@ fn a_broken_sample_spoils_no_other() {
                 field[0]
             );
         }
-        probe::reading(&aperture, &[drive.clone()], DVec3::new(poison, 0.0, 0.1));
+        probe::reading(&aperture, std::slice::from_ref(&drive), DVec3::new(poison, 0.0, 0.1));
     }
     let nothing = Samples::on_plane(&plane(), 0, 5).unwrap();
     assert!(nothing.is_empty() && panics(|| nothing.point(0)));

@@ -115,6 +115,64 @@ fn a_drawing_is_even_and_all_around_it_is_quiet() {
     }
 }
 
+/// Each of three drives is louder elsewhere than their mean, and that is quieter than one drive for the whole time can be.
+#[test]
+fn drives_that_take_turns_are_quiet_on_the_average() {
+    let drawing = &drawings()[1];
+    let (scene, stroke) = (format!("{}[solver]\nframes = 3\n", path(drawing)), along(drawing));
+    let solution = solved(&scene, &[]);
+    let drives = solution["frames"].as_array().unwrap();
+    assert!(drives.len() == 3 && drives[0]["phases"] == solution["phases"] && drives[1] != drives[2]);
+    let lattice = (0..150).flat_map(|i| (0..150).map(move |j| [i, j].map(|i| (f64::from(i) - 74.5) * 2e-3)));
+    let is_beside = |[x, y]: &[f64; 2]| stroke.iter().all(|at| (x - at[0]).hypot(y - at[1]) > 8e-3);
+    let beside: Vec<_> = lattice.filter(is_beside).collect();
+    let mean_of = |heard: &[f64]| heard.iter().sum::<f64>() / heard.len() as f64;
+    let loudest = |heard: &[f64]| heard.iter().copied().fold(0.0, f64::max);
+    let mean = |points: &[[f64; 2]]| {
+        let all: Vec<_> = drives.iter().map(|drive| judged(drive, points)).collect();
+        let square = |index| all.iter().map(|heard: &Vec<f64>| heard[index] * heard[index]).sum::<f64>();
+        (0..points.len()).map(|index| (square(index) / 3.0).sqrt()).collect::<Vec<_>>()
+    };
+    let (drawn, elsewhere) = (mean(&stroke), mean(&beside));
+    let evenness = drawn.iter().copied().fold(f64::INFINITY, f64::min) / mean_of(&drawn);
+    let side_lobe = loudest(&elsewhere) / mean_of(&drawn);
+    let said = |key: &str| solution["quality"][key].as_f64().unwrap();
+    assert!((said("evenness") - evenness).abs() < 0.02, "{evenness:.3}: {}", said("evenness"));
+    assert!((said("side_lobe") / side_lobe - 1.0).abs() < 0.1, "{side_lobe:.3}: {}", said("side_lobe"));
+    let alone = figures(&solved(&path(drawing), &[]), &stroke);
+    assert!(evenness > 0.9 && side_lobe < 0.9 * alone.1, "{evenness:.3}, {side_lobe:.3}, alone {alone:?}");
+    for drive in drives {
+        let part = loudest(&judged(drive, &beside)) / mean_of(&judged(drive, &stroke));
+        assert!(part > 1.2 * side_lobe, "{part:.3} of one, {side_lobe:.3} of all");
+    }
+}
+
+#[test]
+fn maps_and_points_are_of_all_drives_that_take_turns() {
+    let scene = format!("{}[solver]\nframes = 2\n", path(&drawings()[1]));
+    let folder = folder_with(&[("a.toml", &scene), ("p.csv", "x,y,z\n0.025,-0.025,0.1\n")]);
+    let value = |args: &[&str]| {
+        let render =
+            ["render", "a.toml", "-o", "a.png", "--size", "4", "--data", "a.npy", "--tolerance", "exact"];
+        succeed(folder.path(), &[&render[..], args].concat());
+        let bytes = std::fs::read(folder.path().join("a.npy")).unwrap();
+        // The seventh of 4 x 4 pixels is that point.
+        let at = bytes.len() - 4 * (16 - 6);
+        f64::from(f32::from_le_bytes(bytes[at..at + 4].try_into().unwrap()))
+    };
+    let (mean, first, second) = (value(&[]), value(&["--frame", "1"]), value(&["--frame", "2"]));
+    let expected = ((first * first + second * second) / 2.0).sqrt();
+    assert!((mean / expected - 1.0).abs() < 1e-4, "{mean} of {first} and {second}");
+    assert!((mean / value(&["--frame", "mean"]) - 1.0).abs() < 1e-6);
+    let table = succeed(folder.path(), &["probe", "a.toml", "--points", "p.csv"]);
+    let rms: f64 = table.trim().rsplit_once(',').unwrap().1.parse().unwrap();
+    assert!((rms / expected - 1.0).abs() < 1e-4, "{table}");
+    let folder = folder_with(&[("a.toml", &format!("{scene}[motion]\npath = \"circle\"\n"))]);
+    let output = run(folder.path(), &["solve", "a.toml"]);
+    let message = String::from_utf8(output.stderr).unwrap();
+    assert!(output.status.code() == Some(2) && message.contains("solver.frames"), "{message}");
+}
+
 #[test]
 fn quiet_is_bought_with_strength() {
     let scene = path(&drawings()[1]);

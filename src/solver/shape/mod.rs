@@ -14,11 +14,13 @@ mod region;
 mod start;
 mod table;
 
+use std::f64::consts::TAU;
+
 use glam::DVec3;
 use num_complex::Complex64;
 
 use crate::scene::{self, Focus, Plane, Scene};
-use crate::solver::descent::Descent;
+use crate::solver::descent::{Descent, Function};
 use crate::solver::{Excitation, Problem, iteration};
 
 use objective::{Loudness, Objective, Weights};
@@ -340,6 +342,25 @@ impl<'a> Search<'a> {
         goes_on
     }
 
+    /// The same drives turned by the common phase that rounding to few levels harms least: nothing that is heard changes.
+    fn turned_for_rounding(&mut self, mut found: Excitation) -> Excitation {
+        /// Of a coarse board; what suits it suits finer ones.
+        const LEVELS: f64 = 16.0;
+        const TURNS: u32 = 32;
+        const STEP: f64 = TAU / LEVELS;
+        let rounded = |angle: f64| {
+            let round = |u: &Complex64| ((u.arg() + angle) / STEP).round() * STEP;
+            found.values.iter().map(round).collect::<Vec<_>>()
+        };
+        let mut slopes = vec![0.0; found.values.len()];
+        let mut harm = |angle: f64| self.objective.evaluate(&rounded(angle), &mut slopes);
+        let angles = (0..TURNS).map(|turn| STEP * f64::from(turn) / f64::from(TURNS));
+        let best = angles.map(|angle| (angle, harm(angle))).min_by(|a, b| a.1.total_cmp(&b.1));
+        let turn = Complex64::cis(best.map_or(0.0, |best| best.0));
+        found.values.iter_mut().for_each(|u| *u *= turn);
+        found
+    }
+
     fn give(&mut self) -> Excitation {
         let phases = self.ways[self.leader].iter().flat_map(|way| &way.x);
         let mut values: Vec<_> = phases.map(|&phase| Complex64::from_polar(1.0, phase)).collect();
@@ -425,7 +446,10 @@ pub fn best(problem: &Problem<'_>, surroundings: &Surroundings) -> Excitation {
     while let Some(better) = search.advance() {
         best = Some(better);
     }
-    best.unwrap_or_else(|| search.silent())
+    match best {
+        Some(best) => search.turned_for_rounding(best),
+        None => search.silent(),
+    }
 }
 
 /// One call of a search that goes on from u of the driven elements: what a frame of a motion or of a drag has time for.
