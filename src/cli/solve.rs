@@ -310,7 +310,7 @@ impl Findings {
     fn print(&self, scene: &Scene) -> anyhow::Result<()> {
         let Self { solution, limits, .. } = self;
         let quality = &solution.quality;
-        if solution.foci.iter().any(|focus| !focus.of_stroke) {
+        if solution.foci.iter().any(|focus| focus.is_separate()) {
             say!("{}", foci_table(scene, solution))?;
         }
         let no_more = match scene.solver.pressures {
@@ -371,7 +371,7 @@ impl Findings {
             ];
             rows.splice(5..5, figures);
         }
-        let samples = solution.foci.iter().filter(|focus| focus.of_stroke).count();
+        let samples = solution.foci.iter().filter(|focus| !focus.is_separate()).count();
         if samples > 0 {
             rows.insert(1, ("continuous strokes", format!("{samples} samples")));
         }
@@ -427,7 +427,7 @@ fn foci_table(scene: &Scene, solution: &Solution) -> Table {
         Pressures::Pascal => "target / Pa",
     };
     foci.set_header(["focus", "x / mm", "y / mm", "z / mm", target, "pressure (peak)", "phase / rad"]);
-    let separate = solution.foci.iter().zip(&solution.pressures).filter(|(focus, _)| !focus.of_stroke);
+    let separate = solution.foci.iter().zip(&solution.pressures).filter(|(focus, _)| focus.is_separate());
     for (index, (focus, pressure)) in separate.enumerate() {
         let [x, y, z] = millimetres(focus.position);
         foci.add_row([

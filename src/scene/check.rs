@@ -177,12 +177,37 @@ fn target(target: &Target, pressures: Pressures) -> Result<(), KeyError> {
     }
     within("pressure", target.pressure, LEAST_PRESSURE, MOST_PRESSURE, unit)?;
     self::pressures(target)?;
+    if !target.pressures.is_empty() && target.is_area() {
+        return refuse("pressures", "an area has one pressure: leave `fill` or `stroke` out");
+    }
     finite("angle", target.angle)?;
     direction("normal", target.normal)?;
     match target.sampling {
         Sampling::Whole | Sampling::Continuous => Ok(()),
         Sampling::Spacing(spacing) => length("spacing", spacing),
         Sampling::Points(points) => count("points", points as u64, 1, MOST_FOCI as u64),
+        Sampling::Fill => fill(&target.shape),
+        Sampling::Stroke(width) => length("stroke", width),
+    }
+}
+
+fn fill(shape: &Shape) -> Result<(), KeyError> {
+    match shape {
+        Shape::Circle { .. }
+        | Shape::Rectangle { .. }
+        | Shape::Triangle { .. }
+        | Shape::Polygon { .. }
+        | Shape::Path { closed: true, .. } => Ok(()),
+        Shape::Path { closed: false, .. } => {
+            refuse("fill", "an open path has no inside: give `closed = true`, or `stroke`, a width in metres")
+        }
+        Shape::Line { .. } => {
+            refuse("fill", "a line has no inside: give `stroke`, a width in metres, instead")
+        }
+        Shape::Text { .. } => {
+            refuse("fill", "letters are strokes: give `stroke`, their width in metres, instead")
+        }
+        Shape::Point { .. } | Shape::Picture { .. } => refuse("fill", "only closed shapes are filled"),
     }
 }
 
@@ -300,6 +325,13 @@ fn shape(shape: &Shape) -> Result<(), KeyError> {
             }
             point("at", *at)?;
             length("height", *height)
+        }
+        Shape::Picture { file, at, width, pixels: _ } => {
+            if file.is_empty() {
+                return refuse("file", "there is no name of a picture");
+            }
+            point("at", *at)?;
+            length("width", *width)
         }
     }
 }

@@ -57,7 +57,7 @@ impl<'a> Problem<'a> {
 
     /// Foci of a scene: what is not drawn is to be quiet where it has continuous strokes or quiet zones.
     pub fn of_scene(scene: &Scene, aperture: &'a Aperture, foci: Vec<Focus>) -> Self {
-        let is_shape = !scene.quiet.is_empty() || foci.iter().any(|focus| focus.of_stroke);
+        let is_shape = !scene.quiet.is_empty() || foci.iter().any(|focus| !focus.is_separate());
         let surroundings = is_shape.then(|| Surroundings::new(scene, &foci));
         Self { surroundings, ..Self::new(aperture, foci) }
     }
@@ -334,7 +334,7 @@ pub fn warnings(aperture: &Aperture, foci: &[Focus]) -> Vec<String> {
     let mut warnings = Vec::new();
     let resolution_at = aperture.resolution();
     let (mut coincident, mut close, mut closest) = (0, 0, (f64::INFINITY, 0.0));
-    let separate: Vec<_> = foci.iter().filter(|focus| !focus.of_stroke).collect();
+    let separate: Vec<_> = foci.iter().filter(|focus| focus.is_separate()).collect();
     for (i, focus) in separate.iter().enumerate() {
         for other in &separate[..i] {
             let distance = focus.position.distance(other.position);

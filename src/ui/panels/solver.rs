@@ -63,7 +63,7 @@ fn quality(shown: &Shown, solution: &Solution, ui: &mut Ui) {
             ("Spread", "How uneven the points are: standard deviation over mean"),
             format!("{:.1} %", 100.0 * quality.spread),
         );
-        if solution.foci.iter().any(|focus| focus.of_stroke) {
+        if solution.foci.iter().any(|focus| !focus.is_separate()) {
             shape(solution.figures.as_ref(), ui);
         } else {
             foci(quality, ui);
