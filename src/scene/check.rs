@@ -24,6 +24,8 @@ const MOST_PRESSURE: f64 = 1e9;
 const MOST_ITERATIONS: u64 = 100_000;
 /// s of search.
 const LONGEST_SEARCH: f64 = 3600.0;
+/// Sine of the angle at which a plane still counts as level.
+const LEVEL: f64 = 1e-9;
 /// m; lengths beyond are slips of the unit, not scenes.
 const LONGEST: f64 = 100.0;
 
@@ -111,6 +113,7 @@ pub fn check(scene: &Scene) -> Result<(), KeyError> {
     }
     solver(&scene.solver).map_err(|e| e.under(&["solver".into()]))?;
     plane(&scene.plane).map_err(|e| e.under(&["plane".into()]))?;
+    aim(scene).map_err(|e| e.under(&["solver".into()]))?;
     liquid(&scene.liquid).map_err(|e| e.under(&["liquid".into()]))?;
     modulation(&scene.modulation).map_err(|e| e.under(&["modulation".into()]))?;
     motion(&scene.motion).map_err(|e| e.under(&["motion".into()]))?;
@@ -269,6 +272,17 @@ fn solver(solver: &Solver) -> Result<(), KeyError> {
 /// A negative time, or more than an hour.
 pub fn search(seconds: f64) -> Result<(), KeyError> {
     within("search", seconds, 0.0, LONGEST_SEARCH, "s")
+}
+
+/// A liquid's surface is level.
+fn aim(scene: &Scene) -> Result<(), KeyError> {
+    let normal = scene.plane.axes().map_or(DVec3::Z, |(x, y)| x.cross(y));
+    if !scene.aims_at_depression() || normal.truncate().length() < LEVEL {
+        return Ok(());
+    }
+    let message = "a depression is drawn on the scene's plane, which has to be parallel to the array: `plane.x_axis` and \
+                   `plane.y_axis` are not level";
+    refuse("target", message)
 }
 
 fn shape(shape: &Shape) -> Result<(), KeyError> {

@@ -69,6 +69,11 @@ impl Default for Scene {
 }
 
 impl Scene {
+    /// Whether a liquid's depression is to have the shape that is drawn.
+    pub fn aims_at_depression(&self) -> bool {
+        self.solver.target == Aim::Depression && self.solver.method == Method::Best
+    }
+
     /// Whether pictures that are shown are yet to be loaded.
     pub fn lacks_pixels(&self) -> bool {
         self.targets.iter().any(|target| target.visible && target.lacks_pixels())
@@ -236,6 +241,23 @@ pub struct Solver {
     /// s of further search for a better drive.
     #[serde(skip_serializing_if = "is_zero")]
     pub search: f64,
+    #[serde(skip_serializing_if = "is_pressure")]
+    pub target: Aim,
+}
+
+/// What is to have the shape that is drawn.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Aim {
+    /// |p|
+    #[default]
+    Pressure,
+    /// The surface depression of the liquid at rest, on the scene's plane.
+    Depression,
+}
+
+fn is_pressure(aim: &Aim) -> bool {
+    *aim == Aim::Pressure
 }
 
 impl Solver {
@@ -260,6 +282,7 @@ impl Default for Solver {
             amplitudes: Amplitudes::Uniform,
             quiet: Self::QUIET,
             search: 0.0,
+            target: Aim::Pressure,
         }
     }
 }

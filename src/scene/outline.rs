@@ -94,7 +94,22 @@ pub fn foci_of_step(scene: &Scene, step: u32) -> Result<Vec<Focus>, KeyError> {
         let message = format!("no target is shown in step {step}: nothing to focus on");
         return Err(KeyError::new([Key::from("target")], message));
     }
+    on_surface(scene, &foci)?;
     Ok(foci)
+}
+
+/// A depression is drawn where the liquid is.
+fn on_surface(scene: &Scene, foci: &[Focus]) -> Result<(), KeyError> {
+    /// Wavelengths.
+    const NEAR: f64 = 0.1;
+    let height = scene.plane.centre.z;
+    let away = foci.iter().find(|focus| (focus.position.z - height).abs() > NEAR * scene.wavelength());
+    let Some(away) = away.filter(|_| scene.aims_at_depression()) else { return Ok(()) };
+    let message = format!(
+        "a depression is drawn on the scene's plane, z = {height} m, and a target reaches z = {} m",
+        away.position.z
+    );
+    Err(KeyError::new([Key::from("solver"), Key::from("target")], message))
 }
 
 /// The polylines of a target, as drawn.

@@ -25,7 +25,7 @@ use crate::scene::{Amplitudes, Focus, KeyError, Method, Pressures, Scene, Solver
 
 pub use inverse::rank_and_condition;
 pub use quality::{Limits, Quality, bound};
-pub use shape::{Figures, Search, Stage, Surroundings};
+pub use shape::{AreaFigures, Figures, Search, Stage, Surroundings};
 
 /// What a method gets to see.
 #[derive(Clone, Debug)]
@@ -57,7 +57,9 @@ impl<'a> Problem<'a> {
 
     /// Foci of a scene: what is not drawn is to be quiet where it has continuous strokes or quiet zones.
     pub fn of_scene(scene: &Scene, aperture: &'a Aperture, foci: Vec<Focus>) -> Self {
-        let is_shape = !scene.quiet.is_empty() || foci.iter().any(|focus| !focus.is_separate());
+        let is_shape = !scene.quiet.is_empty()
+            || scene.aims_at_depression()
+            || foci.iter().any(|focus| !focus.is_separate());
         let surroundings = is_shape.then(|| Surroundings::new(scene, &foci));
         Self { surroundings, ..Self::new(aperture, foci) }
     }

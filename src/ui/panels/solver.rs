@@ -3,7 +3,7 @@
 use egui::Ui;
 
 use crate::picture::sheet::pascals;
-use crate::scene::{Amplitudes, Method, Pressures};
+use crate::scene::{Aim, Amplitudes, Method, Pressures};
 use crate::solver::{Figures, Quality, Solution};
 use crate::ui::panels::{PLAIN, choice, count, fact, form, heading, number};
 use crate::ui::{Command, Editor, Shown, theme};
@@ -48,6 +48,9 @@ fn settings(editor: &mut Editor, ui: &mut Ui) {
         number(ui, ("Quiet", tip), &mut solver.quiet, PLAIN, 0.0..=1.0);
         let pressures = [(Pressures::Relative, "relative"), (Pressures::Pascal, "pascals")];
         choice(ui, ("Pressures are", "What the targets' pressures mean"), &mut solver.pressures, &pressures);
+        let aims = [(Aim::Pressure, "pressure"), (Aim::Depression, "surface depression")];
+        let tip = "What is to have the shape that is drawn: the sound, or the liquid's surface under it";
+        choice(ui, ("Target", tip), &mut solver.target, &aims);
     });
     ui.label(egui::RichText::new(describe(solver.method)).weak());
 }
@@ -110,6 +113,12 @@ fn shape(figures: Option<&Figures>, ui: &mut Ui) {
     fact(ui, ("Loudest elsewhere", &tip), told(&|it| percent(it.side_lobe)));
     let tip = "Mean pressure over that of the strongest drive: what quiet costs";
     fact(ui, ("Strength", tip), told(&|it| percent(it.strength)));
+    if let Some(areas) = figures.and_then(|figures| figures.areas) {
+        let tip = "Mean of pressure squared inside the areas over that around them, or of the depression";
+        fact(ui, ("Contrast", tip), format!("{:.1}", areas.contrast));
+        let tip = "Σ (s I - T)²/Σ T²: how far pressure squared, or the depression, is from what is drawn";
+        fact(ui, ("Error", tip), format!("{:.1} %", 100.0 * areas.error));
+    }
 }
 
 /// All methods on the same scene, side by side.
