@@ -129,6 +129,7 @@ fn every_key_of_a_kind_is_documented(table: &str, head: &str) {
         let keys: Vec<_> = words.map(str::to_owned).collect();
         let target = match kind {
             "path" => "vertices = [[0, 0, 0.1], [0, 0.1, 0.1]]",
+            "picture" => "file = \"a.png\"",
             _ => "",
         };
         let scene = file::parse(
@@ -166,6 +167,7 @@ fn defaults_are_those_of_an_empty_scene() {
     for (table, key, value) in [
         ("target", "kind", "point".into()),
         ("target", "visible", true.into()),
+        ("target", "fill", false.into()),
         ("solver", "quiet", quiet.into()),
         ("solver", "search", search.into()),
     ] {

@@ -175,6 +175,7 @@ impl Window {
 
     pub(super) fn overwrite(&mut self, path: &Path, ctx: &egui::Context) {
         let then = self.editor.after_saving.take();
+        self.editor.document.moves_to(path);
         let scene = self.editor.scene();
         let written = check::check(scene)
             .context("no program could read this scene again")

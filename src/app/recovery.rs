@@ -4,7 +4,7 @@ use std::fs::{File, TryLockError};
 use std::path::{Path, PathBuf};
 
 use crate::scene::{Scene, file};
-use crate::studio::output;
+use crate::studio::{opening, output};
 
 /// s between two files.
 const OFTEN: f64 = 5.0;
@@ -49,7 +49,7 @@ impl Recovery {
         {
             return None;
         }
-        Some(Self { kept: file::read(&path).ok(), path, _lock: lock, last: f64::NEG_INFINITY, trouble: None })
+        Some(Self { kept: read(&path), path, _lock: lock, last: f64::NEG_INFINITY, trouble: None })
     }
 
     /// What a run that did not end well left.
@@ -71,7 +71,9 @@ impl Recovery {
             return Some(OFTEN - (now - self.last));
         }
         self.last = now;
-        match output::write(&self.path, file::write(scene).as_bytes()) {
+        let folder = self.path.parent().unwrap_or(Path::new(""));
+        let text = file::write(&opening::named_from(scene, folder));
+        match output::write(&self.path, text.as_bytes()) {
             Ok(()) => (self.kept, self.trouble) = (Some(scene.clone()), None),
             Err(error) => self.trouble = Some(format!("{error:#}")),
         }
@@ -89,6 +91,17 @@ impl Recovery {
         let _ = std::fs::remove_file(&self.path);
         self.kept = None;
     }
+}
+
+/// What a run left, with those of its pictures that are still there.
+fn read(path: &Path) -> Option<Scene> {
+    let mut scene = file::read(path).ok()?;
+    let folder = path.parent().unwrap_or(Path::new(""));
+    for target in &mut scene.targets {
+        // A picture that is gone is said to be missing where the scene is shown.
+        let _ = opening::load_targets(std::slice::from_mut(target), folder);
+    }
+    Some(scene)
 }
 
 fn lock_of(path: &Path) -> PathBuf {

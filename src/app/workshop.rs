@@ -13,7 +13,7 @@ use crate::acoustics::{Air, Aperture};
 use crate::app::later::Later;
 use crate::app::mapping::Mapping;
 use crate::field::{self, Evaluator, Quantity, Request, Stages};
-use crate::scene::{Focus, Method, MotionPath, Plane, Scene, check, motion, outline};
+use crate::scene::{Focus, Liquid, Method, MotionPath, Plane, Scene, check, motion, outline};
 use crate::solver::frames::{self, Sequence};
 use crate::solver::{self, Problem, Solution};
 use crate::studio::liquid;
@@ -322,6 +322,7 @@ fn posed(scene: &Scene) -> Scene {
         targets: scene.targets.clone(),
         quiet: scene.quiet.clone(),
         solver: scene.solver.clone(),
+        liquid: if scene.aims_at_depression() { scene.liquid.clone() } else { Liquid::default() },
         plane: if is_shape(scene) { quiet_plane(&scene.plane) } else { Plane::default() },
         ..Scene::default()
     }
@@ -336,7 +337,10 @@ fn quiet_plane(plane: &Plane) -> Plane {
 /// Whether its drive goes on being searched for.
 fn is_shape(scene: &Scene) -> bool {
     scene.solver.method == Method::Best
-        && (outline::is_continuous(scene) || !scene.quiet.is_empty() || scene.solver.frames > 1)
+        && (outline::is_continuous(scene)
+            || !scene.quiet.is_empty()
+            || scene.aims_at_depression()
+            || scene.solver.frames > 1)
 }
 
 /// Foci times elements.

@@ -59,5 +59,9 @@ fn shape(quality: &mut Value, solution: &Solution) {
         quality["side_lobe"] = json!(figures.side_lobe);
         quality["side_lobe_position"] = json!(figures.side_lobe_position.to_array());
         quality["strength"] = json!(figures.strength);
+        if let Some(areas) = figures.areas {
+            quality["contrast"] = json!(areas.contrast);
+            quality["error"] = json!(areas.error);
+        }
     }
 }

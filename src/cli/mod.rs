@@ -22,8 +22,8 @@ use crate::field::Quantity;
 use crate::picture::ColourMap;
 use crate::scene::{Listener, Method, Scene, file};
 use crate::studio::evaluator::{Backend, Renderer};
-use crate::studio::output;
 use crate::studio::still::{Diagram, Moment, Size};
+use crate::studio::{opening, output};
 
 /// Draw a shape, see the ultrasound field of a phased array, feel it in the air.
 ///
@@ -338,7 +338,7 @@ pub enum Next {
 
 /// The scene in a file, with the method that the command line may ask for instead.
 fn read_scene(path: &std::path::Path, method: Option<Method>) -> Result<Scene, file::FileError> {
-    let mut scene = file::read(path)?;
+    let mut scene = opening::open(path)?;
     if let Some(method) = method {
         scene.solver.method = method;
     }

@@ -9,7 +9,7 @@ use crate::cli::{SolveArgs, json, parse_method, read_scene};
 use crate::drive::{Drive, delay_level};
 use crate::field::{Evaluator, Ghost, NoGhost, Stages, ghost};
 use crate::picture::sheet::pascals;
-use crate::scene::{Amplitudes, Listener, Method, Pressures, Scene, check};
+use crate::scene::{Amplitudes, Focus, Listener, Method, Pressures, Scene, check};
 use crate::solver::levels::{self, Reached};
 use crate::solver::{self, Limits, Problem, Solution, SolveError};
 use crate::studio::output::{self, say, warn};
@@ -316,7 +316,7 @@ impl Findings {
     fn print(&self, scene: &Scene) -> anyhow::Result<()> {
         let Self { solution, limits, .. } = self;
         let quality = &solution.quality;
-        if solution.foci.iter().any(|focus| !focus.of_stroke) {
+        if solution.foci.iter().any(|focus| focus.is_separate()) {
             say!("{}", foci_table(scene, solution))?;
         }
         let no_more = match scene.solver.pressures {
@@ -377,9 +377,19 @@ impl Findings {
             ];
             rows.splice(5..5, figures);
         }
-        let samples = solution.foci.iter().filter(|focus| focus.of_stroke).count();
-        if samples > 0 {
-            rows.insert(1, ("continuous strokes", format!("{samples} samples")));
+        if let Some(areas) = solution.figures.as_ref().and_then(|figures| figures.areas) {
+            let what = if scene.aims_at_depression() { "the depression" } else { "|p|²" };
+            let contrast = format!("{:.1}, mean of {what} inside over that around", areas.contrast);
+            let error = format!("{} of {what} from what is drawn, squared", percent(areas.error));
+            rows.splice(5..5, [("contrast", contrast), ("error", error)]);
+        }
+        let of = |is_one: &dyn Fn(&Focus) -> bool| solution.foci.iter().filter(|focus| is_one(focus)).count();
+        let areas = of(&Focus::is_of_area);
+        let strokes = of(&|focus| !focus.is_separate()) - areas;
+        for (name, samples) in [("areas", areas), ("continuous strokes", strokes)] {
+            if samples > 0 {
+                rows.insert(1, (name, format!("{samples} samples")));
+            }
         }
         if let Some(heard) = &self.heard {
             let [x, y, z] = millimetres(heard.position);
@@ -433,7 +443,7 @@ fn foci_table(scene: &Scene, solution: &Solution) -> Table {
         Pressures::Pascal => "target / Pa",
     };
     foci.set_header(["focus", "x / mm", "y / mm", "z / mm", target, "pressure (peak)", "phase / rad"]);
-    let separate = solution.foci.iter().zip(&solution.pressures).filter(|(focus, _)| !focus.of_stroke);
+    let separate = solution.foci.iter().zip(&solution.pressures).filter(|(focus, _)| focus.is_separate());
     for (index, (focus, pressure)) in separate.enumerate() {
         let [x, y, z] = millimetres(focus.position);
         foci.add_row([

@@ -39,8 +39,8 @@ impl Placement {
             Sampling::Spacing(spacing) => spacing,
             Sampling::Points(points) => self.spacing_for(points, drawing),
             Sampling::Whole => self.side,
-            Sampling::Continuous => {
-                let stroke = |line: &Line| self.target(line, Sampling::Continuous, SHORTEST);
+            Sampling::Continuous | Sampling::Fill | Sampling::Stroke(_) => {
+                let stroke = |line: &Line| self.target(line, self.sampling, SHORTEST);
                 let targets: Vec<_> = drawing.lines.iter().map(stroke).collect();
                 outline::count(&targets)?;
                 return Ok(targets);

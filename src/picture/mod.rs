@@ -1,9 +1,11 @@
-//! From numbers to what a person looks at: colour maps, PNG and NPY, sheets with axes, animations and charts.
+//! From numbers to what a person looks at: colour maps, PNG and NPY, sheets with axes, animations and charts; and from pictures
+//! to the numbers of targets.
 
 pub mod animation;
 pub mod chart;
 pub mod colour;
 pub mod export;
+pub mod grey;
 pub mod relief;
 pub mod sheet;
 

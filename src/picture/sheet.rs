@@ -83,18 +83,18 @@ pub fn drive(
     })
 }
 
-/// How many focal points there are, and samples of strokes.
+/// How many focal points there are, and samples of strokes and areas.
 fn amount(foci: &[Focus]) -> String {
-    let samples = foci.iter().filter(|focus| focus.of_stroke).count();
-    let separate = match foci.len() - samples {
-        1 => "1 focus".to_owned(),
-        separate => format!("{separate} foci"),
-    };
-    match (foci.len() - samples, samples) {
-        (_, 0) => separate,
-        (0, _) => format!("{samples} samples of strokes"),
-        _ => format!("{separate}, {samples} samples of strokes"),
-    }
+    let of = |is_one: &dyn Fn(&Focus) -> bool| foci.iter().filter(|focus| is_one(focus)).count();
+    let separate = of(&Focus::is_separate);
+    let areas = of(&Focus::is_of_area);
+    let counts = [
+        (separate, if separate == 1 { "focus" } else { "foci" }),
+        (foci.len() - separate - areas, "samples of strokes"),
+        (areas, "samples of areas"),
+    ];
+    let said = counts.iter().filter(|(count, _)| *count > 0).map(|(count, what)| format!("{count} {what}"));
+    said.collect::<Vec<_>>().join(", ")
 }
 
 fn summary(scene: &Scene, solution: &Solution) -> String {
@@ -273,7 +273,8 @@ impl Panels<'_, '_> {
         let mut chart = page.chart(root, plot, &title, ranges(plane), labels(plane))?;
         let place = |point: DVec3| on_plane(plane, point).map(|p| (p.x, p.y));
         for target in scene.targets.iter().filter(|target| target.is_in(0)) {
-            let colour = if target.sampling == Sampling::Continuous { WANTED } else { FAINT };
+            let is_continuous = target.sampling == Sampling::Continuous || target.is_area();
+            let colour = if is_continuous { WANTED } else { FAINT };
             for stroke in outline::strokes(target).map_err(|e| PictureError(e.to_string()))? {
                 let line: Vec<_> = stroke.into_iter().filter_map(place).collect();
                 chart
@@ -285,7 +286,7 @@ impl Panels<'_, '_> {
             let offset = DVec2::new(x, y) - centre(plane);
             offset.x.abs() <= half.x && offset.y.abs() <= half.y
         };
-        let separate = solution.foci.iter().filter(|focus| !focus.of_stroke);
+        let separate = solution.foci.iter().filter(|focus| focus.is_separate());
         let dots = separate.filter_map(|focus| Some((place(focus.position)?, focus.target)));
         // A weaker focus is a smaller dot.
         let dot = |((x, y), target): ((f64, f64), f64)| {

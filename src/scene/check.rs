@@ -26,6 +26,8 @@ const MOST_ITERATIONS: u64 = 100_000;
 const MOST_TURNS: u64 = 32;
 /// s of search.
 const LONGEST_SEARCH: f64 = 3600.0;
+/// Sine of the angle at which a plane still counts as level.
+const LEVEL: f64 = 1e-9;
 /// m; lengths beyond are slips of the unit, not scenes.
 const LONGEST: f64 = 100.0;
 
@@ -113,6 +115,7 @@ pub fn check(scene: &Scene) -> Result<(), KeyError> {
     }
     solver(&scene.solver).map_err(|e| e.under(&["solver".into()]))?;
     plane(&scene.plane).map_err(|e| e.under(&["plane".into()]))?;
+    aim(scene).map_err(|e| e.under(&["solver".into()]))?;
     liquid(&scene.liquid).map_err(|e| e.under(&["liquid".into()]))?;
     modulation(&scene.modulation).map_err(|e| e.under(&["modulation".into()]))?;
     motion(&scene.motion).map_err(|e| e.under(&["motion".into()]))?;
@@ -184,12 +187,37 @@ fn target(target: &Target, pressures: Pressures) -> Result<(), KeyError> {
     }
     within("pressure", target.pressure, LEAST_PRESSURE, MOST_PRESSURE, unit)?;
     self::pressures(target)?;
+    if !target.pressures.is_empty() && target.is_area() {
+        return refuse("pressures", "an area has one pressure: leave `fill` or `stroke` out");
+    }
     finite("angle", target.angle)?;
     direction("normal", target.normal)?;
     match target.sampling {
         Sampling::Whole | Sampling::Continuous => Ok(()),
         Sampling::Spacing(spacing) => length("spacing", spacing),
         Sampling::Points(points) => count("points", points as u64, 1, MOST_FOCI as u64),
+        Sampling::Fill => fill(&target.shape),
+        Sampling::Stroke(width) => length("stroke", width),
+    }
+}
+
+fn fill(shape: &Shape) -> Result<(), KeyError> {
+    match shape {
+        Shape::Circle { .. }
+        | Shape::Rectangle { .. }
+        | Shape::Triangle { .. }
+        | Shape::Polygon { .. }
+        | Shape::Path { closed: true, .. } => Ok(()),
+        Shape::Path { closed: false, .. } => {
+            refuse("fill", "an open path has no inside: give `closed = true`, or `stroke`, a width in metres")
+        }
+        Shape::Line { .. } => {
+            refuse("fill", "a line has no inside: give `stroke`, a width in metres, instead")
+        }
+        Shape::Text { .. } => {
+            refuse("fill", "letters are strokes: give `stroke`, their width in metres, instead")
+        }
+        Shape::Point { .. } | Shape::Picture { .. } => refuse("fill", "only closed shapes are filled"),
     }
 }
 
@@ -254,6 +282,17 @@ pub fn search(seconds: f64) -> Result<(), KeyError> {
     within("search", seconds, 0.0, LONGEST_SEARCH, "s")
 }
 
+/// A liquid's surface is level.
+fn aim(scene: &Scene) -> Result<(), KeyError> {
+    let normal = scene.plane.axes().map_or(DVec3::Z, |(x, y)| x.cross(y));
+    if !scene.aims_at_depression() || normal.truncate().length() < LEVEL {
+        return Ok(());
+    }
+    let message = "a depression is drawn on the scene's plane, which has to be parallel to the array: `plane.x_axis` and \
+                   `plane.y_axis` are not level";
+    refuse("target", message)
+}
+
 fn shape(shape: &Shape) -> Result<(), KeyError> {
     match shape {
         Shape::Point { at } => point("at", *at),
@@ -308,6 +347,13 @@ fn shape(shape: &Shape) -> Result<(), KeyError> {
             }
             point("at", *at)?;
             length("height", *height)
+        }
+        Shape::Picture { file, at, width, pixels: _ } => {
+            if file.is_empty() {
+                return refuse("file", "there is no name of a picture");
+            }
+            point("at", *at)?;
+            length("width", *width)
         }
     }
 }

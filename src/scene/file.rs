@@ -121,10 +121,18 @@ pub fn parse_targets(text: &str) -> Option<Vec<Target>> {
 
 fn checked(scene: Scene) -> Result<Scene, KeyError> {
     check(&scene)?;
-    if scene.targets.iter().any(|target| target.visible) {
-        motion::check(&scene)?;
+    if !scene.lacks_pixels() {
+        targets_in_motion(&scene)?;
     }
     Ok(scene)
+}
+
+/// Checks what targets and motion are together, where any is shown; of pictures once they are loaded.
+///
+/// # Errors
+/// Those of [`motion::check`].
+pub fn targets_in_motion(scene: &Scene) -> Result<(), KeyError> {
+    if scene.targets.iter().any(|target| target.visible) { motion::check(scene) } else { Ok(()) }
 }
 
 /// The file as written, before the keys of each target are sorted out.
@@ -198,7 +206,7 @@ impl SceneTable {
 }
 
 /// Finds the line and the value as written of the key that an error speaks of.
-fn located(error: &KeyError, text: &str, path: &Path) -> FileError {
+pub fn located(error: &KeyError, text: &str, path: &Path) -> FileError {
     let span = span_of(&error.path, text);
     // A whole table says nothing that the key does not.
     let value = span

@@ -5,12 +5,14 @@
 //! by [`check`], and shapes and letters become focal points in [`outline`], frame by frame in [`motion`].
 
 pub mod check;
+pub mod cover;
 pub mod file;
 pub mod font;
 pub mod liquid;
 pub mod modulation;
 pub mod motion;
 pub mod outline;
+pub mod pixels;
 pub mod rewrite;
 mod run;
 pub mod target;
@@ -20,9 +22,11 @@ use glam::{DVec2, DVec3};
 use serde::{Deserialize, Serialize};
 
 pub use check::KeyError;
+pub use cover::Cover;
 pub use liquid::{Liquid, LiquidName};
 pub use modulation::{Envelope, Modulation};
 pub use motion::{Motion, MotionPath};
+pub use pixels::{Grey, Pixels};
 pub use target::{Sampling, Shape, Target};
 pub use zone::{Area, Zone};
 
@@ -65,6 +69,16 @@ impl Default for Scene {
 }
 
 impl Scene {
+    /// Whether a liquid's depression is to have the shape that is drawn.
+    pub fn aims_at_depression(&self) -> bool {
+        self.solver.target == Aim::Depression && self.solver.method == Method::Best
+    }
+
+    /// Whether pictures that are shown are yet to be loaded.
+    pub fn lacks_pixels(&self) -> bool {
+        self.targets.iter().any(|target| target.visible && target.lacks_pixels())
+    }
+
     /// m, of the carrier.
     pub fn wavelength(&self) -> f64 {
         self.medium.speed_of_sound() / self.array.frequency
@@ -78,14 +92,35 @@ pub struct Focus {
     pub position: DVec3,
     /// Wanted pressure: relative to the other foci, or Pa (peak), as [`Solver::pressures`] says.
     pub target: f64,
-    /// A sample of a continuous stroke, not a focal point of its own.
-    pub of_stroke: bool,
+    /// What it is a part of.
+    pub part: Part,
+}
+
+/// What a focus is a part of.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Part {
+    /// A focal point of its own.
+    Point,
+    /// A sample of a continuous stroke.
+    Stroke,
+    /// A sample of an area: of the scene's target with this number.
+    Area(usize),
 }
 
 impl Focus {
     /// A focal point of its own; position in m.
     pub fn new(position: DVec3, target: f64) -> Self {
-        Self { position, target, of_stroke: false }
+        Self { position, target, part: Part::Point }
+    }
+
+    /// Whether it is a focal point of its own rather than a sample of a stroke or an area.
+    pub fn is_separate(&self) -> bool {
+        self.part == Part::Point
+    }
+
+    /// Whether it is a sample of an area.
+    pub fn is_of_area(&self) -> bool {
+        matches!(self.part, Part::Area(_))
     }
 }
 
@@ -209,6 +244,23 @@ pub struct Solver {
     /// Drives that take turns, whose mean |p|² is to be what is drawn.
     #[serde(skip_serializing_if = "is_one")]
     pub frames: u32,
+    #[serde(skip_serializing_if = "is_pressure")]
+    pub target: Aim,
+}
+
+/// What is to have the shape that is drawn.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Aim {
+    /// |p|
+    #[default]
+    Pressure,
+    /// The surface depression of the liquid at rest, on the scene's plane.
+    Depression,
+}
+
+fn is_pressure(aim: &Aim) -> bool {
+    *aim == Aim::Pressure
 }
 
 impl Solver {
@@ -238,6 +290,7 @@ impl Default for Solver {
             quiet: Self::QUIET,
             search: 0.0,
             frames: 1,
+            target: Aim::Pressure,
         }
     }
 }

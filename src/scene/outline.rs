@@ -2,36 +2,41 @@
 //!
 //! An outline is a set of strokes. Strokes are cut at their corners (ends, sharp turns, and places where strokes meet)
 //! into [`run::Run`]s; every corner becomes one focal point, and the inside of a run is divided evenly by arc length.
-//! A continuous stroke gets its samples the same way, as many as the wavelength asks for.
+//! A continuous stroke gets its samples the same way, as many as the wavelength asks for, and an area those of its
+//! [`Cover`].
 
 use std::f64::consts::TAU;
 
 use glam::{DQuat, DVec2, DVec3};
 
 use crate::scene::check::{Key, KeyError, MOST_FOCI};
+use crate::scene::cover::Patch;
 use crate::scene::run::{self, Run, Vertex};
-use crate::scene::{Focus, Sampling, Scene, Shape, Target, font};
+use crate::scene::{Cover, Focus, Part, Sampling, Scene, Shape, Target, font};
 
 /// Samples of a continuous stroke in a wavelength, at least: |p|² has up to two cycles in one.
 const PER_WAVELENGTH: f64 = 4.0;
+/// Samples of an area in a wavelength.
+const PER_WAVELENGTH_OF_AREA: f64 = 2.0;
 /// Halvings that find the spacing of continuous strokes too long for that.
 const HALVINGS: u32 = 48;
 /// Vertices of a circle that is drawn rather than sampled.
 const CIRCLE_VERTICES: usize = 96;
 
-/// Whether a target that is shown, in any step of the motion, is a continuous stroke.
+/// Whether a target that is shown, in any step of the motion, is a continuous stroke or an area.
 pub fn is_continuous(scene: &Scene) -> bool {
-    scene.targets.iter().any(|target| target.visible && target.sampling == Sampling::Continuous)
+    let is_continuous = |target: &Target| target.sampling == Sampling::Continuous || target.is_area();
+    scene.targets.iter().any(|target| target.visible && is_continuous(target))
 }
 
-/// The focal points of the scene at rest and the samples of its continuous strokes, target by target in the order of the
-/// file; of its first step, if it has several.
+/// The focal points of the scene at rest and the samples of its continuous strokes and areas, target by target in the order of
+/// the file; of its first step, if it has several.
 ///
-/// Samples are at most λ/4 apart along their stroke, or as far as [`MOST_FOCI`] in all demand.
+/// Samples are at most λ/4 apart along their stroke and λ/2 in an area, or as far as [`MOST_FOCI`] in all demand.
 ///
 /// # Errors
-/// No targets or only hidden ones, a glyph that the font lacks, more focal points than [`MOST_FOCI`], fewer points than corners, or a
-/// focal point on or behind the array.
+/// No targets or only hidden ones, a glyph that the font lacks, more focal points than [`MOST_FOCI`], fewer points than corners, a
+/// focal point on or behind the array, or what [`Cover::new`] refuses.
 pub fn foci(scene: &Scene) -> Result<Vec<Focus>, KeyError> {
     foci_of_step(scene, 0)
 }
@@ -49,30 +54,62 @@ pub fn foci_of_step(scene: &Scene, step: u32) -> Result<Vec<Focus>, KeyError> {
         return Err(KeyError::new([Key::from("target"), Key::from(0), Key::from("visible")], message));
     }
     let shown: Vec<_> = scene.targets.iter().enumerate().filter(|(_, target)| target.is_in(step)).collect();
+    let wavelength = scene.wavelength();
     let mut divisions = divisions(&shown)?;
-    spread(&mut divisions, scene.wavelength() / PER_WAVELENGTH);
+    let covers = covers(&shown, wavelength)?;
+    let outlines: usize = divisions.iter().map(Division::count).sum();
+    let has_strokes = divisions.iter().any(|it| it.target.sampling == Sampling::Continuous);
+    let left = MOST_FOCI - outlines;
+    let areas = patches(&covers, wavelength, if has_strokes { left.div_ceil(2) } else { left });
+    let most = MOST_FOCI - areas.iter().map(|(_, patches)| patches.len()).sum::<usize>();
+    spread(&mut divisions, wavelength / PER_WAVELENGTH, most);
+    let (mut divisions, mut areas) = (divisions.into_iter(), areas.into_iter().peekable());
     let mut foci = Vec::new();
-    for ((index, target), division) in shown.into_iter().zip(divisions) {
-        let points = division.points();
-        if let Some(point) = points.iter().map(|point| point.at).find(|at| at.z <= 0.0) {
-            let [x, y, z] = point.to_array();
+    for (index, target) in shown {
+        let first = foci.len();
+        if let Some((_, patches)) = areas.next_if(|(area, _)| *area == index) {
+            foci.extend(patches.into_iter().map(|patch| Focus {
+                position: patch.at,
+                target: target.pressure * patch.brightness.sqrt(),
+                part: Part::Area(index),
+            }));
+        } else if let Some(division) = divisions.next() {
+            let is_stroke = target.sampling == Sampling::Continuous;
+            foci.extend(division.points().into_iter().map(|point| Focus {
+                position: point.at,
+                target: target.pressure * point.pressure,
+                part: if is_stroke { Part::Stroke } else { Part::Point },
+            }));
+        }
+        if let Some(behind) = foci[first..].iter().find(|focus| focus.position.z <= 0.0) {
+            let [x, y, z] = behind.position.to_array();
             let message = format!(
                 "the focal point ({x}, {y}, {z}) lies on or behind the array, which stands in z = 0 and radiates \
                  towards +z"
             );
             return Err(KeyError::new([Key::from("target"), Key::from(index)], message));
         }
-        foci.extend(points.into_iter().map(|point| Focus {
-            position: point.at,
-            target: target.pressure * point.pressure,
-            of_stroke: target.sampling == Sampling::Continuous,
-        }));
     }
     if foci.is_empty() {
         let message = format!("no target is shown in step {step}: nothing to focus on");
         return Err(KeyError::new([Key::from("target")], message));
     }
+    on_surface(scene, &foci)?;
     Ok(foci)
+}
+
+/// A depression is drawn where the liquid is.
+fn on_surface(scene: &Scene, foci: &[Focus]) -> Result<(), KeyError> {
+    /// Wavelengths.
+    const NEAR: f64 = 0.1;
+    let height = scene.plane.centre.z;
+    let away = foci.iter().find(|focus| (focus.position.z - height).abs() > NEAR * scene.wavelength());
+    let Some(away) = away.filter(|_| scene.aims_at_depression()) else { return Ok(()) };
+    let message = format!(
+        "a depression is drawn on the scene's plane, z = {height} m, and a target reaches z = {} m",
+        away.position.z
+    );
+    Err(KeyError::new([Key::from("solver"), Key::from("target")], message))
 }
 
 /// The polylines of a target, as drawn.
@@ -92,6 +129,10 @@ pub fn strokes(target: &Target) -> Result<Vec<Vec<DVec3>>, KeyError> {
         Shape::Circle { radius, .. } => flat(ring(*radius, CIRCLE_VERTICES, 0.0)),
         Shape::Rectangle { width, height, .. } => {
             let (x, y) = (width / 2.0, height / 2.0);
+            flat([(-x, -y), (x, -y), (x, y), (-x, y), (-x, -y)].map(DVec2::from).to_vec())
+        }
+        Shape::Picture { width, pixels, .. } => {
+            let (x, y) = (width / 2.0, width * pixels.aspect() / 2.0);
             flat([(-x, -y), (x, -y), (x, y), (-x, y), (-x, -y)].map(DVec2::from).to_vec())
         }
         Shape::Triangle { size, .. } => flat(ring(size / 3.0_f64.sqrt(), 3, TAU / 4.0)),
@@ -139,7 +180,8 @@ pub fn centre(shape: &Shape) -> DVec3 {
         | Shape::Rectangle { at, .. }
         | Shape::Triangle { at, .. }
         | Shape::Polygon { at, .. }
-        | Shape::Text { at, .. } => *at,
+        | Shape::Text { at, .. }
+        | Shape::Picture { at, .. } => *at,
         Shape::Line { from, to } => (*from + *to) / 2.0,
         Shape::Path { vertices, .. } => vertices.iter().sum::<DVec3>() / vertices.len().max(1) as f64,
     }
@@ -151,13 +193,15 @@ fn ring(radius: f64, vertices: usize, start: f64) -> Vec<DVec2> {
     (0..=vertices).map(vertex).collect()
 }
 
-/// How many focal points targets ask for together, without making them; continuous strokes count with their corners.
+/// How many focal points targets ask for together, without making them; continuous strokes count with their corners, and
+/// an area counts once.
 ///
 /// # Errors
 /// More than [`MOST_FOCI`], a glyph that the font lacks, or fewer points than corners.
 pub fn count(targets: &[Target]) -> Result<usize, KeyError> {
     let shown: Vec<_> = targets.iter().enumerate().filter(|(_, target)| target.visible).collect();
-    Ok(divisions(&shown)?.iter().map(Division::count).sum())
+    let areas = shown.iter().filter(|(_, target)| target.is_area()).count();
+    Ok(areas + divisions(&shown)?.iter().map(Division::count).sum::<usize>())
 }
 
 /// An outline in pieces.
@@ -173,7 +217,9 @@ impl<'a> Division<'a> {
     fn new(target: &'a Target, most: usize) -> Result<Self, KeyError> {
         let mut runs = runs(target)?;
         let pieces = match target.sampling {
-            Sampling::Whole | Sampling::Continuous => vec![1; runs.len()],
+            Sampling::Whole | Sampling::Continuous | Sampling::Fill | Sampling::Stroke(_) => {
+                vec![1; runs.len()]
+            }
             Sampling::Spacing(spacing) => run::pieces_by_spacing(&runs, spacing),
             // What is too much is refused before it is shared out.
             Sampling::Points(points) if points > most => return Err(too_many(target, points)),
@@ -208,24 +254,54 @@ impl<'a> Division<'a> {
     }
 }
 
-/// Targets in pieces, each with its place in the scene.
+/// Those targets in pieces that are no areas, of which every one leaves a sample to itself.
 fn divisions<'a>(shown: &[(usize, &'a Target)]) -> Result<Vec<Division<'a>>, KeyError> {
-    let mut left = MOST_FOCI;
+    let areas = shown.iter().filter(|(_, target)| target.is_area()).count();
+    let mut left = MOST_FOCI.saturating_sub(areas);
+    if let Some((index, target)) = shown.iter().filter(|(_, target)| target.is_area()).nth(MOST_FOCI) {
+        return Err(too_many(target, MOST_FOCI + 1).under(&["target".into(), (*index).into()]));
+    }
     let divide = |&(index, target): &(usize, &'a Target)| {
         let division = Division::new(target, left).map_err(|e| e.under(&["target".into(), index.into()]))?;
         left -= division.count();
         Ok(division)
     };
-    shown.iter().map(divide).collect()
+    shown.iter().filter(|(_, target)| !target.is_area()).map(divide).collect()
 }
 
-/// Divides continuous strokes into pieces of at most `spacing` (m), or longer ones where that would be more than [`MOST_FOCI`]
-/// with all that there is.
-fn spread(divisions: &mut [Division<'_>], spacing: f64) {
+/// The areas among targets, each with its place in the scene.
+///
+/// # Errors
+/// Those of [`Cover::new`].
+pub fn covers(shown: &[(usize, &Target)], wavelength: f64) -> Result<Vec<(usize, Cover)>, KeyError> {
+    let cover = |&(index, target): &(usize, &Target)| {
+        let cover = Cover::new(target, wavelength).map_err(|e| e.under(&["target".into(), index.into()]));
+        cover.transpose().map(|cover| cover.map(|cover| (index, cover)))
+    };
+    shown.iter().filter_map(cover).collect()
+}
+
+/// Samples of areas, so far apart that there are `most` at most; each has one at least.
+fn patches(covers: &[(usize, Cover)], wavelength: f64, most: usize) -> Vec<(usize, Vec<Patch>)> {
+    const COARSER: f64 = 1.1;
+    let mut spacing = wavelength / PER_WAVELENGTH_OF_AREA;
+    loop {
+        let patches: Vec<_> = covers.iter().map(|(index, cover)| (*index, cover.patches(spacing))).collect();
+        let count: usize = patches.iter().map(|(_, patches)| patches.len()).sum();
+        if count <= most.max(covers.len()) {
+            return patches;
+        }
+        spacing *= COARSER.max((count as f64 / most.max(1) as f64).sqrt() * 0.99);
+    }
+}
+
+/// Divides continuous strokes into pieces of at most `spacing` (m), or longer ones where that would be more than `most` with all
+/// separate points.
+fn spread(divisions: &mut [Division<'_>], spacing: f64, most: usize) {
     let is_continuous = |division: &&Division<'_>| division.target.sampling == Sampling::Continuous;
     let separate: usize =
         divisions.iter().filter(|division| !is_continuous(division)).map(Division::count).sum();
-    let most = MOST_FOCI - separate;
+    let most = most - separate;
     let strokes: Vec<_> = divisions.iter().filter(is_continuous).map(|division| &division.runs).collect();
     let fits = |spacing: f64| {
         let counts = strokes.iter().map(|runs| run::points_of(runs, &run::pieces_within(runs, spacing)));
@@ -253,7 +329,7 @@ fn too_many(target: &Target, wanted: usize) -> KeyError {
     match target.sampling {
         Sampling::Spacing(_) => refusal("spacing", asked),
         Sampling::Points(_) => refusal("points", asked),
-        Sampling::Whole => KeyError::new([], asked),
+        Sampling::Whole | Sampling::Fill | Sampling::Stroke(_) => KeyError::new([], asked),
         Sampling::Continuous => KeyError::new(
             [],
             format!("its corners alone need {wanted} focal points beside those of other targets, {most}"),

@@ -5,7 +5,7 @@ use std::path::Path;
 
 use toml_edit::{ArrayOfTables, DocumentMut, Item, Table, TableLike};
 
-use crate::scene::{Scene, file};
+use crate::scene::{Pixels, Scene, Shape, file};
 
 /// Tables that stand as often as there are things of their kind.
 const REPEATED: [&str; 2] = ["target", "quiet"];
@@ -15,11 +15,23 @@ const REPEATED: [&str; 2] = ["target", "quiet"];
 pub fn rewrite(text: &str, scene: &Scene) -> String {
     let name = Path::new("scene");
     let Ok(before) = file::parse(text, name) else { return file::write(scene) };
+    let scene = &as_written(scene);
     if before == *scene {
         return text.to_owned();
     }
     let holds_it = |text: &String| file::parse(text, name).is_ok_and(|written| written == *scene);
     rewritten(text, &before, scene).filter(holds_it).unwrap_or_else(|| file::write(scene))
+}
+
+/// The scene as its file holds it: without the pixels of pictures.
+fn as_written(scene: &Scene) -> Scene {
+    let mut scene = scene.clone();
+    for target in &mut scene.targets {
+        if let Shape::Picture { pixels, .. } = &mut target.shape {
+            *pixels = Pixels::default();
+        }
+    }
+    scene
 }
 
 fn rewritten(text: &str, before: &Scene, after: &Scene) -> Option<String> {
@@ -155,7 +167,7 @@ mod tests {
     use glam::DVec3;
 
     use super::*;
-    use crate::scene::{Method, Sampling, Shape, Target};
+    use crate::scene::{Method, Sampling, Target};
 
     const TEXT: &str = r#"# A scene by hand.
 format = 1   # the only one

@@ -1,9 +1,11 @@
 //! Targets: the points, shapes and letters that a scene asks for, and their table in the file.
 
 use glam::DVec3;
-use serde::{Deserialize, Serialize};
+use serde::ser::SerializeMap;
+use serde::{Deserialize, Serialize, Serializer};
 
 use crate::scene::check::{Key, KeyError};
+use crate::scene::pixels::Pixels;
 
 /// A shape that becomes focal points.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -15,7 +17,7 @@ pub struct Target {
     /// At each vertex of a path, times `pressure`, and evenly from one to the next along the path; empty: the same everywhere.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub pressures: Vec<f64>,
-    #[serde(flatten, skip_serializing_if = "has_no_key")]
+    #[serde(flatten)]
     pub sampling: Sampling,
     /// rad, about the target's centre.
     #[serde(skip_serializing_if = "is_zero")]
@@ -34,8 +36,8 @@ pub struct Target {
 impl Target {
     /// A target of this shape with everything else at its default.
     pub fn new(shape: Shape) -> Self {
-        let sampling =
-            if matches!(shape, Shape::Point { .. }) { Sampling::Whole } else { Sampling::default() };
+        let is_whole = matches!(shape, Shape::Point { .. } | Shape::Picture { .. });
+        let sampling = if is_whole { Sampling::Whole } else { Sampling::default() };
         Self {
             shape,
             pressure: 1.0,
@@ -48,6 +50,20 @@ impl Target {
         }
     }
 
+    /// Whether it is an area: filled, a stroke of some width, or a picture.
+    pub fn is_area(&self) -> bool {
+        match self.sampling {
+            Sampling::Fill | Sampling::Stroke(_) => true,
+            Sampling::Whole => matches!(self.shape, Shape::Picture { .. }),
+            Sampling::Continuous | Sampling::Spacing(_) | Sampling::Points(_) => false,
+        }
+    }
+
+    /// Whether it is a picture whose pixels are yet to be loaded.
+    pub fn lacks_pixels(&self) -> bool {
+        matches!(&self.shape, Shape::Picture { pixels, .. } if pixels.get().is_none())
+    }
+
     /// Whether it is played in a step of the motion.
     pub fn is_in(&self, step: u32) -> bool {
         self.visible && self.step.is_none_or(|own| own == step)
@@ -58,35 +74,81 @@ impl Target {
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[serde(tag = "kind", rename_all = "lowercase")]
 pub enum Shape {
-    Point { at: DVec3 },
-    Line { from: DVec3, to: DVec3 },
-    Circle { at: DVec3, radius: f64 },
-    Rectangle { at: DVec3, width: f64, height: f64 },
-    Triangle { at: DVec3, size: f64 },
-    Polygon { at: DVec3, radius: f64, sides: u32 },
-    Path { vertices: Vec<DVec3>, closed: bool },
-    Text { text: String, at: DVec3, height: f64 },
+    Point {
+        at: DVec3,
+    },
+    Line {
+        from: DVec3,
+        to: DVec3,
+    },
+    Circle {
+        at: DVec3,
+        radius: f64,
+    },
+    Rectangle {
+        at: DVec3,
+        width: f64,
+        height: f64,
+    },
+    Triangle {
+        at: DVec3,
+        size: f64,
+    },
+    Polygon {
+        at: DVec3,
+        radius: f64,
+        sides: u32,
+    },
+    Path {
+        vertices: Vec<DVec3>,
+        closed: bool,
+    },
+    Text {
+        text: String,
+        at: DVec3,
+        height: f64,
+    },
+    /// Its brightness is the wanted |p|².
+    Picture {
+        /// As the scene file has it: relative to the scene's folder, or absolute.
+        file: String,
+        at: DVec3,
+        width: f64,
+        #[serde(skip)]
+        pixels: Pixels,
+    },
 }
 
-/// How an outline is played: as one stroke, or as separate focal points and how many.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
-#[serde(rename_all = "lowercase")]
+/// How a shape is played: its outline as one stroke or as separate focal points, or an area.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum Sampling {
-    /// A point target is its one focal point.
-    #[serde(skip)]
+    /// A point target is its one focal point, a picture all of its area.
     Whole,
     /// A curve that is to be evenly loud, with as many samples as the wavelength asks for.
     #[default]
-    #[serde(skip)]
     Continuous,
     /// m between neighbours along the outline, met as nearly as the corners allow.
     Spacing(f64),
     /// Focal points on the whole outline.
     Points(usize),
+    /// The area inside a closed outline.
+    Fill,
+    /// The area within half of this (m) of the outline.
+    Stroke(f64),
 }
 
-fn has_no_key(sampling: &Sampling) -> bool {
-    matches!(sampling, Sampling::Whole | Sampling::Continuous)
+impl Serialize for Sampling {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let mut keys = serializer.serialize_map(None)?;
+        match self {
+            Self::Whole | Self::Continuous => {}
+            Self::Spacing(spacing) => keys.serialize_entry("spacing", spacing)?,
+            Self::Points(points) => keys.serialize_entry("points", points)?,
+            Self::Fill => keys.serialize_entry("fill", &true)?,
+            Self::Stroke(width) => keys.serialize_entry("stroke", width)?,
+        }
+        keys.end()
+    }
 }
 
 fn is_zero(angle: &f64) -> bool {
@@ -118,10 +180,13 @@ pub(crate) struct TargetTable {
     vertices: Option<Vec<DVec3>>,
     closed: Option<bool>,
     text: Option<String>,
+    file: Option<String>,
     pressure: Option<f64>,
     pressures: Option<Vec<f64>>,
     spacing: Option<f64>,
     points: Option<usize>,
+    fill: Option<bool>,
+    stroke: Option<f64>,
     angle: Option<f64>,
     normal: Option<DVec3>,
     step: Option<u32>,
@@ -140,6 +205,7 @@ enum Kind {
     Polygon,
     Path,
     Text,
+    Picture,
 }
 
 impl TargetTable {
@@ -180,6 +246,12 @@ impl TargetTable {
                 at: table.at.take().unwrap_or(at),
                 height: table.height.take().unwrap_or(0.04),
             },
+            Kind::Picture => Shape::Picture {
+                file: table.file.take().ok_or_else(|| no_file(index))?,
+                at: table.at.take().unwrap_or(at),
+                width: table.width.take().unwrap_or(0.08),
+                pixels: Pixels::default(),
+            },
         };
         let mut target = Target::new(shape);
         target.step = table.step;
@@ -187,6 +259,8 @@ impl TargetTable {
         target.pressure = table.pressure.take().unwrap_or(target.pressure);
         if table.kind != Kind::Point {
             target.angle = table.angle.take().unwrap_or(target.angle);
+        }
+        if !matches!(table.kind, Kind::Point | Kind::Picture) {
             target.sampling = table.sampling(index)?.unwrap_or(target.sampling);
         }
         if table.kind == Kind::Path {
@@ -204,15 +278,24 @@ impl TargetTable {
         }
     }
 
+    /// Of the keys that say how a shape is played there is one at most.
     fn sampling(&mut self, index: usize) -> Result<Option<Sampling>, KeyError> {
-        match (self.spacing.take(), self.points.take()) {
-            (Some(_), Some(_)) => Err(KeyError::new(
-                [Key::from("target"), Key::from(index), Key::from("points")],
-                "give either `spacing` or `points`, not both",
+        let given: Vec<_> = [
+            self.spacing.take().map(|spacing| ("spacing", Sampling::Spacing(spacing))),
+            self.points.take().map(|points| ("points", Sampling::Points(points))),
+            self.fill.take().filter(|fill| *fill).map(|_| ("fill", Sampling::Fill)),
+            self.stroke.take().map(|width| ("stroke", Sampling::Stroke(width))),
+        ]
+        .into_iter()
+        .flatten()
+        .collect();
+        match given[..] {
+            [] => Ok(None),
+            [(_, sampling)] => Ok(Some(sampling)),
+            [(first, _), (second, _), ..] => Err(KeyError::new(
+                [Key::from("target"), Key::from(index), Key::from(second)],
+                format!("give either `{first}` or `{second}`, not both"),
             )),
-            (Some(spacing), None) => Ok(Some(Sampling::Spacing(spacing))),
-            (None, Some(points)) => Ok(Some(Sampling::Points(points))),
-            (None, None) => Ok(None),
         }
     }
 
@@ -231,10 +314,13 @@ impl TargetTable {
             vertices,
             closed,
             text,
+            file,
             pressure: _,
             pressures,
             spacing,
             points,
+            fill,
+            stroke,
             angle,
             normal,
             step: _,
@@ -252,15 +338,23 @@ impl TargetTable {
             ("vertices", vertices.is_some()),
             ("closed", closed.is_some()),
             ("text", text.is_some()),
+            ("file", file.is_some()),
             ("pressures", pressures.is_some()),
             ("spacing", spacing.is_some()),
             ("points", points.is_some()),
+            ("fill", fill.is_some()),
+            ("stroke", stroke.is_some()),
             ("angle", angle.is_some()),
             ("normal", normal.is_some()),
         ]
         .into_iter()
         .find_map(|(key, given)| given.then_some(key))
     }
+}
+
+fn no_file(index: usize) -> KeyError {
+    let path = [Key::from("target"), Key::from(index), Key::from("file")];
+    KeyError::new(path, "a target of kind `picture` needs the `file` that holds the picture")
 }
 
 impl Kind {
@@ -274,6 +368,7 @@ impl Kind {
             Self::Polygon => "polygon",
             Self::Path => "path",
             Self::Text => "text",
+            Self::Picture => "picture",
         }
     }
 }

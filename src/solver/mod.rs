@@ -25,7 +25,7 @@ use crate::scene::{Amplitudes, Focus, KeyError, Method, Pressures, Scene, Solver
 
 pub use inverse::rank_and_condition;
 pub use quality::{Limits, Quality, bound};
-pub use shape::{Figures, Search, Stage, Surroundings};
+pub use shape::{AreaFigures, Figures, Search, Stage, Surroundings};
 
 /// What a method gets to see.
 #[derive(Clone, Debug)]
@@ -60,7 +60,10 @@ impl<'a> Problem<'a> {
     /// Foci of a scene: what is not drawn is to be quiet where it has continuous strokes, quiet zones or drives that take turns.
     pub fn of_scene(scene: &Scene, aperture: &'a Aperture, foci: Vec<Focus>) -> Self {
         let drives = scene.solver.frames as usize;
-        let is_shape = !scene.quiet.is_empty() || drives > 1 || foci.iter().any(|focus| focus.of_stroke);
+        let is_shape = !scene.quiet.is_empty()
+            || drives > 1
+            || scene.aims_at_depression()
+            || foci.iter().any(|focus| !focus.is_separate());
         let surroundings = is_shape.then(|| Surroundings::new(scene, &foci));
         Self { surroundings, drives, ..Self::new(aperture, foci) }
     }
@@ -370,7 +373,7 @@ pub fn warnings(aperture: &Aperture, foci: &[Focus]) -> Vec<String> {
     let mut warnings = Vec::new();
     let resolution_at = aperture.resolution();
     let (mut coincident, mut close, mut closest) = (0, 0, (f64::INFINITY, 0.0));
-    let separate: Vec<_> = foci.iter().filter(|focus| !focus.of_stroke).collect();
+    let separate: Vec<_> = foci.iter().filter(|focus| focus.is_separate()).collect();
     for (i, focus) in separate.iter().enumerate() {
         for other in &separate[..i] {
             let distance = focus.position.distance(other.position);

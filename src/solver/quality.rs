@@ -70,7 +70,7 @@ impl Limits {
     pub fn warning(&self, problem: &Problem<'_>) -> Option<String> {
         let Transfer { points, elements, .. } = problem.transfer;
         // Neighbouring samples of a stroke are to depend on each other.
-        if problem.foci.iter().any(|focus| focus.of_stroke) {
+        if problem.foci.iter().any(|focus| !focus.is_separate()) {
             return None;
         }
         // That more foci than elements are dependent, every solution says.

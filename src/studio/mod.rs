@@ -7,6 +7,7 @@ pub mod liquid;
 pub mod map;
 mod memory;
 pub mod motion;
+pub mod opening;
 pub mod output;
 pub mod probe;
 pub mod still;

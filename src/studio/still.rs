@@ -13,7 +13,7 @@ use crate::solver::{self, Solution};
 use crate::studio::evaluator::{self, Backend};
 use crate::studio::map;
 use crate::studio::output::{self, say, warn};
-use crate::studio::{EXAMPLE, liquid, memory, motion};
+use crate::studio::{EXAMPLE, liquid, memory, motion, opening};
 
 /// What the sheet of a scene is called when nobody named a file.
 const DEFAULT_SHEET: &str = "sonoglyph.png";
@@ -55,7 +55,7 @@ pub enum Moment {
 pub fn default_sheet(path: Option<&Path>) -> anyhow::Result<()> {
     let output = PathBuf::from(DEFAULT_SHEET);
     let scene = match path {
-        Some(path) => file::read(path)?,
+        Some(path) => opening::open(path)?,
         None => file::parse(EXAMPLE, Path::new("the example scene"))?,
     };
     let solved = Solved::new(scene, path.unwrap_or(Path::new("hit.toml")))?;

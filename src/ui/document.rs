@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 
 use crate::scene::file::FileError;
 use crate::scene::{Scene, file, rewrite};
+use crate::studio::opening;
 
 /// Steps that can be taken back.
 const MOST_STEPS: usize = 500;
@@ -44,19 +45,19 @@ impl Document {
     /// The scene in a text, whose comments are kept.
     ///
     /// # Errors
-    /// Those of [`file::parse`].
+    /// Those of [`opening::parse`].
     pub fn parse(text: String, name: &str) -> Result<Self, FileError> {
-        let scene = file::parse(&text, Path::new(name))?;
+        let scene = opening::parse(&text, Path::new(name))?;
         Ok(Self { text, ..Self::new(scene, name) })
     }
 
     /// The scene of a file.
     ///
     /// # Errors
-    /// Those of [`file::read`].
+    /// Those of [`opening::open`].
     pub fn read(path: &Path) -> Result<Self, FileError> {
         let text = file::read_text(path)?;
-        let scene = file::parse(&text, path)?;
+        let scene = opening::parse(&text, path)?;
         Ok(Self { path: Some(path.to_owned()), text, ..Self::new(scene, "") })
     }
 
@@ -84,6 +85,11 @@ impl Document {
     pub fn was_changed_elsewhere(&self, path: &Path) -> bool {
         let is_own = self.path.as_deref() == Some(path);
         is_own && file::read_text(path).is_ok_and(|text| text != self.text)
+    }
+
+    /// Pictures are found from the folder of a file that the scene is about to go to.
+    pub fn moves_to(&mut self, path: &Path) {
+        self.scene = opening::named_from(&self.scene, path.parent().unwrap_or(Path::new("")));
     }
 
     /// The scene is in this file now, as [`Document::text`].

@@ -1,6 +1,7 @@
 //! What tools and keys do to the targets of a scene.
 
 use std::collections::BTreeSet;
+use std::path::Path;
 
 use glam::{DVec2, DVec3};
 
@@ -18,7 +19,8 @@ pub fn translate(shape: &mut Shape, by: DVec3) {
         | Shape::Rectangle { at, .. }
         | Shape::Triangle { at, .. }
         | Shape::Polygon { at, .. }
-        | Shape::Text { at, .. } => *at += by,
+        | Shape::Text { at, .. }
+        | Shape::Picture { at, .. } => *at += by,
         Shape::Line { from, to } => {
             *from += by;
             *to += by;
@@ -93,6 +95,10 @@ pub fn name(target: &Target) -> String {
         Shape::Polygon { sides, .. } => format!("Polygon of {sides}"),
         Shape::Path { vertices, .. } => format!("Path of {}", vertices.len()),
         Shape::Text { text, .. } => format!("Text “{text}”"),
+        Shape::Picture { file, .. } => {
+            let name = Path::new(file).file_name().map_or(file.into(), |name| name.to_string_lossy());
+            format!("Picture {name}")
+        }
     }
 }
 

@@ -37,7 +37,9 @@ pub fn handles(target: &Target) -> Vec<DVec3> {
         Shape::Triangle { at, size } => flat(*at, &[DVec2::Y * (*size / 3.0_f64.sqrt())]),
         Shape::Polygon { at, radius, .. } => flat(*at, &[DVec2::Y * *radius]),
         Shape::Path { vertices, .. } if vertices.len() <= FEW => placed_vertices(target),
-        Shape::Path { .. } | Shape::Text { .. } => corner(target).into_iter().collect(),
+        Shape::Path { .. } | Shape::Text { .. } | Shape::Picture { .. } => {
+            corner(target).into_iter().collect()
+        }
     }
 }
 
@@ -100,6 +102,7 @@ pub fn pulled(target: &Target, handle: usize, to: DVec3) -> Target {
             let factor = scaling(target, from_centre);
             vertices.iter_mut().for_each(|vertex| *vertex = centre + (*vertex - centre) * factor);
         }
+        Shape::Picture { width, .. } => *width = (*width * scaling(target, from_centre)).max(SMALLEST),
         Shape::Text { height, .. } => *height = (*height * scaling(target, from_centre)).max(SMALLEST),
     }
     pulled

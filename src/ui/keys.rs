@@ -1,10 +1,12 @@
 //! Shortcuts.
 
 use std::collections::BTreeSet;
+use std::path::Path;
 
 use egui::{Context, Event, Key, KeyboardShortcut, Modifiers};
 
 use crate::field::Quantity;
+use crate::studio::opening;
 use crate::ui::edit;
 use crate::ui::gesture;
 use crate::ui::tool::Tool;
@@ -120,7 +122,11 @@ pub fn copy(editor: &Editor, ctx: &Context) {
 
 fn paste(editor: &mut Editor, text: &str) {
     let axes = editor.view.axes(editor.scene());
-    edit::paste(&mut editor.document.scene, &mut editor.selection, &axes, text);
+    if edit::paste(&mut editor.document.scene, &mut editor.selection, &axes, text) {
+        let folder = editor.document.path().and_then(Path::parent).unwrap_or(Path::new("")).to_owned();
+        // A picture that is missing is named where the scene is shown.
+        let _ = opening::load_targets(&mut editor.document.scene.targets, &folder);
+    }
 }
 
 /// Keys without Ctrl.

@@ -24,7 +24,7 @@ pub fn paint(editor: &Editor, shown: &Shown, painter: &Painter, lens: &Lens, poi
             continue;
         }
         // Where separate foci are marked, their outline stays behind.
-        let is_continuous = target.sampling == Sampling::Continuous;
+        let is_continuous = target.sampling == Sampling::Continuous || target.is_area();
         let (width, alpha) = if is_continuous { (1.8, 190) } else { (1.0, 110) };
         let colour = if chosen { theme::CHOSEN } else { Color32::from_white_alpha(alpha) };
         for stroke in edit::outline_on(target, &axes) {
@@ -107,7 +107,7 @@ fn array(editor: &Editor, painter: &Painter, lens: &Lens) {
 fn foci(editor: &Editor, sound: &Sound, painter: &Painter, lens: &Lens, pointer: Option<Pos2>) {
     let axes = editor.view.axes(editor.scene());
     // A stroke is seen as the line that it is.
-    let separate = sound.foci.iter().zip(&sound.readings).filter(|(focus, _)| !focus.of_stroke);
+    let separate = sound.foci.iter().zip(&sound.readings).filter(|(focus, _)| focus.is_separate());
     let most = separate.clone().map(|(focus, _)| focus.target).fold(0.0, f64::max);
     let few = separate.clone().count() <= 12;
     for (focus, reading) in separate {

@@ -37,7 +37,7 @@ pub fn show(editor: &Editor, shown: &Shown, ui: &mut Ui) {
         .show_grid(true);
     plot.show(ui, |plot| {
         plot.line(Line::new(name, PlotPoints::from(curve)).color(theme::ACCENT).width(1.5));
-        for focus in sound.foci.iter().filter(|focus| !focus.of_stroke) {
+        for focus in sound.foci.iter().filter(|focus| focus.is_separate()) {
             let uv = map.axes.flat(focus.position);
             if (uv.y - editor.view.line).abs() < 1e-3 {
                 plot.vline(VLine::new("focus", uv.x * 1e3).color(theme::CHOSEN.gamma_multiply(0.4)));

@@ -30,7 +30,7 @@ pub fn bar(editor: &Editor, shown: &Shown, ui: &mut Ui) {
         ui.label(&shown.evaluator).on_hover_text("Who computes the field");
         ui.separator();
         if let Some(sound) = &shown.sound {
-            let foci = sound.foci.iter().filter(|focus| !focus.of_stroke).count();
+            let foci = sound.foci.iter().filter(|focus| focus.is_separate()).count();
             if foci > 0 {
                 ui.label(format!("{foci} {}", if foci == 1 { "focus" } else { "foci" }))
                     .on_hover_text("Points at which the waves of all elements arrive in step");

@@ -6,6 +6,7 @@
 
 #![expect(clippy::unwrap_used, reason = "a test's helper may panic")]
 
+mod areas;
 mod boards;
 mod dice;
 mod draw;

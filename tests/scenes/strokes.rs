@@ -77,7 +77,7 @@ fn samples_lie_on_the_stroke_at_most_a_quarter_of_a_wavelength_apart() {
         let sagitta = if matches!(shape, Shape::Circle { .. }) { 0.03 * 6e-4 } else { 1e-9 };
         for sample in &samples {
             assert!(distance(&strokes, sample.position) < sagitta, "{shape:?}: {sample:?}");
-            assert!(sample.of_stroke && sample.target == 1.0);
+            assert!(!sample.is_separate() && sample.target == 1.0);
         }
         let gap = longest_gap(&strokes, &samples, sagitta);
         assert!(gap < quarter + 5e-5, "{shape:?}: {gap}");
@@ -204,7 +204,7 @@ fn a_spacing_or_a_count_keeps_the_foci_that_it_had() {
         let own = foci.iter().enumerate().map(|(i, focus)| focus.position * (i + 1) as f64).sum::<DVec3>();
         assert_eq!(foci.len(), count, "{name}");
         assert!(own.distance(DVec3::from(sum)) < 1e-9, "{name}: {own}");
-        assert!(foci.iter().all(|focus| !focus.of_stroke), "{name}");
+        assert!(foci.iter().all(|focus| focus.is_separate()), "{name}");
     }
 }
 

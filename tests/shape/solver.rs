@@ -50,7 +50,7 @@ fn foci(strokes: &Strokes, spacing: f64) -> Vec<Focus> {
 }
 
 fn surroundings(quiet: f64) -> Surroundings {
-    Surroundings { plane: Plane::default(), quiet, zones: Vec::new() }
+    Surroundings::of_plane(Plane::default(), quiet)
 }
 
 /// |p| by equation (1) of Long et al. 2022 with absorption, per unit of strength.
@@ -259,7 +259,7 @@ fn whatever_is_asked_has_a_drive_that_can_be_played() {
                 let what = format!("{} elements, points {index}, plane {number}", aperture.driven.len());
                 let quiet = [0.5, 1.0, f64::NAN, 7.0][(index + number) % 4];
                 let zones = if number % 2 == 0 { zones.clone() } else { Vec::new() };
-                let surroundings = Surroundings { plane: plane.clone(), quiet, zones };
+                let surroundings = Surroundings { zones, ..Surroundings::of_plane(plane.clone(), quiet) };
                 let mut search = Search::new(&problem, &surroundings);
                 let mut last = search.advance().unwrap();
                 let calls = if (index + number) % 3 == 0 { 6 } else { 1 };

@@ -105,7 +105,7 @@ fn an_outline_is_a_continuous_stroke_or_separate_foci() {
     let mut screen = open_with(&[Shape::Circle { at: AT, radius: 0.02 }, point(0.0)]);
     let samples = |screen: &Screen| {
         let foci = &screen.state().shown().sound.as_ref().unwrap().foci;
-        let of_stroke = foci.iter().filter(|focus| focus.of_stroke).count();
+        let of_stroke = foci.iter().filter(|focus| !focus.is_separate()).count();
         (of_stroke, foci.len() - of_stroke)
     };
     assert_eq!(scene(&screen).targets[0].sampling, Sampling::Continuous);

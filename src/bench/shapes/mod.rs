@@ -56,7 +56,7 @@ impl Work {
             Stage::First => Self::First,
             Stage::Coarse(call) => Self::Coarse(call + 1),
             Stage::Other(_) => Self::Starts,
-            Stage::Leader(_) | Stage::Rival(_) => Self::Finer,
+            Stage::Leader(_) | Stage::Rival(_) | Stage::Area(_) => Self::Finer,
             Stage::Last(_) | Stage::Done => Self::End,
             Stage::Moved | Stage::Going => Self::Dragged,
         }

@@ -1,6 +1,6 @@
 //! What is done with one line of a batch: its scene solved, and the field of that.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::{PoisonError, RwLock};
 
 use anyhow::{Context, anyhow, bail};
@@ -14,7 +14,7 @@ use crate::field::{Map, Quantity, Request, Samples, Stages};
 use crate::picture::export;
 use crate::scene::{Method, Scene, file};
 use crate::solver::{self, Limits, Problem};
-use crate::studio::output;
+use crate::studio::{opening, output};
 
 /// Pixels that a field may have along y.
 const MOST_ROWS: usize = 1 << 14;
@@ -70,6 +70,7 @@ impl Task {
         *id = keys.remove("id");
         keys.entry("format").or_insert_with(|| file::FORMAT.into());
         let mut scene = file::from_tables(tables)?;
+        opening::load(&mut scene, Path::new(""))?;
         scene.solver.method = self.method.unwrap_or(scene.solver.method);
         let mut solution = solver::solve(&scene)?;
         let limits = self.limits.then(|| {

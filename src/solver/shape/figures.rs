@@ -6,12 +6,12 @@ use glam::DVec3;
 use num_complex::Complex64;
 
 use crate::acoustics::Aperture;
-use crate::scene::{Focus, Plane};
+use crate::scene::{Cover, Focus, Part, Plane};
 use crate::solver::Problem;
 use crate::solver::shape::grid::{Grid, Layout};
 use crate::solver::shape::real::Waves;
 use crate::solver::shape::region::{self, Area};
-use crate::solver::shape::{Surroundings, strongest};
+use crate::solver::shape::{Surroundings, strongest, wanted};
 
 /// Points whose transfers are made at once.
 const CHUNK: usize = 256;
@@ -23,13 +23,24 @@ pub struct Figures {
     pub evenness: f64,
     /// Loudest over least of |p|/wanted there, dB.
     pub ripple_db: f64,
-    /// The loudest |p| of the plane, farther than 8 mm (0.93 wavelengths, if that is more) from every focus, over the mean at
-    /// the foci; 0 where there is no such place or nothing is heard at the foci.
+    /// The loudest |p| of the plane, farther than 8 mm (0.93 wavelengths, if that is more) from every focus and area, over the mean
+    /// at the foci; 0 where there is no such place or nothing is heard at the foci.
     pub side_lobe: f64,
     /// m
     pub side_lobe_position: DVec3,
     /// Mean |p|/wanted over that of the strongest drive, the one of `quiet` = 0.
     pub strength: f64,
+    /// Where areas are drawn, or a depression.
+    pub areas: Option<AreaFigures>,
+}
+
+/// Figures of areas, over them and the 3.2 wavelengths around them: of |p|², or of a liquid's depression where that is wanted.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct AreaFigures {
+    /// Mean where it is wanted over the mean around that.
+    pub contrast: f64,
+    /// Σ (s I - T)² / Σ T² with I what is there, T what is wanted and s the best scale: 0 to 1.
+    pub error: f64,
 }
 
 /// The figures of drives that take turns, u of the driven elements to any scale, drive after drive, as far on the plane as the
@@ -49,7 +60,9 @@ pub fn figures(problem: &Problem<'_>, surroundings: &Surroundings, u: &[Complex6
     let (least, most) =
         relative.iter().fold((f64::INFINITY, 0.0f64), |(least, most), &p| (least.min(p), most.max(p)));
     let mean = mean(&relative).max(f64::MIN_POSITIVE);
-    let (side_lobe_position, loudest) = side_lobe(problem, &surroundings.plane, u).unwrap_or_default();
+    let drawn = drawn(problem, &surroundings.areas);
+    let (side_lobe_position, loudest) =
+        side_lobe(problem, &drawn, &surroundings.plane, u).unwrap_or_default();
     let at_mean = self::mean(&at_foci);
     let strength = |u: &[Complex64]| {
         let played = u.iter().map(|u| u.norm()).fold(f64::MIN_POSITIVE, f64::max);
@@ -63,7 +76,41 @@ pub fn figures(problem: &Problem<'_>, surroundings: &Surroundings, u: &[Complex6
         side_lobe: if at_mean > 0.0 { loudest / at_mean } else { 0.0 },
         side_lobe_position,
         strength: strength(u) / strength(&strongest(problem)).max(f64::MIN_POSITIVE),
+        areas: areas(problem, surroundings, u),
     }
+}
+
+/// Figures of areas; of a drive that makes nothing heard there, as if it were all wrong.
+fn areas(problem: &Problem<'_>, surroundings: &Surroundings, u: &[Complex64]) -> Option<AreaFigures> {
+    let most = problem.transfer.rows().map(|row| row.map(|h| h.norm()).sum::<f64>()).fold(0.0, f64::max);
+    let mut picture = wanted::picture::<f64>(problem, surroundings, true, 1.0 / most)?;
+    let largest = u.iter().map(|u| u.norm()).fold(f64::MIN_POSITIVE, f64::max);
+    let elements = problem.aperture.driven.len();
+    let played = |u: &[Complex64]| {
+        let mut played = Waves::zeros(elements.next_multiple_of(wanted::PADDING));
+        for (n, u) in u.iter().enumerate() {
+            (played.re[n], played.im[n]) = (u.re / largest, u.im / largest);
+        }
+        played
+    };
+    let played: Vec<_> = u.chunks(elements).map(played).collect();
+    Some(match picture.hear(&played) {
+        Some(fit) => AreaFigures { contrast: picture.contrast().unwrap_or(0.0), error: fit.error.max(0.0) },
+        None => AreaFigures { contrast: 0.0, error: 1.0 },
+    })
+}
+
+/// Foci, and dense samples in place of those of areas, so that what is far from them is far from the areas.
+fn drawn(problem: &Problem<'_>, areas: &[Cover]) -> Vec<Focus> {
+    /// Wavelengths between samples, and how many there are at most.
+    const SPACING: f64 = 0.125;
+    const MOST: f64 = 4096.0;
+    let size = areas.iter().map(|cover| 4.0 * cover.half.element_product()).sum::<f64>();
+    let spacing = (SPACING * problem.aperture.wavelength()).max((size / MOST).sqrt());
+    let separate = problem.foci.iter().filter(|focus| !focus.is_of_area()).copied();
+    let patches = areas.iter().flat_map(|cover| cover.patches(spacing));
+    let of_areas = patches.map(|patch| Focus { position: patch.at, target: 1.0, part: Part::Area(0) });
+    separate.chain(of_areas).collect()
 }
 
 fn mean(values: &[f64]) -> f64 {
@@ -95,18 +142,18 @@ fn between(foci: &[Focus], wavelength: f64) -> Vec<(DVec3, f64)> {
 }
 
 /// The loudest place of the plane that is not drawn, and |p| (Pa) there.
-fn side_lobe(problem: &Problem<'_>, plane: &Plane, u: &[Complex64]) -> Option<(DVec3, f64)> {
+fn side_lobe(problem: &Problem<'_>, drawn: &[Focus], plane: &Plane, u: &[Complex64]) -> Option<(DVec3, f64)> {
     /// m, and wavelengths.
     const NEAREST: f64 = 8e-3;
     const NEAREST_WAVES: f64 = 0.93;
     /// Of the loudest sample, and how many at most: places from which a louder one is looked for.
     const LOUD: f64 = 0.8;
     const MOST: usize = 48;
-    let (aperture, foci) = (problem.aperture, &problem.foci);
+    let (aperture, foci) = (problem.aperture, drawn);
     let (x, y) = plane.axes()?;
     let nearest = (NEAREST_WAVES * aperture.wavelength()).max(NEAREST);
     let (samples, spacing) = match Area::new(problem, plane, true)? {
-        Area::Grid(layout) => (heard(problem, &layout, u, nearest), layout.spacing(aperture.pitch)),
+        Area::Grid(layout) => (heard(aperture, drawn, &layout, u, nearest), layout.spacing(aperture.pitch)),
         Area::Points { points, spacing } => {
             let points: Vec<_> =
                 points.into_iter().filter(|&point| region::distance(point, foci) > nearest).collect();
@@ -168,8 +215,13 @@ fn edge(foci: &[Focus], centre: DVec3, [x, y]: [DVec3; 2], nearest: f64) -> Vec<
 }
 
 /// Places farther than `nearest` (m) from every focus, and |p| (Pa) there, as f32 hears it.
-fn heard(problem: &Problem<'_>, layout: &Layout, u: &[Complex64], nearest: f64) -> Vec<(DVec3, f64)> {
-    let aperture = problem.aperture;
+fn heard(
+    aperture: &Aperture,
+    drawn: &[Focus],
+    layout: &Layout,
+    u: &[Complex64],
+    nearest: f64,
+) -> Vec<(DVec3, f64)> {
     let largest = u.iter().map(|u| u.norm()).fold(f64::MIN_POSITIVE, f64::max);
     // A number of one element's size, so that f32 holds squares.
     let scale = layout.height / aperture.element.strength.max(f64::MIN_POSITIVE);
@@ -186,7 +238,7 @@ fn heard(problem: &Problem<'_>, layout: &Layout, u: &[Complex64], nearest: f64) 
         squares.iter_mut().enumerate().for_each(|(index, sum)| *sum += field.square(index));
     }
     let drives = (u.len() / elements) as f64;
-    let distances = region::distances(layout, aperture.pitch, &problem.foci, 1.1 * nearest);
+    let distances = region::distances(layout, aperture.pitch, drawn, 1.1 * nearest);
     let places = layout.places(aperture.pitch).filter(|(index, _)| distances[*index] > nearest);
     places
         .map(|(index, place)| {

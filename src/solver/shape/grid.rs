@@ -84,6 +84,17 @@ impl Layout {
         })
     }
 
+    /// Where a field holds every sample, row by row of the plane.
+    pub fn rows(&self) -> Vec<usize> {
+        let (grids, width) = (self.grids, self.width());
+        let index = |x: usize, y: usize| {
+            let grid = y % grids * grids + x % grids;
+            (grid * self.samples[1] + y / grids) * width + x / grids
+        };
+        let [columns, rows] = self.samples.map(|samples| samples * grids);
+        (0..rows).flat_map(|y| (0..columns).map(move |x| (x, y))).map(|(x, y)| index(x, y)).collect()
+    }
+
     /// The samples of [`Layout::places`] within `reach` (m) along x and along y of a place.
     pub fn places_near(&self, pitch: f64, at: DVec2, reach: f64) -> impl Iterator<Item = (usize, DVec2)> {
         let (layout, width) = (*self, self.width());

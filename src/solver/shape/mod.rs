@@ -2,24 +2,28 @@
 //!
 //! The first drive minds the strokes alone: weighted Gerchberg-Saxton from equal phases along them ([`start`]), then
 //! descent ([`crate::solver::descent`]). What follows makes an [`objective`] small that hears everything the array radiates
-//! to: the plane by Fourier transforms ([`grid`]) where it is parallel to the array, by a [`table`] elsewhere. There is no
+//! to: the plane by Fourier transforms ([`grid`]) where it is parallel to the array, by a [`table`] elsewhere. Of areas it is
+//! the [`picture`] that is fitted, from a field with equal phases. There is no
 //! clock inside and one thread: the same calls give the same drives.
 
 mod fft;
 mod figures;
 mod grid;
 mod objective;
+mod picture;
 mod real;
 mod region;
+mod response;
 mod start;
+mod surroundings;
 mod table;
+mod wanted;
 
 use std::f64::consts::TAU;
 
-use glam::DVec3;
 use num_complex::Complex64;
 
-use crate::scene::{self, Focus, Plane, Scene};
+use crate::scene::{Focus, Plane};
 use crate::solver::descent::{Descent, Function};
 use crate::solver::{Excitation, Problem, iteration};
 
@@ -27,49 +31,8 @@ use objective::{Loudness, Objective, Weights};
 use start::Start;
 use table::Table;
 
-pub use figures::{Figures, figures};
-
-/// How what is not drawn is kept quiet.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Surroundings {
-    /// Its centre and axes; it is quiet as far as the array radiates, whatever part of it is shown.
-    pub plane: Plane,
-    /// 0, the strongest drive, to 1, the quietest.
-    pub quiet: f64,
-    pub zones: Vec<Zone>,
-}
-
-impl Surroundings {
-    /// Those that a scene asks for: its plane where these foci lie on it, or else a level one through them, since a section across
-    /// a drawing cannot be quiet.
-    pub fn new(scene: &Scene, foci: &[Focus]) -> Self {
-        /// Wavelengths from one sample of a zone to the next.
-        const SPACING: f64 = 0.4;
-        /// Wavelengths from a plane on which foci still lie.
-        const NEAR: f64 = 0.5;
-        let normal = scene.plane.axes().map_or(DVec3::Z, |(x, y)| x.cross(y));
-        let height = |focus: &Focus| (focus.position - scene.plane.centre).dot(normal).abs();
-        let is_drawn_on = foci.iter().map(height).fold(0.0, f64::max) <= NEAR * scene.wavelength();
-        let plane = if is_drawn_on {
-            scene.plane.clone()
-        } else {
-            let centre = foci.iter().map(|focus| focus.position).sum::<DVec3>() / foci.len() as f64;
-            Plane { centre, x_axis: DVec3::X, y_axis: DVec3::Y, ..scene.plane.clone() }
-        };
-        let points = |zone: &scene::Zone| zone.points(SPACING * scene.wavelength());
-        let zones = scene.quiet.iter().map(|zone| Zone { points: points(zone), weight: zone.weight });
-        Self { plane, quiet: scene.solver.quiet, zones: zones.collect() }
-    }
-}
-
-/// Points that are to be quiet, wherever they are.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Zone {
-    /// m
-    pub points: Vec<DVec3>,
-    /// |p| there counts as so many times as loud; 0 for nothing.
-    pub weight: f64,
-}
+pub use figures::{AreaFigures, Figures, figures};
+pub use surroundings::{Surroundings, Zone};
 
 /// Steps of one call of [`Search::advance`], and calls, of each part of the schedule.
 pub const COARSE: (usize, u32) = (20, 3);
@@ -91,8 +54,20 @@ const STALL: usize = 10;
 const LEAST_GAIN: f64 = 1e-5;
 
 /// On the strokes alone: even, and strong.
-const STROKES: Weights =
-    Weights { even: 2.0, quiet: 0.0, strong: 1.0, sharpness: 8, loudness: Loudness::Eight, floor: 0.0 };
+const STROKES: Weights = Weights {
+    even: 2.0,
+    quiet: 0.0,
+    strong: 1.0,
+    sharpness: 8,
+    loudness: Loudness::Eight,
+    picture: PICTURE,
+    floor: 0.0,
+};
+/// How much the fit of areas counts.
+const PICTURE: f64 = 10.0;
+/// Steps of an area's first drive; then steps of one call, and calls.
+const AREA_FIRST: usize = 10;
+const AREA: (usize, u32) = (20, 15);
 
 /// A search for the drive of a shape that goes on as long as it is asked to, until it stops gaining.
 #[derive(Debug)]
@@ -127,6 +102,8 @@ pub enum Stage {
     Leader(u32),
     Rival(u32),
     Last(u32),
+    /// Areas, on fine samples.
+    Area(u32),
     /// Goes on from a drive.
     Moved,
     Going,
@@ -136,10 +113,13 @@ pub enum Stage {
 impl<'a> Search<'a> {
     /// The problem's foci are samples of strokes, a quarter of a wavelength apart, and separate foci.
     pub fn new(problem: &'a Problem<'a>, surroundings: &Surroundings) -> Self {
-        let (table, scale) = strokes(problem);
-        let stage = if table.points() == 0 { Stage::Done } else { Stage::First };
+        let has_areas = !surroundings.areas.is_empty() || surroundings.liquid.is_some();
+        let is_stroke = |focus: &Focus| !has_areas || (surroundings.liquid.is_none() && !focus.is_of_area());
+        let (table, scale) = strokes(problem, is_stroke);
         let surroundings = surroundings.clone();
-        let objective = Objective::new(table, problem.drives, STROKES);
+        let mut objective = Objective::new(table, problem.drives, STROKES);
+        objective.picture = wanted::picture(problem, &surroundings, false, scale);
+        let stage = if objective.is_empty() { Stage::Done } else { Stage::First };
         let (ways, given) = ([None, None], None);
         Self {
             problem,
@@ -192,6 +172,7 @@ impl<'a> Search<'a> {
                 let goes_on = self.run(self.leader, LAST.0) && call + 1 < LAST.1;
                 self.stage = if goes_on { Stage::Last(call + 1) } else { Stage::Done };
             }
+            Stage::Area(call) => self.area(call),
             Stage::Moved => self.moved(),
             Stage::Going => {
                 if !self.run(0, FRAME) {
@@ -212,6 +193,15 @@ impl<'a> Search<'a> {
     }
 
     fn first(&mut self) {
+        if self.objective.picture.is_some() {
+            let phases = self.objective.start(self.problem.aperture.driven.len());
+            self.objective.weights = STROKES;
+            let mut way = Descent::new(phases, &mut self.objective);
+            self.steps += descend(&mut way, &mut self.objective, AREA_FIRST).0;
+            self.ways[0] = Some(way);
+            self.stage = Stage::Area(0);
+            return;
+        }
         let way = self.along_strokes(0, FIRST_STEPS);
         self.strongest = self.objective.mean_square(&way.x);
         self.ways[0] = Some(way);
@@ -230,6 +220,17 @@ impl<'a> Search<'a> {
         }
         let goes_on = self.run(0, COARSE.0) && call + 1 < COARSE.1;
         self.stage = if goes_on { Stage::Coarse(call + 1) } else { Stage::Other(0) };
+    }
+
+    /// Areas from one start: others end as well.
+    fn area(&mut self, call: u32) {
+        if call == 0 && self.is_quiet() {
+            self.hear(false);
+            self.objective.weights = self.weights(Loudness::Eight);
+            self.renew(0);
+        }
+        let goes_on = self.run(0, AREA.0) && call + 1 < AREA.1;
+        self.stage = if goes_on { Stage::Area(call + 1) } else { Stage::Done };
     }
 
     /// Tries another start; after the last of them the best goes on as far as the first did.
@@ -276,10 +277,13 @@ impl<'a> Search<'a> {
     fn moved(&mut self) {
         let phases = self.given.iter().flatten().map(|u| u.arg()).collect();
         if self.is_quiet() {
-            let strong = self.along_strokes(0, MOVED_STEPS);
-            self.strongest = self.objective.mean_square(&strong.x);
-            self.hear(true);
-            self.objective.weights = self.weights(Loudness::Twelve);
+            let has_areas = self.objective.picture.is_some();
+            if !has_areas {
+                let strong = self.along_strokes(0, MOVED_STEPS);
+                self.strongest = self.objective.mean_square(&strong.x);
+            }
+            self.hear(!has_areas);
+            self.objective.weights = self.weights(if has_areas { Loudness::Eight } else { Loudness::Twelve });
         }
         self.ways[0] = Some(Descent::new(phases, &mut self.objective));
         self.stage = if self.run(0, FRAME) { Stage::Going } else { Stage::Done };
@@ -295,10 +299,25 @@ impl<'a> Search<'a> {
         const FULL: f64 = 0.25;
         /// Of the strongest |p|: what `quiet` = 1 may cost.
         const COST: f64 = 0.2;
+        /// With areas: of `quiet`³, so that they take little notice of side lobes by default, and without strokes.
+        const AREAS: f64 = 0.8;
+        const AREAS_AND_STROKES: f64 = 2.4;
         let wanted = self.surroundings.quiet.min(1.0);
+        if self.objective.picture.is_some() {
+            let part = if self.objective.has_strokes() { AREAS_AND_STROKES } else { AREAS };
+            return Weights {
+                strong: 0.0,
+                even: 1.5,
+                sharpness: 16,
+                quiet: part * wanted.powi(3),
+                loudness,
+                ..STROKES
+            };
+        }
         let kept = 1.0 - COST * wanted;
         let floor = kept * kept * self.strongest;
-        Weights { even: 1.5, quiet: (wanted / FULL).min(1.0), strong: 0.0, sharpness: 16, loudness, floor }
+        let quiet = (wanted / FULL).min(1.0);
+        Weights { even: 1.5, quiet, strong: 0.0, sharpness: 16, loudness, floor, ..STROKES }
     }
 
     /// Samples of the surroundings; coarse ones are replaced by finer ones where there are such.
@@ -411,9 +430,9 @@ fn along(problem: &Problem<'_>, phases: &[f64]) -> Vec<f64> {
     iteration::weighted_from(problem, phases, ITERATIONS).iter().map(|u| u.arg()).collect()
 }
 
-/// The transfer to the foci over what is wanted there, and the scale of transfers that brings it near 1; foci that cannot be made
+/// The transfer to those foci that are of strokes over what is wanted there, and the scale of transfers that brings it near 1; foci that cannot be made
 /// to hear anything are left out.
-fn strokes(problem: &Problem<'_>) -> (Table<f32>, f64) {
+fn strokes(problem: &Problem<'_>, is_stroke: impl Fn(&Focus) -> bool) -> (Table<f32>, f64) {
     /// Of what the focus hears that hears most, over its target.
     const FAINTEST: f64 = 1e-4;
     let targets = problem.targets();
@@ -424,8 +443,9 @@ fn strokes(problem: &Problem<'_>) -> (Table<f32>, f64) {
     let scale = 1.0 / most;
     let mut table = Table::new(problem.transfer.elements);
     if scale.is_finite() && scale > 0.0 {
-        for (row, (heard, target)) in problem.transfer.rows().zip(heard.iter().zip(&targets)) {
-            if *heard >= FAINTEST * most {
+        let foci = problem.foci.iter().map(is_stroke).zip(&targets);
+        for (row, (heard, (is_stroke, target))) in problem.transfer.rows().zip(heard.iter().zip(foci)) {
+            if is_stroke && *heard >= FAINTEST * most {
                 table.push(row, scale * mean / target);
             }
         }
@@ -435,8 +455,7 @@ fn strokes(problem: &Problem<'_>) -> (Table<f32>, f64) {
 
 /// The strongest drives: those of the strokes alone.
 fn strongest(problem: &Problem<'_>) -> Vec<Complex64> {
-    let plane = Plane::default();
-    best(problem, &Surroundings { plane, quiet: 0.0, zones: Vec::new() }).values
+    best(problem, &Surroundings::of_plane(Plane::default(), 0.0)).values
 }
 
 /// The drive at the end of a [`Search`].

@@ -6,11 +6,14 @@
 //!   E = 1/2p ln(mean (M/I)^p), a soft minimum of |p| along the strokes under their mean,
 //!   Q = 1/2q ln(Σ m (I/M)^q), a soft maximum of |p| elsewhere over that mean, m the mask,
 //!   S = ½ ln M.
+//! Where areas are drawn, ε L comes to that ([`crate::solver::shape::picture`]). M is the mean of I T over them if there are no
+//! strokes, and else ½ 30 (½ ln(s M))² ties the areas' scale to the strokes.
 //! Its derivative by φ_n of one of K drives is 2/K Im(u_n* b_n) with b = Hᴴ (w p) and w its derivative by I.
 
 use crate::simd::{Instructions, Isa, Kernel};
 use crate::solver::descent::Function;
 use crate::solver::shape::grid::Grid;
+use crate::solver::shape::picture::{Picture, Slope};
 use crate::solver::shape::real::{LANES, Real, Waves, lanes};
 use crate::solver::shape::table::Table;
 
@@ -32,6 +35,8 @@ pub struct Weights {
     pub sharpness: i32,
     /// q
     pub loudness: Loudness,
+    /// ε
+    pub picture: f64,
     /// The M that is kept; 0 for none.
     pub floor: f64,
 }
@@ -43,11 +48,29 @@ pub enum Loudness {
     Twelve,
 }
 
-/// Samples that are to be quiet.
+/// Samples of a plane, or of zones.
 #[derive(Debug)]
 pub enum Samples<T> {
     Grid(Box<Grid<T>>),
     Table(Table<T>),
+}
+
+impl<T: Real> Samples<T> {
+    /// p = H u
+    pub fn forward(&mut self, u: &Waves<T>, p: &mut Waves<T>) {
+        match self {
+            Self::Grid(grid) => grid.forward(u, p),
+            Self::Table(table) => table.forward(u, p),
+        }
+    }
+
+    /// b += Hᴴ p
+    pub fn back(&mut self, p: &Waves<T>, b: &mut Waves<T>) {
+        match self {
+            Self::Grid(grid) => grid.back(p, b),
+            Self::Table(table) => table.back(p, b),
+        }
+    }
 }
 
 /// Samples that are to be quiet, how much each counts, and the field there.
@@ -80,22 +103,12 @@ impl<T: Real> Quiet<T> {
 
     fn hear(&mut self, drives: &[Waves<T>]) {
         self.p.resize_with(drives.len(), || Waves::zeros(self.in_use.len()));
-        for (u, p) in drives.iter().zip(&mut self.p) {
-            match &mut self.samples {
-                Samples::Grid(grid) => grid.forward(u, p),
-                Samples::Table(table) => table.forward(u, p),
-            }
-        }
+        drives.iter().zip(&mut self.p).for_each(|(u, p)| self.samples.forward(u, p));
     }
 
     /// b += Hᴴ p
     fn back(&mut self, drives: &mut [Waves<T>]) {
-        for (p, b) in self.p.iter().zip(drives) {
-            match &mut self.samples {
-                Samples::Grid(grid) => grid.back(p, b),
-                Samples::Table(table) => table.back(p, b),
-            }
-        }
+        self.p.iter().zip(drives).for_each(|(p, b)| self.samples.back(p, b));
     }
 
     /// Of a table, the rows at which these drives are loud are in use from now on.
@@ -128,6 +141,8 @@ impl<T: Real> Quiet<T> {
 pub struct Objective<T> {
     pub weights: Weights,
     pub quiet: Vec<Quiet<T>>,
+    /// Areas.
+    pub picture: Option<Picture<T>>,
     /// Transfers over wanted pressures.
     strokes: Table<T>,
     /// Of every drive: the excitation, what is sent back to it, and the pressures along the strokes.
@@ -143,7 +158,28 @@ impl<T: Real> Objective<T> {
     pub fn new(strokes: Table<T>, drives: usize, weights: Weights) -> Self {
         let u = vec![strokes.excitation(); drives];
         let (heard, p) = (u.clone(), vec![Waves::zeros(strokes.points()); drives]);
-        Self { weights, quiet: Vec::new(), strokes, u, heard, p, intensities: Vec::new() }
+        Self { weights, quiet: Vec::new(), picture: None, strokes, u, heard, p, intensities: Vec::new() }
+    }
+
+    /// Whether nothing is drawn.
+    pub fn is_empty(&self) -> bool {
+        self.picture.is_none() && !self.has_strokes()
+    }
+
+    pub fn has_strokes(&self) -> bool {
+        self.strokes.points() > 0
+    }
+
+    /// Phases of the elements from which a field of equal phases on the areas comes, or, of further drives, of scattered ones.
+    pub fn start(&mut self, elements: usize) -> Vec<f64> {
+        if let Some(picture) = &mut self.picture {
+            picture.start(&mut self.heard);
+        }
+        let phases = |heard: &Waves<T>| {
+            let heard = heard.re.iter().zip(&heard.im).take(elements);
+            heard.map(|(re, im)| im.wide().atan2(re.wide())).collect::<Vec<_>>()
+        };
+        self.heard.iter().flat_map(phases).collect()
     }
 
     /// M at these phases.
@@ -209,9 +245,16 @@ impl<T: Real> Objective<T> {
 impl<T: Real> Function for Objective<T> {
     fn evaluate(&mut self, phases: &[f64], gradient: &mut [f64]) -> f64 {
         self.play(phases);
-        let Weights { even, strong, sharpness, floor, .. } = self.weights;
+        let Weights { strong, sharpness, floor, .. } = self.weights;
+        let fit = self.picture.as_mut().map(|picture| picture.hear(&self.u));
         let count = self.intensities.len() as f64;
-        let mean = self.intensities.iter().sum::<f64>() / count;
+        let is_stroked = count > 0.0;
+        let even = if is_stroked { self.weights.even } else { 0.0 };
+        let mean = match fit {
+            Some(None) => 0.0,
+            Some(Some(fit)) if !is_stroked => fit.mean,
+            Some(Some(_)) | None => self.intensities.iter().sum::<f64>() / count,
+        };
         if mean.is_nan() || mean <= 0.0 {
             gradient.fill(0.0);
             return f64::INFINITY;
@@ -219,12 +262,22 @@ impl<T: Real> Function for Objective<T> {
         let weakness = |intensity: f64| (mean / intensity.max(LEAST * mean)).powi(sharpness);
         let sum = self.intensities.iter().map(|&intensity| weakness(intensity)).sum::<f64>();
         let lack = if floor > 0.0 { (0.5 * (floor / mean).ln()).max(0.0) } else { 0.0 };
-        let mut value = even * (sum / count).ln() / (2.0 * f64::from(sharpness)) - 0.5 * strong * mean.ln();
-        value += 0.5 * STIFFNESS * lack * lack;
+        let mut value = 0.5 * STIFFNESS * lack * lack - 0.5 * strong * mean.ln();
+        if is_stroked {
+            value += even * (sum / count).ln() / (2.0 * f64::from(sharpness));
+        }
         let mut along = even - strong - STIFFNESS * lack;
         if let Some(loudness) = self.hear() {
             value += self.weights.quiet * (loudness - 0.5 * mean.ln());
             along -= self.weights.quiet;
+        }
+        if let (Some(Some(fit)), Some(picture)) = (fit, &mut self.picture) {
+            let apart = if is_stroked { 0.5 * (fit.scale * mean).ln() } else { 0.0 };
+            value += self.weights.picture * fit.error + 0.5 * STIFFNESS * apart * apart;
+            along += STIFFNESS * apart;
+            let level = if is_stroked { 0.0 } else { 0.5 * along };
+            let slope = Slope { error: self.weights.picture, scale: 0.5 * STIFFNESS * apart, level };
+            picture.back(slope, &mut self.heard);
         }
         for (point, &intensity) in self.intensities.iter().enumerate() {
             let weak = even * weakness(intensity) / (sum * intensity.max(LEAST * mean));
@@ -382,6 +435,7 @@ mod tests {
             strong: 1.0,
             sharpness: 8,
             loudness: Loudness::Eight,
+            picture: 0.0,
             floor: 0.0,
         };
         let all = Weights { even: 1.5, quiet: 1.0, strong: 0.0, sharpness: 16, ..alone };

@@ -120,7 +120,7 @@ impl Import {
                 }
             }
             panels::point(ui, "Centre", &mut placement.at);
-            panels::sampling(ui, &mut placement.sampling);
+            panels::sampling(ui, &mut placement.sampling, &[]);
         });
     }
 
@@ -144,7 +144,7 @@ impl Import {
             painter.add(Shape::line(points, Stroke::new(1.5, theme::CHOSEN)));
         }
         let Some(made) = &self.made else { return };
-        for focus in made.foci.iter().filter(|focus| !focus.of_stroke) {
+        for focus in made.foci.iter().filter(|focus| focus.is_separate()) {
             let offset = (focus.position - made.of.at) / made.of.side;
             painter.circle_filled(
                 place(glam::DVec2::new(offset.dot(made.of.x), offset.dot(made.of.y))),
@@ -157,7 +157,7 @@ impl Import {
 
 /// What a drawing becomes, in words.
 fn summary(foci: &[Focus], targets: usize) -> String {
-    let separate = foci.iter().filter(|focus| !focus.of_stroke).count();
+    let separate = foci.iter().filter(|focus| focus.is_separate()).count();
     let lines = format!("{targets} {}", if targets == 1 { "line" } else { "lines" });
     if separate == foci.len() {
         format!("{separate} focal points on {lines}")

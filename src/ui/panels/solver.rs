@@ -3,7 +3,7 @@
 use egui::Ui;
 
 use crate::picture::sheet::pascals;
-use crate::scene::{Amplitudes, Method, Pressures};
+use crate::scene::{Aim, Amplitudes, Method, Pressures};
 use crate::solver::{Figures, Quality, Solution};
 use crate::ui::panels::{PLAIN, choice, count, fact, form, heading, number};
 use crate::ui::{Command, Editor, Shown, theme};
@@ -50,6 +50,9 @@ fn settings(editor: &mut Editor, ui: &mut Ui) {
         count(ui, ("Take turns", tip), &mut solver.frames, 1..=32);
         let pressures = [(Pressures::Relative, "relative"), (Pressures::Pascal, "pascals")];
         choice(ui, ("Pressures are", "What the targets' pressures mean"), &mut solver.pressures, &pressures);
+        let aims = [(Aim::Pressure, "pressure"), (Aim::Depression, "surface depression")];
+        let tip = "What is to have the shape that is drawn: the sound, or the liquid's surface under it";
+        choice(ui, ("Target", tip), &mut solver.target, &aims);
     });
     ui.label(egui::RichText::new(describe(solver.method)).weak());
 }
@@ -65,7 +68,7 @@ fn quality(shown: &Shown, solution: &Solution, ui: &mut Ui) {
             ("Spread", "How uneven the points are: standard deviation over mean"),
             format!("{:.1} %", 100.0 * quality.spread),
         );
-        if solution.foci.iter().any(|focus| focus.of_stroke) {
+        if solution.foci.iter().any(|focus| !focus.is_separate()) {
             shape(solution.figures.as_ref(), ui);
         } else {
             foci(quality, ui);
@@ -112,6 +115,12 @@ fn shape(figures: Option<&Figures>, ui: &mut Ui) {
     fact(ui, ("Loudest elsewhere", &tip), told(&|it| percent(it.side_lobe)));
     let tip = "Mean pressure over that of the strongest drive: what quiet costs";
     fact(ui, ("Strength", tip), told(&|it| percent(it.strength)));
+    if let Some(areas) = figures.and_then(|figures| figures.areas) {
+        let tip = "Mean of pressure squared inside the areas over that around them, or of the depression";
+        fact(ui, ("Contrast", tip), format!("{:.1}", areas.contrast));
+        let tip = "Σ (s I - T)²/Σ T²: how far pressure squared, or the depression, is from what is drawn";
+        fact(ui, ("Error", tip), format!("{:.1} %", 100.0 * areas.error));
+    }
 }
 
 /// All methods on the same scene, side by side.

@@ -9,6 +9,8 @@ use crate::ui::panels::{DEGREES, MM, PLAIN, Unit, count, form, number};
 
 /// m between the focal points that an outline gets when they are first asked for.
 const SPACING: f64 = 0.01;
+/// m, of a broad stroke when it is first asked for.
+const WIDTH: f64 = 0.006;
 /// m
 const LENGTH: std::ops::RangeInclusive<f64> = 1e-4..=10.0;
 
@@ -18,9 +20,13 @@ pub fn show(scene: &mut Scene, index: usize, ui: &mut Ui) {
     let Some(target) = scene.targets.get_mut(index) else { return };
     form(ui, "target", |ui| {
         shape(target, ui);
+        if target.sampling == Sampling::Fill && matches!(target.shape, Shape::Path { closed: false, .. }) {
+            target.sampling = Sampling::Continuous;
+        }
         pressure(target, pressures, ui);
         if target.sampling != Sampling::Whole {
-            sampling(ui, &mut target.sampling);
+            let areas = areas(&target.shape);
+            sampling(ui, &mut target.sampling, areas);
         }
         let turns = !matches!(target.shape, Shape::Point { .. } | Shape::Circle { .. });
         if turns {
@@ -70,6 +76,13 @@ fn shape(target: &mut Target, ui: &mut Ui) {
             letters(ui, text);
             point(ui, "Centre", at);
             number(ui, ("Letter height", "Of a capital letter"), height, MM, LENGTH);
+        }
+        Shape::Picture { file, at, width, pixels: _ } => {
+            ui.label("Picture");
+            ui.label(file.as_str()).on_hover_text("Its brightness is the wanted pressure squared");
+            ui.end_row();
+            point(ui, "Centre", at);
+            number(ui, ("Width", "Of the picture"), width, MM, LENGTH);
         }
     }
 }
@@ -129,17 +142,38 @@ fn pressure(target: &mut Target, pressures: Pressures, ui: &mut Ui) {
     }
 }
 
-/// Whether an outline is a stroke or separate focal points, and how many.
-pub fn sampling(ui: &mut Ui, sampling: &mut Sampling) {
-    let label = ui.label("Stroke").on_hover_text("Evenly loud all along, or separate focal points");
+/// A way to play a shape: its name, what it means, and what it is at first.
+type Choice = (&'static str, &'static str, Sampling);
+
+const OUTLINES: [Choice; 3] = [
+    ("Continuous", "Evenly loud all along", Sampling::Continuous),
+    ("Spacing", "Focal points, by their distance along the outline", Sampling::Spacing(SPACING)),
+    ("Count", "Focal points, by their number", Sampling::Points(16)),
+];
+const AREAS: [Choice; 2] = [
+    ("Broad", "The area within half a width of the outline", Sampling::Stroke(WIDTH)),
+    ("Filled", "The area inside the outline", Sampling::Fill),
+];
+
+/// The areas that a shape may be.
+fn areas(shape: &Shape) -> &'static [Choice] {
+    match shape {
+        Shape::Circle { .. }
+        | Shape::Rectangle { .. }
+        | Shape::Triangle { .. }
+        | Shape::Polygon { .. }
+        | Shape::Path { closed: true, .. } => &AREAS,
+        Shape::Line { .. } | Shape::Path { closed: false, .. } | Shape::Text { .. } => &AREAS[..1],
+        Shape::Point { .. } | Shape::Picture { .. } => &[],
+    }
+}
+
+/// Whether a shape is a stroke, separate focal points, and how many, or one of these areas.
+pub fn sampling(ui: &mut Ui, sampling: &mut Sampling, areas: &[Choice]) {
+    let label = ui.label("Stroke").on_hover_text("Evenly loud all along, separate focal points, or an area");
     ui.vertical(|ui| {
         ui.horizontal(|ui| {
-            let choices = [
-                ("Continuous", "Evenly loud all along", Sampling::Continuous),
-                ("Spacing", "Focal points, by their distance along the outline", Sampling::Spacing(SPACING)),
-                ("Count", "Focal points, by their number", Sampling::Points(16)),
-            ];
-            for (name, tip, choice) in choices {
+            for &(name, tip, choice) in OUTLINES.iter().chain(areas) {
                 let is_chosen = std::mem::discriminant(sampling) == std::mem::discriminant(&choice);
                 if ui.selectable_label(is_chosen, name).on_hover_text(tip).clicked() && !is_chosen {
                     *sampling = choice;
@@ -147,7 +181,10 @@ pub fn sampling(ui: &mut Ui, sampling: &mut Sampling) {
             }
         });
         match sampling {
-            Sampling::Whole | Sampling::Continuous => {}
+            Sampling::Whole | Sampling::Continuous | Sampling::Fill => {}
+            Sampling::Stroke(width) => {
+                crate::ui::panels::bare_number(ui, width, MM, 1e-3..=0.2).labelled_by(label.id);
+            }
             Sampling::Spacing(spacing) => {
                 crate::ui::panels::bare_number(ui, spacing, MM, 1e-3..=0.2).labelled_by(label.id);
             }

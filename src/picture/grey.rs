@@ -1,0 +1,107 @@
+//! Pictures that are targets, from the bytes of their files to grey values.
+
+use std::io::Cursor;
+
+use image::imageops::{self, FilterType};
+use image::{ImageBuffer, ImageFormat, ImageReader, Limits, Luma};
+
+/// Pixels per side, and bytes, that are decoded at all.
+const MOST_PIXELS: u32 = 20_000;
+const MOST_MEMORY: u64 = 400 << 20;
+/// Pixels of the longer side that are kept: larger pictures are made smaller.
+pub const LONGEST: u32 = 512;
+/// Rec. 709 luma of red, green and blue.
+const LUMA: [f32; 3] = [0.2126, 0.7152, 0.0722];
+
+/// Why bytes are no picture that can be a target.
+#[derive(Debug, thiserror::Error)]
+pub enum GreyError {
+    #[error("this is neither a PNG, JPEG nor BMP picture")]
+    UnknownFormat,
+    #[error("the picture cannot be read: {0}")]
+    Broken(#[from] image::ImageError),
+    #[error("the picture is black or transparent all over: nothing is wanted")]
+    Black,
+}
+
+/// Width, height, and brightness of every pixel from the top left: 8-bit luma over 255, and black where the picture is transparent.
+///
+/// # Errors
+/// Bytes of another kind, a picture that is broken or larger than 20 000 pixels a side, or one that is black.
+pub fn read(bytes: &[u8]) -> Result<(usize, usize, Vec<f32>), GreyError> {
+    let format = match image::guess_format(bytes) {
+        Ok(format @ (ImageFormat::Png | ImageFormat::Jpeg | ImageFormat::Bmp)) => format,
+        _ => return Err(GreyError::UnknownFormat),
+    };
+    let mut reader = ImageReader::with_format(Cursor::new(bytes), format);
+    let mut limits = Limits::default();
+    (limits.max_image_width, limits.max_image_height) = (Some(MOST_PIXELS), Some(MOST_PIXELS));
+    limits.max_alloc = Some(MOST_MEMORY);
+    reader.limits(limits);
+    let coloured = reader.decode()?.into_rgba8();
+    let brightness = |pixel: &image::Rgba<u8>| {
+        let [r, g, b, alpha] = pixel.0.map(|value| f32::from(value) / 255.0);
+        (LUMA[0] * r + LUMA[1] * g + LUMA[2] * b) * alpha
+    };
+    let (width, height) = coloured.dimensions();
+    let mut grey = ImageBuffer::from_fn(width, height, |x, y| Luma([brightness(coloured.get_pixel(x, y))]));
+    let longer = width.max(height);
+    if longer > LONGEST {
+        let reduced = |side: u32| ((u64::from(side) * u64::from(LONGEST)).div_ceil(u64::from(longer))) as u32;
+        grey = imageops::resize(&grey, reduced(width), reduced(height), FilterType::Triangle);
+    }
+    /// Less than any grey level of 8 bits.
+    const DARK: f32 = 0.5 / 255.0;
+    if grey.pixels().all(|pixel| pixel.0[0] < DARK) {
+        return Err(GreyError::Black);
+    }
+    let (width, height) = grey.dimensions();
+    Ok((width as usize, height as usize, grey.into_raw().into_iter().map(|it| it.clamp(0.0, 1.0)).collect()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::picture::{Picture, export};
+
+    fn png(width: usize, height: usize, colour: impl Fn(usize, usize) -> [u8; 4]) -> Vec<u8> {
+        let pixels = (0..height).flat_map(|y| (0..width).map(move |x| (x, y)));
+        let rgba = pixels.flat_map(|(x, y)| colour(x, y)).collect();
+        export::png(&Picture { width, height, rgba }).unwrap()
+    }
+
+    #[test]
+    fn brightness_is_luma_and_what_is_transparent_is_black() {
+        let colours =
+            [[255, 255, 255, 255], [255, 255, 255, 0], [0, 0, 0, 255], [51, 51, 51, 255], [0, 255, 0, 255]];
+        let (width, height, grey) = read(&png(5, 1, |x, _| colours[x])).unwrap();
+        assert_eq!((width, height), (5, 1));
+        for (grey, expected) in grey.into_iter().zip([1.0, 0.0, 0.0, 0.2, 0.7152]) {
+            assert!((grey - expected).abs() < 1e-6, "{grey}, not {expected}");
+        }
+    }
+
+    #[test]
+    fn large_pictures_are_made_smaller_and_keep_their_form() {
+        let bytes = png(1500, 300, |x, _| if x < 750 { [0, 0, 0, 255] } else { [255, 255, 255, 255] });
+        let (width, height, grey) = read(&bytes).unwrap();
+        assert_eq!((width, height), (512, 103));
+        assert!(
+            grey[..250].iter().all(|grey| *grey < 0.01) && grey[262..512].iter().all(|grey| *grey > 0.99)
+        );
+        assert_eq!(read(&png(5000, 1, |_, _| [255; 4])).unwrap().1, 1, "a row is left");
+    }
+
+    #[test]
+    fn what_is_no_picture_or_black_is_refused() {
+        let black = png(3, 3, |_, _| [0, 0, 0, 255]);
+        assert!(matches!(read(&black), Err(GreyError::Black)));
+        assert!(matches!(read(b"no picture"), Err(GreyError::UnknownFormat)));
+        assert!(matches!(read(b""), Err(GreyError::UnknownFormat)));
+        assert!(matches!(read(&black[..40]), Err(GreyError::Broken(_))));
+        // A header that promises gigabytes.
+        let mut vast = black;
+        vast[16..24].copy_from_slice(&[0, 1, 0, 0, 0, 1, 0, 0]);
+        assert!(read(&vast).is_err());
+    }
+}

@@ -1,0 +1,312 @@
+//! What is wanted where on the plane of an area: filled shapes, broad strokes and pictures as rasters of |p|².
+
+use glam::{DQuat, DVec2, DVec3};
+
+use crate::scene::check::{Key, KeyError};
+use crate::scene::outline::{self, centre};
+use crate::scene::{Grey, Sampling, Shape, Target};
+
+/// Pixels of a raster in a wavelength, of its longer side at least, and of a side at most.
+const PER_WAVELENGTH: f64 = 16.0;
+const FEWEST: f64 = 16.0;
+const MOST: f64 = 512.0;
+/// Lines across a pixel whose ends are exact.
+const LINES: usize = 4;
+/// m, and of the extent: how far vertices may be from the plane of a flat path.
+const FLAT: f64 = 1e-4;
+const FLAT_PART: f64 = 1e-3;
+
+/// An area of the scene as a raster of wanted brightness, 0 to 1, in a plane of its own.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Cover {
+    /// Wanted pressure where the brightness is 1.
+    pub pressure: f64,
+    /// m, the middle of the raster.
+    pub centre: DVec3,
+    /// Unit vectors along the raster's rows and up its columns.
+    pub axes: [DVec3; 2],
+    /// m, half the sides of the raster.
+    pub half: DVec2,
+    counts: [usize; 2],
+    /// Sums of brightness over all pixels below and to the left of a corner, row by row from the lowest.
+    sums: Vec<f64>,
+    /// Everything that is covered is to have a brightness of 1.
+    is_plain: bool,
+}
+
+/// A part of an area.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Patch {
+    /// m, in the middle of what it covers.
+    pub at: DVec3,
+    /// Wanted there, 0 to 1.
+    pub brightness: f64,
+}
+
+impl Cover {
+    /// The area of a target; `None` of one that is no area.
+    ///
+    /// # Errors
+    /// A path that is not flat or has no inside, a glyph that the font lacks, or a picture that is not loaded or black.
+    pub fn new(target: &Target, wavelength: f64) -> Result<Option<Self>, KeyError> {
+        let cover = match (&target.shape, target.sampling) {
+            (Shape::Picture { pixels, width, .. }, _) => {
+                let Some(grey) = pixels.get() else { return refuse("file", "the picture is not loaded") };
+                Self::of_picture(target, grey, DVec2::new(*width, *width * pixels.aspect()))
+            }
+            (_, Sampling::Fill) => Self::of_strokes(target, 0.0, wavelength)?,
+            (_, Sampling::Stroke(width)) => Self::of_strokes(target, width, wavelength)?,
+            (_, Sampling::Whole | Sampling::Continuous | Sampling::Spacing(_) | Sampling::Points(_)) => {
+                return Ok(None);
+            }
+        };
+        let is_black = cover.sums.last().is_none_or(|&sum| sum <= 0.0);
+        match (&target.shape, target.sampling) {
+            (Shape::Picture { .. }, _) if is_black => {
+                refuse("file", "the picture is black: nothing is wanted")
+            }
+            (Shape::Path { .. }, Sampling::Fill) if is_black => refuse("fill", "the path encloses no area"),
+            _ => Ok(Some(cover)),
+        }
+    }
+
+    fn of_picture(target: &Target, grey: &Grey, size: DVec2) -> Self {
+        let axes = [DVec3::X, DVec3::Y].map(|axis| turn(target) * axis);
+        let rows = grey.brightness.chunks_exact(grey.width.max(1)).rev();
+        let brightness: Vec<_> =
+            rows.flatten().map(|&brightness| f64::from(brightness.clamp(0.0, 1.0))).collect();
+        Self {
+            pressure: target.pressure,
+            centre: centre(&target.shape),
+            axes,
+            half: size / 2.0,
+            counts: [grey.width, grey.height],
+            sums: sums([grey.width, grey.height], &brightness),
+            is_plain: false,
+        }
+    }
+
+    /// The area within half of `width` (m) of the outline, or inside it where that is 0.
+    fn of_strokes(target: &Target, width: f64, wavelength: f64) -> Result<Self, KeyError> {
+        let strokes = outline::strokes(target)?;
+        let middle = centre(&target.shape);
+        let axes = match &target.shape {
+            Shape::Line { .. } | Shape::Path { .. } => plane_of(&strokes.concat())?,
+            _ => [DVec3::X, DVec3::Y].map(|axis| turn(target) * axis),
+        };
+        let flat = |point: &DVec3| DVec2::from(axes.map(|axis| (*point - middle).dot(axis)));
+        let flat: Vec<Vec<_>> = strokes.iter().map(|stroke| stroke.iter().map(flat).collect()).collect();
+        let points = || flat.iter().flatten().copied();
+        let low = points().reduce(DVec2::min).unwrap_or_default() - width / 2.0;
+        let high = points().reduce(DVec2::max).unwrap_or_default() + width / 2.0;
+        let (size, corner) = (high - low, low);
+        let longest = size.max_element();
+        let pixel = (wavelength / PER_WAVELENGTH).min(longest / FEWEST).max(longest / MOST);
+        let counts = (size / pixel).to_array().map(|count| (count.ceil() as usize).max(1));
+        let size = DVec2::new(counts[0] as f64, counts[1] as f64) * pixel;
+        // In pixels from the lower left corner.
+        let placed = |stroke: &Vec<DVec2>| stroke.iter().map(|&point| (point - corner) / pixel).collect();
+        let placed: Vec<Vec<DVec2>> = flat.iter().map(placed).collect();
+        let brightness =
+            if width > 0.0 { broad(counts, &placed, width / pixel) } else { filled(counts, &placed) };
+        let on_plane = corner + size / 2.0;
+        Ok(Self {
+            pressure: target.pressure,
+            centre: middle + axes[0] * on_plane.x + axes[1] * on_plane.y,
+            axes,
+            half: size / 2.0,
+            counts,
+            sums: sums(counts, &brightness),
+            is_plain: true,
+        })
+    }
+
+    /// Where a point (m) lies on the area's plane, from the raster's middle.
+    pub fn flat(&self, point: DVec3) -> DVec2 {
+        DVec2::from(self.axes.map(|axis| (point - self.centre).dot(axis)))
+    }
+
+    /// A place of the area's plane, m from the raster's middle.
+    pub fn world(&self, flat: DVec2) -> DVec3 {
+        self.centre + self.axes[0] * flat.x + self.axes[1] * flat.y
+    }
+
+    /// Mean brightness, 0 to 1, of a square of side `cell` (m) of the area's plane, `at` m from the raster's middle.
+    pub fn brightness(&self, at: DVec2, cell: f64) -> f64 {
+        let half = DVec2::splat(cell.max(1e-3 * self.half.max_element()) / 2.0);
+        let [low, high] = [at - half, at + half].map(|corner| self.pixels(corner));
+        let [low, high] = [low, high].map(|place| place.to_array());
+        let sum = self.sum([high[0], high[1]]) - self.sum([low[0], high[1]]) - self.sum([high[0], low[1]])
+            + self.sum([low[0], low[1]]);
+        let area = (high[0] - low[0]) * (high[1] - low[1]);
+        (sum / area).clamp(0.0, 1.0)
+    }
+
+    /// A place from the lower left corner, in pixels.
+    fn pixels(&self, flat: DVec2) -> DVec2 {
+        (flat + self.half) / (2.0 * self.half) * DVec2::new(self.counts[0] as f64, self.counts[1] as f64)
+    }
+
+    /// Of all that lies below and to the left of a place in pixels.
+    fn sum(&self, [x, y]: [f64; 2]) -> f64 {
+        let [columns, rows] = self.counts;
+        let split = |place: f64, count: usize| {
+            let place = place.clamp(0.0, count as f64);
+            let whole = (place as usize).min(count.saturating_sub(1));
+            (whole, place - whole as f64)
+        };
+        let ((i, x), (j, y)) = (split(x, columns), split(y, rows));
+        let corner = |i: usize, j: usize| self.sums[j * (columns + 1) + i];
+        let along = |j: usize| corner(i, j) * (1.0 - x) + corner(i + 1, j) * x;
+        along(j) * (1.0 - y) + along(j + 1) * y
+    }
+
+    /// Parts of the area, at most `spacing` m from one to the next: one at least.
+    pub fn patches(&self, spacing: f64) -> Vec<Patch> {
+        /// Of the brightest part: a part with less is left to its neighbours, or is dark.
+        const LEAST: f64 = 0.25;
+        const LEAST_OF_PICTURE: f64 = 0.02;
+        /// Places across a part.
+        const PLACES: usize = 4;
+        let counts =
+            (2.0 * self.half / spacing).to_array().map(|count| count.ceil().clamp(1.0, MOST) as usize);
+        let size = 2.0 * self.half / DVec2::new(counts[0] as f64, counts[1] as f64);
+        let part = |index: usize| {
+            let corner =
+                DVec2::new((index % counts[0]) as f64, (index / counts[0]) as f64) * size - self.half;
+            let (mut sum, mut square, mut middle) = (0.0, 0.0, DVec2::ZERO);
+            for place in 0..PLACES * PLACES {
+                let inside = DVec2::new((place % PLACES) as f64, (place / PLACES) as f64) + 0.5;
+                let at = corner + inside / PLACES as f64 * size;
+                let brightness = self.brightness(at, size.min_element() / PLACES as f64);
+                sum += brightness;
+                square += brightness * brightness;
+                middle += at * brightness;
+            }
+            (sum, square, middle)
+        };
+        let parts: Vec<_> = (0..counts[0] * counts[1]).map(part).collect();
+        let most = parts.iter().map(|(sum, ..)| *sum).fold(f64::MIN_POSITIVE, f64::max);
+        let least = if self.is_plain { LEAST } else { LEAST_OF_PICTURE };
+        let is_kept = |(sum, ..): &&(f64, f64, DVec2)| *sum >= least * most;
+        let patch = |&(sum, square, middle): &(f64, f64, DVec2)| Patch {
+            at: self.world(middle / sum),
+            brightness: if self.is_plain { 1.0 } else { square / sum },
+        };
+        parts.iter().filter(is_kept).map(patch).collect()
+    }
+}
+
+/// How a flat shape is turned out of the array's plane.
+fn turn(target: &Target) -> DQuat {
+    let facing = DQuat::from_rotation_arc(DVec3::Z, target.normal.try_normalize().unwrap_or(DVec3::Z));
+    facing * DQuat::from_rotation_z(target.angle)
+}
+
+/// Axes of the plane of a path, as level as it can be where the path is straight.
+fn plane_of(vertices: &[DVec3]) -> Result<[DVec3; 2], KeyError> {
+    let farthest = |distance: &dyn Fn(&DVec3) -> f64| {
+        vertices.iter().copied().max_by(|a, b| distance(a).total_cmp(&distance(b)))
+    };
+    let Some(&first) = vertices.first() else { return Ok([DVec3::X, DVec3::Y]) };
+    let other = farthest(&|vertex| vertex.distance(first)).unwrap_or(first);
+    let along = (other - first).normalize_or(DVec3::X);
+    let aside = |vertex: DVec3| (vertex - first).reject_from_normalized(along);
+    let third = aside(farthest(&|vertex| aside(*vertex).length()).unwrap_or(first));
+    let extent = other.distance(first);
+    let level = DVec3::Z.reject_from_normalized(along).try_normalize().unwrap_or(DVec3::Y);
+    let normal = if third.length() > FLAT_PART * extent { along.cross(third.normalize()) } else { level };
+    let normal = if normal.z < 0.0 { -normal } else { normal };
+    let away = vertices.iter().map(|vertex| (*vertex - first).dot(normal).abs()).fold(0.0, f64::max);
+    if away > FLAT.max(FLAT_PART * extent) {
+        return refuse("vertices", "the path is not flat: an area lies in a plane");
+    }
+    let x = DVec3::X.reject_from_normalized(normal).try_normalize().unwrap_or(DVec3::Y);
+    Ok([x, normal.cross(x)])
+}
+
+/// Of a raster, for every corner of its pixels, what lies below and to the left.
+fn sums([columns, rows]: [usize; 2], brightness: &[f64]) -> Vec<f64> {
+    let wide = columns + 1;
+    let mut sums = vec![0.0; wide * (rows + 1)];
+    for row in 0..rows {
+        let mut along = 0.0;
+        for column in 0..columns {
+            along += brightness[row * columns + column];
+            sums[(row + 1) * wide + column + 1] = sums[row * wide + column + 1] + along;
+        }
+    }
+    sums
+}
+
+/// How much of every pixel lies inside closed polygons, wherever they wind around it; in pixels.
+fn filled([columns, rows]: [usize; 2], polygons: &[Vec<DVec2>]) -> Vec<f64> {
+    let mut raster = vec![0.0; columns * rows];
+    let mut crossings = Vec::new();
+    for line in 0..rows * LINES {
+        let y = (line as f64 + 0.5) / LINES as f64;
+        crossings.clear();
+        for polygon in polygons {
+            let next = polygon.iter().cycle().skip(1);
+            for (from, to) in polygon.iter().zip(next).filter(|(from, to)| (from.y <= y) != (to.y <= y)) {
+                let x = from.x + (to.x - from.x) * (y - from.y) / (to.y - from.y);
+                crossings.push((x, if to.y > from.y { 1 } else { -1 }));
+            }
+        }
+        crossings.sort_by(|a: &(f64, i32), b| a.0.total_cmp(&b.0));
+        let mut winding = 0;
+        for pair in crossings.windows(2) {
+            winding += pair[0].1;
+            if winding != 0 {
+                add_span(&mut raster[line / LINES * columns..][..columns], pair[0].0, pair[1].0);
+            }
+        }
+    }
+    raster
+}
+
+/// Adds a part of one of the lines across a row of pixels.
+fn add_span(row: &mut [f64], from: f64, to: f64) {
+    let [from, to] = [from, to].map(|end| end.clamp(0.0, row.len() as f64));
+    let last = (to.ceil() as usize).min(row.len());
+    for (column, pixel) in row.iter_mut().enumerate().take(last).skip(from as usize) {
+        let part = to.min(column as f64 + 1.0) - from.max(column as f64);
+        *pixel += part.max(0.0) / LINES as f64;
+    }
+}
+
+/// How much of every pixel lies within half of `width` of polylines; in pixels.
+fn broad([columns, rows]: [usize; 2], strokes: &[Vec<DVec2>], width: f64) -> Vec<f64> {
+    let reach = width / 2.0 + 1.0;
+    let mut distances = vec![f64::INFINITY; columns * rows];
+    let mut near = |a: DVec2, b: DVec2| {
+        let [low, high] = [a.min(b) - reach, a.max(b) + reach];
+        let range = |low: f64, high: f64, count: usize| {
+            (low.clamp(0.0, count as f64) as usize)..(high.ceil().clamp(0.0, count as f64) as usize)
+        };
+        let (along, length) = (b - a, (b - a).length_squared());
+        for row in range(low.y, high.y, rows) {
+            for column in range(low.x, high.x, columns) {
+                let place = DVec2::new(column as f64 + 0.5, row as f64 + 0.5);
+                let part = if length > 0.0 { ((place - a).dot(along) / length).clamp(0.0, 1.0) } else { 0.0 };
+                let distance = &mut distances[row * columns + column];
+                *distance = distance.min(place.distance(a + along * part));
+            }
+        }
+    };
+    for stroke in strokes {
+        match stroke[..] {
+            [only] => near(only, only),
+            _ => stroke.windows(2).for_each(|pair| near(pair[0], pair[1])),
+        }
+    }
+    let part = |distance: f64| {
+        let overlap = (distance + 0.5).min(width / 2.0) - (distance - 0.5).max(-width / 2.0);
+        overlap.clamp(0.0, 1.0)
+    };
+    distances.into_iter().map(part).collect()
+}
+
+fn refuse<T>(key: &'static str, message: impl Into<String>) -> Result<T, KeyError> {
+    Err(KeyError::new([Key::from(key)], message))
+}

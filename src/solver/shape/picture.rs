@@ -1,0 +1,360 @@
+//! How far the intensity over an area is from what is wanted there, up to a scale.
+//!
+//! With I the mean |p|² of all drives that take turns at samples of weight w where T is wanted, it is
+//!   L = Σ w (s I - T)² / Σ w T², s = Σ w I T / Σ w I² the best scale,
+//!   ∂L/∂I = 2 s w (s I - T) / Σ w T²: s being the best, its own change counts for nothing.
+//! Where the depression of a liquid is what is wanted, C I stands for I, C the liquid's response, and ∂L/∂I is C of that.
+
+use std::f64::consts::TAU;
+
+use crate::simd::{Instructions, Isa, Kernel};
+use crate::solver::shape::objective::Samples;
+use crate::solver::shape::real::{LANES, Real, Waves, lanes};
+use crate::solver::shape::response::Response;
+use crate::solver::starts::scatter;
+
+/// Blocks that are summed before their sum is widened.
+const RUN: usize = 64;
+
+/// What is wanted at samples, laid out as their field is; padded to whole blocks of lanes.
+#[derive(Clone, Debug)]
+pub struct Wanted<T> {
+    /// T
+    brightness: Vec<T>,
+    /// w: 1 on the areas and around them, 0 where anything may be.
+    weight: Vec<T>,
+    /// Σ w T and Σ w T².
+    sum: f64,
+    power: f64,
+}
+
+/// How an intensity fits to what is wanted.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Fit {
+    /// L, 0 to 1.
+    pub error: f64,
+    /// s
+    pub scale: f64,
+    /// Σ w I T / Σ w T
+    pub mean: f64,
+    /// Σ w I T
+    along: f64,
+}
+
+/// What the derivative by an intensity is made of.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Slope {
+    /// Of L.
+    pub error: f64,
+    /// Of ln s.
+    pub scale: f64,
+    /// Of ln Σ w I T.
+    pub level: f64,
+}
+
+impl<T: Real> Wanted<T> {
+    /// Of every value of a field.
+    pub fn new(mut brightness: Vec<T>, mut weight: Vec<T>) -> Self {
+        let pairs = || brightness.iter().zip(&weight).map(|(t, w)| (t.wide(), w.wide()));
+        let (sum, power) = (pairs().map(|(t, w)| w * t).sum(), pairs().map(|(t, w)| w * t * t).sum());
+        let padded = brightness.len().next_multiple_of(LANES);
+        brightness.resize(padded, T::default());
+        weight.resize(padded, T::default());
+        Self { brightness, weight, sum, power }
+    }
+
+    /// `None` where nothing is heard.
+    pub fn fit(&self, intensities: &[T]) -> Option<Fit> {
+        let (along, square) = Isa::best().run(Products { wanted: self, intensities });
+        let scale = along / square;
+        let (error, mean) = (1.0 - scale * along / self.power, along / self.sum);
+        let is_heard = along > 0.0 && scale.is_finite() && error.is_finite() && mean.is_finite();
+        is_heard.then_some(Fit { error, scale, mean, along })
+    }
+
+    /// The derivative by every intensity, in its place.
+    pub fn slopes(&self, intensities: &mut [T], fit: &Fit, slope: Slope) {
+        let (Fit { scale, along, .. }, power) = (*fit, self.power);
+        // ∂ ln s/∂I = w (T - 2 s I)/Σ w I T
+        let by_intensity = 2.0 * scale * scale * slope.error / power - 2.0 * scale * slope.scale / along;
+        let by_wanted = -2.0 * scale * slope.error / power + (slope.scale + slope.level) / along;
+        let (by_intensity, by_wanted) = (T::of(by_intensity), T::of(by_wanted));
+        Isa::best().run(Derive { wanted: self, intensities, by_intensity, by_wanted });
+    }
+}
+
+/// Σ w I T and Σ w I².
+struct Products<'a, T> {
+    wanted: &'a Wanted<T>,
+    intensities: &'a [T],
+}
+
+impl<T: Real> Kernel for Products<'_, T> {
+    type Output = (f64, f64);
+
+    #[inline(always)]
+    fn run<I: Instructions>(self) -> (f64, f64) {
+        let intensities = self.intensities.as_chunks::<LANES>().0;
+        let brightness = self.wanted.brightness.as_chunks::<LANES>().0;
+        let weight = self.wanted.weight.as_chunks::<LANES>().0;
+        let (mut along, mut square) = (0.0, 0.0);
+        for ((i, t), w) in intensities.chunks(RUN).zip(brightness.chunks(RUN)).zip(weight.chunks(RUN)) {
+            let (mut alongs, mut squares) = ([T::default(); LANES], [T::default(); LANES]);
+            for ((i, t), w) in i.iter().zip(t).zip(w) {
+                let weighted: [T; LANES] = lanes(|lane| i[lane] * w[lane]);
+                let before = (alongs, squares);
+                alongs = lanes(|lane| T::fused::<I>(weighted[lane], t[lane], before.0[lane]));
+                squares = lanes(|lane| T::fused::<I>(weighted[lane], i[lane], before.1[lane]));
+            }
+            along += alongs.into_iter().map(Real::wide).sum::<f64>();
+            square += squares.into_iter().map(Real::wide).sum::<f64>();
+        }
+        (along, square)
+    }
+}
+
+/// I ← w (a I + b T)
+struct Derive<'a, T> {
+    wanted: &'a Wanted<T>,
+    intensities: &'a mut [T],
+    by_intensity: T,
+    by_wanted: T,
+}
+
+impl<T: Real> Kernel for Derive<'_, T> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<I: Instructions>(self) {
+        let Self { wanted, intensities, by_intensity, by_wanted } = self;
+        let brightness = wanted.brightness.as_chunks::<LANES>().0;
+        let weight = wanted.weight.as_chunks::<LANES>().0;
+        for ((i, t), w) in intensities.as_chunks_mut::<LANES>().0.iter_mut().zip(brightness).zip(weight) {
+            let before = *i;
+            let part: [T; LANES] = lanes(|lane| by_wanted * t[lane]);
+            let sum: [T; LANES] = lanes(|lane| T::fused::<I>(by_intensity, before[lane], part[lane]));
+            *i = lanes(|lane| w[lane] * sum[lane]);
+        }
+    }
+}
+
+/// What is wanted over areas, and the field there.
+#[derive(Debug)]
+pub struct Picture<T> {
+    samples: Samples<T>,
+    wanted: Wanted<T>,
+    /// Of the liquid whose depression is wanted.
+    response: Option<Response>,
+    /// Of every drive.
+    p: Vec<Waves<T>>,
+    /// I or the depression, then the derivatives by I.
+    intensities: Vec<T>,
+    fit: Option<Fit>,
+}
+
+impl<T: Real> Picture<T> {
+    pub fn new(samples: Samples<T>, wanted: Wanted<T>, response: Option<Response>) -> Self {
+        let padded = wanted.weight.len();
+        let intensities = vec![T::default(); padded];
+        Self { samples, wanted, response, p: Vec::new(), intensities, fit: None }
+    }
+
+    /// The fit of the field that these drives make.
+    pub fn hear(&mut self, drives: &[Waves<T>]) -> Option<Fit> {
+        self.p.resize_with(drives.len(), || Waves::zeros(self.intensities.len()));
+        self.intensities.fill(T::default());
+        for (u, p) in drives.iter().zip(&mut self.p) {
+            self.samples.forward(u, p);
+            let square = |((to, re), im): ((&mut T, &T), &T)| *to += *re * *re + *im * *im;
+            self.intensities.iter_mut().zip(&p.re).zip(&p.im).for_each(square);
+        }
+        if drives.len() > 1 {
+            let part = T::of(1.0 / drives.len() as f64);
+            self.intensities.iter_mut().for_each(|intensity| *intensity *= part);
+        }
+        if let Some(response) = &mut self.response {
+            response.apply(&mut self.intensities);
+        }
+        self.fit = self.wanted.fit(&self.intensities);
+        self.fit
+    }
+
+    /// b += Hᴴ (w p), w the derivative by I of what was heard last.
+    pub fn back(&mut self, slope: Slope, drives: &mut [Waves<T>]) {
+        let Some(fit) = &self.fit else { return };
+        self.wanted.slopes(&mut self.intensities, fit, slope);
+        if let Some(response) = &mut self.response {
+            response.apply(&mut self.intensities);
+        }
+        for (p, b) in self.p.iter_mut().zip(drives) {
+            for ((re, im), slope) in p.re.iter_mut().zip(&mut p.im).zip(&self.intensities) {
+                (*re, *im) = (*re * *slope, *im * *slope);
+            }
+            self.samples.back(p, b);
+        }
+    }
+
+    /// What the elements hear of a field of the wanted |p| with equal phases, or, for further drives, with scattered ones.
+    pub fn start(&mut self, drives: &mut [Waves<T>]) {
+        for (drive, b) in drives.iter_mut().enumerate() {
+            let mut p = Waves::zeros(self.intensities.len());
+            let wanted = self.wanted.brightness.iter().zip(&self.wanted.weight).enumerate();
+            for (index, (t, w)) in wanted.filter(|(_, (t, _))| **t > T::default()) {
+                let angle = TAU * drive as f64 * scatter(index + drive);
+                let (sin, cos) = angle.sin_cos();
+                let modulus = (t.wide() * w.wide()).sqrt();
+                (p.re[index], p.im[index]) = (T::of(modulus * cos), T::of(modulus * sin));
+            }
+            b.clear();
+            self.samples.back(&p, b);
+        }
+    }
+
+    /// Mean of |p|² or of the depression, as heard last, where it is wanted, over the mean around that; `None` where nothing is
+    /// around.
+    pub fn contrast(&self) -> Option<f64> {
+        let (mut inside, mut wanted, mut around, mut rest) = (0.0, 0.0, 0.0, 0.0);
+        let most = self.wanted.brightness.iter().map(|t| t.wide()).fold(f64::MIN_POSITIVE, f64::max);
+        for ((i, t), w) in self.intensities.iter().zip(&self.wanted.brightness).zip(&self.wanted.weight) {
+            let (i, t, w) = (i.wide(), t.wide() / most, w.wide());
+            inside += w * i * t;
+            wanted += w * t;
+            around += w * i * (1.0 - t);
+            rest += w * (1.0 - t);
+        }
+        let contrast = (inside / wanted) / (around / rest);
+        contrast.is_finite().then_some(contrast)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::{DVec2, DVec3};
+
+    use super::*;
+    use crate::acoustics::Aperture;
+    use crate::scene::{Liquid, Scene};
+    use crate::solver::descent::{Descent, Function};
+    use crate::solver::shape::grid::{Grid, Layout};
+    use crate::solver::shape::objective::{Loudness, Objective, Quiet, Weights};
+    use crate::solver::shape::table::Table;
+    use crate::solver::starts::scatter;
+
+    const SCALE: f64 = 1e-2;
+    const ALONE: Weights = Weights {
+        even: 1.5,
+        quiet: 0.0,
+        strong: 0.0,
+        sharpness: 8,
+        loudness: Loudness::Eight,
+        picture: 3.0,
+        floor: 0.0,
+    };
+
+    fn table(aperture: &Aperture, points: &[DVec3]) -> Table<f64> {
+        let mut table = Table::new(aperture.driven.len());
+        aperture.transfer(points).rows().for_each(|row| table.push(row, SCALE));
+        table
+    }
+
+    /// A ring of some brightness on a grid, and what is around it.
+    fn on_grid<T: Real>(aperture: &Aperture, liquid: Option<&Liquid>) -> Picture<T> {
+        let layout = Layout::new(aperture, 0.05, DVec2::splat(0.04), 2);
+        let (mut brightness, mut weight) =
+            (vec![T::default(); layout.len()], vec![T::default(); layout.len()]);
+        for (index, place) in layout.places(aperture.pitch) {
+            let is_ring = (place.length() - 0.015).abs() < 0.006;
+            brightness[index] = T::of(if is_ring { 0.3 + 0.7 * scatter(index) } else { 0.0 });
+            weight[index] = T::of(if place.length() < 0.035 { 1.0 } else { 0.0 });
+        }
+        let response = liquid.map(|liquid| Response::new(liquid, &layout, aperture.pitch));
+        let grid = Samples::Grid(Box::new(Grid::new(aperture, layout, SCALE)));
+        Picture::new(grid, Wanted::new(brightness, weight), response)
+    }
+
+    fn check(objective: &mut Objective<f64>, elements: usize, what: &str) {
+        const STEP: f64 = 1e-5;
+        let phases: Vec<_> = (0..elements).map(|n| 6.0 * scatter(n)).collect();
+        let mut gradient = vec![0.0; elements];
+        let value = objective.evaluate(&phases, &mut gradient);
+        assert!(value.is_finite(), "{what}");
+        let largest = gradient.iter().fold(0.0f64, |most, slope| most.max(slope.abs()));
+        for n in 0..elements {
+            let mut at = |by: f64| {
+                let mut moved = phases.clone();
+                moved[n] += by;
+                objective.evaluate(&moved, &mut vec![0.0; elements])
+            };
+            let expected = (at(STEP) - at(-STEP)) / (2.0 * STEP);
+            let off = (gradient[n] - expected).abs() / largest;
+            assert!(off < 1e-6, "{what}, element {n}: off by {off:e}");
+        }
+    }
+
+    #[test]
+    fn the_gradient_is_that_of_central_differences() {
+        let mut scene = Scene::default();
+        (scene.array.rows, scene.array.columns, scene.array.off) = (5, 7, vec![3, 11]);
+        let aperture = Aperture::new(&scene);
+        let stroke: Vec<_> = (0..9).map(|i| DVec3::new(2e-3 * f64::from(i), 1e-3, 0.05)).collect();
+        let elsewhere: Vec<_> = (0..19).map(|i| DVec3::new(-0.05, 2e-3 * f64::from(i), 0.06)).collect();
+        let scattered: Vec<_> =
+            (0..40).map(|i| DVec3::new(0.03, 0.0, 0.05) * scatter(i) + DVec3::Z * 0.03).collect();
+        for (name, liquid, drives) in
+            [("pressure", None, 1), ("pressure", None, 2), ("depression", Some(Liquid::default()), 1)]
+        {
+            for strokes in [&stroke[..], &[]] {
+                for quiet in [0.0, 0.4] {
+                    let what = format!(
+                        "{name}, {drives} drives, {} samples of strokes, quiet {quiet}",
+                        strokes.len()
+                    );
+                    let weights = Weights { quiet, ..ALONE };
+                    let mut objective = Objective::new(table(&aperture, strokes), drives, weights);
+                    objective.picture = Some(on_grid(&aperture, liquid.as_ref()));
+                    let far = Samples::Table(table(&aperture, &elsewhere));
+                    objective.quiet.push(Quiet::new(far, vec![0.7; elsewhere.len()]));
+                    check(&mut objective, drives * aperture.driven.len(), &what);
+                }
+            }
+        }
+        let wanted: Vec<_> = (0..40).map(scatter).collect();
+        let mut objective = Objective::new(table(&aperture, &[]), 1, ALONE);
+        let samples = Samples::Table(table(&aperture, &scattered));
+        objective.picture = Some(Picture::new(samples, Wanted::new(wanted, vec![1.0; 40]), None));
+        check(&mut objective, aperture.driven.len(), "a table");
+    }
+
+    #[test]
+    fn a_field_that_a_drive_makes_is_found_again() {
+        let aperture = Aperture::new(&Scene::default());
+        let layout = Layout::new(&aperture, 0.1, DVec2::splat(0.05), 5);
+        let mut grid = Grid::<f64>::new(&aperture, layout, SCALE);
+        // Focused on a ring: what such a drive makes is no field that any start ends at.
+        let mut known = Waves::zeros(256);
+        for (n, position) in aperture.positions.iter().enumerate() {
+            let away = (position.extend(0.0).distance(DVec3::Z * 0.1) - 0.1) * aperture.element.wavenumber;
+            let phase = away + 2.0 * (120.0 * position.x).sin() - (90.0 * position.y).cos();
+            (known.re[n], known.im[n]) = (phase.cos(), phase.sin());
+        }
+        let mut field = Waves::zeros(layout.len());
+        grid.forward(&known, &mut field);
+        let mut brightness: Vec<_> =
+            field.re.iter().zip(&field.im).map(|(re, im)| re * re + im * im).collect();
+        let mut weight = vec![0.0; layout.len()];
+        layout.places(aperture.pitch).for_each(|(index, _)| weight[index] = 1.0);
+        brightness.iter_mut().zip(&weight).for_each(|(t, w)| *t *= w);
+        let samples = Samples::Grid(Box::new(grid));
+        let mut objective = Objective::new(Table::new(256), 1, Weights { picture: 1.0, ..ALONE });
+        objective.picture = Some(Picture::new(samples, Wanted::new(brightness, weight), None));
+        let start = objective.start(256);
+        let mut way = Descent::new(start, &mut objective);
+        let before = way.value;
+        for _ in 0..800 {
+            if way.value < 1e-7 || !way.step(&mut objective) {
+                break;
+            }
+        }
+        assert!(before > 0.01 && way.value < 1e-6, "{before}, then {:e}", way.value);
+    }
+}

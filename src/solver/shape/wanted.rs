@@ -1,0 +1,184 @@
+//! Samples of areas and of what is around them: where they lie, and what is wanted there.
+
+use glam::{DVec2, DVec3};
+
+use crate::acoustics::Aperture;
+use crate::scene::{Cover, Focus};
+use crate::solver::Problem;
+use crate::solver::shape::grid::{Grid, Layout};
+use crate::solver::shape::objective::Samples;
+use crate::solver::shape::picture::{Picture, Wanted};
+use crate::solver::shape::real::Real;
+use crate::solver::shape::response::Response;
+use crate::solver::shape::surroundings::Surroundings;
+use crate::solver::shape::table::{BLOCK, Table};
+
+/// Wavelengths from one sample to the next; from an area within which it is to be quiet; and across a stroke or a point that is
+/// drawn as an area.
+const SPACING: f64 = 0.245;
+const MARGIN: f64 = 3.2;
+pub const STROKE: f64 = 0.5;
+/// Excitations that a picture hears are padded to whole blocks of this.
+pub const PADDING: usize = BLOCK;
+/// Wavelengths between planes that count as one.
+const SAME: f64 = 0.01;
+/// Brightness over what it is usually.
+const FAINTEST: f64 = 1e-6;
+/// Values of a table at most, and samples of one.
+const MOST_VALUES: usize = 16 << 20;
+const MOST_SAMPLES: usize = 10_000;
+
+/// The areas of a drawing, and how they are heard.
+pub fn picture<T: Real>(
+    problem: &Problem<'_>,
+    surroundings: &Surroundings,
+    finer: bool,
+    scale: f64,
+) -> Option<Picture<T>> {
+    let drawn = Drawn::new(problem, surroundings)?;
+    let aperture = problem.aperture;
+    let spacing = SPACING * aperture.wavelength() / if finer { 1.25 } else { 1.0 };
+    let layout = drawn.layout(aperture, spacing);
+    let (samples, wanted) = match layout {
+        Some(layout) => {
+            let wanted = drawn.on_grid(aperture, &layout);
+            (Samples::Grid(Box::new(Grid::new(aperture, layout, scale))), wanted)
+        }
+        None => drawn.in_table(aperture, spacing, scale),
+    };
+    let response = surroundings.liquid.as_ref().zip(layout);
+    let response = response.map(|(liquid, layout)| Response::new(liquid, &layout, aperture.pitch));
+    // As strokes have it, unless that is too faint for f32.
+    let mean = problem.targets().iter().sum::<f64>() / problem.foci.len() as f64;
+    let brightest = wanted.iter().map(|(brightness, _)| *brightness).fold(0.0, f64::max);
+    let unit = (mean * mean).min(FAINTEST.recip() * brightest);
+    if !(unit.is_normal() && scale.is_normal()) {
+        return None;
+    }
+    // A liquid that is not level with the samples has no answer.
+    if surroundings.liquid.is_some() && response.is_none() {
+        return None;
+    }
+    let part = |(brightness, weight): &(f64, f64)| (T::of(brightness / unit), T::of(*weight));
+    let (brightness, weight) = wanted.iter().map(part).unzip();
+    Some(Picture::new(samples, Wanted::new(brightness, weight), response))
+}
+
+/// Areas, and foci that are drawn as discs.
+struct Drawn<'a> {
+    covers: &'a [Cover],
+    discs: Vec<&'a Focus>,
+    wavelength: f64,
+}
+
+impl<'a> Drawn<'a> {
+    /// `None` where nothing is an area.
+    fn new(problem: &'a Problem<'_>, surroundings: &'a Surroundings) -> Option<Self> {
+        let as_disc = |focus: &&Focus| surroundings.liquid.is_some() && !focus.is_of_area();
+        let discs: Vec<_> = problem.foci.iter().filter(as_disc).collect();
+        let covers = &surroundings.areas[..];
+        let is_something = !covers.is_empty() || !discs.is_empty();
+        is_something.then_some(Self { covers, discs, wavelength: problem.aperture.wavelength() })
+    }
+
+    /// m, around what is drawn.
+    fn margin(&self) -> f64 {
+        MARGIN * self.wavelength
+    }
+
+    /// The height of all that is drawn, if that is level.
+    fn height(&self) -> Option<f64> {
+        let is_level = |cover: &Cover| cover.axes.iter().all(|axis| axis.z.abs() < 1e-9);
+        let discs = self.discs.iter().map(|focus| focus.position.z);
+        let mut heights = self.covers.iter().map(|cover| cover.centre.z).chain(discs);
+        let first = heights.next()?;
+        let is_same = heights.all(|height| (height - first).abs() < SAME * self.wavelength);
+        (is_same && first > 0.0 && self.covers.iter().all(is_level)).then_some(first)
+    }
+
+    /// Samples of a plane parallel to the array.
+    fn layout(&self, aperture: &Aperture, spacing: f64) -> Option<Layout> {
+        let height = self.height()?;
+        let far = |cover: &Cover| {
+            let half = cover.half + self.margin();
+            let along = (cover.axes[0] * half.x).abs() + (cover.axes[1] * half.y).abs();
+            cover.centre.truncate().abs() + along.truncate()
+        };
+        let discs = self.discs.iter().map(|focus| focus.position.truncate().abs() + self.margin());
+        let reach = self.covers.iter().map(far).chain(discs).fold(DVec2::ZERO, DVec2::max);
+        let grids = (aperture.pitch / spacing).ceil().clamp(1.0, 16.0) as usize;
+        if reach.max_element() >= 1e4 * aperture.pitch {
+            return None;
+        }
+        let layout = Layout::new(aperture, height, reach, grids);
+        (layout.area() <= 64 * aperture.positions.len() + (1 << 16)).then_some(layout)
+    }
+
+    /// T and w of every value of a field.
+    fn on_grid(&self, aperture: &Aperture, layout: &Layout) -> Vec<(f64, f64)> {
+        let mut wanted = vec![(0.0, 0.0); layout.len()];
+        let spacing = layout.spacing(aperture.pitch);
+        for cover in self.covers {
+            let half = cover.half + self.margin();
+            let middle = cover.centre.truncate();
+            for (index, place) in layout.places_near(aperture.pitch, middle, half.length()) {
+                let flat = cover.flat(place.extend(cover.centre.z));
+                if flat.abs().cmple(half).all() {
+                    let brightness = cover.pressure * cover.pressure * cover.brightness(flat, spacing);
+                    wanted[index] = (brightness.max(wanted[index].0), 1.0);
+                }
+            }
+        }
+        for focus in &self.discs {
+            let middle = focus.position.truncate();
+            for (index, place) in layout.places_near(aperture.pitch, middle, self.margin()) {
+                let brightness = self.disc(focus, place.distance(middle), spacing);
+                wanted[index] = (brightness.max(wanted[index].0), 1.0);
+            }
+        }
+        wanted
+    }
+
+    /// What is wanted of a focus at a distance (m) from it, over a cell.
+    fn disc(&self, focus: &Focus, distance: f64, cell: f64) -> f64 {
+        let inside = (0.5 * STROKE * self.wavelength - distance) / cell + 0.5;
+        focus.target * focus.target * inside.clamp(0.0, 1.0)
+    }
+
+    /// A table of all areas and their surroundings, each in its own plane, and T and w of its rows.
+    fn in_table<T: Real>(
+        &self,
+        aperture: &Aperture,
+        spacing: f64,
+        scale: f64,
+    ) -> (Samples<T>, Vec<(f64, f64)>) {
+        let most = (MOST_VALUES / aperture.driven.len().next_multiple_of(BLOCK)).clamp(64, MOST_SAMPLES);
+        let sizes = self.covers.iter().map(|cover| 2.0 * (cover.half + self.margin()));
+        let area: f64 = sizes.map(DVec2::element_product).sum();
+        let spacing = spacing.max((area / most as f64).sqrt());
+        let points = self.covers.iter().flat_map(|cover| around(cover, cover.half + self.margin(), spacing));
+        let points: Vec<_> = points.filter(|point| point.z > 0.0 && point.is_finite()).collect();
+        let mut table = Table::new(aperture.driven.len());
+        aperture.transfer(&points).rows().for_each(|row| table.push(row, scale));
+        let wanted = points.iter().map(|&point| (self.at(point, spacing), 1.0)).collect();
+        (Samples::Table(table), wanted)
+    }
+
+    /// T at a place of any of the planes.
+    fn at(&self, point: DVec3, cell: f64) -> f64 {
+        let of = |cover: &Cover| {
+            let flat = cover.flat(point);
+            let is_on_plane = cover.world(flat).distance(point) < 0.25 * self.wavelength;
+            let brightness = if is_on_plane { cover.brightness(flat, cell) } else { 0.0 };
+            cover.pressure * cover.pressure * brightness
+        };
+        self.covers.iter().map(of).fold(0.0, f64::max)
+    }
+}
+
+/// Places of an area's plane on a square grid, up to `half` (m) from its middle.
+fn around(cover: &Cover, half: DVec2, spacing: f64) -> impl Iterator<Item = DVec3> {
+    let [x, y] = (half / spacing).floor().to_array().map(|steps| steps as i64);
+    let row = move |j: i64| (-x..=x).map(move |i| (i, j));
+    (-y..=y).flat_map(row).map(move |(i, j)| cover.world(DVec2::new(i as f64, j as f64) * spacing))
+}

@@ -1,0 +1,95 @@
+//! Scenes as they are opened: the file, and the pictures that it names.
+
+use std::collections::HashMap;
+use std::fs::File;
+use std::io::Read;
+use std::path::{Path, PathBuf};
+
+use crate::picture::grey;
+use crate::scene::check::{Key, KeyError};
+use crate::scene::file::{self, FileError};
+use crate::scene::{Grey, Pixels, Scene, Shape, Target};
+use crate::studio::output;
+
+/// Bytes of a picture's file, at most.
+const MOST_BYTES: u64 = 64 << 20;
+
+/// The scene of a file, with its pictures.
+///
+/// # Errors
+/// Those of [`file::read`], and a picture that cannot be read.
+pub fn open(path: &Path) -> Result<Scene, FileError> {
+    parse(&file::read_text(path)?, path)
+}
+
+/// Like [`open`], from text; pictures are looked for beside `path`.
+///
+/// # Errors
+/// As [`open`].
+pub fn parse(text: &str, path: &Path) -> Result<Scene, FileError> {
+    let mut scene = file::parse(text, path)?;
+    load(&mut scene, path.parent().unwrap_or(Path::new("")))
+        .map_err(|error| file::located(&error, text, path))?;
+    Ok(scene)
+}
+
+/// Loads the pictures that a scene names, relative to a folder, and checks the scene again if there are any.
+///
+/// # Errors
+/// A picture that is not there, unreadable or black, and what [`file::targets_in_motion`] refuses.
+pub fn load(scene: &mut Scene, folder: &Path) -> Result<(), KeyError> {
+    if !scene.targets.iter().any(Target::lacks_pixels) {
+        return Ok(());
+    }
+    load_targets(&mut scene.targets, folder)?;
+    file::targets_in_motion(scene)
+}
+
+/// Loads the pictures among targets.
+///
+/// # Errors
+/// A picture that is not there, unreadable or black.
+pub fn load_targets(targets: &mut [Target], folder: &Path) -> Result<(), KeyError> {
+    let mut loaded: HashMap<PathBuf, Pixels> = HashMap::new();
+    for (index, target) in targets.iter_mut().enumerate().filter(|(_, target)| target.lacks_pixels()) {
+        let Shape::Picture { file, pixels, .. } = &mut target.shape else { continue };
+        let path = folder.join(&*file);
+        *pixels = match loaded.get(&path) {
+            Some(pixels) => pixels.clone(),
+            None => {
+                let key = [Key::from("target"), Key::from(index), Key::from("file")];
+                let read = read(&path).map_err(|message| KeyError::new(key, message))?;
+                loaded.insert(path, read.clone());
+                read
+            }
+        };
+    }
+    Ok(())
+}
+
+fn read(path: &Path) -> Result<Pixels, String> {
+    output::refuse_stream(path).map_err(|error| error.to_string())?;
+    let mut bytes = Vec::new();
+    File::open(path)
+        .and_then(|file| file.take(MOST_BYTES + 1).read_to_end(&mut bytes))
+        .map_err(|error| format!("{}: {error}", path.display()))?;
+    if bytes.len() as u64 > MOST_BYTES {
+        return Err(format!("{}: no picture has more than {} MiB", path.display(), MOST_BYTES >> 20));
+    }
+    let (width, height, brightness) = grey::read(&bytes).map_err(|error| error.to_string())?;
+    Ok(Pixels::new(Grey { file: path.to_owned(), width, height, brightness }))
+}
+
+/// The scene as a file in another folder has it: pictures that are not found from there get their whole path.
+pub fn named_from(scene: &Scene, folder: &Path) -> Scene {
+    let mut scene = scene.clone();
+    for target in &mut scene.targets {
+        let Shape::Picture { file, pixels, .. } = &mut target.shape else { continue };
+        let Some(grey) = pixels.get() else { continue };
+        if folder.join(&*file) != grey.file {
+            let whole = std::path::absolute(&grey.file).unwrap_or_else(|_| grey.file.clone());
+            *file = whole.to_string_lossy().into_owned();
+        }
+    }
+    scene
+}
