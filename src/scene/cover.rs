@@ -1,5 +1,7 @@
 //! What is wanted where on the plane of an area: filled shapes, broad strokes and pictures as rasters of |p|².
 
+use std::ops::Range;
+
 use glam::{DQuat, DVec2, DVec3};
 
 use crate::scene::check::{Key, KeyError};
@@ -70,18 +72,30 @@ impl Cover {
         }
     }
 
+    /// A black rim is left out: what is far from anything drawn is quiet anyway.
     fn of_picture(target: &Target, grey: &Grey, size: DVec2) -> Self {
         let axes = [DVec3::X, DVec3::Y].map(|axis| turn(target) * axis);
-        let rows = grey.brightness.chunks_exact(grey.width.max(1)).rev();
-        let brightness: Vec<_> =
-            rows.flatten().map(|&brightness| f64::from(brightness.clamp(0.0, 1.0))).collect();
+        let width = grey.width.max(1);
+        let rows: Vec<_> = grey.brightness.chunks_exact(width).rev().collect();
+        let is_bright = |brightness: &f32| *brightness > 0.0;
+        let [columns, rows_kept] = [
+            bounds((0..width).map(|column| rows.iter().any(|row| is_bright(&row[column])))),
+            bounds(rows.iter().map(|row| row.iter().any(is_bright))),
+        ];
+        let kept = rows[rows_kept.clone()].iter().flat_map(|row| &row[columns.clone()]);
+        let brightness: Vec<_> = kept.map(|brightness| f64::from(brightness.clamp(0.0, 1.0))).collect();
+        let pixel = size / DVec2::new(grey.width as f64, grey.height as f64);
+        let ends = |start: usize, end: usize| 0.5 * (start + end) as f64;
+        let middle = DVec2::new(ends(columns.start, columns.end), ends(rows_kept.start, rows_kept.end));
+        let from_centre = middle * pixel - size / 2.0;
+        let counts = [columns.len(), rows_kept.len()];
         Self {
             pressure: target.pressure,
-            centre: centre(&target.shape),
+            centre: centre(&target.shape) + axes[0] * from_centre.x + axes[1] * from_centre.y,
             axes,
-            half: size / 2.0,
-            counts: [grey.width, grey.height],
-            sums: sums([grey.width, grey.height], &brightness),
+            half: DVec2::new(counts[0] as f64, counts[1] as f64) * pixel / 2.0,
+            counts,
+            sums: sums(counts, &brightness),
             is_plain: false,
         }
     }
@@ -197,6 +211,16 @@ impl Cover {
     }
 }
 
+/// From the first to behind the last that holds; all where none does.
+fn bounds(holds: impl ExactSizeIterator<Item = bool> + DoubleEndedIterator + Clone) -> Range<usize> {
+    let count = holds.len();
+    let (mut from, mut back) = (holds.clone(), holds);
+    match (from.position(|it| it), back.rposition(|it| it)) {
+        (Some(first), Some(last)) => first..last + 1,
+        (None, _) | (_, None) => 0..count,
+    }
+}
+
 /// How a flat shape is turned out of the array's plane.
 fn turn(target: &Target) -> DQuat {
     let facing = DQuat::from_rotation_arc(DVec3::Z, target.normal.try_normalize().unwrap_or(DVec3::Z));
@@ -309,4 +333,27 @@ fn broad([columns, rows]: [usize; 2], strokes: &[Vec<DVec2>], width: f64) -> Vec
 
 fn refuse<T>(key: &'static str, message: impl Into<String>) -> Result<T, KeyError> {
     Err(KeyError::new([Key::from(key)], message))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::Pixels;
+
+    #[test]
+    fn a_black_rim_is_left_out_and_moves_nothing() {
+        let bright = |column: usize, row: usize| if (2..5).contains(&column) && row == 1 { 0.5 } else { 0.0 };
+        let brightness = (0..32).map(|index| bright(index % 8, index / 8)).collect();
+        let grey = Grey { file: "rim.png".into(), width: 8, height: 4, brightness };
+        let at = DVec3::new(0.01, -0.02, 0.1);
+        let shape = Shape::Picture { file: "rim.png".to_owned(), at, width: 0.08, pixels: Pixels::new(grey) };
+        let target = Target { angle: std::f64::consts::FRAC_PI_2, ..Target::new(shape) };
+        let cover = Cover::new(&target, 8.5e-3).unwrap().unwrap();
+        assert!(cover.half.distance(DVec2::new(0.015, 0.005)) < 1e-12, "{}", cover.half);
+        // The second row from the top lies 5 mm above the middle, which a quarter turn takes to the left.
+        let middle = at + DVec3::new(-0.005, -0.005, 0.0);
+        assert!(cover.centre.distance(middle) < 1e-12, "{}", cover.centre);
+        assert!((cover.brightness(cover.flat(middle), 1e-3) - 0.5).abs() < 1e-12);
+        assert_eq!(cover.brightness(cover.flat(at + DVec3::X * 0.01), 1e-3), 0.0);
+    }
 }
