@@ -189,11 +189,15 @@ pub fn solve(scene: &Scene) -> Result<Solution, SolveError> {
     let start = Instant::now();
     let aperture = Aperture::new(scene);
     let problem = Problem::of_scene(scene, &aperture, outline::foci(scene)?);
-    let mut excitation = excite(&problem, scene.solver.method, scene.solver.iterations)?;
-    if scene.solver.method == Method::Best && problem.surroundings.is_none() {
-        let time = Duration::try_from_secs_f64(scene.solver.search).unwrap_or_default();
-        excitation = iteration::search_on(&problem, excitation, time);
-    }
+    let time = Duration::try_from_secs_f64(scene.solver.search).unwrap_or_default();
+    let excitation = match (scene.solver.method, &problem.surroundings) {
+        (Method::Best, Some(surroundings)) => shape::best_within(&problem, surroundings, time),
+        (Method::Best, None) => {
+            let found = excite(&problem, Method::Best, scene.solver.iterations)?;
+            iteration::search_on(&problem, found, time)
+        }
+        (method, _) => excite(&problem, method, scene.solver.iterations)?,
+    };
     let seconds = start.elapsed().as_secs_f64();
     let mut solution = solution(scene, &problem, &excitation, seconds);
     if problem.surroundings.is_some() {

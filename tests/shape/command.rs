@@ -232,6 +232,20 @@ fn searching_on_finds_no_weaker_drive() {
     assert!(later > 1.0001 * soon, "nothing was searched: {later} Pa");
 }
 
+#[test]
+fn searching_on_makes_no_shape_worse() {
+    let scene = path(&drawings()[0]);
+    let of = |args: &[&str]| {
+        let solution = solved(&scene, args);
+        let steps = solution["iterations"].as_u64().unwrap();
+        (steps, ["evenness", "side_lobe"].map(|key| solution["quality"][key].as_f64().unwrap()))
+    };
+    let ((steps, soon), (further, later)) = (of(&[]), of(&["--search", "0.5"]));
+    assert!(further > steps, "nothing was searched");
+    // What is made small is a sum of both.
+    assert!(later[0] > soon[0] - 0.03 && later[1] < soon[1] + 0.03, "{soon:?}, then {later:?}");
+}
+
 /// A stroke wanted three times as loud at one end, and a point; evenness is of pressure over target.
 #[test]
 fn solve_answers_with_the_samples_of_a_stroke() {

@@ -8,6 +8,7 @@
 
 mod fft;
 mod figures;
+mod further;
 mod grid;
 mod objective;
 mod picture;
@@ -20,6 +21,7 @@ mod table;
 mod wanted;
 
 use std::f64::consts::TAU;
+use std::time::Duration;
 
 use num_complex::Complex64;
 
@@ -32,6 +34,7 @@ use start::Start;
 use table::Table;
 
 pub use figures::{AreaFigures, Figures, figures};
+pub use further::best_within;
 pub use surroundings::{Surroundings, Zone};
 
 /// Steps of one call of [`Search::advance`], and calls, of each part of the schedule.
@@ -194,15 +197,11 @@ impl<'a> Search<'a> {
 
     fn first(&mut self) {
         if self.objective.picture.is_some() {
-            let phases = self.objective.start(self.problem.aperture.driven.len());
-            self.objective.weights = STROKES;
-            let mut way = Descent::new(phases, &mut self.objective);
-            self.steps += descend(&mut way, &mut self.objective, AREA_FIRST).0;
-            self.ways[0] = Some(way);
+            self.ways[0] = Some(self.begun(0, AREA_FIRST));
             self.stage = Stage::Area(0);
             return;
         }
-        let way = self.along_strokes(0, FIRST_STEPS);
+        let way = self.begun(0, FIRST_STEPS);
         self.strongest = self.objective.mean_square(&way.x);
         self.ways[0] = Some(way);
         self.stage = if self.is_quiet() { Stage::Coarse(0) } else { Stage::Done };
@@ -236,7 +235,7 @@ impl<'a> Search<'a> {
     /// Tries another start; after the last of them the best goes on as far as the first did.
     fn other(&mut self, start: usize) {
         let weights = self.objective.weights;
-        let way = self.along_strokes(start + 1, OTHER_STEPS);
+        let way = self.begun(start + 1, OTHER_STEPS);
         self.objective.weights = weights;
         let best = self.ways[1].replace(way);
         self.renew(1);
@@ -279,7 +278,7 @@ impl<'a> Search<'a> {
         if self.is_quiet() {
             let has_areas = self.objective.picture.is_some();
             if !has_areas {
-                let strong = self.along_strokes(0, MOVED_STEPS);
+                let strong = self.begun(0, MOVED_STEPS);
                 self.strongest = self.objective.mean_square(&strong.x);
             }
             self.hear(!has_areas);
@@ -331,14 +330,17 @@ impl<'a> Search<'a> {
         objective.quiet.extend(region::in_zones(problem, &surroundings.zones, *scale));
     }
 
-    /// Every drive that takes turns begins at another start, the first at this one.
-    fn along_strokes(&mut self, start: usize, steps: usize) -> Descent {
+    /// Steps without the surroundings. Every drive that takes turns begins at another start, the first at this one.
+    fn begun(&mut self, start: usize, steps: usize) -> Descent {
         let samples: Vec<_> = self.problem.foci.iter().map(|focus| focus.position).collect();
         let phases = |drive: usize| {
             let phases = Start::phases(start + drive, &samples, &self.surroundings.plane);
             along(self.problem, &phases)
         };
-        let phases = (0..self.problem.drives).flat_map(phases).collect();
+        let phases = match self.objective.picture {
+            Some(_) => self.objective.start(start, self.problem.aperture.driven.len()),
+            None => (0..self.problem.drives).flat_map(phases).collect(),
+        };
         self.objective.weights = STROKES;
         let mut way = Descent::new(phases, &mut self.objective);
         self.steps += descend(&mut way, &mut self.objective, steps).0;
@@ -460,15 +462,7 @@ fn strongest(problem: &Problem<'_>) -> Vec<Complex64> {
 
 /// The drive at the end of a [`Search`].
 pub fn best(problem: &Problem<'_>, surroundings: &Surroundings) -> Excitation {
-    let mut search = Search::new(problem, surroundings);
-    let mut best = None;
-    while let Some(better) = search.advance() {
-        best = Some(better);
-    }
-    match best {
-        Some(best) => search.turned_for_rounding(best),
-        None => search.silent(),
-    }
+    best_within(problem, surroundings, Duration::ZERO)
 }
 
 /// One call of a search that goes on from u of the driven elements: what a frame of a motion or of a drag has time for.

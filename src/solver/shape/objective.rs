@@ -170,10 +170,11 @@ impl<T: Real> Objective<T> {
         self.strokes.points() > 0
     }
 
-    /// Phases of the elements from which a field of equal phases on the areas comes, or, of further drives, of scattered ones.
-    pub fn start(&mut self, elements: usize) -> Vec<f64> {
+    /// Phases of the elements from which a field of equal phases on the areas comes, or, of further starts and drives, of
+    /// scattered ones.
+    pub fn start(&mut self, number: usize, elements: usize) -> Vec<f64> {
         if let Some(picture) = &mut self.picture {
-            picture.start(&mut self.heard);
+            picture.start(number, &mut self.heard);
         }
         let phases = |heard: &Waves<T>| {
             let heard = heard.re.iter().zip(&heard.im).take(elements);

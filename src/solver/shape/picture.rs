@@ -194,9 +194,9 @@ impl<T: Real> Picture<T> {
         }
     }
 
-    /// What the elements hear of a field of the wanted |p| with equal phases, or, for further drives, with scattered ones.
-    pub fn start(&mut self, drives: &mut [Waves<T>]) {
-        for (drive, b) in drives.iter_mut().enumerate() {
+    /// What the elements hear of a field of the wanted |p| with equal phases, or, for further starts and drives, with scattered ones.
+    pub fn start(&mut self, number: usize, drives: &mut [Waves<T>]) {
+        for (drive, b) in (number..).zip(drives) {
             let mut p = Waves::zeros(self.intensities.len());
             let wanted = self.wanted.brightness.iter().zip(&self.wanted.weight).enumerate();
             for (index, (t, w)) in wanted.filter(|(_, (t, _))| **t > T::default()) {
@@ -347,7 +347,7 @@ mod tests {
         let samples = Samples::Grid(Box::new(grid));
         let mut objective = Objective::new(Table::new(256), 1, Weights { picture: 1.0, ..ALONE });
         objective.picture = Some(Picture::new(samples, Wanted::new(brightness, weight), None));
-        let start = objective.start(256);
+        let start = objective.start(0, 256);
         let mut way = Descent::new(start, &mut objective);
         let before = way.value;
         for _ in 0..800 {

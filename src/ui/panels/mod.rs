@@ -4,6 +4,7 @@ mod device;
 mod drive;
 mod liquid;
 mod motion;
+mod profile;
 mod scene;
 mod solver;
 mod target;

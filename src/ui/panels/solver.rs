@@ -5,7 +5,7 @@ use egui::Ui;
 use crate::picture::sheet::pascals;
 use crate::scene::{Aim, Amplitudes, Method, Pressures};
 use crate::solver::{Figures, Quality, Solution};
-use crate::ui::panels::{PLAIN, choice, count, fact, form, heading, number};
+use crate::ui::panels::{PLAIN, choice, count, fact, form, heading, number, profile};
 use crate::ui::{Command, Editor, Shown, theme};
 
 pub fn show(editor: &mut Editor, shown: &Shown, ui: &mut Ui, commands: &mut Vec<Command>) {
@@ -13,6 +13,9 @@ pub fn show(editor: &mut Editor, shown: &Shown, ui: &mut Ui, commands: &mut Vec<
     if let Some(solution) = &shown.solution {
         ui.separator();
         quality(shown, solution, ui);
+        if let Some(sound) = &shown.sound {
+            profile::show(sound, ui);
+        }
     }
     ui.separator();
     comparison(editor, shown, ui, commands);

@@ -1,0 +1,48 @@
+//! A search that goes on after its schedule, from one further start after the other.
+
+use std::time::{Duration, Instant};
+
+use crate::solver::shape::{FINE, OTHER_STEPS, Search, Start, Surroundings, value};
+use crate::solver::{Excitation, Problem};
+
+/// Calls of [`FINE`] steps from each start.
+const CALLS: usize = 8;
+
+/// The drive at the end of a [`Search`] that tries further starts until this time is over, one at least where there is time.
+pub fn best_within(problem: &Problem<'_>, surroundings: &Surroundings, time: Duration) -> Excitation {
+    let start = Instant::now();
+    let mut search = Search::new(problem, surroundings);
+    let mut best = None;
+    while let Some(better) = search.advance() {
+        best = Some(better);
+    }
+    let mut number = Start::ALL.len();
+    while best.is_some() && start.elapsed() < time {
+        search.further(number);
+        best = Some(search.give());
+        number += problem.drives;
+    }
+    match best {
+        Some(best) => search.turned_for_rounding(best),
+        None => search.silent(),
+    }
+}
+
+impl Search<'_> {
+    /// Takes the place of the better way if this start ends better.
+    fn further(&mut self, number: usize) {
+        let rival = 1 - self.leader;
+        let weights = self.objective.weights;
+        self.ways[rival] = Some(self.begun(number, OTHER_STEPS));
+        self.objective.weights = weights;
+        self.renew(rival);
+        for _ in 0..CALLS {
+            if !self.run(rival, FINE.0) {
+                break;
+            }
+        }
+        if value(&self.ways[rival]) < value(&self.ways[self.leader]) {
+            self.leader = rival;
+        }
+    }
+}

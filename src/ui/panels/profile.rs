@@ -1,0 +1,61 @@
+//! The pressure along the strokes of a shape, from their first end to their last.
+
+use egui::{Ui, Vec2b};
+use egui_plot::{HLine, Line, Plot, PlotPoints};
+
+use crate::scene::Part;
+use crate::ui::{Sound, theme};
+
+/// Places (mm) along all strokes, one after the other, and the pressure there over its target's mean; a curve for each stroke.
+pub fn curves(sound: &Sound) -> Vec<Vec<[f64; 2]>> {
+    /// Wavelengths between neighbours: samples that are farther apart belong to different strokes.
+    const NEIGHBOURS: f64 = 0.27;
+    let relative = |index: usize| sound.readings[index].peak() / sound.foci[index].target;
+    let samples: Vec<_> =
+        (0..sound.foci.len()).filter(|&index| sound.foci[index].part == Part::Stroke).collect();
+    let mean = samples.iter().map(|&index| relative(index)).sum::<f64>() / samples.len().max(1) as f64;
+    let nearest = NEIGHBOURS * sound.aperture.wavelength();
+    let mut curves: Vec<Vec<[f64; 2]>> = Vec::new();
+    let (mut along, mut before) = (0.0, None);
+    for index in samples {
+        let position = sound.foci[index].position;
+        let way = before.map(|before| position.distance(before)).filter(|way| *way < nearest);
+        along += way.unwrap_or(nearest);
+        if way.is_none() {
+            curves.push(Vec::new());
+        }
+        if let Some(curve) = curves.last_mut() {
+            curve.push([along * 1e3, relative(index) / mean.max(f64::MIN_POSITIVE)]);
+        }
+        before = Some(position);
+    }
+    curves
+}
+
+/// Draws them, where there are strokes.
+pub fn show(sound: &Sound, ui: &mut Ui) {
+    const HEIGHT: f32 = 84.0;
+    let curves = curves(sound);
+    if curves.is_empty() {
+        return;
+    }
+    ui.label("Pressure along the strokes")
+        .on_hover_text("Over its mean, from the first stroke's beginning to the last one's end, mm");
+    let plot = Plot::new("profile")
+        .height(HEIGHT)
+        .allow_zoom(false)
+        .allow_drag(false)
+        .allow_scroll(false)
+        .allow_boxed_zoom(false)
+        .auto_bounds(Vec2b::TRUE)
+        .include_y(0.0)
+        .include_y(1.2)
+        .grid_spacing(16.0..=60.0)
+        .show_grid(true);
+    plot.show(ui, |plot| {
+        plot.hline(HLine::new("mean", 1.0).color(theme::CHOSEN.gamma_multiply(0.4)));
+        for curve in curves {
+            plot.line(Line::new("pressure", PlotPoints::from(curve)).color(theme::ACCENT).width(1.5));
+        }
+    });
+}
