@@ -21,7 +21,7 @@ use num_complex::Complex64;
 
 use crate::acoustics::{Aperture, Transfer};
 use crate::drive::Drive;
-use crate::scene::{Amplitudes, Focus, KeyError, Method, Pressures, Scene, Solver, outline};
+use crate::scene::{Amplitudes, Focus, KeyError, Method, Part, Pressures, Scene, Solver, outline};
 
 pub use inverse::rank_and_condition;
 pub use quality::{Limits, Quality, bound};
@@ -142,9 +142,22 @@ impl Solution {
 
     /// Adds the figures of a shape, if they are not there; `problem` is that of the scene.
     pub fn judge(&mut self, scene: &Scene, problem: &Problem<'_>) {
+        /// Evenness of strokes below which a part of them is hardly there.
+        const BROKEN: f64 = 0.5;
+        if self.figures.is_some() {
+            return;
+        }
         let u = self.played(&problem.aperture.driven);
-        self.figures
-            .get_or_insert_with(|| shape::figures(problem, &Surroundings::new(scene, &problem.foci), &u));
+        let figures = shape::figures(problem, &Surroundings::new(scene, &problem.foci), &u);
+        self.figures = Some(figures);
+        let is_stroked = self.foci.iter().any(|focus| focus.part == Part::Stroke);
+        if self.method == Method::Best && is_stroked && figures.areas.is_none() && figures.evenness < BROKEN {
+            self.warnings.push(format!(
+                "the faintest place along the strokes has {:.0} % of their mean pressure: a part of the drawing is out of the \
+                 array's reach",
+                100.0 * figures.evenness
+            ));
+        }
     }
 
     /// The same, every drive turned by a common phase to be near that of another solution for the array: nothing that is heard

@@ -276,6 +276,18 @@ fn solve_answers_with_the_samples_of_a_stroke() {
 }
 
 #[test]
+fn a_drawing_beyond_the_arrays_reach_is_said_to_be_so() {
+    let of = |side: f64| {
+        let scene =
+            format!("format = 1\n[[target]]\nkind = \"rectangle\"\nwidth = {side}\nheight = {side}\n");
+        let folder = folder_with(&[("a.toml", &scene)]);
+        String::from_utf8(run(folder.path(), &["solve", "a.toml"]).stderr).unwrap()
+    };
+    assert_eq!(of(0.04), "");
+    assert!(of(0.8).contains("out of the array's reach"), "{}", of(0.8));
+}
+
+#[test]
 fn a_time_to_search_that_is_none_is_refused() {
     let folder = folder_with(&[("a.toml", "format = 1\n[[target]]\n")]);
     for (args, part) in [

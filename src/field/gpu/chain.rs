@@ -9,7 +9,7 @@ use crate::acoustics::Aperture;
 use crate::drive::Drive;
 use crate::field::colouring::Colouring;
 use crate::field::gpu::forming::Forming;
-use crate::field::gpu::gathering::{Figures, Gathering, Probe};
+use crate::field::gpu::gathering::{Gathered, Gathering, Probe};
 use crate::field::gpu::painting::{Painting, Source, Texture};
 use crate::field::gpu::program::{MOST_GROUPS, Program};
 use crate::field::gpu::reading::Reading;
@@ -246,7 +246,7 @@ impl Chain {
     ///
     /// # Errors
     /// The device was lost.
-    pub fn figures(&mut self, gpu: &Gpu) -> Result<Option<Figures>, GpuError> {
+    pub fn figures(&mut self, gpu: &Gpu) -> Result<Option<Gathered>, GpuError> {
         let mut found = None;
         for (run, reading) in &mut self.figures {
             if let Some(bytes) = reading.poll(gpu)?.filter(|_| *run == self.run) {
@@ -280,7 +280,7 @@ impl Chain {
     ///
     /// # Errors
     /// The device was lost.
-    pub fn values(&mut self, gpu: &Gpu, wait: bool) -> Result<Option<(Vec<f32>, Figures)>, GpuError> {
+    pub fn values(&mut self, gpu: &Gpu, wait: bool) -> Result<Option<(Vec<f32>, Gathered)>, GpuError> {
         loop {
             let bytes = self.gathering.buffer.size() + self.forming.values.size();
             let (run, reading) = self.reading.get_or_insert_with(|| (0, Reading::with_room(gpu, bytes)));

@@ -9,7 +9,7 @@ use crate::field::quantity::{Part, Sound};
 
 /// What panels want to know of a map.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Figures {
+pub struct Gathered {
     /// See [`crate::field::Map::peak`].
     pub peak: f32,
     /// At the probes.
@@ -88,7 +88,7 @@ impl Gathering {
     }
 
     /// What came back.
-    pub(super) fn read(&self, gpu: &Gpu, bytes: &[u8]) -> Figures {
+    pub(super) fn read(&self, gpu: &Gpu, bytes: &[u8]) -> Gathered {
         let numbers: &[Complex32] = bytemuck::cast_slice(bytes);
         let count = self.parts.count_ones() as usize;
         let sound = |probe: usize| {
@@ -99,7 +99,7 @@ impl Gathering {
             sound
         };
         let times: &[u64] = bytemuck::cast_slice(&numbers[count * self.probes + 1..]);
-        Figures {
+        Gathered {
             peak: numbers[count * self.probes].re,
             sounds: (0..self.probes).map(sound).collect(),
             seconds: gpu.tick.map(|tick| times[1].saturating_sub(times[0]) as f64 * f64::from(tick) * 1e-9),

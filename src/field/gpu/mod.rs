@@ -28,7 +28,7 @@ use tuning::Tuning;
 
 pub use adapter::AdapterInfo;
 pub use chain::{Chain, Shape};
-pub use gathering::Figures;
+pub use gathering::Gathered;
 pub use painting::Texture;
 pub use reading::Reading;
 

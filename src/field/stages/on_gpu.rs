@@ -3,7 +3,7 @@
 use num_complex::Complex64;
 
 use crate::field::gpu::chain::Interpolated;
-use crate::field::gpu::{Chain, Figures, Shape, Texture};
+use crate::field::gpu::{Chain, Gathered, Shape, Texture};
 use crate::field::quantity::{Constants, Part, Quantity};
 use crate::field::stages::kept::Kept;
 use crate::field::stages::probes::AtProbes;
@@ -161,7 +161,7 @@ impl OnGpu {
     }
 }
 
-fn error(job: &Job<'_>, figures: &Figures) -> f64 {
+fn error(job: &Job<'_>, figures: &Gathered) -> f64 {
     let (quantity, constants) = (job.request.quantity, job.request.constants());
     let factor = job.request.part as f32;
     let value = |sound| {
