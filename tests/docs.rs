@@ -83,6 +83,7 @@ fn known() -> BTreeMap<String, Table> {
         [solver]
         quiet = 0.1
         search = 1
+        target = "depression"
         [motion]
         path = "points"
         points = [[0, 0, 0]]
@@ -170,6 +171,7 @@ fn defaults_are_those_of_an_empty_scene() {
         ("target", "fill", false.into()),
         ("solver", "quiet", quiet.into()),
         ("solver", "search", search.into()),
+        ("solver", "target", "pressure".into()),
     ] {
         empty[table].as_table_mut().unwrap().insert(key.to_owned(), value);
     }

@@ -1,11 +1,13 @@
 //! Shapes through the command line.
 
 use std::f64::consts::TAU;
+use std::io::Write;
 use std::path::Path;
-use std::process::{Command, Output};
+use std::process::{Command, Output, Stdio};
 
 use num_complex::Complex64;
 use serde_json::Value;
+use sonoglyph::picture::{Picture, export};
 use tempfile::TempDir;
 
 fn run(folder: &Path, args: &[&str]) -> Output {
@@ -299,5 +301,78 @@ fn a_time_to_search_that_is_none_is_refused() {
         let output = run(folder.path(), &[&["solve", "a.toml"], args].concat());
         let message = String::from_utf8(output.stderr).unwrap();
         assert!(output.status.code() == Some(2) && message.contains(part), "{args:?}: {message}");
+    }
+}
+
+/// A white disc on black.
+fn disc_png() -> Vec<u8> {
+    const SIDE: usize = 40;
+    let is_white = |i: usize| ((i % SIDE) as f64 - 19.5).hypot((i / SIDE) as f64 - 19.5) < 15.0;
+    let pixel = |i: usize| if is_white(i) { [255; 4] } else { [0, 0, 0, 255] };
+    let rgba = (0..SIDE * SIDE).flat_map(pixel).collect();
+    export::png(&Picture { width: SIDE, height: SIDE, rgba }).unwrap()
+}
+
+#[test]
+fn a_picture_is_found_beside_its_scene_and_fitted() {
+    let text = "format = 1\n[[target]]\nkind = \"picture\"\nfile = \"pictures/disc.png\"\nwidth = 0.04\n";
+    let folder = folder_with(&[("a.toml", text)]);
+    std::fs::create_dir(folder.path().join("pictures")).unwrap();
+    std::fs::write(folder.path().join("pictures/disc.png"), disc_png()).unwrap();
+    let elsewhere = tempfile::tempdir().unwrap();
+    let scene = folder.path().join("a.toml");
+    let said = succeed(elsewhere.path(), &["solve", scene.to_str().unwrap(), "--json"]);
+    let solution: Value = serde_json::from_str(&said).unwrap();
+    let quality = &solution["quality"];
+    let (error, contrast) = (quality["error"].as_f64().unwrap(), quality["contrast"].as_f64().unwrap());
+    assert!(error < 0.1 && contrast > 10.0, "{quality}");
+    // A disc of 15 mm: louder inside than around it.
+    let ring = |radius: f64| -> Vec<[f64; 2]> {
+        (0..24)
+            .map(|i| (TAU * f64::from(i) / 24.0).sin_cos())
+            .map(|(y, x)| [radius * x, radius * y])
+            .collect()
+    };
+    let mean = |radius: f64| judged(&solution, &ring(radius)).iter().sum::<f64>() / 24.0;
+    assert!(mean(0.008) > 2.0 * mean(0.022), "{} and {}", mean(0.008), mean(0.022));
+    let table = succeed(folder.path(), &["solve", "a.toml"]);
+    assert!(table.contains("contrast ") && table.contains("error ") && table.contains("areas "), "{table}");
+
+    let line = r#"{"target": [{"kind": "picture", "file": "pictures/disc.png", "width": 0.04}]}"#;
+    let mut batch = Command::new(env!("CARGO_BIN_EXE_sonoglyph"))
+        .args(["batch"])
+        .current_dir(folder.path())
+        .stdin(Stdio::piped())
+        .stdout(Stdio::piped())
+        .spawn()
+        .unwrap();
+    batch.stdin.take().unwrap().write_all(line.as_bytes()).unwrap();
+    let answer = batch.wait_with_output().unwrap().stdout;
+    let answer: Value = serde_json::from_slice(&answer).unwrap();
+    assert_eq!(answer["quality"]["error"], quality["error"], "{answer}");
+}
+
+#[test]
+fn a_picture_that_cannot_be_used_is_named_with_its_line() {
+    let black = export::png(&Picture { width: 2, height: 2, rgba: vec![0; 16] }).unwrap();
+    for (bytes, part) in [
+        (None, "No such file"),
+        (Some(&b""[..]), "neither a PNG, JPEG nor BMP"),
+        (Some(b"text"), "neither a PNG, JPEG nor BMP"),
+        (Some(&black[..30]), "the picture cannot be read"),
+        (Some(&black), "black or transparent all over"),
+    ] {
+        let text = "format = 1\n[[target]]\nkind = \"picture\"\n# Ours.\nfile = \"b.png\"\n";
+        let folder = folder_with(&[("a.toml", text)]);
+        if let Some(bytes) = bytes {
+            std::fs::write(folder.path().join("b.png"), bytes).unwrap();
+        }
+        for args in [&["solve", "a.toml"][..], &["render", "a.toml", "-o", "c.png"]] {
+            let output = run(folder.path(), args);
+            let message = String::from_utf8(output.stderr).unwrap();
+            assert_eq!(output.status.code(), Some(2), "{message}");
+            let place = message.contains("a.toml:5: target[1].file = \"b.png\": ");
+            assert!(place && message.contains(part) && message.trim().lines().count() == 1, "{message}");
+        }
     }
 }

@@ -2,5 +2,6 @@
 
 #![expect(clippy::unwrap_used, reason = "a test's helper may panic")]
 
+mod areas;
 mod command;
 mod solver;

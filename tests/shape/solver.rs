@@ -54,7 +54,7 @@ fn surroundings(quiet: f64) -> Surroundings {
 }
 
 /// |p| by equation (1) of Long et al. 2022 with absorption, per unit of strength.
-fn heard(aperture: &Aperture, at: DVec3, u: &[Complex64]) -> f64 {
+pub fn heard(aperture: &Aperture, at: DVec3, u: &[Complex64]) -> f64 {
     let element = &aperture.element;
     let wave = |(&n, u): (&usize, &Complex64)| {
         let away = at - aperture.positions[n].extend(0.0);
@@ -88,7 +88,7 @@ fn judge(aperture: &Aperture, strokes: &Strokes, u: &[Complex64]) -> Judged {
     }
 }
 
-fn assert_playable(u: &[Complex64], elements: usize, what: &str) {
+pub fn assert_playable(u: &[Complex64], elements: usize, what: &str) {
     assert_eq!(u.len(), elements, "{what}");
     assert!(u.iter().all(|u| (u.norm() - 1.0).abs() < 1e-12), "{what}: {u:?}");
 }

@@ -34,7 +34,7 @@ pub struct Figures {
     pub areas: Option<AreaFigures>,
 }
 
-/// Figures of areas, over them and the 3.2 wavelengths around them: of |p|², or of a liquid's depression where that is wanted.
+/// Figures of areas, over them and the 3.7 wavelengths around them: of |p|², or of a liquid's depression where that is wanted.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct AreaFigures {
     /// Mean where it is wanted over the mean around that.

@@ -16,7 +16,7 @@ use crate::solver::shape::table::{BLOCK, Table};
 /// Wavelengths from one sample to the next; from an area within which it is to be quiet; and across a stroke or a point that is
 /// drawn as an area.
 const SPACING: f64 = 0.245;
-const MARGIN: f64 = 3.2;
+const MARGIN: f64 = 3.7;
 pub const STROKE: f64 = 0.5;
 /// Excitations that a picture hears are padded to whole blocks of this.
 pub const PADDING: usize = BLOCK;
