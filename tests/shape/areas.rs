@@ -202,7 +202,7 @@ fn a_drag_goes_on_from_the_drive_before() {
     let mut before = solver::solve(&at(0.0)).unwrap();
     for step in 1..=5 {
         let scene = at(1e-3 * f64::from(step));
-        let next = solver::solve_on(&scene, Some(&before.drive)).unwrap();
+        let next = solver::solve_on(&scene, Some(&before)).unwrap();
         let by = 1e-3 * f64::from(step);
         let (error, _) =
             judge(&intensities(&scene, &played(&scene, &next)), |at| is_in_h(at - dvec2(by, 0.0)));
