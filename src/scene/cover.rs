@@ -5,7 +5,7 @@ use std::ops::Range;
 use glam::{DQuat, DVec2, DVec3};
 
 use crate::scene::check::{Key, KeyError};
-use crate::scene::outline::{self, centre};
+use crate::scene::stroke::{self, centre};
 use crate::scene::{Grey, Sampling, Shape, Target};
 
 /// Pixels of a raster in a wavelength, of its longer side at least, and of a side at most.
@@ -102,7 +102,7 @@ impl Cover {
 
     /// The area within half of `width` (m) of the outline, or inside it where that is 0.
     fn of_strokes(target: &Target, width: f64, wavelength: f64) -> Result<Self, KeyError> {
-        let strokes = outline::strokes(target)?;
+        let strokes = stroke::strokes(target)?;
         let middle = centre(&target.shape);
         let axes = match &target.shape {
             Shape::Line { .. } | Shape::Path { .. } => plane_of(&strokes.concat())?,

@@ -15,6 +15,7 @@ pub mod outline;
 pub mod pixels;
 pub mod rewrite;
 mod run;
+mod stroke;
 pub mod target;
 pub mod zone;
 

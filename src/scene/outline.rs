@@ -12,7 +12,9 @@ use glam::{DQuat, DVec2, DVec3};
 use crate::scene::check::{Key, KeyError, MOST_FOCI};
 use crate::scene::cover::Patch;
 use crate::scene::run::{self, Run, Vertex};
-use crate::scene::{Cover, Focus, Part, Sampling, Scene, Shape, Target, font};
+use crate::scene::{Cover, Focus, Part, Sampling, Scene, Shape, Target, stroke};
+
+pub use crate::scene::stroke::{centre, strokes};
 
 /// Samples of a continuous stroke in a wavelength, at least: |p|² has up to two cycles in one.
 const PER_WAVELENGTH: f64 = 4.0;
@@ -20,8 +22,6 @@ const PER_WAVELENGTH: f64 = 4.0;
 const PER_WAVELENGTH_OF_AREA: f64 = 2.0;
 /// Halvings that find the spacing of continuous strokes too long for that.
 const HALVINGS: u32 = 48;
-/// Vertices of a circle that is drawn rather than sampled.
-const CIRCLE_VERTICES: usize = 96;
 
 /// Whether a target that is shown, in any step of the motion, is a continuous stroke or an area.
 pub fn is_continuous(scene: &Scene) -> bool {
@@ -112,85 +112,13 @@ fn on_surface(scene: &Scene, foci: &[Focus]) -> Result<(), KeyError> {
     Err(KeyError::new([Key::from("solver"), Key::from("target")], message))
 }
 
-/// The polylines of a target, as drawn.
-///
-/// # Errors
-/// A glyph that the font lacks.
-pub fn strokes(target: &Target) -> Result<Vec<Vec<DVec3>>, KeyError> {
-    let centre = centre(&target.shape);
-    let facing = DQuat::from_rotation_arc(DVec3::Z, target.normal.try_normalize().unwrap_or(DVec3::Z));
-    let placed = |vertex: &DVec2| centre + facing * DQuat::from_rotation_z(target.angle) * vertex.extend(0.0);
-    let flat = |outline: Vec<DVec2>| vec![outline.iter().map(placed).collect()];
-    let turned = |vertex: &DVec3| centre + DQuat::from_rotation_z(target.angle) * (*vertex - centre);
-    Ok(match &target.shape {
-        Shape::Point { at } => vec![vec![*at]],
-        Shape::Line { from, to } => vec![[*from, *to].iter().map(turned).collect()],
-        Shape::Path { .. } => vec![path(target).iter().map(|vertex| vertex.at).collect()],
-        Shape::Circle { radius, .. } => flat(ring(*radius, CIRCLE_VERTICES, 0.0)),
-        Shape::Rectangle { width, height, .. } => {
-            let (x, y) = (width / 2.0, height / 2.0);
-            flat([(-x, -y), (x, -y), (x, y), (-x, y), (-x, -y)].map(DVec2::from).to_vec())
-        }
-        Shape::Picture { width, pixels, .. } => {
-            let (x, y) = (width / 2.0, width * pixels.aspect() / 2.0);
-            flat([(-x, -y), (x, -y), (x, y), (-x, y), (-x, -y)].map(DVec2::from).to_vec())
-        }
-        Shape::Triangle { size, .. } => flat(ring(size / 3.0_f64.sqrt(), 3, TAU / 4.0)),
-        Shape::Polygon { radius, sides, .. } => flat(ring(*radius, *sides as usize, TAU / 4.0)),
-        Shape::Text { text, height, .. } => font::lay_out(text, *height)
-            .map_err(|glyph| {
-                refusal("text", format!("the stroke font has no glyph for `{}`", glyph.escape_debug()))
-            })?
-            .iter()
-            .map(|stroke| stroke.iter().map(placed).collect())
-            .collect(),
-    })
-}
-
-/// The vertices of a path, as drawn, with the pressures wanted there.
-fn path(target: &Target) -> Vec<Vertex> {
-    let Shape::Path { vertices, closed } = &target.shape else { return Vec::new() };
-    let (centre, turn) = (centre(&target.shape), DQuat::from_rotation_z(target.angle));
-    let vertex = |(i, at): (usize, &DVec3)| Vertex {
-        at: centre + turn * (*at - centre),
-        pressure: target.pressures.get(i).copied().unwrap_or(1.0),
-    };
-    let mut vertices: Vec<_> = vertices.iter().enumerate().map(vertex).collect();
-    vertices.dedup_by(|next, vertex| next.at == vertex.at);
-    if *closed && vertices.first().map(|first| first.at) != vertices.last().map(|last| last.at) {
-        vertices.push(vertices[0]);
-    }
-    vertices
-}
-
 /// The runs of a target.
 fn runs(target: &Target) -> Result<Vec<Run>, KeyError> {
     if let Shape::Path { .. } = target.shape {
-        return Ok(run::runs(&[path(target)]));
+        return Ok(run::runs(&[stroke::path(target)]));
     }
     let even = |stroke: Vec<DVec3>| stroke.into_iter().map(|at| Vertex { at, pressure: 1.0 }).collect();
     Ok(run::runs(&strokes(target)?.into_iter().map(even).collect::<Vec<_>>()))
-}
-
-/// The point about which a target turns.
-pub fn centre(shape: &Shape) -> DVec3 {
-    match shape {
-        Shape::Point { at }
-        | Shape::Circle { at, .. }
-        | Shape::Rectangle { at, .. }
-        | Shape::Triangle { at, .. }
-        | Shape::Polygon { at, .. }
-        | Shape::Text { at, .. }
-        | Shape::Picture { at, .. } => *at,
-        Shape::Line { from, to } => (*from + *to) / 2.0,
-        Shape::Path { vertices, .. } => vertices.iter().sum::<DVec3>() / vertices.len().max(1) as f64,
-    }
-}
-
-/// A closed regular polygon about the origin, first vertex at `start`.
-fn ring(radius: f64, vertices: usize, start: f64) -> Vec<DVec2> {
-    let vertex = |i: usize| DVec2::from_angle(start + TAU * (i % vertices) as f64 / vertices as f64) * radius;
-    (0..=vertices).map(vertex).collect()
 }
 
 /// How many focal points targets ask for together, without making them; continuous strokes count with their corners, and

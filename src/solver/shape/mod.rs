@@ -6,6 +6,8 @@
 //! the [`picture`] that is fitted, from a field with equal phases. There is no
 //! clock inside and one thread: the same calls give the same drives.
 
+#[cfg(test)]
+mod differences;
 mod fft;
 mod figures;
 mod further;
@@ -15,6 +17,7 @@ mod picture;
 mod real;
 mod region;
 mod response;
+mod samples;
 mod start;
 mod surroundings;
 mod table;

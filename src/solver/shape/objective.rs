@@ -12,9 +12,9 @@
 
 use crate::simd::{Instructions, Isa, Kernel};
 use crate::solver::descent::Function;
-use crate::solver::shape::grid::Grid;
 use crate::solver::shape::picture::{Picture, Slope};
 use crate::solver::shape::real::{LANES, Real, Waves, lanes};
+use crate::solver::shape::samples::Samples;
 use crate::solver::shape::table::Table;
 
 /// Of the mean |p|²: what is less counts as this much.
@@ -46,31 +46,6 @@ pub struct Weights {
 pub enum Loudness {
     Eight,
     Twelve,
-}
-
-/// Samples of a plane, or of zones.
-#[derive(Debug)]
-pub enum Samples<T> {
-    Grid(Box<Grid<T>>),
-    Table(Table<T>),
-}
-
-impl<T: Real> Samples<T> {
-    /// p = H u
-    pub fn forward(&mut self, u: &Waves<T>, p: &mut Waves<T>) {
-        match self {
-            Self::Grid(grid) => grid.forward(u, p),
-            Self::Table(table) => table.forward(u, p),
-        }
-    }
-
-    /// b += Hᴴ p
-    pub fn back(&mut self, p: &Waves<T>, b: &mut Waves<T>) {
-        match self {
-            Self::Grid(grid) => grid.back(p, b),
-            Self::Table(table) => table.back(p, b),
-        }
-    }
 }
 
 /// Samples that are to be quiet, how much each counts, and the field there.
@@ -401,7 +376,7 @@ mod tests {
     use super::*;
     use crate::acoustics::Aperture;
     use crate::scene::Scene;
-    use crate::solver::shape::grid::Layout;
+    use crate::solver::shape::grid::{Grid, Layout};
     use crate::solver::starts::scatter;
 
     fn table<T: Real>(aperture: &Aperture, points: &[DVec3], scale: f64) -> Table<T> {

@@ -7,8 +7,9 @@ use crate::scene::{Focus, Plane};
 use crate::solver::Problem;
 use crate::solver::shape::Zone;
 use crate::solver::shape::grid::{Grid, Layout};
-use crate::solver::shape::objective::{Quiet, Samples};
+use crate::solver::shape::objective::Quiet;
 use crate::solver::shape::real::Real;
+use crate::solver::shape::samples::Samples;
 use crate::solver::shape::table::{BLOCK, Table};
 
 /// Wavelengths from what is drawn within which nothing is to be quiet, and beyond which everything is.

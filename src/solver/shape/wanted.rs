@@ -6,10 +6,10 @@ use crate::acoustics::Aperture;
 use crate::scene::{Cover, Focus};
 use crate::solver::Problem;
 use crate::solver::shape::grid::{Grid, Layout};
-use crate::solver::shape::objective::Samples;
 use crate::solver::shape::picture::{Picture, Wanted};
 use crate::solver::shape::real::Real;
 use crate::solver::shape::response::Response;
+use crate::solver::shape::samples::Samples;
 use crate::solver::shape::surroundings::Surroundings;
 use crate::solver::shape::table::{BLOCK, Table};
 
@@ -105,7 +105,10 @@ impl<'a> Drawn<'a> {
             cover.centre.truncate().abs() + along.truncate()
         };
         let discs = self.discs.iter().map(|focus| focus.position.truncate().abs() + self.margin());
+        // Of what is larger, the array fills a part at most.
+        let most = 2.0 * (height + aperture.corners().0.length());
         let reach = self.covers.iter().map(far).chain(discs).fold(DVec2::ZERO, DVec2::max);
+        let reach = reach.min(DVec2::splat(most));
         let grids = (aperture.pitch / spacing).ceil().clamp(1.0, 16.0) as usize;
         if reach.max_element() >= 1e4 * aperture.pitch {
             return None;

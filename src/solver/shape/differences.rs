@@ -1,0 +1,129 @@
+//! Tests of the fit of areas: its derivatives against central differences, and fields that are known to be possible.
+
+use glam::{DVec2, DVec3};
+
+use crate::acoustics::Aperture;
+use crate::scene::{Liquid, Scene};
+use crate::solver::descent::{Descent, Function};
+use crate::solver::shape::grid::{Grid, Layout};
+use crate::solver::shape::objective::{Loudness, Objective, Quiet, Weights};
+use crate::solver::shape::picture::{Picture, Wanted};
+use crate::solver::shape::real::{Real, Waves};
+use crate::solver::shape::response::Response;
+use crate::solver::shape::samples::Samples;
+use crate::solver::shape::table::Table;
+use crate::solver::starts::scatter;
+
+const SCALE: f64 = 1e-2;
+const ALONE: Weights = Weights {
+    even: 1.5,
+    quiet: 0.0,
+    strong: 0.0,
+    sharpness: 8,
+    loudness: Loudness::Eight,
+    picture: 3.0,
+    floor: 0.0,
+};
+
+fn table(aperture: &Aperture, points: &[DVec3]) -> Table<f64> {
+    let mut table = Table::new(aperture.driven.len());
+    aperture.transfer(points).rows().for_each(|row| table.push(row, SCALE));
+    table
+}
+
+/// A ring of some brightness on a grid, and what is around it.
+fn on_grid<T: Real>(aperture: &Aperture, liquid: Option<&Liquid>) -> Picture<T> {
+    let layout = Layout::new(aperture, 0.05, DVec2::splat(0.04), 2);
+    let (mut brightness, mut weight) = (vec![T::default(); layout.len()], vec![T::default(); layout.len()]);
+    for (index, place) in layout.places(aperture.pitch) {
+        let is_ring = (place.length() - 0.015).abs() < 0.006;
+        brightness[index] = T::of(if is_ring { 0.3 + 0.7 * scatter(index) } else { 0.0 });
+        weight[index] = T::of(if place.length() < 0.035 { 1.0 } else { 0.0 });
+    }
+    let response = liquid.map(|liquid| Response::new(liquid, &layout, aperture.pitch));
+    let grid = Samples::Grid(Box::new(Grid::new(aperture, layout, SCALE)));
+    Picture::new(grid, Wanted::new(brightness, weight), response)
+}
+
+fn check(objective: &mut Objective<f64>, elements: usize, what: &str) {
+    const STEP: f64 = 1e-5;
+    let phases: Vec<_> = (0..elements).map(|n| 6.0 * scatter(n)).collect();
+    let mut gradient = vec![0.0; elements];
+    let value = objective.evaluate(&phases, &mut gradient);
+    assert!(value.is_finite(), "{what}");
+    let largest = gradient.iter().fold(0.0f64, |most, slope| most.max(slope.abs()));
+    for n in 0..elements {
+        let mut at = |by: f64| {
+            let mut moved = phases.clone();
+            moved[n] += by;
+            objective.evaluate(&moved, &mut vec![0.0; elements])
+        };
+        let expected = (at(STEP) - at(-STEP)) / (2.0 * STEP);
+        let off = (gradient[n] - expected).abs() / largest;
+        assert!(off < 1e-6, "{what}, element {n}: off by {off:e}");
+    }
+}
+
+#[test]
+fn the_gradient_is_that_of_central_differences() {
+    let mut scene = Scene::default();
+    (scene.array.rows, scene.array.columns, scene.array.off) = (5, 7, vec![3, 11]);
+    let aperture = Aperture::new(&scene);
+    let stroke: Vec<_> = (0..9).map(|i| DVec3::new(2e-3 * f64::from(i), 1e-3, 0.05)).collect();
+    let elsewhere: Vec<_> = (0..19).map(|i| DVec3::new(-0.05, 2e-3 * f64::from(i), 0.06)).collect();
+    let scattered: Vec<_> =
+        (0..40).map(|i| DVec3::new(0.03, 0.0, 0.05) * scatter(i) + DVec3::Z * 0.03).collect();
+    for (name, liquid, drives) in
+        [("pressure", None, 1), ("pressure", None, 2), ("depression", Some(Liquid::default()), 1)]
+    {
+        for strokes in [&stroke[..], &[]] {
+            for quiet in [0.0, 0.4] {
+                let what =
+                    format!("{name}, {drives} drives, {} samples of strokes, quiet {quiet}", strokes.len());
+                let weights = Weights { quiet, ..ALONE };
+                let mut objective = Objective::new(table(&aperture, strokes), drives, weights);
+                objective.picture = Some(on_grid(&aperture, liquid.as_ref()));
+                let far = Samples::Table(table(&aperture, &elsewhere));
+                objective.quiet.push(Quiet::new(far, vec![0.7; elsewhere.len()]));
+                check(&mut objective, drives * aperture.driven.len(), &what);
+            }
+        }
+    }
+    let wanted: Vec<_> = (0..40).map(scatter).collect();
+    let mut objective = Objective::new(table(&aperture, &[]), 1, ALONE);
+    let samples = Samples::Table(table(&aperture, &scattered));
+    objective.picture = Some(Picture::new(samples, Wanted::new(wanted, vec![1.0; 40]), None));
+    check(&mut objective, aperture.driven.len(), "a table");
+}
+
+#[test]
+fn a_field_that_a_drive_makes_is_found_again() {
+    let aperture = Aperture::new(&Scene::default());
+    let layout = Layout::new(&aperture, 0.1, DVec2::splat(0.05), 5);
+    let mut grid = Grid::<f64>::new(&aperture, layout, SCALE);
+    // Focused on a ring: what such a drive makes is no field that any start ends at.
+    let mut known = Waves::zeros(256);
+    for (n, position) in aperture.positions.iter().enumerate() {
+        let away = (position.extend(0.0).distance(DVec3::Z * 0.1) - 0.1) * aperture.element.wavenumber;
+        let phase = away + 2.0 * (120.0 * position.x).sin() - (90.0 * position.y).cos();
+        (known.re[n], known.im[n]) = (phase.cos(), phase.sin());
+    }
+    let mut field = Waves::zeros(layout.len());
+    grid.forward(&known, &mut field);
+    let mut brightness: Vec<_> = field.re.iter().zip(&field.im).map(|(re, im)| re * re + im * im).collect();
+    let mut weight = vec![0.0; layout.len()];
+    layout.places(aperture.pitch).for_each(|(index, _)| weight[index] = 1.0);
+    brightness.iter_mut().zip(&weight).for_each(|(t, w)| *t *= w);
+    let samples = Samples::Grid(Box::new(grid));
+    let mut objective = Objective::new(Table::new(256), 1, Weights { picture: 1.0, ..ALONE });
+    objective.picture = Some(Picture::new(samples, Wanted::new(brightness, weight), None));
+    let start = objective.start(0, 256);
+    let mut way = Descent::new(start, &mut objective);
+    let before = way.value;
+    for _ in 0..800 {
+        if way.value < 1e-7 || !way.step(&mut objective) {
+            break;
+        }
+    }
+    assert!(before > 0.01 && way.value < 1e-6, "{before}, then {:e}", way.value);
+}
