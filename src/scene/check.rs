@@ -6,7 +6,7 @@ use glam::DVec3;
 
 use crate::scene::{
     Area, Array, Liquid, Listener, Medium, Modulation, Motion, MotionPath, Plane, Pressures, Sampling, Scene,
-    Shape, Solver, Target, Zone,
+    Shape, Solver, Target, Tempo, Zone,
 };
 
 /// Elements that an array may have: 256 x 256.
@@ -20,6 +20,8 @@ pub const MOST_ZONES: usize = 64;
 /// Wanted pressures, relative or in Pa (peak).
 const LEAST_PRESSURE: f64 = 1e-6;
 const MOST_PRESSURE: f64 = 1e9;
+/// Rounds per second of a motion.
+pub(crate) const RATES: std::ops::RangeInclusive<f64> = 1e-6..=1e5;
 /// Iterations of a method: a thousand times what any of them needs.
 const MOST_ITERATIONS: u64 = 100_000;
 /// s of search.
@@ -179,6 +181,9 @@ fn target(target: &Target, pressures: Pressures) -> Result<(), KeyError> {
     self::pressures(target)?;
     finite("angle", target.angle)?;
     direction("normal", target.normal)?;
+    if let Some(own) = &target.motion {
+        motion(own).and_then(|()| no_steps(own)).map_err(|e| e.under(&["motion".into()]))?;
+    }
     match target.sampling {
         Sampling::Whole | Sampling::Continuous => Ok(()),
         Sampling::Spacing(spacing) => length("spacing", spacing),
@@ -332,7 +337,11 @@ fn modulation(modulation: &Modulation) -> Result<(), KeyError> {
 
 fn motion(motion: &Motion) -> Result<(), KeyError> {
     length("size", motion.size)?;
-    within("rate", motion.rate, 1e-6, 1e5, "cycles per second")?;
+    match motion.tempo {
+        Tempo::Rate(rate) => within("rate", rate, *RATES.start(), *RATES.end(), "cycles per second")?,
+        Tempo::Speed(speed) => within("speed", speed, 1e-6, 1e5, "m/s")?,
+    }
+    count("foci", motion.foci.into(), 1, MOST_FOCI as u64)?;
     // How many are too many depends on the array: `motion::check` knows.
     count("frames", u64::from(motion.frames), 1, u64::from(u32::MAX))?;
     for (index, offset) in motion.points.iter().enumerate() {
@@ -345,6 +354,14 @@ fn motion(motion: &Motion) -> Result<(), KeyError> {
         return refuse("points", "`path = \"points\"` needs the offsets to visit");
     }
     Ok(())
+}
+
+/// Checks the path of a target's own motion.
+fn no_steps(own: &Motion) -> Result<(), KeyError> {
+    if own.path != MotionPath::Steps {
+        return Ok(());
+    }
+    refuse("path", "a single target takes no turns: `path = \"steps\"` stands in the scene's [motion]")
 }
 
 /// Checks where somebody listens.

@@ -22,7 +22,7 @@ use serde::{Deserialize, Serialize};
 pub use check::KeyError;
 pub use liquid::{Liquid, LiquidName};
 pub use modulation::{Envelope, Modulation};
-pub use motion::{Motion, MotionPath};
+pub use motion::{Motion, MotionPath, Tempo};
 pub use target::{Sampling, Shape, Target};
 pub use zone::{Area, Zone};
 

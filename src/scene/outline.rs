@@ -49,10 +49,23 @@ pub fn foci_of_step(scene: &Scene, step: u32) -> Result<Vec<Focus>, KeyError> {
         return Err(KeyError::new([Key::from("target"), Key::from(0), Key::from("visible")], message));
     }
     let shown: Vec<_> = scene.targets.iter().enumerate().filter(|(_, target)| target.is_in(step)).collect();
-    let mut divisions = divisions(&shown)?;
+    let foci = foci_of_targets(scene, &shown)?.concat();
+    if foci.is_empty() {
+        let message = format!("no target is shown in step {step}: nothing to focus on");
+        return Err(KeyError::new([Key::from("target")], message));
+    }
+    Ok(foci)
+}
+
+/// The focal points of each of these targets, given with their places in the scene, as if there were no others.
+pub(crate) fn foci_of_targets(
+    scene: &Scene,
+    shown: &[(usize, &Target)],
+) -> Result<Vec<Vec<Focus>>, KeyError> {
+    let mut divisions = divisions(shown)?;
     spread(&mut divisions, scene.wavelength() / PER_WAVELENGTH);
     let mut foci = Vec::new();
-    for ((index, target), division) in shown.into_iter().zip(divisions) {
+    for (&(index, target), division) in shown.iter().zip(divisions) {
         let points = division.points();
         if let Some(point) = points.iter().map(|point| point.at).find(|at| at.z <= 0.0) {
             let [x, y, z] = point.to_array();
@@ -62,15 +75,12 @@ pub fn foci_of_step(scene: &Scene, step: u32) -> Result<Vec<Focus>, KeyError> {
             );
             return Err(KeyError::new([Key::from("target"), Key::from(index)], message));
         }
-        foci.extend(points.into_iter().map(|point| Focus {
+        let focus = |point: Vertex| Focus {
             position: point.at,
             target: target.pressure * point.pressure,
             of_stroke: target.sampling == Sampling::Continuous,
-        }));
-    }
-    if foci.is_empty() {
-        let message = format!("no target is shown in step {step}: nothing to focus on");
-        return Err(KeyError::new([Key::from("target")], message));
+        };
+        foci.push(points.into_iter().map(focus).collect());
     }
     Ok(foci)
 }
@@ -122,13 +132,20 @@ fn path(target: &Target) -> Vec<Vertex> {
     vertices
 }
 
-/// The runs of a target.
-fn runs(target: &Target) -> Result<Vec<Run>, KeyError> {
+/// The strokes of a target, as drawn, with the pressures wanted along them.
+pub(crate) fn drawn(target: &Target) -> Result<Vec<Vec<Vertex>>, KeyError> {
     if let Shape::Path { .. } = target.shape {
-        return Ok(run::runs(&[path(target)]));
+        return Ok(vec![path(target)]);
     }
     let even = |stroke: Vec<DVec3>| stroke.into_iter().map(|at| Vertex { at, pressure: 1.0 }).collect();
-    Ok(run::runs(&strokes(target)?.into_iter().map(even).collect::<Vec<_>>()))
+    Ok(strokes(target)?.into_iter().map(even).collect())
+}
+
+/// The directions along which a flat target was drawn, before and after a quarter turn.
+pub(crate) fn axes(target: &Target) -> (DVec3, DVec3) {
+    let facing = DQuat::from_rotation_arc(DVec3::Z, target.normal.try_normalize().unwrap_or(DVec3::Z));
+    let turn = facing * DQuat::from_rotation_z(target.angle);
+    (turn * DVec3::X, turn * DVec3::Y)
 }
 
 /// The point about which a target turns.
@@ -171,7 +188,7 @@ struct Division<'a> {
 impl<'a> Division<'a> {
     /// A continuous stroke is left in as few pieces as can be.
     fn new(target: &'a Target, most: usize) -> Result<Self, KeyError> {
-        let mut runs = runs(target)?;
+        let mut runs = run::runs(&drawn(target)?);
         let pieces = match target.sampling {
             Sampling::Whole | Sampling::Continuous => vec![1; runs.len()],
             Sampling::Spacing(spacing) => run::pieces_by_spacing(&runs, spacing),

@@ -3,7 +3,9 @@
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
+use crate::scene::Motion;
 use crate::scene::check::{Key, KeyError};
+use crate::scene::motion::MotionTable;
 
 /// A shape that becomes focal points.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -29,6 +31,9 @@ pub struct Target {
     /// A hidden target is kept and not played.
     #[serde(skip_serializing_if = "is_true")]
     pub visible: bool,
+    /// Its own motion, instead of the scene's.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub motion: Option<Motion>,
 }
 
 impl Target {
@@ -45,6 +50,7 @@ impl Target {
             normal: DVec3::Z,
             step: None,
             visible: true,
+            motion: None,
         }
     }
 
@@ -126,6 +132,7 @@ pub(crate) struct TargetTable {
     normal: Option<DVec3>,
     step: Option<u32>,
     visible: Option<bool>,
+    motion: Option<MotionTable>,
 }
 
 #[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize)]
@@ -184,6 +191,8 @@ impl TargetTable {
         let mut target = Target::new(shape);
         target.step = table.step;
         target.visible = table.visible.unwrap_or(target.visible);
+        let under = |e: KeyError| e.under(&["target".into(), index.into(), "motion".into()]);
+        target.motion = table.motion.take().map(MotionTable::into_motion).transpose().map_err(under)?;
         target.pressure = table.pressure.take().unwrap_or(target.pressure);
         if table.kind != Kind::Point {
             target.angle = table.angle.take().unwrap_or(target.angle);
@@ -239,6 +248,7 @@ impl TargetTable {
             normal,
             step: _,
             visible: _,
+            motion: _,
         } = self;
         [
             ("at", at.is_some()),

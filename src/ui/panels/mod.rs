@@ -4,6 +4,7 @@ mod device;
 mod drive;
 mod liquid;
 mod motion;
+mod path;
 mod scene;
 mod solver;
 mod target;

@@ -5,6 +5,7 @@ use glam::DVec3;
 
 use crate::scene::check::MOST_FOCI;
 use crate::scene::{MotionPath, Pressures, Sampling, Scene, Shape, Target, font};
+use crate::ui::panels::path::{self, Figures};
 use crate::ui::panels::{DEGREES, MM, PLAIN, Unit, count, form, number};
 
 /// m between the focal points that an outline gets when they are first asked for.
@@ -15,6 +16,7 @@ const LENGTH: std::ops::RangeInclusive<f64> = 1e-4..=10.0;
 pub fn show(scene: &mut Scene, index: usize, ui: &mut Ui) {
     let pressures = scene.solver.pressures;
     let takes_turns = scene.motion.path == MotionPath::Steps;
+    let figures = Figures::of(scene, Some(index));
     let Some(target) = scene.targets.get_mut(index) else { return };
     form(ui, "target", |ui| {
         shape(target, ui);
@@ -28,6 +30,20 @@ pub fn show(scene: &mut Scene, index: usize, ui: &mut Ui) {
         }
         step(target, takes_turns, ui);
     });
+    own_motion(target, figures, ui);
+}
+
+/// How it moves where it does not move with the others.
+fn own_motion(target: &mut Target, figures: Option<Figures>, ui: &mut Ui) {
+    let mut has_own = target.motion.is_some();
+    ui.checkbox(&mut has_own, "Own motion").on_hover_text(
+        "It moves by itself, or stands still with the path \"none\"; else as the Motion panel says",
+    );
+    if !has_own {
+        target.motion = None;
+        return;
+    }
+    path::settings(target.motion.get_or_insert_default(), figures, true, ui);
 }
 
 fn shape(target: &mut Target, ui: &mut Ui) {
