@@ -4,6 +4,7 @@
 pub const EXAMPLES: &[(&str, &str)] = &[
     ("hit", include_str!("../../assets/scenes/hit.toml")),
     ("heart", include_str!("../../assets/scenes/heart.toml")),
+    ("heart-and-hit", include_str!("../../assets/scenes/heart-and-hit.toml")),
     ("star", include_str!("../../assets/scenes/star.toml")),
     ("letter-h", include_str!("../../assets/scenes/letter-h.toml")),
     ("letter-i", include_str!("../../assets/scenes/letter-i.toml")),

@@ -162,7 +162,10 @@ fn moving(cycle: &Cycle<'_>, carrier: f64, rows: &mut Vec<(&'static str, String)
         *path += &format!(", {:.1} mm a cycle", group.length * 1e3);
     }
     let (frames, rate) = (cycle.frames, cycle.frames_per_second());
-    rows.push(("rate", format!("{} cycles/s of {frames} frames: {rate} frames/s", cycle.rate)));
+    rows.push((
+        "rate",
+        format!("{} cycles/s of {frames} frames: {} frames/s", figure(cycle.rate), figure(rate)),
+    ));
     rows.push(("can be played", playable(rate, carrier)));
     if let Some(group) = of_scene {
         let speed = group.length * cycle.rate;
@@ -175,12 +178,22 @@ fn moving(cycle: &Cycle<'_>, carrier: f64, rows: &mut Vec<(&'static str, String)
         rows.push((
             "own motion",
             format!(
-                "target {}: {path}, {:.1} mm, {times} a cycle: {rate} rounds/s, {:.3} m/s",
+                "target {}: {path}, {:.1} mm, {times} a cycle: {} rounds/s, {:.3} m/s",
                 target + 1,
                 length * 1e3,
+                figure(rate),
                 length * rate
             ),
         ));
+    }
+}
+
+/// A number to three decimals, or fewer where the rest is 0.
+fn figure(value: f64) -> String {
+    let text = format!("{value:.3}");
+    match text.trim_end_matches('0').trim_end_matches('.') {
+        "0" => format!("{value:e}"),
+        short => short.to_owned(),
     }
 }
 
@@ -272,6 +285,13 @@ fn write_csv(out: &mut dyn Write, scene: &Scene, sequence: &Sequence) -> std::io
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn figures_are_short() {
+        for (value, text) in [(24.0, "24"), (36.833_16, "36.833"), (100.5, "100.5"), (1e-6, "1e-6")] {
+            assert_eq!(figure(value), text);
+        }
+    }
 
     #[test]
     fn what_can_play_it_depends_on_the_rate() {

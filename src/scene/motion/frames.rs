@@ -380,7 +380,7 @@ mod tests {
             (of(outline(speed, 1), vec![Target::new(point.clone())]), "motion.path".to_owned(), "no outline"),
             (with(outline(Tempo::Speed(1e5), 1), &ring), own("speed"), "times per second"),
             (with(outline(Tempo::Rate(108.0), 1), &ring), own("rate"), "22 rounds in one cycle of 64 frames"),
-            (with(outline(Tempo::Speed(100.0), 1), &line), own("speed"), "rounds in one cycle"),
+            (with(outline(Tempo::Speed(120.0), 1), &line), own("speed"), "rounds in one cycle"),
             (standing, own("speed"), "no length"),
             (with(outline(speed, 1024), &line), own("foci"), "a frame has 1025"),
             (with(motion(MotionPath::Points), &point), own("points"), "in frame 44 of 64"),

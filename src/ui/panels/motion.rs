@@ -26,8 +26,9 @@ pub fn show(editor: &mut Editor, shown: &Shown, ui: &mut Ui) {
     let own =
         editor.scene().targets.iter().filter(|target| target.visible && target.motion.is_some()).count();
     if own > 0 {
-        let whose = if own == 1 { "1 target has".to_owned() } else { format!("{own} targets have") };
-        ui.label(format!("{whose} a motion of their own, which the Scene panel shows."));
+        let whose =
+            if own == 1 { "1 target has its".to_owned() } else { format!("{own} targets have their") };
+        ui.label(format!("{whose} own motion, which the Scene panel shows."));
     }
     ui.separator();
     playback(editor, shown, ui);
