@@ -222,7 +222,7 @@ fn foci_run_along_the_drawing_at_a_speed_or_a_rate_that_is_kept() {
     type_in(&mut screen, "Speed", "8");
     assert_eq!(scene(&screen).motion.tempo, Tempo::Speed(8.0));
     assert!(screen.query_by_label_contains("480 per second").is_some());
-    screen.get_by_label("Play").click();
+    screen.get_by_role_and_label(egui::accesskit::Role::Button, "Play").click();
     screen.run_steps(3);
     assert_eq!(screen.state().shown().sound.as_ref().unwrap().foci.len(), 3, "a frame is shown");
     choose(&mut screen, "Path", "none");

@@ -113,7 +113,9 @@ fn content(
         return Ok((Content::Still(levels(&solution.drive)?), GLANCE));
     };
     let sequence = follow(scene, name)?;
-    tell(&sequence.frames[0].drive);
+    let loudness = |drive: &&Drive| drive.amplitudes.iter().sum::<f64>();
+    let softest = sequence.frames.iter().map(|frame| &frame.drive);
+    softest.min_by(|a, b| loudness(a).total_cmp(&loudness(b))).iter().for_each(|drive| tell(drive));
     let frames = sequence.frames.iter().map(|frame| levels(&frame.drive)).collect::<Result<_, _>>()?;
     let content = Content::Motion { frames, rate: cycle.frames_per_second() };
     Ok((content, Duration::from_secs_f64(1.0 / cycle.rate)))
