@@ -129,14 +129,21 @@ impl<'a> Score<'a> {
             let offset = part.way.map_or(DVec3::ZERO, |way| offsets[way]);
             foci.extend(part.foci.iter().map(|focus| Focus { position: focus.position + offset, ..*focus }));
         }
-        for (group, way) in &self.ways {
-            let is_shown = group.target.is_none_or(|target| self.scene.targets[target].is_in(step));
-            if let (Way::Run(course), true) = (way, is_shown) {
-                let runner = |focus: u32| course.at(self.part(group, frame, focus));
-                foci.extend((0..group.motion.foci).map(runner));
-            }
+        for (group, course) in self.courses(step) {
+            let runner = |focus: u32| course.at(self.part(group, frame, focus));
+            foci.extend((0..group.motion.foci).map(runner));
         }
         foci
+    }
+
+    /// Where foci run in a step.
+    fn courses(&self, step: u32) -> impl Iterator<Item = (&Group<'a>, &Course)> {
+        let is_shown =
+            move |group: &Group<'_>| group.target.is_none_or(|target| self.scene.targets[target].is_in(step));
+        self.ways.iter().filter_map(move |(group, way)| match way {
+            Way::Run(course) if is_shown(group) => Some((group, course)),
+            Way::Run(_) | Way::Offset(_) => None,
+        })
     }
 
     /// How much of a round one of the foci that share it has behind it, without rounding errors that grow with the frames.
@@ -155,12 +162,7 @@ impl<'a> Score<'a> {
     /// The most foci that a frame has.
     fn most_foci(&self) -> usize {
         let in_step = |(step, parts): (u32, &Vec<Part>)| {
-            let runs = |(group, way): &&(Group<'_>, Way)| {
-                matches!(way, Way::Run(_))
-                    && group.target.is_none_or(|target| self.scene.targets[target].is_in(step))
-            };
-            let running: usize =
-                self.ways.iter().filter(runs).map(|(group, _)| group.motion.foci as usize).sum();
+            let running: usize = self.courses(step).map(|(group, _)| group.motion.foci as usize).sum();
             parts.iter().map(|part| part.foci.len()).sum::<usize>() + running
         };
         (0..).zip(&self.steps).map(in_step).max().unwrap_or(0)

@@ -75,7 +75,7 @@ pub fn check_group(group: &Group<'_>, runs: bool, frames: u64) -> Result<(), Key
             Some(_) => {}
         }
     }
-    if rounds > 1 && rounds * FEWEST > frames {
+    if rounds > 1 && rounds.saturating_mul(FEWEST) > frames {
         let tempo = match motion.tempo {
             Tempo::Rate(_) => "rate",
             Tempo::Speed(_) => "speed",
