@@ -108,7 +108,7 @@ mod tests {
     /// m, from the strokes as they are drawn; of a circle from the circle.
     fn distance(target: &Target, at: DVec3) -> f64 {
         if let Shape::Circle { at: centre, radius } = target.shape {
-            let normal = target.normal.normalize();
+            let normal = target.normal.normalize_or_zero();
             let height = (at - centre).dot(normal);
             let flat = at - centre - normal * height;
             return height.hypot(flat.length() - radius);

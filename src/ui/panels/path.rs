@@ -4,8 +4,7 @@ use egui::Ui;
 use glam::DVec3;
 
 use crate::scene::{Motion, MotionPath, Scene, Tempo, motion};
-use crate::ui::panels::target::coordinates;
-use crate::ui::panels::{MM, Unit, choice, count, fact, form, heading, number};
+use crate::ui::panels::{MM, Unit, choice, coordinates, count, fact, form, heading, number};
 
 /// Steps are the last: a target's own motion has none.
 const PATHS: [(MotionPath, &str); 9] = [
