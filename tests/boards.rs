@@ -136,14 +136,17 @@ fn an_interrupted_sender_leaves_silence() {
 #[test]
 fn a_motion_goes_to_the_native_device_as_a_whole() {
     let folder = Folder::new();
-    let text = format!("{POINT}[motion]\npath = \"circle\"\nsize = 0.02\nrate = 20.0\nframes = 16\n");
-    let scene = folder.write("circle.toml", &text);
-    let (board, _shown) = board(Setup::new(Profile::Native));
-    let output = send(&scene, board.path(), Profile::Native, &["--seconds", "0.5"]);
-    assert!(output.status.success(), "{}", said(&output.stderr));
-    // Every frame once, and the first before them; some twice, if the machine is too busy to answer in time.
-    let sent: u32 = said(&output.stdout).split_once(' ').unwrap().0.parse().unwrap();
-    assert!((17..60).contains(&sent), "{}", said(&output.stdout));
+    let circle = format!("{POINT}[motion]\npath = \"circle\"\nsize = 0.02\nrate = 20.0\nframes = 16\n");
+    let ring = "format = 1\n[[target]]\nkind = \"circle\"\n[motion]\npath = \"outline\"\nframes = 16\n";
+    for text in [&circle, ring] {
+        let scene = folder.write("motion.toml", text);
+        let (board, _shown) = board(Setup::new(Profile::Native));
+        let output = send(&scene, board.path(), Profile::Native, &["--seconds", "0.5"]);
+        assert!(output.status.success(), "{}", said(&output.stderr));
+        // Every frame once, and the first before them; some twice, if the machine is too busy to answer in time.
+        let sent: u32 = said(&output.stdout).split_once(' ').unwrap().0.parse().unwrap();
+        assert!((17..60).contains(&sent), "{}", said(&output.stdout));
+    }
 }
 
 #[test]

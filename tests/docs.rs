@@ -89,7 +89,13 @@ fn known() -> BTreeMap<String, Table> {
         points = [[0, 0, 0]]
     "#;
     let scene = file::parse(text, Path::new("all.toml")).unwrap();
-    let tables: Table = toml::from_str(&file::write(&scene)).unwrap();
+    let mut tables: Table = toml::from_str(&file::write(&scene)).unwrap();
+    // These stand where others do not.
+    let fast = file::parse("format = 1\n[motion]\nspeed = 6\nfoci = 2", Path::new("fast.toml")).unwrap();
+    let fast: Table = toml::from_str(&file::write(&fast)).unwrap();
+    for key in ["speed", "foci"] {
+        tables["motion"].as_table_mut().unwrap().insert(key.to_owned(), fast["motion"][key].clone());
+    }
     tables.into_iter().filter_map(|(name, value)| Some((name, value.as_table()?.clone()))).collect()
 }
 
@@ -172,6 +178,7 @@ fn defaults_are_those_of_an_empty_scene() {
         ("solver", "quiet", quiet.into()),
         ("solver", "search", search.into()),
         ("solver", "target", "pressure".into()),
+        ("motion", "foci", 1.into()),
     ] {
         empty[table].as_table_mut().unwrap().insert(key.to_owned(), value);
     }

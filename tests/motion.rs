@@ -159,6 +159,66 @@ fn gif_frames(path: &Path) -> Vec<Vec<u8>> {
     frames
 }
 
+/// Two foci run along a square beside a point that stands, and a target goes round by itself.
+const OUTLINE: &str = "format = 1\n[[target]]\nkind = \"rectangle\"\n[[target]]\nat = [0, 0, 0.1]\n\
+                       [[target]]\nat = [-0.06, 0, 0.1]\n[target.motion]\npath = \"circle\"\nsize = 0.02\nrate = 90\n\
+                       [motion]\npath = \"outline\"\nfoci = 2\nframes = 16\n";
+
+#[test]
+fn foci_run_along_the_drawn_strokes() {
+    let folder = folder_with(&[("a.toml", OUTLINE)]);
+    let output = run(folder.path(), &["solve", "a.toml", "--motion", "--json"]);
+    let warning = String::from_utf8(output.stderr).unwrap();
+    assert!(warning.contains("target 3 goes round 75.000 times a second, not 90.000"), "{warning}");
+    let value: Value = serde_json::from_slice(&output.stdout).unwrap();
+    for (key, expected) in [("rate", 37.5), ("length", 0.16), ("speed", 6.0), ("frames_per_second", 600.0)] {
+        assert!((value[key].as_f64().unwrap() - expected).abs() < 1e-9, "{key}: {}", value[key]);
+    }
+    let own = &value["own_motions"][0];
+    assert_eq!((own["target"].as_u64(), own["rounds"].as_u64()), (Some(2), Some(2)));
+    assert_eq!((own["rate"].as_f64(), own["asked_rate"].as_f64()), (Some(75.0), Some(90.0)));
+    for frame in value["frames"].as_array().unwrap() {
+        let foci: Vec<_> = frame["foci"].as_array().unwrap().iter().map(numbers).collect();
+        assert_eq!((foci.len(), &foci[0]), (4, &vec![0.0, 0.0, 0.1]));
+        assert!(((foci[1][0] + 0.06).hypot(foci[1][1]) - 0.01).abs() < 1e-9);
+        let (a, b) = (&foci[2], &foci[3]);
+        assert!((a[0].abs().max(a[1].abs()) - 0.02).abs() < 1e-9, "{a:?}");
+        assert!((a[0] + b[0]).abs() < 1e-9 && (a[1] + b[1]).abs() < 1e-9, "{a:?} and {b:?}");
+    }
+    let table = succeed(folder.path(), &["solve", "a.toml", "--motion"]);
+    for part in
+        ["160.0 mm a cycle", "37.5 cycles/s of 16", "target 3: circle, 62.8 mm, 2 times a cycle: 75 rounds/s"]
+    {
+        assert!(table.contains(part), "{part}: {table}");
+    }
+}
+
+#[test]
+fn the_mean_of_foci_that_run_is_the_shape() {
+    let scene = OUTLINE.split("[[target]]\nat").next().unwrap();
+    for foci in [1, 4] {
+        let text = format!("{scene}[motion]\npath = \"outline\"\nfoci = {foci}\n");
+        let folder = folder_with(&[("a.toml", &text)]);
+        let args =
+            ["render", "a.toml", "--frame", "mean", "-o", "a.png", "--size", "100", "--colours", "grey"];
+        succeed(folder.path(), &args);
+        let picture = image::open(folder.path().join("a.png")).unwrap().to_rgb8();
+        // 2 mm a pixel: the sides are 10 pixels from the middle.
+        let light = |x: u32, y: u32| f64::from(picture.get_pixel(x, y)[0]);
+        let sides: Vec<_> =
+            (42..58).flat_map(|i| [light(i, 40), light(i, 60), light(40, i), light(60, i)]).collect();
+        let mean = sides.iter().sum::<f64>() / sides.len() as f64;
+        assert!(sides.iter().all(|side| (side / mean - 1.0).abs() < 0.25), "{foci}: {sides:?}");
+        for (x, y) in [(50, 50), (50, 70), (30, 30), (70, 50)] {
+            assert!(
+                light(x, y) < 0.4 * mean,
+                "{foci} foci: {} at {x}, {y}, {mean} along the sides",
+                light(x, y)
+            );
+        }
+    }
+}
+
 #[test]
 fn what_is_too_fast_for_viewers_is_slowed_down_and_says_so() {
     let folder = folder_with(&[("a.toml", &SQUARE.replace("rate = 2", "rate = 50"))]);
@@ -205,6 +265,12 @@ fn bad_motion_is_refused_with_file_line_and_value() {
         ),
         (motion("path = \"steps\""), &["bad.toml:5", "no target has `step = 0`"]),
         (motion("sizes = 1"), &["bad.toml:5", "sizes"]),
+        (motion("rate = 1\nspeed = 1"), &["bad.toml:6", "motion.speed = 1", "not both"]),
+        (motion("path = \"outline\""), &["bad.toml:5", "no outline to run along"]),
+        (
+            "format = 1\n[[target]]\n[target.motion]\npath = \"steps\"\n".to_owned(),
+            &["bad.toml:4", "target[1].motion.path = \"steps\""],
+        ),
         (
             "format = 1\n[[target]]\nstep = 0\n".to_owned(),
             &["bad.toml:3", "target[1].step = 0", "path = \"steps\""],

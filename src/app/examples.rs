@@ -4,6 +4,7 @@
 pub const EXAMPLES: &[(&str, &str)] = &[
     ("hit", include_str!("../../assets/scenes/hit.toml")),
     ("heart", include_str!("../../assets/scenes/heart.toml")),
+    ("heart-and-hit", include_str!("../../assets/scenes/heart-and-hit.toml")),
     ("star", include_str!("../../assets/scenes/star.toml")),
     ("filled-star", include_str!("../../assets/scenes/filled-star.toml")),
     ("broad-h", include_str!("../../assets/scenes/broad-h.toml")),

@@ -13,7 +13,7 @@ use crate::device::link::{Content, Event, Link, Settings};
 use crate::device::port;
 use crate::device::profile::Profile;
 use crate::drive::Drive;
-use crate::scene::Modulation;
+use crate::scene::{Modulation, motion};
 use crate::solver::{Problem, Solution};
 use crate::studio::output::note;
 use crate::ui::board::{BoardCommand, BoardShown, Plays};
@@ -169,13 +169,13 @@ impl Board {
     }
 
     fn send_motion(&mut self, editor: &Editor, shown: &mut Shown) {
-        let Some(round) = &shown.round else { return };
+        let (Some(round), Some(cycle)) = (&shown.round, motion::cycle(editor.scene())) else { return };
         self.awaits_round = false;
         let levels = |drive: &Drive| Levels::new(editor.board.profile, drive, &self.calibration);
         let frames: Result<Vec<_>, _> = round.frames.iter().map(|frame| levels(&frame.drive)).collect();
         match frames {
             Ok(frames) => {
-                self.show(Content::Motion { frames, rate: editor.scene().motion.frames_per_second() });
+                self.show(Content::Motion { frames, rate: cycle.frames_per_second() });
             }
             Err(error) => refuse(shown, error.to_string()),
         }

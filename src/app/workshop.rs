@@ -13,7 +13,7 @@ use crate::acoustics::{Air, Aperture};
 use crate::app::later::Later;
 use crate::app::mapping::Mapping;
 use crate::field::{self, Evaluator, Quantity, Request, Stages};
-use crate::scene::{Focus, Liquid, Method, MotionPath, Plane, Scene, check, motion, outline};
+use crate::scene::{Focus, Liquid, Method, Plane, Scene, Target, check, motion, outline};
 use crate::solver::frames::{self, Sequence};
 use crate::solver::{self, Problem, Solution};
 use crate::studio::liquid;
@@ -223,13 +223,13 @@ impl Workshop {
         let is_wanted = matches!(editor.panel, Panel::Motion | Panel::Device)
             || editor.playback.frame.is_some()
             || presses;
-        let moves = scene.motion.path != MotionPath::None && !scene.targets.is_empty();
+        let moves = motion::moves(scene) && !scene.targets.is_empty();
         shown.round = None;
         shown.is_following = false;
         if !moves || !is_wanted {
             return;
         }
-        let moving = Scene { motion: scene.motion.clone(), ..posed(scene) };
+        let moving = Scene { motion: scene.motion.clone(), targets: scene.targets.clone(), ..posed(scene) };
         if let Err(error) = check::check(&moving) {
             shown.problem = Some(error.to_string());
             return;
@@ -275,8 +275,8 @@ impl Workshop {
 
     /// Moves the motion on by the time that went by.
     fn play(&mut self, editor: &mut Editor, shown: &Shown, ctx: &Context) {
-        let count = motion::count(editor.scene());
-        let rate = editor.scene().motion.rate;
+        let cycle = motion::cycle(editor.scene()).map(|cycle| (cycle.frames as usize, cycle.rate));
+        let (count, rate) = cycle.unwrap_or((1, 0.0));
         let playback = &mut editor.playback;
         if let Some(frame) = &mut playback.frame {
             *frame = (*frame).min(count.saturating_sub(1));
@@ -319,13 +319,17 @@ fn posed(scene: &Scene) -> Scene {
     Scene {
         medium: scene.medium.clone(),
         array: scene.array.clone(),
-        targets: scene.targets.clone(),
+        targets: scene.targets.iter().map(at_rest).collect(),
         quiet: scene.quiet.clone(),
         solver: scene.solver.clone(),
         liquid: if scene.aims_at_depression() { scene.liquid.clone() } else { Liquid::default() },
         plane: if is_shape(scene) { quiet_plane(&scene.plane) } else { Plane::default() },
         ..Scene::default()
     }
+}
+
+fn at_rest(target: &Target) -> Target {
+    Target { motion: None, ..target.clone() }
 }
 
 /// What is not drawn is to be quiet there, whatever part of it is shown.

@@ -8,9 +8,10 @@ use serde_json::{Value, json};
 use crate::cli::solve::Methods;
 use crate::cli::{SolveArgs, read_scene};
 use crate::picture::sheet::pascals;
-use crate::scene::{MotionPath, Scene};
+use crate::scene::motion::{Cycle, Group};
+use crate::scene::{Scene, motion};
 use crate::solver::frames::{Frame, Sequence};
-use crate::studio::motion;
+use crate::studio::motion::follow;
 use crate::studio::output::{self, say, warn};
 
 /// m/s at which a moving focus is felt most: about the speed of waves on skin (Frier et al. 2018).
@@ -29,7 +30,7 @@ pub fn run(args: &SolveArgs) -> anyhow::Result<()> {
     if let Some(path) = &args.csv {
         output::check_writable(path)?;
     }
-    let sequence = motion::follow(&scene, &args.scene.display().to_string())?;
+    let sequence = follow(&scene, &args.scene.display().to_string())?;
     warn_of_rate(&scene);
     if let Some(path) = &args.csv {
         output::write_by(path, |file| Ok(write_csv(file, &scene, &sequence)?))?;
@@ -43,14 +44,10 @@ pub fn run(args: &SolveArgs) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// Frames per second where there are several.
-fn rate(scene: &Scene) -> Option<f64> {
-    (scene.motion.path != MotionPath::None).then(|| scene.motion.frames_per_second())
-}
-
 fn warn_of_rate(scene: &Scene) {
     let carrier = scene.array.frequency;
-    if let Some(rate) = rate(scene).filter(|&rate| rate > carrier) {
+    let rate = motion::cycle(scene).map(|cycle| cycle.frames_per_second());
+    if let Some(rate) = rate.filter(|&rate| rate > carrier) {
         warn(&format!(
             "{rate:.0} frames/s are more than the {carrier:.0} periods that the array plays in a second: none can follow; \
              take fewer frames or a lower rate"
@@ -110,22 +107,11 @@ impl Summary {
 }
 
 fn print(scene: &Scene, sequence: &Sequence) -> anyhow::Result<()> {
-    let (motion, summary, count) = (&scene.motion, Summary::new(sequence), sequence.frames.len());
-    let mut rows = vec![("path", motion.path.name().to_owned())];
-    let length = motion.length();
-    if length > 0.0 {
-        rows[0].1 += &format!(", {:.1} mm a cycle", length * 1e3);
-    }
-    match rate(scene) {
-        Some(rate) => {
-            rows.push(("rate", format!("{} cycles/s of {count} frames: {rate} frames/s", motion.rate)));
-            rows.push(("can be played", playable(rate, scene.array.frequency)));
-        }
+    let (summary, count) = (Summary::new(sequence), sequence.frames.len());
+    let mut rows = vec![("path", scene.motion.path.name().to_owned())];
+    match motion::cycle(scene) {
+        Some(cycle) => moving(&cycle, scene.array.frequency, &mut rows),
         None => rows.push(("frames", count.to_string())),
-    }
-    if length > 0.0 {
-        let (from, to) = FELT_MOST;
-        rows.push(("focus speed", format!("{:.3} m/s; {from} to {to} m/s feel strongest", motion.speed())));
     }
     rows.extend([
         (
@@ -168,17 +154,82 @@ fn print(scene: &Scene, sequence: &Sequence) -> anyhow::Result<()> {
     Ok(())
 }
 
+/// How fast what moves is, by the scene's motion and by those of targets.
+fn moving(cycle: &Cycle<'_>, carrier: f64, rows: &mut Vec<(&'static str, String)>) {
+    let (from, to) = FELT_MOST;
+    let of_scene = cycle.groups.iter().find(|group| group.target.is_none() && group.length > 0.0);
+    if let (Some(group), Some((_, path))) = (of_scene, rows.first_mut()) {
+        *path += &format!(", {:.1} mm a cycle", group.length * 1e3);
+    }
+    let (frames, rate) = (cycle.frames, cycle.frames_per_second());
+    rows.push((
+        "rate",
+        format!("{} cycles/s of {frames} frames: {} frames/s", figure(cycle.rate), figure(rate)),
+    ));
+    rows.push(("can be played", playable(rate, carrier)));
+    if let Some(group) = of_scene {
+        let speed = group.length * cycle.rate;
+        rows.push(("focus speed", format!("{speed:.3} m/s; {from} to {to} m/s feel strongest")));
+    }
+    for (group, target) in cycle.groups.iter().filter_map(|group| Some((group, group.target?))) {
+        let Group { motion, length, rounds, .. } = group;
+        let (path, rate) = (motion.path.name(), cycle.played(group));
+        let times = if *rounds == 1 { "once".to_owned() } else { format!("{rounds} times") };
+        rows.push((
+            "own motion",
+            format!(
+                "target {}: {path}, {:.1} mm, {times} a cycle: {} rounds/s, {:.3} m/s",
+                target + 1,
+                length * 1e3,
+                figure(rate),
+                length * rate
+            ),
+        ));
+    }
+}
+
+/// A number to three decimals, or fewer where the rest is 0.
+fn figure(value: f64) -> String {
+    let text = format!("{value:.3}");
+    match text.trim_end_matches('0').trim_end_matches('.') {
+        "0" => format!("{value:e}"),
+        short => short.to_owned(),
+    }
+}
+
+/// The same of targets with motions of their own, for scripts.
+fn own_motions(cycle: &Cycle<'_>) -> Vec<Value> {
+    let own = cycle.groups.iter().filter_map(|group| Some((group, group.target?)));
+    let one = |(group, target): (&Group<'_>, usize)| {
+        let rate = cycle.played(group);
+        json!({
+            "target": target,
+            "path": group.motion.path.name(),
+            "length": group.length,
+            "rounds": group.rounds,
+            "rate": rate,
+            "asked_rate": group.asked(),
+            "speed": group.length * rate,
+        })
+    };
+    own.map(one).collect()
+}
+
 /// One object; its frames stand a line each, and are never all in memory as text.
 fn write_json(out: &mut dyn Write, scene: &Scene, sequence: &Sequence) -> std::io::Result<()> {
-    let (motion, summary) = (&scene.motion, Summary::new(sequence));
+    let (cycle, summary) = (motion::cycle(scene), Summary::new(sequence));
+    let of_scene = cycle.iter().flat_map(|cycle| &cycle.groups).find(|group| group.target.is_none());
+    let length = of_scene.map_or(0.0, |group| group.length);
+    let rate = cycle.as_ref().map(|cycle| cycle.rate);
     let head = json!({
         "method": scene.solver.method.name(),
         "elements": scene.array.elements(),
-        "path": motion.path.name(),
-        "rate": motion.rate,
-        "frames_per_second": rate(scene),
-        "length": motion.length(),
-        "speed": motion.speed(),
+        "path": scene.motion.path.name(),
+        "rate": rate,
+        "frames_per_second": cycle.as_ref().map(|cycle| cycle.frames_per_second()),
+        "length": length,
+        "speed": rate.unwrap_or(0.0) * length,
+        "own_motions": cycle.as_ref().map_or_else(Vec::new, own_motions),
         "seconds": sequence.seconds,
         "searched": summary.searched,
         "mean_pressure": summary.mean_pressure,
@@ -193,17 +244,18 @@ fn write_json(out: &mut dyn Write, scene: &Scene, sequence: &Sequence) -> std::i
         writeln!(out, "  {}: {value},", Value::from(key.as_str()))?;
     }
     writeln!(out, "  \"frames\": [")?;
+    let frames_per_second = frames_per_second(scene);
     for (index, frame) in sequence.frames.iter().enumerate() {
         let comma = if index + 1 < sequence.frames.len() { "," } else { "" };
-        writeln!(out, "    {}{comma}", frame_json(frame, time(scene, index)))?;
+        writeln!(out, "    {}{comma}", frame_json(frame, index as f64 / frames_per_second))?;
     }
     writeln!(out, "  ]\n}}")?;
     Ok(())
 }
 
-/// s since the round began.
-fn time(scene: &Scene, frame: usize) -> f64 {
-    rate(scene).map_or(0.0, |rate| frame as f64 / rate)
+/// Infinite where there is one frame, which begins at 0 s.
+fn frames_per_second(scene: &Scene) -> f64 {
+    motion::cycle(scene).map_or(f64::INFINITY, |cycle| cycle.frames_per_second())
 }
 
 fn frame_json(frame: &Frame, time: f64) -> Value {
@@ -219,8 +271,9 @@ fn write_csv(out: &mut dyn Write, scene: &Scene, sequence: &Sequence) -> std::io
         write!(out, ",phase_{element}")?;
     }
     writeln!(out)?;
+    let frames_per_second = frames_per_second(scene);
     for (index, frame) in sequence.frames.iter().enumerate() {
-        write!(out, "{index},{:?}", time(scene, index))?;
+        write!(out, "{index},{:?}", index as f64 / frames_per_second)?;
         for (phase, amplitude) in frame.drive.phases.iter().zip(&frame.drive.amplitudes) {
             if *amplitude > 0.0 { write!(out, ",{phase:?}")? } else { write!(out, ",nan")? }
         }
@@ -232,6 +285,13 @@ fn write_csv(out: &mut dyn Write, scene: &Scene, sequence: &Sequence) -> std::io
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn figures_are_short() {
+        for (value, text) in [(24.0, "24"), (36.833_16, "36.833"), (100.5, "100.5"), (1e-6, "1e-6")] {
+            assert_eq!(figure(value), text);
+        }
+    }
 
     #[test]
     fn what_can_play_it_depends_on_the_rate() {

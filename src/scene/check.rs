@@ -6,7 +6,7 @@ use glam::DVec3;
 
 use crate::scene::{
     Area, Array, Liquid, Listener, Medium, Modulation, Motion, MotionPath, Plane, Pressures, Sampling, Scene,
-    Shape, Solver, Target, Zone,
+    Shape, Solver, Target, Tempo, Zone,
 };
 
 /// Elements that an array may have: 256 x 256.
@@ -20,6 +20,8 @@ pub const MOST_ZONES: usize = 64;
 /// Wanted pressures, relative or in Pa (peak).
 const LEAST_PRESSURE: f64 = 1e-6;
 const MOST_PRESSURE: f64 = 1e9;
+/// Rounds per second of a motion.
+pub(crate) const RATES: std::ops::RangeInclusive<f64> = 1e-6..=1e5;
 /// Iterations of a method: a thousand times what any of them needs.
 const MOST_ITERATIONS: u64 = 100_000;
 /// Drives that take turns: more are no quieter on the average.
@@ -119,11 +121,6 @@ pub fn check(scene: &Scene) -> Result<(), KeyError> {
     liquid(&scene.liquid).map_err(|e| e.under(&["liquid".into()]))?;
     modulation(&scene.modulation).map_err(|e| e.under(&["modulation".into()]))?;
     motion(&scene.motion).map_err(|e| e.under(&["motion".into()]))?;
-    if scene.solver.frames > 1 && scene.motion.path != MotionPath::None {
-        let message =
-            "drives take turns where nothing moves, and [motion] has a path: every frame of it is one drive";
-        return Err(KeyError::new(["solver".into(), "frames".into()], message));
-    }
     scene.listener.as_ref().map_or(Ok(()), |it| listener(it).map_err(|e| e.under(&["listener".into()])))
 }
 
@@ -192,6 +189,9 @@ fn target(target: &Target, pressures: Pressures) -> Result<(), KeyError> {
     }
     finite("angle", target.angle)?;
     direction("normal", target.normal)?;
+    if let Some(own) = &target.motion {
+        motion(own).and_then(|()| no_steps(own)).map_err(|e| e.under(&["motion".into()]))?;
+    }
     match target.sampling {
         Sampling::Whole | Sampling::Continuous => Ok(()),
         Sampling::Spacing(spacing) => length("spacing", spacing),
@@ -386,7 +386,11 @@ fn modulation(modulation: &Modulation) -> Result<(), KeyError> {
 
 fn motion(motion: &Motion) -> Result<(), KeyError> {
     length("size", motion.size)?;
-    within("rate", motion.rate, 1e-6, 1e5, "cycles per second")?;
+    match motion.tempo {
+        Tempo::Rate(rate) => within("rate", rate, *RATES.start(), *RATES.end(), "cycles per second")?,
+        Tempo::Speed(speed) => within("speed", speed, 1e-6, 1e5, "m/s")?,
+    }
+    count("foci", motion.foci.into(), 1, MOST_FOCI as u64)?;
     // How many are too many depends on the array: `motion::check` knows.
     count("frames", u64::from(motion.frames), 1, u64::from(u32::MAX))?;
     for (index, offset) in motion.points.iter().enumerate() {
@@ -399,6 +403,14 @@ fn motion(motion: &Motion) -> Result<(), KeyError> {
         return refuse("points", "`path = \"points\"` needs the offsets to visit");
     }
     Ok(())
+}
+
+/// Checks the path of a target's own motion.
+fn no_steps(own: &Motion) -> Result<(), KeyError> {
+    if own.path != MotionPath::Steps {
+        return Ok(());
+    }
+    refuse("path", "a single target takes no turns: `path = \"steps\"` stands in the scene's [motion]")
 }
 
 /// Checks where somebody listens.

@@ -11,11 +11,10 @@ use serde::{Deserialize, Deserializer, Serialize};
 use toml::de::{DeTable, DeValue};
 
 use crate::scene::check::{Key, KeyError, check};
+use crate::scene::motion::MotionTable;
 use crate::scene::target::TargetTable;
 use crate::scene::zone::ZoneTable;
-use crate::scene::{
-    Array, Liquid, Listener, Medium, Modulation, Motion, Plane, Scene, Solver, Target, motion,
-};
+use crate::scene::{Array, Liquid, Listener, Medium, Modulation, Plane, Scene, Solver, Target, motion};
 
 /// The version of the file format that this program reads and writes.
 pub const FORMAT: u32 = 1;
@@ -157,7 +156,7 @@ struct SceneTable {
     #[serde(default)]
     modulation: Modulation,
     #[serde(default)]
-    motion: Motion,
+    motion: MotionTable,
     listener: Option<Listener>,
 }
 
@@ -189,6 +188,7 @@ impl SceneTable {
             .enumerate()
             .map(|(index, table)| table.into_zone(index))
             .collect::<Result<_, _>>()?;
+        let motion = motion.into_motion().map_err(|e| e.under(&["motion".into()]))?;
         Ok(Scene {
             format,
             medium,
@@ -318,6 +318,28 @@ mod tests {
             ("[modulation]\nfrequency = 0", 3, "modulation.frequency = 0"),
             ("[motion]\nframes = 0", 3, "motion.frames = 0"),
             ("[motion]\nrate = nan", 3, "motion.rate = nan"),
+            ("[motion]\nrate = 5\nspeed = 6", 4, "motion.speed = 6: give either `rate` or `speed`"),
+            ("[motion]\nspeed = 0", 3, "motion.speed = 0: must be a number from 0.000001"),
+            ("[motion]\npath = \"steps\"\nspeed = 1\n[[target]]\nstep = 0", 4, "has no length: give `rate`"),
+            ("[motion]\nfoci = 0", 3, "motion.foci = 0"),
+            ("[motion]\npath = \"outline\"\n[[target]]", 3, "motion.path = \"outline\": there is no outline"),
+            (
+                "[[target]]\n[target.motion]\npath = \"steps\"",
+                4,
+                "target[1].motion.path = \"steps\": a single",
+            ),
+            (
+                "[[target]]\n[target.motion]\npath = \"outline\"",
+                4,
+                "target[1].motion.path = \"outline\": this",
+            ),
+            (
+                "[[target]]\n[[target]]\n[target.motion]\nrate = 2\nspeed = 6",
+                6,
+                "target[2].motion.speed = 6: give",
+            ),
+            ("[[target]]\n[target.motion]\nsise = 2", 4, "sise"),
+            ("[[target]]\nmotion = { path = \"circle\", frames = 1000000 }", 3, "1000000 frames"),
             ("[motion]\npath = \"points\"\npoints = []", 4, "needs the offsets"),
             ("[motion]\npath = \"points\"\npoints = [[0, 0, nan]]", 4, "motion.points[1] = [0, 0, nan]"),
             ("[motion]\npath = \"circle\"\nframes = 1000000\n[[target]]", 4, "and 1 focus need 7.7 GiB"),
@@ -405,6 +427,10 @@ mod tests {
             text = "é \"α\""
             [medium]
             sound_speed = 346.0
+            [target.motion]
+            path = "outline"
+            foci = 3
+            speed = 7.5
             [motion]
             path = "points"
             points = [[0, 0, 0.01]]

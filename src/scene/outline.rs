@@ -54,9 +54,23 @@ pub fn foci_of_step(scene: &Scene, step: u32) -> Result<Vec<Focus>, KeyError> {
         return Err(KeyError::new([Key::from("target"), Key::from(0), Key::from("visible")], message));
     }
     let shown: Vec<_> = scene.targets.iter().enumerate().filter(|(_, target)| target.is_in(step)).collect();
+    let foci = foci_of_targets(scene, &shown)?.concat();
+    if foci.is_empty() {
+        let message = format!("no target is shown in step {step}: nothing to focus on");
+        return Err(KeyError::new([Key::from("target")], message));
+    }
+    on_surface(scene, &foci)?;
+    Ok(foci)
+}
+
+/// The focal points of each of these targets, given with their places in the scene, as if there were no others.
+pub(crate) fn foci_of_targets(
+    scene: &Scene,
+    shown: &[(usize, &Target)],
+) -> Result<Vec<Vec<Focus>>, KeyError> {
     let wavelength = scene.wavelength();
-    let mut divisions = divisions(&shown)?;
-    let covers = covers(&shown, wavelength)?;
+    let mut divisions = divisions(shown)?;
+    let covers = covers(shown, wavelength)?;
     let outlines: usize = divisions.iter().map(Division::count).sum();
     let has_strokes = divisions.iter().any(|it| it.target.sampling == Sampling::Continuous);
     let left = MOST_FOCI - outlines;
@@ -64,9 +78,9 @@ pub fn foci_of_step(scene: &Scene, step: u32) -> Result<Vec<Focus>, KeyError> {
     let most = MOST_FOCI - areas.iter().map(|(_, patches)| patches.len()).sum::<usize>();
     spread(&mut divisions, wavelength / PER_WAVELENGTH, most);
     let (mut divisions, mut areas) = (divisions.into_iter(), areas.into_iter().peekable());
-    let mut foci = Vec::new();
-    for (index, target) in shown {
-        let first = foci.len();
+    let mut all = Vec::new();
+    for &(index, target) in shown {
+        let mut foci = Vec::new();
         if let Some((_, patches)) = areas.next_if(|(area, _)| *area == index) {
             foci.extend(patches.into_iter().map(|patch| Focus {
                 position: patch.at,
@@ -81,7 +95,7 @@ pub fn foci_of_step(scene: &Scene, step: u32) -> Result<Vec<Focus>, KeyError> {
                 part: if is_stroke { Part::Stroke } else { Part::Point },
             }));
         }
-        if let Some(behind) = foci[first..].iter().find(|focus| focus.position.z <= 0.0) {
+        if let Some(behind) = foci.iter().find(|focus| focus.position.z <= 0.0) {
             let [x, y, z] = behind.position.to_array();
             let message = format!(
                 "the focal point ({x}, {y}, {z}) lies on or behind the array, which stands in z = 0 and radiates \
@@ -89,13 +103,9 @@ pub fn foci_of_step(scene: &Scene, step: u32) -> Result<Vec<Focus>, KeyError> {
             );
             return Err(KeyError::new([Key::from("target"), Key::from(index)], message));
         }
+        all.push(foci);
     }
-    if foci.is_empty() {
-        let message = format!("no target is shown in step {step}: nothing to focus on");
-        return Err(KeyError::new([Key::from("target")], message));
-    }
-    on_surface(scene, &foci)?;
-    Ok(foci)
+    Ok(all)
 }
 
 /// A depression is drawn where the liquid is.
@@ -112,13 +122,20 @@ fn on_surface(scene: &Scene, foci: &[Focus]) -> Result<(), KeyError> {
     Err(KeyError::new([Key::from("solver"), Key::from("target")], message))
 }
 
-/// The runs of a target.
-fn runs(target: &Target) -> Result<Vec<Run>, KeyError> {
+/// The strokes of a target, as drawn, with the pressures wanted along them.
+pub(crate) fn drawn(target: &Target) -> Result<Vec<Vec<Vertex>>, KeyError> {
     if let Shape::Path { .. } = target.shape {
-        return Ok(run::runs(&[stroke::path(target)]));
+        return Ok(vec![stroke::path(target)]);
     }
     let even = |stroke: Vec<DVec3>| stroke.into_iter().map(|at| Vertex { at, pressure: 1.0 }).collect();
-    Ok(run::runs(&strokes(target)?.into_iter().map(even).collect::<Vec<_>>()))
+    Ok(strokes(target)?.into_iter().map(even).collect())
+}
+
+/// The directions along which a flat target was drawn, before and after a quarter turn.
+pub(crate) fn axes(target: &Target) -> (DVec3, DVec3) {
+    let facing = DQuat::from_rotation_arc(DVec3::Z, target.normal.try_normalize().unwrap_or(DVec3::Z));
+    let turn = facing * DQuat::from_rotation_z(target.angle);
+    (turn * DVec3::X, turn * DVec3::Y)
 }
 
 /// How many focal points targets ask for together, without making them; continuous strokes count with their corners, and
@@ -143,7 +160,7 @@ struct Division<'a> {
 impl<'a> Division<'a> {
     /// A continuous stroke is left in as few pieces as can be.
     fn new(target: &'a Target, most: usize) -> Result<Self, KeyError> {
-        let mut runs = runs(target)?;
+        let mut runs = run::runs(&drawn(target)?);
         let pieces = match target.sampling {
             Sampling::Whole | Sampling::Continuous | Sampling::Fill | Sampling::Stroke(_) => {
                 vec![1; runs.len()]

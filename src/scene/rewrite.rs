@@ -20,7 +20,8 @@ pub fn rewrite(text: &str, scene: &Scene) -> String {
         return text.to_owned();
     }
     let holds_it = |text: &String| file::parse(text, name).is_ok_and(|written| written == *scene);
-    rewritten(text, &before, scene).filter(holds_it).unwrap_or_else(|| file::write(scene))
+    let rewritten = |keys| rewritten(text, &before, scene, keys).filter(holds_it);
+    rewritten(Keys::Changed).or_else(|| rewritten(Keys::All)).unwrap_or_else(|| file::write(scene))
 }
 
 /// The scene as its file holds it: without the pixels of pictures.
@@ -34,7 +35,15 @@ fn as_written(scene: &Scene) -> Scene {
     scene
 }
 
-fn rewritten(text: &str, before: &Scene, after: &Scene) -> Option<String> {
+/// Which keys of a table that changed are written.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Keys {
+    Changed,
+    /// Those that stand there no longer say the same, where a default follows from another key that changed.
+    All,
+}
+
+fn rewritten(text: &str, before: &Scene, after: &Scene, keys: Keys) -> Option<String> {
     let document = |text: &str| text.parse::<DocumentMut>().ok();
     let mut own = document(text)?;
     let (before, after) = (document(&file::write(before))?, document(&file::write(after))?);
@@ -42,17 +51,17 @@ fn rewritten(text: &str, before: &Scene, after: &Scene) -> Option<String> {
         let old = before.get(key);
         match item.as_table_like() {
             Some(table) if old.is_some() => {
-                update(own.entry(key).or_insert_with(empty), old.and_then(Item::as_table_like), table)?;
+                update(own.entry(key).or_insert_with(empty), old.and_then(Item::as_table_like), table, keys)?;
             }
             Some(_) => drop(own.insert(key, item.clone())),
-            None => set(own.as_table_mut(), key, old, item),
+            None => set(own.as_table_mut(), key, old, item, keys)?,
         }
     }
     for (key, _) in before.iter().filter(|(key, _)| !REPEATED.contains(key) && after.get(key).is_none()) {
         own.remove(key);
     }
     for key in REPEATED {
-        repeated(&mut own, &before, &after, key)?;
+        repeated(&mut own, &before, &after, key, keys)?;
     }
     // A table that holds nothing new was only made to look.
     let is_idle =
@@ -72,25 +81,42 @@ fn empty() -> Item {
 }
 
 /// Writes the keys of a table that differ from what they were.
-fn update(own: &mut Item, before: Option<&dyn TableLike>, after: &dyn TableLike) -> Option<()> {
+fn update(own: &mut Item, before: Option<&dyn TableLike>, after: &dyn TableLike, keys: Keys) -> Option<()> {
     let own = own.as_table_like_mut()?;
+    let is_same = |key: &str, item: &Item| {
+        before.and_then(|before| before.get(key)).is_some_and(|before| before.to_string() == item.to_string())
+    };
+    let count = |table: &dyn TableLike| table.iter().count();
+    let is_changed =
+        before.map(count) != Some(count(after)) || after.iter().any(|(key, item)| !is_same(key, item));
     for (key, item) in after.iter() {
-        set(own, key, before.and_then(|before| before.get(key)), item);
-    }
-    for (key, _) in before.into_iter().flat_map(|before| before.iter()) {
-        if after.get(key).is_none() {
-            own.remove(key);
+        set(own, key, before.and_then(|before| before.get(key)), item, keys)?;
+        if keys == Keys::All && is_changed && !own.contains_key(key) {
+            own.insert(key, without_place(item.clone()));
         }
+    }
+    let gone: Vec<String> = match keys {
+        Keys::All if is_changed => own.iter().map(|(key, _)| key.to_owned()).collect(),
+        Keys::All | Keys::Changed => {
+            before.into_iter().flat_map(|before| before.iter()).map(|(key, _)| key.to_owned()).collect()
+        }
+    };
+    for key in gone.iter().filter(|key| after.get(key).is_none()) {
+        own.remove(key);
     }
     Some(())
 }
 
 /// Writes a value if it is another one, with the comment behind it left there.
-fn set(own: &mut dyn TableLike, key: &str, before: Option<&Item>, after: &Item) {
+fn set(own: &mut dyn TableLike, key: &str, before: Option<&Item>, after: &Item, keys: Keys) -> Option<()> {
     if before.is_some_and(|before| before.to_string() == after.to_string()) {
-        return;
+        return Some(());
     }
-    let mut item = after.clone();
+    let inner = own.get_mut(key).filter(|item| item.is_table_like());
+    if let (Some(inner), Some(table)) = (inner, after.as_table_like()) {
+        return update(inner, before.and_then(Item::as_table_like), table, keys);
+    }
+    let mut item = without_place(after.clone());
     match (own.get_mut(key).and_then(Item::as_value_mut), item.as_value_mut()) {
         (Some(old), Some(new)) => {
             *new.decor_mut() = old.decor().clone();
@@ -98,16 +124,32 @@ fn set(own: &mut dyn TableLike, key: &str, before: Option<&Item>, after: &Item) 
         }
         _ => drop(own.insert(key, item)),
     }
+    Some(())
+}
+
+/// A table stands behind the one that it is in, not where it stood in another text.
+fn without_place(mut item: Item) -> Item {
+    if let Some(table) = item.as_table_mut() {
+        table.set_position(None);
+    }
+    item
 }
 
 /// Every target or zone keeps its table and with it its comments, wherever it stands now.
-fn repeated(own: &mut DocumentMut, before: &DocumentMut, after: &DocumentMut, key: &str) -> Option<()> {
+fn repeated(
+    own: &mut DocumentMut,
+    before: &DocumentMut,
+    after: &DocumentMut,
+    key: &str,
+    keys: Keys,
+) -> Option<()> {
     let tables = |document: &DocumentMut| -> Vec<Table> {
         let tables = document.get(key).and_then(Item::as_array_of_tables);
         tables.map(|tables| tables.iter().cloned().collect()).unwrap_or_default()
     };
     let (before, after) = (tables(before), tables(after));
-    let text = |table: &Table| table.to_string();
+    // A table on its own says nothing of those inside it.
+    let text = |table: &Table| table.clone().into_inline_table().to_string();
     if before.iter().map(text).eq(after.iter().map(text)) {
         return Some(());
     }
@@ -123,13 +165,14 @@ fn repeated(own: &mut DocumentMut, before: &DocumentMut, after: &DocumentMut, ke
         let mut item = match origin.and_then(|origin| Some((origin, written[origin].take()?))) {
             Some((origin, own)) => {
                 let mut own = Item::Table(own);
-                update(&mut own, Some(&before[origin]), table)?;
+                update(&mut own, Some(&before[origin]), table, keys)?;
                 own
             }
             None => Item::Table(table.clone()),
         };
         let own = item.as_table_mut()?;
         own.set_position(places.get(index).copied().flatten());
+        own.iter_mut().filter_map(|(_, item)| item.as_table_mut()).for_each(|inner| inner.set_position(None));
         made.push(own.clone());
     }
     if made.is_empty() {
@@ -167,7 +210,7 @@ mod tests {
     use glam::DVec3;
 
     use super::*;
-    use crate::scene::{Method, Sampling, Target};
+    use crate::scene::{Method, Motion, MotionPath, Sampling, Target, Tempo};
 
     const TEXT: &str = r#"# A scene by hand.
 format = 1   # the only one
@@ -289,6 +332,59 @@ method = "gs"  # quick
         edited.solver.quiet = crate::scene::Solver::QUIET;
         let written = rewrite(&written, &edited);
         assert!(scene(&written) == edited && !written.contains("quiet"), "{written}");
+    }
+
+    #[test]
+    fn motions_of_targets_keep_their_comments_and_stay_with_their_target() {
+        let text = r#"format = 1
+
+# It stands.
+[[target]]
+at = [0.0, 0.0, 0.2] # m
+
+[target.motion] # its own
+path = "none"
+
+# It moves.
+[[target]]
+motion = { path = "line", rate = 3 }
+
+[[target]]
+motion.path = "circle" # round
+
+[[target]]
+kind = "circle"
+
+[motion]
+path = "circle" # all
+"#;
+        let before = scene(text);
+        let with = |edit: &dyn Fn(&mut Scene)| {
+            let mut edited = before.clone();
+            edit(&mut edited);
+            let written = rewrite(text, &edited);
+            assert_eq!(scene(&written), edited, "{written}");
+            for comment in ["# It stands.", "# It moves.", "# m", "# its own", "# all"] {
+                assert!(written.contains(comment), "{comment} in {written}");
+            }
+            written
+        };
+        let own = |path| Some(Motion { path, ..Motion::default() });
+        with(&|scene| scene.targets.swap(0, 1));
+        with(&|scene| scene.targets.rotate_left(1));
+        with(&|scene| scene.targets[0].motion = own(MotionPath::Circle));
+        with(&|scene| scene.targets[1].motion = own(MotionPath::Square));
+        with(&|scene| scene.targets[2].motion = None);
+        with(&|scene| {
+            scene.targets.push(Target { motion: own(MotionPath::Line), ..scene.targets[0].clone() });
+        });
+        // The usual tempo of an outline is another one.
+        for tempo in [Tempo::Rate(5.0), Tempo::Speed(6.0), Tempo::Speed(7.0)] {
+            with(&|scene| (scene.motion.path, scene.motion.tempo) = (MotionPath::Outline, tempo));
+            with(&|scene| {
+                scene.targets[3].motion = Some(Motion { tempo, ..own(MotionPath::Outline).unwrap() });
+            });
+        }
     }
 
     #[test]

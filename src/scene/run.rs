@@ -20,7 +20,7 @@ pub(crate) struct Vertex {
 
 impl Vertex {
     /// Between two vertices, `part` of the way to the other.
-    fn lerp(self, other: Self, part: f64) -> Self {
+    pub fn lerp(self, other: Self, part: f64) -> Self {
         let pressure = self.pressure + (other.pressure - self.pressure) * part;
         Self { at: self.at.lerp(other.at, part), pressure }
     }

@@ -4,7 +4,9 @@ use glam::DVec3;
 use serde::ser::SerializeMap;
 use serde::{Deserialize, Serialize, Serializer};
 
+use crate::scene::Motion;
 use crate::scene::check::{Key, KeyError};
+use crate::scene::motion::MotionTable;
 use crate::scene::pixels::Pixels;
 
 /// A shape that becomes focal points.
@@ -31,6 +33,9 @@ pub struct Target {
     /// A hidden target is kept and not played.
     #[serde(skip_serializing_if = "is_true")]
     pub visible: bool,
+    /// Its own motion, instead of the scene's.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub motion: Option<Motion>,
 }
 
 impl Target {
@@ -47,6 +52,7 @@ impl Target {
             normal: DVec3::Z,
             step: None,
             visible: true,
+            motion: None,
         }
     }
 
@@ -191,6 +197,7 @@ pub(crate) struct TargetTable {
     normal: Option<DVec3>,
     step: Option<u32>,
     visible: Option<bool>,
+    motion: Option<MotionTable>,
 }
 
 #[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize)]
@@ -256,6 +263,8 @@ impl TargetTable {
         let mut target = Target::new(shape);
         target.step = table.step;
         target.visible = table.visible.unwrap_or(target.visible);
+        let under = |e: KeyError| e.under(&["target".into(), index.into(), "motion".into()]);
+        target.motion = table.motion.take().map(MotionTable::into_motion).transpose().map_err(under)?;
         target.pressure = table.pressure.take().unwrap_or(target.pressure);
         if table.kind != Kind::Point {
             target.angle = table.angle.take().unwrap_or(target.angle);
@@ -325,6 +334,7 @@ impl TargetTable {
             normal,
             step: _,
             visible: _,
+            motion: _,
         } = self;
         [
             ("at", at.is_some()),

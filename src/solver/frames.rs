@@ -12,7 +12,7 @@ use rayon::prelude::*;
 
 use crate::acoustics::Aperture;
 use crate::drive::Drive;
-use crate::scene::{Focus, Method, MotionPath, Scene, Solver, motion};
+use crate::scene::{Focus, Method, Pressures, Scene, Solver, motion};
 use crate::solver::{self, Excitation, Played, Problem, SolveError, quality};
 
 /// Wavelengths that a focus may go from one keyframe to the next, if there are frames between them.
@@ -84,7 +84,7 @@ impl Frame {
 /// As [`solver::solve`], and frames that [`motion::frames`] refuses.
 pub fn follow(scene: &Scene) -> Result<Sequence, SolveError> {
     let start = Instant::now();
-    if scene.solver.frames > 1 && scene.motion.path == MotionPath::None {
+    if scene.solver.frames > 1 && !motion::moves(scene) {
         return turns_of(scene);
     }
     let frames = motion::frames(scene)?;
@@ -102,9 +102,13 @@ pub fn follow(scene: &Scene) -> Result<Sequence, SolveError> {
         };
         stands.par_iter().map(alone).collect::<Result<Vec<_>, SolveError>>()?
     };
-    let angles = turns(&solved);
-    let frame = |(found, &angle): (Found, &f64)| found.into_frame(&aperture, angle);
-    let solved: Vec<_> = solved.into_par_iter().zip(&angles).with_min_len(64).map(frame).collect();
+    let turns: Vec<_> = turns(&solved)
+        .into_iter()
+        .zip(parts(scene, &stands))
+        .map(|(angle, part)| Complex64::from_polar(part, angle))
+        .collect();
+    let frame = |(found, &turn): (Found, &Complex64)| found.into_frame(&aperture, turn);
+    let solved: Vec<_> = solved.into_par_iter().zip(&turns).with_min_len(64).map(frame).collect();
     let seconds = start.elapsed().as_secs_f64();
 
     let mut steps = phase_steps(&solved, &aperture.driven, frames.len());
@@ -119,15 +123,23 @@ fn turns_of(scene: &Scene) -> Result<Sequence, SolveError> {
     let solution = solver::solve(scene)?;
     let aperture = Aperture::new(scene);
     let transfer = Problem::new(&aperture, solution.foci.clone()).transfer;
-    let frame = |drive: Drive| Frame {
-        foci: solution.foci.clone(),
-        pressures: transfer.pressure(&drive.excitation(&aperture.driven)),
-        drive,
-        cold: true,
+    let frame = |drive: Drive| {
+        let pressures = transfer.pressure(&drive.excitation(&aperture.driven));
+        Frame { foci: solution.foci.clone(), drive, pressures, cold: true }
     };
     let frames: Vec<_> = solution.drives().into_iter().map(frame).collect();
     let steps = phase_steps(&frames, &aperture.driven, frames.len());
     Ok(Sequence { frames, steps, seconds: solution.seconds })
+}
+
+/// The part of what was found at which each stand is played. Where foci run along outlines, pressures are relative to those of
+/// other frames, too: the loudest focus of the cycle has all of it.
+fn parts(scene: &Scene, stands: &[&[Vec<Focus>]]) -> Vec<f64> {
+    let loudest = |stand: &&[Vec<Focus>]| stand[0].iter().map(|focus| focus.target).fold(0.0, f64::max);
+    let each: Vec<_> = stands.iter().map(loudest).collect();
+    let most = each.iter().copied().fold(f64::MIN_POSITIVE, f64::max);
+    let is_relative = scene.solver.pressures == Pressures::Relative && motion::runs(scene);
+    each.into_iter().map(|part| if is_relative { part / most } else { 1.0 }).collect()
 }
 
 /// What is found for a frame, before it is turned as a whole.
@@ -154,9 +166,9 @@ impl Found {
         relative.fold(f64::INFINITY, f64::min)
     }
 
-    fn into_frame(self, aperture: &Aperture, angle: f64) -> Frame {
+    /// Turned as a whole, and turned down.
+    fn into_frame(self, aperture: &Aperture, turn: Complex64) -> Frame {
         let Aperture { positions, driven, .. } = aperture;
-        let turn = Complex64::from_polar(1.0, angle);
         let turned =
             |values: Vec<Complex64>| values.into_iter().map(|value| value * turn).collect::<Vec<_>>();
         Frame {
@@ -433,6 +445,44 @@ mod tests {
         }
         assert_eq!(sequence.frames[8].foci.len(), 2);
         assert_eq!(sequence.steps.to % 4, 0, "a step begins where phases jump");
+    }
+
+    #[test]
+    fn a_focus_that_runs_is_as_loud_along_the_stroke_as_wanted() {
+        let vertices = [-0.02, 0.02].map(|x| DVec3::new(x, 0.0, 0.1)).to_vec();
+        let mut scene = scene(&[], 16);
+        scene.motion.path = MotionPath::Outline;
+        scene.targets = vec![Target::new(Shape::Path { vertices, closed: false })];
+        let at_full = follow(&scene).unwrap();
+        assert!(at_full.frames.iter().all(|frame| frame.drive.amplitudes.iter().all(|&a| a == 1.0)));
+        scene.targets[0].pressures = vec![1.0, 0.25];
+        let fading = follow(&scene).unwrap();
+        for (i, (fading, full)) in fading.frames.iter().zip(&at_full.frames).enumerate() {
+            let wanted = 1.0 - 0.75 * i as f64 / 16.0;
+            assert!((fading.foci[0].target - wanted).abs() < 1e-12);
+            assert!((fading.drive.amplitudes[0] - wanted).abs() < 1e-12, "frame {i}");
+            assert!((fading.mean_pressure() / full.mean_pressure() - wanted).abs() < 1e-9, "frame {i}");
+        }
+    }
+
+    #[test]
+    fn a_stroke_that_stands_is_even_while_a_focus_runs_beside_it() {
+        let own = |path| Some(Motion { path, ..Motion::default() });
+        let line = Shape::Line { from: DVec3::new(-0.02, -0.02, 0.1), to: DVec3::new(0.02, -0.02, 0.1) };
+        let ring = Shape::Circle { at: DVec3::new(0.0, 0.02, 0.1), radius: 0.01 };
+        let mut scene = scene(&[], 8);
+        scene.motion.path = MotionPath::None;
+        scene.targets =
+            vec![Target::new(line), Target { motion: own(MotionPath::Outline), ..Target::new(ring) }];
+        scene.targets[1].motion.as_mut().unwrap().frames = 8;
+        let frames = follow(&scene).unwrap().frames;
+        assert_eq!(frames.len(), 8);
+        for frame in &frames {
+            let strokes: Vec<_> = frame.foci.iter().map(|focus| !focus.is_separate()).collect();
+            assert!(strokes.iter().filter(|&&of_stroke| !of_stroke).count() == 1 && strokes.len() > 15);
+            let (mean, min) = (frame.mean_pressure(), frame.min_pressure());
+            assert!(min > 0.7 * mean, "{min} of {mean} Pa");
+        }
     }
 
     #[test]

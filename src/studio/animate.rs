@@ -13,7 +13,7 @@ use crate::field::{Colouring, FieldError, Request, Stages};
 use crate::picture::ColourMap;
 use crate::picture::animation::{Animation, Format, Pace};
 use crate::picture::export::{self, Numbers};
-use crate::scene::Scene;
+use crate::scene::{Scene, motion};
 use crate::studio::evaluator::or_by_cpu;
 use crate::studio::map;
 use crate::studio::output;
@@ -164,7 +164,7 @@ impl<'a> Film<'a> {
             tell(done.get() / (2 * count) as f64)
         };
         let range = self.measured(count, &step)?;
-        let frames_per_second = self.schedule.map_or(self.scene.motion.frames_per_second(), Schedule::rate);
+        let frames_per_second = self.schedule.map_or(self.frames_per_second(), Schedule::rate);
         let pace = Pace::new(frames_per_second);
         match target {
             Target::File(path, format) => output::write_by(path, |file| {
@@ -190,10 +190,15 @@ impl<'a> Film<'a> {
             }
         }
         let what = match self.schedule {
-            None => format!("a cycle takes {:.3} s", 1.0 / self.scene.motion.rate),
+            None => format!("a cycle takes {:.3} s", count as f64 / frames_per_second),
             Some(_) => format!("it takes {:.3} s", count as f64 / frames_per_second),
         };
         Ok(Shot { frames: count, pace, range: self.in_words(range), what })
+    }
+
+    /// Of the motion; a scene that stands still shows its one frame for a second.
+    fn frames_per_second(&self) -> f64 {
+        motion::cycle(self.scene).map_or(1.0, |cycle| cycle.frames_per_second())
     }
 
     /// The range of all frames; their values are written if they are wanted.
@@ -215,7 +220,7 @@ impl<'a> Film<'a> {
             self.each(|film, _, request| measure(film, request, &mut |values| numbers.add(values)))?;
             Ok(numbers.finish()?)
         })?;
-        let rate = self.schedule.map_or(self.scene.motion.frames_per_second(), Schedule::rate);
+        let rate = self.schedule.map_or(self.frames_per_second(), Schedule::rate);
         let times: Vec<_> = (1..=count).map(|frame| (frame as f64 / rate) as f32).collect();
         output::write(&path.with_extension("times.npy"), &export::npy(&[count as u64], &times)?)?;
         Ok(range)

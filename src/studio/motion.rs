@@ -2,7 +2,7 @@
 
 use crate::acoustics::Aperture;
 use crate::picture::sheet::pascals;
-use crate::scene::{MotionPath, Pressures, Scene};
+use crate::scene::{Pressures, Scene, motion};
 use crate::solver;
 use crate::solver::frames::{self, Frame, Sequence};
 use crate::studio::output::{note, warn};
@@ -12,7 +12,7 @@ use crate::studio::output::{note, warn};
 /// # Errors
 /// A scene that cannot be solved.
 pub fn follow(scene: &Scene, name: &str) -> anyhow::Result<Sequence> {
-    if scene.motion.path == MotionPath::None && scene.solver.frames == 1 {
+    if !motion::moves(scene) && scene.solver.frames == 1 {
         note("nothing moves: `path` in [motion] is \"none\", so there is one frame");
     }
     let sequence = frames::follow(scene).map_err(|error| anyhow::anyhow!("{name}: {error}"))?;
@@ -22,7 +22,27 @@ pub fn follow(scene: &Scene, name: &str) -> anyhow::Result<Sequence> {
     if scene.solver.pressures == Pressures::Pascal {
         warn_of_shortfall(&sequence);
     }
+    warn_of_rates(scene);
     Ok(sequence)
+}
+
+/// Says which targets go round at another rate than they are to.
+fn warn_of_rates(scene: &Scene) {
+    /// Relative: what nobody sees or feels.
+    const APART: f64 = 1e-3;
+    let Some(cycle) = motion::cycle(scene) else { return };
+    for group in &cycle.groups {
+        let (asked, played) = (group.asked(), cycle.played(group));
+        if let Some(target) = group.target.filter(|_| (played / asked - 1.0).abs() > APART) {
+            warn(&format!(
+                "target {} goes round {played:.3} times a second, not {asked:.3}: a whole number of its rounds, {}, fits into \
+                 the cycle of {:.3} per second",
+                target + 1,
+                group.rounds,
+                cycle.rate
+            ));
+        }
+    }
 }
 
 /// Says how much of the pascals asked for the worst frame gets.

@@ -8,12 +8,13 @@ use crate::drive::Drive;
 use crate::field::stages::MOST_PIXELS;
 use crate::field::{Quantity, Request, Stages};
 use crate::picture::{ColourMap, Picture, export, relief, sheet};
-use crate::scene::{MotionPath, Scene, file};
+use crate::scene::{Scene, file, motion};
 use crate::solver::{self, Solution};
 use crate::studio::evaluator::{self, Backend};
 use crate::studio::map;
+use crate::studio::motion::follow;
 use crate::studio::output::{self, say, warn};
-use crate::studio::{EXAMPLE, liquid, memory, motion, opening};
+use crate::studio::{EXAMPLE, liquid, memory, opening};
 
 /// What the sheet of a scene is called when nobody named a file.
 const DEFAULT_SHEET: &str = "sonoglyph.png";
@@ -127,14 +128,14 @@ impl Look {
         let Solved { scene, solution, .. } = solved;
         let presses = matches!(self.diagram, Diagram::Map(quantity) if quantity.declaration().is_slow);
         let moment = match self.moment {
-            None if presses && scene.motion.path != MotionPath::None => Moment::Mean,
+            None if presses && motion::moves(scene) => Moment::Mean,
             None => return Ok(solution.drives()),
             Some(moment) => moment,
         };
         if matches!(self.diagram, Diagram::Sheet | Diagram::Drive) {
             bail!("--frame chooses among maps, and this is no quantity on a plane");
         }
-        let mut frames = motion::follow(scene, &solved.name)?.frames;
+        let mut frames = follow(scene, &solved.name)?.frames;
         match moment {
             Moment::Mean
                 if let Diagram::Map(quantity) = self.diagram

@@ -3,7 +3,7 @@
 use anyhow::bail;
 
 use crate::field::{FieldError, Request, Stages};
-use crate::scene::{Envelope, MotionPath, Scene};
+use crate::scene::{Envelope, Scene, motion};
 use crate::surface::{Rest, Tank, Waves};
 
 /// Pictures of a second that really passes, and how many there may be.
@@ -32,8 +32,8 @@ impl Schedule {
     /// # Errors
     /// No time, or more than can be shown.
     pub fn new(scene: &Scene, seconds: Option<f64>) -> anyhow::Result<Self> {
-        let moves = scene.motion.path != MotionPath::None;
-        let seconds = seconds.unwrap_or(if moves { 1.0 / scene.motion.rate } else { STILL });
+        let cycle = motion::cycle(scene);
+        let seconds = seconds.unwrap_or(cycle.as_ref().map_or(STILL, |cycle| 1.0 / cycle.rate));
         let pictures = (seconds * PICTURES_PER_SECOND).round();
         if !(1.0..=MOST_PICTURES).contains(&pictures) {
             bail!(
@@ -46,7 +46,7 @@ impl Schedule {
             Envelope::Off => 0.0,
             Envelope::Sine | Envelope::Square => STEPS_PER_PERIOD * scene.modulation.frequency,
         };
-        let frames = if moves { scene.motion.frames_per_second() } else { 0.0 };
+        let frames = cycle.map_or(0.0, |cycle| cycle.frames_per_second());
         let between = seconds / pictures;
         let steps = (between * fastest.max(frames)).ceil().max(1.0);
         Ok(Self { pictures: pictures as usize, steps: steps as usize, step: between / steps })
@@ -66,6 +66,8 @@ pub struct Swell<'a> {
     tank: Tank,
     /// Under the steady sound of every frame of the motion.
     rests: Vec<Rest>,
+    /// Cycles per second.
+    rate: f64,
     waves: Waves,
     /// Time steps made.
     done: usize,
@@ -94,15 +96,15 @@ impl<'a> Swell<'a> {
         }
         let tank = found.ok_or(FieldError::NoPlane)?;
         let waves = Waves::new(&tank, &scene.liquid, schedule.step);
-        Ok(Self { scene, schedule, tank, rests, waves, done: 0 })
+        let rate = motion::cycle(scene).map_or(0.0, |cycle| cycle.rate);
+        Ok(Self { scene, schedule, tank, rests, rate, waves, done: 0 })
     }
 
     /// The depth (m, positive down) of every cell at the next picture.
     pub fn next_surface(&mut self) -> Vec<f64> {
         for _ in 0..self.schedule.steps {
             let time = (self.done as f64 + 0.5) * self.schedule.step;
-            let rounds = time * self.scene.motion.rate;
-            let frame = (rounds.fract() * self.rests.len() as f64) as usize;
+            let frame = ((time * self.rate).fract() * self.rests.len() as f64) as usize;
             self.waves.advance(&self.rests[frame], self.scene.modulation.envelope(time).powi(2));
             self.done += 1;
         }

@@ -71,14 +71,26 @@ fn motion(editor: &Editor, painter: &Painter, lens: &Lens) {
     const PIECES: u32 = 96;
     let scene = editor.scene();
     let axes = editor.view.axes(scene);
-    if matches!(scene.motion.path, MotionPath::None | MotionPath::Steps) {
-        return;
-    }
     for target in scene.targets.iter().filter(|target| target.visible).take(FEW) {
-        let centre = outline::centre(&target.shape);
-        let at = |i: u32| centre + scene.motion.offset(f64::from(i % PIECES) / f64::from(PIECES));
-        let way: Vec<_> = (0..=PIECES).map(|i| lens.screen(axes.flat(at(i)))).collect();
-        painter.extend(Shape::dotted_line(&way, Color32::from_white_alpha(150), 6.0, 1.2));
+        let motion = target.motion.as_ref().unwrap_or(&scene.motion);
+        let (ways, radius) = match motion.path {
+            MotionPath::None | MotionPath::Steps => continue,
+            MotionPath::Outline => (edit::outline_on(target, &axes), 2.0),
+            MotionPath::Line
+            | MotionPath::Circle
+            | MotionPath::Square
+            | MotionPath::Triangle
+            | MotionPath::FigureEight
+            | MotionPath::Points => {
+                let centre = outline::centre(&target.shape);
+                let at = |i: u32| centre + motion.offset(f64::from(i % PIECES) / f64::from(PIECES));
+                (vec![(0..=PIECES).map(|i| axes.flat(at(i))).collect()], 1.2)
+            }
+        };
+        for way in ways {
+            let way: Vec<_> = way.into_iter().map(|uv| lens.screen(uv)).collect();
+            painter.extend(Shape::dotted_line(&way, Color32::from_white_alpha(150), 6.0, radius));
+        }
     }
 }
 

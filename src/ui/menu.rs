@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use egui::containers::menu::MenuBar;
 use egui::{Button, DragValue, KeyboardShortcut, ProgressBar, Sense, Stroke, Theme, Ui, vec2};
 
-use crate::scene::MotionPath;
+use crate::scene::motion;
 use crate::ui::tool::{self, Tool};
 use crate::ui::{Command, Dialog, Editor, Export, Purpose, Shown, keys, theme};
 
@@ -32,7 +32,7 @@ pub fn bar(editor: &mut Editor, shown: &Shown, ui: &mut Ui, commands: &mut Vec<C
                 ("Drive as CSV…", Export::Drive),
                 ("Motion as GIF or animated PNG…", Export::Motion),
             ] {
-                let moves = editor.scene().motion.path != MotionPath::None;
+                let moves = motion::moves(editor.scene());
                 let button = ui.add_enabled(export != Export::Motion || moves, Button::new(name));
                 if button.on_disabled_hover_text("Nothing moves: choose a path in the Motion panel").clicked()
                 {

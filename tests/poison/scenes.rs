@@ -4,8 +4,8 @@ use glam::{DVec2, DVec3};
 use sonoglyph::field::{Evaluator, FieldError, Quantity, Request, Stages};
 use sonoglyph::scene::check::check;
 use sonoglyph::scene::{
-    Area, ElementModel, Envelope, Listener, MotionPath, Pressures, Sampling, Scene, Shape, Target, Zone,
-    font, motion, outline,
+    Area, ElementModel, Envelope, Listener, Motion, MotionPath, Pressures, Sampling, Scene, Shape, Target,
+    Tempo, Zone, font, motion, outline,
 };
 use sonoglyph::solver::{self, SolveError};
 
@@ -88,7 +88,16 @@ const NUMBERS: &[(&str, Put<f64>)] = &[
     ("modulation.frequency", |s, x| (s.modulation.shape, s.modulation.frequency) = (Envelope::Sine, x)),
     ("modulation.depth", |s, x| (s.modulation.shape, s.modulation.depth) = (Envelope::Sine, x)),
     ("motion.size", |s, x| (s.motion.path, s.motion.size, s.motion.frames) = (MotionPath::Circle, x, 3)),
-    ("motion.rate", |s, x| s.motion.rate = x),
+    ("motion.rate", |s, x| s.motion.tempo = Tempo::Rate(x)),
+    ("motion.speed", |s, x| s.motion.tempo = Tempo::Speed(x)),
+    ("motion.speed", |s, x| {
+        s.targets[0].shape = Shape::Circle { at: DVec3::Z * 0.1, radius: 0.01 };
+        (s.motion.path, s.motion.tempo, s.motion.frames) = (MotionPath::Outline, Tempo::Speed(x), 3);
+    }),
+    ("target.motion.speed", |s, x| {
+        let path = MotionPath::Circle;
+        s.targets[0].motion = Some(Motion { path, tempo: Tempo::Speed(x), frames: 3, ..Motion::default() });
+    }),
     ("motion.points", |s, x| {
         (s.motion.path, s.motion.points, s.motion.frames) =
             (MotionPath::Points, vec![DVec3::ZERO, DVec3::X * x], 3);
@@ -151,7 +160,7 @@ fn goes_all_the_way(stages: &mut Stages, scene: &Scene, name: &str) {
 #[test]
 fn no_count_of_a_scene_is_poison() {
     let most = u32::MAX;
-    let counts: [Put<u32>; 7] = [
+    let counts: [Put<u32>; 8] = [
         |s, n| s.array.rows = n,
         |s, n| s.array.columns = n,
         |s, n| (s.array.rows, s.array.columns) = (n, n),
@@ -159,6 +168,7 @@ fn no_count_of_a_scene_is_poison() {
         |s, n| s.targets[0].shape = Shape::Polygon { at: DVec3::Z, radius: 0.01, sides: n },
         |s, n| s.targets[0].sampling = Sampling::Points(n as usize),
         |s, n| (s.motion.path, s.motion.frames) = (MotionPath::Circle, n),
+        |s, n| (s.motion.path, s.motion.foci) = (MotionPath::Outline, n),
     ];
     for (index, put) in counts.iter().enumerate() {
         let mut scene = small();
@@ -215,5 +225,6 @@ fn envelopes_and_paths_stay_in_their_range() {
             assert!(offset.length() <= scene.motion.size, "{path:?} at {part}: {offset}");
         }
     }
-    assert!(!panics(|| scene.motion.frames_per_second()));
+    scene.motion.path = MotionPath::Line;
+    assert!(!panics(|| motion::cycle(&scene).map(|cycle| cycle.frames_per_second())));
 }

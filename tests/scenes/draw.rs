@@ -6,7 +6,7 @@ use glam::{DVec2, DVec3};
 use sonoglyph::acoustics::Air;
 use sonoglyph::scene::{
     Amplitudes, Array, ElementModel, Envelope, Liquid, LiquidName, Listener, Medium, Method, Modulation,
-    Motion, MotionPath, Plane, Pressures, Sampling, Scene, Shape, Solver, Target,
+    Motion, MotionPath, Plane, Pressures, Sampling, Scene, Shape, Solver, Target, Tempo,
 };
 
 use crate::dice::Dice;
@@ -80,9 +80,18 @@ fn scene(dice: &mut Dice, number: usize, wide: bool) -> Scene {
     if dice.of(0.1) {
         targets.push(Target { visible: false, ..Target::new(Shape::Point { at: -middle }) });
     }
-    let motion = motion(dice, reach.min(0.05 * middle.z));
+    let is_outline = |target: &Target| !matches!(target.shape, Shape::Point { .. });
+    let outline = targets.iter().any(is_outline).then_some(reach);
+    let way = reach.min(0.05 * middle.z);
+    let motion = motion(dice, way, outline);
     if motion.path == MotionPath::Steps {
         targets.iter_mut().zip(0..).for_each(|(target, step)| target.step = target.visible.then_some(step));
+    }
+    // Others than the last outline, which foci may run along, and whose length the cycle may be of.
+    let last = targets.iter().rposition(is_outline).unwrap_or(0);
+    let is_timed = matches!(motion.tempo, Tempo::Rate(_));
+    if is_timed && last > 0 && dice.of(0.1) {
+        own_motion(dice, &motion, way, &mut targets[0]);
     }
     let listener = dice.of(0.2).then(|| Listener { at: (middle * 0.5).with_z(middle.z) });
     let modulation = Modulation {
@@ -235,10 +244,11 @@ fn target(dice: &mut Dice, middle: DVec3, reach: f64, pressures: Pressures) -> T
         10 => (Shape::Path { vertices: vec![at, place(dice), place(dice)], closed: dice.of(0.5) }, 5),
         _ => (Shape::Text { text: dice.one_of(&["I", "L", "T", "-"]).to_owned(), at, height: size }, 8),
     };
-    let sampling = match (&shape, dice.of(0.5)) {
+    let sampling = match (&shape, dice.whole(0, 9)) {
         (Shape::Point { .. }, _) => Sampling::Whole,
-        (_, true) => Sampling::Points(most),
-        (_, false) => Sampling::Spacing((size * dice.between(0.5, 3.0)).clamp(1e-9, 100.0)),
+        (_, 0..=4) => Sampling::Points(most),
+        (_, 5) => Sampling::Continuous,
+        _ => Sampling::Spacing((size * dice.between(0.5, 3.0)).clamp(1e-9, 100.0)),
     };
     let is_turned = !matches!(shape, Shape::Point { .. });
     let is_flat = is_turned && !matches!(shape, Shape::Line { .. } | Shape::Path { .. });
@@ -256,20 +266,36 @@ fn target(dice: &mut Dice, middle: DVec3, reach: f64, pressures: Pressures) -> T
     }
 }
 
-/// A few frames, in one scene of eight.
-fn motion(dice: &mut Dice, size: f64) -> Motion {
-    use MotionPath::{Circle, FigureEight, Line, Points, Square, Steps, Triangle};
+/// A few frames, in one scene of eight; `outline` (m) is how long the drawing may be whose strokes foci run along.
+fn motion(dice: &mut Dice, size: f64, outline: Option<f64>) -> Motion {
+    use MotionPath::{Circle, FigureEight, Line, Outline, Points, Square, Steps, Triangle};
     if dice.of(0.875) {
         return Motion::default();
     }
-    let path = dice.one_of(&[Line, Circle, Square, Triangle, FigureEight, Points, Steps]);
-    Motion {
-        path,
-        size: size.max(1e-9),
-        rate: dice.magnitude(1e-6, 1e5),
-        frames: dice.whole(4, 9),
-        points: if path == Points { vec![DVec3::ZERO, DVec3::X * size] } else { Vec::new() },
-    }
+    let path = dice.one_of(&[Line, Circle, Square, Triangle, FigureEight, Points, Steps, Outline, Outline]);
+    let path = if path == Outline && outline.is_none() { Line } else { path };
+    let has_speed = path != Steps && dice.of(0.3);
+    let tempo = match has_speed {
+        true => Tempo::Speed(outline.unwrap_or(size).max(1e-9) * dice.magnitude(1e-2, 1e2)),
+        false => Tempo::Rate(dice.magnitude(1e-6, 1e5)),
+    };
+    let points = if path == Points { vec![DVec3::ZERO, DVec3::X * size.max(1e-9)] } else { Vec::new() };
+    let foci = if path == Outline { dice.whole(1, 4) } else { 1 };
+    Motion { path, size: size.max(1e-9), tempo, frames: dice.whole(4, 9), points, foci }
+}
+
+/// Gives a target a motion of its own, of as many rounds as the frames of the scene's leave room for.
+fn own_motion(dice: &mut Dice, scene: &Motion, size: f64, target: &mut Target) {
+    use MotionPath::{Circle, Line, None, Outline};
+    let is_point = matches!(target.shape, Shape::Point { .. });
+    let path = dice.one_of(&[None, Circle, Line, if is_point { None } else { Outline }]);
+    let rate = match scene.tempo {
+        Tempo::Rate(rate) if scene.path != None => rate * dice.between(0.3, 1.4),
+        Tempo::Rate(_) | Tempo::Speed(_) => 3.0,
+    };
+    let tempo = Tempo::Rate(rate.clamp(1e-6, 1e5));
+    let frames = dice.whole(3, 9);
+    target.motion = Some(Motion { path, size: size.max(1e-9), tempo, frames, ..Motion::default() });
 }
 
 /// Makes a scene one in which foci are hopeless in one of these ways.
@@ -280,7 +306,7 @@ fn spoil(scene: &mut Scene, dice: &mut Dice, way: usize) {
     let corner = -0.5 * pitch * DVec3::new(f64::from(columns - 1), f64::from(rows - 1), 0.0);
     let ahead = DVec3::new(0.3 * pitch, -0.2 * pitch, 8.0 * pitch);
     scene.motion = Motion::default();
-    scene.targets.iter_mut().for_each(|target| target.step = None);
+    scene.targets.iter_mut().for_each(|target| (target.step, target.motion) = (None, None));
     match way % 14 {
         0 => scene.targets = vec![point(ahead); 3],
         1 => {

@@ -8,7 +8,7 @@ use rayon::ThreadPool;
 use sonoglyph::acoustics::Aperture;
 use sonoglyph::drive::Drive;
 use sonoglyph::scene::{
-    Amplitudes, ElementModel, Focus, Method, MotionPath, Pressures, Scene, Shape, Target,
+    Amplitudes, ElementModel, Focus, Method, Motion, Pressures, Scene, Shape, Target, motion,
 };
 use sonoglyph::solver::frames::follow;
 use sonoglyph::solver::{Limits, Problem, Solution, SolveError, solve};
@@ -84,23 +84,41 @@ impl Solved {
         let scene = &self.scene;
         let again = two.install(|| solve(scene)).unwrap();
         assert_eq!(again.drive, self.solution.drive, "found by another number of threads");
-        let points = Scene { targets: as_points(&self.solution.foci), ..scene.clone() };
-        let points = solve(&points).unwrap();
-        assert_eq!(points.drive, self.solution.drive, "of the same foci, given as points");
-        if scene.motion.path != MotionPath::None && self.solution.foci.len() < 12 {
+        if self.is_stroke_by_best() {
+            count("continuous strokes by `best`");
+        } else {
+            let targets = as_points(&self.solution.foci);
+            let points = Scene { targets, motion: Motion::default(), ..scene.clone() };
+            let points = solve(&points).unwrap();
+            assert_eq!(points.drive, self.solution.drive, "of the same foci, given as points");
+        }
+        let foci = motion::frames(scene).unwrap()[0].len();
+        if motion::moves(scene) && foci < 12 {
             let alone = match follow(scene) {
                 Err(SolveError::SeveralFoci(_)) => return,
                 other => other.unwrap(),
             };
             let together = two.install(|| follow(scene)).unwrap();
             assert_eq!(alone.frames, together.frames, "found by another number of threads");
-            assert_eq!(alone.frames.len(), scene.motion.frames as usize);
+            assert_eq!(alone.frames.len(), motion::count(scene));
             for frame in &alone.frames {
                 is_playable(&self.aperture, &frame.drive);
                 assert!(frame.pressures.iter().all(|p| p.is_finite()));
             }
             count("motions");
+            if motion::runs(scene) {
+                count("motions along outlines");
+            }
+            if scene.targets.iter().any(|target| target.motion.is_some()) {
+                count("motions of targets");
+            }
         }
+    }
+
+    /// `best` keeps what is beside a stroke quiet: its samples are no points.
+    pub fn is_stroke_by_best(&self) -> bool {
+        self.scene.solver.method == Method::Best
+            && self.solution.foci.iter().any(|focus| !focus.is_separate())
     }
 
     fn drive_is_playable(&self) {
@@ -260,6 +278,9 @@ impl Moved {
 pub fn moves_change_no_quality(solved: &Solved, moved: &Moved) {
     let Solved { scene, solution, .. } = solved;
     let method = scene.solver.method;
+    if solved.is_stroke_by_best() {
+        return;
+    }
     let foci: Vec<_> = solution
         .foci
         .iter()
@@ -268,9 +289,10 @@ pub fn moves_change_no_quality(solved: &Solved, moved: &Moved) {
     if foci.iter().any(|focus| focus.position.abs().max_element() > 100.0) {
         return;
     }
-    let scene = Scene { targets: as_points(&foci), ..moved.scene.clone() };
-    let other = solve(&scene).unwrap();
-    assert_eq!(other.foci, foci);
+    let (targets, motion) = (as_points(&foci), Motion::default());
+    let other = solve(&Scene { targets, motion, ..moved.scene.clone() }).unwrap();
+    let places = |foci: &[Focus]| foci.iter().map(|focus| (focus.position, focus.target)).collect::<Vec<_>>();
+    assert_eq!(places(&other.foci), places(&foci));
     let moduli = |solution: &Solution| solution.pressures.iter().map(|p| p.norm()).collect::<Vec<_>>();
     let (before, after) = (moduli(solution), moduli(&other));
     let sum = before.iter().sum::<f64>().max(f64::MIN_POSITIVE);

@@ -1,6 +1,6 @@
 //! What can be edited besides drawing: handles, the list, the clipboard, modulation, motion and listener.
 
-use sonoglyph::scene::{Envelope, MotionPath, Sampling, Target};
+use sonoglyph::scene::{Envelope, MotionPath, Sampling, Target, Tempo};
 
 use super::*;
 
@@ -202,4 +202,57 @@ fn paths_through_points_and_steps_can_be_made_by_hand() {
     choose(&mut screen, "Path", "none");
     assert!(scene(&screen).targets.iter().all(|target| target.step.is_none()));
     assert_eq!(scene(&screen).motion.path, MotionPath::None);
+}
+
+#[test]
+fn foci_run_along_the_drawing_at_a_speed_or_a_rate_that_is_kept() {
+    let mut screen = open_with(&[Shape::Rectangle { at: AT, width: 0.04, height: 0.06 }, point(0.0)]);
+    screen.get_by_label("Motion").click();
+    rest(&mut screen);
+    choose(&mut screen, "Path", "outline");
+    assert_eq!(scene(&screen).motion.tempo, Tempo::Speed(6.0), "200 mm at 6 m/s: 30 times a second");
+    assert!(screen.query_by_label_contains("1920 per second").is_some());
+    type_in(&mut screen, "Running foci", "2");
+    type_in(&mut screen, "Frames", "12");
+    let round = screen.state().shown().round.clone().unwrap();
+    assert_eq!(round.frames.len(), 12);
+    assert!(round.frames.iter().all(|frame| frame.foci.len() == 3 && frame.foci[0].position == AT));
+    type_in(&mut screen, "Rate", "20");
+    assert_eq!(scene(&screen).motion.tempo, Tempo::Rate(20.0));
+    type_in(&mut screen, "Speed", "8");
+    assert_eq!(scene(&screen).motion.tempo, Tempo::Speed(8.0));
+    assert!(screen.query_by_label_contains("480 per second").is_some());
+    screen.get_by_role_and_label(egui::accesskit::Role::Button, "Play").click();
+    screen.run_steps(3);
+    assert_eq!(screen.state().shown().sound.as_ref().unwrap().foci.len(), 3, "a frame is shown");
+    choose(&mut screen, "Path", "none");
+    assert!(screen.state().shown().problem.is_none() && screen.state().shown().round.is_none());
+}
+
+#[test]
+fn a_target_gets_a_motion_of_its_own_and_the_scene_at_rest_is_not_solved_for_it() {
+    let mut screen = open_with(&[point(-0.02), point(0.02)]);
+    let solution = screen.state().shown().solution.clone().unwrap();
+    screen.get_by_label("Own motion").click();
+    rest(&mut screen);
+    assert_eq!(scene(&screen).targets[0].motion.as_ref().unwrap().path, MotionPath::None);
+    choose(&mut screen, "Path", "circle");
+    type_in(&mut screen, "Rate", "10");
+    type_in(&mut screen, "Frames", "6");
+    screen.get_by_label("Motion").click();
+    rest(&mut screen);
+    assert!(screen.query_by_label_contains("1 target has its own motion").is_some());
+    let round = screen.state().shown().round.clone().unwrap();
+    let places = |index: usize| round.frames.iter().map(move |frame| frame.foci[index].position);
+    assert!(round.frames.len() == 6 && places(1).all(|at| at == AT + DVec3::X * 0.02));
+    assert!(places(0).all(|at| (at.distance(AT - DVec3::X * 0.02) - 0.015).abs() < 1e-12));
+    // The scene's own is the cycle, and this one makes whole rounds in it.
+    choose(&mut screen, "Path", "line");
+    screen.get_by_label("Scene").click();
+    rest(&mut screen);
+    assert!(screen.query_by_label("2 times a cycle: 10.00 Hz").is_some());
+    assert!(std::sync::Arc::ptr_eq(&solution, screen.state().shown().solution.as_ref().unwrap()));
+    screen.get_by_label("Own motion").click();
+    rest(&mut screen);
+    assert_eq!(scene(&screen).targets[0].motion, None);
 }

@@ -65,12 +65,22 @@ fn no_input_is_without_a_name() {
     screen.state_mut().editor_mut().document.scene.motion.path = sonoglyph::scene::MotionPath::Points;
     screen.state_mut().editor_mut().document.scene.motion.points = vec![DVec3::ZERO, DVec3::X * 0.01];
     screen.state_mut().editor_mut().document.scene.modulation.shape = sonoglyph::scene::Envelope::Sine;
+    let points = screen.state().editor().document.scene.motion.clone();
+    screen.state_mut().editor_mut().document.scene.targets[0].motion = Some(points);
     screen.state_mut().editor_mut().view.section = true;
     screen.state_mut().editor_mut().view.full = Some(100.0);
     for panel in ["Solver", "Drive", "Liquid", "Motion", "Device", "Scene"] {
         screen.get_by_label(panel).click();
         rest(&mut screen);
         found.extend(unnamed(&screen).into_iter().map(|what| format!("{panel}: {what}")));
+    }
+    let outline = sonoglyph::scene::MotionPath::Outline;
+    screen.state_mut().editor_mut().document.scene.motion.path = outline;
+    screen.state_mut().editor_mut().document.scene.targets[0].motion.as_mut().unwrap().path = outline;
+    for panel in ["Motion", "Scene"] {
+        screen.get_by_label(panel).click();
+        rest(&mut screen);
+        found.extend(unnamed(&screen).into_iter().map(|what| format!("{panel}, outline: {what}")));
     }
     for part in ["Listener", "Somebody listens", "Array", "Air"] {
         screen.get_by_label(part).click();
@@ -96,6 +106,12 @@ fn no_input_is_without_a_name() {
 fn the_keyboard_reaches_every_input() {
     let mut screen = open();
     screen.state_mut().editor_mut().selection = [0].into();
+    let outline = sonoglyph::scene::Motion {
+        path: sonoglyph::scene::MotionPath::Outline,
+        frames: 4,
+        ..sonoglyph::scene::Motion::default()
+    };
+    screen.state_mut().editor_mut().document.scene.targets[0].motion = Some(outline);
     rest(&mut screen);
     for panel in ["Scene", "Solver", "Liquid", "Motion"] {
         screen.get_by_label(panel).click();

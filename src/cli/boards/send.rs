@@ -12,9 +12,9 @@ use crate::device::levels::{self, Levels, OtherCount};
 use crate::device::link::{Content, Event, Link, Settings};
 use crate::device::profile::Profile;
 use crate::drive::Drive;
-use crate::scene::{MotionPath, Scene};
+use crate::scene::{Scene, motion};
 use crate::solver;
-use crate::studio::motion;
+use crate::studio::motion::follow;
 use crate::studio::output::{mention, note, say, warn};
 
 /// How long a scene at rest is played if nobody says.
@@ -107,18 +107,20 @@ fn content(
         let frequency = if profile == Profile::Native { profile.carrier() } else { scene.array.frequency };
         levels::notices(profile, drive, calibration, frequency).iter().for_each(|notice| warn(notice));
     };
-    if scene.motion.path == MotionPath::None {
+    let Some(cycle) = motion::cycle(scene) else {
         let solution = solver::solve(scene).map_err(|error| anyhow::anyhow!("{name}: {error}"))?;
         solution.warnings.iter().for_each(|warning| warn(warning));
         tell(&solution.drive);
         let frames = solution.drives().iter().map(levels).collect::<Result<_, _>>()?;
         return Ok((Content::in_turn(frames, profile.turns_per_second(settings.baud())), GLANCE));
-    }
-    let sequence = motion::follow(scene, name)?;
-    tell(&sequence.frames[0].drive);
+    };
+    let sequence = follow(scene, name)?;
+    let loudness = |drive: &&Drive| drive.amplitudes.iter().sum::<f64>();
+    let softest = sequence.frames.iter().map(|frame| &frame.drive);
+    softest.min_by(|a, b| loudness(a).total_cmp(&loudness(b))).iter().for_each(|drive| tell(drive));
     let frames = sequence.frames.iter().map(|frame| levels(&frame.drive)).collect::<Result<_, _>>()?;
-    let content = Content::Motion { frames, rate: scene.motion.frames_per_second() };
-    Ok((content, Duration::from_secs_f64(1.0 / scene.motion.rate)))
+    let content = Content::Motion { frames, rate: cycle.frames_per_second() };
+    Ok((content, Duration::from_secs_f64(1.0 / cycle.rate)))
 }
 
 /// How a link fares, in a line.

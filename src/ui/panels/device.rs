@@ -5,7 +5,7 @@ use egui::{RichText, Ui};
 use crate::device::health::{Health, State};
 use crate::device::profile::Profile;
 use crate::picture::sheet::pascals;
-use crate::scene::MotionPath;
+use crate::scene::motion;
 use crate::ui::board::{BoardCommand, BoardShown, Plays};
 use crate::ui::panels::{choice, count, fact, form, heading};
 use crate::ui::{Command, Editor, Shown, theme};
@@ -150,7 +150,7 @@ fn sending(
         if ui.button("Send").on_hover_text("The board plays the scene from now on").clicked() {
             ask(BoardCommand::Send);
         }
-        let moves = editor.scene().motion.path != MotionPath::None;
+        let moves = motion::moves(editor.scene());
         let motion = ui.add_enabled(moves, egui::Button::new("Play motion"));
         let motion = motion
             .on_hover_text("All frames, over and over; a native board keeps them and needs nobody")

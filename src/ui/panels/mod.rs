@@ -4,6 +4,7 @@ mod device;
 mod drive;
 mod liquid;
 mod motion;
+mod path;
 mod profile;
 mod scene;
 mod solver;
@@ -12,6 +13,7 @@ mod target;
 use std::ops::RangeInclusive;
 
 use egui::{DragValue, Response, RichText, ScrollArea, Ui};
+use glam::DVec3;
 
 pub use target::{point, sampling};
 
@@ -155,4 +157,25 @@ fn given(
         ui.label(format!("{:.*}{}", unit.decimals, otherwise * unit.per, unit.suffix));
     }
     ui.end_row();
+}
+
+/// Three numbers in mm, z not below `lowest` mm.
+fn coordinates(ui: &mut Ui, name: &str, at: &mut DVec3, lowest: f64) {
+    ui.spacing_mut().item_spacing.x = 4.0;
+    // Wide enough for most: rows of points stand in columns.
+    ui.spacing_mut().interact_size.x = 46.0;
+    for (axis, value) in ["x", "y", "z"].into_iter().zip(at.as_mut()) {
+        let mut shown = *value * 1e3;
+        let least = if axis == "z" { lowest } else { -2000.0 };
+        let field = DragValue::new(&mut shown)
+            .speed(0.25)
+            .max_decimals(2)
+            .range(least..=2000.0)
+            .clamp_existing_to_range(false)
+            .update_while_editing(false);
+        let response = ui.add(field).accessible_name(format!("{name} {axis}")).on_hover_text(axis);
+        if response.changed() && shown.is_finite() {
+            *value = shown.clamp(least, 2000.0) * 1e-3;
+        }
+    }
 }

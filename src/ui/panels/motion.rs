@@ -1,43 +1,34 @@
 //! How the targets move, and which moment is shown.
 
 use egui::{Slider, Ui};
-use glam::DVec3;
 
 use crate::picture::sheet::pascals;
 use crate::scene::motion;
 use crate::scene::{Envelope, Modulation, MotionPath, Scene};
 use crate::solver::frames::Frame;
-use crate::ui::panels::target::coordinates;
-use crate::ui::panels::{MM, Unit, choice, count, fact, form, heading, number};
+use crate::ui::panels::path::{self, Figures};
+use crate::ui::panels::{Unit, choice, fact, form, heading, number};
 use crate::ui::{Editor, Shown};
-
-const PATHS: [(MotionPath, &str); 8] = [
-    (MotionPath::None, "none"),
-    (MotionPath::Line, "line"),
-    (MotionPath::Circle, "circle"),
-    (MotionPath::Square, "square"),
-    (MotionPath::Triangle, "triangle"),
-    (MotionPath::FigureEight, "figure-eight"),
-    (MotionPath::Points, "points"),
-    (MotionPath::Steps, "steps"),
-];
-/// m: where a path through points goes until somebody says otherwise.
-const FIRST_POINTS: [DVec3; 3] = [DVec3::ZERO, DVec3::new(0.02, 0.0, 0.0), DVec3::new(0.02, 0.02, 0.0)];
 
 pub fn show(editor: &mut Editor, shown: &Shown, ui: &mut Ui) {
     modulation(&mut editor.document.scene.modulation, ui);
     ui.separator();
     settings(editor, ui);
-    if editor.scene().motion.path == MotionPath::None {
+    if !motion::moves(editor.scene()) {
         editor.playback.frame = None;
         editor.playback.playing = false;
         ui.label("Nothing moves. Choose a path: all targets follow it together.");
         return;
     }
-    match editor.scene().motion.path {
-        MotionPath::Points => points(&mut editor.document.scene.motion.points, ui),
-        MotionPath::Steps => drop(ui.label("Every target shows its step in the Scene panel.")),
-        _ => {}
+    if editor.scene().motion.path == MotionPath::Steps {
+        ui.label("Every target shows its step in the Scene panel.");
+    }
+    let own =
+        editor.scene().targets.iter().filter(|target| target.visible && target.motion.is_some()).count();
+    if own > 0 {
+        let whose =
+            if own == 1 { "1 target has its".to_owned() } else { format!("{own} targets have their") };
+        ui.label(format!("{whose} own motion, which the Scene panel shows."));
     }
     ui.separator();
     playback(editor, shown, ui);
@@ -63,81 +54,22 @@ pub fn show(editor: &mut Editor, shown: &Shown, ui: &mut Ui) {
 fn settings(editor: &mut Editor, ui: &mut Ui) {
     heading(ui, "Path");
     let scene = &mut editor.document.scene;
-    form(ui, "motion", |ui| {
-        let mut path = scene.motion.path;
-        let tip = "Along which all targets move; in steps, they take turns instead";
-        choice(ui, ("Path", tip), &mut path, &PATHS);
-        choose(scene, path);
-        if !matches!(path, MotionPath::Points | MotionPath::Steps) {
-            let size = "Length, diameter, side or width of the path";
-            number(ui, ("Size", size), &mut scene.motion.size, MM, 1e-4..=1.0);
-        }
-        let hertz = Unit { per: 1.0, suffix: " Hz", decimals: 2, speed: 0.1 };
-        number(ui, ("Rate", "Cycles per second"), &mut scene.motion.rate, hertz, 0.01..=1e4);
-        count(ui, ("Frames", "Drives per cycle"), &mut scene.motion.frames, 1..=4096);
-        if !matches!(path, MotionPath::None | MotionPath::Steps) {
-            let speed = format!("{:.2} m/s", scene.motion.speed());
-            fact(ui, ("Speed", "Of a focus; 5 to 8 m/s are felt most"), speed);
-        }
-        if path != MotionPath::None {
-            let rate = format!("{:.0} per second", scene.motion.frames_per_second());
-            fact(ui, ("Frames shown", "What the board has to keep up with"), rate);
-        }
-    });
+    let figures = Figures::of(scene, None);
+    let before = scene.motion.path;
+    path::settings(&mut scene.motion, figures, false, ui);
+    if scene.motion.path != before {
+        take_turns(scene);
+    }
 }
 
-/// Another path, with what it needs: points to visit, or a step for every target.
-fn choose(scene: &mut Scene, path: MotionPath) {
-    if path == scene.motion.path {
-        return;
-    }
-    scene.motion.path = path;
-    if path == MotionPath::Points && scene.motion.points.is_empty() {
-        scene.motion.points = FIRST_POINTS.to_vec();
-    }
-    let steps = path == MotionPath::Steps;
+/// A step for every target where they take turns, and for no other.
+fn take_turns(scene: &mut Scene) {
+    let steps = scene.motion.path == MotionPath::Steps;
     for (index, target) in (0..).zip(&mut scene.targets) {
         target.step = steps.then_some(target.step.unwrap_or(index));
     }
     if steps {
         scene.motion.frames = scene.motion.frames.max(scene.targets.len() as u32);
-    }
-}
-
-/// The offsets that a path through points visits, in mm.
-fn points(points: &mut Vec<DVec3>, ui: &mut Ui) {
-    heading(ui, "Points");
-    ui.label("Where the targets go, one after the other and back to the first, from their own places:");
-    let (mut added, mut removed) = (None, None);
-    let only = points.len() == 1;
-    form(ui, "points", |ui| {
-        for (index, offset) in points.iter_mut().enumerate() {
-            ui.label(format!("{}", index + 1));
-            ui.horizontal(|ui| {
-                coordinates(ui, &format!("Point {}", index + 1), offset, -2000.0);
-                let number = index + 1;
-                let button = ui.small_button("+").on_hover_text("Another one after this");
-                if button.accessible_name(format!("Add a point after {number}")).clicked() {
-                    added = Some(index);
-                }
-                let button = ui.add_enabled(!only, egui::Button::new("-").small());
-                let button = button.on_hover_text("Without this one");
-                if button.accessible_name(format!("Remove point {number}")).clicked() {
-                    removed = Some(index);
-                }
-            });
-            ui.end_row();
-        }
-    });
-    if let Some(index) = added {
-        let next = points[(index + 1) % points.len()];
-        let middle = (points[index] + next) / 2.0;
-        let place =
-            if middle.distance(points[index]) > 1e-6 { middle } else { points[index] + FIRST_POINTS[1] };
-        points.insert(index + 1, place);
-    }
-    if let Some(index) = removed {
-        points.remove(index);
     }
 }
 

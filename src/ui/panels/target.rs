@@ -5,7 +5,8 @@ use glam::DVec3;
 
 use crate::scene::check::MOST_FOCI;
 use crate::scene::{MotionPath, Pressures, Sampling, Scene, Shape, Target, font};
-use crate::ui::panels::{DEGREES, MM, PLAIN, Unit, count, form, number};
+use crate::ui::panels::path::{self, Figures};
+use crate::ui::panels::{DEGREES, MM, PLAIN, Unit, coordinates, count, form, number};
 
 /// m between the focal points that an outline gets when they are first asked for.
 const SPACING: f64 = 0.01;
@@ -17,6 +18,7 @@ const LENGTH: std::ops::RangeInclusive<f64> = 1e-4..=10.0;
 pub fn show(scene: &mut Scene, index: usize, ui: &mut Ui) {
     let pressures = scene.solver.pressures;
     let takes_turns = scene.motion.path == MotionPath::Steps;
+    let figures = Figures::of(scene, Some(index));
     let Some(target) = scene.targets.get_mut(index) else { return };
     form(ui, "target", |ui| {
         shape(target, ui);
@@ -34,6 +36,20 @@ pub fn show(scene: &mut Scene, index: usize, ui: &mut Ui) {
         }
         step(target, takes_turns, ui);
     });
+    own_motion(target, figures, ui);
+}
+
+/// How it moves where it does not move with the others.
+fn own_motion(target: &mut Target, figures: Option<Figures>, ui: &mut Ui) {
+    let mut has_own = target.motion.is_some();
+    ui.checkbox(&mut has_own, "Own motion").on_hover_text(
+        "It moves by itself, or stands still with the path \"none\"; else as the Motion panel says",
+    );
+    if !has_own {
+        target.motion = None;
+        return;
+    }
+    path::settings(target.motion.get_or_insert_default(), figures, true, ui);
 }
 
 fn shape(target: &mut Target, ui: &mut Ui) {
@@ -105,27 +121,6 @@ pub fn point(ui: &mut Ui, name: &str, at: &mut DVec3) {
         .on_hover_text("x, y, z; the array lies in z = 0, its centre at the origin");
     ui.horizontal(|ui| coordinates(ui, name, at, 1.0));
     ui.end_row();
-}
-
-/// Three numbers in mm, z not below `lowest` mm.
-pub fn coordinates(ui: &mut Ui, name: &str, at: &mut DVec3, lowest: f64) {
-    ui.spacing_mut().item_spacing.x = 4.0;
-    // Wide enough for most: rows of points stand in columns.
-    ui.spacing_mut().interact_size.x = 46.0;
-    for (axis, value) in ["x", "y", "z"].into_iter().zip(at.as_mut()) {
-        let mut shown = *value * 1e3;
-        let least = if axis == "z" { lowest } else { -2000.0 };
-        let field = DragValue::new(&mut shown)
-            .speed(0.25)
-            .max_decimals(2)
-            .range(least..=2000.0)
-            .clamp_existing_to_range(false)
-            .update_while_editing(false);
-        let response = ui.add(field).accessible_name(format!("{name} {axis}")).on_hover_text(axis);
-        if response.changed() && shown.is_finite() {
-            *value = shown.clamp(least, 2000.0) * 1e-3;
-        }
-    }
 }
 
 fn pressure(target: &mut Target, pressures: Pressures, ui: &mut Ui) {

@@ -1,0 +1,110 @@
+//! The cycle that all motions of a scene go through together, and how many rounds each of them makes in it.
+
+use crate::scene::motion::course::Course;
+use crate::scene::{KeyError, Motion, MotionPath, Scene, Target};
+
+/// What is played over and over.
+#[derive(Clone, Debug)]
+pub struct Cycle<'a> {
+    /// Cycles per second.
+    pub rate: f64,
+    pub frames: u32,
+    /// The scene's, if it has one, and then those of targets in the order of the file.
+    pub groups: Vec<Group<'a>>,
+    /// The group whose round is the cycle, and whose frames are its frames.
+    pub leader: usize,
+}
+
+impl Cycle<'_> {
+    pub fn frames_per_second(&self) -> f64 {
+        f64::from(self.frames) * self.rate
+    }
+
+    /// Rounds per second that a group makes: a whole number of them in a cycle.
+    pub fn played(&self, group: &Group<'_>) -> f64 {
+        self.rate * group.rounds as f64
+    }
+}
+
+/// What moves by one motion: a target by its own, or all that have none by the scene's.
+#[derive(Clone, Debug)]
+pub struct Group<'a> {
+    /// The target's place in the scene; `None` for the scene's motion.
+    pub target: Option<usize>,
+    pub motion: &'a Motion,
+    /// m, of a round.
+    pub length: f64,
+    /// Rounds per cycle.
+    pub rounds: u64,
+}
+
+impl Group<'_> {
+    /// Rounds per second that the motion asks for.
+    pub fn asked(&self) -> f64 {
+        const OTHERWISE: f64 = 1.0;
+        self.motion.tempo.rate(self.length).unwrap_or(OTHERWISE)
+    }
+}
+
+/// Whether a scene has more than one frame.
+pub fn moves(scene: &Scene) -> bool {
+    paths(scene).any(|path| path != MotionPath::None)
+}
+
+/// Whether foci run along outlines.
+pub fn runs(scene: &Scene) -> bool {
+    paths(scene).any(|path| path == MotionPath::Outline)
+}
+
+/// Those of the scene and of targets that are shown.
+fn paths(scene: &Scene) -> impl Iterator<Item = MotionPath> {
+    let shown = scene.targets.iter().filter(|target| target.visible);
+    let own = shown.filter_map(|target| target.motion.as_ref());
+    std::iter::once(&scene.motion).chain(own).map(|motion| motion.path)
+}
+
+/// The scene's own motion sets the cycle, or else the slowest of its targets'; the others make whole rounds in it. `None` where
+/// nothing moves.
+pub fn cycle(scene: &Scene) -> Option<Cycle<'_>> {
+    let own = scene.targets.iter().enumerate().filter(|(_, target)| target.visible);
+    let own = own.filter_map(|(index, target)| Some((Some(index), target.motion.as_ref()?)));
+    let moving = std::iter::once((None, &scene.motion)).chain(own);
+    let mut groups: Vec<_> = moving
+        .filter(|(_, motion)| motion.path != MotionPath::None)
+        .map(|(target, motion)| Group { target, motion, length: length(scene, target, motion), rounds: 1 })
+        .collect();
+    let slower = |&a: &usize, &b: &usize| groups[a].asked().total_cmp(&groups[b].asked());
+    let leader = match groups.first()?.target {
+        None => 0,
+        Some(_) => (0..groups.len()).min_by(slower)?,
+    };
+    let (rate, frames) = (groups[leader].asked(), groups[leader].motion.frames);
+    for group in &mut groups {
+        group.rounds = (group.asked() / rate).round().max(1.0) as u64;
+    }
+    Some(Cycle { rate, frames, groups, leader })
+}
+
+/// m, of a round of a motion; 0 for an outline that cannot be drawn.
+fn length(scene: &Scene, target: Option<usize>, motion: &Motion) -> f64 {
+    match motion.path {
+        MotionPath::Outline => course(scene, target).map_or(0.0, |course| course.length()),
+        MotionPath::None
+        | MotionPath::Line
+        | MotionPath::Circle
+        | MotionPath::Square
+        | MotionPath::Triangle
+        | MotionPath::Points
+        | MotionPath::FigureEight
+        | MotionPath::Steps => motion.length(),
+    }
+}
+
+/// Along a target, or along all that are shown and have no motion of their own.
+pub(super) fn course(scene: &Scene, target: Option<usize>) -> Result<Course, KeyError> {
+    let is_of = |(index, own): &(usize, &Target)| match target {
+        Some(target) => *index == target,
+        None => own.visible && own.motion.is_none(),
+    };
+    Course::new(scene.targets.iter().enumerate().filter(is_of))
+}

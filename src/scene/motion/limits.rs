@@ -1,0 +1,139 @@
+//! What motions may not be: steps that no target has, paths without length, more frames than fit into memory.
+
+use glam::DVec3;
+
+use crate::scene::check::{Key, KeyError, RATES};
+use crate::scene::motion::cycle::Group;
+use crate::scene::{Focus, MotionPath, Scene, Tempo};
+
+/// Bytes that the drives and foci of all frames may take.
+const MOST_BYTES: u64 = 1 << 30;
+/// Frames of a round, where a cycle has several.
+const FEWEST: u64 = 3;
+
+/// How many there are; one where nothing goes in steps.
+pub fn steps(scene: &Scene) -> u32 {
+    if scene.motion.path != MotionPath::Steps {
+        return 1;
+    }
+    let shown = scene.targets.iter().filter(|target| target.visible);
+    shown.filter_map(|target| target.step).max().map_or(1, |last| last.saturating_add(1))
+}
+
+/// Every step has a target and a frame, and no target has a step for nothing.
+pub fn check_steps(scene: &Scene) -> Result<(), KeyError> {
+    let has_step = |step: u32| scene.targets.iter().any(|it| it.visible && it.step == Some(step));
+    if scene.motion.path != MotionPath::Steps {
+        return match scene.targets.iter().position(|target| target.step.is_some()) {
+            None => Ok(()),
+            Some(index) => Err(KeyError::new(
+                [Key::from("target"), Key::from(index), Key::from("step")],
+                "only `path = \"steps\"` in [motion] shows targets step by step",
+            )),
+        };
+    }
+    // A gap is found after as many steps as there are targets, however large the last one is.
+    if let Some(missing) = (0..steps(scene)).find(|&step| !has_step(step)) {
+        return refuse(
+            None,
+            "path",
+            format!(
+                "no target has `step = {missing}`: steps are counted from 0, and hidden targets have none"
+            ),
+        );
+    }
+    if steps(scene) > scene.motion.frames {
+        return refuse(None, "frames", format!("{} steps need a frame each", steps(scene)));
+    }
+    Ok(())
+}
+
+/// Drives take turns only where nothing moves.
+pub fn check_turns(scene: &Scene, moves: bool) -> Result<(), KeyError> {
+    if scene.solver.frames == 1 || !moves {
+        return Ok(());
+    }
+    let message =
+        "drives take turns where nothing moves, and something does: every frame of a motion is one drive";
+    Err(KeyError::new([Key::from("solver"), Key::from("frames")], message))
+}
+
+/// Checks how far and how fast a group goes.
+pub fn check_group(group: &Group<'_>, runs: bool, frames: u64) -> Result<(), KeyError> {
+    let Group { target, motion, length, rounds } = *group;
+    if runs && length == 0.0 {
+        let message = match target {
+            Some(_) => "this target has no outline to run along: a point stands still",
+            None => {
+                "there is no outline to run along: points, hidden targets and targets with a motion of their own have \
+                 none"
+            }
+        };
+        return refuse(target, "path", message);
+    }
+    if let Tempo::Speed(speed) = motion.tempo {
+        match motion.tempo.rate(length) {
+            None => return refuse(target, "speed", "the path has no length: give `rate`"),
+            Some(rate) if !RATES.contains(&rate) => {
+                let message = format!(
+                    "a path of {length} m at {speed} m/s is run through {rate} times per second, and {} to {} can be",
+                    RATES.start(),
+                    RATES.end()
+                );
+                return refuse(target, "speed", message);
+            }
+            Some(_) => {}
+        }
+    }
+    if rounds > 1 && rounds.saturating_mul(FEWEST) > frames {
+        let tempo = match motion.tempo {
+            Tempo::Rate(_) => "rate",
+            Tempo::Speed(_) => "speed",
+        };
+        let message = format!(
+            "{rounds} rounds in one cycle of {frames} frames leave fewer than {FEWEST} frames for each: take more frames \
+             per cycle, or go slower"
+        );
+        return refuse(target, tempo, message);
+    }
+    Ok(())
+}
+
+/// Drives and foci of all frames fit into [`MOST_BYTES`].
+pub fn check_memory(scene: &Scene, frames: u64, foci: usize) -> Result<(), String> {
+    const FLOAT: usize = size_of::<f64>();
+    let elements = scene.array.elements();
+    // Phase and amplitude of an element, and the complex number that they are made from; position, target and complex
+    // pressure of a focus.
+    let bytes = (elements * 4 * FLOAT + foci * (size_of::<Focus>() + 2 * FLOAT)) as u64;
+    if frames * bytes <= MOST_BYTES {
+        return Ok(());
+    }
+    Err(format!(
+        "{frames} frames of {elements} elements and {foci} {} need {:.1} GiB, and 1 GiB is the most: take up to {}",
+        if foci == 1 { "focus" } else { "foci" },
+        (frames * bytes) as f64 / MOST_BYTES as f64,
+        MOST_BYTES / bytes
+    ))
+}
+
+/// A place where no focus can be, in words.
+pub fn behind(place: DVec3) -> String {
+    let [x, y, z] = place.to_array();
+    format!("({x:.4}, {y:.4}, {z:.4}), on or behind the array, which stands in z = 0 and radiates towards +z")
+}
+
+/// A key of the scene's motion, or of a target's own.
+pub fn key(target: Option<usize>, key: &'static str) -> Vec<Key> {
+    let own = target.map(|index| [Key::from("target"), Key::from(index)]);
+    own.into_iter().flatten().chain([Key::from("motion"), Key::from(key)]).collect()
+}
+
+/// An error at such a key.
+pub fn refuse<T>(
+    target: Option<usize>,
+    name: &'static str,
+    message: impl Into<String>,
+) -> Result<T, KeyError> {
+    Err(KeyError::new(key(target, name), message))
+}

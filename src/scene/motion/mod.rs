@@ -1,0 +1,295 @@
+//! Motion: the closed path along which targets move, the drawn strokes along which foci run, or the steps in which targets take turns.
+//!
+//! [`cycle`] is how often what a scene's motions make together is played, and [`frames`] are the focal points of its frames.
+
+mod course;
+mod cycle;
+mod frames;
+mod limits;
+mod track;
+
+use std::f64::consts::TAU;
+
+use glam::{DVec2, DVec3};
+use serde::{Deserialize, Serialize};
+
+use crate::scene::check::{Key, KeyError};
+use crate::scene::run::Vertex;
+
+pub use cycle::{Cycle, Group, cycle, moves, runs};
+pub use frames::{check, count, frames};
+use track::Track;
+
+/// Pieces of a figure-eight, which has no closed form for its arc length; their chords are 1e-5 too short.
+const PIECES: usize = 512;
+
+/// How targets change while time goes by. A round begins again where it ends.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Motion {
+    pub path: MotionPath,
+    /// m: length of a line, diameter of a circle, side of a square or triangle, width of a figure-eight.
+    pub size: f64,
+    #[serde(flatten)]
+    pub tempo: Tempo,
+    /// Frames per cycle.
+    pub frames: u32,
+    /// The offsets (m) that `path = "points"` visits.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub points: Vec<DVec3>,
+    /// Focal points that run along an outline, at equal distances.
+    #[serde(skip_serializing_if = "is_one")]
+    pub foci: u32,
+}
+
+fn is_one(foci: &u32) -> bool {
+    *foci == 1
+}
+
+impl Default for Motion {
+    fn default() -> Self {
+        let tempo = Tempo::usual(MotionPath::None);
+        Self { path: MotionPath::None, size: 0.03, tempo, frames: 64, points: Vec::new(), foci: 1 }
+    }
+}
+
+/// How fast a round goes by; the other one follows from its length.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Tempo {
+    /// Rounds per second.
+    Rate(f64),
+    /// m/s
+    Speed(f64),
+}
+
+impl Tempo {
+    /// What a path has unless the scene says otherwise: along an outline the speed at which a hand feels a line.
+    pub fn usual(path: MotionPath) -> Self {
+        match path {
+            MotionPath::Outline => Self::Speed(6.0),
+            MotionPath::None
+            | MotionPath::Line
+            | MotionPath::Circle
+            | MotionPath::Square
+            | MotionPath::Triangle
+            | MotionPath::Points
+            | MotionPath::FigureEight
+            | MotionPath::Steps => Self::Rate(5.0),
+        }
+    }
+
+    /// Rounds per second of so many metres; without length there is no speed, and no number for one.
+    pub fn rate(self, length: f64) -> Option<f64> {
+        match self {
+            Self::Rate(rate) => Some(rate),
+            Self::Speed(speed) => (length > 0.0).then(|| speed / length),
+        }
+    }
+}
+
+/// The `[motion]` table as written: keys that exclude each other are found where they stand.
+#[derive(Debug, Default, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub(crate) struct MotionTable {
+    path: MotionPath,
+    size: Option<f64>,
+    rate: Option<f64>,
+    speed: Option<f64>,
+    frames: Option<u32>,
+    points: Vec<DVec3>,
+    foci: Option<u32>,
+}
+
+impl MotionTable {
+    /// The motion that this table stands for.
+    pub(crate) fn into_motion(self) -> Result<Motion, KeyError> {
+        let Self { path, size, rate, speed, frames, points, foci } = self;
+        let tempo = match (rate, speed) {
+            (Some(_), Some(_)) => {
+                let message =
+                    "give either `rate` or `speed`, not both: the other follows from the path's length";
+                return Err(KeyError::new([Key::from("speed")], message));
+            }
+            (Some(rate), None) => Tempo::Rate(rate),
+            (None, Some(speed)) => Tempo::Speed(speed),
+            (None, None) => Tempo::usual(path),
+        };
+        let Motion { size: usual_size, frames: usual_frames, .. } = Motion::default();
+        let (size, frames) = (size.unwrap_or(usual_size), frames.unwrap_or(usual_frames));
+        Ok(Motion { path, size, tempo, frames, points, foci: foci.unwrap_or(1) })
+    }
+}
+
+/// The paths lie parallel to the array and are run through at constant speed, counter-clockwise. All but `points` have
+/// their mean at the targets' own places.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum MotionPath {
+    #[default]
+    None,
+    /// Along x from the left end to the right and back.
+    Line,
+    /// From +x.
+    Circle,
+    /// From the corner at smallest x and y.
+    Square,
+    /// Equilateral, from the corner at largest y.
+    Triangle,
+    /// The offsets in `points`, one after the other and back to the first.
+    Points,
+    /// Gerono's: twice as wide as high, from the crossing to the upper right.
+    FigureEight,
+    /// Nothing moves: targets with `step = 0` are shown first, then those with `step = 1`, and so on.
+    Steps,
+    /// Foci run along the drawn strokes, in their order and direction: no target moves.
+    Outline,
+}
+
+impl MotionPath {
+    /// The name in scene files.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::None => "none",
+            Self::Line => "line",
+            Self::Circle => "circle",
+            Self::Square => "square",
+            Self::Triangle => "triangle",
+            Self::Points => "points",
+            Self::FigureEight => "figure-eight",
+            Self::Steps => "steps",
+            Self::Outline => "outline",
+        }
+    }
+}
+
+impl Motion {
+    /// How far the targets are from their own places (m) after a part of a round, in [0, 1).
+    pub fn offset(&self, part: f64) -> DVec3 {
+        let round = self.round();
+        round.at(part * round.length()).at
+    }
+
+    /// m, of one round; 0 for steps, and for outlines, whose length is that of the targets: [`Group::length`].
+    pub fn length(&self) -> f64 {
+        self.round().length()
+    }
+
+    fn round(&self) -> Track {
+        let size = self.size;
+        let flat = |vertices: &[DVec2]| Track::round(vertices.iter().map(|v| (*v * size).extend(0.0)));
+        match self.path {
+            MotionPath::None | MotionPath::Steps | MotionPath::Outline => Track::round([DVec3::ZERO]),
+            MotionPath::Circle => {
+                let centre = Vertex { at: DVec3::ZERO, pressure: 1.0 };
+                Track::Circle { centre, x: DVec3::X * size / 2.0, y: DVec3::Y * size / 2.0 }
+            }
+            MotionPath::Line => flat(&[(-0.5, 0.0), (0.5, 0.0)].map(DVec2::from)),
+            MotionPath::Square => {
+                flat(&[(-0.5, -0.5), (0.5, -0.5), (0.5, 0.5), (-0.5, 0.5)].map(DVec2::from))
+            }
+            MotionPath::Triangle => {
+                let corner = |i: u32| DVec2::from_angle(TAU * (0.25 + f64::from(i) / 3.0)) / 3.0_f64.sqrt();
+                flat(&[0, 1, 2].map(corner))
+            }
+            MotionPath::FigureEight => Track::round((0..PIECES).map(|i| {
+                let (sin, cos) = (TAU * i as f64 / PIECES as f64).sin_cos();
+                size / 2.0 * DVec3::new(sin, sin * cos, 0.0)
+            })),
+            MotionPath::Points => Track::round(self.points.iter().copied()),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const MOVING: [MotionPath; 6] = [
+        MotionPath::Line,
+        MotionPath::Circle,
+        MotionPath::Square,
+        MotionPath::Triangle,
+        MotionPath::FigureEight,
+        MotionPath::Points,
+    ];
+
+    fn motion(path: MotionPath) -> Motion {
+        let points = vec![DVec3::ZERO, DVec3::new(0.03, 0.0, 0.01), DVec3::new(0.0, 0.02, -0.01)];
+        Motion { path, size: 0.04, points, ..Motion::default() }
+    }
+
+    #[test]
+    fn every_path_is_closed_and_run_through_at_constant_speed() {
+        const STEPS: u32 = 4000;
+        for path in MOVING {
+            let motion = motion(path);
+            let at = |i: u32| motion.offset(f64::from(i % STEPS) / f64::from(STEPS));
+            let step = motion.length() / f64::from(STEPS);
+            let distances: Vec<_> = (0..STEPS).map(|i| at(i).distance(at(i + 1))).collect();
+            // Corners are cut short, and there are few.
+            let uneven = distances.iter().filter(|&&d| (d / step - 1.0).abs() > 0.01).count();
+            assert!(uneven <= 4, "{path:?}: {uneven} uneven steps");
+            assert!(distances.iter().all(|&d| d < 1.01 * step), "{path:?} jumps");
+            let mean = (0..STEPS).map(at).sum::<DVec3>() / f64::from(STEPS);
+            assert!(path == MotionPath::Points || mean.length() < 1e-6, "{path:?}: {mean}");
+        }
+    }
+
+    #[test]
+    fn lengths_and_extents_are_those_of_the_figures() {
+        let size = 0.04;
+        for (path, length, width, height) in [
+            (MotionPath::Line, 2.0 * size, size, 0.0),
+            (MotionPath::Circle, TAU / 2.0 * size, size, size),
+            (MotionPath::Square, 4.0 * size, size, size),
+            (MotionPath::Triangle, 3.0 * size, size, 0.75_f64.sqrt() * size),
+            // ∫ √(cos² t + cos² 2t) dt = 6.09722 for a figure that is two wide.
+            (MotionPath::FigureEight, 6.097_22 / 2.0 * size, size, size / 2.0),
+            (MotionPath::None, 0.0, 0.0, 0.0),
+            (MotionPath::Steps, 0.0, 0.0, 0.0),
+        ] {
+            let motion = motion(path);
+            assert!((motion.length() - length).abs() < 1e-4 * size, "{path:?}: {}", motion.length());
+            let offsets: Vec<_> = (0..2400).map(|i| motion.offset(f64::from(i) / 2400.0)).collect();
+            let extent = |of: fn(&DVec3) -> f64| {
+                let values = offsets.iter().map(of);
+                values.clone().fold(f64::MIN, f64::max) - values.fold(f64::MAX, f64::min)
+            };
+            assert!((extent(|o| o.x) - width).abs() < 2e-3 * size, "{path:?}");
+            assert!((extent(|o| o.y) - height).abs() < 2e-3 * size, "{path:?}");
+        }
+        let square = motion(MotionPath::Square).length();
+        assert!((Tempo::Speed(0.8).rate(square).unwrap() - 5.0).abs() < 1e-12, "4 x 40 mm, 5 times a second");
+        assert_eq!((Tempo::Rate(2.0).rate(0.0), Tempo::Speed(2.0).rate(0.0)), (Some(2.0), None));
+    }
+
+    #[test]
+    fn paths_begin_where_they_say() {
+        let (h, part) = (0.02, 1e-3);
+        for (path, start, towards) in [
+            (MotionPath::Line, DVec3::new(-h, 0.0, 0.0), DVec3::X),
+            (MotionPath::Circle, DVec3::new(h, 0.0, 0.0), DVec3::Y),
+            (MotionPath::Square, DVec3::new(-h, -h, 0.0), DVec3::X),
+            (
+                MotionPath::Triangle,
+                DVec3::new(0.0, 0.04 / 3.0_f64.sqrt(), 0.0),
+                DVec3::new(-0.5, -0.866, 0.0),
+            ),
+            (MotionPath::FigureEight, DVec3::ZERO, (DVec3::X + DVec3::Y) * std::f64::consts::FRAC_1_SQRT_2),
+        ] {
+            let motion = motion(path);
+            assert!(motion.offset(0.0).distance(start) < 1e-12, "{path:?}");
+            let direction = (motion.offset(part) - start).normalize_or_zero();
+            assert!(direction.dot(towards) > 0.999, "{path:?}: {direction}");
+        }
+    }
+
+    #[test]
+    fn points_without_a_way_between_them_stand_still() {
+        let at = DVec3::new(0.01, 0.0, 0.0);
+        for points in [vec![at], vec![at, at]] {
+            let motion = Motion { points, ..motion(MotionPath::Points) };
+            assert_eq!((motion.offset(0.4), motion.length()), (at, 0.0));
+        }
+    }
+}

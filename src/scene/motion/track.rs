@@ -1,0 +1,78 @@
+//! Polylines and circles measured by their length, so that they can be run through at constant speed.
+
+use std::f64::consts::TAU;
+
+use glam::DVec3;
+
+use crate::scene::run::Vertex;
+
+/// A line that is run through from its start to its end.
+#[derive(Clone, Debug)]
+pub(super) enum Track {
+    /// Once round from `x` over `y`, which are as long as the radius and lie across each other; m.
+    Circle { centre: Vertex, x: DVec3, y: DVec3 },
+    /// `distances` are m from the first vertex to each.
+    Polyline { vertices: Vec<Vertex>, distances: Vec<f64> },
+}
+
+impl Track {
+    pub fn through(vertices: Vec<Vertex>) -> Self {
+        let mut distance = 0.0;
+        let to_next = vertices.windows(2).map(|pair| {
+            distance += pair[0].at.distance(pair[1].at);
+            distance
+        });
+        let distances = std::iter::once(0.0).chain(to_next).collect();
+        Self::Polyline { vertices, distances }
+    }
+
+    /// A polyline that ends where it begins.
+    pub fn round(places: impl IntoIterator<Item = DVec3>) -> Self {
+        let mut vertices: Vec<_> = places.into_iter().map(|at| Vertex { at, pressure: 1.0 }).collect();
+        vertices.extend(vertices.first().copied());
+        Self::through(vertices)
+    }
+
+    /// m
+    pub fn length(&self) -> f64 {
+        match self {
+            Self::Circle { x, .. } => TAU * x.length(),
+            Self::Polyline { distances, .. } => distances.last().copied().unwrap_or(0.0),
+        }
+    }
+
+    /// The place at a distance (m) from the start; beyond the end it is the end.
+    pub fn at(&self, distance: f64) -> Vertex {
+        match self {
+            Self::Circle { centre, x, y } => {
+                let (sin, cos) = (distance / x.length()).sin_cos();
+                Vertex { at: centre.at + *x * cos + *y * sin, ..*centre }
+            }
+            Self::Polyline { vertices, distances } => {
+                let next = distances.partition_point(|&d| d <= distance);
+                match (vertices.get(next.wrapping_sub(1)), vertices.get(next)) {
+                    (Some(from), Some(to)) => {
+                        let length = distances[next] - distances[next - 1];
+                        from.lerp(*to, (distance - distances[next - 1]) / length)
+                    }
+                    (Some(&end), None) => end,
+                    (None, start) => start.copied().unwrap_or(Vertex { at: DVec3::ZERO, pressure: 1.0 }),
+                }
+            }
+        }
+    }
+
+    /// The place with the smallest z.
+    pub fn lowest(&self) -> DVec3 {
+        match self {
+            Self::Circle { centre, x, y } => {
+                let down = f64::atan2(-y.z, -x.z);
+                centre.at + *x * down.cos() + *y * down.sin()
+            }
+            Self::Polyline { vertices, .. } => {
+                let places = vertices.iter().map(|vertex| vertex.at);
+                places.min_by(|a, b| a.z.total_cmp(&b.z)).unwrap_or(DVec3::ZERO)
+            }
+        }
+    }
+}

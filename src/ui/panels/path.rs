@@ -1,0 +1,168 @@
+//! A path and how fast it goes by: of the scene's motion, or of a target's own.
+
+use egui::Ui;
+use glam::DVec3;
+
+use crate::scene::{Motion, MotionPath, Scene, Tempo, motion};
+use crate::ui::panels::{MM, Unit, choice, coordinates, count, fact, form, heading, number};
+
+/// Steps are the last: a target's own motion has none.
+const PATHS: [(MotionPath, &str); 9] = [
+    (MotionPath::None, "none"),
+    (MotionPath::Outline, "outline"),
+    (MotionPath::Line, "line"),
+    (MotionPath::Circle, "circle"),
+    (MotionPath::Square, "square"),
+    (MotionPath::Triangle, "triangle"),
+    (MotionPath::FigureEight, "figure-eight"),
+    (MotionPath::Points, "points"),
+    (MotionPath::Steps, "steps"),
+];
+/// m: where a path through points first goes.
+const FIRST_POINTS: [DVec3; 3] = [DVec3::ZERO, DVec3::new(0.02, 0.0, 0.0), DVec3::new(0.02, 0.02, 0.0)];
+const HERTZ: Unit = Unit { per: 1.0, suffix: " Hz", decimals: 2, speed: 0.1 };
+const SPEED: Unit = Unit { per: 1.0, suffix: " m/s", decimals: 2, speed: 0.05 };
+
+/// What follows from a motion and from the others of its scene.
+#[derive(Clone, Copy)]
+pub struct Figures {
+    /// m, of a round.
+    length: f64,
+    /// Rounds per second that it asks for.
+    asked: f64,
+    /// Rounds per cycle.
+    rounds: u64,
+    /// Cycles and frames per second.
+    rate: f64,
+    frames_per_second: f64,
+    /// Its round is the cycle.
+    leads: bool,
+}
+
+impl Figures {
+    /// Of a target's motion, or of the scene's; `None` where it moves nothing.
+    pub fn of(scene: &Scene, target: Option<usize>) -> Option<Self> {
+        let cycle = motion::cycle(scene)?;
+        let index = cycle.groups.iter().position(|group| group.target == target)?;
+        let group = &cycle.groups[index];
+        Some(Self {
+            length: group.length,
+            asked: group.asked(),
+            rounds: group.rounds,
+            rate: cycle.rate,
+            frames_per_second: cycle.frames_per_second(),
+            leads: index == cycle.leader,
+        })
+    }
+}
+
+/// Path, size and tempo of a target's own motion, or of the scene's, which alone may go in steps.
+pub fn settings(motion: &mut Motion, figures: Option<Figures>, is_own: bool, ui: &mut Ui) {
+    form(ui, "motion", |ui| {
+        let tip = "Along which targets move. Outline: focal points run along the drawn strokes. Steps: targets take turns";
+        let paths = &PATHS[..PATHS.len() - usize::from(is_own)];
+        let mut path = motion.path;
+        choice(ui, ("Path", tip), &mut path, paths);
+        choose(motion, path);
+        match path {
+            MotionPath::None | MotionPath::Points | MotionPath::Steps => {}
+            MotionPath::Outline => {
+                let tip = "Focal points that run along the strokes, at equal distances";
+                count(ui, ("Running foci", tip), &mut motion.foci, 1..=64);
+            }
+            MotionPath::Line
+            | MotionPath::Circle
+            | MotionPath::Square
+            | MotionPath::Triangle
+            | MotionPath::FigureEight => {
+                let tip = "Length, diameter, side or width of the path";
+                number(ui, ("Size", tip), &mut motion.size, MM, 1e-4..=1.0);
+            }
+        }
+        if let Some(figures) = figures.filter(|_| path != MotionPath::None) {
+            tempo(motion, figures, ui);
+        }
+    });
+    if motion.path == MotionPath::Points {
+        points(&mut motion.points, ui);
+    }
+}
+
+/// How fast it goes by: the number that is given is kept, and the other one follows.
+fn tempo(motion: &mut Motion, figures: Figures, ui: &mut Ui) {
+    let Figures { length, asked, rounds, rate, frames_per_second, leads } = figures;
+    let mut rounds_per_second = asked;
+    let tip = "Rounds per second; kept where it was given last";
+    if number(ui, ("Rate", tip), &mut rounds_per_second, HERTZ, 0.01..=1e4).changed() {
+        motion.tempo = Tempo::Rate(rounds_per_second);
+    }
+    if length > 0.0 {
+        let mut speed = length * asked;
+        let tip = "Of a focus; 5 to 8 m/s are felt most. Kept where it was given last";
+        if number(ui, ("Speed", tip), &mut speed, SPEED, 1e-3..=1e3).changed() {
+            motion.tempo = Tempo::Speed(speed);
+        }
+    }
+    if leads {
+        count(ui, ("Frames", "Drives per cycle"), &mut motion.frames, 1..=4096);
+        let shown = format!("{frames_per_second:.0} per second");
+        fact(ui, ("Frames shown", "What the board has to keep up with"), shown);
+    } else {
+        let times = if rounds == 1 { "once".to_owned() } else { format!("{rounds} times") };
+        let tip =
+            "A whole number of rounds fits into the cycle of the scene's motion, or of the slowest target's";
+        fact(ui, ("Played", tip), format!("{times} a cycle: {:.2} Hz", rate * rounds as f64));
+    }
+}
+
+/// Another path, with what it needs: points to visit, a tempo that makes sense.
+fn choose(motion: &mut Motion, path: MotionPath) {
+    if path == motion.path {
+        return;
+    }
+    motion.path = path;
+    if path == MotionPath::Points && motion.points.is_empty() {
+        motion.points = FIRST_POINTS.to_vec();
+    }
+    let has_no_speed = path == MotionPath::Steps && matches!(motion.tempo, Tempo::Speed(_));
+    if path == MotionPath::Outline || has_no_speed {
+        motion.tempo = Tempo::usual(path);
+    }
+}
+
+/// The offsets that a path through points visits, in mm.
+fn points(points: &mut Vec<DVec3>, ui: &mut Ui) {
+    heading(ui, "Points");
+    ui.label("Where the targets go, one after the other and back to the first, from their own places:");
+    let (mut added, mut removed) = (None, None);
+    let only = points.len() == 1;
+    form(ui, "points", |ui| {
+        for (index, offset) in points.iter_mut().enumerate() {
+            ui.label(format!("{}", index + 1));
+            ui.horizontal(|ui| {
+                coordinates(ui, &format!("Point {}", index + 1), offset, -2000.0);
+                let number = index + 1;
+                let button = ui.small_button("+").on_hover_text("Another one after this");
+                if button.accessible_name(format!("Add a point after {number}")).clicked() {
+                    added = Some(index);
+                }
+                let button = ui.add_enabled(!only, egui::Button::new("-").small());
+                let button = button.on_hover_text("Without this one");
+                if button.accessible_name(format!("Remove point {number}")).clicked() {
+                    removed = Some(index);
+                }
+            });
+            ui.end_row();
+        }
+    });
+    if let Some(index) = added {
+        let next = points[(index + 1) % points.len()];
+        let middle = (points[index] + next) / 2.0;
+        let place =
+            if middle.distance(points[index]) > 1e-6 { middle } else { points[index] + FIRST_POINTS[1] };
+        points.insert(index + 1, place);
+    }
+    if let Some(index) = removed {
+        points.remove(index);
+    }
+}
