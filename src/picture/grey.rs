@@ -62,12 +62,13 @@ pub fn read(bytes: &[u8]) -> Result<(usize, usize, Vec<f32>), GreyError> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::picture::{Picture, export};
 
-    fn png(width: usize, height: usize, colour: impl Fn(usize, usize) -> [u8; 4]) -> Vec<u8> {
-        let pixels = (0..height).flat_map(|y| (0..width).map(move |x| (x, y)));
-        let rgba = pixels.flat_map(|(x, y)| colour(x, y)).collect();
-        export::png(&Picture { width, height, rgba }).unwrap()
+    /// With its transparency, which the program's own pictures do not have.
+    fn png(width: u32, height: u32, colour: impl Fn(usize, usize) -> [u8; 4]) -> Vec<u8> {
+        let pixel = |x: u32, y: u32| image::Rgba(colour(x as usize, y as usize));
+        let mut bytes = Cursor::new(Vec::new());
+        image::RgbaImage::from_fn(width, height, pixel).write_to(&mut bytes, ImageFormat::Png).unwrap();
+        bytes.into_inner()
     }
 
     #[test]
