@@ -67,6 +67,7 @@ fn no_input_is_without_a_name() {
     screen.state_mut().editor_mut().document.scene.modulation.shape = sonoglyph::scene::Envelope::Sine;
     screen.state_mut().editor_mut().view.section = true;
     screen.state_mut().editor_mut().view.full = Some(100.0);
+    screen.state_mut().editor_mut().tool = Tool::Brush;
     for panel in ["Solver", "Drive", "Liquid", "Motion", "Device", "Scene"] {
         screen.get_by_label(panel).click();
         rest(&mut screen);
@@ -96,6 +97,7 @@ fn no_input_is_without_a_name() {
 fn the_keyboard_reaches_every_input() {
     let mut screen = open();
     screen.state_mut().editor_mut().selection = [0].into();
+    screen.state_mut().editor_mut().tool = Tool::Brush;
     rest(&mut screen);
     for panel in ["Scene", "Solver", "Liquid", "Motion"] {
         screen.get_by_label(panel).click();
