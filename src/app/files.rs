@@ -14,6 +14,7 @@ use crate::import::{self, Drawing};
 use crate::picture::{export, sheet};
 use crate::scene::{Scene, check};
 use crate::solver::frames;
+use crate::studio::paintings::Placed;
 use crate::studio::{animate, map, output};
 use crate::ui::document::Document;
 use crate::ui::view::Lens;
@@ -175,14 +176,15 @@ impl Window {
 
     pub(super) fn overwrite(&mut self, path: &Path, ctx: &egui::Context) {
         let then = self.editor.after_saving.take();
-        self.editor.document.moves_to(path);
-        let scene = self.editor.scene();
-        let written = check::check(scene)
+        let document = &mut self.editor.document;
+        let Placed { scene, files } = document.placed(path);
+        let written = check::check(&scene)
             .context("no program could read this scene again")
-            .and_then(|()| output::save(path, self.editor.document.text().as_bytes()));
+            .and_then(|()| document.paintings.write(files, output::save))
+            .and_then(|()| output::save(path, document.text_of(&scene).as_bytes()));
         match written {
             Ok(()) => {
-                self.editor.document.saved_as(path.to_owned());
+                document.saved_as(path.to_owned(), scene);
                 settings::remember(&mut self.shown.recent, path);
                 self.tell(&format!("Saved {}", path.display()), false);
                 if let Some(command) = then {

@@ -4,6 +4,7 @@ use std::fs::{File, TryLockError};
 use std::path::{Path, PathBuf};
 
 use crate::scene::{Scene, file};
+use crate::studio::paintings::Paintings;
 use crate::studio::{opening, output};
 
 /// s between two files.
@@ -17,6 +18,8 @@ pub struct Recovery {
     _lock: Option<File>,
     /// What the file holds.
     kept: Option<Scene>,
+    /// What was painted, in files beside it.
+    paintings: Paintings,
     /// s on the window's clock.
     last: f64,
     /// Why the file was not written when that was last tried.
@@ -49,7 +52,9 @@ impl Recovery {
         {
             return None;
         }
-        Some(Self { kept: read(&path), path, _lock: lock, last: f64::NEG_INFINITY, trouble: None })
+        let (kept, paintings) = read(&path).unzip();
+        let paintings = paintings.unwrap_or_default();
+        Some(Self { kept, paintings, path, _lock: lock, last: f64::NEG_INFINITY, trouble: None })
     }
 
     /// What a run that did not end well left.
@@ -71,9 +76,11 @@ impl Recovery {
             return Some(OFTEN - (now - self.last));
         }
         self.last = now;
-        let folder = self.path.parent().unwrap_or(Path::new(""));
-        let text = file::write(&opening::named_from(scene, folder));
-        match output::write(&self.path, text.as_bytes()) {
+        // No other window has files of these names.
+        let placed = self.paintings.place(scene, &self.path, |_| true);
+        let written = self.paintings.write(placed.files, output::write);
+        let text = file::write(&placed.scene);
+        match written.and_then(|()| output::write(&self.path, text.as_bytes())) {
             Ok(()) => (self.kept, self.trouble) = (Some(scene.clone()), None),
             Err(error) => self.trouble = Some(format!("{error:#}")),
         }
@@ -89,19 +96,22 @@ impl Recovery {
     /// All is well: there is nothing to recover.
     pub fn forget(&mut self) {
         let _ = std::fs::remove_file(&self.path);
+        self.paintings.remove();
         self.kept = None;
     }
 }
 
 /// What a run left, with those of its pictures that are still there.
-fn read(path: &Path) -> Option<Scene> {
+fn read(path: &Path) -> Option<(Scene, Paintings)> {
     let mut scene = file::read(path).ok()?;
     let folder = path.parent().unwrap_or(Path::new(""));
     for target in &mut scene.targets {
         // A picture that is gone is said to be missing where the scene is shown.
         let _ = opening::load_targets(std::slice::from_mut(target), folder);
     }
-    Some(scene)
+    let mut paintings = Paintings::default();
+    paintings.adopt(&mut scene, path);
+    Some((scene, paintings))
 }
 
 fn lock_of(path: &Path) -> PathBuf {

@@ -2,8 +2,11 @@
 
 use std::io::Cursor;
 
+use image::codecs::png::PngEncoder;
 use image::imageops::{self, FilterType};
-use image::{ImageBuffer, ImageFormat, ImageReader, Limits, Luma};
+use image::{ExtendedColorType, ImageBuffer, ImageEncoder, ImageFormat, ImageReader, Limits, Luma};
+
+use crate::scene::Grey;
 
 /// Pixels per side, and bytes, that are decoded at all.
 const MOST_PIXELS: u32 = 20_000;
@@ -24,11 +27,11 @@ pub enum GreyError {
     Black,
 }
 
-/// Width, height, and brightness of every pixel from the top left: 8-bit luma over 255, and black where the picture is transparent.
+/// The picture in a file's bytes: 8-bit luma over 255, and black where it is transparent.
 ///
 /// # Errors
 /// Bytes of another kind, a picture that is broken or larger than 20 000 pixels a side, or one that is black.
-pub fn read(bytes: &[u8]) -> Result<(usize, usize, Vec<f32>), GreyError> {
+pub fn read(bytes: &[u8]) -> Result<Grey, GreyError> {
     let format = match image::guess_format(bytes) {
         Ok(format @ (ImageFormat::Png | ImageFormat::Jpeg | ImageFormat::Bmp)) => format,
         _ => return Err(GreyError::UnknownFormat),
@@ -50,13 +53,23 @@ pub fn read(bytes: &[u8]) -> Result<(usize, usize, Vec<f32>), GreyError> {
         let reduced = |side: u32| ((u64::from(side) * u64::from(LONGEST)).div_ceil(u64::from(longer))) as u32;
         grey = imageops::resize(&grey, reduced(width), reduced(height), FilterType::Triangle);
     }
-    /// Less than any grey level of 8 bits.
-    const DARK: f32 = 0.5 / 255.0;
-    if grey.pixels().all(|pixel| pixel.0[0] < DARK) {
-        return Err(GreyError::Black);
-    }
     let (width, height) = grey.dimensions();
-    Ok((width as usize, height as usize, grey.into_raw().into_iter().map(|it| it.clamp(0.0, 1.0)).collect()))
+    let brightness = grey.into_raw().into_iter().map(|it| it.clamp(0.0, 1.0)).collect();
+    let grey = Grey { file: None, width: width as usize, height: height as usize, brightness };
+    if grey.is_black() { Err(GreyError::Black) } else { Ok(grey) }
+}
+
+/// Brightness as an 8-bit grey PNG, which [`read`] opens again.
+///
+/// # Errors
+/// The encoder refuses the picture: one without pixels.
+pub fn png(grey: &Grey) -> Result<Vec<u8>, image::ImageError> {
+    let level = |brightness: &f32| (brightness.clamp(0.0, 1.0) * 255.0).round() as u8;
+    let levels: Vec<u8> = grey.brightness.iter().map(level).collect();
+    let mut bytes = Vec::new();
+    let (width, height) = (grey.width as u32, grey.height as u32);
+    PngEncoder::new(Cursor::new(&mut bytes)).write_image(&levels, width, height, ExtendedColorType::L8)?;
+    Ok(bytes)
 }
 
 #[cfg(test)]
@@ -64,7 +77,7 @@ mod tests {
     use super::*;
 
     /// With its transparency, which the program's own pictures do not have.
-    fn png(width: u32, height: u32, colour: impl Fn(usize, usize) -> [u8; 4]) -> Vec<u8> {
+    fn coloured(width: u32, height: u32, colour: impl Fn(usize, usize) -> [u8; 4]) -> Vec<u8> {
         let pixel = |x: u32, y: u32| image::Rgba(colour(x as usize, y as usize));
         let mut bytes = Cursor::new(Vec::new());
         image::RgbaImage::from_fn(width, height, pixel).write_to(&mut bytes, ImageFormat::Png).unwrap();
@@ -75,27 +88,37 @@ mod tests {
     fn brightness_is_luma_and_what_is_transparent_is_black() {
         let colours =
             [[255, 255, 255, 255], [255, 255, 255, 0], [0, 0, 0, 255], [51, 51, 51, 255], [0, 255, 0, 255]];
-        let (width, height, grey) = read(&png(5, 1, |x, _| colours[x])).unwrap();
-        assert_eq!((width, height), (5, 1));
-        for (grey, expected) in grey.into_iter().zip([1.0, 0.0, 0.0, 0.2, 0.7152]) {
+        let grey = read(&coloured(5, 1, |x, _| colours[x])).unwrap();
+        assert_eq!((grey.width, grey.height), (5, 1));
+        for (grey, expected) in grey.brightness.into_iter().zip([1.0, 0.0, 0.0, 0.2, 0.7152]) {
             assert!((grey - expected).abs() < 1e-6, "{grey}, not {expected}");
         }
     }
 
     #[test]
+    fn what_is_written_is_read_again() {
+        let brightness = (0..=255).map(|level: u8| f32::from(level) / 255.0).collect();
+        let grey = Grey { file: None, width: 64, height: 4, brightness };
+        let again = read(&png(&grey).unwrap()).unwrap();
+        assert_eq!((again.width, again.height), (64, 4));
+        let apart = again.brightness.iter().zip(&grey.brightness).map(|(a, b)| (a - b).abs());
+        assert!(apart.fold(0.0, f32::max) < 1e-6);
+    }
+
+    #[test]
     fn large_pictures_are_made_smaller_and_keep_their_form() {
-        let bytes = png(1500, 300, |x, _| if x < 750 { [0, 0, 0, 255] } else { [255, 255, 255, 255] });
-        let (width, height, grey) = read(&bytes).unwrap();
+        let bytes = coloured(1500, 300, |x, _| if x < 750 { [0, 0, 0, 255] } else { [255, 255, 255, 255] });
+        let Grey { width, height, brightness: grey, .. } = read(&bytes).unwrap();
         assert_eq!((width, height), (512, 103));
         assert!(
             grey[..250].iter().all(|grey| *grey < 0.01) && grey[262..512].iter().all(|grey| *grey > 0.99)
         );
-        assert_eq!(read(&png(5000, 1, |_, _| [255; 4])).unwrap().1, 1, "a row is left");
+        assert_eq!(read(&coloured(5000, 1, |_, _| [255; 4])).unwrap().height, 1, "a row is left");
     }
 
     #[test]
     fn what_is_no_picture_or_black_is_refused() {
-        let black = png(3, 3, |_, _| [0, 0, 0, 255]);
+        let black = coloured(3, 3, |_, _| [0, 0, 0, 255]);
         assert!(matches!(read(&black), Err(GreyError::Black)));
         assert!(matches!(read(b"no picture"), Err(GreyError::UnknownFormat)));
         assert!(matches!(read(b""), Err(GreyError::UnknownFormat)));

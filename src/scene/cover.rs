@@ -2,11 +2,11 @@
 
 use std::ops::Range;
 
-use glam::{DQuat, DVec2, DVec3};
+use glam::{DVec2, DVec3};
 
 use crate::scene::check::{Key, KeyError};
 use crate::scene::stroke::{self, centre};
-use crate::scene::{Grey, Sampling, Shape, Target};
+use crate::scene::{Grey, Sampling, Shape, Target, pixels};
 
 /// Pixels of a raster in a wavelength, of its longer side at least, and of a side at most.
 const PER_WAVELENGTH: f64 = 16.0;
@@ -74,7 +74,7 @@ impl Cover {
 
     /// A black rim is left out: what is far from anything drawn is quiet anyway.
     fn of_picture(target: &Target, grey: &Grey, size: DVec2) -> Self {
-        let axes = [DVec3::X, DVec3::Y].map(|axis| turn(target) * axis);
+        let axes = [DVec3::X, DVec3::Y].map(|axis| target.turn() * axis);
         let width = grey.width.max(1);
         let rows: Vec<_> = grey.brightness.chunks_exact(width).rev().collect();
         let is_bright = |brightness: &f32| *brightness > 0.0;
@@ -106,7 +106,7 @@ impl Cover {
         let middle = centre(&target.shape);
         let axes = match &target.shape {
             Shape::Line { .. } | Shape::Path { .. } => plane_of(&strokes.concat())?,
-            _ => [DVec3::X, DVec3::Y].map(|axis| turn(target) * axis),
+            _ => [DVec3::X, DVec3::Y].map(|axis| target.turn() * axis),
         };
         let flat = |point: &DVec3| DVec2::from(axes.map(|axis| (*point - middle).dot(axis)));
         let flat: Vec<Vec<_>> = strokes.iter().map(|stroke| stroke.iter().map(flat).collect()).collect();
@@ -221,12 +221,6 @@ fn bounds(holds: impl ExactSizeIterator<Item = bool> + DoubleEndedIterator + Clo
     }
 }
 
-/// How a flat shape is turned out of the array's plane.
-fn turn(target: &Target) -> DQuat {
-    let facing = DQuat::from_rotation_arc(DVec3::Z, target.normal.try_normalize().unwrap_or(DVec3::Z));
-    facing * DQuat::from_rotation_z(target.angle)
-}
-
 /// Axes of the plane of a path, as level as it can be where the path is straight.
 fn plane_of(vertices: &[DVec3]) -> Result<[DVec3; 2], KeyError> {
     let farthest = |distance: &dyn Fn(&DVec3) -> f64| {
@@ -302,21 +296,10 @@ fn add_span(row: &mut [f64], from: f64, to: f64) {
 
 /// How much of every pixel lies within half of `width` of polylines; in pixels.
 fn broad([columns, rows]: [usize; 2], strokes: &[Vec<DVec2>], width: f64) -> Vec<f64> {
-    let reach = width / 2.0 + 1.0;
     let mut distances = vec![f64::INFINITY; columns * rows];
     let mut near = |a: DVec2, b: DVec2| {
-        let [low, high] = [a.min(b) - reach, a.max(b) + reach];
-        let range = |low: f64, high: f64, count: usize| {
-            (low.clamp(0.0, count as f64) as usize)..(high.ceil().clamp(0.0, count as f64) as usize)
-        };
-        let (along, length) = (b - a, (b - a).length_squared());
-        for row in range(low.y, high.y, rows) {
-            for column in range(low.x, high.x, columns) {
-                let place = DVec2::new(column as f64 + 0.5, row as f64 + 0.5);
-                let part = if length > 0.0 { ((place - a).dot(along) / length).clamp(0.0, 1.0) } else { 0.0 };
-                let distance = &mut distances[row * columns + column];
-                *distance = distance.min(place.distance(a + along * part));
-            }
+        for (index, distance) in pixels::near([columns, rows], [a, b], width / 2.0) {
+            distances[index] = distances[index].min(distance);
         }
     };
     for stroke in strokes {
@@ -325,11 +308,7 @@ fn broad([columns, rows]: [usize; 2], strokes: &[Vec<DVec2>], width: f64) -> Vec
             _ => stroke.windows(2).for_each(|pair| near(pair[0], pair[1])),
         }
     }
-    let part = |distance: f64| {
-        let overlap = (distance + 0.5).min(width / 2.0) - (distance - 0.5).max(-width / 2.0);
-        overlap.clamp(0.0, 1.0)
-    };
-    distances.into_iter().map(part).collect()
+    distances.into_iter().map(|distance| pixels::overlap(distance, width / 2.0)).collect()
 }
 
 fn refuse<T>(key: &'static str, message: impl Into<String>) -> Result<T, KeyError> {
@@ -345,7 +324,7 @@ mod tests {
     fn a_black_rim_is_left_out_and_moves_nothing() {
         let bright = |column: usize, row: usize| if (2..5).contains(&column) && row == 1 { 0.5 } else { 0.0 };
         let brightness = (0..32).map(|index| bright(index % 8, index / 8)).collect();
-        let grey = Grey { file: "rim.png".into(), width: 8, height: 4, brightness };
+        let grey = Grey { file: None, width: 8, height: 4, brightness };
         let at = DVec3::new(0.01, -0.02, 0.1);
         let shape = Shape::Picture { file: "rim.png".to_owned(), at, width: 0.08, pixels: Pixels::new(grey) };
         let target = Target { angle: std::f64::consts::FRAC_PI_2, ..Target::new(shape) };

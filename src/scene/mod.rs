@@ -27,7 +27,7 @@ pub use cover::Cover;
 pub use liquid::{Liquid, LiquidName};
 pub use modulation::{Envelope, Modulation};
 pub use motion::{Motion, MotionPath, Tempo};
-pub use pixels::{Grey, Pixels};
+pub use pixels::{Dab, Grey, Pixels};
 pub use target::{Sampling, Shape, Target};
 pub use zone::{Area, Zone};
 

@@ -133,8 +133,7 @@ pub(crate) fn drawn(target: &Target) -> Result<Vec<Vec<Vertex>>, KeyError> {
 
 /// The directions along which a flat target was drawn, before and after a quarter turn.
 pub(crate) fn axes(target: &Target) -> (DVec3, DVec3) {
-    let facing = DQuat::from_rotation_arc(DVec3::Z, target.normal.try_normalize().unwrap_or(DVec3::Z));
-    let turn = facing * DQuat::from_rotation_z(target.angle);
+    let turn = target.turn();
     (turn * DVec3::X, turn * DVec3::Y)
 }
 

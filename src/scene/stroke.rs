@@ -17,8 +17,8 @@ const CIRCLE_VERTICES: usize = 96;
 /// A glyph that the font lacks.
 pub fn strokes(target: &Target) -> Result<Vec<Vec<DVec3>>, KeyError> {
     let centre = centre(&target.shape);
-    let facing = DQuat::from_rotation_arc(DVec3::Z, target.normal.try_normalize().unwrap_or(DVec3::Z));
-    let placed = |vertex: &DVec2| centre + facing * DQuat::from_rotation_z(target.angle) * vertex.extend(0.0);
+    let turn = target.turn();
+    let placed = |vertex: &DVec2| centre + turn * vertex.extend(0.0);
     let flat = |outline: Vec<DVec2>| vec![outline.iter().map(placed).collect()];
     let turned = |vertex: &DVec3| centre + DQuat::from_rotation_z(target.angle) * (*vertex - centre);
     Ok(match &target.shape {

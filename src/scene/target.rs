@@ -1,6 +1,6 @@
 //! Targets: the points, shapes and letters that a scene asks for, and their table in the file.
 
-use glam::DVec3;
+use glam::{DQuat, DVec3};
 use serde::ser::SerializeMap;
 use serde::{Deserialize, Serialize, Serializer};
 
@@ -63,6 +63,12 @@ impl Target {
             Sampling::Whole => matches!(self.shape, Shape::Picture { .. }),
             Sampling::Continuous | Sampling::Spacing(_) | Sampling::Points(_) => false,
         }
+    }
+
+    /// How a flat shape is turned out of the array's plane.
+    pub fn turn(&self) -> DQuat {
+        let normal = self.normal.try_normalize().unwrap_or(DVec3::Z);
+        DQuat::from_rotation_arc(DVec3::Z, normal) * DQuat::from_rotation_z(self.angle)
     }
 
     /// Whether it is a picture whose pixels are yet to be loaded.

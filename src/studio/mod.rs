@@ -9,6 +9,7 @@ mod memory;
 pub mod motion;
 pub mod opening;
 pub mod output;
+pub mod paintings;
 pub mod probe;
 pub mod still;
 pub mod swell;

@@ -76,20 +76,6 @@ fn read(path: &Path) -> Result<Pixels, String> {
     if bytes.len() as u64 > MOST_BYTES {
         return Err(format!("{}: no picture has more than {} MiB", path.display(), MOST_BYTES >> 20));
     }
-    let (width, height, brightness) = grey::read(&bytes).map_err(|error| error.to_string())?;
-    Ok(Pixels::new(Grey { file: path.to_owned(), width, height, brightness }))
-}
-
-/// The scene as a file in another folder has it: pictures that are not found from there get their whole path.
-pub fn named_from(scene: &Scene, folder: &Path) -> Scene {
-    let mut scene = scene.clone();
-    for target in &mut scene.targets {
-        let Shape::Picture { file, pixels, .. } = &mut target.shape else { continue };
-        let Some(grey) = pixels.get() else { continue };
-        if folder.join(&*file) != grey.file {
-            let whole = std::path::absolute(&grey.file).unwrap_or_else(|_| grey.file.clone());
-            *file = whole.to_string_lossy().into_owned();
-        }
-    }
-    scene
+    let grey = grey::read(&bytes).map_err(|error| error.to_string())?;
+    Ok(Pixels::new(Grey { file: Some(path.to_owned()), ..grey }))
 }

@@ -86,6 +86,9 @@ pub fn paint(editor: &Editor, shown: &Shown, ui: &Ui, canvas: &Canvas) {
         marks::paint(editor, shown, &painter, lens, canvas.response.hover_pos());
     }
     marks::gesture(editor, &painter, lens);
+    if let Some(at) = canvas.response.hover_pos() {
+        marks::brush(editor, &painter, lens, at);
+    }
     if editor.view.section {
         let y = lens.screen(DVec2::new(0.0, editor.view.line)).y;
         painter.hline(lens.rect.x_range(), y, Stroke::new(1.0, theme::CHOSEN.gamma_multiply(0.6)));

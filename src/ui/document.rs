@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use crate::scene::file::FileError;
 use crate::scene::{Scene, file, rewrite};
 use crate::studio::opening;
+use crate::studio::paintings::{self, Paintings, Placed};
 
 /// Steps that can be taken back.
 const MOST_STEPS: usize = 500;
@@ -25,6 +26,8 @@ pub struct Document {
     name: String,
     /// What the scene was read from, with its comments; empty if it was not.
     text: String,
+    /// Which painted pictures stand where.
+    pub paintings: Paintings,
 }
 
 impl Document {
@@ -39,6 +42,7 @@ impl Document {
             path: None,
             name: name.to_owned(),
             text: String::new(),
+            paintings: Paintings::default(),
         }
     }
 
@@ -61,9 +65,9 @@ impl Document {
         Ok(Self { path: Some(path.to_owned()), text, ..Self::new(scene, "") })
     }
 
-    /// The file that holds the scene: what it was read from, but for what changed.
-    pub fn text(&self) -> String {
-        rewrite::rewrite(&self.text, &self.scene)
+    /// The text of a file that holds a scene: what this one was read from, but for what changed.
+    pub fn text_of(&self, scene: &Scene) -> String {
+        rewrite::rewrite(&self.text, scene)
     }
 
     pub fn path(&self) -> Option<&Path> {
@@ -87,15 +91,24 @@ impl Document {
         is_own && file::read_text(path).is_ok_and(|text| text != self.text)
     }
 
-    /// Pictures are found from the folder of a file that the scene is about to go to.
-    pub fn moves_to(&mut self, path: &Path) {
-        self.scene = opening::named_from(&self.scene, path.parent().unwrap_or(Path::new("")));
+    /// The scene as a file is to hold it, and the paintings that have to stand beside it. Only the document's own are written over.
+    pub fn placed(&self, path: &Path) -> Placed {
+        let is_own = |place: &Path| {
+            self.paintings.has_written(place)
+                || (self.path.as_deref() == Some(path) && paintings::names(&self.saved, place))
+        };
+        self.paintings.place(&self.scene, path, is_own)
     }
 
-    /// The scene is in this file now, as [`Document::text`].
-    pub fn saved_as(&mut self, path: PathBuf) {
-        self.text = self.text();
-        self.saved = self.scene.clone();
+    /// This scene, which differs in the names of pictures alone, is in this file now, as [`Document::text_of`].
+    pub fn saved_as(&mut self, path: PathBuf, scene: Scene) {
+        // Names that a file gave are no step of the history.
+        if self.scene == self.settled {
+            self.settled = scene.clone();
+        }
+        self.text = self.text_of(&scene);
+        self.saved = scene.clone();
+        self.scene = scene;
         self.path = Some(path);
     }
 

@@ -38,11 +38,26 @@ pub fn delete(scene: &mut Scene, selection: &mut BTreeSet<usize>) {
     selection.clear();
 }
 
-/// What is selected as a text.
-pub fn copied(scene: &Scene, selection: &BTreeSet<usize>) -> Option<String> {
+/// What is selected, as a text and as it is.
+pub fn copied(scene: &Scene, selection: &BTreeSet<usize>) -> Option<(String, Vec<Target>)> {
     let targets: Vec<Target> =
         selection.iter().filter_map(|&index| scene.targets.get(index)).cloned().collect();
-    (!targets.is_empty()).then(|| file::write_targets(&targets))
+    (!targets.is_empty()).then(|| (file::write_targets(&targets), targets))
+}
+
+/// Gives pictures that come out of a text their pixels, if they are those that were copied: what was painted may be in no file.
+pub fn return_pixels(pasted: &mut [Target], copied: &[Target]) {
+    if pasted.len() != copied.len() {
+        return;
+    }
+    for (target, copied) in pasted.iter_mut().zip(copied) {
+        if let (Shape::Picture { file, pixels, .. }, Shape::Picture { file: own, pixels: painted, .. }) =
+            (&mut target.shape, &copied.shape)
+            && file == own
+        {
+            *pixels = painted.clone();
+        }
+    }
 }
 
 /// Adds the targets of a text beside where they stood, and selects them. Says whether it has any.
@@ -110,8 +125,19 @@ pub fn outline_on(target: &Target, axes: &Axes) -> Vec<Vec<DVec2>> {
 
 /// The uppermost target whose outline is within `reach` (m) of a point of the cut, or that has the point inside its letters.
 pub fn target_at(scene: &Scene, axes: &Axes, at: DVec2, reach: f64) -> Option<usize> {
+    target_among(scene, axes, at, reach, |_| true)
+}
+
+/// The same among those of some kind.
+pub fn target_among(
+    scene: &Scene,
+    axes: &Axes,
+    at: DVec2,
+    reach: f64,
+    is_meant: impl Fn(&Target) -> bool,
+) -> Option<usize> {
     let distance = |target: &Target| {
-        if !target.visible {
+        if !target.visible || !is_meant(target) {
             return f64::INFINITY;
         }
         let strokes = outline_on(target, axes);
@@ -178,7 +204,7 @@ mod tests {
     fn targets_go_through_a_text_and_come_out_beside_where_they_stood() {
         let (mut scene, axes) = scene();
         scene.targets[1].visible = false;
-        let text = copied(&scene, &BTreeSet::from([0, 1])).unwrap();
+        let (text, _) = copied(&scene, &BTreeSet::from([0, 1])).unwrap();
         assert_eq!(copied(&scene, &BTreeSet::new()), None);
         let mut selection = BTreeSet::new();
         assert!(!paste(&mut scene, &mut selection, &axes, "some words") && scene.targets.len() == 3);

@@ -7,6 +7,7 @@ use glam::DVec2;
 
 use crate::scene::{Shape, Target, font};
 use crate::ui::Editor;
+use crate::ui::brush;
 use crate::ui::edit;
 use crate::ui::handle;
 use crate::ui::tool::{self, Tool};
@@ -49,7 +50,15 @@ pub enum Gesture {
         points: Vec<DVec2>,
         index: Option<usize>,
     },
-    Erase,
+    Brush {
+        /// Where it was in the frame before.
+        last: Option<DVec2>,
+        /// The picture that it paints, once there is one.
+        index: Option<usize>,
+    },
+    Erase {
+        last: Option<DVec2>,
+    },
 }
 
 /// A text under way.
@@ -147,7 +156,11 @@ fn begin(editor: &mut Editor, axes: &Axes, lens: &Lens, at: Pos2, modifiers: Mod
             None
         }
         Tool::Freehand => Some(Gesture::Stroke { points: vec![lens.flat(at)], index: None }),
-        Tool::Erase => Some(Gesture::Erase),
+        Tool::Brush => {
+            let index = brush::picture_at(editor, axes, lens.flat(at));
+            Some(Gesture::Brush { last: None, index })
+        }
+        Tool::Erase => Some(Gesture::Erase { last: None }),
         Tool::Line | Tool::Circle | Tool::Rectangle | Tool::Triangle | Tool::Polygon => {
             Some(Gesture::Draw { from, index: None })
         }
@@ -224,17 +237,32 @@ fn go_on(editor: &mut Editor, axes: &Axes, lens: &Lens, at: Pos2, modifiers: Mod
                 }
             }
         }
-        Gesture::Erase => {
-            if let Some(index) =
-                edit::target_at(editor.scene(), axes, lens.flat(at), REACH * lens.window.scale)
-            {
+        Gesture::Brush { last, index } => {
+            if let Some(way) = way(last, lens.flat(at)) {
+                *index = brush::paint(editor, axes, *index, way);
+            }
+        }
+        Gesture::Erase { last } => {
+            let uv = lens.flat(at);
+            let is_deleted = |target: &Target| !brush::is_in(target, axes);
+            let reach = REACH * lens.window.scale;
+            if let Some(index) = edit::target_among(editor.scene(), axes, uv, reach, is_deleted) {
                 let mut erased = BTreeSet::from([index]);
                 edit::delete(&mut editor.document.scene, &mut erased);
                 editor.selection.clear();
             }
+            if let Some(way) = way(last, uv) {
+                brush::wipe(editor, axes, way);
+            }
         }
     }
     editor.gesture = Some(gesture);
+}
+
+/// From where the pointer was to where it is; `None` while it rests.
+fn way(last: &mut Option<DVec2>, to: DVec2) -> Option<[DVec2; 2]> {
+    let from = last.replace(to).unwrap_or(DVec2::INFINITY);
+    (from != to).then_some([if from.is_finite() { from } else { to }, to])
 }
 
 /// Moves what is held to where the pointer is.
@@ -303,6 +331,9 @@ fn end(editor: &mut Editor, axes: &Axes, lens: &Lens, response: &Response) {
         if let Some(target) = editor.tool.click(axes, at) {
             put(editor, &mut None, target);
         }
+    }
+    if let Gesture::Erase { .. } = gesture {
+        brush::clear_away(editor);
     }
 }
 

@@ -15,16 +15,10 @@ const FEW: usize = 24;
 const HALF: f32 = 4.5;
 const REACH: f32 = 9.0;
 
-/// How a flat shape is turned.
-fn turn(target: &Target) -> DQuat {
-    let normal = target.normal.try_normalize().unwrap_or(DVec3::Z);
-    DQuat::from_rotation_arc(DVec3::Z, normal) * DQuat::from_rotation_z(target.angle)
-}
-
 /// The places of a target that can be pulled.
 pub fn handles(target: &Target) -> Vec<DVec3> {
     let flat = |at: DVec3, places: &[DVec2]| -> Vec<DVec3> {
-        places.iter().map(|place| at + turn(target) * place.extend(0.0)).collect()
+        places.iter().map(|place| at + target.turn() * place.extend(0.0)).collect()
     };
     match &target.shape {
         Shape::Point { .. } => Vec::new(),
@@ -54,17 +48,17 @@ fn placed_vertices(target: &Target) -> Vec<DVec3> {
 /// The upper right corner of the box around a target, in the target's own plane.
 fn corner(target: &Target) -> Option<DVec3> {
     let centre = outline::centre(&target.shape);
-    let back = turn(target).inverse();
+    let back = target.turn().inverse();
     let points = outline::strokes(target).ok()?.concat();
     let high = points.into_iter().map(|point| back * (point - centre)).reduce(DVec3::max)?;
-    Some(centre + turn(target) * DVec3::new(high.x, high.y, 0.0))
+    Some(centre + target.turn() * DVec3::new(high.x, high.y, 0.0))
 }
 
 /// The target with one of its handles pulled to another place.
 pub fn pulled(target: &Target, handle: usize, to: DVec3) -> Target {
     let mut pulled = target.clone();
     let centre = outline::centre(&target.shape);
-    let from_centre = (turn(target).inverse() * (to - centre)).truncate();
+    let from_centre = (target.turn().inverse() * (to - centre)).truncate();
     let radius = from_centre.length().max(SMALLEST);
     let ends = handles(target);
     match &mut pulled.shape {
@@ -84,11 +78,11 @@ pub fn pulled(target: &Target, handle: usize, to: DVec3) -> Target {
         Shape::Rectangle { at, width, height } => {
             // The opposite corner stays.
             let Some(&opposite) = ends.get((handle + 2) % 4) else { return pulled };
-            let across = (turn(target).inverse() * (to - opposite)).truncate();
+            let across = (target.turn().inverse() * (to - opposite)).truncate();
             let size = across.abs().max(DVec2::splat(SMALLEST));
             let signs = DVec2::new(1.0_f64.copysign(across.x), 1.0_f64.copysign(across.y));
             (*width, *height) = (size.x, size.y);
-            *at = opposite + turn(target) * (size * signs / 2.0).extend(0.0);
+            *at = opposite + target.turn() * (size * signs / 2.0).extend(0.0);
         }
         Shape::Path { vertices, .. } if vertices.len() <= FEW => {
             if let Some(vertex) = ends.get(handle) {
@@ -111,7 +105,7 @@ pub fn pulled(target: &Target, handle: usize, to: DVec3) -> Target {
 /// How much larger a target becomes when the corner of its box is pulled there.
 fn scaling(target: &Target, to: DVec2) -> f64 {
     let Some(corner) = corner(target) else { return 1.0 };
-    let own = (turn(target).inverse() * (corner - outline::centre(&target.shape))).truncate();
+    let own = (target.turn().inverse() * (corner - outline::centre(&target.shape))).truncate();
     let extent = own.length();
     if extent < 1e-9 { 1.0 } else { (to.dot(own) / (extent * extent)).max(SMALLEST / extent) }
 }

@@ -7,6 +7,7 @@ use egui::{Context, Event, Key, KeyboardShortcut, Modifiers};
 
 use crate::field::Quantity;
 use crate::studio::opening;
+use crate::ui::brush;
 use crate::ui::edit;
 use crate::ui::gesture;
 use crate::ui::tool::Tool;
@@ -50,6 +51,7 @@ pub const HELP: &[(&str, &str)] = &[
     ("M", "Focal points and outlines on or off"),
     ("X", "Curve along a line on or off; Shift moves it"),
     ("K", "Snap to the grid on or off"),
+    ("[ and ]", "A smaller or larger brush"),
     ("Ctrl Q", "Quit"),
     ("F1", "This help"),
 ];
@@ -114,15 +116,18 @@ fn clipboard(editor: &mut Editor, ctx: &Context) {
     }
 }
 
-pub fn copy(editor: &Editor, ctx: &Context) {
-    if let Some(text) = edit::copied(editor.scene(), &editor.selection) {
+pub fn copy(editor: &mut Editor, ctx: &Context) {
+    if let Some((text, targets)) = edit::copied(editor.scene(), &editor.selection) {
         ctx.copy_text(text);
+        editor.copied = targets;
     }
 }
 
 fn paste(editor: &mut Editor, text: &str) {
     let axes = editor.view.axes(editor.scene());
     if edit::paste(&mut editor.document.scene, &mut editor.selection, &axes, text) {
+        let pasted = editor.selection.iter().next().copied().unwrap_or(0);
+        edit::return_pixels(&mut editor.document.scene.targets[pasted..], &editor.copied);
         let folder = editor.document.path().and_then(Path::parent).unwrap_or(Path::new("")).to_owned();
         // A picture that is missing is named where the scene is shown.
         let _ = opening::load_targets(&mut editor.document.scene.targets, &folder);
@@ -166,6 +171,12 @@ fn plain_keys(editor: &mut Editor, ctx: &Context) {
     }
     if pressed(Key::K) {
         editor.snaps = !editor.snaps;
+    }
+    if pressed(Key::OpenBracket) {
+        editor.brush.scale(1.0 / brush::STEP);
+    }
+    if pressed(Key::CloseBracket) {
+        editor.brush.scale(brush::STEP);
     }
     if pressed(Key::F1) {
         editor.dialog = Some(Dialog::Help);

@@ -6,6 +6,7 @@ use glam::{DVec2, DVec3};
 use crate::picture::sheet::pascals;
 use crate::scene::{MotionPath, Sampling, outline};
 use crate::ui::gesture::Gesture;
+use crate::ui::tool::Tool;
 use crate::ui::view::{Cut, Lens, array_size};
 use crate::ui::{Editor, Shown, Sound, edit, handle, theme};
 
@@ -187,6 +188,15 @@ pub fn gesture(editor: &Editor, painter: &Painter, lens: &Lens) {
             if typing.text.is_empty() { "Type, then press Enter".to_owned() } else { typing.text.clone() };
         let below = at + vec2(0.0, (0.028 / lens.window.scale) as f32);
         chip(painter, below, Align2::CENTER_TOP, &format!("{text}|"), 13.0, theme::CHOSEN);
+    }
+}
+
+/// How wide the brush and the eraser are.
+pub fn brush(editor: &Editor, painter: &Painter, lens: &Lens, at: Pos2) {
+    if matches!(editor.tool, Tool::Brush | Tool::Erase) {
+        let radius = (editor.brush.diameter / 2.0 / lens.window.scale) as f32;
+        painter.circle_stroke(at, radius, Stroke::new(3.0, theme::MARK_EDGE));
+        painter.circle_stroke(at, radius, Stroke::new(1.2, Color32::WHITE));
     }
 }
 

@@ -2,6 +2,7 @@
 //! solving and the field are somebody else's.
 
 pub mod board;
+pub mod brush;
 pub mod canvas;
 mod dialog;
 pub mod document;
@@ -31,12 +32,13 @@ use crate::acoustics::{Air, Aperture};
 use crate::drive::Drive;
 use crate::field::Quantity;
 use crate::field::contour::Line;
-use crate::scene::{Focus, Method, Scene};
+use crate::scene::{Focus, Method, Scene, Target};
 use crate::solver::Solution;
 use crate::solver::frames::Sequence;
 use crate::studio::probe::{self, Reading};
 use crate::surface::Dent;
 use board::{BoardCommand, BoardForm, BoardShown};
+use brush::Brush;
 use document::Document;
 use gesture::{Gesture, Typing};
 use tool::Tool;
@@ -58,6 +60,9 @@ pub struct Editor {
     /// m, between the places to which the pointer snaps.
     pub grid: f64,
     pub snaps: bool,
+    pub brush: Brush,
+    /// What was copied last: pixels are not part of the text on the clipboard.
+    copied: Vec<Target>,
     gesture: Option<Gesture>,
     typing: Option<Typing>,
     pub dialog: Option<Dialog>,
@@ -358,6 +363,8 @@ impl Editor {
             layout: Layout { panel: 352.0, section: 170.0 },
             grid: 0.005,
             snaps: false,
+            brush: Brush::default(),
+            copied: Vec::new(),
             gesture: None,
             typing: None,
             dialog: None,

@@ -3,9 +3,9 @@
 use std::f64::consts::TAU;
 
 use egui::{Key, Painter, Pos2, Rect, Stroke, StrokeKind};
-use glam::{DQuat, DVec2, DVec3};
+use glam::{DVec2, DVec3};
 
-use crate::scene::{Shape, Target};
+use crate::scene::{Pixels, Scene, Shape, Target};
 use crate::ui::view::Axes;
 
 /// m: what a click draws that was no drag.
@@ -24,11 +24,12 @@ pub enum Tool {
     Polygon,
     Freehand,
     Text,
+    Brush,
     Erase,
 }
 
 impl Tool {
-    pub const ALL: [Self; 10] = [
+    pub const ALL: [Self; 11] = [
         Self::Select,
         Self::Point,
         Self::Line,
@@ -38,6 +39,7 @@ impl Tool {
         Self::Polygon,
         Self::Freehand,
         Self::Text,
+        Self::Brush,
         Self::Erase,
     ];
 
@@ -52,6 +54,7 @@ impl Tool {
             Self::Polygon => "Polygon",
             Self::Freehand => "Freehand",
             Self::Text => "Text",
+            Self::Brush => "Brush",
             Self::Erase => "Erase",
         }
     }
@@ -67,6 +70,7 @@ impl Tool {
             Self::Polygon => Key::Y,
             Self::Freehand => Key::F,
             Self::Text => Key::T,
+            Self::Brush => Key::B,
             Self::Erase => Key::E,
         }
     }
@@ -85,7 +89,13 @@ impl Tool {
             Self::Polygon => "Drag from the centre outwards; the number of sides stands in the Scene panel",
             Self::Freehand => "Draw with the button held",
             Self::Text => "Click where the text is to stand, then type; Enter ends",
-            Self::Erase => "Click or drag over targets to delete them",
+            Self::Brush => {
+                "Drag to paint the wanted pressure, as a picture in the plane or on the one that is selected; its size \
+                 and brightness stand above the map"
+            }
+            Self::Erase => {
+                "Click or drag over targets to delete them; pictures are wiped as wide as the brush is"
+            }
         }
     }
 
@@ -105,7 +115,9 @@ impl Tool {
             }
             Self::Triangle => Shape::Triangle { at, size: radius * 3.0_f64.sqrt() },
             Self::Polygon => Shape::Polygon { at, radius, sides: 6 },
-            Self::Select | Self::Point | Self::Freehand | Self::Text | Self::Erase => return None,
+            Self::Select | Self::Point | Self::Freehand | Self::Text | Self::Brush | Self::Erase => {
+                return None;
+            }
         })
     }
 
@@ -137,6 +149,19 @@ pub fn path(axes: &Axes, points: &[DVec2]) -> Target {
     Target::new(Shape::Path { vertices: points.iter().map(|&uv| axes.world(uv)).collect(), closed: false })
 }
 
+/// A black picture to paint on: in the cut, as large as the scene's plane and about where that is.
+pub fn canvas(axes: &Axes, scene: &Scene, file: String) -> Target {
+    /// Pixels in a wavelength, and of a side at most.
+    const PER_WAVELENGTH: f64 = 10.0;
+    const MOST: f64 = 512.0;
+    let size = scene.plane.size;
+    let pixel = (scene.wavelength() / PER_WAVELENGTH).max(size.max_element() / MOST);
+    let [columns, rows] = (size / pixel).to_array().map(|count| count.round().clamp(1.0, MOST) as usize);
+    let at = axes.world(axes.flat(scene.plane.centre));
+    let shape = Shape::Picture { file, at, width: size.x, pixels: Pixels::black(columns, rows) };
+    facing(shape, axes)
+}
+
 /// A target whose shape lies in the cut and stands upright there.
 fn facing(shape: Shape, axes: &Axes) -> Target {
     let has_no_face = matches!(shape, Shape::Point { .. } | Shape::Line { .. } | Shape::Path { .. });
@@ -147,11 +172,11 @@ fn facing(shape: Shape, axes: &Axes) -> Target {
     let normal = axes.x.cross(axes.y);
     if normal.distance(DVec3::Z) > 1e-9 {
         target.normal = normal;
-        let x = DQuat::from_rotation_arc(DVec3::Z, normal).inverse() * axes.x;
-        let angle = x.y.atan2(x.x);
-        // What is no turn is not written to the file.
-        target.angle = if angle.abs() < 1e-9 { 0.0 } else { angle };
     }
+    let x = target.turn().inverse() * axes.x;
+    let angle = x.y.atan2(x.x);
+    // What is no turn is not written to the file.
+    target.angle = if angle.abs() < 1e-9 { 0.0 } else { angle };
     target
 }
 
@@ -207,6 +232,10 @@ pub fn icon(painter: &Painter, tool: Tool, rect: Rect, stroke: Stroke) {
             painter.line_segment([at(-0.8, -0.85), at(0.8, -0.85)], stroke);
             painter.line_segment([at(0.0, -0.85), at(0.0, 0.95)], stroke);
         }
+        Tool::Brush => {
+            painter.line_segment([at(1.0, -1.0), at(0.15, -0.05)], stroke);
+            closed(vec![at(-0.2, -0.2), at(0.3, 0.3), at(-0.1, 0.75), at(-1.0, 1.0), at(-0.7, 0.2)]);
+        }
         Tool::Erase => {
             closed(vec![at(-1.0, 0.35), at(0.1, -0.8), at(1.0, 0.05), at(-0.1, 1.0), at(-0.4, 1.0)]);
             painter.line_segment([at(-0.5, -0.2), at(0.45, 0.6)], stroke);
@@ -217,7 +246,7 @@ pub fn icon(painter: &Painter, tool: Tool, rect: Rect, stroke: Stroke) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::{Scene, outline};
+    use crate::scene::outline;
     use crate::ui::view::{Cut, View};
 
     #[test]

@@ -5,8 +5,9 @@ use egui::{ComboBox, DragValue, Slider, Ui};
 use crate::field::quantity::Range;
 use crate::field::{Quantity, Scale};
 use crate::picture::ColourMap;
+use crate::ui::tool::Tool;
 use crate::ui::view::{Cut, FreePlane};
-use crate::ui::{Editor, Shown};
+use crate::ui::{Editor, Shown, brush, panels};
 
 /// m: how far the slider moves a plane.
 const FARTHEST: f64 = 0.3;
@@ -27,7 +28,26 @@ pub fn show(editor: &mut Editor, shown: &Shown, ui: &mut Ui) {
         cuts(editor, ui);
         ui.separator();
         overlays(editor, ui);
+        if matches!(editor.tool, Tool::Brush | Tool::Erase) {
+            ui.separator();
+            brush(editor, ui);
+        }
     });
+}
+
+/// What the brush paints or the eraser wipes.
+fn brush(editor: &mut Editor, ui: &mut Ui) {
+    let tip = "Of the brush and the eraser ([ and ])";
+    let label = ui.label("Diameter").on_hover_text(tip);
+    let diameter = &mut editor.brush.diameter;
+    panels::bare_number(ui, diameter, panels::MM, brush::DIAMETER).labelled_by(label.id).on_hover_text(tip);
+    if editor.tool == Tool::Brush {
+        let tip = "Wanted pressure squared, relative to that of white";
+        let label = ui.label("Brightness").on_hover_text(tip);
+        let brightness = &mut editor.brush.brightness;
+        let response = panels::bare_number(ui, brightness, panels::PLAIN, brush::BRIGHTNESS);
+        response.labelled_by(label.id).on_hover_text(tip);
+    }
 }
 
 fn quantities(editor: &mut Editor, ui: &mut Ui) {

@@ -5,6 +5,7 @@
 
 #[cfg(all(unix, feature = "serial"))]
 mod board;
+mod brush;
 mod edits;
 mod files;
 mod gpu;

@@ -69,6 +69,7 @@ fn no_input_is_without_a_name() {
     screen.state_mut().editor_mut().document.scene.targets[0].motion = Some(points);
     screen.state_mut().editor_mut().view.section = true;
     screen.state_mut().editor_mut().view.full = Some(100.0);
+    screen.state_mut().editor_mut().tool = Tool::Brush;
     for panel in ["Solver", "Drive", "Liquid", "Motion", "Device", "Scene"] {
         screen.get_by_label(panel).click();
         rest(&mut screen);
@@ -112,6 +113,7 @@ fn the_keyboard_reaches_every_input() {
         ..sonoglyph::scene::Motion::default()
     };
     screen.state_mut().editor_mut().document.scene.targets[0].motion = Some(outline);
+    screen.state_mut().editor_mut().tool = Tool::Brush;
     rest(&mut screen);
     for panel in ["Scene", "Solver", "Liquid", "Motion"] {
         screen.get_by_label(panel).click();

@@ -1,0 +1,167 @@
+//! Pictures as they are saved with a scene: what was painted goes to files beside the scene's, and the others are named from there.
+
+use std::ffi::OsStr;
+use std::path::{Path, PathBuf};
+
+use crate::picture::grey;
+use crate::scene::{Grey, Pixels, Scene, Shape, Target};
+
+/// What a scene's paintings are called: `<scene>-painting.png`, `<scene>-painting-2.png` and so on.
+const SUFFIX: &str = "-painting";
+
+/// Which pixels were written where. Undone strokes come back, and files are written over: a picture's own file may hold another one.
+#[derive(Clone, Debug, Default)]
+pub struct Paintings(Vec<(PathBuf, Pixels)>);
+
+/// A scene as its file is to have it, and the pictures that have to be there first.
+#[derive(Clone, Debug)]
+pub struct Placed {
+    pub scene: Scene,
+    pub files: Vec<(PathBuf, Pixels)>,
+}
+
+impl Paintings {
+    /// Names the pictures of a scene that goes to `path`. Those that no file holds get one beside it, where nothing stands or
+    /// `may_replace` what does; those of a file in another folder get their whole path.
+    pub fn place(&self, scene: &Scene, path: &Path, may_replace: impl Fn(&Path) -> bool) -> Placed {
+        let mut placed = Placed { scene: scene.clone(), files: Vec::new() };
+        let path = absolute(path);
+        let mut taken: Vec<(PathBuf, Pixels)> = Vec::new();
+        // Files that hold their pixels come first: what is written must not take their place.
+        for is_held in [true, false] {
+            for target in &mut placed.scene.targets {
+                let Shape::Picture { file, pixels, .. } = &mut target.shape else { continue };
+                let holder = self.holder(pixels, &path);
+                let is_missing = pixels.get().is_none();
+                if is_missing && is_held {
+                    taken.push((absolute(&path.with_file_name(&*file)), pixels.clone()));
+                }
+                if is_missing || holder.is_some() != is_held {
+                    continue;
+                }
+                let same = taken.iter().find(|(_, other)| other == pixels).map(|(place, _)| place.clone());
+                let place = holder.or(same).unwrap_or_else(|| {
+                    let is_free = |place: &PathBuf| {
+                        !taken.iter().any(|(other, _)| other == place)
+                            && (!place.exists() || may_replace(place))
+                    };
+                    let place = numbered(&path).find(is_free).unwrap_or_default();
+                    placed.files.push((place.clone(), pixels.clone()));
+                    place
+                });
+                *file = name_from(&path, &place, file);
+                taken.push((place, pixels.clone()));
+            }
+        }
+        placed
+    }
+
+    /// The file that holds these pixels, if it needs no writing for a scene at `path`.
+    fn holder(&self, pixels: &Pixels, path: &Path) -> Option<PathBuf> {
+        let own = pixels.get()?.file.as_deref().map(absolute);
+        let is_as_loaded = |own: &PathBuf| self.at(own).is_none_or(|there| there == pixels);
+        let written = |(place, there): &&(PathBuf, Pixels)| {
+            there == pixels && is_painting_of(path, place) && place.is_file()
+        };
+        own.filter(is_as_loaded).or_else(|| self.0.iter().find(written).map(|(place, _)| place.clone()))
+    }
+
+    fn at(&self, place: &Path) -> Option<&Pixels> {
+        self.0.iter().find(|(other, _)| other == place).map(|(_, pixels)| pixels)
+    }
+
+    /// Whether a file was written here.
+    pub fn has_written(&self, place: &Path) -> bool {
+        self.at(place).is_some()
+    }
+
+    /// Writes pictures, each by `write`, and remembers what stands where.
+    ///
+    /// # Errors
+    /// Those of `write`; pictures before that are written.
+    pub fn write(
+        &mut self,
+        files: Vec<(PathBuf, Pixels)>,
+        write: impl Fn(&Path, &[u8]) -> anyhow::Result<()>,
+    ) -> anyhow::Result<()> {
+        for (place, pixels) in files {
+            let Some(grey) = pixels.get() else { continue };
+            write(&place, &grey::png(grey)?)?;
+            self.0.retain(|(other, _)| *other != place);
+            self.0.push((place, pixels));
+        }
+        Ok(())
+    }
+
+    /// Of a scene that was read from `path`: its paintings are painted pixels again, and in files that were written here.
+    pub fn adopt(&mut self, scene: &mut Scene, path: &Path) {
+        for target in &mut scene.targets {
+            let Shape::Picture { pixels, .. } = &mut target.shape else { continue };
+            let Some(grey) = pixels.get() else { continue };
+            let Some(file) = grey.file.clone().filter(|file| is_painting_of(path, file)) else { continue };
+            *pixels = Pixels::new(Grey { file: None, ..grey.clone() });
+            self.0.retain(|(other, _)| *other != absolute(&file));
+            self.0.push((absolute(&file), pixels.clone()));
+        }
+    }
+
+    /// Removes all files that were written, as far as the system lets it.
+    pub fn remove(&mut self) {
+        for (place, _) in self.0.drain(..) {
+            let _ = std::fs::remove_file(place);
+        }
+    }
+}
+
+/// Whether a file is called like a painting of the scene at a path, and stands beside it.
+pub fn is_painting_of(path: &Path, place: &Path) -> bool {
+    let (path, place) = (absolute(path), absolute(place));
+    let stem = |path: &Path| path.file_stem().map(OsStr::to_os_string).unwrap_or_default();
+    let (Some(scene), Some(painting)) =
+        (stem(&path).to_str().map(str::to_owned), stem(&place).to_str().map(str::to_owned))
+    else {
+        return false;
+    };
+    let rest = painting.strip_prefix(&scene).and_then(|rest| rest.strip_prefix(SUFFIX));
+    let is_number =
+        |rest: &str| rest.is_empty() || rest.strip_prefix('-').is_some_and(|it| it.parse::<u32>().is_ok());
+    path.parent() == place.parent() && rest.is_some_and(is_number)
+}
+
+/// Whether a picture of a scene was loaded from a place.
+pub fn names(scene: &Scene, place: &Path) -> bool {
+    let is_from = |target: &Target| {
+        let Shape::Picture { pixels, .. } = &target.shape else { return false };
+        let file = pixels.get().and_then(|grey| grey.file.as_deref());
+        file.is_some_and(|file| absolute(file) == absolute(place))
+    };
+    scene.targets.iter().any(is_from)
+}
+
+/// The names that paintings of the scene at a path may have.
+fn numbered(path: &Path) -> impl Iterator<Item = PathBuf> {
+    let stem = path.file_stem().unwrap_or_default().to_os_string();
+    (1..).map(move |number: usize| {
+        let mut name = stem.clone();
+        name.push(SUFFIX);
+        if number > 1 {
+            name.push(format!("-{number}"));
+        }
+        name.push(".png");
+        path.with_file_name(name)
+    })
+}
+
+/// What the scene at a path calls the file at a place: as it did, if that is right.
+fn name_from(path: &Path, place: &Path, before: &str) -> String {
+    let folder = path.parent().unwrap_or(Path::new(""));
+    if absolute(&folder.join(before)) == place {
+        return before.to_owned();
+    }
+    let beside = if place.parent() == Some(folder) { place.file_name() } else { None };
+    beside.unwrap_or(place.as_os_str()).to_string_lossy().into_owned()
+}
+
+fn absolute(path: &Path) -> PathBuf {
+    std::path::absolute(path).unwrap_or_else(|_| path.to_owned())
+}

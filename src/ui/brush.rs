@@ -1,0 +1,179 @@
+//! The brush: it paints what is wanted on a picture that is a target, and the eraser wipes it away.
+
+use std::collections::BTreeSet;
+use std::ops::RangeInclusive;
+
+use glam::DVec2;
+
+use crate::scene::{Dab, Pixels, Scene, Shape, Target};
+use crate::ui::Editor;
+use crate::ui::edit;
+use crate::ui::tool;
+use crate::ui::view::Axes;
+
+/// m
+pub const DIAMETER: RangeInclusive<f64> = 1e-3..=0.1;
+pub const BRIGHTNESS: RangeInclusive<f64> = 0.01..=1.0;
+/// What a key makes it larger by.
+pub const STEP: f64 = 1.25;
+/// m: a picture farther than this from the cut is not painted there.
+const NEAR: f64 = 2e-3;
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Brush {
+    /// m
+    pub diameter: f64,
+    /// Of what it paints: the wanted |p|² relative to that of white.
+    pub brightness: f64,
+}
+
+impl Default for Brush {
+    fn default() -> Self {
+        Self { diameter: 0.006, brightness: 1.0 }
+    }
+}
+
+impl Brush {
+    pub fn scale(&mut self, factor: f64) {
+        self.diameter = (self.diameter * factor).clamp(*DIAMETER.start(), *DIAMETER.end());
+    }
+}
+
+/// The picture that a stroke from a place of the cut paints: the one that is selected, or else the uppermost there.
+pub fn picture_at(editor: &Editor, axes: &Axes, at: DVec2) -> Option<usize> {
+    let targets = &editor.scene().targets;
+    let has = |index: &usize| is_inside(&targets[*index], axes, at);
+    selected(editor, axes).or_else(|| pictures_in(editor.scene(), axes).rev().find(has))
+}
+
+/// The one target that is selected, if it is a picture in the cut.
+fn selected(editor: &Editor, axes: &Axes) -> Option<usize> {
+    let only = editor.selection.first().filter(|_| editor.selection.len() == 1);
+    only.copied().filter(|&index| editor.scene().targets.get(index).is_some_and(|target| is_in(target, axes)))
+}
+
+/// Pictures that lie in a cut and are there to be painted, the uppermost last.
+fn pictures_in(scene: &Scene, axes: &Axes) -> impl DoubleEndedIterator<Item = usize> {
+    (0..scene.targets.len()).filter(move |&index| is_in(&scene.targets[index], axes))
+}
+
+/// Whether a target is a picture in a cut, shown, and loaded.
+pub fn is_in(target: &Target, axes: &Axes) -> bool {
+    let Shape::Picture { at, width, pixels, .. } = &target.shape else { return false };
+    let half = DVec2::new(1.0, pixels.aspect()) * *width / 2.0;
+    let corners = [half, half * DVec2::new(-1.0, 1.0)].map(|corner| target.turn() * corner.extend(0.0));
+    let is_near = corners
+        .iter()
+        .all(|corner| [*at + *corner, *at - *corner].iter().all(|corner| axes.height(*corner).abs() <= NEAR));
+    target.visible && pixels.get().is_some() && is_near
+}
+
+fn is_inside(target: &Target, axes: &Axes, at: DVec2) -> bool {
+    let Shape::Picture { pixels, .. } = &target.shape else { return false };
+    let Some(grey) = pixels.get() else { return false };
+    let size = DVec2::new(grey.width as f64, grey.height as f64);
+    let dab = dab(target, axes, [at, at], 0.0);
+    dab.is_some_and(|dab| dab.from.cmpge(DVec2::ZERO).all() && dab.from.cmple(size).all())
+}
+
+/// A piece of a stroke on the cut (m) as it lies on a picture's pixels.
+fn dab(target: &Target, axes: &Axes, way: [DVec2; 2], diameter: f64) -> Option<Dab> {
+    let Shape::Picture { at, width, pixels, .. } = &target.shape else { return None };
+    let grey = pixels.get()?;
+    let per_metre = grey.width as f64 / width;
+    let middle = DVec2::new(grey.width as f64, grey.height as f64) / 2.0;
+    let back = target.turn().inverse();
+    let place = |uv: DVec2| {
+        let flat = (back * (axes.world(uv) - *at)).truncate();
+        middle + flat * DVec2::new(1.0, -1.0) * per_metre
+    };
+    let [from, to] = way.map(place);
+    Some(Dab { from, to, radius: diameter / 2.0 * per_metre })
+}
+
+/// Changes a picture's pixels along a piece of a stroke. Says whether that changed anything.
+fn change(
+    target: &mut Target,
+    dab: Option<Dab>,
+    names: &Names,
+    change: impl Fn(&mut Pixels, &Dab) -> bool,
+) -> bool {
+    let (Some(dab), Shape::Picture { pixels, file, .. }) = (dab, &mut target.shape) else { return false };
+    let is_of_file = pixels.get().is_some_and(|grey| grey.file.is_some());
+    let is_changed = change(pixels, &dab);
+    if is_changed && is_of_file {
+        *file = names.fresh();
+    }
+    is_changed
+}
+
+/// What pictures of a scene are called.
+struct Names(BTreeSet<String>);
+
+impl Names {
+    fn of(scene: &Scene) -> Self {
+        let name = |target: &Target| {
+            let Shape::Picture { file, .. } = &target.shape else { return None };
+            Some(file.clone())
+        };
+        Self(scene.targets.iter().filter_map(name).collect())
+    }
+
+    /// For a painting that is in no file: saving names it after the scene.
+    fn fresh(&self) -> String {
+        let name = |number: usize| match number {
+            1 => "painting.png".to_owned(),
+            _ => format!("painting-{number}.png"),
+        };
+        (1..).map(name).find(|name| !self.0.contains(name)).unwrap_or_default()
+    }
+}
+
+/// Paints a piece of a stroke on a picture, or on a new one as soon as there is something on it. Gives out which one it was.
+pub fn paint(editor: &mut Editor, axes: &Axes, index: Option<usize>, way: [DVec2; 2]) -> Option<usize> {
+    let Brush { diameter, brightness } = editor.brush;
+    let names = Names::of(editor.scene());
+    let on = |target: &mut Target| {
+        let dab = dab(target, axes, way, diameter);
+        change(target, dab, &names, |pixels, dab| pixels.paint(dab, brightness as f32))
+    };
+    if let Some(index) = index {
+        editor.document.scene.targets.get_mut(index).map(on)?;
+        return Some(index);
+    }
+    let mut target = tool::canvas(axes, editor.scene(), names.fresh());
+    if !on(&mut target) {
+        return None;
+    }
+    editor.document.scene.targets.push(target);
+    let index = editor.scene().targets.len() - 1;
+    editor.selection = BTreeSet::from([index]);
+    Some(index)
+}
+
+/// Wipes a piece of a stroke off the picture that is selected, or else off all in the cut.
+pub fn wipe(editor: &mut Editor, axes: &Axes, way: [DVec2; 2]) {
+    let diameter = editor.brush.diameter;
+    let names = Names::of(editor.scene());
+    let wiped: Vec<usize> = match selected(editor, axes) {
+        Some(index) => vec![index],
+        None => pictures_in(editor.scene(), axes).collect(),
+    };
+    for index in wiped {
+        let target = &mut editor.document.scene.targets[index];
+        let dab = dab(target, axes, way, diameter);
+        change(target, dab, &names, Pixels::wipe);
+    }
+}
+
+/// Deletes pictures on which nothing is left.
+pub fn clear_away(editor: &mut Editor) {
+    let is_black = |target: &Target| matches!(&target.shape, Shape::Picture { pixels, .. } if pixels.get().is_some_and(|grey| grey.is_black()));
+    let targets = editor.scene().targets.iter().enumerate();
+    let mut black: BTreeSet<usize> =
+        targets.filter(|(_, target)| is_black(target)).map(|(index, _)| index).collect();
+    if !black.is_empty() {
+        edit::delete(&mut editor.document.scene, &mut black);
+        editor.selection.clear();
+    }
+}
