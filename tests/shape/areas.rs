@@ -1,6 +1,5 @@
 //! Areas: filled shapes, pictures and depressions, judged in f64 by formulae written out plainly.
 
-use std::path::PathBuf;
 
 use glam::{DVec2, DVec3, dvec2, dvec3};
 use num_complex::Complex64;
@@ -187,7 +186,7 @@ fn a_depression_is_nearer_to_the_drawing_where_it_is_what_is_wanted() {
 
 fn picture(brightness: impl Fn(usize, usize) -> f32) -> Target {
     let brightness = (0..60 * 40).map(|i| brightness(i % 60, i / 60)).collect();
-    let pixels = Pixels::new(Grey { file: PathBuf::from("a.png"), width: 60, height: 40, brightness });
+    let pixels = Pixels::new(Grey { file: None, width: 60, height: 40, brightness });
     Target::new(Shape::Picture { file: "a.png".to_owned(), at: AT, width: 0.06, pixels })
 }
 
