@@ -1,7 +1,7 @@
 //! Areas: filled shapes, broad strokes and pictures, what is wanted where, and how they stand in the file.
 
 use std::f64::consts::PI;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use glam::{DVec2, DVec3, dvec2, dvec3};
 use sonoglyph::scene::check::{MOST_FOCI, check};
@@ -142,7 +142,7 @@ fn what_is_tiny_has_a_sample_and_what_is_huge_has_them_farther_apart() {
 fn picture(width: usize, height: usize, brightness: impl Fn(usize, usize) -> f32) -> Target {
     let pixels = (0..height).flat_map(|y| (0..width).map(move |x| (x, y)));
     let brightness = pixels.map(|(x, y)| brightness(x, y)).collect();
-    let pixels = Pixels::new(Grey { file: PathBuf::from("a.png"), width, height, brightness });
+    let pixels = Pixels::new(Grey { file: None, width, height, brightness });
     Target::new(Shape::Picture { file: "a.png".to_owned(), at: AT, width: 0.04, pixels })
 }
 

@@ -1,6 +1,5 @@
 //! Areas: filled shapes, pictures and depressions, judged in f64 by formulae written out plainly.
 
-
 use glam::{DVec2, DVec3, dvec2, dvec3};
 use num_complex::Complex64;
 use sonoglyph::acoustics::Aperture;
