@@ -215,7 +215,8 @@ fn plane_of(vertices: &[DVec3]) -> Result<[DVec3; 2], KeyError> {
     let third = aside(farthest(&|vertex| aside(*vertex).length()).unwrap_or(first));
     let extent = other.distance(first);
     let level = DVec3::Z.reject_from_normalized(along).try_normalize().unwrap_or(DVec3::Y);
-    let normal = if third.length() > FLAT_PART * extent { along.cross(third.normalize()) } else { level };
+    let normal =
+        if third.length() > FLAT_PART * extent { along.cross(third.normalize_or_zero()) } else { level };
     let normal = if normal.z < 0.0 { -normal } else { normal };
     let away = vertices.iter().map(|vertex| (*vertex - first).dot(normal).abs()).fold(0.0, f64::max);
     if away > FLAT.max(FLAT_PART * extent) {
