@@ -1,6 +1,6 @@
 //! Motion: the closed path along which targets move, the drawn strokes along which foci run, or the steps in which targets take turns.
 //!
-//! [`cycle`] is how often what a scene's motions make together is played, and [`frames`] are the focal points of its frames.
+//! [`cycle()`] is how often what a scene's motions make together is played, and [`frames()`] are the focal points of its frames.
 
 mod course;
 mod cycle;
