@@ -91,10 +91,11 @@ fn known() -> BTreeMap<String, Table> {
     let scene = file::parse(text, Path::new("all.toml")).unwrap();
     let mut tables: Table = toml::from_str(&file::write(&scene)).unwrap();
     // These stand where others do not.
-    let fast = file::parse("format = 1\n[motion]\nspeed = 6\nfoci = 2", Path::new("fast.toml")).unwrap();
+    let fast = "format = 1\n[motion]\nspeed = 6\nfoci = 2\n[solver]\nframes = 2";
+    let fast = file::parse(fast, Path::new("fast.toml")).unwrap();
     let fast: Table = toml::from_str(&file::write(&fast)).unwrap();
-    for key in ["speed", "foci"] {
-        tables["motion"].as_table_mut().unwrap().insert(key.to_owned(), fast["motion"][key].clone());
+    for (table, key) in [("motion", "speed"), ("motion", "foci"), ("solver", "frames")] {
+        tables[table].as_table_mut().unwrap().insert(key.to_owned(), fast[table][key].clone());
     }
     tables.into_iter().filter_map(|(name, value)| Some((name, value.as_table()?.clone()))).collect()
 }
@@ -170,13 +171,14 @@ fn defaults_are_those_of_an_empty_scene() {
         empty.insert(table.to_owned(), own.into());
     }
     // And so are these; `kind` is what made it a circle.
-    let Solver { quiet, search, .. } = Scene::default().solver;
+    let Solver { quiet, search, frames, .. } = Scene::default().solver;
     for (table, key, value) in [
         ("target", "kind", "point".into()),
         ("target", "visible", true.into()),
         ("target", "fill", false.into()),
         ("solver", "quiet", quiet.into()),
         ("solver", "search", search.into()),
+        ("solver", "frames", frames.into()),
         ("solver", "target", "pressure".into()),
         ("motion", "foci", 1.into()),
     ] {

@@ -23,6 +23,8 @@ use crate::ui::{Editor, MethodRow, Panel, Pressed, Shown, Sound};
 
 /// Foci times elements that are solved between two frames; more is solved beside them.
 const AT_ONCE: usize = 120 * 256;
+/// The same of shapes: a frame takes a few steps with them.
+const AT_ONCE_OF_SHAPES: usize = 360 * 256;
 
 /// Pixels of what presses on a plane: a square of the sound has two cycles per wavelength.
 const PER_WAVELENGTH: f64 = 6.0;
@@ -144,7 +146,7 @@ impl Workshop {
             let start = Instant::now();
             let outcome = match amount(&posed) {
                 Err(problem) => Err(problem),
-                Ok(amount) if amount > AT_ONCE => {
+                Ok(amount) if amount > if is_shape(&posed) { AT_ONCE_OF_SHAPES } else { AT_ONCE } => {
                     self.solving.ask(&posed, ctx, solve);
                     match self.solving.get(&posed) {
                         Some(solved) => solved.clone(),

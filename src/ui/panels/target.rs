@@ -167,14 +167,17 @@ fn areas(shape: &Shape) -> &'static [Choice] {
 pub fn sampling(ui: &mut Ui, sampling: &mut Sampling, areas: &[Choice]) {
     let label = ui.label("Stroke").on_hover_text("Evenly loud all along, separate focal points, or an area");
     ui.vertical(|ui| {
-        ui.horizontal(|ui| {
-            for &(name, tip, choice) in OUTLINES.iter().chain(areas) {
-                let is_chosen = std::mem::discriminant(sampling) == std::mem::discriminant(&choice);
-                if ui.selectable_label(is_chosen, name).on_hover_text(tip).clicked() && !is_chosen {
-                    *sampling = choice;
+        // In one row they would widen the panel while a shape is drawn, and the map would go from under the pointer.
+        for choices in [&OUTLINES, areas] {
+            ui.horizontal(|ui| {
+                for &(name, tip, choice) in choices {
+                    let is_chosen = std::mem::discriminant(sampling) == std::mem::discriminant(&choice);
+                    if ui.selectable_label(is_chosen, name).on_hover_text(tip).clicked() && !is_chosen {
+                        *sampling = choice;
+                    }
                 }
-            }
-        });
+            });
+        }
         match sampling {
             Sampling::Whole | Sampling::Continuous | Sampling::Fill => {}
             Sampling::Stroke(width) => {
