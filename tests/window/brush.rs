@@ -197,6 +197,10 @@ fn paintings_are_saved_beside_the_scene_and_the_file_plays_what_the_window_did()
     press(&mut screen, Modifiers::COMMAND, Key::Y);
     press(&mut screen, Modifiers::COMMAND, Key::S);
     assert!(bytes(&png) != second && names(folder.path()).len() == 2, "{:?}", names(folder.path()));
+    // The file that these pixels were loaded from holds others by now.
+    press(&mut screen, Modifiers::COMMAND, Key::Z);
+    press(&mut screen, Modifiers::COMMAND, Key::S);
+    assert_eq!((bytes(&png), names(folder.path()).len()), (second, 2));
 }
 
 #[test]
