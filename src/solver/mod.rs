@@ -142,8 +142,8 @@ impl Solution {
 
     /// Adds the figures of a shape, if they are not there; `problem` is that of the scene.
     pub fn judge(&mut self, scene: &Scene, problem: &Problem<'_>) {
-        /// Evenness of strokes below which a part of them is hardly there.
-        const BROKEN: f64 = 0.5;
+        /// Side lobe of a drawing that is out of reach: what cannot be made loud there is loud elsewhere.
+        const ASTRAY: f64 = 2.0;
         if self.figures.is_some() {
             return;
         }
@@ -151,11 +151,10 @@ impl Solution {
         let figures = shape::figures(problem, &Surroundings::new(scene, &problem.foci), &u);
         self.figures = Some(figures);
         let is_stroked = self.foci.iter().any(|focus| focus.part == Part::Stroke);
-        if self.method == Method::Best && is_stroked && figures.areas.is_none() && figures.evenness < BROKEN {
+        if self.method == Method::Best && is_stroked && figures.side_lobe > ASTRAY {
             self.warnings.push(format!(
-                "the faintest place along the strokes has {:.0} % of their mean pressure: a part of the drawing is out of the \
-                 array's reach",
-                100.0 * figures.evenness
+                "elsewhere on the plane it is {:.1} times as loud as along the strokes: the drawing is out of the array's reach",
+                figures.side_lobe
             ));
         }
     }

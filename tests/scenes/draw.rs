@@ -276,7 +276,10 @@ fn motion(dice: &mut Dice, size: f64, outline: Option<f64>) -> Motion {
     let path = if path == Outline && outline.is_none() { Line } else { path };
     let has_speed = path != Steps && dice.of(0.3);
     let tempo = match has_speed {
-        true => Tempo::Speed(outline.unwrap_or(size).max(1e-9) * dice.magnitude(1e-2, 1e2)),
+        true => {
+            let speed = outline.unwrap_or(size).max(1e-9) * dice.magnitude(1e-2, 1e2);
+            Tempo::Speed(speed.clamp(1e-6, 1e5))
+        }
         false => Tempo::Rate(dice.magnitude(1e-6, 1e5)),
     };
     let points = if path == Points { vec![DVec3::ZERO, DVec3::X * size.max(1e-9)] } else { Vec::new() };

@@ -115,7 +115,8 @@ fn pressed(stages: &mut Stages, Asked { request, .. }: &Asked<'_>) -> Option<Mad
 /// plane, what is sampled beside it is many times as loud.
 fn pressure_error(solved: &Solved, error: f64, largest: f64, point: DVec3) -> f64 {
     let tolerance = solved.scene.plane.tolerance.max(FINEST);
-    let own = if error > tolerance { 3.0 * error } else { tolerance };
+    // What some pixels show of an error is less than the largest of all.
+    let own = if error > tolerance { 3.0 * error } else { 1.25 * tolerance };
     own * largest + square_error(solved, point)
 }
 

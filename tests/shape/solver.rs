@@ -137,7 +137,10 @@ fn more_quiet_costs_strength_and_none_keeps_all_of_it() {
         assert!(pair[1].mean < pair[0].mean && pair[1].side_lobe < pair[0].side_lobe);
     }
     let strongest = Search::new(&problem, &surroundings(0.0)).advance().unwrap().values;
-    assert_eq!(shape::best(&problem, &surroundings(0.0)).values, strongest);
+    let best = shape::best(&problem, &surroundings(0.0)).values;
+    let turn = best[0] / strongest[0];
+    let off = best.iter().zip(&strongest).map(|(best, strongest)| (best - strongest * turn).norm());
+    assert!(off.fold(0.0, f64::max) < 1e-12, "they differ by more than a common phase");
 }
 
 #[test]

@@ -269,6 +269,8 @@ fn another_method_and_the_depression_are_a_click_away() {
     screen.get_by_label("Solver").click();
     rest(&mut screen);
     assert!(screen.state().shown().certified.unwrap() > 0.3);
+    screen.get_by_label("Compare all methods").scroll_to_me();
+    rest(&mut screen);
     screen.get_by_label("Compare all methods").click();
     rest(&mut screen);
     assert_eq!(screen.state().shown().methods.len(), Method::ALL.len());

@@ -13,12 +13,12 @@ pub fn show(editor: &mut Editor, shown: &Shown, ui: &mut Ui, commands: &mut Vec<
     if let Some(solution) = &shown.solution {
         ui.separator();
         quality(shown, solution, ui);
-        if let Some(sound) = &shown.sound {
-            profile::show(sound, ui);
-        }
     }
     ui.separator();
     comparison(editor, shown, ui, commands);
+    if let Some(sound) = &shown.sound {
+        profile::show(sound, ui);
+    }
 }
 
 /// What a method does, in a sentence.
