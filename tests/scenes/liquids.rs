@@ -116,7 +116,7 @@ fn pressed(stages: &mut Stages, Asked { request, .. }: &Asked<'_>) -> Option<Mad
 fn pressure_error(solved: &Solved, error: f64, largest: f64, point: DVec3) -> f64 {
     let tolerance = solved.scene.plane.tolerance.max(FINEST);
     // What some pixels show of an error is less than the largest of all.
-    let own = if error > tolerance { 3.0 * error } else { 1.25 * tolerance };
+    let own = if error > tolerance { 3.0 * error } else { 2.0 * tolerance };
     own * largest + square_error(solved, point)
 }
 

@@ -50,7 +50,8 @@ fn rest(screen: &mut Screen) {
         std::thread::sleep(Duration::from_millis(5));
         screen.run_steps(2);
     }
-    screen.run_steps(1);
+    // What came with the last of them: a dialog is measured in a frame of its own before it is seen.
+    screen.run_steps(3);
 }
 
 fn scene(screen: &Screen) -> &Scene {
