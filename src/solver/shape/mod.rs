@@ -73,7 +73,7 @@ const STROKES: Weights = Weights {
 const PICTURE: f64 = 10.0;
 /// Steps of an area's first drive; then steps of one call, and calls.
 const AREA_FIRST: usize = 25;
-const AREA: (usize, u32) = (20, 10);
+const AREA: (usize, u32) = (20, 12);
 
 /// A search for the drive of a shape that goes on as long as it is asked to, until it stops gaining.
 #[derive(Debug)]
