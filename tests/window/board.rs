@@ -30,6 +30,8 @@ fn until(screen: &mut Screen, what: &str, condition: impl Fn(&Screen) -> bool) {
         std::thread::sleep(Duration::from_millis(5));
         screen.step();
     }
+    // What is drawn may still be of the frame before: buttons move when a board is lost or found.
+    screen.run_steps(2);
 }
 
 /// The window on one point, its Device panel connected to a virtual board.
@@ -52,8 +54,6 @@ fn connected(profile: Profile) -> (Screen, Board, Receiver<Shown>) {
         screen.state().shown().board.health.as_ref().is_some_and(|health| health.state == State::Ready)
     };
     until(&mut screen, "the board", is_ready);
-    // The frame that learns that the board is ready was drawn before it knew.
-    screen.step();
     (screen, board, shown)
 }
 
@@ -76,6 +76,7 @@ fn arrives(screen: &mut Screen, shown: &Receiver<Shown>, levels: &Levels) {
         std::thread::sleep(Duration::from_millis(2));
         screen.step();
     }
+    screen.run_steps(2);
 }
 
 fn is_silent(board: &Board) -> bool {
