@@ -133,6 +133,19 @@ impl Transfer {
         squares.into_iter().map(|sum| (sum / count as f64).sqrt()).collect()
     }
 
+    /// H u, where other drives take turns with the modulus of [`Self::moduli`] and the phase of the first.
+    ///
+    /// # Panics
+    /// Other than a value per element and drive.
+    pub fn in_turn(&self, drives: &[Complex64]) -> Vec<Complex64> {
+        let mut pressures = self.pressure(&drives[..self.elements]);
+        if drives.len() > self.elements {
+            let louder = |(p, modulus): (&mut Complex64, f64)| *p = Complex64::from_polar(modulus, p.arg());
+            pressures.iter_mut().zip(self.moduli(drives)).for_each(louder);
+        }
+        pressures
+    }
+
     /// H* p: what every element would hear.
     ///
     /// # Panics

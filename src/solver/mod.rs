@@ -297,12 +297,7 @@ impl Played {
                 values.iter_mut().for_each(|u| *u /= largest);
             }
         }
-        let mut pressures = problem.transfer.pressure(&values[..problem.transfer.elements]);
-        if problem.drives > 1 {
-            let moduli = problem.transfer.moduli(&values);
-            let of_modulus = |(p, modulus): (&mut Complex64, _)| *p = Complex64::from_polar(modulus, p.arg());
-            pressures.iter_mut().zip(moduli).for_each(of_modulus);
-        }
+        let mut pressures = problem.transfer.in_turn(&values);
         let needed = match solver.pressures {
             Pressures::Relative => 1.0,
             Pressures::Pascal => needed(problem, &pressures),

@@ -32,10 +32,11 @@ pub struct Reading {
 pub fn readings(aperture: &Aperture, drives: &[Drive], points: &[DVec3]) -> Vec<Reading> {
     let transfer = aperture.transfer(points);
     let played: Vec<_> = drives.iter().flat_map(|drive| drive.excitation(&aperture.driven)).collect();
-    let first = transfer.pressure(&played[..aperture.driven.len()]);
-    let of_modulus = |(p, modulus): (Complex64, f64)| Complex64::from_polar(modulus, p.arg());
-    let pressures = first.into_iter().zip(transfer.moduli(&played)).map(of_modulus);
-    points.iter().zip(pressures).map(|(&position, pressure)| Reading { position, pressure }).collect()
+    points
+        .iter()
+        .zip(transfer.in_turn(&played))
+        .map(|(&position, pressure)| Reading { position, pressure })
+        .collect()
 }
 
 /// The same at one point.

@@ -87,16 +87,10 @@ pub fn cycle(scene: &Scene) -> Option<Cycle<'_>> {
 
 /// m, of a round of a motion; 0 for an outline that cannot be drawn.
 fn length(scene: &Scene, target: Option<usize>, motion: &Motion) -> f64 {
-    match motion.path {
-        MotionPath::Outline => course(scene, target).map_or(0.0, |course| course.length()),
-        MotionPath::None
-        | MotionPath::Line
-        | MotionPath::Circle
-        | MotionPath::Square
-        | MotionPath::Triangle
-        | MotionPath::Points
-        | MotionPath::FigureEight
-        | MotionPath::Steps => motion.length(),
+    if motion.path == MotionPath::Outline {
+        course(scene, target).map_or(0.0, |course| course.length())
+    } else {
+        motion.length()
     }
 }
 

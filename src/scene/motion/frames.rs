@@ -65,16 +65,10 @@ impl<'a> Score<'a> {
         check_turns(scene, cycle.is_some())?;
         let frames = cycle.as_ref().map_or(1, |cycle| cycle.frames.into());
         let way = |group: &Group<'a>| {
-            let way = match group.motion.path {
-                MotionPath::Outline => Way::Run(cycle::course(scene, group.target)?),
-                MotionPath::None
-                | MotionPath::Line
-                | MotionPath::Circle
-                | MotionPath::Square
-                | MotionPath::Triangle
-                | MotionPath::Points
-                | MotionPath::FigureEight
-                | MotionPath::Steps => Way::Offset(group.motion.round()),
+            let way = if group.motion.path == MotionPath::Outline {
+                Way::Run(cycle::course(scene, group.target)?)
+            } else {
+                Way::Offset(group.motion.round())
             };
             Ok((group.clone(), way))
         };

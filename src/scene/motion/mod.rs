@@ -65,17 +65,7 @@ pub enum Tempo {
 impl Tempo {
     /// What a path has unless the scene says otherwise: along an outline the speed at which a hand feels a line.
     pub fn usual(path: MotionPath) -> Self {
-        match path {
-            MotionPath::Outline => Self::Speed(6.0),
-            MotionPath::None
-            | MotionPath::Line
-            | MotionPath::Circle
-            | MotionPath::Square
-            | MotionPath::Triangle
-            | MotionPath::Points
-            | MotionPath::FigureEight
-            | MotionPath::Steps => Self::Rate(5.0),
-        }
+        if path == MotionPath::Outline { Self::Speed(6.0) } else { Self::Rate(5.0) }
     }
 
     /// Rounds per second of so many metres; without length there is no speed, and no number for one.

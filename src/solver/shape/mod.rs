@@ -328,7 +328,7 @@ impl<'a> Search<'a> {
         if finer && !objective.quiet.is_empty() && objective.quiet.iter().all(|quiet| quiet.is_table()) {
             return;
         }
-        objective.quiet.retain(|_| false);
+        objective.quiet.clear();
         objective.quiet.extend(region::on_plane(problem, &surroundings.plane, finer, *scale));
         objective.quiet.extend(region::in_zones(problem, &surroundings.zones, *scale));
     }
