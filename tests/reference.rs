@@ -8,7 +8,7 @@ use std::path::Path;
 use glam::DVec3;
 use num_complex::Complex64;
 use serde_json::Value;
-use sonoglyph::acoustics::{Aperture, air};
+use sonoglyph::acoustics::{Aperture, Element, air};
 use sonoglyph::scene::{Array, ElementModel, Medium, Method, Scene, Shape, Solver, Target};
 use sonoglyph::solver::{self, Problem};
 
@@ -72,6 +72,27 @@ fn one_element_agrees_to_1e_10() {
                 case["point"]
             );
         }
+    }
+}
+
+/// Of every ka that a scene may ask for. Where waves of the disk cancel, relative to a thousandth of what they do elsewhere.
+#[test]
+fn the_exact_piston_agrees_to_1e_10_on_its_surface_and_at_its_rim_too() {
+    let reference = reference("exact_piston.json");
+    let cases = reference["cases"].as_array().unwrap();
+    assert_eq!(cases.len(), 71);
+    for case in cases {
+        let (k, a, at) = (number(&case["wavenumber"]), number(&case["radius"]), point(&case["point"]));
+        let model = ElementModel::ExactPiston;
+        let element = Element { model, wavenumber: k, radius: a, strength: 1.0, attenuation: 0.0 };
+        let expected = complex(&case["pressure"]);
+        let off = (element.transfer(at) - expected).norm();
+        let usual = (4.0 / (k * a * a)).min(1.0 / at.length());
+        assert!(
+            off < 1e-10 * expected.norm().max(1e-3 * usual),
+            "ka = {} at {at}: {off:e} of {expected}",
+            k * a
+        );
     }
 }
 

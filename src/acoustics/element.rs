@@ -5,21 +5,27 @@
 //! Long et al. 2022. The element lies in z = 0 in a rigid baffle: nothing is radiated to z < 0.
 
 use std::f64::consts::PI;
+use std::sync::LazyLock;
 
 use glam::DVec3;
 use num_complex::Complex64;
 
 use crate::scene::ElementModel;
 
-/// m. An element is no point: a height above the array never counts as less, which keeps every value finite, and a
-/// point this little behind the array still counts as in front, so that rounding does not decide.
+/// m. A far field has no end at its element: a height above the array never counts as less, which keeps every value finite. A point
+/// this little behind the array still counts as in front, so that rounding does not decide.
 pub const NEAREST: f64 = 1e-5;
 /// m. A smaller disk is a point: no place is so near to it that it could tell.
 pub const SMALLEST_DISK: f64 = 1e-9;
 /// Relative error of the exact piston's integral that [`piston_nodes`] is asked for in f64.
 const PISTON_ERROR: f64 = 1e-14;
-/// Nodes beyond which the exact piston is not refined: points on the rim itself.
-const MOST_NODES: usize = 4096;
+/// Midpoint nodes beyond which panels take fewer.
+const MOST_MIDPOINTS: usize = 400;
+/// Nodes of a panel, and the rad that its wave may turn: 1e-15 off.
+const PANEL: usize = 32;
+const TURN_OF_PANEL: f64 = 48.0;
+/// rad, the first panel at least: what is nearer to the rim has no structure.
+const FINEST_PANEL: f64 = 1e-8;
 
 /// An element and the wave it sends out.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -41,12 +47,13 @@ impl Element {
         if offset.z < -NEAREST {
             return Complex64::ZERO;
         }
-        let (rho, z) = (offset.truncate().length(), offset.z.max(NEAREST));
+        let is_disk = self.model == ElementModel::ExactPiston && self.radius >= SMALLEST_DISK;
+        let (rho, z) = (offset.truncate().length(), offset.z.max(if is_disk { 0.0 } else { NEAREST }));
         let r = rho.hypot(z);
         let wave = match self.model {
-            ElementModel::Point => spherical(self.wavenumber, r),
+            ElementModel::ExactPiston if is_disk => self.exact_piston(rho, z),
+            ElementModel::Point | ElementModel::ExactPiston => spherical(self.wavenumber, r),
             ElementModel::Piston => spherical(self.wavenumber, r) * self.directivity(rho / r),
-            ElementModel::ExactPiston => self.exact_piston(rho, z),
         };
         wave * self.strength * (-self.attenuation * r).exp()
     }
@@ -68,36 +75,83 @@ impl Element {
     /// removable singularity of the textbook form.
     fn exact_piston(&self, rho: f64, z: f64) -> Complex64 {
         let (a, k) = (self.radius, self.wavenumber);
-        if a < SMALLEST_DISK {
-            return spherical(k, rho.hypot(z));
-        }
-        let nodes = piston_nodes(k * a, rho / a, z / a, PISTON_ERROR).min(MOST_NODES);
-        let mut sum = Complex64::ZERO;
-        for node in 0..nodes {
-            let psi = PI * (node as f64 + 0.5) / nodes as f64;
-            let (sin_half, cos) = ((psi / 2.0).sin(), psi.cos());
-            let rim_squared = (rho - a).powi(2) + 4.0 * a * rho * sin_half * sin_half;
+        let integrand = |psi: f64| {
+            let sin_half2 = (psi / 2.0).sin().powi(2);
+            let rim_squared = (rho - a).powi(2) + 4.0 * a * rho * sin_half2;
             let path = (rim_squared + z * z).sqrt() + z;
             let sinc = sinc(0.5 * k * rim_squared / path);
-            sum += Complex64::from_polar((a - rho * cos) / path * sinc, PI / 2.0 - 0.5 * k * path);
-        }
-        sum * (2.0 / (a * nodes as f64))
+            let across = a - rho + 2.0 * rho * sin_half2;
+            Complex64::from_polar(across / path * sinc, PI / 2.0 - 0.5 * k * path)
+        };
+        let nodes = piston_nodes(k * a, rho / a, z / a, PISTON_ERROR);
+        let mean = if nodes <= MOST_MIDPOINTS {
+            let midpoints = (0..nodes).map(|node| integrand(PI * (node as f64 + 0.5) / nodes as f64));
+            midpoints.sum::<Complex64>() / nodes as f64
+        } else {
+            by_panels(strip(rho / a, z / a), k * a.min(rho), integrand) / PI
+        };
+        mean * (2.0 / a)
     }
 }
+
+/// The integral of a wave over ψ from 0 to π by Gauss's rule on panels that double their width, where it is analytic up to a distance
+/// `near` from ψ = 0 and turns by `rate` rad per rad at most.
+fn by_panels(near: f64, rate: f64, integrand: impl Fn(f64) -> Complex64) -> Complex64 {
+    let mut sum = Complex64::ZERO;
+    let (mut start, mut end) = (0.0, near.clamp(FINEST_PANEL, PI));
+    while start < PI {
+        let parts = (rate * (end - start) / TURN_OF_PANEL).ceil().max(1.0) as usize;
+        let half = (end - start) / parts as f64 / 2.0;
+        for part in 0..parts {
+            let middle = start + half * (2 * part + 1) as f64;
+            let at = |&(place, weight): &(f64, f64)| integrand(middle + half * place) * weight;
+            sum += GAUSS.iter().map(at).sum::<Complex64>() * half;
+        }
+        (start, end) = (end, (2.0 * end).min(PI));
+    }
+    sum
+}
+
+/// Places in [-1, 1] and weights of Gauss's rule: Newton's steps to the roots of Legendre's polynomial.
+static GAUSS: LazyLock<[(f64, f64); PANEL]> = LazyLock::new(|| {
+    let legendre = |x: f64| {
+        let (mut before, mut this) = (1.0, x);
+        for n in 1..PANEL {
+            let n = n as f64;
+            (before, this) = (this, ((2.0 * n + 1.0) * x * this - n * before) / (n + 1.0));
+        }
+        (this, PANEL as f64 * (x * this - before) / (x * x - 1.0))
+    };
+    std::array::from_fn(|i| {
+        let mut x = (PI * (i as f64 + 0.75) / (PANEL as f64 + 0.5)).cos();
+        for _ in 0..6 {
+            let (value, slope) = legendre(x);
+            x -= value / slope;
+        }
+        let slope = legendre(x).1;
+        (x, 2.0 / ((1.0 - x * x) * slope * slope))
+    })
+});
 
 /// Midpoint nodes with which the piston's integral has a relative error of about `error`.
 ///
 /// `ka` is the wavenumber times the radius, `rho` and `z` the point in radii. The integrand is periodic and analytic
 /// in a strip about the real axis, so the midpoint rule converges like e^{-2nτ} times the integrand's growth e^{ka
-/// sinh τ} for every τ inside the strip, whose half-width η (cosh η = (ρ² + 1 + z²)/2ρ) the rim sets.
+/// sinh τ} for every τ inside the strip, whose half-width the rim sets.
 pub fn piston_nodes(ka: f64, rho: f64, z: f64, error: f64) -> usize {
-    let excess = ((rho - 1.0).powi(2) + z * z) / (2.0 * rho.max(1e-12));
-    // acosh(1 + e) without the loss of small e.
-    let strip = (excess + (excess * (2.0 + excess)).sqrt()).ln_1p();
-    let tau = (0.9 * strip).clamp(1e-3, 2.0);
+    let digits = -error.ln();
+    // Where the growth of a large ka and the digits ask for the same.
+    let tau = (0.9 * strip(rho, z)).min((3.0 * digits / ka).cbrt().min(2.0)).max(f64::MIN_POSITIVE);
     // The factor in front of the exponential grows like one over the distance to the strip's edge.
     let growth = ka * tau.sinh() + (2.0 / tau).ln().max(0.0);
-    (((-error.ln() + growth) / (2.0 * tau)).ceil() as usize).max(2)
+    (((digits + growth) / (2.0 * tau)).ceil() as usize).max(2)
+}
+
+/// Half the width of the strip in which the piston's integrand is analytic: cosh η = (ρ² + 1 + z²)/2ρ.
+fn strip(rho: f64, z: f64) -> f64 {
+    let excess = ((rho - 1.0).powi(2) + z * z) / (2.0 * rho.max(1e-12));
+    // acosh(1 + e) without the loss of small e.
+    (excess + (excess * (2.0 + excess)).sqrt()).ln_1p()
 }
 
 fn spherical(wavenumber: f64, r: f64) -> Complex64 {

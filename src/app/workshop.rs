@@ -12,7 +12,7 @@ use egui::Context;
 use crate::acoustics::{Air, Aperture};
 use crate::app::later::Later;
 use crate::app::mapping::Mapping;
-use crate::field::{self, Evaluator, Quantity, Request, Stages};
+use crate::field::{self, Evaluator, Quantity, Request, Stages, missed};
 use crate::scene::{Focus, Liquid, Method, Plane, Scene, Target, check, motion, outline};
 use crate::solver::frames::{self, Sequence};
 use crate::solver::{self, Problem, Solution};
@@ -404,12 +404,7 @@ fn warnings(editor: &Editor, shown: &Shown) -> Vec<String> {
     if let Some(beyond) = shown.pressed.as_ref().and_then(|pressed| pressed.beyond.clone()) {
         warnings.insert(0, beyond);
     }
-    let tolerance = editor.scene().plane.tolerance;
-    if let Some(map) = shown.map.as_ref().filter(|map| tolerance > 0.0 && map.error > tolerance) {
-        warnings.push(format!(
-            "the map's error is {:.1e} of its peak, more than the {tolerance:e} wanted",
-            map.error
-        ));
-    }
+    let map = shown.map.as_ref();
+    warnings.extend(map.and_then(|map| missed(map.error, editor.scene().plane.tolerance)));
     warnings
 }

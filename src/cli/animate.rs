@@ -6,7 +6,7 @@ use anyhow::bail;
 use indicatif::{ProgressBar, ProgressStyle};
 
 use crate::cli::{RenderArgs, View, read_scene, render};
-use crate::field::{Colouring, Quantity, Request, Stages};
+use crate::field::{Colouring, Quantity, Request, Stages, missed};
 use crate::solver::frames;
 use crate::studio::animate::{Film, Target};
 use crate::studio::evaluator::{self, Backend};
@@ -75,9 +75,8 @@ pub fn run(args: &RenderArgs) -> anyhow::Result<()> {
     }
     let shot = film.shoot(&target, &stem(path), &tell)?;
     bar.finish_and_clear();
-    let tolerance = scene.plane.tolerance;
-    if tolerance > 0.0 && film.error > tolerance {
-        warn(&format!("a map's error is {:.1e} of its peak, more than the {tolerance:e} wanted", film.error));
+    if let Some(missed) = missed(film.error, scene.plane.tolerance) {
+        warn(&missed);
     }
     if let Some(beyond) = liquid::beyond_linear_theory(film.slope) {
         warn(&beyond);

@@ -25,6 +25,10 @@ pub const TABLE_CEILING: usize = 256 << 20;
 const HALF_WIDTHS: [usize; 8] = [2, 3, 4, 5, 6, 8, 10, 12];
 /// Pixels of a usual large map, for which the window is chosen.
 const USUAL_PIXELS: f64 = 1024.0 * 1024.0;
+/// The largest error, relative to the peak, of a map that is to be exact.
+pub const EXACT: f64 = 2e-5;
+/// What f32 keeps at best, relative to the peak, where the plane comes near to elements.
+const F32_ERROR: f64 = 4e-6;
 /// rad by which f32 rounds a path, per turn of it.
 const F32_TURN_ERROR: f64 = 1.2e-7 * TAU;
 /// Samples of a plane that are worth while: as many as the pixels of the largest map.
@@ -35,6 +39,18 @@ const BLUR: f64 = 0.15;
 const SHARE: f64 = 0.2;
 /// What is left of the component of one axis across another that runs along it.
 const ALIGNED: f64 = 1e-12;
+
+/// What a map of a tolerance promises: the largest error of all its pixels, relative to its peak.
+pub fn promised(tolerance: f64) -> f64 {
+    if tolerance == 0.0 { EXACT } else { tolerance }
+}
+
+/// What to say of a map whose error, relative to its peak, is more than its tolerance promises.
+pub fn missed(error: f64, tolerance: f64) -> Option<String> {
+    let promised = promised(tolerance);
+    (error > promised)
+        .then(|| format!("the map's error may be {error:.1e} of its peak, more than the {promised:e} wanted"))
+}
 
 /// What things cost an evaluator, in evaluations of one sample-element pair.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -127,7 +143,7 @@ impl Plan {
             && plane.size.max_element() <= FARTHEST
             && (0.0..=1.0).contains(&plane.tolerance);
         let corners = corners(plane).filter(|_| is_plane)?;
-        let too_much = plane.tolerance > 0.0 && plane.tolerance < f32_error(aperture, &corners);
+        let too_much = promised(plane.tolerance) < f32_error(aperture, &corners);
         let double = too_much || Wave::new(aperture, &corners).is_none();
         let every = Self { plane: plane.clone(), grid: None, double, reason: String::new() };
         let direct = |reason: &str| every.direct(reason);
@@ -173,16 +189,17 @@ fn corners(plane: &Plane) -> Option<Samples> {
     Some(Samples { columns: vec![plane.centre - x, plane.centre + x], rows: vec![-y, y] })
 }
 
-/// An estimate of the f32 evaluators' error relative to the peak: the rounding of the longest path that they see, which
-/// mostly averages out over the elements. Where it does not, the measured error tells.
-fn f32_error(aperture: &Aperture, samples: &Samples) -> f64 {
+/// An estimate of the f32 evaluators' error relative to the peak: the rounding of the longest path that they see and of places,
+/// which mostly averages out over the elements. Where it does not, the measured error tells.
+pub fn f32_error(aperture: &Aperture, samples: &Samples) -> f64 {
     let (low, high) = samples.bounds();
     let (first, last) = aperture.corners();
     let across = (high.truncate() - first).abs().max((low.truncate() - last).abs()).length();
+    let aside = high.truncate().abs().max(low.truncate().abs()).length();
     let z = low.z.max(0.0);
-    let turns = (across.hypot(z) - z) / aperture.wavelength();
-    let averaging = if aperture.positions.len() > 1 { 0.1 } else { 1.0 };
-    averaging * F32_TURN_ERROR * (turns + 1.0)
+    let turns = (across.hypot(z) - z + aside * across / across.hypot(z)) / aperture.wavelength();
+    let averaging = if aperture.positions.len() > 1 { 0.1 } else { 0.5 };
+    (averaging * F32_TURN_ERROR * (turns + 1.0)).max(F32_ERROR)
 }
 
 /// What every layout of samples on this plane is measured against.

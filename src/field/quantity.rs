@@ -6,7 +6,7 @@
 
 use std::f64::consts::PI;
 
-use num_complex::Complex32;
+use num_complex::Complex;
 
 pub use crate::field::sound::{ALONG, Constants, NORMAL, PRESSURE, Part, Sound, Sounds, narrow};
 use crate::simd::{Instructions, Isa, Kernel};
@@ -79,6 +79,8 @@ pub struct Declaration {
     pub parts: u8,
     /// The formula as Rust has it, for a run of points.
     pub formula: fn(Sounds<'_>, &Constants, &mut [f32]),
+    /// In f64, at one point.
+    pub exact: fn(Sound<f64>, &Constants<f64>) -> f64,
     /// As WGSL has it: an expression in `s` (a sound) and `c` (the constants).
     pub wgsl: &'static str,
     /// A square of the sound: it has twice the band and is linear from there on, so that it may be formed at cells.
@@ -107,6 +109,7 @@ const USUAL: Declaration = Declaration {
     norm: Norm::Value,
     parts: PRESSURE,
     formula: |_, _, _| (),
+    exact: |_, _| 0.0,
     wgsl: "",
     is_square: false,
     has_mean: true,
@@ -140,6 +143,7 @@ macro_rules! quantities {
                                 let at = |$s: Sound, $c: &Constants| -> f32 { $formula };
                                 Isa::best().run(Along::<_, { $parts }> { sounds, constants, values, at });
                             },
+                            exact: |$s: Sound<f64>, $c: &Constants<f64>| -> f64 { $formula },
                             $($field: $value,)*
                             ..USUAL
                         };
@@ -168,7 +172,7 @@ quantities! {
     Phase {
         parts: PRESSURE,
         // The angle of nothing is 0, whatever the signs of its zeros.
-        formula: |s, _c| s.p.im.atan2(if s.p == Complex32::ZERO { 1.0 } else { s.p.re }),
+        formula: |s, _c| s.p.im.atan2(if s.p == Complex::new(0.0, 0.0) { 1.0 } else { s.p.re }),
         wgsl: "atan2(s.p.y, select(s.p.x, 1.0, all(s.p == vec2f(0.0))))",
         name: "phase",
         title: "Phase",
@@ -233,7 +237,7 @@ quantities! {
         parts: PRESSURE | ALONG | NORMAL,
         formula: |s, c| {
             // In W/m² before it is squared, where f32 has as much room below as above.
-            let flow = |slope: Complex32| 0.5 * c.of_velocity * (s.p.im * slope.re - s.p.re * slope.im);
+            let flow = |slope: Complex<_>| 0.5 * c.of_velocity * (s.p.im * slope.re - s.p.re * slope.im);
             let (x, y, n) = (flow(s.x), flow(s.y), flow(s.n));
             (x * x + y * y + n * n).sqrt()
         },
@@ -280,6 +284,11 @@ impl Quantity {
 
     /// From a mean of the formula to the value.
     pub fn value(self, mean: f32) -> f32 {
+        if self.declaration().is_root { mean.max(0.0).sqrt() } else { mean }
+    }
+
+    /// The same in f64.
+    pub fn exact_value(self, mean: f64) -> f64 {
         if self.declaration().is_root { mean.max(0.0).sqrt() } else { mean }
     }
 
@@ -343,7 +352,7 @@ impl<F: Fn(Sound, &Constants) -> f32, const PARTS: u8> Kernel for Along<'_, F, P
 mod tests {
     use std::f64::consts::TAU;
 
-    use num_complex::Complex64;
+    use num_complex::{Complex32, Complex64};
 
     use super::*;
     use crate::acoustics::Air;
@@ -352,7 +361,7 @@ mod tests {
     fn constants() -> (Air, Constants, f64) {
         let air = Air::new(&Medium::default(), 40e3);
         let wavenumber = TAU * 40e3 / air.sound_speed;
-        (air, Constants::new(&air, wavenumber, 0.0), wavenumber)
+        (air, Constants::new(&air, wavenumber, 0.0).narrow(), wavenumber)
     }
 
     /// A plane wave of 100 Pa at an angle to the normal, in the plane's first direction.

@@ -129,17 +129,17 @@ impl Around {
     }
 
     /// The sound at the points, from the pressures (Pa, peak) around them.
-    pub fn sounds(&self, pressures: &[Complex64]) -> Vec<Sound> {
+    pub fn sounds(&self, pressures: &[Complex64]) -> Vec<Sound<f64>> {
         let mut pressures = pressures.iter().copied();
         let mut sounds = Vec::new();
         while pressures.len() > 0 {
             let mut next = || pressures.next().unwrap_or_default();
             let mut sound = Sound::default();
             for part in Part::of(self.parts) {
-                *sound.part_mut(part) = narrow(match part {
+                *sound.part_mut(part) = match part {
                     Part::Pressure => next(),
                     Part::AlongX | Part::AlongY | Part::Normal => (next() - next()) / (2.0 * self.hair),
-                });
+                };
             }
             sounds.push(sound);
         }

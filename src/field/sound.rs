@@ -1,27 +1,40 @@
 //! The sound at a point: pressure and its slopes, and what formulae need to know of the air beside it.
 
-use num_complex::{Complex32, Complex64};
+use num_complex::{Complex, Complex32, Complex64};
 
 use crate::acoustics::Air;
 
-/// The sound of one drive at a point: complex peak amplitudes.
+/// The sound of one drive at a point: complex peak amplitudes, in f32 on maps and in f64 where these are judged.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Sound {
+pub struct Sound<T = f32> {
     /// Pa
-    pub p: Complex32,
+    pub p: Complex<T>,
     /// Slopes of the pressure along the plane's first axis, its second, and its normal; Pa/m.
-    pub x: Complex32,
-    pub y: Complex32,
-    pub n: Complex32,
+    pub x: Complex<T>,
+    pub y: Complex<T>,
+    pub n: Complex<T>,
 }
 
-impl Sound {
-    pub fn part_mut(&mut self, part: Part) -> &mut Complex32 {
+impl<T> Sound<T> {
+    pub fn part_mut(&mut self, part: Part) -> &mut Complex<T> {
         match part {
             Part::Pressure => &mut self.p,
             Part::AlongX => &mut self.x,
             Part::AlongY => &mut self.y,
             Part::Normal => &mut self.n,
+        }
+    }
+}
+
+impl Sound<f64> {
+    /// How far another is off.
+    pub fn less(&self, other: &Sound) -> Self {
+        let less = |own: Complex64, other: Complex32| own - Complex64::new(other.re.into(), other.im.into());
+        Self {
+            p: less(self.p, other.p),
+            x: less(self.x, other.x),
+            y: less(self.y, other.y),
+            n: less(self.n, other.n),
         }
     }
 }
@@ -56,26 +69,36 @@ pub const NORMAL: u8 = Part::Normal.bit();
 
 /// What formulae need to know of the air and of the moment.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Constants {
+pub struct Constants<T = f32> {
     /// 1/(ρc²), 1/Pa
-    pub of_pressure: f32,
+    pub of_pressure: T,
     /// 1/(ρω²), m²/Pa
-    pub of_gradient: f32,
+    pub of_gradient: T,
     /// 1/(ρω), m²/(Pa·s): |v| of |∇p|.
-    pub of_velocity: f32,
+    pub of_velocity: T,
     /// e^{jωt} of an instantaneous pressure.
-    pub turn: Complex32,
+    pub turn: Complex<T>,
 }
 
-impl Constants {
+impl Constants<f64> {
     /// In this air, for a wavenumber (1/m), at the moment ωt (rad).
     pub fn new(air: &Air, wavenumber: f64, moment: f64) -> Self {
         let angular = wavenumber * air.sound_speed;
         Self {
-            of_pressure: (1.0 / (air.density * air.sound_speed.powi(2))) as f32,
-            of_gradient: (1.0 / (air.density * angular * angular)) as f32,
-            of_velocity: (1.0 / (air.density * angular)) as f32,
-            turn: Complex32::cis(moment as f32),
+            of_pressure: 1.0 / (air.density * air.sound_speed.powi(2)),
+            of_gradient: 1.0 / (air.density * angular * angular),
+            of_velocity: 1.0 / (air.density * angular),
+            turn: Complex64::cis(moment),
+        }
+    }
+
+    /// In f32, as maps have them.
+    pub fn narrow(self) -> Constants {
+        Constants {
+            of_pressure: self.of_pressure as f32,
+            of_gradient: self.of_gradient as f32,
+            of_velocity: self.of_velocity as f32,
+            turn: narrow(self.turn),
         }
     }
 }

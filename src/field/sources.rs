@@ -25,6 +25,8 @@ pub const COSINE: [f32; 6] = [1.0, -4.934_802, 4.058_711_5, -1.335_24, 0.235_074
 
 /// Largest error, in f32, of [`Wave::directivity`], and of [`Wave::decay`] relative to itself; beyond, the f32 evaluators decline.
 const POLYNOMIAL_ERROR: f64 = 1e-6;
+/// Turns that a path may have beyond its height: more are rounded to less than a hundredth of a turn by no f32.
+const MOST_TURNS: f64 = 65_536.0;
 /// Nodes of the exact piston that the evaluators have room for, and the relative error they are chosen for.
 pub const MOST_NODES: usize = 64;
 const NODE_ERROR: f64 = 1e-7;
@@ -87,16 +89,15 @@ impl Sources {
         Some(Self { elements: wave.elements(aperture, drive), wave })
     }
 
-    /// The samples so near to the rim of an exact piston that [`MOST_NODES`] are too few for it there: f32 is not right at them. None
-    /// of them is a fifth of a radius or more away from the array.
+    /// The samples that f32 leaves to f64 near exact pistons: so near to a rim that [`MOST_NODES`] are too few, or so low that f32 takes
+    /// another height for theirs. None of them is a fifth of a radius or more away from the array.
     pub fn beside_rims(&self, samples: &Samples) -> Vec<usize> {
         let Some(piston) = &self.wave.piston else { return Vec::new() };
         let radius = f64::from(piston.radius);
         let ka = TAU * self.wave.exact_turns_per_metre * radius;
-        let is_beside = |rho: f64, z: f64| {
-            element::piston_nodes(ka, rho / radius, z.max(NEAREST) / radius, NODE_ERROR) > MOST_NODES
-        };
-        if !is_beside(radius, samples.bounds().0.z) {
+        let is_beside =
+            |rho: f64, z: f64| element::piston_nodes(ka, rho / radius, z / radius, NODE_ERROR) > MOST_NODES;
+        if !is_beside(radius, samples.bounds().0.z.max(NEAREST)) {
             return Vec::new();
         }
         let of_element = |point: DVec3, [x, y, ..]: [f32; 4]| {
@@ -105,9 +106,10 @@ impl Sources {
         };
         let is_sample_beside = |&index: &usize| {
             let point = samples.point(index);
-            point.z >= -NEAREST
-                && is_beside(radius, point.z)
-                && self.elements.iter().any(|&element| of_element(point, element))
+            let is_beside = || {
+                is_beside(radius, point.z) && self.elements.iter().any(|&element| of_element(point, element))
+            };
+            point.z >= -NEAREST && (point.z < NEAREST || is_beside())
         };
         (0..samples.len()).into_par_iter().filter(is_sample_beside).collect()
     }
@@ -115,7 +117,7 @@ impl Sources {
 
 impl Wave {
     /// `None` for elements and absorption beyond f32's polynomials: a radius above about three and a half wavelengths, or more than
-    /// about 38 dB between the nearest and the farthest distance; and for an exact piston that is no disk.
+    /// about 38 dB between the nearest and the farthest distance; for ways beyond its range; and for an exact piston that is no disk.
     pub fn new(aperture: &Aperture, samples: &Samples) -> Option<Self> {
         let element = &aperture.element;
         if element.model == ElementModel::ExactPiston && element.radius < SMALLEST_DISK {
@@ -125,6 +127,9 @@ impl Wave {
         let sought = |s: f64| element.directivity(((s + 1.0) / 2.0).max(0.0).sqrt());
         let directivity = Polynomial::fit(FEW_DIRECTIVITY, sought, |_| POLYNOMIAL_ERROR)?;
         let (near, far) = distances(aperture, samples);
+        if (far - near) * turns_per_metre > MOST_TURNS {
+            return None;
+        }
         let (middle, half) = ((far + near) / 2.0, (far - near) / 2.0);
         // A point far away may be all that is asked for, and is to be as right as the nearest.
         let sought = |s: f64| (-element.attenuation * half * (1.0 + s)).exp();

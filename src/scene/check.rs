@@ -1,12 +1,13 @@
 //! The limits of every number in a scene, and the error that names the key that breaks one.
 
+use std::f64::consts::TAU;
 use std::fmt;
 
 use glam::DVec3;
 
 use crate::scene::{
-    Area, Array, Liquid, Listener, Medium, Modulation, Motion, MotionPath, Plane, Pressures, Sampling, Scene,
-    Shape, Solver, Target, Tempo, Zone,
+    Area, Array, ElementModel, Liquid, Listener, Medium, Modulation, Motion, MotionPath, Plane, Pressures,
+    Sampling, Scene, Shape, Solver, Target, Tempo, Zone,
 };
 
 /// Elements that an array may have: 256 x 256.
@@ -17,6 +18,8 @@ pub const MOST_FOCI: usize = 1024;
 pub const MOST_TARGETS: usize = 10_000;
 /// Zones that a scene may keep quiet.
 pub const MOST_ZONES: usize = 64;
+/// The largest ka of an exact piston: its integral takes some 50 000 nodes for one point.
+const WIDEST_DISK: f64 = 2e4;
 /// Wanted pressures, relative or in Pa (peak).
 const LEAST_PRESSURE: f64 = 1e-6;
 const MOST_PRESSURE: f64 = 1e9;
@@ -98,7 +101,7 @@ impl std::error::Error for KeyError {}
 /// The first key whose value is outside its limits.
 pub fn check(scene: &Scene) -> Result<(), KeyError> {
     medium(&scene.medium).map_err(|e| e.under(&["medium".into()]))?;
-    array(&scene.array).map_err(|e| e.under(&["array".into()]))?;
+    array(&scene.array).and_then(|()| disk(scene)).map_err(|e| e.under(&["array".into()]))?;
     if scene.targets.len() > MOST_TARGETS {
         let message =
             format!("{} are more than the {MOST_TARGETS} that a scene may have", scene.targets.len());
@@ -167,6 +170,19 @@ fn array(array: &Array) -> Result<(), KeyError> {
         return refuse("off", "every element is off: nothing is left to drive");
     }
     Ok(())
+}
+
+fn disk(scene: &Scene) -> Result<(), KeyError> {
+    let Scene { array, medium, .. } = scene;
+    let widest = WIDEST_DISK * medium.speed_of_sound() / (TAU * array.frequency);
+    if array.element != ElementModel::ExactPiston || array.element_radius <= widest {
+        return Ok(());
+    }
+    let message = format!(
+        "an exact piston may have at most {widest:.4} m at this frequency, {:.0} wavelengths: take `piston`, the far field",
+        WIDEST_DISK / TAU
+    );
+    refuse("element_radius", message)
 }
 
 fn target(target: &Target, pressures: Pressures) -> Result<(), KeyError> {

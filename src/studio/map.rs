@@ -3,7 +3,6 @@
 use std::time::Instant;
 
 use crate::field::quantity::{Norm, Range};
-use crate::field::stages::PROBES;
 use crate::field::{By, Colouring, FieldError, Map, Pressed, Quantity, Request, Stages};
 use crate::picture::{ColourMap, Picture};
 use crate::simd::Isa;
@@ -80,11 +79,14 @@ fn how(stages: &Stages, map: &Map, start: Instant) -> String {
         By::Gpu => stages.gpu().map_or_else(cpu, |gpu| gpu.info().to_string()),
     };
     let milliseconds = start.elapsed().as_secs_f64() * 1e3;
-    format!(
-        "{who} took {milliseconds:.1} ms for the map and its colours\n  {}\n  measured error {:.1e} of the peak at {PROBES} \
-         places",
-        map.how, map.error
-    )
+    let error = match map.peak {
+        0.0 => "silent: nothing as loud as f32 can square".to_owned(),
+        _ => format!(
+            "error up to {:.1e} of the peak, estimated from places that were compared with f64",
+            map.error
+        ),
+    };
+    format!("{who} took {milliseconds:.1} ms for the map and its colours\n  {}\n  {error}", map.how)
 }
 
 #[cfg(test)]

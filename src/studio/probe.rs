@@ -66,12 +66,10 @@ pub fn values(
     for drive in drives {
         let sounds = around.sounds(&transfer.pressure(&drive.excitation(&aperture.driven)));
         for (sum, sound) in sums.iter_mut().zip(sounds) {
-            let value = f64::from(quantity.of(sound, &constants));
-            *sum += if declaration.is_root { value * value } else { value };
+            *sum += (declaration.exact)(sound, &constants);
         }
     }
-    let mean = |sum: f64| sum / drives.len() as f64;
-    sums.into_iter().map(|sum| if declaration.is_root { mean(sum).sqrt() } else { mean(sum) }).collect()
+    sums.into_iter().map(|sum| quantity.exact_value(sum / drives.len() as f64)).collect()
 }
 
 impl Reading {

@@ -6,7 +6,7 @@ use anyhow::{Context, bail};
 
 use crate::drive::Drive;
 use crate::field::stages::MOST_PIXELS;
-use crate::field::{Quantity, Request, Stages};
+use crate::field::{Quantity, Request, Stages, missed};
 use crate::picture::{ColourMap, Picture, export, relief, sheet};
 use crate::scene::{Scene, file, motion};
 use crate::solver::{self, Solution};
@@ -243,11 +243,8 @@ pub fn render(solved: &Solved, stages: &mut Stages, look: &Look) -> anyhow::Resu
     };
     let request = Request::new(scene, drives, quantity, (width, height));
     let drawn = map::draw(&request, look.colours, stages, look.backend == Backend::Gpu)?;
-    let (tolerance, error) = (scene.plane.tolerance, drawn.map.error);
-    if tolerance > 0.0 && error > tolerance {
-        warn(&format!(
-            "{name}: the map's error is {error:.1e} of its peak, more than the {tolerance:e} wanted"
-        ));
+    if let Some(missed) = missed(drawn.map.error, scene.plane.tolerance) {
+        warn(&format!("{name}: {missed}"));
     }
     let peak = f64::from(drawn.map.peak);
     let what = match &drawn.pressed {

@@ -2,6 +2,7 @@
 
 use egui::{RichText, Ui};
 
+use crate::field::promised;
 use crate::ui::{Editor, Shown, theme};
 
 pub fn bar(editor: &Editor, shown: &Shown, ui: &mut Ui) {
@@ -20,9 +21,9 @@ pub fn bar(editor: &Editor, shown: &Shown, ui: &mut Ui) {
         if let Some(map) = &shown.map {
             ui.separator();
             ui.label(format!("error {:.0e}", map.error)).on_hover_text(format!(
-                "Largest deviation from the same field in double precision at some pixels, relative to the peak; {:.0e} is \
-                 allowed.\n{}",
-                editor.scene().plane.tolerance,
+                "Estimate of the largest deviation of any pixel from the same field in double precision, relative to the peak; \
+                 {:.0e} is allowed.\n{}",
+                promised(editor.scene().plane.tolerance),
                 map.how
             ));
         }

@@ -4,6 +4,8 @@
 #![expect(clippy::unwrap_used, reason = "a test's helper may panic")]
 
 mod depression;
+#[path = "../scenes/dice.rs"]
+mod dice;
 mod drag;
 mod evaluators;
 mod ghost;
@@ -15,6 +17,7 @@ mod requirement;
 mod stages;
 mod texels;
 mod transfer;
+mod truth;
 mod tunings;
 
 use glam::{DVec2, DVec3, dvec3};

@@ -33,6 +33,12 @@ pub fn sounds(aperture: &Aperture, drive: &Drive, axes: [DVec3; 3], points: &[DV
     reference::pressure(aperture, drive, &samples).chunks(7).map(sound).collect()
 }
 
+/// The same without slopes.
+pub fn pressures(aperture: &Aperture, drive: &Drive, points: &[DVec3]) -> Vec<Sound> {
+    let pressures = reference::pressure(aperture, drive, &Samples::at(points.to_vec())).into_iter();
+    pressures.map(|p| Sound { p, slopes: [Complex64::ZERO; 3] }).collect()
+}
+
 /// The value of a quantity at a point: of one drive, or over several the mean, of squares where it is an RMS value.
 /// `moment` is the ωt of an instantaneous pressure.
 ///

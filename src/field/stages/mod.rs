@@ -17,7 +17,7 @@ use num_complex::Complex64;
 use crate::drive::Drive;
 use crate::field::contour::{self, Line};
 use crate::field::gpu::Texture;
-use crate::field::plan::Costs;
+use crate::field::plan::{Costs, promised};
 use crate::field::{Colouring, Evaluator, Gpu};
 use crate::surface::{Dent, Tank};
 use kept::Kept;
@@ -26,12 +26,8 @@ use on_gpu::{OnGpu, Progress};
 use probes::Probes;
 use site::{Frame, Site, SiteKey};
 
-pub use probes::PROBES;
 pub use request::{By, FieldError, MOST_PIXELS, Map, Pressed, Request};
 pub use work::Work;
-
-/// Errors are spread so evenly that the largest of all pixels is less than this times the largest of [`PROBES`].
-const PROBE_MARGIN: f64 = 2.0;
 
 /// A map in colours.
 #[derive(Debug)]
@@ -74,6 +70,8 @@ pub struct Stages {
 struct Ground {
     /// The site, under the key that was asked for: what cannot be formed at cells may be formed at the pixels.
     site: Kept<SiteKey, Option<(SiteKey, Site)>>,
+    /// What the site was refined for: maps do not depend on what was made before.
+    refined: Option<Request>,
     frame: Kept<FrameKey, Option<(Frame, Probes)>>,
     /// Of the drives with these elements driven.
     excitations: Kept<Sounding, Vec<Vec<Complex64>>>,
@@ -100,7 +98,10 @@ impl Ground {
     ) -> Result<Job<'a>, FieldError> {
         let of_liquid = request.quantity.declaration().of_liquid;
         let wanted = SiteKey::new(request, exact);
-        let Self { site, frame, excitations } = self;
+        let Self { site, refined, frame, excitations } = self;
+        if refined.take_if(|refined| refined != request).is_some() {
+            site.key = None;
+        }
         let site = site.try_update(&wanted, |site| {
             work.plan += 1;
             let made = match Site::new(&wanted, costs) {
@@ -124,6 +125,31 @@ impl Ground {
         let sounding = (request.counted().to_vec(), request.aperture.driven.clone());
         let excitations = excitations.update(&sounding, |made| *made = request.excitations());
         Ok(Job { request, key, site, frame, probes, excitations })
+    }
+}
+
+impl Ground {
+    /// Takes finer samples, or every pixel, for cells whose values were so far off; `false` where they are not, or nothing is finer.
+    fn refine(&mut self, request: &Request, exact: bool, costs: Costs, error: f64, work: &mut Work) -> bool {
+        let times = error / promised(request.plane.tolerance);
+        let Some((key, site)) = &self.site.value else { return false };
+        if times <= 1.0 || site.cells.is_none() {
+            return false;
+        }
+        let of_liquid = request.quantity.declaration().of_liquid;
+        let by_pixels = || (!of_liquid).then(|| SiteKey::by_pixels(request, exact).direct());
+        let Some((key, made)) = key
+            .finer(times)
+            .into_iter()
+            .chain(by_pixels())
+            .find_map(|key| Some((key.clone(), Site::new(&key, costs).ok()?)))
+        else {
+            return false;
+        };
+        work.plan += 1;
+        self.site.value = Some((key, made));
+        self.refined = Some(request.clone());
+        true
     }
 }
 
@@ -207,7 +233,12 @@ impl Stages {
             Progress::Made(made) => made,
             Progress::Declined => {
                 let values = std::mem::take(&mut map.value.values);
-                job.by_cpu(cpu, *exact, values, work)?
+                let mut made = job.by_cpu(cpu, *exact, values, work)?;
+                while ground.refine(request, *exact, costs, made.error, work) {
+                    let job = ground.job(request, *exact, costs, work)?;
+                    made = job.by_cpu(cpu, *exact, made.values, work)?;
+                }
+                made
             }
         };
         map.key = Some(request.clone());
@@ -383,12 +414,7 @@ impl Job<'_> {
 
     /// Rounding in f32 is relative to what arrives, and where the elements cancel, the peak is less than that.
     fn is_too_far_off(&self, error: f64) -> bool {
-        let margin = match self.frame {
-            Frame::Pixels { .. } => PROBE_MARGIN,
-            Frame::Cells { .. } => 1.0,
-        };
-        let tolerance = self.request.plane.tolerance;
-        tolerance > 0.0 && margin * error > tolerance
+        error > promised(self.request.plane.tolerance)
     }
 
     fn described(&self, values: Vec<f32>, peak: f32, error: f64, by: By) -> Map {

@@ -7,7 +7,7 @@ use rayon::prelude::*;
 
 use crate::field::interpolation::{Between, Resampling, interpolate};
 use crate::field::quantity::{Constants, Norm, Part, Sound, Sounds};
-use crate::field::slope::part_on_cpu;
+use crate::field::slope::{Around, part_on_cpu};
 use crate::field::stages::kept::Kept;
 use crate::field::stages::probes::AtProbes;
 use crate::field::stages::request::Pressed;
@@ -58,7 +58,7 @@ struct FormedKey {
     site: SiteKey,
     quantity: field::Quantity,
     excitations: Vec<Vec<Complex64>>,
-    constants: Constants,
+    constants: Constants<f64>,
     double: bool,
 }
 
@@ -97,7 +97,7 @@ struct Share {
 impl Share {
     fn sum(&mut self, job: &Job<'_>, filled: &Filled, drives: &[Samples]) {
         let Self { sums, lattice, between } = self;
-        let (parts, constants) = (job.key.parts, job.request.constants());
+        let (parts, constants) = (job.key.parts, job.request.constants().narrow());
         let formula = job.request.quantity.declaration().formula;
         let Some(grid) = &job.site.plan.grid else { return };
         let (columns, count) = (grid.samples.columns.len(), filled.cells.len());
@@ -148,6 +148,9 @@ impl OnCpu {
         let (width, height) = job.request.size;
         values.resize(width * height, 0.0);
         match job.frame {
+            Frame::Pixels { raster, weights: None } if double && has_differences(job) => {
+                in_f64(job, raster, values, work)
+            }
             Frame::Pixels { raster, weights } => {
                 self.by_pixels(job, (raster, weights.as_ref()), double, values, work)
             }
@@ -165,7 +168,7 @@ impl OnCpu {
         work: &mut Work,
     ) -> Made {
         let request = job.request;
-        let (parts, constants) = (job.key.parts, request.constants());
+        let (parts, constants) = (job.key.parts, request.constants().narrow());
         let declaration = request.quantity.declaration();
         let drives = request.counted();
         let factor = request.part as f32 / drives.len() as f32;
@@ -393,6 +396,41 @@ impl OnCpu {
         let dent = self.response(job, filled, &key, work).map(|dent| dent.times(part));
         Pressed { force, dent }
     }
+}
+
+/// Whether values are less than what they are made from, which f32 rounds.
+fn has_differences(job: &Job<'_>) -> bool {
+    job.request.quantity.declaration().norm == Norm::Difference
+}
+
+/// Every pixel in f64, up to its value.
+fn in_f64(job: &Job<'_>, raster: &Raster, values: &mut [f32], work: &mut Work) -> Made {
+    /// Pixels that are worked on together.
+    const TOGETHER: usize = 32;
+    let (quantity, constants) = (job.request.quantity, job.request.constants());
+    let aperture = &job.key.setting.aperture;
+    let around = Around::new(job.key.parts, job.site.axes, aperture.wavelength());
+    let pixels = raster.pixels();
+    work.superposition += 1;
+    work.forming += 1;
+    values.par_chunks_mut(TOGETHER).enumerate().for_each(|(run, values)| {
+        let points: Vec<_> = (0..values.len()).map(|i| pixels.point(run * TOGETHER + i)).collect();
+        let transfer = aperture.transfer(&around.points(&points));
+        let mut sums = [0.0; TOGETHER];
+        for excitation in job.excitations {
+            let sounds = around.sounds(&transfer.pressure(excitation));
+            for (sum, sound) in sums.iter_mut().zip(sounds) {
+                *sum += (quantity.declaration().exact)(sound, &constants);
+            }
+        }
+        let factor = job.request.part / job.excitations.len() as f64;
+        for (value, sum) in values.iter_mut().zip(sums) {
+            *value = quantity.exact_value(factor * sum) as f32;
+        }
+    });
+    let peak = values.iter().fold(0.0f32, |most, value| most.max(value.abs()));
+    let at_probes = AtProbes { values: at(values, &job.probes.places), sounds: None };
+    Made { peak, at_probes, relative_to: peak }
 }
 
 impl FormedKey {

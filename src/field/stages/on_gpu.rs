@@ -31,7 +31,7 @@ struct ChainKey {
 #[derive(Clone, Debug, PartialEq)]
 struct Formed {
     excitation: Vec<Complex64>,
-    constants: Constants,
+    constants: Constants<f64>,
     part: f64,
 }
 
@@ -102,7 +102,7 @@ impl OnGpu {
             }
             work.forming += 1;
             let drive = is_new.then_some((&request.aperture, drive));
-            chain.run(gpu, drive, &wanted.constants, wanted.part as f32);
+            chain.run(gpu, drive, &wanted.constants.narrow(), wanted.part as f32);
             *formed = Some(wanted);
         }
         gpu.check()?;
@@ -162,7 +162,7 @@ impl OnGpu {
 }
 
 fn error(job: &Job<'_>, figures: &Gathered) -> f64 {
-    let (quantity, constants) = (job.request.quantity, job.request.constants());
+    let (quantity, constants) = (job.request.quantity, job.request.constants().narrow());
     let factor = job.request.part as f32;
     let value = |sound| {
         let mean = quantity.of(sound, &constants);

@@ -1,15 +1,26 @@
 //! Places of a map at which it is compared with the f64 reference.
 
+use glam::{DVec2, DVec3};
 use num_complex::Complex64;
 
 use crate::acoustics::Transfer;
-use crate::field::quantity::{Constants, Norm, Quantity, Sound};
+use crate::field::quantity::{Norm, Sound};
 use crate::field::slope::Around;
 use crate::field::stages::request::Request;
 use crate::field::stages::site::{Site, SiteKey};
 
-/// Places at which the reached error is measured.
-pub const PROBES: usize = 48;
+/// Places without pattern, wherever the plane lies.
+const SPREAD: usize = 48;
+/// Elements beside which a plane is probed, of those within so many wavelengths of it. Places are rounded to f32, which matters
+/// where the distance to an element is small, and there alone.
+const BESIDE: usize = 12;
+const NEAR: f64 = 3.0;
+/// Below this every value is silence, since f32 has no room for its square.
+const FAINTEST: f64 = 1e-18;
+/// Squares relative to the largest, below which what is measured says nothing of the loud places.
+const FAINT: f64 = 0.01;
+/// The largest error of all pixels is less than this times the largest of the probes.
+const MARGIN: f64 = 3.0;
 
 /// Pixels, or cells of a liquid, with their f64 transfer from every element.
 #[derive(Debug)]
@@ -55,7 +66,12 @@ impl Probes {
             Some(_) | None => {
                 let place =
                     |i: usize, count: usize, length: f64| length * ((i as f64 + 0.5) / count as f64 - 0.5);
-                for pixel in spread(width * height) {
+                let mut pixels: Vec<_> = spread(width * height).collect();
+                pixels.extend(corners((width, height)));
+                pixels.extend(beside_elements(key, site.axes, (width, height)));
+                pixels.sort_unstable();
+                pixels.dedup();
+                for pixel in pixels {
                     let x = place(pixel % width, width, plane.size.x);
                     add(pixel, x, place(pixel / width, height, plane.size.y));
                 }
@@ -66,56 +82,108 @@ impl Probes {
         Self { places, around, transfer }
     }
 
-    /// The largest deviation, relative to `peak`: of the values, or of what the quantity's norm says.
+    /// An estimate of the largest deviation of all pixels, relative to `peak`: of the values, or of what the quantity's norm says.
     pub(super) fn error(
         &self,
         (request, excitations): (&Request, &[Vec<Complex64>]),
         got: &AtProbes,
         peak: f32,
     ) -> f64 {
-        let peak = f64::from(peak).max(f64::MIN_POSITIVE);
+        let off = self.off((request, excitations), got);
+        match peak {
+            0.0 if off < FAINTEST => 0.0,
+            0.0 => f64::INFINITY,
+            peak => MARGIN * off / f64::from(peak),
+        }
+    }
+
+    /// The largest deviation of the probes.
+    fn off(&self, (request, excitations): (&Request, &[Vec<Complex64>]), got: &AtProbes) -> f64 {
         let (quantity, constants) = (request.quantity, request.constants());
+        let declaration = quantity.declaration();
         if let ([excitation], Some(sounds)) = (excitations, &got.sounds) {
             let expected = self.sounds(excitation);
-            let off = expected.iter().zip(sounds).map(|(expected, got)| less(expected, got));
-            let norm = |off: Sound| match quantity.declaration().norm {
-                Norm::Value => Some(f64::from(quantity.of(off, &constants))),
-                Norm::Pressure => Some(f64::from(off.p.norm())),
+            let off = expected.iter().zip(sounds).map(|(expected, got)| expected.less(got));
+            let norm = |off: Sound<f64>| match declaration.norm {
+                Norm::Value => Some(quantity.exact_value((declaration.exact)(off, &constants))),
+                Norm::Pressure => Some(off.p.norm()),
                 Norm::Difference => None,
             };
             if let Some(norms) = off.map(norm).collect::<Option<Vec<_>>>() {
-                return norms.into_iter().fold(0.0, f64::max) / peak;
+                return norms.into_iter().fold(0.0, f64::max);
             }
         }
-        let mut means = vec![0.0; self.places.len()];
+        let mut means = vec![Mean::default(); self.places.len()];
         for excitation in excitations {
             for (mean, sound) in means.iter_mut().zip(self.sounds(excitation)) {
-                *mean += formula(quantity, sound, &constants) / excitations.len() as f64;
+                mean.value += (declaration.exact)(sound, &constants) / excitations.len() as f64;
+                mean.square += constants.of_pressure * sound.p.norm_sqr() / excitations.len() as f64;
             }
         }
-        let part = if quantity.declaration().of_liquid { 1.0 } else { request.part };
-        let off = |(mean, got): (f64, &f32)| f64::from((quantity.value((part * mean) as f32) - got).abs());
-        means.into_iter().zip(&got.values).map(off).fold(0.0, f64::max) / peak
+        let part = if declaration.of_liquid { 1.0 } else { request.part };
+        let loudest = means.iter().fold(f64::MIN_POSITIVE, |most, mean| most.max(mean.square));
+        let off = |(mean, &got): (Mean, &f32)| {
+            let off = (quantity.exact_value(part * mean.value) - f64::from(got)).abs();
+            match declaration.norm {
+                // What a pressure is off counts by as much as the pressure itself.
+                Norm::Difference => off / (mean.square / loudest).max(FAINT).sqrt(),
+                Norm::Value | Norm::Pressure => off,
+            }
+        };
+        means.into_iter().zip(&got.values).map(off).fold(0.0, f64::max)
     }
 
-    /// The sound of one drive at the probes, in f64 but for its last rounding.
-    fn sounds(&self, excitation: &[Complex64]) -> Vec<Sound> {
+    /// The sound of one drive at the probes.
+    fn sounds(&self, excitation: &[Complex64]) -> Vec<Sound<f64>> {
         self.around.sounds(&self.transfer.pressure(excitation))
     }
 }
 
-/// The formula's value before it is averaged.
-fn formula(quantity: Quantity, sound: Sound, constants: &Constants) -> f64 {
-    let value = f64::from(quantity.of(sound, constants));
-    if quantity.declaration().is_root { value * value } else { value }
+/// Over the drives.
+#[derive(Clone, Copy, Debug, Default)]
+struct Mean {
+    /// Of the formula.
+    value: f64,
+    /// Of |P|²/(ρc²), Pa.
+    square: f64,
 }
 
-fn less(a: &Sound, b: &Sound) -> Sound {
-    Sound { p: a.p - b.p, x: a.x - b.x, y: a.y - b.y, n: a.n - b.n }
+/// The farthest ways.
+fn corners((width, height): (usize, usize)) -> [usize; 4] {
+    let last = (height - 1) * width;
+    [0, width - 1, last, last + width - 1]
+}
+
+/// The four pixels around the place of the plane that is nearest to an element, for those elements that it comes nearest to.
+fn beside_elements(
+    key: &SiteKey,
+    [x, y, _]: [DVec3; 3],
+    (width, height): (usize, usize),
+) -> impl Iterator<Item = usize> {
+    let (plane, aperture) = (&key.setting.plane, &key.setting.aperture);
+    let half = plane.size / 2.0;
+    let nearest = |at: &DVec2| {
+        let from_centre = at.extend(0.0) - plane.centre;
+        let place = DVec2::new(from_centre.dot(x), from_centre.dot(y)).clamp(-half, half);
+        (from_centre.distance(x * place.x + y * place.y), place)
+    };
+    let mut near: Vec<_> = aperture.positions.iter().map(nearest).collect();
+    near.retain(|(distance, _)| *distance < NEAR * aperture.wavelength());
+    near.sort_by(|a, b| a.0.total_cmp(&b.0));
+    near.truncate(BESIDE);
+    let around = move |place: f64, length: f64, count: usize| {
+        let low = ((place / length + 0.5) * count as f64 - 0.5).max(0.0) as usize;
+        [low.min(count - 1), (low + 1).min(count - 1)]
+    };
+    near.into_iter().flat_map(move |(_, place)| {
+        let columns = around(place.x, 2.0 * half.x, width);
+        let rows = around(place.y, 2.0 * half.y, height);
+        rows.into_iter().flat_map(move |row| columns.map(|column| row * width + column))
+    })
 }
 
 /// So many places of a raster, spread by the golden ratio.
 fn spread(places: usize) -> impl Iterator<Item = usize> {
     const GOLDEN: f64 = 0.618_033_988_749_894_8;
-    (1..=PROBES).map(move |i| ((i as f64 * GOLDEN).fract() * places as f64) as usize)
+    (1..=SPREAD).map(move |i| ((i as f64 * GOLDEN).fract() * places as f64) as usize)
 }

@@ -71,7 +71,7 @@ impl Request {
         })
     }
 
-    pub(super) fn constants(&self) -> Constants {
+    pub(super) fn constants(&self) -> Constants<f64> {
         Constants::new(&self.air, self.aperture.element.wavenumber, self.moment)
     }
 
@@ -123,8 +123,8 @@ pub struct Map {
     pub values: Vec<f32>,
     /// The largest magnitude of a value; of phases and instantaneous pressures the largest |P| (Pa, peak).
     pub peak: f32,
-    /// The largest deviation from the f64 reference at 48 pixels, relative to the peak; of a depression that of the pressure
-    /// that makes it, at 48 cells. The largest of all pixels can be several times that: six times was seen.
+    /// An estimate of the largest deviation of any pixel from the f64 reference, relative to the peak: three times that of 48 pixels
+    /// and more, where rounding is worst; of a depression that of the pressure that makes it. 0 of a silent map.
     pub error: f64,
     /// Points at which the waves of the elements were added up.
     pub evaluated: usize,

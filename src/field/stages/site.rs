@@ -13,6 +13,9 @@ use crate::scene::Plane;
 
 /// What f32 keeps of a square.
 const FINEST: f64 = 1e-6;
+/// Of what would just do, what finer samples may be off; and the finest, that interpolation in f32 keeps.
+const FINER: f64 = 0.4;
+const FINEST_SAMPLES: f64 = 2e-7;
 /// Of the tolerance, what the sound may be off where errors are differences of squares.
 const SHARE: f64 = 0.4;
 /// Capillary lengths from the plane to the walls: what lies beyond changes the depression by e^-14 of itself.
@@ -126,6 +129,14 @@ impl SiteKey {
         let mut direct = self.clone();
         direct.setting.plane.tolerance = 0.0;
         direct
+    }
+
+    /// The same cells from finer samples, after an error that was so many times what was promised; `None` where that would be finer
+    /// than what is interpolated in f32. Where squares differ by little, what samples are off is much of that.
+    pub(super) fn finer(&self, times: f64) -> Option<Self> {
+        let mut finer = self.clone();
+        finer.setting.plane.tolerance *= FINER / times;
+        (self.by_cells.is_some() && finer.setting.plane.tolerance >= FINEST_SAMPLES).then_some(finer)
     }
 
     fn with(request: &Request, tolerance: f64, by_cells: Option<ByCells>) -> Self {
