@@ -14,12 +14,12 @@ use num_complex::Complex64;
 use sonoglyph::acoustics::Aperture;
 use sonoglyph::drive::Drive;
 use sonoglyph::field::quantity::{Norm, PRESSURE};
-use sonoglyph::field::{Evaluator, Quantity, Request, Samples, Stages};
+use sonoglyph::field::{Evaluator, Quantity, Request, Samples, Stages, reference};
 use sonoglyph::scene::check::check;
-use sonoglyph::scene::{Array, ElementModel, Plane, Scene, file};
+use sonoglyph::scene::{Array, ElementModel, Medium, Plane, Scene, file};
 
 use crate::dice::Dice;
-use crate::{gpu, model};
+use crate::{STEP, evaluators, fast_evaluators, gpu, model, scattered};
 
 const SEED: u64 = 0x0040_6B48_7A00_0002;
 /// Maps of a usual run; each is made by every evaluator.
@@ -68,7 +68,7 @@ const MODELS: [ElementModel; 3] = [ElementModel::Piston, ElementModel::Point, El
 enum Tolerance {
     Given(f64),
     Exact,
-    /// Near the error of f32.
+    /// So many times the error of f32: it may be finer than what f32 values keep, which the map then says.
     Tuned(f64),
 }
 
@@ -263,6 +263,65 @@ fn reached(stages: &mut Stages, case: &Case, expected: &(Vec<(f64, f64)>, f64), 
     Reached { wanted, truly, said: map.error, by: format!("{:?}", map.by) }
 }
 
+/// Far planes of high frequencies, a medium of slow sound, and points beyond everything: by f32 they would be 10 % to 1e8 times off.
+#[test]
+fn exact_maps_and_points_are_right_where_f32_is_not() {
+    let array =
+        Array { rows: 4, columns: 4, frequency: 1e6, element_radius: 1e-4, pitch: 2e-3, ..Array::default() };
+    let far = |at: DVec3| Plane { centre: at, size: DVec2::splat(0.5), tolerance: 0.0, ..Plane::default() };
+    let medium = |sound_speed| Medium { sound_speed, absorption: Some(0.0), ..Medium::default() };
+    let scene = |array: Array, at: DVec3, sound_speed| Scene {
+        medium: medium(sound_speed),
+        array,
+        plane: far(at),
+        ..Scene::default()
+    };
+    let scenes = [
+        scene(array.clone(), DVec3::new(40.0, -60.0, 60.0), None),
+        scene(Array { frequency: 2e5, ..array.clone() }, DVec3::new(1.4, -1.4, 1.4), None),
+        scene(Array { element: ElementModel::Point, frequency: 4e4, ..array }, DVec3::Z, Some(1.0)),
+    ];
+    for scene in scenes {
+        check(&scene).unwrap();
+        let aperture = Aperture::new(&scene);
+        let drive = scattered(16, STEP);
+        let size = (40, 30);
+        let pixels = Samples::on_plane(&scene.plane, size.0, size.1).unwrap();
+        let truth = |samples: &Samples| reference::pressure(&aperture, &drive, samples);
+        let expected = truth(&pixels);
+        let peak = expected.iter().map(|p| p.norm()).fold(0.0, f64::max);
+        for evaluator in fast_evaluators() {
+            for beyond in [DVec3::new(2e5, 3e4, 1e5), DVec3::new(-9e5, 9e5, 3.0), DVec3::new(30.0, 0.0, 20.0)]
+            {
+                let samples = Samples::at(vec![beyond]);
+                let got = evaluator.pressure(&aperture, &drive, &samples).unwrap()[0];
+                let expected = truth(&samples)[0];
+                let off = (Complex64::new(got.re.into(), got.im.into()) - expected).norm();
+                assert!(off <= EXACT * expected.norm(), "{beyond}: {got}, not {expected}");
+            }
+            let request = Request::new(&scene, vec![drive.clone()], Quantity::Instantaneous, size);
+            let map = Stages::new(evaluator).map(&request).unwrap().clone();
+            let off = map.values.iter().zip(&expected).map(|(&got, p)| (f64::from(got) - p.re).abs());
+            let off = off.fold(0.0, f64::max) / peak;
+            assert!(off <= EXACT && map.error <= EXACT, "{off:e}, said {:e} by {:?}", map.error, map.by);
+        }
+    }
+}
+
+/// No ratio to a peak of nothing.
+#[test]
+fn a_silent_map_has_no_error() {
+    let mut scene = Scene::default();
+    scene.medium.absorption = Some(1e3);
+    scene.plane.centre = DVec3::new(0.0, 0.0, 90.0);
+    for evaluator in evaluators() {
+        let request = Request::new(&scene, vec![scattered(256, STEP)], Quantity::Rms, (20, 20));
+        let mut stages = Stages::new(evaluator);
+        let map = stages.map(&request).unwrap();
+        assert_eq!((map.peak, map.error), (0.0, 0.0), "{:?}", map.by);
+    }
+}
+
 fn numbers() -> Range<usize> {
     let Ok(named) = std::env::var("SONOGLYPH_MAPS") else { return 0..MAPS };
     let number = |text: &str| text.parse::<usize>().expect("SONOGLYPH_MAPS is a number or a range, 40..50");
@@ -300,7 +359,7 @@ fn the_largest_error_of_all_pixels_is_no_more_than_the_tolerance() {
                     Tolerance::Exact => 0.0,
                     Tolerance::Tuned(factor) => {
                         let f32 = reached(&mut evaluators[0], &case, &expected, 0.0).truly;
-                        (factor * f32).clamp(1e-6, 1.0)
+                        (factor * f32).clamp(2e-6, 1.0)
                     }
                 };
                 for (index, stages) in evaluators.iter_mut().enumerate() {
@@ -308,7 +367,8 @@ fn the_largest_error_of_all_pixels_is_no_more_than_the_tolerance() {
                     let Reached { wanted, truly, said, ref by } = got;
                     let key = (case.class, by.clone(), index);
                     all.lock().unwrap().entry(key).or_default().push((truly / wanted, truly / said.max(1e-300)));
-                    if truly > wanted {
+                    let is_tuned = matches!(case.tolerance, Tolerance::Tuned(_));
+                    if truly > wanted && !(is_tuned && said > wanted) {
                         let line = format!(
                             "{number} {:?} {:?} {:?} {:?} of {} {by} {:?}: {truly:.2e} of {wanted:.2e}, said {said:.2e}",
                             case.class,

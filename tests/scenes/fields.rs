@@ -7,7 +7,7 @@ use num_complex::{Complex32, Complex64};
 use sonoglyph::acoustics::Aperture;
 use sonoglyph::acoustics::element::Element;
 use sonoglyph::drive::Drive;
-use sonoglyph::field::{By, Evaluator, Quantity, Request, Samples, Stages, reference};
+use sonoglyph::field::{By, Evaluator, Quantity, Request, Samples, Stages, promised, reference};
 use sonoglyph::scene::{ElementModel, Plane, Scene};
 
 use crate::dice::Dice;
@@ -118,14 +118,9 @@ fn map(
     for ((&pixel, &point), expected) in chosen.iter().zip(&points).zip(&expected) {
         let off = (wide(field[pixel]) - expected).norm();
         let most = match map.by {
-            By::Cpu | By::Gpu if scene.plane.tolerance == 0.0 => f32_error(solved, drive, point),
             // f64, made f32 in the end.
             By::Reference => 2.0 * F32 * expected.norm(),
-            By::CpuInF64 => (scene.plane.tolerance + 4.0 * F32) * peak,
-            // Within a wavelength of the array rounding is not even: it is measured at 48 pixels, with a margin of two, and was seen
-            // six times as large at others.
-            By::Cpu | By::Gpu if point.z < oracle.wavelength() => 3.0 * scene.plane.tolerance * peak,
-            By::Cpu | By::Gpu => scene.plane.tolerance * peak,
+            By::Cpu | By::CpuInF64 | By::Gpu => (promised(scene.plane.tolerance) + 4.0 * F32) * peak,
         };
         within(&format!("map by {:?}", map.by), off, most + 1e-37);
     }
@@ -177,7 +172,7 @@ fn flow_is_the_models(stages: &mut Stages, solved: &Solved, size: (usize, usize)
         };
         let Some(expected) = expected else { continue };
         let off = (f64::from(map.values[pixel]) - expected).abs();
-        let most = 3.0 * scene.plane.tolerance * f64::from(map.peak)
+        let most = promised(scene.plane.tolerance) * f64::from(map.peak)
             + (OF_SLOPES + f32_rounding(solved, point)) * all;
         within(&format!("{} by {:?}", quantity.declaration().name, map.by), off, most + FAINTEST);
     }

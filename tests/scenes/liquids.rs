@@ -115,9 +115,7 @@ fn pressed(stages: &mut Stages, Asked { request, .. }: &Asked<'_>) -> Option<Mad
 /// plane, what is sampled beside it is many times as loud.
 fn pressure_error(solved: &Solved, error: f64, largest: f64, point: DVec3) -> f64 {
     let tolerance = solved.scene.plane.tolerance.max(FINEST);
-    // What some pixels show of an error is less than the largest of all.
-    let own = if error > tolerance { 3.0 * error } else { 2.0 * tolerance };
-    own * largest + square_error(solved, point)
+    error.max(tolerance) * largest + square_error(solved, point)
 }
 
 /// What f32 leaves of the radiation pressure at a point (Pa): of a square twice what it leaves of its root, of two parts. Its root is

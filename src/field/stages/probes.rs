@@ -104,9 +104,16 @@ impl Probes {
         if let ([excitation], Some(sounds)) = (excitations, &got.sounds) {
             let expected = self.sounds(excitation);
             let off = expected.iter().zip(sounds).map(|(expected, got)| expected.less(got));
+            let square = |sound: &Sound<f64>| constants.of_pressure * sound.p.norm_sqr();
             let norm = |off: Sound<f64>| match declaration.norm {
                 Norm::Value => Some(quantity.exact_value((declaration.exact)(off, &constants))),
                 Norm::Pressure => Some(off.p.norm()),
+                // Of squares, 2 a δa at the loudest place: by chance it may be less at the probes.
+                Norm::Difference if declaration.is_square => {
+                    let loudest = expected.iter().map(square).fold(0.0, f64::max);
+                    let slopes = constants.of_gradient * (off.x.norm_sqr() + off.y.norm_sqr());
+                    Some(request.part * 2.0 * (loudest * (square(&off) + slopes)).sqrt())
+                }
                 Norm::Difference => None,
             };
             if let Some(norms) = off.map(norm).collect::<Option<Vec<_>>>() {

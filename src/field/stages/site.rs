@@ -93,11 +93,15 @@ impl Weights {
 }
 
 impl SiteKey {
-    /// Squares of several drives, or of several parts, and what presses a liquid are formed at cells; everything else at the pixels.
+    /// Squares of several drives, or of several parts, and what presses a liquid are formed at cells; everything else at the pixels,
+    /// and a single drive if that is to be exact.
     pub(super) fn new(request: &Request, exact: bool) -> Self {
         let declaration = request.quantity.declaration();
+        let is_direct = exact || request.plane.tolerance == 0.0;
         let by_cells = declaration.is_square
-            && (request.drives.len() > 1 || declaration.parts.count_ones() > 1 || declaration.of_liquid);
+            && (request.drives.len() > 1
+                || declaration.of_liquid
+                || (declaration.parts.count_ones() > 1 && !is_direct));
         if by_cells { Self::by_cells(request, exact) } else { Self::by_pixels(request, exact) }
     }
 
