@@ -9,6 +9,7 @@ pub mod bench;
 pub mod cli;
 pub mod device;
 pub mod drive;
+pub mod echo;
 pub mod field;
 #[cfg(feature = "window")]
 pub mod import;
@@ -19,6 +20,7 @@ mod requirement;
 pub mod scene;
 pub mod simd;
 pub mod solver;
+pub mod source;
 pub mod studio;
 pub mod surface;
 pub mod table;

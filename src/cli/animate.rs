@@ -8,9 +8,9 @@ use indicatif::{ProgressBar, ProgressStyle};
 use crate::cli::{RenderArgs, View, read_scene, render};
 use crate::field::{Colouring, Quantity, Request, Stages};
 use crate::solver::frames;
-use crate::studio::animate::{Film, Target};
+use crate::studio::animate::{Film, Target, times_of};
 use crate::studio::evaluator::{self, Backend};
-use crate::studio::output::{self, note, say, warn};
+use crate::studio::output::{Files, note, say, warn};
 use crate::studio::still::{Diagram, stem};
 use crate::studio::swell::Schedule;
 use crate::studio::{liquid, map, motion};
@@ -39,19 +39,26 @@ pub fn run(args: &RenderArgs) -> anyhow::Result<()> {
     if args.view == View::Shaded {
         bail!("animations are maps: leave out --view shaded");
     }
-    let mut scene = read_scene(path, args.method)?;
+    let mut files = Files::new();
+    let mut scene = read_scene(path, args.method, &mut files)?;
     scene.plane.tolerance = args.tolerance.unwrap_or(scene.plane.tolerance);
     let look = render::look(args);
     let size = look.pixels(&scene)?;
+    if let Target::File(path, _) = &target {
+        files.keeps(path)?;
+    }
+    if let Some(data) = &args.data {
+        files.writes(data)?;
+        files.writes(&times_of(data))?;
+    }
     target.check(size)?;
     let schedule = args.waves.then(|| Schedule::new(&scene, args.seconds)).transpose()?;
     let sequence = match args.waves {
         true => frames::follow(&scene)?,
         false => motion::follow(&scene, &path.display().to_string())?,
     };
-    if let Some(data) = &args.data {
-        output::check_writable(data)?;
-    }
+    let pictures = schedule.map_or(sequence.frames.len(), |schedule| schedule.pictures);
+    target.pictures(&stem(path), pictures).try_for_each(|path| files.keeps(&path))?;
     target.make_folder()?;
     let stages = Stages::new(evaluator::for_maps(args.backend.backend)?);
     let drives: Vec<_> = sequence.frames.iter().map(|frame| frame.drive.clone()).collect();

@@ -12,7 +12,7 @@ use crate::picture::sheet::pascals;
 use crate::scene::{Amplitudes, Focus, Listener, Method, Pressures, Scene, check};
 use crate::solver::levels::{self, Reached};
 use crate::solver::{self, Limits, Problem, Solution, SolveError};
-use crate::studio::output::{self, say, warn};
+use crate::studio::output::{self, Files, say, warn};
 use crate::studio::probe::{self, Reading};
 
 /// Which methods to run.
@@ -50,14 +50,15 @@ pub(in crate::cli) fn run(args: &SolveArgs) -> anyhow::Result<()> {
         Some(Methods::One(method)) => Some(method),
         Some(Methods::All) | None => None,
     };
-    let mut scene = read_scene(&args.scene, one)?;
+    let mut files = Files::new();
+    let mut scene = read_scene(&args.scene, one, &mut files)?;
     scene.listener = args.listener.clone().or(scene.listener);
     scene.solver.search = args.search.unwrap_or(scene.solver.search);
     if let Some(path) = &args.csv {
         if args.method == Some(Methods::All) {
             anyhow::bail!("--csv writes one drive: name one method");
         }
-        output::check_writable(path)?;
+        files.writes(path)?;
     }
     if args.method == Some(Methods::All) {
         if args.levels.is_some() {

@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context, bail};
 
+use crate::echo;
 #[cfg(feature = "window")]
 use crate::field::Evaluator;
 use crate::field::quantity::Range;
@@ -54,6 +55,17 @@ impl Target {
         output::check_writable(path)
     }
 
+    /// The names of a folder's pictures; none for a file.
+    pub fn pictures<'a>(&'a self, name: &'a str, count: usize) -> impl Iterator<Item = PathBuf> + 'a {
+        let folder = match self {
+            Self::File(..) => None,
+            Self::Folder(folder) => Some(folder),
+        };
+        let digits = count.to_string().len();
+        let picture = move |folder: &PathBuf, index| folder.join(format!("{name}-{:0digits$}.png", index + 1));
+        folder.into_iter().flat_map(move |folder| (0..count).map(move |index| picture(folder, index)))
+    }
+
     pub fn make_folder(&self) -> anyhow::Result<()> {
         let Self::Folder(path) = self else { return Ok(()) };
         std::fs::create_dir_all(path).with_context(|| format!("{}: cannot make the folder", path.display()))
@@ -80,6 +92,11 @@ pub fn write(
     film.shoot(&target, &stem(path), tell).map(drop)
 }
 
+/// Where the times of all frames go, beside their numbers.
+pub fn times_of(data: &Path) -> PathBuf {
+    data.with_extension("times.npy")
+}
+
 /// What was written.
 #[derive(Debug)]
 pub struct Shot {
@@ -95,7 +112,7 @@ impl Shot {
     pub fn line(&self, output: &Path, (width, height): (usize, usize)) -> String {
         let Self { frames, pace, range, what } = self;
         let name = if *frames == 1 { "frame" } else { "frames" };
-        let line = format!("{}: {frames} {name} of {width} x {height} pixels{range}", output.display());
+        let line = format!("{}: {frames} {name} of {width} x {height} pixels{range}", echo::path(output));
         if *frames == 1 {
             return line;
         }
@@ -175,11 +192,11 @@ impl<'a> Film<'a> {
                 })?;
                 Ok(animation.finish()?)
             })?,
-            Target::Folder(folder) => {
-                let digits = count.to_string().len();
-                self.each(|film, index, request| {
+            Target::Folder(_) => {
+                let mut paths = target.pictures(name, count);
+                self.each(|film, _, request| {
                     let places = film.places(request, range)?;
-                    let path = folder.join(format!("{name}-{:0digits$}.png", index + 1));
+                    let path = paths.next().context("a picture has no name")?;
                     step()?;
                     output::write_by(&path, |file| {
                         let mut picture = Animation::new(file, Format::Png, size, table, 1, pace)?;
@@ -222,7 +239,7 @@ impl<'a> Film<'a> {
         })?;
         let rate = self.schedule.map_or(self.frames_per_second(), Schedule::rate);
         let times: Vec<_> = (1..=count).map(|frame| (frame as f64 / rate) as f32).collect();
-        output::write(&path.with_extension("times.npy"), &export::npy(&[count as u64], &times)?)?;
+        output::write(&times_of(&path), &export::npy(&[count as u64], &times)?)?;
         Ok(range)
     }
 

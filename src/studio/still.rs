@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, bail};
 
 use crate::drive::Drive;
+use crate::echo;
 use crate::field::stages::MOST_PIXELS;
 use crate::field::{Quantity, Request, Stages};
 use crate::picture::{ColourMap, Picture, export, relief, sheet};
@@ -13,7 +14,7 @@ use crate::solver::{self, Solution};
 use crate::studio::evaluator::{self, Backend};
 use crate::studio::map;
 use crate::studio::motion::follow;
-use crate::studio::output::{self, say, warn};
+use crate::studio::output::{self, Files, say, warn};
 use crate::studio::{EXAMPLE, liquid, memory, opening};
 
 /// What the sheet of a scene is called when nobody named a file.
@@ -54,13 +55,15 @@ pub enum Moment {
 
 /// The sheet of a scene, or of the example, in the current folder.
 pub fn default_sheet(path: Option<&Path>) -> anyhow::Result<()> {
-    let output = PathBuf::from(DEFAULT_SHEET);
+    let (output, mut files) = (PathBuf::from(DEFAULT_SHEET), Files::new());
     let scene = match path {
         Some(path) => opening::open(path)?,
         None => file::parse(EXAMPLE, Path::new("the example scene"))?,
     };
+    path.map_or(Ok(()), |path| files.reads(path))?;
+    files.reads_pictures(&scene)?;
+    files.writes(&output)?;
     let solved = Solved::new(scene, path.unwrap_or(Path::new("hit.toml")))?;
-    output::check_writable(&output)?;
     let mut stages = Stages::new(evaluator::for_maps(Backend::Auto)?);
     let look = Look {
         diagram: Diagram::Sheet,
@@ -204,7 +207,7 @@ pub struct Rendered {
 impl Rendered {
     /// What is said of it when it has been written.
     pub fn line(&self, output: &Path) -> String {
-        format!("{}: {} x {} pixels{}", output.display(), self.picture.width, self.picture.height, self.what)
+        format!("{}: {} x {} pixels{}", echo::path(output), self.picture.width, self.picture.height, self.what)
     }
 
     /// Writes the picture, and its numbers where they were wanted.

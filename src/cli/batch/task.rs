@@ -1,7 +1,7 @@
 //! What is done with one line of a batch: its scene solved, and the field of that.
 
 use std::path::{Path, PathBuf};
-use std::sync::{PoisonError, RwLock};
+use std::sync::{Mutex, MutexGuard, PoisonError, RwLock};
 
 use anyhow::{Context, anyhow, bail};
 use serde_json::{Value, json};
@@ -10,10 +10,12 @@ use crate::acoustics::Aperture;
 use crate::cli::batch::lines::Line;
 use crate::cli::json;
 use crate::drive::Drive;
+use crate::echo;
 use crate::field::{Map, Quantity, Request, Samples, Stages};
 use crate::picture::export;
 use crate::scene::{Method, Scene, file};
 use crate::solver::{self, Limits, Problem};
+use crate::studio::output::Files;
 use crate::studio::{opening, output};
 
 /// Pixels that a field may have along y.
@@ -32,6 +34,8 @@ pub struct Task {
     pub data: Option<PathBuf>,
     /// Pixels of a field along x.
     pub size: usize,
+    /// Pictures that lines have named, and the input.
+    pub(super) files: Mutex<Files>,
     /// Read while a file is written.
     pub(super) writing: RwLock<()>,
 }
@@ -39,7 +43,8 @@ pub struct Task {
 impl Default for Task {
     /// The scene is solved, and its limits are found.
     fn default() -> Self {
-        Self { method: None, limits: true, field: false, data: None, size: 256, writing: RwLock::new(()) }
+        let (files, writing) = (Mutex::default(), RwLock::default());
+        Self { method: None, limits: true, field: false, data: None, size: 256, files, writing }
     }
 }
 
@@ -50,12 +55,18 @@ impl Task {
         let mut id = None;
         let mut answer = self
             .result(line, &mut id, stages)
-            .unwrap_or_else(|error| json!({ "error": format!("line {}: {error:#}", line.number) }));
+            .unwrap_or_else(|error| {
+                json!({ "error": echo::message(&format!("line {}: {error:#}", line.number)) })
+            });
         answer["line"] = line.number.into();
         if let Some(id) = id {
             answer["id"] = id;
         }
         answer
+    }
+
+    fn files(&self) -> MutexGuard<'_, Files> {
+        self.files.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
     /// The result for a line; `id` is what the line calls itself.
@@ -71,6 +82,7 @@ impl Task {
         keys.entry("format").or_insert_with(|| file::FORMAT.into());
         let mut scene = file::from_tables(tables)?;
         opening::load(&mut scene, Path::new(""))?;
+        self.files().reads_pictures(&scene)?;
         scene.solver.method = self.method.unwrap_or(scene.solver.method);
         let mut solution = solver::solve(&scene)?;
         let limits = self.limits.then(|| {
@@ -111,6 +123,7 @@ impl Task {
         });
         if let Some(folder) = &self.data {
             let path = folder.join(format!("{number}.npy"));
+            self.files().spares(&path)?;
             let _writing = self.writing.read().unwrap_or_else(PoisonError::into_inner);
             output::write(&path, &export::npy(&[height as u64, width as u64], rms)?)?;
             statistics["file"] = json!(path);
