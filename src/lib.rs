@@ -11,8 +11,10 @@ pub mod device;
 pub mod drive;
 pub mod echo;
 pub mod field;
+pub mod gauge;
 #[cfg(feature = "window")]
 pub mod import;
+pub mod memory;
 pub mod picture;
 #[cfg(test)]
 #[path = "../tests/requirement/mod.rs"]

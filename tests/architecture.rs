@@ -10,6 +10,8 @@ use std::path::{Path, PathBuf};
 const LAYERS: &[(&str, &[&str])] = &[
     ("echo", &[]),
     ("source", &["rustix"]),
+    ("memory", &[]),
+    ("gauge", &[]),
     ("scene", &["serde", "toml", "toml_edit", "glam", "thiserror"]),
     ("table", &["csv", "thiserror"]),
     ("simd", &[]),

@@ -10,6 +10,7 @@ mod json;
 mod motion;
 mod names;
 mod probe;
+mod progress;
 mod render;
 mod solve;
 

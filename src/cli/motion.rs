@@ -6,12 +6,12 @@ use anyhow::bail;
 use serde_json::{Value, json};
 
 use crate::cli::solve::Methods;
-use crate::cli::{SolveArgs, read_scene};
+use crate::cli::{SolveArgs, progress, read_scene};
 use crate::picture::sheet::pascals;
 use crate::scene::motion::{Cycle, Group};
 use crate::scene::{Scene, motion};
 use crate::solver::frames::{Frame, Sequence};
-use crate::studio::motion::follow;
+use crate::studio::motion::{SOLVING, follow};
 use crate::studio::output::{self, Files, say, warn};
 
 /// m/s at which a moving focus is felt most: about the speed of waves on skin (Frier et al. 2018).
@@ -31,7 +31,7 @@ pub fn run(args: &SolveArgs) -> anyhow::Result<()> {
     if let Some(path) = &args.csv {
         files.writes(path)?;
     }
-    let sequence = follow(&scene, &args.scene.display().to_string())?;
+    let sequence = follow(&scene, &args.scene.display().to_string(), &progress::begin(SOLVING))?;
     warn_of_rate(&scene);
     if let Some(path) = &args.csv {
         output::write_by(path, |file| Ok(write_csv(file, &scene, &sequence)?))?;

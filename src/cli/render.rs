@@ -6,7 +6,7 @@ use std::time::Instant;
 use anyhow::{Context, bail};
 use indicatif::{ProgressBar, ProgressStyle};
 
-use crate::cli::{RenderArgs, View, read_scene};
+use crate::cli::{RenderArgs, View, progress, read_scene};
 use crate::echo;
 use crate::field::{Evaluator, Stages};
 use crate::studio::evaluator;
@@ -51,6 +51,7 @@ pub fn look(args: &RenderArgs) -> Look {
         numbers: args.data.is_some(),
         backend: args.backend.backend,
         moment: args.frame,
+        begin: progress::begin,
     }
 }
 
@@ -80,7 +81,7 @@ pub fn run(args: &RenderArgs) -> anyhow::Result<()> {
         Diagram::Map(_) | Diagram::Sheet => evaluator::for_maps(look.backend)?,
     });
 
-    let bar = progress(scenes.len());
+    let bar = bar(scenes.len());
     for (solved, output) in scenes.iter().zip(&outputs) {
         bar.set_message(echo::value(&solved.name));
         let start = Instant::now();
@@ -128,7 +129,7 @@ fn make_folder(args: &RenderArgs, outputs: &[PathBuf]) -> anyhow::Result<()> {
         .with_context(|| format!("{}: cannot make the folder", args.output.display()))
 }
 
-fn progress(scenes: usize) -> ProgressBar {
+fn bar(scenes: usize) -> ProgressBar {
     if scenes < 2 {
         return ProgressBar::hidden();
     }

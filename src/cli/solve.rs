@@ -11,7 +11,7 @@ use crate::field::{Evaluator, Ghost, NoGhost, Stages, ghost};
 use crate::picture::sheet::pascals;
 use crate::scene::{Amplitudes, Focus, Listener, Method, Pressures, Scene, check};
 use crate::solver::levels::{self, Reached};
-use crate::solver::{self, Limits, Problem, Solution, SolveError};
+use crate::solver::{self, Limits, Problem, Solution, SolveError, room};
 use crate::studio::output::{self, Files, say, warn};
 use crate::studio::probe::{self, Reading};
 
@@ -75,9 +75,11 @@ pub(in crate::cli) fn run(args: &SolveArgs) -> anyhow::Result<()> {
         );
     }
     let aperture = Aperture::new(&scene);
+    let room = room::of_limits(&scene, solution.foci.len()).map_err(in_file)?;
     let problem = Problem::of_scene(&scene, &aperture, solution.foci.clone());
     solution.judge(&scene, &problem);
     let findings = Findings::new(&scene, &problem, Limits::new(&problem), &mut stages(), solution);
+    drop(room);
     findings.warnings().iter().for_each(|warning| warn(warning));
     let played = args.levels.map(|levels| Played::new(&problem, &findings.solution, levels));
     if let Some(path) = &args.csv {
@@ -224,6 +226,7 @@ fn compare(scene: &Scene, as_json: bool) -> anyhow::Result<()> {
     let aperture = Aperture::new(scene);
     let Some(first) = solutions.first() else { return Ok(()) };
     // The limits are those of foci and array alone, and the stages of the map know all but the drive: both serve every method.
+    let _room = room::of_limits(scene, first.foci.len())?;
     let problem = Problem::new(&aperture, first.foci.clone());
     let (limits, mut stages) = (Limits::new(&problem), stages());
     let findings: Vec<_> = solutions

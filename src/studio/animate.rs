@@ -14,6 +14,7 @@ use crate::field::{Colouring, FieldError, Request, Stages};
 use crate::picture::ColourMap;
 use crate::picture::animation::{Animation, Format, Pace};
 use crate::picture::export::{self, Numbers};
+use crate::gauge::Gauge;
 use crate::scene::{Scene, motion};
 use crate::studio::evaluator::or_by_cpu;
 use crate::studio::map;
@@ -141,6 +142,8 @@ pub struct Film<'a> {
     colouring: Colouring,
     /// Of waves, if they are shown.
     pub schedule: Option<Schedule>,
+    /// Begins to show the progress of a step of this name.
+    pub begin: fn(&'static str) -> Gauge,
     /// The values of all frames of waves go there, and the times beside it.
     pub data: Option<PathBuf>,
     /// The largest error of a map so far, relative to its peak, and the steepest slope of a surface.
@@ -158,6 +161,7 @@ impl<'a> Film<'a> {
             gpu_is_asked_for: false,
             colouring,
             schedule: None,
+            begin: |_| Gauge::default(),
             data: None,
             error: 0.0,
             slope: 0.0,
@@ -175,10 +179,11 @@ impl<'a> Film<'a> {
         let table = &self.colouring.table.clone();
         let size = self.request.size;
         let count = self.schedule.map_or(self.request.drives.len(), |schedule| schedule.pictures);
-        let done = Cell::new(0.0);
+        let (done, progress) = (Cell::new(0), (self.begin)("the maps of all frames"));
         let step = || {
-            done.set(done.get() + 1.0);
-            tell(done.get() / (2 * count) as f64)
+            done.set(done.get() + 1);
+            progress.tell(done.get(), 2 * count);
+            tell(done.get() as f64 / (2 * count) as f64)
         };
         let range = self.measured(count, &step)?;
         let frames_per_second = self.schedule.map_or(self.frames_per_second(), Schedule::rate);
@@ -265,14 +270,16 @@ impl<'a> Film<'a> {
         let all = self.request.clone();
         let Some(schedule) = self.schedule else {
             for (index, drive) in all.drives.iter().enumerate() {
-                take(self, index, &Request { drives: vec![drive.clone()], ..all.clone() })?;
+                take(self, index, &Request { drives: [drive.clone()].into(), ..all.clone() })?;
             }
             return Ok(());
         };
-        let (scene, asked_for) = (self.scene, self.gpu_is_asked_for);
+        let (scene, asked_for, begin) = (self.scene, self.gpu_is_asked_for, self.begin);
         let mut swell =
-            or_by_cpu(&mut self.stages, asked_for, |stages| Swell::new(scene, schedule, &all, stages))?;
-        let first = Request { drives: vec![all.drives[0].clone()], part: 1.0, ..all };
+            or_by_cpu(&mut self.stages, asked_for, |stages| {
+                Swell::new(scene, schedule, &all, stages, &begin("the surfaces at rest of all frames"))
+            })?;
+        let first = Request { drives: [all.drives[0].clone()].into(), part: 1.0, ..all };
         for index in 0..schedule.pictures {
             take(self, index, &Request { depth: Some(swell.next_surface()), ..first.clone() })?;
         }

@@ -8,14 +8,16 @@ use crate::drive::Drive;
 use crate::echo;
 use crate::field::stages::MOST_PIXELS;
 use crate::field::{Quantity, Request, Stages};
+use crate::memory;
 use crate::picture::{ColourMap, Picture, export, relief, sheet};
+use crate::gauge::Gauge;
 use crate::scene::{Scene, file, motion};
 use crate::solver::{self, Solution};
 use crate::studio::evaluator::{self, Backend};
 use crate::studio::map;
-use crate::studio::motion::follow;
+use crate::studio::motion::{SOLVING, follow};
 use crate::studio::output::{self, Files, say, warn};
-use crate::studio::{EXAMPLE, liquid, memory, opening};
+use crate::studio::{EXAMPLE, liquid, opening};
 
 /// What the sheet of a scene is called when nobody named a file.
 const DEFAULT_SHEET: &str = "sonoglyph.png";
@@ -73,6 +75,7 @@ pub fn default_sheet(path: Option<&Path>) -> anyhow::Result<()> {
         numbers: false,
         backend: Backend::Auto,
         moment: None,
+        begin: |_| Gauge::default(),
     };
     let rendered = render(&solved, &mut stages, &look)?;
     rendered.write(&output, None)?;
@@ -123,6 +126,8 @@ pub struct Look {
     pub numbers: bool,
     pub backend: Backend,
     pub moment: Option<Moment>,
+    /// Begins to show the progress of a step of this name.
+    pub begin: fn(&'static str) -> Gauge,
 }
 
 impl Look {
@@ -138,7 +143,7 @@ impl Look {
         if matches!(self.diagram, Diagram::Sheet | Diagram::Drive) {
             bail!("--frame chooses among maps, and this is no quantity on a plane");
         }
-        let mut frames = follow(scene, &solved.name)?.frames;
+        let mut frames = follow(scene, &solved.name, &(self.begin)(SOLVING))?.frames;
         match moment {
             Moment::Mean
                 if let Diagram::Map(quantity) = self.diagram
@@ -244,6 +249,8 @@ pub fn render(solved: &Solved, stages: &mut Stages, look: &Look) -> anyhow::Resu
         Diagram::Map(_) if look.is_shaded() => liquid::points(&scene.plane),
         Diagram::Map(_) | Diagram::Drive => page,
     };
+    let step = if drives.len() > 1 { "the mean of all frames" } else { "the map" };
+    stages.show_progress((look.begin)(step));
     let request = Request::new(scene, drives, quantity, (width, height));
     let drawn = map::draw(&request, look.colours, stages, look.backend == Backend::Gpu)?;
     let (tolerance, error) = (scene.plane.tolerance, drawn.map.error);

@@ -14,7 +14,7 @@ use crate::echo;
 use crate::field::{Map, Quantity, Request, Samples, Stages};
 use crate::picture::export;
 use crate::scene::{Method, Scene, file};
-use crate::solver::{self, Limits, Problem};
+use crate::solver::{self, Limits, Problem, Solution, SolveError, room};
 use crate::studio::output::Files;
 use crate::studio::{opening, output};
 
@@ -72,6 +72,9 @@ impl Task {
     /// The result for a line; `id` is what the line calls itself.
     fn result(&self, line: &Line, id: &mut Option<Value>, stages: &mut Stages) -> anyhow::Result<Value> {
         let text = line.text.as_ref().map_err(|error| anyhow!(error.clone()))?;
+        if text.trim().is_empty() {
+            bail!("the line is blank: a scene is an object, {{…}}");
+        }
         // The input's lines are counted, not those of its JSON, which has one.
         let misplaced = |error: serde_json::Error| {
             anyhow!(format!("no JSON: {error}").replace("line 1 column", "column"))
@@ -85,12 +88,7 @@ impl Task {
         self.files().reads_pictures(&scene)?;
         scene.solver.method = self.method.unwrap_or(scene.solver.method);
         let mut solution = solver::solve(&scene)?;
-        let limits = self.limits.then(|| {
-            let aperture = Aperture::new(&scene);
-            let problem = Problem::of_scene(&scene, &aperture, solution.foci.clone());
-            solution.judge(&scene, &problem);
-            Limits::new(&problem)
-        });
+        let limits = self.limits.then(|| limits(&scene, &mut solution)).transpose()?;
         let mut answer = json::solution(&solution, limits.as_ref());
         if !solution.warnings.is_empty() {
             answer["warnings"] = json!(solution.warnings);
@@ -130,6 +128,15 @@ impl Task {
         }
         Ok(statistics)
     }
+}
+
+/// The limits of foci and array, and what is known of the solution beside them.
+fn limits(scene: &Scene, solution: &mut Solution) -> Result<Limits, SolveError> {
+    let _room = room::of_limits(scene, solution.foci.len())?;
+    let aperture = Aperture::new(scene);
+    let problem = Problem::of_scene(scene, &aperture, solution.foci.clone());
+    solution.judge(scene, &problem);
+    Ok(Limits::new(&problem))
 }
 
 #[cfg(test)]

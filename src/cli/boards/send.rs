@@ -1,11 +1,12 @@
 //! `sonoglyph send`: a scene to a board.
 
+use std::sync::mpsc::{RecvTimeoutError, sync_channel};
 use std::time::{Duration, Instant};
 
 use anyhow::{Context, bail};
 
 use crate::cli::boards::SendArgs;
-use crate::cli::{interrupt, read_scene};
+use crate::cli::{interrupt, progress, read_scene};
 use crate::device::calibration::Calibration;
 use crate::device::health::{Found, Health, State};
 use crate::device::levels::{self, Levels};
@@ -14,7 +15,7 @@ use crate::device::profile::Profile;
 use crate::drive::Drive;
 use crate::scene::{Scene, motion};
 use crate::solver;
-use crate::studio::motion::follow;
+use crate::studio::motion::{SOLVING, follow};
 use crate::studio::output::{Files, mention, note, say, warn};
 
 /// How long a scene at rest is played if nobody says.
@@ -43,8 +44,20 @@ pub fn run(args: &SendArgs) -> anyhow::Result<()> {
         }
     };
     follow_carrier(&mut scene, found);
-    let (content, lasts) = content(&scene, &name, &settings, &calibration)?;
-    link.modulate(scene.modulation.clone());
+    let modulation = scene.modulation.clone();
+    // Solving takes as long as it takes, and an interrupt does not wait for it.
+    let (sender, made) = sync_channel(1);
+    let make = move || sender.send(content(&scene, &name, &settings, &calibration));
+    std::thread::Builder::new().name("solve".to_owned()).spawn(make)?;
+    let (content, lasts) = loop {
+        match made.recv_timeout(Duration::from_millis(20)) {
+            Ok(content) => break content?,
+            Err(RecvTimeoutError::Disconnected) => bail!("solving has ended without an answer"),
+            Err(RecvTimeoutError::Timeout) if interrupted.is_set() => return Ok(()),
+            Err(RecvTimeoutError::Timeout) => {}
+        }
+    };
+    link.modulate(modulation);
     link.show(content);
 
     let lasts = match (args.seconds, args.repeat) {
@@ -128,7 +141,7 @@ fn content(
         let frames = solution.drives().iter().map(levels).collect::<Result<_, _>>()?;
         return Ok((Content::in_turn(frames, profile.turns_per_second(settings.baud())), GLANCE));
     };
-    let sequence = follow(scene, name)?;
+    let sequence = follow(scene, name, &progress::begin(SOLVING))?;
     let loudness = |drive: &&Drive| drive.amplitudes.iter().sum::<f64>();
     let softest = sequence.frames.iter().map(|frame| &frame.drive);
     softest.min_by(|a, b| loudness(a).total_cmp(&loudness(b))).iter().for_each(|drive| tell(drive));
