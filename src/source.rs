@@ -27,7 +27,10 @@ pub fn read(path: &Path, most: u64) -> io::Result<Vec<u8>> {
     let mut bytes = Vec::new();
     open(path)?.take(most + 1).read_to_end(&mut bytes)?;
     if bytes.len() as u64 > most {
-        return Err(io::Error::new(ErrorKind::FileTooLarge, format!("larger than the {} MiB that are read", most >> 20)));
+        return Err(io::Error::new(
+            ErrorKind::FileTooLarge,
+            format!("larger than the {} MiB that are read", most >> 20),
+        ));
     }
     Ok(bytes)
 }

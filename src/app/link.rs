@@ -67,7 +67,8 @@ impl Board {
             }
             BoardCommand::Checkerboard => {
                 shown.board.plays = Plays::Checkerboard;
-                let columns = profile.shape().map_or(editor.scene().array.columns, |[columns, _]| columns) as usize;
+                let columns =
+                    profile.shape().map_or(editor.scene().array.columns, |[columns, _]| columns) as usize;
                 self.show(Content::Still(Levels::checkerboard(profile, columns)));
             }
             BoardCommand::TakeCarrier => {

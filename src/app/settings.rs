@@ -140,7 +140,8 @@ impl Settings {
     /// A word on what makes no sense.
     pub fn parse(text: &str) -> Result<Self, String> {
         let settings = toml::Deserializer::parse(text).and_then(|table| Self::deserialize(Strict(table)));
-        let settings = settings.map_err(|error| echo::message(error.message().lines().next().unwrap_or_default()));
+        let settings =
+            settings.map_err(|error| echo::message(error.message().lines().next().unwrap_or_default()));
         Ok(settings?.sane())
     }
 
@@ -223,7 +224,8 @@ impl Memory {
         let Some(settings) = self.pending.take() else { return };
         let mut file = settings.clone();
         // What another window has opened meanwhile is remembered, too.
-        let there = source::read_text(&self.path, MOST_BYTES).ok().and_then(|text| Settings::parse(&text).ok());
+        let there =
+            source::read_text(&self.path, MOST_BYTES).ok().and_then(|text| Settings::parse(&text).ok());
         let recent = there.map_or_else(Vec::new, |there| there.recent);
         let is_known = |path: &PathBuf| self.kept.recent.contains(path) || settings.recent.contains(path);
         file.recent.extend(recent.into_iter().filter(|path| !is_known(path)));
@@ -232,8 +234,8 @@ impl Memory {
         if let (Some(folder), Ok(text)) = (self.path.parent(), toml::to_string(&file)) {
             let _ = std::fs::create_dir_all(folder);
             // A pipe would keep the window waiting for who reads it.
-            let _ = output::refuse_stream(&self.path)
-                .and_then(|()| output::write(&self.path, text.as_bytes()));
+            let _ =
+                output::refuse_stream(&self.path).and_then(|()| output::write(&self.path, text.as_bytes()));
         }
         self.kept = settings;
     }

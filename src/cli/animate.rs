@@ -9,10 +9,10 @@ use crate::field::{Colouring, Quantity, Request, Stages};
 use crate::solver::frames;
 use crate::studio::animate::{Film, Target, times_of};
 use crate::studio::evaluator::{self, Backend};
+use crate::studio::motion::SOLVING;
 use crate::studio::output::{Files, note, say, warn};
 use crate::studio::still::{Diagram, stem};
 use crate::studio::swell::Schedule;
-use crate::studio::motion::SOLVING;
 use crate::studio::{liquid, map, motion};
 
 pub fn run(args: &RenderArgs) -> anyhow::Result<()> {

@@ -25,8 +25,8 @@ use crate::field::Quantity;
 use crate::picture::ColourMap;
 use crate::scene::{Listener, Method, Scene};
 use crate::studio::evaluator::{Backend, Renderer};
-use crate::studio::still::{Diagram, Moment, Size};
 use crate::studio::output::Files;
+use crate::studio::still::{Diagram, Moment, Size};
 use crate::studio::{opening, output};
 
 /// Draw a shape, see the ultrasound field of a phased array, feel it in the air.

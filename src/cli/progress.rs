@@ -33,7 +33,11 @@ pub fn begin(name: &'static str) -> Gauge {
         bar.set_position((part * STEPS) as u64);
         let all = elapsed.div_f64(part);
         if bar.is_hidden() && all.as_secs_f64() > LONG && !is_noted.swap(true, Ordering::Relaxed) {
-            note(&format!("{name}: {:.0} % are done; they take about {} in all", 100.0 * part, HumanDuration(all)));
+            note(&format!(
+                "{name}: {:.0} % are done; they take about {} in all",
+                100.0 * part,
+                HumanDuration(all)
+            ));
         }
     })
 }

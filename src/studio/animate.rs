@@ -11,10 +11,10 @@ use crate::echo;
 use crate::field::Evaluator;
 use crate::field::quantity::Range;
 use crate::field::{Colouring, FieldError, Request, Stages};
+use crate::gauge::Gauge;
 use crate::picture::ColourMap;
 use crate::picture::animation::{Animation, Format, Pace};
 use crate::picture::export::{self, Numbers};
-use crate::gauge::Gauge;
 use crate::scene::{Scene, motion};
 use crate::studio::evaluator::or_by_cpu;
 use crate::studio::map;
@@ -63,7 +63,8 @@ impl Target {
             Self::Folder(folder) => Some(folder),
         };
         let digits = count.to_string().len();
-        let picture = move |folder: &PathBuf, index| folder.join(format!("{name}-{:0digits$}.png", index + 1));
+        let picture =
+            move |folder: &PathBuf, index| folder.join(format!("{name}-{:0digits$}.png", index + 1));
         folder.into_iter().flat_map(move |folder| (0..count).map(move |index| picture(folder, index)))
     }
 
@@ -275,10 +276,9 @@ impl<'a> Film<'a> {
             return Ok(());
         };
         let (scene, asked_for, begin) = (self.scene, self.gpu_is_asked_for, self.begin);
-        let mut swell =
-            or_by_cpu(&mut self.stages, asked_for, |stages| {
-                Swell::new(scene, schedule, &all, stages, &begin("the surfaces at rest of all frames"))
-            })?;
+        let mut swell = or_by_cpu(&mut self.stages, asked_for, |stages| {
+            Swell::new(scene, schedule, &all, stages, &begin("the surfaces at rest of all frames"))
+        })?;
         let first = Request { drives: [all.drives[0].clone()].into(), part: 1.0, ..all };
         for index in 0..schedule.pictures {
             take(self, index, &Request { depth: Some(swell.next_surface()), ..first.clone() })?;

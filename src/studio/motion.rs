@@ -1,8 +1,8 @@
 //! The drives of all frames of a cycle, with what the user should know of them.
 
 use crate::acoustics::Aperture;
-use crate::picture::sheet::pascals;
 use crate::gauge::Gauge;
+use crate::picture::sheet::pascals;
 use crate::scene::{Pressures, Scene, motion};
 use crate::solver;
 use crate::solver::frames::{self, Frame, Sequence};
@@ -19,7 +19,8 @@ pub fn follow(scene: &Scene, name: &str, progress: &Gauge) -> anyhow::Result<Seq
     if !motion::moves(scene) && scene.solver.frames == 1 {
         note("nothing moves: `path` in [motion] is \"none\", so there is one frame");
     }
-    let sequence = frames::follow_with(scene, progress).map_err(|error| anyhow::anyhow!("{name}: {error}"))?;
+    let sequence =
+        frames::follow_with(scene, progress).map_err(|error| anyhow::anyhow!("{name}: {error}"))?;
     for warning in solver::warnings(&Aperture::new(scene), &sequence.frames[0].foci) {
         warn(&format!("in the first frame, {warning}"));
     }

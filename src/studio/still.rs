@@ -8,9 +8,9 @@ use crate::drive::Drive;
 use crate::echo;
 use crate::field::stages::MOST_PIXELS;
 use crate::field::{Quantity, Request, Stages};
+use crate::gauge::Gauge;
 use crate::memory;
 use crate::picture::{ColourMap, Picture, export, relief, sheet};
-use crate::gauge::Gauge;
 use crate::scene::{Scene, file, motion};
 use crate::solver::{self, Solution};
 use crate::studio::evaluator::{self, Backend};
@@ -212,7 +212,13 @@ pub struct Rendered {
 impl Rendered {
     /// What is said of it when it has been written.
     pub fn line(&self, output: &Path) -> String {
-        format!("{}: {} x {} pixels{}", echo::path(output), self.picture.width, self.picture.height, self.what)
+        format!(
+            "{}: {} x {} pixels{}",
+            echo::path(output),
+            self.picture.width,
+            self.picture.height,
+            self.what
+        )
     }
 
     /// Writes the picture, and its numbers where they were wanted.

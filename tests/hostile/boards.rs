@@ -56,7 +56,8 @@ fn every_shape_that_a_board_has_is_played() {
         (Profile::SonicSurface2, [16, 32]),
         (Profile::UltrainoMega64, [8, 8]),
     ] {
-        let scene = format!("{SCENE}[array]\nrows = {rows}\ncolumns = {columns}\npitch = 0.02\n").replace("circle", "none");
+        let scene = format!("{SCENE}[array]\nrows = {rows}\ncolumns = {columns}\npitch = 0.02\n")
+            .replace("circle", "none");
         let folder = folder_with(&[("a.toml", &scene)]);
         let board = board(profile);
         let port = board.path().to_str().unwrap();
@@ -84,7 +85,11 @@ fn a_board_that_is_gone_or_drains_nothing_when_the_time_is_over_is_an_error() {
         for is_unplugged in [true, false] {
             let board = board(profile);
             let send = play(&board, folder.path(), profile, &["--seconds", "4"]);
-            if is_unplugged { board.unplug(true) } else { board.stall(true) }
+            if is_unplugged {
+                board.unplug(true)
+            } else {
+                board.stall(true)
+            }
             let message = message_of(&send.wait_with_output().unwrap());
             let is_told = message.contains("the board was lost") || message.contains("could not be silenced");
             assert!(is_told, "{}, {is_unplugged}: {message}", profile.name());

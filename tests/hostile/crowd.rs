@@ -45,10 +45,14 @@ fn a_thousand_hostile_scenes_and_settings_are_told_in_a_line() {
     for number in 0..CASES {
         let case = case(number);
         let folder = folder_of(&case);
-        let said = catch_unwind(|| of_library(&case, folder.path())).unwrap_or_else(|_| panic!("case {number}"));
+        let said =
+            catch_unwind(|| of_library(&case, folder.path())).unwrap_or_else(|_| panic!("case {number}"));
         if let Some(error) = said {
             let message = echo::message(&error);
-            assert!(!message.is_empty() && message.len() < LONGEST && !message.contains('\n'), "case {number}");
+            assert!(
+                !message.is_empty() && message.len() < LONGEST && !message.contains('\n'),
+                "case {number}"
+            );
             assert!(is_plain(&message), "case {number}: {message:?}");
             refused += 1;
         }
@@ -82,13 +86,16 @@ fn some_of_the_crowd_as_programs_end_with_one_message_and_status_2() {
     assert!(tally.refused > 0);
     if asked.is_some() {
         let Tally { refused, longest, slowest, largest } = tally;
-        eprintln!("{refused} refused; longest message {longest:?} B, slowest {slowest:?}, largest {largest:?} KiB");
+        eprintln!(
+            "{refused} refused; longest message {longest:?} B, slowest {slowest:?}, largest {largest:?} KiB"
+        );
     }
 }
 
 fn one(number: u64, case: &Case, is_measured: bool, tally: &mut Tally) {
     let folder = folder_of(case);
-    let mut args = vec!["render", "a.toml", "-o", "x.png", "--quantity", "drive", "--method", "focus", "--size", "200"];
+    let mut args =
+        vec!["render", "a.toml", "-o", "x.png", "--quantity", "drive", "--method", "focus", "--size", "200"];
     if number.is_multiple_of(3) {
         args = vec!["solve", "a.toml", "--method", "focus", "--csv", "x.csv"];
     }
@@ -104,11 +111,17 @@ fn one(number: u64, case: &Case, is_measured: bool, tally: &mut Tally) {
     let peak = peak.lines().last().and_then(|line| line.parse().ok()).unwrap_or(0);
     let code = output.status.code();
     assert!([Some(0), Some(2)].contains(&code), "case {number}: {:?}: {said:.2000}", output.status);
-    assert!(said.len() < LONGEST && is_plain(&said) && !said.contains("panicked"), "case {number}: {said:.3000}");
+    assert!(
+        said.len() < LONGEST && is_plain(&said) && !said.contains("panicked"),
+        "case {number}: {said:.3000}"
+    );
     if code == Some(2) {
         let errors = said.lines().filter(|line| line.starts_with("error: ")).count();
         assert_eq!(errors, 1, "case {number}: {said}");
-        assert!(!folder.path().join("x.png").exists() && !folder.path().join("x.csv").exists(), "case {number}");
+        assert!(
+            !folder.path().join("x.png").exists() && !folder.path().join("x.csv").exists(),
+            "case {number}"
+        );
         tally.refused += 1;
         tally.longest = tally.longest.max((said.len(), number));
         tally.slowest = tally.slowest.max((lasted, number));

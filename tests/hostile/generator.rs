@@ -35,14 +35,39 @@ impl Dice {
 const SETTINGS: &str = "size = [1280.0, 800.0]\nposition = [10.0, 20.0]\nmaximized = false\ntheme = \"dark\"\npanel = \"Scene\"\n\
     panel_width = 352.0\nsection = true\ncolours = \"inferno\"\ngrid = 0.005\nrecent = [\"a.toml\"]\n";
 const NUMBERS: [&str; 16] = [
-    "1e308", "-1e308", "nan", "-nan", "inf", "-inf", "9223372036854775807", "-9223372036854775808", "1e-308", "0", "-0.0",
-    "18446744073709551616", "4294967296", "65537", "0x7fffffffffffffff", "1e999",
+    "1e308",
+    "-1e308",
+    "nan",
+    "-nan",
+    "inf",
+    "-inf",
+    "9223372036854775807",
+    "-9223372036854775808",
+    "1e-308",
+    "0",
+    "-0.0",
+    "18446744073709551616",
+    "4294967296",
+    "65537",
+    "0x7fffffffffffffff",
+    "1e999",
 ];
 const VALUES: [&str; 12] = [
-    "\"x\"", "true", "[]", "{}", "[[[]]]", "1979-05-27T07:32:00Z", "{ a = { b = 1 } }", "''", "[nan, nan, nan]", "[1, \"2\", 3]",
-    "\"\"\"\n\n\"\"\"", "-1",
+    "\"x\"",
+    "true",
+    "[]",
+    "{}",
+    "[[[]]]",
+    "1979-05-27T07:32:00Z",
+    "{ a = { b = 1 } }",
+    "''",
+    "[nan, nan, nan]",
+    "[1, \"2\", 3]",
+    "\"\"\"\n\n\"\"\"",
+    "-1",
 ];
-const ESCAPES: [&str; 5] = ["\\u001b[2J\\u001b]0;x\\u0007", "\\u202e\\u2066txt", "\\u0000", "\\u009b31m", "\\U000e0041\\ufeff"];
+const ESCAPES: [&str; 5] =
+    ["\\u001b[2J\\u001b]0;x\\u0007", "\\u202e\\u2066txt", "\\u0000", "\\u009b31m", "\\U000e0041\\ufeff"];
 /// Keys, and tables for them, that count something.
 const COUNTS: [(&str, &str); 12] = [
     ("array", "rows"),

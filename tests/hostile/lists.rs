@@ -60,7 +60,11 @@ fn a_value_too_many_or_too_few_is_refused_in_every_list_of_every_kind_of_scene()
         for longer in [true, false] {
             let mut changed = document.clone();
             let list = at(&mut changed, path);
-            if longer { list.push(Value::Integer(9)) } else { drop(list.pop()) }
+            if longer {
+                list.push(Value::Integer(9))
+            } else {
+                drop(list.pop())
+            }
             let text = toml::to_string(&changed).unwrap();
             let error = sonoglyph::scene::file::parse(&text, name).unwrap_err().to_string();
             let key = path.iter().rev().find(|key| key.parse::<usize>().is_err()).unwrap();
@@ -74,14 +78,25 @@ fn a_surplus_value_is_refused_with_its_line_and_its_key() {
     for (body, line, part) in [
         ("[[target]]\nat = [0, 0, 0.1, 9]", 3, "target[1].at: the list has more values"),
         ("[[target]]\n[plane]\nsize = [0.1, 0.1, 0.1]", 4, "plane.size: the list has more values"),
-        ("[[target]]\n[motion]\npath = \"points\"\npoints = [[0, 0, 0.01], [0, 0, 0.02, 3]]", 5, "motion.points[2]: the list"),
-        ("[[target]]\nkind = \"path\"\nvertices = [[0, 0, 0.1, 1], [0.01, 0, 0.1]]", 4, "target[1].vertices[1]: the list"),
+        (
+            "[[target]]\n[motion]\npath = \"points\"\npoints = [[0, 0, 0.01], [0, 0, 0.02, 3]]",
+            5,
+            "motion.points[2]: the list",
+        ),
+        (
+            "[[target]]\nkind = \"path\"\nvertices = [[0, 0, 0.1, 1], [0.01, 0, 0.1]]",
+            4,
+            "target[1].vertices[1]: the list",
+        ),
         ("medium = [20, 50, 101325]\n[[target]]", 2, "medium: invalid type: sequence, expected a table"),
     ] {
         let folder = folder_with(&[("a.toml", &format!("format = 1\n{body}\n"))]);
         for args in [&["solve", "a.toml"][..], &["render", "a.toml", "-o", "x.png"]] {
             let message = refused(folder.path(), &mut program(folder.path(), args));
-            assert!(message.contains(&format!("a.toml:{line}: ")) && message.contains(part), "{body}: {message}");
+            assert!(
+                message.contains(&format!("a.toml:{line}: ")) && message.contains(part),
+                "{body}: {message}"
+            );
         }
     }
 }

@@ -16,10 +16,12 @@ const HALF_A_GIBIBYTE: &str = "ulimit -d 524288";
 
 /// A line of a batch: so many elements a side, and so many foci.
 fn line(side: usize, foci: usize) -> String {
-    let target = |i: usize| format!(r#"{{"at": [{}, {}, 0.5]}}"#, (i % 32) as f64 * 0.02, (i / 32) as f64 * 0.02);
+    let target =
+        |i: usize| format!(r#"{{"at": [{}, {}, 0.5]}}"#, (i % 32) as f64 * 0.02, (i / 32) as f64 * 0.02);
     let targets: Vec<_> = (0..foci).map(target).collect();
     let array = format!(r#"{{"rows": {side}, "columns": {side}}}"#);
-    format!(r#"{{"array": {array}, "solver": {{"method": "naive"}}, "target": [{}]}}"#, targets.join(", ")) + "\n"
+    format!(r#"{{"array": {array}, "solver": {{"method": "naive"}}, "target": [{}]}}"#, targets.join(", "))
+        + "\n"
 }
 
 #[test]
@@ -31,13 +33,20 @@ fn a_line_that_no_memory_holds_is_answered_and_the_others_go_on() {
         let mut batch = program_after(HALF_A_GIBIBYTE, folder.path(), &args);
         let output = batch.stdin(File::open(folder.path().join("lines")).unwrap()).output().unwrap();
         assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
-        let answers: Vec<Value> =
-            output.stdout.split(|&c| c == b'\n').filter_map(|line| serde_json::from_slice(line).ok()).collect();
+        let answers: Vec<Value> = output
+            .stdout
+            .split(|&c| c == b'\n')
+            .filter_map(|line| serde_json::from_slice(line).ok())
+            .collect();
         assert_eq!(answers.len(), 5);
         for (index, answer) in answers.iter().enumerate() {
             let error = answer["error"].as_str().unwrap_or_default();
             let is_large = index % 2 == 1;
-            assert_eq!(error.contains("65536 elements and 1024 foci need about"), is_large, "{index}: {error}");
+            assert_eq!(
+                error.contains("65536 elements and 1024 foci need about"),
+                is_large,
+                "{index}: {error}"
+            );
             assert_eq!(answer["foci"].is_array(), !is_large);
         }
     }
@@ -45,10 +54,16 @@ fn a_line_that_no_memory_holds_is_answered_and_the_others_go_on() {
 
 #[test]
 fn a_scene_that_no_memory_holds_is_refused_with_one_message() {
-    let targets: String = (0..1024).map(|i| format!("[[target]]\nat = [{}, 0, 0.5]\n", f64::from(i) * 0.001)).collect();
-    let scene = format!("format = 1\n[array]\nrows = 256\ncolumns = 256\n[solver]\nmethod = \"naive\"\n{targets}");
+    let targets: String =
+        (0..1024).map(|i| format!("[[target]]\nat = [{}, 0, 0.5]\n", f64::from(i) * 0.001)).collect();
+    let scene =
+        format!("format = 1\n[array]\nrows = 256\ncolumns = 256\n[solver]\nmethod = \"naive\"\n{targets}");
     let folder = folder_with(&[("a.toml", &scene)]);
-    for args in [&["solve", "a.toml"][..], &["render", "a.toml", "-o", "x.png"], &["solve", "a.toml", "--method", "all"]] {
+    for args in [
+        &["solve", "a.toml"][..],
+        &["render", "a.toml", "-o", "x.png"],
+        &["solve", "a.toml", "--method", "all"],
+    ] {
         let message = refused(folder.path(), &mut program_after(HALF_A_GIBIBYTE, folder.path(), args));
         assert!(message.contains("a.toml: 65536 elements and 1024 foci need about"), "{message}");
     }
@@ -76,7 +91,9 @@ fn high_water(child: &Child) -> Option<usize> {
 fn motion(foci: usize, frames: usize) -> String {
     let target = |i: usize| format!("[[target]]\nat = [{}, 0, 0.1]\n", i as f64 * 0.004);
     let targets: String = (0..foci).map(target).collect();
-    format!("format = 1\n{targets}[solver]\nmethod = \"naive\"\n[motion]\npath = \"circle\"\nframes = {frames}\n")
+    format!(
+        "format = 1\n{targets}[solver]\nmethod = \"naive\"\n[motion]\npath = \"circle\"\nframes = {frames}\n"
+    )
 }
 
 #[test]
@@ -125,7 +142,8 @@ fn a_long_step_says_how_long_and_ends_when_it_is_interrupted() {
         let said = BufReader::new(child.stderr.take().unwrap());
         let note = said.lines().map(Result::unwrap).find(|line| line.contains(part));
         assert!(note.is_some_and(|note| note.contains("in all")), "{args:?}");
-        let kill = std::process::Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap();
+        let kill =
+            std::process::Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap();
         assert!(kill.success());
         assert!(child.wait().unwrap().signal().is_some(), "it did not end of itself");
         assert!(!folder.path().join("x.png").exists() && !folder.path().join("x.gif").exists());

@@ -17,7 +17,9 @@ fn stage() -> tempfile::TempDir {
         ("water.toml", &SCENE.replace("frames = 6", "frames = 3")),
     ]);
     let at = |name: &str| folder.path().join(name);
-    image::GrayImage::from_fn(8, 8, |x, _| image::Luma([if x < 4 { 0 } else { 255 }])).save(at("p.png")).unwrap();
+    image::GrayImage::from_fn(8, 8, |x, _| image::Luma([if x < 4 { 0 } else { 255 }]))
+        .save(at("p.png"))
+        .unwrap();
     let drive = program(folder.path(), &["solve", "still.toml", "--csv", "drive.csv"]).output().unwrap();
     assert!(drive.status.success());
     for name in ["a.toml", "points.csv", "drive.csv", "p.png"] {
@@ -74,7 +76,8 @@ fn an_animation_over_what_its_scene_shows_is_refused() {
         let message = refused(folder.path(), &mut program(folder.path(), &args));
         assert!(message.contains("writing it would destroy it"), "{args:?}: {message}");
     }
-    let args = "render water.toml --quantity depression --waves --seconds 0.0025 -o x.times.npy/ --data x.npy";
+    let args =
+        "render water.toml --quantity depression --waves --seconds 0.0025 -o x.times.npy/ --data x.npy";
     let output = program(folder.path(), &args.split(' ').collect::<Vec<_>>()).output().unwrap();
     assert_eq!(output.status.code(), Some(2), "the times of the frames are a file, too");
 }
@@ -107,11 +110,13 @@ fn standard_input_and_output_are_files_like_others() {
     let mut solve = program(folder.path(), &["solve", "/dev/stdin", "--csv", "a.toml"]);
     let message = refused(folder.path(), solve.stdin(File::open(&scene).unwrap()));
     assert!(message.contains("writing it would destroy it"), "{message}");
-    let line = format!("{{{}}}\n", r#""target": [{"kind": "picture", "file": "out/2.npy", "at": [0, 0, 0.1]}]"#);
+    let line =
+        format!("{{{}}}\n", r#""target": [{"kind": "picture", "file": "out/2.npy", "at": [0, 0, 0.1]}]"#);
     fs::create_dir(folder.path().join("out")).unwrap();
     fs::copy(folder.path().join("p.png"), folder.path().join("out/2.npy")).unwrap();
     fs::write(folder.path().join("lines"), line.repeat(2)).unwrap();
-    let args = ["batch", "--no-limits", "--method", "naive", "--data", "out", "--size", "8", "--threads", "1"];
+    let args =
+        ["batch", "--no-limits", "--method", "naive", "--data", "out", "--size", "8", "--threads", "1"];
     let before = fs::read(folder.path().join("out/2.npy")).unwrap();
     let lines = File::open(folder.path().join("lines")).unwrap();
     let output = program(folder.path(), &args).stdin(lines).output().unwrap();

@@ -13,14 +13,21 @@ fn places(folder: &Path) -> [(&'static str, &'static str); 5] {
     fs::create_dir(folder.join("dir")).unwrap();
     fs::write(folder.join("large"), vec![b'\n'; 65 << 20]).unwrap();
     let device = "this is a device or a pipe, not a file";
-    [("pipe", device), ("zero", device), ("dir", "is a directory"), ("gone", "No such file"), ("large", "MiB that are read")]
+    [
+        ("pipe", device),
+        ("zero", device),
+        ("dir", "is a directory"),
+        ("gone", "No such file"),
+        ("large", "MiB that are read"),
+    ]
 }
 
 #[test]
 fn what_is_no_file_of_a_sensible_size_is_refused_wherever_one_is_read() {
     let folder = folder_with(&[("a.toml", SCENE), ("points.csv", "x,y,z\n0,0,0.1\n")]);
     for (name, part) in places(folder.path()) {
-        let picture = format!("format = 1\n[[target]]\nkind = \"picture\"\nfile = \"{name}\"\nat = [0, 0, 0.1]\n");
+        let picture =
+            format!("format = 1\n[[target]]\nkind = \"picture\"\nfile = \"{name}\"\nat = [0, 0, 0.1]\n");
         fs::write(folder.path().join("pic.toml"), picture).unwrap();
         let mut commands = vec![
             format!("solve {name}"),
@@ -77,9 +84,14 @@ fn settings_with_a_surplus_or_a_wrong_value_are_left_aside_with_one_short_word()
     use sonoglyph::app::settings::Settings;
 
     let long = format!("theme = {}", "[".repeat(1 << 18));
-    for text in ["size = [800, 600, 3]", "position = [1, 2, 3]", "size = [1]", "size = \"x\"", "panel = 3", &long] {
+    for text in
+        ["size = [800, 600, 3]", "position = [1, 2, 3]", "size = [1]", "size = \"x\"", "panel = 3", &long]
+    {
         let word = Settings::parse(text).unwrap_err();
-        assert!(!word.is_empty() && word.len() < crate::LONGEST && !word.contains('\n'), "{text:.80}: {word}");
+        assert!(
+            !word.is_empty() && word.len() < crate::LONGEST && !word.contains('\n'),
+            "{text:.80}: {word}"
+        );
     }
     let escapes = format!("\"\\u001b[2J{}\" = 1\nmaximized = \"\\u001b[31m\"", "x".repeat(1 << 18));
     let word = Settings::parse(&escapes).unwrap_err();

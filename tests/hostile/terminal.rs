@@ -136,7 +136,8 @@ fn a_standard_output_that_is_closed_or_full_is_an_error_and_one_that_nobody_read
         assert!(program(folder.path(), &args).stdout(Stdio::null()).status().unwrap().success(), "{args:?}");
         let script = format!("(sleep 0.2; \"$0\" {}; echo \"status $?\" >&2) | true", args.join(" "));
         let mut shell = std::process::Command::new("sh");
-        let output = crate::at_home(&mut shell, folder.path()).args(["-c", &script, PROGRAM]).output().unwrap();
+        let output =
+            crate::at_home(&mut shell, folder.path()).args(["-c", &script, PROGRAM]).output().unwrap();
         let said = String::from_utf8_lossy(&output.stderr);
         assert!(said.contains("status 0") && !said.contains("error"), "{args:?}: {said}");
     }

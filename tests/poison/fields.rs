@@ -76,7 +76,10 @@ fn maps_have_pixels_and_drives_a_moment_and_a_part_of_them() {
                 assert_eq!(refused(none.clone()), Some(FieldError::NoDrive), "{quantity:?} {none:?}");
             }
         }
-        assert_eq!(refused(Request { drives: Vec::new().into(), ..request.clone() }), Some(FieldError::NoMean));
+        assert_eq!(
+            refused(Request { drives: Vec::new().into(), ..request.clone() }),
+            Some(FieldError::NoMean)
+        );
         for poison in POISON {
             let expected = (!(0.0..=1.0).contains(&poison)).then_some(FieldError::NoMean);
             assert_eq!(refused(Request { part: poison, ..request.clone() }), expected, "{poison}");

@@ -5,8 +5,8 @@ pub mod task;
 mod workers;
 
 use std::io::{BufReader, BufWriter, Write};
-use std::sync::{Arc, Mutex};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, TryRecvError};
+use std::sync::{Arc, Mutex};
 use std::thread;
 use std::time::Duration;
 

@@ -53,11 +53,9 @@ impl Task {
     /// calls itself, its `id`.
     pub fn answer(&self, line: &Line, stages: &mut Stages) -> Value {
         let mut id = None;
-        let mut answer = self
-            .result(line, &mut id, stages)
-            .unwrap_or_else(|error| {
-                json!({ "error": echo::message(&format!("line {}: {error:#}", line.number)) })
-            });
+        let mut answer = self.result(line, &mut id, stages).unwrap_or_else(
+            |error| json!({ "error": echo::message(&format!("line {}: {error:#}", line.number)) }),
+        );
         answer["line"] = line.number.into();
         if let Some(id) = id {
             answer["id"] = id;

@@ -68,7 +68,8 @@ pub fn run(args: &SendArgs) -> anyhow::Result<()> {
     let mut begun = None;
     let mut next_report = Instant::now() + REPORT;
     let mut lost: Option<Instant> = None;
-    let given_up = |lost: Option<Instant>| lost.is_some_and(|lost| lasts.is_some() && lost.elapsed() > PATIENCE);
+    let given_up =
+        |lost: Option<Instant>| lost.is_some_and(|lost| lasts.is_some() && lost.elapsed() > PATIENCE);
     while !interrupted.is_set() && !over(begun, lasts) && !given_up(lost) {
         match link.event_within(Duration::from_millis(5)) {
             Some(Event::Lost(why)) => {

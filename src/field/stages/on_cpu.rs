@@ -340,8 +340,7 @@ impl OnCpu {
                 let drives = first..count.min(first + TOGETHER);
                 let of_these = progress.part(drives.clone(), count);
                 of_these.tell(0, 1);
-                let samples =
-                    of_these.lead(|| sampled(superposition, job, grid, drives, key.double, work));
+                let samples = of_these.lead(|| sampled(superposition, job, grid, drives, key.double, work));
                 work.forming += samples.len() as u64;
                 let of_share = samples.len().div_ceil(most);
                 shares.resize_with(samples.len().div_ceil(of_share), Share::default);

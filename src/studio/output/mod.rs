@@ -117,13 +117,18 @@ fn draft_for(path: &Path, there: Option<&Metadata>) -> io::Result<(Draft, PathBu
     Ok((draft, path))
 }
 
-/// Where a file really is: a link stays a link, and what it leads to is written. Only for paths without endless links.
+/// Where a file really is: a link stays a link, and what it leads to is written.
 fn followed(path: &Path) -> io::Result<PathBuf> {
+    /// As many links as Linux follows.
+    const MOST: usize = 40;
     let mut path = path.to_owned();
-    while fs::symlink_metadata(&path).is_ok_and(|there| there.is_symlink()) {
+    for _ in 0..MOST {
+        if !fs::symlink_metadata(&path).is_ok_and(|there| there.is_symlink()) {
+            return Ok(path);
+        }
         path = folder_of(&path).join(fs::read_link(&path)?);
     }
-    Ok(path)
+    Err(io::Error::other("its links lead in a circle"))
 }
 
 /// Speaks of the file that the user named, not of the draft.
