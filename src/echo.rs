@@ -66,7 +66,7 @@ pub fn lines(text: &str) -> String {
 
 /// A file's name on a line of its own kind, in full.
 pub fn path(path: &Path) -> String {
-    line(&path.to_string_lossy())
+    line(path.to_string_lossy())
 }
 
 /// All of a text on one line.

@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 /// The layers, the uppermost first, with the outside crates each may name. A module uses itself and what stands above.
 const LAYERS: &[(&str, &[&str])] = &[
     ("echo", &[]),
-    ("source", &["rustix"]),
+    ("source", &["rustix", "tempfile"]),
     ("memory", &[]),
     ("gauge", &[]),
     ("scene", &["serde", "toml", "toml_edit", "glam", "thiserror"]),

@@ -60,13 +60,13 @@ pub(in crate::cli) fn run(args: &SolveArgs) -> anyhow::Result<()> {
         }
         files.writes(path)?;
     }
+    let in_file = |error: SolveError| anyhow::anyhow!("{}: {error}", args.scene.display());
     if args.method == Some(Methods::All) {
         if args.levels.is_some() {
             anyhow::bail!("--levels looks at one drive: name one method");
         }
-        return compare(&scene, args.json);
+        return compare(&scene, args.json, &in_file);
     }
-    let in_file = |error: SolveError| anyhow::anyhow!("{}: {error}", args.scene.display());
     let mut solution = solver::solve(&scene).map_err(in_file)?;
     if !solution.others.is_empty() && (args.csv.is_some() || args.levels.is_some()) {
         anyhow::bail!(
@@ -209,7 +209,11 @@ impl Played {
     }
 }
 
-fn compare(scene: &Scene, as_json: bool) -> anyhow::Result<()> {
+fn compare(
+    scene: &Scene,
+    as_json: bool,
+    in_file: &dyn Fn(SolveError) -> anyhow::Error,
+) -> anyhow::Result<()> {
     let mut solutions = Vec::new();
     for method in Method::ALL {
         let mut scene = scene.clone();
@@ -220,13 +224,13 @@ fn compare(scene: &Scene, as_json: bool) -> anyhow::Result<()> {
             Ok(solution) => solutions.push(solution),
             // A comparison leaves out what cannot be compared.
             Err(SolveError::SeveralFoci(_)) => {}
-            Err(error) => return Err(error.into()),
+            Err(error) => return Err(in_file(error)),
         }
     }
     let aperture = Aperture::new(scene);
     let Some(first) = solutions.first() else { return Ok(()) };
     // The limits are those of foci and array alone, and the stages of the map know all but the drive: both serve every method.
-    let _room = room::of_limits(scene, first.foci.len())?;
+    let _room = room::of_limits(scene, first.foci.len()).map_err(in_file)?;
     let problem = Problem::new(&aperture, first.foci.clone());
     let (limits, mut stages) = (Limits::new(&problem), stages());
     let findings: Vec<_> = solutions

@@ -134,7 +134,10 @@ fn a_long_step_says_how_long_and_ends_when_it_is_interrupted() {
     fs::write(folder.path().join("w.toml"), water).unwrap();
     for (args, part) in [
         ("render a.toml -o x.png --frame mean", "the mean of all frames: "),
-        ("render w.toml -o x.gif --quantity depression --waves --size 64x2", "the surfaces at rest of all frames: "),
+        (
+            "render w.toml -o x.gif --quantity depression --waves --size 64x2",
+            "the surfaces at rest of all frames: ",
+        ),
     ] {
         let args: Vec<_> = args.split(' ').collect();
         let mut command = program(folder.path(), &args);
