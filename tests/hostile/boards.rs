@@ -86,9 +86,9 @@ fn a_board_that_is_gone_or_drains_nothing_when_the_time_is_over_is_an_error() {
             let board = board(profile);
             let send = play(&board, folder.path(), profile, &["--seconds", "4"]);
             if is_unplugged {
-                board.unplug(true)
+                board.unplug(true);
             } else {
-                board.stall(true)
+                board.stall(true);
             }
             let message = message_of(&send.wait_with_output().unwrap());
             let is_told = message.contains("the board was lost") || message.contains("could not be silenced");

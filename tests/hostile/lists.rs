@@ -61,9 +61,9 @@ fn a_value_too_many_or_too_few_is_refused_in_every_list_of_every_kind_of_scene()
             let mut changed = document.clone();
             let list = at(&mut changed, path);
             if longer {
-                list.push(Value::Integer(9))
+                list.push(Value::Integer(9));
             } else {
-                drop(list.pop())
+                drop(list.pop());
             }
             let text = toml::to_string(&changed).unwrap();
             let error = sonoglyph::scene::file::parse(&text, name).unwrap_err().to_string();

@@ -37,7 +37,7 @@ fn keys_values_and_names_are_shown_and_steer_nothing() {
         format!("format = 1\n[solver]\nmethod = {nasty}\n"),
         format!("format = 1\n[[target]]\nkind = \"text\"\ntext = {nasty}\n"),
         format!("format = 1\n[[target]]\nkind = \"picture\"\nfile = {nasty}\nat = [0, 0, 0.1]\n"),
-        format!("format = 1\n# \u{202e}\n[array]\npitch = [\"\u{202e}\u{2066}\"]\n"),
+        "format = 1\n# \u{202e}\n[array]\npitch = [\"\u{202e}\u{2066}\"]\n".to_owned(),
         format!("format = 1\n[array]\npitch = {}\n", "\u{1b}[31m"),
     ] {
         let folder = folder_with(&[("a.toml", &text)]);
