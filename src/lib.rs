@@ -9,9 +9,12 @@ pub mod bench;
 pub mod cli;
 pub mod device;
 pub mod drive;
+pub mod echo;
 pub mod field;
+pub mod gauge;
 #[cfg(feature = "window")]
 pub mod import;
+pub mod memory;
 pub mod picture;
 #[cfg(test)]
 #[path = "../tests/requirement/mod.rs"]
@@ -19,6 +22,7 @@ mod requirement;
 pub mod scene;
 pub mod simd;
 pub mod solver;
+pub mod source;
 pub mod studio;
 pub mod surface;
 pub mod table;

@@ -3,14 +3,27 @@
 use std::path::Path;
 use std::process::ExitCode;
 
-use sonoglyph::cli::Next;
+use sonoglyph::cli::{BadArguments, Next};
 use sonoglyph::studio::evaluator::Renderer;
 use sonoglyph::studio::output::mention;
+
+/// The loader calls this before Rust puts /dev/null where the caller closed standard output.
+#[cfg(target_os = "linux")]
+#[used]
+#[expect(unsafe_code, reason = "what is called there needs nothing of Rust's runtime")]
+#[unsafe(link_section = ".init_array")]
+static BEFORE_MAIN: extern "C" fn() = look_at_standard;
+
+#[cfg(target_os = "linux")]
+extern "C" fn look_at_standard() {
+    sonoglyph::studio::output::look_at_standard();
+}
 
 fn main() -> ExitCode {
     quiet_drivers();
     match sonoglyph::cli::run().and_then(go_on) {
         Ok(()) => ExitCode::SUCCESS,
+        Err(error) if error.is::<BadArguments>() => ExitCode::from(2),
         Err(error) if nobody_reads(&error) => ExitCode::SUCCESS,
         Err(error) => {
             mention(&format!("error: {error:#}"));

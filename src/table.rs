@@ -4,6 +4,8 @@ use std::io::{Chain, Read};
 
 use csv::{ReaderBuilder, StringRecord, Terminator, Trim};
 
+use crate::echo;
+
 /// What is wrong, and in which line, counted from 1. Shown as `line: reason`, so that the file's name goes in front.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{line}: {reason}")]
@@ -120,7 +122,7 @@ impl<R: Read, const N: usize, const M: usize> Table<R, N, M> {
             "" => Ok(None),
             text => match text.parse::<f64>() {
                 Ok(number) if number.is_finite() => Ok(Some(number)),
-                _ => Err(self.refusal(format!("{name} = `{}`: not a finite number", shown(text)))),
+                _ => Err(self.refusal(format!("{name} = `{}`: not a finite number", echo::value(text)))),
             },
         }
     }
@@ -148,13 +150,6 @@ fn reason(error: &csv::Error) -> String {
         csv::ErrorKind::Utf8 { .. } => "this is no UTF-8 text".to_owned(),
         _ => error.to_string(),
     }
-}
-
-/// A value as a message can show it: one line, and not a page.
-fn shown(text: &str) -> String {
-    const MOST: usize = 40;
-    let line: String = text.chars().take(MOST).map(|c| if c.is_control() { ' ' } else { c }).collect();
-    if text.chars().nth(MOST).is_some() { format!("{line}…") } else { line }
 }
 
 #[cfg(test)]
@@ -190,7 +185,7 @@ mod tests {
             ("x,y\n\n# of\n\n1,zero", "5: y = `zero`: not a finite number"),
             ("x,y\r\n1,2\r\n\r\n1,nan\r\n", "4: y = `nan`: not a finite number"),
             ("x,y\r\n,2\r\n", "2: x is missing"),
-            ("x,y\n1,\"a\nb\"\n", "3: y = `a b`: not a finite number"),
+            ("x,y\n1,\"a\nb\"\n", "3: y = `a\\nb`: not a finite number"),
         ] {
             assert_eq!(rows(text).unwrap_err().to_string(), error, "{text:?}");
         }
@@ -198,6 +193,6 @@ mod tests {
         table.next_row().unwrap();
         assert_eq!(table.next_row().unwrap_err().to_string(), "3: this is no UTF-8 text");
         let long = format!("x,y\n1,{}\n", "9e".repeat(1000));
-        assert!(rows(&long).unwrap_err().to_string().len() < 100);
+        assert!(rows(&long).unwrap_err().to_string().len() < 200);
     }
 }

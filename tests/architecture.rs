@@ -8,6 +8,10 @@ use std::path::{Path, PathBuf};
 
 /// The layers, the uppermost first, with the outside crates each may name. A module uses itself and what stands above.
 const LAYERS: &[(&str, &[&str])] = &[
+    ("echo", &[]),
+    ("source", &["rustix", "tempfile"]),
+    ("memory", &[]),
+    ("gauge", &[]),
     ("scene", &["serde", "toml", "toml_edit", "glam", "thiserror"]),
     ("table", &["csv", "thiserror"]),
     ("simd", &[]),

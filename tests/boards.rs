@@ -200,7 +200,7 @@ fn what_cannot_be_sent_says_why() {
     };
     let sonic = Profile::SonicSurface;
     refused(send(&scene, nowhere, sonic, &[]), &["there is no port"]);
-    refused(send(&small, nowhere, sonic, &[]), &["small.toml", "64", "256"]);
+    refused(send(&small, nowhere, sonic, &[]), &["small.toml", "8 x 8", "16 x 16"]);
     refused(
         send(&scene, nowhere, sonic, &["--calibration", gaps.to_str().unwrap()]),
         &["gaps.csv", "255 of 256"],

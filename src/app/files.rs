@@ -14,6 +14,7 @@ use crate::import::{self, Drawing};
 use crate::picture::{export, sheet};
 use crate::scene::{Scene, check};
 use crate::solver::frames;
+use crate::source;
 use crate::studio::paintings::Placed;
 use crate::studio::{animate, map, output};
 use crate::ui::document::Document;
@@ -66,8 +67,8 @@ fn ask_desktop(
 
 /// The drawing in a file.
 fn read_drawing(path: &Path) -> anyhow::Result<Drawing> {
-    output::refuse_stream(path)?;
-    let bytes = std::fs::read(path).map_err(|error| anyhow!("{}: {}", path.display(), error.kind()))?;
+    let bytes = source::read(path, import::MOST_BYTES as u64)
+        .map_err(|error| anyhow!("{}: {error}", path.display()))?;
     import::read(&bytes).map_err(|error| anyhow!("{}: {error}", path.display()))
 }
 

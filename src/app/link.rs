@@ -67,7 +67,8 @@ impl Board {
             }
             BoardCommand::Checkerboard => {
                 shown.board.plays = Plays::Checkerboard;
-                let columns = editor.scene().array.columns as usize;
+                let columns =
+                    profile.shape().map_or(editor.scene().array.columns, |[columns, _]| columns) as usize;
                 self.show(Content::Still(Levels::checkerboard(profile, columns)));
             }
             BoardCommand::TakeCarrier => {
@@ -158,6 +159,11 @@ impl Board {
         }
         let profile = editor.board.profile;
         let levels = |drive: &Drive| Levels::new(profile, drive, &self.calibration);
+        if let Err(error) = profile.drives(&editor.scene().array) {
+            refuse(shown, error.to_string());
+            self.drives = Some(drives);
+            return;
+        }
         match drives.iter().map(levels).collect() {
             Ok(frames) => {
                 let rate = profile.turns_per_second(editor.board.baud().unwrap_or(profile.baud()));
@@ -171,6 +177,9 @@ impl Board {
     fn send_motion(&mut self, editor: &Editor, shown: &mut Shown) {
         let (Some(round), Some(cycle)) = (&shown.round, motion::cycle(editor.scene())) else { return };
         self.awaits_round = false;
+        if let Err(error) = editor.board.profile.drives(&editor.scene().array) {
+            return refuse(shown, error.to_string());
+        }
         let levels = |drive: &Drive| Levels::new(editor.board.profile, drive, &self.calibration);
         let frames: Result<Vec<_>, _> = round.frames.iter().map(|frame| levels(&frame.drive)).collect();
         match frames {
@@ -195,7 +204,8 @@ impl Board {
         }
         self.compared = Some((solution.clone(), profile));
         let aperture = Aperture::new(editor.scene());
-        let fits = aperture.positions.len() == solution.drive.phases.len();
+        let fits = aperture.positions.len() == solution.drive.phases.len()
+            && profile.drives(&editor.scene().array).is_ok();
         let levels = Levels::new(profile, &solution.drive, &Calibration::default());
         shown.board.pressures = levels.ok().filter(|_| fits).map(|levels| {
             let transfer = Problem::new(&aperture, solution.foci.clone()).transfer;

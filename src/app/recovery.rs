@@ -46,7 +46,11 @@ impl Recovery {
 
     /// `None` while another window has this file.
     fn take(path: PathBuf) -> Option<Self> {
-        let lock = File::options().create(true).append(true).open(lock_of(&path)).ok();
+        let lock = lock_of(&path);
+        // A pipe would keep the window waiting for who reads it.
+        let lock = output::refuse_stream(&lock)
+            .and_then(|()| Ok(File::options().create(true).append(true).open(lock)?))
+            .ok();
         if let Some(lock) = &lock
             && matches!(lock.try_lock(), Err(TryLockError::WouldBlock))
         {
@@ -76,6 +80,10 @@ impl Recovery {
             return Some(OFTEN - (now - self.last));
         }
         self.last = now;
+        if let Err(error) = output::refuse_stream(&self.path) {
+            self.trouble = Some(error.to_string());
+            return Some(OFTEN);
+        }
         // No other window has files of these names.
         let placed = self.paintings.place(scene, &self.path, |_| true);
         let written = self.paintings.write(placed.files, output::write);

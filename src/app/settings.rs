@@ -1,12 +1,16 @@
 //! What the window remembers from run to run: its place, its panels and colours, and the files that were open last.
 
+use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
 use egui::{Context, ThemePreference};
 use serde::{Deserialize, Serialize};
 
+use crate::echo;
 use crate::field::Scale;
 use crate::picture::ColourMap;
+use crate::scene::strict::Strict;
+use crate::source;
 use crate::studio::output;
 use crate::ui::{Editor, Panel};
 
@@ -14,6 +18,8 @@ use crate::ui::{Editor, Panel};
 const OFTEN: f64 = 2.0;
 /// Files that are remembered.
 const MOST_RECENT: usize = 10;
+/// Bytes of the file, at most.
+const MOST_BYTES: u64 = 1 << 20;
 /// Points of the screen: windows and places that can be.
 const SMALLEST: [f32; 2] = [200.0, 150.0];
 const LARGEST: f32 = 16_384.0;
@@ -133,9 +139,10 @@ impl Settings {
     /// # Errors
     /// A word on what makes no sense.
     pub fn parse(text: &str) -> Result<Self, String> {
-        let settings: Self = toml::from_str(text)
-            .map_err(|error| error.message().lines().next().unwrap_or_default().to_owned())?;
-        Ok(settings.sane())
+        let settings = toml::Deserializer::parse(text).and_then(|table| Self::deserialize(Strict(table)));
+        let settings =
+            settings.map_err(|error| echo::message(error.message().lines().next().unwrap_or_default()));
+        Ok(settings?.sane())
     }
 
     fn sane(mut self) -> Self {
@@ -185,10 +192,14 @@ impl Memory {
     /// The file in this folder, what it says, and a word where that could not be read.
     pub fn at(folder: &Path) -> (Self, Settings, Option<String>) {
         let path = folder.join("settings.toml");
-        let (settings, word) = match std::fs::read_to_string(&path).map(|text| Settings::parse(&text)) {
-            Ok(Ok(settings)) => (settings, None),
-            Ok(Err(why)) => (Settings::default(), Some(format!("{} is left aside: {why}", path.display()))),
-            Err(_) => (Settings::default(), None),
+        let read = match source::read_text(&path, MOST_BYTES) {
+            Ok(text) => Settings::parse(&text),
+            Err(error) if error.kind() == ErrorKind::NotFound => Ok(Settings::default()),
+            Err(error) => Err(error.to_string()),
+        };
+        let (settings, word) = match read {
+            Ok(settings) => (settings, None),
+            Err(why) => (Settings::default(), Some(format!("{} is left aside: {why}", path.display()))),
         };
         (Self { path, kept: settings.clone(), pending: None, last: f64::NEG_INFINITY }, settings, word)
     }
@@ -213,15 +224,18 @@ impl Memory {
         let Some(settings) = self.pending.take() else { return };
         let mut file = settings.clone();
         // What another window has opened meanwhile is remembered, too.
-        let there = std::fs::read_to_string(&self.path).ok().and_then(|text| toml::from_str(&text).ok());
-        let recent = there.map_or_else(Vec::new, |there: Settings| there.recent);
+        let there =
+            source::read_text(&self.path, MOST_BYTES).ok().and_then(|text| Settings::parse(&text).ok());
+        let recent = there.map_or_else(Vec::new, |there| there.recent);
         let is_known = |path: &PathBuf| self.kept.recent.contains(path) || settings.recent.contains(path);
         file.recent.extend(recent.into_iter().filter(|path| !is_known(path)));
         file.recent.truncate(MOST_RECENT);
         // Where nothing can be written, the next run begins as the first one did.
         if let (Some(folder), Ok(text)) = (self.path.parent(), toml::to_string(&file)) {
             let _ = std::fs::create_dir_all(folder);
-            let _ = output::write(&self.path, text.as_bytes());
+            // A pipe would keep the window waiting for who reads it.
+            let _ =
+                output::refuse_stream(&self.path).and_then(|()| output::write(&self.path, text.as_bytes()));
         }
         self.kept = settings;
     }

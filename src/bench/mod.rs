@@ -21,9 +21,10 @@ use anyhow::Context;
 use comfy_table::{CellAlignment, Table};
 use serde_json::{Map, Value};
 
+use crate::echo;
 use crate::picture::chart::Chart;
 use crate::picture::export;
-use crate::studio::output::{self, note, say, warn};
+use crate::studio::output::{self, Files, note, say, warn};
 use conditions::Conditions;
 
 /// What is measured, and what is made of it.
@@ -118,13 +119,14 @@ fn link() -> Measure {
 /// # Errors
 /// What cannot be written; what cannot be measured, unless everything is asked for: then the report says why it is missing.
 pub fn run(options: &Options) -> anyhow::Result<()> {
+    let mut files = Files::new();
     if let Some(path) = &options.json {
-        output::check_writable(path)?;
+        files.writes(path)?;
     }
     if let Some(folder) = &options.plots {
         std::fs::create_dir_all(folder)
             .with_context(|| format!("{}: cannot make the folder", folder.display()))?;
-        output::check_writable(&folder.join(page::NAME))?;
+        files.writes(&folder.join(page::NAME))?;
     }
     let conditions = Conditions::now();
     let mut sections = Vec::new();
@@ -151,7 +153,7 @@ pub fn run(options: &Options) -> anyhow::Result<()> {
         output::write(path, serde_json::to_string_pretty(&value)?.as_bytes())?;
     }
     if let Some(folder) = &options.plots {
-        write_page(folder, &conditions, &sections, &value)?;
+        write_page(folder, &conditions, &sections, &value, &mut files)?;
     }
     Ok(())
 }
@@ -201,15 +203,17 @@ fn write_page(
     conditions: &Conditions,
     sections: &[Section],
     value: &Value,
+    files: &mut Files,
 ) -> anyhow::Result<()> {
     for (name, chart) in
         sections.iter().filter_map(|section| section.found.as_ref().ok()).flat_map(|r| &r.charts)
     {
         let path = folder.join(name).with_extension("png");
+        files.keeps(&path)?;
         output::write(&path, &export::png(&chart.draw()?)?)?;
-        say!("{}", path.display())?;
+        say!("{}", echo::path(&path))?;
     }
     let path = folder.join(page::NAME);
     output::write(&path, page::html(conditions, sections, &figures::measured(value))?.as_bytes())?;
-    say!("{}", path.display())
+    say!("{}", echo::path(&path))
 }

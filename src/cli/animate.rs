@@ -3,20 +3,17 @@
 use std::time::Instant;
 
 use anyhow::bail;
-use indicatif::{ProgressBar, ProgressStyle};
 
-use crate::cli::{RenderArgs, View, read_scene, render};
+use crate::cli::{RenderArgs, View, progress, read_scene, render};
 use crate::field::{Colouring, Quantity, Request, Stages, missed};
 use crate::solver::frames;
-use crate::studio::animate::{Film, Target};
+use crate::studio::animate::{Film, Target, times_of};
 use crate::studio::evaluator::{self, Backend};
-use crate::studio::output::{self, note, say, warn};
+use crate::studio::motion::SOLVING;
+use crate::studio::output::{Files, note, say, warn};
 use crate::studio::still::{Diagram, stem};
 use crate::studio::swell::Schedule;
 use crate::studio::{liquid, map, motion};
-
-/// In which progress is counted.
-const STEPS: f64 = 10_000.0;
 
 pub fn run(args: &RenderArgs) -> anyhow::Result<()> {
     let target = Target::of(&args.output)?;
@@ -39,22 +36,30 @@ pub fn run(args: &RenderArgs) -> anyhow::Result<()> {
     if args.view == View::Shaded {
         bail!("animations are maps: leave out --view shaded");
     }
-    let mut scene = read_scene(path, args.method)?;
+    let mut files = Files::new();
+    let mut scene = read_scene(path, args.method, &mut files)?;
     scene.plane.tolerance = args.tolerance.unwrap_or(scene.plane.tolerance);
     let look = render::look(args);
     let size = look.pixels(&scene)?;
+    if let Target::File(path, _) = &target {
+        files.keeps(path)?;
+    }
+    if let Some(data) = &args.data {
+        files.writes(data)?;
+        files.writes(&times_of(data))?;
+    }
     target.check(size)?;
     let schedule = args.waves.then(|| Schedule::new(&scene, args.seconds)).transpose()?;
     let sequence = match args.waves {
-        true => frames::follow(&scene)?,
-        false => motion::follow(&scene, &path.display().to_string())?,
+        true => frames::follow_with(&scene, &progress::begin(SOLVING))?,
+        false => motion::follow(&scene, &path.display().to_string(), &progress::begin(SOLVING))?,
     };
-    if let Some(data) = &args.data {
-        output::check_writable(data)?;
-    }
+    let pictures = schedule.map_or(sequence.frames.len(), |schedule| schedule.pictures);
+    target.pictures(&stem(path), pictures).try_for_each(|path| files.keeps(&path))?;
     target.make_folder()?;
     let stages = Stages::new(evaluator::for_maps(args.backend.backend)?);
-    let drives: Vec<_> = sequence.frames.iter().map(|frame| frame.drive.clone()).collect();
+    let (seconds, frames) = (sequence.seconds, sequence.frames);
+    let drives: Vec<_> = frames.into_iter().map(|frame| frame.drive).collect();
     let count = drives.len();
     let request = Request::new(&scene, drives, quantity, size);
     let colouring = Colouring::new(quantity, map::colours(quantity, args.colours).table());
@@ -63,18 +68,13 @@ pub fn run(args: &RenderArgs) -> anyhow::Result<()> {
     film.schedule = schedule;
     film.data.clone_from(&args.data);
     let start = Instant::now();
-    let bar = progress();
-    let tell = |part: f64| {
-        bar.set_position((part * STEPS) as u64);
-        Ok(())
-    };
+    film.begin = progress::begin;
     if quantity.declaration().of_liquid && !args.waves {
         note(
             "every frame shows the depression that its sound would press in the end; --waves shows how the surface follows",
         );
     }
-    let shot = film.shoot(&target, &stem(path), &tell)?;
-    bar.finish_and_clear();
+    let shot = film.shoot(&target, &stem(path), &|_| Ok(()))?;
     if let Some(missed) = missed(film.error, scene.plane.tolerance) {
         warn(&missed);
     }
@@ -83,14 +83,9 @@ pub fn run(args: &RenderArgs) -> anyhow::Result<()> {
     }
     say!("{}", shot.line(&args.output, size))?;
     if args.verbose {
-        let (solving, drawing) = (sequence.seconds, start.elapsed().as_secs_f64());
+        let (solving, drawing) = (seconds, start.elapsed().as_secs_f64());
         let each = drawing / count as f64;
         say!("  {:.1} ms for all drives, {:.1} ms per frame for its map", solving * 1e3, each * 1e3)?;
     }
     Ok(())
-}
-
-fn progress() -> ProgressBar {
-    let style = ProgressStyle::with_template("{bar:30} {percent} %, {eta} left");
-    ProgressBar::new(STEPS as u64).with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()))
 }

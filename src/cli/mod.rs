@@ -1,6 +1,7 @@
 //! The command line: arguments in, values through the library, files and text out.
 
 mod animate;
+mod arguments;
 pub mod batch;
 mod boards;
 mod devices;
@@ -9,19 +10,22 @@ mod json;
 mod motion;
 mod names;
 mod probe;
+mod progress;
 mod render;
 mod solve;
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
 
 use crate::bench::{self, Subject};
+pub use crate::cli::arguments::BadArguments;
 use crate::cli::boards::{BoardArgs, SendArgs};
 use crate::field::Quantity;
 use crate::picture::ColourMap;
-use crate::scene::{Listener, Method, Scene, file};
+use crate::scene::{Listener, Method, Scene};
 use crate::studio::evaluator::{Backend, Renderer};
+use crate::studio::output::Files;
 use crate::studio::still::{Diagram, Moment, Size};
 use crate::studio::{opening, output};
 
@@ -309,7 +313,11 @@ fn parse_method(name: &str) -> Result<Method, String> {
 /// Bad input, or output that cannot be written; the message is for the user as it stands.
 pub fn run() -> anyhow::Result<Next> {
     output::outlive_file_limits()?;
-    let done = match Cli::parse() {
+    let cli = match Cli::try_parse() {
+        Ok(cli) => cli,
+        Err(error) => return arguments::answer(&error),
+    };
+    let done = match cli {
         Cli { command: Some(Command::Render(args)), .. } if args.motion || args.waves => animate::run(&args),
         Cli { command: Some(Command::Render(args)), .. } => render::run(&args),
         Cli { command: Some(Command::Solve(args)), .. } if args.motion => motion::run(&args),
@@ -336,9 +344,11 @@ pub enum Next {
     Bench(bench::Options),
 }
 
-/// The scene in a file, with the method that the command line may ask for instead.
-fn read_scene(path: &std::path::Path, method: Option<Method>) -> Result<Scene, file::FileError> {
+/// The scene in a file, with the method that the command line may ask for instead; its file and its pictures are never written.
+fn read_scene(path: &Path, method: Option<Method>, files: &mut Files) -> anyhow::Result<Scene> {
+    files.reads(path)?;
     let mut scene = opening::open(path)?;
+    files.reads_pictures(&scene)?;
     if let Some(method) = method {
         scene.solver.method = method;
     }

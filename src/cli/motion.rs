@@ -6,13 +6,13 @@ use anyhow::bail;
 use serde_json::{Value, json};
 
 use crate::cli::solve::Methods;
-use crate::cli::{SolveArgs, read_scene};
+use crate::cli::{SolveArgs, progress, read_scene};
 use crate::picture::sheet::pascals;
 use crate::scene::motion::{Cycle, Group};
 use crate::scene::{Scene, motion};
 use crate::solver::frames::{Frame, Sequence};
-use crate::studio::motion::follow;
-use crate::studio::output::{self, say, warn};
+use crate::studio::motion::{SOLVING, follow};
+use crate::studio::output::{self, Files, say, warn};
 
 /// m/s at which a moving focus is felt most: about the speed of waves on skin (Frier et al. 2018).
 const FELT_MOST: (f64, f64) = (5.0, 8.0);
@@ -26,17 +26,18 @@ pub fn run(args: &SolveArgs) -> anyhow::Result<()> {
         Some(Methods::One(method)) => Some(method),
         None => None,
     };
-    let scene = read_scene(&args.scene, method)?;
+    let mut files = Files::new();
+    let scene = read_scene(&args.scene, method, &mut files)?;
     if let Some(path) = &args.csv {
-        output::check_writable(path)?;
+        files.writes(path)?;
     }
-    let sequence = follow(&scene, &args.scene.display().to_string())?;
+    let sequence = follow(&scene, &args.scene.display().to_string(), &progress::begin(SOLVING))?;
     warn_of_rate(&scene);
     if let Some(path) = &args.csv {
         output::write_by(path, |file| Ok(write_csv(file, &scene, &sequence)?))?;
     }
     if args.json {
-        let mut out = BufWriter::new(std::io::stdout().lock());
+        let mut out = BufWriter::new(output::standard()?);
         write_json(&mut out, &scene, &sequence).and_then(|()| out.flush()).map_err(output::unsaid)?;
     } else {
         print(&scene, &sequence)?;

@@ -11,17 +11,22 @@ use crate::cli::{ProbeArgs, read_scene};
 use crate::drive::Drive;
 use crate::field::{Evaluator, Samples, reference};
 use crate::solver;
+use crate::source;
 use crate::studio::evaluator;
-use crate::studio::output::{self, note, warn};
+use crate::studio::output::{self, Files, note, warn};
 use crate::studio::probe::Reading;
 use crate::table::TableError;
 
 pub fn run(args: &ProbeArgs) -> anyhow::Result<()> {
-    let scene = read_scene(&args.scene, None)?;
-    let samples = read_table(&args.points, Samples::read)?;
-    if let Some(path) = &args.output {
-        output::check_writable(path)?;
+    let mut files = Files::new();
+    let scene = read_scene(&args.scene, None, &mut files)?;
+    for path in [&args.points].into_iter().chain(&args.drive) {
+        files.reads(path)?;
     }
+    if let Some(path) = &args.output {
+        files.writes(path)?;
+    }
+    let samples = read_table(&args.points, Samples::read)?;
     let drives = match &args.drive {
         Some(path) => vec![read_table(path, |csv| Drive::read(csv, scene.array.elements()))?],
         None => {
@@ -73,6 +78,6 @@ fn mean(drives: &[Vec<Complex64>]) -> Vec<Complex64> {
 
 /// What `read` makes of a file; its errors name the file in front of the line.
 fn read_table<T>(path: &Path, read: impl FnOnce(File) -> Result<T, TableError>) -> anyhow::Result<T> {
-    let file = File::open(path).with_context(|| path.display().to_string())?;
+    let file = source::open(path).with_context(|| path.display().to_string())?;
     read(file).map_err(|error| anyhow!("{}:{error}", path.display()))
 }

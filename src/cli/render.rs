@@ -6,10 +6,11 @@ use std::time::Instant;
 use anyhow::{Context, bail};
 use indicatif::{ProgressBar, ProgressStyle};
 
-use crate::cli::{RenderArgs, View, read_scene};
+use crate::cli::{RenderArgs, View, progress, read_scene};
+use crate::echo;
 use crate::field::{Evaluator, Stages};
 use crate::studio::evaluator;
-use crate::studio::output::{self, say};
+use crate::studio::output::{self, Files, say};
 use crate::studio::still::{self, Diagram, LARGEST_SIDE, Look, Moment, Size, Solved, stem};
 
 /// `W` or `WxH`.
@@ -50,6 +51,7 @@ pub fn look(args: &RenderArgs) -> Look {
         numbers: args.data.is_some(),
         backend: args.backend.backend,
         moment: args.frame,
+        begin: progress::begin,
     }
 }
 
@@ -60,9 +62,11 @@ pub fn run(args: &RenderArgs) -> anyhow::Result<()> {
     }
     let look = look(args);
     // Every scene is read and solved before the first is drawn: a slip in the last one costs no work.
-    let mut scenes = Vec::new();
+    let (mut scenes, mut files) = (Vec::new(), Files::new());
+    args.scenes.iter().try_for_each(|path| files.reads(path))?;
+    outputs.iter().chain(&args.data).try_for_each(|path| files.keeps(path))?;
     for path in &args.scenes {
-        let mut scene = read_scene(path, args.method)?;
+        let mut scene = read_scene(path, args.method, &mut files)?;
         scene.plane.tolerance = args.tolerance.unwrap_or(scene.plane.tolerance);
         look.pixels(&scene)?;
         scenes.push(Solved::new(scene, path)?);
@@ -77,9 +81,9 @@ pub fn run(args: &RenderArgs) -> anyhow::Result<()> {
         Diagram::Map(_) | Diagram::Sheet => evaluator::for_maps(look.backend)?,
     });
 
-    let bar = progress(scenes.len());
+    let bar = bar(scenes.len());
     for (solved, output) in scenes.iter().zip(&outputs) {
-        bar.set_message(solved.name.clone());
+        bar.set_message(echo::value(&solved.name));
         let start = Instant::now();
         let rendered = still::render(solved, &mut stages, &look).with_context(|| solved.name.clone())?;
         rendered.write(output, args.data.as_deref())?;
@@ -125,7 +129,7 @@ fn make_folder(args: &RenderArgs, outputs: &[PathBuf]) -> anyhow::Result<()> {
         .with_context(|| format!("{}: cannot make the folder", args.output.display()))
 }
 
-fn progress(scenes: usize) -> ProgressBar {
+fn bar(scenes: usize) -> ProgressBar {
     if scenes < 2 {
         return ProgressBar::hidden();
     }

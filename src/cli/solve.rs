@@ -11,8 +11,8 @@ use crate::field::{Evaluator, Ghost, NoGhost, Stages, ghost};
 use crate::picture::sheet::pascals;
 use crate::scene::{Amplitudes, Focus, Listener, Method, Pressures, Scene, check};
 use crate::solver::levels::{self, Reached};
-use crate::solver::{self, Limits, Problem, Solution, SolveError};
-use crate::studio::output::{self, say, warn};
+use crate::solver::{self, Limits, Problem, Solution, SolveError, room};
+use crate::studio::output::{self, Files, say, warn};
 use crate::studio::probe::{self, Reading};
 
 /// Which methods to run.
@@ -50,22 +50,23 @@ pub(in crate::cli) fn run(args: &SolveArgs) -> anyhow::Result<()> {
         Some(Methods::One(method)) => Some(method),
         Some(Methods::All) | None => None,
     };
-    let mut scene = read_scene(&args.scene, one)?;
+    let mut files = Files::new();
+    let mut scene = read_scene(&args.scene, one, &mut files)?;
     scene.listener = args.listener.clone().or(scene.listener);
     scene.solver.search = args.search.unwrap_or(scene.solver.search);
     if let Some(path) = &args.csv {
         if args.method == Some(Methods::All) {
             anyhow::bail!("--csv writes one drive: name one method");
         }
-        output::check_writable(path)?;
+        files.writes(path)?;
     }
+    let in_file = |error: SolveError| anyhow::anyhow!("{}: {error}", args.scene.display());
     if args.method == Some(Methods::All) {
         if args.levels.is_some() {
             anyhow::bail!("--levels looks at one drive: name one method");
         }
-        return compare(&scene, args.json);
+        return compare(&scene, args.json, &in_file);
     }
-    let in_file = |error: SolveError| anyhow::anyhow!("{}: {error}", args.scene.display());
     let mut solution = solver::solve(&scene).map_err(in_file)?;
     if !solution.others.is_empty() && (args.csv.is_some() || args.levels.is_some()) {
         anyhow::bail!(
@@ -74,9 +75,11 @@ pub(in crate::cli) fn run(args: &SolveArgs) -> anyhow::Result<()> {
         );
     }
     let aperture = Aperture::new(&scene);
+    let room = room::of_limits(&scene, solution.foci.len()).map_err(in_file)?;
     let problem = Problem::of_scene(&scene, &aperture, solution.foci.clone());
     solution.judge(&scene, &problem);
     let findings = Findings::new(&scene, &problem, Limits::new(&problem), &mut stages(), solution);
+    drop(room);
     findings.warnings().iter().for_each(|warning| warn(warning));
     let played = args.levels.map(|levels| Played::new(&problem, &findings.solution, levels));
     if let Some(path) = &args.csv {
@@ -206,7 +209,11 @@ impl Played {
     }
 }
 
-fn compare(scene: &Scene, as_json: bool) -> anyhow::Result<()> {
+fn compare(
+    scene: &Scene,
+    as_json: bool,
+    in_file: &dyn Fn(SolveError) -> anyhow::Error,
+) -> anyhow::Result<()> {
     let mut solutions = Vec::new();
     for method in Method::ALL {
         let mut scene = scene.clone();
@@ -217,12 +224,13 @@ fn compare(scene: &Scene, as_json: bool) -> anyhow::Result<()> {
             Ok(solution) => solutions.push(solution),
             // A comparison leaves out what cannot be compared.
             Err(SolveError::SeveralFoci(_)) => {}
-            Err(error) => return Err(error.into()),
+            Err(error) => return Err(in_file(error)),
         }
     }
     let aperture = Aperture::new(scene);
     let Some(first) = solutions.first() else { return Ok(()) };
     // The limits are those of foci and array alone, and the stages of the map know all but the drive: both serve every method.
+    let _room = room::of_limits(scene, first.foci.len()).map_err(in_file)?;
     let problem = Problem::new(&aperture, first.foci.clone());
     let (limits, mut stages) = (Limits::new(&problem), stages());
     let findings: Vec<_> = solutions

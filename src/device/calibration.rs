@@ -3,7 +3,11 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
+use crate::source;
 use crate::table::{Table, TableError};
+
+/// Bytes of a file, at most.
+const MOST_BYTES: u64 = 1 << 20;
 
 /// Per element; an element that is not listed is as it should be.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -27,9 +31,16 @@ pub enum CalibrationError {
     #[error("{0}")]
     Unreadable(String),
     #[error("line {0}")]
-    Row(#[from] TableError),
+    Row(TableError),
     #[error("{} of {elements} elements are missing: {}", missing.len(), listed(missing))]
     Gaps { missing: Vec<usize>, elements: usize },
+}
+
+/// The row's error is told in full above: as a source it would be told twice.
+impl From<TableError> for CalibrationError {
+    fn from(error: TableError) -> Self {
+        Self::Row(error)
+    }
 }
 
 /// The first few numbers.
@@ -46,8 +57,8 @@ impl Calibration {
     /// # Errors
     /// A file that cannot be read, a row that makes no sense, elements listed twice or not at all.
     pub fn read(path: &Path, elements: usize) -> Result<Self, CalibrationError> {
-        let text =
-            std::fs::read_to_string(path).map_err(|error| CalibrationError::Unreadable(error.to_string()))?;
+        let text = source::read_text(path, MOST_BYTES);
+        let text = text.map_err(|error| CalibrationError::Unreadable(error.to_string()))?;
         Self::parse(&text, elements)
     }
 

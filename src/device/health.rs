@@ -28,6 +28,8 @@ pub struct Health {
     pub state: State,
     /// What is wanted is played.
     pub in_place: bool,
+    /// The port took the silence that a board is left with.
+    pub silenced: bool,
     /// That the board has (native), or that were sent.
     pub frames: u64,
     pub bytes: u64,

@@ -1,5 +1,7 @@
 //! The boards that can be driven, and their facts.
 
+use crate::scene::Array;
+
 /// A kind of board.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Profile {
@@ -28,6 +30,15 @@ pub enum Strength {
     Linear(u16),
     /// Pulses up to this many levels long, which is half a period; the sound follows the sine of their length.
     Duty(u16),
+}
+
+/// An array that is not the board's.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("the scene's array has {} x {} elements (columns x rows), and {} {}", array[0], array[1], profile.name(), profile.size())]
+pub struct OtherArray {
+    pub profile: Profile,
+    /// Columns and rows of the scene's.
+    pub array: [u32; 2],
 }
 
 impl Profile {
@@ -65,6 +76,39 @@ impl Profile {
             Self::SonicSurface2 => 512,
             _ => 256,
         }
+    }
+
+    /// Columns and rows, where the board has its transducers on it; `None` where channels are wired to any array of as many
+    /// elements, channel n to element n.
+    pub fn shape(self) -> Option<[u32; 2]> {
+        match self {
+            Self::Native | Self::UltrainoSimpleFpga => None,
+            Self::SonicSurface | Self::SonicSurfaceTactile | Self::Acoustophoretic512 => Some([16, 16]),
+            // The second board goes on where the rows of the first end.
+            Self::SonicSurface2 => Some([16, 32]),
+            Self::UltrainoMega64 => Some([8, 8]),
+        }
+    }
+
+    /// What it drives, in words.
+    fn size(self) -> String {
+        match self.shape() {
+            Some([columns, rows]) => format!("is {columns} x {rows}"),
+            None => format!("drives {} elements in any rows and columns", self.elements()),
+        }
+    }
+
+    /// Whether a scene's array is the board's; its pitch may be another.
+    ///
+    /// # Errors
+    /// Other columns or rows, or another number of elements.
+    pub fn drives(self, array: &Array) -> Result<(), OtherArray> {
+        let own = [array.columns, array.rows];
+        let fits = match self.shape() {
+            Some(shape) => own == shape,
+            None => array.elements() == self.elements(),
+        };
+        if fits { Ok(()) } else { Err(OtherArray { profile: self, array: own }) }
     }
 
     /// Delays that it tells apart in a period.

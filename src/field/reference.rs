@@ -6,11 +6,14 @@ use rayon::prelude::*;
 use crate::acoustics::Aperture;
 use crate::drive::Drive;
 use crate::field::Samples;
+use crate::gauge::Gauge;
 
 /// Complex pressure (Pa, peak) at every sample.
 pub fn pressure(aperture: &Aperture, drive: &Drive, samples: &Samples) -> Vec<Complex64> {
     let excitation = drive.excitation(&aperture.driven);
+    let counter = Gauge::current().count(samples.len());
     let at = |index: usize| {
+        counter.add();
         let point = samples.point(index);
         let from = |(&n, u): (&usize, &Complex64)| {
             aperture.element.transfer(point - aperture.positions[n].extend(0.0)) * u

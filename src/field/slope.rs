@@ -9,6 +9,7 @@ use crate::acoustics::element::NEAREST;
 use crate::drive::Drive;
 use crate::field::quantity::{Part, Sound, narrow};
 use crate::field::{Samples, on_cpu};
+use crate::gauge::Gauge;
 
 /// Places (steps) and weights (per step) where the pressures are f32: off by (kh)⁴/30 of the slope.
 const STENCIL: [(f64, f64); 4] =
@@ -71,7 +72,9 @@ pub fn part_on_cpu(
 fn slopes_in_f64(aperture: &Aperture, drive: &Drive, direction: DVec3, points: &[DVec3]) -> Vec<Complex32> {
     let hair = HAIR * aperture.wavelength();
     let excitation = drive.excitation(&aperture.driven);
+    let counter = Gauge::current().count(points.len().div_ceil(RUN));
     let of_run = |points: &[DVec3]| {
+        counter.add();
         let around: Vec<_> = points.iter().flat_map(|&point| beside(point, direction, hair)).collect();
         let pressures = aperture.transfer(&around).pressure(&excitation);
         let slope = |pair: &[Complex64; 2]| narrow((pair[0] - pair[1]) / (2.0 * hair));

@@ -14,6 +14,7 @@ use crate::field::plan::Grid;
 use crate::field::slope::{shifted, stencil};
 use crate::field::sources::Wave;
 use crate::field::{Samples, plan};
+use crate::memory;
 
 /// Where in the table the transfer of an element to a sample stands.
 ///
@@ -84,9 +85,12 @@ impl Layout {
         self.len() == 0
     }
 
-    /// Whether the table may be kept.
+    /// Whether the table may be kept, and memory holds it.
     pub fn fits(&self, most_bytes: usize) -> bool {
-        self.len().saturating_mul(size_of::<Complex32>()) <= most_bytes
+        /// Bytes that need no question.
+        const SMALL: usize = 32 << 20;
+        let bytes = self.len().saturating_mul(size_of::<Complex32>());
+        bytes <= most_bytes && (bytes <= SMALL || memory::holds(bytes))
     }
 
     /// The elements whose waves the table holds, at full drive.

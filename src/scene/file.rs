@@ -1,52 +1,24 @@
 //! The scene file: TOML to [`Scene`] and back, with errors that name file, line and value.
 
-use std::fmt;
-use std::fs::File;
-use std::io::{self, Read};
-use std::ops::Range;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use serde::de::Error;
 use serde::{Deserialize, Deserializer, Serialize};
-use toml::de::{DeTable, DeValue};
 
 use crate::scene::check::{Key, KeyError, check};
+use crate::scene::location::misread;
+pub use crate::scene::location::{FileError, located};
 use crate::scene::motion::MotionTable;
+use crate::scene::strict::Strict;
 use crate::scene::target::TargetTable;
 use crate::scene::zone::ZoneTable;
 use crate::scene::{Array, Liquid, Listener, Medium, Modulation, Plane, Scene, Solver, Target, motion};
+use crate::source;
 
 /// The version of the file format that this program reads and writes.
 pub const FORMAT: u32 = 1;
-/// Bytes that a file may have; the largest scene has far fewer.
-const LONGEST: u64 = 16 << 20;
-
-/// Why a scene file could not be used.
-#[derive(Debug, thiserror::Error)]
-pub enum FileError {
-    #[error("{}: {cause}", file.display())]
-    Read { file: PathBuf, cause: io::Error },
-    #[error("{}", Place(file, *line, None, message))]
-    Syntax { file: PathBuf, line: usize, message: String },
-    #[error("{}", Place(file, *line, Some((key, value.as_deref())), message))]
-    Value { file: PathBuf, line: usize, key: String, value: Option<String>, message: String },
-}
-
-/// `file:line: key = value: message`, without what is not known.
-struct Place<'a>(&'a Path, usize, Option<(&'a str, Option<&'a str>)>, &'a str);
-
-impl fmt::Display for Place<'_> {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self(file, line, key, message) = self;
-        write!(f, "{}:{line}: ", file.display())?;
-        match key {
-            Some((key, Some(value))) => write!(f, "{key} = {value}: ")?,
-            Some((key, None)) => write!(f, "{key}: ")?,
-            None => {}
-        }
-        f.write_str(message)
-    }
-}
+/// Bytes that a file may have; the largest scene has fewer, and reading takes eighty times as much memory.
+const LONGEST: u64 = 2 << 20;
 
 /// Reads and checks a scene file; every target has become focal points once, so that [`motion::frames`] cannot
 /// fail on what comes back but for a scene without visible targets.
@@ -62,17 +34,7 @@ pub fn read(path: &Path) -> Result<Scene, FileError> {
 /// # Errors
 /// An unreadable file, or one that is no text.
 pub fn read_text(path: &Path) -> Result<String, FileError> {
-    let read = || {
-        let mut text = String::new();
-        // Some devices never end.
-        File::open(path)?.take(LONGEST + 1).read_to_string(&mut text)?;
-        if text.len() as u64 > LONGEST {
-            let what = format!("no scene has more than {} MiB", LONGEST >> 20);
-            return Err(io::Error::new(io::ErrorKind::FileTooLarge, what));
-        }
-        Ok(text)
-    };
-    read().map_err(|cause| FileError::Read { file: path.to_owned(), cause })
+    source::read_text(path, LONGEST).map_err(|cause| FileError::Read { file: path.to_owned(), cause })
 }
 
 /// Like [`read`], from text; `path` only names it.
@@ -80,12 +42,12 @@ pub fn read_text(path: &Path) -> Result<String, FileError> {
 /// # Errors
 /// As [`read`].
 pub fn parse(text: &str, path: &Path) -> Result<Scene, FileError> {
-    let table: SceneTable = toml::from_str(text).map_err(|error| FileError::Syntax {
-        file: path.to_owned(),
-        line: error.span().map_or(1, |span| line_of(text, span.start)),
-        message: error.message().trim().replace('\n', ", "),
-    })?;
+    let table = parse_tables(text).map_err(|error| misread(&error, text, path))?;
     table.into_scene().and_then(checked).map_err(|error| located(&error, text, path))
+}
+
+fn parse_tables(text: &str) -> Result<SceneTable, toml::de::Error> {
+    SceneTable::deserialize(Strict(toml::Deserializer::parse(text)?))
 }
 
 /// Like [`read`], from the same tables and keys in any format that serde reads.
@@ -93,7 +55,7 @@ pub fn parse(text: &str, path: &Path) -> Result<Scene, FileError> {
 /// # Errors
 /// As [`read`], but for files; the message names the key.
 pub fn from_tables<'de, D: Deserializer<'de>>(tables: D) -> Result<Scene, D::Error> {
-    SceneTable::deserialize(tables)?.into_scene().and_then(checked).map_err(D::Error::custom)
+    SceneTable::deserialize(Strict(tables))?.into_scene().and_then(checked).map_err(D::Error::custom)
 }
 
 /// The scene as a file.
@@ -113,7 +75,7 @@ pub fn write_targets(targets: &[Target]) -> String {
 
 /// The targets of a text, if it is one of a scene.
 pub fn parse_targets(text: &str) -> Option<Vec<Target>> {
-    let scene = toml::from_str::<SceneTable>(text).ok()?.into_scene().ok()?;
+    let scene = parse_tables(text).ok()?.into_scene().ok()?;
     check(&scene).ok()?;
     Some(scene.targets)
 }
@@ -203,51 +165,6 @@ impl SceneTable {
             listener,
         })
     }
-}
-
-/// Finds the line and the value as written of the key that an error speaks of.
-pub fn located(error: &KeyError, text: &str, path: &Path) -> FileError {
-    let span = span_of(&error.path, text);
-    // A whole table says nothing that the key does not.
-    let value = span
-        .clone()
-        .map(|span| text[span].to_owned())
-        .filter(|value| !value.contains(['\n', '[']) || is_array(value));
-    FileError::Value {
-        file: path.to_owned(),
-        line: span.map_or(1, |span| line_of(text, span.start)),
-        key: error.key(),
-        value,
-        message: error.message.clone(),
-    }
-}
-
-fn is_array(value: &str) -> bool {
-    value.starts_with('[') && value.ends_with(']') && value.contains(',') && !value.contains('\n')
-}
-
-/// Where the value at `path` stands; for a key that is not written, where the nearest table above it does.
-fn span_of(path: &[Key], text: &str) -> Option<Range<usize>> {
-    let document = DeTable::parse(text).ok()?;
-    let (first, rest) = path.split_first()?;
-    let Key::Name(name) = first else { return None };
-    let mut value = document.get_ref().get(*name)?;
-    for key in rest {
-        let next = match (key, value.get_ref()) {
-            (Key::Name(name), DeValue::Table(table)) => table.get(*name),
-            (Key::Index(index), DeValue::Array(array)) => array.get(*index),
-            _ => None,
-        };
-        match next {
-            Some(next) => value = next,
-            None => break,
-        }
-    }
-    Some(value.span())
-}
-
-fn line_of(text: &str, offset: usize) -> usize {
-    text[..offset].matches('\n').count() + 1
 }
 
 #[cfg(test)]
@@ -342,7 +259,7 @@ mod tests {
             ("[[target]]\nmotion = { path = \"circle\", frames = 1000000 }", 3, "1000000 frames"),
             ("[motion]\npath = \"points\"\npoints = []", 4, "needs the offsets"),
             ("[motion]\npath = \"points\"\npoints = [[0, 0, nan]]", 4, "motion.points[1] = [0, 0, nan]"),
-            ("[motion]\npath = \"circle\"\nframes = 1000000\n[[target]]", 4, "and 1 focus need 7.7 GiB"),
+            ("[motion]\npath = \"circle\"\nframes = 1000000\n[[target]]", 4, "and 1 focus need 8.2 GiB"),
             ("[motion]\npath = \"steps\"\n[[target]]\nstep = 1", 3, "no target has `step = 0`"),
             ("[[target]]\nstep = 1", 3, "target[1].step = 1: only `path = \"steps\"`"),
             ("[[target]]\npressure = 0", 3, "0 or less is no target: leave the target out"),
@@ -378,6 +295,8 @@ mod tests {
             (&"[[quiet]]\n".repeat(65), 2, "quiet: 65 are more than the 64"),
             ("[listener]\nat = [0, 0.3, -0.1]", 3, "listener.at = [0, 0.3, -0.1]: behind the array"),
             ("[listener]\nat = [0, 0, 200]", 3, "listener.at"),
+            ("[listener]\nat = [0, 0.3, 0.1, 9]", 3, "listener.at: the list has more values than"),
+            ("[array]\nrows = \"8\"", 3, "array.rows: invalid type: string"),
         ] {
             let error = error(&format!("format = 1\n{body}\n"));
             assert!(error.starts_with(&format!("a.toml:{line}: ")), "{body}: {error}");

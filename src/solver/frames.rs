@@ -4,7 +4,6 @@
 //! first, on all cores. How a frame is found depends on its neighbours and on nothing else, so that any number of threads gives the
 //! same drives.
 
-use std::f64::consts::TAU;
 use std::time::Instant;
 
 use num_complex::Complex64;
@@ -12,8 +11,10 @@ use rayon::prelude::*;
 
 use crate::acoustics::Aperture;
 use crate::drive::Drive;
+use crate::gauge::{Counter, Gauge};
 use crate::scene::{Focus, Method, Pressures, Scene, Solver, motion};
-use crate::solver::{self, Excitation, Played, Problem, SolveError, quality};
+use crate::solver::steps::{PhaseSteps, phase_steps};
+use crate::solver::{self, Excitation, Played, Problem, SolveError, quality, room};
 
 /// Wavelengths that a focus may go from one keyframe to the next, if there are frames between them.
 const STRIDE: f64 = 0.15;
@@ -45,17 +46,6 @@ pub struct Frame {
     pub cold: bool,
 }
 
-/// How far phases go from one frame to the next, from the last to the first included; rad.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct PhaseSteps {
-    /// Of any driven element.
-    pub largest: f64,
-    /// The frame, counted from 0, that it leads to.
-    pub to: usize,
-    /// The root mean square over all driven elements and frames.
-    pub rms: f64,
-}
-
 impl Frame {
     /// Pa, peak.
     pub fn mean_pressure(&self) -> f64 {
@@ -83,6 +73,14 @@ impl Frame {
 /// # Errors
 /// As [`solver::solve`], and frames that [`motion::frames`] refuses.
 pub fn follow(scene: &Scene) -> Result<Sequence, SolveError> {
+    follow_with(scene, &Gauge::default())
+}
+
+/// As [`follow`], telling how many frames are found.
+///
+/// # Errors
+/// As [`follow`].
+pub fn follow_with(scene: &Scene, progress: &Gauge) -> Result<Sequence, SolveError> {
     let start = Instant::now();
     if scene.solver.frames > 1 && !motion::moves(scene) {
         return turns_of(scene);
@@ -93,11 +91,15 @@ pub fn follow(scene: &Scene) -> Result<Sequence, SolveError> {
     let stands: Vec<_> = frames.chunk_by(|a, b| a == b).collect();
     let problem = |stand: &&[Vec<Focus>]| Problem::of_scene(scene, &aperture, stand[0].clone());
     let settings = &scene.solver;
+    let found = progress.count(stands.len());
+    let most = stands.iter().map(|stand| stand[0].len()).max().unwrap_or(0);
+    let _room = room::of_methods(scene, most, rayon::current_num_threads())?;
     let solved = if settings.method == Method::Best {
-        chained(scene, &aperture, &stands.iter().map(|stand| &stand[0][..]).collect::<Vec<_>>())?
+        chained(scene, &aperture, &stands.iter().map(|stand| &stand[0][..]).collect::<Vec<_>>(), &found)?
     } else {
         let alone = |stand| {
             let problem = problem(stand);
+            found.add();
             Ok(Found::new(&problem, settings, excite(&problem, settings)?, true))
         };
         stands.par_iter().map(alone).collect::<Result<Vec<_>, SolveError>>()?
@@ -111,7 +113,7 @@ pub fn follow(scene: &Scene) -> Result<Sequence, SolveError> {
     let solved: Vec<_> = solved.into_par_iter().zip(&turns).with_min_len(64).map(frame).collect();
     let seconds = start.elapsed().as_secs_f64();
 
-    let mut steps = phase_steps(&solved, &aperture.driven, frames.len());
+    let mut steps = phase_steps(&phases(&solved), &aperture.driven, frames.len());
     steps.to = stands[..steps.to].iter().map(|stand| stand.len()).sum();
     let repeated =
         solved.into_iter().zip(&stands).flat_map(|(frame, stand)| std::iter::repeat_n(frame, stand.len()));
@@ -128,8 +130,12 @@ fn turns_of(scene: &Scene) -> Result<Sequence, SolveError> {
         Frame { foci: solution.foci.clone(), drive, pressures, cold: true }
     };
     let frames: Vec<_> = solution.drives().into_iter().map(frame).collect();
-    let steps = phase_steps(&frames, &aperture.driven, frames.len());
+    let steps = phase_steps(&phases(&frames), &aperture.driven, frames.len());
     Ok(Sequence { frames, steps, seconds: solution.seconds })
+}
+
+fn phases(frames: &[Frame]) -> Vec<&[f64]> {
+    frames.iter().map(|frame| &frame.drive.phases[..]).collect()
 }
 
 /// The part of what was found at which each stand is played. Where foci run along outlines, pressures are relative to those of
@@ -216,7 +222,12 @@ fn excite(problem: &Problem<'_>, settings: &Solver) -> Result<Excitation, SolveE
     solver::excite(problem, settings.method, settings.iterations)
 }
 
-fn chained(scene: &Scene, aperture: &Aperture, foci: &[&[Focus]]) -> Result<Vec<Found>, SolveError> {
+fn chained(
+    scene: &Scene,
+    aperture: &Aperture,
+    foci: &[&[Focus]],
+    done: &Counter,
+) -> Result<Vec<Found>, SolveError> {
     let settings = &scene.solver;
     let problem = |frame: usize| Problem::of_scene(scene, aperture, foci[frame].to_vec());
     let keys = keyframes(foci, STRIDE * aperture.wavelength());
@@ -224,9 +235,11 @@ fn chained(scene: &Scene, aperture: &Aperture, foci: &[&[Focus]]) -> Result<Vec<
     let mut links = vec![Link::new(&first, settings, excite(&first, settings)?, true)];
     for (before, &key) in keys[1..].iter().enumerate() {
         links.push(go_on(&problem(key), &links[before], settings)?);
+        done.add();
     }
     let between = |&frame: &usize| {
         let before = keys.partition_point(|&key| key < frame) - 1;
+        done.add();
         Ok((frame, go_on(&problem(frame), &links[before], settings)?.found))
     };
     let gaps: Vec<_> = (0..foci.len()).filter(|frame| keys.binary_search(frame).is_err()).collect();
@@ -289,25 +302,6 @@ fn turns(frames: &[Found]) -> Vec<f64> {
         angle
     };
     std::iter::once(0.0).chain(ahead[1..].iter().map(turn)).collect()
-}
-
-/// `frames` is how many are played, those that stand still included.
-fn phase_steps(solved: &[Frame], driven: &[usize], frames: usize) -> PhaseSteps {
-    let mut steps = PhaseSteps::default();
-    let mut squares = 0.0;
-    for to in 0..solved.len() {
-        let before = &solved[(to + solved.len() - 1) % solved.len()].drive.phases;
-        for &n in driven {
-            let apart = (solved[to].drive.phases[n] - before[n]).abs();
-            let step = apart.min(TAU - apart);
-            squares += step * step;
-            if step > steps.largest {
-                (steps.largest, steps.to) = (step, to);
-            }
-        }
-    }
-    steps.rms = (squares / (driven.len() * frames) as f64).sqrt();
-    steps
 }
 
 #[cfg(test)]

@@ -12,8 +12,10 @@ mod inverse;
 mod iteration;
 pub mod levels;
 mod quality;
+pub mod room;
 pub mod shape;
 mod starts;
+pub mod steps;
 
 use std::time::{Duration, Instant};
 
@@ -191,6 +193,8 @@ pub enum SolveError {
         "method `focus` steers one focus and the scene has {0}: take `pinv`, `weighted` or `best` for several at once"
     )]
     SeveralFoci(usize),
+    #[error("{elements} elements and {foci} foci need about {mebibytes} MiB of memory, more than there is")]
+    TooLarge { elements: usize, foci: usize, mebibytes: usize },
 }
 
 /// Solves the scene with the method that it names, and searches on for as long as the scene says.
@@ -200,7 +204,9 @@ pub enum SolveError {
 pub fn solve(scene: &Scene) -> Result<Solution, SolveError> {
     let start = Instant::now();
     let aperture = Aperture::new(scene);
-    let problem = Problem::of_scene(scene, &aperture, outline::foci(scene)?);
+    let foci = outline::foci(scene)?;
+    let _room = room::of_methods(scene, foci.len(), 1)?;
+    let problem = Problem::of_scene(scene, &aperture, foci);
     let time = Duration::try_from_secs_f64(scene.solver.search).unwrap_or_default();
     let excitation = match (scene.solver.method, &problem.surroundings) {
         (Method::Best, Some(surroundings)) => shape::best_within(&problem, surroundings, time),

@@ -6,10 +6,12 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context, bail};
 
+use crate::echo;
 #[cfg(feature = "window")]
 use crate::field::Evaluator;
 use crate::field::quantity::Range;
 use crate::field::{Colouring, FieldError, Request, Stages};
+use crate::gauge::Gauge;
 use crate::picture::ColourMap;
 use crate::picture::animation::{Animation, Format, Pace};
 use crate::picture::export::{self, Numbers};
@@ -54,6 +56,18 @@ impl Target {
         output::check_writable(path)
     }
 
+    /// The names of a folder's pictures; none for a file.
+    pub fn pictures<'a>(&'a self, name: &'a str, count: usize) -> impl Iterator<Item = PathBuf> + 'a {
+        let folder = match self {
+            Self::File(..) => None,
+            Self::Folder(folder) => Some(folder),
+        };
+        let digits = count.to_string().len();
+        let picture =
+            move |folder: &PathBuf, index| folder.join(format!("{name}-{:0digits$}.png", index + 1));
+        folder.into_iter().flat_map(move |folder| (0..count).map(move |index| picture(folder, index)))
+    }
+
     pub fn make_folder(&self) -> anyhow::Result<()> {
         let Self::Folder(path) = self else { return Ok(()) };
         std::fs::create_dir_all(path).with_context(|| format!("{}: cannot make the folder", path.display()))
@@ -80,6 +94,11 @@ pub fn write(
     film.shoot(&target, &stem(path), tell).map(drop)
 }
 
+/// Where the times of all frames go, beside their numbers.
+pub fn times_of(data: &Path) -> PathBuf {
+    data.with_extension("times.npy")
+}
+
 /// What was written.
 #[derive(Debug)]
 pub struct Shot {
@@ -95,7 +114,7 @@ impl Shot {
     pub fn line(&self, output: &Path, (width, height): (usize, usize)) -> String {
         let Self { frames, pace, range, what } = self;
         let name = if *frames == 1 { "frame" } else { "frames" };
-        let line = format!("{}: {frames} {name} of {width} x {height} pixels{range}", output.display());
+        let line = format!("{}: {frames} {name} of {width} x {height} pixels{range}", echo::path(output));
         if *frames == 1 {
             return line;
         }
@@ -124,6 +143,8 @@ pub struct Film<'a> {
     colouring: Colouring,
     /// Of waves, if they are shown.
     pub schedule: Option<Schedule>,
+    /// Begins to show the progress of a step of this name.
+    pub begin: fn(&'static str) -> Gauge,
     /// The values of all frames of waves go there, and the times beside it.
     pub data: Option<PathBuf>,
     /// The largest error of a map so far, relative to its peak, and the steepest slope of a surface.
@@ -141,6 +162,7 @@ impl<'a> Film<'a> {
             gpu_is_asked_for: false,
             colouring,
             schedule: None,
+            begin: |_| Gauge::default(),
             data: None,
             error: 0.0,
             slope: 0.0,
@@ -158,10 +180,11 @@ impl<'a> Film<'a> {
         let table = &self.colouring.table.clone();
         let size = self.request.size;
         let count = self.schedule.map_or(self.request.drives.len(), |schedule| schedule.pictures);
-        let done = Cell::new(0.0);
+        let (done, progress) = (Cell::new(0), (self.begin)("the maps of all frames"));
         let step = || {
-            done.set(done.get() + 1.0);
-            tell(done.get() / (2 * count) as f64)
+            done.set(done.get() + 1);
+            progress.tell(done.get(), 2 * count);
+            tell(done.get() as f64 / (2 * count) as f64)
         };
         let range = self.measured(count, &step)?;
         let frames_per_second = self.schedule.map_or(self.frames_per_second(), Schedule::rate);
@@ -175,11 +198,11 @@ impl<'a> Film<'a> {
                 })?;
                 Ok(animation.finish()?)
             })?,
-            Target::Folder(folder) => {
-                let digits = count.to_string().len();
-                self.each(|film, index, request| {
+            Target::Folder(_) => {
+                let mut paths = target.pictures(name, count);
+                self.each(|film, _, request| {
                     let places = film.places(request, range)?;
-                    let path = folder.join(format!("{name}-{:0digits$}.png", index + 1));
+                    let path = paths.next().context("a picture has no name")?;
                     step()?;
                     output::write_by(&path, |file| {
                         let mut picture = Animation::new(file, Format::Png, size, table, 1, pace)?;
@@ -222,7 +245,7 @@ impl<'a> Film<'a> {
         })?;
         let rate = self.schedule.map_or(self.frames_per_second(), Schedule::rate);
         let times: Vec<_> = (1..=count).map(|frame| (frame as f64 / rate) as f32).collect();
-        output::write(&path.with_extension("times.npy"), &export::npy(&[count as u64], &times)?)?;
+        output::write(&times_of(&path), &export::npy(&[count as u64], &times)?)?;
         Ok(range)
     }
 
@@ -248,14 +271,15 @@ impl<'a> Film<'a> {
         let all = self.request.clone();
         let Some(schedule) = self.schedule else {
             for (index, drive) in all.drives.iter().enumerate() {
-                take(self, index, &Request { drives: vec![drive.clone()], ..all.clone() })?;
+                take(self, index, &Request { drives: [drive.clone()].into(), ..all.clone() })?;
             }
             return Ok(());
         };
-        let (scene, asked_for) = (self.scene, self.gpu_is_asked_for);
-        let mut swell =
-            or_by_cpu(&mut self.stages, asked_for, |stages| Swell::new(scene, schedule, &all, stages))?;
-        let first = Request { drives: vec![all.drives[0].clone()], part: 1.0, ..all };
+        let (scene, asked_for, begin) = (self.scene, self.gpu_is_asked_for, self.begin);
+        let mut swell = or_by_cpu(&mut self.stages, asked_for, |stages| {
+            Swell::new(scene, schedule, &all, stages, &begin("the surfaces at rest of all frames"))
+        })?;
+        let first = Request { drives: [all.drives[0].clone()].into(), part: 1.0, ..all };
         for index in 0..schedule.pictures {
             take(self, index, &Request { depth: Some(swell.next_surface()), ..first.clone() })?;
         }

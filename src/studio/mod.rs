@@ -5,7 +5,6 @@ pub mod animate;
 pub mod evaluator;
 pub mod liquid;
 pub mod map;
-mod memory;
 pub mod motion;
 pub mod opening;
 pub mod output;

@@ -1,21 +1,26 @@
 //! The drives of all frames of a cycle, with what the user should know of them.
 
 use crate::acoustics::Aperture;
+use crate::gauge::Gauge;
 use crate::picture::sheet::pascals;
 use crate::scene::{Pressures, Scene, motion};
 use crate::solver;
 use crate::solver::frames::{self, Frame, Sequence};
 use crate::studio::output::{note, warn};
 
+/// What finding all drives is called while it goes on.
+pub const SOLVING: &str = "the drives of all frames";
+
 /// Solves all frames and passes on what the user should know; `name` tells whose they are.
 ///
 /// # Errors
 /// A scene that cannot be solved.
-pub fn follow(scene: &Scene, name: &str) -> anyhow::Result<Sequence> {
+pub fn follow(scene: &Scene, name: &str, progress: &Gauge) -> anyhow::Result<Sequence> {
     if !motion::moves(scene) && scene.solver.frames == 1 {
         note("nothing moves: `path` in [motion] is \"none\", so there is one frame");
     }
-    let sequence = frames::follow(scene).map_err(|error| anyhow::anyhow!("{name}: {error}"))?;
+    let sequence =
+        frames::follow_with(scene, progress).map_err(|error| anyhow::anyhow!("{name}: {error}"))?;
     for warning in solver::warnings(&Aperture::new(scene), &sequence.frames[0].foci) {
         warn(&format!("in the first frame, {warning}"));
     }

@@ -1,15 +1,13 @@
 //! Scenes as they are opened: the file, and the pictures that it names.
 
 use std::collections::HashMap;
-use std::fs::File;
-use std::io::Read;
 use std::path::{Path, PathBuf};
 
 use crate::picture::grey;
 use crate::scene::check::{Key, KeyError};
 use crate::scene::file::{self, FileError};
 use crate::scene::{Grey, Pixels, Scene, Shape, Target};
-use crate::studio::output;
+use crate::source;
 
 /// Bytes of a picture's file, at most.
 const MOST_BYTES: u64 = 64 << 20;
@@ -68,14 +66,7 @@ pub fn load_targets(targets: &mut [Target], folder: &Path) -> Result<(), KeyErro
 }
 
 fn read(path: &Path) -> Result<Pixels, String> {
-    output::refuse_stream(path).map_err(|error| error.to_string())?;
-    let mut bytes = Vec::new();
-    File::open(path)
-        .and_then(|file| file.take(MOST_BYTES + 1).read_to_end(&mut bytes))
-        .map_err(|error| format!("{}: {error}", path.display()))?;
-    if bytes.len() as u64 > MOST_BYTES {
-        return Err(format!("{}: no picture has more than {} MiB", path.display(), MOST_BYTES >> 20));
-    }
+    let bytes = source::read(path, MOST_BYTES).map_err(|error| format!("{}: {error}", path.display()))?;
     let grey = grey::read(&bytes).map_err(|error| error.to_string())?;
     Ok(Pixels::new(Grey { file: Some(path.to_owned()), ..grey }))
 }

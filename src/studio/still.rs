@@ -5,16 +5,19 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, bail};
 
 use crate::drive::Drive;
+use crate::echo;
 use crate::field::stages::MOST_PIXELS;
 use crate::field::{Quantity, Request, Stages, missed};
+use crate::gauge::Gauge;
+use crate::memory;
 use crate::picture::{ColourMap, Picture, export, relief, sheet};
 use crate::scene::{Scene, file, motion};
 use crate::solver::{self, Solution};
 use crate::studio::evaluator::{self, Backend};
 use crate::studio::map;
-use crate::studio::motion::follow;
-use crate::studio::output::{self, say, warn};
-use crate::studio::{EXAMPLE, liquid, memory, opening};
+use crate::studio::motion::{SOLVING, follow};
+use crate::studio::output::{self, Files, say, warn};
+use crate::studio::{EXAMPLE, liquid, opening};
 
 /// What the sheet of a scene is called when nobody named a file.
 const DEFAULT_SHEET: &str = "sonoglyph.png";
@@ -54,13 +57,15 @@ pub enum Moment {
 
 /// The sheet of a scene, or of the example, in the current folder.
 pub fn default_sheet(path: Option<&Path>) -> anyhow::Result<()> {
-    let output = PathBuf::from(DEFAULT_SHEET);
+    let (output, mut files) = (PathBuf::from(DEFAULT_SHEET), Files::new());
     let scene = match path {
         Some(path) => opening::open(path)?,
         None => file::parse(EXAMPLE, Path::new("the example scene"))?,
     };
+    path.map_or(Ok(()), |path| files.reads(path))?;
+    files.reads_pictures(&scene)?;
+    files.writes(&output)?;
     let solved = Solved::new(scene, path.unwrap_or(Path::new("hit.toml")))?;
-    output::check_writable(&output)?;
     let mut stages = Stages::new(evaluator::for_maps(Backend::Auto)?);
     let look = Look {
         diagram: Diagram::Sheet,
@@ -70,6 +75,7 @@ pub fn default_sheet(path: Option<&Path>) -> anyhow::Result<()> {
         numbers: false,
         backend: Backend::Auto,
         moment: None,
+        begin: |_| Gauge::default(),
     };
     let rendered = render(&solved, &mut stages, &look)?;
     rendered.write(&output, None)?;
@@ -120,6 +126,8 @@ pub struct Look {
     pub numbers: bool,
     pub backend: Backend,
     pub moment: Option<Moment>,
+    /// Begins to show the progress of a step of this name.
+    pub begin: fn(&'static str) -> Gauge,
 }
 
 impl Look {
@@ -135,7 +143,7 @@ impl Look {
         if matches!(self.diagram, Diagram::Sheet | Diagram::Drive) {
             bail!("--frame chooses among maps, and this is no quantity on a plane");
         }
-        let mut frames = follow(scene, &solved.name)?.frames;
+        let mut frames = follow(scene, &solved.name, &(self.begin)(SOLVING))?.frames;
         match moment {
             Moment::Mean
                 if let Diagram::Map(quantity) = self.diagram
@@ -204,7 +212,13 @@ pub struct Rendered {
 impl Rendered {
     /// What is said of it when it has been written.
     pub fn line(&self, output: &Path) -> String {
-        format!("{}: {} x {} pixels{}", output.display(), self.picture.width, self.picture.height, self.what)
+        format!(
+            "{}: {} x {} pixels{}",
+            echo::path(output),
+            self.picture.width,
+            self.picture.height,
+            self.what
+        )
     }
 
     /// Writes the picture, and its numbers where they were wanted.
@@ -241,6 +255,8 @@ pub fn render(solved: &Solved, stages: &mut Stages, look: &Look) -> anyhow::Resu
         Diagram::Map(_) if look.is_shaded() => liquid::points(&scene.plane),
         Diagram::Map(_) | Diagram::Drive => page,
     };
+    let step = if drives.len() > 1 { "the mean of all frames" } else { "the map" };
+    stages.show_progress((look.begin)(step));
     let request = Request::new(scene, drives, quantity, (width, height));
     let drawn = map::draw(&request, look.colours, stages, look.backend == Backend::Gpu)?;
     if let Some(missed) = missed(drawn.map.error, scene.plane.tolerance) {

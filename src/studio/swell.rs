@@ -3,6 +3,7 @@
 use anyhow::bail;
 
 use crate::field::{FieldError, Request, Stages};
+use crate::gauge::Gauge;
 use crate::scene::{Envelope, Scene, motion};
 use crate::surface::{Rest, Tank, Waves};
 
@@ -83,10 +84,12 @@ impl<'a> Swell<'a> {
         schedule: Schedule,
         request: &Request,
         stages: &mut Stages,
+        progress: &Gauge,
     ) -> Result<Self, FieldError> {
         let (mut rests, mut found) = (Vec::new(), None);
-        for drive in &request.drives {
-            let of_drive = Request { drives: vec![drive.clone()], ..request.clone() };
+        for (index, drive) in request.drives.iter().enumerate() {
+            stages.show_progress(progress.part(index..index + 1, request.drives.len()));
+            let of_drive = Request { drives: [drive.clone()].into(), ..request.clone() };
             let (tank, dent) = stages.surface(&of_drive)?;
             if request.drives.len() * tank.len() * size_of::<f64>() > MOST_BYTES {
                 return Err(FieldError::TooManyCells);
@@ -94,6 +97,8 @@ impl<'a> Swell<'a> {
             rests.push(Rest::new(tank, &dent.depth));
             found = Some(tank.clone());
         }
+        progress.tell(1, 1);
+        stages.show_progress(Gauge::default());
         let tank = found.ok_or(FieldError::NoPlane)?;
         let waves = Waves::new(&tank, &scene.liquid, schedule.step);
         let rate = motion::cycle(scene).map_or(0.0, |cycle| cycle.rate);
@@ -135,7 +140,7 @@ mod tests {
         let mut stages = Stages::new(Evaluator::Cpu);
         let dent = stages.surface(&request).unwrap().1.clone();
         let schedule = Schedule::new(&scene, Some(5.0)).unwrap();
-        let mut swell = Swell::new(&scene, schedule, &request, &mut stages).unwrap();
+        let mut swell = Swell::new(&scene, schedule, &request, &mut stages, &Gauge::default()).unwrap();
         let surface = (0..schedule.pictures).map(|_| swell.next_surface()).last().unwrap();
         // The liquid that is pushed aside stays in the tank.
         let lift = dent.depth.iter().sum::<f64>() / dent.depth.len() as f64;

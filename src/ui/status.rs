@@ -2,6 +2,7 @@
 
 use egui::{RichText, Ui};
 
+use crate::echo;
 use crate::field::promised;
 use crate::ui::{Editor, Shown, theme};
 
@@ -50,12 +51,13 @@ pub fn bar(editor: &Editor, shown: &Shown, ui: &mut Ui) {
 fn message(shown: &Shown, ui: &mut Ui) {
     if let Some(notice) = &shown.notice {
         let colour = if notice.is_error { theme::error(ui.visuals()) } else { ui.visuals().text_color() };
-        ui.add(egui::Label::new(RichText::new(&notice.text).color(colour)).truncate());
+        ui.add(egui::Label::new(RichText::new(echo::message(&notice.text)).color(colour)).truncate());
         return;
     }
     let Some(first) = shown.warnings.first() else { return };
     let more = shown.warnings.len() - 1;
-    let text = if more > 0 { format!("{first} (and {more} more)") } else { first.clone() };
+    let text = echo::message(first);
+    let text = if more > 0 { format!("{text} (and {more} more)") } else { text };
     let label = egui::Label::new(RichText::new(text).color(theme::warning(ui.visuals()))).truncate();
-    ui.add(label).on_hover_text(shown.warnings.join("\n\n"));
+    ui.add(label).on_hover_text(echo::lines(&shown.warnings.join("\n\n")));
 }

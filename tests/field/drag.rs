@@ -99,7 +99,7 @@ fn a_drag_reads_back_figures_alone_and_allocates_nothing() {
         figures(&mut stages, &request);
         let first = stages.work();
         for number in 1..=DRIVES {
-            request.drives = vec![scattered(256, STEP + 1e-4 * number as f64)];
+            request.drives = [scattered(256, STEP + 1e-4 * number as f64)].into();
             stages.picture(&request, &colouring).unwrap();
             stages.figures(&request).unwrap();
         }

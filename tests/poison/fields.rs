@@ -72,11 +72,14 @@ fn maps_have_pixels_and_drives_a_moment_and_a_part_of_them() {
         }
         for broken in broken_drives() {
             for drives in [vec![broken.clone()], vec![drive(), broken]] {
-                let none = Request { drives, ..request.clone() };
+                let none = Request { drives: drives.into(), ..request.clone() };
                 assert_eq!(refused(none.clone()), Some(FieldError::NoDrive), "{quantity:?} {none:?}");
             }
         }
-        assert_eq!(refused(Request { drives: Vec::new(), ..request.clone() }), Some(FieldError::NoMean));
+        assert_eq!(
+            refused(Request { drives: Vec::new().into(), ..request.clone() }),
+            Some(FieldError::NoMean)
+        );
         for poison in POISON {
             let expected = (!(0.0..=1.0).contains(&poison)).then_some(FieldError::NoMean);
             assert_eq!(refused(Request { part: poison, ..request.clone() }), expected, "{poison}");

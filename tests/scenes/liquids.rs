@@ -238,7 +238,7 @@ fn it_goes_with_the_square_of_the_drive(evaluators: &mut Evaluators, dent: &Aske
     let drive = &dent.request.drives[0];
     let amplitudes = drive.amplitudes.iter().map(|amplitude| LESS * amplitude).collect();
     let weaker = Drive { amplitudes, phases: drive.phases.clone() };
-    let asked = Asked { request: Request { drives: vec![weaker], ..dent.request.clone() }, ..*dent };
+    let asked = Asked { request: Request { drives: [weaker].into(), ..dent.request.clone() }, ..*dent };
     let weaker = pressed(&mut evaluators.cpu, &asked).unwrap();
     within("a weaker drive's dent", furthest(&weaker, made, LESS * LESS), depth_error(dent, made));
 }

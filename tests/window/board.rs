@@ -157,3 +157,19 @@ fn elements_are_tried_one_by_one() {
     screen.get_by_label("Disconnect").click();
     until(&mut screen, "silence", |_| is_silent(&board));
 }
+
+#[test]
+fn an_array_that_is_not_the_boards_is_refused_with_a_word() {
+    let (mut screen, board, _) = connected(Profile::SonicSurface);
+    let array = &mut screen.state_mut().editor_mut().document.scene.array;
+    (array.rows, array.columns) = (8, 32);
+    screen.run_steps(4);
+    screen.get_by_label("Send").click();
+    let is_refused = |screen: &Screen| {
+        let notice = screen.state().shown().notice.as_ref();
+        notice.is_some_and(|notice| notice.is_error && notice.text.contains("sonicsurface is 16 x 16"))
+    };
+    until(&mut screen, "a word", is_refused);
+    assert_eq!(screen.state().shown().board.plays, Plays::Nothing);
+    assert!(is_silent(&board));
+}

@@ -12,7 +12,7 @@ pub struct Line {
     pub text: Result<String, String>,
 }
 
-/// The lines that are not empty, up to one that cannot be read.
+/// All lines, up to one that cannot be read.
 pub fn lines(mut input: impl BufRead) -> impl Iterator<Item = Line> {
     let mut number = 0;
     let mut is_readable = true;
@@ -23,7 +23,7 @@ pub fn lines(mut input: impl BufRead) -> impl Iterator<Item = Line> {
         let text = text.unwrap_or_else(|error| Err(format!("cannot read: {error}")));
         Some(Line { number, text })
     };
-    std::iter::from_fn(next).filter(|line| !line.text.as_ref().is_ok_and(|text| text.trim().is_empty()))
+    std::iter::from_fn(next)
 }
 
 /// A line, or what is wrong with it; `None` at the end.
@@ -55,10 +55,11 @@ mod tests {
         bytes.extend(b"\n{}");
         let lines: Vec<_> = lines(Cursor::new(bytes)).collect();
         assert!(lines[0].text.as_ref().unwrap_err().starts_with("no text"));
-        assert!(lines[1].text.as_ref().unwrap_err().contains("1 MiB"));
-        assert_eq!((lines[2].number, lines[2].text.as_deref()), (5, Ok("{}\n")));
-        assert!(lines[3].text.as_ref().is_ok_and(|text| text.len() == LONGEST as usize), "just short enough");
-        assert_eq!((lines[4].number, lines[4].text.as_deref(), lines.len()), (7, Ok("{}"), 5));
+        assert_eq!([&lines[1], &lines[2]].map(|line| line.text.as_deref()), [Ok("\n"), Ok(" \r\n")]);
+        assert!(lines[3].text.as_ref().unwrap_err().contains("1 MiB"));
+        assert_eq!((lines[4].number, lines[4].text.as_deref()), (5, Ok("{}\n")));
+        assert!(lines[5].text.as_ref().is_ok_and(|text| text.len() == LONGEST as usize), "just short enough");
+        assert_eq!((lines[6].number, lines[6].text.as_deref(), lines.len()), (7, Ok("{}"), 7));
     }
 
     /// Ends in an error.

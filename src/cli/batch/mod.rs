@@ -5,8 +5,8 @@ pub mod task;
 mod workers;
 
 use std::io::{BufReader, BufWriter, Write};
-use std::sync::Arc;
 use std::sync::mpsc::{Receiver, RecvTimeoutError, TryRecvError};
+use std::sync::{Arc, Mutex};
 use std::thread;
 use std::time::Duration;
 
@@ -15,7 +15,7 @@ use anyhow::{Context, bail};
 use crate::cli::BatchArgs;
 use crate::cli::batch::task::Task;
 use crate::cli::interrupt::{self, Interrupted};
-use crate::studio::output;
+use crate::studio::output::{self, Files};
 
 /// How often somebody who waits looks for an interrupt.
 const LOOK: Duration = Duration::from_millis(50);
@@ -30,6 +30,7 @@ pub(super) fn run(args: &BatchArgs) -> anyhow::Result<()> {
         field: args.field,
         data: args.data.clone(),
         size: args.size.into(),
+        files: Mutex::new(Files::new()),
         ..Task::default()
     });
     let cores = || thread::available_parallelism().map_or(1, usize::from);
@@ -39,7 +40,7 @@ pub(super) fn run(args: &BatchArgs) -> anyhow::Result<()> {
     let answers = workers::start(BufReader::new(std::io::stdin()), threads, move |line, stages| {
         worker.answer(line, stages)
     })?;
-    let written = write(&answers, std::io::stdout().lock(), &interrupted);
+    let written = write(&answers, output::standard()?, &interrupted);
     // The program ends now. A file that is being written is finished, and none is begun any more.
     std::mem::forget(task.writing.write());
     written

@@ -1,7 +1,7 @@
 //! What is done with one line of a batch: its scene solved, and the field of that.
 
 use std::path::{Path, PathBuf};
-use std::sync::{PoisonError, RwLock};
+use std::sync::{Mutex, MutexGuard, PoisonError, RwLock};
 
 use anyhow::{Context, anyhow, bail};
 use serde_json::{Value, json};
@@ -10,10 +10,12 @@ use crate::acoustics::Aperture;
 use crate::cli::batch::lines::Line;
 use crate::cli::json;
 use crate::drive::Drive;
+use crate::echo;
 use crate::field::{Map, Quantity, Request, Samples, Stages};
 use crate::picture::export;
 use crate::scene::{Method, Scene, file};
-use crate::solver::{self, Limits, Problem};
+use crate::solver::{self, Limits, Problem, Solution, SolveError, room};
+use crate::studio::output::Files;
 use crate::studio::{opening, output};
 
 /// Pixels that a field may have along y.
@@ -32,6 +34,8 @@ pub struct Task {
     pub data: Option<PathBuf>,
     /// Pixels of a field along x.
     pub size: usize,
+    /// Pictures that lines have named, and the input.
+    pub(super) files: Mutex<Files>,
     /// Read while a file is written.
     pub(super) writing: RwLock<()>,
 }
@@ -39,7 +43,8 @@ pub struct Task {
 impl Default for Task {
     /// The scene is solved, and its limits are found.
     fn default() -> Self {
-        Self { method: None, limits: true, field: false, data: None, size: 256, writing: RwLock::new(()) }
+        let (files, writing) = (Mutex::default(), RwLock::default());
+        Self { method: None, limits: true, field: false, data: None, size: 256, files, writing }
     }
 }
 
@@ -48,9 +53,9 @@ impl Task {
     /// calls itself, its `id`.
     pub fn answer(&self, line: &Line, stages: &mut Stages) -> Value {
         let mut id = None;
-        let mut answer = self
-            .result(line, &mut id, stages)
-            .unwrap_or_else(|error| json!({ "error": format!("line {}: {error:#}", line.number) }));
+        let mut answer = self.result(line, &mut id, stages).unwrap_or_else(
+            |error| json!({ "error": echo::message(&format!("line {}: {error:#}", line.number)) }),
+        );
         answer["line"] = line.number.into();
         if let Some(id) = id {
             answer["id"] = id;
@@ -58,9 +63,16 @@ impl Task {
         answer
     }
 
+    fn files(&self) -> MutexGuard<'_, Files> {
+        self.files.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
     /// The result for a line; `id` is what the line calls itself.
     fn result(&self, line: &Line, id: &mut Option<Value>, stages: &mut Stages) -> anyhow::Result<Value> {
         let text = line.text.as_ref().map_err(|error| anyhow!(error.clone()))?;
+        if text.trim().is_empty() {
+            bail!("the line is blank: a scene is an object, {{…}}");
+        }
         // The input's lines are counted, not those of its JSON, which has one.
         let misplaced = |error: serde_json::Error| {
             anyhow!(format!("no JSON: {error}").replace("line 1 column", "column"))
@@ -71,14 +83,10 @@ impl Task {
         keys.entry("format").or_insert_with(|| file::FORMAT.into());
         let mut scene = file::from_tables(tables)?;
         opening::load(&mut scene, Path::new(""))?;
+        self.files().reads_pictures(&scene)?;
         scene.solver.method = self.method.unwrap_or(scene.solver.method);
         let mut solution = solver::solve(&scene)?;
-        let limits = self.limits.then(|| {
-            let aperture = Aperture::new(&scene);
-            let problem = Problem::of_scene(&scene, &aperture, solution.foci.clone());
-            solution.judge(&scene, &problem);
-            Limits::new(&problem)
-        });
+        let limits = self.limits.then(|| limits(&scene, &mut solution)).transpose()?;
         let mut answer = json::solution(&solution, limits.as_ref());
         if !solution.warnings.is_empty() {
             answer["warnings"] = json!(solution.warnings);
@@ -111,12 +119,22 @@ impl Task {
         });
         if let Some(folder) = &self.data {
             let path = folder.join(format!("{number}.npy"));
+            self.files().spares(&path)?;
             let _writing = self.writing.read().unwrap_or_else(PoisonError::into_inner);
             output::write(&path, &export::npy(&[height as u64, width as u64], rms)?)?;
             statistics["file"] = json!(path);
         }
         Ok(statistics)
     }
+}
+
+/// The limits of foci and array, and what is known of the solution beside them.
+fn limits(scene: &Scene, solution: &mut Solution) -> Result<Limits, SolveError> {
+    let _room = room::of_limits(scene, solution.foci.len())?;
+    let aperture = Aperture::new(scene);
+    let problem = Problem::of_scene(scene, &aperture, solution.foci.clone());
+    solution.judge(scene, &problem);
+    Ok(Limits::new(&problem))
 }
 
 #[cfg(test)]

@@ -17,7 +17,7 @@ use crate::picture::sheet::pascals;
 use crate::picture::{ColourMap, export};
 use crate::scene::Scene;
 use crate::studio::map;
-use crate::studio::output::{self, note, say};
+use crate::studio::output::{self, Files, note, say};
 
 /// How often the board says how it fares.
 const REPORT: Duration = Duration::from_secs(1);
@@ -27,9 +27,10 @@ const ONCE_AFTER: Duration = Duration::from_secs(2);
 const SIDE: usize = 256;
 
 pub fn run(args: &BoardArgs) -> anyhow::Result<()> {
-    let scene = scene(args)?;
+    let mut files = Files::new();
+    let scene = scene(args, &mut files)?;
     if let Some(path) = &args.output {
-        output::check_writable(path)?;
+        files.writes(path)?;
     }
     let interrupted = interrupt::watch()?;
     let mut setup = Setup::new(args.profile);
@@ -76,25 +77,15 @@ pub fn run(args: &BoardArgs) -> anyhow::Result<()> {
 }
 
 /// The scene whose array and plane are meant; without one, a default array of the board's size.
-fn scene(args: &BoardArgs) -> anyhow::Result<Scene> {
-    let elements = args.profile.elements();
+fn scene(args: &BoardArgs, files: &mut Files) -> anyhow::Result<Scene> {
     let Some(path) = &args.scene else {
         let mut scene = Scene::default();
-        (scene.array.rows, scene.array.columns) = match elements {
-            64 => (8, 8),
-            _ => ((elements / 16) as u32, 16),
-        };
+        let rows = (args.profile.elements() / 16) as u32;
+        [scene.array.columns, scene.array.rows] = args.profile.shape().unwrap_or([16, rows]);
         return Ok(scene);
     };
-    let scene = read_scene(path, None)?;
-    if scene.array.elements() != elements {
-        bail!(
-            "{}: the scene's array has {} elements, but {} drives {elements}",
-            path.display(),
-            scene.array.elements(),
-            args.profile.name()
-        );
-    }
+    let scene = read_scene(path, None, files)?;
+    args.profile.drives(&scene.array).with_context(|| path.display().to_string())?;
     Ok(scene)
 }
 

@@ -1,34 +1,34 @@
 //! `sonoglyph send`: a scene to a board.
 
+use std::sync::mpsc::{RecvTimeoutError, sync_channel};
 use std::time::{Duration, Instant};
 
 use anyhow::{Context, bail};
 
 use crate::cli::boards::SendArgs;
-use crate::cli::{interrupt, read_scene};
+use crate::cli::{interrupt, progress, read_scene};
 use crate::device::calibration::Calibration;
-use crate::device::health::{Found, Health};
-use crate::device::levels::{self, Levels, OtherCount};
+use crate::device::health::{Found, Health, State};
+use crate::device::levels::{self, Levels};
 use crate::device::link::{Content, Event, Link, Settings};
 use crate::device::profile::Profile;
 use crate::drive::Drive;
 use crate::scene::{Scene, motion};
 use crate::solver;
-use crate::studio::motion::follow;
-use crate::studio::output::{mention, note, say, warn};
+use crate::studio::motion::{SOLVING, follow};
+use crate::studio::output::{Files, mention, note, say, warn};
 
 /// How long a scene at rest is played if nobody says.
 const GLANCE: Duration = Duration::from_secs(1);
+/// A board that stays lost for so long is not waited for, unless it is played without end.
+const PATIENCE: Duration = Duration::from_secs(10);
 /// How often a link that runs says how it fares.
 const REPORT: Duration = Duration::from_secs(1);
 
 pub fn run(args: &SendArgs) -> anyhow::Result<()> {
-    let mut scene = read_scene(&args.scene, args.method)?;
+    let mut scene = read_scene(&args.scene, args.method, &mut Files::new())?;
     let name = args.scene.display().to_string();
-    let array = scene.array.elements();
-    if array != args.profile.elements() {
-        return Err(OtherCount { profile: args.profile, array }).with_context(|| name);
-    }
+    args.profile.drives(&scene.array).with_context(|| name.clone())?;
     let calibration = calibration(args)?;
     let interrupted = interrupt::watch()?;
     let settings = Settings { port: args.port.clone(), profile: args.profile, baud: args.baud };
@@ -44,8 +44,20 @@ pub fn run(args: &SendArgs) -> anyhow::Result<()> {
         }
     };
     follow_carrier(&mut scene, found);
-    let (content, lasts) = content(&scene, &name, &settings, &calibration)?;
-    link.modulate(scene.modulation.clone());
+    let modulation = scene.modulation.clone();
+    // Solving takes as long as it takes, and an interrupt does not wait for it.
+    let (sender, made) = sync_channel(1);
+    let make = move || sender.send(content(&scene, &name, &settings, &calibration));
+    std::thread::Builder::new().name("solve".to_owned()).spawn(make)?;
+    let (content, lasts) = loop {
+        match made.recv_timeout(Duration::from_millis(20)) {
+            Ok(content) => break content?,
+            Err(RecvTimeoutError::Disconnected) => bail!("solving has ended without an answer"),
+            Err(RecvTimeoutError::Timeout) if interrupted.is_set() => return Ok(()),
+            Err(RecvTimeoutError::Timeout) => {}
+        }
+    };
+    link.modulate(modulation);
     link.show(content);
 
     let lasts = match (args.seconds, args.repeat) {
@@ -55,23 +67,39 @@ pub fn run(args: &SendArgs) -> anyhow::Result<()> {
     };
     let mut begun = None;
     let mut next_report = Instant::now() + REPORT;
-    while !interrupted.is_set() && !over(begun, lasts) {
+    let mut lost: Option<Instant> = None;
+    let given_up =
+        |lost: Option<Instant>| lost.is_some_and(|lost| lasts.is_some() && lost.elapsed() > PATIENCE);
+    while !interrupted.is_set() && !over(begun, lasts) && !given_up(lost) {
         match link.event_within(Duration::from_millis(5)) {
-            Some(Event::Lost(why)) => warn(&format!("{why}; looking for it")),
+            Some(Event::Lost(why)) => {
+                lost.get_or_insert_with(Instant::now);
+                warn(&format!("{why}; looking for it"));
+            }
             Some(Event::Ready(_)) => note("the board is back"),
             Some(Event::Notice(text)) => note(&text),
             None => {}
         }
         let health = link.health();
-        if begun.is_none() && health.in_place {
-            begun = Some(Instant::now());
+        if health.in_place {
+            begun.get_or_insert_with(Instant::now);
+            lost = None;
         }
         if Instant::now() >= next_report {
             next_report += REPORT;
             mention(&line(&health));
         }
     }
-    say!("{}", line(&link.health()))
+    let line = line(&link.health());
+    let health = link.close();
+    say!("{line}")?;
+    match health.state {
+        State::Lost(why) => bail!("{why}: the board was lost, and what it plays is not known"),
+        State::Connecting | State::Ready if !health.silenced => {
+            bail!("{}: the board could not be silenced: its port takes no bytes", args.port.display())
+        }
+        State::Connecting | State::Ready => Ok(()),
+    }
 }
 
 /// Whether a wish that began to sound then has been heard for long enough.
@@ -114,7 +142,7 @@ fn content(
         let frames = solution.drives().iter().map(levels).collect::<Result<_, _>>()?;
         return Ok((Content::in_turn(frames, profile.turns_per_second(settings.baud())), GLANCE));
     };
-    let sequence = follow(scene, name)?;
+    let sequence = follow(scene, name, &progress::begin(SOLVING))?;
     let loudness = |drive: &&Drive| drive.amplitudes.iter().sum::<f64>();
     let softest = sequence.frames.iter().map(|frame| &frame.drive);
     softest.min_by(|a, b| loudness(a).total_cmp(&loudness(b))).iter().for_each(|drive| tell(drive));

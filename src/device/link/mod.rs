@@ -214,13 +214,25 @@ impl Link {
     }
 }
 
-impl Drop for Link {
-    fn drop(&mut self) {
+impl Link {
+    /// Lets the board go, silent if it can be told; how it fared to the end.
+    pub fn close(mut self) -> Health {
+        self.end();
+        self.health()
+    }
+
+    fn end(&mut self) {
         self.want(|wanted| wanted.closing = true);
         if let Some(thread) = self.thread.take() {
             // A link that panicked has said so, and made its board silent while it unwound.
             let _ = thread.join();
         }
+    }
+}
+
+impl Drop for Link {
+    fn drop(&mut self) {
+        self.end();
     }
 }
 
@@ -307,15 +319,18 @@ fn session(settings: &Settings, shared: &Shared) -> Result<(), LinkError> {
 }
 
 /// A port whose board falls silent when it is let go, in whichever way.
-struct Sounding {
+struct Sounding<'a> {
     port: Port,
     silence: Vec<u8>,
+    shared: &'a Shared,
 }
 
-impl Drop for Sounding {
+impl Drop for Sounding<'_> {
     fn drop(&mut self) {
         // A port that is gone cannot be told; the native board's watchdog notices.
-        if self.port.write(&self.silence).is_ok() {
+        let silenced = self.port.write(&self.silence).is_ok();
+        self.shared.note(|figures| figures.health.silenced = silenced);
+        if silenced {
             thread::sleep(self.port.backlog() + LEAD);
         }
     }

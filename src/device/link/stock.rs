@@ -21,7 +21,7 @@ pub fn run(settings: &Settings, shared: &Shared) -> Result<(), LinkError> {
     let port = Port::open(&settings.port, settings.baud())?;
     let silence = stock::silence(settings.profile);
     let mut session = Session {
-        board: Sounding { port, silence: silence.clone() },
+        board: Sounding { port, silence: silence.clone(), shared },
         shared,
         profile: settings.profile,
         sent: None,
@@ -44,7 +44,7 @@ pub fn run(settings: &Settings, shared: &Shared) -> Result<(), LinkError> {
 }
 
 struct Session<'a> {
-    board: Sounding,
+    board: Sounding<'a>,
     shared: &'a Shared,
     profile: Profile,
     /// Generation and frame that were sent last.

@@ -12,6 +12,8 @@ mod samples;
 mod site;
 mod work;
 
+use std::sync::Arc;
+
 use num_complex::Complex64;
 
 use crate::drive::Drive;
@@ -19,6 +21,7 @@ use crate::field::contour::{self, Line};
 use crate::field::gpu::Texture;
 use crate::field::plan::{Costs, promised};
 use crate::field::{Colouring, Evaluator, Gpu};
+use crate::gauge::Gauge;
 use crate::surface::{Dent, Tank};
 use kept::Kept;
 use on_cpu::{Made, OnCpu};
@@ -45,7 +48,7 @@ struct Job<'a> {
     frame: &'a Frame,
     probes: &'a Probes,
     /// Of the drives that count, of every element.
-    excitations: &'a [Vec<Complex64>],
+    excitations: &'a Arc<Vec<Vec<Complex64>>>,
 }
 
 /// The stages of one evaluator.
@@ -74,11 +77,11 @@ struct Ground {
     refined: Option<Request>,
     frame: Kept<FrameKey, Option<(Frame, Probes)>>,
     /// Of the drives with these elements driven.
-    excitations: Kept<Sounding, Vec<Vec<Complex64>>>,
+    excitations: Kept<Sounding, Arc<Vec<Vec<Complex64>>>>,
 }
 
 /// Drives, and the elements that are driven.
-type Sounding = (Vec<Drive>, Vec<usize>);
+type Sounding = (Arc<[Drive]>, Vec<usize>);
 
 /// What the pixels and probes depend on.
 #[derive(Clone, Debug, PartialEq)]
@@ -122,7 +125,7 @@ impl Ground {
             *made = Frame::new(key, site, request.size).map(|frame| (frame, probes));
         });
         let (frame, probes) = frame.as_ref().ok_or(FieldError::NoPlane)?;
-        let sounding = (request.counted().to_vec(), request.aperture.driven.clone());
+        let sounding = (request.counted(), request.aperture.driven.clone());
         let excitations = excitations.update(&sounding, |made| *made = request.excitations());
         Ok(Job { request, key, site, frame, probes, excitations })
     }
@@ -166,6 +169,11 @@ impl Stages {
             contours: Kept::default(),
             work: Work::default(),
         }
+    }
+
+    /// Shows how far the samples of one drive or many have come.
+    pub fn show_progress(&mut self, progress: Gauge) {
+        self.cpu.progress = progress;
     }
 
     /// Forgets every result, but for its memory and the work counted.

@@ -1,6 +1,7 @@
 //! The stages on the CPU.
 
 use std::ops::Range;
+use std::sync::Arc;
 
 use num_complex::{Complex32, Complex64};
 use rayon::prelude::*;
@@ -15,6 +16,7 @@ use crate::field::stages::samples::{Samples, Superposition, sampled};
 use crate::field::stages::site::{Filled, Frame, SiteKey, Weights};
 use crate::field::stages::{Job, Work};
 use crate::field::{self, Raster};
+use crate::gauge::Gauge;
 use crate::scene::Liquid;
 use crate::surface::{Dent, Tank};
 
@@ -42,6 +44,8 @@ pub(super) struct OnCpu {
     tank: Kept<SiteKey, Option<Tank>>,
     response: Kept<(FormedKey, Liquid), Dent>,
     between: Between,
+    /// Of the samples of one drive or many.
+    pub(super) progress: Gauge,
 }
 
 /// What the samples of a drive depend on.
@@ -57,7 +61,7 @@ struct SampledKey {
 struct FormedKey {
     site: SiteKey,
     quantity: field::Quantity,
-    excitations: Vec<Vec<Complex64>>,
+    excitations: Arc<Vec<Vec<Complex64>>>,
     constants: Constants<f64>,
     double: bool,
 }
@@ -179,6 +183,8 @@ impl OnCpu {
             values.fill(0.0);
         }
         for (drive, excitation) in job.excitations.iter().enumerate() {
+            let of_drive = self.progress.part(drive..drive + 1, drives.len());
+            of_drive.tell(0, 1);
             let key = SampledKey { site: job.key.clone(), excitation: excitation.clone(), double };
             for first in (0..raster.height).step_by(rows_together) {
                 let rows = first..raster.height.min(first + rows_together);
@@ -186,7 +192,9 @@ impl OnCpu {
                 let lattice_key = (key.clone(), request.size);
                 if rows != (0..raster.height) || !self.at_pixels.is_of(&lattice_key) {
                     self.at_pixels.key = None;
-                    self.fill_pixels(job, drive, &key, (raster, weights), rows.clone(), work);
+                    of_drive.lead(|| {
+                        self.fill_pixels(job, drive, &key, (raster, weights), rows.clone(), work);
+                    });
                     self.at_pixels.key = (rows == (0..raster.height)).then_some(lattice_key);
                 }
                 let lattice = &self.at_pixels.value;
@@ -220,6 +228,7 @@ impl OnCpu {
             let runs = values.par_chunks_mut(RUN).with_min_len(16);
             largest = runs.map(|values| finish(values, factor, declaration.is_root)).reduce(|| 0.0, f32::max);
         }
+        self.progress.tell(1, 1);
         let peak = if declaration.norm == Norm::Pressure { loudest } else { largest };
         let sounds = (drives.len() == 1).then_some(sounds);
         Made {
@@ -324,7 +333,7 @@ impl OnCpu {
     /// The mean of the formula over the drives, at every cell.
     fn fill_cells(&mut self, job: &Job<'_>, filled: &Filled, key: &FormedKey, work: &mut Work) {
         let Some(grid) = &job.site.plan.grid else { return };
-        let Self { superposition, shares, cells, .. } = self;
+        let Self { superposition, shares, cells, progress, .. } = self;
         cells.update(key, |cells| {
             cells.clear();
             cells.resize(filled.cells.len(), 0.0);
@@ -332,7 +341,9 @@ impl OnCpu {
             let count = job.excitations.len();
             for first in (0..count).step_by(TOGETHER) {
                 let drives = first..count.min(first + TOGETHER);
-                let samples = sampled(superposition, job, grid, drives, key.double, work);
+                let of_these = progress.part(drives.clone(), count);
+                of_these.tell(0, 1);
+                let samples = of_these.lead(|| sampled(superposition, job, grid, drives, key.double, work));
                 work.forming += samples.len() as u64;
                 let of_share = samples.len().div_ceil(most);
                 shares.resize_with(samples.len().div_ceil(of_share), Share::default);
@@ -342,6 +353,7 @@ impl OnCpu {
                     cells.iter_mut().zip(&share.sums).for_each(|(cell, sum)| *cell += sum);
                 }
             }
+            progress.tell(count, count);
             let share = 1.0 / count as f64;
             cells.iter_mut().for_each(|cell| *cell *= share);
         });
@@ -417,7 +429,7 @@ fn in_f64(job: &Job<'_>, raster: &Raster, values: &mut [f32], work: &mut Work) -
         let points: Vec<_> = (0..values.len()).map(|i| pixels.point(run * TOGETHER + i)).collect();
         let transfer = aperture.transfer(&around.points(&points));
         let mut sums = [0.0; TOGETHER];
-        for excitation in job.excitations {
+        for excitation in job.excitations.iter() {
             let sounds = around.sounds(&transfer.pressure(excitation));
             for (sum, sound) in sums.iter_mut().zip(sounds) {
                 *sum += (quantity.declaration().exact)(sound, &constants);
@@ -438,7 +450,7 @@ impl FormedKey {
         Self {
             site: job.key.clone(),
             quantity: job.request.quantity,
-            excitations: job.excitations.to_vec(),
+            excitations: Arc::clone(job.excitations),
             constants: job.request.constants(),
             double,
         }

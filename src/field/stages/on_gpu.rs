@@ -59,7 +59,7 @@ impl OnGpu {
 
     /// Brings the values up to date on the GPU; `false` where it declines.
     fn form(&mut self, job: &Job<'_>, work: &mut Work) -> Result<bool, GpuError> {
-        let [drive] = job.request.counted() else { return Ok(false) };
+        let [drive] = &job.request.counted()[..] else { return Ok(false) };
         let Frame::Pixels { raster, weights } = job.frame else { return Ok(false) };
         if job.site.plan.double {
             return Ok(false);

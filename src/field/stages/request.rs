@@ -1,5 +1,7 @@
 //! What a map is asked for by, what it is, and why there may be none.
 
+use std::sync::Arc;
+
 use num_complex::Complex64;
 
 use crate::acoustics::{Air, Aperture};
@@ -21,7 +23,7 @@ pub struct Request {
     pub plane: Plane,
     /// Each is played for the same time, and the map shows their mean; what has none (phases, instantaneous pressures) is that
     /// of the first.
-    pub drives: Vec<Drive>,
+    pub drives: Arc<[Drive]>,
     pub quantity: Quantity,
     /// rad, the ωt of an instantaneous pressure.
     pub moment: f64,
@@ -44,7 +46,7 @@ impl Request {
             aperture: Aperture::new(scene),
             air: Air::new(&scene.medium, scene.array.frequency),
             plane: scene.plane.clone(),
-            drives,
+            drives: drives.into(),
             quantity,
             moment: 0.0,
             part: if is_slow { scene.modulation.mean_square() } else { 1.0 },
@@ -63,7 +65,7 @@ impl Request {
         let of_liquid = self.quantity.declaration().of_liquid;
         let of_moment = self.quantity == Quantity::Instantaneous;
         Ok(Self {
-            drives: self.counted().to_vec(),
+            drives: self.counted(),
             moment: if of_moment { self.moment } else { 0.0 },
             liquid: if of_liquid { self.liquid.clone() } else { Liquid::default() },
             depth: self.depth.clone().filter(|_| of_liquid),
@@ -76,7 +78,7 @@ impl Request {
     }
 
     /// u of every element of the array, 0 for those that are off, for every drive that counts.
-    pub(super) fn excitations(&self) -> Vec<Vec<Complex64>> {
+    pub(super) fn excitations(&self) -> Arc<Vec<Vec<Complex64>>> {
         let of_drive = |drive: &Drive| {
             let mut excitation = vec![Complex64::ZERO; self.aperture.positions.len()];
             let driven = &self.aperture.driven;
@@ -85,13 +87,13 @@ impl Request {
             }
             excitation
         };
-        self.counted().iter().map(of_drive).collect()
+        Arc::new(self.counted().iter().map(of_drive).collect())
     }
 
     /// The drives that count.
-    pub(super) fn counted(&self) -> &[Drive] {
-        let has_mean = self.quantity.declaration().has_mean;
-        if has_mean { &self.drives } else { &self.drives[..1] }
+    pub(super) fn counted(&self) -> Arc<[Drive]> {
+        let is_all = self.quantity.declaration().has_mean || self.drives.len() == 1;
+        if is_all { Arc::clone(&self.drives) } else { self.drives[..1].into() }
     }
 
     /// # Errors

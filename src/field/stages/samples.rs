@@ -13,6 +13,7 @@ use crate::field::stages::kept::Kept;
 use crate::field::stages::request::Setting;
 use crate::field::stages::{Job, Work};
 use crate::field::transfer::{Layout, Transfer};
+use crate::gauge::Gauge;
 
 /// The pressure at the samples, and its slope along the plane's normal; empty where no part needs them.
 #[derive(Clone, Debug, Default)]
@@ -55,10 +56,14 @@ impl Superposition {
     ) -> Vec<Vec<Complex32>> {
         work.superposition += 1;
         let aperture = &job.request.aperture;
-        let each = |drive: &Drive| part_on_cpu(aperture, drive, &grid.samples, part, job.site.axes, double);
         let played = &job.request.counted()[drives.clone()];
+        let gauge = Gauge::current();
+        let each = |(index, drive): (usize, &Drive)| {
+            let of_drive = || part_on_cpu(aperture, drive, &grid.samples, part, job.site.axes, double);
+            gauge.part(index..index + 1, played.len()).lead(of_drive)
+        };
         if double {
-            return played.iter().map(each).collect();
+            return played.iter().enumerate().map(each).collect();
         }
         let setting = &job.site.sampled;
         let (kept, direction) = match part {
@@ -75,7 +80,7 @@ impl Superposition {
                 *table = Transfer::of_part(&setting.aperture, grid, direction, old);
             }
         });
-        let Some(table) = table else { return played.iter().map(each).collect() };
+        let Some(table) = table else { return played.iter().enumerate().map(each).collect() };
         table.superpose(aperture, &job.excitations[drives], grid.samples.len())
     }
 }
@@ -91,8 +96,10 @@ pub(super) fn sampled(
 ) -> Vec<Samples> {
     let mut needs = |normal: bool| {
         let part = Part::of(job.key.parts).find(|&part| (part == Part::Normal) == normal);
+        let half = usize::from(normal);
+        let mut at = |part| superposition.at(job, grid, drives.clone(), part, double, work);
         match part {
-            Some(part) => superposition.at(job, grid, drives.clone(), part, double, work),
+            Some(part) => Gauge::current().part(half..half + 1, 2).lead(|| at(part)),
             None => vec![Vec::new(); drives.len()],
         }
     };

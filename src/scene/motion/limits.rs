@@ -8,6 +8,8 @@ use crate::scene::{Focus, MotionPath, Scene, Tempo};
 
 /// Bytes that the drives and foci of all frames may take.
 const MOST_BYTES: u64 = 1 << 30;
+/// Bytes of a frame beside its numbers.
+const LISTS: usize = 512;
 /// Frames of a round, where a cycle has several.
 const FEWEST: u64 = 3;
 
@@ -103,9 +105,10 @@ pub fn check_group(group: &Group<'_>, runs: bool, frames: u64) -> Result<(), Key
 pub fn check_memory(scene: &Scene, frames: u64, foci: usize) -> Result<(), String> {
     const FLOAT: usize = size_of::<f64>();
     let elements = scene.array.elements();
-    // Phase and amplitude of an element, and the complex number that they are made from; position, target and complex
-    // pressure of a focus.
-    let bytes = (elements * 4 * FLOAT + foci * (size_of::<Focus>() + 2 * FLOAT)) as u64;
+    // Phase and amplitude of an element, and the complex number that they are made from or that a mean is made from; a focus
+    // as it is asked for and as it was found, its pressure and its weight; what the lists of all these take themselves.
+    let of_focus = 2 * size_of::<Focus>() + 4 * FLOAT;
+    let bytes = (elements * 4 * FLOAT + foci * of_focus + LISTS) as u64;
     if frames * bytes <= MOST_BYTES {
         return Ok(());
     }

@@ -1,15 +1,21 @@
 //! What leaves the program: files, written whole or not at all, and lines on standard output and error.
 
 mod draft;
+mod files;
 
 use std::fmt::Arguments;
 use std::fs::{self, File, Metadata, OpenOptions};
-use std::io::{self, BufWriter, ErrorKind, Write};
+use std::io::{self, BufWriter, ErrorKind, StdoutLock, Write};
+#[cfg(unix)]
+use std::os::fd::AsFd;
 use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicBool, Ordering};
 
 use anyhow::anyhow;
 
+use crate::echo;
 use draft::Draft;
+pub use files::Files;
 
 /// Writes what can be made again: the old file stands until the new one is whole.
 ///
@@ -111,13 +117,18 @@ fn draft_for(path: &Path, there: Option<&Metadata>) -> io::Result<(Draft, PathBu
     Ok((draft, path))
 }
 
-/// Where a file really is: a link stays a link, and what it leads to is written. Only for paths without endless links.
+/// Where a file really is: a link stays a link, and what it leads to is written.
 fn followed(path: &Path) -> io::Result<PathBuf> {
+    /// As many links as Linux follows.
+    const MOST: usize = 40;
     let mut path = path.to_owned();
-    while fs::symlink_metadata(&path).is_ok_and(|there| there.is_symlink()) {
+    for _ in 0..MOST {
+        if !fs::symlink_metadata(&path).is_ok_and(|there| there.is_symlink()) {
+            return Ok(path);
+        }
         path = folder_of(&path).join(fs::read_link(&path)?);
     }
-    Ok(path)
+    Err(io::Error::other("its links lead in a circle"))
 }
 
 /// Speaks of the file that the user named, not of the draft.
@@ -172,19 +183,51 @@ pub fn outlive_file_limits() -> io::Result<()> {
 }
 
 /// A line on standard output, where results go: `say!("{count} frames")?`. Unlike `println!` it does not panic where nobody
-/// reads or the disk is full.
+/// reads or the disk is full, and what it quotes steers no terminal.
 macro_rules! say {
-    ($($line:tt)*) => { $crate::studio::output::print(format_args!("{}\n", format_args!($($line)*))) };
+    ($($line:tt)*) => { $crate::studio::output::say_line(&format!($($line)*)) };
 }
 pub(crate) use say;
 
-/// Text on standard output.
+/// What [`say!`] does.
+///
+/// # Errors
+/// As [`print`].
+pub fn say_line(line: &str) -> anyhow::Result<()> {
+    print(format_args!("{}\n", echo::lines(line)))
+}
+
+/// Text on standard output, to the byte.
 ///
 /// # Errors
 /// It cannot be written.
 pub fn print(text: Arguments<'_>) -> anyhow::Result<()> {
-    let mut out = io::stdout().lock();
+    let mut out = standard()?;
     out.write_fmt(text).and_then(|()| out.flush()).map_err(unsaid)
+}
+
+/// Standard output was closed when the program began. Rust then opens /dev/null in its place, and all seems well.
+static IS_CLOSED: AtomicBool = AtomicBool::new(false);
+
+/// Looks whether standard output is open. Only what runs before `main` sees it as the caller left it.
+pub fn look_at_standard() {
+    #[cfg(unix)]
+    {
+        // Another handle to the same description needs no unsafe code, and fails if there is none.
+        let is_open = io::stdout().as_fd().try_clone_to_owned().is_ok();
+        IS_CLOSED.store(!is_open, Ordering::Relaxed);
+    }
+}
+
+/// Standard output.
+///
+/// # Errors
+/// The caller has closed it.
+pub fn standard() -> anyhow::Result<StdoutLock<'static>> {
+    if IS_CLOSED.load(Ordering::Relaxed) {
+        return Err(unsaid(io::Error::other("it is closed")));
+    }
+    Ok(io::stdout().lock())
 }
 
 /// Why standard output takes no more. That nobody reads it is no fault, and `main` knows that by the error below.
@@ -192,9 +235,10 @@ pub fn unsaid(error: io::Error) -> anyhow::Error {
     anyhow::Error::new(error).context("standard output: cannot write")
 }
 
-/// A line on standard error, where all is said that is no result. If that cannot be written, there is nobody to be told.
-pub fn mention(line: &str) {
-    let _ = writeln!(io::stderr(), "{line}");
+/// A message on standard error, where all is said that is no result: one line, and not a long one. If that cannot be written,
+/// there is nobody to be told.
+pub fn mention(text: &str) {
+    let _ = writeln!(io::stderr(), "{}", echo::message(text));
 }
 
 /// Says something that is no result and no error.

@@ -22,7 +22,7 @@ impl<'a> Session<'a> {
         let silence = [vec![0], Packet::mute().to_line()].concat();
         let now = Instant::now();
         let mut session = Self {
-            board: Sounding { port, silence },
+            board: Sounding { port, silence, shared },
             shared,
             name,
             info: Info {

@@ -73,7 +73,7 @@ struct Sent {
 }
 
 struct Session<'a> {
-    board: Sounding,
+    board: Sounding<'a>,
     shared: &'a Shared,
     name: String,
     info: Info,

@@ -1,12 +1,50 @@
-//! Whether memory holds what a picture takes, asked before the work begins.
+//! Whether memory holds what a picture or a large table takes, asked before the work begins.
 //!
 //! Linux promises more memory than it has, and kills a program that uses too much of it: an allocation alone proves nothing.
+
+use std::sync::{Condvar, Mutex, PoisonError};
 
 /// Whether this process may use so many bytes more, and the machine has them. A system that does not say has them.
 pub fn holds(bytes: usize) -> bool {
     let figures = std::fs::read_to_string("/proc/meminfo").ok();
     let left = figures.as_deref().and_then(left);
     may_be_reserved(bytes) && left.is_none_or(|left| bytes as u64 <= left)
+}
+
+/// Bytes below which nobody is kept waiting.
+const LARGE: usize = 32 << 20;
+
+/// What is reserved by all threads.
+static RESERVED: Mutex<usize> = Mutex::new(0);
+static RELEASED: Condvar = Condvar::new();
+
+/// Room for the tables of one piece of work; free again when this goes.
+#[derive(Debug)]
+#[must_use]
+pub struct Room(usize);
+
+/// Room for so many bytes beside what other threads have reserved; waits until they need it no longer. `None` where memory
+/// would not hold so many even then. A thread that has room may not ask for more.
+pub fn reserve(bytes: usize) -> Option<Room> {
+    if bytes < LARGE {
+        return Some(Room(0));
+    }
+    let mut reserved = RESERVED.lock().unwrap_or_else(PoisonError::into_inner);
+    while !holds(bytes.saturating_add(*reserved)) {
+        if *reserved == 0 {
+            return None;
+        }
+        reserved = RELEASED.wait(reserved).unwrap_or_else(PoisonError::into_inner);
+    }
+    *reserved += bytes;
+    Some(Room(bytes))
+}
+
+impl Drop for Room {
+    fn drop(&mut self) {
+        *RESERVED.lock().unwrap_or_else(PoisonError::into_inner) -= self.0;
+        RELEASED.notify_all();
+    }
 }
 
 /// Whether the limits of this process (`ulimit`) leave room for so many bytes.
@@ -42,6 +80,17 @@ mod tests {
         {
             assert_eq!(left(unknown), None, "{unknown}");
         }
+    }
+
+    #[test]
+    fn room_that_is_never_there_is_refused_and_other_room_is_given_back() {
+        assert!(reserve(usize::MAX / 4).is_none());
+        let room = reserve(LARGE).unwrap();
+        // More than there is beside that room; the thread waits until that is given back, and then is refused.
+        let waiting = std::thread::Builder::new().spawn(|| reserve(usize::MAX / 4).is_none()).unwrap();
+        drop(room);
+        assert!(waiting.join().unwrap());
+        assert_eq!(*RESERVED.lock().unwrap(), 0);
     }
 
     #[test]

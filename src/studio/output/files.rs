@@ -1,0 +1,191 @@
+//! The files of one run: what it reads is never written, and no two outputs are one file, whatever they are called.
+
+use std::fs::{self, Metadata};
+use std::path::{Path, PathBuf};
+
+use anyhow::bail;
+
+use crate::echo;
+use crate::scene::{Scene, Shape};
+use crate::studio::output::{check_writable, folder_of, followed};
+
+/// What is read and what is to be written so far.
+#[derive(Debug, Default)]
+pub struct Files {
+    inputs: Vec<(PathBuf, Identity)>,
+    outputs: Vec<(PathBuf, Identity)>,
+}
+
+/// What makes two names one file: links, hard ones too, lead to the same.
+#[derive(Clone, Debug, PartialEq, Eq)]
+enum Identity {
+    /// Device and number of a file that is there.
+    #[cfg(unix)]
+    There(u64, u64),
+    /// Where a file would be, in a folder without links.
+    Named(PathBuf),
+    /// A pipe or a device takes what comes, and a folder is not written over.
+    Stream,
+}
+
+impl Identity {
+    fn of(path: &Path) -> Self {
+        match fs::metadata(path) {
+            Ok(there) if there.is_file() => Self::of_file(&there, path),
+            Ok(_) => Self::Stream,
+            Err(_) => Self::named(path),
+        }
+    }
+
+    #[cfg(unix)]
+    fn of_file(there: &Metadata, _: &Path) -> Self {
+        use std::os::unix::fs::MetadataExt;
+        Self::There(there.dev(), there.ino())
+    }
+
+    #[cfg(not(unix))]
+    fn of_file(_: &Metadata, path: &Path) -> Self {
+        Self::named(path)
+    }
+
+    fn named(path: &Path) -> Self {
+        let path = followed(path).unwrap_or_else(|_| path.to_owned());
+        let folder = fs::canonicalize(folder_of(&path)).unwrap_or_else(|_| folder_of(&path).to_owned());
+        Self::Named(path.file_name().map_or(folder.clone(), |name| folder.join(name)))
+    }
+
+    fn is_stream(&self) -> bool {
+        *self == Self::Stream
+    }
+}
+
+impl Files {
+    /// Those of a command: standard input and output where these are files.
+    pub fn new() -> Self {
+        let mut files = Self::default();
+        #[cfg(unix)]
+        {
+            let named = |name: &str| (PathBuf::from(name), Identity::of(Path::new(name)));
+            files.inputs.extend([named("/dev/stdin")].into_iter().filter(|(_, own)| is_there(own)));
+            files.outputs.extend([named("/dev/stdout")].into_iter().filter(|(_, own)| is_there(own)));
+        }
+        files
+    }
+
+    /// Notes a file that is read.
+    ///
+    /// # Errors
+    /// It is to be written, too.
+    pub fn reads(&mut self, path: &Path) -> anyhow::Result<()> {
+        let own = Identity::of(path);
+        if let Some((output, _)) = self.outputs.iter().find(|(_, other)| *other == own && !own.is_stream()) {
+            return refuse(output, path);
+        }
+        if self.inputs.iter().all(|(_, other)| *other != own) {
+            self.inputs.push((path.to_owned(), own));
+        }
+        Ok(())
+    }
+
+    /// Notes the pictures that a scene has been read with.
+    ///
+    /// # Errors
+    /// As [`Self::reads`].
+    pub fn reads_pictures(&mut self, scene: &Scene) -> anyhow::Result<()> {
+        for target in &scene.targets {
+            if let Shape::Picture { pixels, .. } = &target.shape
+                && let Some(path) = pixels.get().and_then(|grey| grey.file.as_deref())
+            {
+                self.reads(path)?;
+            }
+        }
+        Ok(())
+    }
+
+    /// Notes a file that is to be written.
+    ///
+    /// # Errors
+    /// It is read, or something else is written to it.
+    pub fn keeps(&mut self, path: &Path) -> anyhow::Result<()> {
+        let own = self.output(path)?;
+        let is_own = |(_, other): &&(PathBuf, Identity)| *other == own && !own.is_stream();
+        if let Some((output, _)) = self.outputs.iter().find(is_own) {
+            bail!("{}: this would be written twice, as {} too", path.display(), output.display());
+        }
+        self.outputs.push((path.to_owned(), own));
+        Ok(())
+    }
+
+    /// Looks whether a file may be written, and does not note it: one of so many that memory would grow with them.
+    ///
+    /// # Errors
+    /// It is read.
+    pub fn spares(&self, path: &Path) -> anyhow::Result<()> {
+        self.output(path).map(drop)
+    }
+
+    fn output(&self, path: &Path) -> anyhow::Result<Identity> {
+        let own = Identity::of(path);
+        match self.inputs.iter().find(|(_, other)| *other == own && !own.is_stream()) {
+            Some((input, _)) => refuse(path, input),
+            None => Ok(own),
+        }
+    }
+
+    /// As [`Self::keeps`], and fails early where writing would fail after the work.
+    ///
+    /// # Errors
+    /// As [`Self::keeps`] and [`check_writable`].
+    pub fn writes(&mut self, path: &Path) -> anyhow::Result<()> {
+        self.keeps(path)?;
+        check_writable(path)
+    }
+}
+
+#[cfg(unix)]
+fn is_there(own: &Identity) -> bool {
+    matches!(own, Identity::There(..))
+}
+
+fn refuse<T>(output: &Path, input: &Path) -> anyhow::Result<T> {
+    if output == input {
+        bail!("{}: this is an input, and writing it would destroy it", output.display());
+    }
+    bail!("{}: this is the input {}, and writing it would destroy it", output.display(), echo::path(input))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_of_one_file_are_known_whatever_leads_there() {
+        let folder = tempfile::tempdir().unwrap();
+        let at = |name: &str| folder.path().join(name);
+        fs::write(at("a"), "a").unwrap();
+        fs::create_dir(at("b")).unwrap();
+        let mut files = Files::default();
+        files.reads(&at("a")).unwrap();
+        files.keeps(&at("new")).unwrap();
+        for path in ["a", "b/../a", "new", "b/../new"] {
+            assert!(files.keeps(&at(path)).is_err(), "{path}");
+        }
+        assert!(files.reads(&at("b/../new")).is_err());
+        #[cfg(unix)]
+        {
+            use std::os::unix::fs::symlink;
+            fs::hard_link(at("a"), at("hard")).unwrap();
+            symlink("a", at("soft")).unwrap();
+            symlink("new", at("dangling")).unwrap();
+            symlink(folder.path(), at("b/back")).unwrap();
+            symlink("circle", at("circle")).unwrap();
+            files.reads(&at("circle")).unwrap();
+            for path in ["hard", "soft", "dangling", "b/back/a", "b/back/new", "circle"] {
+                assert!(files.keeps(&at(path)).is_err(), "{path}");
+            }
+            files.keeps(Path::new("/dev/null")).unwrap();
+            files.keeps(Path::new("/dev/null")).unwrap();
+        }
+        files.keeps(&at("other")).unwrap();
+    }
+}
