@@ -10,6 +10,7 @@ use std::path::{Path, PathBuf};
 const LAYERS: &[(&str, &[&str])] = &[
     ("scene", &["serde", "toml", "toml_edit", "glam", "thiserror"]),
     ("table", &["csv", "thiserror"]),
+    ("rounding", &[]),
     ("simd", &[]),
     ("acoustics", &["glam", "num_complex", "libm"]),
     ("drive", &["num_complex"]),

@@ -6,12 +6,12 @@
 mod depression;
 mod drag;
 mod evaluators;
-mod ghost;
 mod model;
 mod plan;
 mod quantities;
 #[path = "../requirement/mod.rs"]
 mod requirement;
+mod side_lobe;
 mod stages;
 mod texels;
 mod transfer;
