@@ -19,6 +19,8 @@
 //! minimum lies at 0.86 to 1.25, and later in 4 of 379 cases. (Off both axes, in the corners of a square's lobe, there are maxima of
 //! 0.1 of the focus at 1.0 to 1.1.)
 
+use std::f64::consts::SQRT_2;
+
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 
@@ -30,7 +32,7 @@ use crate::scene::{Plane, Scene};
 
 /// Samples in a wavelength at least: a maximum of |p| is half a wavelength wide or more.
 const PER_WAVELENGTH: f64 = 8.0;
-/// Of the loudest sample beside the foci: samples that may lead to a louder maximum. A sixteenth of a wavelength aside along both
+/// Of the loudest maximum: what a sample has at least that leads to it. A sixteenth of a wavelength aside along both
 /// directions |p| has 0.85 of a maximum.
 const LEADING: f64 = 0.8;
 /// Samples of a plane that are searched at most.
@@ -109,7 +111,7 @@ pub fn loudest(
     Ok(SideLobe { position: at(found.place), pressure: found.value, part: found.value / mean })
 }
 
-/// |p| on a plane, sampled from edge to edge.
+/// |p| (Pa, peak) on a plane, sampled from edge to edge.
 fn sampled(
     stages: &mut Stages,
     aperture: &Aperture,
@@ -136,7 +138,7 @@ fn sampled(
     if map.peak == 0.0 {
         return Err(NoSideLobe::Silent);
     }
-    let values = map.values.iter().map(|&rms| f64::from(rms)).collect();
+    let values = map.values.iter().map(|&rms| SQRT_2 * f64::from(rms)).collect();
     Ok(Lattice { values, columns, first: -plane.size / 2.0, step, half: plane.size / 2.0 })
 }
 

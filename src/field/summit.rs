@@ -4,10 +4,24 @@ use glam::DVec2;
 
 /// Halvings of the way to a neighbour: the place is then within a 128th of a step.
 const HALVINGS: usize = 6;
-/// Samples from which a climb begins, at most: rounding makes maxima without number where a function is flat.
-const MOST: usize = 128;
+/// Samples from which climbs begin, at most: rounding makes maxima without number where a function is flat.
+const MOST: usize = 512;
+/// Climbs that are made together, the most promising first.
+const TOGETHER: usize = 32;
 /// Moves from one place to a higher one, at most, in all of a climb.
 const MOVES: usize = 64;
+
+/// Towards the neighbours of a place, in steps.
+const SIDES: [DVec2; 8] = [
+    DVec2::new(-1.0, -1.0),
+    DVec2::new(0.0, -1.0),
+    DVec2::new(1.0, -1.0),
+    DVec2::new(-1.0, 0.0),
+    DVec2::new(1.0, 0.0),
+    DVec2::new(-1.0, 1.0),
+    DVec2::new(0.0, 1.0),
+    DVec2::new(1.0, 1.0),
+];
 
 /// A lattice of samples of a function that is looked at on a rectangle about the origin.
 #[derive(Clone, Debug)]
@@ -54,26 +68,50 @@ impl Lattice {
         (0..self.values.len()).filter(is_maximum)
     }
 
-    /// The highest of the maxima that count. Samples lead to it that no neighbour exceeds and that reach this `part` of the largest
-    /// of them; `value` is the function at some places. `None` where no maximum counts.
+    /// Whether maxima count at a sample, or at a place as near to it as its own maximum may be.
+    fn may_count(&self, index: usize, counts: &impl Fn(DVec2) -> bool) -> bool {
+        let place = self.place(index);
+        counts(place) || SIDES.iter().any(|side| counts(self.beside(place, *side, 1.0)))
+    }
+
+    /// The highest of the maxima that count. Samples lead to it that no neighbour exceeds and that have at least this `part` of it;
+    /// `value` is the function at some places. `None` where no maximum counts.
     pub fn summit(
         &self,
         part: f64,
         counts: impl Fn(DVec2) -> bool,
         value: impl Fn(&[DVec2]) -> Vec<f64>,
     ) -> Option<Summit> {
-        let mut maxima: Vec<_> = self.maxima().filter(|&index| counts(self.place(index))).collect();
+        let mut maxima: Vec<_> = self.maxima().filter(|&index| self.may_count(index, &counts)).collect();
         maxima.sort_by(|&a, &b| self.values[b].total_cmp(&self.values[a]));
-        let largest = maxima.first().map_or(0.0, |&index| self.values[index]);
-        let places: Vec<_> = maxima
-            .into_iter()
-            .filter(|&index| self.values[index] >= part * largest)
-            .take(MOST)
-            .map(|index| self.place(index))
-            .collect();
-        let start = |(place, value)| Summit { place, value, step: 0.5, is_done: false };
-        let values = value(&places);
-        let mut climbing: Vec<_> = places.into_iter().zip(values).map(start).collect();
+        maxima.truncate(MOST);
+        let mut highest: Option<Summit> = None;
+        for some in maxima.chunks(TOGETHER) {
+            let least = highest.map_or(0.0, |summit| part * summit.value);
+            let places: Vec<_> = some
+                .iter()
+                .filter(|&&index| self.values[index] >= least)
+                .map(|&index| self.place(index))
+                .collect();
+            if places.is_empty() {
+                break;
+            }
+            let reached = self.climbed(&places, highest, &counts, &value);
+            highest = reached.into_iter().max_by(|a, b| a.value.total_cmp(&b.value));
+        }
+        highest
+    }
+
+    /// Where climbs from some places and from the highest so far end, if they may be the highest of those that count.
+    fn climbed(
+        &self,
+        places: &[DVec2],
+        so_far: Option<Summit>,
+        counts: &impl Fn(DVec2) -> bool,
+        value: &impl Fn(&[DVec2]) -> Vec<f64>,
+    ) -> Vec<Summit> {
+        let start = |(&place, value)| Summit { place, value, step: 0.5, is_done: false };
+        let mut climbing: Vec<_> = places.iter().zip(value(places)).map(start).chain(so_far).collect();
         for _ in 0..MOVES {
             // What climbs out of where maxima count says nothing of those that do.
             let reached = climbing.iter().filter(|summit| counts(summit.place));
@@ -82,29 +120,21 @@ impl Lattice {
             if climbing.iter().all(|summit| summit.is_done) {
                 break;
             }
-            self.climb(&mut climbing, &value);
+            self.climb(&mut climbing, value);
         }
-        climbing.into_iter().filter(|summit| counts(summit.place)).max_by(|a, b| a.value.total_cmp(&b.value))
+        climbing.retain(|summit| counts(summit.place));
+        climbing
+    }
+
+    fn beside(&self, place: DVec2, side: DVec2, steps: f64) -> DVec2 {
+        (place + side * self.step * steps).clamp(-self.half, self.half)
     }
 
     /// Moves every place to its highest neighbour, or its neighbours half as far away.
     fn climb(&self, climbing: &mut [Summit], value: &impl Fn(&[DVec2]) -> Vec<f64>) {
-        const SIDES: [(f64, f64); 8] = [
-            (-1.0, -1.0),
-            (0.0, -1.0),
-            (1.0, -1.0),
-            (-1.0, 0.0),
-            (1.0, 0.0),
-            (-1.0, 1.0),
-            (0.0, 1.0),
-            (1.0, 1.0),
-        ];
         let mut climbing: Vec<_> = climbing.iter_mut().filter(|summit| !summit.is_done).collect();
-        let beside = |summit: &&mut Summit| {
-            let (place, step) = (summit.place, self.step * summit.step);
-            SIDES.map(|(x, y)| (place + DVec2::new(x, y) * step).clamp(-self.half, self.half))
-        };
-        let places: Vec<_> = climbing.iter().flat_map(beside).collect();
+        let around = |summit: &&mut Summit| SIDES.map(|side| self.beside(summit.place, side, summit.step));
+        let places: Vec<_> = climbing.iter().flat_map(around).collect();
         let values = value(&places);
         for (index, summit) in climbing.iter_mut().enumerate() {
             let sides = index * SIDES.len()..(index + 1) * SIDES.len();

@@ -7,8 +7,8 @@ use crate::field::cells::Cells;
 use crate::field::interpolation::{Between, Resampling, interpolate};
 use crate::field::summit::Lattice;
 
-/// Parts of the largest sample that lead to the largest value: where a liquid has no tension, its surface has the pressure's band, and
-/// half of a maximum may be lost between cells.
+/// Of the largest value, what a sample has at least that leads to it: where a liquid has no tension, its surface has the pressure's
+/// band, and half of a maximum may be lost between samples.
 const LEADING: f64 = 0.5;
 /// Places that are interpolated together.
 const RUN: usize = 256;
