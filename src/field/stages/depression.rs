@@ -7,11 +7,13 @@ use crate::field::cells::Cells;
 use crate::field::interpolation::{Between, Resampling, interpolate};
 use crate::field::summit::Lattice;
 
+/// Samples to a cell, along each axis.
+const PER_CELL: f64 = 2.0;
 /// Of the largest value, what a sample has at least that leads to it: where a liquid has no tension, its surface has the pressure's
-/// band, and half of a maximum may be lost between samples.
-const LEADING: f64 = 0.5;
+/// band, and a quarter of a maximum may be lost between samples.
+const LEADING: f64 = 0.7;
 /// Places that are interpolated together.
-const RUN: usize = 256;
+const RUN: usize = 64;
 
 /// A liquid's surface on a plane, as a continuous one between the cells that it is known at.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -30,8 +32,8 @@ impl Depression {
     pub(super) fn new(cells: &Cells, size: DVec2, depth: &[f64]) -> Self {
         let surface = Surface { cells, depth, size };
         Self {
-            deepest: surface.largest(|places| surface.depths_on(places), |at, place| at.depth(place)),
-            slope: surface.largest(|places| surface.slopes_on(places), |at, place| at.slope(place)),
+            deepest: surface.largest(false, |places| surface.depths_on(places), |at, place| at.depth(place)),
+            slope: surface.largest(true, |places| surface.slopes_on(places), |at, place| at.slope(place)),
             volume: cells.integral(size, depth.iter().copied()),
         }
     }
@@ -54,10 +56,11 @@ impl Surface<'_> {
     /// The largest of some values on the rectangle: of those on a lattice, and of the function that they are of.
     fn largest(
         &self,
+        with_slopes: bool,
         on: impl Fn([&[f64]; 2]) -> Vec<f64>,
         at: impl Fn(&Interpolated<'_>, usize) -> f64 + Sync + Send,
     ) -> f64 {
-        let counts = (self.size / self.cells.step).ceil().max(DVec2::ONE) + 1.0;
+        let counts = (PER_CELL * self.size / self.cells.step).ceil().max(DVec2::ONE) + 1.0;
         let step = self.size / (counts - 1.0);
         let places = [0, 1].map(|axis| -> Vec<f64> {
             (0..counts[axis] as usize).map(|i| step[axis] * i as f64 - self.size[axis] / 2.0).collect()
@@ -70,7 +73,7 @@ impl Surface<'_> {
             half: self.size / 2.0,
         };
         let value = |places: &[DVec2]| {
-            let interpolated = Interpolated::new(self, places);
+            let interpolated = Interpolated::new(self, places, with_slopes);
             (0..places.len())
                 .into_par_iter()
                 .with_min_len(RUN)
@@ -114,12 +117,15 @@ struct Interpolated<'a> {
 }
 
 impl<'a> Interpolated<'a> {
-    fn new(surface: &'a Surface<'a>, places: &[DVec2]) -> Self {
+    fn new(surface: &'a Surface<'a>, places: &[DVec2], with_slopes: bool) -> Self {
         let along = [0, 1].map(|axis| places.iter().map(|place| place[axis]).collect::<Vec<_>>());
         Self {
             surface,
             values: [0, 1].map(|axis| surface.values(axis, &along[axis])),
-            slopes: [0, 1].map(|axis| surface.slopes(axis, &along[axis])),
+            slopes: match with_slopes {
+                true => [0, 1].map(|axis| surface.slopes(axis, &along[axis])),
+                false => [Resampling::default(), Resampling::default()],
+            },
         }
     }
 
