@@ -157,7 +157,7 @@ pub fn volume(volume: f64) -> String {
     format!("{} mm³", digits(volume * 1e9))
 }
 
-pub fn newtons(force: f64) -> String {
+fn newtons(force: f64) -> String {
     if force.abs() >= 1e-3 {
         format!("{} mN", digits(force * 1e3))
     } else {

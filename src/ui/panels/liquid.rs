@@ -65,7 +65,11 @@ fn depression(editor: &mut Editor, shown: &Shown, ui: &mut Ui) {
     form(ui, "depression", |ui| {
         let tip = "The scene's plane, whatever part of it is on the screen: force, depth, volume and slope are of it";
         fact(ui, ("Area", tip), liquid::area(figures.size));
-        fact(ui, ("Force", "That the sound presses with on this area"), liquid::newtons(figures.force));
+        fact(
+            ui,
+            ("Force", "That the sound presses with on this area"),
+            format!("{} mN", digits(1e3 * figures.force)),
+        );
         if let Some(map) = shown.map.as_ref().filter(|map| map.quantity == Quantity::Radiation) {
             let tip = "Of the sound, in what is on the screen";
             fact(ui, ("Largest pressure", tip), pascals_at_most(map.largest));
