@@ -224,8 +224,8 @@ mod tests {
             let lattice = Lattice { values, columns: 19, first: -half, step, half };
             let all = |places: &[DVec2]| places.iter().map(|&place| wave(place, turn)).collect();
             let found = lattice.summit(0.7, |_| true, all).unwrap();
-            let fine = (0..=1400 * 1800).map(|i| {
-                let place = DVec2::new((i % 1801) as f64 / 100.0, (i / 1801) as f64 / 100.0) - half;
+            let fine = (0..=1400 * 1800u32).map(|i| {
+                let place = DVec2::new(f64::from(i % 1801), f64::from(i / 1801)) / 100.0 - half;
                 wave(place.clamp(-half, half), turn)
             });
             let highest = fine.fold(0.0, f64::max);
