@@ -32,9 +32,6 @@ use crate::scene::{Plane, Scene};
 
 /// Samples in a wavelength at least: a maximum of |p| is half a wavelength wide or more.
 const PER_WAVELENGTH: f64 = 8.0;
-/// Of the loudest maximum: what a sample has at least that leads to it. A sixteenth of a wavelength aside along both
-/// directions |p| has 0.85 of a maximum.
-const LEADING: f64 = 0.8;
 /// Samples of a plane that are searched at most.
 const MOST_SAMPLES: f64 = 4e6;
 /// Of the peak: what the map may be off while maxima are found; their pressures are then evaluated in f64.
@@ -107,7 +104,7 @@ pub fn loudest(
         points.par_chunks(RUN).flat_map_iter(of_run).collect()
     };
     let samples = sampled(stages, aperture, plane, drives)?;
-    let found = samples.summit(LEADING, counts, pressures).ok_or(NoSideLobe::NoMaximum)?;
+    let found = samples.summit(counts, pressures).ok_or(NoSideLobe::NoMaximum)?;
     Ok(SideLobe { position: at(found.place), pressure: found.value, part: found.value / mean })
 }
 

@@ -10,6 +10,9 @@ const FINEST: f64 = 0.02;
 const MOST: usize = 512;
 /// Climbs that are made together, the most promising first.
 const TOGETHER: usize = 16;
+/// Of the highest maximum, what the paraboloid through the samples beside it has at least: with five samples to the shortest wave it
+/// is 0.94 high or higher.
+const LEADING: f64 = 0.92;
 /// Moves from one place to a higher one, at most, in all of a climb.
 const MOVES: usize = 64;
 
@@ -49,8 +52,8 @@ pub struct Summit {
 }
 
 impl Lattice {
-    /// Where a paraboloid through a sample and its neighbours is highest; beyond the edge there is what is at it.
-    fn vertex(&self, index: usize) -> DVec2 {
+    /// Where a paraboloid through a sample and its neighbours is highest, and how high; beyond the edge there is what is at it.
+    fn vertex(&self, index: usize) -> (DVec2, f64) {
         let rows = self.values.len() / self.columns;
         let (column, row) = (index % self.columns, index / self.columns);
         let beside = |at: usize, side: f64, count: usize| {
@@ -59,7 +62,8 @@ impl Lattice {
         let around = SIDES.map(|side| {
             self.values[beside(row, side.y, rows) * self.columns + beside(column, side.x, self.columns)]
         });
-        self.beside(self.place(index), vertex(around, self.values[index]), 1.0)
+        let (place, height) = vertex(around, self.values[index]);
+        (self.beside(self.place(index), place, 1.0), height)
     }
 
     fn place(&self, index: usize) -> DVec2 {
@@ -88,25 +92,22 @@ impl Lattice {
         counts(place) || SIDES.iter().any(|side| counts(self.beside(place, *side, 1.0)))
     }
 
-    /// The highest of the maxima that count. Samples lead to it that no neighbour exceeds and that have at least this `part` of it;
-    /// `value` is the function at some places. `None` where no maximum counts.
+    /// The highest of the maxima that count. Samples lead to it that no neighbour exceeds; `value` is the function at some places.
+    /// `None` where no maximum counts.
     pub fn summit(
         &self,
-        part: f64,
         counts: impl Fn(DVec2) -> bool,
         value: impl Fn(&[DVec2]) -> Vec<f64>,
     ) -> Option<Summit> {
-        let mut maxima: Vec<_> = self.maxima().filter(|&index| self.may_count(index, &counts)).collect();
-        maxima.sort_by(|&a, &b| self.values[b].total_cmp(&self.values[a]));
-        maxima.truncate(MOST);
+        let leading = self.maxima().filter(|&index| self.may_count(index, &counts));
+        let mut expected: Vec<_> = leading.map(|index| self.vertex(index)).collect();
+        expected.sort_by(|a, b| b.1.total_cmp(&a.1));
+        expected.truncate(MOST);
         let mut highest: Option<Summit> = None;
-        for some in maxima.chunks(TOGETHER) {
-            let least = highest.map_or(0.0, |summit| part * summit.value);
-            let places: Vec<_> = some
-                .iter()
-                .filter(|&&index| self.values[index] >= least)
-                .map(|&index| self.vertex(index))
-                .collect();
+        for some in expected.chunks(TOGETHER) {
+            let least = highest.map_or(0.0, |summit| LEADING * summit.value);
+            let places: Vec<_> =
+                some.iter().filter(|(_, value)| *value >= least).map(|(place, _)| *place).collect();
             if places.is_empty() {
                 break;
             }
@@ -160,7 +161,7 @@ impl Lattice {
                     None
                 }
                 Some(_) | None => {
-                    let vertex = vertex(*values, summit.value);
+                    let (vertex, _) = vertex(*values, summit.value);
                     let trial = self.beside(summit.place, vertex, summit.step);
                     summit.step *= FINER;
                     Some(trial)
@@ -189,8 +190,8 @@ impl Summit {
     }
 }
 
-/// Where a paraboloid through a place and its neighbours ([`SIDES`]) is highest, in steps; none of them is farther away.
-fn vertex(around: [f64; 8], middle: f64) -> DVec2 {
+/// Where a paraboloid through a place and its neighbours ([`SIDES`]) is highest, in steps, none of which is farther away; and how high.
+fn vertex(around: [f64; 8], middle: f64) -> (DVec2, f64) {
     let [low, below, low_right, left, right, high_left, above, high] = around;
     let slope = DVec2::new(right - left, above - below) / 2.0;
     let bend = DVec2::new(right - 2.0 * middle + left, above - 2.0 * middle + below);
@@ -202,7 +203,9 @@ fn vertex(around: [f64; 8], middle: f64) -> DVec2 {
         let along = |slope: f64, bend: f64| if bend < 0.0 { -slope / bend } else { 0.0 };
         DVec2::new(along(slope.x, bend.x), along(slope.y, bend.y))
     };
-    place.clamp(DVec2::NEG_ONE, DVec2::ONE)
+    let place = place.clamp(DVec2::NEG_ONE, DVec2::ONE);
+    let rise = slope.dot(place) + 0.5 * bend.dot(place * place) + twist * place.x * place.y;
+    (place, middle + rise.max(0.0))
 }
 
 #[cfg(test)]
@@ -223,7 +226,7 @@ mod tests {
             let values = (0..19 * 17).map(|i| wave(place(i), turn)).collect();
             let lattice = Lattice { values, columns: 19, first: -half, step, half };
             let all = |places: &[DVec2]| places.iter().map(|&place| wave(place, turn)).collect();
-            let found = lattice.summit(0.7, |_| true, all).unwrap();
+            let found = lattice.summit(|_| true, all).unwrap();
             let fine = (0..=1400 * 1800u32).map(|i| {
                 let place = DVec2::new(f64::from(i % 1801), f64::from(i / 1801)) / 100.0 - half;
                 wave(place.clamp(-half, half), turn)
@@ -232,7 +235,7 @@ mod tests {
             assert!((found.value / highest - 1.0).abs() < 1e-4, "{turn}: {found:?}, not {highest}");
             // Beside it, where only half of the places count.
             let counts = |place: DVec2| place.x > found.place.x + 1.0;
-            if let Some(other) = lattice.summit(0.7, counts, all) {
+            if let Some(other) = lattice.summit(counts, all) {
                 assert!(other.value <= found.value && counts(other.place), "{turn}: {other:?}");
             }
         }
@@ -248,7 +251,7 @@ mod tests {
                 step: DVec2::ONE,
                 half: DVec2::ONE,
             };
-            assert_eq!(lattice.summit(0.5, |_| true, |places| vec![value; places.len()]), None);
+            assert_eq!(lattice.summit(|_| true, |places| vec![value; places.len()]), None);
         }
     }
 }

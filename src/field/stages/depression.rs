@@ -7,11 +7,8 @@ use crate::field::cells::Cells;
 use crate::field::interpolation::{Between, Resampling, interpolate};
 use crate::field::summit::Lattice;
 
-/// Samples to a cell, along each axis.
+/// Samples to a cell, along each axis: six to the shortest wave of a square.
 const PER_CELL: f64 = 2.0;
-/// Of the largest value, what a sample has at least that leads to it: where a liquid has no tension, its surface has the pressure's
-/// band, and a quarter of a maximum may be lost between samples.
-const LEADING: f64 = 0.7;
 /// Places that are interpolated together.
 const RUN: usize = 64;
 
@@ -80,7 +77,7 @@ impl Surface<'_> {
                 .map(|place| at(&interpolated, place))
                 .collect()
         };
-        lattice.summit(LEADING, |_| true, value).map_or(0.0, |summit| summit.value)
+        lattice.summit(|_| true, value).map_or(0.0, |summit| summit.value)
     }
 
     fn depths_on(&self, [x, y]: [&[f64]; 2]) -> Vec<f64> {
