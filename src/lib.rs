@@ -19,6 +19,7 @@ pub mod picture;
 #[cfg(test)]
 #[path = "../tests/requirement/mod.rs"]
 mod requirement;
+pub mod rounding;
 pub mod scene;
 pub mod simd;
 pub mod solver;

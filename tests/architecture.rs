@@ -14,6 +14,7 @@ const LAYERS: &[(&str, &[&str])] = &[
     ("gauge", &[]),
     ("scene", &["serde", "toml", "toml_edit", "glam", "thiserror"]),
     ("table", &["csv", "thiserror"]),
+    ("rounding", &[]),
     ("simd", &[]),
     ("acoustics", &["glam", "num_complex", "libm"]),
     ("drive", &["num_complex"]),

@@ -12,7 +12,7 @@ use egui::Context;
 use crate::acoustics::{Air, Aperture};
 use crate::app::later::Later;
 use crate::app::mapping::Mapping;
-use crate::field::{self, Evaluator, Quantity, Request, Stages, missed};
+use crate::field::{Evaluator, Quantity, Request, Stages, missed};
 use crate::scene::{Focus, Liquid, Method, Plane, Scene, Target, check, motion, outline};
 use crate::solver::frames::{self, Sequence};
 use crate::solver::{self, Problem, Solution};
@@ -370,9 +370,9 @@ fn all_methods(scene: &Scene) -> Vec<MethodRow> {
 }
 
 fn pressed(stages: &mut Stages, request: &Request) -> Option<Pressed> {
-    let field::Pressed { force, dent } = stages.pressed(request).ok()?;
-    let beyond = dent.as_ref().and_then(|dent| liquid::beyond_linear_theory(dent.slope));
-    Some(Pressed { force, dent, beyond })
+    let figures = stages.pressed(request).ok()?;
+    let beyond = figures.depression.and_then(|depression| liquid::beyond_linear_theory(depression.slope));
+    Some(Pressed { figures, beyond })
 }
 
 /// What is played and what arrives, as a board with few phases plays it if that is asked for.

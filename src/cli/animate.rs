@@ -58,9 +58,8 @@ pub fn run(args: &RenderArgs) -> anyhow::Result<()> {
     target.pictures(&stem(path), pictures).try_for_each(|path| files.keeps(&path))?;
     target.make_folder()?;
     let stages = Stages::new(evaluator::for_maps(args.backend.backend)?);
-    let (seconds, frames) = (sequence.seconds, sequence.frames);
-    let drives: Vec<_> = frames.into_iter().map(|frame| frame.drive).collect();
-    let count = drives.len();
+    let seconds = sequence.seconds;
+    let drives: Vec<_> = sequence.frames.into_iter().map(|frame| frame.drive).collect();
     let request = Request::new(&scene, drives, quantity, size);
     let colouring = Colouring::new(quantity, map::colours(quantity, args.colours).table());
     let mut film = Film::new(&scene, request, stages, colouring);
@@ -84,8 +83,14 @@ pub fn run(args: &RenderArgs) -> anyhow::Result<()> {
     say!("{}", shot.line(&args.output, size))?;
     if args.verbose {
         let (solving, drawing) = (seconds, start.elapsed().as_secs_f64());
-        let each = drawing / count as f64;
-        say!("  {:.1} ms for all drives, {:.1} ms per frame for its map", solving * 1e3, each * 1e3)?;
+        let frames = shot.frames();
+        let each = drawing / frames as f64;
+        say!(
+            "  {:.1} ms for all drives; {:.1} ms for {frames} frames, {:.2} ms for each",
+            solving * 1e3,
+            drawing * 1e3,
+            each * 1e3
+        )?;
     }
     Ok(())
 }

@@ -147,8 +147,7 @@ struct RenderArgs {
     /// How a surface depression is shown
     #[arg(long, value_enum, default_value_t = View::Flat)]
     view: View,
-    /// Solver method, instead of the scene's
-    #[arg(long, value_parser = parse_method)]
+    #[arg(long, value_parser = parse_method, help = method_help("Solver method, instead of the scene's"))]
     method: Option<Method>,
     #[command(flatten)]
     backend: BackendArgs,
@@ -195,8 +194,7 @@ struct RenderArgs {
 struct SolveArgs {
     /// Scene file
     scene: PathBuf,
-    /// Solver method, instead of the scene's, or `all` to compare them
-    #[arg(long, value_parser = solve::parse_methods)]
+    #[arg(long, value_parser = solve::parse_methods, help = method_help("Solver method, instead of the scene's, or `all` to compare them"))]
     method: Option<solve::Methods>,
     /// Print JSON; an array of objects for `--method all`
     #[arg(long)]
@@ -240,8 +238,7 @@ struct ProbeArgs {
 
 #[derive(Debug, Args)]
 struct BatchArgs {
-    /// Solver method, instead of the scenes'
-    #[arg(long, value_parser = parse_method)]
+    #[arg(long, value_parser = parse_method, help = method_help("Solver method, instead of the scenes'"))]
     method: Option<Method>,
     /// Leave out bound, certified, rank and condition, which take longer than the drive
     #[arg(long)]
@@ -297,6 +294,12 @@ enum View {
     Flat,
     /// The surface seen at an angle
     Shaded,
+}
+
+/// What an option says, and every method by its full name.
+fn method_help(says: &str) -> String {
+    let methods = Method::ALL.map(|method| format!("{} ({})", method.name(), method.title()));
+    format!("{says}: {}", methods.join(", "))
 }
 
 fn parse_method(name: &str) -> Result<Method, String> {

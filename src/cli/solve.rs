@@ -7,13 +7,27 @@ use serde_json::{Value, json};
 use crate::acoustics::Aperture;
 use crate::cli::{SolveArgs, json, parse_method, read_scene};
 use crate::drive::{Drive, delay_level};
-use crate::field::{Evaluator, Ghost, NoGhost, Stages, ghost};
-use crate::picture::sheet::pascals;
+use crate::field::{Evaluator, NoSideLobe, SideLobe, Stages, side_lobe};
+use crate::picture::sheet::{pascals, pascals_at_most};
+use crate::rounding::{percent, percent_at_least, percent_at_most};
 use crate::scene::{Amplitudes, Focus, Listener, Method, Pressures, Scene, check};
 use crate::solver::levels::{self, Reached};
 use crate::solver::{self, Limits, Problem, Solution, SolveError, room};
 use crate::studio::output::{self, Files, say, warn};
 use crate::studio::probe::{self, Reading};
+
+/// What is said in place of figures that compare pressures at the foci, and the rows that do.
+const SILENT: &str = "no sound reaches the foci";
+const COMPARED: [&str; 8] = [
+    "spread",
+    "relative to single",
+    "residual",
+    "evenness",
+    "loudest elsewhere",
+    "strength",
+    "contrast",
+    "error",
+];
 
 /// Which methods to run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -95,13 +109,13 @@ pub(in crate::cli) fn run(args: &SolveArgs) -> anyhow::Result<()> {
     } else {
         findings.print(&scene)?;
         if let Some(played) = &played {
-            played.print(scene.solver.pressures)?;
+            played.print(scene.solver.pressures, findings.solution.quality.is_silent())?;
         }
     }
     Ok(())
 }
 
-/// The stages of the map that ghosts are searched on.
+/// The stages of the map that side lobes are searched on.
 fn stages() -> Stages {
     Stages::new(Evaluator::Cpu)
 }
@@ -110,7 +124,7 @@ fn stages() -> Stages {
 struct Findings {
     solution: Solution,
     limits: Limits,
-    ghost: Result<Ghost, NoGhost>,
+    side_lobe: Result<SideLobe, NoSideLobe>,
     heard: Option<Reading>,
     /// What the user should know of all that, a sentence each.
     notices: Vec<String>,
@@ -127,18 +141,18 @@ impl Findings {
     ) -> Self {
         let points: Vec<_> = solution.foci.iter().map(|focus| focus.position).collect();
         let aperture = problem.aperture;
-        let ghost = ghost::loudest(stages, aperture, &scene.plane, &solution.drives(), &points);
+        let side_lobe = side_lobe::loudest(stages, aperture, &scene.plane, &solution.drives(), &points);
         let heard =
             scene.listener.as_ref().map(|listener| probe::reading(aperture, &solution.drives(), listener.at));
         let mut notices: Vec<_> = limits.warning(problem).into_iter().collect();
         if scene.solver.pressures == Pressures::Pascal && limits.bound < 1.0 {
             notices.push(format!(
                 "no drive of this array brings every focus to more than {} of what is asked",
-                percent(limits.bound)
+                percent_at_most(limits.bound, 2)
             ));
         }
         notices.extend(heard.and_then(|heard| heard.warning()));
-        Self { solution, limits, ghost, heard, notices }
+        Self { solution, limits, side_lobe, heard, notices }
     }
 
     fn warnings(&self) -> Vec<&String> {
@@ -166,12 +180,15 @@ impl Played {
         }
     }
 
-    fn print(&self, pressures: Pressures) -> anyhow::Result<()> {
+    fn print(&self, pressures: Pressures, is_silent: bool) -> anyhow::Result<()> {
         say!(
             "\nOn {} phase levels (rounding leaves {} of the mean on the average):",
             self.levels,
             percent(levels::expected_part(self.levels))
         )?;
+        if is_silent {
+            return say!("{SILENT}");
+        }
         let of_target = |part: f64| match pressures {
             Pressures::Relative => pascals(part),
             Pressures::Pascal => format!("{} of its target", percent(part)),
@@ -269,20 +286,29 @@ fn report_warnings(findings: &[Findings]) {
 
 fn comparison(findings: &[Findings]) -> Table {
     let mut table = Table::new();
-    let mut header =
-        vec!["method", "mean", "weakest", "spread", "efficiency", "certified", "ghost", "iterations", "ms"];
+    let mut header = vec![
+        "method",
+        "mean",
+        "weakest",
+        "spread",
+        "efficiency",
+        "certified",
+        "side lobe",
+        "iterations",
+        "ms",
+    ];
     header.extend(findings.iter().any(|one| one.heard.is_some()).then_some("listener"));
     table.set_header(header);
-    for Findings { solution, limits, ghost, heard, .. } in findings {
+    for Findings { solution, limits, side_lobe, heard, .. } in findings {
         let quality = &solution.quality;
         let mut row = vec![
             solution.method.name().to_owned(),
             pascals(quality.mean_pressure),
             pascals(quality.min_pressure),
-            percent(quality.spread),
+            if quality.is_silent() { "-".to_owned() } else { percent(quality.spread) },
             percent(quality.efficiency),
-            percent(solution.certified(limits.bound)),
-            ghost.as_ref().map_or("-".to_owned(), |ghost| percent(ghost.part)),
+            percent_at_least(solution.certified(limits.bound), 2),
+            side_lobe.as_ref().map_or("-".to_owned(), |lobe| percent(lobe.part)),
             solution.iterations.to_string(),
             format!("{:.2}", solution.seconds * 1e3),
         ];
@@ -297,10 +323,6 @@ fn align_numbers(table: &mut Table) {
     for column in table.column_iter_mut().skip(1) {
         column.set_cell_alignment(CellAlignment::Right);
     }
-}
-
-fn percent(part: f64) -> String {
-    format!("{:.2} %", 100.0 * part)
 }
 
 /// The drive as a table's row says it.
@@ -331,11 +353,14 @@ impl Findings {
             Pressures::Relative => {
                 format!(
                     "{}: no drive brings every focus to more than this times its target",
-                    pascals(limits.bound)
+                    pascals_at_most(limits.bound)
                 )
             }
             Pressures::Pascal => {
-                format!("{}: no drive brings every focus to more of its target", percent(limits.bound))
+                format!(
+                    "{}: no drive brings every focus to more of its target",
+                    percent_at_most(limits.bound, 2)
+                )
             }
         };
         let at_full = if solution.turned_down < 1.0 { ", at full drive" } else { "" };
@@ -360,10 +385,10 @@ impl Findings {
                 "certified",
                 format!(
                     "at least {} of the best any drive can do{at_full}",
-                    percent(solution.certified(limits.bound))
+                    percent_at_least(solution.certified(limits.bound), 2)
                 ),
             ),
-            ("ghost", self.ghost_row()),
+            ("peak side lobe", self.side_lobe_row()),
             ("residual", format!("{:.2e}", quality.residual)),
             (
                 "rank, condition",
@@ -411,19 +436,22 @@ impl Findings {
             ));
         }
         for (name, value) in rows {
-            say!("{name:<20}{value}")?;
+            match quality.is_silent() && COMPARED.contains(&name) {
+                true => say!("{name:<20}none: {SILENT}")?,
+                false => say!("{name:<20}{value}")?,
+            }
         }
         Ok(())
     }
 
-    fn ghost_row(&self) -> String {
-        match &self.ghost {
-            Ok(ghost) => {
-                let [x, y, z] = millimetres(ghost.position);
+    fn side_lobe_row(&self) -> String {
+        match &self.side_lobe {
+            Ok(lobe) => {
+                let [x, y, z] = millimetres(lobe.position);
                 format!(
                     "{} of the mean, the loudest beside the foci on the plane: {} at ({x}, {y}, {z}) mm",
-                    percent(ghost.part),
-                    pascals(ghost.pressure)
+                    percent(lobe.part),
+                    pascals(lobe.pressure)
                 )
             }
             Err(none) => format!("none: {none}"),
@@ -433,9 +461,10 @@ impl Findings {
     /// The object that design and other programs know.
     fn json(&self) -> Value {
         let mut value = json::solution(&self.solution, Some(&self.limits));
-        let ghost = self.ghost.as_ref().ok();
-        value["quality"]["ghost"] = json!(ghost.map(|ghost| ghost.part));
-        value["quality"]["ghost_position"] = json!(ghost.map(|ghost| ghost.position.to_array()));
+        // Named as programs have read it since before it was called a side lobe; `side_lobe` is that of drawings.
+        let lobe = self.side_lobe.as_ref().ok();
+        value["quality"]["ghost"] = json!(lobe.map(|lobe| lobe.part));
+        value["quality"]["ghost_position"] = json!(lobe.map(|lobe| lobe.position.to_array()));
         if let Some(heard) = &self.heard {
             value["listener"] =
                 json!({ "position": heard.position.to_array(), "rms": heard.rms(), "spl": heard.spl() });

@@ -72,8 +72,16 @@ impl Cells {
 
     /// How values at `places` (m) are interpolated from the cells along an axis.
     pub fn resampling(&self, axis: usize, places: impl Iterator<Item = f64>) -> Resampling {
-        let in_cells = places.map(|place| place / self.step + self.counts[axis] as f64 / 2.0 - 0.5);
-        Resampling::new(in_cells, self.half_width, self.beta)
+        Resampling::new(self.in_cells(axis, places), self.half_width, self.beta)
+    }
+
+    /// The same of slopes, per cell.
+    pub fn slopes(&self, axis: usize, places: impl Iterator<Item = f64>) -> Resampling {
+        Resampling::slopes(self.in_cells(axis, places), self.half_width, self.beta)
+    }
+
+    fn in_cells(&self, axis: usize, places: impl Iterator<Item = f64>) -> impl Iterator<Item = f64> {
+        places.map(move |place| place / self.step + self.counts[axis] as f64 / 2.0 - 0.5)
     }
 
     /// The same cells as a liquid's surface.

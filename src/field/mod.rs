@@ -8,7 +8,6 @@ pub mod cells;
 pub mod colouring;
 pub mod contour;
 pub mod cpu;
-pub mod ghost;
 pub mod gpu;
 pub mod interpolation;
 pub mod plan;
@@ -16,10 +15,12 @@ pub mod polynomial;
 pub mod quantity;
 pub mod raster;
 pub mod reference;
+pub mod side_lobe;
 pub mod slope;
 pub mod sound;
 pub mod sources;
 pub mod stages;
+pub mod summit;
 pub mod transfer;
 
 use std::io::Read;
@@ -34,13 +35,13 @@ use crate::scene::Plane;
 use crate::table::{Table, TableError};
 
 pub use colouring::{Colouring, Scale};
-pub use ghost::{Ghost, NoGhost};
 pub use gpu::{Gpu, GpuError};
 pub use plan::{Plan, missed, promised};
 pub use quantity::Quantity;
 pub use raster::Raster;
+pub use side_lobe::{NoSideLobe, SideLobe};
 pub use sources::{Sources, Wave};
-pub use stages::{By, FieldError, Map, Pressed, Request, Stages, Work};
+pub use stages::{By, Depression, FieldError, Map, Pressed, Request, Stages, Work};
 
 /// Points of a table, at most: the answer to more would fill gigabytes.
 const MOST_POINTS: usize = 10_000_000;

@@ -9,6 +9,7 @@ use std::f64::consts::PI;
 use num_complex::Complex;
 
 pub use crate::field::sound::{ALONG, Constants, NORMAL, PRESSURE, Part, Sound, Sounds, narrow};
+use crate::rounding;
 use crate::simd::{Instructions, Isa, Kernel};
 
 /// How values run, and so how they are coloured.
@@ -272,6 +273,12 @@ impl Quantity {
         format!("{} {unit}", figures(value * factor))
     }
 
+    /// The same, rounded up: what no value of a map exceeds.
+    pub fn at_most(self, value: f64) -> String {
+        let (factor, unit) = self.declaration().unit.scaled(value.abs());
+        format!("{} {unit}", rounding::at_most(value * factor, decimals(value * factor)))
+    }
+
     /// dB of a part of the largest value.
     pub fn decibels(self, part: f64) -> f64 {
         self.declaration().decibels * part.max(1e-12).log10()
@@ -303,15 +310,19 @@ impl Quantity {
 
 /// Three figures.
 pub fn figures(value: f64) -> String {
+    format!("{value:.*}", decimals(value))
+}
+
+/// Decimals of a value with three figures.
+fn decimals(value: f64) -> usize {
     let size = value.abs();
-    let decimals = if size >= 99.95 || size == 0.0 {
+    if size >= 99.95 || size == 0.0 {
         0
     } else if size >= 9.995 {
         1
     } else {
         2
-    };
-    format!("{value:.decimals$}")
+    }
 }
 
 /// A formula at every point of a run.

@@ -7,6 +7,7 @@ use plotters::prelude::*;
 use crate::acoustics::Aperture;
 use crate::field::colouring::phase_index;
 use crate::picture::{ColourMap, Picture, PictureError, register_font};
+use crate::rounding::{at_most, percent_at_least};
 use crate::scene::{Focus, Plane, Sampling, Scene, outline};
 use crate::solver::{self, Problem, Solution};
 
@@ -102,19 +103,28 @@ fn summary(scene: &Scene, solution: &Solution) -> String {
     let aperture = Aperture::new(scene);
     let bound = solver::bound(&Problem::new(&aperture, solution.foci.clone()));
     format!(
-        "{}, {}     mean {}, weakest {}, spread {:.1} %     η {:.1} %     at least {:.0} % of the best any drive can do",
+        "{}, {}     mean {}, weakest {}, spread {:.1} %     η {:.1} %     at least {} of the best any drive can do",
         solution.method.name(),
         amount(&solution.foci),
         pascals(quality.mean_pressure),
         pascals(quality.min_pressure),
         100.0 * quality.spread,
         100.0 * quality.efficiency,
-        (100.0 * solution.certified(bound)).floor(),
+        percent_at_least(solution.certified(bound), 0),
     )
 }
 
 /// A pressure with the unit that suits it.
 pub fn pascals(pressure: f64) -> String {
+    pascals_by(pressure, |value, decimals| format!("{value:.decimals$}"))
+}
+
+/// A pressure that others do not exceed.
+pub fn pascals_at_most(pressure: f64) -> String {
+    pascals_by(pressure, at_most)
+}
+
+fn pascals_by(pressure: f64, rounded: impl Fn(f64, usize) -> String) -> String {
     let (value, unit) = if pressure >= 1000.0 { (pressure / 1000.0, "kPa") } else { (pressure, "Pa") };
     let decimals = if value >= 100.0 {
         1
@@ -123,7 +133,7 @@ pub fn pascals(pressure: f64) -> String {
     } else {
         3
     };
-    format!("{value:.decimals$} {unit}")
+    format!("{} {unit}", rounded(value, decimals))
 }
 
 type Root<'a> = DrawingArea<BitMapBackend<'a>, plotters::coord::Shift>;

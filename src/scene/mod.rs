@@ -360,6 +360,21 @@ impl Method {
             Self::Best => "best",
         }
     }
+
+    /// What it is called in full.
+    pub fn title(self) -> &'static str {
+        match self {
+            Self::Focus => "time of flight",
+            Self::Pinv => "pseudo-inverse",
+            Self::Weighted => "weighted pseudo-inverse",
+            Self::Naive => "phase conjugation",
+            Self::Gs => "Gerchberg-Saxton",
+            Self::Gspat => "GS-PAT",
+            Self::Wgs => "weighted Gerchberg-Saxton",
+            Self::Greedy => "greedy search",
+            Self::Best => "levelled Gauss-Newton",
+        }
+    }
 }
 
 /// The rectangle on which the field is shown.

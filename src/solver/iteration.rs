@@ -1,4 +1,4 @@
-//! Methods that leave the focal phases free and iterate on them: conjugate superposition, Gerchberg-Saxton and its
+//! Methods that leave the focal phases free and iterate on them: phase conjugation, Gerchberg-Saxton and its
 //! kin, greedy search, and the combination that is best on measured sets.
 
 use std::f64::consts::TAU;
@@ -20,7 +20,7 @@ const LEVELLINGS: usize = 5;
 /// Spread of the focal pressures below which levelling stops.
 const LEVEL: f64 = 3e-4;
 
-/// Conjugate superposition, u = H* A.
+/// Phase conjugation, u = H* A.
 pub fn naive(problem: &Problem<'_>) -> Excitation {
     let pressure: Vec<_> = problem.targets().into_iter().map(Complex64::from).collect();
     Excitation { values: problem.transfer.back(&pressure), iterations: 0, residual: None, weights: None }

@@ -24,6 +24,9 @@ pub struct Quality {
     pub residual: f64,
 }
 
+/// Pa; squares of less are less than f64 holds, and nothing can be said of their ratios.
+const FAINTEST: f64 = 1e-120;
+
 impl Quality {
     /// Of an excitation whose drive, as played, makes these pressures at the foci.
     pub fn new(problem: &Problem<'_>, excitation: &Excitation, pressures: &[Complex64]) -> Self {
@@ -46,6 +49,11 @@ impl Quality {
                 / (moduli.len() as f64).sqrt(),
             residual: excitation.residual.unwrap_or_else(|| modulus_residual(problem, excitation)),
         }
+    }
+
+    /// Whether so little sound reaches the foci that figures which compare their pressures mean nothing.
+    pub fn is_silent(&self) -> bool {
+        self.mean_pressure < FAINTEST
     }
 }
 
@@ -117,7 +125,6 @@ pub fn bound(problem: &Problem<'_>) -> f64 {
     let iterations = (WORK / problem.foci.len()).clamp(40, 400) as u32;
     /// What rounding may take from a sum of moduli.
     const ROUNDING: f64 = 1e-12;
-    const FAINTEST: f64 = 1e-120;
     let (transfer, targets) = (&problem.transfer, problem.targets());
     // One focus hears no more than all elements in phase, and that it does hear.
     if let [target] = targets[..] {

@@ -111,6 +111,11 @@ pub struct Shot {
 }
 
 impl Shot {
+    /// How many pictures follow each other, of waves as of a motion.
+    pub fn frames(&self) -> usize {
+        self.frames
+    }
+
     pub fn line(&self, output: &Path, (width, height): (usize, usize)) -> String {
         let Self { frames, pace, range, what } = self;
         let name = if *frames == 1 { "frame" } else { "frames" };
@@ -295,12 +300,9 @@ impl<'a> Film<'a> {
         let of_liquid = request.quantity.declaration().of_liquid;
         let (map, slope) = or_by_cpu(&mut self.stages, self.gpu_is_asked_for, |stages| {
             let map = stages.map(request)?.clone();
-            let slope = match &request.depth {
-                Some(depth) => stages.surface(request)?.0.dent_of(depth.clone(), 0.0).slope,
-                None if of_liquid => stages.pressed(request)?.dent.map_or(0.0, |dent| dent.slope),
-                None => 0.0,
-            };
-            Ok((map, slope))
+            let pressed = of_liquid.then(|| stages.pressed(request)).transpose()?;
+            let depression = pressed.and_then(|pressed| pressed.depression);
+            Ok((map, depression.map_or(0.0, |depression| depression.slope)))
         })?;
         take(&map.values)?;
         self.error = self.error.max(map.error);

@@ -1,13 +1,15 @@
 //! What sound does to a liquid, in words and as a picture.
 
-use crate::field::Pressed;
+use glam::DVec2;
+
+use crate::field::{Depression, Pressed};
 use crate::picture::relief::{self, Relief, Words};
-use crate::picture::sheet::pascals;
+use crate::picture::sheet::pascals_at_most;
 use crate::picture::{Picture, PictureError};
+use crate::rounding::{at_most, digits, percent_at_least};
 use crate::scene::{Envelope, Plane, Scene};
-use crate::studio::map::DrawnMap;
+use crate::studio::map::{DrawnMap, SILENT};
 use crate::studio::output::warn;
-use crate::surface::Dent;
 use crate::surface::dent::{STEEPEST, largest_drive};
 
 /// Columns of the surface that is shaded.
@@ -21,11 +23,15 @@ pub fn points(plane: &Plane) -> (usize, usize) {
 
 /// The figures of a pressed surface whose largest radiation pressure (Pa) or depth (m) is `largest`.
 pub fn describe(scene: &Scene, pressed: &Pressed, largest: f64) -> String {
-    let mut words = match &pressed.dent {
-        None => {
-            format!("radiation pressure up to {}, {} on the plane", pascals(largest), newtons(pressed.force))
-        }
-        Some(dent) => format!("{}: {}", liquid(scene), figures(dent)),
+    let mut words = match pressed.depression {
+        None if largest == 0.0 => SILENT.to_owned(),
+        None => format!(
+            "radiation pressure up to {}, {} on {}",
+            pascals_at_most(largest),
+            newtons(pressed.force),
+            area(pressed.size)
+        ),
+        Some(depression) => format!("{}: {}", liquid(scene), figures(pressed, depression)),
     };
     let part = scene.modulation.mean_square();
     if part < 1.0 {
@@ -34,7 +40,7 @@ pub fn describe(scene: &Scene, pressed: &Pressed, largest: f64) -> String {
     words
 }
 
-/// A dent as a map, or shaded on a page from points with so many `columns`.
+/// A depression as a map, or shaded on a page from points with so many `columns`.
 ///
 /// # Errors
 /// The page is too small for its words.
@@ -44,18 +50,16 @@ pub fn picture(
     map: &DrawnMap,
     shaded: Option<(usize, (usize, usize))>,
 ) -> Result<Picture, PictureError> {
-    let dent = map.pressed.as_ref().and_then(|pressed| pressed.dent.as_ref());
-    let beyond = dent.and_then(|dent| beyond_linear_theory(dent.slope));
+    let pressed = map.pressed.and_then(|pressed| Some((pressed, pressed.depression?)));
+    let beyond = pressed.and_then(|(_, depression)| beyond_linear_theory(depression.slope));
     if let Some(beyond) = &beyond {
         warn(&format!("{name}: {beyond}"));
     }
-    let (Some((columns, page)), Some(dent)) = (shaded, dent) else {
+    let (Some((columns, page)), Some((pressed, depression))) = (shaded, pressed) else {
         let mut picture = map.picture.clone();
-        if let Some(dent) = dent.filter(|_| beyond.is_some()) {
-            let holds = format!(
-                "beyond linear theory, true up to {:.0} % of this drive",
-                100.0 * largest_drive(dent.slope)
-            );
+        if let Some((_, depression)) = pressed.filter(|_| beyond.is_some()) {
+            let holds =
+                format!("beyond linear theory, true up to {} of this drive", holds_to(depression.slope));
             relief::label(&mut picture, &holds)?;
         }
         return Ok(picture);
@@ -64,7 +68,7 @@ pub fn picture(
     let size = scene.plane.size * 1e3;
     let mut lines = vec![
         format!("{name}: {}", liquid(scene)),
-        figures(dent),
+        figures(&pressed, depression),
         format!(
             "{:.0} x {:.0} mm seen from the front, depths drawn {} times as deep",
             size.x,
@@ -90,13 +94,17 @@ fn liquid(scene: &Scene) -> String {
     format!("{name} {height:.0} mm from the array")
 }
 
-fn figures(dent: &Dent) -> String {
+fn figures(pressed: &Pressed, depression: Depression) -> String {
+    if pressed.force == 0.0 && depression.deepest == 0.0 {
+        return SILENT.to_owned();
+    }
     format!(
-        "deepest {}, {:.1} mm³ displaced by {}, steepest slope {:.3}",
-        metres(dent.deepest),
-        dent.volume * 1e9,
-        newtons(dent.force),
-        dent.slope
+        "deepest {}, {} displaced by {} on {}, steepest slope {}",
+        metres(depression.deepest),
+        volume(depression.volume),
+        newtons(pressed.force),
+        area(pressed.size),
+        digits(depression.slope)
     )
 }
 
@@ -118,17 +126,41 @@ fn envelope(scene: &Scene) -> String {
 pub fn beyond_linear_theory(slope: f64) -> Option<String> {
     (slope > STEEPEST).then(|| {
         format!(
-            "slope {slope:.2} is beyond linear theory, which holds to {STEEPEST}: true up to {:.0} % of this drive's \
-             amplitude, above it a sketch",
-            100.0 * largest_drive(slope)
+            "slope {} is beyond linear theory, which holds to {STEEPEST}: true up to {} of this drive's amplitude, above it a \
+             sketch",
+            at_most(slope, 2),
+            holds_to(slope)
         )
     })
 }
 
-fn metres(length: f64) -> String {
-    if length >= 1e-3 { format!("{:.2} mm", length * 1e3) } else { format!("{:.1} µm", length * 1e6) }
+/// The part of the drive up to which a surface of this slope follows linear theory.
+fn holds_to(slope: f64) -> String {
+    percent_at_least(largest_drive(slope), 0)
+}
+
+/// Width and height (m) of the plane that figures are of.
+pub fn area(size: DVec2) -> String {
+    let millimetres = |length: f64| digits(length * 1e3).parse::<f64>().unwrap_or(length * 1e3);
+    format!("{} x {} mm", millimetres(size.x), millimetres(size.y))
+}
+
+pub fn metres(length: f64) -> String {
+    if length >= 1e-3 {
+        format!("{} mm", digits(length * 1e3))
+    } else {
+        format!("{} µm", digits(length * 1e6))
+    }
+}
+
+pub fn volume(volume: f64) -> String {
+    format!("{} mm³", digits(volume * 1e9))
 }
 
 fn newtons(force: f64) -> String {
-    if force.abs() >= 1e-3 { format!("{:.2} mN", force * 1e3) } else { format!("{:.1} µN", force * 1e6) }
+    if force.abs() >= 1e-3 {
+        format!("{} mN", digits(force * 1e3))
+    } else {
+        format!("{} µN", digits(force * 1e6))
+    }
 }

@@ -8,6 +8,9 @@ use crate::picture::{ColourMap, Picture};
 use crate::simd::Isa;
 use crate::studio::evaluator::or_by_cpu;
 
+/// What is said of a map in place of figures that would all be 0.
+pub const SILENT: &str = "no sound reaches the plane";
+
 /// A map as drawn.
 #[derive(Debug)]
 pub struct DrawnMap {
@@ -31,11 +34,14 @@ pub fn colours(quantity: Quantity, of_amounts: ColourMap) -> ColourMap {
 /// How far the values of a map go, in words; `peak` as the map has it.
 pub fn extent(quantity: Quantity, peak: f64) -> String {
     let declaration = quantity.declaration();
+    if peak == 0.0 {
+        return SILENT.to_owned();
+    }
     match declaration.norm {
         // It says nothing of the phases, but of the sound that has them.
-        Norm::Pressure => format!("pressure up to {} peak", Quantity::Rms.with_unit(peak)),
+        Norm::Pressure => format!("pressure up to {} peak", Quantity::Rms.at_most(peak)),
         Norm::Value | Norm::Difference => {
-            format!("{} up to {}", declaration.words, quantity.with_unit(peak))
+            format!("{} up to {}", declaration.words, quantity.at_most(peak))
         }
     }
 }

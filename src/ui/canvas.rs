@@ -126,7 +126,7 @@ fn shaded(shown: &Shown, ui: &Ui, painter: &Painter, lens: &Lens) {
          the flat view.",
         size.x,
         size.y,
-        map.quantity.with_unit(map.largest)
+        map.quantity.at_most(map.largest)
     );
     wrapped_chip(
         painter,

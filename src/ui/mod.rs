@@ -30,13 +30,12 @@ use egui::{CentralPanel, Color32, Frame, Margin, Panel as Side, Ui};
 
 use crate::acoustics::{Air, Aperture};
 use crate::drive::Drive;
-use crate::field::Quantity;
 use crate::field::contour::Line;
+use crate::field::{self, Quantity};
 use crate::scene::{Focus, Method, Scene, Target};
 use crate::solver::Solution;
 use crate::solver::frames::Sequence;
 use crate::studio::probe::{self, Reading};
-use crate::surface::Dent;
 use board::{BoardCommand, BoardForm, BoardShown};
 use brush::Brush;
 use document::Document;
@@ -342,13 +341,11 @@ pub struct MethodRow {
     pub solution: Result<Arc<Solution>, String>,
 }
 
-/// What presses on the plane.
+/// What presses on the scene's plane.
 #[derive(Clone, Debug)]
 pub struct Pressed {
-    /// N
-    pub force: f64,
-    pub dent: Option<Dent>,
-    /// That the dent is beyond linear theory.
+    pub figures: field::Pressed,
+    /// That the depression is beyond linear theory.
     pub beyond: Option<String>,
 }
 

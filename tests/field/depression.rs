@@ -1,7 +1,7 @@
 //! A liquid under the sound: what its surface displaces and depends on, where it is not defined, and shapes in motion.
 
 use glam::{DVec2, DVec3, dvec3};
-use sonoglyph::field::{Evaluator, FieldError, Quantity, Request, Stages};
+use sonoglyph::field::{Evaluator, FieldError, Pressed, Quantity, Request, Stages};
 use sonoglyph::scene::{Liquid, Plane, Shape, Target};
 use sonoglyph::solver;
 use sonoglyph::surface::Dent;
@@ -26,21 +26,31 @@ fn a_depression_displaces_what_the_force_weighs_and_follows_the_envelope() {
             let request = Request { part, liquid: liquid.clone(), ..request.clone() };
             let peak = f64::from(stages.map(&request).unwrap().peak);
             let pressed = stages.pressed(&request).unwrap();
-            (pressed.force, peak, pressed.dent.unwrap())
+            let dent = stages.surface(&request).unwrap().1.clone();
+            (pressed, peak, dent)
         };
         let water = Liquid::default();
-        let (force, peak, full) = pressed(1.0, &water);
-        let weight = full.volume * water.density() * water.gravity;
-        assert!((weight / full.force - 1.0).abs() < 1e-12, "{weight} {}", full.force);
-        assert!(force > 0.3 * full.force && force < 1.2 * full.force, "{force} of {}", full.force);
-        assert!((peak / full.deepest - 1.0).abs() < 0.05);
-        let (force_of_sine, peak_of_sine, of_sine) = pressed(0.375, &water);
-        assert!((force_of_sine / force - 0.375).abs() < 1e-9);
+        let (Pressed { size, force, depression }, peak, whole) = pressed(1.0, &water);
+        let full = depression.unwrap();
+        assert_eq!(size, scene.plane.size);
+        let weight = whole.volume * water.density() * water.gravity;
+        assert!((weight / whole.force - 1.0).abs() < 1e-12, "{weight} {}", whole.force);
+        assert!(force > 0.3 * whole.force && force < 1.2 * whole.force, "{force} of {}", whole.force);
+        assert!(
+            full.volume > 0.3 * whole.volume && full.volume < whole.volume,
+            "{full:?} of {}",
+            whole.volume
+        );
+        assert!(peak < full.deepest * (1.0 + 1e-6) && peak > 0.97 * full.deepest, "{peak} {full:?}");
+        let (of_sine, peak_of_sine, _) = pressed(0.375, &water);
+        assert!((of_sine.force / force - 0.375).abs() < 1e-9);
         assert!((peak_of_sine / peak - 0.375).abs() < 1e-5);
+        let of_sine = of_sine.depression.unwrap();
         assert!((of_sine.deepest / full.deepest - 0.375).abs() < 1e-12);
         assert!((of_sine.slope / full.slope - 0.375).abs() < 1e-12);
-        let (_, _, of_oil) = pressed(1.0, &Liquid { surface_tension: Some(0.033), ..water });
-        assert!(of_oil.deepest > 1.2 * full.deepest, "less tension, deeper depression");
+        assert!((of_sine.volume / full.volume - 0.375).abs() < 1e-12);
+        let (of_oil, ..) = pressed(1.0, &Liquid { surface_tension: Some(0.033), ..water });
+        assert!(of_oil.depression.unwrap().deepest > 1.2 * full.deepest, "less tension, deeper depression");
     }
 }
 
@@ -62,7 +72,7 @@ fn radiation_pressure_and_its_force_follow_the_envelope() {
                 let pixel = request.plane.size.x * request.plane.size.y / map.values.len() as f64;
                 let peak = map.peak;
                 let pressed = stages.pressed(&request).unwrap();
-                assert!(pressed.dent.is_none());
+                assert!(pressed.depression.is_none());
                 let of_peak = f64::from(peak) * request.plane.size.x * request.plane.size.y;
                 assert!(
                     (pressed.force - sum * pixel).abs() < 1e-3 * of_peak,
@@ -145,16 +155,23 @@ fn a_shape_of_the_surface_is_shown_as_the_depression_is() {
         };
         let dent = surface(&mut stages, 1.0);
         assert_eq!(surface(&mut stages, 0.25), dent);
-        assert_eq!(stages.pressed(&request).unwrap().dent, Some(dent.clone()));
+        let at_rest = stages.pressed(&request).unwrap().depression.unwrap();
         let expected: Vec<_> = stages.map(&request).unwrap().values.iter().map(|&h| f64::from(h)).collect();
         let Dent { depth, .. } = dent;
         for factor in [1.0, 2.0] {
             let depth = Some(depth.iter().map(|depth| factor * depth).collect());
             // A shape is what it is under any envelope.
-            let map = stages.map(&Request { depth, part: 0.25, ..request.clone() }).unwrap();
+            let request = Request { depth, part: 0.25, ..request.clone() };
+            let map = stages.map(&request).unwrap();
             let shown: Vec<_> = map.values.iter().map(|depth| depth / factor as f32).collect();
             let error = largest_difference(&shown, &expected);
             assert!(error < 1e-4, "{factor} times: {error}");
+            let figures = stages.pressed(&request).unwrap().depression.unwrap();
+            assert!(
+                (figures.deepest / at_rest.deepest / factor - 1.0).abs() < 1e-9,
+                "{figures:?} {at_rest:?}"
+            );
+            assert!((figures.slope / at_rest.slope / factor - 1.0).abs() < 1e-9, "{figures:?} {at_rest:?}");
         }
     }
 }

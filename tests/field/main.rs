@@ -8,12 +8,12 @@ mod depression;
 mod dice;
 mod drag;
 mod evaluators;
-mod ghost;
 mod model;
 mod plan;
 mod quantities;
 #[path = "../requirement/mod.rs"]
 mod requirement;
+mod side_lobe;
 mod stages;
 mod texels;
 mod transfer;

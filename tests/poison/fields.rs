@@ -9,8 +9,8 @@ use sonoglyph::field::interpolation::Resampling;
 use sonoglyph::field::plan::Costs;
 use sonoglyph::field::quantity::{Constants, Part, Sound};
 use sonoglyph::field::{
-    self, Colouring, Evaluator, FieldError, NoGhost, Plan, Quantity, Request, Samples, Scale, Stages,
-    colouring, contour, ghost, polynomial,
+    self, Colouring, Evaluator, FieldError, NoSideLobe, Plan, Quantity, Request, Samples, Scale, Stages,
+    colouring, contour, polynomial, side_lobe,
 };
 use sonoglyph::scene::{Plane, Scene};
 use sonoglyph::studio::probe;
@@ -149,9 +149,10 @@ fn planes_that_are_none_have_no_plan_no_samples_and_no_cells() {
             }
             Cells::new(&aperture, &plane, 0.01, 1e-3);
             let (foci, drive) = (vec![DVec3::Z * 0.1], drive());
-            let ghost = ghost::loudest(&mut stages, &aperture, &plane, std::slice::from_ref(&drive), &foci);
+            let found =
+                side_lobe::loudest(&mut stages, &aperture, &plane, std::slice::from_ref(&drive), &foci);
             assert!(
-                ghost.is_err() || ghost.is_ok_and(|ghost| ghost.pressure.is_finite()),
+                found.is_err() || found.is_ok_and(|found| found.pressure.is_finite()),
                 "{index}: {poison}"
             );
         }
@@ -169,8 +170,8 @@ fn planes_that_are_none_have_no_plan_no_samples_and_no_cells() {
     scene.plane = Plane { size: DVec2::splat(100.0), tolerance: 1e-3, ..scene.plane };
     let plan = Plan::new(&Aperture::new(&scene), &scene.plane, Costs::CPU).unwrap();
     assert!(plan.grid.is_none(), "{}", plan.reason);
-    let none = ghost::loudest(&mut Stages::new(Evaluator::Cpu), &aperture, &plane(), &[drive()], &[]);
-    assert_eq!(none, Err(NoGhost::NoFocus));
+    let none = side_lobe::loudest(&mut Stages::new(Evaluator::Cpu), &aperture, &plane(), &[drive()], &[]);
+    assert_eq!(none, Err(NoSideLobe::NoFocus));
 }
 
 #[test]

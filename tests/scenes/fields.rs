@@ -95,7 +95,7 @@ fn map(
     (width, height): (usize, usize),
     dice: &mut Dice,
 ) -> (Vec<Complex32>, By) {
-    let Solved { scene, aperture, oracle, .. } = solved;
+    let Solved { scene, aperture, .. } = solved;
     // Of a wave Re{P e^{jωt}}: Re P at the moment 0, and Im P a quarter of a period before it.
     let request = Request::new(scene, vec![drive.clone()], Quantity::Instantaneous, (width, height));
     let map = stages.map(&request).unwrap().clone();
@@ -115,7 +115,7 @@ fn map(
         .collect();
     let points: Vec<_> = chosen.iter().map(|&pixel| pixels.point(pixel)).collect();
     let expected = reference::pressure(aperture, drive, &Samples::at(points.clone()));
-    for ((&pixel, &point), expected) in chosen.iter().zip(&points).zip(&expected) {
+    for (&pixel, expected) in chosen.iter().zip(&expected) {
         let off = (wide(field[pixel]) - expected).norm();
         let most = match map.by {
             // f64, made f32 in the end.

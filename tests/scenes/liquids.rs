@@ -5,7 +5,7 @@ use std::f64::consts::PI;
 use glam::DVec3;
 use sonoglyph::drive::Drive;
 use sonoglyph::field::cells::Cells;
-use sonoglyph::field::{By, FieldError, Quantity, Request, Samples, Stages};
+use sonoglyph::field::{By, Depression, FieldError, Quantity, Request, Samples, Stages};
 use sonoglyph::scene::ElementModel;
 use sonoglyph::surface::{Dent, Tank};
 
@@ -35,6 +35,8 @@ struct Made {
     tank: Tank,
     /// Under the part of the pressure that the envelope leaves.
     dent: Dent,
+    /// Its figures on the plane.
+    depression: Depression,
     by: By,
     error: f64,
 }
@@ -106,8 +108,14 @@ fn pressed(stages: &mut Stages, Asked { request, .. }: &Asked<'_>) -> Option<Mad
     assert!(map.values.iter().all(|depth| depth.is_finite()), "{map:?}");
     let pressed = stages.pressed(request).unwrap();
     assert!(pressed.force.is_finite(), "{pressed:?}");
-    let tank = stages.surface(request).unwrap().0.clone();
-    Some(Made { tank, dent: pressed.dent.unwrap(), by, error })
+    let (tank, dent) = stages.surface(request).unwrap();
+    let part = request.part;
+    let dent = Dent {
+        depth: dent.depth.iter().map(|depth| part * depth).collect(),
+        volume: part * dent.volume,
+        force: part * dent.force,
+    };
+    Some(Made { tank: tank.clone(), dent, depression: pressed.depression.unwrap(), by, error })
 }
 
 /// What the pressure (Pa) may be off: the tolerance, of its largest value, which the squares of pressure and slope make; and what f32
@@ -173,13 +181,21 @@ fn radiation_is_the_models(
 /// ρ g V = F.
 fn it_displaces_what_the_pressure_weighs(solved: &Solved, made: &Made, rounding: f64) {
     let (density, _) = density_and_tension(&solved.scene.liquid);
-    let Made { dent, tank, .. } = made;
+    let Made { dent, tank, depression, .. } = made;
     let weight = density * solved.scene.liquid.gravity * dent.volume;
     let all: f64 = dent.depth.iter().map(|depth| depth.abs()).sum();
     let all = density * solved.scene.liquid.gravity * all * tank.step[0] * tank.step[1];
     within("displaced weight", (weight - dent.force).abs(), rounding * all + f64::MIN_POSITIVE);
-    let deepest = dent.depth.iter().copied().fold(0.0, f64::max);
-    assert_eq!(dent.deepest, deepest);
+    let [columns, rows] = tank.counts;
+    let half = solved.scene.plane.size / 2.0;
+    let is_shown = |i: usize| {
+        let place = |index: usize, count: usize, step: f64| (index as f64 + 0.5 - count as f64 / 2.0) * step;
+        let (x, y) = (place(i % columns, columns, tank.step[0]), place(i / columns, rows, tank.step[1]));
+        x.abs() <= half.x && y.abs() <= half.y
+    };
+    let shown = (0..dent.depth.len()).filter(|&i| is_shown(i)).map(|i| dent.depth[i]);
+    let deepest = shown.fold(0.0, f64::max);
+    assert!(depression.deepest >= deepest * (1.0 - 1e-6), "{depression:?}, and a cell of {deepest} m");
 }
 
 /// ρ g h - σ ∇²h is the pressure again: by the oracle's own modes at one cell in the plane.

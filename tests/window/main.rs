@@ -276,15 +276,15 @@ fn another_method_and_the_depression_are_a_click_away() {
     rest(&mut screen);
     assert_eq!(screen.state().shown().methods.len(), Method::ALL.len());
     let best = screen.state().shown().solution.as_ref().unwrap().quality.min_pressure;
-    screen.get_by_label("naive").scroll_to_me();
+    screen.get_by_label("phase conjugation").scroll_to_me();
     rest(&mut screen);
-    screen.get_by_label("naive").click();
+    screen.get_by_label("phase conjugation").click();
     rest(&mut screen);
     assert_eq!(scene(&screen).solver.method, Method::Naive);
     assert!(screen.state().shown().solution.as_ref().unwrap().quality.min_pressure < best);
     key(&mut screen, Key::Num4);
-    let dent = screen.state().shown().pressed.as_ref().unwrap().dent.as_ref().unwrap();
-    assert!(dent.deepest > 1e-6 && dent.slope > 0.0);
+    let depression = screen.state().shown().pressed.as_ref().unwrap().figures.depression.unwrap();
+    assert!(depression.deepest > 1e-6 && depression.slope > 0.0);
     assert_eq!(screen.state().shown().map.as_ref().unwrap().quantity, Quantity::Depression);
     for panel in ["Drive", "Liquid", "Motion", "Device", "Scene"] {
         screen.get_by_label(panel).click();

@@ -266,7 +266,7 @@ fn what_presses_on_the_scenes_plane_does_not_depend_on_the_zoom() {
     rest(&mut screen);
     let figures = |screen: &Screen| {
         let pressed = screen.state().shown().pressed.as_ref().unwrap();
-        (pressed.force, pressed.dent.as_ref().unwrap().volume)
+        (pressed.figures.force, pressed.figures.depression.unwrap().volume)
     };
     let whole = figures(&screen);
     let lens = lens(&screen);

@@ -3,6 +3,7 @@
 //! Every stage keeps its result together with the values that it was made from, and runs again only when they differ.
 //! [`Work`] counts how often each ran.
 
+mod depression;
 mod kept;
 mod on_cpu;
 mod on_gpu;
@@ -29,6 +30,7 @@ use on_gpu::{OnGpu, Progress};
 use probes::Probes;
 use site::{Frame, Site, SiteKey};
 
+pub use depression::Depression;
 pub use request::{By, FieldError, MOST_PIXELS, Map, Pressed, Request};
 pub use work::Work;
 
@@ -333,7 +335,7 @@ impl Stages {
             .is_some_and(|declined| request.relevant().is_ok_and(|request| request == *declined))
     }
 
-    /// What presses on the plane of a map, which is brought up to date first.
+    /// What presses on the plane of a map, which is brought up to date first; of a surface in motion, its shape in place of that at rest.
     ///
     /// # Errors
     /// As [`Stages::map`].

@@ -9,6 +9,7 @@ use rayon::prelude::*;
 use crate::field::interpolation::{Between, Resampling, interpolate};
 use crate::field::quantity::{Constants, Norm, Part, Sound, Sounds};
 use crate::field::slope::{Around, part_on_cpu};
+use crate::field::stages::depression::Depression;
 use crate::field::stages::kept::Kept;
 use crate::field::stages::probes::AtProbes;
 use crate::field::stages::request::Pressed;
@@ -400,13 +401,16 @@ impl OnCpu {
         let Some(filled) = &job.site.cells else {
             let area = size.x * size.y / values.len() as f64;
             let sum: f64 = values.iter().map(|&value| f64::from(value)).sum();
-            return Pressed { force: sum * area, dent: None };
+            return Pressed { size, force: sum * area, depression: None };
         };
         let key = FormedKey::new(job, double);
         self.fill_cells(job, filled, &key, work);
         let force = part * filled.cells.integral(size, self.cells.value.iter().copied());
-        let dent = self.response(job, filled, &key, work).map(|dent| dent.times(part));
-        Pressed { force, dent }
+        let depression = self.response(job, filled, &key, work).map(|dent| match &job.request.depth {
+            Some(depth) => Depression::new(&filled.cells, size, depth),
+            None => Depression::new(&filled.cells, size, &dent.depth).times(part),
+        });
+        Pressed { size, force, depression }
     }
 }
 

@@ -2,14 +2,15 @@
 
 use std::sync::Arc;
 
+use glam::DVec2;
 use num_complex::Complex64;
 
 use crate::acoustics::{Air, Aperture};
 use crate::drive::Drive;
 use crate::field::GpuError;
 use crate::field::quantity::{Constants, Quantity};
+use crate::field::stages::depression::Depression;
 use crate::scene::{Liquid, Plane, Scene};
-use crate::surface::Dent;
 
 /// Pixels that a map may have.
 pub const MOST_PIXELS: usize = 1 << 26;
@@ -143,13 +144,15 @@ impl Map {
     }
 }
 
-/// What presses on the plane.
-#[derive(Clone, Debug, PartialEq)]
+/// What presses on the plane, and what that does to a liquid.
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pressed {
+    /// m, width and height of the plane: the area that all figures are of.
+    pub size: DVec2,
     /// N on the plane.
     pub force: f64,
-    /// The surface of a liquid under it.
-    pub dent: Option<Dent>,
+    /// Of the surface of a liquid under it.
+    pub depression: Option<Depression>,
 }
 
 /// Who made a map.

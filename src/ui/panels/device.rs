@@ -265,7 +265,10 @@ fn played(editor: &mut Editor, board: &BoardShown, ui: &mut Ui) {
     match board.pressures {
         Some((ideal, played)) => form(ui, "played", |ui| {
             fact(ui, ("Ideal", "Mean pressure over the focal points, peak"), pascals(ideal));
-            let part = format!("{} ({:.1} %)", pascals(played), 100.0 * played / ideal);
+            let part = match ideal > 0.0 {
+                true => format!("{} ({:.1} %)", pascals(played), 100.0 * played / ideal),
+                false => "no sound reaches the focal points".to_owned(),
+            };
             let tip = "The same with the board's phases and amplitudes. A calibration makes its elements alike and is left out";
             fact(ui, ("As played", tip), part);
         }),

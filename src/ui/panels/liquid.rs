@@ -3,8 +3,10 @@
 use egui::Ui;
 
 use crate::field::Quantity;
-use crate::picture::sheet::pascals;
+use crate::picture::sheet::pascals_at_most;
+use crate::rounding::digits;
 use crate::scene::LiquidName;
+use crate::studio::liquid;
 use crate::ui::panels::{MM, Unit, choice, fact, form, given, heading, number};
 use crate::ui::view::Cut;
 use crate::ui::{Editor, Shown, theme};
@@ -59,28 +61,25 @@ fn depression(editor: &mut Editor, shown: &Shown, ui: &mut Ui) {
         }
     }
     let Some(pressed) = &shown.pressed else { return };
+    let figures = pressed.figures;
     form(ui, "depression", |ui| {
-        let force = Unit { per: 1e3, suffix: " mN", decimals: 3, speed: 1.0 };
-        let newtons = format!("{:.*}{}", force.decimals, pressed.force * force.per, force.suffix);
-        fact(ui, ("Force", "That the sound presses with on the scene's plane"), newtons);
+        let tip = "The scene's plane, whatever part of it is on the screen: force, depth, volume and slope are of it";
+        fact(ui, ("Area", tip), liquid::area(figures.size));
+        fact(
+            ui,
+            ("Force", "That the sound presses with on this area"),
+            format!("{} mN", digits(1e3 * figures.force)),
+        );
         if let Some(map) = shown.map.as_ref().filter(|map| map.quantity == Quantity::Radiation) {
-            fact(ui, ("Largest pressure", "Of the sound on the surface"), pascals(map.largest));
+            let tip = "Of the sound, in what is on the screen";
+            fact(ui, ("Largest pressure", tip), pascals_at_most(map.largest));
         }
-        if let Some(dent) = &pressed.dent {
-            if let Some(map) = shown.map.as_ref().filter(|map| map.quantity == Quantity::Depression) {
-                let tip = "Below the level surface, in what is on the screen";
-                fact(ui, ("Deepest", tip), Quantity::Depression.with_unit(map.largest));
-            }
-            fact(
-                ui,
-                ("Displaced", "Volume of the depression on the scene's plane"),
-                format!("{:.1} mm³", dent.volume * 1e9),
-            );
-            fact(
-                ui,
-                ("Steepest slope", "Rise over run; linear theory wants it small"),
-                format!("{:.3}", dent.slope),
-            );
+        if let Some(depression) = figures.depression {
+            fact(ui, ("Deepest", "Below the level surface"), liquid::metres(depression.deepest));
+            let tip = "Volume of the depression on this area";
+            fact(ui, ("Displaced", tip), liquid::volume(depression.volume));
+            let tip = "Rise over run; linear theory wants it small";
+            fact(ui, ("Steepest slope", tip), digits(depression.slope));
         }
     });
     if let Some(beyond) = &pressed.beyond {

@@ -3,6 +3,7 @@
 use egui::{Slider, Ui};
 
 use crate::picture::sheet::pascals;
+use crate::rounding::at_most;
 use crate::scene::motion;
 use crate::scene::{Envelope, Modulation, MotionPath, Scene};
 use crate::solver::frames::Frame;
@@ -41,8 +42,8 @@ pub fn show(editor: &mut Editor, shown: &Shown, ui: &mut Ui) {
             let weakest = frames.iter().map(Frame::min_pressure).fold(f64::INFINITY, f64::min);
             fact(ui, ("Weakest", "In the weakest frame, peak"), pascals(weakest));
             let step = format!(
-                "{:.0}° at most, {:.1}° RMS",
-                round.steps.largest.to_degrees(),
+                "{}° at most, {:.1}° RMS",
+                at_most(round.steps.largest.to_degrees(), 0),
                 round.steps.rms.to_degrees()
             );
             fact(ui, ("Phase steps", "How far phases go from frame to frame: small steps are silent"), step);

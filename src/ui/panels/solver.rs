@@ -3,6 +3,7 @@
 use egui::Ui;
 
 use crate::picture::sheet::pascals;
+use crate::rounding::percent_at_least;
 use crate::scene::{Aim, Amplitudes, Method, Pressures};
 use crate::solver::{Figures, Quality, Solution};
 use crate::ui::panels::{PLAIN, choice, count, fact, form, heading, number, profile};
@@ -27,7 +28,7 @@ fn describe(method: Method) -> &'static str {
         Method::Focus => "Time of flight: for one focal point",
         Method::Pinv => "Pseudo-inverse: prescribes the pressure at every point, with its phase",
         Method::Weighted => "The paper's weighted pseudo-inverse: evens out the elements' amplitudes",
-        Method::Naive => "Sums up the solutions of every point for itself",
+        Method::Naive => "Phase conjugation: sums up what every point by itself would send back to the array",
         Method::Gs => "Gerchberg-Saxton: back and forth between array and points",
         Method::Gspat => "Gerchberg-Saxton on the points alone",
         Method::Wgs => "Weighted Gerchberg-Saxton: evens out the points",
@@ -40,7 +41,7 @@ fn settings(editor: &mut Editor, ui: &mut Ui) {
     let solver = &mut editor.document.scene.solver;
     heading(ui, "Method");
     form(ui, "solver", |ui| {
-        let names = Method::ALL.map(|method| (method, method.name()));
+        let names = Method::ALL.map(|method| (method, method.title()));
         choice(ui, ("Method", describe(solver.method)), &mut solver.method, &names);
         let tip = "0: the method's own number";
         count(ui, ("Iterations", tip), &mut solver.iterations, 0..=10_000);
@@ -49,7 +50,8 @@ fn settings(editor: &mut Editor, ui: &mut Ui) {
         choice(ui, ("Amplitude", "What the board can play"), &mut solver.amplitudes, &amplitudes);
         let tip = "How much quiet beside the drawing counts: 0 for the strongest drive, 1 for the quietest";
         number(ui, ("Quiet", tip), &mut solver.quiet, PLAIN, 0.0..=1.0);
-        let tip = "Drives that take turns, whose mean is what is drawn: their ghosts are in different places";
+        let tip =
+            "Drives that take turns, whose mean is what is drawn: their side lobes are in different places";
         count(ui, ("Take turns", tip), &mut solver.frames, 1..=32);
         let pressures = [(Pressures::Relative, "relative"), (Pressures::Pascal, "pascals")];
         choice(ui, ("Pressures are", "What the targets' pressures mean"), &mut solver.pressures, &pressures);
@@ -63,6 +65,10 @@ fn settings(editor: &mut Editor, ui: &mut Ui) {
 fn quality(shown: &Shown, solution: &Solution, ui: &mut Ui) {
     let quality = &solution.quality;
     heading(ui, "How good it is");
+    if quality.is_silent() {
+        ui.label("No sound reaches the focal points.");
+        return;
+    }
     form(ui, "quality", |ui| {
         fact(ui, ("Mean pressure", "Over the focal points, peak"), pascals(quality.mean_pressure));
         fact(ui, ("Weakest", "Pressure at the weakest focal point, peak"), pascals(quality.min_pressure));
@@ -77,7 +83,7 @@ fn quality(shown: &Shown, solution: &Solution, ui: &mut Ui) {
             foci(quality, ui);
         }
         let certified = match shown.certified {
-            Some(certified) => format!("at least {:.0} %", (100.0 * certified).floor()),
+            Some(certified) => format!("at least {}", percent_at_least(certified, 0)),
             None => "…".to_owned(),
         };
         fact(
@@ -154,7 +160,8 @@ fn comparison(editor: &mut Editor, shown: &Shown, ui: &mut Ui, commands: &mut Ve
         let current = editor.scene().solver.method;
         for row in &shown.methods {
             let chosen = current == row.method;
-            let response = ui.selectable_label(chosen, row.method.name()).on_hover_text(describe(row.method));
+            let response =
+                ui.selectable_label(chosen, row.method.title()).on_hover_text(describe(row.method));
             match &row.solution {
                 Ok(solution) => {
                     if response.clicked() {

@@ -1,6 +1,7 @@
-//! The ghost of a drive: the loudest place on a plane where nobody asked for sound.
+//! The peak side lobe of a drive: the loudest place on a plane beside the foci.
 //!
-//! It is the largest local maximum of |p| outside the main lobes of the foci. What a rectangle sends to a point is nearly the
+//! It is the largest local maximum of |p| outside the main lobes of the foci, on the plane with its edge: a lobe that the edge cuts
+//! counts with its largest value there. What a rectangle sends to a point is nearly the
 //! product of two integrals, one along each of its sides, ∫ exp(i k δ(x)) dx, where δ is how much longer the path from x to the
 //! point is than the path from x to the focus, at which all arrive in phase. A lobe ends where one of the two has its
 //! first minimum, and for both ways to leave a focus that is where δ differs by about a wavelength along that side:
@@ -18,14 +19,18 @@
 //! minimum lies at 0.86 to 1.25, and later in 4 of 379 cases. (Off both axes, in the corners of a square's lobe, there are maxima of
 //! 0.1 of the focus at 1.0 to 1.1.)
 
-use glam::DVec3;
+use std::f64::consts::SQRT_2;
+
+use glam::{DVec2, DVec3};
+use rayon::prelude::*;
 
 use crate::acoustics::Aperture;
 use crate::drive::Drive;
-use crate::field::{FieldError, Quantity, Request, Samples, Stages};
+use crate::field::summit::Lattice;
+use crate::field::{FieldError, Quantity, Request, Stages};
 use crate::scene::{Plane, Scene};
 
-/// Samples in a wavelength: a maximum of |p| is half a wavelength wide or more.
+/// Samples in a wavelength at least: a maximum of |p| is half a wavelength wide or more.
 const PER_WAVELENGTH: f64 = 8.0;
 /// Samples of a plane that are searched at most.
 const MOST_SAMPLES: f64 = 4e6;
@@ -33,14 +38,14 @@ const MOST_SAMPLES: f64 = 4e6;
 const TOLERANCE: f64 = 1e-3;
 /// Of a wavelength: by how much paths differ at the end of a main lobe.
 const REACH: f64 = 1.15;
+/// Places whose pressures are found together.
+const RUN: usize = 16;
 /// Parts into which half a side is cut, at whose ends paths are compared.
 const PARTS: i32 = 8;
-/// Parabolas that are laid through a maximum, each over half the distance of the last.
-const PARABOLAS: i32 = 4;
 
 /// The loudest place beside the foci.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Ghost {
+pub struct SideLobe {
     /// m
     pub position: DVec3,
     /// |P|, Pa
@@ -49,66 +54,89 @@ pub struct Ghost {
     pub part: f64,
 }
 
-/// Why there is no ghost to name.
+/// Why there is no side lobe to name.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
-pub enum NoGhost {
+pub enum NoSideLobe {
     #[error("the plane meets no focus")]
     NoFocus,
     #[error("the plane is too large to be searched in steps of an eighth of a wavelength")]
     TooLarge,
     #[error("nothing on the plane is louder than its surroundings but the foci")]
     NoMaximum,
+    #[error("no sound reaches the plane")]
+    Silent,
     #[error(transparent)]
     Field(#[from] FieldError),
 }
 
-/// The ghost on a plane of a drive, or of several that take turns.
+/// The peak side lobe of a drive on a plane, or of several that take turns.
 ///
 /// # Errors
-/// [`NoGhost`]: it may have none, or the field may fail.
+/// [`NoSideLobe`]: it may have none, or the field may fail.
 pub fn loudest(
     stages: &mut Stages,
     aperture: &Aperture,
     plane: &Plane,
     drives: &[Drive],
     foci: &[DVec3],
-) -> Result<Ghost, NoGhost> {
+) -> Result<SideLobe, NoSideLobe> {
     let lobes: Vec<_> = foci.iter().map(|&focus| Lobe::of(aperture, focus)).collect();
     let is_rectangle = plane.size.is_finite() && plane.size.min_element() > 0.0;
     let (x_axis, y_axis) = plane.axes().filter(|_| is_rectangle).ok_or(FieldError::NoPlane)?;
     if !lobes.iter().any(|lobe| lobe.contains(nearest(plane, [x_axis, y_axis], lobe.focus))) {
-        return Err(NoGhost::NoFocus);
+        return Err(NoSideLobe::NoFocus);
     }
-    let step = aperture.wavelength() / PER_WAVELENGTH;
-    let [width, height] = (plane.size / step).to_array().map(|samples| samples.ceil().max(3.0));
-    if width * height > MOST_SAMPLES {
-        return Err(NoGhost::TooLarge);
-    }
-    let (width, height) = (width as usize, height as usize);
-    let plane = Plane { tolerance: TOLERANCE, ..plane.clone() };
-    let samples = Samples::on_plane(&plane, width, height).ok_or(FieldError::NoPlane)?;
-    let request = Request {
-        aperture: aperture.clone(),
-        plane: plane.clone(),
-        ..Request::new(&Scene::default(), drives.to_vec(), Quantity::Rms, (width, height))
-    };
-    let pressures = &stages.map(&request)?.values;
-    // Nearer to the array than a wavelength it is the elements themselves that are loud.
-    let is_ghost = |&index: &usize| {
-        let point = samples.point(index);
-        point.z > aperture.wavelength() && !lobes.iter().any(|lobe| lobe.contains(point))
-    };
-    let mut maxima = maxima(pressures, width);
-    maxima.sort_by(|&a, &b| pressures[b].total_cmp(&pressures[a]));
-    let found = maxima.into_iter().find(is_ghost).ok_or(NoGhost::NoMaximum)?;
-
     let played: Vec<_> = drives.iter().flat_map(|drive| drive.excitation(&aperture.driven)).collect();
-    let pressure = |point: DVec3| aperture.transfer(&[point]).moduli(&played)[0];
-    let position = climbed(samples.point(found), [x_axis * step, y_axis * step], pressure);
     let focal = aperture.transfer(foci).moduli(&played);
     let mean = focal.iter().sum::<f64>() / focal.len() as f64;
-    let pressure = pressure(position);
-    Ok(Ghost { position, pressure, part: pressure / mean.max(f64::MIN_POSITIVE) })
+    if mean == 0.0 {
+        return Err(NoSideLobe::Silent);
+    }
+    let at = |place: DVec2| plane.centre + x_axis * place.x + y_axis * place.y;
+    // Nearer to the array than a wavelength it is the elements themselves that are loud.
+    let counts = |place: DVec2| {
+        let point = at(place);
+        point.z > aperture.wavelength() && !lobes.iter().any(|lobe| lobe.contains(point))
+    };
+    let pressures = |places: &[DVec2]| {
+        let points: Vec<_> = places.iter().map(|&place| at(place)).collect();
+        let of_run = |points: &[DVec3]| aperture.transfer(points).moduli(&played);
+        points.par_chunks(RUN).flat_map_iter(of_run).collect()
+    };
+    let samples = sampled(stages, aperture, plane, drives)?;
+    let found = samples.summit(counts, pressures).ok_or(NoSideLobe::NoMaximum)?;
+    Ok(SideLobe { position: at(found.place), pressure: found.value, part: found.value / mean })
+}
+
+/// |p| (Pa, peak) on a plane, sampled from edge to edge.
+fn sampled(
+    stages: &mut Stages,
+    aperture: &Aperture,
+    plane: &Plane,
+    drives: &[Drive],
+) -> Result<Lattice, NoSideLobe> {
+    let steps = plane.size / (aperture.wavelength() / PER_WAVELENGTH);
+    let counts = steps.ceil().max(DVec2::splat(2.0)) + 1.0;
+    // Not the other way round: a NaN is not few.
+    let is_few = counts.element_product() <= MOST_SAMPLES;
+    if !is_few {
+        return Err(NoSideLobe::TooLarge);
+    }
+    let step = plane.size / (counts - 1.0);
+    // Samples stand at the centres of pixels, those at the edge half a step within such a plane.
+    let around = Plane { size: plane.size + step, tolerance: TOLERANCE, ..plane.clone() };
+    let (columns, rows) = (counts.x as usize, counts.y as usize);
+    let request = Request {
+        aperture: aperture.clone(),
+        plane: around,
+        ..Request::new(&Scene::default(), drives.to_vec(), Quantity::Rms, (columns, rows))
+    };
+    let map = stages.map(&request)?;
+    if map.peak == 0.0 {
+        return Err(NoSideLobe::Silent);
+    }
+    let values = map.values.iter().map(|&rms| SQRT_2 * f64::from(rms)).collect();
+    Ok(Lattice { values, columns, first: -plane.size / 2.0, step, half: plane.size / 2.0 })
 }
 
 /// The point of a plane's rectangle that is nearest to another.
@@ -118,37 +146,6 @@ fn nearest(plane: &Plane, axes: [DVec3; 2], point: DVec3) -> DVec3 {
         axis * place.clamp(-size / 2.0, size / 2.0)
     };
     plane.centre + along(axes[0], plane.size.x) + along(axes[1], plane.size.y)
-}
-
-/// Samples of a grid, `width` to a row, that are louder than their eight neighbours.
-fn maxima(pressures: &[f32], width: usize) -> Vec<usize> {
-    let is_maximum = |&at: &usize| {
-        let before = [at - width - 1, at - width, at - width + 1, at - 1];
-        let after = [at + 1, at + width - 1, at + width, at + width + 1];
-        // Of several that are equally loud, one.
-        before.iter().all(|&other| pressures[at] > pressures[other])
-            && after.iter().all(|&other| pressures[at] >= pressures[other])
-    };
-    let rows = pressures.len() / width;
-    (1..rows - 1).flat_map(|row| row * width + 1..(row + 1) * width - 1).filter(is_maximum).collect()
-}
-
-/// The maximum near a point, by parabolas along two steps that become smaller.
-fn climbed(mut point: DVec3, steps: [DVec3; 2], pressure: impl Fn(DVec3) -> f64) -> DVec3 {
-    for halving in 0..PARABOLAS {
-        let middle = pressure(point);
-        let [x, y] = steps.map(|step| {
-            let step = step * 0.5f64.powi(halving);
-            let (before, after) = (pressure(point - step), pressure(point + step));
-            let curvature = before - 2.0 * middle + after;
-            let part = if curvature < 0.0 { 0.5 * (before - after) / curvature } else { 0.0 };
-            step * part.clamp(-1.0, 1.0)
-        });
-        if pressure(point + x + y) > middle {
-            point += x + y;
-        }
-    }
-    point
 }
 
 /// The main lobe of a focus.
@@ -265,7 +262,7 @@ mod tests {
     }
 
     #[test]
-    fn a_narrow_array_has_a_loud_ghost_along_the_beam() {
+    fn a_narrow_array_has_a_loud_side_lobe_along_the_beam() {
         // Of 6 x 16 the short side cancels nothing where the long one does: the first minimum has nearly half the focus'
         // pressure, and what follows it towards the array is no part of the focus.
         let focus = DVec3::new(0.0, 0.0, 0.2);
@@ -279,9 +276,9 @@ mod tests {
             let conjugate = aperture.transfer(&[focus]).back(&[Complex64::ONE]);
             let drive = Drive::uniform(aperture.positions.len(), &aperture.driven, &conjugate);
             let mut stages = Stages::new(Evaluator::Cpu);
-            let ghost = loudest(&mut stages, &aperture, &plane, &[drive], &[focus]).unwrap();
-            assert!(ghost.part > 0.99 * next, "{columns}: {ghost:?}, not {next}");
-            ghost.part
+            let found = loudest(&mut stages, &aperture, &plane, &[drive], &[focus]).unwrap();
+            assert!(found.part > 0.99 * next, "{columns}: {found:?}, not {next}");
+            found.part
         });
         assert!((0.15..0.3).contains(&parts[0]) && (0.5..0.65).contains(&parts[1]), "{parts:?}");
     }

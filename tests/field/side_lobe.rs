@@ -1,8 +1,8 @@
-//! The ghost of a drive, against a search in f64 that knows nothing of lobes but where they are.
+//! The peak side lobe of a drive, against a search in f64 that knows nothing of lobes but where they are.
 
 use glam::{DVec2, DVec3, dvec3};
 use sonoglyph::acoustics::Aperture;
-use sonoglyph::field::{Evaluator, Ghost, NoGhost, Samples, Stages, ghost, reference};
+use sonoglyph::field::{Evaluator, NoSideLobe, Samples, SideLobe, Stages, reference, side_lobe};
 use sonoglyph::scene::{Method, Plane, Scene, Shape, Target};
 use sonoglyph::solver::{self, Solution};
 
@@ -14,10 +14,10 @@ fn solved(points: &[DVec3], method: Method) -> (Scene, Solution) {
     (scene, solution)
 }
 
-fn ghost_of(scene: &Scene, solution: &Solution) -> Result<Ghost, NoGhost> {
+fn side_lobe_of(scene: &Scene, solution: &Solution) -> Result<SideLobe, NoSideLobe> {
     let aperture = Aperture::new(scene);
     let foci: Vec<_> = solution.foci.iter().map(|focus| focus.position).collect();
-    ghost::loudest(&mut Stages::new(Evaluator::Cpu), &aperture, &scene.plane, &solution.drives(), &foci)
+    side_lobe::loudest(&mut Stages::new(Evaluator::Cpu), &aperture, &scene.plane, &solution.drives(), &foci)
 }
 
 /// Every local maximum of |p| (Pa) on the plane, in steps of a twentieth of a wavelength, in f64; the loudest first.
@@ -39,7 +39,7 @@ fn maxima(scene: &Scene, solution: &Solution) -> Vec<(DVec3, f64)> {
 }
 
 #[test]
-fn the_ghost_of_one_focus_is_its_first_side_lobe() {
+fn the_peak_side_lobe_of_one_focus_is_its_first() {
     for (focus, size) in [
         (dvec3(0.0, 0.0, 0.1), 0.05),
         (dvec3(0.03, -0.01, 0.12), 0.05),
@@ -53,33 +53,33 @@ fn the_ghost_of_one_focus_is_its_first_side_lobe() {
         let maxima = maxima(&scene, &solution);
         assert!(maxima[0].0.distance(focus) < 1e-3, "{focus}: {:?}", maxima[0]);
         let (place, pressure) = maxima[1];
-        let ghost = ghost_of(&scene, &solution).unwrap();
+        let found = side_lobe_of(&scene, &solution).unwrap();
         assert!(
-            (ghost.pressure / pressure - 1.0).abs() < 5e-3,
-            "{focus}: {ghost:?}, not {pressure} at {place}"
+            (found.pressure / pressure - 1.0).abs() < 5e-3,
+            "{focus}: {found:?}, not {pressure} at {place}"
         );
-        let part = ghost.pressure / solution.quality.mean_pressure;
-        assert!((ghost.part - part).abs() < 1e-12 && (0.1..0.25).contains(&part), "{focus}: {ghost:?}");
+        let part = found.pressure / solution.quality.mean_pressure;
+        assert!((found.part - part).abs() < 1e-12 && (0.1..0.25).contains(&part), "{focus}: {found:?}");
         // A side lobe stands on the array's axes through the focus, of which one may be as loud as another.
         let null = Aperture::new(&scene).wavelength() * focus.length().hypot(0.084) / 0.168;
-        let nulls = ghost.position.distance(focus) / null;
+        let nulls = found.position.distance(focus) / null;
         assert!((1.4..1.75).contains(&nulls), "{focus}: {nulls} first nulls away");
     }
 }
 
 #[test]
-fn the_ghost_of_several_foci_is_the_loudest_maximum_away_from_all() {
+fn the_peak_side_lobe_of_several_foci_is_the_loudest_maximum_away_from_all() {
     let points = [dvec3(-0.03, 0.0, 0.1), dvec3(0.02, 0.02, 0.1), dvec3(0.01, -0.03, 0.1)];
     let mut parts = Vec::new();
     for method in [Method::Naive, Method::Best, Method::Pinv] {
         let (mut scene, solution) = solved(&points, method);
         scene.plane.size = DVec2::splat(0.1);
-        let ghost = ghost_of(&scene, &solution).unwrap();
+        let found = side_lobe_of(&scene, &solution).unwrap();
         let beside = |point: DVec3| points.iter().all(|focus| focus.distance(point) > 0.0085);
         let (place, pressure) = *maxima(&scene, &solution).iter().find(|(place, _)| beside(*place)).unwrap();
-        assert!(ghost.position.distance(place) < 5e-4, "{method:?}: {ghost:?}, not {place}");
-        assert!((ghost.pressure / pressure - 1.0).abs() < 5e-3, "{method:?}: {ghost:?}, not {pressure}");
-        parts.push(ghost.part);
+        assert!(found.position.distance(place) < 5e-4, "{method:?}: {found:?}, not {place}");
+        assert!((found.pressure / pressure - 1.0).abs() < 5e-3, "{method:?}: {found:?}, not {pressure}");
+        parts.push(found.part);
     }
     assert!(parts[0] != parts[1] && parts[1] != parts[2], "{parts:?}");
 }
@@ -90,15 +90,15 @@ fn a_lobe_along_the_beam_is_the_focus_itself() {
     let focus = dvec3(0.0, 0.0, 0.15);
     let (mut scene, solution) = solved(&[focus], Method::Focus);
     scene.plane = Plane { centre: focus, y_axis: DVec3::Z, size: DVec2::splat(0.1), ..Plane::default() };
-    let ghost = ghost_of(&scene, &solution).unwrap();
-    assert!(ghost.part < 0.3, "{ghost:?}");
+    let found = side_lobe_of(&scene, &solution).unwrap();
+    assert!(found.part < 0.3, "{found:?}");
     let loudest = maxima(&scene, &solution);
-    let louder = loudest.iter().filter(|(_, pressure)| *pressure > 1.01 * ghost.pressure);
+    let louder = loudest.iter().filter(|(_, pressure)| *pressure > 1.01 * found.pressure);
     assert!(louder.clone().count() == 1, "the focus alone: {:?}", louder.collect::<Vec<_>>());
 }
 
 #[test]
-fn planes_without_a_focus_and_planes_too_large_have_no_ghost() {
+fn planes_without_a_focus_and_planes_too_large_have_no_side_lobe() {
     let focus = dvec3(0.0, 0.0, 0.1);
     let (mut scene, solution) = solved(&[focus], Method::Focus);
     let usual = scene.plane.clone();
@@ -108,8 +108,8 @@ fn planes_without_a_focus_and_planes_too_large_have_no_ghost() {
         Plane { centre: dvec3(0.0, 0.05, 0.1), y_axis: DVec3::Z, ..usual.clone() },
     ] {
         scene.plane = plane;
-        assert_eq!(ghost_of(&scene, &solution), Err(NoGhost::NoFocus), "{:?}", scene.plane);
+        assert_eq!(side_lobe_of(&scene, &solution), Err(NoSideLobe::NoFocus), "{:?}", scene.plane);
     }
     scene.plane = Plane { size: DVec2::splat(20.0), ..usual };
-    assert_eq!(ghost_of(&scene, &solution), Err(NoGhost::TooLarge));
+    assert_eq!(side_lobe_of(&scene, &solution), Err(NoSideLobe::TooLarge));
 }

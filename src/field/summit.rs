@@ -1,0 +1,257 @@
+//! The highest place of a smooth function on a rectangle, between the samples that are known of it.
+
+use glam::DVec2;
+
+/// Steps to the neighbours that a place is compared with: at first, then this part of it, and where a climb ends.
+const FIRST: f64 = 0.125;
+const FINER: f64 = 0.25;
+const FINEST: f64 = 0.02;
+/// Samples from which climbs begin, at most: rounding makes maxima without number where a function is flat.
+const MOST: usize = 512;
+/// Climbs that are made together, the most promising first.
+const TOGETHER: usize = 16;
+/// Of the highest maximum, what the paraboloid through the samples beside it has at least: with five samples to the shortest wave it
+/// is 0.94 high or higher.
+const LEADING: f64 = 0.92;
+/// Moves from one place to a higher one, at most, in all of a climb.
+const MOVES: usize = 64;
+
+/// Towards the neighbours of a place, in steps.
+const SIDES: [DVec2; 8] = [
+    DVec2::new(-1.0, -1.0),
+    DVec2::new(0.0, -1.0),
+    DVec2::new(1.0, -1.0),
+    DVec2::new(-1.0, 0.0),
+    DVec2::new(1.0, 0.0),
+    DVec2::new(-1.0, 1.0),
+    DVec2::new(0.0, 1.0),
+    DVec2::new(1.0, 1.0),
+];
+
+/// A lattice of samples of a function that is looked at on a rectangle about the origin.
+#[derive(Clone, Debug)]
+pub struct Lattice {
+    /// Row by row.
+    pub values: Vec<f64>,
+    pub columns: usize,
+    /// m, the place of the first sample.
+    pub first: DVec2,
+    /// m, from a sample to the next.
+    pub step: DVec2,
+    /// m, half the size of the rectangle.
+    pub half: DVec2,
+}
+
+/// A place (m) and the value there.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Summit {
+    pub place: DVec2,
+    pub value: f64,
+    /// Steps to the neighbours that it is compared with.
+    step: f64,
+}
+
+impl Lattice {
+    /// Where a paraboloid through a sample and its neighbours is highest, and how high; beyond the edge there is what is at it.
+    fn vertex(&self, index: usize) -> (DVec2, f64) {
+        let rows = self.values.len() / self.columns;
+        let (column, row) = (index % self.columns, index / self.columns);
+        let beside = |at: usize, side: f64, count: usize| {
+            (at + 1).saturating_add_signed(side as isize).clamp(1, count) - 1
+        };
+        let around = SIDES.map(|side| {
+            self.values[beside(row, side.y, rows) * self.columns + beside(column, side.x, self.columns)]
+        });
+        let (place, height) = vertex(around, self.values[index]);
+        (self.beside(self.place(index), place, 1.0), height)
+    }
+
+    fn place(&self, index: usize) -> DVec2 {
+        let cell = DVec2::new((index % self.columns) as f64, (index / self.columns) as f64);
+        (self.first + cell * self.step).clamp(-self.half, self.half)
+    }
+
+    /// Samples that no neighbour exceeds.
+    fn maxima(&self) -> impl Iterator<Item = usize> {
+        let rows = self.values.len() / self.columns;
+        let around = |at: usize, count: usize| at.saturating_sub(1)..(at + 2).min(count);
+        let is_maximum = move |&index: &usize| {
+            let (value, column, row) = (self.values[index], index % self.columns, index / self.columns);
+            value > 0.0
+                && around(row, rows).all(|row| {
+                    around(column, self.columns)
+                        .all(|column| self.values[row * self.columns + column] <= value)
+                })
+        };
+        (0..self.values.len()).filter(is_maximum)
+    }
+
+    /// Whether maxima count at a sample, or at a place as near to it as its own maximum may be.
+    fn may_count(&self, index: usize, counts: &impl Fn(DVec2) -> bool) -> bool {
+        let place = self.place(index);
+        counts(place) || SIDES.iter().any(|side| counts(self.beside(place, *side, 1.0)))
+    }
+
+    /// The highest of the maxima that count. Samples lead to it that no neighbour exceeds; `value` is the function at some places.
+    /// `None` where no maximum counts.
+    pub fn summit(
+        &self,
+        counts: impl Fn(DVec2) -> bool,
+        value: impl Fn(&[DVec2]) -> Vec<f64>,
+    ) -> Option<Summit> {
+        let leading = self.maxima().filter(|&index| self.may_count(index, &counts));
+        let mut expected: Vec<_> = leading.map(|index| self.vertex(index)).collect();
+        expected.sort_by(|a, b| b.1.total_cmp(&a.1));
+        expected.truncate(MOST);
+        let mut highest: Option<Summit> = None;
+        for some in expected.chunks(TOGETHER) {
+            let least = highest.map_or(0.0, |summit| LEADING * summit.value);
+            let places: Vec<_> =
+                some.iter().filter(|(_, value)| *value >= least).map(|(place, _)| *place).collect();
+            if places.is_empty() {
+                break;
+            }
+            let reached = self.climbed(&places, highest, &counts, &value);
+            highest = reached.into_iter().max_by(|a, b| a.value.total_cmp(&b.value));
+        }
+        highest
+    }
+
+    /// Where climbs from some places and from the highest so far end, if they may be the highest of those that count.
+    fn climbed(
+        &self,
+        places: &[DVec2],
+        so_far: Option<Summit>,
+        counts: &impl Fn(DVec2) -> bool,
+        value: &impl Fn(&[DVec2]) -> Vec<f64>,
+    ) -> Vec<Summit> {
+        let start = |(&place, value)| Summit { place, value, step: FIRST };
+        let mut climbing: Vec<_> = places.iter().zip(value(places)).map(start).chain(so_far).collect();
+        for _ in 0..MOVES {
+            // What climbs out of where maxima count says nothing of those that do.
+            let reached = climbing.iter().filter(|summit| counts(summit.place));
+            let highest = reached.map(|summit| summit.value).fold(0.0, f64::max);
+            climbing.retain(|summit| summit.value >= highest * summit.least());
+            if climbing.iter().all(Summit::is_done) {
+                break;
+            }
+            self.climb(&mut climbing, value);
+        }
+        climbing.retain(|summit| counts(summit.place));
+        climbing
+    }
+
+    fn beside(&self, place: DVec2, side: DVec2, steps: f64) -> DVec2 {
+        (place + side * self.step * steps).clamp(-self.half, self.half)
+    }
+
+    /// Moves every place to its highest neighbour, or where none is higher to the vertex of a paraboloid through all of them.
+    fn climb(&self, climbing: &mut [Summit], value: &impl Fn(&[DVec2]) -> Vec<f64>) {
+        let mut climbing: Vec<_> = climbing.iter_mut().filter(|summit| !summit.is_done()).collect();
+        let around = |summit: &&mut Summit| SIDES.map(|side| self.beside(summit.place, side, summit.step));
+        let places: Vec<_> = climbing.iter().flat_map(around).collect();
+        let values = value(&places);
+        let (places, values) = (places.as_chunks::<8>().0, values.as_chunks::<8>().0);
+        let mut trials = Vec::new();
+        for ((summit, places), values) in climbing.iter_mut().zip(places).zip(values) {
+            let highest = (0..SIDES.len()).max_by(|&a, &b| values[a].total_cmp(&values[b]));
+            trials.push(match highest {
+                Some(side) if values[side] > summit.value => {
+                    (summit.place, summit.value) = (places[side], values[side]);
+                    None
+                }
+                Some(_) | None => {
+                    let (vertex, _) = vertex(*values, summit.value);
+                    let trial = self.beside(summit.place, vertex, summit.step);
+                    summit.step *= FINER;
+                    Some(trial)
+                }
+            });
+        }
+        let places: Vec<_> = trials.iter().copied().flatten().collect();
+        let tried = climbing.into_iter().zip(trials).filter_map(|(summit, trial)| Some((summit, trial?)));
+        for ((summit, place), value) in tried.zip(value(&places)) {
+            if value > summit.value {
+                (summit.place, summit.value) = (place, value);
+            }
+        }
+    }
+}
+
+impl Summit {
+    fn is_done(&self) -> bool {
+        self.step < FINEST
+    }
+
+    /// What it must have of the highest to become higher still. Over a step to either side of a maximum, a function with five samples
+    /// to its shortest wave falls by an eighth of that.
+    fn least(&self) -> f64 {
+        1.0 - 8.0 * self.step.powi(2)
+    }
+}
+
+/// Where a paraboloid through a place and its neighbours ([`SIDES`]) is highest, in steps, none of which is farther away; and how high.
+fn vertex(around: [f64; 8], middle: f64) -> (DVec2, f64) {
+    let [low, below, low_right, left, right, high_left, above, high] = around;
+    let slope = DVec2::new(right - left, above - below) / 2.0;
+    let bend = DVec2::new(right - 2.0 * middle + left, above - 2.0 * middle + below);
+    let twist = (high - high_left - low_right + low) / 4.0;
+    let determinant = bend.x * bend.y - twist * twist;
+    let place = if bend.x < 0.0 && determinant > 0.0 {
+        DVec2::new(twist * slope.y - bend.y * slope.x, twist * slope.x - bend.x * slope.y) / determinant
+    } else {
+        let along = |slope: f64, bend: f64| if bend < 0.0 { -slope / bend } else { 0.0 };
+        DVec2::new(along(slope.x, bend.x), along(slope.y, bend.y))
+    };
+    let place = place.clamp(DVec2::NEG_ONE, DVec2::ONE);
+    let rise = slope.dot(place) + 0.5 * bend.dot(place * place) + twist * place.x * place.y;
+    (place, middle + rise.max(0.0))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Of waves with six samples to the shortest, on a rectangle that cuts one of them.
+    #[test]
+    fn the_highest_of_many_summits_is_met_within_the_rectangle_and_at_its_edge() {
+        let wave = |place: DVec2, turn: f64| {
+            1.0 + (place.x + turn).cos() * (0.7 * place.y - turn).cos()
+                + 0.2 * (0.31 * place.x - 0.53 * place.y).sin()
+        };
+        for turn in 0..12 {
+            let turn = f64::from(turn) * 0.37;
+            let (half, step) = (DVec2::new(9.0, 7.0), DVec2::new(1.0, 0.875));
+            let place = |i: usize| DVec2::new((i % 19) as f64, (i / 19) as f64) * step - half;
+            let values = (0..19 * 17).map(|i| wave(place(i), turn)).collect();
+            let lattice = Lattice { values, columns: 19, first: -half, step, half };
+            let all = |places: &[DVec2]| places.iter().map(|&place| wave(place, turn)).collect();
+            let found = lattice.summit(|_| true, all).unwrap();
+            let fine = (0..=1400 * 1800u32).map(|i| {
+                let place = DVec2::new(f64::from(i % 1801), f64::from(i / 1801)) / 100.0 - half;
+                wave(place.clamp(-half, half), turn)
+            });
+            let highest = fine.fold(0.0, f64::max);
+            assert!((found.value / highest - 1.0).abs() < 1e-4, "{turn}: {found:?}, not {highest}");
+            // Beside it, where only half of the places count.
+            let counts = |place: DVec2| place.x > found.place.x + 1.0;
+            if let Some(other) = lattice.summit(counts, all) {
+                assert!(other.value <= found.value && counts(other.place), "{turn}: {other:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn what_is_positive_nowhere_has_no_summit() {
+        for value in [0.0, -1.0, f64::NAN] {
+            let lattice = Lattice {
+                values: vec![value; 9],
+                columns: 3,
+                first: DVec2::NEG_ONE,
+                step: DVec2::ONE,
+                half: DVec2::ONE,
+            };
+            assert_eq!(lattice.summit(|_| true, |places| vec![value; places.len()]), None);
+        }
+    }
+}
