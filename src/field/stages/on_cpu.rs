@@ -307,8 +307,8 @@ impl OnCpu {
         let Some(filled) = &job.site.cells else { unreachable!("pixels of cells without cells") };
         let key = FormedKey::new(job, double);
         self.fill_cells(job, filled, &key, work);
-        let (quantity, part) = (job.request.quantity, job.request.part);
-        let declaration = quantity.declaration();
+        let part = job.request.part;
+        let declaration = job.request.quantity.declaration();
         let dent = self.response(job, filled, &key, work);
         let (shown, part) = match (&job.request.depth, dent) {
             (Some(depth), Some(_)) => (&depth[..], 1.0),
@@ -321,12 +321,12 @@ impl OnCpu {
         let runs = values.par_chunks_mut(RUN).with_min_len(16);
         let peak = runs.map(|values| finish(values, 1.0, declaration.is_root)).reduce(|| 0.0, f32::max);
         let means = &self.cells.value;
-        let largest = means.iter().fold(0.0f64, |most, mean| most.max(mean.abs()));
         let places = &job.probes.places;
         let (values, relative_to) = if declaration.of_liquid {
+            let largest = means.iter().fold(0.0f64, |most, mean| most.max(mean.abs()));
             (places.iter().map(|&place| means[place] as f32).collect(), largest as f32)
         } else {
-            (at(values, places), quantity.value((part * largest) as f32))
+            (at(values, places), peak)
         };
         Made { peak, at_probes: AtProbes { values, sounds: None }, relative_to }
     }
