@@ -415,7 +415,7 @@ mod tests {
             (stepped([Some(0), Some(u32::MAX)], 4), "motion.path", "`step = 1`"),
             (stepped([Some(0), Some(1)], 1), "motion.frames", "2 steps"),
             (circle(1_000_000), "motion.frames", "1000000 frames of 256 elements and 2 foci need 8.3 GiB"),
-            (circle(u32::MAX), "motion.frames", "take up to 129"),
+            (circle(u32::MAX), "motion.frames", "take up to 119"),
             (scene(motion(MotionPath::Points), &at), "motion.points", "in frame 44 of 64"),
         ] {
             let error = check(&scene).unwrap_err();
