@@ -5,7 +5,10 @@ use glam::DVec2;
 /// Steps to the neighbours that a place is compared with: at first, then this part of it, and where a climb ends.
 const FIRST: f64 = 0.125;
 const FINER: f64 = 0.25;
-const FINEST: f64 = 0.02;
+/// On the way, and at most.
+const FARTHER: f64 = 2.0;
+const FARTHEST: f64 = 0.5;
+const FINEST: f64 = 0.05;
 /// Samples from which climbs begin, at most: rounding makes maxima without number where a function is flat.
 const MOST: usize = 512;
 /// Climbs that are made together, the most promising first.
@@ -14,7 +17,7 @@ const TOGETHER: usize = 16;
 /// is 0.94 high or higher.
 const LEADING: f64 = 0.92;
 /// Moves from one place to a higher one, at most, in all of a climb.
-const MOVES: usize = 64;
+const MOVES: usize = 32;
 
 /// Towards the neighbours of a place, in steps.
 const SIDES: [DVec2; 8] = [
@@ -158,6 +161,8 @@ impl Lattice {
             trials.push(match highest {
                 Some(side) if values[side] > summit.value => {
                     (summit.place, summit.value) = (places[side], values[side]);
+                    // Ridges are long.
+                    summit.step = (summit.step * FARTHER).min(FARTHEST);
                     None
                 }
                 Some(_) | None => {
@@ -169,6 +174,9 @@ impl Lattice {
             });
         }
         let places: Vec<_> = trials.iter().copied().flatten().collect();
+        if places.is_empty() {
+            return;
+        }
         let tried = climbing.into_iter().zip(trials).filter_map(|(summit, trial)| Some((summit, trial?)));
         for ((summit, place), value) in tried.zip(value(&places)) {
             if value > summit.value {
@@ -186,7 +194,7 @@ impl Summit {
     /// What it must have of the highest to become higher still. Over a step to either side of a maximum, a function with five samples
     /// to its shortest wave falls by an eighth of that.
     fn least(&self) -> f64 {
-        1.0 - 8.0 * self.step.powi(2)
+        1.0 - 8.0 * self.step.min(FIRST).powi(2)
     }
 }
 
