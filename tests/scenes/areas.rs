@@ -217,7 +217,7 @@ fn keys_that_make_no_area_are_refused_by_name() {
             "5: target[1].stroke = 0.01: give either `fill` or `stroke`",
         ),
         ("kind = \"circle\"\nstroke = 0", "4: target[1].stroke = 0: must be a length in metres"),
-        ("kind = \"circle\"\nfill = 1", "4: invalid type"),
+        ("kind = \"circle\"\nfill = 1", "4: target[1].fill: invalid type"),
         ("kind = \"picture\"", "2: target[1].file: a target of kind `picture` needs the `file`"),
         ("kind = \"picture\"\nfile = \"\"", "4: target[1].file = \"\": there is no name"),
         (
