@@ -75,7 +75,7 @@ fn loudest(sources: &Sources, case: &Case, foci: &[Point]) -> f64 {
         let (mut best, mut step) = ((places(i), field[i]), WAVELENGTH / 60.0);
         while step > 1e-7 {
             let sides = (0..9).map(|side| {
-                let by = [(side % 3) as f64 - 1.0, f64::from(side / 3) - 1.0];
+                let by = [f64::from(side % 3) - 1.0, f64::from(side / 3) - 1.0];
                 [0, 1].map(|axis| (best.0[axis] + by[axis] * step).clamp(-size[axis] / 2.0, size[axis] / 2.0))
             });
             let louder = sides.map(|side| (side, sources.modulus(at(centre, axes, side))));
