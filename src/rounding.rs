@@ -25,13 +25,17 @@ pub fn percent_at_most(part: f64, decimals: usize) -> String {
     format!("{} %", at_most(100.0 * part, decimals))
 }
 
-/// A value to four digits, without an exponent.
+/// A value to four digits; below a thousandth with its power of ten.
 pub fn digits(value: f64) -> String {
     const DIGITS: i32 = 4;
+    const SMALL: f64 = 1e-3;
     if value == 0.0 || !value.is_finite() {
         return format!("{}", value + 0.0);
     }
-    let decimals = (DIGITS - 1 - value.abs().log10().floor() as i32).clamp(0, 20);
+    if value.abs() < SMALL {
+        return format!("{value:.*e}", DIGITS as usize - 1);
+    }
+    let decimals = (DIGITS - 1 - value.abs().log10().floor() as i32).max(0);
     format!("{value:.*}", decimals as usize)
 }
 
@@ -82,9 +86,14 @@ mod tests {
 
     #[test]
     fn values_have_four_digits() {
-        for (value, text) in
-            [(189.44, "189.4"), (0.30004, "0.3000"), (12.0, "12.00"), (98765.0, "98765"), (0.0, "0")]
-        {
+        for (value, text) in [
+            (189.44, "189.4"),
+            (0.30004, "0.3000"),
+            (12.0, "12.00"),
+            (98765.0, "98765"),
+            (2.56e-21, "2.560e-21"),
+            (0.0, "0"),
+        ] {
             assert_eq!(digits(value), text);
         }
     }
