@@ -287,7 +287,7 @@ mod tests {
         let drive = Drive { amplitudes: vec![1.0; 256], phases: vec![0.0; 256] };
         let beside =
             |aperture: &Aperture| Sources::new(aperture, &drive, &samples).unwrap().beside_rims(&samples);
-        assert_eq!(beside(&aperture), [0, 2, 4]);
+        assert_eq!(beside(&aperture), [0, 1, 2, 4]);
         aperture.element.model = ElementModel::Piston;
         assert_eq!(beside(&aperture), [0; 0]);
     }

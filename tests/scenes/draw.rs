@@ -65,6 +65,9 @@ fn scene(dice: &mut Dice, number: usize, wide: bool) -> Scene {
     if wide && array.element == ElementModel::ExactPiston && dice.of(0.9) {
         array.element_radius = array.element_radius.min(2.0 * wavelength);
     }
+    if array.element == ElementModel::ExactPiston {
+        array.element_radius = array.element_radius.min(3000.0 * wavelength);
+    }
     let middle = focus(dice, &array, wavelength);
     let reach = wavelength * dice.between(0.5, 4.0);
     let plane = plane(dice, middle, wavelength, wide);

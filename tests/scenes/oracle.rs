@@ -76,7 +76,8 @@ impl Oracle {
         if offset.z < -NEAREST {
             return Some(Complex64::ZERO);
         }
-        let offset = offset.with_z(offset.z.max(NEAREST));
+        let lowest = if self.model == ElementModel::ExactPiston { 0.0 } else { NEAREST };
+        let offset = offset.with_z(offset.z.max(lowest));
         let r = offset.length();
         let wave = Complex64::from_polar(1.0 / r, PI / 2.0 - self.wavenumber * r);
         let wave = match self.model {
