@@ -73,12 +73,11 @@ pub fn hold(evaluators: &mut Evaluators, solved: &Solved, peak: f64, dice: &mut 
         assert_eq!(evaluators.cpu.map(&dent.request).err(), Some(FieldError::NotLevel));
         return count("radiation on tilted planes");
     }
-    let refused = (!at_cells).then(|| evaluators.cpu.map(&dent.request).err());
-    // Exact radiation pressures are formed at the pixels, wherever the plane is.
-    let is_exact = scene.plane.tolerance == 0.0;
-    if let Some(refused) = refused.filter(|refused| !(is_exact && refused.is_none())) {
-        assert_eq!(refused == Some(FieldError::TooManyCells), cells.is_none(), "{refused:?}");
-        assert!(cells.is_none() || refused == Some(FieldError::TooNear), "{refused:?}");
+    // Exact radiation pressures, and those that cells do not keep, are formed at the pixels, wherever the plane is.
+    let refused = if at_cells { None } else { evaluators.cpu.map(&dent.request).err() };
+    if let Some(refused) = refused {
+        assert_eq!(refused == FieldError::TooManyCells, cells.is_none(), "{refused:?}");
+        assert!(cells.is_none() || refused == FieldError::TooNear, "{refused:?}");
         return count("dents refused: radiation pressure is formed at the pixels");
     }
     let Some(made) = pressed(&mut evaluators.cpu, &dent) else {
@@ -197,10 +196,10 @@ fn it_displaces_what_the_pressure_weighs(solved: &Solved, made: &Made, rounding:
     };
     let shown = (0..dent.depth.len()).filter(|&i| is_shown(i)).map(|i| dent.depth[i]);
     let deepest = shown.fold(0.0, f64::max);
-    // The window between cells keeps the tolerance of the largest depth, wherever that is, and what rounding of faint squares leaves
-    // from cell to cell, which the map's error tells, is no surface.
+    // The window between cells leaves out some tolerances of the largest depth, wherever that is, and what rounding of faint squares
+    // leaves from cell to cell, which the map's error tells, is no surface.
     let largest = dent.depth.iter().fold(0.0f64, |most, depth| most.max(depth.abs()));
-    let most = solved.scene.plane.tolerance.max(FINEST).max(made.error) * largest + f64::MIN_POSITIVE;
+    let most = 10.0 * solved.scene.plane.tolerance.max(FINEST).max(made.error) * largest + f64::MIN_POSITIVE;
     within("the deepest place above a cell", deepest - depression.deepest, most);
 }
 
