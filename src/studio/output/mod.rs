@@ -192,7 +192,7 @@ pub(crate) use say;
 /// What [`say!`] does.
 ///
 /// # Errors
-/// As [`print`].
+/// As [`print()`].
 pub fn say_line(line: &str) -> anyhow::Result<()> {
     print(format_args!("{}\n", echo::lines(line)))
 }
