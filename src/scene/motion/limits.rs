@@ -10,6 +10,8 @@ use crate::scene::{Focus, MotionPath, Scene, Tempo};
 const MOST_BYTES: u64 = 1 << 30;
 /// Bytes of a frame beside its numbers.
 const LISTS: usize = 512;
+/// One part in so many is lost between allocations.
+const SLACK: u64 = 6;
 /// Frames of a round, where a cycle has several.
 const FEWEST: u64 = 3;
 
@@ -109,6 +111,8 @@ pub fn check_memory(scene: &Scene, frames: u64, foci: usize) -> Result<(), Strin
     // as it is asked for and as it was found, its pressure and its weight; what the lists of all these take themselves.
     let of_focus = 2 * size_of::<Focus>() + 4 * FLOAT;
     let bytes = (elements * 4 * FLOAT + foci * of_focus + LISTS) as u64;
+    // What allocators leave between them.
+    let bytes = bytes + bytes / SLACK;
     if frames * bytes <= MOST_BYTES {
         return Ok(());
     }
