@@ -259,7 +259,7 @@ mod tests {
             ("[[target]]\nmotion = { path = \"circle\", frames = 1000000 }", 3, "1000000 frames"),
             ("[motion]\npath = \"points\"\npoints = []", 4, "needs the offsets"),
             ("[motion]\npath = \"points\"\npoints = [[0, 0, nan]]", 4, "motion.points[1] = [0, 0, nan]"),
-            ("[motion]\npath = \"circle\"\nframes = 1000000\n[[target]]", 4, "and 1 focus need 8.2 GiB"),
+            ("[motion]\npath = \"circle\"\nframes = 1000000\n[[target]]", 4, "and 1 focus need 9.6 GiB"),
             ("[motion]\npath = \"steps\"\n[[target]]\nstep = 1", 3, "no target has `step = 0`"),
             ("[[target]]\nstep = 1", 3, "target[1].step = 1: only `path = \"steps\"`"),
             ("[[target]]\npressure = 0", 3, "0 or less is no target: leave the target out"),
