@@ -4,10 +4,10 @@ use glam::DVec3;
 use num_complex::{Complex32, Complex64};
 use rayon::prelude::*;
 
-use crate::acoustics::Aperture;
 use crate::acoustics::element::NEAREST;
+use crate::acoustics::{Aperture, Transfer};
 use crate::drive::Drive;
-use crate::field::quantity::{Part, Sound, narrow};
+use crate::field::quantity::{Constants, Part, Quantity, Sound, narrow};
 use crate::field::{Samples, on_cpu};
 use crate::gauge::Gauge;
 
@@ -129,6 +129,24 @@ impl Around {
             }
         }
         around
+    }
+
+    /// The mean of a quantity's formula at points over the drives with these excitations, of a transfer to [`Around::points`] of them.
+    pub fn means(
+        &self,
+        transfer: &Transfer,
+        excitations: &[Vec<Complex64>],
+        (quantity, constants): (Quantity, &Constants<f64>),
+    ) -> Vec<f64> {
+        let mut means = Vec::new();
+        for excitation in excitations {
+            let sounds = self.sounds(&transfer.pressure(excitation));
+            means.resize(sounds.len(), 0.0);
+            for (mean, sound) in means.iter_mut().zip(sounds) {
+                *mean += (quantity.declaration().exact)(sound, constants) / excitations.len() as f64;
+            }
+        }
+        means
     }
 
     /// The sound at the points, from the pressures (Pa, peak) around them.

@@ -62,14 +62,9 @@ pub fn values(
     let drives = if declaration.has_mean { drives } else { &drives[..1] };
     let around = Around::new(declaration.parts, axes, aperture.wavelength());
     let transfer = aperture.transfer(&around.points(points));
-    let mut sums = vec![0.0; points.len()];
-    for drive in drives {
-        let sounds = around.sounds(&transfer.pressure(&drive.excitation(&aperture.driven)));
-        for (sum, sound) in sums.iter_mut().zip(sounds) {
-            *sum += (declaration.exact)(sound, &constants);
-        }
-    }
-    sums.into_iter().map(|sum| quantity.exact_value(sum / drives.len() as f64)).collect()
+    let excitations: Vec<_> = drives.iter().map(|drive| drive.excitation(&aperture.driven)).collect();
+    let means = around.means(&transfer, &excitations, (quantity, &constants));
+    means.into_iter().map(|mean| quantity.exact_value(mean)).collect()
 }
 
 impl Reading {

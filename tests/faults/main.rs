@@ -10,6 +10,8 @@ mod gpu;
 mod line;
 mod memory;
 mod place;
+#[path = "../program/mod.rs"]
+mod program;
 #[path = "../requirement/mod.rs"]
 mod requirement;
 mod screen;
@@ -19,44 +21,14 @@ mod window;
 
 use std::fs;
 use std::path::Path;
-use std::process::{Child, Command, ExitStatus, Output, Stdio};
+use std::process::{Child, Command, ExitStatus, Output};
 use std::time::{Duration, Instant};
 
+use program::{PROGRAM, SCENE, at_home, program, program_after};
 use tempfile::TempDir;
 
 /// Nothing here waits for longer, however slow the machine is.
 const PATIENCE: Duration = Duration::from_secs(60);
-
-/// A focus that is found at once, and moves.
-const SCENE: &str = "format = 1\n[[target]]\nat = [0.01, 0.02, 0.1]\n[solver]\nmethod = \"focus\"\n\
-                     [motion]\npath = \"circle\"\nframes = 6\n";
-
-const PROGRAM: &str = env!("CARGO_BIN_EXE_sonoglyph");
-
-/// The program in this folder, with nothing of the desktop that the tests run on.
-fn program(folder: &Path, args: &[&str]) -> Command {
-    let mut command = Command::new(PROGRAM);
-    at_home(&mut command, folder).args(args);
-    command
-}
-
-/// The program, begun by a shell that does this first.
-fn program_after(first: &str, folder: &Path, args: &[&str]) -> Command {
-    let mut command = Command::new("sh");
-    at_home(&mut command, folder).args(["-c", &format!("{first}; exec \"$0\" \"$@\""), PROGRAM]).args(args);
-    command
-}
-
-fn at_home<'a>(command: &'a mut Command, folder: &Path) -> &'a mut Command {
-    command
-        .current_dir(folder)
-        .env_remove("DISPLAY")
-        .env_remove("WAYLAND_DISPLAY")
-        .env("XDG_STATE_HOME", folder.join("state"))
-        .env("XDG_RUNTIME_DIR", folder)
-        .env("NODEVICE_SELECT", "1")
-        .stdin(Stdio::null())
-}
 
 /// A folder with the scene `a.toml` in it.
 fn folder() -> TempDir {

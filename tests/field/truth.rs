@@ -9,6 +9,7 @@ use std::ops::Range;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
+use clap::ValueEnum;
 use glam::{DVec2, DVec3};
 use num_complex::Complex64;
 use sonoglyph::acoustics::Aperture;
@@ -30,7 +31,7 @@ const EXACT: f64 = 2e-5;
 const FAINTEST: f64 = 1e-15;
 
 /// What is hard about a map.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, ValueEnum)]
 enum Class {
     Tilted,
     Grazing,
@@ -48,20 +49,6 @@ enum Class {
 
 use Class::*;
 
-const CLASSES: [Class; 12] = [
-    Tilted,
-    Grazing,
-    Close,
-    Far,
-    Tiny,
-    HugePitch,
-    WideElements,
-    OneElement,
-    Nulls,
-    Edges,
-    LowFrequency,
-    HighFrequency,
-];
 const MODELS: [ElementModel; 3] = [ElementModel::Piston, ElementModel::Point, ElementModel::ExactPiston];
 
 #[derive(Clone, Copy, Debug)]
@@ -82,7 +69,8 @@ struct Case {
 impl Case {
     fn new(number: usize) -> Self {
         let mut dice = Dice::new(SEED, number);
-        let class = CLASSES[number % 12];
+        let classes = Class::value_variants();
+        let class = classes[number % classes.len()];
         let element = MODELS[number / 12 % 3];
         let tolerance = match number / 36 % 5 {
             0 => Tolerance::Given(1e-2),
@@ -361,12 +349,7 @@ fn the_largest_error_of_all_pixels_is_no_more_than_the_tolerance() {
                     return;
                 }
                 let case = Case::new(number);
-                let start = std::time::Instant::now();
                 let expected = case.expected();
-                let seconds = start.elapsed().as_secs_f64();
-                if seconds > 5.0 {
-                    eprintln!("{number} {:?}: reference {seconds:.1} s", case.class);
-                }
                 let tolerance = match case.tolerance {
                     Tolerance::Given(tolerance) => tolerance,
                     Tolerance::Exact => 0.0,

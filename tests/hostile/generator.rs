@@ -4,32 +4,18 @@ use std::fs;
 use std::os::unix::fs::symlink;
 use std::path::Path;
 
+use crate::dice::Dice;
 use crate::make_pipe;
 
-/// Numbers without pattern (SplitMix64).
-pub struct Dice(u64);
+const SEED: u64 = 0x1234_5678;
 
-impl Dice {
-    pub fn new(seed: u64) -> Self {
-        Self(seed.wrapping_mul(0x9e37_79b9_7f4a_7c15) ^ 0x1234_5678)
-    }
+/// Below `count`.
+fn below(dice: &mut Dice, count: usize) -> usize {
+    dice.whole(0, count.max(1) as u32 - 1) as usize
+}
 
-    pub fn next(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        z ^ (z >> 31)
-    }
-
-    /// Below `count`.
-    pub fn below(&mut self, count: usize) -> usize {
-        (self.next() % count.max(1) as u64) as usize
-    }
-
-    pub fn of<T: Copy>(&mut self, choices: &[T]) -> T {
-        choices[self.below(choices.len())]
-    }
+fn byte(dice: &mut Dice) -> u8 {
+    dice.whole(0, 255) as u8
 }
 
 const SETTINGS: &str = "size = [1280.0, 800.0]\nposition = [10.0, 20.0]\nmaximized = false\ntheme = \"dark\"\npanel = \"Scene\"\n\
@@ -125,19 +111,20 @@ pub struct Case {
 }
 
 pub fn case(number: u64) -> Case {
-    let mut dice = Dice::new(number);
+    let mut dice = Dice::new(SEED, number as usize);
     let is_settings = number % 8 == 7;
     let examples = examples();
-    let text = if is_settings { SETTINGS.to_owned() } else { examples[dice.below(examples.len())].clone() };
-    let picture = match dice.below(5) {
+    let text =
+        if is_settings { SETTINGS.to_owned() } else { examples[below(&mut dice, examples.len())].clone() };
+    let picture = match below(&mut dice, 5) {
         0 => Place::Pipe,
         1 => Place::Folder,
         2 => Place::Circle,
         3 => Place::Device,
-        _ => Place::File((0..dice.below(5000)).map(|_| dice.next() as u8).collect()),
+        _ => Place::File((0..below(&mut dice, 5000)).map(|_| byte(&mut dice)).collect()),
     };
-    let place = match dice.below(20) {
-        0 => dice.of(&[0, 1, 2, 3, 4]).into(),
+    let place = match below(&mut dice, 20) {
+        0 => dice.one_of(&[0, 1, 2, 3, 4]).into(),
         kind => Place::File(mutated(kind, text, &mut dice)),
     };
     Case { is_settings, place, picture }
@@ -157,44 +144,44 @@ impl From<usize> for Place {
 
 fn mutated(kind: usize, text: String, dice: &mut Dice) -> Vec<u8> {
     let text = match kind {
-        1 | 2 => with_value(&text, dice.of(&NUMBERS), dice),
-        3 => with_value(&text, dice.of(&VALUES), dice),
+        1 | 2 => with_value(&text, dice.one_of(&NUMBERS), dice),
+        3 => with_value(&text, dice.one_of(&VALUES), dice),
         4 => with_surplus(&text, dice),
         5 => nested(&text, dice),
-        6 => with_value(&text, &format!("\"{}\"", "x".repeat(dice.below(1_900_000))), dice),
-        7 => format!("{text}\n{} = 1\n", "k".repeat(1 + dice.below(1_900_000))),
+        6 => with_value(&text, &format!("\"{}\"", "x".repeat(below(dice, 1_900_000))), dice),
+        7 => format!("{text}\n{} = 1\n", "k".repeat(1 + below(dice, 1_900_000))),
         8 => {
-            let escape = dice.of(&ESCAPES);
+            let escape = dice.one_of(&ESCAPES);
             with_value(&text, &format!("\"{escape}\""), dice)
         }
-        9 => format!("\"{}\" = 3\n{text}", dice.of(&ESCAPES)),
+        9 => format!("\"{}\" = 3\n{text}", dice.one_of(&ESCAPES)),
         10 => format!("{text}\n[solver]\nunknown = 1\n"),
-        11 => return (0..dice.below(100_000)).map(|_| dice.next() as u8).collect(),
+        11 => return (0..below(dice, 100_000)).map(|_| byte(dice)).collect(),
         12 => {
             let mut bytes = text.into_bytes();
-            for _ in 0..=dice.below(20) {
-                let place = dice.below(bytes.len());
-                bytes[place] = dice.next() as u8;
+            for _ in 0..=below(dice, 20) {
+                let place = below(dice, bytes.len());
+                bytes[place] = byte(dice);
             }
             return bytes;
         }
-        13 => return text.as_bytes()[..dice.below(text.len())].to_vec(),
+        13 => return text.as_bytes()[..below(dice, text.len())].to_vec(),
         14 => {
-            let (table, key) = dice.of(&COUNTS);
-            let value = dice.of(&NUMBERS);
+            let (table, key) = dice.one_of(&COUNTS);
+            let value = dice.one_of(&NUMBERS);
             format!("format = 1\n[[target]]\n[{table}]\n{key} = {value}\n")
         }
-        15 => format!("format = 1\n{}", "[[target]]\n".repeat(1 + dice.below(180_000))),
+        15 => format!("format = 1\n{}", "[[target]]\n".repeat(1 + below(dice, 180_000))),
         16 => {
-            let count = 1 + dice.below(1_000_000);
+            let count = 1 + below(dice, 1_000_000);
             format!("format = 1\n[[target]]\n[array]\noff = [{}0]\n", "0,".repeat(count))
         }
         17 => {
-            let file = dice.of(&["a.toml", "picture", "../..", "/dev/zero", "gone", ""]);
+            let file = dice.one_of(&["a.toml", "picture", "../..", "/dev/zero", "gone", ""]);
             format!("format = 1\n[[target]]\nkind = \"picture\"\nfile = \"{file}\"\nat = [0, 0, 0.1]\n")
         }
-        18 => text.repeat(2 + dice.below(50)),
-        _ => format!("format = 1\n# {}\n", "\u{0}\u{1b}".repeat(dice.below(4_000_000))),
+        18 => text.repeat(2 + below(dice, 50)),
+        _ => format!("format = 1\n# {}\n", "\u{0}\u{1b}".repeat(below(dice, 4_000_000))),
     };
     text.into_bytes()
 }
@@ -202,7 +189,7 @@ fn mutated(kind: usize, text: String, dice: &mut Dice) -> Vec<u8> {
 /// One value of the text replaced.
 fn with_value(text: &str, value: &str, dice: &mut Dice) -> String {
     let places: Vec<_> = text.match_indices(" = ").map(|(place, _)| place + 3).collect();
-    let place = if places.is_empty() { text.len() } else { dice.of(&places) };
+    let place = if places.is_empty() { text.len() } else { dice.one_of(&places) };
     let end = text[place..].find('\n').map_or(text.len(), |end| place + end);
     format!("{}{value}{}", &text[..place], &text[end..])
 }
@@ -210,13 +197,13 @@ fn with_value(text: &str, value: &str, dice: &mut Dice) -> String {
 /// Values more at the end of one list.
 fn with_surplus(text: &str, dice: &mut Dice) -> String {
     let places: Vec<_> = text.match_indices(']').map(|(place, _)| place).collect();
-    let place = if places.is_empty() { text.len() } else { dice.of(&places) };
-    format!("{}{}{}", &text[..place], ", 9".repeat(1 + dice.below(9)), &text[place..])
+    let place = if places.is_empty() { text.len() } else { dice.one_of(&places) };
+    format!("{}{}{}", &text[..place], ", 9".repeat(1 + below(dice, 9)), &text[place..])
 }
 
 fn nested(text: &str, dice: &mut Dice) -> String {
-    let depth = 1 + dice.below(600_000);
-    let (open, close) = dice.of(&[("[", "]"), ("{a=", "}"), ("a.", ""), ("[[", "")]);
-    let ends = if dice.below(2) == 0 { close.repeat(depth.min(400_000)) } else { String::new() };
+    let depth = 1 + below(dice, 600_000);
+    let (open, close) = dice.one_of(&[("[", "]"), ("{a=", "}"), ("a.", ""), ("[[", "")]);
+    let ends = if below(dice, 2) == 0 { close.repeat(depth.min(400_000)) } else { String::new() };
     format!("x = {}1{ends}\n{text}", open.repeat(depth))
 }

@@ -7,52 +7,27 @@
 #[cfg(feature = "serial")]
 mod boards;
 mod crowd;
+#[path = "../scenes/dice.rs"]
+#[expect(dead_code, reason = "other tests throw more")]
+mod dice;
 mod generator;
 mod lists;
 mod memory;
 mod outputs;
 mod places;
+#[path = "../program/mod.rs"]
+mod program;
 mod terminal;
 
 use std::fs;
 use std::path::Path;
-use std::process::{Command, Output, Stdio};
+use std::process::{Command, Output};
 
+use program::{PROGRAM, SCENE, at_home, program, program_after};
 use tempfile::TempDir;
-
-const PROGRAM: &str = env!("CARGO_BIN_EXE_sonoglyph");
 
 /// Bytes that a message may have.
 const LONGEST: usize = 2000;
-
-/// A focus that is found at once, and moves.
-const SCENE: &str = "format = 1\n[[target]]\nat = [0.01, 0.02, 0.1]\n[solver]\nmethod = \"focus\"\n\
-                     [motion]\npath = \"circle\"\nframes = 6\n";
-
-/// The program in this folder, with nothing of the desktop that the tests run on.
-fn program(folder: &Path, args: &[&str]) -> Command {
-    let mut command = Command::new(PROGRAM);
-    at_home(&mut command, folder).args(args);
-    command
-}
-
-/// The program, begun by a shell that does this first.
-fn program_after(first: &str, folder: &Path, args: &[&str]) -> Command {
-    let mut command = Command::new("sh");
-    at_home(&mut command, folder).args(["-c", &format!("{first}; exec \"$0\" \"$@\""), PROGRAM]).args(args);
-    command
-}
-
-fn at_home<'a>(command: &'a mut Command, folder: &Path) -> &'a mut Command {
-    command
-        .current_dir(folder)
-        .env_remove("DISPLAY")
-        .env_remove("WAYLAND_DISPLAY")
-        .env("XDG_STATE_HOME", folder.join("state"))
-        .env("XDG_RUNTIME_DIR", folder)
-        .env("NODEVICE_SELECT", "1")
-        .stdin(Stdio::null())
-}
 
 /// A folder with files in it.
 fn folder_with(files: &[(&str, &str)]) -> TempDir {

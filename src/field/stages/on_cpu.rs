@@ -432,16 +432,9 @@ fn in_f64(job: &Job<'_>, raster: &Raster, values: &mut [f32], work: &mut Work) -
     values.par_chunks_mut(TOGETHER).enumerate().for_each(|(run, values)| {
         let points: Vec<_> = (0..values.len()).map(|i| pixels.point(run * TOGETHER + i)).collect();
         let transfer = aperture.transfer(&around.points(&points));
-        let mut sums = [0.0; TOGETHER];
-        for excitation in job.excitations.iter() {
-            let sounds = around.sounds(&transfer.pressure(excitation));
-            for (sum, sound) in sums.iter_mut().zip(sounds) {
-                *sum += (quantity.declaration().exact)(sound, &constants);
-            }
-        }
-        let factor = job.request.part / job.excitations.len() as f64;
-        for (value, sum) in values.iter_mut().zip(sums) {
-            *value = quantity.exact_value(factor * sum) as f32;
+        let means = around.means(&transfer, job.excitations, (quantity, &constants));
+        for (value, mean) in values.iter_mut().zip(means) {
+            *value = quantity.exact_value(job.request.part * mean) as f32;
         }
     });
     let peak = values.iter().fold(0.0f32, |most, value| most.max(value.abs()));
