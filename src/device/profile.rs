@@ -150,7 +150,7 @@ impl Profile {
     /// Bytes of a frame at full amplitude.
     pub fn frame_bytes(self) -> usize {
         match self {
-            Self::Native => 267,
+            Self::Native => 270,
             Self::SonicSurface | Self::SonicSurfaceTactile | Self::UltrainoSimpleFpga => 258,
             Self::SonicSurface2 => 516,
             Self::UltrainoMega64 => 210,

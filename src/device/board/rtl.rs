@@ -130,6 +130,7 @@ impl Rtl {
         };
         let reply = Reply {
             code: record.code.wrapping_add(REPLY),
+            address: 0,
             seq: record.seq,
             outcome,
             flags: Flags::default(),

@@ -12,7 +12,7 @@ use crate::device::port::Port;
 use crate::device::profile::Profile;
 
 /// Of the protocol that this program speaks.
-const VERSION: u8 = 1;
+const VERSION: u8 = 2;
 
 impl<'a> Session<'a> {
     pub fn connect(settings: &Settings, shared: &'a Shared) -> Result<Self, LinkError> {
