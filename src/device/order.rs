@@ -5,9 +5,9 @@ use crate::device::profile::Profile;
 /// Of the eight channels of a shift register of a SonicSurface: column and row within their 4 x 2 elements.
 const SONICSURFACE_COLUMNS: [usize; 8] = [0, 2, 3, 1, 0, 3, 2, 1];
 const SONICSURFACE_ROWS: [usize; 8] = [0, 0, 0, 1, 1, 1, 1, 0];
-/// Of the four columns of a chip of an acoustophoretic board: place within it, in even and odd rows.
-const ACOUSTOPHORETIC_EVEN: [usize; 4] = [1, 0, 3, 2];
-const ACOUSTOPHORETIC_ODD: [usize; 4] = [5, 4, 6, 7];
+/// Of the four columns of a chip of an acoustophoretic board: place within it, in even and odd rows of the array.
+const ACOUSTOPHORETIC_EVEN: [usize; 4] = [5, 4, 6, 7];
+const ACOUSTOPHORETIC_ODD: [usize; 4] = [1, 0, 3, 2];
 
 /// The element that a `channel` plays.
 pub fn element_of(profile: Profile, channel: usize) -> usize {
@@ -36,11 +36,11 @@ fn sonicsurface(channel: usize) -> usize {
     16 * row + column
 }
 
-/// The channel that plays an element.
+/// The channel that plays an element. OpenMPD's pattern files list rows from the upper edge seen from the front, with y upwards.
 fn acoustophoretic(element: usize) -> usize {
     let (row, column) = (element / 16, element % 16);
     let places = if row % 2 == 0 { ACOUSTOPHORETIC_EVEN } else { ACOUSTOPHORETIC_ODD };
-    64 * (3 - column / 4) + 8 * (7 - row / 2) + places[column % 4]
+    64 * (3 - column / 4) + 8 * (row / 2) + places[column % 4]
 }
 
 #[cfg(test)]
@@ -63,10 +63,10 @@ mod tests {
         assert_eq!([0, 1, 2, 3, 4, 5, 6, 7].map(sonic), [0, 2, 3, 17, 16, 19, 18, 1]);
         assert_eq!((sonic(8), sonic(64), sonic(255)), (32, 4, 16 * 14 + 13));
         assert_eq!(element_of(Profile::SonicSurface2, 256), 256);
-        // Rows 0, 1 and 15 of the acoustophoretic board.
-        assert_eq!([0, 1, 2, 3].map(acoustophoretic), [249, 248, 251, 250]);
-        assert_eq!([16, 17, 18, 19].map(acoustophoretic), [253, 252, 254, 255]);
-        assert_eq!(acoustophoretic(255), 7);
-        assert_eq!(element_of(Profile::Acoustophoretic512, 249), 0);
+        // The upper left corner of the acoustophoretic board, and the row below it.
+        assert_eq!([240, 241, 242, 243].map(acoustophoretic), [249, 248, 251, 250]);
+        assert_eq!([224, 225, 226, 227].map(acoustophoretic), [253, 252, 254, 255]);
+        assert_eq!(acoustophoretic(15), 7);
+        assert_eq!(element_of(Profile::Acoustophoretic512, 249), 240);
     }
 }

@@ -74,7 +74,11 @@ impl Profile {
         match self {
             Self::UltrainoMega64 => 64,
             Self::SonicSurface2 => 512,
-            _ => 256,
+            Self::Native
+            | Self::SonicSurface
+            | Self::SonicSurfaceTactile
+            | Self::UltrainoSimpleFpga
+            | Self::Acoustophoretic512 => 256,
         }
     }
 
@@ -156,7 +160,10 @@ impl Profile {
             Self::Native => 2_000_000,
             Self::UltrainoMega64 => 115_200,
             Self::Acoustophoretic512 => 250_000,
-            _ => 230_400,
+            Self::SonicSurface
+            | Self::SonicSurface2
+            | Self::SonicSurfaceTactile
+            | Self::UltrainoSimpleFpga => 230_400,
         }
     }
 
@@ -188,7 +195,12 @@ impl Profile {
         match self {
             // It keeps them.
             Self::Native => MOST,
-            _ => self.frames_per_second(baud).min(MOST),
+            Self::SonicSurface
+            | Self::SonicSurface2
+            | Self::SonicSurfaceTactile
+            | Self::UltrainoSimpleFpga
+            | Self::UltrainoMega64
+            | Self::Acoustophoretic512 => self.frames_per_second(baud).min(MOST),
         }
     }
 

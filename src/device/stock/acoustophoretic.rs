@@ -7,6 +7,7 @@ use crate::device::profile::Profile;
 use crate::device::stock::Heard;
 
 const CHANNELS: usize = 256;
+const FRAME: usize = 2 * CHANNELS;
 /// The first byte of a frame has this bit, and it is all that tells where one begins.
 const FIRST: u8 = 0x80;
 
@@ -20,12 +21,16 @@ pub fn load(levels: &Levels) -> Vec<u8> {
     bytes
 }
 
-/// The board's side.
+/// The board's side: `FrameBufferController` and `CommandReader` of OpenMPD's gateware 3.4.2, without the second of silence after
+/// which it forgets part of a frame.
 #[derive(Clone, Debug)]
 pub struct Twin {
     shown: Vec<u8>,
     coming: Vec<u8>,
-    index: usize,
+    /// Bytes that came; they are read when they are as many as a frame has.
+    queue: Vec<u8>,
+    /// In the frame that is read; `None` while its first byte is looked for.
+    index: Option<usize>,
 }
 
 impl Default for Twin {
@@ -35,25 +40,40 @@ impl Default for Twin {
 }
 
 impl Twin {
+    /// A second after it was switched on: until then it plays every element in phase, whatever it is sent.
     pub fn new() -> Self {
-        let silent = vec![0; 2 * CHANNELS];
-        Self { shown: silent.clone(), coming: silent, index: 2 * CHANNELS }
+        let silent = vec![0; FRAME];
+        Self { shown: silent.clone(), coming: silent, queue: Vec::new(), index: None }
     }
 
     pub fn push(&mut self, byte: u8) -> Heard {
-        let mut heard = Heard::Part;
-        if byte & FIRST != 0 {
-            if self.index < 2 * CHANNELS {
-                heard = Heard::Nonsense;
-            }
-            self.index = 0;
+        self.queue.push(byte);
+        if self.queue.len() < FRAME {
+            return Heard::Part;
         }
-        let Some(place) = self.coming.get_mut(self.index) else { return Heard::Nonsense };
-        *place = byte & !FIRST;
-        self.index += 1;
-        if self.index == 2 * CHANNELS {
+        let frame = std::mem::take(&mut self.queue);
+        let heard: Vec<_> = frame.into_iter().map(|byte| self.read(byte)).collect();
+        match heard {
+            heard if heard.contains(&Heard::Nonsense) => Heard::Nonsense,
+            heard if heard.contains(&Heard::Shown) => Heard::Shown,
+            _ => Heard::Part,
+        }
+    }
+
+    fn read(&mut self, byte: u8) -> Heard {
+        let begins = byte & FIRST != 0;
+        let (index, mut heard) = match self.index {
+            None if begins => (0, Heard::Part),
+            None => return Heard::Nonsense,
+            // The mark is looked at between frames only; within one it sets lamps and rates.
+            Some(index) if begins => (index, Heard::Nonsense),
+            Some(index) => (index, Heard::Part),
+        };
+        self.coming[index] = byte & !FIRST;
+        self.index = Some(index + 1).filter(|&next| next < FRAME);
+        if self.index.is_none() {
             self.shown.clone_from(&self.coming);
-            heard = Heard::Shown;
+            heard = if heard == Heard::Part { Heard::Shown } else { heard };
         }
         heard
     }

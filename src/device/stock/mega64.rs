@@ -63,8 +63,11 @@ impl Default for Twin {
 }
 
 impl Twin {
+    /// As its firmware starts: every pin high for the first half of each period.
     pub fn new() -> Self {
-        Self { shown: [0; PATTERN], hidden: [0; PATTERN], index: 0 }
+        let mut shown = [0; PATTERN];
+        shown[..PATTERN / 2].fill(0xFF);
+        Self { shown, hidden: [0; PATTERN], index: 0 }
     }
 
     pub fn push(&mut self, byte: u8) -> Heard {

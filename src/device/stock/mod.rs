@@ -19,7 +19,10 @@ pub fn load(levels: &Levels) -> Vec<u8> {
         Profile::Native => unreachable!("native boards are sent packets"),
         Profile::UltrainoMega64 => mega64::load(levels),
         Profile::Acoustophoretic512 => acoustophoretic::load(levels),
-        _ => phase_list::load(levels),
+        Profile::SonicSurface
+        | Profile::SonicSurface2
+        | Profile::SonicSurfaceTactile
+        | Profile::UltrainoSimpleFpga => phase_list::load(levels),
     }
 }
 
@@ -28,7 +31,10 @@ pub fn swap(profile: Profile) -> Option<u8> {
     match profile {
         Profile::Native | Profile::Acoustophoretic512 => None,
         Profile::UltrainoMega64 => Some(mega64::SWAP),
-        _ => Some(phase_list::SWAP),
+        Profile::SonicSurface
+        | Profile::SonicSurface2
+        | Profile::SonicSurfaceTactile
+        | Profile::UltrainoSimpleFpga => Some(phase_list::SWAP),
     }
 }
 
@@ -44,11 +50,11 @@ pub fn silence(profile: Profile) -> Vec<u8> {
     let blank = frame(&Levels::off(profile));
     let (start, times) = match profile {
         // The tactile build knows no more than lists.
-        Profile::Native | Profile::Acoustophoretic512 | Profile::SonicSurfaceTactile => (&[][..], 2),
-        // Once more: what was cut off before may have left an index anywhere, and only a swap resets it.
-        Profile::UltrainoMega64 => (&[][..], 3),
+        Profile::SonicSurfaceTactile => (&[][..], 2),
+        // Once more: what was cut off before may have left an index anywhere, and only a swap, or the end of a frame, resets it.
+        Profile::Native | Profile::Acoustophoretic512 | Profile::UltrainoMega64 => (&[][..], 3),
         Profile::SonicSurface2 => (&phase_list::START[..], 3),
-        _ => (&phase_list::START[..], 2),
+        Profile::SonicSurface | Profile::UltrainoSimpleFpga => (&phase_list::START[..], 2),
     };
     [start, &blank.repeat(times)].concat()
 }
@@ -104,7 +110,10 @@ impl Twin {
             Profile::Native => unreachable!("the native device has a model of its own"),
             Profile::UltrainoMega64 => Self::Mega64(mega64::Twin::new()),
             Profile::Acoustophoretic512 => Self::Acoustophoretic(acoustophoretic::Twin::new()),
-            _ => Self::PhaseList(phase_list::Twin::new(profile)),
+            Profile::SonicSurface
+            | Profile::SonicSurface2
+            | Profile::SonicSurfaceTactile
+            | Profile::UltrainoSimpleFpga => Self::PhaseList(phase_list::Twin::new(profile)),
         }
     }
 

@@ -3,7 +3,7 @@
 use crate::device::levels::Level;
 use crate::device::levels::Levels;
 use crate::device::order;
-use crate::device::profile::Profile;
+use crate::device::profile::{Profile, Strength};
 use crate::device::stock::Heard;
 
 /// A list of phases follows.
@@ -28,27 +28,69 @@ const TACTILE_STEPS: std::ops::RangeInclusive<u8> = 0xA0..=0xBF;
 const TACTILE_FASTEST: f64 = 1250.0;
 const FULL: u16 = 16;
 
+/// Values of a byte in a period, and what is kept of one that is not [`OFF`].
+const VALUES: u8 = 32;
+
+/// `PHASE_CORRECTION` of the published tactile gateware (upnalab/SonicSurface, `FPGA tactile modulation/src/Distribute.vhd`): what
+/// it adds to the byte of each channel, measured by its author on one board.
+const TACTILE_CORRECTION: [u8; CHANNELS] = [
+    0, 14, 15, 31, 15, 15, 0, 0, 16, 1, 1, 29, 15, 15, 17, 1, 31, 17, 15, 31, 30, 31, 13, 30, 0, 18, 18, 30,
+    15, 14, 31, 14, 30, 15, 0, 0, 15, 15, 1, 0, 1, 17, 13, 29, 15, 0, 0, 0, 0, 16, 31, 30, 31, 0, 31, 0, 16,
+    0, 16, 15, 30, 14, 17, 0, 14, 31, 30, 13, 30, 14, 14, 30, 15, 1, 0, 13, 31, 31, 31, 31, 14, 31, 1, 29,
+    31, 0, 15, 14, 16, 0, 0, 31, 0, 17, 15, 14, 0, 15, 30, 16, 0, 17, 0, 17, 17, 15, 0, 14, 0, 16, 2, 0, 18,
+    0, 1, 0, 15, 18, 1, 17, 18, 0, 16, 16, 17, 14, 1, 1, 14, 15, 1, 30, 17, 14, 2, 16, 31, 3, 17, 14, 16, 17,
+    1, 0, 1, 30, 0, 30, 0, 14, 15, 15, 13, 30, 31, 15, 31, 0, 0, 0, 0, 31, 31, 14, 31, 31, 16, 0, 18, 17, 1,
+    0, 16, 31, 30, 30, 16, 0, 18, 14, 0, 16, 14, 2, 16, 19, 1, 30, 31, 16, 15, 1, 16, 16, 3, 30, 15, 31, 31,
+    0, 0, 1, 17, 31, 2, 16, 16, 0, 0, 13, 16, 14, 16, 14, 31, 13, 13, 31, 15, 15, 15, 16, 30, 15, 0, 16, 31,
+    31, 1, 0, 15, 18, 0, 31, 1, 15, 1, 0, 0, 14, 15, 1, 16, 0, 15, 18, 30, 1, 19, 2, 16, 30, 15, 15, 1, 1,
+];
+
 /// How far apart the values of neighbouring delays are.
 fn spacing(profile: Profile) -> u8 {
-    if profile == Profile::SonicSurfaceTactile { 2 } else { 1 }
+    match profile {
+        Profile::SonicSurfaceTactile => 2,
+        Profile::Native
+        | Profile::SonicSurface
+        | Profile::SonicSurface2
+        | Profile::UltrainoSimpleFpga
+        | Profile::UltrainoMega64
+        | Profile::Acoustophoretic512 => 1,
+    }
+}
+
+/// What a board's logic adds to the byte of a channel.
+fn correction(profile: Profile, channel: usize) -> u8 {
+    match profile {
+        Profile::SonicSurfaceTactile => TACTILE_CORRECTION[channel],
+        Profile::Native
+        | Profile::SonicSurface
+        | Profile::SonicSurface2
+        | Profile::UltrainoSimpleFpga
+        | Profile::UltrainoMega64
+        | Profile::Acoustophoretic512 => 0,
+    }
 }
 
 pub fn load(levels: &Levels) -> Vec<u8> {
-    let order = order::elements(levels.profile);
-    let value = |&element: &usize| match levels.elements[element] {
+    let profile = levels.profile;
+    let order = order::elements(profile);
+    let value = |(channel, &element): (usize, &usize)| match levels.elements[element] {
         None => OFF,
-        // 31 at most, since the profile has 32 delays.
-        Some(level) => level.delay.to_le_bytes()[0] * spacing(levels.profile),
+        // 31 at most, since the profile has 32 delays; what the board adds is taken off.
+        Some(level) => {
+            let byte = level.delay.to_le_bytes()[0] * spacing(profile);
+            (byte + VALUES - correction(profile, channel)) % VALUES
+        }
     };
     let mut bytes = vec![PHASES];
     for (board, channels) in order.chunks(CHANNELS).enumerate() {
-        if levels.profile == Profile::SonicSurface2 {
+        if profile == Profile::SonicSurface2 {
             bytes.push(if board == 0 { FIRST } else { SECOND });
         }
-        bytes.extend(channels.iter().map(value));
+        bytes.extend(channels.iter().enumerate().map(value));
     }
     let weak = levels.elements.iter().flatten().any(|level| level.amplitude < FULL);
-    if levels.profile == Profile::UltrainoSimpleFpga && weak {
+    if profile == Profile::UltrainoSimpleFpga && weak {
         bytes.push(AMPLITUDES);
         let amplitude = |&element: &usize| levels.elements[element].map_or(0, |level| level.amplitude);
         bytes.extend(order.iter().map(|element| amplitude(element).to_le_bytes()[0]));
@@ -89,18 +131,21 @@ struct Buffer {
 }
 
 impl Twin {
-    /// As the boards' logic starts: everything on at phase 0, but for the tactile build.
+    /// As the boards' logic starts: every element at phase 0, but for what the tactile build shows, and every board listening.
     pub fn new(profile: Profile) -> Self {
-        let phase = if profile == Profile::SonicSurfaceTactile { OFF } else { 0 };
-        let buffer = Buffer { phases: [phase; CHANNELS], amplitudes: [FULL as u8; CHANNELS] };
-        let board = |board| Board {
-            listens: board == 0,
-            index: 0,
-            of_amplitudes: false,
-            shown: buffer.clone(),
-            hidden: buffer.clone(),
+        let shown = match profile {
+            Profile::SonicSurfaceTactile => OFF,
+            Profile::Native
+            | Profile::SonicSurface
+            | Profile::SonicSurface2
+            | Profile::UltrainoSimpleFpga
+            | Profile::UltrainoMega64
+            | Profile::Acoustophoretic512 => 0,
         };
-        Self { profile, boards: (0..profile.elements() / CHANNELS).map(board).collect() }
+        let buffer = |phase| Buffer { phases: [phase; CHANNELS], amplitudes: [FULL as u8; CHANNELS] };
+        let board =
+            Board { listens: true, index: 0, of_amplitudes: false, shown: buffer(shown), hidden: buffer(0) };
+        Self { profile, boards: vec![board; profile.elements() / CHANNELS] }
     }
 
     pub fn push(&mut self, byte: u8) -> Heard {
@@ -148,6 +193,7 @@ impl Twin {
 
     fn store(&mut self, byte: u8) -> Heard {
         let mut heard = if byte <= OFF { Heard::Part } else { Heard::Nonsense };
+        let profile = self.profile;
         for board in self.listening() {
             if board.index >= CHANNELS {
                 heard = Heard::Nonsense;
@@ -156,7 +202,8 @@ impl Twin {
             let buffer = &mut board.hidden;
             let list = if board.of_amplitudes { &mut buffer.amplitudes } else { &mut buffer.phases };
             // Only 32 itself is off; the logic looks at five bits of all else.
-            list[board.index] = if byte == OFF { OFF } else { byte & 0x1F };
+            let played = byte.wrapping_add(correction(profile, board.index)) % VALUES;
+            list[board.index] = if byte == OFF { OFF } else { played };
             board.index += 1;
         }
         heard
@@ -173,9 +220,9 @@ impl Twin {
                 .map(|(&phase, &amplitude)| (phase, amplitude))
         });
         for (element, (phase, amplitude)) in order::elements(self.profile).into_iter().zip(channels) {
-            let amplitude = match self.profile {
-                Profile::UltrainoSimpleFpga => u16::from(amplitude),
-                _ => 1,
+            let amplitude = match self.profile.strength() {
+                Strength::Fixed => 1,
+                Strength::Linear(_) | Strength::Duty(_) => u16::from(amplitude),
             };
             levels.elements[element] = (phase != OFF && amplitude > 0)
                 .then(|| Level { delay: u16::from(phase / spacing(self.profile)), amplitude });

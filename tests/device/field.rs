@@ -1,0 +1,100 @@
+//! The field of the bytes: what a board makes of a focus, summed over the places that its author published.
+
+use std::f64::consts::PI;
+use std::path::Path;
+
+use glam::{DVec2, DVec3, dvec2, dvec3};
+use num_complex::Complex64;
+use sonoglyph::acoustics::{Aperture, Element};
+use sonoglyph::device::calibration::Calibration;
+use sonoglyph::device::levels::Levels;
+use sonoglyph::device::native::packet::Packet;
+use sonoglyph::device::profile::Profile;
+use sonoglyph::device::stock;
+use sonoglyph::scene::{Array, Scene, Shape, Target};
+use sonoglyph::solver;
+
+use crate::published::{Gateware, Transducer, played};
+
+/// Off the axes, so that an order that is mirrored or turned puts it elsewhere.
+const FOCUS: DVec3 = dvec3(0.03, -0.02, 0.1);
+
+fn scene(profile: Profile) -> Scene {
+    let [columns, rows] = profile.shape().unwrap_or([16, 16]);
+    let pitch = if profile == Profile::UltrainoMega64 { 10e-3 } else { 10.5e-3 };
+    Scene {
+        array: Array { columns, rows, pitch, ..Array::default() },
+        targets: vec![Target::new(Shape::Point { at: FOCUS })],
+        ..Scene::default()
+    }
+}
+
+fn bytes(profile: Profile, calibration: &Calibration) -> Vec<u8> {
+    let drive = solver::solve(&scene(profile)).unwrap().drive;
+    let levels = Levels::new(profile, &drive, calibration).unwrap();
+    match profile {
+        Profile::Native => Packet::playing(&levels, 0, true).to_line(),
+        _ => stock::frame(&levels),
+    }
+}
+
+/// Pa, peak, at a point.
+fn pressure(transducers: &[Transducer], element: &Element, at: DVec3) -> Complex64 {
+    let wave = |one: &Transducer| one.plays * element.transfer(at - one.place.extend(0.0));
+    transducers.iter().map(wave).sum()
+}
+
+/// Where the sound is loudest at the focus's height, to a quarter of a millimetre.
+fn loudest(transducers: &[Transducer], element: &Element) -> DVec2 {
+    let search = |about: DVec2, half: i32, step: f64| {
+        let places = (-half..=half).flat_map(|i| (-half..=half).map(move |j| (f64::from(i), f64::from(j))));
+        let places = places.map(|(i, j)| about + step * dvec2(i, j));
+        let loudness = |place: &DVec2| pressure(transducers, element, place.extend(FOCUS.z)).norm();
+        places.max_by(|a, b| loudness(a).total_cmp(&loudness(b))).unwrap()
+    };
+    search(search(DVec2::ZERO, 45, 2e-3), 8, 0.25e-3)
+}
+
+/// The pressure at the focus, in parts of what the same pulses make there when they are all in phase.
+fn in_phase(transducers: &[Transducer], element: &Element) -> f64 {
+    let reach = |one: &Transducer| (one.plays * element.transfer(FOCUS - one.place.extend(0.0))).norm();
+    pressure(transducers, element, FOCUS).norm() / transducers.iter().map(reach).sum::<f64>()
+}
+
+fn heard(profile: Profile, calibration: &Calibration, gateware: Gateware) -> (DVec2, f64) {
+    let scene = scene(profile);
+    let element = Aperture::new(&scene).element;
+    let transducers = played(profile, &bytes(profile, calibration), scene.array.pitch, gateware);
+    (loudest(&transducers, &element), in_phase(&transducers, &element))
+}
+
+#[test]
+fn a_focus_is_where_it_is_wanted_on_every_board() {
+    for profile in Profile::ALL {
+        let (place, part) = heard(profile, &Calibration::default(), Gateware::Published);
+        assert!(place.distance(FOCUS.truncate()) < 2e-3, "{}: {:.2} mm", profile.name(), place * 1e3);
+        // Phases rounded to L levels leave sin(π/L) / (π/L) in the mean, 0.984 of the Mega's 10.
+        let step = PI / f64::from(profile.levels());
+        let expected = step.sin() / step;
+        assert!(part > 0.98 && (part - expected).abs() < 0.003, "{}: {part} of in phase", profile.name());
+    }
+}
+
+#[test]
+fn the_tactile_boards_own_corrections_are_taken_off_unless_its_table_is_zero() {
+    let tactile =
+        |calibration: &Calibration, gateware| heard(Profile::SonicSurfaceTactile, calibration, gateware).1;
+    let file =
+        Path::new(env!("CARGO_MANIFEST_DIR")).join("assets/calibrations/sonicsurface-tactile-zero-table.csv");
+    let zero_table = Calibration::read(&file, 256).unwrap();
+    let plain = Calibration::default();
+    for (calibration, gateware, fits) in [
+        (&plain, Gateware::Published, true),
+        (&plain, Gateware::Rebuilt, false),
+        (&zero_table, Gateware::Published, false),
+        (&zero_table, Gateware::Rebuilt, true),
+    ] {
+        let part = tactile(calibration, gateware);
+        assert!(if fits { part > 0.98 } else { part < 0.25 }, "{part} of in phase");
+    }
+}

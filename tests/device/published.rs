@@ -1,0 +1,164 @@
+//! Boards as their authors published them: where each channel stands, and what becomes of the bytes that arrive.
+//!
+//! Nothing here is the program's: places, pins and corrections are data of `tests/reference/board_places.json`.
+
+use std::f64::consts::TAU;
+use std::path::Path;
+
+use glam::DVec2;
+use num_complex::Complex64;
+use serde_json::Value;
+use sonoglyph::device::profile::Profile;
+
+/// A transducer of a board: its place (m, about the middle, x to the right and y upwards seen from the front), and the phasor of what it
+/// plays, 1 for half a period from the period's beginning.
+pub struct Transducer {
+    pub place: DVec2,
+    pub plays: Complex64,
+}
+
+/// What gateware does to bytes that another one does not.
+#[derive(Clone, Copy, PartialEq)]
+pub enum Gateware {
+    Published,
+    /// The tactile build with a table of zeros.
+    Rebuilt,
+}
+
+fn source(board: &str) -> Value {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/reference/board_places.json");
+    let sources: Value = serde_json::from_str(&std::fs::read_to_string(path).unwrap()).unwrap();
+    sources[board].clone()
+}
+
+fn integers(list: &Value) -> Vec<usize> {
+    list.as_array().unwrap().iter().map(|value| value.as_u64().unwrap() as usize).collect()
+}
+
+/// In the source's axes, m.
+fn places(source: &Value) -> Vec<DVec2> {
+    let place = |place: &Value| DVec2::new(place[0].as_f64().unwrap(), place[1].as_f64().unwrap()) * 1e-3;
+    source["places"].as_array().unwrap().iter().map(place).collect()
+}
+
+/// Of boards with the normal +y: x to the right leaves z pointing down.
+fn seen_from_above(source: &Value) -> Vec<DVec2> {
+    centred(places(source).iter().map(|place| DVec2::new(place.x, -place.y)).collect())
+}
+
+/// SonicSurface's table is 2 mm off its middle.
+fn centred(places: Vec<DVec2>) -> Vec<DVec2> {
+    let middle = places.iter().sum::<DVec2>() / places.len() as f64;
+    places.into_iter().map(|place| place - middle).collect()
+}
+
+/// Where channels are wired to any array: the order of this program's scenes, of `columns` and the pitch (m).
+fn wired(elements: usize, columns: usize, pitch: f64) -> Vec<DVec2> {
+    centred((0..elements).map(|n| DVec2::new((n % columns) as f64, (n / columns) as f64) * pitch).collect())
+}
+
+/// The fundamental of a pin that is high in some of the divisions of a period, e^{jωt}.
+fn fundamental(high: &[bool]) -> Complex64 {
+    let divisions = high.len() as f64;
+    let turn = |division: usize| Complex64::from_polar(1.0, -TAU * division as f64 / divisions);
+    let sum: Complex64 = (0..high.len()).filter(|&division| high[division]).map(turn).sum();
+    // Half a period of divisions has the sum 1 / sin(π / divisions).
+    sum * (TAU / 2.0 / divisions).sin()
+}
+
+fn pulse(divisions: usize, begin: usize, width: usize) -> Complex64 {
+    let high: Vec<_> = (0..divisions).map(|at| (at + divisions - begin) % divisions < width).collect();
+    fundamental(&high)
+}
+
+/// A byte of a list, as `PhaseLine.vhd` plays it: 32 is off, the rest a delay in 1/32 of a period.
+fn listed(byte: u8) -> Complex64 {
+    if byte == 32 { Complex64::ZERO } else { pulse(32, usize::from(byte & 0x1F), 16) }
+}
+
+/// What a board plays after the bytes of one frame.
+pub fn played(profile: Profile, bytes: &[u8], pitch: f64, gateware: Gateware) -> Vec<Transducer> {
+    let (places, plays): (Vec<_>, Vec<_>) = match profile {
+        Profile::Native => (wired(256, 16, pitch), native(bytes)),
+        Profile::UltrainoSimpleFpga => {
+            assert_eq!((bytes[0], bytes[257]), (254, 253));
+            (wired(256, 16, pitch), bytes[1..257].iter().map(|&byte| listed(byte)).collect())
+        }
+        Profile::SonicSurface => {
+            assert_eq!((bytes[0], bytes[257]), (254, 253));
+            let plays = bytes[1..257].iter().map(|&byte| listed(byte)).collect();
+            (seen_from_above(&source("sonicsurface")), plays)
+        }
+        Profile::SonicSurface2 => two_surfaces(bytes),
+        Profile::SonicSurfaceTactile => {
+            assert_eq!((bytes[0], bytes[257]), (254, 253));
+            (seen_from_above(&source("sonicsurface")), tactile(&bytes[1..257], gateware))
+        }
+        Profile::UltrainoMega64 => mega(bytes),
+        Profile::Acoustophoretic512 => acoustophoretic(bytes),
+    };
+    assert_eq!(places.len(), plays.len());
+    places.into_iter().zip(plays).map(|(place, plays)| Transducer { place, plays }).collect()
+}
+
+/// Phases of 256 to the period, by channel (`gateware/doc/protocol.md`): a COBS packet of a header of 8 bytes, the payload, a CRC of 2.
+fn native(line: &[u8]) -> Vec<Complex64> {
+    let packet = cobs::decode_vec(&line[..line.len() - 1]).unwrap();
+    let phases = &packet[packet.len() - 256 - 2..packet.len() - 2];
+    phases.iter().map(|&phase| pulse(256, usize::from(phase), 128)).collect()
+}
+
+/// The second board goes on where the rows of the first end: 16 of its pitch further up.
+fn two_surfaces(bytes: &[u8]) -> (Vec<DVec2>, Vec<Complex64>) {
+    assert_eq!((bytes[0], bytes[1], bytes[258], bytes[515]), (254, 192, 193, 253));
+    const UP: f64 = 16.0 * 10.5e-3;
+    let one = seen_from_above(&source("sonicsurface"));
+    let both = [0.0, UP].into_iter().flat_map(|up| one.iter().map(move |place| place + DVec2::new(0.0, up)));
+    let lists = bytes[2..258].iter().chain(&bytes[259..515]);
+    (centred(both.collect()), lists.map(|&byte| listed(byte)).collect())
+}
+
+/// `Distribute.vhd` and `PhaseLine.vhd` of the tactile build: a correction, then 16 delays and 7 of them high.
+fn tactile(bytes: &[u8], gateware: Gateware) -> Vec<Complex64> {
+    let corrections = integers(&source("sonicsurface-tactile")["phase_correction"]);
+    let channel = |(&byte, correction): (&u8, usize)| {
+        let added = if gateware == Gateware::Published { correction } else { 0 };
+        match byte {
+            32 => Complex64::ZERO,
+            byte => pulse(16, ((usize::from(byte) + added) & 0x1F) >> 1, 7),
+        }
+    };
+    bytes.iter().zip(corrections).map(channel).collect()
+}
+
+/// `DriverMEGA.ino`: ten divisions of ten ports, each byte in two halves.
+fn mega(bytes: &[u8]) -> (Vec<DVec2>, Vec<Complex64>) {
+    let source = source("ultraino-mega64");
+    assert!(bytes[..200].iter().all(|byte| byte & 0x0F == 1));
+    let ports: Vec<_> =
+        bytes[..200].as_chunks::<2>().0.iter().map(|[high, low]| high & 0xF0 | low >> 4).collect();
+    let pin = |bit: usize| {
+        let high: Vec<_> = (0..10).map(|at| ports[10 * at + bit / 8] >> (bit % 8) & 1 == 1).collect();
+        fundamental(&high)
+    };
+    (seen_from_above(&source), integers(&source["port_mapping"]).into_iter().map(pin).collect())
+}
+
+/// `MuxPhase.vhd`: high from the delay on for the second byte's length, of 128 in a period.
+fn acoustophoretic(bytes: &[u8]) -> (Vec<DVec2>, Vec<Complex64>) {
+    let source = source("acoustophoretic-512");
+    let (places, channels) = (places(&source), integers(&source["channels"]));
+    the_other_source_agrees(&places, &channels, &integers(&source["levitate_grid"]));
+    let channel =
+        |channel: usize| pulse(128, usize::from(bytes[channel] & 0x7F), usize::from(bytes[256 + channel]));
+    (places, channels.into_iter().map(channel).collect())
+}
+
+/// Levitate lists the channels row by row, from the upper left.
+fn the_other_source_agrees(places: &[DVec2], channels: &[usize], grid: &[usize]) {
+    for (place, &channel) in places.iter().zip(channels) {
+        let from_the_corner = (DVec2::new(place.x, -place.y) + 78.75e-3) / 10.5e-3;
+        let [column, row] = [from_the_corner.x, from_the_corner.y].map(|at| at.round() as usize);
+        assert_eq!(grid[16 * row + column], channel, "{place}");
+    }
+}
