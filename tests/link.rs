@@ -429,6 +429,45 @@ fn a_motion_beyond_the_line_sounds_and_what_is_played_is_told() {
     }
 }
 
+/// Where the pulses of the first element of every device rise, at one moment.
+fn rises(board: &Board) -> Vec<u8> {
+    let Some(Playing::Pulses { pulses, .. }) = board.report().playing else { return Vec::new() };
+    pulses.chunks(256).map(|pulses| pulses[0].rise).collect()
+}
+
+#[test]
+fn several_native_boards_on_a_line_change_frames_in_the_same_period() {
+    let profile = Profile::Natives(3);
+    let pair = pair(profile);
+    let in_step = |seen: &[u8]| seen.len() == 3 && seen.iter().all(|&rise| rise == seen[0]);
+    // Live, each part in a packet of its own.
+    for n in 1..20 {
+        pair.link.show(Content::Still(numbered(profile, 10 * n)));
+        eventually("a frame in place", || pair.link.health().in_place);
+        let wanted = pair.board.report().playing.unwrap().drive();
+        assert_eq!(wanted.amplitudes.len(), 768);
+        let seen = rises(&pair.board);
+        assert!(in_step(&seen), "{seen:?}");
+    }
+    // From their stores.
+    let frames: Vec<_> = (0..32).map(|n| numbered(profile, 8 * n)).collect();
+    pair.link.show(Content::Motion { frames, rate: 500.0 });
+    let mut seen = Vec::new();
+    eventually("a motion of all", || {
+        let now = rises(&pair.board);
+        // While frames are uploaded, each board's first stands.
+        if pair.link.health().frames >= 96 {
+            assert!(in_step(&now), "{now:?}");
+            seen.push(now[0]);
+        }
+        seen.sort_unstable();
+        seen.dedup();
+        seen.len() > 10
+    });
+    pair.link.stop();
+    pair.wait_until_silent();
+}
+
 #[test]
 fn a_motion_as_long_as_the_store_replaces_another_and_makes_room_for_a_still() {
     let pair = pair(Profile::Native);

@@ -12,7 +12,9 @@ const ACOUSTOPHORETIC_ODD: [usize; 4] = [1, 0, 3, 2];
 /// The element that a `channel` plays.
 pub fn element_of(profile: Profile, channel: usize) -> usize {
     match profile {
-        Profile::Native | Profile::UltrainoSimpleFpga | Profile::UltrainoMega64 => channel,
+        Profile::Native | Profile::Natives(_) | Profile::UltrainoSimpleFpga | Profile::UltrainoMega64 => {
+            channel
+        }
         Profile::SonicSurface | Profile::SonicSurface2 | Profile::SonicSurfaceTactile => {
             channel / 256 * 256 + sonicsurface(channel % 256)
         }

@@ -7,6 +7,8 @@ use crate::scene::Array;
 pub enum Profile {
     /// The gateware of this repository: CRC, answers, watchdog, amplitudes, modulation, sequences.
     Native,
+    /// Several of them on one line, 2 to [`MOST_DEVICES`], with addresses from 0.
+    Natives(u8),
     /// One SonicSurface of 16 x 16.
     SonicSurface,
     /// Two of them on one line.
@@ -20,6 +22,11 @@ pub enum Profile {
     /// UCL's and OpenMPD's board of 16 x 16.
     Acoustophoretic512,
 }
+
+/// Native devices that one line has addresses for.
+pub const MOST_DEVICES: u8 = 8;
+const NATIVES: [&str; 7] =
+    ["native-2", "native-3", "native-4", "native-5", "native-6", "native-7", "native-8"];
 
 /// How a board makes a weaker sound.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -42,6 +49,7 @@ pub struct OtherArray {
 }
 
 impl Profile {
+    /// The kinds of boards; several native ones are no kind of their own.
     pub const ALL: [Self; 7] = [
         Self::Native,
         Self::SonicSurface,
@@ -56,6 +64,7 @@ impl Profile {
     pub fn name(self) -> &'static str {
         match self {
             Self::Native => "native",
+            Self::Natives(count) => NATIVES[usize::from(count).clamp(2, NATIVES.len() + 1) - 2],
             Self::SonicSurface => "sonicsurface",
             Self::SonicSurface2 => "sonicsurface-2",
             Self::SonicSurfaceTactile => "sonicsurface-tactile",
@@ -66,7 +75,8 @@ impl Profile {
     }
 
     pub fn of_name(name: &str) -> Option<Self> {
-        Self::ALL.into_iter().find(|profile| profile.name() == name)
+        let natives = (2..=MOST_DEVICES).map(Self::Natives);
+        Self::ALL.into_iter().chain(natives).find(|profile| profile.name() == name)
     }
 
     /// Transducers, of all boards on the line.
@@ -74,6 +84,7 @@ impl Profile {
         match self {
             Self::UltrainoMega64 => 64,
             Self::SonicSurface2 => 512,
+            Self::Natives(count) => 256 * usize::from(count),
             Self::Native
             | Self::SonicSurface
             | Self::SonicSurfaceTactile
@@ -86,6 +97,7 @@ impl Profile {
     pub fn devices(self) -> usize {
         match self {
             Self::Native => 1,
+            Self::Natives(count) => usize::from(count),
             Self::SonicSurface
             | Self::SonicSurface2
             | Self::SonicSurfaceTactile
@@ -104,7 +116,7 @@ impl Profile {
     /// elements, channel n to element n.
     pub fn shape(self) -> Option<[u32; 2]> {
         match self {
-            Self::Native | Self::UltrainoSimpleFpga => None,
+            Self::Native | Self::Natives(_) | Self::UltrainoSimpleFpga => None,
             Self::SonicSurface | Self::SonicSurfaceTactile | Self::Acoustophoretic512 => Some([16, 16]),
             // The second board goes on where the rows of the first end.
             Self::SonicSurface2 => Some([16, 32]),
@@ -136,7 +148,7 @@ impl Profile {
     /// Delays that it tells apart in a period.
     pub fn levels(self) -> u16 {
         match self {
-            Self::Native => 256,
+            Self::Native | Self::Natives(_) => 256,
             Self::SonicSurface | Self::SonicSurface2 | Self::UltrainoSimpleFpga => 32,
             Self::SonicSurfaceTactile => 16,
             Self::UltrainoMega64 => 10,
@@ -146,7 +158,7 @@ impl Profile {
 
     pub fn strength(self) -> Strength {
         match self {
-            Self::Native => Strength::Linear(255),
+            Self::Native | Self::Natives(_) => Strength::Linear(255),
             Self::SonicSurface | Self::SonicSurface2 | Self::SonicSurfaceTactile => Strength::Fixed,
             Self::UltrainoSimpleFpga => Strength::Duty(16),
             Self::UltrainoMega64 => Strength::Duty(5),
@@ -157,7 +169,7 @@ impl Profile {
     /// Bits per second that it speaks when it is switched on.
     pub fn baud(self) -> u32 {
         match self {
-            Self::Native => 2_000_000,
+            Self::Native | Self::Natives(_) => 2_000_000,
             Self::UltrainoMega64 => 115_200,
             Self::Acoustophoretic512 => 250_000,
             Self::SonicSurface
@@ -176,6 +188,7 @@ impl Profile {
     pub fn frame_bytes(self) -> usize {
         match self {
             Self::Native => 270,
+            Self::Natives(count) => 270 * usize::from(count),
             Self::SonicSurface | Self::SonicSurfaceTactile | Self::UltrainoSimpleFpga => 258,
             Self::SonicSurface2 => 516,
             Self::UltrainoMega64 => 210,
@@ -194,7 +207,7 @@ impl Profile {
         const MOST: f64 = 1000.0;
         match self {
             // It keeps them.
-            Self::Native => MOST,
+            Self::Native | Self::Natives(_) => MOST,
             Self::SonicSurface
             | Self::SonicSurface2
             | Self::SonicSurfaceTactile

@@ -80,6 +80,7 @@ fn listed(byte: u8) -> Complex64 {
 pub fn played(profile: Profile, bytes: &[u8], pitch: f64, gateware: Gateware) -> Vec<Transducer> {
     let (places, plays): (Vec<_>, Vec<_>) = match profile {
         Profile::Native => (wired(256, 16, pitch), native(bytes)),
+        Profile::Natives(_) => unreachable!("each of them is sent the bytes of one"),
         Profile::UltrainoSimpleFpga => {
             assert_eq!((bytes[0], bytes[257]), (254, 253));
             (wired(256, 16, pitch), bytes[1..257].iter().map(|&byte| listed(byte)).collect())
@@ -101,10 +102,10 @@ pub fn played(profile: Profile, bytes: &[u8], pitch: f64, gateware: Gateware) ->
     places.into_iter().zip(plays).map(|(place, plays)| Transducer { place, plays }).collect()
 }
 
-/// Phases of 256 to the period, by channel (`gateware/doc/protocol.md`): a COBS packet of a header of 8 bytes, the payload, a CRC of 2.
+/// Phases of 256 to the period, by channel (`gateware/doc/protocol.md`): a COBS packet that ends with them and a CRC of 4 bytes.
 fn native(line: &[u8]) -> Vec<Complex64> {
     let packet = cobs::decode_vec(&line[..line.len() - 1]).unwrap();
-    let phases = &packet[packet.len() - 256 - 2..packet.len() - 2];
+    let phases = &packet[packet.len() - 256 - 4..packet.len() - 4];
     phases.iter().map(|&phase| pulse(256, usize::from(phase), 128)).collect()
 }
 

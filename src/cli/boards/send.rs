@@ -11,7 +11,6 @@ use crate::device::calibration::Calibration;
 use crate::device::health::{Found, Health, State};
 use crate::device::levels::{self, Levels};
 use crate::device::link::{Content, Event, Link, Settings};
-use crate::device::profile::Profile;
 use crate::drive::Drive;
 use crate::scene::{Scene, motion};
 use crate::solver;
@@ -149,7 +148,7 @@ fn content(
     let levels = |drive: &Drive| Levels::new(profile, drive, calibration);
     let tell = |drive: &Drive| {
         // A native board has said its carrier by now, and the scene follows it.
-        let frequency = if profile == Profile::Native { profile.carrier() } else { scene.array.frequency };
+        let frequency = if profile.answers() { profile.carrier() } else { scene.array.frequency };
         levels::notices(profile, drive, calibration, frequency).iter().for_each(|notice| warn(notice));
     };
     let Some(cycle) = motion::cycle(scene) else {

@@ -28,7 +28,7 @@ pub enum Playing {
     /// Pulses of a period, in levels.
     Pulses {
         levels: u16,
-        pulses: Box<[Pulse; CHANNELS]>,
+        pulses: Vec<Pulse>,
         outputs_on: bool,
     },
 }
@@ -92,10 +92,11 @@ impl Stock {
     }
 }
 
-/// The native device in time.
+/// Native devices on one line, in time; all of them follow the first.
 #[derive(Debug)]
 pub struct Native {
-    model: Model,
+    /// By address.
+    models: Vec<Model>,
     splitter: Splitter,
     /// A byte without a stop bit since the last delimiter.
     unframed: bool,
@@ -104,24 +105,52 @@ pub struct Native {
 }
 
 impl Native {
-    pub fn new(model: Model, now: Instant) -> Self {
-        Self { model, splitter: Splitter::default(), unframed: false, at: now }
+    /// So many devices like this one.
+    pub fn new(model: &Model, devices: usize, now: Instant) -> Self {
+        let device = |address: usize| {
+            let mut device = model.clone().with_address(address as u8);
+            device.follow(address > 0);
+            device
+        };
+        Self {
+            models: (0..devices).map(device).collect(),
+            splitter: Splitter::default(),
+            unframed: false,
+            at: now,
+        }
     }
 
+    /// Of the line.
     pub fn baud(&self) -> f64 {
-        self.model.baud()
+        self.models[0].baud()
     }
 
-    /// Runs the periods that are over. What was missed for too long is left out: nobody looked.
+    fn carrier(&self) -> f64 {
+        self.models[0].carrier()
+    }
+
+    /// One period of all devices: the leader's mark is seen by the others in it.
+    fn period(&mut self) {
+        let Some((leader, followers)) = self.models.split_first_mut() else { return };
+        leader.period();
+        for follower in followers {
+            if leader.marks() {
+                follower.mark();
+            }
+            follower.period();
+        }
+    }
+
+    /// Runs the periods that are over. What was missed for too long is left out: it was not looked at.
     pub fn run_until(&mut self, now: Instant) {
         const LONGEST: u32 = 1000;
-        let period = Duration::from_secs_f64(1.0 / self.model.carrier());
+        let period = Duration::from_secs_f64(1.0 / self.carrier());
         if now.saturating_duration_since(self.at) > period * LONGEST {
             self.at = now - period * LONGEST;
         }
         while self.at + period <= now {
             self.at += period;
-            self.model.period();
+            self.period();
         }
     }
 
@@ -131,42 +160,53 @@ impl Native {
         self.run_until(at);
         let unframed = std::mem::take(&mut self.unframed);
         match Packet::of_line(&part) {
-            Ok(packet) if !unframed && self.model.heeds(&packet) => {
-                let reply = self.model.apply(&packet);
-                heeded.shown.extend(committed(&packet, &reply).map(|levels| Shown { at, levels }));
-                if packet.address != BROADCAST {
-                    heeded.answer.extend(reply.to_line());
-                }
-            }
-            Ok(_) if !unframed => return,
+            Ok(packet) if !unframed => self.heed(&packet, at, heeded),
             Ok(_) | Err(_) => {
                 heeded.spoiled += 1;
                 heeded.answer.extend(self.spoiled(&part, unframed));
             }
         }
         // One packet a period goes through the gate.
-        self.model.period();
-        self.at += Duration::from_secs_f64(1.0 / self.model.carrier());
+        self.period();
+        self.at += Duration::from_secs_f64(1.0 / self.carrier());
+    }
+
+    /// A packet goes to the device that it is for, or to all. A frame of several devices is counted with its leader's part.
+    fn heed(&mut self, packet: &Packet, at: Instant, heeded: &mut Heeded) {
+        for (address, model) in self.models.iter_mut().enumerate().filter(|(_, model)| model.heeds(packet)) {
+            let reply = model.apply(packet);
+            if address == 0 {
+                heeded.shown.extend(committed(packet, &reply).map(|levels| Shown { at, levels }));
+            }
+            if packet.address != BROADCAST {
+                heeded.answer.extend(reply.to_line());
+            }
+        }
     }
 
     /// The answer to bytes that were no packet, or that were version 1's INFO.
     fn spoiled(&mut self, part: &[u8], unframed: bool) -> Vec<u8> {
-        match version_1::asked(part) {
-            Ok(seq) if !unframed => self.model.introduce(seq).map(|answer| answer.to_line()),
-            Ok(_) | Err(_) => self.model.spoil(unframed).map(|reply| reply.to_line()),
-        }
-        .unwrap_or_default()
+        let asked = version_1::asked(part).ok().filter(|_| !unframed);
+        let answer = |model: &mut Model| match asked {
+            Some(seq) => model.introduce(seq).map(|answer| answer.to_line()),
+            None => model.spoil(unframed).map(|reply| reply.to_line()),
+        };
+        self.models.iter_mut().filter_map(answer).flatten().collect()
     }
 
     pub fn press(&mut self, pressed: bool) {
-        self.model.press(pressed);
+        self.models.iter_mut().for_each(|model| model.press(pressed));
     }
 
     pub fn playing(&self) -> Playing {
+        let pulses = |model: &Model| match model.outputs_on() {
+            true => *model.played(),
+            false => [Pulse::default(); CHANNELS],
+        };
         Playing::Pulses {
-            levels: self.model.levels(),
-            pulses: Box::new(*self.model.played()),
-            outputs_on: self.model.outputs_on(),
+            levels: self.models[0].levels(),
+            pulses: self.models.iter().flat_map(pulses).collect(),
+            outputs_on: self.models.iter().any(Model::outputs_on),
         }
     }
 }
@@ -183,7 +223,20 @@ pub fn committed(packet: &Packet, reply: &Reply) -> Option<Levels> {
     let elements = match Kind::of_code(packet.code)? {
         Kind::Phases => packet.payload.iter().map(|&phase| level(phase, amplitude)).collect(),
         Kind::Frame => packet.payload.as_chunks::<2>().0.iter().map(|&[p, a]| level(p, a)).collect(),
-        _ => return None,
+        Kind::Info
+        | Kind::Status
+        | Kind::Enable
+        | Kind::Mute
+        | Kind::Baud
+        | Kind::Reset
+        | Kind::Digest
+        | Kind::Play
+        | Kind::Stop
+        | Kind::Envelope
+        | Kind::Rate
+        | Kind::Silencer
+        | Kind::Widths
+        | Kind::Calibration => return None,
     };
     Some(Levels { profile: Profile::Native, elements })
 }

@@ -369,9 +369,9 @@ impl Line {
 fn switched_on(setup: &Setup) -> io::Result<Logic> {
     Ok(match (setup.profile, &setup.program) {
         (Profile::Native, Some(program)) => Logic::Rtl(Box::new(Rtl::start(program, setup.phase_bits)?)),
-        (Profile::Native, None) => {
+        (profile, _) if profile.answers() => {
             let model = Model::new(setup.phase_bits).with_carrier(setup.carrier_millihertz);
-            Logic::Native(Box::new(Native::new(model, Instant::now())))
+            Logic::Native(Box::new(Native::new(&model, profile.devices(), Instant::now())))
         }
         (profile, _) => Logic::Stock(Box::new(Stock::new(profile))),
     })

@@ -150,7 +150,7 @@ impl Rtl {
     }
 
     pub fn playing(&self) -> Playing {
-        Playing::Pulses { levels: self.levels, pulses: self.pulses.clone(), outputs_on: self.outputs_on }
+        Playing::Pulses { levels: self.levels, pulses: self.pulses.to_vec(), outputs_on: self.outputs_on }
     }
 }
 

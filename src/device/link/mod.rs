@@ -317,9 +317,9 @@ fn keep_connected(settings: &Settings, shared: &Shared) {
 
 /// Until the link is closed, or the board is lost.
 fn session(settings: &Settings, shared: &Shared) -> Result<(), LinkError> {
-    match settings.profile {
-        Profile::Native => native::run(settings, shared),
-        _ => stock::run(settings, shared),
+    match settings.profile.answers() {
+        true => native::run(settings, shared),
+        false => stock::run(settings, shared),
     }
 }
 

@@ -16,7 +16,7 @@ use crate::scene::{Envelope, Modulation};
 /// beyond those of the profile.
 pub fn load(levels: &Levels) -> Vec<u8> {
     match levels.profile {
-        Profile::Native => unreachable!("native boards are sent packets"),
+        Profile::Native | Profile::Natives(_) => unreachable!("native boards are sent packets"),
         Profile::UltrainoMega64 => mega64::load(levels),
         Profile::Acoustophoretic512 => acoustophoretic::load(levels),
         Profile::SonicSurface
@@ -29,7 +29,7 @@ pub fn load(levels: &Levels) -> Vec<u8> {
 /// The byte that exchanges the shown and the hidden buffer, if the board has one.
 pub fn swap(profile: Profile) -> Option<u8> {
     match profile {
-        Profile::Native | Profile::Acoustophoretic512 => None,
+        Profile::Native | Profile::Natives(_) | Profile::Acoustophoretic512 => None,
         Profile::UltrainoMega64 => Some(mega64::SWAP),
         Profile::SonicSurface
         | Profile::SonicSurface2
@@ -52,7 +52,9 @@ pub fn silence(profile: Profile) -> Vec<u8> {
         // The tactile build knows no more than lists.
         Profile::SonicSurfaceTactile => (&[][..], 2),
         // Once more: what was cut off before may have left an index anywhere, and only a swap, or the end of a frame, resets it.
-        Profile::Native | Profile::Acoustophoretic512 | Profile::UltrainoMega64 => (&[][..], 3),
+        Profile::Native | Profile::Natives(_) | Profile::Acoustophoretic512 | Profile::UltrainoMega64 => {
+            (&[][..], 3)
+        }
         Profile::SonicSurface2 => (&phase_list::START[..], 3),
         Profile::SonicSurface | Profile::UltrainoSimpleFpga => (&phase_list::START[..], 2),
     };
@@ -107,7 +109,7 @@ impl Twin {
     /// The native profile, whose twin is [`crate::device::native::model::Model`].
     pub fn new(profile: Profile) -> Self {
         match profile {
-            Profile::Native => unreachable!("the native device has a model of its own"),
+            Profile::Native | Profile::Natives(_) => unreachable!("the native device has a model of its own"),
             Profile::UltrainoMega64 => Self::Mega64(mega64::Twin::new()),
             Profile::Acoustophoretic512 => Self::Acoustophoretic(acoustophoretic::Twin::new()),
             Profile::SonicSurface

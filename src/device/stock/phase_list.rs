@@ -50,6 +50,7 @@ fn spacing(profile: Profile) -> u8 {
     match profile {
         Profile::SonicSurfaceTactile => 2,
         Profile::Native
+        | Profile::Natives(_)
         | Profile::SonicSurface
         | Profile::SonicSurface2
         | Profile::UltrainoSimpleFpga
@@ -63,6 +64,7 @@ fn correction(profile: Profile, channel: usize) -> u8 {
     match profile {
         Profile::SonicSurfaceTactile => TACTILE_CORRECTION[channel],
         Profile::Native
+        | Profile::Natives(_)
         | Profile::SonicSurface
         | Profile::SonicSurface2
         | Profile::UltrainoSimpleFpga
@@ -136,6 +138,7 @@ impl Twin {
         let shown = match profile {
             Profile::SonicSurfaceTactile => OFF,
             Profile::Native
+            | Profile::Natives(_)
             | Profile::SonicSurface
             | Profile::SonicSurface2
             | Profile::UltrainoSimpleFpga
