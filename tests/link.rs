@@ -7,7 +7,7 @@ use std::sync::mpsc::{Receiver, sync_channel};
 use std::time::{Duration, Instant};
 
 use sonoglyph::device::board::faults::Faults;
-use sonoglyph::device::board::{Board, Setup, Shown};
+use sonoglyph::device::board::{Board, Playing, Setup, Shown};
 use sonoglyph::device::health::State;
 use sonoglyph::device::levels::{Level, Levels};
 use sonoglyph::device::link::{Content, Event, Link, Settings};
@@ -357,7 +357,7 @@ fn the_device_says_its_true_carrier() {
     let (board, _shown) = board(setup);
     let link = link_to(&board, Profile::Native, None);
     let Event::Ready(found) = wait_for(&link, |event| matches!(event, Event::Ready(_))) else { panic!() };
-    assert_eq!((found.carrier, found.phase_bits, found.slots), (Some(39_950.4), Some(6), 60));
+    assert_eq!((found.carrier, found.phase_bits, found.slots), (Some(39_950.4), Some(6), 64));
 }
 
 #[test]
@@ -368,7 +368,7 @@ fn the_native_device_plays_a_motion_by_itself() {
     // Element 0 turns through all delays, though nothing is sent any more.
     let phase = || pair.board.report().playing.unwrap().drive().phases[0];
     let sent = || pair.link.health().frames;
-    eventually("the upload", || sent() >= 11 && !pair.is_silent());
+    eventually("the upload", || sent() >= 10 && !pair.is_silent());
     let (before, mut phases) = (sent(), Vec::new());
     eventually("ten phases", || {
         let _ = &before;
@@ -399,6 +399,55 @@ fn motions_that_a_board_cannot_hold_are_streamed() {
             }
         }
     }
+}
+
+#[test]
+fn a_motion_beyond_the_line_sounds_and_what_is_played_is_told() {
+    let cases = [
+        (Profile::Native, 2_000_000, 64, 50.0, 40_000.0 / 14.0),
+        (Profile::Native, 2_000_000, 64, 100.0, 40_000.0 / 7.0),
+        (Profile::Native, 460_800, 128, 20.0, 40_000.0 / 34.0),
+        (Profile::Native, 115_200, 64, 5.0, 320.0),
+        (Profile::SonicSurface, 230_400, 64, 50.0, 230_400.0 / 2580.0),
+    ];
+    for (profile, baud, count, cycles, played) in cases {
+        let pair = pair_with(Setup::new(profile), Some(baud));
+        let frames: Vec<_> = (0..count).map(|n| numbered(profile, n)).collect();
+        let asked = cycles * f64::from(count);
+        pair.link.show(Content::Motion { frames, rate: asked });
+        eventually("sound", || !pair.is_silent());
+        eventually("a frame in place", || pair.link.health().in_place);
+        let rates = pair.link.health().rates.unwrap();
+        assert_eq!(rates.asked, asked);
+        assert!((rates.played / played - 1.0).abs() < 1e-3, "{cycles} x {count} at {baud}: {rates}");
+        if rates.differ() {
+            wait_for(
+                &pair.link,
+                |event| matches!(event, Event::Notice(text) if text.contains("frames/s asked")),
+            );
+        }
+    }
+}
+
+#[test]
+fn a_motion_as_long_as_the_store_replaces_another_and_makes_room_for_a_still() {
+    let pair = pair(Profile::Native);
+    let frames = |from: u16| (from..from + 64).map(|n| numbered(Profile::Native, n)).collect::<Vec<_>>();
+    for from in [0, 64] {
+        pair.link.show(Content::Motion { frames: frames(from), rate: 320.0 });
+        // Slots change by themselves once all frames are there.
+        eventually("64 frames", || pair.link.health().frames >= 64 * (1 + u64::from(from) / 64));
+        eventually("a motion", || {
+            let Some(Playing::Pulses { pulses, .. }) = pair.board.report().playing else { return false };
+            let before = pulses[0].rise;
+            std::thread::sleep(Duration::from_millis(20));
+            let Some(Playing::Pulses { pulses, .. }) = pair.board.report().playing else { return false };
+            pulses[0].rise != before
+        });
+    }
+    let still = numbered(Profile::Native, 200);
+    pair.link.show(Content::Still(still.clone()));
+    pair.shown_until(&still);
 }
 
 #[test]

@@ -1,7 +1,8 @@
-//! The native device as a value: what it plays, and what it never does. The Verilog is compared with it in `tests/gateware.rs`.
+//! The native device as a value: what it plays, and what it never does. The Verilog is compared with it in `tests/gateware`.
 
+use sonoglyph::device::native::line;
 use sonoglyph::device::native::model::{Model, Pulse};
-use sonoglyph::device::native::packet::{Body, Info, Kind, Outcome, Packet, Reply, Status};
+use sonoglyph::device::native::packet::{BROADCAST, Body, Info, Kind, Outcome, Packet, Reply, Status, Table};
 
 /// Applies a packet that has to succeed.
 fn apply(model: &mut Model, packet: &Packet) -> Reply {
@@ -80,7 +81,9 @@ fn amplitude_is_the_sine_of_the_width_and_never_more_than_half_a_period() {
     }
     apply(&mut model, &Packet::widths(&[255; 256]));
     run(&mut model, 2);
-    assert!(model.played().iter().all(|pulse| pulse.width == 128), "duty is capped whatever the table says");
+    let played = model.played();
+    assert!(played[1..].iter().all(|pulse| pulse.width == 128), "duty is capped whatever the table says");
+    assert_eq!(played[0].width, 0, "and amplitude 0 is silent");
 }
 
 #[test]
@@ -160,13 +163,127 @@ fn silence_of_the_sender_mutes_by_a_ramp_and_latches() {
 fn the_emergency_stop_is_off_at_once_and_refuses_to_be_enabled() {
     let mut model = playing(7, &ramp());
     model.press(true);
-    assert!(!model.outputs_on());
+    model.press(false);
+    let (reply, _) = status(&mut model);
+    assert!(reply.flags.stopped && reply.flags.tripped && !reply.flags.enabled && !model.outputs_on());
+    model.press(true);
     run(&mut model, 300);
     assert_eq!(model.apply(&Packet::enable(10)).outcome, Outcome::State);
     model.press(false);
     run(&mut model, 2);
     let (reply, _) = status(&mut model);
-    assert!(!reply.flags.enabled && reply.flags.tripped && !model.outputs_on());
+    assert!(reply.flags.stopped && !reply.flags.emergency_stop && !model.outputs_on());
+    apply(&mut model, &Packet::enable(1000));
+    run(&mut model, 2);
+    assert!(model.outputs_on() && !status(&mut model).0.flags.stopped);
+}
+
+#[test]
+fn reset_is_refused_while_anything_sounds_and_forgets_all_but_the_line() {
+    let mut model = playing(7, &ramp());
+    apply(&mut model, &Packet::baud(4800));
+    apply(&mut model, &Packet::silencer(1, 0x0100));
+    apply(&mut model, &Packet::widths(&[9; 256]));
+    assert_eq!(model.apply(&Packet::reset()).outcome, Outcome::State);
+    // The stop silences at once, but the silencer comes down by its own pace.
+    model.press(true);
+    run(&mut model, 250);
+    assert_eq!((model.apply(&Packet::reset()).outcome, model.outputs_on()), (Outcome::State, false));
+    run(&mut model, 10);
+    let (rate, before) = (model.baud(), status(&mut model).1);
+    let pressed = apply(&mut model, &Packet::reset());
+    assert!(pressed.flags.stopped && pressed.flags.tripped);
+    model.press(false);
+    let after = apply(&mut model, &Packet::reset());
+    assert!(!after.flags.stopped && !after.flags.tripped);
+    let Body::Status(counts) = after.body else { panic!() };
+    assert_eq!((counts.slot, counts.good, counts.periods), (0, before.good + 2, before.periods));
+    assert_eq!(model.baud(), rate);
+    // Of what it was told nothing is left: the tables are those of a device just switched on.
+    let mut fresh = Model::new(7);
+    for table in [Table::Slot(0), Table::Slot(1), Table::Envelope, Table::Widths, Table::Calibration] {
+        assert_eq!(digest(&mut model, table), digest(&mut fresh, table), "{table:?}");
+    }
+    apply(&mut model, &Packet::enable(1000));
+    apply(&mut fresh, &Packet::enable(1000));
+    for device in [&mut model, &mut fresh] {
+        apply(device, &Packet::frame(3, &[[200, 99]; 256], true));
+    }
+    (0..100).for_each(|_| assert_eq!(model.period(), fresh.period()));
+}
+
+fn digest(model: &mut Model, table: Table) -> u32 {
+    let Body::Digest(digest) = apply(model, &Packet::digest(table)).body else { panic!("{table:?}") };
+    digest.crc
+}
+
+#[test]
+fn a_digest_is_the_crc_of_what_the_packet_carried() {
+    let mut model = Model::new(7);
+    let pairs: [[u8; 2]; 256] = std::array::from_fn(|n| [n as u8, 255 - n as u8]);
+    let packets = [
+        (Packet::frame(9, &pairs, false), Table::Slot(9)),
+        (Packet::envelope(&ramp()), Table::Envelope),
+        (Packet::widths(&ramp().map(|n| n / 2)), Table::Widths),
+        (Packet::calibration(&pairs), Table::Calibration),
+    ];
+    // As the protocol's document has them.
+    let power_up = [0xB2AA_7578, 0xFEA8_A821, 0xAF04_75A1, 0x1B6E_50DD];
+    for ((packet, table), fresh) in packets.into_iter().zip(power_up) {
+        assert_eq!(digest(&mut model, table), fresh, "{table:?}");
+        apply(&mut model, &packet);
+        assert_eq!(digest(&mut model, table), line::digest(&packet.payload), "{table:?}");
+    }
+    apply(&mut model, &Packet::phases(9, 7, &ramp(), false));
+    let pairs: Vec<_> = ramp().into_iter().flat_map(|phase| [phase, 7]).collect();
+    assert_eq!(digest(&mut model, Table::Slot(9)), line::digest(&pairs));
+}
+
+#[test]
+fn a_device_heeds_its_address_and_all_devices() {
+    let mut model = Model::new(7).with_address(3);
+    for other in [0, 2, 4, 8, 254] {
+        assert_eq!(model.hear(&Packet::enable(10).to(other)), None);
+    }
+    assert_eq!(model.hear(&Packet { code: 0x83, ..Packet::status().to(3) }), None, "a reply is no packet");
+    let reply = model.hear(&Packet::status().to(3)).unwrap();
+    let Body::Status(counts) = reply.body else { panic!() };
+    assert_eq!((reply.address, counts.good, reply.flags.enabled), (3, 1, false));
+    assert_eq!(model.hear(&Packet::enable(10).to(BROADCAST)), None);
+    assert!(model.hear(&Packet::status().to(3)).unwrap().flags.enabled);
+    assert_eq!(model.spoil(false), None, "whose it was is not known");
+    let Body::Status(counts) = model.hear(&Packet::status().to(3)).unwrap().body else { panic!() };
+    assert_eq!((counts.good, counts.spoiled), (4, 1));
+}
+
+#[test]
+fn what_is_in_step_waits_for_a_leaders_mark() {
+    let slot = |model: &mut Model| status(model).1.slot;
+    let mut leader = playing(7, &ramp());
+    assert!(!leader.marks());
+    apply(&mut leader, &Packet::play(4, 4, 1, 0, false).in_step());
+    leader.period();
+    assert_eq!((leader.marks(), slot(&mut leader)), (true, 4));
+    leader.period();
+    assert!(!leader.marks());
+    let mut follower = playing(7, &ramp());
+    follower.follow(true);
+    apply(&mut follower, &Packet::play(2, 3, 1, 1, false));
+    apply(&mut follower, &Packet::phases(5, 9, &ramp(), true).in_step());
+    run(&mut follower, 10);
+    assert!(slot(&mut follower) == 1 && status(&mut follower).0.flags.waiting && !follower.marks());
+    follower.mark();
+    follower.period();
+    assert_eq!((follower.marks(), slot(&mut follower)), (false, 5));
+    // A mark without anything that waits is forgotten; one that leads no longer waits.
+    follower.mark();
+    follower.period();
+    apply(&mut follower, &Packet::phases(6, 9, &ramp(), true).in_step());
+    follower.period();
+    assert_eq!(slot(&mut follower), 5);
+    follower.follow(false);
+    follower.period();
+    assert_eq!((follower.marks(), slot(&mut follower)), (true, 6));
 }
 
 #[test]
@@ -212,7 +329,7 @@ fn refusals_change_nothing() {
     let mut model = playing(7, &ramp());
     let before = *model.period();
     let refused = [
-        (Packet { code: 0x77, seq: 3, arguments: [0; 4], payload: vec![] }, Outcome::Unknown),
+        (Packet { code: 0x77, address: 0, seq: 3, arguments: [0; 4], payload: vec![] }, Outcome::Unknown),
         (Packet { payload: vec![1; 255], ..Packet::envelope(&[0; 256]) }, Outcome::Length),
         (Packet::new(Kind::Enable, [0; 4], vec![]), Outcome::Argument),
         (Packet::silencer(0, 1), Outcome::Argument),
@@ -221,6 +338,10 @@ fn refusals_change_nothing() {
         (Packet::play(5, 4, 1, 0, false), Outcome::Argument),
         (Packet::play(5, 64, 1, 0, false), Outcome::Argument),
         (Packet::play(5, 6, 0, 0, false), Outcome::Argument),
+        (Packet { payload: vec![0, 0, 3], ..Packet::play(5, 6, 1, 0, false) }, Outcome::Argument),
+        (Packet::digest(Table::Slot(64)), Outcome::Argument),
+        (Packet::new(Kind::Digest, [4, 0, 0, 0], vec![]), Outcome::Argument),
+        (Packet::reset(), Outcome::State),
         (Packet::phases(64, 1, &ramp(), true), Outcome::Argument),
     ];
     for (packet, outcome) in refused {
@@ -228,7 +349,7 @@ fn refusals_change_nothing() {
         assert_eq!((reply.outcome, reply.seq, reply.code), (outcome, 9, packet.code + 0x80), "{packet:?}");
         assert_eq!(*model.period(), before);
     }
-    let reply = model.spoil(true);
+    let reply = model.spoil(true).unwrap();
     assert_eq!((reply.code, reply.outcome), (0x80, Outcome::Crc));
     let (_, status) = status(&mut model);
     assert_eq!((status.framing_errors, status.spoiled), (1, 1));

@@ -1,10 +1,10 @@
-// The one table of packets, answers and figures that both ends must agree on. The test in tests/gateware.rs compares it with the
+// The one table of packets, answers and figures that both ends must agree on. The test in tests/gateware compares it with the
 // table in Rust; doc/protocol.md explains it.
 `ifndef PACKETS_VH
 `define PACKETS_VH
 
-`define PROTOCOL_VERSION 8'd1
-`define GATEWARE_VERSION 8'd1
+`define PROTOCOL_VERSION 8'd2
+`define GATEWARE_VERSION 8'd2
 
 // Packets to the device, and how many payload bytes each has.
 `define TYPE_INFO 8'h01
@@ -12,6 +12,8 @@
 `define TYPE_ENABLE 8'h03
 `define TYPE_MUTE 8'h04
 `define TYPE_BAUD 8'h05
+`define TYPE_RESET 8'h06
+`define TYPE_DIGEST 8'h07
 `define TYPE_PHASES 8'h10
 `define TYPE_FRAME 8'h11
 `define TYPE_PLAY 8'h20
@@ -27,6 +29,8 @@
 `define PAYLOAD_ENABLE 10'd0
 `define PAYLOAD_MUTE 10'd0
 `define PAYLOAD_BAUD 10'd0
+`define PAYLOAD_RESET 10'd0
+`define PAYLOAD_DIGEST 10'd0
 `define PAYLOAD_PHASES 10'd256
 `define PAYLOAD_FRAME 10'd512
 `define PAYLOAD_PLAY 10'd3
@@ -56,6 +60,20 @@
 `define FLAG_EMERGENCY 3
 `define FLAG_SOUNDING 4
 `define FLAG_WAITING 5
+`define FLAG_STOPPED 6
+`define FLAG_FOLLOWS 7
+
+// The address that all devices heed and no device answers.
+`define BROADCAST 8'hFF
+// When a PLAY is taken: with the next period, at the end of the loop that runs, or with a period that the leader marks.
+`define WHEN_AT_ONCE 2'd0
+`define WHEN_AFTER_LOOP 2'd1
+`define WHEN_IN_STEP 2'd2
+// Of what DIGEST tells the CRC.
+`define DIGEST_SLOT 2'd0
+`define DIGEST_ENVELOPE 2'd1
+`define DIGEST_WIDTHS 2'd2
+`define DIGEST_CALIBRATION 2'd3
 
 // ENABLE without a watchdog needs this as its third argument.
 `define CONFIRM 8'h5A

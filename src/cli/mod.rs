@@ -20,7 +20,7 @@ use clap::{Args, Parser, Subcommand, ValueEnum};
 
 use crate::bench::{self, Subject};
 pub use crate::cli::arguments::BadArguments;
-use crate::cli::boards::{BoardArgs, SendArgs};
+use crate::cli::boards::{BoardArgs, CheckArgs, SendArgs};
 use crate::field::Quantity;
 use crate::picture::ColourMap;
 use crate::scene::{Listener, Method, Scene};
@@ -117,6 +117,15 @@ enum Command {
     ///   sonoglyph send assets/scenes/water-moving-square.toml --port /dev/ttyUSB0 --profile native --baud 3000000 --seconds 20
     #[command(verbatim_doc_comment)]
     Send(SendArgs),
+    /// Bring a board up: who answers, what the line carries, every element, a focus, the emergency stop
+    ///
+    /// Ends with exit status 0 if all steps passed, and leaves the board silent. Examples:
+    ///
+    ///   sonoglyph check --port /dev/ttyUSB0
+    ///
+    ///   sonoglyph check --port /dev/ttyUSB0 --listen --calibration mine.csv -o report.txt
+    #[command(verbatim_doc_comment)]
+    Check(CheckArgs),
     /// Be a board: open a pseudo-terminal, decode what arrives, and show the field that it would make
     ///
     /// Prints the port to send to. Examples:
@@ -331,6 +340,7 @@ pub fn run() -> anyhow::Result<Next> {
         Cli { command: Some(Command::Devices), .. } => devices::run(),
         Cli { command: Some(Command::Ports), .. } => boards::ports(),
         Cli { command: Some(Command::Send(args)), .. } => boards::send(&args),
+        Cli { command: Some(Command::Check(args)), .. } => boards::check(&args),
         Cli { command: Some(Command::Board(args)), .. } => boards::board(&args),
         Cli { command: None, scene, renderer } => return Ok(Next::Window(scene, renderer)),
     };

@@ -92,6 +92,31 @@ impl Calibration {
         }
     }
 
+    /// Has an element of `elements` driven, or not.
+    pub fn set_off(&mut self, element: usize, elements: usize, off: bool) {
+        self.elements
+            .resize(self.elements.len().max(elements), Element { offset: 0.0, gain: 1.0, off: false });
+        if let Some(one) = self.elements.get_mut(element) {
+            one.off = off;
+        }
+    }
+
+    /// Elements that are not driven.
+    pub fn off(&self) -> Vec<usize> {
+        (0..self.elements.len()).filter(|&element| self.elements[element].off).collect()
+    }
+
+    /// The file that [`Self::parse`] reads, with a row for each of the `elements`.
+    pub fn to_csv(&self, elements: usize) -> String {
+        let ordinary = Element { offset: 0.0, gain: 1.0, off: false };
+        let mut text = "element,offset,gain,off\n".to_owned();
+        for element in 0..elements {
+            let Element { offset, gain, off } = self.elements.get(element).copied().unwrap_or(ordinary);
+            text += &format!("{element},{offset},{gain},{}\n", u8::from(off));
+        }
+        text
+    }
+
     /// Whether an element is to play more softly than others.
     pub fn has_gains(&self) -> bool {
         self.elements.iter().any(|one| !one.off && one.gain > 0.0 && one.gain < 1.0)

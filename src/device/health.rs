@@ -1,5 +1,7 @@
 //! What is known of a board and of the line to it.
 
+use std::fmt;
+
 use crate::device::statistics::Spread;
 
 /// What was found at the other end.
@@ -22,12 +24,38 @@ pub enum State {
     Lost(String),
 }
 
+/// Frames per second of a motion: those of the scene, and those that the board plays.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FrameRates {
+    pub asked: f64,
+    pub played: f64,
+}
+
+impl FrameRates {
+    /// Whether a user could notice.
+    pub fn differ(self) -> bool {
+        (self.played / self.asked - 1.0).abs() > 1e-3
+    }
+}
+
+impl fmt::Display for FrameRates {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        // Whole frames, unless they are few.
+        let digits = usize::from(self.played.min(self.asked) < 10.0) * 2;
+        write!(f, "{:.digits$} frames/s asked, {:.digits$} played", self.asked, self.played)
+    }
+}
+
 /// How a link fares.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Health {
     pub state: State,
-    /// What is wanted is played.
+    /// What is wanted sounds: of a motion, its first frame at least.
     pub in_place: bool,
+    /// The emergency stop has silenced the board, until something is sent again.
+    pub stopped: bool,
+    /// Of the motion that is wanted.
+    pub rates: Option<FrameRates>,
     /// The port took the silence that a board is left with.
     pub silenced: bool,
     /// That the board has (native), or that were sent.

@@ -3,6 +3,7 @@
 use std::f64::consts::{PI, TAU};
 
 use crate::device::calibration::Calibration;
+use crate::device::native::model::CHANNELS;
 use crate::device::profile::{Profile, Strength};
 use crate::drive::{Drive, delay_level};
 
@@ -89,6 +90,12 @@ impl Levels {
     /// Nothing sounds.
     pub fn off(profile: Profile) -> Self {
         Self { profile, elements: vec![None; profile.elements()] }
+    }
+
+    /// Those of one of the native devices on the line.
+    pub fn of_device(&self, address: u8) -> Self {
+        let own = self.elements.chunks(CHANNELS).nth(usize::from(address));
+        Self { profile: self.profile, elements: own.unwrap_or_default().to_vec() }
     }
 
     /// One element at full amplitude, for finding it.

@@ -82,6 +82,24 @@ impl Profile {
         }
     }
 
+    /// Native devices on the line; 0 for other boards.
+    pub fn devices(self) -> usize {
+        match self {
+            Self::Native => 1,
+            Self::SonicSurface
+            | Self::SonicSurface2
+            | Self::SonicSurfaceTactile
+            | Self::UltrainoSimpleFpga
+            | Self::UltrainoMega64
+            | Self::Acoustophoretic512 => 0,
+        }
+    }
+
+    /// Whether it can say that it is there, and what it has heard.
+    pub fn answers(self) -> bool {
+        self.devices() > 0
+    }
+
     /// Columns and rows, where the board has its transducers on it; `None` where channels are wired to any array of as many
     /// elements, channel n to element n.
     pub fn shape(self) -> Option<[u32; 2]> {
@@ -157,7 +175,7 @@ impl Profile {
     /// Bytes of a frame at full amplitude.
     pub fn frame_bytes(self) -> usize {
         match self {
-            Self::Native => 267,
+            Self::Native => 270,
             Self::SonicSurface | Self::SonicSurfaceTactile | Self::UltrainoSimpleFpga => 258,
             Self::SonicSurface2 => 516,
             Self::UltrainoMega64 => 210,

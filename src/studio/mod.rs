@@ -2,6 +2,7 @@
 //! figures in words, and files that are written whole.
 
 pub mod animate;
+pub mod bring_up;
 pub mod evaluator;
 pub mod liquid;
 pub mod map;

@@ -141,6 +141,7 @@ impl Once {
             |lasts: Duration| !lasts.is_zero() && (ONCE_AFTER..ONCE_AFTER + lasts).contains(&first.elapsed());
         board.stall(now(self.setup.faults.stall));
         board.unplug(now(self.setup.faults.unplug));
+        board.press(now(self.setup.faults.press));
     }
 }
 

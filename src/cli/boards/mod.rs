@@ -1,7 +1,9 @@
-//! Boards on the command line: `ports`, `send` and `board`, and what a program without serial links says instead.
+//! Boards on the command line: `ports`, `check`, `send` and `board`, and what a program without serial links says instead.
 
 #[cfg(all(unix, feature = "serial"))]
 mod board;
+#[cfg(feature = "serial")]
+mod check;
 #[cfg(feature = "serial")]
 mod ports;
 #[cfg(feature = "serial")]
@@ -27,7 +29,7 @@ pub struct SendArgs {
     /// Kind of board; `sonoglyph ports` lists them
     #[arg(long, value_parser = parse_profile)]
     profile: Profile,
-    /// Bits per second, instead of the board's usual
+    /// Bits per second, instead of the board's default
     #[arg(long, value_parser = clap::value_parser!(u32).range(1200..=12_000_000))]
     baud: Option<u32>,
     /// Solver method, instead of the scene's
@@ -45,11 +47,33 @@ pub struct SendArgs {
 }
 
 #[derive(Debug, Args)]
+pub struct CheckArgs {
+    /// Serial port that the board is at; `sonoglyph ports` lists them
+    #[arg(long)]
+    port: PathBuf,
+    /// Kind of board; `sonoglyph ports` lists them
+    #[arg(long, value_parser = parse_profile, default_value = "native")]
+    profile: Profile,
+    /// Bits per second to play at, instead of the fastest without loss
+    #[arg(long, value_parser = clap::value_parser!(u32).range(1200..=12_000_000))]
+    baud: Option<u32>,
+    /// Ask, element by element, what is heard or seen; answers come from standard input
+    #[arg(long)]
+    listen: bool,
+    /// Calibration to begin with, if there is one, and to write silent elements into
+    #[arg(long, value_name = "FILE.csv")]
+    calibration: Option<PathBuf>,
+    /// Write the report, too
+    #[arg(short, long, value_name = "REPORT.txt")]
+    output: Option<PathBuf>,
+}
+
+#[derive(Debug, Args)]
 pub struct BoardArgs {
     /// Kind of board; `sonoglyph ports` lists them
     #[arg(long, value_parser = parse_profile, default_value = "native")]
     profile: Profile,
-    /// Bits per second that the board listens at, instead of its usual
+    /// Bits per second that the board listens at, instead of its default
     #[arg(long, value_parser = clap::value_parser!(u32).range(1200..=12_000_000))]
     baud: Option<u32>,
     /// Run the gateware itself in a simulation by Verilator, instead of the model
@@ -61,7 +85,7 @@ pub struct BoardArgs {
     /// Phase bits of the native device
     #[arg(long, default_value_t = 7, value_parser = clap::value_parser!(u8).range(5..=8))]
     phase_bits: u8,
-    /// What goes wrong: drop, flip, insert, burst (each =probability per byte), garbage, stall=S, unplug=S
+    /// What goes wrong: drop, flip, insert, burst (each =probability per byte), garbage, stall=S, unplug=S, press=S
     #[arg(long, value_name = "LIST", value_parser = parse_faults)]
     faults: Option<Faults>,
     /// End after so long
@@ -106,6 +130,11 @@ pub fn send(args: &SendArgs) -> anyhow::Result<()> {
 }
 
 #[cfg(feature = "serial")]
+pub fn check(args: &CheckArgs) -> anyhow::Result<()> {
+    check::run(args)
+}
+
+#[cfg(feature = "serial")]
 pub fn ports() -> anyhow::Result<()> {
     ports::run()
 }
@@ -117,6 +146,11 @@ pub fn board(args: &BoardArgs) -> anyhow::Result<()> {
 
 #[cfg(not(feature = "serial"))]
 pub fn send(_: &SendArgs) -> anyhow::Result<()> {
+    ports()
+}
+
+#[cfg(not(feature = "serial"))]
+pub fn check(_: &CheckArgs) -> anyhow::Result<()> {
     ports()
 }
 

@@ -22,6 +22,8 @@ use crate::studio::output::{Files, mention, note, say, warn};
 const GLANCE: Duration = Duration::from_secs(1);
 /// A board that stays lost for so long is not waited for, unless it is played without end.
 const PATIENCE: Duration = Duration::from_secs(10);
+/// A board begins to play within this, or its time begins without it.
+const BEGIN: Duration = Duration::from_millis(300);
 /// How often a link that runs says how it fares.
 const REPORT: Duration = Duration::from_secs(1);
 
@@ -66,6 +68,7 @@ pub fn run(args: &SendArgs) -> anyhow::Result<()> {
         (None, false) => Some(lasts),
     };
     let mut begun = None;
+    let shown = Instant::now();
     let mut next_report = Instant::now() + REPORT;
     let mut lost: Option<Instant> = None;
     let given_up =
@@ -85,18 +88,32 @@ pub fn run(args: &SendArgs) -> anyhow::Result<()> {
             begun.get_or_insert_with(Instant::now);
             lost = None;
         }
+        // A limit that the user has set holds whatever the board does.
+        if args.seconds.is_some() && shown.elapsed() >= BEGIN {
+            begun.get_or_insert(shown + BEGIN);
+        }
         if Instant::now() >= next_report {
             next_report += REPORT;
             mention(&line(&health));
         }
     }
-    let line = line(&link.health());
+    let last = link.health();
     let health = link.close();
-    say!("{line}")?;
+    say!("{}", line(&last))?;
     match health.state {
         State::Lost(why) => bail!("{why}: the board was lost, and what it plays is not known"),
         State::Connecting | State::Ready if !health.silenced => {
             bail!("{}: the board could not be silenced: its port takes no bytes", args.port.display())
+        }
+        State::Connecting | State::Ready if !last.in_place && !interrupted.is_set() => {
+            bail!(
+                "{}: the board did not play{}",
+                args.port.display(),
+                match last.stopped {
+                    true => ": its emergency stop was pressed",
+                    false => " in this time",
+                }
+            )
         }
         State::Connecting | State::Ready => Ok(()),
     }
@@ -155,12 +172,15 @@ fn content(
 fn line(health: &Health) -> String {
     let milliseconds = |duration: Duration| duration.as_secs_f64() * 1e3;
     let mut line = format!(
-        "{} frames, {:.1} frames/s, {:.1} kB/s, {} refused",
+        "{} frames, {:.1} frames/s on the line, {:.1} kB/s, {} retransmissions",
         health.frames,
         health.frames_per_second,
         health.bytes_per_second / 1e3,
         health.refused
     );
+    if let Some(rates) = health.rates {
+        line += &format!("; {rates}");
+    }
     if let Some(spread) = health.round_trip {
         line += &format!(
             ", answers after {:.2} ms (jitter {:.2} ms)",

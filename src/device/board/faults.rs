@@ -19,6 +19,8 @@ pub struct Faults {
     pub stall: Duration,
     /// For so long the board is not there, once.
     pub unplug: Duration,
+    /// For so long its emergency stop is pressed, once.
+    pub press: Duration,
 }
 
 impl Faults {
@@ -43,9 +45,10 @@ impl Faults {
                 "garbage" => faults.garbage = number > 0.0,
                 "stall" => faults.stall = Duration::from_secs_f64(number),
                 "unplug" => faults.unplug = Duration::from_secs_f64(number),
+                "press" => faults.press = Duration::from_secs_f64(number),
                 _ => {
                     return Err(format!(
-                        "{part}: faults are drop, flip, insert, burst, garbage, stall, unplug"
+                        "{part}: faults are drop, flip, insert, burst, garbage, stall, unplug, press"
                     ));
                 }
             }

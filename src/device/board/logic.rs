@@ -6,7 +6,8 @@ use std::time::{Duration, Instant};
 use crate::device::levels::Level;
 use crate::device::levels::Levels;
 use crate::device::native::model::{CHANNELS, Model, Pulse};
-use crate::device::native::packet::{Body, Kind, Outcome, Packet, Reply, Splitter};
+use crate::device::native::packet::{BROADCAST, Body, Kind, Outcome, Packet, Reply, Splitter};
+use crate::device::native::version_1;
 use crate::device::profile::Profile;
 use crate::device::stock::mega64;
 use crate::device::stock::{Heard, Twin};
@@ -129,21 +130,32 @@ impl Native {
         let Some(part) = self.splitter.push(byte) else { return };
         self.run_until(at);
         let unframed = std::mem::take(&mut self.unframed);
-        let reply = match Packet::of_line(&part) {
-            Ok(packet) if !unframed => {
+        match Packet::of_line(&part) {
+            Ok(packet) if !unframed && self.model.heeds(&packet) => {
                 let reply = self.model.apply(&packet);
                 heeded.shown.extend(committed(&packet, &reply).map(|levels| Shown { at, levels }));
-                reply
+                if packet.address != BROADCAST {
+                    heeded.answer.extend(reply.to_line());
+                }
             }
-            _ => {
+            Ok(_) if !unframed => return,
+            Ok(_) | Err(_) => {
                 heeded.spoiled += 1;
-                self.model.spoil(unframed)
+                heeded.answer.extend(self.spoiled(&part, unframed));
             }
-        };
-        heeded.answer.extend(reply.to_line());
+        }
         // One packet a period goes through the gate.
         self.model.period();
         self.at += Duration::from_secs_f64(1.0 / self.model.carrier());
+    }
+
+    /// The answer to bytes that were no packet, or that were version 1's INFO.
+    fn spoiled(&mut self, part: &[u8], unframed: bool) -> Vec<u8> {
+        match version_1::asked(part) {
+            Ok(seq) if !unframed => self.model.introduce(seq).map(|answer| answer.to_line()),
+            Ok(_) | Err(_) => self.model.spoil(unframed).map(|reply| reply.to_line()),
+        }
+        .unwrap_or_default()
     }
 
     pub fn press(&mut self, pressed: bool) {

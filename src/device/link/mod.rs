@@ -6,6 +6,8 @@
 mod native;
 mod stock;
 
+pub use native::survey;
+
 use std::io;
 use std::path::PathBuf;
 use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
@@ -63,8 +65,9 @@ pub enum Event {
     Notice(String),
 }
 
+/// Why there is no link, or no longer.
 #[derive(Debug, thiserror::Error)]
-enum LinkError {
+pub enum LinkError {
     #[error(transparent)]
     Port(#[from] PortError),
     #[error("{0} does not answer: is the board on, and is it a native one?")]
@@ -79,6 +82,8 @@ enum LinkError {
     TooFast { asked: u32, largest: u32 },
     #[error("the board has {board} channels, {expected} were expected")]
     OtherCount { board: usize, expected: usize },
+    #[error("no board of address {address} answers at {name}")]
+    NoDevice { name: String, address: u8 },
     #[error("the board was switched off and on again")]
     Restarted,
     #[error("the board refuses {0} again and again")]

@@ -1,11 +1,11 @@
 //! What the native protocol puts around packets and answers: a CRC, COBS, and a delimiter.
 
-use crc::{CRC_16_GENIBUS, Crc};
+use crc::{CRC_32_ISO_HDLC, Crc};
 
-const CHECKSUM: Crc<u16> = Crc::<u16>::new(&CRC_16_GENIBUS);
-/// Type, sequence number and four arguments.
-const HEAD: usize = 6;
-const CRC_BYTES: usize = 2;
+const CHECKSUM: Crc<u32> = Crc::<u32>::new(&CRC_32_ISO_HDLC);
+/// Type, address, sequence number and four arguments.
+const HEAD: usize = 7;
+const CRC_BYTES: usize = 4;
 /// The longest packet before COBS, CRC included: a frame with amplitudes.
 pub const LONGEST: usize = HEAD + 512 + CRC_BYTES;
 /// COBS puts one byte in front, one more after every 254.
@@ -14,9 +14,14 @@ const LONGEST_ON_LINE: usize = LONGEST + 1 + LONGEST / 254;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Spoiled;
 
+/// CRC-32 of a table's bytes, as DIGEST answers it.
+pub fn digest(table: &[u8]) -> u32 {
+    CHECKSUM.checksum(table)
+}
+
 /// CRC, COBS and delimiter around a body.
 pub fn framed(mut body: Vec<u8>) -> Vec<u8> {
-    body.extend(CHECKSUM.checksum(&body).to_be_bytes());
+    body.extend(CHECKSUM.checksum(&body).to_le_bytes());
     let mut line = cobs::encode_vec(&body);
     line.push(0);
     line
@@ -28,8 +33,8 @@ pub fn checked(bytes: &[u8]) -> Result<Vec<u8>, Spoiled> {
         return Err(Spoiled);
     }
     let mut body = cobs::decode_vec(bytes).map_err(|_| Spoiled)?;
-    let Some((rest, &[high, low])) = body.split_last_chunk() else { return Err(Spoiled) };
-    if body.len() > LONGEST || CHECKSUM.checksum(rest) != u16::from_be_bytes([high, low]) {
+    let Some((rest, &check)) = body.split_last_chunk() else { return Err(Spoiled) };
+    if body.len() > LONGEST || CHECKSUM.checksum(rest) != u32::from_le_bytes(check) {
         return Err(Spoiled);
     }
     body.truncate(body.len() - CRC_BYTES);
@@ -62,12 +67,12 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_checksum_is_genibus() {
+    fn the_checksum_is_that_of_zlib() {
         // The catalogue's check value, and the register that body and CRC end at before the final XOR.
-        assert_eq!(CHECKSUM.checksum(b"123456789"), 0xD64E);
+        assert_eq!(CHECKSUM.checksum(b"123456789"), 0xCBF4_3926);
         let mut line = b"123456789".to_vec();
-        line.extend(0xD64Eu16.to_be_bytes());
-        assert_eq!(CHECKSUM.checksum(&line) ^ 0xFFFF, 0x1D0F);
+        line.extend(0xCBF4_3926u32.to_le_bytes());
+        assert_eq!(CHECKSUM.checksum(&line) ^ 0xFFFF_FFFF, 0xDEBB_20E3);
     }
 
     #[test]

@@ -5,13 +5,20 @@
 
 use std::f64::consts::PI;
 
-use crate::device::native::packet::{Body, Flags, Info, Kind, Outcome, Packet, REPLY, Reply, Status};
+use crate::device::native::line;
+use crate::device::native::packet::{AFTER_LOOP, AT_ONCE, COMMIT, IN_STEP, WHEN_IN_STEP};
+use crate::device::native::packet::{BROADCAST, Body, Digest, Flags, Info, Kind, Outcome, Packet};
+use crate::device::native::packet::{REPLY, Reply, Status};
+use crate::device::native::player::{Play, Player, When};
+use crate::device::native::table::LARGEST_ADDRESS;
+use crate::device::native::version_1::Introduction;
 
 pub const CHANNELS: usize = 256;
 /// Slots of the frame store.
 const SLOTS: u16 = 64;
-const PROTOCOL: u8 = 1;
-const VERSION: u8 = 1;
+/// Of the protocol.
+pub const PROTOCOL: u8 = 2;
+const VERSION: u8 = 2;
 /// In 100 000 baud.
 const LARGEST_BAUD: u8 = 30;
 const POWER_UP_BAUD: u32 = 2_000_000;
@@ -38,6 +45,7 @@ pub struct Pulse {
 pub struct Model {
     phase_bits: u8,
     carrier_millihertz: u32,
+    address: u8,
     // What packets set.
     store: Vec<[Pair; CHANNELS]>,
     envelope: [u8; 256],
@@ -50,7 +58,7 @@ pub struct Model {
     // What goes on by itself.
     enabled: bool,
     tripped: bool,
-    pressed: bool,
+    stopped: bool,
     quiet: u32,
     player: Player,
     nco: u32,
@@ -62,84 +70,16 @@ pub struct Model {
     next_on: bool,
     played: [Pulse; CHANNELS],
     outputs_on: bool,
+    // What is done to it from outside.
+    pressed: bool,
+    follows: bool,
+    /// The period that begins next is marked on the leader's `sync`, or the one that began last on this device's.
+    marked: bool,
     // What is only counted.
     periods: u32,
     good: u16,
     spoiled: u16,
     framing_errors: u8,
-}
-
-/// A PLAY, or the commit of a frame.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-struct Play {
-    first: u8,
-    last: u8,
-    divider: u16,
-    loops: u16,
-    after: bool,
-}
-
-impl Play {
-    fn holds(&self, slot: u8) -> bool {
-        (self.first..=self.last).contains(&slot)
-    }
-}
-
-#[derive(Clone, Copy, Debug, Default)]
-struct Player {
-    slot: u8,
-    wait: u16,
-    left: u16,
-    running: Option<Play>,
-    waiting: Option<Play>,
-}
-
-impl Player {
-    fn step(&mut self) {
-        match (self.running, self.waiting) {
-            (running, Some(play)) if !play.after || running.is_none() => self.take(play),
-            (Some(play), _) => self.go_on(play),
-            (None, _) => {}
-        }
-    }
-
-    fn take(&mut self, play: Play) {
-        *self = Self {
-            slot: play.first,
-            wait: play.divider,
-            left: play.loops,
-            running: Some(play),
-            waiting: None,
-        };
-    }
-
-    fn go_on(&mut self, play: Play) {
-        self.wait -= 1;
-        if self.wait > 0 {
-            return;
-        }
-        self.wait = play.divider;
-        if self.slot < play.last {
-            self.slot += 1;
-        } else if let Some(next) = self.waiting {
-            self.take(next);
-        } else if play.loops == 0 {
-            self.slot = play.first;
-        } else {
-            self.left -= 1;
-            if self.left == 0 {
-                self.running = None;
-            } else {
-                self.slot = play.first;
-            }
-        }
-    }
-
-    /// Whether a slot is played, or may be without a further packet.
-    fn holds(&self, slot: u8) -> bool {
-        let in_range = |play: Option<Play>| play.is_some_and(|play| play.holds(slot));
-        slot == self.slot || in_range(self.running) || in_range(self.waiting)
-    }
 }
 
 impl Model {
@@ -152,6 +92,7 @@ impl Model {
         let mut model = Self {
             phase_bits,
             carrier_millihertz: 40_000_000,
+            address: 0,
             store: vec![[[0; 2]; CHANNELS]; usize::from(SLOTS)],
             envelope: [255; 256],
             widths: default_widths(),
@@ -162,7 +103,7 @@ impl Model {
             increment: 0,
             enabled: false,
             tripped: false,
-            pressed: false,
+            stopped: false,
             quiet: 0,
             player: Player::default(),
             nco: 0,
@@ -174,6 +115,9 @@ impl Model {
             next_on: false,
             played: [Pulse::default(); CHANNELS],
             outputs_on: false,
+            pressed: false,
+            follows: false,
+            marked: false,
             periods: 0,
             good: 0,
             spoiled: 0,
@@ -186,6 +130,16 @@ impl Model {
     /// The same device on another clock.
     pub fn with_carrier(mut self, carrier_millihertz: u32) -> Self {
         self.carrier_millihertz = carrier_millihertz;
+        self
+    }
+
+    /// The same device with other address pins.
+    ///
+    /// # Panics
+    /// An address above 7.
+    pub fn with_address(mut self, address: u8) -> Self {
+        assert!(address <= LARGEST_ADDRESS, "address {address}");
+        self.address = address;
         self
     }
 
@@ -208,9 +162,27 @@ impl Model {
         (f64::from(POWER_UP_BAUD) / clock * 65_536.0).round() as u16
     }
 
-    /// The emergency stop: off at once, and tripped from the next period on.
+    /// The emergency stop: off at once, and until ENABLE or RESET, however short the press.
     pub fn press(&mut self, pressed: bool) {
         self.pressed = pressed;
+        if pressed {
+            (self.enabled, self.tripped, self.stopped) = (false, true, true);
+        }
+    }
+
+    /// Whether `sync_in` carries the periods of another device, its leader.
+    pub fn follow(&mut self, follows: bool) {
+        self.follows = follows;
+    }
+
+    /// The leader's `sync` marks the period that [`Self::period`] goes to next: what waits in step is taken in it.
+    pub fn mark(&mut self) {
+        self.marked = true;
+    }
+
+    /// Whether `sync` marks the period that [`Self::period`] went to last. Only a leader's does.
+    pub fn marks(&self) -> bool {
+        self.marked && !self.follows
     }
 
     /// Goes one period on. What is played in it was swept in the period before.
@@ -222,6 +194,11 @@ impl Model {
         &self.played
     }
 
+    /// The slot that the sweep reads.
+    pub fn slot(&self) -> u8 {
+        self.player.slot()
+    }
+
     /// What the period is that [`Self::period`] went to last.
     pub fn played(&self) -> &[Pulse; CHANNELS] {
         &self.played
@@ -229,21 +206,23 @@ impl Model {
 
     /// Whether the pulses of this period reach the transducers.
     pub fn outputs_on(&self) -> bool {
-        self.outputs_on && !self.pressed
+        self.outputs_on && !self.stopped
     }
 
     fn boundary(&mut self) {
         self.periods = self.periods.wrapping_add(1);
         self.quiet = self.quiet.saturating_add(1);
         let late = self.watchdog > 0 && self.quiet >= 64 * u32::from(self.watchdog);
-        if (self.enabled && late) || self.pressed {
-            self.enabled = false;
-            self.tripped = true;
+        if self.enabled && late {
+            (self.enabled, self.tripped) = (false, true);
         }
         if self.quiet >= RATE_KEPT {
             self.increment = self.power_up_increment();
         }
-        self.player.step();
+        let in_step =
+            if self.follows { std::mem::take(&mut self.marked) } else { self.player.waits_in_step() };
+        self.marked = in_step && !self.follows;
+        self.player.step(in_step);
         self.nco = if self.restart { 0 } else { (self.nco + self.nco_step) & 0xFF_FFFF };
         self.restart = false;
     }
@@ -253,20 +232,34 @@ impl Model {
         let amplitude_step = if self.enabled { self.amplitude_step } else { self.amplitude_step.max(RAMP) };
         for n in 0..CHANNELS {
             let ([phase, amplitude], [offset, gain]) =
-                (self.store[usize::from(self.player.slot)][n], self.calibration[n]);
+                (self.store[usize::from(self.player.slot())][n], self.calibration[n]);
             let target = u16::from(phase.wrapping_add(offset)) << 8;
             let amplitude = if self.enabled { scaled(amplitude, gain) } else { 0 };
             self.phases[n] = turned(self.phases[n], target, self.phase_step);
             self.amplitudes[n] = approached(self.amplitudes[n], u16::from(amplitude) << 8, amplitude_step);
             let [_, high] = self.amplitudes[n].to_le_bytes();
-            let width = self.widths[usize::from(scaled(high, envelope))].min(128);
+            let width = match scaled(high, envelope) {
+                0 => 0,
+                amplitude => self.widths[usize::from(amplitude)].min(128),
+            };
             let [_, phase] = self.phases[n].to_le_bytes();
             self.next[n] = pulse(self.phase_bits, phase, width);
         }
         self.next_on = self.enabled || self.amplitudes.iter().any(|&amplitude| amplitude > 0);
     }
 
-    /// The gate: a packet whose CRC was right takes effect, or changes nothing, and is answered.
+    /// A good packet: it takes effect and is answered, unless it is for all devices, or for another one.
+    pub fn hear(&mut self, packet: &Packet) -> Option<Reply> {
+        let reply = self.heeds(packet).then(|| self.apply(packet));
+        reply.filter(|_| packet.address != BROADCAST)
+    }
+
+    /// Whether a packet is for this device, perhaps among others. Replies, whose types begin at [`REPLY`], never are.
+    pub fn heeds(&self, packet: &Packet) -> bool {
+        packet.code < REPLY && [self.address, BROADCAST].contains(&packet.address)
+    }
+
+    /// The gate: a packet for this device takes effect, or changes nothing; and what is to be answered.
     pub fn apply(&mut self, packet: &Packet) -> Reply {
         self.good = self.good.wrapping_add(1);
         self.quiet = 0;
@@ -275,47 +268,79 @@ impl Model {
             Some(kind) if packet.payload.len() != kind.payload() => Outcome::Length,
             Some(kind) => self.effect(kind, packet),
         };
-        self.reply(packet.code.wrapping_add(REPLY), packet.seq, outcome)
+        let body = match Kind::of_code(packet.code) {
+            Some(Kind::Info) => Body::Info(self.info()),
+            Some(Kind::Digest) if outcome == Outcome::Ok => Body::Digest(self.digest(packet)),
+            _ => Body::Status(self.status()),
+        };
+        let (code, seq) = (packet.code.wrapping_add(REPLY), packet.seq);
+        Reply { code, address: self.address, seq, outcome, flags: self.flags(), body }
     }
 
-    /// The answer to bytes that were no packet; `by_uart` if a byte of them had no stop bit.
-    pub fn spoil(&mut self, by_uart: bool) -> Reply {
+    /// Bytes that were no packet; `by_uart` if a byte of them had no stop bit. The device at address 0 answers.
+    pub fn spoil(&mut self, by_uart: bool) -> Option<Reply> {
         self.spoiled = self.spoiled.wrapping_add(1);
         self.framing_errors = self.framing_errors.wrapping_add(u8::from(by_uart));
-        self.reply(REPLY, 0, Outcome::Crc)
+        (self.address == 0).then(|| Reply {
+            code: REPLY,
+            address: 0,
+            seq: 0,
+            outcome: Outcome::Crc,
+            flags: self.flags(),
+            body: Body::Status(self.status()),
+        })
     }
 
-    fn reply(&self, code: u8, seq: u8, outcome: Outcome) -> Reply {
-        let body = if code == Kind::Info.code() + REPLY {
-            Body::Info(Info {
-                protocol: PROTOCOL,
-                phase_bits: self.phase_bits,
-                slots: SLOTS,
-                version: VERSION,
-                carrier_millihertz: self.carrier_millihertz,
-                channels: CHANNELS as u16,
-                largest_baud: LARGEST_BAUD,
-            })
-        } else {
-            Body::Status(Status {
-                slot: self.player.slot,
-                framing_errors: self.framing_errors,
-                good: self.good,
-                spoiled: self.spoiled,
-                periods: self.periods,
-            })
+    /// INFO as version 1 has it: a spoiled packet, but for its answer.
+    pub fn introduce(&mut self, seq: u8) -> Option<Introduction> {
+        self.spoiled = self.spoiled.wrapping_add(1);
+        (self.address == 0).then(|| Introduction { seq, flags: self.flags(), info: self.info() })
+    }
+
+    fn info(&self) -> Info {
+        Info {
+            protocol: PROTOCOL,
+            phase_bits: self.phase_bits,
+            slots: SLOTS,
+            version: VERSION,
+            carrier_millihertz: self.carrier_millihertz,
+            channels: CHANNELS as u16,
+            largest_baud: LARGEST_BAUD,
+        }
+    }
+
+    fn status(&self) -> Status {
+        Status {
+            slot: self.player.slot(),
+            framing_errors: self.framing_errors,
+            good: self.good,
+            spoiled: self.spoiled,
+            periods: self.periods,
+        }
+    }
+
+    fn digest(&self, packet: &Packet) -> Digest {
+        let [what, slot, _, _] = packet.arguments;
+        let crc = match what {
+            0 => line::digest(self.store[usize::from(slot)].as_flattened()),
+            1 => line::digest(&self.envelope),
+            2 => line::digest(&self.widths),
+            _ => line::digest(self.calibration.as_flattened()),
         };
-        Reply { code, seq, outcome, flags: self.flags(), body }
+        let Status { slot, framing_errors, good, spoiled, .. } = self.status();
+        Digest { slot, framing_errors, good, spoiled, crc }
     }
 
     fn flags(&self) -> Flags {
         Flags {
             enabled: self.enabled,
             tripped: self.tripped,
-            playing: self.player.running.is_some_and(|play| play.first != play.last),
+            playing: self.player.plays_several(),
             emergency_stop: self.pressed,
             outputs_on: self.outputs_on(),
-            waiting: self.player.waiting.is_some(),
+            waiting: self.player.waits(),
+            stopped: self.stopped,
+            follows: self.follows,
         }
     }
 
@@ -327,14 +352,21 @@ impl Model {
             Kind::Info | Kind::Status => {}
             Kind::Enable if low == 0 && c != CONFIRM => return Outcome::Argument,
             Kind::Enable if self.pressed => return Outcome::State,
-            Kind::Enable => (self.watchdog, self.enabled, self.tripped) = (low, true, false),
+            Kind::Enable => {
+                (self.watchdog, self.enabled) = (low, true);
+                (self.tripped, self.stopped) = (false, false);
+            }
             Kind::Mute => self.enabled = false,
             Kind::Baud if !(64..=16_384).contains(&low) => return Outcome::Argument,
             Kind::Baud => self.increment = low,
+            Kind::Reset if self.sounds() => return Outcome::State,
+            Kind::Reset => self.reset(),
+            Kind::Digest if a > 3 || (a == 0 && u16::from(b) >= SLOTS) => return Outcome::Argument,
+            Kind::Digest => {}
             Kind::Phases => return self.write(packet, |payload, n| [payload[n], b]),
             Kind::Frame => return self.write(packet, |payload, n| [payload[2 * n], payload[2 * n + 1]]),
             Kind::Play => return self.play(packet),
-            Kind::Stop => (self.player.running, self.player.waiting) = (None, None),
+            Kind::Stop => self.player.stop(),
             Kind::Envelope => self.envelope.copy_from_slice(&packet.payload),
             Kind::Rate => {
                 self.nco_step = u32::from_le_bytes([a, b, c, 0]);
@@ -351,6 +383,28 @@ impl Model {
         Outcome::Ok
     }
 
+    /// Whether anything is to be heard in this period or the next, if the emergency stop allows it.
+    fn sounds(&self) -> bool {
+        self.enabled || self.outputs_on || self.next_on
+    }
+
+    /// What a reset of the chip does, but for bit rate, counters, and what is done from outside.
+    fn reset(&mut self) {
+        let fresh = Self::new(self.phase_bits).with_carrier(self.carrier_millihertz);
+        *self = Self {
+            increment: self.increment,
+            tripped: self.pressed,
+            stopped: self.pressed,
+            pressed: self.pressed,
+            follows: self.follows,
+            periods: self.periods,
+            good: self.good,
+            spoiled: self.spoiled,
+            framing_errors: self.framing_errors,
+            ..fresh.with_address(self.address)
+        };
+    }
+
     fn write(&mut self, packet: &Packet, pair: impl Fn(&[u8], usize) -> Pair) -> Outcome {
         let [slot, _, flags, _] = packet.arguments;
         if u16::from(slot) >= SLOTS {
@@ -360,8 +414,9 @@ impl Model {
             return Outcome::Busy;
         }
         self.store[usize::from(slot)] = std::array::from_fn(|n| pair(&packet.payload, n));
-        if flags & 1 == 1 {
-            self.player.waiting = Some(Play { first: slot, last: slot, divider: 1, loops: 0, after: false });
+        if flags & COMMIT != 0 {
+            let when = if flags & IN_STEP != 0 { When::InStep } else { When::AtOnce };
+            self.player.ask(Play { first: slot, last: slot, divider: 1, loops: 0, when });
         }
         Outcome::Ok
     }
@@ -370,11 +425,16 @@ impl Model {
         let [first, last, low, high] = packet.arguments;
         let divider = u16::from_le_bytes([low, high]);
         let &[fewer, more, when] = &packet.payload[..] else { return Outcome::Length };
-        if last < first || u16::from(last) >= SLOTS || divider == 0 || when > 1 {
+        let when = match when {
+            AT_ONCE => When::AtOnce,
+            AFTER_LOOP => When::AfterLoop,
+            WHEN_IN_STEP => When::InStep,
+            _ => return Outcome::Argument,
+        };
+        if last < first || u16::from(last) >= SLOTS || divider == 0 {
             return Outcome::Argument;
         }
-        let loops = u16::from_le_bytes([fewer, more]);
-        self.player.waiting = Some(Play { first, last, divider, loops, after: when == 1 });
+        self.player.ask(Play { first, last, divider, loops: u16::from_le_bytes([fewer, more]), when });
         Outcome::Ok
     }
 }

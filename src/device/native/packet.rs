@@ -9,26 +9,48 @@ use crate::device::native::line;
 pub use crate::device::native::line::Splitter;
 pub use crate::device::native::line::Spoiled;
 pub use crate::device::native::reply::Body;
+pub use crate::device::native::reply::Digest;
 pub use crate::device::native::reply::Flags;
 pub use crate::device::native::reply::Info;
 pub use crate::device::native::reply::Reply;
 pub use crate::device::native::reply::Status;
+pub use crate::device::native::table::BROADCAST;
 pub use crate::device::native::table::Kind;
 pub use crate::device::native::table::Outcome;
 pub use crate::device::native::table::REPLY;
+
+/// Flags of a frame: play it, and do so in step.
+pub(crate) const COMMIT: u8 = 1;
+pub(crate) const IN_STEP: u8 = 2;
+/// The last byte of a PLAY: from the next period on, at the end of the running loop, or in step.
+pub(crate) const AT_ONCE: u8 = 0;
+pub(crate) const AFTER_LOOP: u8 = 1;
+pub(crate) const WHEN_IN_STEP: u8 = 2;
 
 /// A packet to the device. `code` need not be that of a [`Kind`]: the device answers what it does not know.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Packet {
     pub code: u8,
+    /// Of the device that it is for, or [`BROADCAST`].
+    pub address: u8,
     pub seq: u8,
     pub arguments: [u8; 4],
     pub payload: Vec<u8>,
 }
 
+/// Of what a device tells the CRC-32.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Table {
+    Slot(u8),
+    Envelope,
+    Widths,
+    Calibration,
+}
+
 impl Packet {
+    /// For the device at address 0.
     pub fn new(kind: Kind, arguments: [u8; 4], payload: Vec<u8>) -> Self {
-        Self { code: kind.code(), seq: 0, arguments, payload }
+        Self { code: kind.code(), address: 0, seq: 0, arguments, payload }
     }
 
     pub fn info() -> Self {
@@ -53,6 +75,22 @@ impl Packet {
     pub fn baud(increment: u16) -> Self {
         let [low, high] = increment.to_le_bytes();
         Self::new(Kind::Baud, [low, high, 0, 0], Vec::new())
+    }
+
+    /// Back to the state of power-up, but for bit rate and counters; refused while anything sounds.
+    pub fn reset() -> Self {
+        Self::new(Kind::Reset, [0; 4], Vec::new())
+    }
+
+    /// Asks for the CRC-32 ([`line::digest`]) of what the device has.
+    pub fn digest(table: Table) -> Self {
+        let [what, slot] = match table {
+            Table::Slot(slot) => [0, slot],
+            Table::Envelope => [1, 0],
+            Table::Widths => [2, 0],
+            Table::Calibration => [3, 0],
+        };
+        Self::new(Kind::Digest, [what, slot, 0, 0], Vec::new())
     }
 
     /// Delays in 1/256 period and one amplitude for all, into a slot; played from the next period on if `commit`.
@@ -81,7 +119,11 @@ impl Packet {
     /// Slots `first` to `last`, `divider` periods each, `loops` times (0: for ever); `after` the running loop or at once.
     pub fn play(first: u8, last: u8, divider: u16, loops: u16, after: bool) -> Self {
         let ([low, high], [fewer, more]) = (divider.to_le_bytes(), loops.to_le_bytes());
-        Self::new(Kind::Play, [first, last, low, high], vec![fewer, more, u8::from(after)])
+        Self::new(
+            Kind::Play,
+            [first, last, low, high],
+            vec![fewer, more, if after { AFTER_LOOP } else { AT_ONCE }],
+        )
     }
 
     pub fn stop() -> Self {
@@ -113,6 +155,41 @@ impl Packet {
         Self::new(Kind::Calibration, [0; 4], pairs.as_flattened().to_vec())
     }
 
+    /// A frame's commit, or a PLAY, that takes effect in the same period on all devices: when the leader's `sync` marks one.
+    pub fn in_step(mut self) -> Self {
+        match Kind::of_code(self.code) {
+            Some(Kind::Phases | Kind::Frame) => self.arguments[2] |= COMMIT | IN_STEP,
+            Some(Kind::Play) => {
+                if let Some(when) = self.payload.last_mut() {
+                    *when = WHEN_IN_STEP;
+                }
+            }
+            Some(
+                Kind::Info
+                | Kind::Status
+                | Kind::Enable
+                | Kind::Mute
+                | Kind::Baud
+                | Kind::Reset
+                | Kind::Digest
+                | Kind::Stop
+                | Kind::Envelope
+                | Kind::Rate
+                | Kind::Silencer
+                | Kind::Widths
+                | Kind::Calibration,
+            )
+            | None => {}
+        }
+        self
+    }
+
+    /// The same packet to another device, or to all of them ([`BROADCAST`]).
+    pub fn to(mut self, address: u8) -> Self {
+        self.address = address;
+        self
+    }
+
     /// The same packet under another sequence number.
     pub fn numbered(mut self, seq: u8) -> Self {
         self.seq = seq;
@@ -121,7 +198,7 @@ impl Packet {
 
     /// What goes over the line, the delimiter at its end included.
     pub fn to_line(&self) -> Vec<u8> {
-        let mut body = vec![self.code, self.seq];
+        let mut body = vec![self.code, self.address, self.seq];
         body.extend(self.arguments);
         body.extend(&self.payload);
         line::framed(body)
@@ -133,8 +210,10 @@ impl Packet {
     /// Not COBS, too short or too long, or a wrong CRC.
     pub fn of_line(bytes: &[u8]) -> Result<Self, Spoiled> {
         let body = line::checked(bytes)?;
-        let Some((&[code, seq, a, b, c, d], payload)) = body.split_first_chunk() else { return Err(Spoiled) };
-        Ok(Self { code, seq, arguments: [a, b, c, d], payload: payload.to_vec() })
+        let Some((&[code, address, seq, a, b, c, d], payload)) = body.split_first_chunk() else {
+            return Err(Spoiled);
+        };
+        Ok(Self { code, address, seq, arguments: [a, b, c, d], payload: payload.to_vec() })
     }
 }
 
@@ -157,6 +236,8 @@ mod tests {
             Packet::enable(0x1234),
             Packet::mute(),
             Packet::baud(3200),
+            Packet::reset(),
+            Packet::digest(Table::Slot(9)),
             Packet::phases(63, 255, &phases, true),
             Packet::frame(1, &pairs, false),
             Packet::play(3, 9, 40_000, 7, true),
@@ -169,12 +250,32 @@ mod tests {
         ];
         for (kind, packet) in Kind::ALL.into_iter().zip(packets) {
             assert_eq!((packet.code, packet.payload.len()), (kind.code(), kind.payload()), "{}", kind.name());
-            let packet = packet.numbered(200);
+            let packet = packet.to(5).numbered(200);
             let line = packet.to_line();
             assert!(!body_of(&line).contains(&0));
             assert_eq!(Packet::of_line(body_of(&line)), Ok(packet));
         }
-        assert_eq!(Packet::phases(0, 0, &[1; 256], true).to_line().len(), 267);
+        assert_eq!(Packet::phases(0, 0, &[1; 256], true).to_line().len(), 270);
+    }
+
+    #[test]
+    fn the_bytes_are_those_of_the_protocols_document() {
+        let hex =
+            |bytes: Vec<u8>| bytes.iter().map(|byte| format!("{byte:02X}")).collect::<Vec<_>>().join(" ");
+        let text = include_str!("../../../gateware/doc/protocol.md");
+        for packet in
+            [Packet::info().numbered(1), Packet::enable(125).to(2).numbered(7), Packet::mute().to(BROADCAST)]
+        {
+            let line = hex(packet.to_line());
+            assert!(text.contains(&line), "{line}");
+        }
+    }
+
+    #[test]
+    fn what_is_in_step_says_so() {
+        assert_eq!(Packet::phases(1, 2, &[3; 256], false).in_step().arguments, [1, 2, 3, 0]);
+        assert_eq!(Packet::play(1, 2, 3, 4, false).in_step().payload, [4, 0, 2]);
+        assert_eq!(Packet::stop().in_step(), Packet::stop());
     }
 
     #[test]
@@ -189,7 +290,7 @@ mod tests {
             shorter.remove(at);
             assert_eq!(Packet::of_line(&shorter), Err(Spoiled), "drop at {at}");
         }
-        for short in [&[][..], &[1], &[3, 0xFF, 0xFF]] {
+        for short in [&[][..], &[1], &[5, 0xFF, 0xFF, 0xFF, 0xFF]] {
             assert_eq!(Packet::of_line(short), Err(Spoiled));
         }
         assert_eq!(Packet::of_line(&vec![1; 5000]), Err(Spoiled));

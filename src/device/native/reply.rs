@@ -4,6 +4,9 @@ use crate::device::native::line;
 use crate::device::native::line::Spoiled;
 use crate::device::native::table::{Kind, Outcome, REPLY};
 
+/// Bytes of a reply before its CRC.
+const BODY: usize = 16;
+
 /// What a device says of itself.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Info {
@@ -35,11 +38,26 @@ pub struct Status {
     pub periods: u32,
 }
 
+/// What a device tells with the CRC-32 of a table.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Digest {
+    /// As in [`Status`].
+    pub slot: u8,
+    pub framing_errors: u8,
+    pub good: u16,
+    pub spoiled: u16,
+    /// Of the table's bytes, as [`crate::device::native::line::digest`] has it.
+    pub crc: u32,
+}
+
 /// A device's answer to one packet.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Reply {
     /// The packet's, plus [`REPLY`].
     pub code: u8,
+    /// Of the device that answers.
+    pub address: u8,
+    /// The packet's.
     pub seq: u8,
     pub outcome: Outcome,
     pub flags: Flags,
@@ -50,6 +68,8 @@ pub struct Reply {
 pub enum Body {
     Info(Info),
     Status(Status),
+    /// Of a DIGEST that was not refused.
+    Digest(Digest),
 }
 
 /// What holds in a device at the moment of its reply.
@@ -60,16 +80,29 @@ pub struct Flags {
     pub tripped: bool,
     /// Playing more than one slot.
     pub playing: bool,
+    /// Pressed at this moment.
     pub emergency_stop: bool,
     pub outputs_on: bool,
     /// A PLAY waits.
     pub waiting: bool,
+    /// The emergency stop was pressed since the last ENABLE or RESET.
+    pub stopped: bool,
+    /// It follows another device's periods.
+    pub follows: bool,
 }
 
 impl Flags {
     pub fn bits(self) -> u8 {
-        let bits =
-            [self.enabled, self.tripped, self.playing, self.emergency_stop, self.outputs_on, self.waiting];
+        let bits = [
+            self.enabled,
+            self.tripped,
+            self.playing,
+            self.emergency_stop,
+            self.outputs_on,
+            self.waiting,
+            self.stopped,
+            self.follows,
+        ];
         bits.into_iter().enumerate().map(|(bit, set)| u8::from(set) << bit).sum()
     }
 
@@ -82,6 +115,8 @@ impl Flags {
             emergency_stop: set(3),
             outputs_on: set(4),
             waiting: set(5),
+            stopped: set(6),
+            follows: set(7),
         }
     }
 }
@@ -89,22 +124,22 @@ impl Flags {
 impl Reply {
     /// What goes over the line, the delimiter at its end included.
     pub fn to_line(&self) -> Vec<u8> {
-        let mut body = vec![self.code, self.seq, self.outcome.code(), self.flags.bits()];
+        let mut body = vec![self.code, self.address, self.seq, self.outcome.code(), self.flags.bits()];
         match self.body {
             Body::Info(info) => {
-                // Counts of 1 to 256 travel less one, as the protocol has them.
-                let less_one = |count: u16| count.wrapping_sub(1).to_le_bytes()[0];
                 body.extend([info.protocol, info.phase_bits, less_one(info.slots), info.version]);
                 body.extend(info.carrier_millihertz.to_le_bytes());
                 body.extend([less_one(info.channels), info.largest_baud]);
             }
-            Body::Status(status) => {
-                body.extend([status.slot, status.framing_errors]);
-                body.extend(status.good.to_le_bytes());
-                body.extend(status.spoiled.to_le_bytes());
-                body.extend(status.periods.to_le_bytes());
+            Body::Status(Status { slot, framing_errors, good, spoiled, periods: last })
+            | Body::Digest(Digest { slot, framing_errors, good, spoiled, crc: last }) => {
+                body.extend([slot, framing_errors]);
+                body.extend(good.to_le_bytes());
+                body.extend(spoiled.to_le_bytes());
+                body.extend(last.to_le_bytes());
             }
         }
+        body.push(0);
         line::framed(body)
     }
 
@@ -113,33 +148,37 @@ impl Reply {
     /// # Errors
     /// Not COBS, another length than a reply's, a wrong CRC, or a result that no device gives.
     pub fn of_line(bytes: &[u8]) -> Result<Self, Spoiled> {
-        let body: [u8; 14] = line::checked(bytes)?.try_into().map_err(|_| Spoiled)?;
-        let [code, seq, result, flags, b4, b5, b6, b7, b8, b9, b10, b11, b12, b13] = body;
+        let body: [u8; BODY] = line::checked(bytes)?.try_into().map_err(|_| Spoiled)?;
+        let [code, address, seq, result, flags, b5, b6, b7, b8, b9, b10, b11, b12, b13, b14, _] = body;
         let outcome = Outcome::ALL.into_iter().find(|outcome| outcome.code() == result).ok_or(Spoiled)?;
         if code < REPLY {
             return Err(Spoiled);
         }
+        let (slot, framing_errors) = (b5, b6);
+        let (good, spoiled) = (u16::from_le_bytes([b7, b8]), u16::from_le_bytes([b9, b10]));
+        let last = u32::from_le_bytes([b11, b12, b13, b14]);
         let body = if code == Kind::Info.code() + REPLY {
             Body::Info(Info {
-                protocol: b4,
-                phase_bits: b5,
-                slots: u16::from(b6) + 1,
-                version: b7,
-                carrier_millihertz: u32::from_le_bytes([b8, b9, b10, b11]),
-                channels: u16::from(b12) + 1,
-                largest_baud: b13,
+                protocol: b5,
+                phase_bits: b6,
+                slots: u16::from(b7) + 1,
+                version: b8,
+                carrier_millihertz: u32::from_le_bytes([b9, b10, b11, b12]),
+                channels: u16::from(b13) + 1,
+                largest_baud: b14,
             })
+        } else if code == Kind::Digest.code() + REPLY && outcome == Outcome::Ok {
+            Body::Digest(Digest { slot, framing_errors, good, spoiled, crc: last })
         } else {
-            Body::Status(Status {
-                slot: b4,
-                framing_errors: b5,
-                good: u16::from_le_bytes([b6, b7]),
-                spoiled: u16::from_le_bytes([b8, b9]),
-                periods: u32::from_le_bytes([b10, b11, b12, b13]),
-            })
+            Body::Status(Status { slot, framing_errors, good, spoiled, periods: last })
         };
-        Ok(Self { code, seq, outcome, flags: Flags::of_bits(flags), body })
+        Ok(Self { code, address, seq, outcome, flags: Flags::of_bits(flags), body })
     }
+}
+
+/// Counts of 1 to 256 travel less one, as the protocol has them.
+pub(crate) fn less_one(count: u16) -> u8 {
+    count.wrapping_sub(1).to_le_bytes()[0]
 }
 
 #[cfg(test)]
@@ -151,9 +190,9 @@ mod tests {
     }
 
     #[test]
-    fn replies_come_back_from_the_line_and_have_sixteen_bytes() {
+    fn replies_come_back_from_the_line_and_have_twenty_bytes() {
         let info = Info {
-            protocol: 1,
+            protocol: 2,
             phase_bits: 7,
             slots: 256,
             version: 3,
@@ -162,17 +201,46 @@ mod tests {
             largest_baud: 30,
         };
         let status = Status { slot: 5, framing_errors: 255, good: 65_535, spoiled: 0, periods: 0xDEAD_BEEF };
-        for (code, body) in
-            [(0x81, Body::Info(info)), (0x80, Body::Status(status)), (0x90, Body::Status(status))]
-        {
-            for bits in 0..64 {
+        let digest = Digest { slot: 5, framing_errors: 255, good: 65_535, spoiled: 0, crc: 0xDEAD_BEEF };
+        for (code, outcome, body) in [
+            (0x81, Outcome::Busy, Body::Info(info)),
+            (0x80, Outcome::Crc, Body::Status(status)),
+            (0x90, Outcome::Busy, Body::Status(status)),
+            (0x87, Outcome::Argument, Body::Status(status)),
+            (0x87, Outcome::Ok, Body::Digest(digest)),
+        ] {
+            for bits in 0..=255 {
                 let flags = Flags::of_bits(bits);
                 assert_eq!(flags.bits(), bits);
-                let reply = Reply { code, seq: 9, outcome: Outcome::Busy, flags, body };
+                let reply = Reply { code, address: 3, seq: 9, outcome, flags, body };
                 let line = reply.to_line();
-                assert_eq!(line.len(), 18);
+                assert_eq!(line.len(), 22);
                 assert_eq!(Reply::of_line(body_of(&line)), Ok(reply));
             }
         }
+    }
+
+    #[test]
+    fn the_bytes_are_those_of_the_protocols_document() {
+        let info = Info {
+            protocol: 2,
+            phase_bits: 7,
+            slots: 64,
+            version: 2,
+            carrier_millihertz: 40_000_000,
+            channels: 256,
+            largest_baud: 30,
+        };
+        let reply = Reply {
+            code: 0x81,
+            address: 0,
+            seq: 1,
+            outcome: Outcome::Ok,
+            flags: Flags::default(),
+            body: Body::Info(info),
+        };
+        let line: Vec<_> = reply.to_line().iter().map(|byte| format!("{byte:02X}")).collect();
+        let text = include_str!("../../../gateware/doc/protocol.md");
+        assert!(text.contains(&line.join(" ")), "{line:?}");
     }
 }

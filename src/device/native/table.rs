@@ -2,8 +2,12 @@
 //!
 //! The same numbers stand in `gateware/rtl/packets.vh`; a test compares the two.
 
-/// What is added to a packet's type in its reply.
+/// What is added to a packet's type in its reply. Packets have types below it.
 pub const REPLY: u8 = 0x80;
+/// The address that all devices heed and no device answers.
+pub const BROADCAST: u8 = 0xFF;
+/// Devices have addresses from 0 to this.
+pub const LARGEST_ADDRESS: u8 = 7;
 
 /// What a packet asks for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -14,6 +18,8 @@ pub enum Kind {
     Enable = 0x03,
     Mute = 0x04,
     Baud = 0x05,
+    Reset = 0x06,
+    Digest = 0x07,
     Phases = 0x10,
     Frame = 0x11,
     Play = 0x20,
@@ -26,12 +32,14 @@ pub enum Kind {
 }
 
 impl Kind {
-    pub const ALL: [Self; 14] = [
+    pub const ALL: [Self; 16] = [
         Self::Info,
         Self::Status,
         Self::Enable,
         Self::Mute,
         Self::Baud,
+        Self::Reset,
+        Self::Digest,
         Self::Phases,
         Self::Frame,
         Self::Play,
@@ -59,6 +67,8 @@ impl Kind {
             Self::Enable => "ENABLE",
             Self::Mute => "MUTE",
             Self::Baud => "BAUD",
+            Self::Reset => "RESET",
+            Self::Digest => "DIGEST",
             Self::Phases => "PHASES",
             Self::Frame => "FRAME",
             Self::Play => "PLAY",
@@ -77,7 +87,16 @@ impl Kind {
             Self::Phases | Self::Envelope | Self::Widths => 256,
             Self::Frame | Self::Calibration => 512,
             Self::Play => 3,
-            _ => 0,
+            Self::Info
+            | Self::Status
+            | Self::Enable
+            | Self::Mute
+            | Self::Baud
+            | Self::Reset
+            | Self::Digest
+            | Self::Stop
+            | Self::Rate
+            | Self::Silencer => 0,
         }
     }
 }

@@ -5,11 +5,11 @@ use sonoglyph::device::native::model::Model;
 use sonoglyph::device::native::packet::{Kind, Packet, REPLY, Reply};
 
 /// Bytes of a packet before its payload, and of its CRC.
-const HEAD: usize = 6;
-const CRC: usize = 2;
-const REPLY_BYTES: usize = 14;
-/// The bits of a reply that are flags.
-const FLAGS: u8 = 0x3F;
+const HEAD: usize = 7;
+const CRC: usize = 4;
+const REPLY_BYTES: usize = 16;
+/// The byte of a reply that means nothing.
+const UNUSED: usize = 15;
 
 pub fn run(bytes: &[u8]) {
     let mut splitter = Splitter::default();
@@ -51,28 +51,34 @@ fn comes_back_from_its_frame(body: &[u8]) {
     match Reply::of_line(&line) {
         Ok(reply) => {
             let mut own = body.to_vec();
-            own[3] &= FLAGS;
+            own[UNUSED] = 0;
             assert_eq!(undelimited(reply.to_line()), undelimited(line::framed(own)));
         }
-        Err(Spoiled) => assert!(body.len() != REPLY_BYTES || body[0] < REPLY || body[2] > 6, "{body:?}"),
+        Err(Spoiled) => assert!(body.len() != REPLY_BYTES || body[0] < REPLY || body[3] > 6, "{body:?}"),
     }
 }
 
 /// Bytes as the life of a device: packets, and periods between them.
 fn answers_every_packet(bytes: &[u8]) {
     let Some((&[bits], script)) = bytes.split_first_chunk() else { return };
-    let mut model = Model::new(5 + bits % 4);
+    let mut model = Model::new(5 + bits % 4).with_address(bits >> 4 & 7);
+    model.follow(bits >> 7 == 1);
     for &[kind, seq, a, b, c, d, fill, periods] in script.as_chunks().0 {
         let code = Kind::ALL.get(usize::from(kind) % 32).map_or(kind, |kind| kind.code());
         let length = Kind::of_code(code).map_or(usize::from(fill), Kind::payload);
         // One in sixteen is too short.
         let length = if fill % 16 == 7 { length.saturating_sub(1) } else { length };
         let payload = (0..length).map(|n| fill.wrapping_mul(n.to_le_bytes()[0] | 1)).collect();
-        let packet = Packet { code, seq, arguments: [a, b, c, d], payload };
-        let reply = model.apply(&packet);
-        assert_eq!((reply.code, reply.seq), (code.wrapping_add(REPLY), seq));
-        let read = Reply::of_line(&undelimited(reply.to_line()));
-        assert_eq!(read, if reply.code < REPLY { Err(Spoiled) } else { Ok(reply) });
+        let packet = Packet { code, address: seq % 16, seq, arguments: [a, b, c, d], payload };
+        let reply = model.hear(&packet);
+        assert_eq!(reply.is_some(), code < REPLY && packet.address == bits >> 4 & 7);
+        if let Some(reply) = reply {
+            assert_eq!((reply.code, reply.address, reply.seq), (code + REPLY, packet.address, seq));
+            assert_eq!(Reply::of_line(&undelimited(reply.to_line())), Ok(reply));
+        }
+        if fill % 32 == 5 {
+            model.mark();
+        }
         for _ in 0..periods % 8 {
             plays_pulses(&mut model);
         }

@@ -1,62 +1,67 @@
-//! Finding the native device, and agreeing on a bit rate.
+//! Finding native devices, bringing them to a known state, and agreeing on a bit rate.
 
 use std::collections::VecDeque;
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
 use crate::device::health::Found;
-use crate::device::link::native::{ANSWER, SILENT, Session};
+use crate::device::link::native::ask::Asker;
+use crate::device::link::native::{ANSWER, Device, SILENT, Session};
 use crate::device::link::{Event, LinkError, Settings, Shared, Sounding};
 use crate::device::native::model;
-use crate::device::native::packet::{Body, Info, Kind, Outcome, Packet, REPLY, Reply, Splitter};
+use crate::device::native::packet::{BROADCAST, Body, Info, Packet, Reply};
 use crate::device::port::Port;
 use crate::device::profile::Profile;
 
 /// Of the protocol that this program speaks.
-const VERSION: u8 = 1;
+const VERSION: u8 = 2;
 
 impl<'a> Session<'a> {
+    /// Finds the devices, silences them, and takes from them what an earlier program may have left.
     pub fn connect(settings: &Settings, shared: &'a Shared) -> Result<Self, LinkError> {
         let port = Port::open(&settings.port, Profile::Native.baud())?;
         let name = port.name().to_owned();
         // A delimiter first, to end what the line may have left there.
-        let silence = [vec![0], Packet::mute().to_line()].concat();
+        let silence = [vec![0], Packet::mute().to(BROADCAST).to_line()].concat();
+        let mut board = Sounding { port, silence, shared };
+        let mut asker = Asker::new();
+        let closing = || shared.wanted().closing;
+        let info = introduce(&mut board.port, &mut asker, 0, &closing)?;
         let now = Instant::now();
         let mut session = Self {
-            board: Sounding { port, silence, shared },
+            board,
             shared,
+            profile: settings.profile,
             name,
-            info: Info {
-                protocol: 0,
-                phase_bits: 0,
-                slots: 1,
-                version: 0,
-                carrier_millihertz: 0,
-                channels: 1,
-                largest_baud: 0,
-            },
-            splitter: Splitter::default(),
+            info,
+            devices: vec![Device::default(); settings.profile.devices()],
+            asker,
+            in_step: settings.profile.devices() > 1,
             seq: 0,
             tasks: VecDeque::new(),
             on_the_way: VecDeque::new(),
             written_at: now,
-            heard_at: now,
             patience: ANSWER,
             ready_at: now,
             generation: u64::MAX,
-            modulation: None,
+            modulation: ([255; 256], 0),
+            storing: None,
             live: false,
+            playing: false,
             frame: None,
             live_slot: 0,
             placed: false,
-            enabled: false,
+            enabling: false,
             ended: None,
         };
-        session.info = session.introduce()?;
+        for address in session.addresses() {
+            introduce(&mut session.board.port, &mut session.asker, address, &closing)?;
+            session.reset(address)?;
+        }
         session.change_baud(settings.baud())?;
         let found = Found {
             baud: settings.baud(),
-            carrier: Some(f64::from(session.info.carrier_millihertz) / 1e3),
-            slots: usize::from(session.motion_slots()),
+            carrier: Some(session.carrier()),
+            slots: usize::from(session.info.slots),
             phase_bits: Some(session.info.phase_bits),
         };
         session.ready_at = Instant::now();
@@ -64,77 +69,87 @@ impl<'a> Session<'a> {
         Ok(session)
     }
 
-    /// Asks what is there until it answers; a device that was left at another bit rate comes back to the usual one after 0.8 s.
-    fn introduce(&mut self) -> Result<Info, LinkError> {
-        let until = Instant::now() + SILENT;
-        let mut heard = false;
-        while Instant::now() < until && !self.shared.wanted().closing {
-            self.board.port.write(&[0])?;
-            let reply = self.ask(&Packet::info(), &mut heard)?;
-            if let Some(Reply { body: Body::Info(info), .. }) = reply {
-                return self.expected(info);
-            }
+    /// Device `address` in the state of power-up.
+    fn reset(&mut self, address: u8) -> Result<(), LinkError> {
+        let reply = self.asker.reset(&mut self.board.port, address)?;
+        if let (Body::Status(status), Some(device)) = (reply.body, self.devices.get_mut(usize::from(address)))
+        {
+            *device = Device { slot: status.slot, periods: status.periods, enabled: false };
         }
-        Err(if heard {
-            LinkError::OtherBoard(self.name.clone())
-        } else {
-            LinkError::NoAnswer(self.name.clone())
-        })
-    }
-
-    fn expected(&self, info: Info) -> Result<Info, LinkError> {
-        if info.protocol != VERSION {
-            return Err(LinkError::OtherVersion { theirs: info.protocol, ours: VERSION });
+        if address > 0 && !reply.flags.follows {
+            self.in_step = false;
+            self.shared.notice(&format!(
+                "board {address} receives no sync: it plays at a phase of its own until `sync` of board 0 is wired to its \
+                 `sync_in`"
+            ));
         }
-        let (board, expected) = (usize::from(info.channels), Profile::Native.elements());
-        if board != expected {
-            return Err(LinkError::OtherCount { board, expected });
-        }
-        Ok(info)
-    }
-
-    /// The answer to one packet, if there is one in time.
-    fn ask(&mut self, packet: &Packet, heard: &mut bool) -> Result<Option<Reply>, LinkError> {
-        self.seq = self.seq.wrapping_add(1);
-        self.board.port.write(&packet.clone().numbered(self.seq).to_line())?;
-        let until = Instant::now() + self.board.port.backlog() + ANSWER;
-        while Instant::now() < until {
-            let bytes = self.board.port.read(Duration::from_millis(5))?;
-            *heard |= !bytes.is_empty();
-            for part in bytes.into_iter().filter_map(|byte| self.splitter.push(byte)) {
-                // Any answer of its kind will do: that of an earlier attempt may come late.
-                let reply = Reply::of_line(&part).ok();
-                if let Some(reply) = reply.filter(|reply| reply.code == packet.code + REPLY) {
-                    self.heard_at = Instant::now();
-                    return Ok(Some(reply));
-                }
-            }
-        }
-        Ok(None)
+        Ok(())
     }
 
     fn change_baud(&mut self, baud: u32) -> Result<(), LinkError> {
         if baud == self.board.port.baud() {
             return Ok(());
         }
-        let largest = 100_000 * u32::from(self.info.largest_baud);
-        if baud > largest {
-            return Err(LinkError::TooFast { asked: baud, largest });
-        }
-        let carrier = f64::from(self.info.carrier_millihertz) / 1e3;
-        let clock = f64::from(model::clocks(self.info.phase_bits)) * carrier;
-        let increment = (f64::from(baud) / clock * 65_536.0).round() as u16;
-        let mut heard = false;
-        let agreed = self.ask(&Packet::baud(increment), &mut heard)?;
-        if agreed.is_none_or(|reply| reply.outcome != Outcome::Ok) {
-            return Err(LinkError::Refused(Kind::Baud.name()));
+        let packet = agreeable(&self.info, baud)?;
+        // On a shared line all change at once; what was lost is told by the silence afterwards.
+        match self.devices.len() {
+            1 => drop(self.asker.order(&mut self.board.port, &packet)?),
+            _ => drop(self.board.port.write(&packet.to(BROADCAST).to_line())?),
         }
         self.board.port.set_baud(baud)?;
-        for _ in 0..3 {
-            if self.ask(&Packet::status(), &mut heard)?.is_some() {
-                return Ok(());
-            }
+        for address in self.addresses() {
+            self.asker.order(&mut self.board.port, &Packet::status().to(address))?;
         }
-        Err(LinkError::Silent(self.name.clone()))
+        Ok(())
     }
+}
+
+/// Asks who is there until it answers; a device that was left at another bit rate comes back to the usual one after 0.8 s.
+///
+/// # Errors
+/// No answer, or one of another board or of another version.
+pub fn introduce(
+    port: &mut Port,
+    asker: &mut Asker,
+    address: u8,
+    closing: &dyn Fn() -> bool,
+) -> Result<Info, LinkError> {
+    let until = Instant::now() + SILENT;
+    while Instant::now() < until && !closing() {
+        port.write(&[0])?;
+        let reply = asker.ask(port, &Packet::info().to(address))?;
+        if let Some(Reply { body: Body::Info(info), .. }) = reply {
+            return expected(info);
+        }
+    }
+    let name = port.name().to_owned();
+    Err(match (asker.heard, address) {
+        (true, 0) => LinkError::OtherBoard(name),
+        (false, 0) => LinkError::NoAnswer(name),
+        (_, address) => LinkError::NoDevice { name, address },
+    })
+}
+
+fn expected(info: Info) -> Result<Info, LinkError> {
+    if info.protocol != VERSION {
+        return Err(LinkError::OtherVersion { theirs: info.protocol, ours: VERSION });
+    }
+    let (board, expected) = (usize::from(info.channels), Profile::Native.elements());
+    if board != expected {
+        return Err(LinkError::OtherCount { board, expected });
+    }
+    Ok(info)
+}
+
+/// The packet that changes a device's bit rate.
+///
+/// # Errors
+/// More than the device takes.
+pub fn agreeable(info: &Info, baud: u32) -> Result<Packet, LinkError> {
+    let largest = 100_000 * u32::from(info.largest_baud);
+    if baud > largest {
+        return Err(LinkError::TooFast { asked: baud, largest });
+    }
+    let clock = f64::from(model::clocks(info.phase_bits)) * f64::from(info.carrier_millihertz) / 1e3;
+    Ok(Packet::baud((f64::from(baud) / clock * 65_536.0).round() as u16))
 }

@@ -1,14 +1,22 @@
-//! Sending to the native device: numbered packets, at most four of them unanswered, and what got lost is sent again.
+//! Sending to native devices: numbered packets, at most four of them unanswered, and what got lost is sent again.
+//!
+//! A wish becomes tasks: packets in an order that keeps its promises. A first frame stands, then ENABLE is in place, then everything
+//! else follows.
 
+mod ask;
 mod connect;
+mod motion;
+pub mod survey;
+mod wish;
 
 use std::collections::VecDeque;
 use std::time::{Duration, Instant};
 
-use crate::device::levels::Levels;
-use crate::device::link::{Content, LEAD, LinkError, Settings, Shared, Sounding, Wanted};
-use crate::device::native::packet::{Info, Kind, Outcome, Packet, REPLY, Reply, Splitter};
-use crate::scene::Modulation;
+use crate::device::link::native::ask::Asker;
+use crate::device::link::native::motion::Way;
+use crate::device::link::{LEAD, LinkError, Settings, Shared, Sounding, Wanted};
+use crate::device::native::packet::{Body, Info, Kind, Outcome, Packet, REPLY, Reply};
+use crate::device::profile::Profile;
 
 /// Packets without an answer at a time.
 const WINDOW: usize = 4;
@@ -22,17 +30,12 @@ const ANSWER: Duration = Duration::from_millis(100);
 const SILENT: Duration = Duration::from_millis(1500);
 /// How often a packet is sent before the board is given up.
 const ATTEMPTS: u32 = 12;
-/// Slots at the end of the store that live frames take turns in; a motion has the others.
-const LIVE: u8 = 4;
-/// The silencer's steps of power-up: a change takes some periods instead of making a click.
-const SILENCER: (u16, u16) = (0x0300, 0x0600);
 
 /// Which frame of which wish.
 type Key = (u64, usize);
 
 pub fn run(settings: &Settings, shared: &Shared) -> Result<(), LinkError> {
     let mut session = Session::connect(settings, shared)?;
-    session.set_up();
     loop {
         let wanted = shared.wanted();
         if wanted.closing {
@@ -58,6 +61,7 @@ struct Task {
 #[derive(Clone, Debug)]
 enum Purpose {
     Task(Task),
+    /// A frame of a stream; a newer one may replace it.
     Frame(Key),
     Ping,
 }
@@ -65,6 +69,7 @@ enum Purpose {
 /// A packet on its way.
 #[derive(Clone, Debug)]
 struct Sent {
+    address: u8,
     seq: u8,
     code: u8,
     purpose: Purpose,
@@ -72,118 +77,73 @@ struct Sent {
     gone: Instant,
 }
 
+/// One of the devices on the line, as its answers show it.
+#[derive(Clone, Copy, Debug, Default)]
+struct Device {
+    /// The slot that is being played, which cannot be written.
+    slot: u8,
+    /// Since power-up.
+    periods: u32,
+    enabled: bool,
+}
+
 struct Session<'a> {
     board: Sounding<'a>,
     shared: &'a Shared,
+    profile: Profile,
     name: String,
     info: Info,
-    splitter: Splitter,
+    /// By address.
+    devices: Vec<Device>,
+    /// They share their periods, and can change frames in the same one.
+    in_step: bool,
+    asker: Asker,
     seq: u8,
     tasks: VecDeque<Task>,
     on_the_way: VecDeque<Sent>,
     written_at: Instant,
-    heard_at: Instant,
     /// After its last byte, a packet is answered within this, or lost.
     patience: Duration,
     ready_at: Instant,
     /// The wish that tasks and frames are made from.
     generation: u64,
-    modulation: Option<Modulation>,
+    /// Envelope and step of the modulation that the devices have.
+    modulation: ([u8; 256], u32),
+    /// How the motion that is wanted is played, once the player has stopped.
+    storing: Option<Way>,
     /// Frames are sent one by one, not uploaded.
     live: bool,
-    /// The frame that was sent last and not refused since.
+    /// The devices play a range of slots.
+    playing: bool,
+    /// The frame of a stream that was sent last and not refused since.
     frame: Option<Key>,
     live_slot: u8,
-    /// Something of this wish is in place, so that the device may be switched on.
+    /// Something of this wish is in place, so that the devices may be switched on.
     placed: bool,
-    enabled: bool,
+    /// ENABLE is on its way, or waits to be.
+    enabling: bool,
     /// A wish that the emergency stop has ended.
     ended: Option<u64>,
 }
 
 impl Session<'_> {
-    fn motion_slots(&self) -> u8 {
-        self.info.slots.min(256).saturating_sub(u16::from(LIVE)).to_le_bytes()[0]
-    }
-
-    /// A device that may have been left in any state becomes silent, with nothing of what it was told before.
-    fn set_up(&mut self) {
-        let (phase_step, amplitude_step) = SILENCER;
-        self.push(Packet::mute(), false);
-        self.push(Packet::stop(), false);
-        self.push(Packet::silencer(phase_step, amplitude_step), false);
-        self.push(Packet::calibration(&[[0, 255]; 256]), true);
-    }
-
     fn push(&mut self, packet: Packet, last: bool) {
         self.tasks.push_back(Task { packet, last, attempts: 0, generation: self.generation });
     }
 
-    /// Turns a new wish into tasks.
-    fn follow(&mut self, wanted: &Wanted) {
-        if self.modulation.as_ref() != Some(&wanted.modulation) {
-            self.modulate(&wanted.modulation);
-        }
-        if self.generation == wanted.generation {
-            return;
-        }
-        self.generation = wanted.generation;
-        self.shared.note(|figures| figures.health.in_place = false);
-        // What an earlier wish has not brought over yet is not wanted any more.
-        self.tasks.retain(|task| !is_of_motion(&task.packet));
-        (self.live, self.placed) = (false, false);
-        match wanted.content.as_deref() {
-            None => {
-                self.push(Packet::mute(), false);
-                self.enabled = false;
-            }
-            Some(Content::Motion { frames, rate }) if self.divider(frames.len(), *rate).is_some() => {
-                self.upload(frames, *rate);
-            }
-            Some(Content::Motion { frames, .. }) => {
-                self.live = true;
-                self.shared.notice(&format!(
-                    "{} frames are more than the board's {}, or too slow for it: they are streamed",
-                    frames.len(),
-                    self.motion_slots()
-                ));
-            }
-            Some(Content::Still(_)) => self.live = true,
+    /// The same to every device.
+    fn push_to_all(&mut self, packet: &Packet) {
+        for address in self.addresses() {
+            self.push(packet.clone().to(address), false);
         }
     }
 
-    fn modulate(&mut self, modulation: &Modulation) {
-        let carrier = f64::from(self.info.carrier_millihertz) / 1e3;
-        let step = (modulation.frequency / carrier * f64::from(1 << 24)).round().min(f64::from(0xFF_FFFF));
-        let at = |n: usize| modulation.envelope(n as f64 / 256.0 / modulation.frequency);
-        let table = std::array::from_fn(|n| (255.0 * at(n)).round() as u8);
-        self.push(Packet::envelope(&table), false);
-        self.push(Packet::rate(step as u32, true), false);
-        self.modulation = Some(modulation.clone());
+    fn addresses(&self) -> std::ops::Range<u8> {
+        0..self.devices.len() as u8
     }
 
-    /// Periods per frame, if the device can play such a motion by itself.
-    fn divider(&self, frames: usize, rate: f64) -> Option<u16> {
-        let periods = (f64::from(self.info.carrier_millihertz) / 1e3 / rate).round();
-        let fits = frames <= usize::from(self.motion_slots()) && (1.0..=65_535.0).contains(&periods);
-        fits.then_some(periods as u16)
-    }
-
-    fn upload(&mut self, frames: &[Levels], rate: f64) {
-        let (Some(first), Some(divider)) = (frames.first(), self.divider(frames.len(), rate)) else { return };
-        // The first frame stands meanwhile, where it is in nobody's way: what plays cannot be written.
-        let slot = self.next_live_slot();
-        self.push(Packet::playing(first, slot, true), true);
-        for (slot, levels) in (0..self.motion_slots()).zip(frames) {
-            self.push(Packet::playing(levels, slot, false), false);
-        }
-        let last = frames.len().saturating_sub(1).to_le_bytes()[0];
-        self.push(Packet::play(0, last, divider, 0, false), true);
-    }
-
-    fn next_live_slot(&mut self) -> u8 {
-        self.live_slot = (self.live_slot + 1) % LIVE;
-        self.motion_slots() + self.live_slot
+    fn enabled(&self) -> bool {
+        self.devices.iter().all(|device| device.enabled)
     }
 
     fn send_what_fits(&mut self, wanted: &Wanted) -> Result<(), LinkError> {
@@ -195,6 +155,11 @@ impl Session<'_> {
     }
 
     fn next_packet(&mut self, wanted: &Wanted) -> Option<(Packet, Purpose)> {
+        if let (true, Some(content)) = (self.tasks.is_empty(), wanted.content.as_deref()) {
+            if let Some(frame) = self.due_frame(content, wanted) {
+                return Some(frame);
+            }
+        }
         if let Some(task) = self.tasks.front() {
             if task.last && !self.on_the_way.is_empty() {
                 return None;
@@ -202,26 +167,18 @@ impl Session<'_> {
             let task = self.tasks.pop_front()?;
             return Some((task.packet.clone(), Purpose::Task(task)));
         }
-        if let (true, Some(content)) = (self.live, wanted.content.as_deref()) {
-            let (frame, levels) = content.at(wanted.since.elapsed());
-            let key = (wanted.generation, frame);
-            if self.frame != Some(key) {
-                let slot = self.next_live_slot();
-                return Some((Packet::playing(levels, slot, true), Purpose::Frame(key)));
-            }
-        }
-        if self.placed && !self.enabled && self.ended != Some(self.generation) && self.on_the_way.is_empty() {
-            let packet = Packet::enable(WATCHDOG);
-            let task = Task { packet, last: true, attempts: 0, generation: self.generation };
-            return Some((task.packet.clone(), Purpose::Task(task)));
-        }
         let quiet = self.on_the_way.is_empty() && self.written_at.elapsed() >= KEEP_ALIVE;
-        quiet.then(|| (Packet::status(), Purpose::Ping))
+        quiet.then(|| (Packet::status().to(self.next_to_ask()), Purpose::Ping))
+    }
+
+    /// All devices are asked in turn, so that none of their watchdogs trips.
+    fn next_to_ask(&mut self) -> u8 {
+        self.seq % self.devices.len() as u8
     }
 
     fn send(&mut self, packet: Packet, purpose: Purpose, wanted: &Wanted) -> Result<(), LinkError> {
         self.seq = self.seq.wrapping_add(1);
-        let (seq, code) = (self.seq, packet.code);
+        let (address, seq, code) = (packet.address, self.seq, packet.code);
         let mut line = packet.numbered(seq).to_line();
         if self.on_the_way.is_empty() {
             // Ends what noise may have begun while the line was idle.
@@ -238,7 +195,7 @@ impl Session<'_> {
             }
             self.frame = Some(key);
         }
-        self.on_the_way.push_back(Sent { seq, code, purpose, gone });
+        self.on_the_way.push_back(Sent { address, seq, code, purpose, gone });
         Ok(())
     }
 
@@ -251,64 +208,86 @@ impl Session<'_> {
             self.shared.wait(wanted.generation, next.min(alive));
             return Ok(());
         }
-        for byte in self.board.port.read(Duration::from_millis(1))? {
-            if let Some(part) = self.splitter.push(byte) {
-                self.answered(&part)?;
-            }
+        for reply in self.asker.replies(&mut self.board.port, Duration::from_millis(1))? {
+            self.answered(&reply, wanted)?;
         }
         let now = Instant::now();
         while self.on_the_way.front().is_some_and(|sent| now > sent.gone + self.patience) {
-            self.lose_first()?;
+            self.lose(0)?;
         }
-        if self.heard_at.elapsed() > SILENT {
+        if self.asker.heard_at.elapsed() > SILENT {
             return Err(LinkError::Silent(self.name.clone()));
         }
         Ok(())
     }
 
-    fn answered(&mut self, part: &[u8]) -> Result<(), LinkError> {
-        let Ok(reply) = Reply::of_line(part) else { return Ok(()) };
-        self.heard_at = Instant::now();
+    fn answered(&mut self, reply: &Reply, wanted: &Wanted) -> Result<(), LinkError> {
         if reply.code == REPLY {
             // Spoiled: the answers come in order, so it is the first, and if it is not, sending it twice does no harm.
-            return self.lose_first();
+            return self.lose(0);
         }
-        let is_it = |sent: &Sent| sent.seq == reply.seq && sent.code.wrapping_add(REPLY) == reply.code;
-        let Some(place) = self.on_the_way.iter().position(is_it) else {
+        let is_it = |sent: &Sent| {
+            (sent.address, sent.seq) == (reply.address, reply.seq)
+                && sent.code.wrapping_add(REPLY) == reply.code
+        };
+        if !self.on_the_way.iter().any(is_it) {
             // It was given up too soon.
             self.patience = (2 * self.patience).min(SILENT / 2);
             return Ok(());
-        };
-        for _ in 0..place {
-            self.lose_first()?;
         }
-        let Some(sent) = self.on_the_way.pop_front() else { return Ok(()) };
-        let round_trip = self.heard_at.saturating_duration_since(sent.gone);
+        // A device answers in order: what it has left out was lost.
+        while let Some(place) = self.on_the_way.iter().position(|sent| sent.address == reply.address) {
+            if self.on_the_way.get(place).is_some_and(is_it) {
+                break;
+            }
+            self.lose(place)?;
+        }
+        let Some(place) = self.on_the_way.iter().position(is_it) else { return Ok(()) };
+        let Some(sent) = self.on_the_way.remove(place) else { return Ok(()) };
+        let round_trip = self.asker.heard_at.saturating_duration_since(sent.gone);
         self.shared.note(|figures| figures.round_trip.note(round_trip));
-        self.see(&reply)?;
+        self.see(reply)?;
         match reply.outcome {
-            Outcome::Ok => self.taken(&sent),
-            Outcome::State => {}
-            _ => self.refused(sent)?,
+            Outcome::Ok => self.taken(&sent, wanted),
+            Outcome::State => self.enabling = false,
+            Outcome::Crc | Outcome::Length | Outcome::Busy | Outcome::Unknown | Outcome::Argument => {
+                self.refused(sent)?;
+            }
         }
         Ok(())
     }
 
-    /// What an answer says of the device's state.
+    /// What an answer says of its device's state.
     fn see(&mut self, reply: &Reply) -> Result<(), LinkError> {
         let flags = reply.flags;
-        if flags.emergency_stop && self.ended != Some(self.generation) {
-            self.ended = Some(self.generation);
-            self.shared.notice(
-                "the emergency stop is pressed: the board is silent until you release it and send again",
-            );
+        let Some(device) = self.devices.get_mut(usize::from(reply.address)) else { return Ok(()) };
+        if let Body::Status(status) = reply.body {
+            device.slot = status.slot;
+            // A counter that goes back was begun anew, and so was everything else.
+            let restarted = status.periods.wrapping_sub(device.periods) > u32::MAX / 2;
+            device.periods = status.periods;
+            if restarted {
+                return Err(LinkError::Restarted);
+            }
         }
-        if self.enabled && !flags.enabled && reply.code != Kind::Mute.code() + REPLY {
-            self.enabled = false;
+        let fell_silent = std::mem::replace(&mut device.enabled, flags.enabled) && !flags.enabled;
+        let is_ended = self.ended == Some(self.generation);
+        // Until ENABLE it is held: of a press before this wish nothing more is to be heard.
+        if !is_ended && (flags.emergency_stop || (fell_silent && flags.stopped)) {
+            self.ended = Some(self.generation);
+            self.shared.note(|figures| (figures.health.stopped, figures.health.in_place) = (true, false));
+            self.shared.notice(match flags.emergency_stop {
+                true => {
+                    "the emergency stop is pressed: the board is silent until you release it and send again"
+                }
+                false => "the emergency stop was pressed: the board is silent until you send again",
+            });
+        }
+        if fell_silent && reply.code != Kind::Mute.code() + REPLY {
             if !flags.tripped {
                 return Err(LinkError::Restarted);
             }
-            if !flags.emergency_stop && self.ended != Some(self.generation) {
+            if !flags.stopped && !is_ended {
                 self.shared.notice(
                     "nothing reached the board for 200 ms and it fell silent; it is switched on again",
                 );
@@ -317,27 +296,49 @@ impl Session<'_> {
         Ok(())
     }
 
-    fn taken(&mut self, sent: &Sent) {
+    fn taken(&mut self, sent: &Sent, wanted: &Wanted) {
         match &sent.purpose {
             Purpose::Frame((generation, _)) => {
                 self.shared.note_frame();
                 self.placed |= *generation == self.generation;
             }
-            Purpose::Task(task) => match Kind::of_code(task.packet.code) {
-                Some(Kind::Enable) => self.enabled = true,
-                Some(Kind::Play) => self.placed |= task.generation == self.generation,
-                Some(Kind::Phases | Kind::Frame) => self.shared.note_frame(),
-                _ => {}
-            },
+            Purpose::Task(task) => self.task_taken(task, wanted),
             Purpose::Ping => {}
         }
-        if self.placed && self.enabled {
-            self.shared.note(|figures| figures.health.in_place = true);
+        self.switch_on();
+        if self.placed && self.enabled() {
+            self.shared.note(|figures| (figures.health.stopped, figures.health.in_place) = (false, true));
         }
     }
 
-    fn lose_first(&mut self) -> Result<(), LinkError> {
-        match self.on_the_way.pop_front() {
+    fn task_taken(&mut self, task: &Task, wanted: &Wanted) {
+        let is_wanted = task.generation == self.generation;
+        let Some(kind) = Kind::of_code(task.packet.code) else { return };
+        match kind {
+            Kind::Enable => self.enabling &= !self.enabled(),
+            Kind::Stop if is_wanted && self.all_stopped() => self.store(wanted),
+            Kind::Phases | Kind::Frame => {
+                self.shared.note_frame();
+                self.placed |= is_wanted && commits(&task.packet);
+            }
+            Kind::Info
+            | Kind::Status
+            | Kind::Mute
+            | Kind::Baud
+            | Kind::Reset
+            | Kind::Digest
+            | Kind::Play
+            | Kind::Stop
+            | Kind::Envelope
+            | Kind::Rate
+            | Kind::Silencer
+            | Kind::Widths
+            | Kind::Calibration => {}
+        }
+    }
+
+    fn lose(&mut self, place: usize) -> Result<(), LinkError> {
+        match self.on_the_way.remove(place) {
             Some(sent) => self.refused(sent),
             None => Ok(()),
         }
@@ -355,7 +356,7 @@ impl Session<'_> {
                     let kind = Kind::of_code(task.packet.code);
                     return Err(LinkError::Refused(kind.map_or("a packet", Kind::name)));
                 }
-                if task.generation == self.generation || !is_of_motion(&task.packet) {
+                if task.generation == self.generation || !serves_one_wish(&task.packet) {
                     self.tasks.push_front(task);
                 }
             }
@@ -365,6 +366,15 @@ impl Session<'_> {
     }
 }
 
-fn is_of_motion(packet: &Packet) -> bool {
-    matches!(Kind::of_code(packet.code), Some(Kind::Phases | Kind::Frame | Kind::Play))
+/// Whether a packet is of no use to a newer wish.
+fn serves_one_wish(packet: &Packet) -> bool {
+    matches!(
+        Kind::of_code(packet.code),
+        Some(Kind::Phases | Kind::Frame | Kind::Play | Kind::Stop | Kind::Enable | Kind::Silencer)
+    )
+}
+
+/// Whether a frame is played as soon as it is there.
+fn commits(packet: &Packet) -> bool {
+    packet.arguments[2] & 1 == 1
 }

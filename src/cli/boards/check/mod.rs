@@ -1,0 +1,268 @@
+//! `sonoglyph check`: brings a board up, step by step, and writes down what was found.
+
+mod answers;
+
+use std::path::Path;
+use std::time::{Duration, Instant};
+
+use anyhow::{Context, bail};
+
+use crate::cli::boards::CheckArgs;
+use crate::cli::boards::check::answers::{Answer, Answers};
+use crate::cli::interrupt::{self, Interrupted};
+use crate::device::calibration::Calibration;
+use crate::device::health::{Found, Health, State};
+use crate::device::levels::Levels;
+use crate::device::link::{Content, Event, Link, Settings};
+use crate::device::profile::Profile;
+use crate::scene::{Envelope, Modulation};
+use crate::solver;
+use crate::studio::bring_up::{HEIGHT, Report, Verdict, focus_scene, survey_line};
+use crate::studio::output::{self, Files, note, say, warn};
+
+/// How long an element sounds that nobody is asked about.
+const GLANCE: Duration = Duration::from_millis(40);
+/// How long the focus sounds.
+const FOCUS: Duration = Duration::from_secs(2);
+/// A board plays what is wanted within this.
+const PATIENCE: Duration = Duration::from_secs(5);
+/// How often events and keys are looked at.
+const LOOK: Duration = Duration::from_millis(5);
+
+pub fn run(args: &CheckArgs) -> anyhow::Result<()> {
+    let mut files = Files::new();
+    if let Some(path) = &args.calibration {
+        files.writes(path)?;
+    }
+    if let Some(path) = &args.output {
+        files.writes(path)?;
+    }
+    let elements = args.profile.elements();
+    let calibration = match &args.calibration {
+        Some(path) if path.exists() => {
+            Calibration::read(path, elements).with_context(|| path.display().to_string())?
+        }
+        Some(_) | None => Calibration::default(),
+    };
+    let mut check = Check {
+        report: Report::default(),
+        answers: Answers::new(args.listen),
+        interrupted: interrupt::watch()?,
+        profile: args.profile,
+        calibration,
+    };
+    let baud = check.line(args)?;
+    check.board(args, baud)?;
+    if let Some(path) = &args.calibration {
+        output::write(path, check.calibration.to_csv(elements).as_bytes())?;
+        note(&format!("{}: {} elements are off", path.display(), check.calibration.off().len()));
+    }
+    if let Some(path) = &args.output {
+        output::write(path, check.report.text(args.profile, &args.port.display().to_string()).as_bytes())?;
+    }
+    match check.report.failed() {
+        0 => say!("The board passed."),
+        failed => bail!("{failed} of the steps failed"),
+    }
+}
+
+struct Check {
+    report: Report,
+    answers: Answers,
+    interrupted: Interrupted,
+    profile: Profile,
+    calibration: Calibration,
+}
+
+impl Check {
+    fn note(&mut self, verdict: Verdict, what: impl Into<String>) -> anyhow::Result<()> {
+        self.report.note(verdict, what);
+        self.report.findings.last().map_or(Ok(()), |finding| say!("{finding}"))
+    }
+
+    /// Who answers, and what the line carries; the bit rate to go on with.
+    fn line(&mut self, args: &CheckArgs) -> anyhow::Result<Option<u32>> {
+        let mut said = Ok(());
+        let fastest = survey_line(&args.port, self.profile, &mut |verdict, what| {
+            if said.is_ok() {
+                said = self.note(verdict, what);
+            }
+        })?;
+        said?;
+        Ok(args.baud.or(fastest))
+    }
+
+    /// What is seen and heard.
+    fn board(&mut self, args: &CheckArgs, baud: Option<u32>) -> anyhow::Result<()> {
+        let settings = Settings { port: args.port.clone(), profile: self.profile, baud };
+        let link = Link::open(settings, Box::new(|| {}))?;
+        let Some(found) = self.wait_until_ready(&link)? else { return Ok(()) };
+        self.note(Verdict::Passed, format!("the link is open at {} baud", found.baud))?;
+        self.walk(&link)?;
+        self.focus(&link, found)?;
+        self.stop(&link)?;
+        let health = link.close();
+        self.leave(&health, &args.port)
+    }
+
+    fn wait_until_ready(&mut self, link: &Link) -> anyhow::Result<Option<Found>> {
+        while !self.interrupted.is_set() {
+            match link.event_within(LOOK) {
+                Some(Event::Ready(found)) => return Ok(Some(found)),
+                Some(Event::Lost(why)) => bail!(why),
+                Some(Event::Notice(text)) => warn(&text),
+                None => {}
+            }
+        }
+        Ok(None)
+    }
+
+    /// Whether what is shown was played in time; what the link has to say goes to standard error.
+    fn plays(&self, link: &Link, content: Content) -> bool {
+        link.show(content);
+        let until = Instant::now() + PATIENCE;
+        while Instant::now() < until && !self.interrupted.is_set() {
+            if let Some(Event::Notice(text) | Event::Lost(text)) = link.event_within(LOOK) {
+                warn(&text);
+            }
+            if link.health().in_place {
+                return true;
+            }
+        }
+        false
+    }
+
+    /// One element at a time, in the array's numbering.
+    fn walk(&mut self, link: &Link) -> anyhow::Result<()> {
+        let elements = self.profile.elements();
+        let columns = self.profile.shape().map_or(16, |[columns, _]| columns as usize);
+        if self.answers.listen() {
+            say!(
+                "One element sounds at a time. Enter: heard. n: silent. r: again. b: one back. q: no more."
+            )?;
+        }
+        let mut element = 0;
+        let mut silent = Vec::new();
+        while element < elements && !self.interrupted.is_set() {
+            if !self.plays(link, Content::Still(Levels::one(self.profile, element))) {
+                return self.note(Verdict::Failed, format!("element {element} was not played"));
+            }
+            if !self.answers.listen() {
+                std::thread::sleep(GLANCE);
+                element += 1;
+                continue;
+            }
+            let question =
+                format!("element {element} (row {}, column {})? ", element / columns, element % columns);
+            match self.answers.ask(&question, &self.interrupted)? {
+                Answer::Yes => {
+                    self.calibration.set_off(element, elements, false);
+                    silent.retain(|&other| other != element);
+                    element += 1;
+                }
+                Answer::No => {
+                    self.calibration.set_off(element, elements, true);
+                    silent.push(element);
+                    element += 1;
+                }
+                Answer::Again => {}
+                Answer::Back => element = element.saturating_sub(1),
+                Answer::End => break,
+            }
+        }
+        match (self.answers.listen(), silent.is_empty()) {
+            (false, _) => self.note(
+                Verdict::Passed,
+                format!("{elements} elements were played one by one; --listen asks which of them are heard"),
+            ),
+            (true, true) => {
+                self.note(Verdict::Passed, format!("{element} of {elements} elements were heard"))
+            }
+            (true, false) => {
+                let list: Vec<_> = silent.iter().map(ToString::to_string).collect();
+                self.note(
+                    Verdict::Failed,
+                    format!("{} elements are silent: {}", silent.len(), list.join(", ")),
+                )
+            }
+        }
+    }
+
+    fn focus(&mut self, link: &Link, found: Found) -> anyhow::Result<()> {
+        let scene = focus_scene(self.profile, found.carrier.unwrap_or(self.profile.carrier()));
+        let solution = solver::solve(&scene)?;
+        let levels = Levels::new(self.profile, &solution.drive, &self.calibration)?;
+        link.modulate(Modulation { shape: Envelope::Sine, ..Modulation::default() });
+        if !self.plays(link, Content::Still(levels)) {
+            return self.note(Verdict::Failed, "the focus was not played");
+        }
+        let until = Instant::now() + FOCUS;
+        let what = format!("focus {:.0} mm above the centre, modulated at 200 Hz", HEIGHT * 1e3);
+        if self.answers.listen() {
+            return match self
+                .answers
+                .ask(&format!("{what}: is it felt? (Enter: yes, n: no) "), &self.interrupted)?
+            {
+                Answer::No => self.note(Verdict::Failed, format!("{what}: not felt")),
+                Answer::Yes | Answer::Again | Answer::Back | Answer::End => {
+                    self.note(Verdict::Passed, format!("{what}: felt"))
+                }
+            };
+        }
+        while Instant::now() < until && !self.interrupted.is_set() {
+            std::thread::sleep(LOOK);
+        }
+        self.note(Verdict::Passed, format!("{what}, played for {} s", FOCUS.as_secs()))
+    }
+
+    /// Pressed, it silences the board, and it stays silent until it is told to play again.
+    fn stop(&mut self, link: &Link) -> anyhow::Result<()> {
+        if !self.profile.answers() {
+            return self
+                .note(Verdict::Noted, "emergency stop: this board has none that could be asked about");
+        }
+        if !self.answers.listen() {
+            return self.note(Verdict::Noted, "emergency stop: not tried; --listen asks you to press it");
+        }
+        say!("Press the emergency stop and release it, then Enter; q leaves this out.")?;
+        if self.answers.ask("emergency stop: ", &self.interrupted)? == Answer::End {
+            return self.note(Verdict::Noted, "emergency stop: left out");
+        }
+        let until = Instant::now() + PATIENCE;
+        while !link.health().stopped {
+            if Instant::now() > until || self.interrupted.is_set() {
+                return self.note(Verdict::Failed, "emergency stop: the board did not notice");
+            }
+            std::thread::sleep(LOOK);
+        }
+        let one = Content::Still(Levels::one(self.profile, 0));
+        if self.plays(link, one) {
+            self.note(
+                Verdict::Passed,
+                "emergency stop: silent until the next send, and sounds again after it",
+            )
+        } else {
+            self.note(Verdict::Failed, "emergency stop: the board stays silent; is it released?")
+        }
+    }
+
+    fn leave(&mut self, health: &Health, port: &Path) -> anyhow::Result<()> {
+        if self.interrupted.is_set() {
+            self.note(Verdict::Noted, "interrupted: what follows was not tried")?;
+        }
+        match &health.state {
+            State::Lost(why) => self.note(Verdict::Failed, format!("{why}: the board was lost")),
+            State::Connecting | State::Ready if !health.silenced => self.note(
+                Verdict::Failed,
+                format!("{}: the port takes no bytes, and the board may still sound", port.display()),
+            ),
+            State::Connecting | State::Ready => self.note(
+                Verdict::Passed,
+                format!(
+                    "the board is silent again; {} retransmissions at {} frames",
+                    health.refused, health.frames
+                ),
+            ),
+        }
+    }
+}

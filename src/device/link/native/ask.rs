@@ -1,0 +1,99 @@
+//! One question and its answer, where there is no session yet.
+
+use std::time::{Duration, Instant};
+
+use crate::device::link::LinkError;
+use crate::device::native::packet::{Kind, Outcome, Packet, REPLY, Reply, Splitter};
+use crate::device::port::{Port, PortError};
+
+/// How often a packet is sent that has to be taken.
+const ATTEMPTS: u32 = 4;
+/// What an answer takes at most: an adapter may hold it back for 16 ms, and a busy computer for longer.
+const ANSWER: Duration = Duration::from_millis(100);
+
+/// The host's end of a line to native devices.
+#[derive(Debug)]
+pub struct Asker {
+    splitter: Splitter,
+    seq: u8,
+    /// When something was answered last.
+    pub heard_at: Instant,
+    /// Bytes came that may have been no answer.
+    pub heard: bool,
+}
+
+impl Asker {
+    pub fn new() -> Self {
+        Self { splitter: Splitter::default(), seq: 0, heard_at: Instant::now(), heard: false }
+    }
+
+    /// The answer to one packet, if there is one in time.
+    ///
+    /// # Errors
+    /// A port that is gone or stuck.
+    pub fn ask(&mut self, port: &mut Port, packet: &Packet) -> Result<Option<Reply>, PortError> {
+        const LOOK: Duration = Duration::from_millis(5);
+        self.seq = self.seq.wrapping_add(1);
+        port.write(&packet.clone().numbered(self.seq).to_line())?;
+        let until = Instant::now() + port.backlog() + ANSWER;
+        while Instant::now() < until {
+            // Any answer of its kind will do: that of an earlier attempt may come late.
+            let is_it = |reply: &Reply| (reply.code, reply.address) == (packet.code + REPLY, packet.address);
+            if let Some(reply) = self.replies(port, LOOK)?.into_iter().find(is_it) {
+                return Ok(Some(reply));
+            }
+        }
+        Ok(None)
+    }
+
+    /// The answer to a packet that has to be taken.
+    ///
+    /// # Errors
+    /// A port that is gone, a device that refuses or does not answer.
+    pub fn order(&mut self, port: &mut Port, packet: &Packet) -> Result<Reply, LinkError> {
+        for _ in 0..ATTEMPTS {
+            match self.ask(port, packet)? {
+                Some(reply) if reply.outcome == Outcome::Ok => return Ok(reply),
+                Some(_) => {
+                    return Err(LinkError::Refused(
+                        Kind::of_code(packet.code).map_or("a packet", Kind::name),
+                    ));
+                }
+                None => {}
+            }
+        }
+        Err(LinkError::Silent(port.name().to_owned()))
+    }
+
+    /// What has been answered by now, or is within `timeout`.
+    ///
+    /// # Errors
+    /// A port that is gone.
+    pub fn replies(&mut self, port: &mut Port, timeout: Duration) -> Result<Vec<Reply>, PortError> {
+        let bytes = port.read(timeout)?;
+        self.heard |= !bytes.is_empty();
+        let parts = bytes.into_iter().filter_map(|byte| self.splitter.push(byte));
+        let replies: Vec<_> = parts.filter_map(|part| Reply::of_line(&part).ok()).collect();
+        if !replies.is_empty() {
+            self.heard_at = Instant::now();
+        }
+        Ok(replies)
+    }
+
+    /// A device that may have been left in any state becomes silent, with nothing of what it was told before. Its answer to RESET.
+    ///
+    /// # Errors
+    /// As [`Self::order`]; a device that goes on sounding.
+    pub fn reset(&mut self, port: &mut Port, address: u8) -> Result<Reply, LinkError> {
+        /// A muted device is silent within this: its ramp takes 6.4 ms.
+        const FADED: Duration = Duration::from_millis(300);
+        self.order(port, &Packet::mute().to(address))?;
+        let until = Instant::now() + FADED;
+        while self.order(port, &Packet::status().to(address))?.flags.outputs_on {
+            if Instant::now() > until {
+                return Err(LinkError::Refused(Kind::Mute.name()));
+            }
+        }
+        self.order(port, &Packet::reset().to(address))
+    }
+}

@@ -1,0 +1,155 @@
+//! How a native board plays a motion: from its own store, or frame by frame over the line.
+
+/// Largest part of a cycle by which a stored one may be longer or shorter than the one asked for.
+const CYCLE_TOLERANCE: f64 = 5e-3;
+/// Of what the line carries, a stream takes no more than this: the rest is for packets that are sent again.
+const LINE_SHARE: f64 = 0.9;
+/// Most periods that a slot is played for.
+const LONGEST_SLOT: f64 = 65_535.0;
+
+/// What a motion asks of a board, and what the board and its line have.
+#[derive(Clone, Copy, Debug)]
+pub struct Motion {
+    /// Of one cycle.
+    pub frames: usize,
+    /// Frames per second that are asked for.
+    pub rate: f64,
+    /// Of the board's store.
+    pub slots: usize,
+    /// Hz
+    pub carrier: f64,
+    /// Frames per second that the line carries.
+    pub line: f64,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Way {
+    /// So many frames of a cycle, evenly chosen, lie in the board and are played for `divider` periods each.
+    Stored { count: usize, divider: u16 },
+    /// Whichever frame is due is sent.
+    Streamed,
+}
+
+impl Motion {
+    /// Stored wherever the board can hold a cycle; streamed where a thinned cycle would lose frames that the line carries.
+    pub fn way(&self) -> Way {
+        let whole = self.frames <= self.slots;
+        match self.stored() {
+            Some(stored) if whole || self.rate > LINE_SHARE * self.line => stored,
+            _ => Way::Streamed,
+        }
+    }
+
+    /// Frames per second that are played.
+    pub fn played(&self, way: Way) -> f64 {
+        match way {
+            Way::Stored { divider, .. } => self.carrier / f64::from(divider),
+            Way::Streamed => self.rate.min(self.line),
+        }
+    }
+
+    /// As many frames as last a cycle to [`CYCLE_TOLERANCE`]; if there is no such number above half of what fits, the one that
+    /// comes nearest.
+    fn stored(&self) -> Option<Way> {
+        let cycle = self.carrier * self.frames as f64 / self.rate;
+        let most = self.frames.min(self.slots);
+        let counts = most.div_ceil(2).max(1)..=most;
+        let nearest = counts.rev().filter_map(|count| {
+            let divider = (cycle / count as f64).round();
+            let miss = (divider * count as f64 / cycle - 1.0).abs();
+            (1.0..=LONGEST_SLOT)
+                .contains(&divider)
+                .then_some((miss, Way::Stored { count, divider: divider as u16 }))
+        });
+        let mut best: Option<(f64, Way)> = None;
+        for (miss, way) in nearest {
+            if best.is_none_or(|(least, _)| miss < least) {
+                best = Some((miss, way));
+            }
+            if miss <= CYCLE_TOLERANCE {
+                break;
+            }
+        }
+        best.map(|(_, way)| way)
+    }
+}
+
+/// Which of `frames` stands in each of `count` slots, evenly chosen.
+pub fn chosen(frames: usize, count: usize) -> impl Iterator<Item = usize> {
+    (0..count).map(move |slot| slot * frames / count)
+}
+
+/// The silencer's phase step (1/256 of a unit per period) that lets delays follow from frame to frame within `divider` periods, and
+/// no smaller than `least`.
+pub fn phase_step(delays: &[Vec<u8>], divider: u16, least: u16) -> u16 {
+    let turn = |a: u8, b: u8| u16::from(a.wrapping_sub(b).min(b.wrapping_sub(a)));
+    let next = delays.iter().cycle().skip(1);
+    let pairs = delays.iter().zip(next).flat_map(|(a, b)| a.iter().zip(b));
+    let farthest = pairs.map(|(&a, &b)| turn(a, b)).max().unwrap_or(0);
+    (farthest * 256).div_ceil(divider.max(1)).max(least)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn motion(frames: usize, rate: f64, line: f64) -> Motion {
+        Motion { frames, rate, slots: 64, carrier: 40_000.0, line }
+    }
+
+    #[test]
+    fn the_default_motion_is_stored_whole_and_on_time() {
+        let motion = motion(64, 320.0, 740.0);
+        assert_eq!(motion.way(), Way::Stored { count: 64, divider: 125 });
+        assert_eq!(motion.played(motion.way()), 320.0);
+    }
+
+    #[test]
+    fn a_stored_cycle_lasts_as_long_as_the_one_asked_for() {
+        for (rounds, tolerance) in
+            [(5.0, 5e-3), (40.0, 5e-3), (50.0, 5e-3), (100.0, 5e-3), (200.0, 5e-3), (300.0, 0.02)]
+        {
+            for frames in [2, 7, 64, 128, 1000] {
+                let motion = motion(frames, rounds * frames as f64, 40.0);
+                let Way::Stored { count, divider } = motion.way() else {
+                    panic!("{rounds} x {frames}: streamed")
+                };
+                assert!(count <= 64.min(frames) && count >= 64.min(frames) / 2, "{count} of {frames}");
+                let cycle = count as f64 * f64::from(divider) / 40_000.0;
+                let tolerance = if frames < 60 { 0.1 } else { tolerance };
+                assert!(
+                    (cycle * rounds - 1.0).abs() <= tolerance,
+                    "{rounds} x {frames}: {count} x {divider}"
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn what_the_line_carries_is_not_thinned() {
+        assert_eq!(motion(128, 128.0, 740.0).way(), Way::Streamed);
+        assert!(matches!(motion(128, 2560.0, 170.0).way(), Way::Stored { count: 32..=64, .. }));
+        // Slots cannot last so long.
+        assert_eq!(motion(4, 0.01, 740.0).way(), Way::Streamed);
+        assert_eq!(motion(4, 0.01, 740.0).played(Way::Streamed), 0.01);
+    }
+
+    #[test]
+    fn frames_are_chosen_evenly() {
+        assert!(chosen(64, 64).eq(0..64));
+        for (frames, count) in [(128, 64), (100, 64), (65, 64), (7, 3)] {
+            let chosen: Vec<_> = chosen(frames, count).chain([frames]).collect();
+            let steps: Vec<_> = chosen.windows(2).map(|pair| pair[1] - pair[0]).collect();
+            assert!(steps.iter().max().unwrap() - steps.iter().min().unwrap() <= 1, "{chosen:?}");
+        }
+    }
+
+    #[test]
+    fn delays_have_time_to_follow() {
+        let least = 0x0300;
+        assert_eq!(phase_step(&[vec![0, 10], vec![20, 250]], 100, least), least);
+        // 20 units in 4 periods, and a half turn in one.
+        assert_eq!(phase_step(&[vec![0, 10], vec![20, 250]], 4, least), 20 * 64);
+        assert_eq!(phase_step(&[vec![0], vec![128]], 1, least), 128 * 256);
+    }
+}

@@ -1,0 +1,212 @@
+//! What a native board and its line can do: who it is, what its store keeps, and which bit rates carry everything.
+
+use std::collections::VecDeque;
+use std::path::Path;
+use std::time::{Duration, Instant};
+
+use crate::device::link::native::ask::Asker;
+use crate::device::link::native::{ANSWER, WINDOW, connect};
+use crate::device::link::{LEAD, LinkError};
+use crate::device::native::line;
+use crate::device::native::packet::{Body, Info, Kind, Outcome, Packet, REPLY, Status, Table};
+use crate::device::port::Port;
+use crate::device::profile::Profile;
+use crate::device::statistics::Durations;
+
+/// Bit rates that adapters have, slowest first.
+pub const RATES: [u32; 7] = [115_200, 230_400, 460_800, 921_600, 1_000_000, 2_000_000, 3_000_000];
+/// How long frames are sent at a rate.
+const TRIAL: Duration = Duration::from_millis(400);
+/// A device that was left at another rate is back at the usual one after 0.82 s.
+const FALLBACK: Duration = Duration::from_millis(900);
+
+/// What is found, in this order.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Discovery {
+    /// Who answers, and its counters before anything was tried.
+    Board(Info, Status),
+    Rate(Trial),
+}
+
+/// Frames at one bit rate.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Trial {
+    pub baud: u32,
+    pub outcome: TrialOutcome,
+}
+
+#[derive(Clone, Debug, PartialEq)]
+pub enum TrialOutcome {
+    /// The adapter or the board does not have this rate.
+    Impossible(String),
+    Tried(Figures),
+}
+
+/// How frames fared.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Figures {
+    pub sent: u32,
+    /// Not answered, spoiled or refused.
+    pub lost: u32,
+    /// Slots whose contents, read back, were others than those sent.
+    pub wrong: u32,
+    pub frames_per_second: f64,
+    /// From a frame's last byte to its answer, the median.
+    pub round_trip: Duration,
+}
+
+impl Trial {
+    /// Everything arrived.
+    pub fn is_clean(&self) -> bool {
+        matches!(&self.outcome, TrialOutcome::Tried(figures) if figures.sent > 0 && figures.lost + figures.wrong == 0)
+    }
+}
+
+/// Surveys the device of address 0 and tells what it finds; the fastest rate at which nothing was lost. The device is silent
+/// meanwhile, and in the state of power-up afterwards.
+///
+/// # Errors
+/// A port that is not there, or no native device that answers.
+pub fn survey(path: &Path, tell: &mut dyn FnMut(Discovery)) -> Result<Option<u32>, LinkError> {
+    let mut port = Port::open(path, Profile::Native.baud())?;
+    let mut asker = Asker::new();
+    let info = connect::introduce(&mut port, &mut asker, 0, &|| false)?;
+    if let Body::Status(status) = asker.reset(&mut port, 0)?.body {
+        tell(Discovery::Board(info, status));
+    }
+    let mut fastest = None;
+    for baud in RATES {
+        let trial = Trial { baud, outcome: at_rate(&mut port, &mut asker, &info, baud)? };
+        match trial.is_clean() {
+            true => fastest = Some(baud),
+            false => come_back(&mut port, &mut asker, &info)?,
+        }
+        tell(Discovery::Rate(trial));
+    }
+    come_back(&mut port, &mut asker, &info)?;
+    asker.reset(&mut port, 0)?;
+    Ok(fastest)
+}
+
+/// One rate: agreed upon, tried, and what it left in the store read back.
+fn at_rate(port: &mut Port, asker: &mut Asker, info: &Info, baud: u32) -> Result<TrialOutcome, LinkError> {
+    let packet = match connect::agreeable(info, baud) {
+        Ok(packet) => packet,
+        Err(error) => return Ok(TrialOutcome::Impossible(error.to_string())),
+    };
+    asker.order(port, &packet)?;
+    if let Err(error) = port.set_baud(baud) {
+        return Ok(TrialOutcome::Impossible(error.to_string()));
+    }
+    Burst::new(info).run(port, asker).map(TrialOutcome::Tried)
+}
+
+/// Frames into slots that do not play, as fast as answers allow.
+struct Burst {
+    slots: u8,
+    figures: Figures,
+    on_the_way: VecDeque<Frame>,
+    round_trips: Durations,
+}
+
+/// A frame on its way.
+struct Frame {
+    seq: u8,
+    number: u32,
+    gone: Instant,
+}
+
+impl Burst {
+    fn new(info: &Info) -> Self {
+        let slots = info.slots.min(256).saturating_sub(1) as u8;
+        Self {
+            slots,
+            figures: Figures::default(),
+            on_the_way: VecDeque::new(),
+            round_trips: Durations::default(),
+        }
+    }
+
+    /// Slot 0 plays, and the others take turns.
+    fn slot(&self, number: u32) -> u8 {
+        1 + (number % u32::from(self.slots.max(1))) as u8
+    }
+
+    fn run(mut self, port: &mut Port, asker: &mut Asker) -> Result<Figures, LinkError> {
+        let begun = Instant::now();
+        let mut written: Vec<u32> = Vec::new();
+        // A line that carries nothing is not tried for longer.
+        while begun.elapsed() < TRIAL && self.figures.lost < 2 * WINDOW as u32 {
+            while self.on_the_way.len() < WINDOW && port.backlog() < LEAD {
+                self.send(port)?;
+            }
+            self.hear(port, asker, &mut written)?;
+        }
+        while !self.on_the_way.is_empty() {
+            self.hear(port, asker, &mut written)?;
+        }
+        let seconds = begun.elapsed().as_secs_f64();
+        self.figures.frames_per_second = f64::from(self.figures.sent - self.figures.lost) / seconds;
+        self.figures.round_trip = self.round_trips.spread().map_or(Duration::ZERO, |spread| spread.median);
+        for &number in written.iter().rev().take(WINDOW) {
+            let digest = asker.ask(port, &Packet::digest(Table::Slot(self.slot(number))))?;
+            let told = digest.and_then(|reply| match reply.body {
+                Body::Digest(digest) => Some(digest.crc),
+                Body::Info(_) | Body::Status(_) => None,
+            });
+            let right = told == Some(line::digest(pattern(number).as_flattened()));
+            self.figures.wrong += u32::from(!right);
+        }
+        Ok(self.figures)
+    }
+
+    fn send(&mut self, port: &mut Port) -> Result<(), LinkError> {
+        let number = self.figures.sent;
+        let seq = number as u8;
+        let packet = Packet::frame(self.slot(number), &pattern(number), false).numbered(seq);
+        let gone = port.write(&packet.to_line())?;
+        self.figures.sent += 1;
+        self.on_the_way.push_back(Frame { seq, number, gone });
+        Ok(())
+    }
+
+    fn hear(&mut self, port: &mut Port, asker: &mut Asker, written: &mut Vec<u32>) -> Result<(), LinkError> {
+        for reply in asker.replies(port, Duration::from_millis(1))? {
+            let place = self.on_the_way.iter().position(|frame| frame.seq == reply.seq);
+            let Some(place) = place.filter(|_| reply.code == Kind::Frame.code() + REPLY) else { continue };
+            // What was sent before it and has no answer was lost.
+            self.figures.lost += place as u32;
+            let Some(frame) = self.on_the_way.drain(..=place).next_back() else { continue };
+            self.round_trips.note(Instant::now().saturating_duration_since(frame.gone));
+            match reply.outcome == Outcome::Ok {
+                true => written.push(frame.number),
+                false => self.figures.lost += 1,
+            }
+        }
+        let now = Instant::now();
+        while self.on_the_way.front().is_some_and(|frame| now > frame.gone + ANSWER) {
+            self.on_the_way.pop_front();
+            self.figures.lost += 1;
+        }
+        Ok(())
+    }
+}
+
+/// Bytes that differ from frame to frame, with zeros and long runs without.
+fn pattern(number: u32) -> [[u8; 2]; 256] {
+    std::array::from_fn(|n| {
+        let n = n as u32 + number;
+        [(n * 37) as u8, (n / 3) as u8]
+    })
+}
+
+/// Back at the rate of power-up: by agreement, or else by waiting for it.
+fn come_back(port: &mut Port, asker: &mut Asker, info: &Info) -> Result<(), LinkError> {
+    let usual = Profile::Native.baud();
+    let agreed = asker.ask(port, &connect::agreeable(info, usual)?)?;
+    port.set_baud(usual)?;
+    if agreed.is_none() {
+        std::thread::sleep(FALLBACK);
+    }
+    asker.order(port, &Packet::status()).map(drop)
+}

@@ -1,0 +1,222 @@
+//! From what is wanted to the packets that bring the devices to it.
+
+use crate::device::health::FrameRates;
+use crate::device::levels::Levels;
+use crate::device::link::native::motion::{self, Motion, Way};
+use crate::device::link::native::{Key, Purpose, Session, Task, WATCHDOG, serves_one_wish};
+use crate::device::link::{Content, Wanted};
+use crate::device::native::packet::{Kind, Packet};
+use crate::scene::Modulation;
+
+/// Slots that the frames of a stream take turns in.
+const LIVE: u8 = 4;
+/// The silencer's steps of power-up: a change takes some periods instead of making a click.
+const SILENCER: (u16, u16) = (0x0300, 0x0600);
+
+impl Session<'_> {
+    /// Turns a new wish into tasks.
+    pub(super) fn follow(&mut self, wanted: &Wanted) {
+        self.modulate(&wanted.modulation);
+        if self.generation == wanted.generation {
+            return;
+        }
+        self.generation = wanted.generation;
+        // What an earlier wish has not brought over yet is not wanted any more.
+        self.tasks.retain(|task| !serves_one_wish(&task.packet));
+        (self.live, self.placed, self.enabling, self.storing) = (false, false, false, None);
+        let rates = match wanted.content.as_deref() {
+            None => {
+                self.push_to_all(&Packet::mute());
+                None
+            }
+            Some(Content::Still(_)) => {
+                self.stream();
+                None
+            }
+            Some(Content::Motion { frames, rate }) => Some(self.set_moving(frames.len(), *rate)),
+        };
+        self.shared.note(|figures| figures.health.rates = rates);
+    }
+
+    /// Decides how a motion is played, and what of it.
+    fn set_moving(&mut self, frames: usize, rate: f64) -> FrameRates {
+        let motion = Motion {
+            frames,
+            rate,
+            slots: usize::from(self.info.slots),
+            carrier: self.carrier(),
+            line: self.line_rate(),
+        };
+        let way = motion.way();
+        match way {
+            Way::Stored { count, .. } if count > 1 => {
+                self.storing = Some(way);
+                self.push_to_all(&Packet::stop());
+            }
+            Way::Stored { .. } | Way::Streamed => self.stream(),
+        }
+        let rates = FrameRates { asked: rate, played: motion.played(way) };
+        if rates.differ() {
+            self.shared.notice(&match way {
+                Way::Stored { count, .. } => {
+                    let cycles = rates.played / count as f64;
+                    format!("{rates}: {count} of {frames} frames, {cycles:.4} cycles/s")
+                }
+                Way::Streamed => {
+                    format!("{rates}: the line carries no more at {} baud", self.board.port.baud())
+                }
+            });
+        }
+        rates
+    }
+
+    /// Frames come one by one from now on.
+    fn stream(&mut self) {
+        self.live = true;
+        if std::mem::take(&mut self.playing) {
+            self.push_to_all(&Packet::stop());
+            let (phase_step, amplitude_step) = SILENCER;
+            self.push_to_all(&Packet::silencer(phase_step, amplitude_step));
+        }
+    }
+
+    /// The frame that is due, if it was not sent yet. The first of a wish is alone until the devices are switched on.
+    pub(super) fn due_frame(&mut self, content: &Content, wanted: &Wanted) -> Option<(Packet, Purpose)> {
+        if !self.live || self.enabling || self.ended == Some(self.generation) {
+            return None;
+        }
+        let (frame, levels) = content.at(wanted.since.elapsed());
+        let key = (wanted.generation, frame);
+        let begun = self.frame.is_some_and(|(generation, _)| generation == wanted.generation);
+        if self.frame == Some(key) || (begun && !(self.placed && self.enabled())) {
+            return None;
+        }
+        let slot = self.next_live_slot();
+        if let [_] = self.devices[..] {
+            return Some((Packet::playing(levels, slot, true), Purpose::Frame(key)));
+        }
+        self.push_in_step(key, levels, slot);
+        None
+    }
+
+    /// The leader's frame goes last: with its mark all devices change in the same period.
+    fn push_in_step(&mut self, key: Key, levels: &Levels, slot: u8) {
+        self.frame = Some(key);
+        for address in self.addresses().rev() {
+            let packet = self.together(playing(levels, address, slot, true));
+            self.push(packet, address == 0);
+        }
+    }
+
+    /// What several devices begin in the same period.
+    fn together(&self, packet: Packet) -> Packet {
+        if self.in_step { packet.in_step() } else { packet }
+    }
+
+    fn next_live_slot(&mut self) -> u8 {
+        let first = self.info.slots.saturating_sub(u16::from(LIVE)) as u8;
+        loop {
+            self.live_slot = (self.live_slot + 1) % LIVE;
+            let slot = first + self.live_slot;
+            if self.devices.len() > 1 || self.devices.iter().all(|device| device.slot != slot) {
+                return slot;
+            }
+        }
+    }
+
+    fn modulate(&mut self, modulation: &Modulation) {
+        let step = (modulation.frequency / self.carrier() * f64::from(1 << 24)).round();
+        let at = |n: usize| modulation.envelope(n as f64 / 256.0 / modulation.frequency);
+        let table: [u8; 256] = std::array::from_fn(|n| (255.0 * at(n)).round() as u8);
+        let constant = table.iter().all(|&value| value == table[0]);
+        let step = if constant { 0 } else { step.min(f64::from(0xFF_FFFF)) as u32 };
+        if self.modulation == (table, step) {
+            return;
+        }
+        self.tasks.retain(|task| !is_of_modulation(task));
+        self.push_to_all(&Packet::envelope(&table));
+        self.push_to_all(&Packet::rate(step, true));
+        self.modulation = (table, step);
+    }
+
+    /// Brings a motion into the store, once the player stands still. Its first frame is played meanwhile, from a slot of its own
+    /// that is not written again.
+    pub(super) fn store(&mut self, wanted: &Wanted) {
+        let Some(Way::Stored { count, divider }) = self.storing.take() else { return };
+        let Some(Content::Motion { frames, .. }) = wanted.content.as_deref() else { return };
+        let chosen: Vec<_> = motion::chosen(frames.len(), count).map(|frame| &frames[frame]).collect();
+        let slots = usize::from(self.info.slots);
+        let is_free = |slot: &usize| self.devices.iter().all(|device| usize::from(device.slot) != *slot);
+        let place = (0..=slots.saturating_sub(count))
+            .find_map(|first| (first..first + count).find(is_free).map(|standing| (first, standing)));
+        let Some((first, standing)) = place else { return };
+        let frame = |slot: usize, address: u8, commit: bool| {
+            playing(chosen[slot - first], address, slot as u8, commit)
+        };
+        let (_, amplitude_step) = SILENCER;
+        let delays: Vec<_> = chosen.iter().map(|levels| delays(levels)).collect();
+        let phase_step = motion::phase_step(&delays, divider, SILENCER.0);
+        let addresses = self.addresses();
+        for address in addresses.clone() {
+            self.push(frame(standing, address, true), false);
+        }
+        for slot in (first..first + count).filter(|slot| *slot != standing) {
+            for address in addresses.clone() {
+                self.push(frame(slot, address, false), false);
+            }
+        }
+        self.push_to_all(&Packet::silencer(phase_step, amplitude_step));
+        let last = (first + count - 1) as u8;
+        let play = Packet::play(first as u8, last, divider, 0, false);
+        let play = self.together(play);
+        for address in addresses.rev() {
+            self.push(play.clone().to(address), address == 0);
+        }
+        self.playing = true;
+    }
+
+    /// ENABLE follows the first frame of a wish at once.
+    pub(super) fn switch_on(&mut self) {
+        if !self.placed || self.enabling || self.enabled() || self.ended == Some(self.generation) {
+            return;
+        }
+        for address in self.addresses().rev() {
+            if !self.devices[usize::from(address)].enabled {
+                let packet = Packet::enable(WATCHDOG).to(address);
+                self.tasks.push_front(Task { packet, last: false, attempts: 0, generation: self.generation });
+            }
+        }
+        self.enabling = true;
+    }
+
+    /// Whether no device has still to hear of STOP.
+    pub(super) fn all_stopped(&self) -> bool {
+        let is_stop = |packet: &Packet| Kind::of_code(packet.code) == Some(Kind::Stop);
+        let waits = self.tasks.iter().any(|task| is_stop(&task.packet));
+        !waits && !self.on_the_way.iter().any(|sent| Kind::of_code(sent.code) == Some(Kind::Stop))
+    }
+
+    /// Hz
+    pub(super) fn carrier(&self) -> f64 {
+        f64::from(self.info.carrier_millihertz) / 1e3
+    }
+
+    /// Frames per second that the line carries to all devices.
+    fn line_rate(&self) -> f64 {
+        self.profile.frames_per_second(self.board.port.baud())
+    }
+}
+
+/// The part of a frame that a device has, as a packet to it.
+fn playing(levels: &Levels, address: u8, slot: u8, commit: bool) -> Packet {
+    Packet::playing(&levels.of_device(address), slot, commit).to(address)
+}
+
+fn is_of_modulation(task: &Task) -> bool {
+    matches!(Kind::of_code(task.packet.code), Some(Kind::Envelope | Kind::Rate))
+}
+
+/// Of the elements that sound.
+fn delays(levels: &Levels) -> Vec<u8> {
+    levels.elements.iter().map(|level| level.map_or(0, |level| level.delay.to_le_bytes()[0])).collect()
+}

@@ -1,0 +1,117 @@
+//! Which slot is played: one, or a range of them in a loop, and what waits to be.
+
+/// A PLAY, or the commit of a frame.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Play {
+    pub first: u8,
+    pub last: u8,
+    /// Periods per slot.
+    pub divider: u16,
+    /// 0: for ever
+    pub loops: u16,
+    pub when: When,
+}
+
+/// At which boundary a PLAY is taken.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum When {
+    AtOnce,
+    AfterLoop,
+    /// At one that a leader marks.
+    InStep,
+}
+
+impl Play {
+    fn holds(&self, slot: u8) -> bool {
+        (self.first..=self.last).contains(&slot)
+    }
+}
+
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Player {
+    slot: u8,
+    wait: u16,
+    left: u16,
+    running: Option<Play>,
+    waiting: Option<Play>,
+}
+
+impl Player {
+    /// Goes over a boundary; `in_step` if its period is marked.
+    pub fn step(&mut self, in_step: bool) {
+        let at_once = |play: &Play| match play.when {
+            When::AtOnce => true,
+            When::AfterLoop => self.running.is_none(),
+            When::InStep => in_step,
+        };
+        match (self.running, self.waiting.filter(at_once)) {
+            (_, Some(play)) => self.take(play),
+            (Some(play), None) => self.go_on(play),
+            (None, None) => {}
+        }
+    }
+
+    /// Replaces what waits.
+    pub fn ask(&mut self, play: Play) {
+        self.waiting = Some(play);
+    }
+
+    /// Stays where it is.
+    pub fn stop(&mut self) {
+        (self.running, self.waiting) = (None, None);
+    }
+
+    pub fn slot(&self) -> u8 {
+        self.slot
+    }
+
+    pub fn plays_several(&self) -> bool {
+        self.running.is_some_and(|play| play.first != play.last)
+    }
+
+    pub fn waits(&self) -> bool {
+        self.waiting.is_some()
+    }
+
+    pub fn waits_in_step(&self) -> bool {
+        self.waiting.is_some_and(|play| play.when == When::InStep)
+    }
+
+    fn take(&mut self, play: Play) {
+        *self = Self {
+            slot: play.first,
+            wait: play.divider,
+            left: play.loops,
+            running: Some(play),
+            waiting: None,
+        };
+    }
+
+    fn go_on(&mut self, play: Play) {
+        self.wait -= 1;
+        if self.wait > 0 {
+            return;
+        }
+        self.wait = play.divider;
+        if self.slot < play.last {
+            self.slot += 1;
+        } else if let Some(next) = self.waiting.filter(|play| play.when == When::AfterLoop) {
+            self.take(next);
+        } else if play.loops == 0 {
+            self.slot = play.first;
+        } else {
+            self.left -= 1;
+            if self.left == 0 {
+                self.running = None;
+            } else {
+                self.slot = play.first;
+            }
+        }
+    }
+
+    /// Whether a slot is played, or may be without a further packet.
+    pub fn holds(&self, slot: u8) -> bool {
+        let in_range = |play: Option<Play>| play.is_some_and(|play| play.holds(slot));
+        slot == self.slot || in_range(self.running) || in_range(self.waiting)
+    }
+}

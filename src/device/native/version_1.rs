@@ -1,0 +1,95 @@
+//! Version 1 of the protocol, as far as a device still answers it: INFO, so that an old program can say which version it met.
+
+use crc::{CRC_16_GENIBUS, Crc};
+
+use crate::device::native::line::Spoiled;
+use crate::device::native::reply::{Flags, Info, less_one};
+use crate::device::native::table::{Kind, Outcome, REPLY};
+
+const CHECKSUM: Crc<u16> = Crc::<u16>::new(&CRC_16_GENIBUS);
+/// Of the flags, those that version 1 knows.
+const FLAGS: u8 = 0x3F;
+
+/// INFO as version 1 has it, the delimiter at its end included.
+pub fn info(seq: u8) -> Vec<u8> {
+    framed(vec![Kind::Info.code(), seq, 0, 0, 0, 0])
+}
+
+/// The sequence number, if this is version 1's INFO.
+///
+/// # Errors
+/// It is not.
+pub fn asked(bytes: &[u8]) -> Result<u8, Spoiled> {
+    match checked(bytes)?[..] {
+        [code, seq, _, _, _, _] if code == Kind::Info.code() => Ok(seq),
+        _ => Err(Spoiled),
+    }
+}
+
+/// A device's answer to version 1's INFO; its result is UNKNOWN.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Introduction {
+    pub seq: u8,
+    pub flags: Flags,
+    pub info: Info,
+}
+
+impl Introduction {
+    /// What goes over the line, the delimiter at its end included.
+    pub fn to_line(&self) -> Vec<u8> {
+        let (info, flags) = (self.info, self.flags.bits() & FLAGS);
+        let mut body = vec![Kind::Info.code() + REPLY, self.seq, Outcome::Unknown.code(), flags];
+        body.extend([info.protocol, info.phase_bits, less_one(info.slots), info.version]);
+        body.extend(info.carrier_millihertz.to_le_bytes());
+        body.extend([less_one(info.channels), info.largest_baud]);
+        framed(body)
+    }
+}
+
+fn framed(mut body: Vec<u8>) -> Vec<u8> {
+    body.extend(CHECKSUM.checksum(&body).to_be_bytes());
+    let mut line = cobs::encode_vec(&body);
+    line.push(0);
+    line
+}
+
+fn checked(bytes: &[u8]) -> Result<Vec<u8>, Spoiled> {
+    let mut body = cobs::decode_vec(bytes).map_err(|_| Spoiled)?;
+    let Some((rest, &check)) = body.split_last_chunk() else { return Err(Spoiled) };
+    if CHECKSUM.checksum(rest) != u16::from_be_bytes(check) {
+        return Err(Spoiled);
+    }
+    body.truncate(body.len() - check.len());
+    Ok(body)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::device::native::model::Model;
+    use crate::device::native::packet::Packet;
+
+    #[test]
+    fn only_info_of_version_1_is_recognised() {
+        let line = info(77);
+        assert_eq!(line.len(), 10);
+        assert_eq!(asked(line.strip_suffix(&[0]).unwrap()), Ok(77));
+        for other in [framed(vec![2, 77, 0, 0, 0, 0]), framed(vec![1, 77, 0, 0, 0]), Packet::info().to_line()]
+        {
+            assert_eq!(asked(other.strip_suffix(&[0]).unwrap()), Err(Spoiled));
+        }
+        assert_eq!(asked(&[]), Err(Spoiled));
+    }
+
+    #[test]
+    fn a_device_answers_in_the_form_of_version_1_and_counts_it_as_spoiled() {
+        let mut model = Model::new(7);
+        model.press(true);
+        let line = model.introduce(9).unwrap().to_line();
+        let body = checked(line.strip_suffix(&[0]).unwrap()).unwrap();
+        assert_eq!(body[..8], [0x81, 9, 4, 0b00_1010, 2, 7, 63, 2]);
+        assert_eq!(body.len(), 14);
+        assert_eq!(model.introduce(9).map(|answer| answer.info.protocol), Some(2));
+        assert_eq!(Model::new(7).with_address(1).introduce(9), None);
+    }
+}
