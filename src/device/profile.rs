@@ -204,27 +204,16 @@ impl Profile {
         }
     }
 
-    /// Whether it says that it is there, and what it has heard.
-    pub fn answers(self) -> bool {
-        match self {
-            Self::Native => true,
-            // The Mega's echo says that it exchanged its buffers, not what is in them.
-            Self::SonicSurface
-            | Self::SonicSurface2
-            | Self::SonicSurfaceTactile
-            | Self::UltrainoSimpleFpga
-            | Self::UltrainoMega64
-            | Self::Acoustophoretic512 => false,
-        }
-    }
-
     /// What a user should know before the board is sent anything.
     pub fn remark(self) -> Option<&'static str> {
         match self {
             Self::Native => None,
-            Self::SonicSurface | Self::SonicSurface2 | Self::UltrainoSimpleFpga | Self::UltrainoMega64 => {
+            Self::SonicSurface | Self::SonicSurface2 | Self::UltrainoMega64 => {
                 Some("every element sounds from power-up until a program connects")
             }
+            Self::UltrainoSimpleFpga => Some(
+                "its gateware is not published: every element may sound from power-up until a program connects",
+            ),
             Self::SonicSurfaceTactile => Some(
                 "the phase corrections in its published gateware are taken off; for gateware built without them give the \
                  calibration sonicsurface-tactile-zero-table.csv",

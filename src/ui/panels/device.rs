@@ -250,6 +250,13 @@ fn line(board: &BoardShown, profile: Profile, health: &Health, ui: &mut Ui) {
         let tip = if profile.answers() { "That the board has" } else { "That were sent" };
         fact(ui, ("Frames", tip), frames);
         fact(ui, ("Bytes", "On their way to it"), format!("{:.1} kB/s", health.bytes_per_second / 1e3));
+        if let Some(rates) = health.rates {
+            fact(
+                ui,
+                ("Motion", "Frames per second: those of the scene, and those that are played"),
+                rates.to_string(),
+            );
+        }
         if let Some(latency) = health.latency {
             let tip = "From a change to the last byte of its frame on the line; the median";
             fact(ui, ("Delay", tip), milliseconds(latency.median));

@@ -4,7 +4,7 @@ mod rhythm;
 
 use std::time::{Duration, Instant};
 
-use crate::device::health::Found;
+use crate::device::health::{Found, FrameRates};
 use crate::device::levels::Levels;
 use crate::device::link::stock::rhythm::Rhythm;
 use crate::device::link::{Content, Event, LEAD, LinkError, Settings, Shared, Sounding, Wanted};
@@ -69,6 +69,8 @@ impl Session<'_> {
         let Some(content) = &wanted.content else { return self.fall_silent(wanted) };
         let modulated = stock::modulated(self.profile, &wanted.modulation, self.board.port.baud());
         self.tell_modulation(modulated, content, wanted)?;
+        let rates = self.rates(modulated, content);
+        self.shared.note(|figures| figures.health.rates = rates);
         match modulated {
             Modulated::FromHere(frequency) => self.alternate(content, frequency, wanted),
             Modulated::Steady | Modulated::ByBoard(..) | Modulated::Never(_) => self.steady(content, wanted),
@@ -79,6 +81,7 @@ impl Session<'_> {
         let key = (wanted.generation, 0);
         if self.sent != Some(key) {
             self.write(&stock::silence(self.profile))?;
+            self.shared.note(|figures| figures.health.rates = None);
             self.sent = Some(key);
         }
         self.shared.wait(wanted.generation, REFRESH);
@@ -141,6 +144,17 @@ impl Session<'_> {
                 frequency / played
             ),
         }
+    }
+
+    /// Of a motion.
+    fn rates(&self, modulated: Modulated, content: &Content) -> Option<FrameRates> {
+        let Content::Motion { rate, .. } = content else { return None };
+        let line = self.profile.frames_per_second(self.board.port.baud());
+        let played = match modulated {
+            Modulated::FromHere(frequency) => self.rhythm(frequency).frames_per_second(*rate),
+            Modulated::Steady | Modulated::ByBoard(..) | Modulated::Never(_) => rate.min(line),
+        };
+        Some(FrameRates { asked: *rate, played })
     }
 
     fn rhythm(&self, frequency: f64) -> Rhythm {
