@@ -249,6 +249,18 @@ fn ports_names_the_boards() {
         assert!(text.contains(profile.name()), "{text}");
     }
     assert!(text.contains("89 frames/s at 230400 baud"));
+    assert!(text.contains("sonicsurface: every element sounds from power-up"), "{text}");
+    let (board, _shown) = board(Setup::new(Profile::SonicSurface2));
+    let listed = format!("{} (virtual board, sonicsurface-2)", board.path().display());
+    let ports = || said(&sonoglyph().arg("ports").output().unwrap().stdout);
+    assert!(ports().lines().any(|line| line == listed), "{}", ports());
+    // A board that was killed left its link; the process of number 0 never is one.
+    let name = board.path().file_name().unwrap().to_str().unwrap().to_owned();
+    let stale = board.path().with_file_name(name.replace(&std::process::id().to_string(), "0"));
+    std::os::unix::fs::symlink("/dev/null", &stale).unwrap();
+    let there = ports().contains(stale.to_str().unwrap());
+    std::fs::remove_file(&stale).unwrap();
+    assert!(!there, "{}", stale.display());
 }
 
 #[test]

@@ -511,6 +511,41 @@ fn stock_boards_are_modulated_by_swaps() {
 }
 
 #[test]
+fn stock_boards_are_modulated_while_they_move() {
+    // At this rate a SonicSurface takes a frame in a dark half of 5 ms; at its own, each leaves out pulses; the other has one buffer.
+    for (profile, baud, lost) in [
+        (Profile::SonicSurface, 1_000_000, false),
+        (Profile::SonicSurface, 230_400, true),
+        (Profile::Acoustophoretic512, 2_000_000, false),
+    ] {
+        let pair = pair_with(Setup { baud: Some(baud), ..Setup::new(profile) }, Some(baud));
+        let frames: Vec<_> = (0..3).map(|n| numbered(profile, n)).collect();
+        pair.link.modulate(Modulation { shape: Envelope::Square, frequency: 100.0, depth: 1.0 });
+        pair.link.show(Content::Motion { frames: frames.clone(), rate: 40.0 });
+        let notice =
+            wait_for(&pair.link, |event| matches!(event, Event::Notice(text) if text.contains("100 times")));
+        let costs = matches!(&notice, Event::Notice(text) if text.contains("1 of 3 pulses") && text.contains("11.2 ms"));
+        assert_eq!(costs, lost, "{notice:?}");
+        let mut seen = pair.shown_until(&frames[1]);
+        seen.extend(pair.shown_until(&frames[0]));
+        // Darkness in between, always; and each frame follows the one before it, or itself.
+        let dark = Levels::off(profile);
+        let first = seen.iter().position(|levels| *levels != dark).unwrap();
+        for pulse in seen[first..].chunks(2) {
+            assert!(
+                frames.contains(&pulse[0]) && pulse.get(1).is_none_or(|second| *second == dark),
+                "{}",
+                profile.name()
+            );
+        }
+        let pulses = seen[first..].iter().step_by(2).filter(|levels| **levels == frames[1]).count();
+        assert!(pulses > 1, "{}: frame 1 has {pulses} pulses", profile.name());
+        let rates = pair.link.health().rates.unwrap();
+        assert!((rates.asked, rates.played) == (40.0, 40.0), "{rates:?}");
+    }
+}
+
+#[test]
 fn the_emergency_stop_holds_until_somebody_sends_again() {
     let pair = pair(Profile::Native);
     let levels = numbered(Profile::Native, 3);

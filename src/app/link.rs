@@ -16,7 +16,7 @@ use crate::drive::Drive;
 use crate::scene::{Modulation, motion};
 use crate::solver::{Problem, Solution};
 use crate::studio::output::note;
-use crate::ui::board::{BoardCommand, BoardShown, Plays};
+use crate::ui::board::{BoardCommand, BoardShown, Plays, PortShown};
 use crate::ui::{Editor, Notice, Panel, Shown};
 
 /// How often the figures of a link are looked at.
@@ -128,7 +128,7 @@ impl Board {
         let held = locked(&shared);
         let Some(link) = &*held else { return };
         while let Some(event) = link.event() {
-            hear(event, shown);
+            hear(event, link.settings().profile, shown);
         }
         shown.board.health = Some(link.health());
         ctx.request_repaint_after(LOOK);
@@ -247,11 +247,19 @@ fn silence_on_signals(_: Arc<Mutex<Option<Link>>>) -> std::io::Result<()> {
     Ok(())
 }
 
-fn hear(event: Event, shown: &mut Shown) {
+fn hear(event: Event, profile: Profile, shown: &mut Shown) {
     let (text, is_error) = match event {
         Event::Ready(found) => {
             shown.board.found = Some(found);
-            (format!("The board is ready, at {} baud", found.baud), false)
+            let text = match profile.answers() {
+                true => format!("The board is ready, at {} baud", found.baud),
+                false => format!(
+                    "The port is open, at {} baud; {} cannot confirm what it plays",
+                    found.baud,
+                    profile.name()
+                ),
+            };
+            (text, false)
         }
         Event::Lost(why) => (format!("The board is lost: {why}"), true),
         Event::Notice(text) => (text, false),
@@ -269,7 +277,11 @@ fn refuse(shown: &mut Shown, text: String) {
     shown.notice = Some(Notice { text, is_error: true });
 }
 
-fn ports() -> Vec<String> {
-    let ports = port::available().unwrap_or_default();
-    ports.into_iter().map(|port| port.display().to_string()).collect()
+fn ports() -> Vec<PortShown> {
+    let shown = |port: port::Listed| PortShown {
+        name: port.path.display().to_string(),
+        label: port.to_string(),
+        profile: port.profile,
+    };
+    port::available().unwrap_or_default().into_iter().map(shown).collect()
 }

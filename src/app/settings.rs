@@ -1,11 +1,13 @@
-//! What the window remembers from run to run: its place, its panels and colours, and the files that were open last.
+//! What the window remembers from run to run: its place, its panels and colours, the board, and the files that were open last.
 
 use std::io::ErrorKind;
+use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
 
 use egui::{Context, ThemePreference};
 use serde::{Deserialize, Serialize};
 
+use crate::device::profile::Profile;
 use crate::echo;
 use crate::field::Scale;
 use crate::picture::ColourMap;
@@ -18,6 +20,8 @@ use crate::ui::{Editor, Panel};
 const OFTEN: f64 = 2.0;
 /// Files that are remembered.
 const MOST_RECENT: usize = 10;
+/// Bits per second that a line may have.
+const BAUDS: RangeInclusive<u32> = 1200..=12_000_000;
 /// Bytes of the file, at most.
 const MOST_BYTES: u64 = 1 << 20;
 /// Points of the screen: windows and places that can be.
@@ -66,6 +70,11 @@ pub struct Settings {
     /// m
     pub grid: f64,
     pub snaps: bool,
+    /// Kind of board, its port, its bit rate (0: the default) and its calibration file.
+    pub board: String,
+    pub port: String,
+    pub baud: u32,
+    pub calibration: String,
     /// The last one first.
     pub recent: Vec<PathBuf>,
 }
@@ -88,6 +97,10 @@ impl Default for Settings {
             decibels: false,
             grid: 0.005,
             snaps: false,
+            board: Profile::Native.name().to_owned(),
+            port: String::new(),
+            baud: 0,
+            calibration: String::new(),
             recent: Vec::new(),
         }
     }
@@ -115,6 +128,10 @@ impl Settings {
             decibels: view.scale == Scale::Logarithmic,
             grid: editor.grid,
             snaps: editor.snaps,
+            board: editor.board.profile.name().to_owned(),
+            port: editor.board.port.trim().to_owned(),
+            baud: editor.board.baud,
+            calibration: editor.board.calibration.trim().to_owned(),
             recent: recent.to_vec(),
         }
     }
@@ -127,6 +144,11 @@ impl Settings {
         editor.layout.panel = self.panel_width;
         editor.layout.section = self.section_height;
         (editor.grid, editor.snaps) = (self.grid, self.snaps);
+        let board = &mut editor.board;
+        board.profile = Profile::of_name(&self.board).unwrap_or(board.profile);
+        board.port.clone_from(&self.port);
+        board.baud = self.baud;
+        board.calibration.clone_from(&self.calibration);
         let view = &mut editor.view;
         (view.section, view.marks) = (self.section, self.marks);
         (view.contours, view.shaded) = (self.contours, self.shaded);
@@ -160,6 +182,9 @@ impl Settings {
         self.panel_width = within(self.panel_width, 100.0, 1000.0, own.panel_width);
         self.section_height = within(self.section_height, 50.0, 1000.0, own.section_height);
         self.grid = if self.grid.is_finite() { self.grid.clamp(1e-4, 0.1) } else { own.grid };
+        if !BAUDS.contains(&self.baud) {
+            self.baud = own.baud;
+        }
         self.recent.truncate(MOST_RECENT);
         self
     }
@@ -296,12 +321,13 @@ mod tests {
             assert_eq!(settings, Settings::default());
             assert!(word.unwrap().contains("settings.toml is left aside: "));
         }
-        let odd = "size = [nan, 1e30]\nposition = [inf, 0]\npanel_width = -5\ngrid = nan\nnew_key = 1\n";
+        let odd =
+            "size = [nan, 1e30]\nposition = [inf, 0]\npanel_width = -5\ngrid = nan\nbaud = 7\nnew_key = 1\n";
         std::fs::write(&path, odd).unwrap();
         let (_, settings, word) = Memory::at(folder.path());
         assert_eq!(word, None);
         assert_eq!((settings.size, settings.position), ([1280.0, LARGEST], None));
-        assert_eq!((settings.panel_width, settings.grid), (100.0, 0.005));
+        assert_eq!((settings.panel_width, settings.grid, settings.baud), (100.0, 0.005, 0));
     }
 
     #[test]

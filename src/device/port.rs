@@ -1,5 +1,6 @@
 //! Serial ports: which there are, and one that is open.
 
+use std::fmt;
 use std::fs::File;
 use std::io::{self, IsTerminal, Read, Write};
 use std::path::{Path, PathBuf};
@@ -7,11 +8,15 @@ use std::time::{Duration, Instant};
 
 #[cfg(windows)]
 use serialport::COMPort as Serial;
-use serialport::SerialPort;
 #[cfg(unix)]
 use serialport::TTYPort as Serial;
+use serialport::{SerialPort, SerialPortInfo, SerialPortType};
 
+#[cfg(unix)]
+use crate::device::board;
 use crate::device::pace::Pace;
+use crate::device::profile::Profile;
+use crate::echo;
 
 /// After this a port that takes nothing is given up.
 const WRITE_TIMEOUT: Duration = Duration::from_millis(500);
@@ -47,11 +52,48 @@ pub struct Port {
     pace: Pace,
 }
 
-/// Ports that look like serial ones, in order.
+/// A port to choose.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Listed {
+    pub path: PathBuf,
+    /// What the system says of the adapter, or that it is a virtual board.
+    pub what: Option<String>,
+    /// Of a virtual board.
+    pub profile: Option<Profile>,
+}
+
+impl fmt::Display for Listed {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}", self.path.display())?;
+        self.what.as_ref().map_or(Ok(()), |what| write!(f, " ({what})"))
+    }
+}
+
+/// Ports that look like serial ones, in order, and then the virtual boards that run here.
 ///
 /// # Errors
 /// A system that does not say.
-pub fn available() -> io::Result<Vec<PathBuf>> {
+pub fn available() -> io::Result<Vec<Listed>> {
+    let mut ports = serial_ports()?;
+    ports.extend(virtual_boards());
+    Ok(ports)
+}
+
+#[cfg(unix)]
+fn virtual_boards() -> Vec<Listed> {
+    let listed = |(path, profile): (PathBuf, Profile)| {
+        let what = Some(format!("virtual board, {}", profile.name()));
+        Listed { path, what, profile: Some(profile) }
+    };
+    board::running().into_iter().map(listed).collect()
+}
+
+#[cfg(not(unix))]
+fn virtual_boards() -> Vec<Listed> {
+    Vec::new()
+}
+
+fn serial_ports() -> io::Result<Vec<Listed>> {
     // serialport panics where Linux lists no terminals, as in some containers.
     if cfg!(target_os = "linux")
         && let Err(error) = std::fs::read_dir(LINUX_PORTS)
@@ -59,9 +101,27 @@ pub fn available() -> io::Result<Vec<PathBuf>> {
         return if error.kind() == io::ErrorKind::NotFound { Ok(Vec::new()) } else { Err(error) };
     }
     let listed = serialport::available_ports()?;
-    let mut ports: Vec<_> = listed.into_iter().map(|port| PathBuf::from(port.port_name)).collect();
-    ports.sort();
+    let port = |port: SerialPortInfo| {
+        let what = in_words(port.port_type);
+        Listed { path: PathBuf::from(port.port_name), what, profile: None }
+    };
+    let mut ports: Vec<_> = listed.into_iter().map(port).collect();
+    ports.sort_by(|one, other| one.path.cmp(&other.path));
     Ok(ports)
+}
+
+/// Product and manufacturer of a USB adapter, which are text from outside.
+fn in_words(kind: SerialPortType) -> Option<String> {
+    match kind {
+        SerialPortType::UsbPort(usb) => {
+            let parts = [usb.product, usb.manufacturer].into_iter().flatten();
+            let parts: Vec<_> =
+                parts.map(|part| echo::message(&part)).filter(|part| !part.is_empty()).collect();
+            (!parts.is_empty()).then(|| parts.join(", "))
+        }
+        SerialPortType::BluetoothPort => Some("Bluetooth".to_owned()),
+        SerialPortType::PciPort | SerialPortType::Unknown => None,
+    }
 }
 
 impl Port {
@@ -221,4 +281,29 @@ fn never_block(serial: &Serial) -> io::Result<()> {
 #[cfg(windows)]
 fn never_block(_: &Serial) -> io::Result<()> {
     Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use serialport::UsbPortInfo;
+
+    use super::*;
+
+    #[test]
+    fn adapters_are_named_as_the_system_names_them() {
+        let named = |product: Option<&str>, manufacturer: Option<&str>| {
+            let [product, manufacturer] = [product, manufacturer].map(|name| name.map(str::to_owned));
+            in_words(SerialPortType::UsbPort(UsbPortInfo {
+                vid: 0x0403,
+                pid: 0x6001,
+                serial_number: None,
+                manufacturer,
+                product,
+            }))
+        };
+        assert_eq!(named(Some("FT232R USB UART"), Some("FTDI")).unwrap(), "FT232R USB UART, FTDI");
+        assert_eq!(named(None, Some("FTDI")).unwrap(), "FTDI");
+        assert_eq!((named(None, Some("")), in_words(SerialPortType::Unknown)), (None, None));
+        assert!(!named(Some("\u{1b}[2J"), None).unwrap().contains('\u{1b}'), "text from outside is escaped");
+    }
 }

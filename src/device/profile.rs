@@ -217,6 +217,26 @@ impl Profile {
         }
     }
 
+    /// What a user should know before the board is sent anything.
+    pub fn remark(self) -> Option<&'static str> {
+        match self {
+            Self::Native => None,
+            Self::SonicSurface | Self::SonicSurface2 | Self::UltrainoMega64 => {
+                Some("every element sounds from power-up until a program connects")
+            }
+            Self::UltrainoSimpleFpga => Some(
+                "its gateware is not published: every element may sound from power-up until a program connects",
+            ),
+            Self::SonicSurfaceTactile => Some(
+                "the phase corrections in its published gateware are taken off; for gateware built without them give the \
+                 calibration sonicsurface-tactile-zero-table.csv",
+            ),
+            Self::Acoustophoretic512 => Some(
+                "its USB chip must appear as a serial port; every element sounds for the first second after power-up",
+            ),
+        }
+    }
+
     /// "89 frames/s at 230400 baud"
     pub fn bandwidth(self, baud: u32) -> String {
         format!("{:.0} frames/s at {baud} baud", self.frames_per_second(baud).floor())

@@ -10,7 +10,7 @@ use crate::device::profile::Profile;
 pub struct BoardForm {
     pub port: String,
     pub profile: Profile,
-    /// 0: the board's usual.
+    /// 0: the default baud rate.
     pub baud: u32,
     /// A CSV file, or nothing.
     pub calibration: String,
@@ -74,13 +74,23 @@ pub enum Plays {
     Checkerboard,
 }
 
+/// A port to choose.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct PortShown {
+    pub name: String,
+    /// With what the system says of it.
+    pub label: String,
+    /// Of a virtual board.
+    pub profile: Option<Profile>,
+}
+
 /// What is known.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct BoardShown {
-    pub ports: Vec<String>,
+    pub ports: Vec<PortShown>,
     /// Why there are no boards at all in this program.
     pub unavailable: Option<String>,
-    /// There once somebody connects.
+    /// There once a port is to be opened.
     pub health: Option<Health>,
     pub found: Option<Found>,
     pub plays: Plays,

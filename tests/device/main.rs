@@ -139,7 +139,7 @@ fn a_board_that_was_just_switched_on_makes_sense_of_all_that_it_is_told() {
         assert!(twin.shown().elements.iter().all(|&level| level == first), "{}", profile.name());
         let mut bytes = [stock::silence(profile), stock::frame(&random_levels(profile, 3))].concat();
         let slow = Modulation { shape: Envelope::Sine, frequency: 1.0, depth: 1.0 };
-        if let Modulated::ByBoard(byte, _) = stock::modulated(profile, &slow) {
+        if let Modulated::ByBoard(byte, _) = stock::modulated(profile, &slow, profile.baud()) {
             bytes.push(byte);
         }
         bytes.extend(stock::silence(profile));
@@ -243,18 +243,21 @@ fn calibration_that_makes_no_sense_is_refused_by_line() {
 #[test]
 fn modulation_is_done_by_whoever_can() {
     let modulation = Modulation { shape: Envelope::Sine, frequency: 200.0, depth: 1.0 };
-    assert_eq!(stock::modulated(Profile::SonicSurface, &modulation), Modulated::BySwaps(200.0));
-    assert_eq!(stock::modulated(Profile::Acoustophoretic512, &modulation), Modulated::Never);
+    let modulated = |profile: Profile, modulation| stock::modulated(profile, modulation, profile.baud());
+    for profile in
+        [Profile::SonicSurface, Profile::SonicSurface2, Profile::UltrainoSimpleFpga, Profile::UltrainoMega64]
+    {
+        assert_eq!(modulated(profile, &modulation), Modulated::FromHere(200.0), "{}", profile.name());
+    }
+    // 48.8 frames/s at 250000 baud, and two to a period.
+    let never = modulated(Profile::Acoustophoretic512, &modulation);
+    assert!(matches!(never, Modulated::Never(fastest) if (fastest - 24.4).abs() < 0.1), "{never:?}");
+    let fast = stock::modulated(Profile::Acoustophoretic512, &modulation, 3_000_000);
+    assert_eq!(fast, Modulated::FromHere(200.0), "a faster line does it");
     // 1250 / (step + 1): 208.3 Hz is the nearest that the tactile build has.
-    assert_eq!(
-        stock::modulated(Profile::SonicSurfaceTactile, &modulation),
-        Modulated::ByBoard(0xA5, 1250.0 / 6.0)
-    );
+    let tactile = |modulation| modulated(Profile::SonicSurfaceTactile, modulation);
+    assert_eq!(tactile(&modulation), Modulated::ByBoard(0xA5, 1250.0 / 6.0));
     let slow = Modulation { frequency: 1.0, ..modulation };
-    assert_eq!(
-        stock::modulated(Profile::SonicSurfaceTactile, &slow),
-        Modulated::ByBoard(0xBF, 1250.0 / 32.0),
-        "the slowest that it has"
-    );
-    assert_eq!(stock::modulated(Profile::SonicSurface, &Modulation::default()), Modulated::Steady);
+    assert_eq!(tactile(&slow), Modulated::ByBoard(0xBF, 1250.0 / 32.0), "the slowest that it has");
+    assert_eq!(modulated(Profile::SonicSurface, &Modulation::default()), Modulated::Steady);
 }

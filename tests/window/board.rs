@@ -5,7 +5,7 @@ use std::time::{Duration, Instant};
 
 use egui::{Pos2, vec2};
 use egui_kittest::Harness;
-use egui_kittest::kittest::Queryable;
+use egui_kittest::kittest::{NodeT, Queryable};
 use glam::DVec2;
 use sonoglyph::app::Window;
 use sonoglyph::device::board::{Board, Setup, Shown};
@@ -113,6 +113,9 @@ fn what_is_dragged_is_played() {
             lost.is_some_and(|notice| notice.is_error && notice.text.contains("lost"))
         };
         until(&mut screen, "a word", is_lost);
+        for name in ["Send", "One alone", "Checkerboard"] {
+            assert!(screen.get_by_label(name).accesskit_node().is_disabled(), "{name}: there is no board");
+        }
         let to = place(&screen, 20.0, 5.0);
         screen.hover_at(to);
         screen.run_steps(2);
@@ -172,4 +175,50 @@ fn an_array_that_is_not_the_boards_is_refused_with_a_word() {
     until(&mut screen, "a word", is_refused);
     assert_eq!(screen.state().shown().board.plays, Plays::Nothing);
     assert!(is_silent(&board));
+}
+
+#[test]
+fn a_virtual_board_is_chosen_as_a_port_and_remembered_and_claims_no_more_than_it_knows() {
+    let folder = tempfile::tempdir().unwrap();
+    let there = folder.path().to_owned();
+    let open_there = || {
+        let there = there.clone();
+        let mut screen = Harness::builder().with_size(vec2(1280.0, 800.0)).build_eframe(move |context| {
+            let mut window = Window::with_example(&context.egui_ctx);
+            window.remember_in(&there, &context.egui_ctx);
+            window
+        });
+        screen.run_steps(4);
+        screen
+    };
+    let board = Board::start(Setup::new(Profile::SonicSurface), Box::new(|_| {})).unwrap();
+    let name = board.path().display().to_string();
+    {
+        let mut screen = open_there();
+        screen.get_by_label("Device").click();
+        screen.run_steps(4);
+        screen.get_by_label("ports").click();
+        screen.run_steps(4);
+        screen.get_by_label(&format!("{name} (virtual board, sonicsurface)")).click();
+        screen.run_steps(4);
+        let form = &mut screen.state_mut().editor_mut().board;
+        assert_eq!((&form.port, form.profile), (&name, Profile::SonicSurface));
+        (form.baud, form.calibration) = (230_400, "mine.csv".to_owned());
+        screen.run_steps(2);
+    }
+    let mut screen = open_there();
+    let form = &mut screen.state_mut().editor_mut().board;
+    assert_eq!((&form.port, form.profile), (&name, Profile::SonicSurface));
+    assert_eq!((form.baud, std::mem::take(&mut form.calibration)), (230_400, "mine.csv".to_owned()));
+    screen.run_steps(2);
+    screen.get_by_label("Connect").click();
+    let confirms_nothing = "port open; this board cannot confirm";
+    until(&mut screen, "the port", |screen| screen.query_by_label(confirms_nothing).is_some());
+    assert!(!screen.get_by_label("Send").accesskit_node().is_disabled());
+    let messages = &screen.state().shown().board.messages;
+    assert!(messages.iter().all(|message| !message.contains("ready")), "{messages:?}");
+    assert!(
+        messages.iter().any(|message| message.contains("every element sounds from power-up")),
+        "{messages:?}"
+    );
 }

@@ -10,11 +10,11 @@ pub fn run() -> anyhow::Result<()> {
     let ports = port::available()?;
     if ports.is_empty() {
         say!(
-            "There is no serial port. A board's appears when it is plugged in; `sonoglyph board` makes one up."
+            "There is no serial port. A board's appears when it is plugged in; `sonoglyph board` emulates a board."
         )?;
     }
     for port in ports {
-        say!("{}", port.display())?;
+        say!("{port}")?;
     }
     let mut table = Table::new();
     table.set_header(["--profile", "elements", "phases", "amplitudes", "at most"]);
@@ -31,5 +31,11 @@ pub fn run() -> anyhow::Result<()> {
             profile.bandwidth(profile.baud()),
         ]);
     }
-    say!("{table}")
+    say!("{table}")?;
+    for profile in Profile::ALL {
+        if let Some(remark) = profile.remark() {
+            say!("{}: {remark}", profile.name())?;
+        }
+    }
+    Ok(())
 }

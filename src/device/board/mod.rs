@@ -92,6 +92,37 @@ pub struct Board {
     thread: Option<JoinHandle<()>>,
 }
 
+/// Of the links in the folder for temporary files that lead to virtual boards.
+const LINK: &str = "sonoglyph-";
+
+/// The virtual boards that run on this machine: their ports, and what they are, in order.
+pub fn running() -> Vec<(PathBuf, Profile)> {
+    let entries = std::fs::read_dir(std::env::temp_dir()).into_iter().flatten().flatten();
+    let board = |path: PathBuf| {
+        let (profile, process) = parse_link(path.file_name()?.to_str()?)?;
+        // A board that was killed leaves its link, and the terminal behind it may be another program's by now.
+        let runs = path.exists() && is_running(process);
+        runs.then_some((path, profile))
+    };
+    let mut boards: Vec<_> = entries.filter_map(|entry| board(entry.path())).collect();
+    boards.sort_by(|(one, _), (other, _)| one.cmp(other));
+    boards
+}
+
+/// The board of a link's name, and the process that it runs in.
+fn parse_link(name: &str) -> Option<(Profile, u32)> {
+    let (rest, count) = name.strip_prefix(LINK)?.rsplit_once('-')?;
+    let (profile, process) = rest.rsplit_once('-')?;
+    count.parse::<u64>().ok()?;
+    Some((Profile::of_name(profile)?, process.parse().ok()?))
+}
+
+/// Where the system lists its processes; elsewhere a link is believed.
+fn is_running(process: u32) -> bool {
+    let processes = Path::new("/proc");
+    !processes.join("self").exists() || processes.join(process.to_string()).exists()
+}
+
 /// Called for every frame that is shown, at once.
 pub type Watch = Box<dyn FnMut(&Shown) + Send>;
 
@@ -101,7 +132,7 @@ impl Board {
     pub fn start(setup: Setup, watch: Watch) -> io::Result<Self> {
         static COUNT: AtomicU64 = AtomicU64::new(0);
         let count = COUNT.fetch_add(1, Ordering::Relaxed);
-        let name = format!("sonoglyph-{}-{}-{count}", setup.profile.name(), std::process::id());
+        let name = format!("{LINK}{}-{}-{count}", setup.profile.name(), std::process::id());
         let path = std::env::temp_dir().join(name);
         let hand = Arc::new(Hand::default());
         *locked(&hand.faults) = setup.faults;
@@ -375,4 +406,21 @@ fn switched_on(setup: &Setup) -> io::Result<Logic> {
         }
         (profile, _) => Logic::Stock(Box::new(Stock::new(profile))),
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn links_of_boards_are_told_from_other_files() {
+        assert_eq!(parse_link("sonoglyph-sonicsurface-2-4711-0"), Some((Profile::SonicSurface2, 4711)));
+        assert_eq!(parse_link("sonoglyph-native-1-12"), Some((Profile::Native, 1)));
+        for other in
+            ["sonoglyph-native-1", "sonoglyph-abacus-1-0", "sonoglyph-", "native-1-0", "sonoglyph-native-x-0"]
+        {
+            assert_eq!(parse_link(other), None, "{other}");
+        }
+        assert!(is_running(std::process::id()));
+    }
 }

@@ -65,22 +65,35 @@ pub fn silence(profile: Profile) -> Vec<u8> {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Modulated {
     Steady,
-    /// The sender exchanges buffers at twice this frequency (Hz): on and off.
-    BySwaps(f64),
+    /// The sender switches the sound on and off at this frequency (Hz).
+    FromHere(f64),
     /// The board does it, told by this byte, at this frequency (Hz).
     ByBoard(u8, f64),
-    Never,
+    /// The line is too slow; the fastest that it could do (Hz).
+    Never(f64),
 }
 
-pub fn modulated(profile: Profile, modulation: &Modulation) -> Modulated {
+/// What becomes of a modulation over a line of so many bits per second.
+pub fn modulated(profile: Profile, modulation: &Modulation, baud: u32) -> Modulated {
+    let frequency = modulation.frequency;
     match (modulation.shape, profile) {
         (Envelope::Off, _) => Modulated::Steady,
         (_, Profile::SonicSurfaceTactile) => {
-            let (byte, frequency) = phase_list::tactile_step(modulation.frequency);
+            let (byte, frequency) = phase_list::tactile_step(frequency);
             Modulated::ByBoard(byte, frequency)
         }
-        (_, profile) if swap(profile).is_some() => Modulated::BySwaps(modulation.frequency),
-        _ => Modulated::Never,
+        (
+            _,
+            Profile::SonicSurface
+            | Profile::SonicSurface2
+            | Profile::UltrainoSimpleFpga
+            | Profile::UltrainoMega64,
+        ) => Modulated::FromHere(frequency),
+        // Without a second buffer each half period is a frame.
+        (_, Profile::Native | Profile::Acoustophoretic512) => {
+            let fastest = profile.frames_per_second(baud) / 2.0;
+            if frequency <= fastest { Modulated::FromHere(frequency) } else { Modulated::Never(fastest) }
+        }
     }
 }
 

@@ -12,7 +12,7 @@ use crate::ui::{Command, Editor, Shown, theme};
 
 /// Bits per second that the most usual adapters have.
 const BAUDS: [(u32, &str); 8] = [
-    (0, "the board's usual"),
+    (0, "default baud rate"),
     (115_200, "115200"),
     (230_400, "230400"),
     (921_600, "921600"),
@@ -37,7 +37,7 @@ pub fn show(editor: &mut Editor, shown: &Shown, ui: &mut Ui, commands: &mut Vec<
         ui.separator();
         trial(editor, board, health, ui, &mut ask);
         ui.separator();
-        line(board, health, ui);
+        line(board, editor.board.profile, health, ui);
     }
     ui.separator();
     played(editor, board, ui);
@@ -72,6 +72,9 @@ fn connection(editor: &mut Editor, board: &BoardShown, ui: &mut Ui, ask: &mut im
         ))
         .weak(),
     );
+    if let Some(remark) = profile.remark() {
+        ui.label(RichText::new(format!("{}: {remark}", profile.name())).color(theme::warning(ui.visuals())));
+    }
     ui.horizontal(|ui| {
         if is_open {
             if ui.button("Disconnect").on_hover_text("The board falls silent").clicked() {
@@ -87,7 +90,7 @@ fn connection(editor: &mut Editor, board: &BoardShown, ui: &mut Ui, ask: &mut im
                 ask(BoardCommand::Connect);
             }
         }
-        state(board, ui);
+        state(board, profile, ui);
     });
 }
 
@@ -102,9 +105,10 @@ fn port(editor: &mut Editor, board: &BoardShown, ui: &mut Ui, ask: &mut impl FnM
             if board.ports.is_empty() {
                 ui.label("There is no serial port");
             }
-            for name in &board.ports {
-                if ui.button(name).clicked() {
-                    editor.board.port.clone_from(name);
+            for port in &board.ports {
+                if ui.button(&port.label).clicked() {
+                    editor.board.port.clone_from(&port.name);
+                    editor.board.profile = port.profile.unwrap_or(editor.board.profile);
                     ui.close();
                 }
             }
@@ -116,7 +120,7 @@ fn port(editor: &mut Editor, board: &BoardShown, ui: &mut Ui, ask: &mut impl FnM
     ui.end_row();
 }
 
-fn state(board: &BoardShown, ui: &mut Ui) {
+fn state(board: &BoardShown, profile: Profile, ui: &mut Ui) {
     match board.health.as_ref().map(|health| &health.state) {
         None => {
             ui.weak("not connected");
@@ -125,8 +129,12 @@ fn state(board: &BoardShown, ui: &mut Ui) {
             ui.spinner();
             ui.label("looking for the board");
         }
-        Some(State::Ready) => {
+        Some(State::Ready) if profile.answers() => {
             ui.label(RichText::new("connected").strong());
+        }
+        Some(State::Ready) => {
+            let tip = "It answers nothing: whether it is there, and what it plays, is not known here";
+            ui.label(RichText::new("port open; this board cannot confirm").strong()).on_hover_text(tip);
         }
         Some(State::Lost(_)) => {
             ui.spinner();
@@ -147,15 +155,13 @@ fn sending(
         ui.label(RichText::new(why).color(theme::error(ui.visuals())));
     }
     ui.horizontal(|ui| {
-        if ui.button("Send").on_hover_text("The board plays the scene from now on").clicked() {
+        let obstacle = obstacle(health);
+        if button(ui, "Send", "The board plays the scene from now on", obstacle.as_deref()) {
             ask(BoardCommand::Send);
         }
-        let moves = motion::moves(editor.scene());
-        let motion = ui.add_enabled(moves, egui::Button::new("Play motion"));
-        let motion = motion
-            .on_hover_text("All frames, over and over; a native board keeps them and needs nobody")
-            .on_disabled_hover_text("Nothing moves in this scene");
-        if motion.clicked() {
+        let rests = (!motion::moves(editor.scene())).then(|| "Nothing moves in this scene".to_owned());
+        let tip = "All frames, over and over; a native board keeps them and plays them by itself";
+        if button(ui, "Play motion", tip, obstacle.or(rests).as_deref()) {
             ask(BoardCommand::PlayMotion);
         }
         let stop = ui.add_enabled(board.plays != Plays::Nothing, egui::Button::new("Stop"));
@@ -186,6 +192,21 @@ fn sending(
     }
 }
 
+/// Why nothing can be sent now.
+fn obstacle(health: &Health) -> Option<String> {
+    match &health.state {
+        State::Ready => None,
+        State::Connecting => Some("The board is not ready yet".to_owned()),
+        State::Lost(why) => Some(format!("The board is lost: {why}")),
+    }
+}
+
+/// A button, or the reason that there is for not having it. Whether it was clicked.
+fn button(ui: &mut Ui, name: &str, tip: &str, obstacle: Option<&str>) -> bool {
+    let button = ui.add_enabled(obstacle.is_none(), egui::Button::new(name)).on_hover_text(tip);
+    button.on_disabled_hover_text(obstacle.unwrap_or_default()).clicked()
+}
+
 /// The board's carrier (Hz), if the scene is made for another.
 fn other_carrier(editor: &Editor, board: &BoardShown) -> Option<f64> {
     let carrier = board.found.and_then(|found| found.carrier)?;
@@ -209,26 +230,33 @@ fn trial(
             ask(BoardCommand::One);
         }
     });
-    ui.add_enabled_ui(health.state == State::Ready, |ui| {
-        ui.horizontal(|ui| {
-            if ui.button("One alone").on_hover_text("Only this element sounds, fully").clicked() {
-                ask(BoardCommand::One);
-            }
-            if ui.button("Checkerboard").on_hover_text("Neighbours in antiphase: nothing far away").clicked()
-            {
-                ask(BoardCommand::Checkerboard);
-            }
-        });
+    let obstacle = obstacle(health);
+    ui.horizontal(|ui| {
+        if button(ui, "One alone", "Only this element sounds, fully", obstacle.as_deref()) {
+            ask(BoardCommand::One);
+        }
+        let tip = "Neighbours in antiphase: nothing far away";
+        if button(ui, "Checkerboard", tip, obstacle.as_deref()) {
+            ask(BoardCommand::Checkerboard);
+        }
     });
 }
 
-fn line(board: &BoardShown, health: &Health, ui: &mut Ui) {
+fn line(board: &BoardShown, profile: Profile, health: &Health, ui: &mut Ui) {
     heading(ui, "The line");
     let milliseconds = |duration: std::time::Duration| format!("{:.2} ms", duration.as_secs_f64() * 1e3);
     form(ui, "line", |ui| {
         let frames = format!("{}, {:.0} per second", health.frames, health.frames_per_second);
-        fact(ui, ("Frames", "That the board has"), frames);
+        let tip = if profile.answers() { "That the board has" } else { "That were sent" };
+        fact(ui, ("Frames", tip), frames);
         fact(ui, ("Bytes", "On their way to it"), format!("{:.1} kB/s", health.bytes_per_second / 1e3));
+        if let Some(rates) = health.rates {
+            fact(
+                ui,
+                ("Motion", "Frames per second: those of the scene, and those that are played"),
+                rates.to_string(),
+            );
+        }
         if let Some(latency) = health.latency {
             let tip = "From a change to the last byte of its frame on the line; the median";
             fact(ui, ("Delay", tip), milliseconds(latency.median));
@@ -236,8 +264,8 @@ fn line(board: &BoardShown, health: &Health, ui: &mut Ui) {
         if let Some(round_trip) = health.round_trip {
             let value = format!("{} ± {}", milliseconds(round_trip.median), milliseconds(round_trip.jitter));
             fact(ui, ("Answers after", "From a packet's last byte to its answer"), value);
-            let tip = "Packets that were spoiled on the line or refused; they were sent again";
-            fact(ui, ("Sent again", tip), health.refused.to_string());
+            let tip = "Packets that were corrupted on the line or refused, and sent again";
+            fact(ui, ("Retransmissions", tip), health.refused.to_string());
         }
         if let Some(swaps) = health.swaps {
             let hertz = 0.5 / swaps.median.as_secs_f64();

@@ -1,0 +1,339 @@
+//! Sending to boards that do not answer: frames as fast as the line takes them, and modulation by exchanging buffers in time.
+
+mod rhythm;
+
+use std::time::{Duration, Instant};
+
+use crate::device::health::{Found, FrameRates};
+use crate::device::levels::Levels;
+use crate::device::link::stock::rhythm::Rhythm;
+use crate::device::link::{Content, Event, LEAD, LinkError, Settings, Shared, Sounding, Wanted};
+use crate::device::port::Port;
+use crate::device::profile::Profile;
+use crate::device::stock::{self, Modulated};
+
+/// A frame that does not change is sent again after this, in case a byte was damaged on its way.
+const REFRESH: Duration = Duration::from_millis(250);
+/// So long before a swap the thread stops sleeping and looks at the clock.
+const WATCHFUL: Duration = Duration::from_micros(300);
+
+pub fn run(settings: &Settings, shared: &Shared) -> Result<(), LinkError> {
+    let port = Port::open(&settings.port, settings.baud())?;
+    let silence = stock::silence(settings.profile);
+    let mut session = Session {
+        board: Sounding { port, silence: silence.clone(), shared },
+        shared,
+        profile: settings.profile,
+        sent: None,
+        sent_at: Instant::now(),
+        ready_at: Instant::now(),
+        told: None,
+    };
+    session.write(&silence)?;
+    std::thread::sleep(session.board.port.backlog());
+    session.ready_at = Instant::now();
+    let found = Found { baud: settings.baud(), carrier: None, slots: 0, phase_bits: None };
+    shared.tell(Event::Ready(found));
+    if let Some(remark) = settings.profile.remark() {
+        shared.notice(&format!("{}: {remark}", settings.profile.name()));
+    }
+    loop {
+        let wanted = shared.wanted();
+        if wanted.closing {
+            return Ok(());
+        }
+        session.follow(&wanted)?;
+    }
+}
+
+struct Session<'a> {
+    board: Sounding<'a>,
+    shared: &'a Shared,
+    profile: Profile,
+    /// Generation and frame that were sent last.
+    sent: Option<(u64, usize)>,
+    sent_at: Instant,
+    ready_at: Instant,
+    /// The modulation that the board was told of, and what the user was.
+    told: Option<(Modulated, Option<String>)>,
+}
+
+impl Session<'_> {
+    fn write(&mut self, bytes: &[u8]) -> Result<Instant, LinkError> {
+        let gone = self.board.port.write(bytes)?;
+        self.shared.note_bytes(bytes.len());
+        Ok(gone)
+    }
+
+    fn follow(&mut self, wanted: &Wanted) -> Result<(), LinkError> {
+        let Some(content) = &wanted.content else { return self.fall_silent(wanted) };
+        let modulated = stock::modulated(self.profile, &wanted.modulation, self.board.port.baud());
+        self.tell_modulation(modulated, content, wanted)?;
+        let rates = self.rates(modulated, content);
+        self.shared.note(|figures| figures.health.rates = rates);
+        match modulated {
+            Modulated::FromHere(frequency) => self.alternate(content, frequency, wanted),
+            Modulated::Steady | Modulated::ByBoard(..) | Modulated::Never(_) => self.steady(content, wanted),
+        }
+    }
+
+    fn fall_silent(&mut self, wanted: &Wanted) -> Result<(), LinkError> {
+        let key = (wanted.generation, 0);
+        if self.sent != Some(key) {
+            self.write(&stock::silence(self.profile))?;
+            self.shared.note(|figures| figures.health.rates = None);
+            self.sent = Some(key);
+        }
+        self.shared.wait(wanted.generation, REFRESH);
+        self.look()
+    }
+
+    fn tell_modulation(
+        &mut self,
+        modulated: Modulated,
+        content: &Content,
+        wanted: &Wanted,
+    ) -> Result<(), LinkError> {
+        let text = self.in_words(modulated, content, wanted.modulation.frequency);
+        let told = Some((modulated, text.clone()));
+        if self.told == told {
+            return Ok(());
+        }
+        self.told = told;
+        if let Modulated::ByBoard(byte, _) = modulated {
+            self.write(&[byte])?;
+        }
+        text.iter().for_each(|text| self.shared.notice(text));
+        Ok(())
+    }
+
+    /// What becomes of a modulation of so many Hz.
+    fn in_words(&self, modulated: Modulated, content: &Content, asked: f64) -> Option<String> {
+        let name = self.profile.name();
+        match modulated {
+            Modulated::Steady => None,
+            Modulated::ByBoard(_, frequency) => Some(format!(
+                "{name} modulates by itself, at {frequency:.1} Hz; {asked:.1} Hz were asked for"
+            )),
+            Modulated::Never(fastest) => Some(format!(
+                "{name} cannot be switched on and off {asked} times a second, but {fastest:.0} times at most at \
+                 {} baud: the sound is steady, and hardly felt",
+                self.board.port.baud()
+            )),
+            Modulated::FromHere(frequency) => Some(format!(
+                "{name} has no modulation: it is switched on and off {frequency} times a second from here{}",
+                self.motion_in_words(frequency, content)
+            )),
+        }
+    }
+
+    /// What a modulation leaves of a motion.
+    fn motion_in_words(&self, frequency: f64, content: &Content) -> String {
+        let Content::Motion { rate, .. } = content else { return String::new() };
+        let rhythm = self.rhythm(frequency);
+        let played = rhythm.frames_per_second(*rate);
+        let costs = 1e3 * (rhythm.load + rhythm.show).as_secs_f64();
+        match rhythm.lost() {
+            0 if played >= *rate => String::new(),
+            0 => format!(
+                "; {played:.0} of {rate:.0} frames/s are played: each takes {costs:.1} ms on the line"
+            ),
+            lost => format!(
+                "; {played:.0} of {rate:.0} frames/s are played, and {lost} of {:.0} pulses are left out for each: it takes \
+                 {costs:.1} ms on the line",
+                frequency / played
+            ),
+        }
+    }
+
+    /// Of a motion.
+    fn rates(&self, modulated: Modulated, content: &Content) -> Option<FrameRates> {
+        let Content::Motion { rate, .. } = content else { return None };
+        let line = self.profile.frames_per_second(self.board.port.baud());
+        let played = match modulated {
+            Modulated::FromHere(frequency) => self.rhythm(frequency).frames_per_second(*rate),
+            Modulated::Steady | Modulated::ByBoard(..) | Modulated::Never(_) => rate.min(line),
+        };
+        Some(FrameRates { asked: *rate, played })
+    }
+
+    fn rhythm(&self, frequency: f64) -> Rhythm {
+        let off = Levels::off(self.profile);
+        let time_of = |bytes: Vec<u8>| self.board.port.time_of(bytes.len());
+        match stock::swap(self.profile) {
+            Some(swap) => Rhythm::new(frequency, time_of(stock::load(&off)), time_of(vec![swap])),
+            None => Rhythm::new(frequency, Duration::ZERO, time_of(stock::frame(&off))),
+        }
+    }
+
+    /// One look at what is due, and then a wait until something else may be.
+    fn steady(&mut self, content: &Content, wanted: &Wanted) -> Result<(), LinkError> {
+        let backlog = self.board.port.backlog();
+        if backlog > LEAD {
+            // What is newest then is sent.
+            std::thread::sleep(backlog - LEAD);
+            return Ok(());
+        }
+        let elapsed = wanted.since.elapsed();
+        let (frame, levels) = content.at(elapsed);
+        let key = (wanted.generation, frame);
+        let due = self.sent_at + REFRESH;
+        if self.sent != Some(key) || Instant::now() >= due {
+            let fresh = self.sent.is_none_or(|(generation, _)| generation != wanted.generation);
+            let gone = self.write(&stock::frame(levels))?;
+            self.shared.note_frame();
+            self.shared.note(|figures| figures.health.in_place = true);
+            if fresh && wanted.since > self.ready_at {
+                let latency = gone.saturating_duration_since(wanted.since);
+                self.shared.note(|figures| figures.latency.note(latency));
+            }
+            (self.sent, self.sent_at) = (Some(key), Instant::now());
+            return Ok(());
+        }
+        let refresh = due.saturating_duration_since(Instant::now());
+        self.shared.wait(wanted.generation, content.next_in(elapsed).min(refresh));
+        self.look()
+    }
+
+    /// Whether the port is still there. What a board says is an echo at most.
+    fn look(&mut self) -> Result<(), LinkError> {
+        self.board.port.read(Duration::ZERO)?;
+        Ok(())
+    }
+
+    /// Exchanges sound and darkness until something else is wanted. Frames are loaded in the dark, where it is left too, so that what
+    /// comes next lengthens a pause and nothing else.
+    fn alternate(&mut self, content: &Content, frequency: f64, wanted: &Wanted) -> Result<(), LinkError> {
+        let rhythm = self.rhythm(frequency);
+        let dark = Levels::off(self.profile);
+        let dark_from = self.write(&stock::frame(&dark))?;
+        self.sent = Some((wanted.generation, 0));
+        self.shared.note(|figures| {
+            figures.swaps.clear();
+            figures.health.in_place = true;
+        });
+        let mut pulses = Pulses { rhythm, hidden: None, since_load: 0, loaded_at: dark_from, shown: None };
+        let mut due = dark_from + rhythm.half;
+        loop {
+            let (number, levels) = content.at(due.saturating_duration_since(wanted.since));
+            if pulses.needs(number) {
+                let ready = self.load(levels)?;
+                self.shared.note_frame();
+                pulses.loaded(number);
+                due = rhythm.next_pulse(due, ready + rhythm.show);
+            }
+            if !self.wait_until(due - rhythm.show, wanted) {
+                return Ok(());
+            }
+            self.show(levels, &mut pulses)?;
+            let dark_at = due + rhythm.half;
+            let dark_is_hidden = self.stream(content, dark_at, &mut pulses, wanted)?;
+            if !dark_is_hidden {
+                self.load(&dark)?;
+            }
+            let goes_on = self.wait_until(dark_at - rhythm.show, wanted);
+            self.show(&dark, &mut pulses)?;
+            if !goes_on {
+                return Ok(());
+            }
+            due = rhythm.next_pulse(due + 2 * rhythm.half, Instant::now());
+        }
+    }
+
+    /// Plays the frames that are due while it sounds, as far as there is time. Says whether the hidden buffer is still dark.
+    fn stream(
+        &mut self,
+        content: &Content,
+        dark_at: Instant,
+        pulses: &mut Pulses,
+        wanted: &Wanted,
+    ) -> Result<bool, LinkError> {
+        let mut dark_is_hidden = true;
+        loop {
+            let now = Instant::now() + self.board.port.backlog();
+            let elapsed = now.saturating_duration_since(wanted.since);
+            let (number, levels) = content.at(elapsed);
+            if !pulses.rhythm.streams(now, dark_at) {
+                return Ok(dark_is_hidden);
+            }
+            if pulses.hidden == Some(number) {
+                let next = now.checked_add(content.next_in(elapsed)).unwrap_or(dark_at);
+                if !pulses.rhythm.streams(next, dark_at) || !self.wait_until(next, wanted) {
+                    return Ok(dark_is_hidden);
+                }
+                continue;
+            }
+            self.write(&stock::frame(levels))?;
+            self.shared.note_frame();
+            pulses.loaded(number);
+            dark_is_hidden = stock::swap(self.profile).is_none();
+        }
+    }
+
+    /// Puts a frame into the hidden buffer, if there is one, and says when it is there.
+    fn load(&mut self, levels: &Levels) -> Result<Instant, LinkError> {
+        match stock::swap(self.profile) {
+            Some(_) => self.write(&stock::load(levels)),
+            None => Ok(Instant::now() + self.board.port.backlog()),
+        }
+    }
+
+    /// Shows what the hidden buffer holds, which are these levels.
+    fn show(&mut self, levels: &Levels, pulses: &mut Pulses) -> Result<(), LinkError> {
+        match stock::swap(self.profile) {
+            Some(swap) => self.write(&[swap])?,
+            None => self.write(&stock::frame(levels))?,
+        };
+        self.look()?;
+        let now = Instant::now();
+        if let Some(lasted) = pulses.shown.replace(now).map(|before| now - before)
+            && lasted < 2 * pulses.rhythm.half
+        {
+            self.shared.note(|figures| figures.swaps.note(lasted));
+        }
+        Ok(())
+    }
+
+    /// Whether it is still wanted then: waits less exactly than the clock is read.
+    fn wait_until(&self, due: Instant, wanted: &Wanted) -> bool {
+        let rest = due.saturating_duration_since(Instant::now());
+        self.shared.wait(wanted.generation, rest.saturating_sub(WATCHFUL));
+        let now = self.shared.wanted();
+        let goes_on = now.generation == wanted.generation && !now.closing;
+        while goes_on && Instant::now() < due {
+            std::hint::spin_loop();
+        }
+        goes_on
+    }
+}
+
+/// What was loaded of a motion whose sound is switched on and off.
+struct Pulses {
+    rhythm: Rhythm,
+    /// Number of the frame that sounds next, or sounds.
+    hidden: Option<usize>,
+    since_load: u32,
+    loaded_at: Instant,
+    /// When sound or darkness began.
+    shown: Option<Instant>,
+}
+
+impl Pulses {
+    /// Whether a frame has to be loaded: one that is new, after as many pulses as its loading leaves out; or the same once more, where
+    /// that leaves out no pulse.
+    fn needs(&mut self, number: usize) -> bool {
+        let lost = self.rhythm.lost();
+        let again = lost == 0 && self.loaded_at.elapsed() > REFRESH;
+        let needed = match self.hidden {
+            None => true,
+            Some(hidden) if hidden == number => again,
+            Some(_) => self.since_load >= lost,
+        };
+        self.since_load += u32::from(!needed);
+        needed
+    }
+
+    fn loaded(&mut self, number: usize) {
+        (self.hidden, self.since_load, self.loaded_at) = (Some(number), 1, Instant::now());
+    }
+}
