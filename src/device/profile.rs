@@ -220,7 +220,7 @@ impl Profile {
     /// What a user should know before the board is sent anything.
     pub fn remark(self) -> Option<&'static str> {
         match self {
-            Self::Native => None,
+            Self::Native | Self::Natives(_) => None,
             Self::SonicSurface | Self::SonicSurface2 | Self::UltrainoMega64 => {
                 Some("every element sounds from power-up until a program connects")
             }

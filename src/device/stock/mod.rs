@@ -90,7 +90,7 @@ pub fn modulated(profile: Profile, modulation: &Modulation, baud: u32) -> Modula
             | Profile::UltrainoMega64,
         ) => Modulated::FromHere(frequency),
         // Without a second buffer each half period is a frame.
-        (_, Profile::Native | Profile::Acoustophoretic512) => {
+        (_, Profile::Native | Profile::Natives(_) | Profile::Acoustophoretic512) => {
             let fastest = profile.frames_per_second(baud) / 2.0;
             if frequency <= fastest { Modulated::FromHere(frequency) } else { Modulated::Never(fastest) }
         }

@@ -28,6 +28,7 @@ pub fn run(settings: &Settings, shared: &Shared) -> Result<(), LinkError> {
         sent_at: Instant::now(),
         ready_at: Instant::now(),
         told: None,
+        told_rates: None,
     };
     session.write(&silence)?;
     std::thread::sleep(session.board.port.backlog());
@@ -56,6 +57,7 @@ struct Session<'a> {
     ready_at: Instant,
     /// The modulation that the board was told of, and what the user was.
     told: Option<(Modulated, Option<String>)>,
+    told_rates: Option<FrameRates>,
 }
 
 impl Session<'_> {
@@ -70,6 +72,13 @@ impl Session<'_> {
         let modulated = stock::modulated(self.profile, &wanted.modulation, self.board.port.baud());
         self.tell_modulation(modulated, content, wanted)?;
         let rates = self.rates(modulated, content);
+        if std::mem::replace(&mut self.told_rates, rates) != rates
+            && let (Some(rates), false) = (rates, matches!(modulated, Modulated::FromHere(_)))
+            && rates.differ()
+        {
+            let baud = self.board.port.baud();
+            self.shared.notice(&format!("{rates}: the line carries no more at {baud} baud"));
+        }
         self.shared.note(|figures| figures.health.rates = rates);
         match modulated {
             Modulated::FromHere(frequency) => self.alternate(content, frequency, wanted),

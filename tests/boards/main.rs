@@ -1,8 +1,10 @@
-//! The commands `ports`, `send` and `board`, with virtual boards at the other end of real pseudo-terminals.
+//! The commands `ports`, `check`, `send` and `board`, with virtual boards at the other end of real pseudo-terminals.
 
 #![cfg(all(unix, feature = "serial"))]
 #![expect(clippy::unwrap_used, reason = "a test's helper may panic")]
 
+mod bring_up;
+#[path = "../requirement/mod.rs"]
 mod requirement;
 
 use std::io::{BufRead, BufReader};

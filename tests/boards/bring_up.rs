@@ -1,10 +1,5 @@
 //! `sonoglyph check`, with virtual boards at the other end: what it finds, what it asks, and what it writes.
 
-#![cfg(all(unix, feature = "serial"))]
-#![expect(clippy::unwrap_used, reason = "a test's helper may panic")]
-
-mod program;
-
 use std::io::{BufRead, BufReader, Write};
 use std::path::Path;
 use std::process::{Output, Stdio};
@@ -15,7 +10,7 @@ use sonoglyph::device::board::{Board, Setup};
 use sonoglyph::device::calibration::Calibration;
 use sonoglyph::device::profile::Profile;
 
-use crate::program::program;
+use crate::sonoglyph;
 
 fn board(profile: Profile, faults: Faults) -> Board {
     Board::start(Setup { faults, ..Setup::new(profile) }, Box::new(|_| {})).unwrap()
@@ -25,8 +20,13 @@ fn board(profile: Profile, faults: Faults) -> Board {
 fn check(board: &Board, folder: &Path, profile: Profile, more: &[&str], answers: &str) -> Output {
     let port = board.path().display().to_string();
     let arguments = [&["check", "--port", &port, "--profile", profile.name()], more].concat();
-    let mut command = program(folder, &arguments);
-    command.stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped());
+    let mut command = sonoglyph();
+    command
+        .args(arguments)
+        .current_dir(folder)
+        .stdin(Stdio::piped())
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped());
     let mut running = command.spawn().unwrap();
     let mut stdin = running.stdin.take().unwrap();
     // A command that fails early reads nothing.
@@ -103,7 +103,8 @@ fn the_emergency_stop_is_tried_by_pressing_it() {
     let folder = tempfile::tempdir().unwrap();
     let board = board(Profile::Native, Faults::default());
     let port = board.path().display().to_string();
-    let mut command = program(folder.path(), &["check", "--port", &port, "--listen"]);
+    let mut command = sonoglyph();
+    command.args(["check", "--port", &port, "--listen"]).current_dir(folder.path());
     let mut running = command.stdin(Stdio::piped()).stdout(Stdio::piped()).spawn().unwrap();
     let (mut stdin, stdout) = (running.stdin.take().unwrap(), BufReader::new(running.stdout.take().unwrap()));
     stdin.write_all(b"q\n\n").unwrap();
