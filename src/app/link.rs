@@ -1,22 +1,25 @@
 //! The board at the other end of the window: one link, what was sent over it last, and what the panel shows of it.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
 use eframe::egui::Context;
 
 use crate::acoustics::Aperture;
+use crate::app::errand::{Errand, State};
 use crate::device::calibration::Calibration;
 use crate::device::levels::Levels;
 use crate::device::link::{Content, Event, Link, Settings};
 use crate::device::port;
 use crate::device::profile::Profile;
 use crate::drive::Drive;
-use crate::scene::{Modulation, motion};
-use crate::solver::{Problem, Solution};
-use crate::studio::output::note;
+use crate::scene::{Envelope, Modulation, motion};
+use crate::solver::{self, Problem, Solution};
+use crate::studio::bring_up::{Report, Verdict, focus_scene, survey_line};
+use crate::studio::output::{self, note};
 use crate::ui::board::{BoardCommand, BoardShown, Plays, PortShown};
+use crate::ui::bring_up::Surveyed;
 use crate::ui::{Editor, Notice, Panel, Shown};
 
 /// How often the figures of a link are looked at.
@@ -37,6 +40,7 @@ pub struct Board {
     /// A motion is wanted and its frames are not there yet.
     awaits_round: bool,
     compared: Option<(Arc<Solution>, Profile)>,
+    survey: Option<Errand<Surveyed>>,
 }
 
 impl Board {
@@ -71,12 +75,65 @@ impl Board {
                     profile.shape().map_or(editor.scene().array.columns, |[columns, _]| columns) as usize;
                 self.show(Content::Still(Levels::checkerboard(profile, columns)));
             }
+            BoardCommand::Survey => self.survey(editor, shown, ctx),
+            BoardCommand::Focus => self.focus(editor, shown),
+            BoardCommand::SaveCalibration(text) => self.save_calibration(text, editor, shown),
             BoardCommand::TakeCarrier => {
                 if let Some(carrier) = shown.board.found.and_then(|found| found.carrier) {
                     editor.document.scene.array.frequency = carrier;
                 }
             }
         }
+    }
+
+    /// On a thread of its own: slow lines take seconds.
+    fn survey(&mut self, editor: &mut Editor, shown: &mut Shown, ctx: &Context) {
+        if let Err(error) = begin_with_own(editor) {
+            editor.board.bring_up = None;
+            return refuse(shown, error);
+        }
+        *locked(&self.link) = None;
+        (shown.board.health, shown.board.found, shown.board.plays) = (None, None, Plays::Nothing);
+        shown.board.surveyed = None;
+        let (port, profile) = (editor.board.port.trim().to_owned(), editor.board.profile);
+        match Errand::start(ctx, move |_| surveyed(&port, profile)) {
+            Ok(errand) => self.survey = Some(errand),
+            Err(error) => refuse(shown, error.to_string()),
+        }
+    }
+
+    fn focus(&mut self, editor: &Editor, shown: &mut Shown) {
+        let profile = editor.board.profile;
+        let carrier = shown.board.found.and_then(|found| found.carrier).unwrap_or(profile.carrier());
+        let levels = solver::solve(&focus_scene(profile, carrier)).map_err(|error| error.to_string());
+        let levels = levels.and_then(|solution| {
+            Levels::new(profile, &solution.drive, &self.calibration).map_err(|error| error.to_string())
+        });
+        match levels {
+            Ok(levels) => {
+                shown.board.plays = Plays::Focus;
+                self.show(Content::Still(levels));
+            }
+            Err(error) => refuse(shown, error),
+        }
+    }
+
+    fn save_calibration(&mut self, text: &str, editor: &mut Editor, shown: &mut Shown) {
+        let Some(run) = &editor.board.bring_up else { return };
+        let path = PathBuf::from(run.file.trim());
+        let own = editor.board.calibration().is_some_and(|own| own == path);
+        let written = match path.exists() && !own {
+            true => Err(anyhow::anyhow!("{}: there is a file of this name already", path.display())),
+            false => output::save(&path, text.as_bytes()),
+        };
+        shown.notice = Some(match written {
+            Ok(()) => {
+                editor.board.calibration = path.display().to_string();
+                let text = format!("{} is used from the next connection on", path.display());
+                Notice { text, is_error: false }
+            }
+            Err(error) => Notice { text: format!("{error:#}"), is_error: true },
+        });
     }
 
     fn show(&self, content: Content) {
@@ -124,15 +181,24 @@ impl Board {
     /// Sends what has changed, and brings what the panel shows up to date.
     pub fn update(&mut self, editor: &Editor, shown: &mut Shown, ctx: &Context) {
         self.compare(editor, shown);
+        if let Some(State::Done(surveyed)) = self.survey.as_ref().map(Errand::state) {
+            (self.survey, shown.board.surveyed) = (None, Some(surveyed));
+        }
         let shared = Arc::clone(&self.link);
         let held = locked(&shared);
         let Some(link) = &*held else { return };
         while let Some(event) = link.event() {
             hear(event, link.settings().profile, shown);
         }
-        shown.board.health = Some(link.health());
+        let health = link.health();
+        // After an emergency stop a drag of the mouse must not begin anew: only a button does.
+        if health.stopped && matches!(shown.board.plays, Plays::Scene | Plays::Motion) {
+            shown.board.plays = Plays::Nothing;
+        }
+        shown.board.health = Some(health);
         ctx.request_repaint_after(LOOK);
-        let modulation = &editor.scene().modulation;
+        let felt = Modulation { shape: Envelope::Sine, ..Modulation::default() };
+        let modulation = if shown.board.plays == Plays::Focus { &felt } else { &editor.scene().modulation };
         if self.modulation.as_ref() != Some(modulation) {
             link.modulate(modulation.clone());
             self.modulation = Some(modulation.clone());
@@ -269,6 +335,28 @@ fn hear(event: Event, profile: Profile, shown: &mut Shown) {
     let old = messages.len().saturating_sub(KEPT);
     messages.drain(..old);
     shown.notice = Some(Notice { text, is_error });
+}
+
+/// Silent elements are added to the calibration that is in use.
+fn begin_with_own(editor: &mut Editor) -> Result<(), String> {
+    let Some(path) = editor.board.calibration() else { return Ok(()) };
+    let own = Calibration::read(&path, editor.board.profile.elements())
+        .map_err(|error| format!("{}: {error}", path.display()))?;
+    if let Some(run) = &mut editor.board.bring_up {
+        (run.calibration, run.file) = (own, editor.board.calibration.clone());
+    }
+    Ok(())
+}
+
+/// What is found at a port; what is not found is a finding, too.
+fn surveyed(port: &str, profile: Profile) -> Surveyed {
+    let mut report = Report::default();
+    let baud = survey_line(Path::new(port), profile, &mut |verdict, what| report.note(verdict, what));
+    let baud = baud.unwrap_or_else(|error| {
+        report.note(Verdict::Failed, format!("{error:#}"));
+        None
+    });
+    Surveyed { findings: report.findings, baud }
 }
 
 /// Says why nothing is sent, and gives up the wish.

@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use crate::device::health::{Found, Health};
 use crate::device::profile::Profile;
+use crate::ui::bring_up::{BringUp, Surveyed};
 
 /// What the Device panel edits.
 #[derive(Clone, Debug, PartialEq)]
@@ -18,6 +19,8 @@ pub struct BoardForm {
     pub live: bool,
     /// The element that is tried alone.
     pub element: u32,
+    /// The board is being brought up.
+    pub bring_up: Option<Box<BringUp>>,
 }
 
 impl Default for BoardForm {
@@ -29,6 +32,7 @@ impl Default for BoardForm {
             calibration: String::new(),
             live: true,
             element: 0,
+            bring_up: None,
         }
     }
 }
@@ -61,6 +65,12 @@ pub enum BoardCommand {
     Checkerboard,
     /// The scene is made for the board's carrier.
     TakeCarrier,
+    /// Who answers at the port, and at which bit rates; the link is closed for it.
+    Survey,
+    /// A focus above the centre.
+    Focus,
+    /// A calibration, as a file's text, is written and used.
+    SaveCalibration(String),
 }
 
 /// What a board is doing for us.
@@ -72,6 +82,7 @@ pub enum Plays {
     Motion,
     One(u32),
     Checkerboard,
+    Focus,
 }
 
 /// A port to choose.
@@ -90,6 +101,8 @@ pub struct BoardShown {
     pub ports: Vec<PortShown>,
     /// Why there are no boards at all in this program.
     pub unavailable: Option<String>,
+    /// Of the bring-up; nothing while it is under way.
+    pub surveyed: Option<Surveyed>,
     /// There once a port is to be opened.
     pub health: Option<Health>,
     pub found: Option<Found>,

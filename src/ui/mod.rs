@@ -2,6 +2,7 @@
 //! solving and the field are somebody else's.
 
 pub mod board;
+pub mod bring_up;
 pub mod brush;
 pub mod canvas;
 mod dialog;

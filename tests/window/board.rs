@@ -222,3 +222,61 @@ fn a_virtual_board_is_chosen_as_a_port_and_remembered_and_claims_no_more_than_it
         "{messages:?}"
     );
 }
+
+/// Clicks on a button as soon as it is there and can be.
+fn press(screen: &mut Screen, name: &str) {
+    until(screen, name, |screen| {
+        screen.query_by_label(name).is_some_and(|node| !node.accesskit_node().is_disabled())
+    });
+    screen.get_by_label(name).click();
+    screen.run_steps(3);
+}
+
+#[test]
+fn a_board_is_brought_up_step_by_step() {
+    let folder = tempfile::tempdir().unwrap();
+    let (mut screen, board, _shown) = connected(Profile::Native);
+    press(&mut screen, "Bring up a board");
+    press(&mut screen, "Next: the elements");
+    until(&mut screen, "element 0", |screen| screen.state().shown().board.plays == Plays::One(0));
+    until(&mut screen, "sound", |_| !is_silent(&board));
+    press(&mut screen, "Heard");
+    press(&mut screen, "Silent");
+    press(&mut screen, "Silent");
+    press(&mut screen, "Back");
+    until(&mut screen, "element 2", |screen| screen.state().shown().board.plays == Plays::One(2));
+    press(&mut screen, "Heard");
+    press(&mut screen, "Skip the rest");
+    until(&mut screen, "a focus", |screen| screen.state().shown().board.plays == Plays::Focus);
+    until(&mut screen, "all elements", |_| {
+        board.report().playing.unwrap().drive().amplitudes.iter().all(|&amplitude| amplitude > 0.0)
+    });
+    press(&mut screen, "Felt");
+    until(&mut screen, "sound", |screen| {
+        !is_silent(&board) && screen.state().shown().board.health.as_ref().unwrap().in_place
+    });
+    board.press(true);
+    until(&mut screen, "notice of the stop", |screen| {
+        screen.state().shown().board.health.as_ref().unwrap().stopped
+    });
+    assert!(is_silent(&board));
+    board.press(false);
+    press(&mut screen, "Play again");
+    until(&mut screen, "the report", |screen| screen.query_by_label("Copy the report").is_some());
+    let run = screen.state().editor().board.bring_up.clone().unwrap();
+    let report = run.report.text(Profile::Native, "here");
+    for part in
+        ["protocol 2", "FAILED  1 elements are silent: 1", "a focus was felt", "emergency stop: silent until"]
+    {
+        assert!(report.contains(part), "{part} in {report}");
+    }
+    let file = folder.path().join("mine.csv");
+    screen.state_mut().editor_mut().board.bring_up.as_mut().unwrap().file = file.display().to_string();
+    screen.run_steps(2);
+    press(&mut screen, "Save");
+    assert_eq!(Calibration::read(&file, 256).unwrap().off(), [1]);
+    assert_eq!(screen.state().editor().board.calibration, file.display().to_string());
+    press(&mut screen, "End");
+    until(&mut screen, "silence", |_| is_silent(&board));
+    assert!(screen.query_by_label("Send").is_some());
+}

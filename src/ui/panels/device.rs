@@ -7,7 +7,7 @@ use crate::device::profile::Profile;
 use crate::picture::sheet::pascals;
 use crate::scene::motion;
 use crate::ui::board::{BoardCommand, BoardShown, Plays};
-use crate::ui::panels::{choice, count, fact, form, heading};
+use crate::ui::panels::{bring_up, choice, count, fact, form, heading};
 use crate::ui::{Command, Editor, Shown, theme};
 
 /// Bits per second that the most usual adapters have.
@@ -31,7 +31,9 @@ pub fn show(editor: &mut Editor, shown: &Shown, ui: &mut Ui, commands: &mut Vec<
     }
     let mut ask = |command| commands.push(Command::Board(command));
     connection(editor, board, ui, &mut ask);
-    if let Some(health) = &board.health {
+    ui.separator();
+    bring_up::show(editor, board, ui, &mut ask);
+    if let Some(health) = board.health.as_ref().filter(|_| editor.board.bring_up.is_none()) {
         ui.separator();
         sending(editor, board, health, ui, &mut ask);
         ui.separator();
@@ -178,6 +180,7 @@ fn sending(
         Plays::Motion => "the motion".to_owned(),
         Plays::One(element) => format!("element {element} alone"),
         Plays::Checkerboard => "a checkerboard".to_owned(),
+        Plays::Focus => "a focus above the centre".to_owned(),
     };
     form(ui, "plays", |ui| fact(ui, ("Wanted", "What the board is to play"), what));
     if let Some(carrier) = other_carrier(editor, board) {

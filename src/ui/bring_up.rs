@@ -1,0 +1,87 @@
+//! Bringing a board up from the window: which step it is, and what was found so far.
+
+use crate::device::calibration::Calibration;
+use crate::device::profile::Profile;
+use crate::studio::bring_up::{Finding, Report, Verdict};
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Step {
+    /// Who answers, and at which bit rates.
+    Line,
+    /// One element after the other.
+    Elements,
+    Focus,
+    EmergencyStop,
+    Done,
+}
+
+impl Step {
+    pub fn title(self) -> &'static str {
+        match self {
+            Self::Line => "1 of 5: the line",
+            Self::Elements => "2 of 5: the elements",
+            Self::Focus => "3 of 5: a focus",
+            Self::EmergencyStop => "4 of 5: the emergency stop",
+            Self::Done => "5 of 5: the report",
+        }
+    }
+}
+
+#[derive(Clone, Debug, PartialEq)]
+pub struct BringUp {
+    pub step: Step,
+    pub report: Report,
+    /// What was found silent is off.
+    pub calibration: Calibration,
+    /// The element that sounds.
+    pub element: usize,
+    /// The emergency stop was noticed.
+    pub pressed: bool,
+    /// Where the calibration goes.
+    pub file: String,
+}
+
+impl Default for BringUp {
+    fn default() -> Self {
+        Self {
+            step: Step::Line,
+            report: Report::default(),
+            calibration: Calibration::default(),
+            element: 0,
+            pressed: false,
+            file: "calibration.csv".to_owned(),
+        }
+    }
+}
+
+/// What the survey of a line has found.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Surveyed {
+    pub findings: Vec<Finding>,
+    /// The fastest bit rate without loss, where the board can tell.
+    pub baud: Option<u32>,
+}
+
+impl BringUp {
+    /// Whether an element was heard; the next one is due. `None`: no more are listened to.
+    pub fn heard(&mut self, profile: Profile, heard: Option<bool>) {
+        let elements = profile.elements();
+        if let Some(heard) = heard {
+            self.calibration.set_off(self.element, elements, !heard);
+            self.element += 1;
+        }
+        if heard.is_some() && self.element < elements {
+            return;
+        }
+        let silent: Vec<_> = self.calibration.off().iter().map(ToString::to_string).collect();
+        let (tried, count) = (self.element, silent.len());
+        match count {
+            0 => self.report.note(Verdict::Passed, format!("{tried} of {elements} elements were heard")),
+            _ => {
+                self.report
+                    .note(Verdict::Failed, format!("{count} elements are silent: {}", silent.join(", ")));
+            }
+        }
+        self.step = Step::Focus;
+    }
+}
