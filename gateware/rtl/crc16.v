@@ -3,14 +3,14 @@
 `default_nettype none
 
 module crc16 (
-    input  wire [15:0] before,
+    input  wire [15:0] from,
     input  wire [7:0]  data,
-    output wire [15:0] after
+    output wire [15:0] to
 );
     // The polynomial's terms come at distances of 4 to 8 bits, which lets the eight steps be written at once.
-    wire [7:0] mixed = before[15:8] ^ data;
+    wire [7:0] mixed = from[15:8] ^ data;
     wire [7:0] folded = {mixed[7:4], mixed[3:0] ^ mixed[7:4]};
-    assign after = {before[7:0], 8'h00} ^ {folded[3:0], 12'h000} ^ {3'b000, folded, 5'b00000} ^ {8'h00, folded};
+    assign to = {from[7:0], 8'h00} ^ {folded[3:0], 12'h000} ^ {3'b000, folded, 5'b00000} ^ {8'h00, folded};
 endmodule
 
 `default_nettype wire

@@ -11,6 +11,7 @@ module gate #(
     input  wire                 open,           // for one clock per period
 
     input  wire                 ready,          // a packet waits
+    input  wire                 broadcast,      // it is not answered
     input  wire [7:0]           packet_type,
     input  wire [31:0]          arguments,
     input  wire [9:0]           length,
@@ -18,7 +19,8 @@ module gate #(
     input  wire [7:0]           read_data,      // a clock later
     output wire                 done,           // with the packet
 
-    input  wire                 emergency,
+    input  wire                 pressed,        // the emergency stop
+    input  wire                 sounding,       // something is to be heard, or would be without the emergency stop
     input  wire                 slot_busy,      // the slot of the first argument
     output wire                 at_work,
     output wire                 passed,         // for one clock: a packet counts
@@ -27,6 +29,7 @@ module gate #(
     input  wire                 answered,
 
     // Who is told for one clock; the arguments say what.
+    output wire                 let_go,         // of the emergency stop
     output wire                 enable,
     output wire                 mute,
     output wire                 baud,
@@ -38,7 +41,14 @@ module gate #(
     output wire [SLOT_BITS-1:0] play_last,
     output wire [15:0]          play_divider,
     output wire [15:0]          play_loops,
-    output wire                 play_later,
+    output wire [1:0]           play_when,
+    output wire                 restart,        // all is as after power-up
+
+    // Who takes longer.
+    output wire                 restore,
+    input  wire                 restored,
+    output wire                 digest,
+    input  wire                 digested,
 
     // Who is written.
     output wire                 write_phase,
@@ -51,15 +61,17 @@ module gate #(
     output wire [7:0]           write_data,
     output wire [7:0]           amplitude_written
 );
-    localparam [2:0] IDLE = 0, FETCH = 1, CHECK = 2, COPY = 3, COMMIT = 4, ANSWER = 5;
-    reg [2:0]  state;
+    localparam [3:0] IDLE = 0, FETCH = 1, CHECK = 2, COPY = 3, RESTORE = 4, LET_GO = 5, COMMIT = 6, DIGEST = 7, ANSWER = 8;
+    reg [3:0]  state;
     reg [9:0]  index;       // of the byte asked for; `read_data` is the one before it
     reg [15:0] loops;
-    reg [7:0]  later;
+    reg [7:0]  when_asked;
 
     // What the packet is.
     wire is_enable   = packet_type == `TYPE_ENABLE;
     wire is_baud     = packet_type == `TYPE_BAUD;
+    wire is_reset    = packet_type == `TYPE_RESET;
+    wire is_digest   = packet_type == `TYPE_DIGEST;
     wire is_phases   = packet_type == `TYPE_PHASES;
     wire is_frame    = packet_type == `TYPE_FRAME;
     wire is_play     = packet_type == `TYPE_PLAY;
@@ -76,6 +88,8 @@ module gate #(
             `TYPE_ENABLE:      right_length = `PAYLOAD_ENABLE;
             `TYPE_MUTE:        right_length = `PAYLOAD_MUTE;
             `TYPE_BAUD:        right_length = `PAYLOAD_BAUD;
+            `TYPE_RESET:       right_length = `PAYLOAD_RESET;
+            `TYPE_DIGEST:      right_length = `PAYLOAD_DIGEST;
             `TYPE_PHASES:      right_length = `PAYLOAD_PHASES;
             `TYPE_FRAME:       right_length = `PAYLOAD_FRAME;
             `TYPE_PLAY:        right_length = `PAYLOAD_PLAY;
@@ -101,13 +115,14 @@ module gate #(
     wire no_slot_1 = a1[7:SLOT_BITS] != 0;
     wire wrong_argument = (is_enable && low == 16'd0 && arguments[23:16] != `CONFIRM)
         || (is_baud && (low < `SLOWEST_INCREMENT || low > `FASTEST_INCREMENT))
+        || (is_digest && (a0 > 8'd3 || (a0 == 8'd0 && no_slot_1)))
         || ((is_phases || is_frame) && no_slot_0)
-        || (is_play && (no_slot_0 || no_slot_1 || a1 < a0 || high == 16'd0 || later > 8'd1))
+        || (is_play && (no_slot_0 || no_slot_1 || a1 < a0 || high == 16'd0 || when_asked > 8'd2))
         || (is_silencer && (low == 16'd0 || high == 16'd0));
     wire [7:0] verdict = !known ? `RESULT_UNKNOWN
         : length != right_length ? `RESULT_LENGTH
         : wrong_argument ? `RESULT_ARGUMENT
-        : is_enable && emergency ? `RESULT_STATE
+        : (is_enable && pressed) || (is_reset && sounding) ? `RESULT_STATE
         : (is_phases || is_frame) && slot_busy ? `RESULT_BUSY
         : `RESULT_OK;
     wire carries = length != 10'd0 && !is_play;
@@ -123,18 +138,29 @@ module gate #(
                 if (index == 10'd1) loops[7:0] <= read_data;
                 if (index == 10'd2) loops[15:8] <= read_data;
                 if (index == 10'd3) begin
-                    later <= read_data;
+                    when_asked <= read_data;
                     state <= CHECK;
                 end
             end
             CHECK: begin
                 index <= 10'd0;
                 result <= verdict;
-                state <= verdict != `RESULT_OK ? ANSWER : carries ? COPY : COMMIT;
+                state <= verdict != `RESULT_OK ? ANSWER
+                    : is_reset ? RESTORE
+                    : is_enable ? LET_GO
+                    : is_digest ? DIGEST
+                    : carries ? COPY : COMMIT;
             end
             COPY: if (index == length) state <= COMMIT;
+            RESTORE: begin
+                index <= 10'd0;
+                if (restored) state <= LET_GO;
+            end
+            // Until what has caught the emergency stop is known to have let go, so that it does not trip at once.
+            LET_GO: if (index == 10'd3) state <= COMMIT;
             COMMIT: state <= ANSWER;
-            default: if (answered) state <= IDLE;
+            DIGEST: if (digested) state <= ANSWER;
+            default: if (answered || broadcast) state <= IDLE;
         endcase
 
         if (reset) state <= IDLE;
@@ -143,10 +169,16 @@ module gate #(
     assign read_address = index[8:0];
     assign at_work = state != IDLE;
     assign passed = state == CHECK;
-    assign answer = state == ANSWER;
-    assign done = answer && answered;
+    assign answer = state == ANSWER && !broadcast;
+    assign done = state == ANSWER && (answered || broadcast);
+
+    wire ok = verdict == `RESULT_OK;
+    assign restore = passed && ok && is_reset;
+    assign digest = passed && ok && is_digest;
+    assign let_go = state == LET_GO && index == 10'd0;
 
     wire commit = state == COMMIT;
+    assign restart  = commit && is_reset;
     assign enable   = commit && is_enable;
     assign mute     = commit && packet_type == `TYPE_MUTE;
     assign baud     = commit && is_baud;
@@ -158,7 +190,7 @@ module gate #(
     assign play_last    = is_play ? a1[SLOT_BITS-1:0] : a0[SLOT_BITS-1:0];
     assign play_divider = is_play ? high : 16'd1;
     assign play_loops   = is_play ? loops : 16'd0;
-    assign play_later   = is_play && later[0];
+    assign play_when    = is_play ? when_asked[1:0] : arguments[17] ? `WHEN_IN_STEP : `WHEN_AT_ONCE;
 
     // Of pairs, the even bytes are phases and offsets, the odd ones amplitudes and gains.
     wire       write = state == COPY && index != 10'd0;

@@ -9,7 +9,9 @@ module lanes #(
     input  wire                   clk,
     input  wire                   reset,
     input  wire [PERIOD_BITS-1:0] ahead,
+    input  wire                   hold,             // `ahead` waits
     input  wire                   bank,
+    input  wire                   mark,             // this period's `sync` is twice as long
     input  wire                   write,            // into the other bank
     input  wire [7:0]             write_channel,
     input  wire [PHASE_BITS-1:0]  write_rise,
@@ -17,7 +19,7 @@ module lanes #(
     output wire [31:0]            data,
     output wire                   shift,            // the registers take `data` in the middle of this clock
     output wire                   latch,
-    output wire                   sync              // high with level 0 at the outputs
+    output wire                   sync              // high with level 0 at the outputs, and with level 1 if the period is marked
 );
     // A bit takes 2^SLOW clocks and is shifted half-way through.
     localparam SLOW = PERIOD_BITS - PHASE_BITS - 3;
@@ -55,9 +57,9 @@ module lanes #(
     // What accompanies the data, as late as they are.
     reg [2:0] shifts, latches, syncs;
     always @(posedge clk) begin
-        shifts <= {shifts[1:0], half};
+        shifts <= {shifts[1:0], half && !hold};
         latches <= {latches[1:0], !bit_now[2]};
-        syncs <= {syncs[1:0], level == 1};
+        syncs <= {syncs[1:0], level == 1 || (mark && level == 2)};
 
         if (reset) begin
             shifts <= 3'd0;

@@ -3,7 +3,7 @@
 
 module modulation (
     input  wire        clk,
-    input  wire        reset,
+    input  wire        reset,           // or RESET
     input  wire        boundary,
     input  wire        set,             // take the step, from the table's start if `set_start`
     input  wire [23:0] set_step,
@@ -11,17 +11,19 @@ module modulation (
     input  wire        write,
     input  wire [7:0]  write_address,
     input  wire [7:0]  write_data,
+    input  wire        digesting,       // read the table at `digest_address`
+    input  wire [7:0]  digest_address,
     output wire [7:0]  envelope         // two clocks after the boundary
 );
     reg [23:0] angle, step;
     reg        start;
 
-    table_256 #(.CONTENTS({256{8'hFF}})) values (
+    ram values (
         .clk(clk),
         .write(write),
         .write_address(write_address),
         .write_data(write_data),
-        .read_address(angle[23:16]),
+        .read_address(digesting ? digest_address : angle[23:16]),
         .read_data(envelope)
     );
 

@@ -1,37 +1,41 @@
 // Which slot is played: one, or a range of them in a loop, from a timer of its own that counts periods. What is asked for waits
-// for the next boundary, or for the end of the loop that runs.
+// for the next boundary, for the end of the loop that runs, or for a boundary that is in step with other devices.
+`include "packets.vh"
 `default_nettype none
 
 module player #(
     parameter SLOT_BITS = 6
 ) (
     input  wire                 clk,
-    input  wire                 reset,
+    input  wire                 reset,          // or RESET
     input  wire                 boundary,
+    input  wire                 in_step,        // this boundary is
     input  wire                 play,
     input  wire [SLOT_BITS-1:0] play_first,
     input  wire [SLOT_BITS-1:0] play_last,
     input  wire [15:0]          play_divider,   // periods per slot
     input  wire [15:0]          play_loops,     // 0: for ever
-    input  wire                 play_later,     // at the end of the loop that runs
+    input  wire [1:0]           play_when,
     input  wire                 stop,
     input  wire [SLOT_BITS-1:0] query,
     output wire                 busy,           // the slot asked for is not to be written
     output reg  [SLOT_BITS-1:0] slot,
     output wire                 several,        // a range of more than one slot runs
-    output reg                  waiting
+    output reg                  waiting,
+    output wire                 waits_in_step
 );
     reg                 running;
     reg [SLOT_BITS-1:0] first, last;
     reg [15:0]          divider, loops, left, wait_left;
     reg [SLOT_BITS-1:0] next_first, next_last;
     reg [15:0]          next_divider, next_loops;
-    reg                 next_later;
+    reg [1:0]           next_when;
 
     localparam [SLOT_BITS-1:0] ONE = 1;
     wire slot_ends = running && wait_left == 16'd1;
     wire loop_ends = slot_ends && slot == last;
-    wire take = waiting && (!next_later || !running || loop_ends);
+    wire take = waiting && (next_when == `WHEN_IN_STEP ? in_step : next_when == `WHEN_AT_ONCE || !running || loop_ends);
+    assign waits_in_step = waiting && next_when == `WHEN_IN_STEP;
 
     assign several = running && first != last;
     assign busy = query == slot
@@ -69,7 +73,7 @@ module player #(
             next_last <= play_last;
             next_divider <= play_divider;
             next_loops <= play_loops;
-            next_later <= play_later;
+            next_when <= play_when;
         end
 
         if (reset) begin

@@ -1,4 +1,4 @@
-// A block RAM: one port writes, one reads, a clock later. All zeros after configuration.
+// A block RAM: one port writes, one reads, a clock later. What it holds at first is not relied upon.
 `default_nettype none
 
 module ram #(
@@ -14,12 +14,6 @@ module ram #(
 );
     (* ram_style = "block" *)
     reg [WIDTH-1:0] cells [0:(1<<ADDRESS_BITS)-1];
-
-    // Block RAMs without contents are configured as zeros; saying it costs Yosys minutes for the large ones.
-`ifndef SYNTHESIS
-    integer i;
-    initial for (i = 0; i < (1 << ADDRESS_BITS); i = i + 1) cells[i] = 0;
-`endif
 
     always @(posedge clk) begin
         if (write) cells[write_address] <= write_data;

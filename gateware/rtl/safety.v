@@ -1,5 +1,5 @@
 // Whether anything may sound: on by ENABLE, off by MUTE, by the watchdog and by the emergency stop. The latter two trip, and only
-// ENABLE gets out of that.
+// ENABLE or RESET gets out of that.
 `include "packets.vh"
 `default_nettype none
 
@@ -8,9 +8,10 @@ module safety #(
 ) (
     input  wire        clk,
     input  wire        reset,
+    input  wire        restart,         // RESET
     input  wire        count,           // a period more
     input  wire        boundary,
-    input  wire        emergency,
+    input  wire        emergency,       // pressed, or not let go of since
     input  wire        good_packet,
     input  wire        enable,
     input  wire [15:0] enable_watchdog, // in units, 0: none
@@ -28,18 +29,23 @@ module safety #(
     assign forgotten = boundary && quiet[QUIET_BITS-1:`FALLBACK_BITS] != 0;
 
     always @(posedge clk) begin
-        if (good_packet) quiet <= {QUIET_BITS{1'b0}};
+        if (good_packet || restart) quiet <= {QUIET_BITS{1'b0}};
         else if (count && !(&quiet)) quiet <= quiet + ONE;
 
-        if (boundary && (emergency || (enabled && late))) begin
-            enabled <= 1'b0;
-            tripped <= 1'b1;
-        end
         if (mute) enabled <= 1'b0;
         if (enable) begin
             enabled <= 1'b1;
             tripped <= 1'b0;
             watchdog <= enable_watchdog;
+        end
+        if (restart) begin
+            enabled <= 1'b0;
+            tripped <= 1'b0;
+            watchdog <= 16'd0;
+        end
+        if (emergency || (boundary && enabled && late)) begin
+            enabled <= 1'b0;
+            tripped <= 1'b1;
         end
 
         if (reset) begin

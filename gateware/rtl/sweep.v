@@ -10,6 +10,7 @@ module sweep #(
 ) (
     input  wire                    clk,
     input  wire                    reset,
+    input  wire                    restart,         // RESET, while no sweep runs
     input  wire                    start,
     input  wire                    enabled,
     output wire [CHANNEL_BITS-1:0] channel,         // of the frame to be read
@@ -23,7 +24,14 @@ module sweep #(
     input  wire                    write_gain,
     input  wire                    write_width,
     input  wire [7:0]              write_address,
-    input  wire [7:0]              write_data,
+    input  wire [7:0]              offset_written,
+    input  wire [7:0]              gain_written,
+    input  wire [7:0]              width_written,
+    input  wire                    digesting,       // read the tables at `digest_address`
+    input  wire [7:0]              digest_address,
+    output wire [7:0]              offset,
+    output wire [7:0]              gain,
+    output wire [7:0]              width_read,
     output reg                     pulse_write,
     output reg  [CHANNEL_BITS-1:0] pulse_channel,
     output reg  [PHASE_BITS-1:0]   pulse_rise,
@@ -47,34 +55,34 @@ module sweep #(
     wire       hurry = !enabled && amplitude_step < MUTE_STEP;
 
     // Clock 1: what the memories hold.
-    wire [7:0]  table_place;
-    wire [7:0]  offset, gain;
+    wire [7:0]  own_place;
     wire [31:0] state;
     generate
         if (CHANNEL_BITS == 8) begin : all
-            assign table_place = channel;
+            assign own_place = channel;
         end else begin : some
-            assign table_place = {{8 - CHANNEL_BITS{1'b0}}, channel};
+            assign own_place = {{8 - CHANNEL_BITS{1'b0}}, channel};
         end
     endgenerate
-    table_256 offsets (
+    wire [7:0] table_place = digesting ? digest_address : own_place;
+    ram offsets (
         .clk(clk),
         .write(write_offset),
         .write_address(write_address),
-        .write_data(write_data),
+        .write_data(offset_written),
         .read_address(table_place),
         .read_data(offset)
     );
-    table_256 #(.CONTENTS({256{8'hFF}})) gains (
+    ram gains (
         .clk(clk),
         .write(write_gain),
         .write_address(write_address),
-        .write_data(write_data),
+        .write_data(gain_written),
         .read_address(table_place),
         .read_data(gain)
     );
 
-    // Clocks 2 and 3: calibrated. After a reset the silencer begins at nothing, whatever its memory holds.
+    // Clocks 2 and 3: calibrated. After RESET the silencer begins at nothing, whatever its memory holds.
     reg        fresh;
     reg [7:0]  phase_2, phase_3, amplitude_2;
     reg [8:0]  gain_2;
@@ -113,29 +121,32 @@ module sweep #(
         .read_data(state)
     );
 
-    // Clocks 6 and 7: modulated, and its width looked up.
+    // Clocks 6 and 7: modulated, and its width looked up. No amplitude is no width, whatever the table says.
     reg [7:0]  phase_6, phase_7;
     reg [7:0]  amplitude_6, below_6;
     reg [8:0]  envelope_held;
-    wire [7:0] width_7;
+    reg        silent_7;
     always @(posedge clk) begin
         phase_6 <= phase_5[15:8];
         {amplitude_6, below_6} <= {8'd0, amplitude_5[15:8]} * {7'd0, envelope_held};
         envelope_held <= {1'b0, envelope} + 9'd1;
         phase_7 <= phase_6;
+        silent_7 <= amplitude_6 == 8'd0;
     end
-    table_256 #(.CONTENTS(`FIRST_WIDTHS)) widths (
+    ram widths (
         .clk(clk),
         .write(write_width),
         .write_address(write_address),
-        .write_data(write_data),
-        .read_address(amplitude_6),
-        .read_data(width_7)
+        .write_data(width_written),
+        .read_address(digesting ? digest_address : amplitude_6),
+        .read_data(width_read)
     );
 
     // Clock 8: a pulse.
     wire [PHASE_BITS-1:0] rise, width;
-    pulse #(.PHASE_BITS(PHASE_BITS)) pulse (.middle(phase_7), .width_256(width_7), .rise(rise), .width(width));
+    pulse #(.PHASE_BITS(PHASE_BITS)) pulse (
+        .middle(phase_7), .width_256(silent_7 ? 8'd0 : width_read), .rise(rise), .width(width)
+    );
     always @(posedge clk) begin
         pulse_write <= !pulsed[CHANNEL_BITS];
         pulse_channel <= pulsed[CHANNEL_BITS-1:0];
@@ -167,6 +178,8 @@ module sweep #(
             step <= END;
             heard <= 1'b0;
             sounds <= 1'b0;
+        end
+        if (reset || restart) begin
             fresh <= 1'b1;
             phase_step <= `FIRST_PHASE_STEP;
             amplitude_step <= `FIRST_AMPLITUDE_STEP;

@@ -7,14 +7,14 @@ module synchroniser #(
     input  wire clk,
     input  wire reset,
     input  wire from_outside,
-    output reg  inside
+    output reg  synchronised
 );
     (* ASYNC_REG = "TRUE" *)
     reg caught;
 
     always @(posedge clk) begin
-        if (reset) {inside, caught} <= {AFTER_RESET[0], AFTER_RESET[0]};
-        else {inside, caught} <= {caught, from_outside};
+        if (reset) {synchronised, caught} <= {AFTER_RESET[0], AFTER_RESET[0]};
+        else {synchronised, caught} <= {caught, from_outside};
     end
 endmodule
 

@@ -1,7 +1,7 @@
 // Sends random packets through the Verilated receiver, a quarter of them damaged on the way: fuzz [PACKETS] [SEED].
 //
-// No packet that is whole may be lost or changed, whatever its neighbours suffer, and of the damaged ones no more may be taken for
-// something else than the 16 bits of a CRC let through.
+// No packet that is whole may be lost or changed, whatever its neighbours suffer, and no damaged one may be taken for something else: the
+// CRC's 32 bits let through one of 4 000 000 000. Packets to other devices pass unheeded.
 #include <algorithm>
 #include <cstdint>
 #include <cstdio>
@@ -17,20 +17,19 @@ namespace {
 
 using Bytes = std::vector<uint8_t>;
 
-uint16_t crc(const Bytes &body) {
-    uint16_t value = 0xFFFF;
+uint32_t crc(const Bytes &body) {
+    uint32_t value = 0xFFFFFFFF;
     for (const uint8_t byte : body) {
-        value ^= uint16_t(byte << 8);
-        for (int bit = 0; bit < 8; ++bit) value = uint16_t(value & 0x8000 ? value << 1 ^ 0x1021 : value << 1);
+        value ^= byte;
+        for (int bit = 0; bit < 8; ++bit) value = value & 1 ? value >> 1 ^ 0xEDB88320 : value >> 1;
     }
-    return uint16_t(~value);
+    return ~value;
 }
 
 // COBS with a delimiter at either end.
 Bytes framed(Bytes body) {
-    const uint16_t check = crc(body);
-    body.push_back(uint8_t(check >> 8));
-    body.push_back(uint8_t(check));
+    const uint32_t check = crc(body);
+    for (int i = 0; i < 4; ++i) body.push_back(uint8_t(check >> (8 * i)));
     Bytes line{0};
     size_t code = line.size();
     line.push_back(1);
@@ -48,6 +47,8 @@ Bytes framed(Bytes body) {
     return line;
 }
 
+constexpr uint8_t ADDRESS = 5;
+
 class Dice {
 public:
     explicit Dice(uint64_t seed) : engine(seed) {}
@@ -60,8 +61,11 @@ public:
         const unsigned kind = below(32);
         const unsigned payload = kind == 0 ? 512 : kind < 3 ? 256 : kind < 8 ? below(64) : below(12);
         const unsigned zeros = below(4) == 0 ? 3 : 64;
-        Bytes body(6 + payload);
+        Bytes body(7 + payload);
         for (auto &one : body) one = below(zeros) == 0 ? uint8_t(0) : byte();
+        body[0] &= 0x7F;
+        const unsigned address = below(16);
+        body[1] = address == 0 ? 0xFF : address == 1 ? 6 : ADDRESS;
         return body;
     }
 
@@ -88,6 +92,7 @@ private:
 class Receiver {
 public:
     Receiver() {
+        receiver->address = ADDRESS;
         receiver->reset = 1;
         clock();
         receiver->reset = 0;
@@ -111,7 +116,7 @@ public:
         clock();
         std::vector<Bytes> packets;
         while (receiver->ready) {
-            Bytes body{receiver->packet_type, receiver->packet_seq};
+            Bytes body{receiver->packet_type, uint8_t(receiver->broadcast ? 0xFF : ADDRESS), receiver->packet_seq};
             for (int i = 0; i < 4; ++i) body.push_back(uint8_t(receiver->arguments >> (8 * i)));
             for (unsigned i = 0; i < receiver->length; ++i) {
                 receiver->read_address = uint16_t(i & 0x1FF);
@@ -163,7 +168,12 @@ int main(int count, char **arguments) {
         const auto taken = receiver.take();
         const bool is_whole = !framing && sent == line;
         ++(is_whole ? whole : damaged);
-        if (is_whole && (taken.empty() || taken.back() != body)) {
+        const bool for_another = body[1] == 6;
+        if (is_whole && for_another && !taken.empty() && taken.back() == body) {
+            std::fprintf(stderr, "packet %ld was for another device, and taken\n", i);
+            return 1;
+        }
+        if (is_whole && !for_another && (taken.empty() || taken.back() != body)) {
             std::fprintf(stderr, "packet %ld was whole, and lost or changed\n", i);
             return 1;
         }
@@ -175,8 +185,6 @@ int main(int count, char **arguments) {
         for (const Bytes &one : taken) wrong += one != body && one != before;
         before = body;
     }
-    const long limit = 8 + 2 * damaged / 65536;
-    std::printf("%ld whole packets, none lost; of %ld damaged ones, %ld taken for something else (at most %ld)\n",
-                whole, damaged, wrong, limit);
-    return wrong <= limit ? 0 : 1;
+    std::printf("%ld whole packets, none lost; of %ld damaged ones, %ld taken for something else\n", whole, damaged, wrong);
+    return wrong == 0 ? 0 : 1;
 }

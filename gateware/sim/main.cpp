@@ -1,19 +1,30 @@
 // The device as a program: a host's UART on its one side, 32 shift registers on its other, and commands on standard input.
 //
-//     b f64           the host's baud
-//     u u16, bytes    append to what the host sends
-//     e u8            the emergency stop is pressed, or not
-//     r u32           run so many periods
+//     device [DEVICES [CLOCKS [shared]]]
 //
-// For each period a record goes to standard output, all numbers little-endian:
+// With two devices, the second one is switched on so many clocks after the first and has address 1; its `sync_in` is the `sync` of the
+// first, and it has a line from the host of its own, or shares the first one's. Commands that are about a device:
 //
-//     u8              1 if the outputs were on during the whole period
+//     d u8            the commands that follow are about this device, 0 at first
+//     b f64           its host's baud
+//     u u16, bytes    append to what the host sends it
+//     e u8            its emergency stop is pressed, or not
+//     x u32 u32       it is pressed so many clocks from now, for so many clocks (0: for less than one)
+//     r u32           run so many periods of the first device
+//
+// At the end of each device's period a record goes to standard output, all numbers little-endian; and 0xFF after the last one of a run:
+//
+//     u8              the device
+//     u8              bit 0: the outputs were on during the whole period; bit 1: or at any time in it; bit 2: it follows a leader; bit 3: its
+//                     `sync` marks the period
+//     u64             the clock with which the period began
 //     u8 u8 u8 u8     1 if a packet went through the gate, and its type, seq and result
 //     u16, bytes      what the host received
 //     256 x u8 u8     rise and width, in levels, of the pulse at each register output; 0 0 without one, 255 as width if what was seen
 //                     is not one pulse
 //
-// Period 0 begins with the first level that the device latches as its own. Commands act between two periods.
+// A device's first record is of the first period after it has woken up. Commands act between two periods of the first device. What stands in memories
+// and registers before the reset is random.
 #include <array>
 #include <cmath>
 #include <cstdint>
@@ -146,61 +157,94 @@ private:
     std::array<Registers::Words, LEVELS> seen{};
 };
 
-class Bench {
+// A device with what is around it. The clock is that of the bench.
+class Device {
 public:
-    Bench() {
+    Device(uint8_t number, uint64_t begins) : number(number), begins(begins) {
         device->rxd = 1;
         device->estop_n = 1;
+        device->address = number;
         device->reset = 1;
-        for (int i = 0; i < 8; ++i) tick();
-        device->reset = 0;
-        do tick();
-        while (!device->period_ends);
+        device->sync_in = 0;
     }
 
-    void emergency(bool pressed) { device->estop_n = !pressed; }
-
-    void period() {
-        bool on = true;
-        std::array<uint8_t, 4> applied{};
-        Trace trace;
-        for (int clock = 0; clock < CLOCKS; ++clock) {
-            const bool latched = tick();
-            on &= !device->oe_n;
-            if (latched != (clock % CLOCKS_PER_LEVEL == 0)) fail("a level was not latched when its time was");
-            if (device->sync != (clock < CLOCKS_PER_LEVEL)) fail("sync is not at level 0");
-            if (latched) trace.level(clock / CLOCKS_PER_LEVEL, registers.outputs);
-            if (device->applied) {
-                if (applied[0]) fail("two packets went through the gate in one period");
-                applied = {1, device->applied_type, device->applied_seq, device->applied_result};
-            }
-        }
-        write(on, applied, trace);
-    }
-
-    Host host;
-
-private:
-    // One clock. Data that were latched at its beginning are those from before what is shifted in its middle.
-    bool tick() {
-        device->rxd = host.transmit(clocks);
+    // The first half of a clock. Data that were latched at its beginning are those from before what is shifted in its middle.
+    void rise(uint64_t clock, bool rxd, bool sync_in) {
+        if (clock == begins + 8) device->reset = 0;
+        device->rxd = rxd;
+        device->sync_in = sync_in;
+        device->estop_n = !(pressed || (clock >= press_from && clock < press_to));
         device->clk = 1;
         device->eval();
+        if (ended) begin(clock);
+        ended = false;
         const bool latched = device->latch && !latch_before;
         latch_before = device->latch;
         if (latched) registers.latch();
         if (device->shift) registers.shift(device->data);
-        host.receive(clocks, device->txd);
-        device->clk = 0;
-        device->eval();
-        ++clocks;
-        return latched;
+        host.receive(clock, device->txd);
+        if (recording) watch(clock, latched);
     }
 
-    void write(bool on, const std::array<uint8_t, 4> &applied, const Trace &trace) {
+    // The second half. Returns whether a period ended.
+    bool fall(uint64_t clock) {
+        device->clk = 0;
+        device->eval();
+        if (clock == press_from && clock == press_to) {
+            device->estop_n = 0;
+            device->eval();
+            device->estop_n = 1;
+            device->eval();
+        }
+        ended = device->period_ends;
+        if (!ended) return false;
+        if (recording) write();
+        recording = device->awake;
+        return recording;
+    }
+
+    bool sync() const { return device->sync; }
+    bool awake() const { return recording; }
+    void emergency(bool is_pressed) { pressed = is_pressed; }
+    void press(uint64_t from, uint64_t clocks) { press_from = from, press_to = from + clocks; }
+
+    Host host;
+
+private:
+    void begin(uint64_t clock) {
+        start = clock;
+        level = -1;
+        always_on = true;
+        ever_on = marked = false;
+        applied = {};
+        if (recording && !device->sync) fail("sync does not rise with a period");
+    }
+
+    void watch(uint64_t clock, bool latched) {
+        const uint64_t since = clock - start;
+        always_on &= !device->oe_n;
+        ever_on |= !device->oe_n;
+        if (clock >= press_from + 2 && press_from >= start && !device->oe_n) fail("a press leaves the outputs on");
+        if (latched) {
+            if (++level == LEVELS) fail("a period has too many levels");
+            trace.level(level, registers.outputs);
+        }
+        // A follower's levels may be longer, and its last one missing.
+        if (!device->follows && latched != (since % CLOCKS_PER_LEVEL == 0)) fail("a level was not latched when its time was");
+        if (level == 1) marked |= device->sync;
+        if (device->sync != (level == 0 || (level == 1 && marked))) fail("sync is not at level 0");
+        if (device->applied) {
+            if (applied[0]) fail("two packets went through the gate in one period");
+            applied = {1, device->applied_type, device->applied_seq, device->applied_result};
+        }
+    }
+
+    void write() {
         const auto count = uint16_t(host.received.size());
         const auto pulses = trace.pulses();
-        std::putchar(on);
+        std::putchar(number);
+        std::putchar(always_on | ever_on << 1 | device->follows << 2 | marked << 3);
+        for (int i = 0; i < 8; ++i) std::putchar(int(start >> (8 * i) & 0xFF));
         std::fwrite(applied.data(), 1, applied.size(), stdout);
         std::putchar(count & 0xFF);
         std::putchar(count >> 8);
@@ -210,8 +254,55 @@ private:
     }
 
     std::unique_ptr<Vwatched> device = std::make_unique<Vwatched>();
+    uint8_t number;
+    uint64_t begins;
     Registers registers;
-    bool latch_before = false;
+    Trace trace;
+    bool latch_before = false, ended = false, recording = false, pressed = false;
+    uint64_t press_from = UINT64_MAX, press_to = UINT64_MAX;
+    // Of this period.
+    uint64_t start = 0;
+    int level = -1;
+    bool always_on = true, ever_on = false, marked = false;
+    std::array<uint8_t, 4> applied{};
+};
+
+class Bench {
+public:
+    Bench(unsigned count, uint64_t later, bool shared) : shared(shared) {
+        for (unsigned i = 0; i < count; ++i) devices.push_back(std::make_unique<Device>(uint8_t(i), i * later));
+        while (!devices[0]->awake()) clock();
+    }
+
+    Device &device(unsigned number) {
+        if (number >= devices.size()) fail("no such device");
+        return *devices[number];
+    }
+    uint64_t now() const { return clocks; }
+
+    void run(uint32_t periods) {
+        while (periods > 0) periods -= clock();
+        std::putchar(0xFF);
+    }
+
+private:
+    // Returns whether the first device's period ended.
+    bool clock() {
+        const bool sync = devices[0]->sync(), line = devices[0]->host.transmit(clocks);
+        for (size_t i = 0; i < devices.size(); ++i) {
+            devices[i]->rise(clocks, i == 0 || shared ? line : devices[i]->host.transmit(clocks), i > 0 && sync);
+        }
+        bool ended = false;
+        for (size_t i = 0; i < devices.size(); ++i) {
+            const bool one = devices[i]->fall(clocks);
+            if (i == 0) ended = one;
+        }
+        ++clocks;
+        return ended;
+    }
+
+    std::vector<std::unique_ptr<Device>> devices;
+    bool shared;
     uint64_t clocks = 0;
 };
 
@@ -223,19 +314,28 @@ template <typename T> T read() {
 
 }  // namespace
 
-int main() {
-    Bench bench;
+int main(int count, char **arguments) {
+    Verilated::randReset(2);
+    const auto number = [&](int at, long otherwise) { return count > at ? std::atol(arguments[at]) : otherwise; };
+    Bench bench(unsigned(number(1, 1)), uint64_t(number(2, 0)), count > 3);
+    unsigned about = 0;
     for (int command; (command = std::getchar()) != EOF;) {
-        if (command == 'b') {
+        Device &device = bench.device(about);
+        if (command == 'd') {
+            about = read<uint8_t>();
+        } else if (command == 'b') {
             const auto baud = read<double>();
             if (!(baud >= 1000 && baud <= CLOCK_HZ / 2)) fail("this baud cannot be simulated");
-            bench.host.baud(baud);
+            device.host.baud(baud);
         } else if (command == 'u') {
-            for (auto count = read<uint16_t>(); count > 0; --count) bench.host.send(read<uint8_t>());
+            for (auto bytes = read<uint16_t>(); bytes > 0; --bytes) device.host.send(read<uint8_t>());
         } else if (command == 'e') {
-            bench.emergency(read<uint8_t>() != 0);
+            device.emergency(read<uint8_t>() != 0);
+        } else if (command == 'x') {
+            const auto from = read<uint32_t>();
+            device.press(bench.now() + from, read<uint32_t>());
         } else if (command == 'r') {
-            for (auto count = read<uint32_t>(); count > 0; --count) bench.period();
+            bench.run(read<uint32_t>());
             if (std::fflush(stdout) != 0) return 0;
         } else {
             fail("unknown command");

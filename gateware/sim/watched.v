@@ -1,4 +1,5 @@
-// The device with what the test bench wants to see of its inside: when a period ends, and what passes through the gate.
+// The device with what the test bench wants to see of its inside: when a period ends, what passes through the gate, and whether it
+// heeds the line and follows a leader.
 `default_nettype none
 
 module watched #(
@@ -8,7 +9,11 @@ module watched #(
     input  wire        reset,
     input  wire        rxd,
     output wire        txd,
+    /* verilator lint_off SYNCASYNCNET */
     input  wire        estop_n,
+    /* verilator lint_on SYNCASYNCNET */
+    input  wire        sync_in,
+    input  wire [2:0]  address,
     output wire [31:0] data,
     output wire        shift,
     output wire        latch,
@@ -17,6 +22,8 @@ module watched #(
     output wire        led_on,
     output wire        led_tripped,
     output wire        led_packet,
+    output wire        awake,
+    output wire        follows,
     output wire        period_ends,
     output wire        applied,
     output wire [7:0]  applied_type,
@@ -24,11 +31,13 @@ module watched #(
     output wire [7:0]  applied_result
 );
     device #(.PHASE_BITS(PHASE_BITS)) device (
-        .clk(clk), .reset(reset), .rxd(rxd), .txd(txd), .estop_n(estop_n),
+        .clk(clk), .reset(reset), .rxd(rxd), .txd(txd), .estop_n(estop_n), .sync_in(sync_in), .address(address),
         .data(data), .shift(shift), .latch(latch), .oe_n(oe_n), .sync(sync),
         .led_on(led_on), .led_tripped(led_tripped), .led_packet(led_packet)
     );
 
+    assign awake = !device.asleep;
+    assign follows = device.follows;
     assign period_ends = device.last;
     assign applied = device.packet_done;
     assign applied_type = device.packet_type;

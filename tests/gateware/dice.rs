@@ -1,6 +1,6 @@
 //! Random numbers that are the same in every run, and random packets.
 
-use sonoglyph::device::native::packet::{Kind, Packet};
+use sonoglyph::device::native::packet::{BROADCAST, Kind, Packet, Table};
 
 pub struct Dice(u64);
 
@@ -34,15 +34,27 @@ impl Dice {
         std::array::from_fn(|_| self.bytes())
     }
 
+    /// A packet for the device at an address, for all devices, or for another one.
+    pub fn packet_about(&mut self, address: u8) -> Packet {
+        let packet = self.packet();
+        match self.below(16) {
+            0 => packet.to(BROADCAST),
+            1 => packet.to(address ^ (1 + self.below(127) as u8)),
+            _ => packet.to(address),
+        }
+    }
+
     /// A packet of any kind, mostly such as a host would send, and now and then nonsense.
-    pub fn packet(&mut self) -> Packet {
+    fn packet(&mut self) -> Packet {
         let slot = self.below(12) as u8;
-        match self.below(32) {
+        match self.below(36) {
             0..5 => Packet::frame(slot, &self.pairs(), self.below(2) == 0),
             5..8 => Packet::phases(slot, self.byte(), &self.bytes(), self.below(2) == 0),
             8..12 => {
                 let (divider, loops, after) = (1 + self.below(9), self.below(4), self.below(2) == 0);
-                Packet::play(slot, slot + self.below(5) as u8, divider as u16, loops as u16, after)
+                let play =
+                    Packet::play(slot, slot + self.below(5) as u8, divider as u16, loops as u16, after);
+                if self.below(4) == 0 { play.in_step() } else { play }
             }
             12 => Packet::stop(),
             13 => Packet::envelope(&self.bytes()),
@@ -55,11 +67,18 @@ impl Dice {
             25 => Packet::status(),
             26 => Packet::info(),
             27 => {
-                Packet { code: 0x40 + self.byte() / 4, seq: 0, arguments: self.bytes(), payload: Vec::new() }
+                let (code, arguments) = (0x40 + self.byte() / 4, self.bytes());
+                Packet { code, address: 0, seq: 0, arguments, payload: Vec::new() }
             }
             28 => Packet { payload: vec![3; self.below(513) as usize], ..self.of_any_kind() },
             29 => Packet { arguments: self.bytes(), ..self.of_any_kind() },
             30 => Packet::enable(0),
+            31 => Packet::reset(),
+            32 => Packet::digest(Table::Slot(slot)),
+            33 => {
+                Packet::digest([Table::Envelope, Table::Widths, Table::Calibration][self.below(3) as usize])
+            }
+            34 => Packet::phases(slot, self.byte(), &self.bytes(), true).in_step(),
             _ => Packet::phases(self.byte(), self.byte(), &self.bytes(), true),
         }
     }
@@ -67,7 +86,7 @@ impl Dice {
     /// Of a length that is right and arguments 0. BAUD is left out: it would have to change the host's rate too.
     fn of_any_kind(&mut self) -> Packet {
         let kinds = Kind::ALL.map(|kind| if kind == Kind::Baud { Kind::Stop } else { kind });
-        let kind = kinds[self.below(14) as usize];
+        let kind = kinds[self.below(16) as usize];
         Packet::new(kind, [0; 4], vec![0; kind.payload()])
     }
 

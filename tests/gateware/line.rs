@@ -39,7 +39,7 @@ fn the_rate_changes_after_the_answer() {
     // From 640 kbaud to the fastest that the device takes, 10.24 Mbaud.
     for increment in [1024, 4800, 6400, 16_384] {
         twins.order(Packet::baud(increment));
-        twins.simulated.baud(twins.model.baud());
+        twins.simulated.baud(twins.twin.model.baud());
         twins.run(3);
         twins.order(Packet::frame(1, &[[3, 4]; 256], false));
     }
@@ -48,7 +48,7 @@ fn the_rate_changes_after_the_answer() {
         (0..WINDOW).for_each(|_| twins.send(Packet::status()));
         twins.settle();
     }
-    assert_eq!(twins.answers.len(), 8 + 20 * WINDOW);
+    assert_eq!(twins.twin.answers.len(), 8 + 20 * WINDOW);
     assert_eq!(twins.ask(Packet::baud(63)).outcome, Outcome::Argument);
     assert_eq!(twins.ask(Packet::baud(16_385)).outcome, Outcome::Argument);
 }
@@ -57,15 +57,15 @@ fn the_rate_changes_after_the_answer() {
 fn the_rate_falls_back_when_nothing_good_comes_for_long() {
     let Some(mut twins) = Twins::start(5) else { return };
     twins.order(Packet::baud(6400));
-    twins.simulated.baud(twins.model.baud());
+    twins.simulated.baud(twins.twin.model.baud());
     twins.order(Packet::status());
     // Bytes that are no packet do not hold it up.
     for _ in 0..32 {
-        assert_eq!(twins.model.baud(), 4e6);
+        assert_eq!(twins.twin.model.baud(), 4e6);
         twins.simulated.send(&[1, 2, 3, 0]);
         twins.run(1024);
     }
-    assert_eq!(twins.model.baud(), 2e6);
+    assert_eq!(twins.twin.model.baud(), 2e6);
     twins.simulated.baud(2e6);
     twins.order(Packet::info());
 }
@@ -96,15 +96,15 @@ fn a_damaged_frame_is_never_played_and_the_next_one_is() {
         let slot = 1 + round % 2;
         twins.order(Packet::frame(slot, &dice.pairs(), true));
         // The twin that the bytes below do not reach goes on with the frame before.
-        let broken = twins.numbered(Packet::frame(3 - slot, &dice.pairs(), true));
+        let broken = twins.twin.numbered(Packet::frame(3 - slot, &dice.pairs(), true));
         let bytes = damaged(&mut dice, &broken.to_line());
         if bytes == broken.to_line() {
             continue;
         }
-        let before = twins.spoiled;
+        let before = twins.twin.spoiled;
         twins.simulated.send(&bytes);
         twins.run(130);
-        assert!(twins.spoiled > before, "nothing is said about a damaged frame");
+        assert!(twins.twin.spoiled > before, "nothing is said about a damaged frame");
     }
     // And noise that is no bytes at all: the host sends far too slowly for a moment.
     twins.simulated.baud(150e3);
@@ -114,5 +114,5 @@ fn a_damaged_frame_is_never_played_and_the_next_one_is() {
     twins.simulated.send(&[0]);
     twins.run(20);
     let Body::Status(status) = twins.ask(Packet::status()).body else { panic!() };
-    assert!(status.framing_errors > 0 && status.spoiled == twins.spoiled, "{status:?}");
+    assert!(status.framing_errors > 0 && status.spoiled == twins.twin.spoiled, "{status:?}");
 }

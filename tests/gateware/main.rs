@@ -8,5 +8,7 @@ mod play;
 #[path = "../requirement/mod.rs"]
 mod requirement;
 mod simulated;
+mod stop;
 mod table;
 mod twins;
+mod two;

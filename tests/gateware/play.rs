@@ -1,7 +1,7 @@
 //! What is played: every period of random sessions, and the cases on which safety hangs.
 
 use sonoglyph::device::native::model::Pulse;
-use sonoglyph::device::native::packet::{Outcome, Packet};
+use sonoglyph::device::native::packet::{Outcome, Packet, Table};
 
 use crate::dice::Dice;
 use crate::twins::{Twins, WINDOW};
@@ -13,11 +13,16 @@ fn random_session(phase_bits: u8, periods: u32) {
     // 5 Mbaud, or half as many periods would pass without anything new.
     let increment = if phase_bits == 8 { 4096 } else { 8192 };
     twins.order(Packet::baud(increment));
-    twins.simulated.baud(twins.model.baud());
+    twins.simulated.baud(twins.twin.model.baud());
     let mut pressed = false;
-    while twins.periods < periods {
-        if twins.unanswered() < WINDOW {
-            twins.send(dice.packet());
+    while twins.twin.periods < periods {
+        if twins.twin.unanswered() < WINDOW {
+            twins.send(dice.packet_about(0));
+        }
+        match dice.below(300) {
+            0 => twins.introduce(),
+            1 => begin_anew(&mut twins),
+            _ => {}
         }
         if dice.below(if pressed { 4 } else { 60 }) == 0 {
             pressed = !pressed;
@@ -27,15 +32,31 @@ fn random_session(phase_bits: u8, periods: u32) {
     }
     twins.settle();
     // It was a session worth the name.
-    assert!(3 * twins.sounding > twins.periods, "{} of {} periods sound", twins.sounding, twins.periods);
+    assert!(
+        3 * twins.twin.sounding > twins.twin.periods,
+        "{} of {} periods sound",
+        twins.twin.sounding,
+        twins.twin.periods
+    );
     for outcome in Outcome::ALL {
-        let count = twins.answers.iter().filter(|reply| reply.outcome == outcome).count();
+        let count = twins.twin.answers.iter().filter(|reply| reply.outcome == outcome).count();
         assert_eq!(count > 0, outcome != Outcome::Crc, "{count} times {outcome:?}");
     }
     assert!(
-        twins.answers.iter().any(|reply| reply.flags.tripped)
-            && twins.answers.iter().any(|reply| reply.flags.playing)
+        twins.twin.answers.iter().any(|reply| reply.flags.tripped)
+            && twins.twin.answers.iter().any(|reply| reply.flags.playing)
     );
+}
+
+/// RESET when nothing sounds any more, and what is left then: everything is told by its digest.
+fn begin_anew(twins: &mut Twins) {
+    twins.settle();
+    twins.order(Packet::mute());
+    twins.run(260);
+    twins.order(Packet::reset());
+    for table in [Table::Slot(1), Table::Slot(63), Table::Envelope, Table::Widths, Table::Calibration] {
+        twins.order(Packet::digest(table));
+    }
 }
 
 #[test]
@@ -67,17 +88,17 @@ fn loud() -> Packet {
 fn nothing_sounds_before_enable_and_a_frame() {
     let Some(mut twins) = Twins::start(7) else { return };
     for period in twins.simulated.run(300) {
-        twins.model.period();
+        twins.twin.model.period();
         assert!(!period.outputs_on && period.received.is_empty());
         assert!(period.pulses.iter().all(|&pulse| pulse == Pulse::default()));
     }
     twins.order(loud());
     twins.run(50);
-    assert_eq!(twins.sounding, 0);
+    assert_eq!(twins.twin.sounding, 0);
     twins.order(Packet::enable(100));
     twins.run(60);
-    assert!(twins.sounding > 50);
-    assert!(twins.model.played().iter().all(|pulse| pulse.width == 64));
+    assert!(twins.twin.sounding > 50);
+    assert!(twins.twin.model.played().iter().all(|pulse| pulse.width == 64));
 }
 
 #[test]
@@ -89,23 +110,23 @@ fn the_watchdog_ramps_down_and_stays_until_enable() {
     twins.order(Packet::enable(2));
     twins.order(Packet::silencer(0x0300, 0x0001));
     twins.run(100);
-    assert!(twins.model.outputs_on() && twins.sounding > 100);
+    assert!(twins.twin.model.outputs_on() && twins.twin.sounding > 100);
     // 128 periods after the last packet it trips; amplitudes go down by 0x100 per period at least, whatever the silencer says.
-    let before = twins.sounding;
+    let before = twins.twin.sounding;
     twins.run(300);
-    assert!(!twins.model.outputs_on());
-    assert!((250..290).contains(&(twins.sounding - before)), "{}", twins.sounding - before);
-    let silent = twins.sounding;
+    assert!(!twins.twin.model.outputs_on());
+    assert!((250..290).contains(&(twins.twin.sounding - before)), "{}", twins.twin.sounding - before);
+    let silent = twins.twin.sounding;
     twins.order(Packet::frame(2, &[[7, 255]; 256], true));
     twins.order(Packet::status());
-    assert!(twins.answers.last().unwrap().flags.tripped);
+    assert!(twins.twin.answers.last().unwrap().flags.tripped);
     twins.run(100);
-    assert_eq!(twins.sounding, silent);
+    assert_eq!(twins.twin.sounding, silent);
     twins.order(Packet::enable(50));
-    assert!(!twins.answers.last().unwrap().flags.tripped);
+    assert!(!twins.twin.answers.last().unwrap().flags.tripped);
     twins.order(Packet::silencer(0x0300, 0x0600));
     twins.run(100);
-    assert!(twins.sounding > silent + 90);
+    assert!(twins.twin.sounding > silent + 90);
 }
 
 #[test]
@@ -114,19 +135,19 @@ fn the_emergency_stop_is_at_once_and_lasts_until_enable() {
     twins.order(loud());
     twins.order(Packet::enable(1000));
     twins.run(100);
-    assert!(twins.model.outputs_on());
+    assert!(twins.twin.model.outputs_on());
     twins.press(true);
     twins.run(1);
-    assert!(!twins.model.outputs_on());
+    assert!(!twins.twin.model.outputs_on());
     assert_eq!(twins.ask(Packet::enable(1000)).outcome, Outcome::State);
-    let silent = twins.sounding;
+    let silent = twins.twin.sounding;
     twins.run(300);
     twins.press(false);
     twins.run(300);
-    assert_eq!(twins.sounding, silent);
+    assert_eq!(twins.twin.sounding, silent);
     twins.order(Packet::enable(1000));
     twins.run(100);
-    assert!(twins.sounding > silent + 90);
+    assert!(twins.twin.sounding > silent + 90);
 }
 
 #[test]
@@ -141,7 +162,7 @@ fn a_sequence_changes_slots_at_its_own_pace_to_the_period() {
     let rises: Vec<_> = (0..60)
         .map(|_| {
             twins.run(1);
-            twins.model.played()[17].rise
+            twins.twin.model.played()[17].rise
         })
         .collect();
     // A pulse of half a period around slot · 32 / 256 of 128 levels.
@@ -166,7 +187,7 @@ fn modulation_repeats_at_its_frequency() {
     let widths: Vec<_> = (0..1000)
         .map(|_| {
             twins.run(1);
-            twins.model.played()[0].width
+            twins.twin.model.played()[0].width
         })
         .collect();
     let middles: Vec<_> = (1..1000).filter(|&i| widths[i - 1] < 30 && widths[i] >= 30).collect();

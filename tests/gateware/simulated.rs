@@ -13,10 +13,28 @@ pub struct Simulated {
     records: BufReader<ChildStdout>,
 }
 
-/// What was seen in one period.
+/// Where the line of the second of two devices comes from.
+#[derive(Clone, Copy)]
+pub enum Second {
+    /// Switched on so many clocks after the first, with a line of its own.
+    OwnLine(u32),
+    /// On the line of the first.
+    SharedLine(u32),
+}
+
+/// What was seen in one period of a device.
 pub struct Period {
+    pub device: usize,
     /// The outputs were on all the time.
     pub outputs_on: bool,
+    /// They were on at any time.
+    pub outputs_ever_on: bool,
+    /// It follows a leader.
+    pub follows: bool,
+    /// Its `sync` marks the period.
+    pub marked: bool,
+    /// The clock with which it began.
+    pub start: u64,
     /// Type, sequence number and result of the packet that went through the gate.
     pub gate: Option<[u8; 3]>,
     /// What the host received.
@@ -28,6 +46,18 @@ pub struct Period {
 impl Simulated {
     /// A device with so many phase bits that has just been switched on; nothing if no Verilator is here and none has to be.
     pub fn start(phase_bits: u8) -> Option<Self> {
+        Self::with(phase_bits, &[])
+    }
+
+    /// Two devices on one clock, the second of which gets the `sync` of the first.
+    pub fn start_two(phase_bits: u8, second: Second) -> Option<Self> {
+        match second {
+            Second::OwnLine(later) => Self::with(phase_bits, &["2", &later.to_string()]),
+            Second::SharedLine(later) => Self::with(phase_bits, &["2", &later.to_string(), "shared"]),
+        }
+    }
+
+    fn with(phase_bits: u8, arguments: &[&str]) -> Option<Self> {
         let verilator = Command::new("verilator").arg("--version").output();
         requirement::found("rtl", verilator.map_err(|error| format!("verilator: {error}")))?;
         let root = Path::new(env!("CARGO_MANIFEST_DIR"));
@@ -38,8 +68,12 @@ impl Simulated {
             .output()
             .unwrap();
         assert!(built.status.success(), "{}", String::from_utf8_lossy(&built.stderr));
-        let mut program =
-            Command::new(folder.join("device")).stdin(Stdio::piped()).stdout(Stdio::piped()).spawn().unwrap();
+        let mut program = Command::new(folder.join("device"))
+            .args(arguments)
+            .stdin(Stdio::piped())
+            .stdout(Stdio::piped())
+            .spawn()
+            .unwrap();
         let (commands, records) = (program.stdin.take(), BufReader::new(program.stdout.take().unwrap()));
         Some(Self { program, commands, records })
     }
@@ -66,26 +100,52 @@ impl Simulated {
         self.tell(b'e', &[u8::from(pressed)]);
     }
 
-    /// Goes on by so many periods.
-    pub fn run(&mut self, periods: u32) -> Vec<Period> {
-        self.tell(b'r', &periods.to_le_bytes());
-        (0..periods).map(|_| self.record()).collect()
+    /// Presses the emergency stop so many clocks from now, for so many clocks; 0 for less than one.
+    pub fn press_for(&mut self, from: u32, clocks: u32) {
+        self.tell(b'x', &[from.to_le_bytes(), clocks.to_le_bytes()].concat());
     }
 
-    fn record(&mut self) -> Period {
-        let mut head = [0; 7];
-        self.records.read_exact(&mut head).unwrap();
-        let [on, applied, code, seq, result, low, high] = head;
-        let mut received = vec![0; usize::from(u16::from_le_bytes([low, high]))];
+    /// What is told next is about this device.
+    pub fn about(&mut self, device: usize) {
+        self.tell(b'd', &[u8::try_from(device).unwrap()]);
+    }
+
+    /// Goes on by so many periods of the first device: all periods that ended meanwhile.
+    pub fn run(&mut self, periods: u32) -> Vec<Period> {
+        self.tell(b'r', &periods.to_le_bytes());
+        std::iter::from_fn(|| self.record()).collect()
+    }
+
+    fn bytes<const N: usize>(&mut self) -> [u8; N] {
+        let mut bytes = [0; N];
+        self.records.read_exact(&mut bytes).unwrap();
+        bytes
+    }
+
+    /// Nothing at the end of a run.
+    fn record(&mut self) -> Option<Period> {
+        let [device] = self.bytes();
+        if device == 0xFF {
+            return None;
+        }
+        let [flags] = self.bytes();
+        let start = u64::from_le_bytes(self.bytes());
+        let [applied, code, seq, result] = self.bytes();
+        let mut received = vec![0; usize::from(u16::from_le_bytes(self.bytes()))];
         self.records.read_exact(&mut received).unwrap();
-        let mut pulses = [0; 512];
-        self.records.read_exact(&mut pulses).unwrap();
-        Period {
-            outputs_on: on == 1,
+        let pulses: [u8; 512] = self.bytes();
+        let set = |bit: u8| flags >> bit & 1 == 1;
+        Some(Period {
+            device: usize::from(device),
+            outputs_on: set(0),
+            outputs_ever_on: set(1),
+            follows: set(2),
+            marked: set(3),
+            start,
             gate: (applied == 1).then_some([code, seq, result]),
             received,
             pulses: pulses.chunks_exact(2).map(|pair| Pulse { rise: pair[0], width: pair[1] }).collect(),
-        }
+        })
     }
 }
 

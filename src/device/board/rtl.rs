@@ -14,6 +14,10 @@ use crate::device::native::packet::{Body, Flags, Outcome, Packet, REPLY, Reply, 
 
 /// Packets that are remembered until the gate says what became of them.
 const REMEMBERED: usize = 16;
+/// What the program says after the last period of a run.
+const END: u8 = 0xFF;
+/// Of a record's flags: the outputs were on during the whole period.
+const ALWAYS_ON: u8 = 1;
 
 #[derive(Debug)]
 pub struct Rtl {
@@ -77,8 +81,7 @@ impl Rtl {
         self.commands.write_all(b"r")?;
         self.commands.write_all(&periods.to_le_bytes())?;
         self.commands.flush()?;
-        for _ in 0..periods {
-            let record = self.record(&mut heeded.answer)?;
+        while let Some(record) = self.record(&mut heeded.answer)? {
             self.see(&record, heeded);
         }
         Ok(())
@@ -105,10 +108,16 @@ impl Rtl {
         }
     }
 
-    fn record(&mut self, answer: &mut Vec<u8>) -> io::Result<Record> {
-        let mut head = [0; 7];
+    /// `None` at the end of a run.
+    fn record(&mut self, answer: &mut Vec<u8>) -> io::Result<Option<Record>> {
+        let mut device = [0];
+        self.records.read_exact(&mut device)?;
+        if device == [END] {
+            return Ok(None);
+        }
+        let mut head = [0; 15];
         self.records.read_exact(&mut head)?;
-        let [on, applied, code, seq, result, low, high] = head;
+        let [flags, _, _, _, _, _, _, _, _, applied, code, seq, result, low, high] = head;
         let mut received = vec![0; usize::from(u16::from_le_bytes([low, high]))];
         self.records.read_exact(&mut received)?;
         answer.extend(received);
@@ -117,8 +126,8 @@ impl Rtl {
         for (pulse, &[rise, width]) in self.pulses.iter_mut().zip(pulses.as_chunks::<2>().0) {
             *pulse = Pulse { rise, width };
         }
-        self.outputs_on = on == 1;
-        Ok(Record { applied: applied == 1, code, seq, result })
+        self.outputs_on = flags & ALWAYS_ON != 0;
+        Ok(Some(Record { applied: applied == 1, code, seq, result }))
     }
 
     fn see(&mut self, record: &Record, heeded: &mut Heeded) {

@@ -194,6 +194,11 @@ impl Model {
         &self.played
     }
 
+    /// The slot that the sweep reads.
+    pub fn slot(&self) -> u8 {
+        self.player.slot()
+    }
+
     /// What the period is that [`Self::period`] went to last.
     pub fn played(&self) -> &[Pulse; CHANNELS] {
         &self.played
