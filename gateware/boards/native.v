@@ -16,6 +16,8 @@ module native #(
     input  wire        rxd,
     output wire        txd,
     input  wire        estop_n,
+    input  wire        sync_in,
+    input  wire [2:0]  address,
     output wire [31:0] data,
     output wire [1:0]  sclk,        // in the first and in the second half of the clock
     output wire        rclk,
@@ -35,9 +37,10 @@ module native #(
 
     wire shift, oe_n_inside;
     device #(
-        .PHASE_BITS(PHASE_BITS), .SLOT_BITS(SLOT_BITS), .CARRIER_MHZ(CARRIER[31:0]), .FIRST_INCREMENT(INCREMENT[15:0])
+        .PHASE_BITS(PHASE_BITS), .SLOT_BITS(SLOT_BITS), .CARRIER_MHZ(CARRIER[31:0]), .FIRST_INCREMENT(INCREMENT[15:0]),
+        .SYNC_LATENCY(3)    // the boards' output register is one clock
     ) device (
-        .clk(clk), .reset(reset), .rxd(rxd), .txd(txd), .estop_n(estop_n),
+        .clk(clk), .reset(reset), .rxd(rxd), .txd(txd), .estop_n(estop_n), .sync_in(sync_in), .address(address),
         .data(data), .shift(shift), .latch(rclk), .oe_n(oe_n_inside), .sync(sync),
         .led_on(led_on), .led_tripped(led_tripped), .led_packet(led_packet)
     );

@@ -12,6 +12,8 @@ module top #(
     input  wire        ftdi_txd,    // from the host
     output wire        ftdi_rxd,    // to the host
     input  wire        estop_n,
+    input  wire        sync_in,
+    input  wire [2:0]  address,
     output wire [31:0] data,
     output wire [3:0]  sclk,
     output wire [3:0]  rclk,
@@ -41,7 +43,7 @@ module top #(
         .OSCILLATOR_KHZ(OSCILLATOR_KHZ), .MULTIPLY(MULTIPLY), .DIVIDE(PLL_DIVIDE * OUT_DIVIDE), .PHASE_BITS(PHASE_BITS)
     ) native (
         .oscillator(clk_25mhz), .clk(clk), .locked(locked), .pll_reset(pll_reset), .reset(reset),
-        .rxd(ftdi_txd), .txd(ftdi_rxd), .estop_n(estop_n),
+        .rxd(ftdi_txd), .txd(ftdi_rxd), .estop_n(estop_n), .sync_in(sync_in), .address(address),
         .data(data_inside), .sclk(sclk_inside), .rclk(rclk_inside), .oe_n(oe_n), .sync(sync_inside),
         .led_on(led[0]), .led_tripped(led[1]), .led_packet(led[2])
     );

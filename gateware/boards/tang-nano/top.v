@@ -16,6 +16,8 @@ module top #(
     input  wire              rxd,
     output wire              txd,
     input  wire              estop_n,
+    input  wire              sync_in,
+    input  wire [2:0]        address,
     output wire [31:0]       data,
     output wire [COPIES-1:0] sclk,
     output wire [COPIES-1:0] rclk,
@@ -41,7 +43,7 @@ module top #(
         .OSCILLATOR_KHZ(OSCILLATOR_KHZ), .MULTIPLY(MULTIPLY), .DIVIDE(PLL_DIVIDE * OUT_DIVIDE), .PHASE_BITS(PHASE_BITS)
     ) native (
         .oscillator(oscillator), .clk(clk), .locked(locked), .pll_reset(pll_reset), .reset(reset),
-        .rxd(rxd), .txd(txd), .estop_n(estop_n),
+        .rxd(rxd), .txd(txd), .estop_n(estop_n), .sync_in(sync_in), .address(address),
         .data(data_inside), .sclk(sclk_inside), .rclk(rclk_inside), .oe_n(oe_n), .sync(sync_inside),
         .led_on(on), .led_tripped(tripped), .led_packet(packet)
     );

@@ -12,6 +12,8 @@ module top #(
     input  wire        rxd,
     output wire        txd,
     input  wire        estop_n,
+    input  wire        sync_in,
+    input  wire [2:0]  address,
     output wire [31:0] data,
     output wire [3:0]  sclk,
     output wire [3:0]  rclk,
@@ -38,7 +40,7 @@ module top #(
         .OSCILLATOR_KHZ(OSCILLATOR_KHZ), .MULTIPLY(MULTIPLY), .DIVIDE(DIVIDE), .PHASE_BITS(PHASE_BITS)
     ) native (
         .oscillator(oscillator_inside), .clk(clk), .locked(locked), .pll_reset(pll_reset), .reset(reset),
-        .rxd(rxd), .txd(txd), .estop_n(estop_n),
+        .rxd(rxd), .txd(txd), .estop_n(estop_n), .sync_in(sync_in), .address(address),
         .data(data_inside), .sclk(sclk_inside), .rclk(rclk_inside), .oe_n(oe_n), .sync(sync_inside),
         .led_on(led[0]), .led_tripped(led[1]), .led_packet(packet)
     );
