@@ -10,7 +10,9 @@ module native #(
 ) (
     input  wire        oscillator,
     input  wire        clk,
-    input  wire        locked,
+    /* verilator lint_off SYNCASYNCNET */
+    input  wire        locked,      // used with a clock and without, on purpose
+    /* verilator lint_on SYNCASYNCNET */
     output wire        pll_reset,
     output wire        reset,
     input  wire        rxd,

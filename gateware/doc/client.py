@@ -113,7 +113,10 @@ class Board:
                 continue
             if not select.select([self.file], [], [], max(0.0, end - time.monotonic()))[0]:
                 return None
-            self.received += os.read(self.file, 4096)
+            data = os.read(self.file, 4096)
+            if not data:
+                raise OSError("the port has been closed")
+            self.received += data
 
     def read_reply(self, patience=PATIENCE):
         data = self.read_packet(patience)
