@@ -2,10 +2,10 @@
 `include "check.vh"
 module crc16_bench;
     `include "bench.vh"
-    reg  [15:0] before;
+    reg  [15:0] from;
     reg  [7:0]  data;
-    wire [15:0] after;
-    crc16 crc16 (.before(before), .data(data), .after(after));
+    wire [15:0] to;
+    crc16 crc16 (.from(from), .data(data), .to(to));
 
     function [15:0] slow(input [15:0] start, input [7:0] value);
         integer i;
@@ -18,20 +18,20 @@ module crc16_bench;
     integer i;
     initial begin
         for (i = 0; i < 20000; i = i + 1) begin
-            before = $random;
+            from = $random;
             data = $random;
-            #1 `CHECK("a step", after, slow(before, data))
+            #1 `CHECK("a step", to, slow(from, data))
         end
-        before = 16'hFFFF;
+        from = 16'hFFFF;
         for (i = 0; i < 9; i = i + 1) begin
             data = "1" + i;
-            #1 before = after;
+            #1 from = to;
         end
-        `CHECK("the check value", ~before & 16'hFFFF, 16'hD64E)
+        `CHECK("the check value", ~from & 16'hFFFF, 16'hD64E)
         data = 8'hD6;
-        #1 before = after;
+        #1 from = to;
         data = 8'h4E;
-        #1 `CHECK("the residue", after, 16'h1D0F)
+        #1 `CHECK("the residue", to, 16'h1D0F)
         `END
     end
 endmodule

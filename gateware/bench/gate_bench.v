@@ -3,24 +3,26 @@
 `include "packets.vh"
 module gate_bench;
     `include "bench.vh"
-    reg         reset = 1, open = 0, ready = 0, emergency = 0, slot_busy = 0;
+    reg         reset = 1, open = 0, ready = 0, broadcast = 0, pressed = 0, sounding = 0, slot_busy = 0, restored = 0, digested = 0;
     reg  [7:0]  packet_type = 0, read_data = 0;
     reg  [31:0] arguments = 0;
     reg  [9:0]  length = 0;
     wire [8:0]  read_address;
     wire        done, at_work, passed, answer;
-    wire        enable, mute, baud, stop, rate, silencer, play, play_later;
+    wire        enable, mute, baud, stop, rate, silencer, play, let_go, restart, restore, digest;
+    wire [1:0]  play_when;
     wire [7:0]  result, write_address, write_data, amplitude_written;
     wire [5:0]  play_first, play_last;
     wire [15:0] play_divider, play_loops;
     wire        write_phase, write_amplitude, write_envelope, write_width, write_offset, write_gain;
     gate gate (
-        .clk(clk), .reset(reset), .open(open), .ready(ready), .packet_type(packet_type), .arguments(arguments), .length(length),
-        .read_address(read_address), .read_data(read_data), .done(done), .emergency(emergency), .slot_busy(slot_busy),
+        .clk(clk), .reset(reset), .open(open), .ready(ready), .broadcast(broadcast), .packet_type(packet_type), .arguments(arguments), .length(length),
+        .read_address(read_address), .read_data(read_data), .done(done), .pressed(pressed), .sounding(sounding), .slot_busy(slot_busy),
         .at_work(at_work), .passed(passed), .result(result), .answer(answer), .answered(answer),
-        .enable(enable), .mute(mute), .baud(baud), .stop(stop), .rate(rate), .silencer(silencer),
+        .let_go(let_go), .enable(enable), .mute(mute), .baud(baud), .stop(stop), .rate(rate), .silencer(silencer),
         .play(play), .play_first(play_first), .play_last(play_last), .play_divider(play_divider),
-        .play_loops(play_loops), .play_later(play_later),
+        .play_loops(play_loops), .play_when(play_when),
+        .restart(restart), .restore(restore), .restored(restored), .digest(digest), .digested(digested),
         .write_phase(write_phase), .write_amplitude(write_amplitude), .write_envelope(write_envelope),
         .write_width(write_width), .write_offset(write_offset), .write_gain(write_gain),
         .write_address(write_address), .write_data(write_data), .amplitude_written(amplitude_written)
@@ -30,13 +32,21 @@ module gate_bench;
     always @(posedge clk) read_data <= payload[read_address];
 
     // What was done: strobes (with how often), and sums that tell which bytes went where.
-    wire [6:0] strobes = {enable, mute, baud, stop, rate, silencer, play};
-    reg  [6:0] told;
-    integer phases, amplitudes, envelopes, widths, offsets, gains, tellings, passes, wrong;
+    wire [7:0] strobes = {restart, enable, mute, baud, stop, rate, silencer, play};
+    reg  [7:0] told;
+    integer phases, amplitudes, envelopes, widths, offsets, gains, tellings, passes, wrong, answers, lettings, restores, digests, since_letting;
     always @(posedge clk) begin
         told = told | strobes;
         if (strobes != 0) tellings = tellings + 1;
         if (passed) passes = passes + 1;
+        if (answer) answers = answers + 1;
+        since_letting = let_go ? 0 : since_letting + 1;
+        if (let_go) lettings = lettings + 1;
+        if (restore) restores = restores + 1;
+        if (digest) digests = digests + 1;
+        // Until it is known that the stop has let go, two clocks after that.
+        if ((enable || restart) && since_letting < 3) wrong = wrong + 1;
+        if ((enable || restart) && lettings != 1) wrong = wrong + 1;
         if (write_phase) begin
             phases = phases + 1;
             if (write_data !== payload[packet_type == `TYPE_FRAME ? 2 * write_address : write_address]) wrong = wrong + 1;
@@ -59,7 +69,7 @@ module gate_bench;
     integer clocks;
     task packet(input [7:0] kind, input [31:0] with, input [9:0] bytes, input [7:0] expected);
         begin
-            {told, phases, amplitudes, envelopes, widths, offsets, gains, tellings, passes, wrong} = 0;
+            {told, phases, amplitudes, envelopes, widths, offsets, gains, tellings, passes, wrong, answers, lettings, restores, digests, since_letting} = 0;
             {packet_type, arguments, length, ready} = {kind, with, bytes, 1'b1};
             repeat (5) @(negedge clk) `CHECK("work while closed", at_work, 1'b0)
             open = 1;
@@ -68,19 +78,26 @@ module gate_bench;
             while (!done) begin
                 @(negedge clk);
                 clocks = clocks + 1;
+                restored = clocks == 500;
+                digested = clocks == 530;
             end
+            {restored, digested} = 0;
             `CHECK("the result", result, expected)
+            `CHECK("let go", lettings, told[7] + told[6])
+            `CHECK("restored", restores, told[7])
+            `CHECK("digested", digests, kind == `TYPE_DIGEST && expected == `RESULT_OK)
             `CHECK("the passes", passes, 1)
             `CHECK("what was written wrong", wrong, 0)
             `CHECK("more clocks than a period leaves", clocks > 640, 1'b0)
             @(negedge clk) ready = 0;
+            `CHECK("an answer", answers != 0, !broadcast)
             repeat (5) @(negedge clk) `CHECK("work without a packet", at_work, 1'b0)
         end
     endtask
     task wrote(input integer p, input integer a, input integer e, input integer w, input integer o, input integer g);
         `CHECK("what was written", {p, a, e, w, o, g}, {phases, amplitudes, envelopes, widths, offsets, gains})
     endtask
-    task good(input [7:0] kind, input [31:0] with, input [9:0] bytes, input [6:0] telling);
+    task good(input [7:0] kind, input [31:0] with, input [9:0] bytes, input [7:0] telling);
         begin
             packet(kind, with, bytes, `RESULT_OK);
             `CHECK("who was told", told, telling)
@@ -91,12 +108,12 @@ module gate_bench;
     task refused(input [7:0] kind, input [31:0] with, input [9:0] bytes, input [7:0] why);
         begin
             packet(kind, with, bytes, why);
-            `CHECK("who was told", told, 7'd0)
+            `CHECK("who was told", told, 8'd0)
             wrote(0, 0, 0, 0, 0, 0);
         end
     endtask
 
-    localparam [6:0] ENABLE = 64, MUTE = 32, BAUD = 16, STOP = 8, RATE = 4, SILENCER = 2, PLAY = 1;
+    localparam [7:0] RESTART = 128, ENABLE = 64, MUTE = 32, BAUD = 16, STOP = 8, RATE = 4, SILENCER = 2, PLAY = 1;
     integer i;
     initial begin
         for (i = 0; i < 512; i = i + 1) payload[i] = $random;
@@ -115,15 +132,27 @@ module gate_bench;
         good(`TYPE_RATE, 32'h01123456, 0, RATE);
         good(`TYPE_SILENCER, 32'hFFFF0001, 0, SILENCER);
         good(`TYPE_PLAY, 32'hABCD3F02, 3, PLAY);
-        `CHECK("the play", {play_first, play_last, play_divider, play_loops, play_later}, {6'd2, 6'd63, 16'hABCD, 16'h1234, 1'b1})
+        `CHECK("the play", {play_first, play_last, play_divider, play_loops, play_when}, {6'd2, 6'd63, 16'hABCD, 16'h1234, `WHEN_AFTER_LOOP})
         good(`TYPE_PLAY, 32'h00013F3F, 3, PLAY);
         good(`TYPE_PHASES, 32'h0000C805, 256, 0);
         wrote(256, 256, 0, 0, 0, 0);
         good(`TYPE_PHASES, 32'h0001C805, 256, PLAY);
-        `CHECK("the commit", {play_first, play_last, play_divider, play_loops, play_later}, {6'd5, 6'd5, 16'd1, 16'd0, 1'b0})
+        `CHECK("the commit", {play_first, play_last, play_divider, play_loops, play_when}, {6'd5, 6'd5, 16'd1, 16'd0, `WHEN_AT_ONCE})
         good(`TYPE_FRAME, 32'h0000003F, 512, 0);
         wrote(256, 256, 0, 0, 0, 0);
         good(`TYPE_FRAME, 32'h0001003F, 512, PLAY);
+        good(`TYPE_FRAME, 32'h0003003F, 512, PLAY);
+        `CHECK("the commit in step", {play_first, play_last, play_when}, {6'd63, 6'd63, `WHEN_IN_STEP})
+        good(`TYPE_FRAME, 32'h0002003F, 512, 0);
+        good(`TYPE_RESET, 0, 0, RESTART);
+        good(`TYPE_DIGEST, 32'h00003F00, 0, 0);
+        good(`TYPE_DIGEST, 32'h00004003, 0, 0);
+        broadcast = 1;
+        good(`TYPE_MUTE, 0, 0, MUTE);
+        good(`TYPE_ENABLE, 7, 0, ENABLE);
+        good(`TYPE_DIGEST, 0, 0, 0);
+        refused(8'h12, 0, 0, `RESULT_UNKNOWN);
+        broadcast = 0;
         good(`TYPE_ENVELOPE, 0, 256, 0);
         wrote(0, 0, 256, 0, 0, 0);
         good(`TYPE_WIDTHS, 0, 256, 0);
@@ -149,14 +178,23 @@ module gate_bench;
         refused(`TYPE_PLAY, 32'h00014001, 3, `RESULT_ARGUMENT);
         refused(`TYPE_PLAY, 32'h00010102, 3, `RESULT_ARGUMENT);
         refused(`TYPE_PLAY, 32'h00000201, 3, `RESULT_ARGUMENT);
+        refused(`TYPE_DIGEST, 32'h00004000, 0, `RESULT_ARGUMENT);
+        refused(`TYPE_DIGEST, 32'h00000004, 0, `RESULT_ARGUMENT);
+        refused(`TYPE_RESET, 0, 3, `RESULT_LENGTH);
         payload[2] = 2;
+        good(`TYPE_PLAY, 32'h00010201, 3, PLAY);
+        `CHECK("a play in step", play_when, `WHEN_IN_STEP)
+        payload[2] = 3;
         refused(`TYPE_PLAY, 32'h00010201, 3, `RESULT_ARGUMENT);
         slot_busy = 1;
         refused(`TYPE_PHASES, 32'h00010001, 256, `RESULT_BUSY);
         refused(`TYPE_FRAME, 32'h00000001, 512, `RESULT_BUSY);
         good(`TYPE_WIDTHS, 0, 256, 0);
-        emergency = 1;
+        pressed = 1;
         refused(`TYPE_ENABLE, 1, 0, `RESULT_STATE);
+        good(`TYPE_RESET, 0, 0, RESTART);
+        sounding = 1;
+        refused(`TYPE_RESET, 0, 0, `RESULT_STATE);
         good(`TYPE_MUTE, 0, 0, MUTE);
         `END
     end

@@ -4,8 +4,10 @@ module lanes_case #(parameter PHASE_BITS = 7, parameter PERIOD_BITS = 10) (input
     integer errors = 0;
     wire        last, sweep, bank, count, boundary, gate;
     wire [PERIOD_BITS-1:0] ahead;
+    wire [PERIOD_BITS-1:0] tick;
+    wire period_ends, skips;
     ticks #(.PERIOD_BITS(PERIOD_BITS), .PHASE_BITS(PHASE_BITS)) ticks (
-        .clk(clk), .reset(reset), .last(last), .count(count), .boundary(boundary), .sweep(sweep), .gate(gate),
+        .clk(clk), .reset(reset), .hold(1'b0), .skip(1'b0), .skips(skips), .tick(tick), .period_ends(period_ends), .last(last), .count(count), .boundary(boundary), .sweep(sweep), .gate(gate),
         .ahead(ahead), .bank(bank)
     );
     reg         write = 0;
@@ -14,7 +16,7 @@ module lanes_case #(parameter PHASE_BITS = 7, parameter PERIOD_BITS = 10) (input
     wire [31:0] data;
     wire        shift, latch, sync;
     lanes #(.PERIOD_BITS(PERIOD_BITS), .PHASE_BITS(PHASE_BITS)) lanes (
-        .clk(clk), .reset(reset), .ahead(ahead), .bank(bank), .write(write),
+        .clk(clk), .reset(reset), .ahead(ahead), .hold(1'b0), .bank(bank), .mark(1'b0), .write(write),
         .write_channel(channel), .write_rise(rise), .write_width(width),
         .data(data), .shift(shift), .latch(latch), .sync(sync)
     );

@@ -1,14 +1,16 @@
-// modulation: full amplitude at first, and then the table's values at the oscillator's pace.
+// modulation: the table's values at the oscillator's pace, or where a digest reads them.
 `include "check.vh"
 module modulation_bench;
     `include "bench.vh"
     reg         reset = 1, boundary = 0, set = 0, start = 0, write = 0;
     reg  [23:0] step = 0;
     reg  [7:0]  address = 0, value = 0;
+    reg         digesting = 0;
+    reg  [7:0]  digest_address = 0;
     wire [7:0]  envelope;
     modulation modulation (
         .clk(clk), .reset(reset), .boundary(boundary), .set(set), .set_step(step), .set_start(start),
-        .write(write), .write_address(address), .write_data(value), .envelope(envelope)
+        .digesting(digesting), .digest_address(digest_address), .write(write), .write_address(address), .write_data(value), .envelope(envelope)
     );
 
     reg [23:0] angle;
@@ -31,8 +33,6 @@ module modulation_bench;
     initial begin
         repeat (2) @(negedge clk);
         reset = 0;
-        rate(24'h123456, 0);
-        repeat (300) period(255);
         write = 1;
         for (i = 0; i < 256; i = i + 1) begin
             {address, value} = {i[7:0], ~i[7:0] ^ 8'h5A};
@@ -52,6 +52,14 @@ module modulation_bench;
             angle = angle + 24'h800001;
             period(~angle[23:16] ^ 8'h5A);
         end
+        digesting = 1;
+        for (i = 0; i < 256; i = i + 1) begin
+            digest_address = i;
+            @(negedge clk) `CHECK("what a digest reads", envelope, ~i[7:0] ^ 8'h5A)
+        end
+        digesting = 0;
+        angle = angle + 24'h800001;
+        period(~angle[23:16] ^ 8'h5A);
         `END
     end
 endmodule

@@ -2,15 +2,17 @@
 `include "check.vh"
 module player_bench;
     `include "bench.vh"
-    reg         reset = 1, boundary = 0, play = 0, later = 0, stop = 0;
+    reg         reset = 1, boundary = 0, play = 0, stop = 0, in_step = 0;
     reg  [5:0]  first = 0, last = 0, query = 0;
     reg  [15:0] divider = 0, loops = 0;
-    wire        busy, several, waiting;
+    reg  [1:0]  when_asked = 0;
+    wire        busy, several, waiting, waits_in_step;
     wire [5:0]  slot;
     player player (
-        .clk(clk), .reset(reset), .boundary(boundary), .play(play), .play_first(first), .play_last(last),
-        .play_divider(divider), .play_loops(loops), .play_later(later), .stop(stop),
-        .query(query), .busy(busy), .slot(slot), .several(several), .waiting(waiting)
+        .clk(clk), .reset(reset), .boundary(boundary), .in_step(in_step), .play(play), .play_first(first), .play_last(last),
+        .play_divider(divider), .play_loops(loops), .play_when(when_asked), .stop(stop),
+        .query(query), .busy(busy), .slot(slot), .several(several), .waiting(waiting),
+        .waits_in_step(waits_in_step)
     );
 
     task period(input [5:0] expected);
@@ -20,9 +22,9 @@ module player_bench;
             @(negedge clk) `CHECK("the slot", slot, expected)
         end
     endtask
-    task ask(input [5:0] from, input [5:0] to, input [15:0] each, input [15:0] times, input at_end);
+    task ask(input [5:0] from, input [5:0] to, input [15:0] each, input [15:0] times, input [1:0] at);
         begin
-            {first, last, divider, loops, later} = {from, to, each, times, at_end};
+            {first, last, divider, loops, when_asked} = {from, to, each, times, at};
             play = 1;
             @(negedge clk) play = 0;
             `CHECK("waiting", waiting, 1'b1)
@@ -93,6 +95,32 @@ module player_bench;
             period(62);
             period(63);
         end
+        // In step: it waits for a boundary that is, whatever runs or ends.
+        ask(7, 8, 2, 0, 2);
+        `CHECK("waiting in step", waits_in_step, 1'b1)
+        repeat (3) begin
+            period(62);
+            period(63);
+        end
+        ask(9, 9, 1, 1, 2);
+        period(62);
+        in_step = 1;
+        period(9);
+        `CHECK("waiting in step still", waits_in_step, 1'b0)
+        // A boundary in step takes what waits for it alone.
+        ask(10, 11, 1, 0, 0);
+        period(10);
+        ask(20, 20, 1, 0, 1);
+        `CHECK("waiting for the loop", waits_in_step, 1'b0)
+        period(11);
+        period(20);
+        in_step = 0;
+        // A commit at once replaces one in step.
+        ask(30, 30, 1, 0, 2);
+        ask(31, 31, 1, 0, 0);
+        period(31);
+        in_step = 1;
+        period(31);
         `END
     end
 endmodule

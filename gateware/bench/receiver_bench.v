@@ -1,40 +1,64 @@
-// receiver: good packets wait with all they carry, up to four; whatever is not quite right is spoiled. The fuzz test goes further.
+// receiver: good packets wait with all they carry, up to four; whatever is not quite right is spoiled, and what is for
+// another device or a reply passes unheeded. INFO of version 1 is told. The fuzz test goes further.
 `include "check.vh"
 module receiver_bench;
     `include "bench.vh"
     reg         reset = 1, valid = 0, framing = 0, done = 0;
     reg  [7:0]  data = 0;
-    wire        ready, good, spoiled, by_line;
+    wire        ready, good, spoiled, by_line, broadcast, old_info;
+    wire [7:0]  old_seq;
     wire [7:0]  packet_type, packet_seq, read_data;
     wire [31:0] arguments;
     wire [9:0]  length;
     reg  [8:0]  address = 0;
     receiver receiver (
-        .clk(clk), .reset(reset), .valid(valid), .data(data), .framing(framing),
-        .ready(ready), .packet_type(packet_type), .packet_seq(packet_seq), .arguments(arguments), .length(length),
+        .clk(clk), .reset(reset), .valid(valid), .data(data), .framing(framing), .address(3'd3),
+        .ready(ready), .broadcast(broadcast), .packet_type(packet_type), .packet_seq(packet_seq), .arguments(arguments), .length(length),
         .read_address(address), .read_data(read_data), .done(done),
-        .good(good), .spoiled(spoiled), .spoiled_by_line(by_line)
+        .good(good), .spoiled(spoiled), .spoiled_by_line(by_line), .old_info(old_info), .old_seq(old_seq)
     );
-    integer goods = 0, spoils = 0, lines = 0;
+    integer goods = 0, spoils = 0, lines = 0, olds = 0;
     always @(posedge clk) begin
         if (good) goods = goods + 1;
         if (spoiled) spoils = spoils + 1;
         if (spoiled && by_line) lines = lines + 1;
+        if (old_info) olds = olds + 1;
+        if (old_info) `CHECK("what is told as spoiled too", spoiled, 1'b1)
     end
 
-    // A packet of so many bytes before its CRC, made from a seed; an odd seed gives it many zeros.
+    // A packet of so many bytes before its CRC, made from a seed, to an address; an odd seed gives it many zeros.
     reg [7:0] body [0:1023];
-    integer   i, j, at, from;
-    reg [15:0] crc;
+    reg [7:0] to = 3;
+    integer   i, j, at, from, at_all;
+    reg [31:0] crc;
     task make(input integer bytes, input [7:0] seed);
         begin
-            crc = 16'hFFFF;
+            for (i = 0; i < bytes; i = i + 1) body[i] = seed[0] && i % 5 == 2 ? 8'd0 : seed[0] ? i * 7 + seed : (i * 7 + seed) | 8'd1;
+            body[1] = to;
+            check(bytes);
+        end
+    endtask
+    task check(input integer bytes);
+        begin
+            crc = 32'hFFFFFFFF;
             for (i = 0; i < bytes; i = i + 1) begin
-                body[i] = seed[0] && i % 5 == 1 ? 8'd0 : seed[0] ? i * 7 + seed : (i * 7 + seed) | 8'd1;
-                crc = crc ^ {body[i], 8'h00};
-                for (j = 0; j < 8; j = j + 1) crc = crc[15] ? (crc << 1) ^ 16'h1021 : crc << 1;
+                crc = crc ^ {24'd0, body[i]};
+                for (j = 0; j < 8; j = j + 1) crc = crc[0] ? (crc >> 1) ^ 32'hEDB88320 : crc >> 1;
             end
-            {body[bytes], body[bytes+1]} = ~crc;
+            {body[bytes+3], body[bytes+2], body[bytes+1], body[bytes]} = ~crc;
+        end
+    endtask
+    // INFO of version 1.
+    reg [15:0] old_crc;
+    task make_old(input [7:0] kind, input [7:0] seq, input integer bytes);
+        begin
+            old_crc = 16'hFFFF;
+            for (i = 0; i < bytes; i = i + 1) begin
+                body[i] = i == 0 ? kind : i == 1 ? seq : 8'd0;
+                old_crc = old_crc ^ {body[i], 8'h00};
+                for (j = 0; j < 8; j = j + 1) old_crc = old_crc[15] ? (old_crc << 1) ^ 16'h1021 : old_crc << 1;
+            end
+            {body[bytes], body[bytes+1]} = ~old_crc;
         end
     endtask
     task put(input [7:0] value);
@@ -70,10 +94,11 @@ module receiver_bench;
         begin
             make(bytes, seed);
             `CHECK("ready", ready, 1'b1)
-            `CHECK("the header", {arguments, packet_seq, packet_type}, {body[5], body[4], body[3], body[2], body[1], body[0]})
-            `CHECK("the length", length, bytes - 6)
-            for (i = 6; i < bytes; i = i + 1) begin
-                address = i - 6;
+            `CHECK("the header", {arguments, packet_seq, packet_type}, {body[6], body[5], body[4], body[3], body[2], body[0]})
+            `CHECK("for all", broadcast, to == 8'hFF)
+            `CHECK("the length", length, bytes - 7)
+            for (i = 7; i < bytes; i = i + 1) begin
+                address = i - 7;
                 @(negedge clk) `CHECK("a byte", read_data, body[i])
             end
             done = 1;
@@ -86,34 +111,70 @@ module receiver_bench;
         reset = 0;
         repeat (4) put(0);
         counts(0, 0, 0);
-        make(518, 1); send(520);
-        make(6, 2); send(8);
-        make(262, 3); send(264);
-        make(7, 4); send(9);
+        make(519, 1); send(523);
+        make(7, 2); send(11);
+        make(263, 3); send(267);
+        make(8, 4); send(12);
         counts(4, 0, 0);
         // No room for a fifth, and none of the four is touched by it.
-        make(262, 5); send(264);
+        make(263, 5); send(267);
         counts(4, 1, 0);
-        take(518, 1);
-        make(518, 6); send(520);
-        take(6, 2);
-        take(262, 3);
-        take(7, 4);
-        take(518, 6);
+        // What is for another device needs no room.
+        to = 4;
+        make(263, 5); send(267);
+        counts(4, 1, 0);
+        to = 3;
+        take(519, 1);
+        make(519, 6); send(523);
+        take(7, 2);
+        take(263, 3);
+        take(8, 4);
+        take(519, 6);
         counts(5, 1, 0);
         `CHECK("ready with nothing", ready, 1'b0)
 
-        make(519, 7); send(521);                        // too long
-        make(5, 8); send(7);                            // too short
-        make(100, 9); body[50] = body[50] ^ 1; send(102);
+        // For all devices, and for no one of us: other addresses, and replies.
+        to = 8'hFF;
+        make(100, 2); send(104);
+        counts(6, 1, 0);
+        take(100, 2);
+        for (at_all = 0; at_all < 255; at_all = at_all + 1) if (at_all != 3) begin
+            to = at_all;
+            make(7, 2); send(11);
+        end
+        to = 3;
+        make(7, 8'h81); send(11);
+        counts(6, 1, 0);
+        `CHECK("ready with what is for others", ready, 1'b0)
+        to = 4;                                         // damaged, nobody knows whose it was
+        make(7, 2); body[5] = ~body[5]; send(11);
+        counts(6, 2, 0);
+        to = 3;
+
+        make(520, 7); send(524);                        // too long
+        make(6, 8); send(10);                           // too short
+        make(100, 9); body[50] = body[50] ^ 1; send(104);
         put(9); put(1); put(0);                         // ends within a block
-        counts(5, 5, 0);
+        counts(6, 6, 0);
         framing = 1; @(negedge clk) framing = 0;        // a good one after something that was no byte
-        make(6, 10); send(8);
-        counts(5, 6, 1);
-        make(6, 11); send(8);
-        counts(6, 6, 1);
-        take(6, 11);
+        make(7, 10); send(11);
+        counts(6, 7, 1);
+        make(7, 11); send(11);
+        counts(7, 7, 1);
+        take(7, 11);
+
+        `CHECK("what was INFO of version 1 so far", olds, 0)
+        make_old(8'h01, 8'd77, 6); send(8);
+        counts(7, 8, 1);
+        `CHECK("INFO of version 1", olds, 1)
+        `CHECK("its seq", old_seq, 8'd77)
+        make_old(8'h02, 8'd78, 6); send(8);             // another type, another length, another CRC, after no byte
+        make_old(8'h01, 8'd78, 7); send(9);
+        make_old(8'h01, 8'd78, 6); body[7] = body[7] ^ 4; send(8);
+        framing = 1; @(negedge clk) framing = 0;
+        make_old(8'h01, 8'd78, 6); send(8);
+        counts(7, 12, 2);
+        `CHECK("what was INFO of version 1", olds, 1)
         `END
     end
 endmodule

@@ -1,13 +1,13 @@
-// safety: silent at first, enabled by ENABLE alone, tripped by the watchdog at the exact period and by the emergency stop, and
-// tripped until the next ENABLE.
+// safety: silent at first, enabled by ENABLE alone, tripped by the watchdog at the exact period and by the emergency stop at once,
+// and tripped until the next ENABLE or RESET.
 `include "check.vh"
 module safety_bench;
     `include "bench.vh"
-    reg         reset = 1, count = 0, boundary = 0, emergency = 0, good_packet = 0, enable = 0, mute = 0;
+    reg         reset = 1, count = 0, boundary = 0, emergency = 0, good_packet = 0, enable = 0, mute = 0, restart = 0;
     reg  [15:0] watchdog = 0;
     wire        enabled, tripped, forgotten;
     safety safety (
-        .clk(clk), .reset(reset), .count(count), .boundary(boundary), .emergency(emergency), .good_packet(good_packet),
+        .clk(clk), .reset(reset), .restart(restart), .count(count), .boundary(boundary), .emergency(emergency), .good_packet(good_packet),
         .enable(enable), .enable_watchdog(watchdog), .mute(mute), .enabled(enabled), .tripped(tripped), .forgotten(forgotten)
     );
 
@@ -68,10 +68,23 @@ module safety_bench;
         on(16'd0);
         emergency = 1;
         expect_state(1, 0);
-        periods(1);
+        @(negedge clk) expect_state(0, 1);
+        on(16'd0);
         expect_state(0, 1);
         emergency = 0;
         periods(3);
+        expect_state(0, 1);
+        restart = 1;
+        @(negedge clk) restart = 0;
+        expect_state(0, 0);
+        // RESET forgets the watchdog, but not that the stop is pressed.
+        on(16'd1);
+        mute = 1;
+        @(negedge clk) mute = 0;
+        {restart, emergency} = 2'b11;
+        @(negedge clk) {restart, emergency} = 2'b00;
+        expect_state(0, 1);
+        periods(200);
         expect_state(0, 1);
         on(16'd65535);
         `CHECK("times that it forgot", forgot, 0)

@@ -2,7 +2,7 @@
 `include "check.vh"
 module sweep_bench;
     `include "bench.vh"
-    reg         reset = 1, start = 0, enabled = 0, set_steps = 0;
+    reg         reset = 1, restart = 0, start = 0, enabled = 0, set_steps = 0;
     reg         write_offset = 0, write_gain = 0, write_width = 0;
     reg  [7:0]  write_address = 0, write_data = 0, envelope = 8'd255, phase, amplitude;
     reg  [15:0] phase_step = 16'h0300, amplitude_step = 16'h0600;
@@ -10,10 +10,12 @@ module sweep_bench;
     wire        pulse_write, sounds;
     wire [6:0]  pulse_rise, pulse_width;
     sweep sweep (
-        .clk(clk), .reset(reset), .start(start), .enabled(enabled), .channel(channel), .phase(phase), .amplitude(amplitude),
+        .clk(clk), .reset(reset), .restart(restart), .start(start), .enabled(enabled), .channel(channel), .phase(phase), .amplitude(amplitude),
         .envelope(envelope), .set_steps(set_steps), .set_phase_step(phase_step), .set_amplitude_step(amplitude_step),
         .write_offset(write_offset), .write_gain(write_gain), .write_width(write_width),
-        .write_address(write_address), .write_data(write_data),
+        .write_address(write_address),
+        .offset_written(write_data), .gain_written(write_data), .width_written(write_data),
+        .digesting(1'b0), .digest_address(8'd0),
         .pulse_write(pulse_write), .pulse_channel(pulse_channel), .pulse_rise(pulse_rise), .pulse_width(pulse_width),
         .sounds(sounds)
     );
@@ -45,7 +47,8 @@ module sweep_bench;
                 if (aim < -change) aim = -change;
                 state_amplitude[n] = state_amplitude[n] + aim;
                 if (state_amplitude[n] != 0) heard = 1;
-                w = widths[state_amplitude[n] / 256 * (envelope + 1) / 256];
+                w = state_amplitude[n] / 256 * (envelope + 1) / 256;
+                w = w == 0 ? 0 : widths[w];
                 if (w > 128) w = 128;
                 highs[n] = (w + 1) / 2;
                 rises[n] = (512 + 2 * (state_phase[n] / 256) - w + 2) / 4 % 128;
@@ -83,20 +86,16 @@ module sweep_bench;
 
     integer i;
     initial begin
+        // What the tables hold at first is for others to write.
         for (i = 0; i < 256; i = i + 1) begin
-            {phases[i], amplitudes[i], offsets[i], gains[i], widths[i]} = {8'd0, 8'd0, 8'd0, 8'd255, 8'd0};
+            {phases[i], amplitudes[i], offsets[i], gains[i]} = {8'd0, 8'd0, 8'd0, 8'd255};
+            widths[i] = 8'd255 - i / 2;
+            {sweep.offsets.cells[i], sweep.gains.cells[i], sweep.widths.cells[i]} = {offsets[i], gains[i], widths[i]};
             {state_phase[i], state_amplitude[i]} = 0;
         end
         repeat (2) @(negedge clk);
         reset = 0;
         period;
-        // The first widths are those of an arcsine; here it is enough that they rise from nothing to half a period.
-        `CHECK("the first width", sweep.widths.cells[0], 8'd0)
-        `CHECK("the last width", sweep.widths.cells[255], 8'd128)
-        for (i = 1; i < 256; i = i + 1) begin
-            `CHECK("a fall of widths", sweep.widths.cells[i] < sweep.widths.cells[i-1], 1'b0)
-            widths[i] = sweep.widths.cells[i];
-        end
         enabled = 1;
         frame;
         repeat (60) period;
@@ -122,14 +121,14 @@ module sweep_bench;
         `CHECK("silent at last", sounds, 1'b0)
         enabled = 1;
         repeat (5) period;
-        // After a reset nothing is left of what sounded.
+        // After RESET nothing is left of what sounded.
         enabled = 0;
-        reset = 1;
+        restart = 1;
         for (i = 0; i < 256; i = i + 1) {state_phase[i], state_amplitude[i]} = 0;
         {phase_step, amplitude_step} = {16'h0300, 16'h0600};
-        @(negedge clk) reset = 0;
+        @(negedge clk) restart = 0;
         period;
-        `CHECK("silent after a reset", sounds, 1'b0)
+        `CHECK("silent after RESET", sounds, 1'b0)
         `END
     end
 endmodule

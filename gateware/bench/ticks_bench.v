@@ -5,8 +5,10 @@ module ticks_case #(parameter PHASE_BITS = 7, parameter PERIOD_BITS = 10) (input
     integer errors = 0;
     wire last, count, boundary, sweep, gate, bank;
     wire [PERIOD_BITS-1:0] ahead;
+    wire [PERIOD_BITS-1:0] tick;
+    wire period_ends, skips;
     ticks #(.PERIOD_BITS(PERIOD_BITS), .PHASE_BITS(PHASE_BITS)) ticks (
-        .clk(clk), .reset(reset), .last(last), .count(count), .boundary(boundary), .sweep(sweep), .gate(gate),
+        .clk(clk), .reset(reset), .hold(1'b0), .skip(1'b0), .skips(skips), .tick(tick), .period_ends(period_ends), .last(last), .count(count), .boundary(boundary), .sweep(sweep), .gate(gate),
         .ahead(ahead), .bank(bank)
     );
 
@@ -17,10 +19,12 @@ module ticks_case #(parameter PHASE_BITS = 7, parameter PERIOD_BITS = 10) (input
     initial finished = 0;
     always @(negedge clk) if (!reset) begin
         if (periods > 0) begin
-            `CHECK("count", count, since == 3)
-            `CHECK("boundary", boundary, since == 4)
-            `CHECK("sweep", sweep, since == 5)
-            `CHECK("gate", gate, since == 288)
+            `CHECK("count", count, since == 63)
+            `CHECK("boundary", boundary, since == 64)
+            `CHECK("sweep", sweep, since == 65)
+            `CHECK("gate", gate, since == 350)
+            `CHECK("tick", tick, since)
+            `CHECK("the end of the lanes' period", period_ends, &ahead)
             `CHECK("last", last, since == CLOCKS - 1)
             // Level 0 has been shifted and latched, three clocks after the lanes were told, when tick 0 comes.
             expected_ahead = (since + CLOCKS / (1 << PHASE_BITS) + 3) % CLOCKS;

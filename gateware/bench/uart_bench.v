@@ -14,7 +14,7 @@ module uart_bench;
     wire       received, framing;
     wire [7:0] byte_received;
     wire       rxd;
-    synchroniser synchroniser (.clk(clk), .reset(reset), .from_outside(sends ? txd : line), .inside(rxd));
+    synchroniser synchroniser (.clk(clk), .reset(reset), .from_outside(sends ? txd : line), .synchronised(rxd));
     uart_rx uart_rx (
         .clk(clk), .reset(reset), .increment(increment), .rxd(rxd),
         .valid(received), .data(byte_received), .framing(framing)

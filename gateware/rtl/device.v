@@ -71,7 +71,7 @@ module device #(
     wire caught, stopped, pressed, let_go;
     wire emergency_now = stopped || pressed;
     emergency emergency (
-        .clk(clk), .reset(asleep), .estop_n(estop_n), .let_go(let_go),
+        .clk(clk), .reset(reset), .estop_n(estop_n), .let_go(let_go || waking),
         .caught(caught), .stopped(stopped), .pressed(pressed)
     );
 

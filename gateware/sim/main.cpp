@@ -259,7 +259,7 @@ private:
     Registers registers;
     Trace trace;
     bool latch_before = false, ended = false, recording = false, pressed = false;
-    uint64_t press_from = UINT64_MAX, press_to = UINT64_MAX;
+    uint64_t press_from = UINT64_MAX / 2, press_to = 0;
     // Of this period.
     uint64_t start = 0;
     int level = -1;

@@ -17,6 +17,8 @@ struct Pair {
     slots: [Vec<(u64, u8)>; 2],
     /// The leader marks the period that began with this clock.
     mark: Option<u64>,
+    /// The second one's last period began within a clock of the first one's; and from now on all have to.
+    together: bool,
     locked: bool,
 }
 
@@ -30,6 +32,7 @@ impl Pair {
             starts: [0; 2],
             slots: [Vec::new(), Vec::new()],
             mark: None,
+            together: false,
             locked: false,
         })
     }
@@ -41,6 +44,7 @@ impl Pair {
         seen.sort_by_key(|period| (period.start + u64::from(period.device == 1), period.device));
         for period in seen {
             let (device, start, marked) = (period.device, period.start, period.marked);
+            let follows = period.follows;
             self.starts[device] = start;
             let twin = &mut self.twins[device];
             if device == 1 && self.mark.take_if(|mark| mark.abs_diff(start) <= 1).is_some() {
@@ -50,8 +54,9 @@ impl Pair {
             twin.compare(period);
             if device == 0 {
                 self.mark = marked.then_some(start);
-            } else if self.locked {
-                assert!(self.starts[0].abs_diff(start) <= 1, "{:?}", self.starts);
+            } else {
+                self.together = follows && self.starts[0].abs_diff(start) <= 1;
+                assert!(self.together || !self.locked, "periods begin at {:?}", self.starts);
             }
             self.slots[device].push((start, self.twins[device].model.slot()));
         }
@@ -59,7 +64,10 @@ impl Pair {
 
     /// Goes on until the second one follows, and begins its periods within a clock of the first one's.
     fn lock(&mut self) {
-        self.run(12);
+        while !self.together {
+            assert!(self.twins[0].periods < 100, "the second device does not follow");
+            self.run(1);
+        }
         self.locked = true;
         self.run(2);
     }
