@@ -1,9 +1,14 @@
-// Reset until the clock has been good for 15 clocks, at power-up and whenever it was lost.
+// Reset until the clock has been good for 15 clocks, at power-up and whenever it was lost; and the PLL's own reset: a PLL that has lost
+// its lock need not find it again by itself, so it is reset after 2^21 cycles of the oscillator without lock (50 to 80 ms), until it has.
 `default_nettype none
 
 module power_up (
+    input  wire oscillator,
     input  wire clk,
-    input  wire locked,
+    /* verilator lint_off SYNCASYNCNET */
+    input  wire locked,     // used with a clock and without, on purpose
+    /* verilator lint_on SYNCASYNCNET */
+    output wire pll_reset,
     output wire reset
 );
     reg [3:0] good = 4'd0;
@@ -12,6 +17,16 @@ module power_up (
         if (!locked) good <= 4'd0;
         else if (reset) good <= good + 4'd1;
     end
+
+    // The oscillator is the only clock that surely runs.
+    reg [20:0] waited = 21'd0;
+    reg [1:0]  locked_inside = 2'd0;
+    always @(posedge oscillator) begin
+        locked_inside <= {locked_inside[0], locked};
+        waited <= locked_inside[1] ? 21'd0 : waited + 21'd1;
+    end
+    // High for 16 cycles of the oscillator.
+    assign pll_reset = &waited[20:4];
 endmodule
 
 `default_nettype wire

@@ -1,75 +1,60 @@
-// The device on an XC6SLX9, with an oscillator of 25.6 MHz (the carrier is 40 kHz exactly) or of 50 MHz (39.950 kHz, -0.12 %: no PLL
-// of this family makes 512/625). Synthesised with Yosys; not placed, not tried on hardware.
+// The device on a Papilio Pro (XC6SLX9-2TQG144C, 32 MHz oscillator). ../clock.py finds the settings of the DCM_CLKGEN, which makes 40.96 MHz
+// of 32 MHz exactly; no PLL of this family does. Synthesised with Yosys; not placed, not tried on hardware.
 `default_nettype none
 
 module top #(
-    parameter OSCILLATOR_KHZ = 25600,   // or 50000
+    parameter OSCILLATOR_KHZ = 32000,
+    parameter MULTIPLY = 32,
+    parameter DIVIDE = 25,
     parameter PHASE_BITS = 7
 ) (
-    input  wire        clk_in,
+    input  wire        oscillator,
     input  wire        rxd,
     output wire        txd,
     input  wire        estop_n,
+    input  wire        sync_in,
+    input  wire [2:0]  address,
     output wire [31:0] data,
     output wire [3:0]  sclk,
     output wire [3:0]  rclk,
     output wire        oe_n,
     output wire        sync,
-    output wire [2:0]  led
+    output wire [1:0]  led
 );
-    // 25.6 MHz * 32 = 819.2 MHz, / 20 = 40.96 MHz; or 50 MHz * 18 = 900 MHz, / 22 = 40.909 MHz, of which 1024 clocks are a period of
-    // 39 950.284 Hz. With 8 phase bits twice as fast, and as many periods.
-    localparam EXACT = OSCILLATOR_KHZ == 25600;
-    localparam HALVES = PHASE_BITS == 8 ? 1 : 2;
-    wire clk_pll, clk, clk_n, feedback, locked;
-    generate
-        if (EXACT) begin : from_25600
-            PLL_BASE #(.CLKIN_PERIOD(39.0625), .CLKFBOUT_MULT(32), .CLKOUT0_DIVIDE(10 * HALVES)) pll (
-                .CLKIN(clk_in), .CLKFBIN(feedback), .CLKFBOUT(feedback), .CLKOUT0(clk_pll), .LOCKED(locked), .RST(1'b0)
-            );
-        end else begin : from_50000
-            PLL_BASE #(.CLKIN_PERIOD(20.0), .CLKFBOUT_MULT(18), .CLKOUT0_DIVIDE(11 * HALVES)) pll (
-                .CLKIN(clk_in), .CLKFBIN(feedback), .CLKFBOUT(feedback), .CLKOUT0(clk_pll), .LOCKED(locked), .RST(1'b0)
-            );
-        end
-    endgenerate
-    BUFG clk_buffer (.I(clk_pll), .O(clk));
+    localparam real PERIOD_NS = 1000000.0 / OSCILLATOR_KHZ;
+    wire oscillator_inside, oscillator_pin, clk_made, clk, clk_n, locked, pll_reset;
+    IBUFG oscillator_input (.I(oscillator), .O(oscillator_pin));
+    BUFG oscillator_buffer (.I(oscillator_pin), .O(oscillator_inside));
+    DCM_CLKGEN #(.CLKIN_PERIOD(PERIOD_NS), .CLKFX_MULTIPLY(MULTIPLY), .CLKFX_DIVIDE(DIVIDE)) generator (
+        .CLKIN(oscillator_pin), .RST(pll_reset), .CLKFX(clk_made), .LOCKED(locked),
+        .FREEZEDCM(1'b0), .PROGCLK(1'b0), .PROGDATA(1'b0), .PROGEN(1'b0),
+        .CLKFX180(), .CLKFXDV(), .PROGDONE(), .STATUS()
+    );
+    BUFG clk_buffer (.I(clk_made), .O(clk));
     assign clk_n = !clk;
 
-    wire reset;
-    power_up power_up (.clk(clk), .locked(locked), .reset(reset));
-
     wire [31:0] data_inside;
-    wire        shift, latch, oe_n_inside, sync_inside;
-    device #(
-        .PHASE_BITS(PHASE_BITS),
-        .CARRIER_MHZ(EXACT ? 32'd40000000 : 32'd39950284),
-        .FIRST_INCREMENT((EXACT ? 16'd1600 : 16'd1602) * HALVES)
-    ) device (
-        .clk(clk), .reset(reset), .rxd(rxd), .txd(txd), .estop_n(estop_n),
-        .data(data_inside), .shift(shift), .latch(latch), .oe_n(oe_n_inside), .sync(sync_inside),
-        .led_on(led[0]), .led_tripped(led[1]), .led_packet(led[2])
+    wire [1:0]  sclk_inside;
+    wire        reset, rclk_inside, sync_inside, packet;
+    native #(
+        .OSCILLATOR_KHZ(OSCILLATOR_KHZ), .MULTIPLY(MULTIPLY), .DIVIDE(DIVIDE), .PHASE_BITS(PHASE_BITS)
+    ) native (
+        .oscillator(oscillator_inside), .clk(clk), .locked(locked), .pll_reset(pll_reset), .reset(reset),
+        .rxd(rxd), .txd(txd), .estop_n(estop_n), .sync_in(sync_in), .address(address),
+        .data(data_inside), .sclk(sclk_inside), .rclk(rclk_inside), .oe_n(oe_n), .sync(sync_inside),
+        .led_on(led[0]), .led_tripped(led[1]), .led_packet(packet)
     );
-    assign oe_n = oe_n_inside || !locked;
 
-    // Registers beside the pins. SCLK rises in the middle of the clock in which they show what is to be shifted.
-    (* IOB = "TRUE" *) reg [31:0] data_out;
-    (* IOB = "TRUE" *) reg        sync_out;
-    (* IOB = "TRUE", keep = "TRUE", equivalent_register_removal = "NO" *) reg [3:0] rclk_out;
-    always @(posedge clk) begin
-        data_out <= data_inside;
-        sync_out <= sync_inside;
-        rclk_out <= {4{latch}};
-    end
-    assign data = data_out;
-    assign sync = sync_out;
-    assign rclk = rclk_out;
-
+    // All go out through the same kind of register, so that they stay as far apart as they are.
+    wire [40:0] first = {{4{rclk_inside}}, {4{sclk_inside[0]}}, sync_inside, data_inside};
+    wire [40:0] second = {{4{rclk_inside}}, {4{sclk_inside[1]}}, sync_inside, data_inside};
+    wire [40:0] pins;
+    assign {rclk, sclk, sync, data} = pins;
     genvar i;
     generate
-        for (i = 0; i < 4; i = i + 1) begin : each
-            ODDR2 #(.DDR_ALIGNMENT("C0"), .INIT(1'b0), .SRTYPE("SYNC")) sclk_register (
-                .Q(sclk[i]), .C0(clk), .C1(clk_n), .CE(1'b1), .D0(1'b0), .D1(shift), .R(reset), .S(1'b0)
+        for (i = 0; i < 41; i = i + 1) begin : each
+            ODDR2 #(.DDR_ALIGNMENT("C0"), .INIT(1'b0), .SRTYPE("SYNC")) register (
+                .Q(pins[i]), .C0(clk), .C1(clk_n), .CE(1'b1), .D0(first[i]), .D1(second[i]), .R(reset), .S(1'b0)
             );
         end
     endgenerate
