@@ -2,7 +2,7 @@
 
 use std::io::{BufRead, BufReader, Write};
 use std::path::Path;
-use std::process::{Output, Stdio};
+use std::process::{Command, Output, Stdio};
 use std::time::Duration;
 
 use sonoglyph::device::board::faults::Faults;
@@ -10,7 +10,7 @@ use sonoglyph::device::board::{Board, Setup};
 use sonoglyph::device::calibration::Calibration;
 use sonoglyph::device::profile::Profile;
 
-use crate::sonoglyph;
+use crate::{requirement, sonoglyph};
 
 fn board(profile: Profile, faults: Faults) -> Board {
     Board::start(Setup { faults, ..Setup::new(profile) }, Box::new(|_| {})).unwrap()
@@ -135,4 +135,16 @@ fn a_port_without_a_board_is_an_error() {
     let output = check(&board, folder.path(), Profile::Native, &[], "");
     assert!(!output.status.success());
     assert!(said(&output).contains("does not answer"), "{}", said(&output));
+}
+
+#[test]
+fn a_client_written_from_the_protocol_alone_finds_what_the_protocol_says() {
+    let python = Command::new("python3").arg("--version").output();
+    if requirement::found("rtl", python.map_err(|error| format!("python3: {error}"))).is_none() {
+        return;
+    }
+    let board = board(Profile::Native, Faults::default());
+    let client = Path::new(env!("CARGO_MANIFEST_DIR")).join("gateware/doc/client.py");
+    let output = Command::new("python3").arg(client).arg(board.path()).output().unwrap();
+    assert!(output.status.success(), "{}", said(&output));
 }

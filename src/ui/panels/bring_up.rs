@@ -14,7 +14,6 @@ use crate::ui::{Editor, theme};
 pub fn show(editor: &mut Editor, board: &BoardShown, ui: &mut Ui, ask: &mut impl FnMut(BoardCommand)) {
     let Some(mut run) = editor.board.bring_up.take() else { return begin(editor, ui, ask) };
     heading(ui, &format!("Bring-up, step {}", run.step.title()));
-    findings(ui, &run.report.findings);
     let profile = editor.board.profile;
     let was = run.step;
     match run.step {
@@ -31,6 +30,8 @@ pub fn show(editor: &mut Editor, board: &BoardShown, ui: &mut Ui, ask: &mut impl
     if ends {
         ask(BoardCommand::Stop);
     }
+    // Below the buttons, which stay where they are while it grows.
+    findings(ui, &run.report.findings);
     // Commands are carried out after the panel was drawn, and find it here.
     editor.board.bring_up = (!ends).then_some(run);
 }
@@ -81,7 +82,6 @@ fn line(
         });
         return;
     };
-    findings(ui, &surveyed.findings);
     let failed = surveyed.findings.iter().any(|finding| finding.verdict == Verdict::Failed);
     ui.horizontal(|ui| {
         if ui.button("Try again").clicked() {
@@ -96,6 +96,7 @@ fn line(
             ask(BoardCommand::Connect);
         }
     });
+    findings(ui, &surveyed.findings);
 }
 
 fn elements(

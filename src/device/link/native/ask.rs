@@ -85,15 +85,18 @@ impl Asker {
     /// # Errors
     /// As [`Self::order`]; a device that goes on sounding.
     pub fn reset(&mut self, port: &mut Port, address: u8) -> Result<Reply, LinkError> {
-        /// A muted device is silent within this: its ramp takes 6.4 ms.
+        /// A muted device is silent within this: its ramp takes 6.4 ms, and RESET is refused until it has ended.
         const FADED: Duration = Duration::from_millis(300);
         self.order(port, &Packet::mute().to(address))?;
         let until = Instant::now() + FADED;
-        while self.order(port, &Packet::status().to(address))?.flags.outputs_on {
-            if Instant::now() > until {
-                return Err(LinkError::Refused(Kind::Mute.name()));
+        loop {
+            match self.ask(port, &Packet::reset().to(address))? {
+                Some(reply) if reply.outcome == Outcome::Ok => return Ok(reply),
+                Some(reply) if reply.outcome != Outcome::State => break,
+                Some(_) | None if Instant::now() > until => break,
+                Some(_) | None => {}
             }
         }
-        self.order(port, &Packet::reset().to(address))
+        Err(LinkError::Refused(Kind::Reset.name()))
     }
 }
