@@ -101,10 +101,10 @@ pub fn played(profile: Profile, bytes: &[u8], pitch: f64, gateware: Gateware) ->
     places.into_iter().zip(plays).map(|(place, plays)| Transducer { place, plays }).collect()
 }
 
-/// Phases of 256 to the period, by channel (`gateware/doc/protocol.md`): a COBS packet of a header of 8 bytes, the payload, a CRC of 2.
+/// Phases of 256 to the period, by channel (`gateware/doc/protocol.md`): a COBS packet that ends with them and a CRC of 4 bytes.
 fn native(line: &[u8]) -> Vec<Complex64> {
     let packet = cobs::decode_vec(&line[..line.len() - 1]).unwrap();
-    let phases = &packet[packet.len() - 256 - 2..packet.len() - 2];
+    let phases = &packet[packet.len() - 256 - 4..packet.len() - 4];
     phases.iter().map(|&phase| pulse(256, usize::from(phase), 128)).collect()
 }
 
