@@ -521,10 +521,10 @@ fn stock_boards_are_modulated_while_they_move() {
         let pair = pair_with(Setup { baud: Some(baud), ..Setup::new(profile) }, Some(baud));
         let frames: Vec<_> = (0..3).map(|n| numbered(profile, n)).collect();
         pair.link.modulate(Modulation { shape: Envelope::Square, frequency: 100.0, depth: 1.0 });
-        pair.link.show(Content::Motion { frames: frames.clone(), rate: 40.0 });
+        pair.link.show(Content::Motion { frames: frames.clone(), rate: 25.0 });
         let notice =
             wait_for(&pair.link, |event| matches!(event, Event::Notice(text) if text.contains("100 times")));
-        let costs = matches!(&notice, Event::Notice(text) if text.contains("1 of 3 pulses") && text.contains("11.2 ms"));
+        let costs = matches!(&notice, Event::Notice(text) if text.contains("1 of 4 pulses") && text.contains("11.2 ms"));
         assert_eq!(costs, lost, "{notice:?}");
         let mut seen = pair.shown_until(&frames[1]);
         seen.extend(pair.shown_until(&frames[0]));
@@ -541,7 +541,7 @@ fn stock_boards_are_modulated_while_they_move() {
         let pulses = seen[first..].iter().step_by(2).filter(|levels| **levels == frames[1]).count();
         assert!(pulses > 1, "{}: frame 1 has {pulses} pulses", profile.name());
         let rates = pair.link.health().rates.unwrap();
-        assert!((rates.asked, rates.played) == (40.0, 40.0), "{rates:?}");
+        assert!((rates.asked, rates.played) == (25.0, 25.0), "{rates:?}");
     }
 }
 

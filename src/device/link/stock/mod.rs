@@ -148,9 +148,9 @@ impl Session<'_> {
                 "; {played:.0} of {rate:.0} frames/s are played: each takes {costs:.1} ms on the line"
             ),
             lost => format!(
-                "; {played:.0} of {rate:.0} frames/s are played, and {lost} of {:.0} pulses are left out for each: it takes \
+                "; {played:.0} of {rate:.0} frames/s are played, and {lost} of {} pulses are left out for each: it takes \
                  {costs:.1} ms on the line",
-                frequency / played
+                (10.0 * frequency / played).round() / 10.0
             ),
         }
     }
@@ -217,10 +217,7 @@ impl Session<'_> {
         let dark = Levels::off(self.profile);
         let dark_from = self.write(&stock::frame(&dark))?;
         self.sent = Some((wanted.generation, 0));
-        self.shared.note(|figures| {
-            figures.swaps.clear();
-            figures.health.in_place = true;
-        });
+        self.shared.note(|figures| figures.swaps.clear());
         let mut pulses = Pulses { rhythm, hidden: None, since_load: 0, loaded_at: dark_from, shown: None };
         let mut due = dark_from + rhythm.half;
         loop {
@@ -235,6 +232,7 @@ impl Session<'_> {
                 return Ok(());
             }
             self.show(levels, &mut pulses)?;
+            self.shared.note(|figures| figures.health.in_place = true);
             let dark_at = due + rhythm.half;
             let dark_is_hidden = self.stream(content, dark_at, &mut pulses, wanted)?;
             if !dark_is_hidden {
