@@ -1,8 +1,8 @@
 // crc16 is eight steps of the division, for every register and every byte.
 `default_nettype none
-module crc16_proof (input wire clk, input wire [15:0] before, input wire [7:0] data);
-    wire [15:0] after;
-    crc16 crc16 (.before(before), .data(data), .after(after));
+module crc16_proof (input wire clk, input wire [15:0] from, input wire [7:0] data);
+    wire [15:0] to;
+    crc16 crc16 (.from(from), .data(data), .to(to));
     function [15:0] longer(input [15:0] start, input [7:0] value);
         integer i;
         begin
@@ -11,7 +11,7 @@ module crc16_proof (input wire clk, input wire [15:0] before, input wire [7:0] d
         end
     endfunction
     always @(posedge clk) begin
-        assert (after == longer(before, data));
-        cover (after == 16'h1D0F);
+        assert (to == longer(from, data));
+        cover (to == 16'h1D0F);
     end
 endmodule

@@ -1,5 +1,5 @@
-// receiver and gate, with any bytes at any time (payloads too are anything, instead of a memory): nothing is written, told or committed but for a packet with the right CRC, and
-// but in the gate's time. The CRC is computed here anew, bit by bit.
+// receiver and gate, with any bytes at any time (payloads too are anything, instead of a memory): nothing is written, told or committed but for a packet with the right CRC for this
+// device or all, and but in the gate's time; and what is for all is not answered. The CRC is computed here anew, bit by bit.
 `include "packets.vh"
 `default_nettype none
 module door_proof (
@@ -8,7 +8,11 @@ module door_proof (
     input wire [7:0] data,
     input wire       framing,
     input wire       open,
-    input wire       emergency,
+    input wire       pressed,
+    input wire       sounding,
+    input wire       restored,
+    input wire       digested,
+    input wire [2:0] any_address,
     input wire       slot_busy,
     input wire       answered,
     input wire [7:0] any_data
@@ -16,42 +20,46 @@ module door_proof (
     reg reset = 1'b1;
     always @(posedge clk) reset <= 1'b0;
 
-    wire        ready, done, good, at_work, passed, answer;
+    reg [2:0] address;
+    always @(posedge clk) if (reset) address <= any_address;
+    wire        ready, done, good, broadcast, at_work, passed, answer;
     wire [7:0]  packet_type, packet_seq, result;
     wire [31:0] arguments;
     wire [9:0]  length;
     receiver receiver (
-        .clk(clk), .reset(reset), .valid(valid && !reset), .data(data), .framing(framing && !reset),
-        .ready(ready), .packet_type(packet_type), .packet_seq(packet_seq), .arguments(arguments), .length(length),
+        .clk(clk), .reset(reset), .valid(valid && !reset), .data(data), .framing(framing && !reset), .address(address),
+        .ready(ready), .broadcast(broadcast), .packet_type(packet_type), .packet_seq(packet_seq), .arguments(arguments), .length(length),
         .done(done), .good(good)
     );
-    wire       enable, mute, baud, stop, rate, silencer, play;
+    wire       enable, mute, baud, stop, rate, silencer, play, restart, let_go;
     wire [5:0] play_first, play_last;
     wire [15:0] play_divider;
     wire       write_phase, write_amplitude, write_envelope, write_width, write_offset, write_gain;
     gate gate (
-        .clk(clk), .reset(reset), .open(open), .ready(ready), .packet_type(packet_type), .arguments(arguments), .length(length),
-        .read_data(any_data), .done(done), .emergency(emergency), .slot_busy(slot_busy),
+        .clk(clk), .reset(reset), .open(open), .ready(ready), .broadcast(broadcast), .packet_type(packet_type), .arguments(arguments), .length(length),
+        .read_data(any_data), .done(done), .pressed(pressed), .sounding(sounding), .restored(restored), .digested(digested), .slot_busy(slot_busy),
         .at_work(at_work), .passed(passed), .result(result), .answer(answer), .answered(answered),
-        .enable(enable), .mute(mute), .baud(baud), .stop(stop), .rate(rate), .silencer(silencer), .play(play),
+        .let_go(let_go), .restart(restart), .enable(enable), .mute(mute), .baud(baud), .stop(stop), .rate(rate), .silencer(silencer), .play(play),
         .play_first(play_first), .play_last(play_last), .play_divider(play_divider),
         .write_phase(write_phase), .write_amplitude(write_amplitude), .write_envelope(write_envelope),
         .write_width(write_width), .write_offset(write_offset), .write_gain(write_gain)
     );
 
     // COBS and CRC once more, as their definitions have them.
-    function [15:0] longer(input [15:0] start, input [7:0] value);
+    function [31:0] longer(input [31:0] start, input [7:0] value);
         integer i;
         begin
-            longer = start ^ {value, 8'h00};
-            for (i = 0; i < 8; i = i + 1) longer = longer[15] ? {longer[14:0], 1'b0} ^ 16'h1021 : {longer[14:0], 1'b0};
+            longer = start ^ {24'd0, value};
+            for (i = 0; i < 8; i = i + 1) longer = longer[0] ? {1'b0, longer[31:1]} ^ 32'hEDB88320 : {1'b0, longer[31:1]};
         end
     endfunction
     reg [7:0]  left;
     reg        begun, no_zero, bad;
     reg [9:0]  count;
-    reg [15:0] crc;
-    wire       right = valid && data == 8'd0 && begun && !bad && left == 8'd0 && crc == 16'h1D0F && count >= 10'd8;
+    reg [31:0] crc;
+    reg [7:0]  kind, to;
+    wire       whole = valid && data == 8'd0 && begun && !bad && left == 8'd0 && crc == 32'hDEBB20E3 && count >= 10'd11;
+    wire       right = whole && !kind[7] && (to == {5'd0, address} || to == 8'hFF);
     wire       zero = left == 8'd0 && begun && !no_zero;
     always @(posedge clk) begin
         if (valid && data != 8'd0) begin
@@ -61,16 +69,18 @@ module door_proof (
             if (left != 8'd0 || zero) begin
                 crc <= longer(crc, left == 8'd0 ? 8'd0 : data);
                 count <= count + 10'd1;
+                if (count == 10'd0) kind <= left == 8'd0 ? 8'd0 : data;
+                if (count == 10'd1) to <= left == 8'd0 ? 8'd0 : data;
             end
         end
         if (framing) {begun, bad} <= 2'b11;
-        if (reset || (valid && data == 8'd0)) {left, begun, no_zero, bad, count, crc} <= {8'd0, 1'b0, 1'b0, 1'b0, 10'd0, 16'hFFFF};
+        if (reset || (valid && data == 8'd0)) {left, begun, no_zero, bad, count, crc} <= {8'd0, 1'b0, 1'b0, 1'b0, 10'd0, 32'hFFFFFFFF};
     end
 
     // Right packets that have not passed; whether the gate has been opened for one.
     reg [7:0] credit;
     reg       opened;
-    wire      tells = enable || mute || baud || stop || rate || silencer || play;
+    wire      tells = let_go || restart || enable || mute || baud || stop || rate || silencer || play;
     wire      writes = write_phase || write_amplitude || write_envelope || write_width || write_offset || write_gain;
     always @(posedge clk) begin
         credit <= credit + (right && !reset) - done;
@@ -83,9 +93,11 @@ module door_proof (
         if (tells || writes) assert (credit != 8'd0 && opened && at_work && result == `RESULT_OK);
         if (passed) assert (credit != 8'd0 && opened);
         if (play) assert (play_first <= play_last && play_divider != 16'd0);
-        if (enable) assert (!emergency || $past(!emergency));
+        if (answer) assert (!broadcast);
         cover (mute);
         cover (enable && arguments[23:16] == `CONFIRM);
+        cover (mute && broadcast);
+        cover (whole && !right);
         cover (passed && length == 10'd1 && packet_type == `TYPE_INFO);
     end
 endmodule

@@ -9,26 +9,29 @@ module mute_proof (
     input wire        emergency,
     input wire        enable,
     input wire        set_steps,
-    input wire [15:0] any_step
+    input wire [15:0] any_step,
+    input wire [2:0]  any_channel,
+    input wire [7:0]  any_gain
 );
     reg reset = 1'b1;
     always @(posedge clk) reset <= 1'b0;
 
     wire count, boundary, start, open, last;
-    ticks #(.PERIOD_BITS(5), .PHASE_BITS(2), .GATE(24)) ticks (
-        .clk(clk), .reset(reset), .last(last), .count(count), .boundary(boundary), .sweep(start), .gate(open)
+    ticks #(.PERIOD_BITS(5), .PHASE_BITS(2), .BOUNDARY(4), .GATE(24)) ticks (
+        .clk(clk), .reset(reset), .hold(1'b0), .skip(1'b0), .last(last), .count(count), .boundary(boundary), .sweep(start), .gate(open)
     );
     wire enabled, tripped, sounds;
     wire [2:0] channel;
     safety safety (
-        .clk(clk), .reset(reset), .count(count), .boundary(boundary), .emergency(emergency), .good_packet(open),
+        .clk(clk), .reset(reset), .restart(1'b0), .count(count), .boundary(boundary), .emergency(emergency), .good_packet(open),
         .enable(enable && open), .enable_watchdog(16'd0), .mute(1'b0), .enabled(enabled), .tripped(tripped)
     );
     sweep #(.CHANNEL_BITS(3), .PHASE_BITS(5), .MUTE_STEP(16'h8000)) sweep (
-        .clk(clk), .reset(reset), .start(start), .enabled(enabled), .channel(channel),
+        .clk(clk), .reset(reset), .restart(1'b0), .start(start), .enabled(enabled), .channel(channel),
         .phase(phase), .amplitude(amplitude), .envelope(envelope),
         .set_steps(set_steps && open), .set_phase_step(any_step), .set_amplitude_step(any_step),
-        .write_offset(1'b0), .write_gain(1'b0), .write_width(1'b0), .write_address(8'd0), .write_data(8'd0),
+        .write_offset(1'b0), .write_gain(open), .write_width(1'b0), .write_address({5'd0, any_channel}),
+        .offset_written(8'd0), .gain_written(any_gain), .width_written(8'd0), .digesting(1'b0), .digest_address(8'd0),
         .sounds(sounds)
     );
 

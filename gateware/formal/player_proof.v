@@ -1,5 +1,5 @@
 // player with anything asked for at any time: the slot stays within first and last (an assertion in player.v), it moves at boundaries
-// only, and a slot that is played is busy.
+// only, a slot that is played is busy, and what is in step is taken at no boundary that is not.
 `default_nettype none
 module player_proof (
     input wire        clk,
@@ -9,35 +9,39 @@ module player_proof (
     input wire [5:0]  last,
     input wire [15:0] divider,
     input wire [15:0] loops,
-    input wire        later,
+    input wire [1:0]  when_asked,
+    input wire        in_step,
     input wire        stop,
     input wire [5:0]  query
 );
     reg reset = 1'b1;
     always @(posedge clk) reset <= 1'b0;
 
-    wire       busy, several, waiting;
+    wire       busy, several, waiting, waits_in_step;
     wire [5:0] slot;
     player player (
-        .clk(clk), .reset(reset), .boundary(boundary), .play(play), .play_first(first), .play_last(last),
-        .play_divider(divider), .play_loops(loops), .play_later(later), .stop(stop),
-        .query(query), .busy(busy), .slot(slot), .several(several), .waiting(waiting)
+        .clk(clk), .reset(reset), .boundary(boundary), .in_step(in_step), .play(play), .play_first(first), .play_last(last),
+        .play_divider(divider), .play_loops(loops), .play_when(when_asked), .stop(stop),
+        .query(query), .busy(busy), .slot(slot), .several(several), .waiting(waiting), .waits_in_step(waits_in_step)
     );
     // As the gate's proof has it.
-    always @* if (play) assume (first <= last && divider != 16'd0);
+    always @* if (play) assume (first <= last && divider != 16'd0 && when_asked <= 2'd2);
     always @* if (play) assume (!boundary && !stop && !reset);
 
     reg [5:0] slot_before, query_before;
-    reg       boundary_before, reset_before = 1'b1, play_before, busy_before;
+    reg       boundary_before, reset_before = 1'b1, play_before, busy_before, waited_before, in_step_before, stop_before;
     always @(posedge clk) begin
         {slot_before, query_before, boundary_before, reset_before} <= {slot, query, boundary, reset};
         {play_before, busy_before} <= {play, busy};
+        {waited_before, in_step_before, stop_before} <= {waits_in_step, in_step, stop};
     end
     always @(posedge clk) if (!reset && !reset_before) begin
         if (slot != slot_before) assert (boundary_before);
         if (query == slot) assert (busy);
         // What is played next was busy before: it cannot have been written in between.
         if (slot != slot_before && query_before == slot && !play_before) assert (busy_before);
+        if (waited_before && !play_before && !stop_before) assert (boundary_before && in_step_before ? !waiting : waits_in_step);
+        cover (waited_before && !waiting && boundary_before);
         cover (several && slot == 6'd5 && slot_before == 6'd4);
         cover (!several && waiting);
     end

@@ -1,5 +1,5 @@
-// safety: only ENABLE switches on; the watchdog trips at its period, the emergency stop at the next boundary, and what has tripped
-// stays off until ENABLE.
+// safety: only ENABLE switches on; the watchdog trips at its period, the emergency stop at once, and what has tripped stays off until
+// ENABLE or RESET.
 `default_nettype none
 module safety_proof (
     input wire        clk,
@@ -8,7 +8,8 @@ module safety_proof (
     input wire        good_packet,
     input wire        enable,
     input wire [15:0] enable_watchdog,
-    input wire        mute
+    input wire        mute,
+    input wire        restart
 );
     reg reset = 1'b1;
     always @(posedge clk) reset <= 1'b0;
@@ -21,19 +22,21 @@ module safety_proof (
 
     wire enabled, tripped;
     safety #(.UNIT_BITS(1)) safety (
-        .clk(clk), .reset(reset), .count(count), .boundary(boundary), .emergency(emergency), .good_packet(packet),
+        .clk(clk), .reset(reset), .restart(packet && restart && !enable && !mute), .count(count), .boundary(boundary), .emergency(emergency), .good_packet(packet),
         .enable(packet && enable), .enable_watchdog(enable_watchdog), .mute(packet && mute && !enable),
         .enabled(enabled), .tripped(tripped)
     );
 
     reg [15:0] watchdog;
     reg [15:0] quiet;
-    reg        was_enabled, was_tripped, was_reset = 1'b1, told_on, told_off, boundary_before, emergency_before, late_before;
+    reg        was_enabled, was_tripped, was_reset = 1'b1, told_on, told_off, restarted, boundary_before, emergency_before, late_before;
     always @(posedge clk) begin
         if (packet && enable) watchdog <= enable_watchdog;
         quiet <= packet ? 16'd0 : quiet + count;
         if (reset) {watchdog, quiet} <= 0;
         {was_enabled, was_tripped, was_reset} <= {enabled, tripped, reset};
+        restarted <= packet && restart && !enable && !mute;
+        if (packet && restart && !enable && !mute) watchdog <= 16'd0;
         {told_on, told_off} <= {packet && enable, packet && mute && !enable};
         {boundary_before, emergency_before} <= {boundary, emergency};
         late_before <= watchdog != 0 && quiet >= {watchdog[14:0], 1'b0} && !watchdog[15];
@@ -41,12 +44,13 @@ module safety_proof (
 
     always @(posedge clk) if (!reset && !was_reset) begin
         if (tripped) assert (!enabled);
-        if (enabled && !was_enabled) assert (told_on);
-        if (was_tripped && !told_on) assert (tripped && !enabled);
-        if (boundary_before && (emergency_before || late_before)) assert (!enabled);
-        if (boundary_before && emergency_before) assert (tripped);
-        if (tripped && !was_tripped) assert (boundary_before && (emergency_before || late_before));
-        if (was_enabled && !enabled) assert (told_off || tripped);
+        if (enabled && !was_enabled) assert (told_on && !emergency_before);
+        if (was_tripped && !told_on && !restarted) assert (tripped && !enabled);
+        if (boundary_before && late_before) assert (!enabled);
+        if (emergency_before) assert (tripped && !enabled);
+        if (tripped && !was_tripped) assert (emergency_before || (boundary_before && late_before));
+        if (was_enabled && !enabled) assert (told_off || restarted || tripped);
+        cover (restarted && was_tripped && !tripped);
         cover (tripped && !emergency_before && late_before);
         cover (enabled && was_tripped);
     end

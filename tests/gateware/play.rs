@@ -33,7 +33,7 @@ fn random_session(phase_bits: u8, periods: u32) {
     twins.settle();
     // It was a session worth the name.
     assert!(
-        3 * twins.twin.sounding > twins.twin.periods,
+        4 * twins.twin.sounding > twins.twin.periods,
         "{} of {} periods sound",
         twins.twin.sounding,
         twins.twin.periods

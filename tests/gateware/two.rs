@@ -197,7 +197,11 @@ fn random_session(phase_bits: u8, second: Second, periods: u32) {
         pair.run(1 + dice.below(30) as u32);
     }
     pair.settle();
-    assert!(pair.twins.iter().all(|twin| twin.sounding > periods / 4), "something is to be heard");
+    let sounding = pair.twins.each_ref().map(|twin| twin.sounding);
+    assert!(
+        sounding.iter().all(|&sounding| sounding > periods / 8),
+        "{sounding:?} of {periods} periods sound"
+    );
     let stepped = |twin: &Twin| twin.answers.iter().any(|reply| reply.flags.waiting);
     assert!(pair.twins.iter().all(stepped));
 }

@@ -1,0 +1,52 @@
+// emergency and safety, with ENABLE and RESET as the gate's proof has them: a low `estop_n` of any one clock, and the outputs are off
+// from that clock on until it is let go of, and nothing is enabled two clocks of the synchroniser and one later, until the next ENABLE.
+`default_nettype none
+module emergency_proof (
+    input wire clk,
+    input wire estop_n,
+    input wire on,              // whatever sounds
+    input wire any_let_go,
+    input wire for_enable,      // or RESET
+    input wire boundary
+);
+    reg reset = 1'b1;
+    always @(posedge clk) reset <= 1'b0;
+
+    // The gate lets go, and enables or restarts four clocks later.
+    reg [3:0] since = 4'd0;
+    reg       enables;
+    wire      let_go = any_let_go && since == 4'd0 && !reset;
+    wire      acts = since == 4'd4;
+    always @(posedge clk) begin
+        since <= let_go ? 4'd1 : since == 4'd0 || acts ? 4'd0 : since + 4'd1;
+        if (let_go) enables <= for_enable;
+        if (reset) since <= 4'd0;
+    end
+
+    wire caught, stopped, pressed, enabled, tripped;
+    emergency emergency (
+        .clk(clk), .reset(reset), .estop_n(estop_n), .let_go(let_go), .caught(caught), .stopped(stopped), .pressed(pressed)
+    );
+    safety safety (
+        .clk(clk), .reset(reset), .restart(acts && !enables), .count(1'b0), .boundary(boundary), .emergency(stopped || pressed),
+        .good_packet(1'b0), .enable(acts && enables), .enable_watchdog(16'd0), .mute(1'b0), .enabled(enabled), .tripped(tripped)
+    );
+    wire oe_n = !on || caught || !estop_n;
+
+    // Pressed at any clock since it was let go of last, and how many clocks ago.
+    reg       was_pressed = 1'b0;
+    reg [2:0] clocks;
+    always @(posedge clk) begin
+        if (!estop_n) was_pressed <= 1'b1;
+        else if (let_go) was_pressed <= 1'b0;
+        clocks <= !was_pressed ? 3'd1 : clocks == 3'd7 ? 3'd7 : clocks + 3'd1;
+        if (reset) was_pressed <= 1'b0;
+    end
+    always @(posedge clk) if (!reset) begin
+        if (!estop_n || was_pressed) assert (oe_n);
+        if (was_pressed && clocks >= 3'd4) assert (!enabled && tripped);
+        cover (enabled && !oe_n);
+        cover (was_pressed && estop_n && !pressed && clocks == 3'd7);
+        cover (acts && enables && was_pressed && estop_n);
+    end
+endmodule
