@@ -207,7 +207,7 @@ impl Board {
         match shown.board.plays {
             Plays::Scene => self.send_scene(editor, shown),
             Plays::Motion if self.awaits_round => self.send_motion(editor, shown),
-            Plays::Nothing | Plays::Motion | Plays::One(_) | Plays::Checkerboard => {}
+            Plays::Nothing | Plays::Motion | Plays::One(_) | Plays::Checkerboard | Plays::Focus => {}
         }
     }
 
