@@ -37,13 +37,25 @@ module follower_case #(
     );
 
     // How far our tick 0 is from the leader's, and whether each boundary knows its mark.
-    integer phase_of_leader, bank_changes = 0;
-    reg bank_before = 0;
+    integer phase_of_leader, bank_changes = 0, clocks = 0, sounding = 0, alone = 0;
+    reg bank_before = 0, sync_lately = 0;
     always @(negedge clk) if (!reset) begin
         if (tick == 0 && last !== 1'bx) begin
             phase_of_leader = leader_tick;
             off = phase_of_leader >= CLOCKS / 2 ? CLOCKS - phase_of_leader : -phase_of_leader;
         end
+        // Alone, a period is one; following what sounds, no longer than by a level and no shorter.
+        clocks = clocks + 1;
+        if (last && !hold) begin
+            alone = follows ? 0 : alone + 1;
+            if (alone > 2 && clocks != CLOCKS) errors = errors + 1;
+            sounding = still ? 0 : sounding + 1;
+            if (sounding > 2 && follows && (clocks > CLOCKS + LEVEL || clocks < CLOCKS - LEVEL)) errors = errors + 1;
+            clocks = 0;
+        end
+        // A leader that is not heard marks nothing.
+        if (boundary && marked && !sync_lately) errors = errors + 1;
+        sync_lately = boundary ? 0 : sync_lately || sync_here;
         if (boundary && follows && !silent && !noise) begin
             if (mark) marks = marks + 1;
             if (marked) marks_seen = marks_seen + 1;
@@ -67,11 +79,11 @@ module follower_bench;
     wire [31:0] errors_0, errors_1, errors_2, errors_3, errors_4, errors_5;
     wire [31:0] marks_0, marks_1, marks_2, marks_3, marks_4, marks_5, seen_0, seen_1, seen_2, seen_3, seen_4, seen_5;
     follower_case #(7, 10, 10.0) same (clk, reset, still, silent, noise, follows[0], off_0, errors_0, marks_0, seen_0);
-    follower_case #(7, 10, 9.999) fast (clk, reset, still, silent, noise, follows[1], off_1, errors_1, marks_1, seen_1);
-    follower_case #(7, 10, 10.001) slow (clk, reset, still, silent, noise, follows[2], off_2, errors_2, marks_2, seen_2);
-    follower_case #(5, 10, 9.999) five (clk, reset, still, silent, noise, follows[3], off_3, errors_3, marks_3, seen_3);
-    follower_case #(6, 10, 10.001) six (clk, reset, still, silent, noise, follows[4], off_4, errors_4, marks_4, seen_4);
-    follower_case #(8, 11, 9.999) eight (clk, reset, still, silent, noise, follows[5], off_5, errors_5, marks_5, seen_5);
+    follower_case #(7, 10, 9.99) fast (clk, reset, still, silent, noise, follows[1], off_1, errors_1, marks_1, seen_1);
+    follower_case #(7, 10, 10.01) slow (clk, reset, still, silent, noise, follows[2], off_2, errors_2, marks_2, seen_2);
+    follower_case #(5, 10, 9.99) five (clk, reset, still, silent, noise, follows[3], off_3, errors_3, marks_3, seen_3);
+    follower_case #(6, 10, 10.01) six (clk, reset, still, silent, noise, follows[4], off_4, errors_4, marks_4, seen_4);
+    follower_case #(8, 11, 9.99) eight (clk, reset, still, silent, noise, follows[5], off_5, errors_5, marks_5, seen_5);
 
     task periods(input integer n);
         repeat (2048 * n) @(negedge clk);
@@ -101,16 +113,16 @@ module follower_bench;
             near;
         end
         still = 0;
-        for (i = 0; i < 150; i = i + 1) begin
+        for (i = 0; i < 100; i = i + 1) begin
             periods(1);
             near;
         end
         `CHECK("errors", errors_0 + errors_1 + errors_2 + errors_3 + errors_4 + errors_5, 0)
-        `CHECK("marks", marks_0 > 50 && marks_1 > 50 && marks_2 > 50 && marks_3 > 50 && marks_4 > 50 && marks_5 > 50, 1'b1)
+        `CHECK("marks", marks_0 > 30 && marks_1 > 30 && marks_2 > 30 && marks_3 > 30 && marks_4 > 30 && marks_5 > 30, 1'b1)
         `CHECK("marks seen", {seen_0, seen_1, seen_2, seen_3, seen_4, seen_5}, {marks_0, marks_1, marks_2, marks_3, marks_4, marks_5})
         // A spike is not a period, and following goes on.
-        for (i = 0; i < 20; i = i + 1) begin
-            repeat (5 * 2048 + 37 * i) @(negedge clk);
+        for (i = 0; i < 9; i = i + 1) begin
+            repeat (4 * 2048 + 137 * i) @(negedge clk);
             noise = 1;
             repeat (2) @(negedge clk);
             noise = 0;
@@ -126,6 +138,7 @@ module follower_bench;
         periods(100);
         `CHECK("follows again", follows, 6'b111111)
         near;
+        `CHECK("errors at the end", errors_0 + errors_1 + errors_2 + errors_3 + errors_4 + errors_5, 0)
         `END
     end
 endmodule
