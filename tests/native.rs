@@ -376,3 +376,14 @@ fn a_device_says_what_it_is() {
     let Info { phase_bits, slots, carrier_millihertz, channels, .. } = info;
     assert_eq!((phase_bits, slots, carrier_millihertz, channels), (6, 64, 39_950_000, 256));
 }
+
+#[test]
+fn info_of_version_1_is_answered_in_its_form_and_counts_as_spoiled() {
+    let mut model = Model::new(7);
+    model.press(true);
+    let line = model.introduce(9).unwrap().to_line();
+    let body = cobs::decode_vec(line.strip_suffix(&[0]).unwrap()).unwrap();
+    assert_eq!(body[..8], [0x81, 9, 4, 0b00_1010, 2, 7, 63, 2]);
+    assert_eq!((body.len(), status(&mut model).1.spoiled), (16, 1));
+    assert_eq!(Model::new(7).with_address(1).introduce(9), None);
+}

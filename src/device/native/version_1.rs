@@ -66,7 +66,6 @@ fn checked(bytes: &[u8]) -> Result<Vec<u8>, Spoiled> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::device::native::model::Model;
     use crate::device::native::packet::Packet;
 
     #[test]
@@ -79,17 +78,5 @@ mod tests {
             assert_eq!(asked(other.strip_suffix(&[0]).unwrap()), Err(Spoiled));
         }
         assert_eq!(asked(&[]), Err(Spoiled));
-    }
-
-    #[test]
-    fn a_device_answers_in_the_form_of_version_1_and_counts_it_as_spoiled() {
-        let mut model = Model::new(7);
-        model.press(true);
-        let line = model.introduce(9).unwrap().to_line();
-        let body = checked(line.strip_suffix(&[0]).unwrap()).unwrap();
-        assert_eq!(body[..8], [0x81, 9, 4, 0b00_1010, 2, 7, 63, 2]);
-        assert_eq!(body.len(), 14);
-        assert_eq!(model.introduce(9).map(|answer| answer.info.protocol), Some(2));
-        assert_eq!(Model::new(7).with_address(1).introduce(9), None);
     }
 }
