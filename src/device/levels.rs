@@ -3,7 +3,6 @@
 use std::f64::consts::{PI, TAU};
 
 use crate::device::calibration::Calibration;
-use crate::device::native::model::CHANNELS;
 use crate::device::profile::{Profile, Strength};
 use crate::drive::{Drive, delay_level};
 
@@ -94,7 +93,7 @@ impl Levels {
 
     /// Those of one of the native devices on the line.
     pub fn of_device(&self, address: u8) -> Self {
-        let own = self.elements.chunks(CHANNELS).nth(usize::from(address));
+        let own = self.elements.chunks(Profile::Native.elements()).nth(usize::from(address));
         Self { profile: self.profile, elements: own.unwrap_or_default().to_vec() }
     }
 

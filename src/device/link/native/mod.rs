@@ -155,10 +155,10 @@ impl Session<'_> {
     }
 
     fn next_packet(&mut self, wanted: &Wanted) -> Option<(Packet, Purpose)> {
-        if let (true, Some(content)) = (self.tasks.is_empty(), wanted.content.as_deref()) {
-            if let Some(frame) = self.due_frame(content, wanted) {
-                return Some(frame);
-            }
+        if let (true, Some(content)) = (self.tasks.is_empty(), wanted.content.as_deref())
+            && let Some(frame) = self.due_frame(content, wanted)
+        {
+            return Some(frame);
         }
         if let Some(task) = self.tasks.front() {
             if task.last && !self.on_the_way.is_empty() {

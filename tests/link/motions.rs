@@ -1,0 +1,196 @@
+//! Motions, modulation and several boards over one line: what a board is to play by itself, or as fast as the line goes.
+
+use std::time::{Duration, Instant};
+
+use sonoglyph::device::board::{Board, Playing, Setup};
+use sonoglyph::device::levels::Levels;
+use sonoglyph::device::link::{Content, Event};
+use sonoglyph::device::profile::Profile;
+use sonoglyph::scene::{Envelope, Modulation};
+
+use crate::{PATIENCE, eventually, numbered, pair, pair_with, wait_for};
+
+#[test]
+fn the_native_device_plays_a_motion_by_itself() {
+    let pair = pair(Profile::Native);
+    let frames: Vec<_> = (0..10).map(|n| numbered(Profile::Native, 25 * n)).collect();
+    pair.link.show(Content::Motion { frames: frames.clone(), rate: 50.0 });
+    // Element 0 turns through all delays, though nothing is sent any more.
+    let phase = || pair.board.report().playing.unwrap().drive().phases[0];
+    let sent = || pair.link.health().frames;
+    eventually("the upload", || sent() >= 10 && !pair.is_silent());
+    let (before, mut phases) = (sent(), Vec::new());
+    eventually("ten phases", || {
+        let _ = &before;
+        phase() != 0.0
+    });
+    let until = Instant::now() + PATIENCE;
+    while phases.len() < 10 && Instant::now() < until {
+        let now = (phase() / 0.1).round() as i32;
+        if !phases.contains(&now) {
+            phases.push(now);
+        }
+    }
+    assert!(phases.len() >= 10 && sent() == before, "{phases:?}, {} frames", sent() - before);
+}
+
+#[test]
+fn motions_that_a_board_cannot_hold_are_streamed() {
+    for (profile, count) in [(Profile::Native, 200), (Profile::SonicSurface, 20)] {
+        let pair = pair(profile);
+        let frames: Vec<_> = (0..count).map(|n| numbered(profile, n)).collect();
+        pair.link.show(Content::Motion { frames: frames.clone(), rate: 40.0 });
+        let mut seen = Vec::new();
+        while seen.len() < 8 {
+            let levels = pair.shown.recv_timeout(PATIENCE).unwrap().levels;
+            assert!(frames.contains(&levels) || levels == Levels::off(profile), "{}: torn", profile.name());
+            if levels != Levels::off(profile) && !seen.contains(&levels) {
+                seen.push(levels);
+            }
+        }
+    }
+}
+
+#[test]
+fn a_motion_beyond_the_line_sounds_and_what_is_played_is_told() {
+    let cases = [
+        (Profile::Native, 2_000_000, 64, 50.0, 40_000.0 / 14.0),
+        (Profile::Native, 2_000_000, 64, 100.0, 40_000.0 / 7.0),
+        (Profile::Native, 460_800, 128, 20.0, 40_000.0 / 34.0),
+        (Profile::Native, 115_200, 64, 5.0, 320.0),
+        (Profile::SonicSurface, 230_400, 64, 50.0, 230_400.0 / 2580.0),
+    ];
+    for (profile, baud, count, cycles, played) in cases {
+        let pair = pair_with(Setup::new(profile), Some(baud));
+        let frames: Vec<_> = (0..count).map(|n| numbered(profile, n)).collect();
+        let asked = cycles * f64::from(count);
+        pair.link.show(Content::Motion { frames, rate: asked });
+        eventually("sound", || !pair.is_silent());
+        eventually("a frame in place", || pair.link.health().in_place);
+        let rates = pair.link.health().rates.unwrap();
+        assert_eq!(rates.asked, asked);
+        assert!((rates.played / played - 1.0).abs() < 1e-3, "{cycles} x {count} at {baud}: {rates}");
+        if rates.differ() {
+            wait_for(
+                &pair.link,
+                |event| matches!(event, Event::Notice(text) if text.contains("frames/s asked")),
+            );
+        }
+    }
+}
+
+/// Where the pulses of the first element of every device rise, at one moment.
+fn rises(board: &Board) -> Vec<u8> {
+    let Some(Playing::Pulses { pulses, .. }) = board.report().playing else { return Vec::new() };
+    pulses.chunks(256).map(|pulses| pulses[0].rise).collect()
+}
+
+#[test]
+fn several_native_boards_on_a_line_change_frames_in_the_same_period() {
+    let profile = Profile::Natives(3);
+    let pair = pair(profile);
+    let in_step = |seen: &[u8]| seen.len() == 3 && seen.iter().all(|&rise| rise == seen[0]);
+    // Live, each part in a packet of its own.
+    for n in 1..20 {
+        pair.link.show(Content::Still(numbered(profile, 10 * n)));
+        eventually("a frame in place", || pair.link.health().in_place);
+        let wanted = pair.board.report().playing.unwrap().drive();
+        assert_eq!(wanted.amplitudes.len(), 768);
+        let seen = rises(&pair.board);
+        assert!(in_step(&seen), "{seen:?}");
+    }
+    // From their stores.
+    let frames: Vec<_> = (0..32).map(|n| numbered(profile, 8 * n)).collect();
+    pair.link.show(Content::Motion { frames, rate: 500.0 });
+    let mut seen = Vec::new();
+    eventually("a motion of all", || {
+        let now = rises(&pair.board);
+        // While frames are uploaded, each board's first stands.
+        if pair.link.health().frames >= 96 {
+            assert!(in_step(&now), "{now:?}");
+            seen.push(now[0]);
+        }
+        seen.sort_unstable();
+        seen.dedup();
+        seen.len() > 10
+    });
+    pair.link.stop();
+    pair.wait_until_silent();
+}
+
+#[test]
+fn a_motion_as_long_as_the_store_replaces_another_and_makes_room_for_a_still() {
+    let pair = pair(Profile::Native);
+    let frames = |from: u16| (from..from + 64).map(|n| numbered(Profile::Native, n)).collect::<Vec<_>>();
+    for from in [0, 64] {
+        pair.link.show(Content::Motion { frames: frames(from), rate: 320.0 });
+        // Slots change by themselves once all frames are there.
+        eventually("64 frames", || pair.link.health().frames >= 64 * (1 + u64::from(from) / 64));
+        eventually("a motion", || {
+            let Some(Playing::Pulses { pulses, .. }) = pair.board.report().playing else { return false };
+            let before = pulses[0].rise;
+            std::thread::sleep(Duration::from_millis(20));
+            let Some(Playing::Pulses { pulses, .. }) = pair.board.report().playing else { return false };
+            pulses[0].rise != before
+        });
+    }
+    let still = numbered(Profile::Native, 200);
+    pair.link.show(Content::Still(still.clone()));
+    pair.shown_until(&still);
+}
+
+#[test]
+fn stock_boards_are_modulated_by_swaps() {
+    let pair = pair(Profile::SonicSurface);
+    let levels = numbered(Profile::SonicSurface, 5);
+    pair.link.modulate(Modulation { shape: Envelope::Square, frequency: 100.0, depth: 1.0 });
+    pair.link.show(Content::Still(levels.clone()));
+    let dark = Levels::off(Profile::SonicSurface);
+    pair.shown_until(&levels);
+    // Light and dark take turns, and nothing else is seen.
+    for n in 0..100 {
+        let wanted = if n % 2 == 0 { &dark } else { &levels };
+        assert_eq!(pair.shown.recv_timeout(PATIENCE).unwrap().levels, *wanted, "half period {n}");
+    }
+    assert!(pair.link.health().swaps.is_some());
+    // A new frame comes in between, and the pauses stay dark.
+    let next = numbered(Profile::SonicSurface, 6);
+    pair.link.show(Content::Still(next.clone()));
+    let seen = pair.shown_until(&next);
+    assert!(seen.iter().all(|seen| [&levels, &dark, &next].contains(&seen)) && seen[seen.len() - 2] == dark);
+}
+
+#[test]
+fn stock_boards_are_modulated_while_they_move() {
+    // At this rate a SonicSurface takes a frame in a dark half of 5 ms; at its own, each leaves out pulses; the other has one buffer.
+    for (profile, baud, lost) in [
+        (Profile::SonicSurface, 1_000_000, false),
+        (Profile::SonicSurface, 230_400, true),
+        (Profile::Acoustophoretic512, 2_000_000, false),
+    ] {
+        let pair = pair_with(Setup { baud: Some(baud), ..Setup::new(profile) }, Some(baud));
+        let frames: Vec<_> = (0..3).map(|n| numbered(profile, n)).collect();
+        pair.link.modulate(Modulation { shape: Envelope::Square, frequency: 100.0, depth: 1.0 });
+        pair.link.show(Content::Motion { frames: frames.clone(), rate: 25.0 });
+        let notice =
+            wait_for(&pair.link, |event| matches!(event, Event::Notice(text) if text.contains("100 times")));
+        let costs = matches!(&notice, Event::Notice(text) if text.contains("1 of 4 pulses") && text.contains("11.2 ms"));
+        assert_eq!(costs, lost, "{notice:?}");
+        let mut seen = pair.shown_until(&frames[1]);
+        seen.extend(pair.shown_until(&frames[0]));
+        // Darkness in between, always; and each frame follows the one before it, or itself.
+        let dark = Levels::off(profile);
+        let first = seen.iter().position(|levels| *levels != dark).unwrap();
+        for pulse in seen[first..].chunks(2) {
+            assert!(
+                frames.contains(&pulse[0]) && pulse.get(1).is_none_or(|second| *second == dark),
+                "{}",
+                profile.name()
+            );
+        }
+        let pulses = seen[first..].iter().step_by(2).filter(|levels| **levels == frames[1]).count();
+        assert!(pulses > 1, "{}: frame 1 has {pulses} pulses", profile.name());
+        let rates = pair.link.health().rates.unwrap();
+        assert!((rates.asked, rates.played) == (25.0, 25.0), "{rates:?}");
+    }
+}
