@@ -54,9 +54,9 @@ fn motions_that_a_board_cannot_hold_are_streamed() {
 #[test]
 fn a_motion_beyond_the_line_sounds_and_what_is_played_is_told() {
     let cases = [
-        (Profile::Native, 2_000_000, 64, 50.0, 40_000.0 / 14.0),
+        (Profile::Native, 2_000_000, 64, 50.0, 40_000.0 / 13.0),
         (Profile::Native, 2_000_000, 64, 100.0, 40_000.0 / 7.0),
-        (Profile::Native, 460_800, 128, 20.0, 40_000.0 / 34.0),
+        (Profile::Native, 460_800, 128, 20.0, 40_000.0 / 31.0),
         (Profile::Native, 115_200, 64, 5.0, 320.0),
         (Profile::SonicSurface, 230_400, 64, 50.0, 230_400.0 / 2580.0),
     ];

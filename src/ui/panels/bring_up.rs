@@ -32,6 +32,9 @@ pub fn show(editor: &mut Editor, board: &BoardShown, ui: &mut Ui, ask: &mut impl
     }
     // Below the buttons, which stay where they are while it grows.
     findings(ui, &run.report.findings);
+    if let (Step::Line, Some(surveyed)) = (run.step, &board.surveyed) {
+        findings(ui, &surveyed.findings);
+    }
     // Commands are carried out after the panel was drawn, and find it here.
     editor.board.bring_up = (!ends).then_some(run);
 }
@@ -96,7 +99,6 @@ fn line(
             ask(BoardCommand::Connect);
         }
     });
-    findings(ui, &surveyed.findings);
 }
 
 fn elements(
