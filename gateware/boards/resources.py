@@ -30,7 +30,7 @@ def line(board, bits, needed, reached, *used):
 def faults(row, said):
     board, bits, _, reached, lut, ff, ram, dsp = row
     for name, now, then in (("LUT", lut, said[5]), ("FF", ff, said[6])):
-        if abs(float(now) - float(then)) > 0.05 * float(then):
+        if float(now) > 1.05 * float(then):
             yield f"{now} {name}, the table has {then}"
     if [ram, dsp] != said[7:9]:
         yield f"{ram} block RAMs and {dsp} multipliers, the table has {said[7]} and {said[8]}"
