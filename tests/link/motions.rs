@@ -8,7 +8,7 @@ use sonoglyph::device::link::{Content, Event};
 use sonoglyph::device::profile::Profile;
 use sonoglyph::scene::{Envelope, Modulation};
 
-use crate::{PATIENCE, eventually, numbered, pair, pair_with, wait_for};
+use crate::{PATIENCE, Pair, eventually, is_silent, link_to, numbered, pair, pair_with, wait_for};
 
 #[test]
 fn the_native_device_plays_a_motion_by_itself() {
@@ -102,7 +102,8 @@ fn several_native_boards_on_a_line_change_frames_in_the_same_period() {
     let before = pair.link.health().frames;
     // From their stores.
     let frames: Vec<_> = (0..32).map(|n| numbered(profile, 8 * n)).collect();
-    pair.link.show(Content::Motion { frames, rate: 500.0 });
+    // Two periods each: a board that is one behind shows another frame every second time.
+    pair.link.show(Content::Motion { frames, rate: 20_000.0 });
     let mut seen = Vec::new();
     eventually("a motion of all", || {
         let now = rises(&pair.board);
@@ -117,6 +118,25 @@ fn several_native_boards_on_a_line_change_frames_in_the_same_period() {
     });
     pair.link.stop();
     pair.wait_until_silent();
+}
+
+#[test]
+fn nothing_of_an_earlier_link_is_left() {
+    let first = pair(Profile::Native);
+    first.link.modulate(Modulation { shape: Envelope::Square, frequency: 20.0, depth: 1.0 });
+    first.link.show(Content::Still(numbered(Profile::Native, 3)));
+    eventually("a dark half", || first.link.health().in_place && first.is_silent());
+    let Pair { link, board, .. } = first;
+    drop(link);
+    let link = link_to(&board, Profile::Native, None);
+    wait_for(&link, |event| matches!(event, Event::Ready(_)));
+    link.show(Content::Still(numbered(Profile::Native, 4)));
+    eventually("sound", || link.health().in_place && !is_silent(&board));
+    let until = Instant::now() + Duration::from_millis(150);
+    while Instant::now() < until {
+        assert!(!is_silent(&board), "the envelope of the first link");
+        std::thread::sleep(Duration::from_millis(1));
+    }
 }
 
 #[test]
@@ -135,9 +155,12 @@ fn a_motion_as_long_as_the_store_replaces_another_and_makes_room_for_a_still() {
             pulses[0].rise != before
         });
     }
-    let still = numbered(Profile::Native, 200);
-    pair.link.show(Content::Still(still.clone()));
-    pair.shown_until(&still);
+    // All slots are busy until the motion has stopped, and wishes come faster than that.
+    for number in 200..=300 {
+        pair.link.show(Content::Still(numbered(Profile::Native, number)));
+    }
+    pair.shown_until(&numbered(Profile::Native, 300));
+    eventually("a frame in place", || pair.link.health().in_place);
 }
 
 #[test]

@@ -316,7 +316,12 @@ impl Session<'_> {
         let Some(kind) = Kind::of_code(task.packet.code) else { return };
         match kind {
             Kind::Enable => self.enabling &= !self.enabled(),
-            Kind::Stop if is_wanted && self.all_stopped() => self.store(wanted),
+            Kind::Stop if self.all_stopped() => {
+                self.playing = false;
+                if is_wanted {
+                    self.store(wanted);
+                }
+            }
             Kind::Phases | Kind::Frame => {
                 self.shared.note_frame();
                 self.placed |= is_wanted && commits(&task.packet);
@@ -356,7 +361,8 @@ impl Session<'_> {
                     let kind = Kind::of_code(task.packet.code);
                     return Err(LinkError::Refused(kind.map_or("a packet", Kind::name)));
                 }
-                if task.generation == self.generation || !serves_one_wish(&task.packet) {
+                let is_wanted = task.generation == self.generation || !serves_one_wish(&task.packet);
+                if is_wanted && !self.is_outdated(&task.packet) {
                     self.tasks.push_front(task);
                 }
             }
@@ -370,7 +376,7 @@ impl Session<'_> {
 fn serves_one_wish(packet: &Packet) -> bool {
     matches!(
         Kind::of_code(packet.code),
-        Some(Kind::Phases | Kind::Frame | Kind::Play | Kind::Stop | Kind::Enable | Kind::Silencer)
+        Some(Kind::Phases | Kind::Frame | Kind::Play | Kind::Stop | Kind::Enable)
     )
 }
 

@@ -73,7 +73,8 @@ impl Session<'_> {
     /// Frames come one by one from now on.
     fn stream(&mut self) {
         self.live = true;
-        if std::mem::take(&mut self.playing) {
+        // Until STOP was taken the slots that play are busy.
+        if self.playing {
             self.push_to_all(&Packet::stop());
             let (phase_step, amplitude_step) = SILENCER;
             self.push_to_all(&Packet::silencer(phase_step, amplitude_step));
@@ -137,6 +138,32 @@ impl Session<'_> {
         self.push_to_all(&Packet::envelope(&table));
         self.push_to_all(&Packet::rate(step, true));
         self.modulation = (table, step);
+    }
+
+    /// Whether a newer packet of its kind may have gone ahead of it.
+    pub(super) fn is_outdated(&self, packet: &Packet) -> bool {
+        let (table, step) = self.modulation;
+        match Kind::of_code(packet.code) {
+            Some(Kind::Envelope) => packet.payload != table,
+            Some(Kind::Rate) => packet.arguments[..3] != step.to_le_bytes()[..3],
+            Some(
+                Kind::Info
+                | Kind::Status
+                | Kind::Enable
+                | Kind::Mute
+                | Kind::Baud
+                | Kind::Reset
+                | Kind::Digest
+                | Kind::Phases
+                | Kind::Frame
+                | Kind::Play
+                | Kind::Stop
+                | Kind::Silencer
+                | Kind::Widths
+                | Kind::Calibration,
+            )
+            | None => false,
+        }
     }
 
     /// Brings a motion into the store, once the player stands still. Its first frame is played meanwhile, from a slot of its own
