@@ -7,7 +7,7 @@ mod bring_up;
 #[path = "../requirement/mod.rs"]
 mod requirement;
 
-use std::io::{BufRead, BufReader};
+use std::io::{BufRead, BufReader, Read};
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, ExitStatus, Output, Stdio};
 use std::sync::mpsc::{Receiver, sync_channel};
@@ -149,6 +149,21 @@ fn a_motion_goes_to_the_native_device_as_a_whole() {
         let sent: u32 = said(&output.stdout).split_once(' ').unwrap().0.parse().unwrap();
         assert!((16..60).contains(&sent), "{}", said(&output.stdout));
     }
+}
+
+#[test]
+fn a_limit_of_time_ends_though_the_board_plays_nothing() {
+    let folder = Folder::new();
+    let scene = folder.write("point.toml", POINT);
+    let (board, _shown) = board(Setup::new(Profile::Native));
+    board.press(true);
+    let mut sender = sonoglyph();
+    sender.arg("send").arg(&scene).arg("--port").arg(board.path()).args(["--profile", "native"]);
+    let mut sender = Running(sender.args(["--seconds", "0.3"]).stderr(Stdio::piped()).spawn().unwrap());
+    assert_eq!(sender.ended().code(), Some(2));
+    let mut said = String::new();
+    sender.0.stderr.take().unwrap().read_to_string(&mut said).unwrap();
+    assert!(said.contains("emergency stop was pressed"), "{said}");
 }
 
 #[test]
