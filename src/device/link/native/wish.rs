@@ -187,9 +187,11 @@ impl Session<'_> {
         for address in addresses.clone() {
             self.push(frame(standing, address, true), false);
         }
+        // The others wait until the standing frame was taken, and ENABLE after it.
+        let mut waits = true;
         for slot in (first..first + count).filter(|slot| *slot != standing) {
             for address in addresses.clone() {
-                self.push(frame(slot, address, false), false);
+                self.push(frame(slot, address, false), std::mem::take(&mut waits));
             }
         }
         self.push_to_all(&Packet::silencer(phase_step, amplitude_step));
