@@ -74,9 +74,13 @@ impl Profile {
         }
     }
 
+    /// What a user may choose: every kind, and every number of native boards.
+    pub fn choices() -> impl Iterator<Item = Self> {
+        Self::ALL.into_iter().chain((2..=MOST_DEVICES).map(Self::Natives))
+    }
+
     pub fn of_name(name: &str) -> Option<Self> {
-        let natives = (2..=MOST_DEVICES).map(Self::Natives);
-        Self::ALL.into_iter().chain(natives).find(|profile| profile.name() == name)
+        Self::choices().find(|profile| profile.name() == name)
     }
 
     /// Transducers, of all boards on the line.

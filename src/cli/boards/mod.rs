@@ -100,7 +100,7 @@ pub struct BoardArgs {
 }
 
 fn parse_profile(name: &str) -> Result<Profile, String> {
-    let names = || Profile::ALL.map(Profile::name).join(", ");
+    let names = || Profile::choices().map(Profile::name).collect::<Vec<_>>().join(", ");
     Profile::of_name(name).ok_or_else(|| format!("the boards are {}", names()))
 }
 

@@ -32,6 +32,8 @@ pub fn run() -> anyhow::Result<()> {
         ]);
     }
     say!("{table}")?;
+    let natives: Vec<_> = Profile::choices().skip(Profile::ALL.len()).map(Profile::name).collect();
+    say!("{}: so many native boards on one line, in step", natives.join(", "))?;
     for profile in Profile::ALL {
         if let Some(remark) = profile.remark() {
             say!("{}: {remark}", profile.name())?;

@@ -110,10 +110,7 @@ fn elements(
 ) {
     let profile = editor.board.profile;
     if !is_ready(board.health.as_ref()) {
-        ui.horizontal(|ui| {
-            ui.spinner();
-            ui.label("waiting for the board");
-        });
+        ui.label("Waiting for the board.");
         return;
     }
     let elements = profile.elements();

@@ -50,7 +50,7 @@ fn connection(editor: &mut Editor, board: &BoardShown, ui: &mut Ui, ask: &mut im
     let is_open = board.health.is_some();
     ui.add_enabled_ui(!is_open, |ui| {
         form(ui, "board", |ui| {
-            let profiles = Profile::ALL.map(|profile| (profile, profile.name()));
+            let profiles: Vec<_> = Profile::choices().map(|profile| (profile, profile.name())).collect();
             choice(ui, ("Kind", "What sort of board it is"), &mut editor.board.profile, &profiles);
             port(editor, board, ui, ask);
             let tip = "Bits per second; what the board and your adapter can";
@@ -138,8 +138,8 @@ fn state(board: &BoardShown, profile: Profile, ui: &mut Ui) {
             let tip = "It answers nothing: whether it is there, and what it plays, is not known here";
             ui.label(RichText::new("port open; this board cannot confirm").strong()).on_hover_text(tip);
         }
+        // A board may be away for hours: nothing turns meanwhile.
         Some(State::Lost(_)) => {
-            ui.spinner();
             ui.label(RichText::new("lost; looking for it").color(theme::error(ui.visuals())));
         }
     }
