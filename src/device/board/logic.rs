@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 use crate::device::levels::Level;
 use crate::device::levels::Levels;
 use crate::device::native::model::{CHANNELS, Model, Pulse};
-use crate::device::native::packet::{BROADCAST, Body, Kind, Outcome, Packet, Reply, Splitter};
+use crate::device::native::packet::{BROADCAST, Kind, Outcome, Packet, Reply, Splitter};
 use crate::device::native::version_1;
 use crate::device::profile::Profile;
 use crate::device::stock::mega64;
@@ -213,30 +213,16 @@ impl Native {
 
 /// The frame that a packet put on, if the device took it.
 pub fn committed(packet: &Packet, reply: &Reply) -> Option<Levels> {
-    let [_, amplitude, flags, _] = packet.arguments;
-    if reply.outcome != Outcome::Ok || flags & 1 == 0 || !matches!(reply.body, Body::Status(_)) {
+    let amplitude = packet.arguments[1];
+    if reply.outcome != Outcome::Ok || !packet.commits() {
         return None;
     }
     let level = |phase: u8, amplitude: u8| {
         (amplitude > 0).then(|| Level { delay: u16::from(phase), amplitude: u16::from(amplitude) })
     };
-    let elements = match Kind::of_code(packet.code)? {
-        Kind::Phases => packet.payload.iter().map(|&phase| level(phase, amplitude)).collect(),
-        Kind::Frame => packet.payload.as_chunks::<2>().0.iter().map(|&[p, a]| level(p, a)).collect(),
-        Kind::Info
-        | Kind::Status
-        | Kind::Enable
-        | Kind::Mute
-        | Kind::Baud
-        | Kind::Reset
-        | Kind::Digest
-        | Kind::Play
-        | Kind::Stop
-        | Kind::Envelope
-        | Kind::Rate
-        | Kind::Silencer
-        | Kind::Widths
-        | Kind::Calibration => return None,
+    let elements = match Kind::of_code(packet.code) == Some(Kind::Phases) {
+        true => packet.payload.iter().map(|&phase| level(phase, amplitude)).collect(),
+        false => packet.payload.as_chunks::<2>().0.iter().map(|&[p, a]| level(p, a)).collect(),
     };
     Some(Levels { profile: Profile::Native, elements })
 }

@@ -157,31 +157,21 @@ impl Packet {
 
     /// A frame's commit, or a PLAY, that takes effect in the same period on all devices: when the leader's `sync` marks one.
     pub fn in_step(mut self) -> Self {
-        match Kind::of_code(self.code) {
-            Some(Kind::Phases | Kind::Frame) => self.arguments[2] |= COMMIT | IN_STEP,
-            Some(Kind::Play) => {
-                if let Some(when) = self.payload.last_mut() {
-                    *when = WHEN_IN_STEP;
-                }
-            }
-            Some(
-                Kind::Info
-                | Kind::Status
-                | Kind::Enable
-                | Kind::Mute
-                | Kind::Baud
-                | Kind::Reset
-                | Kind::Digest
-                | Kind::Stop
-                | Kind::Envelope
-                | Kind::Rate
-                | Kind::Silencer
-                | Kind::Widths
-                | Kind::Calibration,
-            )
-            | None => {}
+        if self.is_frame() {
+            self.arguments[2] |= COMMIT | IN_STEP;
+        } else if let (Some(Kind::Play), Some(when)) = (Kind::of_code(self.code), self.payload.last_mut()) {
+            *when = WHEN_IN_STEP;
         }
         self
+    }
+
+    /// Whether it is a frame that is played as soon as it is there, or in step.
+    pub fn commits(&self) -> bool {
+        self.is_frame() && self.arguments[2] & COMMIT != 0
+    }
+
+    fn is_frame(&self) -> bool {
+        matches!(Kind::of_code(self.code), Some(Kind::Phases | Kind::Frame))
     }
 
     /// The same packet to another device, or to all of them ([`BROADCAST`]).

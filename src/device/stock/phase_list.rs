@@ -47,16 +47,7 @@ const TACTILE_CORRECTION: [u8; CHANNELS] = [
 
 /// How far apart the values of neighbouring delays are.
 fn spacing(profile: Profile) -> u8 {
-    match profile {
-        Profile::SonicSurfaceTactile => 2,
-        Profile::Native
-        | Profile::Natives(_)
-        | Profile::SonicSurface
-        | Profile::SonicSurface2
-        | Profile::UltrainoSimpleFpga
-        | Profile::UltrainoMega64
-        | Profile::Acoustophoretic512 => 1,
-    }
+    VALUES / profile.levels().to_le_bytes()[0]
 }
 
 /// What a board's logic adds to the byte of a channel.

@@ -172,7 +172,7 @@ impl Session<'_> {
     }
 
     /// All devices are asked in turn, so that none of their watchdogs trips.
-    fn next_to_ask(&mut self) -> u8 {
+    fn next_to_ask(&self) -> u8 {
         self.seq % self.devices.len() as u8
     }
 
@@ -313,32 +313,17 @@ impl Session<'_> {
 
     fn task_taken(&mut self, task: &Task, wanted: &Wanted) {
         let is_wanted = task.generation == self.generation;
-        let Some(kind) = Kind::of_code(task.packet.code) else { return };
-        match kind {
-            Kind::Enable => self.enabling &= !self.enabled(),
-            Kind::Stop if self.all_stopped() => {
-                self.playing = false;
-                if is_wanted {
-                    self.store(wanted);
-                }
+        let is = |kind| Kind::of_code(task.packet.code) == Some(kind);
+        if is(Kind::Enable) {
+            self.enabling &= !self.enabled();
+        } else if is(Kind::Stop) && self.all_stopped() {
+            self.playing = false;
+            if is_wanted {
+                self.store(wanted);
             }
-            Kind::Phases | Kind::Frame => {
-                self.shared.note_frame();
-                self.placed |= is_wanted && commits(&task.packet);
-            }
-            Kind::Info
-            | Kind::Status
-            | Kind::Mute
-            | Kind::Baud
-            | Kind::Reset
-            | Kind::Digest
-            | Kind::Play
-            | Kind::Stop
-            | Kind::Envelope
-            | Kind::Rate
-            | Kind::Silencer
-            | Kind::Widths
-            | Kind::Calibration => {}
+        } else if is(Kind::Phases) || is(Kind::Frame) {
+            self.shared.note_frame();
+            self.placed |= is_wanted && task.packet.commits();
         }
     }
 
@@ -378,9 +363,4 @@ fn serves_one_wish(packet: &Packet) -> bool {
         Kind::of_code(packet.code),
         Some(Kind::Phases | Kind::Frame | Kind::Play | Kind::Stop | Kind::Enable)
     )
-}
-
-/// Whether a frame is played as soon as it is there.
-fn commits(packet: &Packet) -> bool {
-    packet.arguments[2] & 1 == 1
 }

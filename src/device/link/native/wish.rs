@@ -143,27 +143,9 @@ impl Session<'_> {
     /// Whether a newer packet of its kind may have gone ahead of it.
     pub(super) fn is_outdated(&self, packet: &Packet) -> bool {
         let (table, step) = self.modulation;
-        match Kind::of_code(packet.code) {
-            Some(Kind::Envelope) => packet.payload != table,
-            Some(Kind::Rate) => packet.arguments[..3] != step.to_le_bytes()[..3],
-            Some(
-                Kind::Info
-                | Kind::Status
-                | Kind::Enable
-                | Kind::Mute
-                | Kind::Baud
-                | Kind::Reset
-                | Kind::Digest
-                | Kind::Phases
-                | Kind::Frame
-                | Kind::Play
-                | Kind::Stop
-                | Kind::Silencer
-                | Kind::Widths
-                | Kind::Calibration,
-            )
-            | None => false,
-        }
+        let is = |kind| Kind::of_code(packet.code) == Some(kind);
+        (is(Kind::Envelope) && packet.payload != table)
+            || (is(Kind::Rate) && packet.arguments[..3] != step.to_le_bytes()[..3])
     }
 
     /// Brings a motion into the store, once the player stands still. Its first frame is played meanwhile, from a slot of its own
