@@ -3,6 +3,7 @@
 
 pub mod animate;
 pub mod bring_up;
+pub mod convention;
 pub mod evaluator;
 pub mod liquid;
 pub mod map;

@@ -376,11 +376,8 @@ impl Editor {
 
     /// Another scene. Tool, colours and panel stay as they are.
     pub fn replace(&mut self, document: Document) {
-        let view = View::of(&document.scene);
-        let View { quantity, colours, scale, marks, shaded, contours, contour_level, section, .. } =
-            self.view;
-        self.view =
-            View { quantity, colours, scale, marks, shaded, contours, contour_level, section, ..view };
+        let View { cut, heights, free, window, line, full, .. } = View::of(&document.scene);
+        self.view = View { cut, heights, free, window, line, full, ..self.view.clone() };
         self.document = document;
         self.forget_places();
         self.playback = Playback::default();

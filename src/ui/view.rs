@@ -8,6 +8,7 @@ use glam::{DQuat, DVec2, DVec3};
 use crate::field::{Colouring, Quantity, Scale};
 use crate::picture::ColourMap;
 use crate::scene::{Array, Plane, Scene};
+use crate::studio::convention::Convention;
 use crate::studio::map;
 
 /// Free space around what is shown as a whole, as a part of it.
@@ -173,6 +174,8 @@ pub struct View {
     pub quantity: Quantity,
     pub colours: ColourMap,
     pub scale: Scale,
+    /// How pressures are stated everywhere in the window.
+    pub convention: Convention,
     /// What gets the last colour (Pa RMS, Pa or m), the largest value if `None`.
     pub full: Option<f64>,
     /// The dent as light falls on it, and not as a map.
@@ -201,6 +204,7 @@ impl View {
             quantity: Quantity::Rms,
             colours: ColourMap::Inferno,
             scale: Scale::Linear,
+            convention: Convention::Rms,
             full: None,
             shaded: false,
             contours: false,

@@ -29,13 +29,11 @@ fn polling_waits_for_no_gpu_and_ends_with_the_same_map() {
     for evaluator in fast_evaluators() {
         let own = own(&evaluator);
         let mut stages = Stages::new(evaluator);
-        let mut unmade = 0;
         for quantity in Quantity::ALL {
             let request = Request::new(&scene, drives[..1].to_vec(), quantity, (400, 300));
             let (map, before) = polled(&mut stages, &request);
             assert_eq!(map.by == By::Gpu, own == By::Gpu && ON_GPU.contains(&quantity), "{quantity:?}");
             assert!(before == 0 || map.by == By::Gpu, "{quantity:?}: {before} polls by {:?}", map.by);
-            unmade += before;
             let done = stages.work();
             assert!(stages.poll(&request).unwrap() == Some(&map), "{quantity:?}");
             assert!(stages.map(&request).unwrap() == &map, "{quantity:?}");
@@ -43,9 +41,22 @@ fn polling_waits_for_no_gpu_and_ends_with_the_same_map() {
             stages.forget();
             assert!(stages.map(&request).unwrap() == &map, "{quantity:?}");
         }
-        // Who waits for a map has it at once, every time.
-        assert_eq!(unmade > 0, own == By::Gpu);
     }
+}
+
+#[test]
+fn a_large_map_is_polled_while_the_gpu_still_makes_it() {
+    /// A busy machine may run the driver's thread first, though hardly every time.
+    const ATTEMPTS: u32 = 100;
+    let Some(gpu) = gpu() else { return };
+    let (scene, _) = three_foci();
+    let mut stages = Stages::new(Evaluator::Gpu(Box::new(gpu)));
+    let is_polled_early = (0..ATTEMPTS).any(|attempt| {
+        let drives = vec![scattered(256, STEP + 1e-4 * f64::from(attempt))];
+        let request = Request::new(&scene, drives, Quantity::Rms, (1600, 1200));
+        polled(&mut stages, &request).1 > 0
+    });
+    assert!(is_polled_early, "every poll waited for its map");
 }
 
 #[test]

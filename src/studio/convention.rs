@@ -1,0 +1,53 @@
+//! Peak or RMS: the convention in which pressures are shown. One view uses one, and names it.
+
+use std::f64::consts::FRAC_1_SQRT_2;
+
+use crate::picture::sheet::{pascals, pascals_at_most};
+
+/// How the amplitude of a sinusoidal pressure is stated.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Convention {
+    #[default]
+    Rms,
+    Peak,
+}
+
+impl Convention {
+    pub const ALL: [Self; 2] = [Self::Rms, Self::Peak];
+
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Rms => "RMS",
+            Self::Peak => "peak",
+        }
+    }
+
+    /// What a peak amplitude is multiplied by.
+    pub fn of_peak(self) -> f64 {
+        match self {
+            Self::Rms => FRAC_1_SQRT_2,
+            Self::Peak => 1.0,
+        }
+    }
+
+    /// A peak amplitude (Pa) with its unit and this convention's name.
+    pub fn pressure(self, peak: f64) -> String {
+        format!("{} {}", pascals(peak * self.of_peak()), self.name())
+    }
+
+    /// The same of an upper bound.
+    pub fn pressure_at_most(self, peak: f64) -> String {
+        format!("{} {}", pascals_at_most(peak * self.of_peak()), self.name())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn one_amplitude_is_stated_in_either_convention() {
+        assert_eq!(Convention::Rms.pressure(1000.0), "707.1 Pa RMS");
+        assert_eq!(Convention::Peak.pressure(1000.0), "1.000 kPa peak");
+    }
+}
