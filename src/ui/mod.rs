@@ -1,25 +1,37 @@
 //! The window's panels, canvas and tools. They edit an [`Editor`], show a [`Shown`] and return [`Command`]s; files, threads,
 //! solving and the field are somebody else's.
 
+mod array;
 pub mod board;
 pub mod bring_up;
 pub mod brush;
 pub mod canvas;
+mod context;
+mod cursor;
 mod dialog;
+mod dimensions;
 pub mod document;
 mod edit;
 mod element_map;
 mod gesture;
+mod guides;
 mod handle;
 pub mod keys;
 mod legend;
+mod looking;
+mod map;
 mod marks;
+pub mod measure;
 mod menu;
+mod palm;
 mod panels;
-mod section;
+pub mod section;
 mod status;
 pub mod theme;
+mod ticks;
 pub mod tool;
+mod transform;
+mod typing;
 pub mod view;
 mod view_bar;
 
@@ -28,6 +40,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use egui::{CentralPanel, Color32, Frame, Margin, Panel as Side, Ui};
+use glam::DVec2;
 
 use crate::acoustics::{Air, Aperture};
 use crate::drive::Drive;
@@ -40,12 +53,16 @@ use crate::studio::probe::{self, Reading};
 use board::{BoardCommand, BoardForm, BoardShown};
 use brush::Brush;
 use document::Document;
-use gesture::{Gesture, Typing};
+use gesture::Gesture;
+use guides::Guide;
+use looking::Fitted;
 use tool::Tool;
-use view::{Cut, View, Window};
+use typing::Typing;
+use view::{Cut, Lens, View, Window};
 
 pub use dialog::import::Import;
 pub use dialog::{Dialog, IMPORTED, Purpose};
+pub use map::{Map, Texture};
 
 /// Everything that the user edits, and how it is looked at.
 #[derive(Debug)]
@@ -54,6 +71,7 @@ pub struct Editor {
     /// Targets by their place in the scene.
     pub selection: BTreeSet<usize>,
     pub view: View,
+    fitted: Option<Fitted>,
     pub tool: Tool,
     pub panel: Panel,
     pub layout: Layout,
@@ -64,7 +82,12 @@ pub struct Editor {
     /// What was copied last: pixels are not part of the text on the clipboard.
     copied: Vec<Target>,
     gesture: Option<Gesture>,
+    /// What lines up while something is dragged.
+    guides: Vec<Guide>,
     typing: Option<Typing>,
+    /// m, on the cut: where keys draw, and where the menu was asked for.
+    cursor: Option<DVec2>,
+    asked: DVec2,
     pub dialog: Option<Dialog>,
     /// What to do once the scene is saved.
     pub after_saving: Option<Command>,
@@ -182,6 +205,8 @@ pub enum Export {
     Numbers,
     /// Phase and amplitude per element.
     Drive,
+    /// The values along the line that is shown.
+    Profile,
     /// Every frame of the motion, as maps of what is on the screen.
     Motion,
 }
@@ -244,67 +269,6 @@ pub struct Notice {
     pub is_error: bool,
 }
 
-/// A map on the screen, and where it belongs.
-#[derive(Debug)]
-pub struct Map {
-    pub texture: Texture,
-    pub cut: Cut,
-    pub axes: view::Axes,
-    pub window: Window,
-    /// Points of the screen.
-    pub rect: egui::Rect,
-    pub quantity: Quantity,
-    /// rad, the ωt of an instantaneous pressure.
-    pub phase: f64,
-    /// The largest value, as [`crate::field::Map::peak`] has it.
-    pub largest: f64,
-    /// Relative to it.
-    pub error: f64,
-    pub how: String,
-    pub width: usize,
-    pub height: usize,
-    pub contours: Vec<Line>,
-    /// How many times as deep as it is a shaded dent is drawn.
-    pub exaggeration: Option<f64>,
-    /// Row by row from the smallest y, where they are there and the sound at a point does not tell them.
-    pub numbers: Option<Vec<f32>>,
-}
-
-impl Map {
-    /// The value at a place of the cut.
-    fn number(&self, uv: glam::DVec2) -> Option<f64> {
-        let numbers = self.numbers.as_ref()?;
-        let at = view::Lens { rect: self.rect, window: self.window }.screen(uv) - self.rect.min;
-        let column = at.x / self.rect.width() * self.width as f32;
-        let row = (1.0 - at.y / self.rect.height()) * self.height as f32;
-        let inside = |place: f32, count: usize| (place as usize).min(count.saturating_sub(1));
-        let index = inside(row, self.height) * self.width + inside(column, self.width);
-        numbers.get(index).map(|&value| f64::from(value))
-    }
-}
-
-/// Where the picture of a map lies.
-pub enum Texture {
-    InEgui(egui::TextureHandle),
-    /// On the device that draws the window, under this name.
-    OnGpu(egui::TextureId),
-}
-
-impl Texture {
-    pub fn id(&self) -> egui::TextureId {
-        match self {
-            Self::InEgui(texture) => texture.id(),
-            Self::OnGpu(id) => *id,
-        }
-    }
-}
-
-impl std::fmt::Debug for Texture {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.debug_tuple("Texture").field(&self.id()).finish()
-    }
-}
-
 /// What is played, and what arrives.
 #[derive(Clone, Debug)]
 pub struct Sound {
@@ -354,6 +318,7 @@ impl Editor {
     pub fn new(document: Document) -> Self {
         Self {
             view: View::of(&document.scene),
+            fitted: None,
             document,
             selection: BTreeSet::new(),
             tool: Tool::Select,
@@ -364,7 +329,10 @@ impl Editor {
             brush: Brush::default(),
             copied: Vec::new(),
             gesture: None,
+            guides: Vec::new(),
             typing: None,
+            cursor: None,
+            asked: DVec2::ZERO,
             dialog: None,
             after_saving: None,
             playback: Playback::default(),
@@ -378,6 +346,7 @@ impl Editor {
     pub fn replace(&mut self, document: Document) {
         let View { cut, heights, free, window, line, full, .. } = View::of(&document.scene);
         self.view = View { cut, heights, free, window, line, full, ..self.view.clone() };
+        self.fitted = None;
         self.document = document;
         self.forget_places();
         self.playback = Playback::default();

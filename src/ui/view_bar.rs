@@ -99,8 +99,7 @@ fn cuts(editor: &mut Editor, ui: &mut Ui) {
     for cut in Cut::ALL {
         let chosen = editor.view.cut == cut;
         if ui.selectable_label(chosen, cut.name()).on_hover_text(cut.tooltip()).clicked() && !chosen {
-            editor.view.cut = cut;
-            editor.view.window = None;
+            editor.look_at(cut);
         }
     }
     height(editor, ui);
@@ -108,7 +107,7 @@ fn cuts(editor: &mut Editor, ui: &mut Ui) {
         free_plane(&mut editor.view.free, ui);
     }
     if ui.button("Fit").on_hover_text("Show everything (0, or double click)").clicked() {
-        editor.view.window = None;
+        editor.fit();
     }
 }
 
@@ -213,6 +212,12 @@ fn overlays(editor: &mut Editor, ui: &mut Ui) {
     let view = &mut editor.view;
     ui.add_enabled_ui(is_flat, |ui| {
         ui.toggle_value(&mut view.marks, "Marks").on_hover_text("Focal points and outlines over the map (M)");
+    });
+    ui.menu_button("Overlays", |ui| {
+        ui.checkbox(&mut view.grid, "Grid").on_hover_text("The lines to which the pointer can snap (K)");
+        ui.checkbox(&mut view.guides, "Guides").on_hover_text("What is dragged lines up with other targets");
+        ui.checkbox(&mut view.elements, "Elements").on_hover_text("The array's elements, coloured by phase");
+        ui.checkbox(&mut view.palm, "Palm").on_hover_text("An adult's hand to scale");
     });
     ui.toggle_value(&mut view.section, "Section")
         .on_hover_text("The curve along a line across the map; Shift and the pointer move it (X)");
