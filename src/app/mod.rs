@@ -24,7 +24,7 @@ use crate::field::{Evaluator, Gpu, Work};
 use crate::picture::Picture;
 use crate::scene::Scene;
 use crate::ui::document::Document;
-use crate::ui::{self, Command, Dialog, Editor, Notice, Shown, canvas, theme};
+use crate::ui::{self, Command, Dialog, Editor, Notice, Shown, canvas, legend, theme};
 use desktop::{Legacy, TITLE};
 use errand::Errand;
 use examples::EXAMPLES;
@@ -341,6 +341,7 @@ impl Window {
             workshop.update(editor, shown, &canvas.lens, ui.ctx());
             board.update(editor, shown, ui.ctx());
             canvas::paint(editor, shown, ui, &canvas);
+            legend::controls(editor, shown, ui, &canvas.lens);
         });
         self.escape_lost_screen(&ctx);
         self.hear_outside(&ctx, &mut commands);

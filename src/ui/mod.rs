@@ -11,12 +11,14 @@ mod edit;
 mod element_map;
 mod gesture;
 mod handle;
+mod icon;
 pub mod keys;
-mod legend;
+pub mod legend;
 mod marks;
 mod menu;
 mod panels;
 mod section;
+mod segments;
 mod status;
 pub mod theme;
 pub mod tool;
@@ -445,7 +447,7 @@ pub fn show(
     Side::top("menu").frame(frame).show(ui, |ui| menu::bar(editor, shown, ui, &mut commands));
     let (is_wide, is_high) = has_room(ui);
     if is_high {
-        Side::top("view").frame(frame).show(ui, |ui| view_bar::show(editor, shown, ui));
+        Side::top("view").frame(frame).show(ui, |ui| view_bar::show(editor, ui));
         Side::bottom("status").frame(frame).show(ui, |ui| status::bar(editor, shown, ui));
     }
     if is_wide {
