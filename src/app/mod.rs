@@ -15,6 +15,7 @@ pub mod recovery;
 pub mod settings;
 mod workshop;
 
+use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 
 use eframe::egui;
@@ -23,7 +24,7 @@ use crate::field::{Evaluator, Gpu, Work};
 use crate::picture::Picture;
 use crate::scene::Scene;
 use crate::ui::document::Document;
-use crate::ui::{self, Command, Dialog, Editor, Notice, Shown, canvas, theme};
+use crate::ui::{self, Command, Dialog, Editor, Notice, Shown, canvas, legend, theme};
 use desktop::{Legacy, TITLE};
 use errand::Errand;
 use examples::EXAMPLES;
@@ -40,6 +41,9 @@ fn example(index: usize) -> anyhow::Result<Document> {
     let (name, text) = EXAMPLES.get(index).copied().unwrap_or(EXAMPLES[0]);
     Ok(Document::parse(text.to_owned(), name)?)
 }
+
+/// Layouts of a frame, at most: after the third, what egui asked for in the first and the second is over.
+const PASSES: usize = 3;
 
 /// The program's state.
 #[derive(Debug)]
@@ -78,6 +82,7 @@ impl Window {
         screen: Option<eframe::egui_wgpu::RenderState>,
     ) -> Self {
         theme::install(ctx);
+        ctx.options_mut(|options| options.max_passes = NonZeroUsize::MIN.saturating_add(PASSES - 1));
         let workshop = Workshop::new(evaluator, screen);
         let shown = Shown {
             examples: EXAMPLES.iter().map(|(name, _)| (*name).to_owned()).collect(),
@@ -311,6 +316,20 @@ impl eframe::App for Window {
     }
 }
 
+/// Lays the window out again before it is painted, where an event or a change asks for that: panels come before the map whose
+/// figures they show. egui would paint two more frames after every event, and painting is most of what a frame costs a software
+/// driver.
+fn settle(ctx: &egui::Context, has_changed: bool) {
+    let passes = ctx.current_pass_index() + 1;
+    // Passes after the first have no events of their own.
+    let is_unsettled = passes > 1 || has_changed || ctx.input(|input| !input.events.is_empty());
+    if is_unsettled && passes < PASSES {
+        ctx.request_discard("settling");
+    } else if has_changed {
+        ctx.request_repaint();
+    }
+}
+
 impl Window {
     /// One frame: what was done is heard, what changed is made anew, and all is drawn.
     pub fn frame(&mut self, ui: &mut egui::Ui) {
@@ -322,6 +341,7 @@ impl Window {
             workshop.update(editor, shown, &canvas.lens, ui.ctx());
             board.update(editor, shown, ui.ctx());
             canvas::paint(editor, shown, ui, &canvas);
+            legend::controls(editor, shown, ui, &canvas.lens);
         });
         self.escape_lost_screen(&ctx);
         self.hear_outside(&ctx, &mut commands);
@@ -334,9 +354,6 @@ impl Window {
         self.name_window(&ctx);
         self.keep(&ctx);
         self.keep_settings(&ctx);
-        // The panels were drawn before the map: their figures follow in the next frame.
-        if before != self.editor.seen() {
-            ctx.request_repaint();
-        }
+        settle(&ctx, before != self.editor.seen());
     }
 }

@@ -16,8 +16,9 @@ mod element_map;
 mod gesture;
 mod guides;
 mod handle;
+mod icon;
 pub mod keys;
-mod legend;
+pub mod legend;
 mod looking;
 mod map;
 mod marks;
@@ -26,6 +27,7 @@ mod menu;
 mod palm;
 mod panels;
 pub mod section;
+mod segments;
 mod status;
 pub mod theme;
 mod ticks;
@@ -44,7 +46,6 @@ use glam::DVec2;
 
 use crate::acoustics::{Air, Aperture};
 use crate::drive::Drive;
-use crate::field::contour::Line;
 use crate::field::{self, Quantity};
 use crate::scene::{Focus, Method, Scene, Target};
 use crate::solver::Solution;
@@ -58,7 +59,7 @@ use guides::Guide;
 use looking::Fitted;
 use tool::Tool;
 use typing::Typing;
-use view::{Cut, Lens, View, Window};
+use view::View;
 
 pub use dialog::import::Import;
 pub use dialog::{Dialog, IMPORTED, Purpose};
@@ -414,7 +415,7 @@ pub fn show(
     Side::top("menu").frame(frame).show(ui, |ui| menu::bar(editor, shown, ui, &mut commands));
     let (is_wide, is_high) = has_room(ui);
     if is_high {
-        Side::top("view").frame(frame).show(ui, |ui| view_bar::show(editor, shown, ui));
+        Side::top("view").frame(frame).show(ui, |ui| view_bar::show(editor, ui));
         Side::bottom("status").frame(frame).show(ui, |ui| status::bar(editor, shown, ui));
     }
     if is_wide {

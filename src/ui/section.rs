@@ -1,7 +1,5 @@
 //! The line profile: the map's values along a line of the cut, below the map and in step with it.
 
-use std::f64::consts::SQRT_2;
-
 use egui::{
     Align2, Color32, FontId, Label, Painter, Pos2, Rect, Response, RichText, Sense, Stroke, StrokeKind, Ui,
     pos2, vec2,
@@ -144,15 +142,16 @@ fn in_front(map: &Map, sound: &Sound, [from, to]: [DVec2; 2]) -> Option<[DVec2; 
     .filter(|[from, to]| from.distance(*to) >= measure::SHORTEST)
 }
 
-/// What a value of a quantity is multiplied by, and what stands behind its unit: pressures follow the convention.
-fn convention(quantity: Quantity, convention: Convention) -> (f64, &'static str) {
-    if quantity == Quantity::Rms { (convention.of_peak() * SQRT_2, convention.name()) } else { (1.0, "") }
+/// A value as it is read.
+fn told(quantity: Quantity, value: f64, convention: Convention) -> String {
+    format!("{} {}", quantity.with_unit(value * convention.factor(quantity)), name(quantity, convention))
+        .trim_end()
+        .to_owned()
 }
 
-/// A value as it is read.
-fn told(quantity: Quantity, value: f64, chosen: Convention) -> String {
-    let (factor, name) = convention(quantity, chosen);
-    format!("{} {name}", quantity.with_unit(value * factor)).trim_end().to_owned()
+/// The convention's name, of quantities that have one.
+fn name(quantity: Quantity, convention: Convention) -> &'static str {
+    if quantity.declaration().is_root { convention.name() } else { "" }
 }
 
 /// Draws the profile and what it says.
@@ -285,7 +284,8 @@ struct Plot<'a> {
 impl<'a> Plot<'a> {
     fn new(editor: &'a Editor, shown: &'a Shown, map: &'a Map, profile: &'a Profile, rect: Rect) -> Self {
         let largest = profile.values.iter().fold(0.0f64, |most, value| most.max(value.abs())).max(1e-30);
-        let (by_convention, name) = convention(profile.quantity, editor.view.convention);
+        let convention = editor.view.convention;
+        let (by_convention, name) = (convention.factor(profile.quantity), name(profile.quantity, convention));
         let (factor, unit) = profile.quantity.declaration().unit.scaled(largest * by_convention);
         let factor = factor * by_convention;
         let lens = Lens { rect: map.rect, window: map.window };

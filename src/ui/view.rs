@@ -39,8 +39,8 @@ impl Cut {
             Self::Xy => "XY",
             Self::Xz => "XZ",
             Self::Yz => "YZ",
-            Self::Free => "Free",
-            Self::Own => "Own",
+            Self::Free => "Oblique plane",
+            Self::Own => "Scene plane",
         }
     }
 

@@ -13,12 +13,12 @@ mod target;
 
 use std::ops::RangeInclusive;
 
-use egui::{DragValue, Response, RichText, ScrollArea, Ui};
+use egui::{Align, DragValue, Label, Layout, Response, ScrollArea, Ui};
 use glam::DVec3;
 
 pub use target::{point, sampling};
 
-use crate::ui::{Command, Editor, Panel, Shown};
+use crate::ui::{Command, Editor, Panel, Shown, theme};
 
 /// How a number is shown: so many times as large, with this behind it.
 #[derive(Clone, Copy)]
@@ -66,8 +66,9 @@ pub fn show(editor: &mut Editor, shown: &Shown, ui: &mut Ui, commands: &mut Vec<
 }
 
 fn heading(ui: &mut Ui, text: &str) {
-    ui.add_space(6.0);
-    ui.label(RichText::new(text).strong().size(14.5));
+    ui.add_space(12.0);
+    ui.label(theme::heading(text));
+    ui.add_space(2.0);
 }
 
 /// Two columns: names and values.
@@ -83,7 +84,8 @@ pub fn number(
     unit: Unit,
     range: RangeInclusive<f64>,
 ) -> Response {
-    let label = ui.label(name).on_hover_text(tip);
+    let label = theme::label(name, ui.visuals());
+    let label = ui.label(label).on_hover_text(tip);
     let response = bare_number(ui, value, unit, range).labelled_by(label.id).on_hover_text(tip);
     ui.end_row();
     response
@@ -108,7 +110,8 @@ pub fn bare_number(ui: &mut Ui, value: &mut f64, unit: Unit, range: RangeInclusi
 
 /// The same for whole numbers.
 fn count(ui: &mut Ui, (name, tip): (&str, &str), value: &mut u32, range: RangeInclusive<u32>) -> Response {
-    let label = ui.label(name).on_hover_text(tip);
+    let label = theme::label(name, ui.visuals());
+    let label = ui.label(label).on_hover_text(tip);
     let field = DragValue::new(value).speed(0.1).range(range).clamp_existing_to_range(false);
     let response = ui.add(field.update_while_editing(false)).labelled_by(label.id).on_hover_text(tip);
     ui.end_row();
@@ -116,15 +119,19 @@ fn count(ui: &mut Ui, (name, tip): (&str, &str), value: &mut u32, range: RangeIn
 }
 
 /// A row with a value that is only shown.
-fn fact(ui: &mut Ui, (name, tip): (&str, &str), value: impl Into<String>) {
-    ui.label(name).on_hover_text(tip);
-    ui.label(RichText::new(value.into()).strong()).on_hover_text(tip);
+pub fn fact(ui: &mut Ui, (name, tip): (&str, &str), value: impl Into<String>) {
+    let label = theme::label(name, ui.visuals());
+    ui.label(label).on_hover_text(tip);
+    ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
+        ui.add(Label::new(value.into()).truncate()).on_hover_text(tip);
+    });
     ui.end_row();
 }
 
 /// A choice among a few.
 fn choice<T: Copy + PartialEq>(ui: &mut Ui, (name, tip): (&str, &str), value: &mut T, choices: &[(T, &str)]) {
-    let label = ui.label(name).on_hover_text(tip);
+    let label = theme::label(name, ui.visuals());
+    let label = ui.label(label).on_hover_text(tip);
     let current = choices.iter().find(|(choice, _)| choice == value).map_or("", |(_, name)| name);
     egui::ComboBox::from_id_salt(name)
         .selected_text(current)
