@@ -18,6 +18,7 @@ use crate::solver::frames::{self, Sequence};
 use crate::solver::{self, Problem, Solution};
 use crate::studio::liquid;
 use crate::studio::probe::{self, Reading};
+use crate::studio::reach;
 use crate::ui::view::Lens;
 use crate::ui::{Editor, MethodRow, Panel, Pressed, Shown, Sound};
 
@@ -66,6 +67,8 @@ pub struct Workshop {
     pub mapping: Mapping,
     /// The last scene that was asked for, and what came of it.
     solved: Option<(Scene, Solved)>,
+    /// What to say of targets out of reach, of which scene.
+    reach: Option<(Scene, Vec<String>)>,
     solving: Later<Scene, Solved>,
     bound: Later<Scene, f64>,
     methods: Later<Scene, Vec<MethodRow>>,
@@ -83,6 +86,7 @@ impl Workshop {
         Self {
             mapping: Mapping::new(evaluator, screen),
             solved: None,
+            reach: None,
             solving: Later::default(),
             bound: Later::default(),
             methods: Later::default(),
@@ -133,6 +137,7 @@ impl Workshop {
         self.press(editor, shown, ctx);
         self.mapping.update(editor, shown, lens, ctx);
         shown.warnings = warnings(editor, shown);
+        shown.warnings.extend_from_slice(self.reached(editor, ctx));
     }
 
     fn solve(&mut self, scene: &Scene, shown: &mut Shown, ctx: &Context) {
@@ -179,6 +184,17 @@ impl Workshop {
         if let Some((_, Err(problem))) = &self.solved {
             shown.problem = Some(problem.clone());
         }
+    }
+
+    /// What the array does not reach, looked at anew once nothing is dragged.
+    fn reached(&mut self, editor: &Editor, ctx: &Context) -> &[String] {
+        let posed = posed(editor.scene());
+        let is_known = self.reach.as_ref().is_some_and(|(scene, _)| *scene == posed);
+        if !is_known && !ctx.input(|input| input.pointer.any_down()) {
+            let warnings = reach::warnings(&posed);
+            self.reach = Some((posed, warnings));
+        }
+        self.reach.as_ref().map_or(&[], |(_, warnings)| warnings)
     }
 
     fn take(&mut self, posed: Scene, outcome: Solved, elapsed: f64, shown: &mut Shown) {

@@ -12,6 +12,7 @@ pub mod opening;
 pub mod output;
 pub mod paintings;
 pub mod probe;
+pub mod reach;
 pub mod still;
 pub mod swell;
 

@@ -168,13 +168,18 @@ fn given(
     ui.end_row();
 }
 
+/// What would be written as -0.00 is 0.
+fn without_sign_on_zero(value: f64) -> f64 {
+    if value.abs() < 5e-3 { 0.0 } else { value }
+}
+
 /// Three numbers in mm, z not below `lowest` mm.
 fn coordinates(ui: &mut Ui, name: &str, at: &mut DVec3, lowest: f64) {
     ui.spacing_mut().item_spacing.x = 4.0;
     // Wide enough for most: rows of points stand in columns.
     ui.spacing_mut().interact_size.x = 46.0;
     for (axis, value) in ["x", "y", "z"].into_iter().zip(at.as_mut()) {
-        let mut shown = *value * 1e3;
+        let mut shown = without_sign_on_zero(*value * 1e3);
         let least = if axis == "z" { lowest } else { -2000.0 };
         let field = DragValue::new(&mut shown)
             .speed(0.25)
