@@ -12,6 +12,7 @@ use egui::Context;
 use crate::acoustics::{Air, Aperture};
 use crate::app::later::Later;
 use crate::app::mapping::Mapping;
+use crate::app::survey::Survey;
 use crate::field::{Evaluator, Quantity, Request, Stages, missed};
 use crate::scene::{Focus, Liquid, Method, Plane, Scene, Target, check, motion, outline};
 use crate::solver::frames::{self, Sequence};
@@ -75,6 +76,7 @@ pub struct Workshop {
     wants_methods: Option<Scene>,
     round: Later<Scene, Result<Arc<Sequence>, String>>,
     pressed: Later<Request, Option<Pressed>>,
+    survey: Survey,
     /// What makes it, with what it keeps from one time to the next.
     presser: Arc<Mutex<Stages>>,
     motion: Clock,
@@ -93,6 +95,7 @@ impl Workshop {
             wants_methods: None,
             round: Later::default(),
             pressed: Later::default(),
+            survey: Survey::default(),
             presser: Arc::new(Mutex::new(Stages::new(Evaluator::Cpu))),
             motion: Clock::default(),
             oscillation: Clock::default(),
@@ -110,6 +113,7 @@ impl Workshop {
             || self.methods.is_running()
             || self.bound.is_running()
             || self.pressed.is_running()
+            || self.survey.is_running()
     }
 
     /// Brings everything that is shown up to date.
@@ -122,6 +126,7 @@ impl Workshop {
             self.methods.collect(),
             self.round.collect(),
             self.pressed.collect(),
+            self.survey.collect(),
         ];
         if came.contains(&true) {
             // The panels of this frame were drawn without it.
@@ -136,6 +141,7 @@ impl Workshop {
         shown.sound = source.map(|source| sound(editor, &source));
         self.press(editor, shown, ctx);
         self.mapping.update(editor, shown, lens, ctx);
+        self.survey.update(editor, shown, lens, ctx);
         shown.warnings = warnings(editor, shown);
         shown.warnings.extend_from_slice(self.reached(editor, ctx));
     }

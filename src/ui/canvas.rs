@@ -51,6 +51,7 @@ pub fn interact(editor: &mut Editor, ui: &mut Ui) -> Canvas {
         gesture::watch(editor, ui, &response, &lens);
         return Canvas { lens: editor.lens(rect, is_held), response };
     }
+    let was_typing = editor.is_typing();
     gesture::act(editor, ui, &response, &lens);
     let cursor = match editor.tool {
         Tool::Select => egui::CursorIcon::Default,
@@ -66,7 +67,10 @@ pub fn interact(editor: &mut Editor, ui: &mut Ui) -> Canvas {
         | Tool::Erase
         | Tool::Measure => egui::CursorIcon::Crosshair,
     };
-    cursor::act(editor, ui, &response, &lens);
+    // The key that ends a text draws nothing.
+    if !was_typing {
+        cursor::act(editor, ui, &response, &lens);
+    }
     context::menu(editor, &response, &lens);
     let response = response.on_hover_cursor(cursor);
     Canvas { lens: editor.lens(rect, is_held), response }

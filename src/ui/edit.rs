@@ -106,7 +106,7 @@ pub fn name(target: &Target) -> String {
         Shape::Rectangle { .. } => "Rectangle".to_owned(),
         Shape::Triangle { .. } => "Triangle".to_owned(),
         Shape::Polygon { sides, .. } => format!("Polygon of {sides}"),
-        Shape::Path { vertices, .. } => format!("Path of {}", vertices.len()),
+        Shape::Path { vertices, .. } => format!("Freehand, {} vertices", vertices.len()),
         Shape::Text { text, .. } => format!("Text “{text}”"),
         Shape::Picture { file, .. } => {
             let name = Path::new(file).file_name().map_or(file.into(), |name| name.to_string_lossy());

@@ -8,7 +8,7 @@ use crate::ui::gesture::{self, Gesture};
 use crate::ui::measure::{self, ProfileLine};
 use crate::ui::tool::Tool;
 use crate::ui::view::{Cut, Lens};
-use crate::ui::{Editor, Shown, Sound, array, dimensions, edit, handle, palm, theme, transform};
+use crate::ui::{Editor, Extremes, Shown, Sound, array, dimensions, edit, handle, palm, theme, transform};
 
 /// m: foci farther than this from the cut are drawn faint.
 const NEAR: f64 = 2e-3;
@@ -48,6 +48,9 @@ pub fn paint(editor: &Editor, shown: &Shown, painter: &Painter, lens: &Lens, poi
     motion(editor, painter, lens);
     if let Some(sound) = &shown.sound {
         foci(editor, sound, painter, lens, pointer);
+    }
+    if let Some(found) = &shown.extremes {
+        extremes(editor, found, painter, lens);
     }
     if let (1, Some(&index)) = (editor.selection.len(), editor.selection.first())
         && let Some(target) = scene.targets.get(index)
@@ -158,6 +161,27 @@ pub fn gesture(editor: &Editor, painter: &Painter, lens: &Lens) {
             if typing.text.is_empty() { "Type, then press Enter".to_owned() } else { typing.text.clone() };
         let below = at + vec2(0.0, (0.028 / lens.window.scale) as f32);
         chip(painter, below, Align2::CENTER_TOP, &format!("{text}|"), 13.0, theme::CHOSEN);
+    }
+}
+
+/// The loudest place and the peak side lobe, with their pressures.
+fn extremes(editor: &Editor, found: &Extremes, painter: &Painter, lens: &Lens) {
+    let axes = editor.view.axes(editor.scene());
+    let tell = |pressure: f64| editor.view.convention.pressure(pressure);
+    let below = |pressure: f64| {
+        let peak = found.peak.map_or(pressure, |(_, peak)| peak);
+        format!("side lobe {}, {:.1} dB", tell(pressure), 20.0 * (pressure / peak).log10())
+    };
+    let peak = found.peak.map(|(at, pressure)| (at, format!("peak {}", tell(pressure))));
+    let side_lobe = found.side_lobe.map(|(at, pressure)| (at, below(pressure)));
+    for (at, text) in peak.into_iter().chain(side_lobe) {
+        let at = lens.screen(axes.flat(at));
+        for (width, colour) in [(3.5, theme::MARK_EDGE), (1.4, theme::MARK)] {
+            let stroke = Stroke::new(width, colour);
+            painter.line_segment([at - vec2(6.0, 6.0), at + vec2(6.0, 6.0)], stroke);
+            painter.line_segment([at - vec2(6.0, -6.0), at + vec2(6.0, -6.0)], stroke);
+        }
+        chip(painter, at + vec2(0.0, 14.0), Align2::CENTER_TOP, &text, 12.0, theme::MARK);
     }
 }
 

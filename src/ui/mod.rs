@@ -42,7 +42,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use egui::{CentralPanel, Color32, Frame, Margin, Panel as Side, Ui};
-use glam::DVec2;
+use glam::{DVec2, DVec3};
 
 use crate::acoustics::{Air, Aperture};
 use crate::drive::Drive;
@@ -232,6 +232,7 @@ pub struct Shown {
     pub round: Option<Arc<Sequence>>,
     pub is_following: bool,
     pub pressed: Option<Pressed>,
+    pub extremes: Option<Extremes>,
     /// Files that were open last, the last one first.
     pub recent: Vec<PathBuf>,
     /// Names of the example scenes.
@@ -289,12 +290,12 @@ impl Sound {
     }
 
     /// The values of a map at points of its plane, in f64; none where these follow from more than the points.
-    fn values(&self, map: &Map, points: &[glam::DVec3]) -> Vec<f64> {
+    fn values(&self, map: &Map, points: &[DVec3]) -> Vec<f64> {
         let axes = [map.axes.x, map.axes.y, map.axes.x.cross(map.axes.y)];
         probe::values((&self.aperture, &self.air), &self.drives, (map.quantity, map.phase), axes, points)
     }
 
-    fn value(&self, map: &Map, point: glam::DVec3) -> Option<f64> {
+    fn value(&self, map: &Map, point: DVec3) -> Option<f64> {
         self.values(map, &[point]).first().copied()
     }
 }
@@ -313,6 +314,13 @@ pub struct Pressed {
     pub figures: field::Pressed,
     /// That the depression is beyond linear theory.
     pub beyond: Option<String>,
+}
+
+/// The loudest place on the screen and its peak side lobe: where (m), and |P| (Pa, peak).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Extremes {
+    pub peak: Option<(DVec3, f64)>,
+    pub side_lobe: Option<(DVec3, f64)>,
 }
 
 impl Editor {

@@ -175,7 +175,7 @@ pub fn show(editor: &mut Editor, shown: &Shown, ui: &mut Ui) {
     let min = pos2(map.rect.left(), room.top() + 4.0);
     let max = pos2(map.rect.right(), (room.bottom() - BELOW).max(room.top() + 30.0));
     let response = ui.allocate_rect(Rect::from_min_max(min, max), Sense::hover());
-    response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Canvas, true, "Line profile"));
+    response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Canvas, true, "Line profile plot"));
     Plot::new(editor, shown, map, &profile, response.rect).paint(ui, &response);
 }
 
@@ -229,7 +229,7 @@ fn head(editor: &mut Editor, shown: &Shown, profile: Option<&Profile>, ui: &mut 
 
 /// A value that a click copies.
 pub fn copied(ui: &mut Ui, value: &str, tip: &str) {
-    let label = Label::new(RichText::new(value).strong()).selectable(false).sense(Sense::click());
+    let label = Label::new(RichText::new(value).strong()).selectable(false).sense(Sense::CLICK);
     if ui.add(label).on_hover_text(format!("{tip}. Click to copy")).clicked() {
         ui.ctx().copy_text(value.to_owned());
     }

@@ -202,6 +202,8 @@ pub struct View {
     pub guides: bool,
     /// The array's elements in the colours of their phases.
     pub elements: bool,
+    /// The loudest place and the peak side lobe are marked.
+    pub extremes: bool,
     /// An adult's hand to scale.
     pub palm: bool,
     /// The curve along a line is shown.
@@ -231,6 +233,7 @@ impl View {
             grid: false,
             guides: true,
             elements: false,
+            extremes: false,
             palm: false,
             section: false,
             line: ProfileLine::Across(0.0),

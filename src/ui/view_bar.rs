@@ -177,6 +177,8 @@ fn overlays(editor: &mut Editor, ui: &mut Ui) {
         ui.checkbox(&mut view.grid, "Grid").on_hover_text("The lines to which the pointer can snap (K)");
         ui.checkbox(&mut view.guides, "Guides").on_hover_text("What is dragged lines up with other targets");
         ui.checkbox(&mut view.elements, "Elements").on_hover_text("The array's elements, coloured by phase");
+        ui.checkbox(&mut view.extremes, "Peak and side lobe")
+            .on_hover_text("The loudest place on the map and its peak side lobe");
         ui.checkbox(&mut view.palm, "Palm").on_hover_text("An adult's hand to scale");
     });
 }

@@ -140,7 +140,7 @@ fn a_stroke_is_drawn_as_a_line_without_a_dot_for_each_sample() {
     let circles = |screen: &mut Screen| {
         screen.run_steps(1);
         let shapes = &screen.output().shapes;
-        let is_dot = |shape: &egui::Shape| matches!(shape, egui::Shape::Circle(circle) if circle.fill == sonoglyph::ui::theme::MARK);
+        let is_dot = |shape: &egui::Shape| matches!(shape, egui::Shape::Circle(circle) if circle.stroke.color == sonoglyph::ui::theme::MARK);
         shapes.iter().filter(|clipped| is_dot(&clipped.shape)).count()
     };
     assert_eq!(circles(&mut screen), 0);

@@ -118,12 +118,16 @@ fn count(ui: &mut Ui, (name, tip): (&str, &str), value: &mut u32, range: RangeIn
     response
 }
 
-/// A row with a value that is only shown.
+/// A row with a value that is only shown; a click copies it.
 pub fn fact(ui: &mut Ui, (name, tip): (&str, &str), value: impl Into<String>) {
     let label = theme::label(name, ui.visuals());
     ui.label(label).on_hover_text(tip);
     ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
-        ui.add(Label::new(value.into()).truncate()).on_hover_text(tip);
+        let value = value.into();
+        let label = Label::new(&value).truncate().selectable(false).sense(egui::Sense::CLICK);
+        if ui.add(label).on_hover_text(tip).clicked() {
+            ui.ctx().copy_text(value);
+        }
     });
     ui.end_row();
 }
