@@ -15,6 +15,7 @@ pub mod probe;
 pub mod reach;
 pub mod still;
 pub mod swell;
+pub mod width;
 
 /// The scene that is shown when none is named.
 pub const EXAMPLE: &str = include_str!("../../assets/scenes/hit.toml");
