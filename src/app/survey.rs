@@ -64,7 +64,7 @@ impl Survey {
             marks,
             focus,
         };
-        if !ctx.input(|input| input.pointer.any_down()) {
+        if !ctx.input(|input| input.pointer.any_down()) && !editor.playback.playing {
             self.found.ask(&surveyed, ctx, measure);
         }
         (shown.extremes, shown.widths) = self.found.get(&surveyed).copied().unwrap_or_default();

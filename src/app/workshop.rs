@@ -143,7 +143,7 @@ impl Workshop {
         self.mapping.update(editor, shown, lens, ctx);
         self.survey.update(editor, shown, lens, ctx);
         shown.warnings = warnings(editor, shown);
-        shown.warnings.extend_from_slice(self.reached(editor, ctx));
+        shown.warnings.extend_from_slice(self.reached(ctx));
     }
 
     fn solve(&mut self, scene: &Scene, shown: &mut Shown, ctx: &Context) {
@@ -193,12 +193,11 @@ impl Workshop {
     }
 
     /// What the array does not reach, looked at anew once nothing is dragged.
-    fn reached(&mut self, editor: &Editor, ctx: &Context) -> &[String] {
-        let posed = posed(editor.scene());
-        let is_known = self.reach.as_ref().is_some_and(|(scene, _)| *scene == posed);
+    fn reached(&mut self, ctx: &Context) -> &[String] {
+        let Some((posed, _)) = &self.solved else { return &[] };
+        let is_known = self.reach.as_ref().is_some_and(|(scene, _)| scene == posed);
         if !is_known && !ctx.input(|input| input.pointer.any_down()) {
-            let warnings = reach::warnings(&posed);
-            self.reach = Some((posed, warnings));
+            self.reach = Some((posed.clone(), reach::warnings(posed)));
         }
         self.reach.as_ref().map_or(&[], |(_, warnings)| warnings)
     }

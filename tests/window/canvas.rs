@@ -103,7 +103,7 @@ fn the_line_profile_stands_below_the_map_in_step_with_it_and_starts_in_front_of_
 
 #[test]
 fn a_freehand_stroke_that_nearly_closes_is_closed() {
-    let mut screen = open_with(&[]);
+    let mut screen = open_with(&[point(0.0, 0.07)]);
     key(&mut screen, Key::F);
     let around = |part: f64| DVec2::from_angle(std::f64::consts::TAU * part) * 25.0;
     let place = |screen: &Screen, part: f64| at(screen, around(part).x, around(part).y);
@@ -216,7 +216,7 @@ fn a_target_is_placed_moved_and_chosen_by_keys_alone() {
 
 #[test]
 fn what_is_drawn_says_its_size_beside_the_pointer() {
-    let mut screen = open_with(&[]);
+    let mut screen = open_with(&[point(0.0, 0.07)]);
     key(&mut screen, Key::C);
     let (from, to) = (at(&screen, 0.0, 0.0), at(&screen, 0.0, 20.0));
     screen.hover_at(from);
