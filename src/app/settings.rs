@@ -13,6 +13,7 @@ use crate::field::Scale;
 use crate::picture::ColourMap;
 use crate::scene::strict::Strict;
 use crate::source;
+use crate::studio::convention::Convention;
 use crate::studio::output;
 use crate::ui::{Editor, Panel};
 
@@ -67,6 +68,8 @@ pub struct Settings {
     pub shaded: bool,
     pub colours: String,
     pub decibels: bool,
+    /// Pressures are stated as peak amplitudes.
+    pub peak: bool,
     /// m
     pub grid: f64,
     pub snaps: bool,
@@ -95,6 +98,7 @@ impl Default for Settings {
             shaded: false,
             colours: COLOURS[0].1.to_owned(),
             decibels: false,
+            peak: false,
             grid: 0.005,
             snaps: false,
             board: Profile::Native.name().to_owned(),
@@ -126,6 +130,7 @@ impl Settings {
             shaded: view.shaded,
             colours: name(&COLOURS, &view.colours),
             decibels: view.scale == Scale::Logarithmic,
+            peak: view.convention == Convention::Peak,
             grid: editor.grid,
             snaps: editor.snaps,
             board: editor.board.profile.name().to_owned(),
@@ -153,6 +158,7 @@ impl Settings {
         (view.section, view.marks) = (self.section, self.marks);
         (view.contours, view.shaded) = (self.contours, self.shaded);
         view.scale = if self.decibels { Scale::Logarithmic } else { Scale::Linear };
+        view.convention = if self.peak { Convention::Peak } else { Convention::Rms };
         view.colours = value(&COLOURS, &self.colours).unwrap_or(view.colours);
     }
 

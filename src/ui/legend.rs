@@ -181,11 +181,16 @@ impl Law {
     }
 
     fn title(self, quantity: Quantity, convention: Convention, full: f64) -> String {
-        let title = convention.of(quantity);
+        let title = quantity.declaration().title;
+        let with_convention = |text: String| match quantity.declaration().is_root {
+            true => format!("{text} {}", convention.name()),
+            false => text,
+        };
         match self {
-            Self::Decibels => format!("{title}\ndB of {}", quantity.with_unit(full)),
+            Self::Decibels => format!("{title}\ndB of {}", with_convention(quantity.with_unit(full))),
             Self::Linear | Self::Signed | Self::Turn => {
-                format!("{title}\n{}", quantity.declaration().unit.scaled(full).1)
+                let unit = quantity.declaration().unit.scaled(full).1;
+                format!("{title}\n{}", with_convention(unit.to_owned()))
             }
         }
     }

@@ -23,14 +23,14 @@ pub fn show<T: Copy + PartialEq>(ui: &mut Ui, name: &str, value: &mut T, choices
         list.response.accessible_name(name);
     } else {
         let ground =
-            Frame::new().fill(ui.visuals().extreme_bg_color).corner_radius(6).inner_margin(Margin::same(2));
+            Frame::new().fill(ui.visuals().faint_bg_color).corner_radius(6).inner_margin(Margin::same(2));
         ground.show(ui, |ui| {
             ui.set_max_width(width);
             ui.horizontal(|ui| {
                 ui.spacing_mut().item_spacing.x = 1.0;
                 for (choice, name, tip) in choices {
                     let button = Button::selectable(value == choice, *name).corner_radius(4);
-                    if ui.add(button.frame_when_inactive(false)).on_hover_text(tip).clicked() {
+                    if ui.add(button).on_hover_text(tip).clicked() {
                         *value = *choice;
                     }
                 }

@@ -74,7 +74,7 @@ fn shows(screen: &mut Screen, quantity: Quantity) {
 fn every_quantity_has_a_key_and_a_button() {
     let mut screen = open(scene_at(0.1));
     let all = [
-        (Key::Num1, "RMS", Quantity::Rms),
+        (Key::Num1, "Pressure", Quantity::Rms),
         (Key::Num2, "Phase", Quantity::Phase),
         (Key::Num3, "Radiation", Quantity::Radiation),
         (Key::Num4, "Depression", Quantity::Depression),
