@@ -101,7 +101,7 @@ fn fact(screen: &Screen, name: &str) -> f64 {
         node.label().or_else(|| node.value()).unwrap_or_default()
     };
     let texts: Vec<_> = screen.root().children_recursive().map(|node| text(&node)).collect();
-    let after = texts.iter().skip_while(|text| *text != name).find(|text| *text != name);
+    let after = texts.iter().skip_while(|text| *text != name).find(|text| *text != name && !text.is_empty());
     number(after.unwrap_or_else(|| panic!("no {name} in {texts:?}")))
 }
 
