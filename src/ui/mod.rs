@@ -44,8 +44,9 @@ use gesture::{Gesture, Typing};
 use tool::Tool;
 use view::{Cut, View, Window};
 
+pub use dialog::Dialog;
+pub use dialog::file::{Asking, Entry, Folder, IMPORTED, Purpose};
 pub use dialog::import::Import;
-pub use dialog::{Dialog, IMPORTED, Purpose};
 
 /// Everything that the user edits, and how it is looked at.
 #[derive(Debug)]
@@ -66,6 +67,7 @@ pub struct Editor {
     gesture: Option<Gesture>,
     typing: Option<Typing>,
     pub dialog: Option<Dialog>,
+    pub asking: Asking,
     /// What to do once the scene is saved.
     pub after_saving: Option<Command>,
     pub playback: Playback,
@@ -155,12 +157,18 @@ pub enum Command {
     ForgetRecent,
     /// Ends the export that is under way, without its file.
     CallOff,
-    /// Asks the desktop for a file.
-    Browse(Purpose),
+    /// What was typed or chosen where a file was asked for.
+    Answer(Purpose, String),
+    /// Lists the files of a folder; of the one that was shown last if `None`.
+    List(Option<PathBuf>),
+    /// Asks the desktop for a file; the answer so far comes back if it gives none.
+    Browse(Purpose, String),
     CompareMethods,
     Board(BoardCommand),
     /// Goes on with what the last run left.
     Recover(Box<Scene>),
+    /// Deletes what the last run left.
+    Discard,
     Close,
 }
 
@@ -208,6 +216,8 @@ pub struct Shown {
     pub pressed: Option<Pressed>,
     /// Files that were open last, the last one first.
     pub recent: Vec<PathBuf>,
+    /// Where a file is asked for.
+    pub folder: Option<Folder>,
     /// Names of the example scenes.
     pub examples: Vec<String>,
     /// Who computes the field.
@@ -366,6 +376,7 @@ impl Editor {
             gesture: None,
             typing: None,
             dialog: None,
+            asking: Asking::default(),
             after_saving: None,
             playback: Playback::default(),
             oscillation: Oscillation { playing: true, part: 0.0 },
@@ -465,7 +476,7 @@ pub fn show(
         editor.layout.section = section.response.rect.height();
     }
     CentralPanel::default().frame(Frame::NONE).show(ui, |ui| canvas(editor, shown, ui));
-    dialog::show(editor, ui.ctx(), &mut commands);
+    dialog::show(editor, shown, ui.ctx(), &mut commands);
     if editor.view.quantity != quantity {
         // A range of pascals is none of metres.
         editor.view.full = None;
