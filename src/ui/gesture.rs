@@ -66,6 +66,8 @@ pub enum Gesture {
 pub struct Typing {
     pub at: DVec2,
     pub text: String,
+    /// Letters that were typed last and that the font lacks.
+    pub lacking: Vec<char>,
     /// Its place in the scene once there is something to write.
     index: Option<usize>,
 }
@@ -152,7 +154,7 @@ fn begin(editor: &mut Editor, axes: &Axes, lens: &Lens, at: Pos2, modifiers: Mod
         }
         Tool::Text => {
             editor.selection.clear();
-            editor.typing = Some(Typing { at: from, text: String::new(), index: None });
+            editor.typing = Some(Typing { at: from, text: String::new(), lacking: Vec::new(), index: None });
             None
         }
         Tool::Freehand => Some(Gesture::Stroke { points: vec![lens.flat(at)], index: None }),
@@ -345,8 +347,8 @@ fn write(editor: &mut Editor, ui: &Ui, axes: &Axes) {
     for event in events {
         match event {
             Event::Text(letters) => {
-                let known = |letter: &char| font::lay_out(&letter.to_string(), 1.0).is_ok();
-                typing.text.extend(letters.chars().filter(known));
+                typing.lacking = font::lacking(&letters);
+                typing.text.extend(letters.chars().filter(|letter| !typing.lacking.contains(letter)));
             }
             Event::Key { key: Key::Backspace, pressed: true, .. } => drop(typing.text.pop()),
             Event::Key { key: Key::Enter | Key::Escape, pressed: true, .. } => is_done = true,

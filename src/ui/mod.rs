@@ -9,6 +9,7 @@ mod dialog;
 pub mod document;
 mod edit;
 mod element_map;
+mod expression;
 mod gesture;
 mod handle;
 mod icon;
@@ -16,6 +17,7 @@ pub mod keys;
 pub mod legend;
 mod marks;
 mod menu;
+pub mod number;
 mod panels;
 mod section;
 mod segments;
@@ -46,8 +48,9 @@ use gesture::{Gesture, Typing};
 use tool::Tool;
 use view::{Cut, View, Window};
 
+pub use dialog::Dialog;
+pub use dialog::file::{Asking, Entry, Folder, IMPORTED, Purpose};
 pub use dialog::import::Import;
-pub use dialog::{Dialog, IMPORTED, Purpose};
 
 /// Everything that the user edits, and how it is looked at.
 #[derive(Debug)]
@@ -68,6 +71,7 @@ pub struct Editor {
     gesture: Option<Gesture>,
     typing: Option<Typing>,
     pub dialog: Option<Dialog>,
+    pub asking: Asking,
     /// What to do once the scene is saved.
     pub after_saving: Option<Command>,
     pub playback: Playback,
@@ -157,12 +161,18 @@ pub enum Command {
     ForgetRecent,
     /// Ends the export that is under way, without its file.
     CallOff,
-    /// Asks the desktop for a file.
-    Browse(Purpose),
+    /// What was typed or chosen where a file was asked for.
+    Answer(Purpose, String),
+    /// Lists the files of a folder; of the one that was shown last if `None`.
+    List(Option<PathBuf>),
+    /// Asks the desktop for a file; the answer so far comes back if it gives none.
+    Browse(Purpose, String),
     CompareMethods,
     Board(BoardCommand),
     /// Goes on with what the last run left.
     Recover(Box<Scene>),
+    /// Deletes what the last run left.
+    Discard,
     Close,
 }
 
@@ -210,6 +220,8 @@ pub struct Shown {
     pub pressed: Option<Pressed>,
     /// Files that were open last, the last one first.
     pub recent: Vec<PathBuf>,
+    /// Where a file is asked for.
+    pub folder: Option<Folder>,
     /// Names of the example scenes.
     pub examples: Vec<String>,
     /// Who computes the field.
@@ -368,6 +380,7 @@ impl Editor {
             gesture: None,
             typing: None,
             dialog: None,
+            asking: Asking::default(),
             after_saving: None,
             playback: Playback::default(),
             oscillation: Oscillation { playing: true, part: 0.0 },
@@ -467,7 +480,7 @@ pub fn show(
         editor.layout.section = section.response.rect.height();
     }
     CentralPanel::default().frame(Frame::NONE).show(ui, |ui| canvas(editor, shown, ui));
-    dialog::show(editor, ui.ctx(), &mut commands);
+    dialog::show(editor, shown, ui.ctx(), &mut commands);
     if editor.view.quantity != quantity {
         // A range of pascals is none of metres.
         editor.view.full = None;
