@@ -18,6 +18,7 @@ use crate::source;
 use crate::studio::paintings::Placed;
 use crate::studio::{animate, map, output};
 use crate::ui::document::Document;
+use crate::ui::section::Profile;
 use crate::ui::view::Lens;
 use crate::ui::{self, Command, Dialog, Export, Folder, Purpose};
 
@@ -264,6 +265,7 @@ impl Window {
             Export::Sheet => self.sheet_png(),
             Export::Numbers => self.numbers_npy(),
             Export::Drive => self.drive_csv(),
+            Export::Profile => self.profile_csv(),
         };
         match bytes.and_then(|bytes| output::write(path, &bytes)) {
             Ok(()) => self.tell(&format!("Wrote {}", path.display()), false),
@@ -319,6 +321,11 @@ impl Window {
     fn drive_csv(&self) -> anyhow::Result<Vec<u8>> {
         let sound = self.shown.sound.as_ref().context("nothing is played")?;
         Ok(sound.drive().write(&sound.aperture).into_bytes())
+    }
+
+    fn profile_csv(&self) -> anyhow::Result<Vec<u8>> {
+        let profile = Profile::of(&self.editor, &self.shown);
+        Ok(profile.context("there is no line profile: show one on a map")?.csv().into_bytes())
     }
 
     /// The page of the scene at rest, on the scene's own plane.

@@ -14,6 +14,7 @@ mod link;
 mod mapping;
 pub mod recovery;
 pub mod settings;
+mod survey;
 mod workshop;
 
 use std::num::NonZeroUsize;

@@ -12,8 +12,10 @@ pub mod opening;
 pub mod output;
 pub mod paintings;
 pub mod probe;
+pub mod reach;
 pub mod still;
 pub mod swell;
+pub mod width;
 
 /// The scene that is shown when none is named.
 pub const EXAMPLE: &str = include_str!("../../assets/scenes/hit.toml");

@@ -8,9 +8,10 @@ use egui::{Context, Event, Key, KeyboardShortcut, Modifiers};
 use crate::field::Quantity;
 use crate::studio::opening;
 use crate::ui::brush;
+use crate::ui::cursor;
 use crate::ui::edit;
-use crate::ui::gesture;
 use crate::ui::tool::Tool;
+use crate::ui::typing;
 use crate::ui::{Command, Dialog, Editor, Purpose};
 
 pub const NEW: KeyboardShortcut = KeyboardShortcut::new(Modifiers::COMMAND, Key::N);
@@ -42,12 +43,20 @@ pub const HELP: &[(&str, &str)] = &[
     ("Ctrl X / C / V", "Cut, copy, paste targets"),
     ("Delete", "Delete what is selected"),
     ("Arrows", "Move by 1 mm, with Shift by 10 mm"),
+    (
+        "Tab to the map",
+        "Arrows move a cross (Ctrl: 0.1 mm), Enter draws or selects there, , and . select the next",
+    ),
     ("Esc", "Stop what is under way, select nothing"),
+    ("D, then drag", "Measure along a line; Esc removes it"),
     ("Wheel", "Zoom where the pointer is"),
     ("Space or right button + drag", "Move the view"),
     ("Double click, or 0", "Show everything"),
     ("1 to 7", "RMS, phase, radiation, depression, instantaneous, intensity, velocity"),
     ("Shift while drawing", "Lines in steps of 15°, squares"),
+    ("Ctrl while dragging", "Free of grid and guides"),
+    ("Alt and drag", "Drag a copy"),
+    ("Right click", "Menu of what is selected"),
     ("M", "Focal points and outlines on or off"),
     ("X", "Curve along a line on or off; Shift moves it"),
     ("K", "Snap to the grid on or off"),
@@ -63,13 +72,13 @@ pub fn press(editor: &mut Editor, ctx: &Context, commands: &mut Vec<Command>) {
     }
     if editor.is_typing() {
         // Letters belong to the text, and so does what a click elsewhere ends.
-        if ctx.egui_wants_keyboard_input() {
-            gesture::end_typing(editor);
+        if is_in_field(ctx) {
+            typing::end(editor);
         }
         return;
     }
     let hit = |shortcut: &KeyboardShortcut| ctx.input_mut(|input| input.consume_shortcut(shortcut));
-    let in_field = ctx.egui_wants_keyboard_input();
+    let in_field = is_in_field(ctx);
     // The longer ones first: a shortcut also answers to more modifiers than it asks for.
     if hit(&SAVE_AS) {
         editor.dialog = Some(Dialog::path(Purpose::SaveAs, &editor.document));
@@ -99,6 +108,11 @@ pub fn press(editor: &mut Editor, ctx: &Context, commands: &mut Vec<Command>) {
         editor.selection = (0..editor.scene().targets.len()).collect();
     }
     plain_keys(editor, ctx);
+}
+
+/// Whether a widget other than the canvas wants the keys.
+fn is_in_field(ctx: &Context) -> bool {
+    ctx.egui_wants_keyboard_input() && !cursor::has_focus(ctx)
 }
 
 /// What the desktop's keys for copying, cutting and pasting ask for.
@@ -152,9 +166,10 @@ fn plain_keys(editor: &mut Editor, ctx: &Context) {
         }
         editor.selection.clear();
         editor.tool = Tool::Select;
+        editor.put_line_away();
     }
     if pressed(Key::Num0) {
-        editor.view.window = None;
+        editor.fit();
     }
     const DIGITS: [Key; 9] =
         [Key::Num1, Key::Num2, Key::Num3, Key::Num4, Key::Num5, Key::Num6, Key::Num7, Key::Num8, Key::Num9];
@@ -181,7 +196,9 @@ fn plain_keys(editor: &mut Editor, ctx: &Context) {
     if pressed(Key::F1) {
         editor.dialog = Some(Dialog::Help);
     }
-    presses.iter().for_each(|&(key, shift)| nudge(editor, key, shift));
+    if cursor::moves_selection(editor, ctx) {
+        presses.iter().for_each(|&(key, shift)| nudge(editor, key, shift));
+    }
 }
 
 /// A key that is pressed without Ctrl and Alt, and whether Shift was held with it, however short.

@@ -30,6 +30,7 @@ pub fn bar(editor: &mut Editor, shown: &Shown, ui: &mut Ui, commands: &mut Vec<C
                 ("Sheet as PNG…", Export::Sheet),
                 ("Map's numbers as NPY…", Export::Numbers),
                 ("Drive as CSV…", Export::Drive),
+                ("Line profile as CSV…", Export::Profile),
                 ("Motion as GIF or animated PNG…", Export::Motion),
             ] {
                 let moves = motion::moves(editor.scene());

@@ -1,29 +1,41 @@
 //! The window's panels, canvas and tools. They edit an [`Editor`], show a [`Shown`] and return [`Command`]s; files, threads,
 //! solving and the field are somebody else's.
 
+mod array;
 pub mod board;
 pub mod bring_up;
 pub mod brush;
 pub mod canvas;
+mod context;
+mod cursor;
 mod dialog;
+mod dimensions;
 pub mod document;
 mod edit;
 mod element_map;
 mod expression;
 mod gesture;
+mod guides;
 mod handle;
 mod icon;
 pub mod keys;
 pub mod legend;
+mod looking;
+mod map;
 mod marks;
+pub mod measure;
 mod menu;
 pub mod number;
+mod palm;
 mod panels;
-mod section;
+pub mod section;
 mod segments;
 mod status;
 pub mod theme;
+mod ticks;
 pub mod tool;
+mod transform;
+mod typing;
 pub mod view;
 mod view_bar;
 
@@ -32,10 +44,10 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use egui::{CentralPanel, Color32, Frame, Margin, Panel as Side, Ui};
+use glam::{DVec2, DVec3};
 
 use crate::acoustics::{Air, Aperture};
 use crate::drive::Drive;
-use crate::field::contour::Line;
 use crate::field::{self, Quantity};
 use crate::scene::{Focus, Method, Scene, Target};
 use crate::solver::Solution;
@@ -44,13 +56,17 @@ use crate::studio::probe::{self, Reading};
 use board::{BoardCommand, BoardForm, BoardShown};
 use brush::Brush;
 use document::Document;
-use gesture::{Gesture, Typing};
+use gesture::Gesture;
+use guides::Guide;
+use looking::Fitted;
 use tool::Tool;
-use view::{Cut, View, Window};
+use typing::Typing;
+use view::View;
 
 pub use dialog::Dialog;
 pub use dialog::file::{Asking, Entry, Folder, IMPORTED, Purpose};
 pub use dialog::import::Import;
+pub use map::{Map, Texture};
 
 /// Everything that the user edits, and how it is looked at.
 #[derive(Debug)]
@@ -59,6 +75,7 @@ pub struct Editor {
     /// Targets by their place in the scene.
     pub selection: BTreeSet<usize>,
     pub view: View,
+    fitted: Option<Fitted>,
     pub tool: Tool,
     pub panel: Panel,
     pub layout: Layout,
@@ -69,7 +86,12 @@ pub struct Editor {
     /// What was copied last: pixels are not part of the text on the clipboard.
     copied: Vec<Target>,
     gesture: Option<Gesture>,
+    /// What lines up while something is dragged.
+    guides: Vec<Guide>,
     typing: Option<Typing>,
+    /// m, on the cut: where keys draw, and where the menu was asked for.
+    cursor: Option<DVec2>,
+    asked: DVec2,
     pub dialog: Option<Dialog>,
     pub asking: Asking,
     /// What to do once the scene is saved.
@@ -194,6 +216,8 @@ pub enum Export {
     Numbers,
     /// Phase and amplitude per element.
     Drive,
+    /// The values along the line that is shown.
+    Profile,
     /// Every frame of the motion, as maps of what is on the screen.
     Motion,
 }
@@ -218,6 +242,7 @@ pub struct Shown {
     pub round: Option<Arc<Sequence>>,
     pub is_following: bool,
     pub pressed: Option<Pressed>,
+    pub extremes: Option<Extremes>,
     /// Files that were open last, the last one first.
     pub recent: Vec<PathBuf>,
     /// Where a file is asked for.
@@ -258,67 +283,6 @@ pub struct Notice {
     pub is_error: bool,
 }
 
-/// A map on the screen, and where it belongs.
-#[derive(Debug)]
-pub struct Map {
-    pub texture: Texture,
-    pub cut: Cut,
-    pub axes: view::Axes,
-    pub window: Window,
-    /// Points of the screen.
-    pub rect: egui::Rect,
-    pub quantity: Quantity,
-    /// rad, the ωt of an instantaneous pressure.
-    pub phase: f64,
-    /// The largest value, as [`crate::field::Map::peak`] has it.
-    pub largest: f64,
-    /// Relative to it.
-    pub error: f64,
-    pub how: String,
-    pub width: usize,
-    pub height: usize,
-    pub contours: Vec<Line>,
-    /// How many times as deep as it is a shaded dent is drawn.
-    pub exaggeration: Option<f64>,
-    /// Row by row from the smallest y, where they are there and the sound at a point does not tell them.
-    pub numbers: Option<Vec<f32>>,
-}
-
-impl Map {
-    /// The value at a place of the cut.
-    fn number(&self, uv: glam::DVec2) -> Option<f64> {
-        let numbers = self.numbers.as_ref()?;
-        let at = view::Lens { rect: self.rect, window: self.window }.screen(uv) - self.rect.min;
-        let column = at.x / self.rect.width() * self.width as f32;
-        let row = (1.0 - at.y / self.rect.height()) * self.height as f32;
-        let inside = |place: f32, count: usize| (place as usize).min(count.saturating_sub(1));
-        let index = inside(row, self.height) * self.width + inside(column, self.width);
-        numbers.get(index).map(|&value| f64::from(value))
-    }
-}
-
-/// Where the picture of a map lies.
-pub enum Texture {
-    InEgui(egui::TextureHandle),
-    /// On the device that draws the window, under this name.
-    OnGpu(egui::TextureId),
-}
-
-impl Texture {
-    pub fn id(&self) -> egui::TextureId {
-        match self {
-            Self::InEgui(texture) => texture.id(),
-            Self::OnGpu(id) => *id,
-        }
-    }
-}
-
-impl std::fmt::Debug for Texture {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.debug_tuple("Texture").field(&self.id()).finish()
-    }
-}
-
 /// What is played, and what arrives.
 #[derive(Clone, Debug)]
 pub struct Sound {
@@ -338,12 +302,12 @@ impl Sound {
     }
 
     /// The values of a map at points of its plane, in f64; none where these follow from more than the points.
-    fn values(&self, map: &Map, points: &[glam::DVec3]) -> Vec<f64> {
+    fn values(&self, map: &Map, points: &[DVec3]) -> Vec<f64> {
         let axes = [map.axes.x, map.axes.y, map.axes.x.cross(map.axes.y)];
         probe::values((&self.aperture, &self.air), &self.drives, (map.quantity, map.phase), axes, points)
     }
 
-    fn value(&self, map: &Map, point: glam::DVec3) -> Option<f64> {
+    fn value(&self, map: &Map, point: DVec3) -> Option<f64> {
         self.values(map, &[point]).first().copied()
     }
 }
@@ -364,10 +328,18 @@ pub struct Pressed {
     pub beyond: Option<String>,
 }
 
+/// The loudest place on the screen and its peak side lobe: where (m), and |P| (Pa, peak).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Extremes {
+    pub peak: Option<(DVec3, f64)>,
+    pub side_lobe: Option<(DVec3, f64)>,
+}
+
 impl Editor {
     pub fn new(document: Document) -> Self {
         Self {
             view: View::of(&document.scene),
+            fitted: None,
             document,
             selection: BTreeSet::new(),
             tool: Tool::Select,
@@ -378,7 +350,10 @@ impl Editor {
             brush: Brush::default(),
             copied: Vec::new(),
             gesture: None,
+            guides: Vec::new(),
             typing: None,
+            cursor: None,
+            asked: DVec2::ZERO,
             dialog: None,
             asking: Asking::default(),
             after_saving: None,
@@ -393,6 +368,7 @@ impl Editor {
     pub fn replace(&mut self, document: Document) {
         let View { cut, heights, free, window, line, full, .. } = View::of(&document.scene);
         self.view = View { cut, heights, free, window, line, full, ..self.view.clone() };
+        self.fitted = None;
         self.document = document;
         self.forget_places();
         self.playback = Playback::default();

@@ -111,7 +111,7 @@ fn surface(editor: &mut Editor, ui: &mut Ui) {
 fn cuts(editor: &mut Editor, ui: &mut Ui) {
     let choices = Cut::ALL.map(|cut| (cut, cut.name(), cut.tooltip().to_owned()));
     if segments::show(ui, "Plane", &mut editor.view.cut, &choices) {
-        editor.view.window = None;
+        editor.look_at(editor.view.cut);
     }
     height(editor, ui);
     if editor.view.cut == Cut::Free {
@@ -163,14 +163,22 @@ fn free_plane(plane: &mut FreePlane, ui: &mut Ui) {
 fn overlays(editor: &mut Editor, ui: &mut Ui) {
     ui.spacing_mut().item_spacing.x = 2.0;
     let is_flat = !editor.view.is_shaded();
-    let view = &mut editor.view;
     if icon::button(ui, Icon::Fit, "Fit", "Show everything (0, or double click)").clicked() {
-        view.window = None;
+        editor.fit();
     }
+    let view = &mut editor.view;
     ui.add_enabled_ui(is_flat, |ui| {
         let tip = "Focal points and outlines over the map (M)";
         icon::toggle(ui, Icon::Targets, "Show targets", tip, &mut view.marks);
     });
     let tip = "The values along a line across the map; Shift and the pointer move it (X)";
     icon::toggle(ui, Icon::Profile, "Line profile", tip, &mut view.section);
+    ui.menu_button("Overlays", |ui| {
+        ui.checkbox(&mut view.grid, "Grid").on_hover_text("The lines to which the pointer can snap (K)");
+        ui.checkbox(&mut view.guides, "Guides").on_hover_text("What is dragged lines up with other targets");
+        ui.checkbox(&mut view.elements, "Elements").on_hover_text("The array's elements, coloured by phase");
+        ui.checkbox(&mut view.extremes, "Peak and side lobe")
+            .on_hover_text("The loudest place on the map and its peak side lobe");
+        ui.checkbox(&mut view.palm, "Palm").on_hover_text("An adult's hand to scale");
+    });
 }

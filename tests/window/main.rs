@@ -6,6 +6,7 @@
 #[cfg(all(unix, feature = "serial"))]
 mod board;
 mod brush;
+mod canvas;
 mod edits;
 mod files;
 mod gpu;

@@ -35,6 +35,7 @@ impl Purpose {
             Self::Export(Export::Sheet) => "Export the sheet as PNG",
             Self::Export(Export::Numbers) => "Export the map's numbers as NPY",
             Self::Export(Export::Drive) => "Export the drive as CSV",
+            Self::Export(Export::Profile) => "Export the line profile as CSV",
             Self::Export(Export::Motion) => "Export the motion as GIF or animated PNG",
         }
     }
@@ -46,7 +47,7 @@ impl Purpose {
             Self::Import => IMPORTED,
             Self::Export(Export::Map | Export::Sheet) => &["png"],
             Self::Export(Export::Numbers) => &["npy"],
-            Self::Export(Export::Drive) => &["csv"],
+            Self::Export(Export::Drive | Export::Profile) => &["csv"],
             Self::Export(Export::Motion) => &["gif", "png", "apng"],
         }
     }

@@ -228,7 +228,7 @@ fn recovered(scene: &Scene, ui: &mut Ui, commands: &mut Vec<Command>) -> bool {
 fn help(ui: &mut Ui) {
     ui.heading("Keys and tools");
     ui.label(
-        "The map shows the pressure of the sound on a plane. White dots are the focal points: where the array's waves arrive in \
+        "The map shows the pressure of the sound on a plane. White rings are the focal points: where the array's waves arrive in \
          step. Draw shapes, and the array's phases follow at once.",
     );
     ui.add_space(4.0);

@@ -125,12 +125,16 @@ fn bare_count(ui: &mut Ui, value: &mut u32, range: RangeInclusive<u32>) -> Respo
     response
 }
 
-/// A row with a value that is only shown.
+/// A row with a value that is only shown; a click copies it.
 pub fn fact(ui: &mut Ui, (name, tip): (&str, &str), value: impl Into<String>) {
     let label = theme::label(name, ui.visuals());
     ui.label(label).on_hover_text(tip);
     ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
-        ui.add(Label::new(value.into()).truncate()).on_hover_text(tip);
+        let value = value.into();
+        let label = Label::new(&value).truncate().selectable(false).sense(egui::Sense::CLICK);
+        if ui.add(label).on_hover_text(tip).clicked() {
+            ui.ctx().copy_text(value);
+        }
     });
     ui.end_row();
 }
@@ -175,13 +179,18 @@ fn given(
     ui.end_row();
 }
 
+/// What would be written as -0.00 is 0.
+fn without_sign_on_zero(value: f64) -> f64 {
+    if value.abs() < 5e-3 { 0.0 } else { value }
+}
+
 /// Three numbers in mm, z not below `lowest` mm.
 fn coordinates(ui: &mut Ui, name: &str, at: &mut DVec3, lowest: f64) {
     ui.spacing_mut().item_spacing.x = 4.0;
     // Wide enough for most: rows of points stand in columns.
     ui.spacing_mut().interact_size.x = 46.0;
     for (axis, value) in ["x", "y", "z"].into_iter().zip(at.as_mut()) {
-        let mut shown = *value * 1e3;
+        let mut shown = without_sign_on_zero(*value * 1e3);
         let least = if axis == "z" { lowest } else { -2000.0 };
         let name = format!("{name} {axis}");
         let look = Look { unit: "mm", has_suffix: false, decimals: 2, speed: 0.25, name: Some(&name) };

@@ -97,7 +97,7 @@ fn quality(convention: Convention, shown: &Shown, solution: &Solution, ui: &mut 
             certified,
         );
     });
-    for warning in &solution.warnings {
+    for warning in &shown.warnings {
         ui.label(egui::RichText::new(warning).color(theme::warning(ui.visuals())));
     }
 }
