@@ -91,7 +91,7 @@ impl Default for Settings {
             theme: THEMES[0].1.to_owned(),
             panel: Panel::Scene.name().to_owned(),
             panel_width: 352.0,
-            section_height: 170.0,
+            section_height: 210.0,
             section: false,
             marks: true,
             contours: false,

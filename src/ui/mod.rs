@@ -344,7 +344,7 @@ impl Editor {
             selection: BTreeSet::new(),
             tool: Tool::Select,
             panel: Panel::Scene,
-            layout: Layout { panel: 352.0, section: 170.0 },
+            layout: Layout { panel: 352.0, section: 210.0 },
             grid: 0.005,
             snaps: false,
             brush: Brush::default(),
