@@ -1,4 +1,4 @@
-//! What is measured of the map on the screen on a thread beside it: its loudest place and its peak side lobe.
+//! What is measured of the field on the screen on a thread beside it: its loudest place, its peak side lobe and a focus' widths.
 
 use egui::Context;
 use glam::DVec3;
@@ -8,6 +8,8 @@ use crate::app::later::Later;
 use crate::drive::Drive;
 use crate::field::{Evaluator, Quantity, Request, Stages, side_lobe};
 use crate::scene::{Plane, Scene};
+use crate::studio::width::{self, Widths};
+use crate::ui::section;
 use crate::ui::view::Lens;
 use crate::ui::{Editor, Extremes, Shown};
 
@@ -22,27 +24,33 @@ struct Surveyed {
     drives: Vec<Drive>,
     foci: Vec<DVec3>,
     plane: Plane,
+    /// Whether the loudest places are asked for.
+    marks: bool,
+    /// m, of which the widths are.
+    focus: Option<DVec3>,
 }
 
 #[derive(Debug, Default)]
 pub struct Survey {
-    extremes: Later<Surveyed, Extremes>,
+    found: Later<Surveyed, (Option<Extremes>, Option<Widths>)>,
 }
 
 impl Survey {
     pub fn is_running(&self) -> bool {
-        self.extremes.is_running()
+        self.found.is_running()
     }
 
     /// Takes over what has been made and says whether anything was.
     pub fn collect(&mut self) -> bool {
-        self.extremes.collect()
+        self.found.collect()
     }
 
-    /// Has the extremes measured if they are shown and nothing is dragged.
+    /// Has measured what is shown of it, if nothing is dragged.
     pub fn update(&mut self, editor: &Editor, shown: &mut Shown, lens: &Lens, ctx: &Context) {
-        shown.extremes = None;
-        let Some(sound) = shown.sound.as_ref().filter(|_| editor.view.extremes) else { return };
+        (shown.extremes, shown.widths) = (None, None);
+        let marks = editor.view.extremes;
+        let focus = section::focus(editor, shown).filter(|_| editor.view.section);
+        let Some(sound) = shown.sound.as_ref().filter(|_| marks || focus.is_some()) else { return };
         if sound.drive().phases.len() != sound.aperture.positions.len() {
             return;
         }
@@ -53,16 +61,24 @@ impl Survey {
             drives: sound.drives.clone(),
             foci: sound.foci.iter().map(|focus| focus.position).collect(),
             plane,
+            marks,
+            focus,
         };
         if !ctx.input(|input| input.pointer.any_down()) {
-            self.extremes.ask(&surveyed, ctx, measure);
+            self.found.ask(&surveyed, ctx, measure);
         }
-        shown.extremes = self.extremes.get(&surveyed).copied();
+        (shown.extremes, shown.widths) = self.found.get(&surveyed).copied().unwrap_or_default();
     }
 }
 
-fn measure(surveyed: &Surveyed) -> Extremes {
-    let Surveyed { scene, aperture, drives, foci, plane } = surveyed;
+fn measure(surveyed: &Surveyed) -> (Option<Extremes>, Option<Widths>) {
+    let Surveyed { aperture, drives, marks, focus, .. } = surveyed;
+    let widths = focus.filter(|focus| focus.z > 0.0).map(|focus| width::widths(aperture, drives, focus));
+    (marks.then(|| extremes(surveyed)), widths)
+}
+
+fn extremes(surveyed: &Surveyed) -> Extremes {
+    let Surveyed { scene, aperture, drives, foci, plane, .. } = surveyed;
     let mut stages = Stages::new(Evaluator::Cpu);
     let lobe = side_lobe::loudest(&mut stages, aperture, plane, drives, foci).ok();
     Extremes {

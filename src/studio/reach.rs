@@ -15,7 +15,7 @@ use crate::scene::{Scene, Target, outline};
 
 /// Of the pressure that a single focus at the best distance has.
 const WEAK: f64 = 0.1;
-/// Of the pressure that elements without directivity would make.
+/// Of an element's pressure on axis.
 const SIDEWAYS: f64 = 0.5;
 /// Of the pressure at the focus.
 const LOUD_LOBE: f64 = 0.7;
@@ -61,10 +61,10 @@ fn warning(
             distance * 1e3
         ));
     }
-    let part = loud / without_directivity(aperture, at);
+    let part = straightest(aperture, at);
     if part < SIDEWAYS {
         return Some(format!(
-            "{name} is beyond the steering range: the elements radiate {:.0} % of their pressure on axis in its direction",
+            "{name} is beyond the steering range: even the nearest elements radiate only {:.0} % of their pressure on axis towards it",
             100.0 * part
         ));
     }
@@ -82,14 +82,13 @@ fn single_focus(aperture: &Aperture, at: DVec3) -> f64 {
     aperture.transfer(&[at]).row(0).map(|wave| wave.norm()).sum()
 }
 
-/// The same of elements that radiate equally to all sides, Pa.
-fn without_directivity(aperture: &Aperture, at: DVec3) -> f64 {
-    let element = &aperture.element;
-    let amplitude = |&n: &usize| {
-        let r = at.distance(aperture.positions[n].extend(0.0));
-        element.strength / r * (-element.attenuation * r).exp()
+/// The largest directivity of any element towards a point.
+fn straightest(aperture: &Aperture, at: DVec3) -> f64 {
+    let directivity = |&n: &usize| {
+        let offset = at - aperture.positions[n].extend(0.0);
+        aperture.element.directivity(offset.truncate().length() / offset.length()).abs()
     };
-    aperture.driven.iter().map(amplitude).sum()
+    aperture.driven.iter().map(directivity).fold(0.0, f64::max)
 }
 
 /// The most that a single focus in front of the middle of the array has (Pa), and at which distance (m).
@@ -153,6 +152,7 @@ mod tests {
     fn a_target_far_away_or_far_aside_is_named() {
         assert_eq!(said(DVec3::new(0.02, -0.01, 0.1)), Vec::<String>::new());
         assert_eq!(said(DVec3::new(0.0, 0.0, 0.4)), Vec::<String>::new());
+        assert_eq!(said(DVec3::new(0.003, 0.0, 0.07)), Vec::<String>::new(), "near the array is not aside");
         let far = said(DVec3::Z * 5.0);
         assert!(far.len() == 1 && far[0].starts_with("Target 1 is too far away"), "{far:?}");
         let aside = said(DVec3::new(0.4, 0.0, 0.1));

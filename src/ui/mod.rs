@@ -53,6 +53,7 @@ use crate::scene::{Focus, Method, Scene, Target};
 use crate::solver::Solution;
 use crate::solver::frames::Sequence;
 use crate::studio::probe::{self, Reading};
+use crate::studio::width::Widths;
 use board::{BoardCommand, BoardForm, BoardShown};
 use brush::Brush;
 use document::Document;
@@ -243,6 +244,8 @@ pub struct Shown {
     pub is_following: bool,
     pub pressed: Option<Pressed>,
     pub extremes: Option<Extremes>,
+    /// Of the focus that is selected, while the line profile is shown.
+    pub widths: Option<Widths>,
     /// Files that were open last, the last one first.
     pub recent: Vec<PathBuf>,
     /// Where a file is asked for.

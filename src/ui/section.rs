@@ -10,6 +10,7 @@ use crate::field::Quantity;
 use crate::field::quantity::Range;
 use crate::scene::outline;
 use crate::studio::convention::Convention;
+use crate::studio::width::Widths;
 use crate::ui::legend;
 use crate::ui::measure::{self, ProfileLine};
 use crate::ui::ticks;
@@ -174,7 +175,9 @@ pub fn show(editor: &mut Editor, shown: &Shown, ui: &mut Ui) {
     let room = ui.available_rect_before_wrap();
     let min = pos2(map.rect.left(), room.top() + 4.0);
     let max = pos2(map.rect.right(), (room.bottom() - BELOW).max(room.top() + 30.0));
-    let response = ui.allocate_rect(Rect::from_min_max(min, max), Sense::hover());
+    let response = ui.interact(Rect::from_min_max(min, max), egui::Id::unique("line profile"), Sense::hover());
+    // All of it, or else the panel would shrink by what stands below the plot.
+    ui.advance_cursor_after_rect(room);
     response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Canvas, true, "Line profile plot"));
     Plot::new(editor, shown, map, &profile, response.rect).paint(ui, &response);
 }
@@ -221,10 +224,25 @@ fn head(editor: &mut Editor, shown: &Shown, profile: Option<&Profile>, ui: &mut 
             axial(editor, focus);
         }
     }
+    if let Some(widths) = shown.widths.as_ref().and_then(widths) {
+        ui.separator();
+        ui.label("Focus");
+        copied(ui, &widths, "-6 dB widths of the focus across and along the beam, and its -6 dB area across");
+    }
     let button = ui.add_enabled(profile.is_some(), egui::Button::new("CSV…"));
     if button.on_hover_text("Write the places and values along the line to a file").clicked() {
         editor.dialog = Some(Dialog::path(Purpose::Export(Export::Profile), &editor.document));
     }
+}
+
+/// The widths of a focus in words; `None` where it has no lobe of its own.
+fn widths(widths: &Widths) -> Option<String> {
+    let Widths { lateral_x, lateral_y, axial, area } = widths;
+    let lengths = [("x", lateral_x), ("y", lateral_y), ("z", axial)];
+    let lengths = lengths.map(|(name, width)| width.map(|width| format!("{name} {}", measure::mm(width))));
+    let lengths: Vec<_> = lengths.into_iter().flatten().collect();
+    let area = area.map(|area| format!(", {:.0} mm²", area * 1e6)).unwrap_or_default();
+    (!lengths.is_empty()).then(|| format!("{} mm{area}", lengths.join(" x ")))
 }
 
 /// A value that a click copies.

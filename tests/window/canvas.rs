@@ -251,7 +251,8 @@ fn the_read_out_of_a_narrow_map_is_seen_whole() {
     assert!(map.width() < 340.0, "{}", map.width());
     screen.hover_at(map.center());
     rest(&mut screen);
-    let (_, place) = texts(&screen).into_iter().find(|(text, _)| text.starts_with("x ") && text.contains(" z ")).unwrap();
+    let (_, place) =
+        texts(&screen).into_iter().find(|(text, _)| text.starts_with("x ") && text.contains(" z ")).unwrap();
     assert!(map.contains_rect(place), "{place:?} in {map:?}");
 }
 
