@@ -23,6 +23,7 @@ use eframe::egui;
 use crate::field::{Evaluator, Gpu, Work};
 use crate::picture::Picture;
 use crate::scene::Scene;
+use crate::studio::link as link_text;
 use crate::ui::document::Document;
 use crate::ui::{self, Command, Dialog, Editor, Notice, Purpose, Shown, canvas, theme};
 use desktop::{Legacy, TITLE};
@@ -40,6 +41,13 @@ pub use desktop::run;
 fn example(index: usize) -> anyhow::Result<Document> {
     let (name, text) = EXAMPLES.get(index).copied().unwrap_or(EXAMPLES[0]);
     Ok(Document::parse(text.to_owned(), name)?)
+}
+
+/// The scene of a link as a document without a file.
+fn linked(link: &str) -> anyhow::Result<Document> {
+    let mut document = Document::parse(link_text::read(link)?, "linked scene")?;
+    document.was_never_saved();
+    Ok(document)
 }
 
 /// The program's state.
@@ -209,6 +217,20 @@ impl Window {
             Command::Answer(purpose, text) => self.answer(purpose, &text, ctx),
             Command::List(folder) => self.list(folder, ctx),
             Command::Browse(purpose, text) => self.browse(purpose, text, ctx),
+            Command::CopyLink => match link_text::write(self.editor.scene()) {
+                Ok(link) => {
+                    self.tell(&format!("A link of {} letters is on the clipboard", link.len()), false);
+                    ctx.copy_text(link);
+                }
+                Err(error) => self.refuse("The scene does not fit in a link", &error.into()),
+            },
+            Command::OpenLink(link) => match linked(&link) {
+                Ok(document) => {
+                    self.editor.replace(document);
+                    self.tell("Opened the scene of a link", false);
+                }
+                Err(error) => self.refuse("The link cannot be opened", &error),
+            },
             Command::Board(command) => {
                 let Self { board, editor, shown, .. } = self;
                 board.execute(&command, editor, shown, ctx);

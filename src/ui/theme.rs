@@ -11,6 +11,8 @@ use egui::{
 const FONT: &str = "Inter";
 /// What is chosen, drawn or pressed.
 pub const ACCENT: Color32 = Color32::from_rgb(46, 134, 222);
+/// What silences or destroys.
+pub const DANGER: Color32 = Color32::from_rgb(205, 48, 44);
 /// Over the map, on any of its colours.
 pub const MARK: Color32 = Color32::WHITE;
 pub const MARK_EDGE: Color32 = Color32::from_rgba_premultiplied(0, 0, 0, 190);
@@ -73,7 +75,14 @@ fn visuals(theme: Theme) -> Visuals {
     ] {
         widget.corner_radius = CornerRadius::same(5);
     }
+    // What has the keyboard is drawn as active.
+    visuals.widgets.active.bg_stroke = focus_ring();
     visuals
+}
+
+/// Around what has the keyboard.
+pub fn focus_ring() -> Stroke {
+    Stroke::new(2.0, CHOSEN)
 }
 
 /// The colour of a warning that is readable on the panel.
