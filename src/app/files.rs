@@ -16,7 +16,7 @@ use crate::scene::{Scene, check};
 use crate::solver::frames;
 use crate::source;
 use crate::studio::paintings::Placed;
-use crate::studio::{animate, map, output};
+use crate::studio::{animate, link, map, output};
 use crate::ui::document::Document;
 use crate::ui::section::Profile;
 use crate::ui::view::Lens;
@@ -137,6 +137,19 @@ impl Window {
             return self.list(Some(path), ctx);
         }
         self.answered = Some((purpose, text.to_owned()));
+        if purpose == Purpose::Open && link::is_link(text) {
+            match link::read(text) {
+                Ok(_) => {
+                    self.editor.dialog = None;
+                    let mut commands = Vec::new();
+                    self.editor.ask(Command::OpenLink(text.to_owned()), &mut commands);
+                    commands.into_iter().for_each(|command| self.execute(command, ctx));
+                }
+                Err(error) => self.refuse("The link cannot be opened", &error.into()),
+            }
+            self.answered = None;
+            return;
+        }
         let path = purpose.with_ending(path);
         if purpose.reads() {
             // What cannot be read takes nothing away: only then is it asked whether the scene is to be saved.

@@ -25,6 +25,7 @@ use eframe::egui;
 use crate::field::{Evaluator, Gpu, Work};
 use crate::picture::Picture;
 use crate::scene::Scene;
+use crate::studio::link as link_text;
 use crate::ui::document::Document;
 use crate::ui::{self, Command, Dialog, Editor, Notice, Purpose, Shown, canvas, legend, theme};
 use desktop::{Legacy, TITLE};
@@ -46,6 +47,12 @@ fn example(index: usize) -> anyhow::Result<Document> {
 
 /// Layouts of a frame, at most: after the third, what egui asked for in the first and the second is over.
 const PASSES: usize = 3;
+/// The scene of a link as a document without a file.
+fn linked(link: &str) -> anyhow::Result<Document> {
+    let mut document = Document::parse(link_text::read(link)?, "linked scene")?;
+    document.was_never_saved();
+    Ok(document)
+}
 
 /// The program's state.
 #[derive(Debug)]
@@ -215,6 +222,20 @@ impl Window {
             Command::Answer(purpose, text) => self.answer(purpose, &text, ctx),
             Command::List(folder) => self.list(folder, ctx),
             Command::Browse(purpose, text) => self.browse(purpose, text, ctx),
+            Command::CopyLink => match link_text::write(self.editor.scene()) {
+                Ok(link) => {
+                    self.tell(&format!("A link of {} letters is on the clipboard", link.len()), false);
+                    ctx.copy_text(link);
+                }
+                Err(error) => self.refuse("The scene does not fit in a link", &error.into()),
+            },
+            Command::OpenLink(link) => match linked(&link) {
+                Ok(document) => {
+                    self.editor.replace(document);
+                    self.tell("Opened the scene of a link", false);
+                }
+                Err(error) => self.refuse("The link cannot be opened", &error),
+            },
             Command::Board(command) => {
                 let Self { board, editor, shown, .. } = self;
                 board.execute(&command, editor, shown, ctx);

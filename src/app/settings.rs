@@ -15,7 +15,7 @@ use crate::scene::strict::Strict;
 use crate::source;
 use crate::studio::convention::Convention;
 use crate::studio::output;
-use crate::ui::{Editor, Panel};
+use crate::ui::{Editor, Panel, action};
 
 /// s between two files.
 const OFTEN: f64 = 2.0;
@@ -58,6 +58,8 @@ pub struct Settings {
     pub position: Option<[f32; 2]>,
     pub maximized: bool,
     pub theme: String,
+    /// How many times as large as usual everything in the window is.
+    pub scale: f32,
     pub panel: String,
     /// Points of the screen.
     pub panel_width: f32,
@@ -89,6 +91,7 @@ impl Default for Settings {
             position: None,
             maximized: false,
             theme: THEMES[0].1.to_owned(),
+            scale: 1.0,
             panel: Panel::Scene.name().to_owned(),
             panel_width: 352.0,
             section_height: 210.0,
@@ -117,10 +120,11 @@ impl Settings {
         let (view, content) = (&editor.view, ctx.content_rect());
         let pair = |x: f32, y: f32| [x.round(), y.round()];
         Self {
-            size: pair(content.width(), content.height()),
+            size: pair(content.width() * ctx.zoom_factor(), content.height() * ctx.zoom_factor()),
             position: window.outer_rect.map(|rect| pair(rect.min.x, rect.min.y)),
             maximized: window.maximized.unwrap_or(false),
             theme: name(&THEMES, &ctx.options(|options| options.theme_preference)),
+            scale: (ctx.zoom_factor() * 100.0).round() / 100.0,
             panel: editor.panel.name().to_owned(),
             panel_width: editor.layout.panel.round(),
             section_height: editor.layout.section.round(),
@@ -144,6 +148,7 @@ impl Settings {
     /// Makes things as they were.
     pub fn apply(&self, editor: &mut Editor, ctx: &Context) {
         ctx.set_theme(value(&THEMES, &self.theme).unwrap_or(THEMES[0].0));
+        action::scale(ctx, self.scale);
         editor.panel =
             Panel::ALL.into_iter().find(|panel| panel.name() == self.panel).unwrap_or(editor.panel);
         editor.layout.panel = self.panel_width;
@@ -185,6 +190,7 @@ impl Settings {
         ];
         let is_on_a_screen = |place: &[f32; 2]| place.iter().all(|x| (-LARGEST..LARGEST).contains(x));
         self.position = self.position.filter(is_on_a_screen);
+        self.scale = within(self.scale, 0.75, 2.0, own.scale);
         self.panel_width = within(self.panel_width, 100.0, 1000.0, own.panel_width);
         self.section_height = within(self.section_height, 50.0, 1000.0, own.section_height);
         self.grid = if self.grid.is_finite() { self.grid.clamp(1e-4, 0.1) } else { own.grid };

@@ -175,7 +175,8 @@ pub fn show(editor: &mut Editor, shown: &Shown, ui: &mut Ui) {
     let room = ui.available_rect_before_wrap();
     let min = pos2(map.rect.left(), room.top() + 4.0);
     let max = pos2(map.rect.right(), (room.bottom() - BELOW).max(room.top() + 30.0));
-    let response = ui.interact(Rect::from_min_max(min, max), egui::Id::unique("line profile"), Sense::hover());
+    let response =
+        ui.interact(Rect::from_min_max(min, max), egui::Id::unique("line profile"), Sense::hover());
     // All of it, or else the panel would shrink by what stands below the plot.
     ui.advance_cursor_after_rect(room);
     response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Canvas, true, "Line profile plot"));

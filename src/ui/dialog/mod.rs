@@ -2,6 +2,7 @@
 
 pub mod file;
 pub mod import;
+mod palette;
 
 use std::path::{Path, PathBuf};
 
@@ -9,7 +10,8 @@ use egui::{Button, Context, Id, Key, Modal, Modifiers, RichText, ScrollArea, Ui}
 
 use crate::echo;
 use crate::scene::Scene;
-use crate::ui::tool::Tool;
+use crate::ui::action::{Action, Group};
+use crate::ui::board::BoardCommand;
 use crate::ui::{Command, Editor, Shown, keys};
 use file::Purpose;
 use import::Import;
@@ -40,6 +42,13 @@ pub enum Dialog {
     },
     /// A scene that the last run did not save.
     Recovered(Box<Scene>),
+    /// What is about to sound is loud.
+    Loud(BoardCommand),
+    /// Every action, found by its name.
+    Palette {
+        text: String,
+        chosen: usize,
+    },
     /// Where is this drawing to stand?
     Import(Box<Import>),
     Help,
@@ -113,6 +122,10 @@ pub fn show(editor: &mut Editor, shown: &Shown, ctx: &Context, commands: &mut Ve
                 stays = !answer(ui, ("Close", true), |_| ());
             }
             Dialog::Recovered(scene) => stays = recovered(scene, ui, commands),
+            Dialog::Loud(command) => stays = loud(command, editor, ui, commands),
+            Dialog::Palette { text, chosen } => {
+                stays = palette::show((text, chosen), (editor, shown), ui, commands);
+            }
             Dialog::Import(import) => stays = import.show(editor, ui),
             Dialog::Help => {
                 help(ui);
@@ -239,19 +252,48 @@ fn help(ui: &mut Ui) {
     };
     let height = (ui.ctx().content_rect().height() - 180.0).min(540.0);
     ScrollArea::vertical().max_height(height).show(ui, |ui| {
-        ui.horizontal_top(|ui| {
-            egui::Grid::new("tools").striped(true).show(ui, |ui| {
-                for tool in Tool::ALL {
-                    row(ui, tool.key().name(), tool.name());
+        egui::Grid::new("keys").num_columns(2).striped(true).show(ui, |ui| {
+            for group in Group::ALL {
+                for action in Action::all().into_iter().filter(|action| action.group() == group) {
+                    let keys = action.shortcut(ui.ctx());
+                    if !keys.is_empty() {
+                        row(ui, &keys, &action.name());
+                    }
                 }
-            });
-            ui.separator();
-            egui::Grid::new("keys").striped(true).show(ui, |ui| {
-                for (keys, what) in keys::HELP {
-                    row(ui, keys, what);
-                }
-            });
+            }
+            for (keys, what) in keys::HELP {
+                row(ui, keys, what);
+            }
         });
     });
     ui.add_space(8.0);
+}
+
+/// Asks before the first sound of a run: what is asked for waits for the answer.
+pub(super) fn warn_of_loudness(editor: &mut Editor, commands: &mut Vec<Command>) {
+    if editor.was_warned {
+        return;
+    }
+    let sounds = |command: &Command| matches!(command, Command::Board(command) if command.sounds());
+    if let Some(place) = commands.iter().position(sounds)
+        && let Command::Board(command) = commands.remove(place)
+    {
+        editor.dialog = Some(Dialog::Loud(command));
+    }
+}
+
+fn loud(command: &BoardCommand, editor: &mut Editor, ui: &mut Ui, commands: &mut Vec<Command>) -> bool {
+    ui.heading("The array will be loud");
+    ui.label(
+        "Ultrasound of this strength can harm hearing although it is hardly heard. Protect your ears, keep your head out of the beam, \
+         and mind other people and animals in the room. Esc twice stops the board.",
+    );
+    ui.add_space(8.0);
+    let mut stays = true;
+    let sends = answer(ui, ("Sound", true), |ui| stays = !ui.button("Cancel").clicked());
+    if sends {
+        editor.was_warned = true;
+        commands.push(Command::Board(command.clone()));
+    }
+    stays && !sends
 }
