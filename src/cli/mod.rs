@@ -36,7 +36,7 @@ use crate::studio::{opening, output};
 #[derive(Debug, Parser)]
 #[command(name = "sonoglyph", version, args_conflicts_with_subcommands = true, max_term_width = 100)]
 struct Cli {
-    /// Scene file (TOML); assets/scenes holds examples.
+    /// Scene file (TOML; assets/scenes holds examples), or a link `sonoglyph:#…`.
     scene: Option<PathBuf>,
     /// Who draws the window
     #[arg(long, value_enum, default_value_t = Renderer::Auto)]

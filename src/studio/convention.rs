@@ -36,16 +36,6 @@ impl Convention {
         if self == Self::Peak && quantity.declaration().is_root { SQRT_2 } else { 1.0 }
     }
 
-    /// A quantity, with this convention's name where it has one.
-    pub fn of(self, quantity: Quantity) -> String {
-        let declaration = quantity.declaration();
-        if declaration.is_root {
-            format!("{} {}", declaration.title, self.name())
-        } else {
-            declaration.title.to_owned()
-        }
-    }
-
     /// What a peak amplitude is multiplied by.
     pub fn of_peak(self) -> f64 {
         match self {

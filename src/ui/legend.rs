@@ -101,14 +101,14 @@ fn choices(view: &mut View, map: &Map, ui: &mut Ui) {
     let is_amount = view.quantity.is_amount();
     let label = |ui: &mut Ui, text: &str| ui.label(theme::label(text, ui.visuals()));
     if is_amount {
-        label(ui, "Colours");
+        let name = label(ui, "Colours");
         let list =
             ComboBox::from_id_salt("colours").selected_text(colours_name(view.colours)).show_ui(ui, |ui| {
                 for (map, name) in COLOURS {
                     ui.selectable_value(&mut view.colours, map, name);
                 }
             });
-        list.response.accessible_name("Colours");
+        list.response.labelled_by(name.id);
         ui.end_row();
         label(ui, "Scale");
         let decibels = "In decibels, from the largest pressure down to a thousandth of it".to_owned();
@@ -125,15 +125,12 @@ fn choices(view: &mut View, map: &Map, ui: &mut Ui) {
         ui.end_row();
     }
     if view.quantity.declaration().has_mean {
-        label(ui, "Contours");
-        ui.horizontal(|ui| {
-            ui.checkbox(&mut view.contours, "").accessible_name("Contours").on_hover_text(
-                "Lines where the value is so many decibels below the largest on the screen; at -6 dB the pressure is half of it",
-            );
-            let field = DragValue::new(&mut view.contour_level).speed(0.1).range(-60.0..=-0.1);
-            let field = field.max_decimals(1).suffix(" dB");
-            ui.add_enabled(view.contours, field).accessible_name("Level of the contour lines");
-        });
+        ui.checkbox(&mut view.contours, "Contours").on_hover_text(
+            "Lines where the value is so many decibels below the largest in view; at -6 dB the pressure is half of it",
+        );
+        let field = DragValue::new(&mut view.contour_level).speed(0.1).range(-60.0..=-0.1);
+        let field = field.max_decimals(1).suffix(" dB");
+        ui.add_enabled(view.contours, field).accessible_name("Level of the contour lines");
         ui.end_row();
     }
 }
@@ -181,11 +178,16 @@ impl Law {
     }
 
     fn title(self, quantity: Quantity, convention: Convention, full: f64) -> String {
-        let title = convention.of(quantity);
+        let title = quantity.declaration().title;
+        let with_convention = |text: String| match quantity.declaration().is_root {
+            true => format!("{text} {}", convention.name()),
+            false => text,
+        };
         match self {
-            Self::Decibels => format!("{title}\ndB of {}", quantity.with_unit(full)),
+            Self::Decibels => format!("{title}\ndB of {}", with_convention(quantity.with_unit(full))),
             Self::Linear | Self::Signed | Self::Turn => {
-                format!("{title}\n{}", quantity.declaration().unit.scaled(full).1)
+                let unit = quantity.declaration().unit.scaled(full).1;
+                format!("{title}\n{}", with_convention(unit.to_owned()))
             }
         }
     }

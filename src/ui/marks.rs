@@ -1,9 +1,9 @@
 //! What lies over the map: the array, the targets' outlines, the focal points and the gesture under way.
 
-use egui::{Align2, Color32, FontId, Painter, Pos2, Rect, Shape, Stroke, StrokeKind, vec2};
+use egui::{Align2, Color32, FontId, Painter, Pos2, Rect, Shape, Stroke, StrokeKind, Visuals, vec2};
 use glam::{DVec2, DVec3};
 
-use crate::scene::{MotionPath, Sampling, outline};
+use crate::scene::{MotionPath, Sampling, font, outline};
 use crate::ui::gesture::{self, Gesture};
 use crate::ui::measure::{self, ProfileLine};
 use crate::ui::tool::Tool;
@@ -160,7 +160,12 @@ pub fn gesture(editor: &Editor, painter: &Painter, lens: &Lens) {
         let text =
             if typing.text.is_empty() { "Type, then press Enter".to_owned() } else { typing.text.clone() };
         let below = at + vec2(0.0, (0.028 / lens.window.scale) as f32);
-        chip(painter, below, Align2::CENTER_TOP, &format!("{text}|"), 13.0, theme::CHOSEN);
+        let rect = chip(painter, below, Align2::CENTER_TOP, &format!("{text}|"), 13.0, theme::CHOSEN);
+        if !typing.lacking.is_empty() {
+            let words = font::lacks(&typing.lacking);
+            let below = rect.center_bottom() + vec2(0.0, 8.0);
+            chip(painter, below, Align2::CENTER_TOP, &words, 13.0, theme::error(&Visuals::dark()));
+        }
     }
 }
 

@@ -1,5 +1,6 @@
 //! A segmented control: a few choices side by side, of which one is taken.
 
+use crate::ui;
 use egui::{Button, ComboBox, Frame, Margin, TextStyle, TextWrapMode, Ui, WidgetText};
 
 /// One choice: the value, its name, and a sentence about it.
@@ -8,12 +9,15 @@ pub type Segment<'a, T> = (T, &'a str, String);
 /// Points of the screen from one name to the next, and around all of them.
 const BETWEEN: f32 = 17.0;
 const AROUND: f32 = 4.0;
+/// More choices than that are a list in a narrow window.
+const FEW: usize = 2;
 
-/// Shows the choices side by side, or as a list where there is no room for that. Gives out whether another one was taken.
+/// Shows the choices side by side, or as a list where there is no room for it. Gives out whether another one was taken.
 pub fn show<T: Copy + PartialEq>(ui: &mut Ui, name: &str, value: &mut T, choices: &[Segment<'_, T>]) -> bool {
     let before = *value;
     let width = choices.iter().map(|(_, name, _)| text_width(ui, name) + BETWEEN).sum::<f32>() + AROUND;
-    if width > ui.max_rect().width() {
+    let is_long = choices.len() > FEW && ui::is_narrow(ui.ctx());
+    if is_long || width > ui.max_rect().width() {
         let current = choices.iter().find(|(choice, ..)| choice == value).map_or("", |(_, name, _)| name);
         let list = ComboBox::from_id_salt(name).selected_text(current).height(360.0).show_ui(ui, |ui| {
             for (choice, name, tip) in choices {
@@ -23,14 +27,14 @@ pub fn show<T: Copy + PartialEq>(ui: &mut Ui, name: &str, value: &mut T, choices
         list.response.accessible_name(name);
     } else {
         let ground =
-            Frame::new().fill(ui.visuals().extreme_bg_color).corner_radius(6).inner_margin(Margin::same(2));
+            Frame::new().fill(ui.visuals().faint_bg_color).corner_radius(6).inner_margin(Margin::same(2));
         ground.show(ui, |ui| {
             ui.set_max_width(width);
             ui.horizontal(|ui| {
                 ui.spacing_mut().item_spacing.x = 1.0;
                 for (choice, name, tip) in choices {
                     let button = Button::selectable(value == choice, *name).corner_radius(4);
-                    if ui.add(button.frame_when_inactive(false)).on_hover_text(tip).clicked() {
+                    if ui.add(button).on_hover_text(tip).clicked() {
                         *value = *choice;
                     }
                 }

@@ -1,6 +1,6 @@
 //! The line at the bottom: what was just done, how right the map is, and warnings. Details and lists open on a click.
 
-use egui::{Button, Label, Popup, PopupCloseBehavior, RichText, Ui};
+use egui::{Align, Button, Label, Layout, Popup, PopupCloseBehavior, RichText, Ui};
 
 use crate::echo;
 use crate::field::promised;
@@ -51,7 +51,7 @@ fn details(editor: &Editor, shown: &Shown, map: &Map, ui: &mut Ui) {
         });
         if !map.how.is_empty() {
             ui.separator();
-            ui.label(RichText::new(&map.how).small());
+            ui.with_layout(Layout::top_down(Align::Min), |ui| ui.label(RichText::new(&map.how).small()));
         }
     });
 }

@@ -14,7 +14,8 @@ const DIGITS: &str = "Inter tabular digits";
 const SEMIBOLD: &str = "Inter semibold";
 /// What is chosen, drawn or pressed.
 pub const ACCENT: Color32 = Color32::from_rgb(46, 134, 222);
-const DESTRUCTIVE: Color32 = Color32::from_rgb(196, 43, 60);
+/// What silences or destroys.
+pub const DANGER: Color32 = Color32::from_rgb(205, 48, 44);
 /// Over the map, on any of its colours.
 pub const MARK: Color32 = Color32::WHITE;
 pub const MARK_EDGE: Color32 = Color32::from_rgba_premultiplied(0, 0, 0, 190);
@@ -77,7 +78,7 @@ pub fn primary(text: &str) -> Button<'_> {
 
 /// A button that takes something away or stops it.
 pub fn destructive(text: &str) -> Button<'_> {
-    filled(text, DESTRUCTIVE)
+    filled(text, DANGER)
 }
 
 fn filled(text: &str, fill: Color32) -> Button<'_> {
@@ -111,7 +112,14 @@ fn visuals(theme: Theme) -> Visuals {
     ] {
         widget.corner_radius = CornerRadius::same(5);
     }
+    // What has the keyboard is drawn as active.
+    visuals.widgets.active.bg_stroke = focus_ring();
     visuals
+}
+
+/// Around what has the keyboard.
+pub fn focus_ring() -> Stroke {
+    Stroke::new(2.0, CHOSEN)
 }
 
 /// The colour of a warning that is readable on the panel.

@@ -16,13 +16,15 @@ use crate::ui::view::Axes;
 pub struct Typing {
     pub at: DVec2,
     pub text: String,
+    /// Letters that were typed last and that the font lacks.
+    pub lacking: Vec<char>,
     /// Its place in the scene once there is something to write.
     index: Option<usize>,
 }
 
 impl Typing {
     pub fn new(at: DVec2) -> Self {
-        Self { at, text: String::new(), index: None }
+        Self { at, text: String::new(), lacking: Vec::new(), index: None }
     }
 }
 
@@ -34,8 +36,8 @@ pub fn write(editor: &mut Editor, ui: &Ui, axes: &Axes) {
     for event in events {
         match event {
             Event::Text(letters) => {
-                let known = |letter: &char| font::lay_out(&letter.to_string(), 1.0).is_ok();
-                typing.text.extend(letters.chars().filter(known));
+                typing.lacking = font::lacking(&letters);
+                typing.text.extend(letters.chars().filter(|letter| !typing.lacking.contains(letter)));
             }
             Event::Key { key: Key::Backspace, pressed: true, .. } => drop(typing.text.pop()),
             Event::Key { key: Key::Enter | Key::Escape, pressed: true, .. } => is_done = true,
