@@ -111,7 +111,7 @@ pub fn paint(editor: &Editor, shown: &Shown, ui: &Ui, canvas: &Canvas) {
     if let Some(at) = canvas.response.hover_pos() {
         marks::brush(editor, &painter, lens, at);
     }
-    if editor.view.section {
+    if editor.view.section || editor.is_measuring() {
         marks::line(editor, &painter, lens);
     }
     guides::paint(&editor.guides, &painter, lens);

@@ -322,7 +322,6 @@ fn go_on(editor: &mut Editor, axes: &Axes, lens: &Lens, at: Pos2, modifiers: Mod
             }
             if fixed.distance(to) >= measure::SHORTEST {
                 editor.view.line = ProfileLine::Between([*fixed, to]);
-                editor.view.section = true;
             }
         }
         Gesture::Transform { grip, from, before } => {
@@ -433,6 +432,10 @@ fn end(editor: &mut Editor, axes: &Axes, lens: &Lens, response: &Response) {
         if let Some(target) = editor.tool.click(axes, at) {
             put(editor, &mut None, target);
         }
+    }
+    if let (Gesture::Measure { .. }, ProfileLine::Between(_)) = (&gesture, editor.view.line) {
+        // Not before: its panel takes room from the map that the pointer is on.
+        editor.view.section = true;
     }
     if let Gesture::Erase { .. } = gesture {
         brush::clear_away(editor);

@@ -5,6 +5,7 @@ use glam::DVec2;
 
 use crate::scene::{Array, Plane, Scene, outline};
 use crate::ui::Editor;
+use crate::ui::gesture::Gesture;
 use crate::ui::measure::ProfileLine;
 use crate::ui::view::{Cut, Lens, View, Window};
 
@@ -76,6 +77,12 @@ impl Editor {
         let window = self.view.window.unwrap_or_else(|| fitted.window(rect));
         self.fitted = Some(fitted);
         Lens { rect, window }
+    }
+
+    /// Whether a line is being drawn, whose profile is shown once it is.
+    pub(in crate::ui) fn is_measuring(&self) -> bool {
+        let is_free = matches!(self.view.line, ProfileLine::Between(_));
+        is_free && matches!(self.gesture, Some(Gesture::Measure { .. }))
     }
 
     /// Removes a measured line.
