@@ -14,6 +14,7 @@ mod link;
 mod mapping;
 pub mod recovery;
 pub mod settings;
+mod thumbnails;
 mod workshop;
 
 use std::path::{Path, PathBuf};
@@ -33,14 +34,15 @@ use files::{Film, Outcome};
 use link::Board;
 use recovery::Recovery;
 use settings::{Memory, Settings};
+use thumbnails::Thumbnails;
 use workshop::Workshop;
 
 pub use desktop::run;
 
 /// An example scene as a document without a file.
 fn example(index: usize) -> anyhow::Result<Document> {
-    let (name, text) = EXAMPLES.get(index).copied().unwrap_or(EXAMPLES[0]);
-    Ok(Document::parse(text.to_owned(), name)?)
+    let example = EXAMPLES.get(index).unwrap_or(&EXAMPLES[0]);
+    Ok(Document::parse(example.text.to_owned(), example.name)?)
 }
 
 /// The scene of a link as a document without a file.
@@ -67,6 +69,7 @@ pub struct Window {
     answered: Option<(Purpose, String)>,
     memory: Option<Memory>,
     errands: Vec<Errand<Outcome>>,
+    thumbnails: Thumbnails,
     filming: Option<Film>,
     /// Where the editor goes if the device that draws the window is lost.
     legacy: Option<Legacy>,
@@ -93,7 +96,7 @@ impl Window {
         theme::install(ctx);
         let workshop = Workshop::new(evaluator, screen);
         let shown = Shown {
-            examples: EXAMPLES.iter().map(|(name, _)| (*name).to_owned()).collect(),
+            examples: EXAMPLES.iter().map(|example| example.title.to_owned()).collect(),
             evaluator: workshop.mapping.evaluator(),
             board: Board::shown(),
             ..Shown::default()
@@ -110,6 +113,7 @@ impl Window {
             answered: None,
             memory: None,
             errands: Vec::new(),
+            thumbnails: Thumbnails::default(),
             filming: None,
             legacy: None,
         }
@@ -196,6 +200,10 @@ impl Window {
     }
 
     fn execute(&mut self, command: Command, ctx: &egui::Context) {
+        if let Command::Thumbnail(index) = command {
+            // The card asks again until it has its picture: that wakes no frame.
+            return self.thumbnails.want(index, &self.shown, ctx);
+        }
         self.shown.notice = None;
         match command {
             Command::ForgetRecent => self.shown.recent.clear(),
@@ -205,6 +213,7 @@ impl Window {
                 Err(error) => self.refuse("The example cannot be opened", &error),
             },
             Command::Open(path) => self.open(&path),
+            Command::Thumbnail(_) => {}
             Command::Save => match self.editor.document.path().map(Path::to_owned) {
                 Some(path) => self.save(&path, ctx),
                 None => self.editor.dialog = Some(Dialog::path(Purpose::SaveAs, &self.editor.document)),
@@ -378,6 +387,7 @@ impl Window {
         self.escape_lost_screen(&ctx);
         self.hear_outside(&ctx, &mut commands);
         self.collect(&mut commands);
+        self.thumbnails.collect(&mut self.shown, &ctx);
         commands.into_iter().for_each(|command| self.execute(command, &ctx));
         let is_held = ctx.input(|input| input.pointer.any_down());
         if !is_held && !self.editor.is_in_gesture() && !ctx.text_edit_focused() {
