@@ -8,6 +8,7 @@ use eframe::egui::Context;
 
 use crate::acoustics::Aperture;
 use crate::app::errand::{Errand, State};
+use crate::device;
 use crate::device::calibration::Calibration;
 use crate::device::levels::Levels;
 use crate::device::link::{Content, Event, Link, Settings};
@@ -41,6 +42,28 @@ pub struct Board {
     awaits_round: bool,
     compared: Option<(Arc<Solution>, Profile)>,
     survey: Option<Errand<Surveyed>>,
+    /// A virtual board of our own; it outlives the link to it.
+    twin: Option<Twin>,
+}
+
+#[cfg(unix)]
+type Twin = device::board::Board;
+/// There are no pseudo-terminals.
+#[cfg(not(unix))]
+type Twin = std::convert::Infallible;
+
+/// A virtual board and its port.
+#[cfg(unix)]
+fn twin(profile: Profile) -> Result<(Twin, String), String> {
+    let setup = device::board::Setup::new(profile);
+    let twin = Twin::start(setup, Box::new(|_| {})).map_err(|error| error.to_string())?;
+    let port = twin.path().display().to_string();
+    Ok((twin, port))
+}
+
+#[cfg(not(unix))]
+fn twin(_: Profile) -> Result<(Twin, String), String> {
+    Err("Virtual boards need pseudo-terminals, which this system has not".to_owned())
 }
 
 impl Board {
@@ -57,7 +80,11 @@ impl Board {
             BoardCommand::Disconnect => {
                 *locked(&self.link) = None;
                 (shown.board.health, shown.board.found, shown.board.plays) = (None, None, Plays::Nothing);
+                if self.twin.take().is_some() {
+                    editor.board.port.clear();
+                }
             }
+            BoardCommand::TryWithout => self.try_without(editor, shown, ctx),
             BoardCommand::Send => (self.drives, shown.board.plays) = (None, Plays::Scene),
             BoardCommand::PlayMotion => (self.awaits_round, shown.board.plays) = (true, Plays::Motion),
             BoardCommand::Stop => {
@@ -165,6 +192,18 @@ impl Board {
                 (self.calibration, self.drives, self.modulation) = (calibration, None, None);
             }
             Err(error) => shown.notice = Some(Notice { text: error, is_error: true }),
+        }
+    }
+
+    /// Connects to a virtual board in this program.
+    fn try_without(&mut self, editor: &mut Editor, shown: &mut Shown, ctx: &Context) {
+        match twin(editor.board.profile) {
+            Ok((twin, port)) => {
+                editor.board.port = port;
+                self.connect(editor, shown, ctx);
+                self.twin = Some(twin);
+            }
+            Err(error) => refuse(shown, error),
         }
     }
 

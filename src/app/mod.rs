@@ -15,6 +15,7 @@ mod mapping;
 pub mod recovery;
 pub mod settings;
 mod survey;
+mod thumbnails;
 mod workshop;
 
 use std::num::NonZeroUsize;
@@ -35,14 +36,15 @@ use files::{Film, Outcome};
 use link::Board;
 use recovery::Recovery;
 use settings::{Memory, Settings};
+use thumbnails::Thumbnails;
 use workshop::Workshop;
 
 pub use desktop::run;
 
 /// An example scene as a document without a file.
 fn example(index: usize) -> anyhow::Result<Document> {
-    let (name, text) = EXAMPLES.get(index).copied().unwrap_or(EXAMPLES[0]);
-    Ok(Document::parse(text.to_owned(), name)?)
+    let example = EXAMPLES.get(index).unwrap_or(&EXAMPLES[0]);
+    Ok(Document::parse(example.text.to_owned(), example.name)?)
 }
 
 /// Layouts of a frame, at most: after the third, what egui asked for in the first and the second is over.
@@ -71,6 +73,7 @@ pub struct Window {
     answered: Option<(Purpose, String)>,
     memory: Option<Memory>,
     errands: Vec<Errand<Outcome>>,
+    thumbnails: Thumbnails,
     filming: Option<Film>,
     /// Where the editor goes if the device that draws the window is lost.
     legacy: Option<Legacy>,
@@ -98,7 +101,7 @@ impl Window {
         ctx.options_mut(|options| options.max_passes = NonZeroUsize::MIN.saturating_add(PASSES - 1));
         let workshop = Workshop::new(evaluator, screen);
         let shown = Shown {
-            examples: EXAMPLES.iter().map(|(name, _)| (*name).to_owned()).collect(),
+            examples: EXAMPLES.iter().map(|example| example.title.to_owned()).collect(),
             evaluator: workshop.mapping.evaluator(),
             board: Board::shown(),
             ..Shown::default()
@@ -115,6 +118,7 @@ impl Window {
             answered: None,
             memory: None,
             errands: Vec::new(),
+            thumbnails: Thumbnails::default(),
             filming: None,
             legacy: None,
         }
@@ -201,6 +205,10 @@ impl Window {
     }
 
     fn execute(&mut self, command: Command, ctx: &egui::Context) {
+        if let Command::Thumbnail(index) = command {
+            // The card asks again until it has its picture: that wakes no frame.
+            return self.thumbnails.want(index, &self.shown, ctx);
+        }
         self.shown.notice = None;
         match command {
             Command::ForgetRecent => self.shown.recent.clear(),
@@ -210,6 +218,7 @@ impl Window {
                 Err(error) => self.refuse("The example cannot be opened", &error),
             },
             Command::Open(path) => self.open(&path),
+            Command::Thumbnail(_) => {}
             Command::Save => match self.editor.document.path().map(Path::to_owned) {
                 Some(path) => self.save(&path, ctx),
                 None => self.editor.dialog = Some(Dialog::path(Purpose::SaveAs, &self.editor.document)),
@@ -398,6 +407,7 @@ impl Window {
         self.escape_lost_screen(&ctx);
         self.hear_outside(&ctx, &mut commands);
         self.collect(&mut commands);
+        self.thumbnails.collect(&mut self.shown, &ctx);
         commands.into_iter().for_each(|command| self.execute(command, &ctx));
         let is_held = ctx.input(|input| input.pointer.any_down());
         if !is_held && !self.editor.is_in_gesture() && !ctx.text_edit_focused() {

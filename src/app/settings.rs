@@ -60,6 +60,8 @@ pub struct Settings {
     pub theme: String,
     /// How many times as large as usual everything in the window is.
     pub scale: f32,
+    /// The hints of the first start were not put away yet.
+    pub hints: bool,
     pub panel: String,
     /// Points of the screen.
     pub panel_width: f32,
@@ -92,6 +94,7 @@ impl Default for Settings {
             maximized: false,
             theme: THEMES[0].1.to_owned(),
             scale: 1.0,
+            hints: true,
             panel: Panel::Scene.name().to_owned(),
             panel_width: 352.0,
             section_height: 210.0,
@@ -124,6 +127,7 @@ impl Settings {
             position: window.outer_rect.map(|rect| pair(rect.min.x, rect.min.y)),
             maximized: window.maximized.unwrap_or(false),
             theme: name(&THEMES, &ctx.options(|options| options.theme_preference)),
+            hints: editor.hints,
             scale: (ctx.zoom_factor() * 100.0).round() / 100.0,
             panel: editor.panel.name().to_owned(),
             panel_width: editor.layout.panel.round(),
@@ -149,6 +153,7 @@ impl Settings {
     pub fn apply(&self, editor: &mut Editor, ctx: &Context) {
         ctx.set_theme(value(&THEMES, &self.theme).unwrap_or(THEMES[0].0));
         action::scale(ctx, self.scale);
+        editor.hints = self.hints;
         editor.panel =
             Panel::ALL.into_iter().find(|panel| panel.name() == self.panel).unwrap_or(editor.panel);
         editor.layout.panel = self.panel_width;

@@ -54,6 +54,8 @@ pub enum BoardCommand {
     ListPorts,
     Connect,
     Disconnect,
+    /// Starts a virtual board of the chosen kind and connects to it.
+    TryWithout,
     /// The scene at rest, once.
     Send,
     /// All frames of the motion, over and over.
@@ -81,6 +83,7 @@ impl BoardCommand {
             Self::ListPorts
             | Self::Connect
             | Self::Disconnect
+            | Self::TryWithout
             | Self::Stop
             | Self::TakeCarrier
             | Self::Survey

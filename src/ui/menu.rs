@@ -14,6 +14,8 @@ use crate::ui::{Command, Editor, Shown, theme};
 /// Points of the screen: a tool with the gap below it.
 const TOOL: f32 = 32.0;
 const GAP: f32 = 4.0;
+/// All is well and nothing sounds.
+const SILENT: Color32 = Color32::from_rgb(70, 190, 110);
 
 pub fn bar(editor: &mut Editor, shown: &Shown, ui: &mut Ui, commands: &mut Vec<Command>) {
     MenuBar::new().ui(ui, |ui| {
@@ -60,14 +62,12 @@ fn state(editor: &mut Editor, shown: &Shown, ui: &mut Ui, commands: &mut Vec<Com
         Action::ShowPanel(crate::ui::Panel::Device).run(editor, shown, ui.ctx(), commands);
         editor.layout.is_folded = false;
     }
-    let is_unsaved = editor.document.is_unsaved();
-    let tip = if is_unsaved { "Changes that no file holds (Ctrl S)" } else { "Everything is saved" };
-    if ui
-        .add_enabled(is_unsaved, Button::new("Save"))
-        .on_hover_text(tip)
-        .on_disabled_hover_text(tip)
-        .clicked()
-    {
+    let (colour, name, tip) = if editor.document.is_unsaved() {
+        (theme::warning(ui.visuals()), "Unsaved", "Changes that no file holds: click to save (Ctrl S)")
+    } else {
+        (SILENT, "Saved", "Everything is saved")
+    };
+    if ui.add(dotted(colour, name)).on_hover_text(tip).clicked() && editor.document.is_unsaved() {
         commands.push(Command::Save);
     }
 }
@@ -84,7 +84,7 @@ fn board(shown: &Shown, ui: &Ui) -> (Color32, String) {
         Some(State::Connecting) => (theme::warning(ui.visuals()), "Looking for the board".to_owned()),
         Some(State::Lost(why)) => (theme::error(ui.visuals()), format!("The board is lost: {why}")),
         Some(State::Ready) if board.plays == Plays::Nothing => {
-            (Color32::from_rgb(70, 190, 110), "The board is connected and silent".to_owned())
+            (SILENT, "The board is connected and silent".to_owned())
         }
         Some(State::Ready) => (theme::ACCENT, "The board sounds".to_owned()),
     }

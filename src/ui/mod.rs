@@ -15,6 +15,7 @@ pub mod document;
 mod edit;
 mod element_map;
 mod expression;
+pub mod gallery;
 mod gesture;
 mod guides;
 mod handle;
@@ -40,7 +41,7 @@ mod typing;
 pub mod view;
 mod view_bar;
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::PathBuf;
 use std::sync::Arc;
 
@@ -96,6 +97,8 @@ pub struct Editor {
     asked: DVec2,
     pub dialog: Option<Dialog>,
     pub asking: Asking,
+    /// The hints of the first start are to be seen.
+    pub hints: bool,
     /// s on the window's clock: the last Escape while a board sounds.
     escaped: Option<f64>,
     /// The user was told in this run how loud a board is.
@@ -195,6 +198,8 @@ pub enum Command {
     Open(PathBuf),
     /// By its place in the list.
     Example(usize),
+    /// Makes the picture of an example, by its place in the list.
+    Thumbnail(usize),
     Save,
     SaveAs(PathBuf),
     /// Saves over what another program has written there meanwhile.
@@ -276,8 +281,10 @@ pub struct Shown {
     pub recent: Vec<PathBuf>,
     /// Where a file is asked for.
     pub folder: Option<Folder>,
-    /// Names of the example scenes.
+    /// Titles of the example scenes.
     pub examples: Vec<String>,
+    /// Pictures of those that were seen, by their place in the list.
+    pub thumbnails: BTreeMap<usize, Texture>,
     /// Who computes the field.
     pub evaluator: String,
     /// ms
@@ -391,6 +398,7 @@ impl Editor {
             asked: DVec2::ZERO,
             dialog: None,
             asking: Asking::default(),
+            hints: false,
             escaped: None,
             was_warned: false,
             after_saving: None,
@@ -474,7 +482,8 @@ pub fn show(
     } else {
         around(editor, shown, clear, ui, &mut commands);
     }
-    CentralPanel::default().frame(Frame::NONE).show(ui, |ui| canvas(editor, shown, ui));
+    let centre = CentralPanel::default().frame(Frame::NONE).show(ui, |ui| canvas(editor, shown, ui));
+    gallery::show(centre.response.rect, editor, shown, ui, &mut commands);
     dialog::show(editor, shown, ui.ctx(), &mut commands);
     if editor.view.quantity != quantity {
         // A range of pascals is none of metres.

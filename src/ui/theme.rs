@@ -36,6 +36,8 @@ pub fn install(ctx: &Context) {
     }
     fonts.families.insert(semibold(), vec![SEMIBOLD.to_owned(), FONT.to_owned()]);
     ctx.set_fonts(fonts);
+    // Larger and smaller are actions like others, with bounds.
+    ctx.options_mut(|options| options.zoom_with_keyboard = false);
     ctx.all_styles_mut(|style| {
         let font = |size| FontId::new(size, FontFamily::Proportional);
         style.text_styles = [

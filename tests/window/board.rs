@@ -46,6 +46,7 @@ fn connected(profile: Profile) -> (Screen, Board, Receiver<Shown>) {
     let editor = screen.state_mut().editor_mut();
     editor.replace(Document::new(scene, "point"));
     editor.panel = Panel::Device;
+    editor.was_warned = true;
     editor.board.profile = profile;
     editor.board.port = board.path().display().to_string();
     screen.run_steps(4);

@@ -158,3 +158,96 @@ fn letters_that_the_font_lacks_are_named_while_they_are_typed() {
     letters(&mut screen, "T");
     assert!(screen.query_by_label("the stroke font has no “ß”").is_none());
 }
+
+#[test]
+fn every_command_is_found_by_its_name_and_the_help_names_its_keys() {
+    let mut screen = open();
+    press(&mut screen, Modifiers::COMMAND, Key::P);
+    screen.event(Event::Text("all sel".to_owned()));
+    rest(&mut screen);
+    key(&mut screen, Key::Enter);
+    assert_eq!(screen.state().editor().dialog, None);
+    assert_eq!(screen.state().editor().selection.len(), scene(&screen).targets.len());
+    press(&mut screen, Modifiers::COMMAND, Key::P);
+    screen.event(Event::Text("viridis nonsense".to_owned()));
+    rest(&mut screen);
+    assert!(screen.query_by_label("No command has such a name").is_some());
+    key(&mut screen, Key::Escape);
+    assert_eq!(screen.state().editor().dialog, None);
+    key(&mut screen, Key::F1);
+    assert!(screen.query_by_label("Ctrl+Shift+S").is_some());
+    key(&mut screen, Key::Enter);
+    assert_eq!(screen.state().editor().dialog, None, "Enter closes a message");
+}
+
+#[test]
+fn everything_is_within_reach_in_a_small_window_and_at_twice_the_scale() {
+    for (size, scale) in [(vec2(640.0, 480.0), 1.0), (vec2(1280.0, 800.0), 2.0)] {
+        let mut screen = open();
+        screen.set_size(size);
+        while screen.ctx.zoom_factor() < scale {
+            press(&mut screen, Modifiers::COMMAND, Key::Plus);
+        }
+        rest(&mut screen);
+        let window = Rect::from_min_size(Pos2::ZERO, size / scale);
+        let map = lens(&screen).rect;
+        assert!(map.width() >= 300.0 && map.height() >= 180.0, "{map:?} of {window:?}");
+        for tool in Tool::ALL {
+            let rect = screen.get_by_role_and_label(Role::RadioButton, tool.name()).rect();
+            assert!(window.contains_rect(rect), "{tool:?}: {rect:?}");
+        }
+        assert!(screen.query_by_label("Targets").is_none());
+        key(&mut screen, Key::F9);
+        let panel = screen.get_by_label("Device").rect();
+        assert!(window.contains_rect(panel), "{panel:?}");
+        assert_eq!(lens(&screen).rect, map, "the panel lies over the map");
+        screen.get_by_label("Solver").click();
+        rest(&mut screen);
+        screen.get_by_label("Panel").click();
+        rest(&mut screen);
+        assert!(screen.query_by_label("Solver").is_none());
+    }
+}
+
+#[test]
+fn a_long_text_leaves_the_panel_as_wide_as_it_is() {
+    let mut screen = open();
+    let before = screen.state().editor().layout.panel;
+    let text = "M".repeat(300);
+    let target = Target::new(Shape::Text { text, at: DVec3::new(0.0, 0.0, 0.1), height: 0.01 });
+    screen.state_mut().editor_mut().document.scene.targets = vec![target];
+    screen.state_mut().editor_mut().selection = [0].into();
+    rest(&mut screen);
+    assert_eq!(screen.state().editor().layout.panel, before);
+    let window = Rect::from_min_size(Pos2::ZERO, vec2(1280.0, 800.0));
+    assert!(window.contains_rect(screen.get_by_label("Device").rect()));
+}
+
+#[test]
+fn presenting_shows_the_map_alone_and_escape_ends_it() {
+    let mut screen = open();
+    let before = lens(&screen).rect;
+    key(&mut screen, Key::F11);
+    assert!(screen.query_by_label("File").is_none());
+    assert!(lens(&screen).rect.area() > 1.2 * before.area());
+    key(&mut screen, Key::Escape);
+    assert_eq!(lens(&screen).rect, before);
+}
+
+#[test]
+fn a_scene_goes_through_a_link() {
+    let mut screen = open();
+    let shared = scene(&screen).clone();
+    let link = sonoglyph::studio::link::write(&shared).unwrap();
+    clear(&mut screen);
+    screen.event(Event::Paste(link.clone()));
+    rest(&mut screen);
+    assert!(matches!(screen.state().editor().dialog, Some(Dialog::Unsaved(Command::OpenLink(_)))));
+    screen.get_by_label("Don't save").click();
+    rest(&mut screen);
+    assert_eq!(*scene(&screen), shared);
+    assert!(screen.state().editor().document.is_unsaved());
+    type_path(&mut screen, Modifiers::COMMAND, Key::O, &link[..link.len() - 9]);
+    key(&mut screen, Key::Enter);
+    assert!(screen.query_by_label_contains("not a whole Sonoglyph link").is_some());
+}

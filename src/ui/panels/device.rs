@@ -91,6 +91,10 @@ fn connection(editor: &mut Editor, board: &BoardShown, ui: &mut Ui, ask: &mut im
             if button.clicked() {
                 ask(BoardCommand::Connect);
             }
+            let tip = "Starts a virtual board of this kind in the program and connects to it";
+            if ui.button("Try without a board").on_hover_text(tip).clicked() {
+                ask(BoardCommand::TryWithout);
+            }
         }
         state(board, profile, ui);
     });
@@ -165,10 +169,6 @@ fn sending(
         let tip = "All frames, over and over; a native board keeps them and plays them by itself";
         if button(ui, "Play motion", tip, obstacle.or(rests).as_deref()) {
             ask(BoardCommand::PlayMotion);
-        }
-        let stop = ui.add_enabled(board.plays != Plays::Nothing, egui::Button::new("Stop"));
-        if stop.on_hover_text("Silence").clicked() {
-            ask(BoardCommand::Stop);
         }
     });
     ui.checkbox(&mut editor.board.live, "Live").on_hover_text(

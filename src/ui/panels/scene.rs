@@ -87,7 +87,7 @@ fn row(editor: &mut Editor, index: usize, several: bool, ui: &mut Ui) -> Option<
         let text = if *visible { RichText::new(name) } else { RichText::new(name).weak() };
         // The rest of the row, so that the name stands at its left.
         let row = (text, egui::Atom::grow());
-        let button = egui::Button::selectable(chosen, row).sense(Sense::click_and_drag());
+        let button = egui::Button::selectable(chosen, row).sense(Sense::click_and_drag()).truncate();
         ui.add(button.min_size(egui::vec2(ui.available_width(), 0.0)))
     });
     let response = row.inner.on_hover_text("Drag it to another place in the list");
@@ -98,6 +98,7 @@ fn row(editor: &mut Editor, index: usize, several: bool, ui: &mut Ui) -> Option<
             (true, false) => drop(editor.selection.insert(index)),
         }
     }
+    walk(index, editor.scene().targets.len(), &response, ui);
     response.dnd_set_drag_payload(Dragged(index));
     let rect = response.rect;
     let is_below = ui.ctx().pointer_interact_pos().is_some_and(|at| at.y > rect.center().y);
@@ -107,6 +108,28 @@ fn row(editor: &mut Editor, index: usize, several: bool, ui: &mut Ui) -> Option<
     }
     let dropped = response.dnd_release_payload::<Dragged>()?;
     Some((dropped.0, index + usize::from(is_below)))
+}
+
+/// Arrow keys go from row to row.
+fn walk(index: usize, count: usize, response: &egui::Response, ui: &Ui) {
+    let next = egui::Id::unique("row that gets the keyboard");
+    if ui.data(|data| data.get_temp(next)) == Some(index) {
+        ui.data_mut(|data| data.remove::<usize>(next));
+        response.request_focus();
+        response.scroll_to_me(None);
+    }
+    if !response.has_focus() {
+        return;
+    }
+    let filter = egui::EventFilter { vertical_arrows: true, ..Default::default() };
+    ui.memory_mut(|memory| memory.set_focus_lock_filter(response.id, filter));
+    let (up, down) =
+        ui.input(|input| (input.key_pressed(egui::Key::ArrowUp), input.key_pressed(egui::Key::ArrowDown)));
+    let to = if up { index.checked_sub(1) } else { Some(index + 1).filter(|&to| down && to < count) };
+    if let Some(to) = to {
+        ui.data_mut(|data| data.insert_temp(next, to));
+        ui.ctx().request_repaint();
+    }
 }
 
 /// The place of a target that is dragged through the list.
