@@ -18,8 +18,9 @@ use crate::solver::frames::{self, Sequence};
 use crate::solver::{self, Problem, Solution};
 use crate::studio::liquid;
 use crate::studio::probe::{self, Reading};
+use crate::ui::board::Plays;
 use crate::ui::view::Lens;
-use crate::ui::{Editor, MethodRow, Panel, Pressed, Shown, Sound};
+use crate::ui::{Editor, MethodRow, Panel, Playback, Pressed, Shown, Sound};
 
 /// Foci times elements that are solved between two frames; more is solved beside them.
 const AT_ONCE: usize = 120 * 256;
@@ -75,6 +76,8 @@ pub struct Workshop {
     /// What makes it, with what it keeps from one time to the next.
     presser: Arc<Mutex<Stages>>,
     motion: Clock,
+    /// When the board began to play the motion (s on the window's clock), and how the playback stood.
+    board: Option<(f64, Playback)>,
     oscillation: Clock,
 }
 
@@ -91,6 +94,7 @@ impl Workshop {
             pressed: Later::default(),
             presser: Arc::new(Mutex::new(Stages::new(Evaluator::Cpu))),
             motion: Clock::default(),
+            board: None,
             oscillation: Clock::default(),
         }
     }
@@ -283,14 +287,53 @@ impl Workshop {
         if let Some(frame) = &mut playback.frame {
             *frame = (*frame).min(count.saturating_sub(1));
         }
+        let on_board = self.on_board(playback, shown, count, ctx);
         let passed = self.motion.passed(playback.playing, ctx);
         if !playback.playing {
             return;
         }
         ctx.request_repaint();
         let (Some(passed), Some(_)) = (passed, &shown.round) else { return };
-        playback.part = (playback.part + passed * rate / playback.slowness.max(1.0)).rem_euclid(1.0);
+        let rate = on_board.map_or(rate, |(rate, _)| rate);
+        let done = playback.part + passed * rate / playback.slowness.max(1.0);
+        playback.part = match on_board {
+            Some((rate, since)) if playback.slowness <= 1.0 => (since * rate).rem_euclid(1.0),
+            Some(_) | None if done >= 1.0 && !playback.loops => {
+                playback.playing = false;
+                (count.saturating_sub(1)) as f64 / count.max(1) as f64
+            }
+            Some(_) | None => done.rem_euclid(1.0),
+        };
         playback.frame = Some(((playback.part * count as f64) as usize).min(count.saturating_sub(1)));
+    }
+
+    /// Cycles per second of the motion that the board plays, and s since it began. The playback begins with it, in real time, and
+    /// ends with it.
+    fn on_board(
+        &mut self,
+        playback: &mut Playback,
+        shown: &Shown,
+        count: usize,
+        ctx: &Context,
+    ) -> Option<(f64, f64)> {
+        let health = shown.board.health.as_ref().filter(|health| health.in_place);
+        let rates = health.filter(|_| shown.board.plays == Plays::Motion).and_then(|health| health.rates);
+        let Some(rates) = rates else {
+            if let Some((_, before)) = self.board.take() {
+                *playback = before;
+            }
+            return None;
+        };
+        let now = ctx.input(|input| input.time);
+        let since = match &self.board {
+            Some((since, _)) => *since,
+            None => {
+                self.board = Some((now, Playback { frame: None, playing: false, ..*playback }));
+                *playback = Playback { frame: Some(0), playing: true, slowness: 1.0, part: 0.0, loops: true };
+                now
+            }
+        };
+        Some((rates.played / count.max(1) as f64, now - since))
     }
 
     /// Moves the wave on, slowed down, while it is looked at.

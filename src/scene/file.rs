@@ -6,6 +6,7 @@ use serde::de::Error;
 use serde::{Deserialize, Deserializer, Serialize};
 
 use crate::scene::check::{Key, KeyError, check};
+use crate::scene::inline;
 use crate::scene::location::misread;
 pub use crate::scene::location::{FileError, located};
 use crate::scene::motion::MotionTable;
@@ -60,7 +61,7 @@ pub fn from_tables<'de, D: Deserializer<'de>>(tables: D) -> Result<Scene, D::Err
 
 /// The scene as a file.
 pub fn write(scene: &Scene) -> String {
-    toml::to_string(scene).expect("a scene is tables of plain values")
+    inline::keyframes(toml::to_string(scene).expect("a scene is tables of plain values"))
 }
 
 /// Targets alone as a text that [`parse_targets`] reads again.

@@ -12,6 +12,7 @@ use crate::ui::edit;
 use crate::ui::handle;
 use crate::ui::tool::{self, Tool};
 use crate::ui::view::{Axes, Lens};
+use crate::ui::way;
 
 /// Points of the screen within which an outline is meant.
 const REACH: f64 = 9.0;
@@ -36,6 +37,8 @@ pub enum Gesture {
         handle: usize,
         before: Target,
     },
+    /// The path of a motion.
+    Way(way::Pull),
     Band {
         from: DVec2,
         /// Selected before, and kept.
@@ -129,7 +132,12 @@ fn look_around(editor: &mut Editor, ui: &Ui, response: &Response, lens: &Lens) {
         editor.view.window = Some(lens.moved(response.drag_delta()));
     }
     if response.double_clicked_by(PointerButton::Primary) && editor.tool == Tool::Select {
-        editor.view.window = None;
+        let axes = editor.view.axes(editor.scene());
+        let on_way =
+            response.interact_pointer_pos().is_some_and(|at| way::add_vertex(editor, &axes, lens, at));
+        if !on_way {
+            editor.view.window = None;
+        }
     }
 }
 
@@ -170,6 +178,9 @@ fn begin(editor: &mut Editor, axes: &Axes, lens: &Lens, at: Pos2, modifiers: Mod
 /// Selects what is under the pointer and takes hold of it, or begins a rubber band.
 fn grab(editor: &mut Editor, axes: &Axes, lens: &Lens, at: Pos2, modifiers: Modifiers) -> Gesture {
     let from = lens.flat(at);
+    if let Some(pull) = way::take(editor, axes, lens, at) {
+        return Gesture::Way(pull);
+    }
     if let Some(pull) = pull(editor, axes, lens, at) {
         return pull;
     }
@@ -213,6 +224,7 @@ fn go_on(editor: &mut Editor, axes: &Axes, lens: &Lens, at: Pos2, modifiers: Mod
                 }
             }
         }
+        Gesture::Way(pull) => way::pull(editor, axes, lens, place(editor, lens, at), pull),
         Gesture::Move { from, before } => follow(editor, axes, lens, at, (*from, before)),
         Gesture::Band { from, kept } => {
             let inside = edit::targets_in(editor.scene(), axes, *from, lens.flat(at));

@@ -11,6 +11,7 @@ use crate::ui::brush;
 use crate::ui::edit;
 use crate::ui::gesture;
 use crate::ui::tool::Tool;
+use crate::ui::way;
 use crate::ui::{Command, Dialog, Editor, Purpose};
 
 pub const NEW: KeyboardShortcut = KeyboardShortcut::new(Modifiers::COMMAND, Key::N);
@@ -143,7 +144,7 @@ fn plain_keys(editor: &mut Editor, ctx: &Context) {
             editor.tool = tool;
         }
     }
-    if pressed(Key::Delete) || pressed(Key::Backspace) {
+    if (pressed(Key::Delete) || pressed(Key::Backspace)) && !way::delete(editor) {
         delete(editor);
     }
     if pressed(Key::Escape) {

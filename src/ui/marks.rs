@@ -4,7 +4,7 @@ use egui::{Align2, Color32, FontId, Painter, Pos2, Rect, Shape, Stroke, StrokeKi
 use glam::{DVec2, DVec3};
 
 use crate::picture::sheet::pascals;
-use crate::scene::{MotionPath, Sampling, outline};
+use crate::scene::Sampling;
 use crate::ui::gesture::Gesture;
 use crate::ui::tool::Tool;
 use crate::ui::view::{Cut, Lens, array_size};
@@ -45,7 +45,6 @@ pub fn paint(editor: &Editor, shown: &Shown, painter: &Painter, lens: &Lens, poi
             frame(editor, painter, lens, index);
         }
     }
-    motion(editor, painter, lens);
     if let Some(sound) = &shown.sound {
         foci(editor, sound, painter, lens, pointer);
     }
@@ -64,35 +63,6 @@ fn frame(editor: &Editor, painter: &Painter, lens: &Lens, index: usize) {
     let (Some(low), Some(high)) = (corner(DVec2::min), corner(DVec2::max)) else { return };
     let rect = Rect::from_two_pos(lens.screen(low), lens.screen(high)).expand(14.0);
     painter.rect_stroke(rect, 3.0, Stroke::new(1.0, theme::CHOSEN.gamma_multiply(0.7)), StrokeKind::Middle);
-}
-
-/// The way of a few targets.
-fn motion(editor: &Editor, painter: &Painter, lens: &Lens) {
-    const FEW: usize = 6;
-    const PIECES: u32 = 96;
-    let scene = editor.scene();
-    let axes = editor.view.axes(scene);
-    for target in scene.targets.iter().filter(|target| target.visible).take(FEW) {
-        let motion = target.motion.as_ref().unwrap_or(&scene.motion);
-        let (ways, radius) = match motion.path {
-            MotionPath::None | MotionPath::Steps => continue,
-            MotionPath::Outline => (edit::outline_on(target, &axes), 2.0),
-            MotionPath::Line
-            | MotionPath::Circle
-            | MotionPath::Square
-            | MotionPath::Triangle
-            | MotionPath::FigureEight
-            | MotionPath::Points => {
-                let centre = outline::centre(&target.shape);
-                let at = |i: u32| centre + motion.offset(f64::from(i % PIECES) / f64::from(PIECES));
-                (vec![(0..=PIECES).map(|i| axes.flat(at(i))).collect()], 1.2)
-            }
-        };
-        for way in ways {
-            let way: Vec<_> = way.into_iter().map(|uv| lens.screen(uv)).collect();
-            painter.extend(Shape::dotted_line(&way, Color32::from_white_alpha(150), 6.0, radius));
-        }
-    }
 }
 
 /// The outline of the array, or its edge where the cut stands upright.

@@ -19,9 +19,11 @@ mod panels;
 mod section;
 mod status;
 pub mod theme;
+mod timeline;
 pub mod tool;
 pub mod view;
 mod view_bar;
+mod way;
 
 use std::collections::BTreeSet;
 use std::path::PathBuf;
@@ -70,6 +72,8 @@ pub struct Editor {
     pub after_saving: Option<Command>,
     pub playback: Playback,
     pub oscillation: Oscillation,
+    /// What of a motion's path was taken hold of last.
+    vertex: Option<way::Vertex>,
     /// The drive as a board with so many phases per period plays it.
     pub levels: Option<u32>,
     pub board: BoardForm,
@@ -83,13 +87,15 @@ pub struct Playback {
     pub playing: bool,
     /// How much slower than it really is.
     pub slowness: f64,
-    /// Of a round, in [0, 1).
+    /// Of a cycle, in [0, 1).
     pub part: f64,
+    /// It begins again after the last frame.
+    pub loops: bool,
 }
 
 impl Default for Playback {
     fn default() -> Self {
-        Self { frame: None, playing: false, slowness: 20.0, part: 0.0 }
+        Self { frame: None, playing: false, slowness: 20.0, part: 0.0, loops: true }
     }
 }
 
@@ -369,6 +375,7 @@ impl Editor {
             after_saving: None,
             playback: Playback::default(),
             oscillation: Oscillation { playing: true, part: 0.0 },
+            vertex: None,
             levels: None,
             board: BoardForm::default(),
         }
@@ -396,6 +403,7 @@ impl Editor {
     /// Targets may stand elsewhere in the list now.
     fn forget_places(&mut self) {
         self.selection.clear();
+        self.vertex = None;
         self.typing = None;
         self.gesture = None;
     }
@@ -455,6 +463,10 @@ pub fn show(
             Side::right("panel").frame(clear).default_size(editor.layout.panel).size_range(260.0..=520.0);
         let panel = panel.show(ui, |ui| panels::show(editor, shown, ui, &mut commands));
         editor.layout.panel = panel.response.rect.width();
+    }
+    if is_high && timeline::is_wanted(editor) {
+        let timeline = Side::bottom("timeline").resizable(false).frame(frame);
+        timeline.show(ui, |ui| timeline::show(editor, shown, ui));
     }
     if is_high && editor.view.section {
         let section = Side::bottom("section")

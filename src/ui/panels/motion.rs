@@ -1,6 +1,6 @@
-//! How the targets move, and which moment is shown.
+//! How the targets move, and what the frames of a cycle reach.
 
-use egui::{Slider, Ui};
+use egui::Ui;
 
 use crate::picture::sheet::pascals;
 use crate::rounding::at_most;
@@ -29,10 +29,9 @@ pub fn show(editor: &mut Editor, shown: &Shown, ui: &mut Ui) {
     if own > 0 {
         let whose =
             if own == 1 { "1 target has its".to_owned() } else { format!("{own} targets have their") };
-        ui.label(format!("{whose} own motion, which the Scene panel shows."));
+        ui.label(format!("{whose} own motion: select a target to edit it."));
     }
     ui.separator();
-    playback(editor, shown, ui);
     if let Some(round) = &shown.round {
         let frames = &round.frames;
         heading(ui, "Cycle");
@@ -60,6 +59,16 @@ fn settings(editor: &mut Editor, ui: &mut Ui) {
     path::settings(&mut scene.motion, figures, false, ui);
     if scene.motion.path != before {
         take_turns(scene);
+    }
+    let chosen = editor.selection.first().copied().filter(|_| editor.selection.len() == 1);
+    if let Some(index) = chosen {
+        let figures = Figures::of(scene, Some(index));
+        let own = scene.targets.get_mut(index).and_then(|target| target.motion.as_mut());
+        if let Some(own) = own {
+            ui.separator();
+            heading(ui, &format!("Own path of target {}", index + 1));
+            ui.push_id("own motion", |ui| path::settings(own, figures, true, ui));
+        }
     }
 }
 
@@ -95,36 +104,4 @@ fn modulation(modulation: &mut Modulation, ui: &mut Ui) {
             );
         }
     });
-}
-
-fn playback(editor: &mut Editor, shown: &Shown, ui: &mut Ui) {
-    heading(ui, "Play");
-    let count = motion::count(editor.scene());
-    let playback = &mut editor.playback;
-    ui.horizontal(|ui| {
-        let name = if playback.playing { "Pause" } else { "Play" };
-        if ui.button(name).clicked() {
-            playback.playing = !playback.playing;
-            playback.frame.get_or_insert(0);
-        }
-        if ui.add_enabled(playback.frame.is_some(), egui::Button::new("At rest")).clicked() {
-            playback.playing = false;
-            playback.frame = None;
-        }
-        if shown.is_following {
-            ui.spinner();
-            ui.label("solving all frames");
-        }
-    });
-    let mut frame = playback.frame.unwrap_or(0) + 1;
-    let label = ui.label("Frame").on_hover_text("The moment whose field is shown");
-    let slider = ui.add(Slider::new(&mut frame, 1..=count.max(1))).labelled_by(label.id);
-    if slider.changed() {
-        playback.playing = false;
-        playback.frame = Some(frame - 1);
-        playback.part = (frame - 1) as f64 / count.max(1) as f64;
-    }
-    let label = ui.label("Slower than it is").on_hover_text("1 is as fast as the hand feels it");
-    let slider = Slider::new(&mut playback.slowness, 1.0..=1000.0).logarithmic(true).suffix(" x");
-    ui.add(slider.max_decimals(0)).labelled_by(label.id);
 }
