@@ -1,5 +1,6 @@
 //! The window: the editor of [`crate::ui`], what is made from its scene, and its files.
 
+mod comparison;
 mod desktop;
 mod errand;
 mod examples;
@@ -11,6 +12,7 @@ mod link;
 #[path = "no_link.rs"]
 mod link;
 mod mapping;
+mod posing;
 pub mod recovery;
 pub mod settings;
 mod workshop;
@@ -23,7 +25,7 @@ use crate::field::{Evaluator, Gpu, Work};
 use crate::picture::Picture;
 use crate::scene::Scene;
 use crate::ui::document::Document;
-use crate::ui::{self, Command, Dialog, Editor, Notice, Shown, canvas, theme};
+use crate::ui::{self, Command, Dialog, Editor, Notice, Shown, canvas, compare, theme};
 use desktop::{Legacy, TITLE};
 use errand::Errand;
 use examples::EXAMPLES;
@@ -318,10 +320,16 @@ impl Window {
         let before = self.editor.seen();
         let Self { editor, shown, workshop, board, .. } = self;
         let mut commands = ui::show(editor, shown, ui, |editor, shown, ui| {
-            let canvas = canvas::interact(editor, ui);
-            workshop.update(editor, shown, &canvas.lens, ui.ctx());
+            let (mut own, mut other) = compare::halves(editor, ui);
+            let canvas = canvas::interact(editor, &mut own);
+            let second = other.as_mut().and_then(|ui| compare::interact(editor, &canvas, ui));
+            let beside = second.as_ref().map(|second| &second.lens);
+            workshop.update(editor, shown, &canvas.lens, beside, ui.ctx());
             board.update(editor, shown, ui.ctx());
-            canvas::paint(editor, shown, ui, &canvas);
+            canvas::paint(editor, shown, &own, &canvas);
+            if let (Some(ui), Some(second)) = (&other, &second) {
+                compare::paint(editor, shown, ui, &canvas, second);
+            }
         });
         self.escape_lost_screen(&ctx);
         self.hear_outside(&ctx, &mut commands);

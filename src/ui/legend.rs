@@ -20,7 +20,7 @@ pub fn paint(editor: &Editor, map: &Map, ui: &Ui, lens: &Lens) {
         pos2(plot.right() + GAP, plot.top() + 36.0),
         pos2(plot.right() + GAP + WIDTH, plot.bottom()),
     );
-    let full = editor.view.full.unwrap_or(map.largest).max(1e-30);
+    let full = map.full.unwrap_or(map.largest).max(1e-30);
     let law = Law::of(map.quantity, editor.view.scale);
     painter.text(
         pos2(bar.left(), plot.top() - 4.0),

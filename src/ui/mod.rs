@@ -5,6 +5,7 @@ pub mod board;
 pub mod bring_up;
 pub mod brush;
 pub mod canvas;
+pub mod compare;
 mod dialog;
 pub mod document;
 mod edit;
@@ -56,6 +57,8 @@ pub struct Editor {
     /// Targets by their place in the scene.
     pub selection: BTreeSet<usize>,
     pub view: View,
+    /// What the map is compared with.
+    pub compare: Option<compare::Compare>,
     pub tool: Tool,
     pub panel: Panel,
     pub layout: Layout,
@@ -196,6 +199,8 @@ pub enum Export {
 #[derive(Debug, Default)]
 pub struct Shown {
     pub map: Option<Map>,
+    /// What it is compared with.
+    pub beside: Option<compare::Beside>,
     /// Of the scene at rest.
     pub solution: Option<Arc<Solution>>,
     pub sound: Option<Sound>,
@@ -262,6 +267,8 @@ pub struct Map {
     pub quantity: Quantity,
     /// rad, the ωt of an instantaneous pressure.
     pub phase: f64,
+    /// What gets the last colour, if not the largest value.
+    pub full: Option<f64>,
     /// The largest value, as [`crate::field::Map::peak`] has it.
     pub largest: f64,
     /// Relative to it.
@@ -360,6 +367,7 @@ impl Editor {
     pub fn new(document: Document) -> Self {
         Self {
             view: View::of(&document.scene),
+            compare: None,
             document,
             selection: BTreeSet::new(),
             tool: Tool::Select,

@@ -7,7 +7,7 @@ use crate::field::{Quantity, Scale};
 use crate::picture::ColourMap;
 use crate::ui::tool::Tool;
 use crate::ui::view::{Cut, FreePlane};
-use crate::ui::{Editor, Shown, brush, panels};
+use crate::ui::{Editor, Shown, brush, compare, panels};
 
 /// m: how far the slider moves a plane.
 const FARTHEST: f64 = 0.3;
@@ -207,8 +207,9 @@ fn colours(editor: &mut Editor, shown: &Shown, ui: &mut Ui) {
     });
 }
 
-/// What lies over the map and below it.
+/// What lies over the map, below it and beside it.
 fn overlays(editor: &mut Editor, ui: &mut Ui) {
+    compare::switch(editor, ui);
     let is_flat = !editor.view.is_shaded();
     let view = &mut editor.view;
     ui.add_enabled_ui(is_flat, |ui| {

@@ -196,6 +196,9 @@ pub fn add_vertex(editor: &mut Editor, axes: &Axes, lens: &Lens, at: Pos2) -> bo
 /// Deletes the vertex or keyframe that was taken hold of last, unless it is the only one.
 pub fn delete(editor: &mut Editor) -> bool {
     let Some(Vertex { target, index }) = editor.vertex.take() else { return false };
+    if editor.panel != Panel::Motion && held(editor).is_none_or(|(held, _)| held != target) {
+        return false;
+    }
     let Some(motion) = motion_mut(&mut editor.document.scene, target) else { return false };
     match motion.path {
         MotionPath::Points if index < motion.points.len() && motion.points.len() > 1 => {

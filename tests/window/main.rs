@@ -6,9 +6,11 @@
 #[cfg(all(unix, feature = "serial"))]
 mod board;
 mod brush;
+mod compare;
 mod edits;
 mod files;
 mod gpu;
+mod motion;
 mod quantities;
 mod reach;
 #[path = "../requirement/mod.rs"]
