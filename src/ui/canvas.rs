@@ -45,7 +45,7 @@ impl Canvas {
 pub fn interact(editor: &mut Editor, ui: &mut Ui) -> Canvas {
     let outer = ui.available_rect_before_wrap();
     let min = outer.min + vec2(LEFT, ABOVE);
-    let right = if editor.compare.is_some() { BESIDE } else { RIGHT };
+    let right = if editor.is_comparing() { BESIDE } else { RIGHT };
     let max = (outer.max - vec2(right, BELOW)).max(min + vec2(SMALLEST, SMALLEST));
     let rect = Rect::from_min_max(min.round(), max.round());
     let response = ui.allocate_rect(rect, Sense::click_and_drag());
@@ -96,12 +96,12 @@ pub fn paint(editor: &Editor, shown: &Shown, ui: &Ui, canvas: &Canvas) {
         painter.hline(lens.rect.x_range(), y, Stroke::new(1.0, theme::CHOSEN.gamma_multiply(0.6)));
     }
     axes(&editor.view, ui, lens);
-    if let Some(map) = shown.map.as_ref().filter(|_| editor.compare.is_none()) {
+    if let Some(map) = shown.map.as_ref().filter(|_| !editor.is_comparing()) {
         legend::paint(editor, map, ui, lens);
     }
     words(editor, shown, &painter, lens);
     if let Some(at) =
-        canvas.response.hover_pos().filter(|_| editor.dialog.is_none() && editor.compare.is_none())
+        canvas.response.hover_pos().filter(|_| editor.dialog.is_none() && !editor.is_comparing())
     {
         probe(editor, shown, &painter, lens, at);
     }

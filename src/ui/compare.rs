@@ -11,11 +11,13 @@ use crate::field::Quantity;
 use crate::picture::ColourMap;
 use crate::scene::{Method, Scene};
 use crate::ui::canvas::{self, Canvas};
-use crate::ui::view::{Cut, Lens, View, Window};
+use crate::ui::view::{Axes, Cut, Lens, View, Window};
 use crate::ui::{Editor, Map, Shown, Sound, Texture, edit, legend, marks, theme};
 
 /// What wheel and pinch do, as on the canvas.
 const ZOOM_PER_POINT: f64 = 1.0 / 240.0;
+/// Points of the screen that two maps need.
+const NARROWEST: f32 = 420.0;
 const CROSS: Color32 = Color32::from_rgba_premultiplied(150, 150, 150, 150);
 
 /// In what the second map differs.
@@ -38,6 +40,8 @@ pub struct Compare {
     pub cut: Cut,
     /// The difference stands at the right.
     pub difference: bool,
+    /// There is room for two.
+    is_split: bool,
     /// m, what the pointer is at, on either map.
     pointer: Option<DVec3>,
     /// m, of another plane's window; what it shares with the map's comes from there.
@@ -52,9 +56,17 @@ impl Default for Compare {
             levels: 16,
             cut: Cut::Xz,
             difference: false,
+            is_split: false,
             pointer: None,
             centre: None,
         }
+    }
+}
+
+impl Editor {
+    /// Whether two maps are seen.
+    pub fn is_comparing(&self) -> bool {
+        self.compare.as_ref().is_some_and(|compare| compare.is_split)
     }
 }
 
@@ -136,7 +148,10 @@ pub fn halves(editor: &mut Editor, ui: &mut Ui) -> (Ui, Option<Ui>) {
     }
     let whole = ui.available_rect_before_wrap();
     let child = |ui: &mut Ui, rect: Rect| ui.new_child(UiBuilder::new().max_rect(rect));
-    if editor.compare.is_none() {
+    let is_wide = whole.width() >= NARROWEST;
+    let Some(compare) = &mut editor.compare else { return (child(ui, whole), None) };
+    compare.is_split = is_wide;
+    if !is_wide {
         return (child(ui, whole), None);
     }
     // Both plots are as wide: only the second has the legend at its side.
@@ -183,6 +198,9 @@ fn settings(editor: &mut Editor, ui: &mut Ui) {
                 }
             }
         }
+    }
+    if !compare.is_split {
+        ui.label("Two maps need a wider window.");
     }
     if compare.with != With::Plane {
         ui.toggle_value(&mut compare.difference, "Difference")
@@ -285,7 +303,7 @@ pub fn paint(editor: &Editor, shown: &Shown, ui: &Ui, first: &Canvas, second: &S
     }
     let is_flat = !view.is_shaded();
     if is_flat && view.marks {
-        outlines(editor, &view, &painter, lens);
+        outlines(editor, beside.sound.as_ref(), &view, &painter, lens);
     }
     if is_flat {
         canvas::axes(&view, ui, lens);
@@ -296,7 +314,7 @@ pub fn paint(editor: &Editor, shown: &Shown, ui: &Ui, first: &Canvas, second: &S
         (None, None) => {}
     }
     let [own, other] = compare.names(editor);
-    let other = if difference.is_some() { format!("{own} minus {other}") } else { other };
+    let other = if difference.is_some() { "left minus right".to_owned() } else { other };
     if is_flat && let Some(point) = compare.pointer {
         cross(
             &ui.ctx().layer_painter(ui.layer_id()).with_clip_rect(first.lens.rect),
@@ -306,8 +324,8 @@ pub fn paint(editor: &Editor, shown: &Shown, ui: &Ui, first: &Canvas, second: &S
         cross(&painter, lens, view.axes(editor.scene()).flat(point));
     }
     let point = compare.pointer.filter(|_| is_flat);
-    let read = |map: Option<&Map>, sound: Option<&Sound>, axes: crate::ui::view::Axes| {
-        let point = axes.world(axes.flat(point?));
+    let read = |map: Option<&Map>, sound: Option<&Sound>, axes: Axes| {
+        let point = on(&axes, point?);
         value(map?, sound?, axes.flat(point), point)
     };
     let left = read(shown.map.as_ref(), shown.sound.as_ref(), editor.view.axes(editor.scene()));
@@ -321,8 +339,11 @@ pub fn paint(editor: &Editor, shown: &Shown, ui: &Ui, first: &Canvas, second: &S
     };
     let all = ui.ctx().layer_painter(ui.layer_id());
     let left = left.map(|value| stated(editor, view.quantity, value));
-    words(&all.with_clip_rect(first.lens.rect), first.lens.rect, &own, left, shown.map.as_ref(), point);
-    words(&painter, lens.rect, &other, of_right, map, point);
+    let on_left = point.map(|point| on(&editor.view.axes(editor.scene()), point));
+    let clip = first.lens.rect.intersect(ui.clip_rect());
+    words(&all.with_clip_rect(clip), first.lens.rect, &own, left, shown.map.as_ref(), on_left);
+    let on_right = point.map(|point| on(&view.axes(editor.scene()), point));
+    words(&painter, lens.rect, &other, of_right, map, on_right);
     let (text, colour) = match (&beside.problem, beside.is_pending) {
         (Some(problem), _) => (problem.clone(), theme::error(ui.visuals())),
         (None, true) => ("Being solved".to_owned(), theme::MARK),
@@ -347,18 +368,19 @@ fn picture(
     painter.image(texture, place, Rect::from_min_max(pos2(0.0, 1.0), pos2(1.0, 0.0)), Color32::WHITE);
 }
 
-fn outlines(editor: &Editor, view: &View, painter: &Painter, lens: &Lens) {
+/// Outlines as they stand in the scene, and foci as they are in the frame that is shown.
+fn outlines(editor: &Editor, sound: Option<&Sound>, view: &View, painter: &Painter, lens: &Lens) {
     let axes = view.axes(editor.scene());
     for target in editor.scene().targets.iter().filter(|target| target.visible) {
         for stroke in edit::outline_on(target, &axes) {
             let stroke: Vec<_> = stroke.into_iter().map(|uv| lens.screen(uv)).collect();
-            match stroke[..] {
-                [at] => drop(painter.circle_stroke(at, 4.0, Stroke::new(1.0, theme::MARK))),
-                _ => drop(
-                    painter.add(egui::Shape::line(stroke, Stroke::new(1.0, Color32::from_white_alpha(110)))),
-                ),
-            }
+            painter.add(egui::Shape::line(stroke, Stroke::new(1.0, Color32::from_white_alpha(110))));
         }
+    }
+    for focus in sound.iter().flat_map(|sound| &sound.foci).filter(|focus| focus.is_separate()) {
+        let at = lens.screen(axes.flat(focus.position));
+        painter.circle_stroke(at, 5.0, Stroke::new(3.0, theme::MARK_EDGE));
+        painter.circle_stroke(at, 5.0, Stroke::new(1.2, theme::MARK));
     }
 }
 
@@ -367,6 +389,11 @@ fn cross(painter: &Painter, lens: &Lens, uv: DVec2) {
     let at = lens.screen(uv);
     painter.hline(lens.rect.x_range(), at.y, Stroke::new(1.0, CROSS));
     painter.vline(at.x, lens.rect.y_range(), Stroke::new(1.0, CROSS));
+}
+
+/// The point of a plane that is nearest to another.
+fn on(axes: &Axes, point: DVec3) -> DVec3 {
+    axes.world(axes.flat(point))
 }
 
 /// A map's value at a point of its plane.

@@ -21,6 +21,9 @@ const HALF: f32 = 6.0;
 const MOST_LANES: f32 = 4.0;
 /// Points of the screen between two times of the ruler, at least.
 const TICK: f64 = 70.0;
+/// Points of the screen below which the timeline says less, and shows fewer lanes.
+const NARROW: f32 = 460.0;
+const LOW: f32 = 600.0;
 /// Frames of a cycle up to which keyframes go from frame to frame.
 const MOST_STEPS: f64 = 4096.0;
 
@@ -90,12 +93,15 @@ fn controls(editor: &mut Editor, shown: &Shown, ui: &mut Ui, clock: Clock) {
         DragValue::new(&mut number).range(1..=clock.frames.max(1)).suffix(format!(" / {}", clock.frames));
     let field = ui.add(field).labelled_by(label.id).on_hover_text("The frame whose field is shown");
     let part = playback.frame.unwrap_or(0) as f64 / clock.frames.max(1) as f64;
-    ui.label(format!("{} of {} ms", clock.time(part), clock.time(1.0)));
-    let label = ui.label("Speed");
+    let is_wide = ui.max_rect().width() >= NARROW;
+    if is_wide {
+        ui.label(format!("{} of {} ms", clock.time(part), clock.time(1.0)));
+    }
+    let label = ui.label("Playback");
     let slowness = DragValue::new(&mut playback.slowness).prefix("1/").range(1.0..=1000.0).speed(0.2);
     let slowness = ui.add(slowness.max_decimals(0)).labelled_by(label.id);
     slowness.on_hover_text(
-        "Of the playback on the screen; 1/1 is real time, of which the screen shows what it can",
+        "Speed on the screen; 1/1 is real time, of which the screen shows the frames that it can",
     );
     if field.changed() {
         show_part(editor, (number - 1) as f64 / clock.frames.max(1) as f64, clock.frames);
@@ -172,7 +178,8 @@ fn lanes(editor: &mut Editor, ui: &mut Ui, clock: Clock) {
     response.widget_info(|| WidgetInfo::labeled(egui::Role::Slider, true, "Playhead"));
     ruler(ui, bar, clock);
     scrub(editor, &response, bar, clock);
-    let scroll = ScrollArea::vertical().max_height(LANE * MOST_LANES).id_salt("lanes");
+    let most = if ui.ctx().content_rect().height() < LOW { 1.0 } else { MOST_LANES };
+    let scroll = ScrollArea::vertical().max_height(LANE * most).id_salt("lanes");
     scroll.show(ui, |ui| {
         ui.spacing_mut().item_spacing.y = 0.0;
         for lane in &lanes {

@@ -1,12 +1,13 @@
 //! Two maps side by side: what each is of, one range of colours, one pointer and one zoom, and the difference.
 
+use egui::accesskit::Role;
 use sonoglyph::scene::Method;
 use sonoglyph::ui::compare::Beside;
 
 use super::*;
 
 fn choose(screen: &mut Screen, label: &str) {
-    screen.get_by_label(label).click();
+    screen.get_by_role_and_label(Role::Button, label).click();
     rest(screen);
 }
 
@@ -87,8 +88,9 @@ fn another_plane_goes_with_the_zoom_and_both_maps_read_the_pointer_out() {
     let right = screen.get_by_label("Second map").rect();
     screen.hover_at(right.center());
     screen.step();
-    let (unit, delta, phase) = (egui::MouseWheelUnit::Point, vec2(0.0, 120.0), egui::TouchPhase::Move);
-    screen.event(Event::MouseWheel { unit, delta, modifiers: Modifiers::NONE, phase });
+    let (unit, source) = (egui::MouseWheelUnit::Point, egui::MouseWheelSource::Wheel);
+    let (delta, phase) = (vec2(0.0, 120.0), egui::TouchPhase::Move);
+    screen.event(Event::MouseWheel { unit, delta, modifiers: Modifiers::NONE, phase, source });
     for _ in 0..30 {
         screen.step();
     }

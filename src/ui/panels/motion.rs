@@ -2,7 +2,6 @@
 
 use egui::Ui;
 
-use crate::picture::sheet::pascals;
 use crate::rounding::at_most;
 use crate::scene::motion;
 use crate::scene::{Envelope, Modulation, MotionPath, Scene};
@@ -29,17 +28,18 @@ pub fn show(editor: &mut Editor, shown: &Shown, ui: &mut Ui) {
     if own > 0 {
         let whose =
             if own == 1 { "1 target has its".to_owned() } else { format!("{own} targets have their") };
-        ui.label(format!("{whose} own motion: select a target to edit it."));
+        ui.label(format!("{whose} own motion, which the Scene panel shows."));
     }
     ui.separator();
     if let Some(round) = &shown.round {
         let frames = &round.frames;
+        let convention = editor.view.convention;
         heading(ui, "Cycle");
         form(ui, "round", |ui| {
             let mean = frames.iter().map(Frame::mean_pressure).sum::<f64>() / frames.len().max(1) as f64;
-            fact(ui, ("Mean pressure", "Over focal points and frames, peak"), pascals(mean));
+            fact(ui, ("Mean pressure", "Over focal points and frames"), convention.pressure(mean));
             let weakest = frames.iter().map(Frame::min_pressure).fold(f64::INFINITY, f64::min);
-            fact(ui, ("Weakest", "In the weakest frame, peak"), pascals(weakest));
+            fact(ui, ("Weakest", "In the weakest frame"), convention.pressure(weakest));
             let step = format!(
                 "{}° at most, {:.1}° RMS",
                 at_most(round.steps.largest.to_degrees(), 0),
@@ -59,16 +59,6 @@ fn settings(editor: &mut Editor, ui: &mut Ui) {
     path::settings(&mut scene.motion, figures, false, ui);
     if scene.motion.path != before {
         take_turns(scene);
-    }
-    let chosen = editor.selection.first().copied().filter(|_| editor.selection.len() == 1);
-    if let Some(index) = chosen {
-        let figures = Figures::of(scene, Some(index));
-        let own = scene.targets.get_mut(index).and_then(|target| target.motion.as_mut());
-        if let Some(own) = own {
-            ui.separator();
-            heading(ui, &format!("Own path of target {}", index + 1));
-            ui.push_id("own motion", |ui| path::settings(own, figures, true, ui));
-        }
     }
 }
 
