@@ -12,6 +12,13 @@ const HANDED_OVER: [&str; 3] = ["/dev/stdin", "/dev/fd", "/proc/self/fd"];
 /// # Errors
 /// What the system says; a folder, a device, or a pipe that somebody would have to open first.
 pub fn open(path: &Path) -> io::Result<File> {
+    open_any(path).map_err(|error| match error.kind() {
+        ErrorKind::NotFound => io::Error::new(ErrorKind::NotFound, "no such file"),
+        _ => error,
+    })
+}
+
+fn open_any(path: &Path) -> io::Result<File> {
     if HANDED_OVER.iter().any(|own| path.starts_with(own)) {
         let file = File::open(path)?;
         return if is_terminal_or_pipe(&file)? { Ok(file) } else { regular(file) };
@@ -92,7 +99,8 @@ mod tests {
         assert_eq!(read_text(&path, 5).unwrap(), "12345");
         assert_eq!(read(&path, 4).unwrap_err().kind(), ErrorKind::FileTooLarge);
         assert_eq!(read(folder.path(), 4).unwrap_err().kind(), ErrorKind::IsADirectory);
-        assert_eq!(read(&folder.path().join("b"), 4).unwrap_err().kind(), ErrorKind::NotFound);
+        let missing = read(&folder.path().join("b"), 4).unwrap_err();
+        assert_eq!((missing.kind(), missing.to_string()), (ErrorKind::NotFound, "no such file".to_owned()));
         std::fs::write(&path, [0xff]).unwrap();
         assert!(read_text(&path, 5).unwrap_err().to_string().contains("no UTF-8"));
     }

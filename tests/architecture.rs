@@ -28,7 +28,20 @@ const LAYERS: &[(&str, &[&str])] = &[
     ),
     ("import", &["glam", "image", "thiserror", "usvg"]),
     ("device", &["cobs", "crc", "rustix", "serialport", "thiserror"]),
-    ("studio", &["anyhow", "glam", "num_complex", "rustix", "signal_hook", "tempfile"]),
+    (
+        "studio",
+        &[
+            "anyhow",
+            "base64",
+            "glam",
+            "miniz_oxide",
+            "num_complex",
+            "rustix",
+            "signal_hook",
+            "tempfile",
+            "thiserror",
+        ],
+    ),
     ("ui", &["egui", "egui_plot", "glam"]),
     (
         "app",

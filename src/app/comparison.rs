@@ -118,6 +118,9 @@ impl Comparison {
         beside: &mut Beside,
         ctx: &Context,
     ) -> Option<Source> {
+        if method == editor.scene().solver.method {
+            return Some(source.clone());
+        }
         let with_method = |mut scene: Scene| {
             scene.solver.method = method;
             scene

@@ -9,12 +9,12 @@ use eframe::{egui, wgpu};
 
 use crate::app::recovery::Recovery;
 use crate::app::settings::{Memory, Settings};
-use crate::app::{Window, example};
+use crate::app::{Window, example, linked};
 use crate::field::gpu::{adapter, device_descriptor};
 use crate::field::{Evaluator, Gpu, GpuError};
 use crate::studio::evaluator::Renderer;
 use crate::studio::output::note;
-use crate::studio::still;
+use crate::studio::{link, still};
 use crate::ui::document::Document;
 use crate::ui::{Editor, Notice};
 
@@ -24,16 +24,22 @@ const SMALLEST: [f32; 2] = [200.0, 150.0];
 /// What a window leaves to the next, which another renderer draws.
 pub(super) type Legacy = Rc<RefCell<Option<(Editor, Notice)>>>;
 
-/// Opens the window on the scene of a file or on an example. Where there is no display, the scene's sheet is written.
+/// Opens the window on the scene of a file or a link, or on an example. Where there is no display, the scene's sheet is written.
 ///
 /// # Errors
 /// A scene that cannot be read, or a sheet that cannot be written.
 pub fn run(path: Option<&Path>, renderer: Renderer) -> anyhow::Result<()> {
     let document = match path {
-        Some(path) => Document::read(path)?,
+        Some(path) => match path.to_str().filter(|text| link::is_link(text)) {
+            Some(text) => linked(text)?,
+            None => Document::read(path)?,
+        },
         None => example(0)?,
     };
     if let Err(error) = open(document, renderer) {
+        if path.is_some_and(|path| path.to_str().is_some_and(link::is_link)) {
+            anyhow::bail!("there is no window ({error}) for the scene of a link");
+        }
         note(&format!("there is no window ({error}): the scene's sheet is written instead"));
         still::default_sheet(path)?;
     }

@@ -8,7 +8,7 @@ use eframe::egui;
 
 use crate::app::Window;
 use crate::app::errand::{Errand, Progress, State};
-use crate::app::settings;
+use crate::app::{folders, settings};
 use crate::field::{Evaluator, Quantity, Request, Stages};
 use crate::import::{self, Drawing};
 use crate::picture::{export, sheet};
@@ -16,18 +16,20 @@ use crate::scene::{Scene, check};
 use crate::solver::frames;
 use crate::source;
 use crate::studio::paintings::Placed;
-use crate::studio::{animate, map, output};
+use crate::studio::{animate, link, map, output};
 use crate::ui::document::Document;
+use crate::ui::section::Profile;
 use crate::ui::view::Lens;
-use crate::ui::{self, Command, Dialog, Export, Purpose};
+use crate::ui::{self, Command, Dialog, Export, Folder, Purpose};
 
 const SHEET_WIDTH: usize = 1600;
 
 /// What came of an errand.
 #[derive(Debug)]
 pub(super) enum Outcome {
-    /// The desktop was asked for a file; `None` where it has no such dialog, or nothing was chosen.
-    Chosen(Purpose, Option<PathBuf>),
+    /// The desktop was asked for a file; `Err` with the answer so far where it has no such dialog, or nothing was chosen.
+    Chosen(Purpose, Result<PathBuf, String>),
+    Listed(Folder),
     Read(PathBuf, anyhow::Result<Drawing>),
     /// The motion was exported, if it was not called off.
     Filmed(PathBuf, anyhow::Result<Option<()>>),
@@ -111,9 +113,68 @@ impl Window {
     }
 
     /// Asks the desktop for a file while the window goes on.
-    pub(super) fn browse(&mut self, purpose: Purpose, ctx: &egui::Context) {
+    pub(super) fn browse(&mut self, purpose: Purpose, text: String, ctx: &egui::Context) {
         let chosen = ask_desktop(purpose, &self.editor.document);
-        self.send(ctx, move |_| Outcome::Chosen(purpose, pollster::block_on(chosen)));
+        self.send(ctx, move |_| Outcome::Chosen(purpose, pollster::block_on(chosen).ok_or(text)));
+    }
+
+    /// Lists a folder, or again the one that was shown last: at first the scene's.
+    pub(super) fn list(&mut self, folder: Option<PathBuf>, ctx: &egui::Context) {
+        let own = || self.editor.document.path().and_then(Path::parent).map(Path::to_owned);
+        let last = || self.shown.folder.as_ref().map(|folder| folder.path.clone());
+        let recent = || self.shown.recent.first().and_then(|path| path.parent()).map(Path::to_owned);
+        let here = || std::env::current_dir().ok();
+        let folder = folder.or_else(last).or_else(own).or_else(here).or_else(recent).or_else(folders::home);
+        self.send(ctx, move |_| Outcome::Listed(folders::list(&folder.unwrap_or_default())));
+    }
+
+    /// What was typed or chosen where a file was asked for. The question stays, with the reason, where that cannot be done.
+    pub(super) fn answer(&mut self, purpose: Purpose, text: &str, ctx: &egui::Context) {
+        let folder = self.shown.folder.as_ref().map(|folder| folder.path.as_path());
+        let path = folders::meant(text, folder);
+        if path.is_dir() {
+            self.editor.dialog = Some(Dialog::Path { purpose, text: String::new() });
+            return self.list(Some(path), ctx);
+        }
+        self.answered = Some((purpose, text.to_owned()));
+        if purpose == Purpose::Open && link::is_link(text) {
+            match link::read(text) {
+                Ok(_) => {
+                    self.editor.dialog = None;
+                    let mut commands = Vec::new();
+                    self.editor.ask(Command::OpenLink(text.to_owned()), &mut commands);
+                    commands.into_iter().for_each(|command| self.execute(command, ctx));
+                }
+                Err(error) => self.refuse("The link cannot be opened", &error.into()),
+            }
+            self.answered = None;
+            return;
+        }
+        let path = purpose.with_ending(path);
+        if purpose.reads() {
+            // What cannot be read takes nothing away: only then is it asked whether the scene is to be saved.
+            let readable = match purpose {
+                Purpose::Open => Document::read(&path).map(drop).map_err(anyhow::Error::new),
+                _ => source::open(&path).map(drop).map_err(|error| anyhow!("{}: {error}", path.display())),
+            };
+            match readable {
+                Ok(()) => self.go_on(purpose, path, ctx),
+                Err(error) => self.refuse("The file cannot be read", &error),
+            }
+        } else if path.exists() && self.editor.document.path() != Some(path.as_path()) {
+            let text = text.to_owned();
+            self.editor.dialog = Some(Dialog::Replace { purpose, text, path });
+        } else {
+            self.go_on(purpose, path, ctx);
+        }
+        self.answered = None;
+    }
+
+    fn go_on(&mut self, purpose: Purpose, path: PathBuf, ctx: &egui::Context) {
+        self.editor.dialog = None;
+        let mut commands = Vec::new();
+        self.editor.ask(purpose.command(path), &mut commands);
+        commands.into_iter().for_each(|command| self.execute(command, ctx));
     }
 
     /// Reads a drawing, and asks where it is to stand as soon as it is there.
@@ -145,11 +206,22 @@ impl Window {
             self.filming = None;
         }
         match outcome {
-            Outcome::Chosen(purpose, Some(path)) => self.editor.ask(purpose.command(path), commands),
-            Outcome::Chosen(_, None) => {
-                self.editor.after_saving = None;
-                self.tell("No file was chosen", false);
+            Outcome::Chosen(purpose, Ok(path)) => {
+                let whole = purpose.with_ending(path.clone());
+                if whole != path && whole.exists() {
+                    // The desktop has asked about the name without its ending.
+                    let text = whole.display().to_string();
+                    self.editor.dialog = Some(Dialog::Replace { purpose, text, path: whole });
+                } else {
+                    self.editor.ask(purpose.command(whole), commands);
+                }
             }
+            Outcome::Chosen(purpose, Err(text)) => {
+                let why = "The desktop gave no file: choose one here".to_owned();
+                self.editor.asking.problem = Some((text.clone(), why));
+                self.editor.dialog = Some(Dialog::Path { purpose, text });
+            }
+            Outcome::Listed(folder) => self.shown.folder = Some(folder),
             Outcome::Read(path, Ok(drawing)) => {
                 let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
                 let import = ui::Import::new(name, drawing, &self.editor);
@@ -206,6 +278,7 @@ impl Window {
             Export::Sheet => self.sheet_png(),
             Export::Numbers => self.numbers_npy(),
             Export::Drive => self.drive_csv(),
+            Export::Profile => self.profile_csv(),
         };
         match bytes.and_then(|bytes| output::write(path, &bytes)) {
             Ok(()) => self.tell(&format!("Wrote {}", path.display()), false),
@@ -261,6 +334,11 @@ impl Window {
     fn drive_csv(&self) -> anyhow::Result<Vec<u8>> {
         let sound = self.shown.sound.as_ref().context("nothing is played")?;
         Ok(sound.drive().write(&sound.aperture).into_bytes())
+    }
+
+    fn profile_csv(&self) -> anyhow::Result<Vec<u8>> {
+        let profile = Profile::of(&self.editor, &self.shown);
+        Ok(profile.context("there is no line profile: show one on a map")?.csv().into_bytes())
     }
 
     /// The page of the scene at rest, on the scene's own plane.

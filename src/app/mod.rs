@@ -5,6 +5,7 @@ mod desktop;
 mod errand;
 mod examples;
 mod files;
+mod folders;
 mod later;
 #[cfg(feature = "serial")]
 mod link;
@@ -15,8 +16,10 @@ mod mapping;
 mod posing;
 pub mod recovery;
 pub mod settings;
+mod survey;
 mod workshop;
 
+use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 
 use eframe::egui;
@@ -24,8 +27,9 @@ use eframe::egui;
 use crate::field::{Evaluator, Gpu, Work};
 use crate::picture::Picture;
 use crate::scene::Scene;
+use crate::studio::link as link_text;
 use crate::ui::document::Document;
-use crate::ui::{self, Command, Dialog, Editor, Notice, Shown, canvas, compare, theme};
+use crate::ui::{self, Command, Dialog, Editor, Notice, Purpose, Shown, canvas, compare, legend, theme};
 use desktop::{Legacy, TITLE};
 use errand::Errand;
 use examples::EXAMPLES;
@@ -43,6 +47,15 @@ fn example(index: usize) -> anyhow::Result<Document> {
     Ok(Document::parse(text.to_owned(), name)?)
 }
 
+/// Layouts of a frame, at most: after the third, what egui asked for in the first and the second is over.
+const PASSES: usize = 3;
+/// The scene of a link as a document without a file.
+fn linked(link: &str) -> anyhow::Result<Document> {
+    let mut document = Document::parse(link_text::read(link)?, "linked scene")?;
+    document.was_never_saved();
+    Ok(document)
+}
+
 /// The program's state.
 #[derive(Debug)]
 pub struct Window {
@@ -54,6 +67,10 @@ pub struct Window {
     may_close: bool,
     title: String,
     recovery: Option<Recovery>,
+    /// What the last run left is neither taken nor discarded yet.
+    offers_recovery: bool,
+    /// The answer to a question for a file that is acted on now.
+    answered: Option<(Purpose, String)>,
     memory: Option<Memory>,
     errands: Vec<Errand<Outcome>>,
     filming: Option<Film>,
@@ -80,6 +97,7 @@ impl Window {
         screen: Option<eframe::egui_wgpu::RenderState>,
     ) -> Self {
         theme::install(ctx);
+        ctx.options_mut(|options| options.max_passes = NonZeroUsize::MIN.saturating_add(PASSES - 1));
         let workshop = Workshop::new(evaluator, screen);
         let shown = Shown {
             examples: EXAMPLES.iter().map(|(name, _)| (*name).to_owned()).collect(),
@@ -95,6 +113,8 @@ impl Window {
             may_close: false,
             title: String::new(),
             recovery: None,
+            offers_recovery: false,
+            answered: None,
             memory: None,
             errands: Vec::new(),
             filming: None,
@@ -134,6 +154,7 @@ impl Window {
     pub fn recover(&mut self, recovery: Option<Recovery>) {
         if let Some(scene) = recovery.as_ref().and_then(Recovery::found) {
             self.editor.dialog = Some(Dialog::Recovered(Box::new(scene)));
+            self.offers_recovery = true;
         }
         self.recovery = recovery;
     }
@@ -193,14 +214,30 @@ impl Window {
             Command::Open(path) => self.open(&path),
             Command::Save => match self.editor.document.path().map(Path::to_owned) {
                 Some(path) => self.save(&path, ctx),
-                None => self.editor.dialog = Some(Dialog::path(ui::Purpose::SaveAs, &self.editor.document)),
+                None => self.editor.dialog = Some(Dialog::path(Purpose::SaveAs, &self.editor.document)),
             },
             Command::SaveAs(path) => self.save(&path, ctx),
             Command::Overwrite(path) => self.overwrite(&path, ctx),
             Command::Import(path) => self.import(path, ctx),
             Command::Export(export, path) => self.export(export, &path, ctx),
             Command::CallOff => self.filming.iter().for_each(|film| film.progress.call_off()),
-            Command::Browse(purpose) => self.browse(purpose, ctx),
+            Command::Answer(purpose, text) => self.answer(purpose, &text, ctx),
+            Command::List(folder) => self.list(folder, ctx),
+            Command::Browse(purpose, text) => self.browse(purpose, text, ctx),
+            Command::CopyLink => match link_text::write(self.editor.scene()) {
+                Ok(link) => {
+                    self.tell(&format!("A link of {} letters is on the clipboard", link.len()), false);
+                    ctx.copy_text(link);
+                }
+                Err(error) => self.refuse("The scene does not fit in a link", &error.into()),
+            },
+            Command::OpenLink(link) => match linked(&link) {
+                Ok(document) => {
+                    self.editor.replace(document);
+                    self.tell("Opened the scene of a link", false);
+                }
+                Err(error) => self.refuse("The link cannot be opened", &error),
+            },
             Command::Board(command) => {
                 let Self { board, editor, shown, .. } = self;
                 board.execute(&command, editor, shown, ctx);
@@ -210,11 +247,14 @@ impl Window {
                 let mut document = Document::new(*scene, "recovered");
                 document.was_never_saved();
                 self.editor.replace(document);
+                self.offers_recovery = false;
+            }
+            Command::Discard => {
+                self.offers_recovery = false;
+                self.recovery.iter_mut().for_each(Recovery::forget);
             }
             Command::Close => {
-                if let Some(recovery) = &mut self.recovery {
-                    recovery.forget();
-                }
+                self.forget_unsaved();
                 self.may_close = true;
                 ctx.send_viewport_cmd(egui::ViewportCommand::Close);
             }
@@ -222,11 +262,24 @@ impl Window {
         ctx.request_repaint();
     }
 
+    /// What was unsaved here is not wanted; what the last run left stays until that is answered.
+    fn forget_unsaved(&mut self) {
+        if !self.offers_recovery {
+            self.recovery.iter_mut().for_each(Recovery::forget);
+        }
+    }
+
     fn tell(&mut self, text: &str, is_error: bool) {
         self.shown.notice = Some(Notice { text: text.to_owned(), is_error });
     }
 
+    /// Says what could not be done: in the question for a file if that was just answered, else by itself.
     fn refuse(&mut self, title: &str, error: &anyhow::Error) {
+        if let Some((purpose, text)) = self.answered.take() {
+            self.editor.asking.problem = Some((text.clone(), format!("{error:#}")));
+            self.editor.dialog = Some(Dialog::Path { purpose, text });
+            return;
+        }
         self.editor.dialog = Some(Dialog::Message { title: title.to_owned(), text: format!("{error:#}") });
     }
 
@@ -244,15 +297,19 @@ impl Window {
         if closes && !self.may_close && self.editor.document.is_unsaved() {
             ctx.send_viewport_cmd(egui::ViewportCommand::CancelClose);
             self.editor.dialog = Some(Dialog::Unsaved(Command::Close));
-        } else if closes && let Some(recovery) = &mut self.recovery {
-            recovery.forget();
+        } else if closes {
+            self.forget_unsaved();
         }
     }
 
     /// What is unsaved goes to the recovery file, unless the question about the last one is open.
     fn keep(&mut self, ctx: &egui::Context) {
         let Some(recovery) = &mut self.recovery else { return };
-        if matches!(self.editor.dialog, Some(Dialog::Recovered(_))) || self.may_close {
+        if self.offers_recovery && self.editor.dialog.is_none() {
+            let found = recovery.found().map(Box::new);
+            self.editor.dialog = found.map(Dialog::Recovered);
+        }
+        if self.offers_recovery || self.may_close {
             return;
         }
         let document = &self.editor.document;
@@ -313,6 +370,20 @@ impl eframe::App for Window {
     }
 }
 
+/// Lays the window out again before it is painted, where an event or a change asks for that: panels come before the map whose
+/// figures they show. egui would paint two more frames after every event, and painting is most of what a frame costs a software
+/// driver.
+fn settle(ctx: &egui::Context, has_changed: bool) {
+    let passes = ctx.current_pass_index() + 1;
+    // Passes after the first have no events of their own.
+    let is_unsettled = passes > 1 || has_changed || ctx.input(|input| !input.events.is_empty());
+    if is_unsettled && passes < PASSES {
+        ctx.request_discard("settling");
+    } else if has_changed {
+        ctx.request_repaint();
+    }
+}
+
 impl Window {
     /// One frame: what was done is heard, what changed is made anew, and all is drawn.
     pub fn frame(&mut self, ui: &mut egui::Ui) {
@@ -327,8 +398,9 @@ impl Window {
             workshop.update(editor, shown, &canvas.lens, beside, ui.ctx());
             board.update(editor, shown, ui.ctx());
             canvas::paint(editor, shown, &own, &canvas);
-            if let (Some(ui), Some(second)) = (&other, &second) {
-                compare::paint(editor, shown, ui, &canvas, second);
+            match (&mut other, &second) {
+                (Some(ui), Some(second)) => compare::paint(editor, shown, ui, &canvas, second),
+                _ => legend::controls(editor, shown, &mut own, &canvas.lens),
             }
         });
         self.escape_lost_screen(&ctx);
@@ -342,9 +414,6 @@ impl Window {
         self.name_window(&ctx);
         self.keep(&ctx);
         self.keep_settings(&ctx);
-        // The panels were drawn before the map: their figures follow in the next frame.
-        if before != self.editor.seen() {
-            ctx.request_repaint();
-        }
+        settle(&ctx, before != self.editor.seen());
     }
 }

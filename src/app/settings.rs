@@ -13,8 +13,9 @@ use crate::field::Scale;
 use crate::picture::ColourMap;
 use crate::scene::strict::Strict;
 use crate::source;
+use crate::studio::convention::Convention;
 use crate::studio::output;
-use crate::ui::{Editor, Panel};
+use crate::ui::{Editor, Panel, action};
 
 /// s between two files.
 const OFTEN: f64 = 2.0;
@@ -57,6 +58,8 @@ pub struct Settings {
     pub position: Option<[f32; 2]>,
     pub maximized: bool,
     pub theme: String,
+    /// How many times as large as usual everything in the window is.
+    pub scale: f32,
     pub panel: String,
     /// Points of the screen.
     pub panel_width: f32,
@@ -67,6 +70,8 @@ pub struct Settings {
     pub shaded: bool,
     pub colours: String,
     pub decibels: bool,
+    /// Pressures are stated as peak amplitudes.
+    pub peak: bool,
     /// m
     pub grid: f64,
     pub snaps: bool,
@@ -86,15 +91,17 @@ impl Default for Settings {
             position: None,
             maximized: false,
             theme: THEMES[0].1.to_owned(),
+            scale: 1.0,
             panel: Panel::Scene.name().to_owned(),
             panel_width: 352.0,
-            section_height: 170.0,
+            section_height: 210.0,
             section: false,
             marks: true,
             contours: false,
             shaded: false,
             colours: COLOURS[0].1.to_owned(),
             decibels: false,
+            peak: false,
             grid: 0.005,
             snaps: false,
             board: Profile::Native.name().to_owned(),
@@ -113,10 +120,11 @@ impl Settings {
         let (view, content) = (&editor.view, ctx.content_rect());
         let pair = |x: f32, y: f32| [x.round(), y.round()];
         Self {
-            size: pair(content.width(), content.height()),
+            size: pair(content.width() * ctx.zoom_factor(), content.height() * ctx.zoom_factor()),
             position: window.outer_rect.map(|rect| pair(rect.min.x, rect.min.y)),
             maximized: window.maximized.unwrap_or(false),
             theme: name(&THEMES, &ctx.options(|options| options.theme_preference)),
+            scale: (ctx.zoom_factor() * 100.0).round() / 100.0,
             panel: editor.panel.name().to_owned(),
             panel_width: editor.layout.panel.round(),
             section_height: editor.layout.section.round(),
@@ -126,6 +134,7 @@ impl Settings {
             shaded: view.shaded,
             colours: name(&COLOURS, &view.colours),
             decibels: view.scale == Scale::Logarithmic,
+            peak: view.convention == Convention::Peak,
             grid: editor.grid,
             snaps: editor.snaps,
             board: editor.board.profile.name().to_owned(),
@@ -139,6 +148,7 @@ impl Settings {
     /// Makes things as they were.
     pub fn apply(&self, editor: &mut Editor, ctx: &Context) {
         ctx.set_theme(value(&THEMES, &self.theme).unwrap_or(THEMES[0].0));
+        action::scale(ctx, self.scale);
         editor.panel =
             Panel::ALL.into_iter().find(|panel| panel.name() == self.panel).unwrap_or(editor.panel);
         editor.layout.panel = self.panel_width;
@@ -153,6 +163,7 @@ impl Settings {
         (view.section, view.marks) = (self.section, self.marks);
         (view.contours, view.shaded) = (self.contours, self.shaded);
         view.scale = if self.decibels { Scale::Logarithmic } else { Scale::Linear };
+        view.convention = if self.peak { Convention::Peak } else { Convention::Rms };
         view.colours = value(&COLOURS, &self.colours).unwrap_or(view.colours);
     }
 
@@ -179,6 +190,7 @@ impl Settings {
         ];
         let is_on_a_screen = |place: &[f32; 2]| place.iter().all(|x| (-LARGEST..LARGEST).contains(x));
         self.position = self.position.filter(is_on_a_screen);
+        self.scale = within(self.scale, 0.75, 2.0, own.scale);
         self.panel_width = within(self.panel_width, 100.0, 1000.0, own.panel_width);
         self.section_height = within(self.section_height, 50.0, 1000.0, own.section_height);
         self.grid = if self.grid.is_finite() { self.grid.clamp(1e-4, 0.1) } else { own.grid };

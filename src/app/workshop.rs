@@ -14,11 +14,13 @@ use crate::app::comparison::{self, Comparison};
 use crate::app::later::Later;
 use crate::app::mapping::{Look, Mapping};
 use crate::app::posing::{Solved, Source, is_shape, posed, posed_in_motion, solve, sound};
+use crate::app::survey::Survey;
 use crate::field::{Evaluator, Quantity, Request, Stages, missed};
 use crate::scene::{Method, Scene, check, motion, outline};
 use crate::solver::frames::{self, Sequence};
 use crate::solver::{self, Problem, Solution};
 use crate::studio::liquid;
+use crate::studio::reach;
 use crate::ui::board::Plays;
 use crate::ui::view::Lens;
 use crate::ui::{Editor, MethodRow, Notice, Panel, Playback, Pressed, Shown, Sound};
@@ -59,12 +61,15 @@ pub struct Workshop {
     pub mapping: Mapping,
     /// The last scene that was asked for, and what came of it.
     solved: Option<(Scene, Solved)>,
+    /// What to say of targets out of reach, of which scene.
+    reach: Option<(Scene, Vec<String>)>,
     solving: Later<Scene, Solved>,
     bound: Later<Scene, f64>,
     methods: Later<Scene, Vec<MethodRow>>,
     wants_methods: Option<Scene>,
     round: Later<Scene, Result<Arc<Sequence>, String>>,
     pressed: Later<Request, Option<Pressed>>,
+    survey: Survey,
     /// What makes it, with what it keeps from one time to the next.
     presser: Arc<Mutex<Stages>>,
     comparison: Option<Comparison>,
@@ -79,12 +84,14 @@ impl Workshop {
         Self {
             mapping: Mapping::new(evaluator, screen),
             solved: None,
+            reach: None,
             solving: Later::default(),
             bound: Later::default(),
             methods: Later::default(),
             wants_methods: None,
             round: Later::default(),
             pressed: Later::default(),
+            survey: Survey::default(),
             presser: Arc::new(Mutex::new(Stages::new(Evaluator::Cpu))),
             comparison: None,
             motion: Clock::default(),
@@ -105,6 +112,7 @@ impl Workshop {
             || self.bound.is_running()
             || self.pressed.is_running()
             || self.comparison.as_ref().is_some_and(Comparison::is_busy)
+            || self.survey.is_running()
     }
 
     /// Brings everything that is shown up to date.
@@ -125,6 +133,7 @@ impl Workshop {
             self.methods.collect(),
             self.round.collect(),
             self.pressed.collect(),
+            self.survey.collect(),
         ];
         if came.contains(&true) {
             // The panels of this frame were drawn without it.
@@ -140,7 +149,9 @@ impl Workshop {
         self.press(editor, shown, ctx);
         self.map(editor, shown, lens, ctx);
         self.compare(editor, shown, source.as_ref(), beside, ctx);
+        self.survey.update(editor, shown, lens, ctx);
         shown.warnings = warnings(editor, shown);
+        shown.warnings.extend_from_slice(self.reached(editor, ctx));
     }
 
     /// The map of what is played.
@@ -227,6 +238,17 @@ impl Workshop {
         if let Some((_, Err(problem))) = &self.solved {
             shown.problem = Some(problem.clone());
         }
+    }
+
+    /// What the array does not reach, looked at anew once nothing is dragged.
+    fn reached(&mut self, editor: &Editor, ctx: &Context) -> &[String] {
+        let posed = posed(editor.scene());
+        let is_known = self.reach.as_ref().is_some_and(|(scene, _)| *scene == posed);
+        if !is_known && !ctx.input(|input| input.pointer.any_down()) {
+            let warnings = reach::warnings(&posed);
+            self.reach = Some((posed, warnings));
+        }
+        self.reach.as_ref().map_or(&[], |(_, warnings)| warnings)
     }
 
     fn take(&mut self, posed: Scene, outcome: Solved, elapsed: f64, shown: &mut Shown) {

@@ -163,7 +163,7 @@ quantities! {
         formula: |s, _c| 0.5 * s.p.norm_sqr(),
         wgsl: "0.5 * dot(s.p, s.p)",
         name: "rms",
-        title: "RMS",
+        title: "Pressure",
         words: "RMS pressure",
         help: "RMS pressure of the sound",
         is_square: true,

@@ -1,4 +1,4 @@
-//! The dark strokes of a picture as polylines: what is paper and what is ink, and the lines of that.
+//! The strokes of a picture, dark on light or light on dark, as polylines: what is paper and what is ink, and the lines of that.
 
 use std::io::Cursor;
 
@@ -19,8 +19,6 @@ const MOST_MEMORY: u64 = 400 << 20;
 const LEAST_CONTRAST: f64 = 24.0;
 /// The part of the variance that is between paper and ink: 0.64 where greys are spread like a bell, 0.75 where evenly.
 const LEAST_SEPARATION: f64 = 0.75;
-/// The part of a picture that strokes may cover.
-const MOST_INK: f64 = 0.5;
 
 /// Lines with y upwards; a pixel is the unit.
 pub fn lines(bytes: &[u8], format: ImageFormat) -> Result<Vec<Line>, ImportError> {
@@ -95,12 +93,14 @@ fn ink(grey: &GrayImage) -> Result<Ink, ImportError> {
     if contrast < LEAST_CONTRAST {
         return Err(ImportError::Blank);
     }
-    if between < LEAST_SEPARATION * variance || covered > MOST_INK {
+    if between < LEAST_SEPARATION * variance {
         return Err(ImportError::NoStrokes);
     }
-    let is_dark = |pixel: &image::Luma<u8>| usize::from(pixel.0[0]) <= threshold;
-    let dark = grey.enumerate_pixels().filter(|(_, _, pixel)| is_dark(pixel));
-    let places = dark.map(|(x, y, _)| (x as usize, y as usize));
+    // The strokes are what covers less: chalk on a board is a drawing, too.
+    let is_chalk = covered > 0.5;
+    let is_stroke = |pixel: &image::Luma<u8>| (usize::from(pixel.0[0]) <= threshold) != is_chalk;
+    let strokes = grey.enumerate_pixels().filter(|(_, _, pixel)| is_stroke(pixel));
+    let places = strokes.map(|(x, y, _)| (x as usize, y as usize));
     Ok(Ink::new(grey.width() as usize, grey.height() as usize, places))
 }
 
@@ -179,7 +179,19 @@ mod tests {
             (100.0 + 50.0 * (f64::from(x) / 31.0).sin() + 45.0 * (f64::from(y) / 17.0).cos()) as u8
         });
         assert_eq!(lines(&hills, ImageFormat::Png), Err(ImportError::NoStrokes));
-        assert_eq!(of(60, 60, |x, _| x > 10), Err(ImportError::NoStrokes), "light on dark");
+    }
+
+    #[test]
+    fn chalk_on_a_board_is_a_drawing_too() {
+        let is_ring = |x: u32, y: u32| {
+            let r = DVec2::new(f64::from(x) - 150.0, f64::from(y) - 150.0).length();
+            (96.0..=104.0).contains(&r)
+        };
+        let chalk = png(300, 300, |x, y| if is_ring(x, y) { 250 } else { 20 });
+        let ink = png(300, 300, |x, y| if is_ring(x, y) { 20 } else { 250 });
+        let read = |bytes: &[u8]| lines(bytes, ImageFormat::Png).unwrap();
+        assert_eq!(read(&chalk), read(&ink));
+        assert_eq!(read(&chalk).len(), 1);
     }
 
     #[test]

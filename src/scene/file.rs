@@ -19,7 +19,7 @@ use crate::source;
 /// The version of the file format that this program reads and writes.
 pub const FORMAT: u32 = 1;
 /// Bytes that a file may have; the largest scene has fewer, and reading takes eighty times as much memory.
-const LONGEST: u64 = 2 << 20;
+pub const LONGEST: u64 = 2 << 20;
 
 /// Reads and checks a scene file; every target has become focal points once, so that [`motion::frames`] cannot
 /// fail on what comes back but for a scene without visible targets.

@@ -59,6 +59,22 @@ pub fn lay_out(text: &str, height: f64) -> Result<Vec<Stroke>, char> {
     Ok(strokes)
 }
 
+/// The characters of a text that the font lacks, each once.
+pub fn lacking(text: &str) -> Vec<char> {
+    let mut lacking: Vec<char> =
+        text.chars().filter(|letter| *letter != ' ' && !FONT.glyphs.contains_key(letter)).collect();
+    lacking.sort_unstable();
+    lacking.dedup();
+    lacking
+}
+
+/// A sentence on characters that the font lacks.
+pub fn lacks(characters: &[char]) -> String {
+    let quoted: Vec<_> =
+        characters.iter().take(5).map(|letter| format!("“{}”", letter.escape_debug())).collect();
+    format!("the stroke font has no {}", quoted.join(", "))
+}
+
 impl Font {
     fn parse(text: &str) -> Result<Self, String> {
         #[derive(Deserialize)]

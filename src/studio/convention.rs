@@ -1,7 +1,8 @@
 //! Peak or RMS: the convention in which pressures are shown. One view uses one, and names it.
 
-use std::f64::consts::FRAC_1_SQRT_2;
+use std::f64::consts::{FRAC_1_SQRT_2, SQRT_2};
 
+use crate::field::Quantity;
 use crate::picture::sheet::{pascals, pascals_at_most};
 
 /// How the amplitude of a sinusoidal pressure is stated.
@@ -20,6 +21,19 @@ impl Convention {
             Self::Rms => "RMS",
             Self::Peak => "peak",
         }
+    }
+
+    /// The same where it stands alone.
+    pub fn title(self) -> &'static str {
+        match self {
+            Self::Rms => "RMS",
+            Self::Peak => "Peak",
+        }
+    }
+
+    /// What the values of a map are multiplied by: those of pressures and velocities are RMS.
+    pub fn factor(self, quantity: Quantity) -> f64 {
+        if self == Self::Peak && quantity.declaration().is_root { SQRT_2 } else { 1.0 }
     }
 
     /// What a peak amplitude is multiplied by.

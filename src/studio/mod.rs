@@ -5,6 +5,7 @@ pub mod animate;
 pub mod bring_up;
 pub mod convention;
 pub mod evaluator;
+pub mod link;
 pub mod liquid;
 pub mod map;
 pub mod motion;
@@ -12,8 +13,10 @@ pub mod opening;
 pub mod output;
 pub mod paintings;
 pub mod probe;
+pub mod reach;
 pub mod still;
 pub mod swell;
+pub mod width;
 
 /// The scene that is shown when none is named.
 pub const EXAMPLE: &str = include_str!("../../assets/scenes/hit.toml");

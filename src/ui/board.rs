@@ -73,6 +73,22 @@ pub enum BoardCommand {
     SaveCalibration(String),
 }
 
+impl BoardCommand {
+    /// Whether a board that was silent sounds afterwards.
+    pub fn sounds(&self) -> bool {
+        match self {
+            Self::Send | Self::PlayMotion | Self::One | Self::Checkerboard | Self::Focus => true,
+            Self::ListPorts
+            | Self::Connect
+            | Self::Disconnect
+            | Self::Stop
+            | Self::TakeCarrier
+            | Self::Survey
+            | Self::SaveCalibration(_) => false,
+        }
+    }
+}
+
 /// What a board is doing for us.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Plays {

@@ -7,10 +7,13 @@ use glam::{DVec2, DVec3};
 
 use crate::field::Quantity;
 use crate::field::quantity::Range;
-use crate::picture::sheet::pascals;
 use crate::studio::probe;
+use crate::ui::tool::Tool;
 use crate::ui::view::{Lens, View};
-use crate::ui::{Editor, Map, Shown, Sound, gesture, legend, marks, theme, way};
+use crate::ui::{
+    Editor, Map, Shown, Sound, context, cursor, gesture, guides, legend, marks, measure, path_marks, theme,
+    ticks,
+};
 
 /// Points of the screen around the plot.
 pub const LEFT: f32 = 56.0;
@@ -48,23 +51,40 @@ pub fn interact(editor: &mut Editor, ui: &mut Ui) -> Canvas {
     let right = if editor.is_comparing() { BESIDE } else { RIGHT };
     let max = (outer.max - vec2(right, BELOW)).max(min + vec2(SMALLEST, SMALLEST));
     let rect = Rect::from_min_max(min.round(), max.round());
-    let response = ui.allocate_rect(rect, Sense::click_and_drag());
+    let response = ui.interact(rect, cursor::id(), Sense::click_and_drag());
+    ui.advance_cursor_after_rect(outer);
     response.widget_info(|| {
         egui::WidgetInfo::labeled(egui::Role::Canvas, true, "Canvas: the field on the plane")
     });
-    let lens = editor.view.lens(editor.scene(), rect);
+    let is_held = ui.input(|input| input.pointer.any_down()) || ui.ctx().text_edit_focused();
+    let lens = editor.lens(rect, is_held);
     if editor.view.is_shaded() {
         gesture::watch(editor, ui, &response, &lens);
-        return Canvas { lens: editor.view.lens(editor.scene(), rect), response };
+        return Canvas { lens: editor.lens(rect, is_held), response };
     }
+    let was_typing = editor.is_typing();
     gesture::act(editor, ui, &response, &lens);
     let cursor = match editor.tool {
-        crate::ui::tool::Tool::Select => egui::CursorIcon::Default,
-        crate::ui::tool::Tool::Text => egui::CursorIcon::Text,
-        _ => egui::CursorIcon::Crosshair,
+        Tool::Select => egui::CursorIcon::Default,
+        Tool::Text => egui::CursorIcon::Text,
+        Tool::Point
+        | Tool::Line
+        | Tool::Circle
+        | Tool::Rectangle
+        | Tool::Triangle
+        | Tool::Polygon
+        | Tool::Freehand
+        | Tool::Brush
+        | Tool::Erase
+        | Tool::Measure => egui::CursorIcon::Crosshair,
     };
+    // The key that ends a text draws nothing.
+    if !was_typing {
+        cursor::act(editor, ui, &response, &lens);
+    }
+    context::menu(editor, &response, &lens);
     let response = response.on_hover_cursor(cursor);
-    Canvas { lens: editor.view.lens(editor.scene(), rect), response }
+    Canvas { lens: editor.lens(rect, is_held), response }
 }
 
 pub fn paint(editor: &Editor, shown: &Shown, ui: &Ui, canvas: &Canvas) {
@@ -83,27 +103,34 @@ pub fn paint(editor: &Editor, shown: &Shown, ui: &Ui, canvas: &Canvas) {
         words(editor, shown, &painter, lens);
         return;
     }
+    if editor.view.grid || editor.snaps {
+        guides::grid(editor.grid, &painter, lens);
+    }
     if editor.view.marks {
         marks::paint(editor, shown, &painter, lens, canvas.response.hover_pos());
-        way::paint(editor, shown, &painter, lens);
+        path_marks::paint(editor, shown, &painter, lens);
     }
     marks::gesture(editor, &painter, lens);
     if let Some(at) = canvas.response.hover_pos() {
         marks::brush(editor, &painter, lens, at);
     }
     if editor.view.section {
-        let y = lens.screen(DVec2::new(0.0, editor.view.line)).y;
-        painter.hline(lens.rect.x_range(), y, Stroke::new(1.0, theme::CHOSEN.gamma_multiply(0.6)));
+        marks::line(editor, &painter, lens);
+    }
+    guides::paint(&editor.guides, &painter, lens);
+    if canvas.response.has_focus() {
+        cursor::paint(editor, &painter, lens);
     }
     axes(&editor.view, ui, lens);
     if let Some(map) = shown.map.as_ref().filter(|_| !editor.is_comparing()) {
         legend::paint(editor, map, ui, lens);
     }
     words(editor, shown, &painter, lens);
-    if let Some(at) =
-        canvas.response.hover_pos().filter(|_| editor.dialog.is_none() && !editor.is_comparing())
-    {
-        probe(editor, shown, &painter, lens, at);
+    if let Some(at) = canvas.response.hover_pos().filter(|_| editor.dialog.is_none()) {
+        if !editor.is_comparing() {
+            probe(editor, shown, &painter, lens, at);
+        }
+        marks::dimensions(editor, &painter, lens);
     }
 }
 
@@ -193,25 +220,15 @@ pub fn axes(view: &View, ui: &Ui, lens: &Lens) {
     painter.rect_stroke(rect, 0.0, Stroke::new(1.0, visuals.weak_text_color()), StrokeKind::Outside);
     let step = legend::round_step(TICK * lens.window.scale * 1e3);
     let (low, high) = (lens.flat(rect.left_bottom()) * 1e3, lens.flat(rect.right_top()) * 1e3);
-    let ticks = |low: f64, high: f64| {
-        let (first, last) = ((low / step).ceil() as i64, (high / step).floor() as i64);
-        (first..=last.min(first + 100)).map(move |i| i as f64 * step)
-    };
-    let decimals = if step < 0.1 {
-        2
-    } else if step < 1.0 {
-        1
-    } else {
-        0
-    };
+    let decimals = ticks::decimals(step).min(2);
     let font = FontId::proportional(12.0);
     let stroke = Stroke::new(1.0, visuals.weak_text_color());
-    for x in ticks(low.x, high.x) {
+    for x in ticks::between(low.x, high.x, step) {
         let at = pos2(lens.screen(DVec2::new(x * 1e-3, 0.0)).x, rect.bottom());
         painter.line_segment([at, at + vec2(0.0, 5.0)], stroke);
         painter.text(at + vec2(0.0, 6.0), Align2::CENTER_TOP, format!("{x:.decimals$}"), font.clone(), ink);
     }
-    for y in ticks(low.y, high.y) {
+    for y in ticks::between(low.y, high.y, step) {
         let at = pos2(rect.left(), lens.screen(DVec2::new(0.0, y * 1e-3)).y);
         painter.line_segment([at, at - vec2(5.0, 0.0)], stroke);
         painter.text(at - vec2(8.0, 0.0), Align2::RIGHT_CENTER, format!("{y:.decimals$}"), font.clone(), ink);
@@ -227,15 +244,21 @@ pub fn axes(view: &View, ui: &Ui, lens: &Lens) {
 fn probe(editor: &Editor, shown: &Shown, painter: &Painter, lens: &Lens, at: Pos2) {
     let uv = lens.flat(at);
     let point = editor.view.axes(editor.scene()).world(uv);
-    let mut text = format!("x {:.1}   y {:.1}   z {:.1} mm", point.x * 1e3, point.y * 1e3, point.z * 1e3);
+    let [x, y, z] = point.to_array().map(measure::mm);
+    let mut text = format!("x {x}   y {y}   z {z} mm");
     if let (Some(map), Some(sound)) = (&shown.map, &shown.sound) {
-        text.push_str(&format!("     {}", value(map, sound, uv, point)));
+        text.push_str(&format!("     {}", value(editor, map, sound, uv, point)));
     }
+    // Where the map is narrow it has several lines.
     let corner = lens.rect.left_top() + vec2(12.0, 9.0);
-    marks::chip(painter, corner, Align2::LEFT_TOP, &text, 13.0, theme::MARK);
+    let room = (lens.rect.width() - 24.0).max(40.0);
+    let galley = painter.layout(text, FontId::proportional(13.0), theme::MARK, room);
+    let rect = Rect::from_min_size(corner, galley.size());
+    painter.rect_filled(rect.expand2(vec2(6.0, 3.0)), 4.0, Color32::from_black_alpha(200));
+    painter.galley(rect.min, galley, theme::MARK);
 }
 
-fn value(map: &Map, sound: &Sound, uv: DVec2, point: DVec3) -> String {
+fn value(editor: &Editor, map: &Map, sound: &Sound, uv: DVec2, point: DVec3) -> String {
     let quantity = map.quantity;
     let reading = probe::reading(&sound.aperture, &sound.drives, point);
     let value = map.number(uv).or_else(|| sound.value(map, point));
@@ -253,8 +276,8 @@ fn value(map: &Map, sound: &Sound, uv: DVec2, point: DVec3) -> String {
         return format!("{value}{of_map}");
     }
     format!(
-        "{} RMS   {:.1} dB SPL{of_map}   phase {:.0}°",
-        pascals(reading.rms()),
+        "{}   {:.1} dB SPL{of_map}   phase {:.0}°",
+        editor.view.convention.pressure(reading.peak()),
         reading.spl().max(-99.9),
         reading.phase().to_degrees()
     )

@@ -229,18 +229,15 @@ pub fn interact(editor: &mut Editor, first: &Canvas, ui: &mut Ui) -> Option<Seco
         window = lens.moved(response.drag_delta());
     }
     if response.double_clicked() {
-        editor.view.window = None;
+        editor.fit();
         editor.compare.iter_mut().for_each(|compare| compare.centre = None);
     } else if window != lens.window {
         link(editor, &compare, &first.lens, window);
     }
     let view = compare.view(&editor.view);
-    let lens = second_lens(
-        editor,
-        &compare,
-        &Lens { window: editor.view.lens(editor.scene(), first.lens.rect).window, ..first.lens },
-        rect,
-    );
+    let own = editor.lens(first.lens.rect, false);
+    let compare = editor.compare.clone()?;
+    let lens = second_lens(editor, &compare, &own, rect);
     let world = |view: &View, scene: &Scene, lens: &Lens, at: Pos2| view.axes(scene).world(lens.flat(at));
     let pointer = match (first.hover(), response.hover_pos()) {
         (Some(at), _) => Some(world(&editor.view, editor.scene(), &first.lens, at)),
@@ -257,7 +254,7 @@ fn second_lens(editor: &Editor, compare: &Compare, first: &Lens, rect: Rect) -> 
         return Lens { rect, window: first.window };
     }
     let (scene, view) = (editor.scene(), compare.view(&editor.view));
-    let mut centre = compare.centre.unwrap_or_else(|| view.lens(scene, rect).window.centre);
+    let mut centre = compare.centre.unwrap_or_else(|| view.whole(scene).0);
     if shares_across(editor, compare) {
         centre.x = first.window.centre.x;
     }

@@ -90,13 +90,11 @@ pub fn reorder(scene: &mut Scene, from: usize, to: usize) -> usize {
 
 /// Copies what is selected and selects the copies.
 pub fn duplicate(scene: &mut Scene, selection: &mut BTreeSet<usize>, axes: &Axes) {
-    let mut copies: Vec<Target> =
-        selection.iter().filter_map(|&index| scene.targets.get(index)).cloned().collect();
+    copy_in_place(scene, selection);
     let by = (axes.x - axes.y) * BESIDE;
-    copies.iter_mut().for_each(|copy| translate(&mut copy.shape, by));
-    let first = scene.targets.len();
-    scene.targets.extend(copies);
-    *selection = (first..scene.targets.len()).collect();
+    for &index in selection.iter() {
+        translate(&mut scene.targets[index].shape, by);
+    }
 }
 
 /// What a target is called in lists.
@@ -108,7 +106,7 @@ pub fn name(target: &Target) -> String {
         Shape::Rectangle { .. } => "Rectangle".to_owned(),
         Shape::Triangle { .. } => "Triangle".to_owned(),
         Shape::Polygon { sides, .. } => format!("Polygon of {sides}"),
-        Shape::Path { vertices, .. } => format!("Path of {}", vertices.len()),
+        Shape::Path { vertices, .. } => format!("Freehand, {} vertices", vertices.len()),
         Shape::Text { text, .. } => format!("Text “{text}”"),
         Shape::Picture { file, .. } => {
             let name = Path::new(file).file_name().map_or(file.into(), |name| name.to_string_lossy());
@@ -121,6 +119,88 @@ pub fn name(target: &Target) -> String {
 pub fn outline_on(target: &Target, axes: &Axes) -> Vec<Vec<DVec2>> {
     let flat = |stroke: Vec<DVec3>| stroke.into_iter().map(|point| axes.flat(point)).collect();
     outline::strokes(target).unwrap_or_default().into_iter().map(flat).collect()
+}
+
+/// Low and high corner (m) of the box around targets on a cut.
+pub fn bounds<'a>(targets: impl IntoIterator<Item = &'a Target>, axes: &Axes) -> Option<[DVec2; 2]> {
+    let points = targets.into_iter().flat_map(|target| outline_on(target, axes).concat());
+    points.map(|point| [point; 2]).reduce(|[low, high], [a, b]| [low.min(a), high.max(b)])
+}
+
+/// Where selected targets are to line up.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Align {
+    Left,
+    Centre,
+    Right,
+    Top,
+    Middle,
+    Bottom,
+}
+
+impl Align {
+    pub const ALL: [Self; 6] = [Self::Left, Self::Centre, Self::Right, Self::Top, Self::Middle, Self::Bottom];
+
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Left => "Align left",
+            Self::Centre => "Align centres",
+            Self::Right => "Align right",
+            Self::Top => "Align top",
+            Self::Middle => "Align middles",
+            Self::Bottom => "Align bottom",
+        }
+    }
+}
+
+/// Lines up what is selected with the box around all of it.
+pub fn align(scene: &mut Scene, selection: &BTreeSet<usize>, axes: &Axes, align: Align) {
+    let chosen = || selection.iter().copied().filter(|&index| index < scene.targets.len());
+    let boxes: Vec<_> = chosen()
+        .filter_map(|index| bounds([&scene.targets[index]], axes).map(|around| (index, around)))
+        .collect();
+    let whole = boxes.iter().map(|(_, around)| *around).reduce(|a, b| [a[0].min(b[0]), a[1].max(b[1])]);
+    let Some(whole) = whole else { return };
+    for (index, own) in boxes {
+        let [low, high] = [whole[0] - own[0], whole[1] - own[1]];
+        let by = match align {
+            Align::Left => DVec2::new(low.x, 0.0),
+            Align::Centre => DVec2::new((low.x + high.x) / 2.0, 0.0),
+            Align::Right => DVec2::new(high.x, 0.0),
+            Align::Top => DVec2::new(0.0, high.y),
+            Align::Middle => DVec2::new(0.0, (low.y + high.y) / 2.0),
+            Align::Bottom => DVec2::new(0.0, low.y),
+        };
+        translate(&mut scene.targets[index].shape, axes.x * by.x + axes.y * by.y);
+    }
+}
+
+/// Makes the gaps between what is selected equal along the axis to the right, or upwards; the outermost stay.
+pub fn distribute(scene: &mut Scene, selection: &BTreeSet<usize>, axes: &Axes, is_upwards: bool) {
+    let along = |at: DVec2| if is_upwards { at.y } else { at.x };
+    let mut spans: Vec<_> = selection
+        .iter()
+        .filter_map(|&index| Some((index, bounds([scene.targets.get(index)?], axes)?.map(along))))
+        .collect();
+    spans.sort_by(|(_, a), (_, b)| (a[0] + a[1]).total_cmp(&(b[0] + b[1])));
+    let [(_, first), .., (_, last)] = spans[..] else { return };
+    let filled: f64 = spans.iter().map(|(_, [low, high])| high - low).sum();
+    let gap = (last[1] - first[0] - filled) / (spans.len() - 1) as f64;
+    let direction = if is_upwards { axes.y } else { axes.x };
+    let mut place = first[0];
+    for (index, [low, high]) in spans {
+        translate(&mut scene.targets[index].shape, direction * (place - low));
+        place += high - low + gap;
+    }
+}
+
+/// Copies what is selected where it stands and selects the copies.
+pub fn copy_in_place(scene: &mut Scene, selection: &mut BTreeSet<usize>) {
+    let copies: Vec<Target> =
+        selection.iter().filter_map(|&index| scene.targets.get(index)).cloned().collect();
+    let first = scene.targets.len();
+    scene.targets.extend(copies);
+    *selection = (first..scene.targets.len()).collect();
 }
 
 /// The uppermost target whose outline is within `reach` (m) of a point of the cut, or that has the point inside its letters.
@@ -224,6 +304,43 @@ mod tests {
             assert_eq!(reorder(&mut scene, from, to), place);
             assert_eq!(scene.targets, order.map(|index| before[index].clone()));
         }
+    }
+
+    #[test]
+    fn what_is_aligned_shares_an_edge_and_what_is_distributed_has_equal_gaps() {
+        let (scene, axes) = scene();
+        let all = BTreeSet::from([0, 1, 2]);
+        let spans =
+            |scene: &Scene| scene.targets.iter().map(|it| bounds([it], &axes).unwrap()).collect::<Vec<_>>();
+        let middle = |[low, high]: [DVec2; 2]| (low + high) / 2.0;
+        type Pick = fn([DVec2; 2]) -> f64;
+        let edges: [(Align, Pick, f64); 6] = [
+            (Align::Left, |it| it[0].x, -0.05),
+            (Align::Centre, |it| (it[0].x + it[1].x) / 2.0, 0.0),
+            (Align::Right, |it| it[1].x, 0.05),
+            (Align::Top, |it| it[1].y, 0.02),
+            (Align::Middle, |it| (it[0].y + it[1].y) / 2.0, -0.015),
+            (Align::Bottom, |it| it[0].y, -0.05),
+        ];
+        for (edge, pick, at) in edges {
+            let mut aligned = scene.clone();
+            align(&mut aligned, &all, &axes, edge);
+            for (own, before) in spans(&aligned).into_iter().zip(spans(&scene)) {
+                assert!((pick(own) - at).abs() < 1e-9, "{edge:?}: {own:?}");
+                let by = middle(own) - middle(before);
+                assert!(by.x.abs() < 1e-9 || by.y.abs() < 1e-9, "{edge:?} moves along one axis");
+            }
+        }
+        let mut apart = scene.clone();
+        distribute(&mut apart, &all, &axes, false);
+        let mut spans = spans(&apart);
+        spans.sort_by(|a, b| a[0].x.total_cmp(&b[0].x));
+        let gaps: Vec<_> = spans.windows(2).map(|pair| pair[1][0].x - pair[0][1].x).collect();
+        assert!((gaps[0] - gaps[1]).abs() < 1e-9, "{gaps:?}");
+        assert!(
+            (spans[0][0].x + 0.05).abs() < 1e-9 && (spans[2][1].x - 0.05).abs() < 1e-9,
+            "the outermost stay"
+        );
     }
 
     #[test]

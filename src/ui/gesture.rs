@@ -2,20 +2,26 @@
 
 use std::collections::BTreeSet;
 
-use egui::{Event, Key, Modifiers, PointerButton, Pos2, Response, Ui};
+use egui::{Key, Modifiers, PointerButton, Pos2, Response, Ui};
 use glam::DVec2;
 
-use crate::scene::{Shape, Target, font};
+use crate::scene::{Target, outline};
 use crate::ui::Editor;
 use crate::ui::brush;
 use crate::ui::edit;
+use crate::ui::guides::Guides;
 use crate::ui::handle;
+use crate::ui::measure::{self, ProfileLine};
 use crate::ui::tool::{self, Tool};
+use crate::ui::transform::{self, Grip};
+use crate::ui::typing::{self, Typing};
 use crate::ui::view::{Axes, Lens};
 use crate::ui::way;
 
 /// Points of the screen within which an outline is meant.
 const REACH: f64 = 9.0;
+/// The same from the end of a stroke to its beginning, where it closes.
+pub const CLOSES: f64 = 14.0;
 /// m, between the vertices of a stroke drawn by hand.
 const STROKE_STEP: f64 = 1.5e-3;
 const MOST_VERTICES: usize = 600;
@@ -62,15 +68,16 @@ pub enum Gesture {
     Erase {
         last: Option<DVec2>,
     },
-}
-
-/// A text under way.
-#[derive(Clone, Debug)]
-pub struct Typing {
-    pub at: DVec2,
-    pub text: String,
-    /// Its place in the scene once there is something to write.
-    index: Option<usize>,
+    /// A line is measured from here.
+    Measure {
+        fixed: DVec2,
+    },
+    /// All that is selected is scaled or turned.
+    Transform {
+        grip: Grip,
+        from: DVec2,
+        before: Vec<(usize, Target)>,
+    },
 }
 
 /// Lets the pointer act. `response` is the canvas.
@@ -83,11 +90,11 @@ pub fn act(editor: &mut Editor, ui: &Ui, response: &Response, lens: &Lens) {
     let pressed = is_meant && ui.input(|input| input.pointer.primary_pressed());
     if !is_meant && ui.input(|input| input.pointer.any_pressed()) {
         // What is pressed beside the canvas may change the list that the text stands in.
-        end_typing(editor);
+        typing::end(editor);
     }
     if let Some(at) = response.interact_pointer_pos() {
         if pressed && editor.gesture.is_none() && !ui.input(|input| input.key_down(Key::Space)) {
-            end_typing(editor);
+            typing::end(editor);
             begin(editor, &axes, lens, at, modifiers);
         }
         go_on(editor, &axes, lens, at, modifiers);
@@ -96,13 +103,13 @@ pub fn act(editor: &mut Editor, ui: &Ui, response: &Response, lens: &Lens) {
         end(editor, &axes, lens, response);
     }
     if editor.typing.is_some() {
-        write(editor, ui, &axes);
+        typing::write(editor, ui, &axes);
     }
 }
 
 /// Lets the pointer look around where nothing is edited.
 pub fn watch(editor: &mut Editor, ui: &Ui, response: &Response, lens: &Lens) {
-    end_typing(editor);
+    typing::end(editor);
     look_around(editor, ui, response, lens);
     if !ui.input(|input| input.pointer.any_down()) {
         editor.gesture = None;
@@ -118,10 +125,11 @@ fn look_around(editor: &mut Editor, ui: &Ui, response: &Response, lens: &Lens) {
             editor.view.window = Some(lens.zoomed(at, factor));
         }
     }
-    if let (true, Some(at)) = (editor.view.section, response.hover_pos())
-        && ui.input(|input| input.modifiers.shift)
+    let moves_line = ui.input(|input| input.modifiers.shift && !input.pointer.any_down());
+    if let (true, Some(at), ProfileLine::Across(v)) =
+        (editor.view.section && moves_line, response.hover_pos(), &mut editor.view.line)
     {
-        editor.view.line = lens.flat(at).y;
+        *v = lens.flat(at).y;
     }
     let space = ui.input(|input| input.key_down(Key::Space)) && !editor.is_typing();
     let pans = response.dragged_by(PointerButton::Middle)
@@ -136,19 +144,42 @@ fn look_around(editor: &mut Editor, ui: &Ui, response: &Response, lens: &Lens) {
         let on_way =
             response.interact_pointer_pos().is_some_and(|at| way::add_vertex(editor, &axes, lens, at));
         if !on_way {
-            editor.view.window = None;
+            editor.fit();
         }
     }
 }
 
-/// The place that is meant: on the grid if the pointer snaps.
-fn place(editor: &Editor, lens: &Lens, at: Pos2) -> DVec2 {
+/// The place that is meant: on the grid if the pointer snaps, else in line with what is not `held`. Ctrl frees it.
+fn place(
+    editor: &mut Editor,
+    axes: &Axes,
+    lens: &Lens,
+    (at, modifiers): (Pos2, Modifiers),
+    held: Option<usize>,
+) -> DVec2 {
     let uv = lens.flat(at);
-    if editor.snaps { (uv / editor.grid).round() * editor.grid } else { uv }
+    editor.guides.clear();
+    if modifiers.command {
+        return uv;
+    }
+    if editor.snaps {
+        return (uv / editor.grid).round() * editor.grid;
+    }
+    uv + line_up(editor, axes, lens, &[uv], &held.into_iter().collect())
+}
+
+/// By how much something with these places has to move to line up with what is not `held`.
+fn line_up(editor: &mut Editor, axes: &Axes, lens: &Lens, places: &[DVec2], held: &BTreeSet<usize>) -> DVec2 {
+    if !editor.view.guides {
+        return DVec2::ZERO;
+    }
+    let (by, guides) = Guides::of(editor.scene(), axes, held).attract(lens, places);
+    editor.guides = guides;
+    by
 }
 
 fn begin(editor: &mut Editor, axes: &Axes, lens: &Lens, at: Pos2, modifiers: Modifiers) {
-    let from = place(editor, lens, at);
+    let from = place(editor, axes, lens, (at, modifiers), None);
     editor.gesture = match editor.tool {
         Tool::Select => Some(grab(editor, axes, lens, at, modifiers)),
         Tool::Point => {
@@ -160,7 +191,7 @@ fn begin(editor: &mut Editor, axes: &Axes, lens: &Lens, at: Pos2, modifiers: Mod
         }
         Tool::Text => {
             editor.selection.clear();
-            editor.typing = Some(Typing { at: from, text: String::new(), index: None });
+            editor.typing = Some(Typing::new(from));
             None
         }
         Tool::Freehand => Some(Gesture::Stroke { points: vec![lens.flat(at)], index: None }),
@@ -169,6 +200,10 @@ fn begin(editor: &mut Editor, axes: &Axes, lens: &Lens, at: Pos2, modifiers: Mod
             Some(Gesture::Brush { last: None, index })
         }
         Tool::Erase => Some(Gesture::Erase { last: None }),
+        Tool::Measure => {
+            let other = other_end(editor, lens, at);
+            Some(Gesture::Measure { fixed: other.unwrap_or(from) })
+        }
         Tool::Line | Tool::Circle | Tool::Rectangle | Tool::Triangle | Tool::Polygon => {
             Some(Gesture::Draw { from, index: None })
         }
@@ -184,6 +219,9 @@ fn grab(editor: &mut Editor, axes: &Axes, lens: &Lens, at: Pos2, modifiers: Modi
     if let Some(pull) = pull(editor, axes, lens, at) {
         return pull;
     }
+    if let Some(fixed) = other_end(editor, lens, at) {
+        return Gesture::Measure { fixed };
+    }
     let Some(index) = edit::target_at(editor.scene(), axes, from, REACH * lens.window.scale) else {
         let kept = if modifiers.shift { editor.selection.clone() } else { BTreeSet::new() };
         editor.selection = kept.clone();
@@ -195,13 +233,35 @@ fn grab(editor: &mut Editor, axes: &Axes, lens: &Lens, at: Pos2, modifiers: Modi
         (false, true) => {}
         (false, false) => editor.selection = BTreeSet::from([index]),
     }
+    if modifiers.alt {
+        edit::copy_in_place(&mut editor.document.scene, &mut editor.selection);
+    }
+    Gesture::Move { from, before: selected(editor) }
+}
+
+/// What is selected, as it stands.
+fn selected(editor: &Editor) -> Vec<(usize, Target)> {
     let targets = &editor.scene().targets;
-    let before = editor.selection.iter().map(|&index| (index, targets[index].clone())).collect();
-    Gesture::Move { from, before }
+    let target = |&index: &usize| targets.get(index).map(|target| (index, target.clone()));
+    editor.selection.iter().filter_map(target).collect()
+}
+
+/// The end of the measured line that stays when the one under the pointer is dragged.
+fn other_end(editor: &Editor, lens: &Lens, at: Pos2) -> Option<DVec2> {
+    let ProfileLine::Between([from, to]) = editor.view.line else { return None };
+    let is_near = |end: DVec2| f64::from(lens.screen(end).distance(at)) <= REACH;
+    match (editor.view.section, is_near(to), is_near(from)) {
+        (true, true, _) => Some(from),
+        (true, false, true) => Some(to),
+        (true, false, false) | (false, _, _) => None,
+    }
 }
 
 /// Takes hold of a handle of what is selected.
 fn pull(editor: &Editor, axes: &Axes, lens: &Lens, at: Pos2) -> Option<Gesture> {
+    if let Some(grip) = transform::at(editor, axes, lens, at) {
+        return Some(Gesture::Transform { grip, from: lens.flat(at), before: selected(editor) });
+    }
     let index = editor.selection.first().copied().filter(|_| editor.selection.len() == 1)?;
     let before = editor.scene().targets.get(index)?.clone();
     let handle = handle::at(&before, axes, lens, at)?;
@@ -214,7 +274,7 @@ fn go_on(editor: &mut Editor, axes: &Axes, lens: &Lens, at: Pos2, modifiers: Mod
         Gesture::Pan => {}
         Gesture::Pull { index, handle, before } => {
             let from = handle::handles(before)[*handle];
-            let uv = place(editor, lens, at);
+            let uv = place(editor, axes, lens, (at, modifiers), Some(*index));
             // A click that trembles pulls nothing.
             if uv.distance(axes.flat(from)) >= 2.0 * lens.window.scale {
                 let depth = axes.x.cross(axes.y) * axes.height(from);
@@ -224,14 +284,17 @@ fn go_on(editor: &mut Editor, axes: &Axes, lens: &Lens, at: Pos2, modifiers: Mod
                 }
             }
         }
-        Gesture::Way(pull) => way::pull(editor, axes, lens, place(editor, lens, at), pull),
-        Gesture::Move { from, before } => follow(editor, axes, lens, at, (*from, before)),
+        Gesture::Way(pull) => {
+            let uv = place(editor, axes, lens, (at, modifiers), pull.target());
+            way::pull(editor, axes, lens, uv, pull);
+        }
+        Gesture::Move { from, before } => follow(editor, axes, lens, (at, modifiers), (*from, before)),
         Gesture::Band { from, kept } => {
             let inside = edit::targets_in(editor.scene(), axes, *from, lens.flat(at));
             editor.selection = kept.union(&inside).copied().collect();
         }
         Gesture::Draw { from, index } => {
-            let mut to = place(editor, lens, at);
+            let mut to = place(editor, axes, lens, (at, modifiers), *index);
             if modifiers.shift {
                 to = straight(editor.tool, *from, to);
             }
@@ -245,7 +308,7 @@ fn go_on(editor: &mut Editor, axes: &Axes, lens: &Lens, at: Pos2, modifiers: Mod
             if is_far && points.len() < MOST_VERTICES {
                 points.push(uv);
                 if points.len() > 1 {
-                    put(editor, index, tool::path(axes, points));
+                    put(editor, index, tool::path(axes, points, false));
                 }
             }
         }
@@ -267,6 +330,24 @@ fn go_on(editor: &mut Editor, axes: &Axes, lens: &Lens, at: Pos2, modifiers: Mod
                 brush::wipe(editor, axes, way);
             }
         }
+        Gesture::Measure { fixed } => {
+            let mut to = place(editor, axes, lens, (at, modifiers), None);
+            if modifiers.shift {
+                to = straight(Tool::Line, *fixed, to);
+            }
+            if fixed.distance(to) >= measure::SHORTEST {
+                editor.view.line = ProfileLine::Between([*fixed, to]);
+                editor.view.section = true;
+            }
+        }
+        Gesture::Transform { grip, from, before } => {
+            for (index, target) in before.iter() {
+                let pulled = transform::pulled(target, *grip, axes, *from, lens.flat(at), modifiers.shift);
+                if let Some(target) = editor.document.scene.targets.get_mut(*index) {
+                    *target = pulled;
+                }
+            }
+        }
     }
     editor.gesture = Some(gesture);
 }
@@ -277,23 +358,40 @@ fn way(last: &mut Option<DVec2>, to: DVec2) -> Option<[DVec2; 2]> {
     (from != to).then_some([if from.is_finite() { from } else { to }, to])
 }
 
+/// Whether a stroke ends within reach of where it began.
+pub fn closes(points: &[DVec2], lens: &Lens) -> bool {
+    let reach = CLOSES * lens.window.scale;
+    let [first, .., last] = points else { return false };
+    let length: f64 = points.windows(2).map(|pair| pair[0].distance(pair[1])).sum();
+    points.len() > 4 && first.distance(*last) <= reach && length > 4.0 * reach
+}
+
 /// Moves what is held to where the pointer is.
 fn follow(
     editor: &mut Editor,
     axes: &Axes,
     lens: &Lens,
-    at: Pos2,
+    (at, modifiers): (Pos2, Modifiers),
     (from, before): (DVec2, &[(usize, Target)]),
 ) {
+    editor.guides.clear();
     let mut by = lens.flat(at) - from;
     // A click that trembles is no move.
     if by.length() < 2.0 * lens.window.scale {
         by = DVec2::ZERO;
     }
-    if let (true, Some((_, first))) = (editor.snaps && by != DVec2::ZERO, before.first()) {
-        // The first target goes to the grid and the others keep their distance from it.
-        let centre = axes.flat(crate::scene::outline::centre(&first.shape));
-        by = ((centre + by) / editor.grid).round() * editor.grid - centre;
+    if let (true, Some((_, first))) = (by != DVec2::ZERO && !modifiers.command, before.first()) {
+        let centre = axes.flat(outline::centre(&first.shape));
+        if editor.snaps {
+            // The first target goes to the grid and the others keep their distance from it.
+            by = ((centre + by) / editor.grid).round() * editor.grid - centre;
+        } else {
+            let edges = edit::bounds(before.iter().map(|(_, target)| target), axes).unwrap_or([centre; 2]);
+            let middle = if before.len() == 1 { centre } else { (edges[0] + edges[1]) / 2.0 };
+            let held = before.iter().map(|(index, _)| *index).collect();
+            let places = [middle, edges[0], edges[1]].map(|place| place + by);
+            by += line_up(editor, axes, lens, &places, &held);
+        }
     }
     for (index, target) in before {
         let mut moved = target.clone();
@@ -335,11 +433,18 @@ fn put(editor: &mut Editor, index: &mut Option<usize>, target: Target) {
 
 fn end(editor: &mut Editor, axes: &Axes, lens: &Lens, response: &Response) {
     let Some(gesture) = editor.gesture.take() else { return };
+    editor.guides.clear();
+    if let Gesture::Stroke { points, index: Some(index) } = &gesture
+        && closes(points, lens)
+    {
+        put(editor, &mut Some(*index), tool::path(axes, &points[..points.len() - 1], true));
+    }
     if let Gesture::Draw { index: None, .. } = gesture
         && response.clicked()
         && let Some(at) = response.interact_pointer_pos()
     {
-        let at = place(editor, lens, at);
+        let at = place(editor, axes, lens, (at, Modifiers::NONE), None);
+        editor.guides.clear();
         if let Some(target) = editor.tool.click(axes, at) {
             put(editor, &mut None, target);
         }
@@ -347,48 +452,4 @@ fn end(editor: &mut Editor, axes: &Axes, lens: &Lens, response: &Response) {
     if let Gesture::Erase { .. } = gesture {
         brush::clear_away(editor);
     }
-}
-
-/// Letters go to the text on the canvas.
-fn write(editor: &mut Editor, ui: &Ui, axes: &Axes) {
-    let Some(mut typing) = editor.typing.take() else { return };
-    let events = ui.input(|input| input.events.clone());
-    let mut is_done = false;
-    for event in events {
-        match event {
-            Event::Text(letters) => {
-                let known = |letter: &char| font::lay_out(&letter.to_string(), 1.0).is_ok();
-                typing.text.extend(letters.chars().filter(known));
-            }
-            Event::Key { key: Key::Backspace, pressed: true, .. } => drop(typing.text.pop()),
-            Event::Key { key: Key::Enter | Key::Escape, pressed: true, .. } => is_done = true,
-            _ => {}
-        }
-    }
-    match (typing.text.trim().is_empty(), typing.index) {
-        (true, None) => {}
-        (true, Some(index)) => {
-            edit::delete(&mut editor.document.scene, &mut BTreeSet::from([index]));
-            typing.index = None;
-            editor.selection.clear();
-        }
-        (false, Some(index)) => {
-            // Only the letters: height and place may have been changed by hand meanwhile.
-            if let Some(Shape::Text { text, .. }) =
-                editor.document.scene.targets.get_mut(index).map(|target| &mut target.shape)
-                && *text != typing.text
-            {
-                text.clone_from(&typing.text);
-            }
-        }
-        (false, None) => put(editor, &mut typing.index, tool::text(axes, typing.at, &typing.text)),
-    }
-    editor.typing = (!is_done).then_some(typing);
-    if is_done {
-        editor.tool = Tool::Select;
-    }
-}
-
-pub fn end_typing(editor: &mut Editor) {
-    editor.typing = None;
 }

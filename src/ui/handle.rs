@@ -12,8 +12,8 @@ const SMALLEST: f64 = 1e-3;
 /// Vertices of a path that get a handle each; of more, the box around them gets one.
 const FEW: usize = 24;
 /// Points of the screen: half a handle's side, and how near the pointer has to be.
-const HALF: f32 = 4.5;
-const REACH: f32 = 9.0;
+pub const HALF: f32 = 4.0;
+pub const REACH: f32 = 9.0;
 
 /// The places of a target that can be pulled.
 pub fn handles(target: &Target) -> Vec<DVec3> {
@@ -120,10 +120,14 @@ pub fn at(target: &Target, axes: &Axes, lens: &Lens, pointer: Pos2) -> Option<us
 
 pub fn paint(target: &Target, axes: &Axes, painter: &Painter, lens: &Lens) {
     for place in handles(target) {
-        let rect = Rect::from_center_size(lens.screen(axes.flat(place)), vec2(HALF, HALF) * 2.0);
-        let stroke = Stroke::new(2.0, theme::CHOSEN);
-        painter.rect(rect, 1.0, theme::MARK_EDGE, stroke, StrokeKind::Middle);
+        square(lens.screen(axes.flat(place)), painter);
     }
+}
+
+/// Draws a handle.
+pub fn square(at: Pos2, painter: &Painter) {
+    let rect = Rect::from_center_size(at, vec2(HALF, HALF) * 2.0);
+    painter.rect(rect, 1.0, theme::MARK, Stroke::new(1.5, theme::ACCENT), StrokeKind::Middle);
 }
 
 #[cfg(test)]

@@ -3,107 +3,132 @@
 use std::collections::BTreeSet;
 use std::path::Path;
 
-use egui::{Context, Event, Key, KeyboardShortcut, Modifiers};
+use egui::{Context, Event, Key, Modifiers};
 
-use crate::field::Quantity;
-use crate::studio::opening;
-use crate::ui::brush;
+use crate::studio::{link, opening};
+use crate::ui::action::Action;
+use crate::ui::board::{BoardCommand, Plays};
+use crate::ui::cursor;
 use crate::ui::edit;
-use crate::ui::gesture;
 use crate::ui::tool::Tool;
+use crate::ui::typing;
 use crate::ui::way;
-use crate::ui::{Command, Dialog, Editor, Purpose};
-
-pub const NEW: KeyboardShortcut = KeyboardShortcut::new(Modifiers::COMMAND, Key::N);
-pub const OPEN: KeyboardShortcut = KeyboardShortcut::new(Modifiers::COMMAND, Key::O);
-pub const SAVE: KeyboardShortcut = KeyboardShortcut::new(Modifiers::COMMAND, Key::S);
-pub const SAVE_AS: KeyboardShortcut =
-    KeyboardShortcut::new(Modifiers::COMMAND.plus(Modifiers::SHIFT), Key::S);
-pub const CLOSE: KeyboardShortcut = KeyboardShortcut::new(Modifiers::COMMAND, Key::Q);
-pub const UNDO: KeyboardShortcut = KeyboardShortcut::new(Modifiers::COMMAND, Key::Z);
-pub const REDO: KeyboardShortcut = KeyboardShortcut::new(Modifiers::COMMAND.plus(Modifiers::SHIFT), Key::Z);
-const REDO_TOO: KeyboardShortcut = KeyboardShortcut::new(Modifiers::COMMAND, Key::Y);
-pub const DUPLICATE: KeyboardShortcut = KeyboardShortcut::new(Modifiers::COMMAND, Key::D);
-/// These come as events of their own; here they stand for the menu.
-pub const CUT: KeyboardShortcut = KeyboardShortcut::new(Modifiers::COMMAND, Key::X);
-pub const COPY: KeyboardShortcut = KeyboardShortcut::new(Modifiers::COMMAND, Key::C);
-pub const PASTE: KeyboardShortcut = KeyboardShortcut::new(Modifiers::COMMAND, Key::V);
-pub const SELECT_ALL: KeyboardShortcut = KeyboardShortcut::new(Modifiers::COMMAND, Key::A);
+use crate::ui::{Command, Editor, Notice, Shown};
 
 /// m: what an arrow key moves by, and with shift.
 const NUDGE: f64 = 1e-3;
 const FAR_NUDGE: f64 = 1e-2;
+/// s within which a second Escape stops the board.
+const TWICE: f64 = 2.0;
 
-/// Every shortcut with what it does, for the help.
+/// What keys and pointer do beside the actions, for the help.
 pub const HELP: &[(&str, &str)] = &[
-    ("Ctrl N / O / S", "New, open, save"),
-    ("Ctrl Shift S", "Save as"),
-    ("Ctrl Z / Ctrl Shift Z", "Undo, redo"),
-    ("Ctrl A / D", "Select all, duplicate"),
-    ("Ctrl X / C / V", "Cut, copy, paste targets"),
-    ("Delete", "Delete what is selected"),
     ("Arrows", "Move by 1 mm, with Shift by 10 mm"),
+    (
+        "Tab to the map",
+        "Arrows move a cross (Ctrl: 0.1 mm), Enter draws or selects there, , and . select the next",
+    ),
     ("Esc", "Stop what is under way, select nothing"),
+    ("D, then drag", "Measure along a line; Esc removes it"),
+    ("Esc Esc", "Stop the board"),
     ("Wheel", "Zoom where the pointer is"),
     ("Space or right button + drag", "Move the view"),
-    ("Double click, or 0", "Show everything"),
-    ("1 to 7", "RMS, phase, radiation, depression, instantaneous, intensity, velocity"),
+    ("Double click", "Fit the view"),
     ("Shift while drawing", "Lines in steps of 15°, squares"),
-    ("M", "Focal points and outlines on or off"),
-    ("X", "Curve along a line on or off; Shift moves it"),
-    ("K", "Snap to the grid on or off"),
-    ("[ and ]", "A smaller or larger brush"),
-    ("Ctrl Q", "Quit"),
-    ("F1", "This help"),
+    ("Shift over the map", "Move the line profile"),
+    ("Ctrl while dragging", "Free of grid and guides"),
+    ("Alt and drag", "Drag a copy"),
+    ("Right click", "Menu of what is selected"),
 ];
 
 /// Acts on the keys that no widget wants.
-pub fn press(editor: &mut Editor, ctx: &Context, commands: &mut Vec<Command>) {
+pub fn press(editor: &mut Editor, shown: &mut Shown, ctx: &Context, commands: &mut Vec<Command>) {
+    stop(editor, shown, ctx, commands);
     if editor.dialog.is_some() {
         return;
     }
     if editor.is_typing() {
         // Letters belong to the text, and so does what a click elsewhere ends.
-        if ctx.egui_wants_keyboard_input() {
-            gesture::end_typing(editor);
+        if is_in_field(ctx) {
+            typing::end(editor);
         }
         return;
     }
-    let hit = |shortcut: &KeyboardShortcut| ctx.input_mut(|input| input.consume_shortcut(shortcut));
-    let in_field = ctx.egui_wants_keyboard_input();
+    let in_field = is_in_field(ctx);
+    let mut actions: Vec<_> =
+        Action::all().into_iter().flat_map(|a| a.keys().into_iter().map(move |k| (k, a))).collect();
     // The longer ones first: a shortcut also answers to more modifiers than it asks for.
-    if hit(&SAVE_AS) {
-        editor.dialog = Some(Dialog::path(Purpose::SaveAs, &editor.document));
-    }
-    for (shortcut, command) in [(NEW, Command::New), (SAVE, Command::Save), (CLOSE, Command::Close)] {
-        if hit(&shortcut) {
-            editor.ask(command, commands);
+    actions.sort_by_key(|(keys, _)| (!keys.modifiers.shift, keys.modifiers == Modifiers::NONE));
+    let presses = ctx.input(|input| input.events.iter().filter_map(plain_press).collect::<Vec<_>>());
+    for (keys, action) in actions {
+        if (in_field && !action.is_for_the_window())
+            || matches!(action, Action::Cut | Action::Copy | Action::Paste)
+        {
+            // The desktop's keys for the clipboard come as events of their own.
+            continue;
         }
-    }
-    if hit(&OPEN) {
-        editor.dialog = Some(Dialog::path(Purpose::Open, &editor.document));
+        let is_hit = if keys.modifiers == Modifiers::NONE {
+            presses.iter().any(|(key, _)| *key == keys.logical_key)
+        } else {
+            ctx.input_mut(|input| input.consume_shortcut(&keys))
+        };
+        if is_hit {
+            action.run(editor, shown, ctx, commands);
+        }
     }
     if in_field {
         return;
     }
-    if hit(&REDO) || hit(&REDO_TOO) {
-        editor.redo();
+    clipboard(editor, ctx, commands);
+    if presses.iter().any(|(key, _)| *key == Key::Escape) {
+        escape(editor);
     }
-    if hit(&UNDO) {
-        editor.undo();
+    if cursor::moves_selection(editor, ctx) {
+        presses.iter().for_each(|&(key, shift)| nudge(editor, key, shift));
     }
-    clipboard(editor, ctx);
-    if hit(&DUPLICATE) {
-        duplicate(editor);
+}
+
+/// Escape twice stops a board that sounds, whatever has the keyboard.
+fn stop(editor: &mut Editor, shown: &mut Shown, ctx: &Context, commands: &mut Vec<Command>) {
+    if shown.board.plays == Plays::Nothing {
+        editor.escaped = None;
+        return;
     }
-    if hit(&SELECT_ALL) {
-        editor.selection = (0..editor.scene().targets.len()).collect();
+    let is_escape =
+        |event: &Event| matches!(event, Event::Key { key: Key::Escape, pressed: true, repeat: false, .. });
+    let (now, times) =
+        ctx.input(|input| (input.time, input.events.iter().filter(|event| is_escape(event)).count()));
+    for _ in 0..times {
+        if editor.escaped.take().is_some_and(|last| now - last < TWICE) {
+            commands.push(Command::Board(BoardCommand::Stop));
+        } else {
+            editor.escaped = Some(now);
+            let text = "Press Esc once more to stop the board".to_owned();
+            shown.notice = Some(Notice { text, is_error: false });
+        }
     }
-    plain_keys(editor, ctx);
+}
+
+fn escape(editor: &mut Editor) {
+    editor.layout.is_drawn_out = false;
+    if std::mem::take(&mut editor.layout.presents) {
+        return;
+    }
+    if editor.gesture.take().is_some() {
+        editor.document.revert();
+    }
+    editor.selection.clear();
+    editor.tool = Tool::Select;
+    editor.put_line_away();
+}
+
+/// Whether a widget other than the canvas wants the keys.
+fn is_in_field(ctx: &Context) -> bool {
+    ctx.egui_wants_keyboard_input() && !cursor::has_focus(ctx)
 }
 
 /// What the desktop's keys for copying, cutting and pasting ask for.
-fn clipboard(editor: &mut Editor, ctx: &Context) {
+fn clipboard(editor: &mut Editor, ctx: &Context, commands: &mut Vec<Command>) {
     for event in ctx.input(|input| input.events.clone()) {
         match event {
             Event::Copy => copy(editor, ctx),
@@ -111,6 +136,7 @@ fn clipboard(editor: &mut Editor, ctx: &Context) {
                 copy(editor, ctx);
                 delete(editor);
             }
+            Event::Paste(text) if link::is_link(&text) => editor.ask(Command::OpenLink(text), commands),
             Event::Paste(text) => paste(editor, &text),
             _ => {}
         }
@@ -133,56 +159,6 @@ fn paste(editor: &mut Editor, text: &str) {
         // A picture that is missing is named where the scene is shown.
         let _ = opening::load_targets(&mut editor.document.scene.targets, &folder);
     }
-}
-
-/// Keys without Ctrl.
-fn plain_keys(editor: &mut Editor, ctx: &Context) {
-    let presses = ctx.input(|input| input.events.iter().filter_map(plain_press).collect::<Vec<_>>());
-    let pressed = |key: Key| presses.iter().any(|(pressed, _)| *pressed == key);
-    for tool in Tool::ALL {
-        if pressed(tool.key()) {
-            editor.tool = tool;
-        }
-    }
-    if (pressed(Key::Delete) || pressed(Key::Backspace)) && !way::delete(editor) {
-        delete(editor);
-    }
-    if pressed(Key::Escape) {
-        if editor.gesture.take().is_some() {
-            editor.document.revert();
-        }
-        editor.selection.clear();
-        editor.tool = Tool::Select;
-    }
-    if pressed(Key::Num0) {
-        editor.view.window = None;
-    }
-    const DIGITS: [Key; 9] =
-        [Key::Num1, Key::Num2, Key::Num3, Key::Num4, Key::Num5, Key::Num6, Key::Num7, Key::Num8, Key::Num9];
-    for (key, quantity) in DIGITS.into_iter().zip(Quantity::ALL) {
-        if pressed(key) {
-            editor.view.quantity = quantity;
-        }
-    }
-    if pressed(Key::M) {
-        editor.view.marks = !editor.view.marks;
-    }
-    if pressed(Key::X) {
-        editor.view.section = !editor.view.section;
-    }
-    if pressed(Key::K) {
-        editor.snaps = !editor.snaps;
-    }
-    if pressed(Key::OpenBracket) {
-        editor.brush.scale(1.0 / brush::STEP);
-    }
-    if pressed(Key::CloseBracket) {
-        editor.brush.scale(brush::STEP);
-    }
-    if pressed(Key::F1) {
-        editor.dialog = Some(Dialog::Help);
-    }
-    presses.iter().for_each(|&(key, shift)| nudge(editor, key, shift));
 }
 
 /// A key that is pressed without Ctrl and Alt, and whether Shift was held with it, however short.
@@ -210,6 +186,13 @@ fn nudge(editor: &mut Editor, key: Key, far: bool) {
         if let Some(target) = editor.document.scene.targets.get_mut(index) {
             edit::translate(&mut target.shape, by);
         }
+    }
+}
+
+/// The vertex or keyframe of a path that was taken hold of last, or else what is selected.
+pub fn delete_chosen(editor: &mut Editor) {
+    if !way::delete(editor) {
+        delete(editor);
     }
 }
 

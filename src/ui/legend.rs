@@ -1,31 +1,54 @@
-//! The colour legend.
+//! The colour legend, and what it lets one choose.
 
-use egui::{Align2, Color32, FontId, Mesh, Rect, Stroke, StrokeKind, Ui, pos2, vec2};
+use egui::{
+    Align2, Color32, ComboBox, CursorIcon, DragValue, FontId, Mesh, Popup, PopupCloseBehavior, Rect,
+    RectAlign, Role, Sense, Stroke, StrokeKind, Ui, WidgetInfo, pos2, vec2,
+};
 
 use crate::field::colouring::FLOOR;
 use crate::field::quantity::{Range, figures};
 use crate::field::{Quantity, Scale};
-use crate::ui::view::Lens;
-use crate::ui::{Editor, Map};
+use crate::picture::ColourMap;
+use crate::studio::convention::Convention;
+use crate::ui::view::{Lens, View};
+use crate::ui::{Editor, Map, Shown, panels, segments, theme};
 
 const WIDTH: f32 = 16.0;
 const GAP: f32 = 14.0;
+
+const COLOURS: [(ColourMap, &str); 4] = [
+    (ColourMap::Inferno, "Inferno"),
+    (ColourMap::Viridis, "Viridis"),
+    (ColourMap::Magma, "Magma"),
+    (ColourMap::Grey, "Grey"),
+];
+
+fn colours_name(colours: ColourMap) -> &'static str {
+    COLOURS.iter().find(|(map, _)| *map == colours).map_or("", |(_, name)| name)
+}
+
+/// Where the bar lies beside a plot.
+fn place(plot: Rect) -> Rect {
+    Rect::from_min_max(
+        pos2(plot.right() + GAP, plot.top() + 36.0),
+        pos2(plot.right() + GAP + WIDTH, plot.bottom()),
+    )
+}
 
 /// Draws the legend to the right of the plot.
 pub fn paint(editor: &Editor, map: &Map, ui: &Ui, lens: &Lens) {
     let painter = ui.painter();
     let ink = ui.visuals().text_color();
     let plot = lens.rect;
-    let bar = Rect::from_min_max(
-        pos2(plot.right() + GAP, plot.top() + 36.0),
-        pos2(plot.right() + GAP + WIDTH, plot.bottom()),
-    );
-    let full = map.full.unwrap_or(map.largest).max(1e-30);
+    let bar = place(plot);
+    let convention = editor.view.convention;
+    let factor = convention.factor(map.quantity);
+    let full = map.full.unwrap_or(map.largest).max(1e-30) * factor;
     let law = Law::of(map.quantity, editor.view.scale);
     painter.text(
         pos2(bar.left(), plot.top() - 4.0),
         Align2::LEFT_TOP,
-        law.title(map.quantity, full),
+        law.title(map.quantity, convention, full),
         FontId::proportional(12.0),
         ink,
     );
@@ -40,18 +63,96 @@ pub fn paint(editor: &Editor, map: &Map, ui: &Ui, lens: &Lens) {
     let edge = Stroke::new(1.0, ui.visuals().weak_text_color());
     painter.rect_stroke(bar, 0.0, edge, StrokeKind::Outside);
     let y = |part: f64| bar.bottom() - bar.height() * part as f32;
-    let (factor, _) = map.quantity.declaration().unit.scaled(full);
-    for (part, label) in law.ticks(map.quantity, full * factor) {
+    let (unit, _) = map.quantity.declaration().unit.scaled(full);
+    for (part, label) in law.ticks(map.quantity, full * unit) {
         let at = pos2(bar.right(), y(part));
         painter.line_segment([at, at + vec2(4.0, 0.0)], edge);
         painter.text(at + vec2(7.0, 0.0), Align2::LEFT_CENTER, label, FontId::proportional(12.0), ink);
     }
     if let Some(contour) = editor.view.contour_part() {
-        let part = law.place(contour * map.largest / full, map.quantity);
+        let part = law.place(contour * map.largest * factor / full, map.quantity);
         if (0.0..=1.0).contains(&part) {
             painter.hline(bar.expand(3.0).x_range(), y(part), Stroke::new(2.0, ink));
         }
     }
+}
+
+/// The bar as a button that opens the choice of colours, range and contour lines.
+pub fn controls(editor: &mut Editor, shown: &Shown, ui: &mut Ui, lens: &Lens) {
+    let Some(map) = shown.map.as_ref().filter(|_| !editor.view.is_shaded()) else { return };
+    let rect = place(lens.rect).expand2(vec2(4.0, 2.0));
+    let response = ui.interact(rect, ui.scope_id().with("colour scale"), Sense::click());
+    response.widget_info(|| WidgetInfo::labeled(Role::Button, true, "Colour scale"));
+    if response.hovered() || response.has_focus() {
+        ui.painter().rect_stroke(rect, 3.0, Stroke::new(1.5, theme::ACCENT), StrokeKind::Outside);
+    }
+    let response = response
+        .on_hover_cursor(CursorIcon::PointingHand)
+        .on_hover_text("Colour scale. Click to choose colours, range and contour lines");
+    let popup = Popup::menu(&response)
+        .align(RectAlign::LEFT_START)
+        .close_behavior(PopupCloseBehavior::CloseOnClickOutside);
+    popup.show(|ui| {
+        panels::form(ui, "colour scale", |ui| choices(&mut editor.view, map, ui));
+    });
+}
+
+fn choices(view: &mut View, map: &Map, ui: &mut Ui) {
+    let is_amount = view.quantity.is_amount();
+    let label = |ui: &mut Ui, text: &str| ui.label(theme::label(text, ui.visuals()));
+    if is_amount {
+        let name = label(ui, "Colours");
+        let list =
+            ComboBox::from_id_salt("colours").selected_text(colours_name(view.colours)).show_ui(ui, |ui| {
+                for (map, name) in COLOURS {
+                    ui.selectable_value(&mut view.colours, map, name);
+                }
+            });
+        list.response.labelled_by(name.id);
+        ui.end_row();
+        label(ui, "Scale");
+        let decibels = "In decibels, from the largest pressure down to a thousandth of it".to_owned();
+        let scales = [
+            (Scale::Linear, "Linear", "In proportion to the value".to_owned()),
+            (Scale::Logarithmic, "dB", decibels),
+        ];
+        segments::show(ui, "Scale", &mut view.scale, &scales);
+        ui.end_row();
+    }
+    if view.quantity.declaration().range != Range::Cyclic {
+        label(ui, "Range");
+        range(view, map, ui);
+        ui.end_row();
+    }
+    if view.quantity.declaration().has_mean {
+        ui.checkbox(&mut view.contours, "Contours").on_hover_text(
+            "Lines where the value is so many decibels below the largest in view; at -6 dB the pressure is half of it",
+        );
+        let field = DragValue::new(&mut view.contour_level).speed(0.1).range(-60.0..=-0.1);
+        let field = field.max_decimals(1).suffix(" dB");
+        ui.add_enabled(view.contours, field).accessible_name("Level of the contour lines");
+        ui.end_row();
+    }
+}
+
+/// Up to the largest value on the screen, or up to one that stays.
+fn range(view: &mut View, map: &Map, ui: &mut Ui) {
+    ui.horizontal(|ui| {
+        let mut is_locked = view.full.is_some();
+        ui.checkbox(&mut is_locked, "Lock")
+            .on_hover_text("Keep the range of colours while the sound changes");
+        view.full = is_locked.then(|| view.full.unwrap_or(map.largest));
+        let convention = view.convention.factor(view.quantity);
+        let (unit, symbol) =
+            view.quantity.declaration().unit.scaled(view.full.unwrap_or(map.largest) * convention);
+        let mut value = view.full.unwrap_or(map.largest) * convention * unit;
+        let speed = 0.01 * value.abs().max(1e-3);
+        let field = DragValue::new(&mut value).speed(speed).suffix(format!(" {symbol}"));
+        let response = ui.add_enabled(is_locked, field).accessible_name("Largest value that has a colour");
+        if response.changed() && value.is_finite() {
+            view.full = Some((value / unit / convention).clamp(1e-12, 1e9));
+        }
+    });
 }
 
 /// How values are spread over the bar.
@@ -76,12 +177,17 @@ impl Law {
         }
     }
 
-    fn title(self, quantity: Quantity, full: f64) -> String {
-        let declaration = quantity.declaration();
+    fn title(self, quantity: Quantity, convention: Convention, full: f64) -> String {
+        let title = quantity.declaration().title;
+        let with_convention = |text: String| match quantity.declaration().is_root {
+            true => format!("{text} {}", convention.name()),
+            false => text,
+        };
         match self {
-            Self::Decibels => format!("{}\ndB of {}", declaration.title, quantity.with_unit(full)),
+            Self::Decibels => format!("{title}\ndB of {}", with_convention(quantity.with_unit(full))),
             Self::Linear | Self::Signed | Self::Turn => {
-                format!("{}\n{}", declaration.title, declaration.unit.scaled(full).1)
+                let unit = quantity.declaration().unit.scaled(full).1;
+                format!("{title}\n{}", with_convention(unit.to_owned()))
             }
         }
     }

@@ -1,14 +1,14 @@
 //! What lies over the map: the array, the targets' outlines, the focal points and the gesture under way.
 
-use egui::{Align2, Color32, FontId, Painter, Pos2, Rect, Shape, Stroke, StrokeKind, vec2};
+use egui::{Align2, Color32, FontId, Painter, Pos2, Rect, Shape, Stroke, StrokeKind, Visuals, vec2};
 use glam::{DVec2, DVec3};
 
-use crate::picture::sheet::pascals;
-use crate::scene::Sampling;
-use crate::ui::gesture::Gesture;
+use crate::scene::{Sampling, font, outline};
+use crate::ui::gesture::{self, Gesture};
+use crate::ui::measure::{self, ProfileLine};
 use crate::ui::tool::Tool;
-use crate::ui::view::{Cut, Lens, array_size};
-use crate::ui::{Editor, Shown, Sound, edit, handle, theme};
+use crate::ui::view::{Cut, Lens};
+use crate::ui::{Editor, Extremes, Shown, Sound, array, dimensions, edit, handle, palm, theme, transform};
 
 /// m: foci farther than this from the cut are drawn faint.
 const NEAR: f64 = 2e-3;
@@ -16,7 +16,10 @@ const NEAR: f64 = 2e-3;
 const ASKS: f32 = 8.0;
 
 pub fn paint(editor: &Editor, shown: &Shown, painter: &Painter, lens: &Lens, pointer: Option<Pos2>) {
-    array(editor, painter, lens);
+    if editor.view.palm && editor.view.cut == Cut::Xy {
+        palm::paint(DVec2::ZERO, painter, lens);
+    }
+    array::paint(editor, shown, painter, lens);
     let scene = editor.scene();
     let axes = editor.view.axes(scene);
     for (index, target) in scene.targets.iter().enumerate() {
@@ -32,7 +35,7 @@ pub fn paint(editor: &Editor, shown: &Shown, painter: &Painter, lens: &Lens, poi
             let points: Vec<_> = stroke.into_iter().map(|uv| lens.screen(uv)).collect();
             if let [only] = points[..] {
                 if chosen {
-                    painter.circle_stroke(only, 9.0, Stroke::new(2.0, theme::CHOSEN));
+                    painter.circle_stroke(only, 10.0, Stroke::new(2.0, theme::CHOSEN));
                 }
                 continue;
             }
@@ -41,50 +44,19 @@ pub fn paint(editor: &Editor, shown: &Shown, painter: &Painter, lens: &Lens, poi
             }
             painter.add(Shape::line(points, Stroke::new(if chosen { 2.0 } else { width }, colour)));
         }
-        if chosen {
-            frame(editor, painter, lens, index);
-        }
     }
     if let Some(sound) = &shown.sound {
         foci(editor, sound, painter, lens, pointer);
+    }
+    if let Some(found) = &shown.extremes {
+        extremes(editor, found, painter, lens);
     }
     if let (1, Some(&index)) = (editor.selection.len(), editor.selection.first())
         && let Some(target) = scene.targets.get(index)
     {
         handle::paint(target, &axes, painter, lens);
     }
-}
-
-/// A box around a chosen target, so that it is seen on any map.
-fn frame(editor: &Editor, painter: &Painter, lens: &Lens, index: usize) {
-    let axes = editor.view.axes(editor.scene());
-    let outline = edit::outline_on(&editor.scene().targets[index], &axes).concat();
-    let corner = |pick: fn(DVec2, DVec2) -> DVec2| outline.iter().copied().reduce(pick);
-    let (Some(low), Some(high)) = (corner(DVec2::min), corner(DVec2::max)) else { return };
-    let rect = Rect::from_two_pos(lens.screen(low), lens.screen(high)).expand(14.0);
-    painter.rect_stroke(rect, 3.0, Stroke::new(1.0, theme::CHOSEN.gamma_multiply(0.7)), StrokeKind::Middle);
-}
-
-/// The outline of the array, or its edge where the cut stands upright.
-fn array(editor: &Editor, painter: &Painter, lens: &Lens) {
-    let scene = editor.scene();
-    let axes = editor.view.axes(scene);
-    let half = (array_size(&scene.array) / 2.0).extend(0.0);
-    let corner = |x: f64, y: f64| lens.screen(axes.flat(half * DVec3::new(x, y, 0.0)));
-    let corners = [corner(-1.0, -1.0), corner(1.0, -1.0), corner(1.0, 1.0), corner(-1.0, 1.0)];
-    // Seen edge on, it is a bar.
-    let is_upright = axes.x.cross(axes.y).z.abs() < 1e-3;
-    let stroke = if !is_upright {
-        Stroke::new(1.0, Color32::from_white_alpha(70))
-    } else {
-        Stroke::new(4.0, Color32::from_rgb(150, 160, 175))
-    };
-    let closed: Vec<_> = corners.into_iter().chain([corners[0]]).collect();
-    if !is_upright {
-        painter.extend(Shape::dashed_line(&closed, stroke, 6.0, 4.0));
-    } else {
-        painter.add(Shape::line(closed, stroke));
-    }
+    transform::paint(editor, &axes, painter, lens);
 }
 
 fn foci(editor: &Editor, sound: &Sound, painter: &Painter, lens: &Lens, pointer: Option<Pos2>) {
@@ -97,8 +69,9 @@ fn foci(editor: &Editor, sound: &Sound, painter: &Painter, lens: &Lens, pointer:
         let at = lens.screen(axes.flat(focus.position));
         let height = axes.height(focus.position);
         let asked = pointer.is_some_and(|pointer| pointer.distance(at) < ASKS);
+        // A ring with the focus inside it, which stays to be seen.
         let radius =
-            if few { 2.0 } else { 1.0 } + 2.0 * (focus.target / most.max(f64::MIN_POSITIVE)).sqrt() as f32;
+            if few { 4.0 } else { 1.5 } + 2.0 * (focus.target / most.max(f64::MIN_POSITIVE)).sqrt() as f32;
         if height.abs() > NEAR {
             painter.circle_stroke(at, radius + 0.7, Stroke::new(2.4, Color32::from_black_alpha(80)));
             painter.circle_stroke(at, radius, Stroke::new(1.0, Color32::from_white_alpha(150)));
@@ -114,10 +87,10 @@ fn foci(editor: &Editor, sound: &Sound, painter: &Painter, lens: &Lens, pointer:
             }
             continue;
         }
-        painter.circle_filled(at, radius + 1.5, theme::MARK_EDGE);
-        painter.circle_filled(at, radius, theme::MARK);
+        painter.circle_stroke(at, radius, Stroke::new(3.0, theme::MARK_EDGE));
+        painter.circle_stroke(at, radius, Stroke::new(1.3, theme::MARK));
         if asked || (few && !editor.selection.is_empty() && is_of_selection(editor, focus.position)) {
-            let text = format!("{} RMS", pascals(reading.rms()));
+            let text = editor.view.convention.pressure(reading.peak());
             chip(painter, at + vec2(12.0, -12.0), Align2::LEFT_BOTTOM, &text, 12.0, theme::MARK);
         }
     }
@@ -157,7 +130,89 @@ pub fn gesture(editor: &Editor, painter: &Painter, lens: &Lens) {
         let text =
             if typing.text.is_empty() { "Type, then press Enter".to_owned() } else { typing.text.clone() };
         let below = at + vec2(0.0, (0.028 / lens.window.scale) as f32);
-        chip(painter, below, Align2::CENTER_TOP, &format!("{text}|"), 13.0, theme::CHOSEN);
+        let rect = chip(painter, below, Align2::CENTER_TOP, &format!("{text}|"), 13.0, theme::CHOSEN);
+        if !typing.lacking.is_empty() {
+            let words = font::lacks(&typing.lacking);
+            let below = rect.center_bottom() + vec2(0.0, 8.0);
+            chip(painter, below, Align2::CENTER_TOP, &words, 13.0, theme::error(&Visuals::dark()));
+        }
+    }
+}
+
+/// The loudest place and the peak side lobe, with their pressures.
+fn extremes(editor: &Editor, found: &Extremes, painter: &Painter, lens: &Lens) {
+    let axes = editor.view.axes(editor.scene());
+    let tell = |pressure: f64| editor.view.convention.pressure(pressure);
+    let below = |pressure: f64| {
+        let peak = found.peak.map_or(pressure, |(_, peak)| peak);
+        format!("side lobe {}, {:.1} dB", tell(pressure), 20.0 * (pressure / peak).log10())
+    };
+    let peak = found.peak.map(|(at, pressure)| (at, format!("peak {}", tell(pressure))));
+    let side_lobe = found.side_lobe.map(|(at, pressure)| (at, below(pressure)));
+    for (at, text) in peak.into_iter().chain(side_lobe) {
+        let at = lens.screen(axes.flat(at));
+        for (width, colour) in [(3.5, theme::MARK_EDGE), (1.4, theme::MARK)] {
+            let stroke = Stroke::new(width, colour);
+            painter.line_segment([at - vec2(6.0, 6.0), at + vec2(6.0, 6.0)], stroke);
+            painter.line_segment([at - vec2(6.0, -6.0), at + vec2(6.0, -6.0)], stroke);
+        }
+        chip(painter, at + vec2(0.0, 14.0), Align2::CENTER_TOP, &text, 12.0, theme::MARK);
+    }
+}
+
+/// The line along which the profile is taken.
+pub fn line(editor: &Editor, painter: &Painter, lens: &Lens) {
+    let screen = [lens.rect.left_bottom(), lens.rect.right_top()].map(|at| lens.flat(at).x);
+    let ends = editor.view.line.ends(screen);
+    let [from, to] = ends.map(|end| lens.screen(end));
+    painter.line_segment([from, to], Stroke::new(3.0, Color32::from_black_alpha(110)));
+    painter.line_segment([from, to], Stroke::new(1.2, theme::CHOSEN.gamma_multiply(0.8)));
+    if let ProfileLine::Between(_) = editor.view.line {
+        [from, to].into_iter().for_each(|end| handle::square(end, painter));
+        if editor.gesture.is_none() {
+            let at = from.lerp(to, 0.5) + vec2(0.0, -10.0);
+            chip(painter, at, Align2::CENTER_BOTTOM, &measure::length_and_angle(ends), 12.0, theme::MARK);
+        }
+    }
+}
+
+/// What is being drawn or pulled, in mm, beside the pointer.
+pub fn dimensions(editor: &Editor, painter: &Painter, lens: &Lens) {
+    let (Some(gesture), Some(at)) = (&editor.gesture, painter.ctx().pointer_interact_pos()) else { return };
+    let axes = editor.view.axes(editor.scene());
+    let of = |index: &usize| editor.scene().targets.get(*index).map(|it| dimensions::of(it, &axes));
+    let text = match gesture {
+        Gesture::Draw { index, .. } => index.as_ref().and_then(of),
+        Gesture::Stroke { points, index } => {
+            let closes = gesture::closes(points, lens);
+            index.as_ref().and_then(of).map(|text| if closes { format!("{text}, closed") } else { text })
+        }
+        Gesture::Pull { index, .. } => of(index),
+        Gesture::Move { before, .. } => before.first().map(|(index, _)| index).and_then(|index| {
+            let at = axes.flat(outline::centre(&editor.scene().targets.get(*index)?.shape));
+            Some(format!("{}, {} mm", measure::mm(at.x), measure::mm(at.y)))
+        }),
+        Gesture::Transform { before, .. } => match &before[..] {
+            [(index, _)] => of(index),
+            _ => {
+                edit::bounds(before.iter().filter_map(|(index, _)| editor.scene().targets.get(*index)), &axes)
+                    .map(|[low, high]| {
+                        format!("{} x {} mm", measure::mm(high.x - low.x), measure::mm(high.y - low.y))
+                    })
+            }
+        },
+        Gesture::Measure { .. } => match editor.view.line {
+            ProfileLine::Between(ends) => Some(measure::length_and_angle(ends)),
+            ProfileLine::Across(_) => None,
+        },
+        Gesture::Pan
+        | Gesture::Way(_)
+        | Gesture::Band { .. }
+        | Gesture::Brush { .. }
+        | Gesture::Erase { .. } => None,
+    };
+    if let Some(text) = text {
+        chip(painter, at + vec2(16.0, 16.0), Align2::LEFT_TOP, &text, 12.0, theme::MARK);
     }
 }
 

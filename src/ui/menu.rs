@@ -1,18 +1,25 @@
-//! The menus and the tools.
+//! The menus, the tools, and what stands at the top right: the board's state and its Stop.
 
 use std::path::PathBuf;
 
 use egui::containers::menu::MenuBar;
-use egui::{Button, DragValue, KeyboardShortcut, ProgressBar, Sense, Stroke, Theme, Ui, vec2};
+use egui::{Button, Color32, Context, DragValue, Label, ProgressBar, RichText, Sense, Stroke, Ui, vec2};
 
-use crate::scene::motion;
+use crate::device::health::State;
+use crate::ui::action::{self, Action, Group};
+use crate::ui::board::{BoardCommand, Plays};
 use crate::ui::tool::{self, Tool};
-use crate::ui::{Command, Dialog, Editor, Export, Purpose, Shown, keys, theme};
+use crate::ui::{Command, Editor, Shown, theme};
+
+/// Points of the screen: a tool with the gap below it.
+const TOOL: f32 = 32.0;
+const GAP: f32 = 4.0;
 
 pub fn bar(editor: &mut Editor, shown: &Shown, ui: &mut Ui, commands: &mut Vec<Command>) {
     MenuBar::new().ui(ui, |ui| {
         ui.menu_button("File", |ui| file(editor, shown, ui, commands));
-        ui.menu_button("Edit", |ui| edit(editor, ui));
+        ui.menu_button("Edit", |ui| edit(editor, shown, ui, commands));
+        ui.menu_button("View", |ui| view(editor, shown, ui, commands));
         ui.menu_button("Examples", |ui| {
             let height = ui.ctx().content_rect().height() - 60.0;
             egui::ScrollArea::vertical().max_height(height).show(ui, |ui| {
@@ -24,88 +31,149 @@ pub fn bar(editor: &mut Editor, shown: &Shown, ui: &mut Ui, commands: &mut Vec<C
                 }
             });
         });
-        ui.menu_button("Export", |ui| {
-            for (name, export) in [
-                ("Map as PNG…", Export::Map),
-                ("Sheet as PNG…", Export::Sheet),
-                ("Map's numbers as NPY…", Export::Numbers),
-                ("Drive as CSV…", Export::Drive),
-                ("Motion as GIF or animated PNG…", Export::Motion),
-            ] {
-                let moves = motion::moves(editor.scene());
-                let button = ui.add_enabled(export != Export::Motion || moves, Button::new(name));
-                if button.on_disabled_hover_text("Nothing moves: choose a path in the Motion panel").clicked()
-                {
-                    editor.dialog = Some(Dialog::path(Purpose::Export(export), &editor.document));
-                }
-            }
-        });
-        ui.menu_button("Help", |ui| {
-            if ui.add(Button::new("Keys and tools").shortcut_text("F1")).clicked() {
-                editor.dialog = Some(Dialog::Help);
-            }
-        });
-        ui.separator();
-        let unsaved = if editor.document.is_unsaved() { " •" } else { "" };
-        ui.strong(format!("{}{unsaved}", editor.document.name())).on_hover_text(
-            editor
-                .document
-                .path()
-                .map_or_else(|| "No file yet".to_owned(), |path| path.display().to_string()),
-        );
-        if let Some((name, part)) = &shown.export {
-            ui.separator();
-            let bar = ProgressBar::new(*part).desired_width(120.0).text(format!("{:.0} %", part * 100.0));
-            ui.add(bar).on_hover_text(format!("Writing {name}"));
-            if ui
-                .button("Call off")
-                .on_hover_text(format!("Ends the export; {name} is not written"))
-                .clicked()
-            {
-                commands.push(Command::CallOff);
-            }
-        }
+        ui.menu_button("Export", |ui| group(Group::Export, editor, shown, ui, commands));
+        ui.menu_button("Help", |ui| group(Group::Help, editor, shown, ui, commands));
         ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
-            let dark = ui.visuals().dark_mode;
-            let (sign, to) = if dark { ("Light", Theme::Light) } else { ("Dark", Theme::Dark) };
-            if ui.button(sign).on_hover_text("Colours of the window").clicked() {
-                ui.ctx().set_theme(to);
-            }
+            state(editor, shown, ui, commands);
+            ui.with_layout(egui::Layout::left_to_right(egui::Align::Center), |ui| {
+                ui.separator();
+                export(shown, ui, commands);
+                let unsaved = if editor.document.is_unsaved() { " •" } else { "" };
+                let name = RichText::new(format!("{}{unsaved}", editor.document.name())).strong();
+                let path = editor.document.path();
+                let path = path.map_or_else(|| "No file yet".to_owned(), |path| path.display().to_string());
+                ui.add(Label::new(name).truncate().show_tooltip_when_elided(false)).on_hover_text(path);
+            });
         });
     });
 }
 
-fn item(ui: &mut Ui, enabled: bool, name: &str, shortcut: &KeyboardShortcut) -> bool {
-    let keys = ui.ctx().format_shortcut(shortcut);
-    ui.add_enabled(enabled, Button::new(name).shortcut_text(keys)).clicked()
+/// At the right: whether the scene is saved, how the board fares, and what silences it.
+fn state(editor: &mut Editor, shown: &Shown, ui: &mut Ui, commands: &mut Vec<Command>) {
+    stop(shown, ui, commands);
+    let panel = ui.button("Panel").on_hover_text("Fold the panel away, or bring it back (F9)");
+    if panel.clicked() {
+        editor.layout.toggle(ui.ctx());
+    }
+    let (colour, word) = board(shown, ui);
+    if ui.add(dotted(colour, "Board")).on_hover_text(word).clicked() {
+        Action::ShowPanel(crate::ui::Panel::Device).run(editor, shown, ui.ctx(), commands);
+        editor.layout.is_folded = false;
+    }
+    let is_unsaved = editor.document.is_unsaved();
+    let tip = if is_unsaved { "Changes that no file holds (Ctrl S)" } else { "Everything is saved" };
+    if ui
+        .add_enabled(is_unsaved, Button::new("Save"))
+        .on_hover_text(tip)
+        .on_disabled_hover_text(tip)
+        .clicked()
+    {
+        commands.push(Command::Save);
+    }
+}
+
+fn dotted(colour: Color32, name: &str) -> Button<'_> {
+    Button::new((RichText::new("•").color(colour).strong().size(18.0), name))
+}
+
+/// The colour of the board's dot, and its state in words.
+fn board(shown: &Shown, ui: &Ui) -> (Color32, String) {
+    let board = &shown.board;
+    match board.health.as_ref().map(|health| &health.state) {
+        None => (ui.visuals().weak_text_color(), "No board is connected".to_owned()),
+        Some(State::Connecting) => (theme::warning(ui.visuals()), "Looking for the board".to_owned()),
+        Some(State::Lost(why)) => (theme::error(ui.visuals()), format!("The board is lost: {why}")),
+        Some(State::Ready) if board.plays == Plays::Nothing => {
+            (Color32::from_rgb(70, 190, 110), "The board is connected and silent".to_owned())
+        }
+        Some(State::Ready) => (theme::ACCENT, "The board sounds".to_owned()),
+    }
+}
+
+/// There whenever a board sounds.
+fn stop(shown: &Shown, ui: &mut Ui, commands: &mut Vec<Command>) {
+    if shown.board.plays == Plays::Nothing {
+        return;
+    }
+    let text = RichText::new("Stop").strong().color(Color32::WHITE);
+    let button = Button::new(text).fill(theme::DANGER).min_size(vec2(72.0, 26.0));
+    if ui.add(button).on_hover_text("Silences the board (Esc twice)").clicked() {
+        commands.push(Command::Board(BoardCommand::Stop));
+    }
+}
+
+/// The same over the map alone.
+pub fn presented_stop(shown: &Shown, ctx: &Context, commands: &mut Vec<Command>) {
+    if shown.board.plays == Plays::Nothing {
+        return;
+    }
+    let area = egui::Area::new(egui::Id::unique("presented stop")).order(egui::Order::Foreground);
+    area.anchor(egui::Align2::RIGHT_TOP, vec2(-12.0, 12.0)).show(ctx, |ui| stop(shown, ui, commands));
+}
+
+/// What is being written.
+fn export(shown: &Shown, ui: &mut Ui, commands: &mut Vec<Command>) {
+    let Some((name, part)) = &shown.export else { return };
+    let bar = ProgressBar::new(*part).desired_width(120.0).text(format!("{:.0} %", part * 100.0));
+    ui.add(bar).on_hover_text(format!("Writing {name}"));
+    let tip = format!("Ends the export; {name} is not written");
+    if ui.button("Call off").on_hover_text(tip).clicked() {
+        commands.push(Command::CallOff);
+    }
+    ui.separator();
+}
+
+/// An action in a menu.
+fn item(action: Action, editor: &mut Editor, shown: &Shown, ui: &mut Ui, commands: &mut Vec<Command>) {
+    let possible = action.possible(editor, shown);
+    let button = Button::new(action.name()).shortcut_text(action.shortcut(ui.ctx()));
+    let response = ui.add_enabled(possible.is_ok(), button);
+    if response.on_disabled_hover_text(possible.err().unwrap_or_default()).clicked() {
+        action.run(editor, shown, ui.ctx(), commands);
+    }
+}
+
+fn group(group: Group, editor: &mut Editor, shown: &Shown, ui: &mut Ui, commands: &mut Vec<Command>) {
+    for action in Action::all().into_iter().filter(|action| action.group() == group) {
+        item(action, editor, shown, ui, commands);
+    }
 }
 
 fn file(editor: &mut Editor, shown: &Shown, ui: &mut Ui, commands: &mut Vec<Command>) {
-    if item(ui, true, "New", &keys::NEW) {
-        editor.ask(Command::New, commands);
+    for action in Action::all().into_iter().filter(|action| action.group() == Group::File) {
+        if matches!(action, Action::Save | Action::Import | Action::CopyLink | Action::Quit) {
+            ui.separator();
+        }
+        item(action, editor, shown, ui, commands);
+        if action == Action::Open {
+            ui.add_enabled_ui(!shown.recent.is_empty(), |ui| {
+                ui.menu_button("Open recent", |ui| recent(editor, &shown.recent, ui, commands));
+            });
+        }
     }
-    if item(ui, true, "Open…", &keys::OPEN) {
-        editor.dialog = Some(Dialog::path(Purpose::Open, &editor.document));
+}
+
+fn view(editor: &mut Editor, shown: &Shown, ui: &mut Ui, commands: &mut Vec<Command>) {
+    let actions = [
+        Action::ShowEverything,
+        Action::Targets,
+        Action::Profile,
+        Action::TogglePanel,
+        Action::Present,
+        Action::SwitchTheme,
+    ];
+    for action in actions {
+        item(action, editor, shown, ui, commands);
     }
-    ui.add_enabled_ui(!shown.recent.is_empty(), |ui| {
-        ui.menu_button("Open recent", |ui| recent(editor, &shown.recent, ui, commands));
+    ui.separator();
+    ui.menu_button("Scale", |ui| {
+        for factor in action::SCALES {
+            let is_chosen = (ui.ctx().zoom_factor() - factor).abs() < 0.01;
+            if ui.selectable_label(is_chosen, format!("{:.0} %", factor * 100.0)).clicked() {
+                action::scale(ui.ctx(), factor);
+            }
+        }
     });
-    ui.separator();
-    if item(ui, true, "Save", &keys::SAVE) {
-        commands.push(Command::Save);
-    }
-    if item(ui, true, "Save as…", &keys::SAVE_AS) {
-        editor.dialog = Some(Dialog::path(Purpose::SaveAs, &editor.document));
-    }
-    ui.separator();
-    if ui.button("Import drawing…").on_hover_text("Paths of an SVG, or dark strokes of a picture").clicked()
-    {
-        editor.dialog = Some(Dialog::path(Purpose::Import, &editor.document));
-    }
-    ui.separator();
-    if item(ui, true, "Quit", &keys::CLOSE) {
-        editor.ask(Command::Close, commands);
-    }
 }
 
 fn recent(editor: &mut Editor, recent: &[PathBuf], ui: &mut Ui, commands: &mut Vec<Command>) {
@@ -121,34 +189,13 @@ fn recent(editor: &mut Editor, recent: &[PathBuf], ui: &mut Ui, commands: &mut V
     }
 }
 
-fn edit(editor: &mut Editor, ui: &mut Ui) {
-    if item(ui, editor.document.can_undo(), "Undo", &keys::UNDO) {
-        editor.undo();
-    }
-    if item(ui, editor.document.can_redo(), "Redo", &keys::REDO) {
-        editor.redo();
-    }
-    ui.separator();
-    let any = !editor.selection.is_empty();
-    if item(ui, any, "Cut", &keys::CUT) {
-        keys::copy(editor, ui.ctx());
-        keys::delete(editor);
-    }
-    if item(ui, any, "Copy", &keys::COPY) {
-        keys::copy(editor, ui.ctx());
-    }
-    if item(ui, true, "Paste", &keys::PASTE) {
-        // It comes as an event in the next frame.
-        ui.ctx().send_viewport_cmd(egui::ViewportCommand::RequestPaste);
-    }
-    if item(ui, any, "Duplicate", &keys::DUPLICATE) {
-        keys::duplicate(editor);
-    }
-    if ui.add_enabled(any, Button::new("Delete").shortcut_text("Delete")).clicked() {
-        keys::delete(editor);
-    }
-    if item(ui, !editor.scene().targets.is_empty(), "Select all", &keys::SELECT_ALL) {
-        editor.selection = (0..editor.scene().targets.len()).collect();
+fn edit(editor: &mut Editor, shown: &Shown, ui: &mut Ui, commands: &mut Vec<Command>) {
+    let actions = Action::all().into_iter().filter(|action| action.group() == Group::Edit);
+    for action in actions.filter(|action| *action != Action::Snap) {
+        if action == Action::Cut {
+            ui.separator();
+        }
+        item(action, editor, shown, ui, commands);
     }
     ui.separator();
     ui.checkbox(&mut editor.snaps, "Snap to the grid (K)");
@@ -160,27 +207,49 @@ fn edit(editor: &mut Editor, ui: &mut Ui) {
     });
 }
 
+/// Columns that the tools need in so many points of height.
+pub fn tool_columns(height: f32) -> usize {
+    let rows = ((height + GAP) / (TOOL + GAP)).floor().max(1.0) as usize;
+    Tool::ALL.len().div_ceil(rows).min(3)
+}
+
+/// Points of the screen that so many columns take, with their margins.
+pub fn tool_width(columns: usize) -> f32 {
+    columns as f32 * (TOOL + GAP) - GAP + 16.0
+}
+
 /// The tools, one below the other.
-pub fn tools(editor: &mut Editor, ui: &mut Ui) {
-    ui.spacing_mut().item_spacing.y = 4.0;
-    for tool in Tool::ALL {
-        let (rect, response) = ui.allocate_exact_size(vec2(32.0, 32.0), Sense::click());
-        let chosen = editor.tool == tool;
-        response
-            .widget_info(|| egui::WidgetInfo::selected(egui::Role::RadioButton, true, chosen, tool.name()));
-        if response.clicked() {
-            editor.tool = tool;
-        }
-        let visuals = ui.style().interact_selectable(&response, chosen);
-        let fill = if chosen { theme::ACCENT } else { visuals.bg_fill };
-        if chosen || response.hovered() || response.has_focus() {
-            ui.painter().rect_filled(rect, 6.0, fill);
-        }
-        let ink = if chosen { egui::Color32::WHITE } else { ui.visuals().text_color() };
-        tool::icon(ui.painter(), tool, rect, Stroke::new(1.8, ink));
-        response.on_hover_text(format!("{} ({})\n{}", tool.name(), tool.key().name(), tool.tooltip()));
-        if matches!(tool, Tool::Select | Tool::Text) {
-            ui.add_space(6.0);
-        }
+pub fn tools(editor: &mut Editor, columns: usize, ui: &mut Ui) {
+    ui.spacing_mut().item_spacing = vec2(GAP, GAP);
+    egui::ScrollArea::vertical()
+        .scroll_bar_visibility(egui::scroll_area::ScrollBarVisibility::AlwaysHidden)
+        .show(ui, |ui| {
+            for row in Tool::ALL.chunks(columns) {
+                ui.horizontal(|ui| row.iter().for_each(|&tool| button(editor, tool, ui)));
+                // Shapes stand apart where they are in one column.
+                if columns == 1 && matches!(row[0], Tool::Select | Tool::Text) {
+                    ui.add_space(6.0);
+                }
+            }
+        });
+}
+
+fn button(editor: &mut Editor, tool: Tool, ui: &mut Ui) {
+    let (rect, response) = ui.allocate_exact_size(vec2(TOOL, TOOL), Sense::click());
+    let chosen = editor.tool == tool;
+    response.widget_info(|| egui::WidgetInfo::selected(egui::Role::RadioButton, true, chosen, tool.name()));
+    if response.clicked() {
+        editor.tool = tool;
     }
+    let visuals = ui.style().interact_selectable(&response, chosen);
+    let fill = if chosen { theme::ACCENT } else { visuals.bg_fill };
+    if chosen || response.hovered() || response.has_focus() {
+        ui.painter().rect_filled(rect, 6.0, fill);
+    }
+    if response.has_focus() {
+        ui.painter().rect_stroke(rect, 6.0, theme::focus_ring(), egui::StrokeKind::Inside);
+    }
+    let ink = if chosen { Color32::WHITE } else { ui.visuals().text_color() };
+    tool::icon(ui.painter(), tool, rect, Stroke::new(1.8, ink));
+    response.on_hover_text(format!("{} ({})\n{}", tool.name(), tool.key().name(), tool.tooltip()));
 }

@@ -1,27 +1,45 @@
 //! The window's panels, canvas and tools. They edit an [`Editor`], show a [`Shown`] and return [`Command`]s; files, threads,
 //! solving and the field are somebody else's.
 
+pub mod action;
+mod array;
 pub mod board;
 pub mod bring_up;
 pub mod brush;
 pub mod canvas;
 pub mod compare;
+mod context;
+mod cursor;
 mod dialog;
+mod dimensions;
 pub mod document;
 mod edit;
 mod element_map;
+mod expression;
 mod gesture;
+mod guides;
 mod handle;
+mod icon;
 pub mod keys;
-mod legend;
+pub mod legend;
+mod looking;
+mod map;
 mod marks;
+pub mod measure;
 mod menu;
+pub mod number;
+mod palm;
 mod panels;
-mod section;
+mod path_marks;
+pub mod section;
+mod segments;
 mod status;
 pub mod theme;
+mod ticks;
 mod timeline;
 pub mod tool;
+mod transform;
+mod typing;
 pub mod view;
 mod view_bar;
 mod way;
@@ -30,25 +48,31 @@ use std::collections::BTreeSet;
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use egui::{CentralPanel, Color32, Frame, Margin, Panel as Side, Ui};
+use egui::{CentralPanel, Color32, Frame, Margin, Panel as Side, Ui, UiBuilder};
+use glam::{DVec2, DVec3};
 
 use crate::acoustics::{Air, Aperture};
 use crate::drive::Drive;
-use crate::field::contour::Line;
 use crate::field::{self, Quantity};
 use crate::scene::{Focus, Method, Scene, Target};
 use crate::solver::Solution;
 use crate::solver::frames::Sequence;
 use crate::studio::probe::{self, Reading};
+use crate::studio::width::Widths;
 use board::{BoardCommand, BoardForm, BoardShown};
 use brush::Brush;
 use document::Document;
-use gesture::{Gesture, Typing};
+use gesture::Gesture;
+use guides::Guide;
+use looking::Fitted;
 use tool::Tool;
-use view::{Cut, View, Window};
+use typing::Typing;
+use view::View;
 
+pub use dialog::Dialog;
+pub use dialog::file::{Asking, Entry, Folder, IMPORTED, Purpose};
 pub use dialog::import::Import;
-pub use dialog::{Dialog, IMPORTED, Purpose};
+pub use map::{Map, Texture};
 
 /// Everything that the user edits, and how it is looked at.
 #[derive(Debug)]
@@ -57,6 +81,7 @@ pub struct Editor {
     /// Targets by their place in the scene.
     pub selection: BTreeSet<usize>,
     pub view: View,
+    fitted: Option<Fitted>,
     /// What the map is compared with.
     pub compare: Option<compare::Compare>,
     pub tool: Tool,
@@ -69,8 +94,18 @@ pub struct Editor {
     /// What was copied last: pixels are not part of the text on the clipboard.
     copied: Vec<Target>,
     gesture: Option<Gesture>,
+    /// What lines up while something is dragged.
+    guides: Vec<Guide>,
     typing: Option<Typing>,
+    /// m, on the cut: where keys draw, and where the menu was asked for.
+    cursor: Option<DVec2>,
+    asked: DVec2,
     pub dialog: Option<Dialog>,
+    pub asking: Asking,
+    /// s on the window's clock: the last Escape while a board sounds.
+    escaped: Option<f64>,
+    /// The user was told in this run how loud a board is.
+    pub was_warned: bool,
     /// What to do once the scene is saved.
     pub after_saving: Option<Command>,
     pub playback: Playback,
@@ -144,6 +179,23 @@ pub struct Layout {
     pub panel: f32,
     /// Height of the cross-section.
     pub section: f32,
+    /// The panel on the right is folded away.
+    pub is_folded: bool,
+    /// In a narrow window: it lies over the map.
+    pub is_drawn_out: bool,
+    /// The map and its legend alone.
+    pub presents: bool,
+}
+
+impl Layout {
+    /// Folds the panel on the right away, or brings it back.
+    pub fn toggle(&mut self, ctx: &egui::Context) {
+        if is_narrow(ctx) {
+            self.is_drawn_out = !self.is_drawn_out;
+        } else {
+            self.is_folded = !self.is_folded;
+        }
+    }
 }
 
 /// What the panels ask for and cannot do.
@@ -162,21 +214,31 @@ pub enum Command {
     Export(Export, PathBuf),
     /// Forgets the files that were open last.
     ForgetRecent,
+    /// Puts a link that holds the scene on the clipboard.
+    CopyLink,
+    /// Opens the scene that a link holds.
+    OpenLink(String),
     /// Ends the export that is under way, without its file.
     CallOff,
-    /// Asks the desktop for a file.
-    Browse(Purpose),
+    /// What was typed or chosen where a file was asked for.
+    Answer(Purpose, String),
+    /// Lists the files of a folder; of the one that was shown last if `None`.
+    List(Option<PathBuf>),
+    /// Asks the desktop for a file; the answer so far comes back if it gives none.
+    Browse(Purpose, String),
     CompareMethods,
     Board(BoardCommand),
     /// Goes on with what the last run left.
     Recover(Box<Scene>),
+    /// Deletes what the last run left.
+    Discard,
     Close,
 }
 
 impl Command {
     /// Whether the current scene is gone afterwards.
     pub fn replaces_scene(&self) -> bool {
-        matches!(self, Self::New | Self::Open(_) | Self::Example(_) | Self::Close)
+        matches!(self, Self::New | Self::Open(_) | Self::OpenLink(_) | Self::Example(_) | Self::Close)
     }
 }
 
@@ -191,6 +253,8 @@ pub enum Export {
     Numbers,
     /// Phase and amplitude per element.
     Drive,
+    /// The values along the line that is shown.
+    Profile,
     /// Every frame of the motion, as maps of what is on the screen.
     Motion,
 }
@@ -217,8 +281,13 @@ pub struct Shown {
     pub round: Option<Arc<Sequence>>,
     pub is_following: bool,
     pub pressed: Option<Pressed>,
+    pub extremes: Option<Extremes>,
+    /// Of the focus that is selected, while the line profile is shown.
+    pub widths: Option<Widths>,
     /// Files that were open last, the last one first.
     pub recent: Vec<PathBuf>,
+    /// Where a file is asked for.
+    pub folder: Option<Folder>,
     /// Names of the example scenes.
     pub examples: Vec<String>,
     /// Who computes the field.
@@ -255,69 +324,6 @@ pub struct Notice {
     pub is_error: bool,
 }
 
-/// A map on the screen, and where it belongs.
-#[derive(Debug)]
-pub struct Map {
-    pub texture: Texture,
-    pub cut: Cut,
-    pub axes: view::Axes,
-    pub window: Window,
-    /// Points of the screen.
-    pub rect: egui::Rect,
-    pub quantity: Quantity,
-    /// rad, the ωt of an instantaneous pressure.
-    pub phase: f64,
-    /// What gets the last colour, if not the largest value.
-    pub full: Option<f64>,
-    /// The largest value, as [`crate::field::Map::peak`] has it.
-    pub largest: f64,
-    /// Relative to it.
-    pub error: f64,
-    pub how: String,
-    pub width: usize,
-    pub height: usize,
-    pub contours: Vec<Line>,
-    /// How many times as deep as it is a shaded dent is drawn.
-    pub exaggeration: Option<f64>,
-    /// Row by row from the smallest y, where they are there and the sound at a point does not tell them.
-    pub numbers: Option<Vec<f32>>,
-}
-
-impl Map {
-    /// The value at a place of the cut.
-    fn number(&self, uv: glam::DVec2) -> Option<f64> {
-        let numbers = self.numbers.as_ref()?;
-        let at = view::Lens { rect: self.rect, window: self.window }.screen(uv) - self.rect.min;
-        let column = at.x / self.rect.width() * self.width as f32;
-        let row = (1.0 - at.y / self.rect.height()) * self.height as f32;
-        let inside = |place: f32, count: usize| (place as usize).min(count.saturating_sub(1));
-        let index = inside(row, self.height) * self.width + inside(column, self.width);
-        numbers.get(index).map(|&value| f64::from(value))
-    }
-}
-
-/// Where the picture of a map lies.
-pub enum Texture {
-    InEgui(egui::TextureHandle),
-    /// On the device that draws the window, under this name.
-    OnGpu(egui::TextureId),
-}
-
-impl Texture {
-    pub fn id(&self) -> egui::TextureId {
-        match self {
-            Self::InEgui(texture) => texture.id(),
-            Self::OnGpu(id) => *id,
-        }
-    }
-}
-
-impl std::fmt::Debug for Texture {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.debug_tuple("Texture").field(&self.id()).finish()
-    }
-}
-
 /// What is played, and what arrives.
 #[derive(Clone, Debug)]
 pub struct Sound {
@@ -337,12 +343,12 @@ impl Sound {
     }
 
     /// The values of a map at points of its plane, in f64; none where these follow from more than the points.
-    fn values(&self, map: &Map, points: &[glam::DVec3]) -> Vec<f64> {
+    fn values(&self, map: &Map, points: &[DVec3]) -> Vec<f64> {
         let axes = [map.axes.x, map.axes.y, map.axes.x.cross(map.axes.y)];
         probe::values((&self.aperture, &self.air), &self.drives, (map.quantity, map.phase), axes, points)
     }
 
-    fn value(&self, map: &Map, point: glam::DVec3) -> Option<f64> {
+    fn value(&self, map: &Map, point: DVec3) -> Option<f64> {
         self.values(map, &[point]).first().copied()
     }
 }
@@ -363,23 +369,43 @@ pub struct Pressed {
     pub beyond: Option<String>,
 }
 
+/// The loudest place on the screen and its peak side lobe: where (m), and |P| (Pa, peak).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Extremes {
+    pub peak: Option<(DVec3, f64)>,
+    pub side_lobe: Option<(DVec3, f64)>,
+}
+
 impl Editor {
     pub fn new(document: Document) -> Self {
         Self {
             view: View::of(&document.scene),
+            fitted: None,
             compare: None,
             document,
             selection: BTreeSet::new(),
             tool: Tool::Select,
             panel: Panel::Scene,
-            layout: Layout { panel: 352.0, section: 170.0 },
+            layout: Layout {
+                panel: 352.0,
+                section: 210.0,
+                is_folded: false,
+                is_drawn_out: false,
+                presents: false,
+            },
             grid: 0.005,
             snaps: false,
             brush: Brush::default(),
             copied: Vec::new(),
             gesture: None,
+            guides: Vec::new(),
             typing: None,
+            cursor: None,
+            asked: DVec2::ZERO,
             dialog: None,
+            asking: Asking::default(),
+            escaped: None,
+            was_warned: false,
             after_saving: None,
             playback: Playback::default(),
             oscillation: Oscillation { playing: true, part: 0.0 },
@@ -393,6 +419,7 @@ impl Editor {
     pub fn replace(&mut self, document: Document) {
         let View { cut, heights, free, window, line, full, .. } = View::of(&document.scene);
         self.view = View { cut, heights, free, window, line, full, ..self.view.clone() };
+        self.fitted = None;
         self.document = document;
         self.forget_places();
         self.playback = Playback::default();
@@ -454,23 +481,44 @@ pub fn show(
 ) -> Vec<Command> {
     let mut commands = Vec::new();
     let quantity = editor.view.quantity;
-    keys::press(editor, ui.ctx(), &mut commands);
+    keys::press(editor, shown, ui.ctx(), &mut commands);
     // The window is cleared to the panels' colour: filling every pixel once more would take a software driver half a frame.
     let clear = Frame::side_top_panel(ui.style()).fill(Color32::TRANSPARENT);
+    if editor.layout.presents {
+        menu::presented_stop(shown, ui.ctx(), &mut commands);
+    } else {
+        around(editor, shown, clear, ui, &mut commands);
+    }
+    CentralPanel::default().frame(Frame::NONE).show(ui, |ui| canvas(editor, shown, ui));
+    dialog::show(editor, shown, ui.ctx(), &mut commands);
+    if editor.view.quantity != quantity {
+        // A range of pascals is none of metres.
+        editor.view.full = None;
+    }
+    dialog::warn_of_loudness(editor, &mut commands);
+    commands
+}
+
+/// Menu, view bar, status, tools, panel and line profile, as far as the window has room for them.
+fn around(editor: &mut Editor, shown: &Shown, clear: Frame, ui: &mut Ui, commands: &mut Vec<Command>) {
     let frame = clear.inner_margin(Margin::symmetric(8, 4));
-    Side::top("menu").frame(frame).show(ui, |ui| menu::bar(editor, shown, ui, &mut commands));
     let (is_wide, is_high) = has_room(ui);
+    let is_narrow = is_narrow(ui.ctx());
+    Side::top("menu").frame(frame).show(ui, |ui| menu::bar(editor, shown, ui, commands));
     if is_high {
-        Side::top("view").frame(frame).show(ui, |ui| view_bar::show(editor, shown, ui));
+        Side::top("view").frame(frame).show(ui, |ui| view_bar::show(editor, ui));
         Side::bottom("status").frame(frame).show(ui, |ui| status::bar(editor, shown, ui));
     }
     if is_wide {
-        let tools = Side::left("tools").resizable(false).exact_size(48.0).frame(frame);
-        tools.show(ui, |ui| menu::tools(editor, ui));
-        let panel =
-            Side::right("panel").frame(clear).default_size(editor.layout.panel).size_range(260.0..=520.0);
-        let panel = panel.show(ui, |ui| panels::show(editor, shown, ui, &mut commands));
-        editor.layout.panel = panel.response.rect.width();
+        let columns = menu::tool_columns(ui.available_height() - 8.0);
+        let width = menu::tool_width(columns);
+        let tools = Side::left("tools").resizable(false).exact_size(width).frame(frame);
+        tools.show(ui, |ui| menu::tools(editor, columns, ui));
+    }
+    if is_narrow {
+        drawer(editor, shown, ui, commands);
+    } else if !editor.layout.is_folded {
+        panel(editor, shown, clear, ui, commands);
     }
     if is_high && timeline::is_wanted(editor) {
         let timeline = Side::bottom("timeline").resizable(false).frame(frame);
@@ -484,18 +532,56 @@ pub fn show(
         let section = section.resizable(true).show(ui, |ui| section::show(editor, shown, ui));
         editor.layout.section = section.response.rect.height();
     }
-    CentralPanel::default().frame(Frame::NONE).show(ui, |ui| canvas(editor, shown, ui));
-    dialog::show(editor, ui.ctx(), &mut commands);
-    if editor.view.quantity != quantity {
-        // A range of pascals is none of metres.
-        editor.view.full = None;
+}
+
+/// The panel beside the map: as wide as the user wants it, whatever is in it, and never so wide that no map is left.
+fn panel(editor: &mut Editor, shown: &Shown, clear: Frame, ui: &mut Ui, commands: &mut Vec<Command>) {
+    let most = (ui.ctx().content_rect().width() - SMALLEST_MAP).clamp(PANEL.start, PANEL.end);
+    let side = Side::right("panel").frame(clear).default_size(editor.layout.panel.min(most));
+    let side = side.size_range(PANEL.start..=most).show(ui, |ui| {
+        let rect = ui.available_rect_before_wrap();
+        let mut inner = ui.new_child(UiBuilder::new().max_rect(rect));
+        inner.shrink_clip_rect(rect);
+        panels::show(editor, shown, &mut inner, commands);
+        ui.advance_cursor_after_rect(rect);
+    });
+    editor.layout.panel = side.response.rect.width();
+}
+
+/// The panel over the map, where the window is too narrow for both.
+fn drawer(editor: &mut Editor, shown: &Shown, ui: &Ui, commands: &mut Vec<Command>) {
+    if !editor.layout.is_drawn_out {
+        return;
     }
-    commands
+    let room = ui.available_rect_before_wrap();
+    let width = DRAWER.min(room.width() - 16.0);
+    let area = egui::Area::new(egui::Id::unique("drawer")).order(egui::Order::Middle);
+    area.fixed_pos(room.right_top() - egui::vec2(width + 16.0, 0.0)).show(ui.ctx(), |ui| {
+        Frame::popup(ui.style()).show(ui, |ui| {
+            let rect = egui::Rect::from_min_size(ui.cursor().min, egui::vec2(width, room.height() - 16.0));
+            let mut inner = ui.new_child(UiBuilder::new().max_rect(rect));
+            inner.shrink_clip_rect(rect);
+            panels::show(editor, shown, &mut inner, commands);
+            ui.advance_cursor_after_rect(rect);
+        });
+    });
+}
+
+/// Points of the screen: widths of the panel on the right, beside the map and over it.
+const PANEL: std::ops::Range<f32> = 260.0..520.0;
+const DRAWER: f32 = 340.0;
+/// Tools, map and its axes beside the panel.
+const SMALLEST_MAP: f32 = 520.0;
+/// Below this the panel lies over the map and the view bar scrolls.
+const NARROW: f32 = 860.0;
+
+fn is_narrow(ctx: &egui::Context) -> bool {
+    ctx.content_rect().width() < NARROW
 }
 
 /// Whether a window is wide and high enough for more than the menu and the canvas.
 fn has_room(ui: &Ui) -> (bool, bool) {
-    const WIDE: f32 = 560.0;
+    const WIDE: f32 = 460.0;
     const HIGH: f32 = 320.0;
     let size = ui.ctx().content_rect().size();
     (size.x >= WIDE, size.y >= HIGH)

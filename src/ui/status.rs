@@ -1,63 +1,77 @@
-//! The line at the bottom: how long things took, how right they are, and what to know before trusting them.
+//! The line at the bottom: what was just done, how right the map is, and warnings. Details and lists open on a click.
 
-use egui::{RichText, Ui};
+use egui::{Align, Button, Label, Layout, Popup, PopupCloseBehavior, RichText, Ui};
 
 use crate::echo;
 use crate::field::promised;
-use crate::ui::{Editor, Shown, theme};
+use crate::ui::panels::{fact, form};
+use crate::ui::{Editor, Map, Shown, theme};
+
+/// Points of the screen, of what opens.
+const WIDTH: f32 = 420.0;
 
 pub fn bar(editor: &Editor, shown: &Shown, ui: &mut Ui) {
     ui.horizontal(|ui| {
-        ui.label(format!("solve {:.1} ms", shown.solving))
-            .on_hover_text("Time that finding the phases took");
-        ui.separator();
-        match shown.on_gpu {
-            Some(on_gpu) => ui
-                .label(format!("field {on_gpu:.2} ms"))
-                .on_hover_text("Time that the GPU took for the map, by its own clock"),
-            None => ui
-                .label(format!("field {:.1} ms", shown.mapping))
-                .on_hover_text("Time that the map and its colours took"),
-        };
         if let Some(map) = &shown.map {
-            ui.separator();
-            ui.label(format!("error {:.0e}", map.error)).on_hover_text(format!(
-                "Estimate of the largest deviation of any pixel from the same field in double precision, relative to the peak; \
-                 {:.0e} is allowed.\n{}",
-                promised(editor.scene().plane.tolerance),
-                map.how
-            ));
+            details(editor, shown, map, ui);
         }
-        ui.separator();
-        ui.label(&shown.evaluator).on_hover_text("Who computes the field");
-        ui.separator();
-        if let Some(sound) = &shown.sound {
-            let foci = sound.foci.iter().filter(|focus| focus.is_separate()).count();
-            if foci > 0 {
-                ui.label(format!("{foci} {}", if foci == 1 { "focus" } else { "foci" }))
-                    .on_hover_text("Points at which the waves of all elements arrive in step");
-            }
-            if foci < sound.foci.len() {
-                ui.label(format!("{} samples", sound.foci.len() - foci))
-                    .on_hover_text("Places along continuous strokes at which the pressure is evened out");
-            }
-            ui.separator();
+        warnings(shown, ui);
+        if let Some(notice) = &shown.notice {
+            let colour = if notice.is_error { theme::error(ui.visuals()) } else { ui.visuals().text_color() };
+            let text = echo::message(&notice.text);
+            ui.add(Label::new(RichText::new(&text).color(colour)).truncate()).on_hover_text(text);
         }
-        message(shown, ui);
     });
 }
 
-/// The most important of what there is to say; the rest as a tooltip.
-fn message(shown: &Shown, ui: &mut Ui) {
-    if let Some(notice) = &shown.notice {
-        let colour = if notice.is_error { theme::error(ui.visuals()) } else { ui.visuals().text_color() };
-        ui.add(egui::Label::new(RichText::new(echo::message(&notice.text)).color(colour)).truncate());
-        return;
-    }
+/// How right the map is, and how it was made.
+fn details(editor: &Editor, shown: &Shown, map: &Map, ui: &mut Ui) {
+    let chip = Button::new(format!("error {:.0e} of peak", map.error)).corner_radius(10).small();
+    let response = ui.add(chip).on_hover_text("Estimated error of the map. Click for details");
+    Popup::menu(&response).close_behavior(PopupCloseBehavior::CloseOnClickOutside).show(|ui| {
+        ui.set_max_width(WIDTH);
+        form(ui, "details", |ui| {
+            let tip = "Estimate of the largest deviation of any pixel from the same field in double precision, relative \
+                       to the peak";
+            let promised = promised(editor.scene().plane.tolerance);
+            fact(ui, ("Error", tip), format!("{:.1e} of peak, {promised:.0e} allowed", map.error));
+            fact(ui, ("Solving", "Time to find the phases"), format!("{:.1} ms", shown.solving));
+            let (field, tip) = match shown.on_gpu {
+                Some(on_gpu) => (format!("{on_gpu:.2} ms"), "Time of the GPU for the map, by its own clock"),
+                None => (format!("{:.1} ms", shown.mapping), "Time for the map and its colours"),
+            };
+            fact(ui, ("Field", tip), field);
+            fact(ui, ("Evaluator", "What computes the field"), shown.evaluator.as_str());
+            if let Some(sound) = &shown.sound {
+                let foci = sound.foci.iter().filter(|focus| focus.is_separate()).count();
+                fact(ui, ("Foci", "Points at which the waves of all elements arrive in step"), foci.to_string());
+                let tip = "Places along continuous strokes and in areas at which the pressure is levelled";
+                fact(ui, ("Samples", tip), (sound.foci.len() - foci).to_string());
+            }
+        });
+        if !map.how.is_empty() {
+            ui.separator();
+            ui.with_layout(Layout::top_down(Align::Min), |ui| ui.label(RichText::new(&map.how).small()));
+        }
+    });
+}
+
+fn warnings(shown: &Shown, ui: &mut Ui) {
     let Some(first) = shown.warnings.first() else { return };
-    let more = shown.warnings.len() - 1;
-    let text = echo::message(first);
-    let text = if more > 0 { format!("{text} (and {more} more)") } else { text };
-    let label = egui::Label::new(RichText::new(text).color(theme::warning(ui.visuals()))).truncate();
-    ui.add(label).on_hover_text(echo::lines(&shown.warnings.join("\n\n")));
+    let colour = theme::warning(ui.visuals());
+    let text = match shown.warnings.len() {
+        1 => "⚠ 1 warning".to_owned(),
+        count => format!("⚠ {count} warnings"),
+    };
+    let button = Button::new(RichText::new(text).color(colour)).corner_radius(10).small();
+    let response = ui.add(button).on_hover_text(echo::message(first));
+    Popup::menu(&response).close_behavior(PopupCloseBehavior::CloseOnClickOutside).show(|ui| {
+        ui.set_max_width(WIDTH);
+        for warning in &shown.warnings {
+            ui.label(echo::lines(warning));
+        }
+    });
+    if shown.notice.is_none() {
+        ui.add(Label::new(RichText::new(echo::message(first)).color(colour)).truncate());
+    }
 }

@@ -3,14 +3,19 @@
 use std::sync::Arc;
 
 use egui::{
-    Color32, Context, CornerRadius, FontData, FontDefinitions, FontFamily, FontId, Stroke, TextStyle, Theme,
-    Visuals, vec2,
+    Button, Color32, Context, CornerRadius, FontData, FontDefinitions, FontFamily, FontId, RichText, Stroke,
+    TextStyle, Theme, Visuals, vec2,
 };
 
 /// The one that sheets are lettered with, too.
 const FONT: &str = "Inter";
+/// Its digits of equal width: numbers below one another stay in columns, and a number that changes does not move its unit.
+const DIGITS: &str = "Inter tabular digits";
+const SEMIBOLD: &str = "Inter semibold";
 /// What is chosen, drawn or pressed.
 pub const ACCENT: Color32 = Color32::from_rgb(46, 134, 222);
+/// What silences or destroys.
+pub const DANGER: Color32 = Color32::from_rgb(205, 48, 44);
 /// Over the map, on any of its colours.
 pub const MARK: Color32 = Color32::WHITE;
 pub const MARK_EDGE: Color32 = Color32::from_rgba_premultiplied(0, 0, 0, 190);
@@ -19,18 +24,24 @@ pub const CHOSEN: Color32 = Color32::from_rgb(72, 219, 251);
 /// Sets the font, and sizes, spacing and colours of both themes.
 pub fn install(ctx: &Context) {
     let mut fonts = FontDefinitions::empty();
-    let inter = FontData::from_static(include_bytes!("../../assets/fonts/Inter-Regular.otf"));
-    fonts.font_data.insert(FONT.to_owned(), Arc::new(inter));
-    for family in [FontFamily::Proportional, FontFamily::Monospace] {
-        fonts.families.insert(family, vec![FONT.to_owned()]);
+    for (name, bytes) in [
+        (FONT, include_bytes!("../../assets/fonts/Inter-Regular.otf").as_slice()),
+        (DIGITS, include_bytes!("../../assets/fonts/Inter-TabularDigits.otf")),
+        (SEMIBOLD, include_bytes!("../../assets/fonts/Inter-SemiBold.otf")),
+    ] {
+        fonts.font_data.insert(name.to_owned(), Arc::new(FontData::from_static(bytes)));
     }
+    for family in [FontFamily::Proportional, FontFamily::Monospace] {
+        fonts.families.insert(family, vec![DIGITS.to_owned(), FONT.to_owned()]);
+    }
+    fonts.families.insert(semibold(), vec![SEMIBOLD.to_owned(), FONT.to_owned()]);
     ctx.set_fonts(fonts);
     ctx.all_styles_mut(|style| {
         let font = |size| FontId::new(size, FontFamily::Proportional);
         style.text_styles = [
-            (TextStyle::Heading, font(17.0)),
-            (TextStyle::Body, font(13.5)),
-            (TextStyle::Button, font(13.5)),
+            (TextStyle::Heading, FontId::new(17.0, semibold())),
+            (TextStyle::Body, font(13.0)),
+            (TextStyle::Button, font(13.0)),
             (TextStyle::Small, font(11.5)),
             (TextStyle::Monospace, FontId::new(12.5, FontFamily::Monospace)),
         ]
@@ -44,6 +55,34 @@ pub fn install(ctx: &Context) {
     for theme in [Theme::Dark, Theme::Light] {
         ctx.set_visuals_of(theme, visuals(theme));
     }
+}
+
+fn semibold() -> FontFamily {
+    FontFamily::Name(SEMIBOLD.into())
+}
+
+/// A title above a group of controls.
+pub fn heading(text: &str) -> RichText {
+    RichText::new(text).font(FontId::new(14.0, semibold()))
+}
+
+/// What a control or a value is, beside it.
+pub fn label(text: &str, visuals: &Visuals) -> RichText {
+    RichText::new(text).size(12.0).color(visuals.text_color().gamma_multiply(0.75))
+}
+
+/// The button that does what its dialog or page is for.
+pub fn primary(text: &str) -> Button<'_> {
+    filled(text, ACCENT)
+}
+
+/// A button that takes something away or stops it.
+pub fn destructive(text: &str) -> Button<'_> {
+    filled(text, DANGER)
+}
+
+fn filled(text: &str, fill: Color32) -> Button<'_> {
+    Button::new(RichText::new(text).color(Color32::WHITE)).fill(fill)
 }
 
 fn visuals(theme: Theme) -> Visuals {
@@ -73,7 +112,14 @@ fn visuals(theme: Theme) -> Visuals {
     ] {
         widget.corner_radius = CornerRadius::same(5);
     }
+    // What has the keyboard is drawn as active.
+    visuals.widgets.active.bg_stroke = focus_ring();
     visuals
+}
+
+/// Around what has the keyboard.
+pub fn focus_ring() -> Stroke {
+    Stroke::new(2.0, CHOSEN)
 }
 
 /// The colour of a warning that is readable on the panel.

@@ -1,8 +1,8 @@
 //! The timeline below the canvas: which frame is shown, how fast they go by, and the keyframes of what moves.
 
 use egui::{
-    Align2, Button, ComboBox, CursorIcon, DragValue, FontId, Painter, Rect, Response, ScrollArea, Sense,
-    Stroke, Ui, WidgetInfo, pos2, vec2,
+    Align2, Button, CursorIcon, DragValue, FontId, Painter, Rect, Response, ScrollArea, Sense, Stroke, Ui,
+    WidgetInfo, pos2, vec2,
 };
 
 use crate::scene::motion::{self, Cycle, Group};
@@ -10,7 +10,7 @@ use crate::scene::{Easing, Keyframe, MotionPath};
 use crate::ui::board::Plays;
 use crate::ui::legend::round_step;
 use crate::ui::way::{self, Vertex};
-use crate::ui::{Editor, Panel, Shown, theme};
+use crate::ui::{Editor, Panel, Shown, path_marks, theme};
 
 /// Points of the screen.
 const RULER: f32 = 20.0;
@@ -128,17 +128,23 @@ fn keyframe(editor: &mut Editor, ui: &mut Ui) {
         editor.playback.frame.get_or_insert(0);
         way::add_keyframe(editor, target);
     }
-    let Some(Vertex { target, index }) = editor.vertex else { return };
-    let motion = way::motion_mut(&mut editor.document.scene, target);
-    let Some(keyframe) = motion.and_then(|motion| motion.keyframes.get_mut(index)) else { return };
-    let label = ui.label(format!("Keyframe {}", index + 1));
-    let combo = ComboBox::from_id_salt("easing").width(76.0).selected_text(keyframe.easing.name());
-    let response = combo.show_ui(ui, |ui| {
-        for easing in Easing::ALL {
-            ui.selectable_value(&mut keyframe.easing, easing, easing.name());
+    // Always there, so that nothing moves when a keyframe is taken hold of.
+    let vertex = editor.vertex;
+    let motion = vertex.and_then(|vertex| way::motion_mut(&mut editor.document.scene, vertex.target));
+    let keyframes =
+        motion.filter(|motion| motion.path == MotionPath::Keyframes).map(|motion| &mut motion.keyframes);
+    let chosen = keyframes.zip(vertex).and_then(|(all, vertex)| all.get_mut(vertex.index));
+    let is_chosen = chosen.is_some();
+    let (mut other, tip) = (Easing::Linear, "How the way to the next keyframe is gone");
+    let easing = chosen.map_or(&mut other, |keyframe| &mut keyframe.easing);
+    ui.add_enabled_ui(is_chosen, |ui| {
+        for choice in Easing::ALL {
+            let label = ui.selectable_label(is_chosen && *easing == choice, choice.name());
+            if label.on_hover_text(tip).on_disabled_hover_text("Choose a keyframe").clicked() {
+                *easing = choice;
+            }
         }
     });
-    response.response.labelled_by(label.id).on_hover_text("How the way to the next keyframe is gone");
 }
 
 /// Whose keyframes are added to: those of the selected target, of the scene, or of the first that has some.
@@ -260,7 +266,7 @@ fn show_keyframe(
     });
     let vertex = Vertex { target: lane.target, index };
     let is_chosen = editor.vertex == Some(vertex);
-    way::diamond(ui.painter(), at, HALF, if is_chosen { theme::CHOSEN } else { theme::MARK });
+    path_marks::diamond(ui.painter(), at, HALF, if is_chosen { theme::CHOSEN } else { theme::MARK });
     let Keyframe { time, pressure, easing, .. } = lane.keyframes[index];
     if response.is_pointer_button_down_on() || response.clicked() {
         editor.vertex = Some(vertex);

@@ -26,10 +26,11 @@ pub enum Tool {
     Text,
     Brush,
     Erase,
+    Measure,
 }
 
 impl Tool {
-    pub const ALL: [Self; 11] = [
+    pub const ALL: [Self; 12] = [
         Self::Select,
         Self::Point,
         Self::Line,
@@ -41,6 +42,7 @@ impl Tool {
         Self::Text,
         Self::Brush,
         Self::Erase,
+        Self::Measure,
     ];
 
     pub fn name(self) -> &'static str {
@@ -56,6 +58,7 @@ impl Tool {
             Self::Text => "Text",
             Self::Brush => "Brush",
             Self::Erase => "Erase",
+            Self::Measure => "Measure",
         }
     }
 
@@ -72,6 +75,7 @@ impl Tool {
             Self::Text => Key::T,
             Self::Brush => Key::B,
             Self::Erase => Key::E,
+            Self::Measure => Key::D,
         }
     }
 
@@ -96,6 +100,9 @@ impl Tool {
             Self::Erase => {
                 "Click or drag over targets to delete them; pictures are wiped as wide as the brush is"
             }
+            Self::Measure => {
+                "Drag a line: its length, its angle and the profile along it; drag an end to move it, Esc removes it"
+            }
         }
     }
 
@@ -115,9 +122,13 @@ impl Tool {
             }
             Self::Triangle => Shape::Triangle { at, size: radius * 3.0_f64.sqrt() },
             Self::Polygon => Shape::Polygon { at, radius, sides: 6 },
-            Self::Select | Self::Point | Self::Freehand | Self::Text | Self::Brush | Self::Erase => {
-                return None;
-            }
+            Self::Select
+            | Self::Point
+            | Self::Freehand
+            | Self::Text
+            | Self::Brush
+            | Self::Erase
+            | Self::Measure => return None,
         })
     }
 
@@ -145,8 +156,8 @@ pub fn text(axes: &Axes, at: DVec2, text: &str) -> Target {
 }
 
 /// A stroke through points of a cut.
-pub fn path(axes: &Axes, points: &[DVec2]) -> Target {
-    Target::new(Shape::Path { vertices: points.iter().map(|&uv| axes.world(uv)).collect(), closed: false })
+pub fn path(axes: &Axes, points: &[DVec2], closed: bool) -> Target {
+    Target::new(Shape::Path { vertices: points.iter().map(|&uv| axes.world(uv)).collect(), closed })
 }
 
 /// A black picture to paint on: in the cut, as large as the scene's plane and about where that is.
@@ -239,6 +250,13 @@ pub fn icon(painter: &Painter, tool: Tool, rect: Rect, stroke: Stroke) {
         Tool::Erase => {
             closed(vec![at(-1.0, 0.35), at(0.1, -0.8), at(1.0, 0.05), at(-0.1, 1.0), at(-0.4, 1.0)]);
             painter.line_segment([at(-0.5, -0.2), at(0.45, 0.6)], stroke);
+        }
+        Tool::Measure => {
+            closed(vec![at(-1.1, 0.55), at(0.55, -1.1), at(1.1, -0.55), at(-0.55, 1.1)]);
+            for part in [0.2, 0.45, 0.7] {
+                let from = at(-1.1 + 1.65 * part, 0.55 - 1.65 * part);
+                painter.line_segment([from, from + egui::vec2(0.25, 0.25) * r], stroke);
+            }
         }
     }
 }

@@ -7,9 +7,10 @@ use glam::{DQuat, DVec2, DVec3};
 
 use crate::field::{Colouring, Quantity, Scale};
 use crate::picture::ColourMap;
-use crate::scene::{Array, Plane, Scene};
+use crate::scene::{Array, Plane, Scene, outline};
 use crate::studio::convention::Convention;
 use crate::studio::map;
+use crate::ui::measure::ProfileLine;
 
 /// Free space around what is shown as a whole, as a part of it.
 const MARGIN: f64 = 1.08;
@@ -38,8 +39,8 @@ impl Cut {
             Self::Xy => "XY",
             Self::Xz => "XZ",
             Self::Yz => "YZ",
-            Self::Free => "Free",
-            Self::Own => "Own",
+            Self::Free => "Oblique plane",
+            Self::Own => "Scene plane",
         }
     }
 
@@ -126,6 +127,15 @@ pub struct Window {
     pub scale: f64,
 }
 
+impl Window {
+    /// With so much around a place (m) on a rectangle of the screen, and a little more.
+    pub fn around(centre: DVec2, size: DVec2, rect: Rect) -> Self {
+        let scale =
+            (size.x / f64::from(rect.width().max(1.0))).max(size.y / f64::from(rect.height().max(1.0)));
+        Self { centre, scale: (scale * MARGIN).clamp(FINEST, COARSEST) }
+    }
+}
+
 /// A window on a rectangle of the screen.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Lens {
@@ -186,10 +196,20 @@ pub struct View {
     pub contour_level: f64,
     /// Focal points and outlines over the map.
     pub marks: bool,
+    /// The lines of the grid to which the pointer snaps; they are shown with it, too.
+    pub grid: bool,
+    /// What is dragged comes to rest in line with other targets and the array's axis.
+    pub guides: bool,
+    /// The array's elements in the colours of their phases.
+    pub elements: bool,
+    /// The loudest place and the peak side lobe are marked.
+    pub extremes: bool,
+    /// An adult's hand to scale.
+    pub palm: bool,
     /// The curve along a line is shown.
     pub section: bool,
-    /// m, where that line lies on the cut's upward axis.
-    pub line: f64,
+    /// Where.
+    pub line: ProfileLine,
 }
 
 impl View {
@@ -210,8 +230,13 @@ impl View {
             contours: false,
             contour_level: -6.0,
             marks: true,
+            grid: false,
+            guides: true,
+            elements: false,
+            extremes: false,
+            palm: false,
             section: false,
-            line: 0.0,
+            line: ProfileLine::Across(0.0),
         };
         let (x, y) = plane.axes().unwrap_or((DVec3::X, DVec3::Y));
         let lies = |a: DVec3, b: DVec3| x.dot(a) > 1.0 - 1e-9 && y.dot(b) > 1.0 - 1e-9;
@@ -229,10 +254,17 @@ impl View {
         if view.cut != Cut::Xy
             && let Some(target) = scene.targets.first()
         {
-            view.heights[0] = crate::scene::outline::centre(&target.shape).z;
+            view.heights[0] = outline::centre(&target.shape).z;
         }
-        view.line = view.axes(scene).flat(plane.centre).y;
+        view.line = view.middle(scene);
         view
+    }
+
+    /// The line through the first target that is shown, or else through the middle of the scene's plane.
+    pub fn middle(&self, scene: &Scene) -> ProfileLine {
+        let shown = scene.targets.iter().find(|target| target.visible);
+        let at = shown.map_or(scene.plane.centre, |target| outline::centre(&target.shape));
+        ProfileLine::Across(self.axes(scene).flat(at).y)
     }
 
     /// m, where the cut lies along its normal.
@@ -261,17 +293,17 @@ impl View {
 
     /// The window on this rectangle of the screen: as it was set, or everything.
     pub fn lens(&self, scene: &Scene, rect: Rect) -> Lens {
-        let fit = || {
-            let (centre, size) = self.whole(scene);
-            let scale =
-                (size.x / f64::from(rect.width().max(1.0))).max(size.y / f64::from(rect.height().max(1.0)));
-            Window { centre, scale: (scale * MARGIN).clamp(FINEST, COARSEST) }
-        };
-        Lens { rect, window: self.window.unwrap_or_else(fit) }
+        match self.window {
+            Some(window) => Lens { rect, window },
+            None => {
+                let (centre, size) = self.whole(scene);
+                Lens { rect, window: Window::around(centre, size, rect) }
+            }
+        }
     }
 
     /// Centre and size of what there is to see: the scene's plane where it is looked at, else the space over the array.
-    fn whole(&self, scene: &Scene) -> (DVec2, DVec2) {
+    pub fn whole(&self, scene: &Scene) -> (DVec2, DVec2) {
         let plane = &scene.plane;
         let of_plane = Self::of(scene).cut == self.cut;
         let axes = self.axes(scene);
@@ -284,7 +316,7 @@ impl View {
                 let top = scene
                     .targets
                     .iter()
-                    .map(|target| crate::scene::outline::centre(&target.shape).z * 1.5)
+                    .map(|target| outline::centre(&target.shape).z * 1.5)
                     .fold(side, f64::max);
                 (DVec2::new(0.0, top / 2.0), DVec2::new(side, top))
             }

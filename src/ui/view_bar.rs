@@ -1,35 +1,34 @@
-//! The two rows above the canvas: what is seen in which colours, and where.
+//! The two rows above the canvas: which quantity is seen, and on which plane.
 
-use egui::{ComboBox, DragValue, Slider, Ui};
+use egui::{DragValue, Slider, Ui};
 
-use crate::field::quantity::Range;
-use crate::field::{Quantity, Scale};
-use crate::picture::ColourMap;
+use crate::field::Quantity;
+use crate::studio::convention::Convention;
+use crate::ui::icon::{self, Icon};
 use crate::ui::tool::Tool;
 use crate::ui::view::{Cut, FreePlane};
-use crate::ui::{Editor, Shown, brush, compare, panels};
+use crate::ui::{Editor, brush, compare, panels, segments};
 
 /// m: how far the slider moves a plane.
 const FARTHEST: f64 = 0.3;
 
-pub fn show(editor: &mut Editor, shown: &Shown, ui: &mut Ui) {
+pub fn show(editor: &mut Editor, ui: &mut Ui) {
     ui.horizontal_wrapped(|ui| {
         quantities(editor, ui);
-        ui.separator();
+        convention(editor, ui);
         if editor.view.quantity == Quantity::Instantaneous {
             oscillation(editor, ui);
         }
         if editor.view.quantity.declaration().of_liquid {
             surface(editor, ui);
         }
-        ui.add_enabled_ui(!editor.view.is_shaded(), |ui| colours(editor, shown, ui));
     });
     ui.horizontal_wrapped(|ui| {
         cuts(editor, ui);
-        ui.separator();
+        ui.add_space(8.0);
         overlays(editor, ui);
         if matches!(editor.tool, Tool::Brush | Tool::Erase) {
-            ui.separator();
+            ui.add_space(8.0);
             brush(editor, ui);
         }
     });
@@ -51,11 +50,27 @@ fn brush(editor: &mut Editor, ui: &mut Ui) {
 }
 
 fn quantities(editor: &mut Editor, ui: &mut Ui) {
-    for (quantity, key) in Quantity::ALL.into_iter().zip(1..) {
-        let declaration = quantity.declaration();
-        ui.selectable_value(&mut editor.view.quantity, quantity, declaration.title)
-            .on_hover_text(format!("{} ({key})", declaration.help));
-    }
+    let choices: Vec<_> = Quantity::ALL
+        .into_iter()
+        .zip(1..)
+        .map(|(quantity, key)| {
+            let declaration = quantity.declaration();
+            (quantity, declaration.title, format!("{} ({key})", declaration.help))
+        })
+        .collect();
+    segments::show(ui, "Quantity", &mut editor.view.quantity, &choices);
+}
+
+/// How pressures are stated, in the whole window.
+fn convention(editor: &mut Editor, ui: &mut Ui) {
+    let choices = Convention::ALL.map(|convention| {
+        let tip = match convention {
+            Convention::Rms => "Pressures and velocities are RMS values, everywhere in the window",
+            Convention::Peak => "Pressures and velocities are peak amplitudes, √2 times the RMS values",
+        };
+        (convention, convention.title(), tip.to_owned())
+    });
+    segments::show(ui, "Convention", &mut editor.view.convention, &choices);
 }
 
 /// Which moment of the period is seen.
@@ -78,37 +93,29 @@ fn oscillation(editor: &mut Editor, ui: &mut Ui) {
         oscillation.playing = false;
         oscillation.part = (degrees / 360.0).rem_euclid(1.0);
     }
-    ui.separator();
 }
 
 fn surface(editor: &mut Editor, ui: &mut Ui) {
-    for (shaded, name, tip) in [
-        (false, "Flat", "The depth as a map, over which targets are edited"),
+    let choices = [
+        (false, "Flat", "The depth as a map, over which targets are edited".to_owned()),
         (
             true,
             "Shaded",
-            "The surface as light falls on it, seen from the front; targets are edited in the flat view",
+            "The surface as light falls on it, seen from the front; targets are edited in the flat view"
+                .to_owned(),
         ),
-    ] {
-        ui.selectable_value(&mut editor.view.shaded, shaded, name).on_hover_text(tip);
-    }
-    ui.separator();
+    ];
+    segments::show(ui, "Surface", &mut editor.view.shaded, &choices);
 }
 
 fn cuts(editor: &mut Editor, ui: &mut Ui) {
-    for cut in Cut::ALL {
-        let chosen = editor.view.cut == cut;
-        if ui.selectable_label(chosen, cut.name()).on_hover_text(cut.tooltip()).clicked() && !chosen {
-            editor.view.cut = cut;
-            editor.view.window = None;
-        }
+    let choices = Cut::ALL.map(|cut| (cut, cut.name(), cut.tooltip().to_owned()));
+    if segments::show(ui, "Plane", &mut editor.view.cut, &choices) {
+        editor.look_at(editor.view.cut);
     }
     height(editor, ui);
     if editor.view.cut == Cut::Free {
         free_plane(&mut editor.view.free, ui);
-    }
-    if ui.button("Fit").on_hover_text("Show everything (0, or double click)").clicked() {
-        editor.view.window = None;
     }
 }
 
@@ -123,8 +130,8 @@ fn height(editor: &mut Editor, ui: &mut Ui) {
         .step_by(0.5)
         .suffix(" mm");
     let response = ui.add(slider).labelled_by(label.id).on_hover_text(format!(
-        "Where the plane lies along {name}. What is drawn is drawn there; “Use this plane” in the Scene panel writes it to the \
-         scene."
+        "Where the plane lies along {name}. New targets are drawn on it; “Set as scene plane” in the Scene panel writes it to \
+         the scene."
     ));
     if response.changed() && shown.is_finite() {
         *height = (shown * 1e-3).clamp(-10.0, 10.0);
@@ -152,69 +159,28 @@ fn free_plane(plane: &mut FreePlane, ui: &mut Ui) {
     number("turn", "About the array's axis, counter-clockwise", &mut plane.turn, per, most, "°");
 }
 
-fn colours(editor: &mut Editor, shown: &Shown, ui: &mut Ui) {
-    let view = &mut editor.view;
-    let names = [
-        (ColourMap::Inferno, "Inferno"),
-        (ColourMap::Viridis, "Viridis"),
-        (ColourMap::Magma, "Magma"),
-        (ColourMap::Grey, "Grey"),
-    ];
-    let is_amount = view.quantity.is_amount();
-    ui.add_enabled_ui(is_amount, |ui| {
-        let current = names.iter().find(|(map, _)| *map == view.colours).map_or("", |(_, name)| name);
-        let combo = ComboBox::from_id_salt("colours").width(76.0).selected_text(current);
-        let response = combo.show_ui(ui, |ui| {
-            for (map, name) in names {
-                ui.selectable_value(&mut view.colours, map, name);
-            }
-        });
-        response.response.accessible_name("Colours").on_hover_text("Colours of the map");
-        let mut in_decibels = view.scale == Scale::Logarithmic;
-        ui.toggle_value(&mut in_decibels, "dB")
-            .on_hover_text("Colours in decibels, from the largest pressure down to a thousandth of it");
-        view.scale = if in_decibels { Scale::Logarithmic } else { Scale::Linear };
-    });
-    ui.add_enabled_ui(view.quantity.declaration().range != Range::Cyclic, |ui| {
-        let mut locked = view.full.is_some();
-        let largest = shown.map.as_ref().map_or(1.0, |map| map.largest);
-        ui.toggle_value(&mut locked, "Lock range")
-            .on_hover_text("Keep the range of colours while the sound changes");
-        view.full = match (locked, view.full) {
-            (false, _) => None,
-            (true, None) => Some(largest),
-            (true, full) => full,
-        };
-        if let Some(full) = &mut view.full {
-            let (factor, unit) = view.quantity.declaration().unit.scaled(*full);
-            let mut value = *full * factor;
-            let speed = 0.01 * value.abs().max(1e-3);
-            let field = DragValue::new(&mut value).speed(speed).suffix(format!(" {unit}"));
-            let response = ui.add(field).accessible_name("Largest value that has a colour");
-            if response.changed() && value.is_finite() {
-                *full = (value / factor).clamp(1e-12, 1e9);
-            }
-        }
-    });
-    ui.add_enabled_ui(view.quantity.declaration().has_mean, |ui| {
-        ui.toggle_value(&mut view.contours, "Contours").on_hover_text(
-            "Lines where the value is so many decibels below the largest on the screen; at -6 dB the pressure is half of it",
-        );
-        if view.contours {
-            let field = DragValue::new(&mut view.contour_level).speed(0.1).range(-60.0..=-0.1);
-            ui.add(field.max_decimals(1).suffix(" dB")).accessible_name("Level of the contour lines");
-        }
-    });
-}
-
-/// What lies over the map, below it and beside it.
+/// What lies over the map and below it, and the view of everything.
 fn overlays(editor: &mut Editor, ui: &mut Ui) {
-    compare::switch(editor, ui);
+    ui.spacing_mut().item_spacing.x = 2.0;
     let is_flat = !editor.view.is_shaded();
+    if icon::button(ui, Icon::Fit, "Fit", "Show everything (0, or double click)").clicked() {
+        editor.fit();
+    }
     let view = &mut editor.view;
     ui.add_enabled_ui(is_flat, |ui| {
-        ui.toggle_value(&mut view.marks, "Marks").on_hover_text("Focal points and outlines over the map (M)");
+        let tip = "Focal points and outlines over the map (M)";
+        icon::toggle(ui, Icon::Targets, "Show targets", tip, &mut view.marks);
     });
-    ui.toggle_value(&mut view.section, "Section")
-        .on_hover_text("The curve along a line across the map; Shift and the pointer move it (X)");
+    let tip = "The values along a line across the map; Shift and the pointer move it (X)";
+    icon::toggle(ui, Icon::Profile, "Line profile", tip, &mut view.section);
+    compare::switch(editor, ui);
+    let view = &mut editor.view;
+    ui.menu_button("Overlays", |ui| {
+        ui.checkbox(&mut view.grid, "Grid").on_hover_text("The lines to which the pointer can snap (K)");
+        ui.checkbox(&mut view.guides, "Guides").on_hover_text("What is dragged lines up with other targets");
+        ui.checkbox(&mut view.elements, "Elements").on_hover_text("The array's elements, coloured by phase");
+        ui.checkbox(&mut view.extremes, "Peak and side lobe")
+            .on_hover_text("The loudest place on the map and its peak side lobe");
+        ui.checkbox(&mut view.palm, "Palm").on_hover_text("An adult's hand to scale");
+    });
 }

@@ -1,22 +1,19 @@
-//! The ways of moving targets on the canvas: drawn, pulled by their handles, and who is where in the frame that is shown.
+//! The ways of moving targets on the canvas: pulled by their handles, with vertices and keyframes that come and go.
 
 use std::f64::consts::{FRAC_PI_4, TAU};
 
-use egui::{Align2, Color32, Painter, Pos2, Shape, Stroke, vec2};
+use egui::Pos2;
 use glam::{DVec2, DVec3};
 
 use crate::scene::motion::{self, Cycle, Group};
 use crate::scene::{Keyframe, Motion, MotionPath, Scene, Target, outline};
 use crate::ui::view::{Axes, Lens};
-use crate::ui::{Editor, Panel, Shown, edit, marks, theme};
+use crate::ui::{Editor, Panel};
 
 /// m: the sizes that a path can be pulled to.
 const SIZES: std::ops::RangeInclusive<f64> = 1e-3..=1.0;
-/// Points of the screen: how near the pointer has to be, and half a handle.
+/// Points of the screen: how near the pointer has to be.
 const REACH: f32 = 9.0;
-const HALF: f32 = 5.5;
-/// Targets whose way is drawn.
-const FEW: usize = 6;
 /// Pieces of a way as it is drawn.
 const PIECES: u32 = 96;
 /// rad: nearer to an eighth of a turn than this is meant to be that.
@@ -33,6 +30,13 @@ pub struct Pull {
     /// m, where on the cut it was taken.
     from: DVec2,
     before: Motion,
+}
+
+impl Pull {
+    /// Whose motion it is, if a target's own.
+    pub fn target(&self) -> Option<usize> {
+        self.target
+    }
 }
 
 /// A vertex or a keyframe that was taken hold of last.
@@ -60,7 +64,7 @@ pub fn motion_mut(scene: &mut Scene, target: Option<usize>) -> Option<&mut Motio
 
 /// Whose path has handles, and what its offsets (m) are measured from: the motion of the one target that is selected, or the scene's
 /// while it is edited.
-fn held(editor: &Editor) -> Option<(Option<usize>, DVec3)> {
+pub fn held(editor: &Editor) -> Option<(Option<usize>, DVec3)> {
     let scene = editor.scene();
     let chosen = editor.selection.first().copied().filter(|_| editor.selection.len() == 1);
     let chosen = chosen.and_then(|index| Some((index, scene.targets.get(index)?)));
@@ -75,7 +79,7 @@ fn held(editor: &Editor) -> Option<(Option<usize>, DVec3)> {
 }
 
 /// Where the handle of a path of one size is, before it is turned, in sizes.
-fn arm(path: MotionPath) -> Option<DVec2> {
+pub fn arm(path: MotionPath) -> Option<DVec2> {
     match path {
         MotionPath::Line | MotionPath::Circle | MotionPath::FigureEight => Some(DVec2::X / 2.0),
         MotionPath::Square => Some(DVec2::ONE / 2.0),
@@ -89,7 +93,7 @@ fn arm(path: MotionPath) -> Option<DVec2> {
 }
 
 /// The offsets (m) of a path's handles.
-fn handles(motion: &Motion) -> Vec<DVec3> {
+pub fn handles(motion: &Motion) -> Vec<DVec3> {
     let turn = DVec2::from_angle(motion.angle);
     match motion.path {
         MotionPath::Points => motion.points.clone(),
@@ -220,7 +224,8 @@ pub fn part(editor: &Editor, target: Option<usize>) -> Option<f64> {
     Some(part_of(&cycle, group, editor.playback.frame.unwrap_or(0)))
 }
 
-fn part_of(cycle: &Cycle<'_>, group: &Group<'_>, frame: usize) -> f64 {
+/// The part of its round that a group has behind it in a frame.
+pub fn part_of(cycle: &Cycle<'_>, group: &Group<'_>, frame: usize) -> f64 {
     let frames = u64::from(cycle.frames).max(1);
     (frame as u64).wrapping_mul(group.rounds).rem_euclid(frames) as f64 / frames as f64
 }
@@ -242,7 +247,7 @@ pub fn add_keyframe(editor: &mut Editor, target: Option<usize>) -> Option<usize>
 }
 
 /// The offset (m) at the playhead of a motion with keyframes, while a frame is shown.
-fn marker(editor: &Editor, target: Option<usize>) -> Option<DVec3> {
+pub fn marker(editor: &Editor, target: Option<usize>) -> Option<DVec3> {
     editor.playback.frame?;
     let motion = motion_of(editor.scene(), target)?;
     let is_keyed = motion.path == MotionPath::Keyframes;
@@ -250,7 +255,7 @@ fn marker(editor: &Editor, target: Option<usize>) -> Option<DVec3> {
 }
 
 /// A round on the screen.
-fn way(motion: &Motion, centre: DVec3, axes: &Axes, lens: &Lens) -> Vec<Pos2> {
+pub fn way(motion: &Motion, centre: DVec3, axes: &Axes, lens: &Lens) -> Vec<Pos2> {
     let at = |i: u32| centre + motion.offset(f64::from(i % PIECES) / f64::from(PIECES));
     (0..=PIECES).map(|i| lens.screen(axes.flat(at(i)))).collect()
 }
@@ -263,102 +268,6 @@ fn distance(line: &[Pos2], at: Pos2) -> f32 {
         at.distance(pair[0] + along * part)
     };
     line.windows(2).map(to_piece).fold(f32::INFINITY, f32::min)
-}
-
-/// Ways, handles, and what moves where it is.
-pub fn paint(editor: &Editor, shown: &Shown, painter: &Painter, lens: &Lens) {
-    let scene = editor.scene();
-    let axes = editor.view.axes(scene);
-    let held = held(editor);
-    for (index, target) in scene.targets.iter().enumerate().filter(|(_, target)| target.visible).take(FEW) {
-        let own = target.motion.is_some().then_some(index);
-        let Some(motion) = motion_of(scene, own) else { continue };
-        let centre = outline::centre(&target.shape);
-        if motion.path == MotionPath::Outline {
-            for stroke in edit::outline_on(target, &axes) {
-                let stroke: Vec<_> = stroke.into_iter().map(|uv| lens.screen(uv)).collect();
-                painter.extend(Shape::dotted_line(&stroke, Color32::from_white_alpha(150), 6.0, 2.0));
-            }
-        } else if arm(motion.path).is_some() || !handles(motion).is_empty() {
-            let line = way(motion, centre, &axes, lens);
-            if held == Some((own, centre)) {
-                painter.add(Shape::line(line.clone(), Stroke::new(3.0, theme::MARK_EDGE)));
-                painter.add(Shape::line(line, Stroke::new(1.4, theme::CHOSEN)));
-            } else {
-                painter.extend(Shape::dotted_line(&line, Color32::from_white_alpha(150), 6.0, 1.2));
-            }
-        }
-    }
-    moved(editor, painter, &axes, lens);
-    if let Some((target, centre)) = held {
-        paint_handles(editor, painter, &axes, lens, (target, centre));
-    }
-    speeds(editor, shown, painter, &axes, lens);
-}
-
-/// Outlines where they are in the frame that is shown.
-fn moved(editor: &Editor, painter: &Painter, axes: &Axes, lens: &Lens) {
-    let (Some(frame), Some(cycle)) = (editor.playback.frame, motion::cycle(editor.scene())) else { return };
-    for (index, target) in editor.scene().targets.iter().enumerate().filter(|(_, target)| target.visible) {
-        let own = target.motion.is_some().then_some(index);
-        let Some(group) = cycle.groups.iter().find(|group| group.target == own) else { continue };
-        let offset = group.motion.offset(part_of(&cycle, group, frame));
-        let mut there = target.clone();
-        edit::translate(&mut there.shape, offset);
-        for stroke in edit::outline_on(&there, axes).into_iter().filter(|stroke| stroke.len() > 1) {
-            let stroke: Vec<_> = stroke.into_iter().map(|uv| lens.screen(uv)).collect();
-            painter.add(Shape::line(stroke, Stroke::new(1.6, Color32::from_white_alpha(200))));
-        }
-    }
-}
-
-fn paint_handles(
-    editor: &Editor,
-    painter: &Painter,
-    axes: &Axes,
-    lens: &Lens,
-    (target, centre): (Option<usize>, DVec3),
-) {
-    let Some(motion) = motion_of(editor.scene(), target) else { return };
-    let screen = |offset: DVec3| lens.screen(axes.flat(centre + offset));
-    for (index, offset) in handles(motion).into_iter().enumerate() {
-        let is_chosen = editor.vertex == Some(Vertex { target, index });
-        diamond(painter, screen(offset), HALF, if is_chosen { theme::CHOSEN } else { theme::MARK });
-    }
-    if let Some(offset) = marker(editor, target) {
-        let at = screen(offset);
-        painter.circle_stroke(at, 9.0, Stroke::new(4.0, theme::MARK_EDGE));
-        painter.circle_stroke(at, 9.0, Stroke::new(2.0, theme::CHOSEN));
-    }
-}
-
-/// The sign of a keyframe and of what a path is pulled by.
-pub fn diamond(painter: &Painter, at: Pos2, half: f32, fill: Color32) {
-    let corners = [vec2(0.0, -half), vec2(half, 0.0), vec2(0.0, half), vec2(-half, 0.0)];
-    let corners = corners.map(|corner| at + corner).to_vec();
-    painter.add(Shape::convex_polygon(corners, fill, Stroke::new(1.5, theme::ACCENT)));
-}
-
-/// How fast foci run along outlines, beside the first of each.
-fn speeds(editor: &Editor, shown: &Shown, painter: &Painter, axes: &Axes, lens: &Lens) {
-    let (Some(frame), Some(round)) = (editor.playback.frame, &shown.round) else { return };
-    let Some(cycle) = motion::cycle(editor.scene()) else { return };
-    let Some(frame) = round.frames.get(frame) else { return };
-    let running = cycle.groups.iter().filter(|group| group.motion.path == MotionPath::Outline);
-    // They are the last of a frame, in the order of the groups.
-    let mut end = frame.foci.len();
-    for group in running.rev() {
-        let Some(first) = end.checked_sub(group.motion.foci as usize) else { return };
-        for focus in &frame.foci[first..end] {
-            let at = lens.screen(axes.flat(focus.position));
-            painter.circle_filled(at, 6.5, theme::MARK_EDGE);
-            painter.circle_filled(at, 5.0, theme::CHOSEN);
-        }
-        let at = lens.screen(axes.flat(frame.foci[first].position)) + vec2(12.0, 12.0);
-        let speed = format!("{:.1} m/s", group.length * cycle.played(group));
-        marks::chip(painter, at, Align2::LEFT_TOP, &speed, 12.0, theme::MARK);
-        end = first;
-    }
 }
 
 #[cfg(test)]

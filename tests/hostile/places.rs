@@ -17,7 +17,7 @@ fn places(folder: &Path) -> [(&'static str, &'static str); 5] {
         ("pipe", device),
         ("zero", device),
         ("dir", "is a directory"),
-        ("gone", "No such file"),
+        ("gone", "no such file"),
         ("large", "MiB that are read"),
     ]
 }

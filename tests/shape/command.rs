@@ -356,7 +356,7 @@ fn a_picture_is_found_beside_its_scene_and_fitted() {
 fn a_picture_that_cannot_be_used_is_named_with_its_line() {
     let black = export::png(&Picture { width: 2, height: 2, rgba: vec![0; 16] }).unwrap();
     for (bytes, part) in [
-        (None, "No such file"),
+        (None, "no such file"),
         (Some(&b""[..]), "neither a PNG, JPEG nor BMP"),
         (Some(b"text"), "neither a PNG, JPEG nor BMP"),
         (Some(&black[..30]), "the picture cannot be read"),

@@ -140,7 +140,7 @@ fn a_stroke_is_drawn_as_a_line_without_a_dot_for_each_sample() {
     let circles = |screen: &mut Screen| {
         screen.run_steps(1);
         let shapes = &screen.output().shapes;
-        let is_dot = |shape: &egui::Shape| matches!(shape, egui::Shape::Circle(circle) if circle.fill == sonoglyph::ui::theme::MARK);
+        let is_dot = |shape: &egui::Shape| matches!(shape, egui::Shape::Circle(circle) if circle.stroke.color == sonoglyph::ui::theme::MARK);
         shapes.iter().filter(|clipped| is_dot(&clipped.shape)).count()
     };
     assert_eq!(circles(&mut screen), 0);
@@ -255,4 +255,29 @@ fn a_target_gets_a_motion_of_its_own_and_the_scene_at_rest_is_not_solved_for_it(
     screen.get_by_label("Own motion").click();
     rest(&mut screen);
     assert_eq!(scene(&screen).targets[0].motion, None);
+}
+
+#[test]
+fn a_focus_dragged_upwards_in_an_upright_cut_follows_the_pointer() {
+    let mut screen = open_with(&[point(0.0)]);
+    for (cut, across) in [("XZ", 12.0), ("YZ", -8.0)] {
+        screen.get_by_label(cut).click();
+        rest(&mut screen);
+        let whole = lens(&screen);
+        let z = |screen: &Screen| match scene(screen).targets[0].shape {
+            Shape::Point { at } => at.z * 1e3,
+            _ => panic!("no point"),
+        };
+        let (from, to) = (at(&screen, 0.0, z(&screen)), at(&screen, across, 170.0));
+        drag(&mut screen, from, to);
+        assert!((z(&screen) - 170.0).abs() < 1.5, "{} mm in {cut}", z(&screen));
+        assert_eq!(lens(&screen).window, whole.window, "it stays in view");
+        key(&mut screen, Key::ArrowUp);
+        assert_eq!(lens(&screen).window, whole.window, "nor does it jump on a key");
+        key(&mut screen, Key::Num0);
+        assert!(lens(&screen).window.scale > whole.window.scale, "there is more to see as a whole now");
+        press(&mut screen, Modifiers::COMMAND, Key::Z);
+        press(&mut screen, Modifiers::COMMAND, Key::Z);
+        key(&mut screen, Key::Num0);
+    }
 }

@@ -190,8 +190,13 @@ fn the_next_run_looks_as_the_last_one_did() {
         press(&mut screen, Modifiers::COMMAND | Modifiers::SHIFT, Key::S);
         answer(&mut screen, Purpose::SaveAs, &saved);
         screen.get_by_label("Liquid").click();
+        screen.get_by_label("Peak").click();
+        screen.get_by_label("Line profile").click();
+        screen.get_by_label("Colour scale").click();
+        rest(&mut screen);
         screen.get_by_label("dB").click();
-        screen.get_by_label("Section").click();
+        rest(&mut screen);
+        screen.key_press(Key::Escape);
         rest(&mut screen);
         screen.state_mut().editor_mut().grid = 0.002;
         screen.ctx.set_theme(egui::Theme::Light);
@@ -204,6 +209,7 @@ fn the_next_run_looks_as_the_last_one_did() {
     let mut screen = open_there();
     let editor = screen.state().editor();
     assert_eq!((editor.panel, editor.grid), (sonoglyph::ui::Panel::Liquid, 0.002));
+    assert_eq!(editor.view.convention, sonoglyph::studio::convention::Convention::Peak);
     assert!(editor.view.section && editor.view.scale == sonoglyph::field::Scale::Logarithmic);
     assert!((editor.layout.panel - 412.0).abs() < 12.0, "{:?}", editor.layout);
     assert_eq!(screen.state().shown().recent, std::slice::from_ref(&saved));

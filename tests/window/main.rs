@@ -6,6 +6,7 @@
 #[cfg(all(unix, feature = "serial"))]
 mod board;
 mod brush;
+mod canvas;
 mod compare;
 mod edits;
 mod files;
@@ -17,6 +18,7 @@ mod reach;
 mod requirement;
 mod robust;
 mod shape;
+mod shell;
 mod view;
 
 use std::path::Path;
@@ -325,8 +327,10 @@ fn a_file_is_saved_and_opened_and_a_broken_one_leaves_everything() {
     std::fs::write(&broken, "format = 1\n[array]\npitch = nan\n").unwrap();
     press(&mut screen, Modifiers::COMMAND, Key::O);
     answer(&mut screen, Purpose::Open, &broken);
-    let Some(Dialog::Message { text, .. }) = &screen.state().editor().dialog else { panic!("no message") };
-    assert!(text.contains("broken.toml:3: array.pitch = nan"), "{text}");
+    let problem = screen.get_by_label_contains("broken.toml:3: array.pitch = nan");
+    assert!(problem.rect().is_positive(), "the question stays, with the reason");
+    let typed = screen.state().editor().dialog.clone();
+    assert!(matches!(typed, Some(Dialog::Path { text, .. }) if text.ends_with("broken.toml")));
     assert_eq!(*scene(&screen), saved);
     assert!(screen.state().shown().map.is_some());
 }

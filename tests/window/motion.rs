@@ -74,7 +74,9 @@ fn vertices_are_pulled_added_and_deleted() {
     screen.hover_at(middle);
     for _ in 0..2 {
         screen.drag_at(middle);
+        screen.step();
         screen.drop_at(middle);
+        screen.step();
     }
     rest(&mut screen);
     let points = &scene(&screen).motion.points;
@@ -143,11 +145,9 @@ fn keyframes_are_added_moved_eased_and_deleted() {
     assert_eq!(scene(&screen).motion.keyframes[1].time, 0.375);
     undo(&mut screen);
     assert_eq!(scene(&screen).motion.keyframes[1].time, 0.25, "a drag is one step");
-    screen.get_by_label("Keyframe 2 easing").scroll_to_me();
-    rest(&mut screen);
-    screen.get_by_label("Keyframe 2 easing").click();
-    rest(&mut screen);
-    screen.get_by_label("hold").click();
+    let place = diamond(&screen, 2);
+    click(&mut screen, place);
+    screen.get_by_role_and_label(Role::Button, "hold").click();
     rest(&mut screen);
     assert_eq!(scene(&screen).motion.keyframes[1].easing, Easing::Hold);
     let place = diamond(&screen, 2);

@@ -5,7 +5,7 @@ use std::f64::consts::SQRT_2;
 
 use egui::{Key, Modifiers, vec2};
 use egui_kittest::Harness;
-use egui_kittest::kittest::Queryable;
+use egui_kittest::kittest::{NodeT, Queryable};
 use glam::{DVec2, DVec3};
 use sonoglyph::app::Window;
 use sonoglyph::field::contour::Line;
@@ -35,6 +35,15 @@ fn open(scene: Scene) -> Screen {
 fn click(screen: &mut Screen, label: &str) {
     screen.get_by_label(label).click();
     rest(screen);
+}
+
+/// Clicks on what the colour scale opens.
+fn choose(screen: &mut Screen, label: &str) {
+    click(screen, "Colour scale");
+    click(screen, label);
+    screen.key_press(Key::Escape);
+    rest(screen);
+    assert!(screen.query_by_label(label).is_none(), "the choices are closed");
 }
 
 fn map(screen: &Screen) -> &Map {
@@ -71,7 +80,7 @@ fn a_contour_runs_round_the_focus_where_the_field_has_its_level() {
     let focus = DVec3::new(0.02, -0.01, 0.1);
     let mut screen = open(focused(&[focus]));
     assert_eq!((screen.state().work().contours, map(&screen).contours.len()), (0, 0), "nobody asked");
-    click(&mut screen, "Contours");
+    choose(&mut screen, "Contours");
     for (level, largest_error) in [(-6.0f64, 0.01), (-3.0, 0.01), (-20.0, 0.03)] {
         screen.state_mut().editor_mut().view.contour_level = level;
         rest(&mut screen);
@@ -95,11 +104,42 @@ fn a_contour_runs_round_the_focus_where_the_field_has_its_level() {
         let round = map.contours.iter().filter(|line| winding(map, line, focus.truncate()) == 1).count();
         assert_eq!(round, 1, "{:?}", map.quantity);
     }
-    click(&mut screen, "Contours");
+    choose(&mut screen, "Contours");
     let before = screen.state().work();
     screen.state_mut().editor_mut().document.scene.targets[0].shape = Shape::Point { at: DVec3::Z * 0.1 };
     rest(&mut screen);
     assert_eq!(screen.state().work().since(before).contours, 0, "what is not shown is not looked for");
+}
+
+#[test]
+fn one_convention_holds_for_the_whole_window() {
+    let mut screen = open(focused(&[DVec3::new(0.0, 0.0, 0.1)]));
+    click(&mut screen, "Solver");
+    let mean = |screen: &Screen| {
+        let said = |node: &egui_kittest::Node<'_>| {
+            let text = node.accesskit_node().value().unwrap_or_default();
+            let (number, unit) = text.split_once(' ')?;
+            let number: f64 = number.parse().ok()?;
+            unit.strip_prefix("kPa ")
+                .map(|name| (1e3 * number, name.to_owned()))
+                .or_else(|| Some((number, unit.strip_prefix("Pa ")?.to_owned())))
+        };
+        screen.root().children_recursive().filter_map(|node| said(&node)).collect::<Vec<_>>()
+    };
+    let rms = mean(&screen);
+    assert!(rms.len() >= 2 && rms.iter().all(|(_, name)| name == "RMS"), "{rms:?}");
+    click(&mut screen, "Peak");
+    let peak = mean(&screen);
+    assert_eq!(peak.len(), rms.len());
+    for ((peak, name), (rms, _)) in peak.into_iter().zip(rms) {
+        assert!(name == "peak" && (peak / rms / SQRT_2 - 1.0).abs() < 1e-3, "{peak} {name}, {rms}");
+    }
+    choose(&mut screen, "Lock");
+    let full = screen.state().editor().view.full.unwrap();
+    assert!(
+        (full / map(&screen).largest - 1.0).abs() < 1e-9,
+        "the range is that of the map, not of what is said of it"
+    );
 }
 
 #[test]
@@ -227,7 +267,7 @@ fn a_free_plane_shows_a_focus_where_it_is() {
     let plane = FreePlane { centre: DVec3::new(0.01, -0.01, 0.11), tilt: 0.6, turn: 0.4 };
     let on_plane = DVec2::new(-0.012, 0.018);
     let mut screen = open(focused(&[plane.axes().world(on_plane)]));
-    click(&mut screen, "Free");
+    click(&mut screen, "Oblique plane");
     screen.state_mut().editor_mut().view.free = plane;
     rest(&mut screen);
     assert_eq!(screen.state().editor().view.cut, Cut::Free);

@@ -6,6 +6,7 @@ use crate::acoustics::Aperture;
 use crate::import::{Drawing, Placement};
 use crate::scene::{Focus, Sampling, Scene, Target, outline};
 use crate::solver;
+use crate::ui::dialog::answer;
 use crate::ui::panels::{self, MM};
 use crate::ui::{Editor, theme};
 
@@ -71,17 +72,16 @@ impl Import {
         }
         ui.add_space(8.0);
         let mut stays = true;
-        ui.horizontal(|ui| {
-            let button = ui.add_enabled(made.targets.is_ok(), egui::Button::new("Import"));
-            if let (true, Ok(targets)) = (button.clicked(), &made.targets) {
-                let own = &mut editor.document.scene.targets;
-                let first = own.len();
-                own.extend(targets.iter().cloned());
-                editor.selection = (first..editor.scene().targets.len()).collect();
-                stays = false;
-            }
-            stays &= !ui.button("Cancel").clicked();
+        let imports = answer(ui, ("Import", made.targets.is_ok()), |ui| {
+            stays = !ui.button("Cancel").clicked();
         });
+        if let (true, Ok(targets)) = (imports, &made.targets) {
+            let own = &mut editor.document.scene.targets;
+            let first = own.len();
+            own.extend(targets.iter().cloned());
+            editor.selection = (first..editor.scene().targets.len()).collect();
+            stays = false;
+        }
         stays
     }
 

@@ -1,15 +1,19 @@
 //! What is asked or said in the middle of the window.
 
+pub mod file;
 pub mod import;
+mod palette;
 
 use std::path::{Path, PathBuf};
 
-use egui::{Context, Id, Key, Modal, RichText, ScrollArea, TextEdit, Ui};
+use egui::{Button, Context, Id, Key, Modal, Modifiers, RichText, ScrollArea, Ui};
 
+use crate::echo;
 use crate::scene::Scene;
-use crate::ui::document::Document;
-use crate::ui::tool::Tool;
-use crate::ui::{Command, Editor, Export, keys};
+use crate::ui::action::{Action, Group};
+use crate::ui::board::BoardCommand;
+use crate::ui::{Command, Editor, Shown, keys};
+use file::Purpose;
 use import::Import;
 
 /// A question or a message; nothing else is done meanwhile.
@@ -19,6 +23,13 @@ pub enum Dialog {
     Path {
         purpose: Purpose,
         text: String,
+    },
+    /// A file of this name is there already.
+    Replace {
+        purpose: Purpose,
+        /// What was typed.
+        text: String,
+        path: PathBuf,
     },
     /// What is not saved would be lost by this.
     Unsaved(Command),
@@ -31,118 +42,98 @@ pub enum Dialog {
     },
     /// A scene that the last run did not save.
     Recovered(Box<Scene>),
+    /// What is about to sound is loud.
+    Loud(BoardCommand),
+    /// Every action, found by its name.
+    Palette {
+        text: String,
+        chosen: usize,
+    },
     /// Where is this drawing to stand?
     Import(Box<Import>),
     Help,
 }
 
-/// Extensions of files that hold drawings.
-pub const IMPORTED: &[&str] = &["svg", "png", "jpg", "jpeg", "bmp"];
-
-/// What a file is wanted for.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Purpose {
-    Open,
-    SaveAs,
-    /// A drawing that becomes targets.
-    Import,
-    Export(Export),
-}
-
-impl Purpose {
-    pub fn title(self) -> &'static str {
-        match self {
-            Self::Open => "Open a scene",
-            Self::SaveAs => "Save the scene as",
-            Self::Import => "Import a drawing (SVG) or a picture of strokes (PNG, JPEG, BMP)",
-            Self::Export(Export::Map) => "Export the map as PNG",
-            Self::Export(Export::Sheet) => "Export the sheet as PNG",
-            Self::Export(Export::Numbers) => "Export the map's numbers as NPY",
-            Self::Export(Export::Drive) => "Export the drive as CSV",
-            Self::Export(Export::Motion) => "Export the motion as GIF or animated PNG",
-        }
-    }
-
-    /// Of the files that will do, the usual one first.
-    pub fn extensions(self) -> &'static [&'static str] {
-        match self {
-            Self::Open | Self::SaveAs => &["toml"],
-            Self::Import => IMPORTED,
-            Self::Export(Export::Map | Export::Sheet) => &["png"],
-            Self::Export(Export::Numbers) => &["npy"],
-            Self::Export(Export::Drive) => &["csv"],
-            Self::Export(Export::Motion) => &["gif", "png", "apng"],
-        }
-    }
-
-    /// Whether the file is there already.
-    pub fn reads(self) -> bool {
-        matches!(self, Self::Open | Self::Import)
-    }
-
-    fn verb(self) -> &'static str {
-        match self {
-            Self::Open => "Open",
-            Self::SaveAs => "Save",
-            Self::Import => "Read",
-            Self::Export(_) => "Export",
-        }
-    }
-
-    pub fn command(self, path: PathBuf) -> Command {
-        match self {
-            Self::Open => Command::Open(path),
-            Self::SaveAs => Command::SaveAs(path),
-            Self::Import => Command::Import(path),
-            Self::Export(export) => Command::Export(export, path),
-        }
-    }
-}
-
 impl Dialog {
-    /// Asks for a file, with a proposal.
-    pub fn path(purpose: Purpose, document: &Document) -> Self {
-        let stem = document.name();
-        let stem = stem.strip_suffix(".toml").unwrap_or(&stem);
-        let text = match (purpose, document.path()) {
-            (purpose, _) if purpose.reads() => String::new(),
-            (Purpose::SaveAs, Some(path)) => path.display().to_string(),
-            (_, path) => {
-                let file = format!("{stem}.{}", purpose.extensions()[0]);
-                let folder = path.and_then(|path| path.parent());
-                folder.map_or_else(|| PathBuf::from(&file), |folder| folder.join(&file)).display().to_string()
-            }
-        };
-        Self::Path { purpose, text }
+    /// Whether Escape and a click beside it leave it: its answer decides what is lost for good.
+    fn insists(&self) -> bool {
+        matches!(self, Self::Recovered(_))
     }
+}
+
+/// Whether Enter was pressed, once and not held, while no widget had the keyboard.
+fn is_entered(ui: &Ui) -> bool {
+    let is_free = ui.memory(|memory| memory.focused().is_none());
+    is_free && ui.data(|data| data.get_temp(entered_id())).unwrap_or(false)
+}
+
+fn entered_id() -> Id {
+    Id::unique("dialog entered")
+}
+
+/// Notes, before the dialog's widgets see it, whether Enter answers it.
+fn hear_enter(ctx: &Context) {
+    let is_free = ctx.memory(|memory| memory.focused().is_none());
+    let is_enter = |event: &egui::Event| {
+        matches!(event, egui::Event::Key { key: Key::Enter, pressed: true, repeat: false, modifiers, .. }
+            if *modifiers == Modifiers::NONE)
+    };
+    let entered = is_free && ctx.input(|input| input.events.iter().any(is_enter));
+    ctx.data_mut(|data| data.insert_temp(entered_id(), entered));
+}
+
+/// The row of buttons of a dialog, the primary one first: Enter presses it. Whether it was pressed.
+fn answer(ui: &mut Ui, (primary, enabled): (&str, bool), others: impl FnOnce(&mut Ui)) -> bool {
+    let entered = enabled && is_entered(ui);
+    ui.horizontal(|ui| {
+        let text = RichText::new(primary).strong();
+        let button = Button::new(text).fill(ui.visuals().selection.bg_fill);
+        let clicked = ui.add_enabled(enabled, button).clicked();
+        others(ui);
+        clicked || entered
+    })
+    .inner
 }
 
 /// Draws the dialog that is open, if one is.
-pub fn show(editor: &mut Editor, ctx: &Context, commands: &mut Vec<Command>) {
+pub fn show(editor: &mut Editor, shown: &Shown, ctx: &Context, commands: &mut Vec<Command>) {
+    if !matches!(editor.dialog, Some(Dialog::Path { .. })) {
+        editor.asking.is_open = false;
+    }
     let Some(mut dialog) = editor.dialog.take() else { return };
+    hear_enter(ctx);
     let mut stays = true;
     let modal = Modal::new(Id::unique("dialog")).show(ctx, |ui| {
         let width = if dialog == Dialog::Help { 640.0_f32 } else { 480.0 };
         ui.set_width(width.min(ctx.content_rect().width() - 40.0));
         match &mut dialog {
-            Dialog::Path { purpose, text } => stays = path(*purpose, text, editor, ui, commands),
+            Dialog::Path { purpose, text } => {
+                stays = file::show((*purpose, text), (editor, shown), ui, commands);
+            }
+            Dialog::Replace { purpose, text, path } => {
+                stays = replace((*purpose, text), path, editor, ui, commands);
+            }
             Dialog::Unsaved(then) => stays = unsaved(then, editor, ui, commands),
             Dialog::Changed(path) => stays = changed(path, editor, ui, commands),
             Dialog::Message { title, text } => {
                 ui.heading(title.as_str());
                 ui.label(text.as_str());
                 ui.add_space(8.0);
-                stays = !ui.button("Close").clicked();
+                stays = !answer(ui, ("Close", true), |_| ());
             }
             Dialog::Recovered(scene) => stays = recovered(scene, ui, commands),
+            Dialog::Loud(command) => stays = loud(command, editor, ui, commands),
+            Dialog::Palette { text, chosen } => {
+                stays = palette::show((text, chosen), (editor, shown), ui, commands);
+            }
             Dialog::Import(import) => stays = import.show(editor, ui),
             Dialog::Help => {
                 help(ui);
-                stays = !ui.button("Close").clicked();
+                stays = !answer(ui, ("Close", true), |_| ());
             }
         }
     });
-    let dismissed = modal.should_close();
+    let dismissed = modal.should_close() && !dialog.insists();
     if dismissed {
         editor.after_saving = None;
     }
@@ -152,38 +143,32 @@ pub fn show(editor: &mut Editor, ctx: &Context, commands: &mut Vec<Command>) {
     }
 }
 
-fn path(
-    purpose: Purpose,
-    text: &mut String,
+/// Whether a file may be written over that is there already.
+fn replace(
+    (purpose, text): (Purpose, &str),
+    path: &Path,
     editor: &mut Editor,
     ui: &mut Ui,
     commands: &mut Vec<Command>,
 ) -> bool {
-    ui.heading(purpose.title());
-    let label = ui.label("File");
-    let field = ui.add(TextEdit::singleline(text).desired_width(f32::INFINITY)).labelled_by(label.id);
-    let entered = field.lost_focus() && ui.input(|input| input.key_pressed(Key::Enter));
-    if !entered && ui.memory(|memory| memory.focused().is_none()) {
-        field.request_focus();
-    }
+    let name = path.file_name().unwrap_or_default().to_string_lossy();
+    ui.heading(format!("Replace “{}”?", echo::value(&name)));
+    ui.label(format!(
+        "{} is there already; its content would be lost.",
+        echo::message(&path.display().to_string())
+    ));
     ui.add_space(8.0);
     let mut stays = true;
-    ui.horizontal(|ui| {
-        let wanted = !text.trim().is_empty();
-        if ui.add_enabled(wanted, egui::Button::new(purpose.verb())).clicked() || (entered && wanted) {
-            editor.ask(purpose.command(PathBuf::from(text.trim())), commands);
-            stays = false;
-        }
-        if ui.button("Browse…").on_hover_text("Ask the desktop for a file").clicked() {
-            commands.push(Command::Browse(purpose));
-            stays = false;
-        }
+    let replaces = answer(ui, ("Replace", true), |ui| {
         if ui.button("Cancel").clicked() {
-            editor.after_saving = None;
+            editor.dialog = Some(Dialog::Path { purpose, text: text.to_owned() });
             stays = false;
         }
     });
-    stays
+    if replaces {
+        commands.push(purpose.command(path.to_owned()));
+    }
+    stays && !replaces
 }
 
 fn unsaved(then: &Command, editor: &mut Editor, ui: &mut Ui, commands: &mut Vec<Command>) -> bool {
@@ -191,24 +176,21 @@ fn unsaved(then: &Command, editor: &mut Editor, ui: &mut Ui, commands: &mut Vec<
     ui.label(format!("“{}” has changes that no file holds.", editor.document.name()));
     ui.add_space(8.0);
     let mut stays = true;
-    ui.horizontal(|ui| {
-        if ui.button("Save").clicked() {
-            editor.after_saving = Some(then.clone());
-            match editor.document.path() {
-                Some(_) => commands.push(Command::Save),
-                None => editor.dialog = Some(Dialog::path(Purpose::SaveAs, &editor.document)),
-            }
-            stays = false;
-        }
+    let saves = answer(ui, ("Save", true), |ui| {
         if ui.button("Don't save").clicked() {
             commands.push(then.clone());
             stays = false;
         }
-        if ui.button("Cancel").clicked() {
-            stays = false;
-        }
+        stays &= !ui.button("Cancel").clicked();
     });
-    stays
+    if saves {
+        editor.after_saving = Some(then.clone());
+        match editor.document.path() {
+            Some(_) => commands.push(Command::Save),
+            None => editor.dialog = Some(Dialog::path(Purpose::SaveAs, &editor.document)),
+        }
+    }
+    stays && !saves
 }
 
 fn changed(path: &Path, editor: &mut Editor, ui: &mut Ui, commands: &mut Vec<Command>) -> bool {
@@ -219,11 +201,7 @@ fn changed(path: &Path, editor: &mut Editor, ui: &mut Ui, commands: &mut Vec<Com
     ));
     ui.add_space(8.0);
     let mut stays = true;
-    ui.horizontal(|ui| {
-        if ui.button("Save as…").clicked() {
-            editor.dialog = Some(Dialog::path(Purpose::SaveAs, &editor.document));
-            stays = false;
-        }
+    let saves_as = answer(ui, ("Save as…", true), |ui| {
         if ui.button("Write over them").clicked() {
             commands.push(Command::Overwrite(path.to_owned()));
             stays = false;
@@ -233,7 +211,10 @@ fn changed(path: &Path, editor: &mut Editor, ui: &mut Ui, commands: &mut Vec<Com
             stays = false;
         }
     });
-    stays
+    if saves_as {
+        editor.dialog = Some(Dialog::path(Purpose::SaveAs, &editor.document));
+    }
+    stays && !saves_as
 }
 
 fn recovered(scene: &Scene, ui: &mut Ui, commands: &mut Vec<Command>) -> bool {
@@ -244,23 +225,23 @@ fn recovered(scene: &Scene, ui: &mut Ui, commands: &mut Vec<Command>) -> bool {
         if count == 1 { "target" } else { "targets" }
     ));
     ui.add_space(8.0);
-    let mut stays = true;
-    ui.horizontal(|ui| {
-        if ui.button("Recover").clicked() {
-            commands.push(Command::Recover(Box::new(scene.clone())));
-            stays = false;
-        }
-        if ui.button("Discard").clicked() {
-            stays = false;
-        }
+    let mut discards = false;
+    let recovers = answer(ui, ("Recover", true), |ui| {
+        let tip = "Deletes the scene for good";
+        discards = ui.button("Discard").on_hover_text(tip).clicked();
     });
-    stays
+    if recovers {
+        commands.push(Command::Recover(Box::new(scene.clone())));
+    } else if discards {
+        commands.push(Command::Discard);
+    }
+    !recovers && !discards
 }
 
 fn help(ui: &mut Ui) {
     ui.heading("Keys and tools");
     ui.label(
-        "The map shows the pressure of the sound on a plane. White dots are the focal points: where the array's waves arrive in \
+        "The map shows the pressure of the sound on a plane. White rings are the focal points: where the array's waves arrive in \
          step. Draw shapes, and the array's phases follow at once.",
     );
     ui.add_space(4.0);
@@ -271,19 +252,48 @@ fn help(ui: &mut Ui) {
     };
     let height = (ui.ctx().content_rect().height() - 180.0).min(540.0);
     ScrollArea::vertical().max_height(height).show(ui, |ui| {
-        ui.horizontal_top(|ui| {
-            egui::Grid::new("tools").striped(true).show(ui, |ui| {
-                for tool in Tool::ALL {
-                    row(ui, tool.key().name(), tool.name());
+        egui::Grid::new("keys").num_columns(2).striped(true).show(ui, |ui| {
+            for group in Group::ALL {
+                for action in Action::all().into_iter().filter(|action| action.group() == group) {
+                    let keys = action.shortcut(ui.ctx());
+                    if !keys.is_empty() {
+                        row(ui, &keys, &action.name());
+                    }
                 }
-            });
-            ui.separator();
-            egui::Grid::new("keys").striped(true).show(ui, |ui| {
-                for (keys, what) in keys::HELP {
-                    row(ui, keys, what);
-                }
-            });
+            }
+            for (keys, what) in keys::HELP {
+                row(ui, keys, what);
+            }
         });
     });
     ui.add_space(8.0);
+}
+
+/// Asks before the first sound of a run: what is asked for waits for the answer.
+pub(super) fn warn_of_loudness(editor: &mut Editor, commands: &mut Vec<Command>) {
+    if editor.was_warned {
+        return;
+    }
+    let sounds = |command: &Command| matches!(command, Command::Board(command) if command.sounds());
+    if let Some(place) = commands.iter().position(sounds)
+        && let Command::Board(command) = commands.remove(place)
+    {
+        editor.dialog = Some(Dialog::Loud(command));
+    }
+}
+
+fn loud(command: &BoardCommand, editor: &mut Editor, ui: &mut Ui, commands: &mut Vec<Command>) -> bool {
+    ui.heading("The array will be loud");
+    ui.label(
+        "Ultrasound of this strength can harm hearing although it is hardly heard. Protect your ears, keep your head out of the beam, \
+         and mind other people and animals in the room. Esc twice stops the board.",
+    );
+    ui.add_space(8.0);
+    let mut stays = true;
+    let sends = answer(ui, ("Sound", true), |ui| stays = !ui.button("Cancel").clicked());
+    if sends {
+        editor.was_warned = true;
+        commands.push(Command::Board(command.clone()));
+    }
+    stays && !sends
 }

@@ -1,10 +1,9 @@
-//! What every element plays.
+//! Phase and amplitude of every element.
 
 use egui::{Color32, Sense, Ui};
 
 use crate::field::colouring::phase_index;
 use crate::picture::ColourMap;
-use crate::picture::sheet::pascals;
 use crate::studio::probe::Reading;
 use crate::ui::panels::{choice, fact, form, heading};
 use crate::ui::{Editor, Shown, Sound, element_map};
@@ -23,17 +22,17 @@ const LEVELS: [(Option<u32>, &str); 8] = [
 
 pub fn show(editor: &mut Editor, shown: &Shown, ui: &mut Ui) {
     let Some(sound) = &shown.sound else {
-        ui.label("Nothing is played: there is no target.");
+        ui.label("No drive yet: draw a target first");
         return;
     };
     form(ui, "levels", |ui| {
-        let tip = "The map and the pressures are those of the drive as a board with so many phases per period plays it";
-        choice(ui, ("As played with", tip), &mut editor.levels, &LEVELS);
+        let tip = "Map and pressures of the drive rounded to so many phases per period, as boards play it";
+        choice(ui, ("Quantised to", tip), &mut editor.levels, &LEVELS);
         let mean = sound.readings.iter().map(Reading::peak).sum::<f64>() / sound.readings.len().max(1) as f64;
-        fact(ui, ("Mean pressure", "Over the focal points, peak"), pascals(mean));
+        fact(ui, ("Mean pressure", "Over the focal points"), editor.view.convention.pressure(mean));
         let silent = sound.drive().amplitudes.iter().filter(|&&amplitude| amplitude == 0.0).count();
         if silent > 0 {
-            fact(ui, ("Silent", "Elements that play nothing"), format!("{silent} elements"));
+            fact(ui, ("Inactive", "Elements that are not driven"), format!("{silent} elements"));
         }
     });
     heading(ui, "Phase");

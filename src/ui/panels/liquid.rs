@@ -19,10 +19,10 @@ pub fn show(editor: &mut Editor, shown: &Shown, ui: &mut Ui) {
         let names = LiquidName::ALL.map(|name| (name, name.name()));
         choice(ui, ("Liquid", "At 20 °C"), &mut liquid.name, &names);
         let density = Unit { per: 1.0, suffix: " kg/m³", decimals: 1, speed: 1.0 };
-        let tip = "How heavy it is: what pushes a depression back";
+        let tip = "With gravity, the restoring force of wide depressions";
         given(ui, ("Density", tip), &mut liquid.density, named.density(), density, 1.0..=1e5);
         let tension = Unit { per: 1e3, suffix: " mN/m", decimals: 1, speed: 0.1 };
-        let tip = "What pulls the surface flat";
+        let tip = "The restoring force of narrow depressions";
         given(
             ui,
             ("Surface tension", tip),
@@ -32,26 +32,25 @@ pub fn show(editor: &mut Editor, shown: &Shown, ui: &mut Ui) {
             1e-6..=10.0,
         );
         let viscosity = Unit { per: 1e3, suffix: " mPa·s", decimals: 2, speed: 0.1 };
-        let tip = "What damps waves; a depression at rest does not feel it";
+        let tip = "Damps waves; the depression at rest is independent of it";
         given(ui, ("Viscosity", tip), &mut liquid.viscosity, named.viscosity(), viscosity, 0.0..=1e4);
         number(
             ui,
-            ("Depth", "Waves feel the bottom, a depression at rest does not"),
+            ("Depth", "Of the liquid: slows long waves; the depression at rest is independent of it"),
             &mut liquid.depth,
             MM,
             1e-4..=10.0,
         );
         let gravity = Unit { per: 1.0, suffix: " m/s²", decimals: 3, speed: 0.01 };
-        number(ui, ("Gravity", "9.81 on earth"), &mut liquid.gravity, gravity, 1e-3..=1e3);
+        number(ui, ("Gravity", "9.81 m/s² on earth"), &mut liquid.gravity, gravity, 1e-3..=1e3);
     });
-    ui.separator();
     depression(editor, shown, ui);
 }
 
 fn depression(editor: &mut Editor, shown: &Shown, ui: &mut Ui) {
-    heading(ui, "Depression");
+    heading(ui, "Surface depression");
     if !editor.view.quantity.declaration().of_liquid {
-        ui.label("The surface is the plane on the screen, parallel to the array.");
+        ui.label("The surface is the plane in view, parallel to the array.");
         if ui.button("Show the depression").clicked() {
             editor.view.quantity = Quantity::Depression;
             if matches!(editor.view.cut, Cut::Xz | Cut::Yz) {
@@ -63,22 +62,22 @@ fn depression(editor: &mut Editor, shown: &Shown, ui: &mut Ui) {
     let Some(pressed) = &shown.pressed else { return };
     let figures = pressed.figures;
     form(ui, "depression", |ui| {
-        let tip = "The scene's plane, whatever part of it is on the screen: force, depth, volume and slope are of it";
+        let tip = "Of the scene plane, to which force, depth, volume and slope refer";
         fact(ui, ("Area", tip), liquid::area(figures.size));
         fact(
             ui,
-            ("Force", "That the sound presses with on this area"),
+            ("Force", "Of the radiation pressure on this area"),
             format!("{} mN", digits(1e3 * figures.force)),
         );
         if let Some(map) = shown.map.as_ref().filter(|map| map.quantity == Quantity::Radiation) {
-            let tip = "Of the sound, in what is on the screen";
+            let tip = "Largest radiation pressure in view";
             fact(ui, ("Largest pressure", tip), pascals_at_most(map.largest));
         }
         if let Some(depression) = figures.depression {
-            fact(ui, ("Deepest", "Below the level surface"), liquid::metres(depression.deepest));
+            fact(ui, ("Deepest", "Below the undisturbed surface"), liquid::metres(depression.deepest));
             let tip = "Volume of the depression on this area";
             fact(ui, ("Displaced", tip), liquid::volume(depression.volume));
-            let tip = "Rise over run; linear theory wants it small";
+            let tip = "Rise over run; linear theory holds where it is small";
             fact(ui, ("Steepest slope", tip), digits(depression.slope));
         }
     });

@@ -13,12 +13,13 @@ mod target;
 
 use std::ops::RangeInclusive;
 
-use egui::{DragValue, Response, RichText, ScrollArea, Ui};
+use egui::{Align, Label, Layout, Response, ScrollArea, Ui};
 use glam::DVec3;
 
 pub use target::{point, sampling};
 
-use crate::ui::{Command, Editor, Panel, Shown};
+use crate::ui::number::{self, Look};
+use crate::ui::{Command, Editor, Panel, Shown, theme};
 
 /// How a number is shown: so many times as large, with this behind it.
 #[derive(Clone, Copy)]
@@ -66,8 +67,9 @@ pub fn show(editor: &mut Editor, shown: &Shown, ui: &mut Ui, commands: &mut Vec<
 }
 
 fn heading(ui: &mut Ui, text: &str) {
-    ui.add_space(6.0);
-    ui.label(RichText::new(text).strong().size(14.5));
+    ui.add_space(12.0);
+    ui.label(theme::heading(text));
+    ui.add_space(2.0);
 }
 
 /// Two columns: names and values.
@@ -75,7 +77,8 @@ pub fn form(ui: &mut Ui, id: &str, rows: impl FnOnce(&mut Ui)) {
     egui::Grid::new(id).num_columns(2).spacing([12.0, 5.0]).min_col_width(104.0).show(ui, rows);
 }
 
-/// A row with a number that can be edited. What is no number, or none of the range, changes nothing or the nearest that is.
+/// A row with a number that can be edited. What is no number changes nothing, and what is out of range becomes the nearest that
+/// is not; either is said.
 pub fn number(
     ui: &mut Ui,
     (name, tip): (&str, &str),
@@ -83,7 +86,8 @@ pub fn number(
     unit: Unit,
     range: RangeInclusive<f64>,
 ) -> Response {
-    let label = ui.label(name).on_hover_text(tip);
+    let label = theme::label(name, ui.visuals());
+    let label = ui.label(label).on_hover_text(tip);
     let response = bare_number(ui, value, unit, range).labelled_by(label.id).on_hover_text(tip);
     ui.end_row();
     response
@@ -92,39 +96,53 @@ pub fn number(
 /// The number alone.
 pub fn bare_number(ui: &mut Ui, value: &mut f64, unit: Unit, range: RangeInclusive<f64>) -> Response {
     let mut shown = *value * unit.per;
-    let field = DragValue::new(&mut shown)
-        .speed(unit.speed)
-        .range(range.start() * unit.per..=range.end() * unit.per)
-        .clamp_existing_to_range(false)
-        .max_decimals(unit.decimals)
-        .update_while_editing(false)
-        .suffix(unit.suffix);
-    let response = ui.add(field);
+    let Unit { suffix, decimals, speed, per } = unit;
+    let look = Look { unit: suffix, has_suffix: true, decimals, speed, name: None };
+    let response = number::field(ui, &mut shown, &look, range.start() * per..=range.end() * per);
     if response.changed() && shown.is_finite() {
-        *value = (shown / unit.per).clamp(*range.start(), *range.end());
+        *value = (shown / per).clamp(*range.start(), *range.end());
     }
     response
 }
 
 /// The same for whole numbers.
 fn count(ui: &mut Ui, (name, tip): (&str, &str), value: &mut u32, range: RangeInclusive<u32>) -> Response {
-    let label = ui.label(name).on_hover_text(tip);
-    let field = DragValue::new(value).speed(0.1).range(range).clamp_existing_to_range(false);
-    let response = ui.add(field.update_while_editing(false)).labelled_by(label.id).on_hover_text(tip);
+    let label = theme::label(name, ui.visuals());
+    let label = ui.label(label).on_hover_text(tip);
+    let response = bare_count(ui, value, range).labelled_by(label.id).on_hover_text(tip);
     ui.end_row();
     response
 }
 
-/// A row with a value that is only shown.
-fn fact(ui: &mut Ui, (name, tip): (&str, &str), value: impl Into<String>) {
-    ui.label(name).on_hover_text(tip);
-    ui.label(RichText::new(value.into()).strong()).on_hover_text(tip);
+/// The whole number alone.
+fn bare_count(ui: &mut Ui, value: &mut u32, range: RangeInclusive<u32>) -> Response {
+    let mut shown = f64::from(*value);
+    let look = Look { unit: "", has_suffix: false, decimals: 0, speed: 0.1, name: None };
+    let response = number::field(ui, &mut shown, &look, f64::from(*range.start())..=f64::from(*range.end()));
+    if response.changed() && shown.is_finite() {
+        *value = (shown.round() as u32).clamp(*range.start(), *range.end());
+    }
+    response
+}
+
+/// A row with a value that is only shown; a click copies it.
+pub fn fact(ui: &mut Ui, (name, tip): (&str, &str), value: impl Into<String>) {
+    let label = theme::label(name, ui.visuals());
+    ui.label(label).on_hover_text(tip);
+    ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
+        let value = value.into();
+        let label = Label::new(&value).truncate().selectable(false).sense(egui::Sense::CLICK);
+        if ui.add(label).on_hover_text(tip).clicked() {
+            ui.ctx().copy_text(value);
+        }
+    });
     ui.end_row();
 }
 
 /// A choice among a few.
 fn choice<T: Copy + PartialEq>(ui: &mut Ui, (name, tip): (&str, &str), value: &mut T, choices: &[(T, &str)]) {
-    let label = ui.label(name).on_hover_text(tip);
+    let label = theme::label(name, ui.visuals());
+    let label = ui.label(label).on_hover_text(tip);
     let current = choices.iter().find(|(choice, _)| choice == value).map_or("", |(_, name)| name);
     egui::ComboBox::from_id_salt(name)
         .selected_text(current)
@@ -161,21 +179,22 @@ fn given(
     ui.end_row();
 }
 
+/// What would be written as -0.00 is 0.
+fn without_sign_on_zero(value: f64) -> f64 {
+    if value.abs() < 5e-3 { 0.0 } else { value }
+}
+
 /// Three numbers in mm, z not below `lowest` mm.
 fn coordinates(ui: &mut Ui, name: &str, at: &mut DVec3, lowest: f64) {
     ui.spacing_mut().item_spacing.x = 4.0;
     // Wide enough for most: rows of points stand in columns.
     ui.spacing_mut().interact_size.x = 46.0;
     for (axis, value) in ["x", "y", "z"].into_iter().zip(at.as_mut()) {
-        let mut shown = *value * 1e3;
+        let mut shown = without_sign_on_zero(*value * 1e3);
         let least = if axis == "z" { lowest } else { -2000.0 };
-        let field = DragValue::new(&mut shown)
-            .speed(0.25)
-            .max_decimals(2)
-            .range(least..=2000.0)
-            .clamp_existing_to_range(false)
-            .update_while_editing(false);
-        let response = ui.add(field).accessible_name(format!("{name} {axis}")).on_hover_text(axis);
+        let name = format!("{name} {axis}");
+        let look = Look { unit: "mm", has_suffix: false, decimals: 2, speed: 0.25, name: Some(&name) };
+        let response = number::field(ui, &mut shown, &look, least..=2000.0).on_hover_text(axis);
         if response.changed() && shown.is_finite() {
             *value = shown.clamp(least, 2000.0) * 1e-3;
         }

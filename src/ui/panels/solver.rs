@@ -2,20 +2,18 @@
 
 use egui::Ui;
 
-use crate::picture::sheet::pascals;
 use crate::rounding::percent_at_least;
 use crate::scene::{Aim, Amplitudes, Method, Pressures};
 use crate::solver::{Figures, Quality, Solution};
+use crate::studio::convention::Convention;
 use crate::ui::panels::{PLAIN, choice, count, fact, form, heading, number, profile};
 use crate::ui::{Command, Editor, Shown, theme};
 
 pub fn show(editor: &mut Editor, shown: &Shown, ui: &mut Ui, commands: &mut Vec<Command>) {
     settings(editor, ui);
     if let Some(solution) = &shown.solution {
-        ui.separator();
-        quality(shown, solution, ui);
+        quality(editor.view.convention, shown, solution, ui);
     }
-    ui.separator();
     comparison(editor, shown, ui, commands);
     if let Some(sound) = &shown.sound {
         profile::show(sound, ui);
@@ -25,15 +23,15 @@ pub fn show(editor: &mut Editor, shown: &Shown, ui: &mut Ui, commands: &mut Vec<
 /// What a method does, in a sentence.
 fn describe(method: Method) -> &'static str {
     match method {
-        Method::Focus => "Time of flight: for one focal point",
+        Method::Focus => "Phases from the times of flight to one focal point",
         Method::Pinv => "Pseudo-inverse: prescribes the pressure at every point, with its phase",
         Method::Weighted => "The paper's weighted pseudo-inverse: evens out the elements' amplitudes",
-        Method::Naive => "Phase conjugation: sums up what every point by itself would send back to the array",
-        Method::Gs => "Gerchberg-Saxton: back and forth between array and points",
-        Method::Gspat => "Gerchberg-Saxton on the points alone",
-        Method::Wgs => "Weighted Gerchberg-Saxton: evens out the points",
-        Method::Greedy => "Element by element, the best phase for each",
-        Method::Best => "Searches for the phases at which the points help each other, then levels them",
+        Method::Naive => "Sum of the phase-conjugated fields of all points",
+        Method::Gs => "Gerchberg-Saxton iteration between array and points",
+        Method::Gspat => "GS-PAT: Gerchberg-Saxton on the points alone",
+        Method::Wgs => "Weighted Gerchberg-Saxton: weights level the points",
+        Method::Greedy => "Coordinate descent: the best phase of one element after the other",
+        Method::Best => "Levelled Gauss-Newton from several starts",
     }
 }
 
@@ -43,38 +41,45 @@ fn settings(editor: &mut Editor, ui: &mut Ui) {
     form(ui, "solver", |ui| {
         let names = Method::ALL.map(|method| (method, method.title()));
         choice(ui, ("Method", describe(solver.method)), &mut solver.method, &names);
-        let tip = "0: the method's own number";
+        let tip = "0: the default of the method";
         count(ui, ("Iterations", tip), &mut solver.iterations, 0..=10_000);
-        let amplitudes =
-            [(Amplitudes::Uniform, "the same for all"), (Amplitudes::Free, "one for each element")];
-        choice(ui, ("Amplitude", "What the board can play"), &mut solver.amplitudes, &amplitudes);
-        let tip = "How much quiet beside the drawing counts: 0 for the strongest drive, 1 for the quietest";
+        let amplitudes = [(Amplitudes::Uniform, "uniform"), (Amplitudes::Free, "per element")];
+        choice(ui, ("Amplitudes", "Uniform on most boards"), &mut solver.amplitudes, &amplitudes);
+        let tip = "Weight of quiet beside the drawing: 0 the strongest drive, 1 the quietest elsewhere";
         number(ui, ("Quiet", tip), &mut solver.quiet, PLAIN, 0.0..=1.0);
-        let tip =
-            "Drives that take turns, whose mean is what is drawn: their side lobes are in different places";
-        count(ui, ("Take turns", tip), &mut solver.frames, 1..=32);
+        let tip = "Drives played in turn whose mean has the drawn shape: their side lobes average out";
+        count(ui, ("Drives in turn", tip), &mut solver.frames, 1..=32);
         let pressures = [(Pressures::Relative, "relative"), (Pressures::Pascal, "pascals")];
-        choice(ui, ("Pressures are", "What the targets' pressures mean"), &mut solver.pressures, &pressures);
+        choice(
+            ui,
+            ("Target pressures", "Relative to each other, or absolute in pascals (peak)"),
+            &mut solver.pressures,
+            &pressures,
+        );
         let aims = [(Aim::Pressure, "pressure"), (Aim::Depression, "surface depression")];
-        let tip = "What is to have the shape that is drawn: the sound, or the liquid's surface under it";
+        let tip = "The field that gets the drawn shape";
         choice(ui, ("Target", tip), &mut solver.target, &aims);
     });
     ui.label(egui::RichText::new(describe(solver.method)).weak());
 }
 
-fn quality(shown: &Shown, solution: &Solution, ui: &mut Ui) {
+fn quality(convention: Convention, shown: &Shown, solution: &Solution, ui: &mut Ui) {
     let quality = &solution.quality;
-    heading(ui, "How good it is");
+    heading(ui, "Quality");
     if quality.is_silent() {
-        ui.label("No sound reaches the focal points.");
+        ui.label("No sound reaches the focal points");
         return;
     }
     form(ui, "quality", |ui| {
-        fact(ui, ("Mean pressure", "Over the focal points, peak"), pascals(quality.mean_pressure));
-        fact(ui, ("Weakest", "Pressure at the weakest focal point, peak"), pascals(quality.min_pressure));
+        fact(ui, ("Mean pressure", "Over the focal points"), convention.pressure(quality.mean_pressure));
         fact(
             ui,
-            ("Spread", "How uneven the points are: standard deviation over mean"),
+            ("Weakest", "Pressure at the weakest focal point"),
+            convention.pressure(quality.min_pressure),
+        );
+        fact(
+            ui,
+            ("Uniformity, std/mean", "Standard deviation over mean of the pressures at the points"),
             format!("{:.1} %", 100.0 * quality.spread),
         );
         if solution.foci.iter().any(|focus| !focus.is_separate()) {
@@ -88,11 +93,11 @@ fn quality(shown: &Shown, solution: &Solution, ui: &mut Ui) {
         };
         fact(
             ui,
-            ("Of the best possible", "A proof: no drive whatever can do better than this bound"),
+            ("Fraction of the bound", "Guaranteed fraction of the upper bound, which no drive exceeds"),
             certified,
         );
     });
-    for warning in &solution.warnings {
+    for warning in &shown.warnings {
         ui.label(egui::RichText::new(warning).color(theme::warning(ui.visuals())));
     }
 }
@@ -101,28 +106,28 @@ fn quality(shown: &Shown, solution: &Solution, ui: &mut Ui) {
 fn foci(quality: &Quality, ui: &mut Ui) {
     fact(
         ui,
-        ("Efficiency", "How evenly the method's own solution uses the elements: Σ|u|² / (N max|u|²)"),
+        ("Efficiency", "Evenness of the excitation before it is made uniform: Σ|u|² / (N max|u|²)"),
         format!("{:.1} %", 100.0 * quality.efficiency),
     );
-    let tip = "Pressure against that of a single focus, which shares with nobody; 1 is the most";
-    fact(ui, ("Against one focus", tip), format!("{:.2}", quality.relative_to_single));
+    let tip = "Mean pressure over that of a single focus divided by √M, of M foci";
+    fact(ui, ("Relative to one focus", tip), format!("{:.2}", quality.relative_to_single));
 }
 
 /// Figures that only shapes have; they come when nothing is dragged.
 fn shape(figures: Option<&Figures>, ui: &mut Ui) {
     let told = |tell: &dyn Fn(&Figures) -> String| figures.map_or("…".to_owned(), tell);
     let percent = |part: f64| format!("{:.0} %", 100.0 * part);
-    let tip = "Least over mean of the pressure along the strokes, and how far apart least and largest are";
+    let tip = "Least over mean pressure along the strokes, and the ripple from least to largest";
     fact(ui, ("Evenness", tip), told(&|it| format!("{}, {:.1} dB", percent(it.evenness), it.ripple_db)));
     let place = told(&|it| {
         let [x, y, z] = (it.side_lobe_position * 1e3).to_array();
         format!("{x:.0}, {y:.0}, {z:.0} mm")
     });
     let tip = format!(
-        "The loudest place of the plane more than 8 mm beside the drawing, over the drawing's mean: at {place}"
+        "Loudest place of the plane more than 8 mm beside the drawing, relative to the drawing's mean: at {place}"
     );
-    fact(ui, ("Loudest elsewhere", &tip), told(&|it| percent(it.side_lobe)));
-    let tip = "Mean pressure over that of the strongest drive: what quiet costs";
+    fact(ui, ("Peak side lobe", &tip), told(&|it| percent(it.side_lobe)));
+    let tip = "Mean pressure relative to the strongest drive";
     fact(ui, ("Strength", tip), told(&|it| percent(it.strength)));
     if let Some(areas) = figures.and_then(|figures| figures.areas) {
         let tip = "Mean of pressure squared inside the areas over that around them, or of the depression";
@@ -134,10 +139,14 @@ fn shape(figures: Option<&Figures>, ui: &mut Ui) {
 
 /// All methods on the same scene, side by side.
 fn comparison(editor: &mut Editor, shown: &Shown, ui: &mut Ui, commands: &mut Vec<Command>) {
-    heading(ui, "All methods");
+    heading(ui, "Methods compared");
     ui.horizontal(|ui| {
         let button = egui::Button::new("Compare all methods");
-        if ui.add_enabled(!shown.is_comparing, button).on_hover_text("Solves the scene with each").clicked() {
+        if ui
+            .add_enabled(!shown.is_comparing, button)
+            .on_hover_text("Solve the scene with every method")
+            .clicked()
+        {
             commands.push(Command::CompareMethods);
         }
         if shown.is_comparing {
@@ -150,8 +159,8 @@ fn comparison(editor: &mut Editor, shown: &Shown, ui: &mut Ui, commands: &mut Ve
     egui::Grid::new("methods").num_columns(4).striped(true).spacing([12.0, 4.0]).show(ui, |ui| {
         for (title, tip) in [
             ("Method", "Click to use it"),
-            ("Weakest", "Pressure at the weakest focal point, peak"),
-            ("Spread", "How uneven the points are"),
+            ("Weakest", "Pressure at the weakest focal point"),
+            ("std/mean", "Of the pressures at the points"),
             ("Time", "Without the figures of quality"),
         ] {
             ui.strong(title).on_hover_text(tip);
@@ -167,7 +176,7 @@ fn comparison(editor: &mut Editor, shown: &Shown, ui: &mut Ui, commands: &mut Ve
                     if response.clicked() {
                         editor.document.scene.solver.method = row.method;
                     }
-                    ui.label(pascals(solution.quality.min_pressure));
+                    ui.label(editor.view.convention.pressure(solution.quality.min_pressure));
                     ui.label(format!("{:.1} %", 100.0 * solution.quality.spread));
                     ui.label(format!("{:.1} ms", 1e3 * solution.seconds));
                 }

@@ -1,12 +1,13 @@
 //! The numbers of one target.
 
-use egui::{DragValue, TextEdit, Ui};
+use egui::{RichText, TextEdit, Ui};
 use glam::DVec3;
 
 use crate::scene::check::MOST_FOCI;
 use crate::scene::{MotionPath, Pressures, Sampling, Scene, Shape, Target, font};
 use crate::ui::panels::path::{self, Figures};
-use crate::ui::panels::{DEGREES, MM, PLAIN, Unit, coordinates, count, form, number};
+use crate::ui::panels::{DEGREES, MM, PLAIN, Unit, bare_count, coordinates, count, form, number};
+use crate::ui::theme;
 
 /// m between the focal points that an outline gets when they are first asked for.
 const SPACING: f64 = 0.01;
@@ -103,16 +104,27 @@ fn shape(target: &mut Target, ui: &mut Ui) {
     }
 }
 
-/// Only letters that the stroke font has, and never none at all.
+/// Only letters that the stroke font has, and never no letter at all; what it lacks is said.
 fn letters(ui: &mut Ui, text: &mut String) {
     let label = ui.label("Text");
     let mut edited = text.clone();
-    ui.add(TextEdit::singleline(&mut edited).desired_width(150.0)).labelled_by(label.id);
-    edited.retain(|letter| font::lay_out(&letter.to_string(), 1.0).is_ok());
-    if !edited.trim().is_empty() {
-        *text = edited;
+    let response = ui.add(TextEdit::singleline(&mut edited).desired_width(150.0)).labelled_by(label.id);
+    let id = response.id.with("lacking");
+    if response.changed() {
+        let lacking = font::lacking(&edited);
+        ui.data_mut(|data| data.insert_temp(id, lacking.clone()));
+        edited.retain(|letter| !lacking.contains(&letter));
+        if !edited.trim().is_empty() {
+            *text = edited;
+        }
     }
     ui.end_row();
+    let lacking: Vec<char> = ui.data(|data| data.get_temp(id)).unwrap_or_default();
+    if !lacking.is_empty() && response.has_focus() {
+        ui.label("");
+        ui.label(RichText::new(font::lacks(&lacking)).color(theme::warning(ui.visuals())));
+        ui.end_row();
+    }
 }
 
 /// x, y and z in mm, in front of the array.
@@ -187,9 +199,9 @@ pub fn sampling(ui: &mut Ui, sampling: &mut Sampling, areas: &[Choice]) {
                 crate::ui::panels::bare_number(ui, spacing, MM, 1e-3..=0.2).labelled_by(label.id);
             }
             Sampling::Points(points) => {
-                let field =
-                    DragValue::new(points).speed(0.1).range(1..=MOST_FOCI).clamp_existing_to_range(false);
-                ui.add(field.update_while_editing(false)).labelled_by(label.id);
+                let mut count = *points as u32;
+                bare_count(ui, &mut count, 1..=MOST_FOCI as u32).labelled_by(label.id);
+                *points = count as usize;
             }
         }
     });
@@ -205,8 +217,7 @@ fn step(target: &mut Target, takes_turns: bool, ui: &mut Ui) {
     ui.checkbox(&mut has_step, "In step").on_hover_text("Shown when its turn comes; else it is there always");
     match (&mut target.step, has_step) {
         (Some(step), true) => {
-            let field = DragValue::new(step).speed(0.05).range(0..=1000).update_while_editing(false);
-            ui.add(field).on_hover_text("Counted from 0").accessible_name("Step");
+            bare_count(ui, step, 0..=1000).on_hover_text("Counted from 0").accessible_name("Step");
         }
         (step, true) => *step = Some(0),
         (step, false) => *step = None,

@@ -1,0 +1,107 @@
+//! A scene as a link: its file's text, compressed (deflate) and written in letters that an address may have (base64url),
+//! behind `sonoglyph:#`.
+
+use std::path::Path;
+
+use base64::Engine;
+use base64::engine::general_purpose::URL_SAFE_NO_PAD;
+use miniz_oxide::deflate::compress_to_vec;
+use miniz_oxide::inflate::decompress_to_vec_with_limit;
+use thiserror::Error;
+
+use crate::echo;
+use crate::scene::file::{self, FileError, LONGEST};
+use crate::scene::{Scene, Shape};
+
+/// What a link begins with.
+const SCHEME: &str = "sonoglyph:";
+/// Deflate's smallest output; a scene takes a millisecond.
+const LEVEL: u8 = 9;
+/// What messages call the text of a link.
+const NAME: &str = "link";
+
+#[derive(Debug, Error)]
+pub enum LinkError {
+    #[error(
+        "this is not a whole Sonoglyph link: it begins with “sonoglyph:#” and holds letters, digits, - and _"
+    )]
+    Broken,
+    #[error("the scene in this link is larger than {} MiB", LONGEST >> 20)]
+    TooLarge,
+    #[error("the link holds no scene of this program: {0}")]
+    Scene(#[from] FileError),
+    #[error("a link holds no pictures: the scene has “{}”", echo::value(.0))]
+    Picture(String),
+}
+
+/// Whether a text is meant to be a link; it may be a broken one.
+pub fn is_link(text: &str) -> bool {
+    text.trim_start().starts_with(SCHEME)
+}
+
+/// A link that holds a scene.
+///
+/// # Errors
+/// A scene with pictures, which are files of their own.
+pub fn write(scene: &Scene) -> Result<String, LinkError> {
+    for target in &scene.targets {
+        if let Shape::Picture { file, .. } = &target.shape {
+            return Err(LinkError::Picture(file.clone()));
+        }
+    }
+    let packed = compress_to_vec(file::write(scene).as_bytes(), LEVEL);
+    Ok(format!("{SCHEME}#{}", URL_SAFE_NO_PAD.encode(packed)))
+}
+
+/// The text of the scene's file that a link holds.
+///
+/// # Errors
+/// A link that is broken or too large, and a scene that cannot be read or names pictures.
+pub fn read(link: &str) -> Result<String, LinkError> {
+    let letters =
+        link.trim().strip_prefix(SCHEME).and_then(|rest| rest.split_once('#')).map(|(_, letters)| letters);
+    // Mail programs break long lines.
+    let letters: String = letters.ok_or(LinkError::Broken)?.chars().filter(|c| !c.is_whitespace()).collect();
+    let packed = URL_SAFE_NO_PAD.decode(letters.trim_end_matches('=')).map_err(|_| LinkError::Broken)?;
+    let text =
+        decompress_to_vec_with_limit(&packed, LONGEST as usize).map_err(|error| match error.status {
+            miniz_oxide::inflate::TINFLStatus::HasMoreOutput => LinkError::TooLarge,
+            _ => LinkError::Broken,
+        })?;
+    let text = String::from_utf8(text).map_err(|_| LinkError::Broken)?;
+    let scene = file::parse(&text, Path::new(NAME))?;
+    // A link from elsewhere opens no file of this machine.
+    write(&scene).map(|_| text)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_scene_comes_back_from_its_link() {
+        let scene = file::parse(crate::studio::EXAMPLE, Path::new("hit.toml")).unwrap();
+        let link = write(&scene).unwrap();
+        assert!(link.starts_with("sonoglyph:#") && is_link(&link), "{link}");
+        assert!(link["sonoglyph:#".len()..].chars().all(|c| c.is_ascii_alphanumeric() || "-_".contains(c)));
+        assert!(link.len() < 1500, "{} letters", link.len());
+        let broken = link.as_bytes().chunks(70).map(|line| std::str::from_utf8(line).unwrap());
+        let mailed = format!(" {}\n", broken.collect::<Vec<_>>().join("\n"));
+        let read = file::parse(&read(&mailed).unwrap(), Path::new(NAME)).unwrap();
+        assert_eq!(read, scene);
+    }
+
+    #[test]
+    fn broken_and_boundless_links_are_refused() {
+        let good = write(&Scene::default()).unwrap();
+        for bad in ["sonoglyph:", "sonoglyph:#", "sonoglyph:#&&&", "http://a/#b", &good[..good.len() - 9]] {
+            assert!(matches!(read(bad), Err(LinkError::Broken)), "{bad}");
+        }
+        let link = |text: &[u8]| format!("{SCHEME}#{}", URL_SAFE_NO_PAD.encode(compress_to_vec(text, LEVEL)));
+        assert!(matches!(read(&link(&vec![b' '; 64 << 20])), Err(LinkError::TooLarge)));
+        assert!(matches!(read(&link(b"[array]\npitch = 1e9\n")), Err(LinkError::Scene(_))));
+        assert!(matches!(read(&link(&[0xff, 0xfe])), Err(LinkError::Broken)));
+        let picture = "format = 1\n[[target]]\nkind = \"picture\"\nfile = \"/etc/a.png\"\nat = [0, 0, 0.1]\nwidth = 0.05\n";
+        assert!(matches!(read(&link(picture.as_bytes())), Err(LinkError::Picture(_))));
+    }
+}

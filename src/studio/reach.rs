@@ -1,0 +1,171 @@
+//! Whether an array reaches its targets: how loud it can be there, how steeply it has to radiate, and what its grating lobes make of it.
+//!
+//! A single focus at a point gets Σ|h_n|: every element at full drive and in step. Elements `p` apart that are steered to an angle
+//! θ also add up in step where sin θ' = sin θ - λ/p, a grating lobe, which exists as soon as p > λ/(1 + sin θ) (Steinberg,
+//! Principles of Aperture and Array System Design, 1976, chapter 5). How loud it is depends on the elements' directivity and on how near
+//! the focus is, since far lobes of a focused array are smeared: it is evaluated on the circles through the focus about the array.
+
+use std::f64::consts::FRAC_PI_2;
+
+use glam::DVec3;
+use num_complex::Complex64;
+
+use crate::acoustics::Aperture;
+use crate::scene::{Scene, Target, outline};
+
+/// Of the pressure that a single focus at the best distance has.
+const WEAK: f64 = 0.1;
+/// Of an element's pressure on axis.
+const SIDEWAYS: f64 = 0.5;
+/// Of the pressure at the focus.
+const LOUD_LOBE: f64 = 0.7;
+/// Distances among which the best is looked for, and what they span in units of the array's wider side.
+const DISTANCES: u32 = 40;
+const NEAREST: f64 = 0.25;
+const FARTHEST: f64 = 4.0;
+/// Targets that are looked at, at most.
+const MOST_TARGETS: usize = 24;
+/// Places on a quarter of a circle.
+const QUARTER: i32 = 60;
+/// Widths of the main lobe within which it is no other.
+const MAIN_LOBE: f64 = 2.5;
+
+/// What to know of targets that the array does not reach, a sentence each.
+pub fn warnings(scene: &Scene) -> Vec<String> {
+    let aperture = Aperture::new(scene);
+    if aperture.driven.is_empty() {
+        return Vec::new();
+    }
+    let (best, distance) = best(&aperture);
+    let shown = scene.targets.iter().enumerate().filter(|(_, target)| target.visible).take(MOST_TARGETS);
+    shown.filter_map(|(index, target)| warning(&aperture, index, target, (best, distance))).collect()
+}
+
+fn warning(
+    aperture: &Aperture,
+    index: usize,
+    target: &Target,
+    (best, distance): (f64, f64),
+) -> Option<String> {
+    let at = outline::centre(&target.shape);
+    if at.z <= 0.0 {
+        return None;
+    }
+    let name = format!("Target {}", index + 1);
+    let loud = single_focus(aperture, at);
+    if loud < WEAK * best {
+        return Some(format!(
+            "{name} is too far away: a single focus there reaches {:.1} % of the pressure that it reaches {:.0} mm in front of \
+             the array",
+            100.0 * loud / best,
+            distance * 1e3
+        ));
+    }
+    let part = straightest(aperture, at);
+    if part < SIDEWAYS {
+        return Some(format!(
+            "{name} is beyond the steering range: even the nearest elements radiate only {:.0} % of their pressure on axis towards it",
+            100.0 * part
+        ));
+    }
+    let lobe = grating_lobe(aperture, at).filter(|lobe| *lobe > LOUD_LOBE)?;
+    Some(format!(
+        "{name} is beyond the steering range: the elements stand {:.2} wavelengths apart, and a grating lobe beside it has {:.0} % \
+         of its pressure",
+        aperture.pitch / aperture.wavelength(),
+        100.0 * lobe
+    ))
+}
+
+/// |P| (Pa) of a single focus.
+fn single_focus(aperture: &Aperture, at: DVec3) -> f64 {
+    aperture.transfer(&[at]).row(0).map(|wave| wave.norm()).sum()
+}
+
+/// The largest directivity of any element towards a point.
+fn straightest(aperture: &Aperture, at: DVec3) -> f64 {
+    let directivity = |&n: &usize| {
+        let offset = at - aperture.positions[n].extend(0.0);
+        aperture.element.directivity(offset.truncate().length() / offset.length()).abs()
+    };
+    aperture.driven.iter().map(directivity).fold(0.0, f64::max)
+}
+
+/// The most that a single focus in front of the middle of the array has (Pa), and at which distance (m).
+fn best(aperture: &Aperture) -> (f64, f64) {
+    let (low, high) = aperture.extent();
+    let side = (high - low).max_element().max(aperture.pitch);
+    let middle = ((low + high) / 2.0).extend(0.0);
+    let distance = |i: u32| {
+        let part = f64::from(i) / f64::from(DISTANCES - 1);
+        (side * NEAREST * (FARTHEST / NEAREST).powf(part)).max(aperture.wavelength())
+    };
+    let loudness = |i: u32| (single_focus(aperture, middle + DVec3::Z * distance(i)), distance(i));
+    (0..DISTANCES).map(loudness).fold((0.0, 0.0), |best, it| if it.0 > best.0 { it } else { best })
+}
+
+/// The largest |P| beside a single focus, of that at the focus, on the circles through it about the array's middle along
+/// both of the array's axes. `None` where there is no grating lobe, or none beside the main lobe.
+fn grating_lobe(aperture: &Aperture, at: DVec3) -> Option<f64> {
+    let (low, high) = aperture.extent();
+    let middle = ((low + high) / 2.0).extend(0.0);
+    let away = at - middle;
+    let sine = away.truncate().length() / away.length();
+    if aperture.pitch * (1.0 + sine) <= aperture.wavelength() {
+        return None;
+    }
+    let apart = MAIN_LOBE * aperture.resolution()(at);
+    let radius = away.length();
+    let on_circle = |i: i32, is_across: bool| {
+        let angle = FRAC_PI_2 * f64::from(i) / f64::from(QUARTER);
+        let along = radius * angle.sin();
+        let other = if is_across { away.y } else { away.x };
+        let height = (radius * radius - along * along - other * other).sqrt();
+        middle + if is_across { DVec3::new(along, other, height) } else { DVec3::new(other, along, height) }
+    };
+    let places: Vec<_> = [true, false]
+        .into_iter()
+        .flat_map(|is_across| (1 - QUARTER..QUARTER).map(move |i| (i, is_across)))
+        .map(|(i, is_across)| on_circle(i, is_across))
+        .filter(|place| place.z > aperture.wavelength() && place.distance(at) > apart)
+        .collect();
+    let steered: Vec<Complex64> = aperture
+        .transfer(&[at])
+        .row(0)
+        .map(|wave| wave.conj() / wave.norm().max(f64::MIN_POSITIVE))
+        .collect();
+    let lobes = aperture.transfer(&places).pressure(&steered);
+    let loudest = lobes.iter().map(|pressure| pressure.norm()).fold(0.0, f64::max);
+    (loudest > 0.0).then(|| loudest / single_focus(aperture, at))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::Shape;
+
+    fn said(at: DVec3) -> Vec<String> {
+        warnings(&Scene { targets: vec![Target::new(Shape::Point { at })], ..Scene::default() })
+    }
+
+    #[test]
+    fn a_target_far_away_or_far_aside_is_named() {
+        assert_eq!(said(DVec3::new(0.02, -0.01, 0.1)), Vec::<String>::new());
+        assert_eq!(said(DVec3::new(0.0, 0.0, 0.4)), Vec::<String>::new());
+        assert_eq!(said(DVec3::new(0.003, 0.0, 0.07)), Vec::<String>::new(), "near the array is not aside");
+        let far = said(DVec3::Z * 5.0);
+        assert!(far.len() == 1 && far[0].starts_with("Target 1 is too far away"), "{far:?}");
+        let aside = said(DVec3::new(0.4, 0.0, 0.1));
+        assert!(aside.len() == 1 && aside[0].contains("beyond the steering range"), "{aside:?}");
+        let steered = said(DVec3::new(0.3, 0.0, 0.45));
+        assert!(steered.len() == 1 && steered[0].contains("grating lobe"), "{steered:?}");
+        assert!(said(DVec3::Z * -0.1).is_empty(), "what lies behind the array is refused elsewhere");
+    }
+
+    #[test]
+    fn hidden_targets_are_not_named() {
+        let mut target = Target::new(Shape::Point { at: DVec3::Z * 5.0 });
+        target.visible = false;
+        assert!(warnings(&Scene { targets: vec![target], ..Scene::default() }).is_empty());
+    }
+}

@@ -1,0 +1,395 @@
+//! Everything that can be done at once, by its name: what menus, keys, the palette and the help are made of.
+
+use egui::{Context, Key, KeyboardShortcut, Modifiers, Theme};
+
+use crate::field::Quantity;
+use crate::scene::motion;
+use crate::ui::board::{BoardCommand, Plays};
+use crate::ui::brush;
+use crate::ui::tool::Tool;
+use crate::ui::{Command, Dialog, Editor, Export, Panel, Purpose, Shown, keys};
+
+/// What a step of the window's scale multiplies it by, and its bounds.
+const SCALE_STEP: f32 = 1.25;
+pub const SCALES: [f32; 6] = [0.75, 1.0, 1.25, 1.5, 1.75, 2.0];
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Action {
+    New,
+    Open,
+    Save,
+    SaveAs,
+    Import,
+    CopyLink,
+    Quit,
+    Undo,
+    Redo,
+    Cut,
+    Copy,
+    Paste,
+    Duplicate,
+    Delete,
+    SelectAll,
+    Snap,
+    Export(Export),
+    Tool(Tool),
+    SmallerBrush,
+    LargerBrush,
+    Quantity(Quantity),
+    ShowEverything,
+    Targets,
+    Profile,
+    ShowPanel(Panel),
+    TogglePanel,
+    Present,
+    Larger,
+    Smaller,
+    UsualScale,
+    SwitchTheme,
+    Send,
+    PlayMotion,
+    Stop,
+    Palette,
+    Help,
+}
+
+/// Where an action stands in the menus and in the help.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Group {
+    File,
+    Edit,
+    Export,
+    Tools,
+    View,
+    Board,
+    Help,
+}
+
+impl Group {
+    pub const ALL: [Self; 7] =
+        [Self::File, Self::Edit, Self::Export, Self::Tools, Self::View, Self::Board, Self::Help];
+
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::File => "File",
+            Self::Edit => "Edit",
+            Self::Export => "Export",
+            Self::Tools => "Tools",
+            Self::View => "View",
+            Self::Board => "Board",
+            Self::Help => "Help",
+        }
+    }
+}
+
+const fn ctrl(key: Key) -> KeyboardShortcut {
+    KeyboardShortcut::new(Modifiers::COMMAND, key)
+}
+
+const fn ctrl_shift(key: Key) -> KeyboardShortcut {
+    KeyboardShortcut::new(Modifiers::COMMAND.plus(Modifiers::SHIFT), key)
+}
+
+const fn plain(key: Key) -> KeyboardShortcut {
+    KeyboardShortcut::new(Modifiers::NONE, key)
+}
+
+impl Action {
+    /// In the order of the menus.
+    pub fn all() -> Vec<Self> {
+        use Action as A;
+        let mut all = vec![
+            A::New,
+            A::Open,
+            A::Save,
+            A::SaveAs,
+            A::Import,
+            A::CopyLink,
+            A::Quit,
+            A::Undo,
+            A::Redo,
+            A::Cut,
+        ];
+        all.extend([A::Copy, A::Paste, A::Duplicate, A::Delete, A::SelectAll, A::Snap]);
+        all.extend(
+            [Export::Map, Export::Sheet, Export::Numbers, Export::Drive, Export::Profile, Export::Motion]
+                .map(A::Export),
+        );
+        all.extend(Tool::ALL.map(A::Tool));
+        all.extend([A::SmallerBrush, A::LargerBrush]);
+        all.extend(Quantity::ALL.map(A::Quantity));
+        all.extend([A::ShowEverything, A::Targets, A::Profile]);
+        all.extend(Panel::ALL.map(A::ShowPanel));
+        all.extend([A::TogglePanel, A::Present, A::Larger, A::Smaller, A::UsualScale, A::SwitchTheme]);
+        all.extend([A::Send, A::PlayMotion, A::Stop, A::Palette, A::Help]);
+        all
+    }
+
+    pub fn name(self) -> String {
+        let name = match self {
+            Self::New => "New",
+            Self::Open => "Open…",
+            Self::Save => "Save",
+            Self::SaveAs => "Save as…",
+            Self::Import => "Import drawing…",
+            Self::CopyLink => "Copy scene as link",
+            Self::Quit => "Quit",
+            Self::Undo => "Undo",
+            Self::Redo => "Redo",
+            Self::Cut => "Cut",
+            Self::Copy => "Copy",
+            Self::Paste => "Paste",
+            Self::Duplicate => "Duplicate",
+            Self::Delete => "Delete",
+            Self::SelectAll => "Select all",
+            Self::Snap => "Snap to the grid",
+            Self::Export(Export::Map) => "Map as PNG…",
+            Self::Export(Export::Sheet) => "Sheet as PNG…",
+            Self::Export(Export::Numbers) => "Map's numbers as NPY…",
+            Self::Export(Export::Drive) => "Drive as CSV…",
+            Self::Export(Export::Profile) => "Line profile as CSV…",
+            Self::Export(Export::Motion) => "Motion as GIF or animated PNG…",
+            Self::Tool(tool) => tool.name(),
+            Self::SmallerBrush => "Smaller brush",
+            Self::LargerBrush => "Larger brush",
+            Self::Quantity(quantity) => return format!("Show: {}", quantity.declaration().title),
+            Self::ShowEverything => "Fit the view",
+            Self::Targets => "Show targets",
+            Self::Profile => "Line profile",
+            Self::ShowPanel(panel) => return format!("{} panel", panel.name()),
+            Self::TogglePanel => "Panel on or off",
+            Self::Present => "Presentation mode",
+            Self::Larger => "Larger window scale",
+            Self::Smaller => "Smaller window scale",
+            Self::UsualScale => "Usual window scale",
+            Self::SwitchTheme => "Light or dark",
+            Self::Send => "Send to the board",
+            Self::PlayMotion => "Play the motion on the board",
+            Self::Stop => "Stop the board",
+            Self::Palette => "All commands…",
+            Self::Help => "Keys and tools",
+        };
+        name.to_owned()
+    }
+
+    pub fn group(self) -> Group {
+        match self {
+            Self::New
+            | Self::Open
+            | Self::Save
+            | Self::SaveAs
+            | Self::Import
+            | Self::CopyLink
+            | Self::Quit => Group::File,
+            Self::Undo
+            | Self::Redo
+            | Self::Cut
+            | Self::Copy
+            | Self::Paste
+            | Self::Duplicate
+            | Self::Delete
+            | Self::SelectAll
+            | Self::Snap => Group::Edit,
+            Self::Export(_) => Group::Export,
+            Self::Tool(_) | Self::SmallerBrush | Self::LargerBrush => Group::Tools,
+            Self::Quantity(_)
+            | Self::ShowEverything
+            | Self::Targets
+            | Self::Profile
+            | Self::ShowPanel(_)
+            | Self::TogglePanel
+            | Self::Present
+            | Self::Larger
+            | Self::Smaller
+            | Self::UsualScale
+            | Self::SwitchTheme => Group::View,
+            Self::Send | Self::PlayMotion | Self::Stop => Group::Board,
+            Self::Palette | Self::Help => Group::Help,
+        }
+    }
+
+    /// Its keys, the one that menus show first.
+    pub fn keys(self) -> Vec<KeyboardShortcut> {
+        match self {
+            Self::New => vec![ctrl(Key::N)],
+            Self::Open => vec![ctrl(Key::O)],
+            Self::Save => vec![ctrl(Key::S)],
+            Self::SaveAs => vec![ctrl_shift(Key::S)],
+            Self::Quit => vec![ctrl(Key::Q)],
+            Self::Undo => vec![ctrl(Key::Z)],
+            Self::Redo => vec![ctrl_shift(Key::Z), ctrl(Key::Y)],
+            Self::Cut => vec![ctrl(Key::X)],
+            Self::Copy => vec![ctrl(Key::C)],
+            Self::Paste => vec![ctrl(Key::V)],
+            Self::Duplicate => vec![ctrl(Key::D)],
+            Self::Delete => vec![plain(Key::Delete), plain(Key::Backspace)],
+            Self::SelectAll => vec![ctrl(Key::A)],
+            Self::Snap => vec![plain(Key::K)],
+            Self::Tool(tool) => vec![plain(tool.key())],
+            Self::SmallerBrush => vec![plain(Key::OpenBracket)],
+            Self::LargerBrush => vec![plain(Key::CloseBracket)],
+            Self::Quantity(quantity) => digit(quantity).map(plain).into_iter().collect(),
+            Self::ShowEverything => vec![plain(Key::Num0)],
+            Self::Targets => vec![plain(Key::M)],
+            Self::Profile => vec![plain(Key::X)],
+            Self::TogglePanel => vec![plain(Key::F9)],
+            Self::Present => vec![plain(Key::F11)],
+            Self::Larger => vec![ctrl(Key::Plus), ctrl(Key::Equals)],
+            Self::Smaller => vec![ctrl(Key::Minus)],
+            Self::UsualScale => vec![ctrl(Key::Num0)],
+            Self::Palette => vec![ctrl(Key::P)],
+            Self::Help => vec![plain(Key::F1)],
+            Self::Import
+            | Self::CopyLink
+            | Self::Export(_)
+            | Self::ShowPanel(_)
+            | Self::SwitchTheme
+            | Self::Send
+            | Self::PlayMotion
+            | Self::Stop => Vec::new(),
+        }
+    }
+
+    /// The keys in words, as menus show them.
+    pub fn shortcut(self, ctx: &Context) -> String {
+        if self == Self::Stop {
+            return "Esc Esc".to_owned();
+        }
+        self.keys().first().map_or_else(String::new, |keys| ctx.format_shortcut(keys))
+    }
+
+    /// Whether its keys act while a widget has the keyboard, too: they are no letters and nothing that edits a text.
+    pub fn is_for_the_window(self) -> bool {
+        matches!(
+            self,
+            Self::New
+                | Self::Open
+                | Self::Save
+                | Self::SaveAs
+                | Self::Quit
+                | Self::TogglePanel
+                | Self::Present
+                | Self::Larger
+                | Self::Smaller
+                | Self::UsualScale
+                | Self::Palette
+                | Self::Help
+        )
+    }
+
+    /// Why it cannot be done now.
+    ///
+    /// # Errors
+    /// A sentence that says what is missing.
+    pub fn possible(self, editor: &Editor, shown: &Shown) -> Result<(), &'static str> {
+        let is_one_of = |actions: &[Self]| actions.contains(&self);
+        let lacks = [
+            (self == Self::Undo && !editor.document.can_undo(), "There is nothing to undo"),
+            (self == Self::Redo && !editor.document.can_redo(), "There is nothing to redo"),
+            (
+                is_one_of(&[Self::Cut, Self::Copy, Self::Duplicate, Self::Delete])
+                    && editor.selection.is_empty(),
+                "No target is selected",
+            ),
+            (self == Self::SelectAll && editor.scene().targets.is_empty(), "The scene has no targets"),
+            (
+                is_one_of(&[Self::Send, Self::PlayMotion]) && shown.board.health.is_none(),
+                "Connect to a board in the Device panel first",
+            ),
+            (
+                is_one_of(&[Self::Export(Export::Motion), Self::PlayMotion])
+                    && !motion::moves(editor.scene()),
+                "Nothing moves: choose a path in the Motion panel",
+            ),
+            (self == Self::Stop && shown.board.plays == Plays::Nothing, "The board is silent"),
+        ];
+        lacks.iter().find(|(is_lacking, _)| *is_lacking).map_or(Ok(()), |(_, what)| Err(what))
+    }
+
+    /// Does it, where it is possible.
+    pub fn run(self, editor: &mut Editor, shown: &Shown, ctx: &Context, commands: &mut Vec<Command>) {
+        if self.possible(editor, shown).is_err() {
+            return;
+        }
+        let mut ask_for_file =
+            |purpose: Purpose| editor.dialog = Some(Dialog::path(purpose, &editor.document));
+        match self {
+            Self::New => editor.ask(Command::New, commands),
+            Self::Open => ask_for_file(Purpose::Open),
+            Self::Save => commands.push(Command::Save),
+            Self::SaveAs => ask_for_file(Purpose::SaveAs),
+            Self::Import => ask_for_file(Purpose::Import),
+            Self::CopyLink => commands.push(Command::CopyLink),
+            Self::Quit => editor.ask(Command::Close, commands),
+            Self::Undo => editor.undo(),
+            Self::Redo => editor.redo(),
+            Self::Cut => {
+                keys::copy(editor, ctx);
+                keys::delete(editor);
+            }
+            Self::Copy => keys::copy(editor, ctx),
+            // It comes as an event in the next frame.
+            Self::Paste => ctx.send_viewport_cmd(egui::ViewportCommand::RequestPaste),
+            Self::Duplicate => keys::duplicate(editor),
+            Self::Delete => keys::delete_chosen(editor),
+            Self::SelectAll => editor.selection = (0..editor.scene().targets.len()).collect(),
+            Self::Snap => editor.snaps = !editor.snaps,
+            Self::Export(export) => ask_for_file(Purpose::Export(export)),
+            Self::Tool(tool) => editor.tool = tool,
+            Self::SmallerBrush => editor.brush.scale(1.0 / brush::STEP),
+            Self::LargerBrush => editor.brush.scale(brush::STEP),
+            Self::Quantity(quantity) => editor.view.quantity = quantity,
+            Self::ShowEverything => editor.fit(),
+            Self::Targets => editor.view.marks = !editor.view.marks,
+            Self::Profile => editor.view.section = !editor.view.section,
+            Self::ShowPanel(panel) => (editor.panel, editor.layout.is_drawn_out) = (panel, true),
+            Self::TogglePanel => editor.layout.toggle(ctx),
+            Self::Present => editor.layout.presents = !editor.layout.presents,
+            Self::Larger => scale(ctx, ctx.zoom_factor() * SCALE_STEP),
+            Self::Smaller => scale(ctx, ctx.zoom_factor() / SCALE_STEP),
+            Self::UsualScale => scale(ctx, 1.0),
+            Self::SwitchTheme => {
+                let is_dark = ctx.theme() == Theme::Dark;
+                ctx.set_theme(if is_dark { Theme::Light } else { Theme::Dark });
+            }
+            Self::Send => commands.push(Command::Board(BoardCommand::Send)),
+            Self::PlayMotion => commands.push(Command::Board(BoardCommand::PlayMotion)),
+            Self::Stop => commands.push(Command::Board(BoardCommand::Stop)),
+            Self::Palette => editor.dialog = Some(Dialog::Palette { text: String::new(), chosen: 0 }),
+            Self::Help => editor.dialog = Some(Dialog::Help),
+        }
+    }
+}
+
+/// Makes everything in the window so many times as large as usual.
+pub fn scale(ctx: &Context, factor: f32) {
+    ctx.set_zoom_factor(factor.clamp(SCALES[0], SCALES[SCALES.len() - 1]));
+}
+
+/// The key of a quantity: its place among them.
+fn digit(quantity: Quantity) -> Option<Key> {
+    const DIGITS: [Key; 9] =
+        [Key::Num1, Key::Num2, Key::Num3, Key::Num4, Key::Num5, Key::Num6, Key::Num7, Key::Num8, Key::Num9];
+    let place = Quantity::ALL.iter().position(|own| *own == quantity)?;
+    DIGITS.get(place).copied()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_action_has_a_name_and_keys_of_its_own() {
+        let all = Action::all();
+        for (place, action) in all.iter().enumerate() {
+            for other in &all[place + 1..] {
+                assert_ne!(action.name(), other.name());
+                assert!(
+                    action.keys().iter().all(|keys| !other.keys().contains(keys)),
+                    "{action:?} {other:?}"
+                );
+            }
+            assert!(Group::ALL.contains(&action.group()));
+        }
+    }
+}

@@ -1,0 +1,72 @@
+//! The menu under the right button: what can be done with what is selected.
+
+use egui::{Button, Response, Ui};
+use glam::DVec2;
+
+use crate::scene::Target;
+use crate::ui::Editor;
+use crate::ui::edit::{self, Align};
+use crate::ui::keys;
+use crate::ui::view::Lens;
+
+/// Points of the screen within which an outline is meant.
+const REACH: f64 = 9.0;
+
+/// Opens the menu where the right button was clicked, and selects the target there.
+pub fn menu(editor: &mut Editor, response: &Response, lens: &Lens) {
+    if response.secondary_clicked()
+        && let Some(at) = response.interact_pointer_pos()
+    {
+        let place = lens.flat(at);
+        let axes = editor.view.axes(editor.scene());
+        let hit = edit::target_at(editor.scene(), &axes, place, REACH * lens.window.scale);
+        if let Some(hit) = hit.filter(|hit| !editor.selection.contains(hit)) {
+            editor.selection = [hit].into();
+        }
+        editor.asked = place;
+    }
+    response.context_menu(|ui| show(editor, ui));
+}
+
+fn show(editor: &mut Editor, ui: &mut Ui) {
+    let chosen = editor.selection.len();
+    let item =
+        |ui: &mut Ui, least: usize, name: &str| ui.add_enabled(chosen >= least, Button::new(name)).clicked();
+    if item(ui, 1, "Duplicate") {
+        keys::duplicate(editor);
+    }
+    if item(ui, 1, "Copy") {
+        keys::copy(editor, ui.ctx());
+    }
+    if ui.add_enabled(!editor.copied.is_empty(), Button::new("Paste here")).clicked() {
+        paste(editor);
+    }
+    if item(ui, 1, "Delete") {
+        keys::delete(editor);
+    }
+    ui.separator();
+    let axes = editor.view.axes(editor.scene());
+    for align in Align::ALL {
+        if item(ui, 2, align.name()) {
+            edit::align(&mut editor.document.scene, &editor.selection, &axes, align);
+        }
+    }
+    ui.separator();
+    for (name, is_upwards) in [("Distribute across", false), ("Distribute upwards", true)] {
+        if item(ui, 3, name) {
+            edit::distribute(&mut editor.document.scene, &editor.selection, &axes, is_upwards);
+        }
+    }
+}
+
+/// Puts what was copied last where the menu was opened.
+fn paste(editor: &mut Editor) {
+    let axes = editor.view.axes(editor.scene());
+    let mut pasted: Vec<Target> = editor.copied.clone();
+    let Some([low, high]) = edit::bounds(&pasted, &axes) else { return };
+    let by: DVec2 = editor.asked - (low + high) / 2.0;
+    pasted.iter_mut().for_each(|target| edit::translate(&mut target.shape, axes.x * by.x + axes.y * by.y));
+    let first = editor.scene().targets.len();
+    editor.document.scene.targets.extend(pasted);
+    editor.selection = (first..editor.scene().targets.len()).collect();
+}

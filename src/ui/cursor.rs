@@ -1,0 +1,158 @@
+//! The canvas by keyboard: a cross that arrows move, at which a key draws what the tool draws.
+
+use egui::{Color32, Context, Event, EventFilter, Id, Key, Modifiers, Painter, Response, Stroke, Ui, vec2};
+use glam::DVec2;
+
+use crate::ui::Editor;
+use crate::ui::edit;
+use crate::ui::theme;
+use crate::ui::tool::Tool;
+use crate::ui::typing::Typing;
+use crate::ui::view::Lens;
+
+/// m: what an arrow key moves by, with Ctrl and with Shift.
+const STEP: f64 = 1e-3;
+const FINE: f64 = 1e-4;
+const FAR: f64 = 1e-2;
+/// Points of the screen within which an outline is meant.
+const REACH: f64 = 9.0;
+/// Points of the screen: half of the cross.
+const HALF: f32 = 11.0;
+
+/// The canvas' name among widgets.
+pub fn id() -> Id {
+    Id::unique("canvas")
+}
+
+/// Whether keys go to the canvas.
+pub fn has_focus(ctx: &Context) -> bool {
+    ctx.memory(|memory| memory.has_focus(id()))
+}
+
+/// Whether arrows move what is selected, and not the cross.
+pub fn moves_selection(editor: &Editor, ctx: &Context) -> bool {
+    !has_focus(ctx) || (editor.tool == Tool::Select && !editor.selection.is_empty())
+}
+
+/// Acts on keys while the canvas has the focus.
+pub fn act(editor: &mut Editor, ui: &Ui, response: &Response, lens: &Lens) {
+    if !response.has_focus() || editor.is_typing() || editor.dialog.is_some() {
+        return;
+    }
+    let filter = EventFilter { tab: false, horizontal_arrows: true, vertical_arrows: true, escape: false };
+    ui.memory_mut(|memory| memory.set_focus_lock_filter(response.id, filter));
+    let mut at = place(editor, lens);
+    for event in ui.input(|input| input.events.clone()) {
+        let Event::Key { key, pressed: true, modifiers, .. } = event else { continue };
+        if let Some(by) = step(key, modifiers) {
+            if !moves_selection(editor, ui.ctx()) {
+                at += by;
+            } else if modifiers.command {
+                nudge(editor, by);
+            }
+        }
+        match key {
+            Key::Enter | Key::Space => press(editor, lens, at),
+            Key::Period => select_next(editor, 1),
+            Key::Comma => select_next(editor, -1),
+            _ => {}
+        }
+    }
+    let half = lens.size() / 2.0;
+    editor.cursor = Some(at.clamp(lens.window.centre - half, lens.window.centre + half));
+}
+
+/// Where the cross is: in the middle at first.
+fn place(editor: &Editor, lens: &Lens) -> DVec2 {
+    editor.cursor.unwrap_or(lens.window.centre)
+}
+
+fn step(key: Key, modifiers: Modifiers) -> Option<DVec2> {
+    let direction = match key {
+        Key::ArrowLeft => -DVec2::X,
+        Key::ArrowRight => DVec2::X,
+        Key::ArrowUp => DVec2::Y,
+        Key::ArrowDown => -DVec2::Y,
+        _ => return None,
+    };
+    Some(
+        direction
+            * if modifiers.command {
+                FINE
+            } else if modifiers.shift {
+                FAR
+            } else {
+                STEP
+            },
+    )
+}
+
+fn nudge(editor: &mut Editor, by: DVec2) {
+    let axes = editor.view.axes(editor.scene());
+    for &index in &editor.selection {
+        if let Some(target) = editor.document.scene.targets.get_mut(index) {
+            edit::translate(&mut target.shape, axes.x * by.x + axes.y * by.y);
+        }
+    }
+}
+
+/// Draws what a click would draw at the cross, or selects what is there.
+fn press(editor: &mut Editor, lens: &Lens, at: DVec2) {
+    let axes = editor.view.axes(editor.scene());
+    match editor.tool {
+        Tool::Select => {
+            let hit = edit::target_at(editor.scene(), &axes, at, REACH * lens.window.scale);
+            editor.selection = hit.into_iter().collect();
+        }
+        Tool::Text => {
+            editor.selection.clear();
+            editor.typing = Some(Typing::new(at));
+        }
+        Tool::Erase => {
+            if let Some(hit) = edit::target_at(editor.scene(), &axes, at, REACH * lens.window.scale) {
+                edit::delete(&mut editor.document.scene, &mut [hit].into());
+                editor.selection.clear();
+            }
+        }
+        Tool::Point
+        | Tool::Line
+        | Tool::Circle
+        | Tool::Rectangle
+        | Tool::Triangle
+        | Tool::Polygon
+        | Tool::Freehand
+        | Tool::Brush
+        | Tool::Measure => {
+            let Some(target) = editor.tool.click(&axes, at) else { return };
+            editor.document.scene.targets.push(target);
+            editor.selection = [editor.scene().targets.len() - 1].into();
+        }
+    }
+}
+
+/// Goes through the targets in the order of the list.
+fn select_next(editor: &mut Editor, by: isize) {
+    let count = editor.scene().targets.len() as isize;
+    if count == 0 {
+        return;
+    }
+    let next = match editor.selection.first() {
+        Some(&index) => (index as isize + by).rem_euclid(count),
+        None if by > 0 => 0,
+        None => count - 1,
+    };
+    editor.selection = [next as usize].into();
+    editor.tool = Tool::Select;
+}
+
+/// Draws the focus' ring around the canvas and the cross.
+pub fn paint(editor: &Editor, painter: &Painter, lens: &Lens) {
+    let ring = lens.rect.shrink(1.0);
+    painter.rect_stroke(ring, 0.0, Stroke::new(2.0, theme::ACCENT), egui::StrokeKind::Inside);
+    let at = lens.screen(place(editor, lens));
+    for (width, colour) in [(3.5, theme::MARK_EDGE), (1.3, Color32::WHITE)] {
+        let stroke = Stroke::new(width, colour);
+        painter.line_segment([at - vec2(HALF, 0.0), at + vec2(HALF, 0.0)], stroke);
+        painter.line_segment([at - vec2(0.0, HALF), at + vec2(0.0, HALF)], stroke);
+    }
+}

@@ -1,0 +1,56 @@
+//! What a target measures, for the chip beside the pointer while it is drawn or pulled.
+
+use crate::scene::{Shape, Target, outline};
+use crate::ui::edit;
+use crate::ui::measure::{length_and_angle, mm};
+use crate::ui::view::Axes;
+
+/// Size of a target in mm, or where a point is on the cut.
+pub fn of(target: &Target, axes: &Axes) -> String {
+    match &target.shape {
+        Shape::Point { at } => {
+            let at = axes.flat(*at);
+            format!("{}, {} mm", mm(at.x), mm(at.y))
+        }
+        Shape::Line { .. } => {
+            let ends = outline::strokes(target).unwrap_or_default().concat();
+            let [from, to] = ends[..] else { return String::new() };
+            format!("length {}", length_and_angle([axes.flat(from), axes.flat(to)]))
+        }
+        Shape::Circle { radius, .. } => format!("Ø {} mm", mm(2.0 * radius)),
+        Shape::Rectangle { width, height, .. } => format!("{} x {} mm", mm(*width), mm(*height)),
+        Shape::Triangle { size, .. } => format!("side {} mm", mm(*size)),
+        Shape::Polygon { radius, sides, .. } => format!("Ø {} mm, {sides} corners", mm(2.0 * radius)),
+        Shape::Text { height, .. } => format!("height {} mm", mm(*height)),
+        Shape::Picture { width, pixels, .. } => {
+            format!("{} x {} mm", mm(*width), mm(width * pixels.aspect()))
+        }
+        Shape::Path { .. } => {
+            let piece = |pair: &[_]| -> f64 { glam::DVec2::distance(pair[0], pair[1]) };
+            let strokes = edit::outline_on(target, axes);
+            let length: f64 = strokes.iter().flat_map(|stroke| stroke.windows(2).map(piece)).sum();
+            format!("length {} mm", mm(length))
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::{DVec2, DVec3};
+
+    use super::*;
+    use crate::scene::Scene;
+    use crate::ui::tool::Tool;
+    use crate::ui::view::View;
+
+    #[test]
+    fn what_is_drawn_has_its_size_in_words() {
+        let axes = View::of(&Scene::default()).axes(&Scene::default());
+        let drawn = |tool: Tool| of(&tool.drag(&axes, DVec2::ZERO, DVec2::new(0.04, 0.02)).unwrap(), &axes);
+        assert_eq!(drawn(Tool::Rectangle), "40.0 x 20.0 mm");
+        assert_eq!(drawn(Tool::Circle), "Ø 89.4 mm");
+        assert_eq!(drawn(Tool::Line), "length 44.7 mm, 26.6°");
+        let point = Target::new(Shape::Point { at: DVec3::new(-1e-7, 0.012, 0.1) });
+        assert_eq!(of(&point, &axes), "0.0, 12.0 mm");
+    }
+}

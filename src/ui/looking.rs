@@ -1,0 +1,88 @@
+//! What of a cut is on the screen while no window is set, and how the view goes elsewhere.
+
+use egui::Rect;
+use glam::DVec2;
+
+use crate::scene::{Array, Plane, Scene, outline};
+use crate::ui::Editor;
+use crate::ui::measure::ProfileLine;
+use crate::ui::view::{Cut, Lens, View, Window};
+
+/// How many times as high as needed a fitted view stays.
+const MOST_FREE: f64 = 3.0;
+
+/// What is shown as a whole. It is kept while targets move within it, so that nothing slides away under the pointer.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Fitted {
+    cut: Cut,
+    plane: Plane,
+    array: Array,
+    /// m
+    centre: DVec2,
+    size: DVec2,
+}
+
+impl Fitted {
+    fn new(view: &View, scene: &Scene) -> Self {
+        let (centre, size) = view.whole(scene);
+        Self { cut: view.cut, plane: scene.plane.clone(), array: scene.array.clone(), centre, size }
+    }
+
+    /// What is shown on the next frame; `is_held` while something is dragged or typed.
+    fn next(before: Option<Self>, view: &View, scene: &Scene, is_held: bool) -> Self {
+        let fresh = Self::new(view, scene);
+        match before.filter(|before| before.cut == fresh.cut) {
+            Some(before) if is_held || before.holds(&fresh, scene) => before,
+            _ => fresh,
+        }
+    }
+
+    /// Whether every target is still in it, and not lost in it.
+    fn holds(&self, fresh: &Self, scene: &Scene) -> bool {
+        let highest = scene.targets.iter().map(|target| outline::centre(&target.shape).z).fold(0.0, f64::max);
+        let is_in = match self.cut {
+            Cut::Xz | Cut::Yz => {
+                let is_near = self.size.y <= MOST_FREE * fresh.size.y && self.size.x == fresh.size.x;
+                highest <= self.size.y && is_near
+            }
+            Cut::Xy | Cut::Free | Cut::Own => (self.centre, self.size) == (fresh.centre, fresh.size),
+        };
+        is_in && (&self.plane, &self.array) == (&fresh.plane, &fresh.array)
+    }
+
+    fn window(&self, rect: Rect) -> Window {
+        Window::around(self.centre, self.size, rect)
+    }
+}
+
+impl Editor {
+    /// Shows another cut, all of it.
+    pub fn look_at(&mut self, cut: Cut) {
+        self.view.cut = cut;
+        self.view.line = self.view.middle(&self.document.scene);
+        self.fit();
+    }
+
+    /// Shows everything.
+    pub fn fit(&mut self) {
+        self.view.window = None;
+        self.fitted = None;
+    }
+
+    /// What of the cut is on this rectangle of the screen; `is_held` while something is dragged or typed.
+    pub(in crate::ui) fn lens(&mut self, rect: Rect, is_held: bool) -> Lens {
+        let is_held = is_held || self.is_in_gesture();
+        let fitted = Fitted::next(self.fitted.take(), &self.view, &self.document.scene, is_held);
+        let window = self.view.window.unwrap_or_else(|| fitted.window(rect));
+        self.fitted = Some(fitted);
+        Lens { rect, window }
+    }
+
+    /// Removes a measured line.
+    pub(in crate::ui) fn put_line_away(&mut self) {
+        if let ProfileLine::Between(_) = self.view.line {
+            self.view.line = self.view.middle(&self.document.scene);
+            self.view.section = false;
+        }
+    }
+}

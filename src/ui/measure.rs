@@ -1,0 +1,52 @@
+//! The line along which a profile is taken, and lengths in words.
+
+use glam::DVec2;
+
+/// m: a shorter line is a slip of the hand.
+pub const SHORTEST: f64 = 5e-4;
+
+/// Where the profile is taken, on the cut.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum ProfileLine {
+    /// Across all that is on the screen, at this height (m) on the upward axis.
+    Across(f64),
+    /// From one place to another (m).
+    Between([DVec2; 2]),
+}
+
+impl ProfileLine {
+    /// Both ends (m), where the screen shows so much of the axis to the right.
+    pub fn ends(self, [left, right]: [f64; 2]) -> [DVec2; 2] {
+        match self {
+            Self::Across(v) => [DVec2::new(left, v), DVec2::new(right, v)],
+            Self::Between(ends) => ends,
+        }
+    }
+}
+
+/// A length (m) in mm with one decimal, without a sign on zero.
+pub fn mm(length: f64) -> String {
+    let tenths = (length * 1e4).round();
+    format!("{:.1}", if tenths == 0.0 { 0.0 } else { tenths / 10.0 })
+}
+
+/// How long a line is, and its angle from the axis to the right.
+pub fn length_and_angle([from, to]: [DVec2; 2]) -> String {
+    let along = to - from;
+    let angle = along.to_angle().to_degrees();
+    let angle = if angle.abs() < 0.05 { 0.0 } else { angle };
+    format!("{} mm, {angle:.1}°", mm(along.length()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn lengths_have_no_negative_zero() {
+        assert_eq!([-1e-9, 0.0, -1e-4, 0.0123].map(mm), ["0.0", "0.0", "-0.1", "12.3"]);
+        let line = [DVec2::ZERO, DVec2::new(0.03, -1e-12)];
+        assert_eq!(length_and_angle(line), "30.0 mm, 0.0°");
+        assert_eq!(length_and_angle([DVec2::ZERO, DVec2::new(0.0, 0.02)]), "20.0 mm, 90.0°");
+    }
+}

@@ -1,0 +1,238 @@
+//! The box around what is selected: its corners scale all of it, and the handle above it turns it.
+
+use egui::{Painter, Pos2, Rect, Stroke, StrokeKind, pos2};
+use glam::{DQuat, DVec2, DVec3};
+
+use crate::scene::{Shape, Target, outline};
+use crate::ui::Editor;
+use crate::ui::edit;
+use crate::ui::handle;
+use crate::ui::theme;
+use crate::ui::view::{Axes, Lens};
+
+/// Points of the screen from what is selected to its box, and from there to the handle that turns it.
+const AROUND: f32 = 14.0;
+const ABOVE: f32 = 22.0;
+/// m: nothing is scaled to less.
+const SMALLEST: f64 = 1e-3;
+
+/// What is taken hold of.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Grip {
+    /// A corner, and the opposite one, which stays: m on the cut.
+    Corner { held: DVec2, fixed: DVec2 },
+    /// About this place.
+    Turn(DVec2),
+}
+
+/// Low and high corner (m) of what is selected.
+fn bounds(editor: &Editor, axes: &Axes) -> Option<[DVec2; 2]> {
+    let targets = editor.selection.iter().filter_map(|&index| editor.scene().targets.get(index));
+    edit::bounds(targets, axes)
+}
+
+fn screen([low, high]: [DVec2; 2], lens: &Lens) -> Rect {
+    Rect::from_two_pos(lens.screen(low), lens.screen(high)).expand(AROUND)
+}
+
+fn corners([low, high]: [DVec2; 2]) -> [DVec2; 4] {
+    [low, DVec2::new(high.x, low.y), high, DVec2::new(low.x, high.y)]
+}
+
+/// Corners serve where several targets have no handle in common.
+fn has_corners(editor: &Editor) -> bool {
+    editor.selection.len() > 1
+}
+
+/// A single point or circle looks the same however it is turned.
+fn can_turn(editor: &Editor) -> bool {
+    let mut chosen = editor.selection.iter().filter_map(|&index| editor.scene().targets.get(index));
+    let is_round = |target: &Target| matches!(target.shape, Shape::Point { .. } | Shape::Circle { .. });
+    editor.selection.len() > 1 || chosen.any(|target| !is_round(target))
+}
+
+fn turner(rect: Rect) -> Pos2 {
+    pos2(rect.center().x, rect.top() - ABOVE)
+}
+
+/// The grip under the pointer.
+pub fn at(editor: &Editor, axes: &Axes, lens: &Lens, pointer: Pos2) -> Option<Grip> {
+    let around = bounds(editor, axes)?;
+    let rect = screen(around, lens);
+    if can_turn(editor) && turner(rect).distance(pointer) <= handle::REACH {
+        return Some(Grip::Turn((around[0] + around[1]) / 2.0));
+    }
+    if !has_corners(editor) {
+        return None;
+    }
+    let places = corners(around);
+    let on_screen = [rect.left_bottom(), rect.right_bottom(), rect.right_top(), rect.left_top()];
+    let hit = on_screen.iter().position(|corner| corner.distance(pointer) <= handle::REACH)?;
+    Some(Grip::Corner { held: places[hit], fixed: places[(hit + 2) % 4] })
+}
+
+/// Draws the box with its handles.
+pub fn paint(editor: &Editor, axes: &Axes, painter: &Painter, lens: &Lens) {
+    let Some(around) = bounds(editor, axes) else { return };
+    let rect = screen(around, lens);
+    let line = Stroke::new(1.0, theme::CHOSEN.gamma_multiply(0.7));
+    painter.rect_stroke(rect, 0.0, line, StrokeKind::Middle);
+    if can_turn(editor) {
+        painter.line_segment([rect.center_top(), turner(rect)], line);
+        painter.circle(turner(rect), handle::HALF, theme::MARK, Stroke::new(1.5, theme::ACCENT));
+    }
+    if has_corners(editor) {
+        for corner in [rect.left_bottom(), rect.right_bottom(), rect.right_top(), rect.left_top()] {
+            handle::square(corner, painter);
+        }
+    }
+}
+
+/// What targets become when a grip goes from where it was taken hold of (m on the cut) to another place.
+pub fn pulled(before: &Target, grip: Grip, axes: &Axes, from: DVec2, to: DVec2, in_steps: bool) -> Target {
+    match grip {
+        Grip::Corner { held, fixed } => {
+            let diagonal = held - fixed;
+            let along = (to - from + diagonal).dot(diagonal) / diagonal.length_squared().max(1e-30);
+            scaled(before, axes, fixed, along.max(0.05))
+        }
+        Grip::Turn(about) => {
+            let mut angle = (from - about).angle_to(to - about);
+            if in_steps {
+                let step = std::f64::consts::TAU / 24.0;
+                angle = (angle / step).round() * step;
+            }
+            turned(before, axes, about, angle)
+        }
+    }
+}
+
+/// Larger by a factor about a place of the cut.
+fn scaled(target: &Target, axes: &Axes, about: DVec2, factor: f64) -> Target {
+    let mut target = target.clone();
+    let place = |at: &mut DVec3| {
+        let by = (axes.flat(*at) - about) * (factor - 1.0);
+        *at += axes.x * by.x + axes.y * by.y;
+    };
+    let larger = |size: &mut f64| *size = (*size * factor).max(SMALLEST);
+    match &mut target.shape {
+        Shape::Point { at } => place(at),
+        Shape::Line { from, to } => [from, to].into_iter().for_each(place),
+        Shape::Path { vertices, .. } => vertices.iter_mut().for_each(place),
+        Shape::Circle { at, radius } | Shape::Polygon { at, radius, .. } => {
+            place(at);
+            larger(radius);
+        }
+        Shape::Rectangle { at, width, height } => {
+            place(at);
+            larger(width);
+            larger(height);
+        }
+        Shape::Triangle { at, size } => {
+            place(at);
+            larger(size);
+        }
+        Shape::Text { at, height, .. } => {
+            place(at);
+            larger(height);
+        }
+        Shape::Picture { at, width, .. } => {
+            place(at);
+            larger(width);
+        }
+    }
+    target
+}
+
+/// Turned (rad) in the cut about a place of it.
+fn turned(target: &Target, axes: &Axes, about: DVec2, angle: f64) -> Target {
+    let turn = DQuat::from_axis_angle(axes.x.cross(axes.y).normalize_or(DVec3::Z), angle);
+    let about = axes.world(about);
+    let mut turned = target.clone();
+    let centre = outline::centre(&target.shape);
+    let own = DQuat::from_rotation_z(target.angle);
+    let vertex = |at: &mut DVec3| *at = about + turn * (centre + own * (*at - centre) - about);
+    match &mut turned.shape {
+        Shape::Line { from, to } => {
+            [from, to].into_iter().for_each(vertex);
+            turned.angle = 0.0;
+        }
+        Shape::Path { vertices, .. } => {
+            vertices.iter_mut().for_each(vertex);
+            turned.angle = 0.0;
+        }
+        Shape::Point { at } => *at = about + turn * (*at - about),
+        Shape::Circle { at, .. }
+        | Shape::Rectangle { at, .. }
+        | Shape::Triangle { at, .. }
+        | Shape::Polygon { at, .. }
+        | Shape::Text { at, .. }
+        | Shape::Picture { at, .. } => {
+            *at = about + turn * (*at - about);
+            face(&mut turned, turn * target.turn());
+        }
+    }
+    turned
+}
+
+/// Gives a flat shape the normal and the angle that make this its turn.
+fn face(target: &mut Target, turn: DQuat) {
+    let normal = turn * DVec3::Z;
+    target.normal = if normal.distance(DVec3::Z) < 1e-9 { DVec3::Z } else { normal };
+    target.angle = 0.0;
+    let x = target.turn().inverse() * (turn * DVec3::X);
+    target.angle = x.y.atan2(x.x);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::Scene;
+    use crate::ui::view::{Cut, View};
+
+    const AT: DVec3 = DVec3::new(0.01, 0.02, 0.1);
+
+    fn targets() -> Vec<Target> {
+        let vertices = vec![AT, AT + DVec3::X * 0.03, AT + DVec3::Y * 0.02];
+        let shapes = [
+            Shape::Point { at: AT },
+            Shape::Line { from: AT, to: AT + DVec3::new(0.03, 0.01, 0.0) },
+            Shape::Rectangle { at: AT, width: 0.04, height: 0.02 },
+            Shape::Path { vertices, closed: true },
+            Shape::Text { text: "HI".to_owned(), at: AT, height: 0.02 },
+        ];
+        shapes.into_iter().map(|shape| Target { angle: 0.3, ..Target::new(shape) }).collect()
+    }
+
+    fn outline_of(target: &Target, axes: &Axes) -> Vec<DVec2> {
+        edit::outline_on(target, axes).concat()
+    }
+
+    #[test]
+    fn every_place_of_what_is_scaled_or_turned_goes_where_it_belongs() {
+        let scene = Scene::default();
+        for cut in [Cut::Xy, Cut::Xz] {
+            let axes = View { cut, ..View::of(&scene) }.axes(&scene);
+            let about = DVec2::new(-0.01, 0.005);
+            let angle = 0.7;
+            for target in targets() {
+                let before = outline_of(&target, &axes);
+                let after = outline_of(&turned(&target, &axes, about, angle), &axes);
+                assert_eq!(before.len(), after.len());
+                for (a, b) in before.iter().zip(&after) {
+                    let expected = about + DVec2::from_angle(angle).rotate(*a - about);
+                    assert!(b.distance(expected) < 1e-9, "{cut:?} {target:?}: {b}, not {expected}");
+                }
+            }
+        }
+        let axes = View::of(&scene).axes(&scene);
+        let grip = Grip::Corner { held: DVec2::new(0.04, 0.04), fixed: DVec2::ZERO };
+        for target in targets() {
+            let to = DVec2::splat(0.08);
+            let scaled = pulled(&target, grip, &axes, DVec2::splat(0.04), to, false);
+            for (a, b) in outline_of(&target, &axes).iter().zip(outline_of(&scaled, &axes)) {
+                assert!(b.distance(*a * 2.0) < 1e-9, "{target:?}: {b}, not twice {a}");
+            }
+        }
+    }
+}

@@ -1,0 +1,78 @@
+//! The text that is being typed on the canvas.
+
+use std::collections::BTreeSet;
+
+use egui::{Event, Key, Ui};
+use glam::DVec2;
+
+use crate::scene::{Shape, font};
+use crate::ui::Editor;
+use crate::ui::edit;
+use crate::ui::tool::{self, Tool};
+use crate::ui::view::Axes;
+
+/// A text under way.
+#[derive(Clone, Debug)]
+pub struct Typing {
+    pub at: DVec2,
+    pub text: String,
+    /// Letters that were typed last and that the font lacks.
+    pub lacking: Vec<char>,
+    /// Its place in the scene once there is something to write.
+    index: Option<usize>,
+}
+
+impl Typing {
+    pub fn new(at: DVec2) -> Self {
+        Self { at, text: String::new(), lacking: Vec::new(), index: None }
+    }
+}
+
+/// Letters go to the text on the canvas.
+pub fn write(editor: &mut Editor, ui: &Ui, axes: &Axes) {
+    let Some(mut typing) = editor.typing.take() else { return };
+    let events = ui.input(|input| input.events.clone());
+    let mut is_done = false;
+    for event in events {
+        match event {
+            Event::Text(letters) => {
+                typing.lacking = font::lacking(&letters);
+                typing.text.extend(letters.chars().filter(|letter| !typing.lacking.contains(letter)));
+            }
+            Event::Key { key: Key::Backspace, pressed: true, .. } => drop(typing.text.pop()),
+            Event::Key { key: Key::Enter | Key::Escape, pressed: true, .. } => is_done = true,
+            _ => {}
+        }
+    }
+    match (typing.text.trim().is_empty(), typing.index) {
+        (true, None) => {}
+        (true, Some(index)) => {
+            edit::delete(&mut editor.document.scene, &mut BTreeSet::from([index]));
+            typing.index = None;
+            editor.selection.clear();
+        }
+        (false, Some(index)) => {
+            // Only the letters: height and place may have been changed by hand meanwhile.
+            if let Some(Shape::Text { text, .. }) =
+                editor.document.scene.targets.get_mut(index).map(|target| &mut target.shape)
+                && *text != typing.text
+            {
+                text.clone_from(&typing.text);
+            }
+        }
+        (false, None) => {
+            editor.document.scene.targets.push(tool::text(axes, typing.at, &typing.text));
+            let index = editor.scene().targets.len() - 1;
+            typing.index = Some(index);
+            editor.selection = BTreeSet::from([index]);
+        }
+    }
+    editor.typing = (!is_done).then_some(typing);
+    if is_done {
+        editor.tool = Tool::Select;
+    }
+}
+
+pub fn end(editor: &mut Editor) {
+    editor.typing = None;
+}

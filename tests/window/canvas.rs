@@ -1,0 +1,268 @@
+//! What is measured, lined up, transformed and done by keys on the canvas.
+
+use egui::PointerButton;
+use egui::accesskit::Role;
+use sonoglyph::scene::Target;
+
+use super::*;
+
+const AT: DVec3 = DVec3::new(0.0, 0.0, 0.1);
+const CANVAS: &str = "Canvas: the field on the plane";
+
+/// The window on these shapes alone.
+fn open_with(shapes: &[Shape]) -> Screen {
+    let mut screen = open();
+    screen.state_mut().editor_mut().document.scene.targets =
+        shapes.iter().cloned().map(Target::new).collect();
+    rest(&mut screen);
+    screen
+}
+
+fn point(x: f64, y: f64) -> Shape {
+    Shape::Point { at: AT + DVec3::new(x, y, 0.0) }
+}
+
+/// mm
+fn centres(screen: &Screen) -> Vec<DVec2> {
+    let centre = |target: &Target| sonoglyph::scene::outline::centre(&target.shape).truncate() * 1e3;
+    scene(screen).targets.iter().map(centre).collect()
+}
+
+fn hold(screen: &mut Screen, modifiers: Modifiers) {
+    screen.event(Event::ModifiersChanged(modifiers));
+    screen.step();
+}
+
+fn click_right(screen: &mut Screen, pos: Pos2) {
+    screen.hover_at(pos);
+    screen.step();
+    for pressed in [true, false] {
+        let button = PointerButton::Secondary;
+        screen.event(Event::PointerButton { pos, button, pressed, modifiers: Modifiers::NONE });
+        screen.step();
+    }
+    rest(screen);
+}
+
+fn choose(screen: &mut Screen, item: &str) {
+    screen.get_by_role_and_label(Role::Button, item).click();
+    rest(screen);
+}
+
+#[test]
+fn a_line_is_measured_moved_at_its_end_exported_and_put_away() {
+    let mut screen = open_with(&[point(0.0, 0.0)]);
+    key(&mut screen, Key::D);
+    let (from, to) = (at(&screen, -30.0, 0.0), at(&screen, 30.0, 0.0));
+    drag(&mut screen, from, to);
+    assert_eq!(scene(&screen).targets.len(), 1, "nothing is drawn");
+    assert!(screen.query_by_label("60.0 mm, 0.0°").is_some());
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("profile.csv");
+    screen.get_by_label("Export").click();
+    rest(&mut screen);
+    screen.get_by_label("Line profile as CSV…").click();
+    rest(&mut screen);
+    let purpose = Purpose::Export(sonoglyph::ui::Export::Profile);
+    screen.state_mut().editor_mut().dialog = Some(Dialog::Path { purpose, text: path.display().to_string() });
+    key(&mut screen, Key::Enter);
+    let text = std::fs::read_to_string(&path).unwrap();
+    let rows: Vec<Vec<f64>> = text
+        .lines()
+        .skip(1)
+        .map(|line| line.split(',').map(|number| number.parse().unwrap()).collect())
+        .collect();
+    assert_eq!((text.lines().next().unwrap(), rows.len()), ("distance,x,y,z,rms", 400));
+    let loudest = rows.iter().max_by(|a, b| a[4].total_cmp(&b[4])).unwrap();
+    assert!((loudest[0] - 0.03).abs() < 5e-4 && loudest[1].abs() < 5e-4 && loudest[3] == 0.1, "{loudest:?}");
+
+    let (from, to) = (at(&screen, 30.0, 0.0), at(&screen, -30.0, 40.0));
+    drag(&mut screen, from, to);
+    assert!(screen.query_by_label("40.0 mm, 90.0°").is_some(), "the other end stays");
+    key(&mut screen, Key::Escape);
+    assert!(!screen.state().editor().view.section, "Escape removes the line");
+}
+
+#[test]
+fn the_line_profile_stands_below_the_map_in_step_with_it_and_starts_in_front_of_the_array() {
+    let mut screen = open_with(&[point(0.01, 0.0)]);
+    key(&mut screen, Key::X);
+    let (plot, map) = (screen.get_by_label("Line profile plot").rect(), lens(&screen).rect);
+    assert!((plot.left() - map.left()).abs() < 1e-3 && (plot.right() - map.right()).abs() < 1e-3);
+    assert!(plot.top() > map.bottom());
+    assert!(screen.query_by_label("-6 dB width").is_some());
+    screen.get_by_label("Axial").click();
+    rest(&mut screen);
+    assert_eq!(screen.state().editor().view.cut, sonoglyph::ui::view::Cut::Xz);
+    let profile =
+        sonoglyph::ui::section::Profile::of(screen.state().editor(), screen.state().shown()).unwrap();
+    let (first, last) = (profile.points[0], profile.points[profile.points.len() - 1]);
+    assert!(first.z > 0.003 && first.z < 0.006, "half a wavelength in front of the array: {first}");
+    assert!((last.z - 0.2).abs() < 1e-9 && (first.x - 0.01).abs() < 1e-9);
+}
+
+#[test]
+fn a_freehand_stroke_that_nearly_closes_is_closed() {
+    let mut screen = open_with(&[]);
+    key(&mut screen, Key::F);
+    let around = |part: f64| DVec2::from_angle(std::f64::consts::TAU * part) * 25.0;
+    let place = |screen: &Screen, part: f64| at(screen, around(part).x, around(part).y);
+    for (last, closed) in [(0.985, true), (0.8, false)] {
+        let from = place(&screen, 0.0);
+        screen.hover_at(from);
+        screen.step();
+        screen.drag_at(from);
+        screen.step();
+        for i in 0..=40 {
+            let to = place(&screen, last * f64::from(i) / 40.0);
+            screen.hover_at(to);
+            screen.step();
+        }
+        let to = place(&screen, last);
+        screen.drop_at(to);
+        rest(&mut screen);
+        let Some(Target { shape: Shape::Path { closed: is_closed, .. }, .. }) = scene(&screen).targets.last()
+        else {
+            panic!("no path")
+        };
+        assert_eq!(*is_closed, closed, "{last} of a round");
+    }
+}
+
+#[test]
+fn alt_drags_a_copy_and_guides_line_it_up_unless_ctrl_is_held() {
+    let mut screen = open_with(&[point(0.0, 0.0), point(-0.03, 0.02)]);
+    let (from, to) = (at(&screen, 0.0, 0.0), at(&screen, 35.0, 19.3));
+    hold(&mut screen, Modifiers::ALT);
+    drag(&mut screen, from, to);
+    hold(&mut screen, Modifiers::NONE);
+    let places = centres(&screen);
+    assert_eq!(places.len(), 3);
+    assert_eq!(places[0], DVec2::ZERO, "what is copied stays");
+    assert!((places[2].y - 20.0).abs() < 1e-9, "in line with the other: {}", places[2]);
+    assert!((places[2].x - 35.0).abs() < 0.5);
+    let from = at(&screen, places[2].x, places[2].y);
+    let to = at(&screen, 30.0, 19.3);
+    hold(&mut screen, Modifiers::COMMAND);
+    drag(&mut screen, from, to);
+    hold(&mut screen, Modifiers::NONE);
+    assert!((centres(&screen)[2].y - 19.3).abs() < 0.3, "free: {}", centres(&screen)[2]);
+}
+
+#[test]
+fn a_selection_is_scaled_at_a_corner_and_turned_at_its_handle() {
+    let mut screen = open_with(&[point(-0.02, -0.01), point(0.02, 0.01)]);
+    press(&mut screen, Modifiers::COMMAND, Key::A);
+    let corner = at(&screen, 20.0, 10.0) + vec2(14.0, -14.0);
+    let twice = corner + (at(&screen, 60.0, 30.0) - at(&screen, 20.0, 10.0));
+    drag(&mut screen, corner, twice);
+    let places = centres(&screen);
+    assert!(places[0].distance(DVec2::new(-20.0, -10.0)) < 1e-9, "the opposite corner stays");
+    assert!(places[1].distance(DVec2::new(60.0, 30.0)) < 0.7, "{}", places[1]);
+    press(&mut screen, Modifiers::COMMAND, Key::Z);
+    press(&mut screen, Modifiers::COMMAND, Key::A);
+    let middle = at(&screen, 0.0, 0.0);
+    let handle = middle + vec2(0.0, at(&screen, 0.0, 10.0).y - middle.y - 36.0);
+    drag(&mut screen, handle, middle + vec2(-60.0, 0.0));
+    let places = centres(&screen);
+    assert!(places[1].distance(DVec2::new(-10.0, 20.0)) < 0.3, "a quarter to the left: {}", places[1]);
+}
+
+#[test]
+fn the_right_button_opens_a_menu_of_what_is_selected() {
+    let mut screen = open_with(&[point(-0.02, -0.01), point(0.02, 0.01), point(0.01, 0.03)]);
+    let place = at(&screen, 20.0, 10.0);
+    click_right(&mut screen, place);
+    assert_eq!(screen.state().editor().selection, [1].into());
+    choose(&mut screen, "Copy");
+    let place = at(&screen, 40.0, -30.0);
+    click_right(&mut screen, place);
+    choose(&mut screen, "Paste here");
+    assert!(centres(&screen)[3].distance(DVec2::new(40.0, -30.0)) < 0.3);
+    press(&mut screen, Modifiers::COMMAND, Key::A);
+    click_right(&mut screen, place);
+    choose(&mut screen, "Align left");
+    assert!(centres(&screen).iter().all(|centre| (centre.x + 20.0).abs() < 1e-9));
+}
+
+#[test]
+fn a_target_is_placed_moved_and_chosen_by_keys_alone() {
+    let mut screen = open_with(&[]);
+    key(&mut screen, Key::P);
+    screen.get_by_label(CANVAS).focus();
+    rest(&mut screen);
+    press(&mut screen, Modifiers::SHIFT, Key::ArrowRight);
+    key(&mut screen, Key::ArrowUp);
+    press(&mut screen, Modifiers::COMMAND, Key::ArrowUp);
+    key(&mut screen, Key::Enter);
+    assert!(centres(&screen)[0].distance(DVec2::new(10.0, 1.1)) < 1e-9, "{:?}", centres(&screen));
+    press(&mut screen, Modifiers::SHIFT, Key::ArrowLeft);
+    key(&mut screen, Key::Space);
+    assert_eq!(centres(&screen).len(), 2);
+    // The next one in the list, which arrows move from then on.
+    key(&mut screen, Key::Period);
+    assert_eq!(screen.state().editor().selection, [0].into());
+    press(&mut screen, Modifiers::COMMAND, Key::ArrowDown);
+    key(&mut screen, Key::ArrowDown);
+    assert!(centres(&screen)[0].distance(DVec2::new(10.0, 0.0)) < 1e-9, "{:?}", centres(&screen));
+    press(&mut screen, Modifiers::COMMAND, Key::Z);
+    assert_eq!(centres(&screen)[0].y.mul_add(10.0, 0.0).round(), 10.0, "keys of the menu still work");
+    key(&mut screen, Key::T);
+    key(&mut screen, Key::Enter);
+    letters(&mut screen, "HI");
+    key(&mut screen, Key::Enter);
+    assert!(matches!(&scene(&screen).targets[2].shape, Shape::Text { text, .. } if text == "HI"));
+}
+
+#[test]
+fn what_is_drawn_says_its_size_beside_the_pointer() {
+    let mut screen = open_with(&[]);
+    key(&mut screen, Key::C);
+    let (from, to) = (at(&screen, 0.0, 0.0), at(&screen, 0.0, 20.0));
+    screen.hover_at(from);
+    screen.step();
+    screen.drag_at(from);
+    screen.step();
+    screen.hover_at(to);
+    rest(&mut screen);
+    let texts: Vec<String> = texts(&screen).into_iter().map(|(text, _)| text).collect();
+    assert!(texts.iter().any(|text| text.starts_with("Ø 40.") || text.starts_with("Ø 39.9")), "{texts:?}");
+    screen.drop_at(to);
+    rest(&mut screen);
+}
+
+/// What is written on the screen, and where.
+fn texts(screen: &Screen) -> Vec<(String, Rect)> {
+    let text = |shape: &egui::epaint::ClippedShape| match &shape.shape {
+        egui::Shape::Text(text) => {
+            Some((text.galley.text().to_owned(), text.galley.rect.translate(text.pos.to_vec2())))
+        }
+        _ => None,
+    };
+    screen.output().shapes.iter().filter_map(text).collect()
+}
+
+#[test]
+fn the_read_out_of_a_narrow_map_is_seen_whole() {
+    let mut screen = open_with(&[point(0.0, 0.0)]);
+    screen.set_size(vec2(820.0, 600.0));
+    rest(&mut screen);
+    let map = lens(&screen).rect;
+    assert!(map.width() < 340.0, "{}", map.width());
+    screen.hover_at(map.center());
+    rest(&mut screen);
+    let (_, place) =
+        texts(&screen).into_iter().find(|(text, _)| text.starts_with("x ") && text.contains(" z ")).unwrap();
+    assert!(map.contains_rect(place), "{place:?} in {map:?}");
+}
+
+#[test]
+fn a_target_out_of_reach_is_named() {
+    let mut screen = open_with(&[point(0.0, 0.0)]);
+    let warned =
+        |screen: &Screen| screen.state().shown().warnings.iter().any(|it| it.starts_with("Target 1 is too"));
+    assert!(!warned(&screen));
+    screen.state_mut().editor_mut().document.scene.targets[0].shape = Shape::Point { at: DVec3::Z * 5.0 };
+    rest(&mut screen);
+    assert!(warned(&screen), "{:?}", screen.state().shown().warnings);
+}
