@@ -87,6 +87,8 @@ fn known() -> BTreeMap<String, Table> {
         [motion]
         path = "points"
         points = [[0, 0, 0]]
+        angle = 0.5
+        keyframes = [{ time = 0.5 }]
     "#;
     let scene = file::parse(text, Path::new("all.toml")).unwrap();
     let mut tables: Table = toml::from_str(&file::write(&scene)).unwrap();

@@ -16,6 +16,12 @@ const SQUARE: &str = "format = 1\n[array]\noff = [3]\n[[target]]\nat = [-0.02, 0
 const STEPS: &str = "format = 1\n[[target]]\nat = [-0.03, 0, 0.1]\nstep = 0\n[[target]]\nat = [0.03, 0.01, 0.1]\n\
                      pressure = 0.5\nstep = 1\n[solver]\nmethod = \"focus\"\n[motion]\npath = \"steps\"\nrate = 1\nframes = 4\n";
 
+/// A focus that goes out and back in time and gets quieter, and one beside it that stands.
+const KEYFRAMES: &str = "format = 1\n[[target]]\nat = [0, 0, 0.1]\n[target.motion]\npath = \"keyframes\"\nrate = 2\n\
+                         frames = 8\nkeyframes = [{ time = 0 }, { time = 0.25, at = [0.02, 0, 0], easing = \"smooth\" },\n\
+                         { time = 0.75, at = [0, 0.01, 0.02], pressure = 0.5, easing = \"hold\" }]\n\
+                         [[target]]\nat = [-0.04, 0, 0.1]\n";
+
 fn run(folder: &Path, args: &[&str]) -> Output {
     Command::new(env!("CARGO_BIN_EXE_sonoglyph")).args(args).current_dir(folder).output().unwrap()
 }
@@ -47,6 +53,44 @@ fn folder_with(files: &[(&str, &str)]) -> TempDir {
 
 fn numbers(value: &Value) -> Vec<f64> {
     value.as_array().unwrap().iter().map(|v| v.as_f64().unwrap()).collect()
+}
+
+#[test]
+fn keyframes_are_gone_through_in_their_times_and_pressures() {
+    let folder = folder_with(&[("a.toml", KEYFRAMES)]);
+    let text = succeed(folder.path(), &["solve", "a.toml", "--motion", "--json"]);
+    let value: Value = serde_json::from_str(&text).unwrap();
+    let frames = value["frames"].as_array().unwrap();
+    // Worked out by hand: linear to the second, smooth to the third, which holds.
+    let half = [0.01, 0.005, 0.01];
+    let quarter = |from: f64, to: f64| from + (to - from) * (3.0 / 16.0 - 2.0 / 64.0);
+    let wanted = [
+        ([0.0, 0.0, 0.0], 1.0),
+        ([0.01, 0.0, 0.0], 1.0),
+        ([0.02, 0.0, 0.0], 1.0),
+        ([quarter(0.02, 0.0), quarter(0.0, 0.01), quarter(0.0, 0.02)], quarter(1.0, 0.5)),
+        (half, 0.75),
+        ([quarter(0.0, 0.02), quarter(0.01, 0.0), quarter(0.02, 0.0)], quarter(0.5, 1.0)),
+        ([0.0, 0.01, 0.02], 0.5),
+        ([0.0, 0.01, 0.02], 0.5),
+    ];
+    assert_eq!(frames.len(), wanted.len());
+    for (i, (frame, ([x, y, z], loud))) in frames.iter().zip(wanted).enumerate() {
+        let place = numbers(&frame["foci"][0]);
+        let there = place.iter().zip([x, y, 0.1 + z]).all(|(a, b)| (a - b).abs() < 1e-12);
+        assert!(there, "frame {i}: {place:?}");
+        assert_eq!(numbers(&frame["foci"][1]), [-0.04, 0.0, 0.1]);
+        // Levelled foci stand in the proportion that is asked for.
+        let pressures = numbers(&frame["pressures"]);
+        assert!((pressures[0] / pressures[1] / loud - 1.0).abs() < 0.02, "frame {i}: {pressures:?}");
+    }
+    let bad = KEYFRAMES.replace("time = 0.75", "time = 0.2");
+    let folder = folder_with(&[("a.toml", &bad)]);
+    let message = refuse(folder.path(), &["solve", "a.toml", "--motion"]);
+    assert!(
+        message.contains("a.toml:9: target[1].motion.keyframes[3].time = 0.2: must be later"),
+        "{message}"
+    );
 }
 
 #[test]

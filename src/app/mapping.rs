@@ -7,6 +7,7 @@ use eframe::egui_wgpu::RenderState;
 use eframe::wgpu;
 use egui::{Color32, ColorImage, Context, TextureId, TextureOptions};
 
+use crate::drive::Drive;
 use crate::field::contour::Line;
 use crate::field::gpu::Texture as OnGpu;
 use crate::field::quantity::PRESSURE;
@@ -16,9 +17,10 @@ use crate::field::{
 };
 use crate::picture::Picture;
 use crate::picture::relief::{Place, Relief};
+use crate::scene::Scene;
 use crate::ui::canvas::GROUND;
-use crate::ui::view::Lens;
-use crate::ui::{Editor, Map, Notice, Shown, Texture};
+use crate::ui::view::{Lens, View};
+use crate::ui::{Map, Sound, Texture};
 
 /// Pixels of a map, at most.
 const MOST_PIXELS: usize = 1 << 23;
@@ -50,6 +52,33 @@ struct Drawn {
     picture: Option<Picture>,
     lacks_figures: bool,
     lacks_contours: bool,
+}
+
+/// What a map is to show.
+#[derive(Debug)]
+pub struct Look<'a> {
+    pub scene: &'a Scene,
+    pub view: &'a View,
+    pub sound: Option<&'a Sound>,
+    /// Those that the map is of.
+    pub drives: Vec<Drive>,
+    /// Of a period, in [0, 1).
+    pub moment: f64,
+    /// What gets the last colour, where the view does not say it.
+    pub full: Option<f64>,
+    pub lens: &'a Lens,
+}
+
+/// What came of it beside the map.
+#[derive(Debug, Default)]
+pub struct Done {
+    /// That making it took.
+    pub milliseconds: Option<f64>,
+    /// ms that the GPU took, where the figures came back: it may not be able to tell.
+    pub on_gpu: Option<Option<f64>>,
+    pub problem: Option<String>,
+    /// Why the GPU does not compute any more.
+    pub gave_up: Option<String>,
 }
 
 pub struct Mapping {
@@ -107,50 +136,71 @@ impl Mapping {
         self.has_lost_screen
     }
 
+    /// One that stands beside it, by the same device.
+    pub fn twin(&self) -> Self {
+        let gpu = self.screen.as_ref().filter(|_| self.gpu().is_some()).map(|screen| {
+            let (device, queue) = (screen.device.clone(), screen.queue.clone());
+            Evaluator::Gpu(Box::new(Gpu::on(&screen.adapter, device, queue)))
+        });
+        Self::new(gpu.unwrap_or(Evaluator::Cpu), self.screen.clone())
+    }
+
+    /// Whether nothing of the map is still to come.
+    pub fn is_complete(&self) -> bool {
+        self.drawn.as_ref().is_some_and(|drawn| !drawn.lacks_figures)
+    }
+
+    /// What the map on the screen is made from.
+    pub fn request(&self) -> Option<&Request> {
+        self.drawn.as_ref().map(|drawn| &drawn.wanted.request)
+    }
+
     /// Brings the map up to date.
-    pub fn update(&mut self, editor: &Editor, shown: &mut Shown, lens: &Lens, ctx: &Context) {
+    pub fn update(&mut self, look: &Look<'_>, map: &mut Option<Map>, ctx: &Context) -> Done {
+        let mut done = Done::default();
         if let Some(error) = self.given_up.take() {
-            shown.evaluator = self.evaluator();
-            let text = format!("{error}; the CPU computes the field from now on");
-            shown.notice = Some(Notice { text, is_error: true });
+            done.gave_up = Some(format!("{error}; the CPU computes the field from now on"));
         }
-        let Some(wanted) = wanted(editor, shown, lens, ctx) else {
-            (shown.map, self.drawn) = (None, None);
-            return;
+        let Some(wanted) = wanted(look, ctx) else {
+            (*map, self.drawn) = (None, None);
+            return done;
         };
         let is_drawn = self.drawn.as_ref().is_some_and(|drawn| drawn.wanted == wanted);
         let start = Instant::now();
-        let made = if is_drawn { self.complete(shown) } else { self.make(wanted, editor, shown, lens, ctx) };
+        let made = if is_drawn {
+            self.complete(map, &mut done)
+        } else {
+            self.make(wanted, look, map, &mut done, ctx)
+        };
         match made {
-            Ok(()) if !is_drawn => shown.mapping = start.elapsed().as_secs_f64() * 1e3,
+            Ok(()) if !is_drawn => done.milliseconds = Some(start.elapsed().as_secs_f64() * 1e3),
             Ok(()) => {}
             Err(FieldError::Gpu(error)) => {
                 self.give_up_gpu(error);
                 ctx.request_repaint();
             }
-            Err(error) => {
-                shown.problem.get_or_insert(error.to_string());
-            }
+            Err(error) => done.problem = Some(error.to_string()),
         }
         if self.drawn.as_ref().is_some_and(|drawn| drawn.lacks_figures || drawn.lacks_contours) {
             ctx.request_repaint();
         }
+        done
     }
 
     /// Makes the picture anew.
     fn make(
         &mut self,
         wanted: Wanted,
-        editor: &Editor,
-        shown: &mut Shown,
-        lens: &Lens,
+        look: &Look<'_>,
+        map: &mut Option<Map>,
+        done: &mut Done,
         ctx: &Context,
     ) -> Result<(), FieldError> {
         let (width, height) = wanted.picture;
         let request = &wanted.request;
         let mut relief = None;
         let mut exaggeration = None;
-        let before = shown.map.take();
+        let before = map.take();
         let (known, old) = before.map_or(((0.0, 0.0, String::new()), None), |map| {
             ((map.largest, map.error, map.how), Some(map.texture))
         });
@@ -175,12 +225,13 @@ impl Mapping {
                 (Painted::OnCpu(colours), _) => in_egui(old, image([width, height], colours), ctx),
             }
         };
-        shown.map = Some(Map {
+        *map = Some(Map {
             texture,
-            cut: editor.view.cut,
-            axes: editor.view.axes(editor.scene()),
-            window: lens.window,
-            rect: lens.rect,
+            cut: look.view.cut,
+            axes: look.view.axes(look.scene),
+            window: look.lens.window,
+            rect: look.lens.rect,
+            full: wanted.colouring.full.map(f64::from),
             quantity: request.quantity,
             phase: request.moment,
             // Those of the map before, until its own have come back from a GPU.
@@ -195,19 +246,19 @@ impl Mapping {
         });
         let lacks_contours = wanted.contour.is_some();
         self.drawn = Some(Drawn { wanted, picture: relief, lacks_figures: true, lacks_contours });
-        self.complete(shown)
+        self.complete(map, done)
     }
 
     /// Adds what was not there yet.
-    fn complete(&mut self, shown: &mut Shown) -> Result<(), FieldError> {
+    fn complete(&mut self, map: &mut Option<Map>, done: &mut Done) -> Result<(), FieldError> {
         let Self { stages, drawn, .. } = self;
-        let (Some(drawn), Some(map)) = (drawn, &mut shown.map) else { return Ok(()) };
+        let (Some(drawn), Some(map)) = (drawn, map) else { return Ok(()) };
         let Wanted { request, contour, .. } = &drawn.wanted;
         if drawn.lacks_figures
             && let Some((figures, seconds)) = stages.figures(request)?
         {
             (map.largest, map.error, map.how) = (figures.peak.into(), figures.error, figures.how);
-            shown.on_gpu = seconds.map(|seconds| seconds * 1e3);
+            done.on_gpu = Some(seconds.map(|seconds| seconds * 1e3));
             // Where one pressure gives the value, panels read it off the sound itself.
             let is_known = request.quantity.declaration().parts == PRESSURE;
             let has_values = figures.by != crate::field::By::Gpu;
@@ -270,9 +321,9 @@ impl Mapping {
 }
 
 /// What picture the screen needs. `None` where nothing plays.
-fn wanted(editor: &Editor, shown: &Shown, lens: &Lens, ctx: &Context) -> Option<Wanted> {
-    let (scene, view) = (editor.scene(), &editor.view);
-    let sound = shown.sound.as_ref()?;
+fn wanted(look: &Look<'_>, ctx: &Context) -> Option<Wanted> {
+    let Look { scene, view, lens, .. } = *look;
+    let sound = look.sound?;
     // Until the scene is solved again, the drive may be that of another array.
     if sound.drive().phases.len() != sound.aperture.positions.len() {
         return None;
@@ -289,10 +340,10 @@ fn wanted(editor: &Editor, shown: &Shown, lens: &Lens, ctx: &Context) -> Option<
     let request = Request {
         aperture: sound.aperture.clone(),
         plane: view.plane(scene, lens),
-        moment: if is_wave { editor.oscillation.part * TAU } else { 0.0 },
-        ..Request::new(scene, shown.drives(editor, view.quantity), view.quantity, size)
+        moment: if is_wave { look.moment * TAU } else { 0.0 },
+        ..Request::new(scene, look.drives.clone(), view.quantity, size)
     };
-    let full = view.full.map(|full| full as f32);
+    let full = look.full.or(view.full).map(|full| full as f32);
     let colouring = Colouring { full, ..view.colouring() };
     Some(Wanted { request, colouring, picture, is_shaded, contour: view.contour_part() })
 }
@@ -323,12 +374,12 @@ fn from_top(picture: &Picture) -> ColorImage {
     ColorImage::new([picture.width, picture.height], pixels)
 }
 
-fn image(size: [usize; 2], colours: &[[u8; 4]]) -> ColorImage {
+pub fn image(size: [usize; 2], colours: &[[u8; 4]]) -> ColorImage {
     ColorImage::from_rgba_premultiplied(size, colours.as_flattened())
 }
 
 /// The image as a texture of egui's, in place of that of the map before.
-fn in_egui(before: Option<Texture>, image: ColorImage, ctx: &Context) -> Texture {
+pub fn in_egui(before: Option<Texture>, image: ColorImage, ctx: &Context) -> Texture {
     let options = TextureOptions { magnification: egui::TextureFilter::Nearest, ..TextureOptions::LINEAR };
     match before {
         Some(Texture::InEgui(mut texture)) => {

@@ -1,5 +1,6 @@
 //! The window: the editor of [`crate::ui`], what is made from its scene, and its files.
 
+mod comparison;
 mod desktop;
 mod errand;
 mod examples;
@@ -12,6 +13,7 @@ mod link;
 #[path = "no_link.rs"]
 mod link;
 mod mapping;
+mod posing;
 pub mod recovery;
 pub mod settings;
 mod survey;
@@ -28,7 +30,7 @@ use crate::picture::Picture;
 use crate::scene::Scene;
 use crate::studio::link as link_text;
 use crate::ui::document::Document;
-use crate::ui::{self, Command, Dialog, Editor, Notice, Purpose, Shown, canvas, legend, theme};
+use crate::ui::{self, Command, Dialog, Editor, Notice, Purpose, Shown, canvas, compare, legend, theme};
 use desktop::{Legacy, TITLE};
 use errand::Errand;
 use examples::EXAMPLES;
@@ -398,11 +400,17 @@ impl Window {
         let before = self.editor.seen();
         let Self { editor, shown, workshop, board, .. } = self;
         let mut commands = ui::show(editor, shown, ui, |editor, shown, ui| {
-            let canvas = canvas::interact(editor, ui);
-            workshop.update(editor, shown, &canvas.lens, ui.ctx());
+            let (mut own, mut other) = compare::halves(editor, ui);
+            let canvas = canvas::interact(editor, &mut own);
+            let second = other.as_mut().and_then(|ui| compare::interact(editor, &canvas, ui));
+            let beside = second.as_ref().map(|second| &second.lens);
+            workshop.update(editor, shown, &canvas.lens, beside, ui.ctx());
             board.update(editor, shown, ui.ctx());
-            canvas::paint(editor, shown, ui, &canvas);
-            legend::controls(editor, shown, ui, &canvas.lens);
+            canvas::paint(editor, shown, &own, &canvas);
+            match (&mut other, &second) {
+                (Some(ui), Some(second)) => compare::paint(editor, shown, ui, &canvas, second),
+                _ => legend::controls(editor, shown, &mut own, &canvas.lens),
+            }
         });
         self.escape_lost_screen(&ctx);
         self.hear_outside(&ctx, &mut commands);

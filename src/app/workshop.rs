@@ -9,19 +9,21 @@ use std::time::{Duration, Instant};
 use eframe::egui_wgpu::RenderState;
 use egui::Context;
 
-use crate::acoustics::{Air, Aperture};
+use crate::acoustics::Aperture;
+use crate::app::comparison::{self, Comparison};
 use crate::app::later::Later;
-use crate::app::mapping::Mapping;
+use crate::app::mapping::{Look, Mapping};
+use crate::app::posing::{Solved, Source, is_shape, posed, posed_in_motion, solve, sound};
 use crate::app::survey::Survey;
 use crate::field::{Evaluator, Quantity, Request, Stages, missed};
-use crate::scene::{Focus, Liquid, Method, Plane, Scene, Target, check, motion, outline};
+use crate::scene::{Method, Scene, check, motion, outline};
 use crate::solver::frames::{self, Sequence};
 use crate::solver::{self, Problem, Solution};
 use crate::studio::liquid;
-use crate::studio::probe::{self, Reading};
 use crate::studio::reach;
+use crate::ui::board::Plays;
 use crate::ui::view::Lens;
-use crate::ui::{Editor, MethodRow, Panel, Pressed, Shown, Sound};
+use crate::ui::{Editor, MethodRow, Notice, Panel, Playback, Pressed, Shown, Sound};
 
 /// Foci times elements that are solved between two frames; more is solved beside them.
 const AT_ONCE: usize = 120 * 256;
@@ -40,15 +42,6 @@ const BEING_SOLVED: &str =
     "Many focal points are being solved. Until that is done, the map is of those before.";
 const AT_REST: &str =
     "The frames of the motion are being solved. Until they are there, this is the scene at rest.";
-
-type Solved = Result<Arc<Solution>, String>;
-
-/// What is played: the scene at rest, or a frame of its motion.
-#[derive(Clone, Debug)]
-enum Source {
-    Still(Arc<Solution>),
-    Frame(Arc<Sequence>, usize),
-}
 
 /// When something that runs was last moved on, in seconds on the window's clock; `None` while it stands.
 #[derive(Debug, Default)]
@@ -79,7 +72,10 @@ pub struct Workshop {
     survey: Survey,
     /// What makes it, with what it keeps from one time to the next.
     presser: Arc<Mutex<Stages>>,
+    comparison: Option<Comparison>,
     motion: Clock,
+    /// When the board began to play the motion (s on the window's clock), and how the playback stood.
+    board: Option<(f64, Playback)>,
     oscillation: Clock,
 }
 
@@ -97,7 +93,9 @@ impl Workshop {
             pressed: Later::default(),
             survey: Survey::default(),
             presser: Arc::new(Mutex::new(Stages::new(Evaluator::Cpu))),
+            comparison: None,
             motion: Clock::default(),
+            board: None,
             oscillation: Clock::default(),
         }
     }
@@ -113,11 +111,20 @@ impl Workshop {
             || self.methods.is_running()
             || self.bound.is_running()
             || self.pressed.is_running()
+            || self.comparison.as_ref().is_some_and(Comparison::is_busy)
             || self.survey.is_running()
     }
 
     /// Brings everything that is shown up to date.
-    pub fn update(&mut self, editor: &mut Editor, shown: &mut Shown, lens: &Lens, ctx: &Context) {
+    /// `beside` is the window on what the map is compared with.
+    pub fn update(
+        &mut self,
+        editor: &mut Editor,
+        shown: &mut Shown,
+        lens: &Lens,
+        beside: Option<&Lens>,
+        ctx: &Context,
+    ) {
         shown.problem = None;
         shown.pending = None;
         let came = [
@@ -138,12 +145,53 @@ impl Workshop {
         self.play(editor, shown, ctx);
         self.oscillate(editor, shown, ctx);
         let source = self.source(editor, shown);
-        shown.sound = source.map(|source| sound(editor, &source));
+        shown.sound = source.as_ref().map(|source| sound(editor.scene(), editor.levels, source));
         self.press(editor, shown, ctx);
-        self.mapping.update(editor, shown, lens, ctx);
+        self.map(editor, shown, lens, ctx);
+        self.compare(editor, shown, source.as_ref(), beside, ctx);
         self.survey.update(editor, shown, lens, ctx);
         shown.warnings = warnings(editor, shown);
         shown.warnings.extend_from_slice(self.reached(ctx));
+    }
+
+    /// The map of what is played.
+    fn map(&mut self, editor: &Editor, shown: &mut Shown, lens: &Lens, ctx: &Context) {
+        let look = Look {
+            scene: editor.scene(),
+            view: &editor.view,
+            sound: shown.sound.as_ref(),
+            drives: shown.drives(editor, editor.view.quantity),
+            moment: editor.oscillation.part,
+            full: comparison::common_range(editor, shown),
+            lens,
+        };
+        let done = self.mapping.update(&look, &mut shown.map, ctx);
+        if let Some(text) = done.gave_up {
+            shown.evaluator = self.mapping.evaluator();
+            shown.notice = Some(Notice { text, is_error: true });
+        }
+        if let Some(problem) = done.problem {
+            shown.problem.get_or_insert(problem);
+        }
+        shown.mapping = done.milliseconds.unwrap_or(shown.mapping);
+        shown.on_gpu = done.on_gpu.unwrap_or(shown.on_gpu);
+    }
+
+    /// What the map is compared with; nothing is kept of it once it is not looked at.
+    fn compare(
+        &mut self,
+        editor: &Editor,
+        shown: &mut Shown,
+        source: Option<&Source>,
+        lens: Option<&Lens>,
+        ctx: &Context,
+    ) {
+        let (Some(compare), Some(lens)) = (&editor.compare, lens) else {
+            (self.comparison, shown.beside) = (None, None);
+            return;
+        };
+        let comparison = self.comparison.get_or_insert_with(|| Comparison::new(self.mapping.twin()));
+        comparison.update((editor, compare), shown, source, lens, &mut self.mapping, ctx);
     }
 
     fn solve(&mut self, scene: &Scene, shown: &mut Shown, ctx: &Context) {
@@ -252,7 +300,7 @@ impl Workshop {
         if !moves || !is_wanted {
             return;
         }
-        let moving = Scene { motion: scene.motion.clone(), targets: scene.targets.clone(), ..posed(scene) };
+        let moving = posed_in_motion(scene);
         if let Err(error) = check::check(&moving) {
             shown.problem = Some(error.to_string());
             return;
@@ -304,14 +352,53 @@ impl Workshop {
         if let Some(frame) = &mut playback.frame {
             *frame = (*frame).min(count.saturating_sub(1));
         }
+        let on_board = self.on_board(playback, shown, count, ctx);
         let passed = self.motion.passed(playback.playing, ctx);
         if !playback.playing {
             return;
         }
         ctx.request_repaint();
         let (Some(passed), Some(_)) = (passed, &shown.round) else { return };
-        playback.part = (playback.part + passed * rate / playback.slowness.max(1.0)).rem_euclid(1.0);
+        let rate = on_board.map_or(rate, |(rate, _)| rate);
+        let done = playback.part + passed * rate / playback.slowness.max(1.0);
+        playback.part = match on_board {
+            Some((rate, since)) if playback.slowness <= 1.0 => (since * rate).rem_euclid(1.0),
+            Some(_) | None if done >= 1.0 && !playback.loops => {
+                playback.playing = false;
+                (count.saturating_sub(1)) as f64 / count.max(1) as f64
+            }
+            Some(_) | None => done.rem_euclid(1.0),
+        };
         playback.frame = Some(((playback.part * count as f64) as usize).min(count.saturating_sub(1)));
+    }
+
+    /// Cycles per second of the motion that the board plays, and s since it began. The playback begins with it, in real time, and
+    /// ends with it.
+    fn on_board(
+        &mut self,
+        playback: &mut Playback,
+        shown: &Shown,
+        count: usize,
+        ctx: &Context,
+    ) -> Option<(f64, f64)> {
+        let health = shown.board.health.as_ref().filter(|health| health.in_place);
+        let rates = health.filter(|_| shown.board.plays == Plays::Motion).and_then(|health| health.rates);
+        let Some(rates) = rates else {
+            if let Some((_, before)) = self.board.take() {
+                *playback = before;
+            }
+            return None;
+        };
+        let now = ctx.input(|input| input.time);
+        let since = match &self.board {
+            Some((since, _)) => *since,
+            None => {
+                self.board = Some((now, Playback { frame: None, playing: false, ..*playback }));
+                *playback = Playback { frame: Some(0), playing: true, slowness: 1.0, part: 0.0, loops: true };
+                now
+            }
+        };
+        Some((rates.played / count.max(1) as f64, now - since))
     }
 
     /// Moves the wave on, slowed down, while it is looked at.
@@ -337,48 +424,11 @@ impl Workshop {
     }
 }
 
-/// The part of a scene that its drive follows from.
-fn posed(scene: &Scene) -> Scene {
-    Scene {
-        medium: scene.medium.clone(),
-        array: scene.array.clone(),
-        targets: scene.targets.iter().map(at_rest).collect(),
-        quiet: scene.quiet.clone(),
-        solver: scene.solver.clone(),
-        liquid: if scene.aims_at_depression() { scene.liquid.clone() } else { Liquid::default() },
-        plane: if is_shape(scene) { quiet_plane(&scene.plane) } else { Plane::default() },
-        ..Scene::default()
-    }
-}
-
-fn at_rest(target: &Target) -> Target {
-    Target { motion: None, ..target.clone() }
-}
-
-/// What is not drawn is to be quiet there, whatever part of it is shown.
-fn quiet_plane(plane: &Plane) -> Plane {
-    let Plane { size, tolerance, .. } = Plane::default();
-    Plane { size, tolerance, ..plane.clone() }
-}
-
-/// Whether its drive goes on being searched for.
-fn is_shape(scene: &Scene) -> bool {
-    scene.solver.method == Method::Best
-        && (outline::is_continuous(scene)
-            || !scene.quiet.is_empty()
-            || scene.aims_at_depression()
-            || scene.solver.frames > 1)
-}
-
 /// Foci times elements.
 fn amount(scene: &Scene) -> Result<usize, String> {
     check::check(scene).map_err(|error| error.to_string())?;
     let foci = outline::foci(scene).map_err(|error| error.to_string())?;
     Ok(foci.len() * scene.array.elements())
-}
-
-fn solve(scene: &Scene) -> Solved {
-    solver::solve(scene).map(Arc::new).map_err(|error| error.to_string())
 }
 
 fn all_methods(scene: &Scene) -> Vec<MethodRow> {
@@ -394,29 +444,6 @@ fn pressed(stages: &mut Stages, request: &Request) -> Option<Pressed> {
     let figures = stages.pressed(request).ok()?;
     let beyond = figures.depression.and_then(|depression| liquid::beyond_linear_theory(depression.slope));
     Some(Pressed { figures, beyond })
-}
-
-/// What is played and what arrives, as a board with few phases plays it if that is asked for.
-fn sound(editor: &Editor, source: &Source) -> Sound {
-    let aperture = Aperture::new(editor.scene());
-    let (drives, foci, pressures): (_, &[Focus], _) = match source {
-        Source::Still(solution) => (solution.drives(), &solution.foci, &solution.pressures),
-        Source::Frame(round, frame) => {
-            let frame = &round.frames[*frame];
-            (vec![frame.drive.clone()], &frame.foci, &frame.pressures)
-        }
-    };
-    let at_foci = |(focus, &pressure): (&Focus, _)| Reading { position: focus.position, pressure };
-    let (mut drives, mut readings) = (drives, foci.iter().zip(pressures).map(at_foci).collect());
-    if let Some(levels) = editor.levels {
-        drives.iter_mut().for_each(|drive| *drive = drive.at_levels(levels));
-        if drives[0].phases.len() == aperture.positions.len() {
-            let points: Vec<_> = foci.iter().map(|focus| focus.position).collect();
-            readings = probe::readings(&aperture, &drives, &points);
-        }
-    }
-    let air = Air::new(&editor.scene().medium, editor.scene().array.frequency);
-    Sound { aperture, air, drives, foci: foci.to_vec(), readings }
 }
 
 /// What to know before trusting what is seen.

@@ -1,14 +1,16 @@
-//! The limits of every number in a scene, and the error that names the key that breaks one.
+//! The limits of every number in a scene.
 
 use std::f64::consts::TAU;
-use std::fmt;
 
 use glam::DVec3;
 
+use crate::scene::range::{count, direction, finite, length, point, refuse, within};
 use crate::scene::{
-    Area, Array, ElementModel, Liquid, Listener, Medium, Modulation, Motion, MotionPath, Plane, Pressures,
-    Sampling, Scene, Shape, Solver, Target, Tempo, Zone,
+    Area, Array, ElementModel, Keyframe, Liquid, Listener, Medium, Modulation, Motion, MotionPath, Plane,
+    Pressures, Sampling, Scene, Shape, Solver, Target, Tempo, Zone,
 };
+
+pub use crate::scene::range::{Key, KeyError};
 
 /// Elements that an array may have: 256 x 256.
 pub const MOST_ELEMENTS: u64 = 65_536;
@@ -25,6 +27,10 @@ const LEAST_PRESSURE: f64 = 1e-6;
 const MOST_PRESSURE: f64 = 1e9;
 /// Rounds per second of a motion.
 pub(crate) const RATES: std::ops::RangeInclusive<f64> = 1e-6..=1e5;
+/// What keyframes may multiply wanted pressures by.
+pub const FACTORS: std::ops::RangeInclusive<f64> = 1e-3..=1e3;
+/// Of one motion.
+const MOST_KEYFRAMES: usize = 1024;
 /// Iterations of a method: a thousand times what any of them needs.
 const MOST_ITERATIONS: u64 = 100_000;
 /// Drives that take turns: more are no quieter on the average.
@@ -33,67 +39,6 @@ const MOST_TURNS: u64 = 32;
 const LONGEST_SEARCH: f64 = 3600.0;
 /// Sine of the angle at which a plane still counts as level.
 const LEVEL: f64 = 1e-9;
-/// m; lengths beyond are slips of the unit, not scenes.
-const LONGEST: f64 = 100.0;
-
-/// One step of the way to a key in the file.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Key {
-    Name(&'static str),
-    Index(usize),
-}
-
-impl From<&'static str> for Key {
-    fn from(name: &'static str) -> Self {
-        Self::Name(name)
-    }
-}
-
-impl From<usize> for Key {
-    fn from(index: usize) -> Self {
-        Self::Index(index)
-    }
-}
-
-/// What is wrong with the value at one key. [`crate::scene::file`] adds file, line and value.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct KeyError {
-    pub path: Vec<Key>,
-    pub message: String,
-}
-
-impl KeyError {
-    pub fn new(path: impl Into<Vec<Key>>, message: impl Into<String>) -> Self {
-        Self { path: path.into(), message: message.into() }
-    }
-
-    /// The same error seen from one level further up.
-    pub fn under(mut self, above: &[Key]) -> Self {
-        self.path.splice(0..0, above.iter().cloned());
-        self
-    }
-
-    /// The path as a reader writes it: `target[1].radius`, counted from 1 as the tables stand in the file.
-    pub fn key(&self) -> String {
-        let mut text = String::new();
-        for key in &self.path {
-            match key {
-                Key::Name(name) if text.is_empty() => text.push_str(name),
-                Key::Name(name) => text.push_str(&format!(".{name}")),
-                Key::Index(index) => text.push_str(&format!("[{}]", index + 1)),
-            }
-        }
-        text
-    }
-}
-
-impl fmt::Display for KeyError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{}: {}", self.key(), self.message)
-    }
-}
-
-impl std::error::Error for KeyError {}
 
 /// Checks every number of the scene.
 ///
@@ -415,8 +360,40 @@ fn motion(motion: &Motion) -> Result<(), KeyError> {
             e
         })?;
     }
+    finite("angle", motion.angle)?;
+    keyframes(&motion.keyframes)?;
+    if motion.path == MotionPath::Keyframes && motion.keyframes.is_empty() {
+        return refuse("keyframes", "`path = \"keyframes\"` needs one at least");
+    }
     if motion.path == MotionPath::Points && motion.points.is_empty() {
         return refuse("points", "`path = \"points\"` needs the offsets to visit");
+    }
+    Ok(())
+}
+
+/// Times that grow, places that can be, pressures that are some.
+fn keyframes(keyframes: &[Keyframe]) -> Result<(), KeyError> {
+    if keyframes.len() > MOST_KEYFRAMES {
+        return refuse(
+            "keyframes",
+            format!("{} are more than the {MOST_KEYFRAMES} that a motion may have", keyframes.len()),
+        );
+    }
+    let mut before = None;
+    for (index, keyframe) in keyframes.iter().enumerate() {
+        let check = || {
+            let Keyframe { time, at, pressure, easing: _ } = *keyframe;
+            if !(0.0..1.0).contains(&time) {
+                return refuse("time", "must be a part of the cycle, from 0 to less than 1");
+            }
+            if before.is_some_and(|before| time <= before) {
+                return refuse("time", "must be later than that of the keyframe before");
+            }
+            point("at", at)?;
+            within("pressure", pressure, *FACTORS.start(), *FACTORS.end(), "times the target's own")
+        };
+        check().map_err(|e: KeyError| e.under(&["keyframes".into(), index.into()]))?;
+        before = Some(keyframe.time);
     }
     Ok(())
 }
@@ -443,47 +420,4 @@ pub fn listener(listener: &Listener) -> Result<(), KeyError> {
         "behind the array, which stands in z = 0 and radiates towards +z only, no sound is modelled: give a point \
          with z > 0",
     )
-}
-
-fn refuse<T>(key: &'static str, message: impl Into<String>) -> Result<T, KeyError> {
-    Err(KeyError::new([Key::from(key)], message))
-}
-
-fn within(key: &'static str, value: f64, least: f64, most: f64, unit: &str) -> Result<(), KeyError> {
-    if value.is_finite() && (least..=most).contains(&value) {
-        return Ok(());
-    }
-    refuse(key, format!("must be a number from {least} to {most} {unit}"))
-}
-
-fn count(key: &'static str, value: u64, least: u64, most: u64) -> Result<(), KeyError> {
-    if (least..=most).contains(&value) {
-        return Ok(());
-    }
-    refuse(key, format!("must be a whole number from {least} to {most}"))
-}
-
-fn length(key: &'static str, value: f64) -> Result<(), KeyError> {
-    if value.is_finite() && value > 0.0 && value <= LONGEST {
-        return Ok(());
-    }
-    refuse(key, format!("must be a length in metres, more than 0 and at most {LONGEST}"))
-}
-
-fn finite(key: &'static str, value: f64) -> Result<(), KeyError> {
-    if value.is_finite() { Ok(()) } else { refuse(key, "must be a finite number") }
-}
-
-fn point(key: &'static str, value: DVec3) -> Result<(), KeyError> {
-    if value.is_finite() && value.abs().max_element() <= LONGEST {
-        return Ok(());
-    }
-    refuse(key, format!("must be a point in metres, every coordinate from -{LONGEST} to {LONGEST}"))
-}
-
-fn direction(key: &'static str, value: DVec3) -> Result<(), KeyError> {
-    if value.is_finite() && value.try_normalize().is_some() {
-        return Ok(());
-    }
-    refuse(key, "must be a direction: three finite numbers, not all zero")
 }

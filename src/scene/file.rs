@@ -6,6 +6,7 @@ use serde::de::Error;
 use serde::{Deserialize, Deserializer, Serialize};
 
 use crate::scene::check::{Key, KeyError, check};
+use crate::scene::inline;
 use crate::scene::location::misread;
 pub use crate::scene::location::{FileError, located};
 use crate::scene::motion::MotionTable;
@@ -60,7 +61,7 @@ pub fn from_tables<'de, D: Deserializer<'de>>(tables: D) -> Result<Scene, D::Err
 
 /// The scene as a file.
 pub fn write(scene: &Scene) -> String {
-    toml::to_string(scene).expect("a scene is tables of plain values")
+    inline::keyframes(toml::to_string(scene).expect("a scene is tables of plain values"))
 }
 
 /// Targets alone as a text that [`parse_targets`] reads again.
@@ -259,6 +260,41 @@ mod tests {
             ("[[target]]\nmotion = { path = \"circle\", frames = 1000000 }", 3, "1000000 frames"),
             ("[motion]\npath = \"points\"\npoints = []", 4, "needs the offsets"),
             ("[motion]\npath = \"points\"\npoints = [[0, 0, nan]]", 4, "motion.points[1] = [0, 0, nan]"),
+            ("[motion]\nangle = inf", 3, "motion.angle = inf: must be a finite number"),
+            (
+                "[motion]\npath = \"keyframes\"",
+                2,
+                "motion.keyframes: `path = \"keyframes\"` needs one at least",
+            ),
+            (
+                "[motion]\nkeyframes = [\n{ time = 0 },\n{ time = 1 }]",
+                5,
+                "motion.keyframes[2].time = 1: must be a part of the cycle, from 0 to less than 1",
+            ),
+            (
+                "[motion]\nkeyframes = [{ time = 0.5 }, { time = 0.5 }]",
+                3,
+                "motion.keyframes[2].time = 0.5: must be later than",
+            ),
+            (
+                "[[target]]\n[[target]]\n[target.motion]\nkeyframes = [\n{ time = 0, pressure = 0 }]",
+                6,
+                "target[2].motion.keyframes[1].pressure = 0: must be a number from 0.001 to 1000",
+            ),
+            (
+                "[motion]\nkeyframes = [{ time = 0, at = [0, 0, nan] }]",
+                3,
+                "motion.keyframes[1].at = [0, 0, nan]: must be a point",
+            ),
+            ("[motion]\nkeyframes = [{ time = 0, sise = 1 }]", 3, "unknown field `sise`"),
+            ("[motion]\nkeyframes = [{ at = [0, 0, 0] }]", 3, "missing field `time`"),
+            ("[motion]\nkeyframes = [{ time = 0, easing = \"slow\" }]", 3, "unknown variant `slow`"),
+            ("[motion]\nkeyframes = [{ time = 0, at = [0, 0, 0, 1] }]", 3, "more values than"),
+            (
+                "[motion]\npath = \"keyframes\"\nkeyframes = [{ time = 0, at = [0, 0, -0.2] }]\n[[target]]",
+                4,
+                "on or behind the array",
+            ),
             ("[motion]\npath = \"circle\"\nframes = 1000000\n[[target]]", 4, "and 1 focus need 9.6 GiB"),
             ("[motion]\npath = \"steps\"\n[[target]]\nstep = 1", 3, "no target has `step = 0`"),
             ("[[target]]\nstep = 1", 3, "target[1].step = 1: only `path = \"steps\"`"),
@@ -351,7 +387,9 @@ mod tests {
             foci = 3
             speed = 7.5
             [motion]
-            path = "points"
+            path = "keyframes"
+            keyframes = [{ time = 0 }, { time = 0.25, at = [0.01, 0, 0], pressure = 0.5, easing = "hold" }]
+            angle = 0.5
             points = [[0, 0, 0.01]]
             [solver]
             pressures = "pascal"

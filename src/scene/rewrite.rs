@@ -335,6 +335,28 @@ method = "gs"  # quick
     }
 
     #[test]
+    fn keyframes_stay_in_line_and_keep_what_stands_around_them() {
+        let text = r#"format = 1
+[[target]] # first
+[target.motion] # its own
+path = "keyframes" # by hand
+keyframes = [{ time = 0 }, { time = 0.5, at = [0.01, 0, 0] }] # two
+[[target]] # second
+at = [0.01, 0, 0.1]
+"#;
+        let mut scene = file::parse(text, Path::new("a.toml")).unwrap();
+        assert_eq!(rewrite(text, &scene), text);
+        let own = scene.targets[0].motion.as_mut().unwrap();
+        own.keyframes[1].pressure = 0.5;
+        let written = rewrite(text, &scene);
+        assert_eq!(file::parse(&written, Path::new("b.toml")).unwrap(), scene);
+        for comment in ["# first", "# its own", "# by hand", "# two", "# second"] {
+            assert!(written.contains(comment), "{comment}: {written}");
+        }
+        assert!(written.contains("{ time = 0.5, at = [0.01, 0.0, 0.0], pressure = 0.5 },\n]"), "{written}");
+    }
+
+    #[test]
     fn motions_of_targets_keep_their_comments_and_stay_with_their_target() {
         let text = r#"format = 1
 

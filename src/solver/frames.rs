@@ -138,14 +138,17 @@ fn phases(frames: &[Frame]) -> Vec<&[f64]> {
     frames.iter().map(|frame| &frame.drive.phases[..]).collect()
 }
 
-/// The part of what was found at which each stand is played. Where foci run along outlines, pressures are relative to those of
+/// The part of what was found at which each stand is played. Along outlines and keyframes, pressures are relative to those of
 /// other frames, too: the loudest focus of the cycle has all of it.
 fn parts(scene: &Scene, stands: &[&[Vec<Focus>]]) -> Vec<f64> {
-    let loudest = |stand: &&[Vec<Focus>]| stand[0].iter().map(|focus| focus.target).fold(0.0, f64::max);
-    let each: Vec<_> = stands.iter().map(loudest).collect();
+    let each: Vec<_> = stands.iter().map(|stand| loudest(&stand[0])).collect();
     let most = each.iter().copied().fold(f64::MIN_POSITIVE, f64::max);
-    let is_relative = scene.solver.pressures == Pressures::Relative && motion::runs(scene);
+    let is_relative = scene.solver.pressures == Pressures::Relative && motion::has_dynamics(scene);
     each.into_iter().map(|part| if is_relative { part / most } else { 1.0 }).collect()
+}
+
+fn loudest(foci: &[Focus]) -> f64 {
+    foci.iter().map(|focus| focus.target).fold(0.0, f64::max)
 }
 
 /// What is found for a frame, before it is turned as a whole.
@@ -190,7 +193,8 @@ impl Found {
 struct Link {
     found: Found,
     weights: Option<Vec<f64>>,
-    /// The weakest pressure/target over what the foci hear of elements: comparable wherever they are.
+    /// The weakest pressure/target, times the largest target, over what the foci hear of elements: comparable wherever they are, however
+    /// loud they are to be.
     part: f64,
     /// The most that this was since the last search.
     most: f64,
@@ -200,7 +204,8 @@ impl Link {
     fn new(problem: &Problem<'_>, settings: &Solver, mut excitation: Excitation, cold: bool) -> Self {
         let weights = excitation.weights.take();
         let found = Found::new(problem, settings, excitation, cold);
-        let part = found.weakest() / (found.turned_down * heard(problem)).max(f64::MIN_POSITIVE);
+        let weakest = found.weakest() * loudest(&found.foci);
+        let part = weakest / (found.turned_down * heard(problem)).max(f64::MIN_POSITIVE);
         Self { found, weights, part, most: part }
     }
 

@@ -331,7 +331,7 @@ impl Action {
             // It comes as an event in the next frame.
             Self::Paste => ctx.send_viewport_cmd(egui::ViewportCommand::RequestPaste),
             Self::Duplicate => keys::duplicate(editor),
-            Self::Delete => keys::delete(editor),
+            Self::Delete => keys::delete_chosen(editor),
             Self::SelectAll => editor.selection = (0..editor.scene().targets.len()).collect(),
             Self::Snap => editor.snaps = !editor.snaps,
             Self::Export(export) => ask_for_file(Purpose::Export(export)),

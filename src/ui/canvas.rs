@@ -9,15 +9,18 @@ use crate::field::Quantity;
 use crate::field::quantity::Range;
 use crate::studio::probe;
 use crate::ui::tool::Tool;
-use crate::ui::view::Lens;
+use crate::ui::view::{Lens, View};
 use crate::ui::{
-    Editor, Map, Shown, Sound, context, cursor, gesture, guides, legend, marks, measure, theme, ticks,
+    Editor, Map, Shown, Sound, context, cursor, gesture, guides, legend, marks, measure, path_marks, theme,
+    ticks,
 };
 
 /// Points of the screen around the plot.
-const LEFT: f32 = 56.0;
+pub const LEFT: f32 = 56.0;
 const BELOW: f32 = 40.0;
-const RIGHT: f32 = 92.0;
+pub const RIGHT: f32 = 92.0;
+/// The same where another map stands there.
+pub const BESIDE: f32 = 16.0;
 const ABOVE: f32 = 12.0;
 /// Points of the screen between two ticks, at least.
 const TICK: f64 = 70.0;
@@ -34,11 +37,19 @@ pub struct Canvas {
     response: Response,
 }
 
+impl Canvas {
+    /// Where the pointer is over it.
+    pub fn hover(&self) -> Option<Pos2> {
+        self.response.hover_pos()
+    }
+}
+
 /// Makes room for the canvas and lets the pointer act on it.
 pub fn interact(editor: &mut Editor, ui: &mut Ui) -> Canvas {
     let outer = ui.available_rect_before_wrap();
     let min = outer.min + vec2(LEFT, ABOVE);
-    let max = (outer.max - vec2(RIGHT, BELOW)).max(min + vec2(SMALLEST, SMALLEST));
+    let right = if editor.is_comparing() { BESIDE } else { RIGHT };
+    let max = (outer.max - vec2(right, BELOW)).max(min + vec2(SMALLEST, SMALLEST));
     let rect = Rect::from_min_max(min.round(), max.round());
     let response = ui.interact(rect, cursor::id(), Sense::click_and_drag());
     ui.advance_cursor_after_rect(outer);
@@ -80,21 +91,12 @@ pub fn paint(editor: &Editor, shown: &Shown, ui: &Ui, canvas: &Canvas) {
     let lens = &canvas.lens;
     let painter = ui.painter_at(lens.rect);
     let map = shown.map.as_ref().filter(|map| map.cut == editor.view.cut);
-    let place = |map: &Map| {
-        let there = Lens { rect: map.rect, window: map.window };
-        let corner = |at: Pos2| lens.screen(there.flat(at));
-        Rect::from_two_pos(corner(map.rect.min), corner(map.rect.max))
-    };
     // What a map covers, but for a part of a pixel, is not painted twice.
-    if !map.is_some_and(|map| place(map).expand(0.1).contains_rect(lens.rect)) {
+    if !map.is_some_and(|map| place(map, lens).expand(0.1).contains_rect(lens.rect)) {
         painter.rect_filled(lens.rect, 0.0, GROUND);
     }
     if let Some(map) = map {
-        let place = place(map);
-        // Row 0 of a map is at the smallest y: the bottom.
-        let upright = Rect::from_min_max(pos2(0.0, 1.0), pos2(1.0, 0.0));
-        painter.image(map.texture.id(), place, upright, Color32::WHITE);
-        contours(map, &painter, place);
+        paint_map(map, &painter, lens);
     }
     if editor.view.is_shaded() {
         shaded(shown, ui, &painter, lens);
@@ -106,6 +108,7 @@ pub fn paint(editor: &Editor, shown: &Shown, ui: &Ui, canvas: &Canvas) {
     }
     if editor.view.marks {
         marks::paint(editor, shown, &painter, lens, canvas.response.hover_pos());
+        path_marks::paint(editor, shown, &painter, lens);
     }
     marks::gesture(editor, &painter, lens);
     if let Some(at) = canvas.response.hover_pos() {
@@ -118,15 +121,33 @@ pub fn paint(editor: &Editor, shown: &Shown, ui: &Ui, canvas: &Canvas) {
     if canvas.response.has_focus() {
         cursor::paint(editor, &painter, lens);
     }
-    axes(editor, ui, lens);
-    if let Some(map) = &shown.map {
+    axes(&editor.view, ui, lens);
+    if let Some(map) = shown.map.as_ref().filter(|_| !editor.is_comparing()) {
         legend::paint(editor, map, ui, lens);
     }
     words(editor, shown, &painter, lens);
     if let Some(at) = canvas.response.hover_pos().filter(|_| editor.dialog.is_none()) {
-        probe(editor, shown, &painter, lens, at);
+        if !editor.is_comparing() {
+            probe(editor, shown, &painter, lens, at);
+        }
         marks::dimensions(editor, &painter, lens);
     }
+}
+
+/// Where a map is on the screen.
+fn place(map: &Map, lens: &Lens) -> Rect {
+    let there = Lens { rect: map.rect, window: map.window };
+    let corner = |at: Pos2| lens.screen(there.flat(at));
+    Rect::from_two_pos(corner(map.rect.min), corner(map.rect.max))
+}
+
+/// The map's picture with its contour lines.
+pub fn paint_map(map: &Map, painter: &Painter, lens: &Lens) {
+    let place = place(map, lens);
+    // Row 0 of a map is at the smallest y: the bottom.
+    let upright = Rect::from_min_max(pos2(0.0, 1.0), pos2(1.0, 0.0));
+    painter.image(map.texture.id(), place, upright, Color32::WHITE);
+    contours(map, painter, place);
 }
 
 /// Lines of equal value.
@@ -192,7 +213,7 @@ fn wrapped_chip(painter: &Painter, top: Pos2, width: f32, text: &str, colour: Co
 }
 
 /// Ticks in mm along the left and the lower edge.
-fn axes(editor: &Editor, ui: &Ui, lens: &Lens) {
+pub fn axes(view: &View, ui: &Ui, lens: &Lens) {
     let (visuals, painter) = (ui.visuals(), ui.painter());
     let ink = visuals.text_color();
     let rect = lens.rect;
@@ -212,7 +233,7 @@ fn axes(editor: &Editor, ui: &Ui, lens: &Lens) {
         painter.line_segment([at, at - vec2(5.0, 0.0)], stroke);
         painter.text(at - vec2(8.0, 0.0), Align2::RIGHT_CENTER, format!("{y:.decimals$}"), font.clone(), ink);
     }
-    let (across, up) = editor.view.cut.axes();
+    let (across, up) = view.cut.axes();
     painter.text(pos2(rect.center().x, rect.bottom() + 22.0), Align2::CENTER_TOP, across, font.clone(), ink);
     let galley = painter.layout_no_wrap(up.to_owned(), font, ink);
     let at = pos2(rect.left() - LEFT + 4.0, rect.center().y + galley.size().x / 2.0);

@@ -16,6 +16,7 @@ use crate::ui::tool::{self, Tool};
 use crate::ui::transform::{self, Grip};
 use crate::ui::typing::{self, Typing};
 use crate::ui::view::{Axes, Lens};
+use crate::ui::way;
 
 /// Points of the screen within which an outline is meant.
 const REACH: f64 = 9.0;
@@ -42,6 +43,8 @@ pub enum Gesture {
         handle: usize,
         before: Target,
     },
+    /// The path of a motion.
+    Way(way::Pull),
     Band {
         from: DVec2,
         /// Selected before, and kept.
@@ -137,7 +140,12 @@ fn look_around(editor: &mut Editor, ui: &Ui, response: &Response, lens: &Lens) {
         editor.view.window = Some(lens.moved(response.drag_delta()));
     }
     if response.double_clicked_by(PointerButton::Primary) && editor.tool == Tool::Select {
-        editor.fit();
+        let axes = editor.view.axes(editor.scene());
+        let on_way =
+            response.interact_pointer_pos().is_some_and(|at| way::add_vertex(editor, &axes, lens, at));
+        if !on_way {
+            editor.fit();
+        }
     }
 }
 
@@ -205,6 +213,9 @@ fn begin(editor: &mut Editor, axes: &Axes, lens: &Lens, at: Pos2, modifiers: Mod
 /// Selects what is under the pointer and takes hold of it, or begins a rubber band.
 fn grab(editor: &mut Editor, axes: &Axes, lens: &Lens, at: Pos2, modifiers: Modifiers) -> Gesture {
     let from = lens.flat(at);
+    if let Some(pull) = way::take(editor, axes, lens, at) {
+        return Gesture::Way(pull);
+    }
     if let Some(pull) = pull(editor, axes, lens, at) {
         return pull;
     }
@@ -272,6 +283,10 @@ fn go_on(editor: &mut Editor, axes: &Axes, lens: &Lens, at: Pos2, modifiers: Mod
                     *target = pulled;
                 }
             }
+        }
+        Gesture::Way(pull) => {
+            let uv = place(editor, axes, lens, (at, modifiers), pull.target());
+            way::pull(editor, axes, lens, uv, pull);
         }
         Gesture::Move { from, before } => follow(editor, axes, lens, (at, modifiers), (*from, before)),
         Gesture::Band { from, kept } => {

@@ -12,6 +12,7 @@ use crate::ui::cursor;
 use crate::ui::edit;
 use crate::ui::tool::Tool;
 use crate::ui::typing;
+use crate::ui::way;
 use crate::ui::{Command, Editor, Notice, Shown};
 
 /// m: what an arrow key moves by, and with shift.
@@ -185,6 +186,13 @@ fn nudge(editor: &mut Editor, key: Key, far: bool) {
         if let Some(target) = editor.document.scene.targets.get_mut(index) {
             edit::translate(&mut target.shape, by);
         }
+    }
+}
+
+/// The vertex or keyframe of a path that was taken hold of last, or else what is selected.
+pub fn delete_chosen(editor: &mut Editor) {
+    if !way::delete(editor) {
+        delete(editor);
     }
 }
 

@@ -43,7 +43,7 @@ pub fn paint(editor: &Editor, map: &Map, ui: &Ui, lens: &Lens) {
     let bar = place(plot);
     let convention = editor.view.convention;
     let factor = convention.factor(map.quantity);
-    let full = editor.view.full.unwrap_or(map.largest).max(1e-30) * factor;
+    let full = map.full.unwrap_or(map.largest).max(1e-30) * factor;
     let law = Law::of(map.quantity, editor.view.scale);
     painter.text(
         pos2(bar.left(), plot.top() - 4.0),

@@ -18,6 +18,8 @@ pub struct Map {
     pub quantity: Quantity,
     /// rad, the ωt of an instantaneous pressure.
     pub phase: f64,
+    /// What gets the last colour, if not the largest value.
+    pub full: Option<f64>,
     /// The largest value, as [`crate::field::Map::peak`] has it.
     pub largest: f64,
     /// Relative to it.

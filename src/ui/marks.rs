@@ -3,7 +3,7 @@
 use egui::{Align2, Color32, FontId, Painter, Pos2, Rect, Shape, Stroke, StrokeKind, Visuals, vec2};
 use glam::{DVec2, DVec3};
 
-use crate::scene::{MotionPath, Sampling, font, outline};
+use crate::scene::{Sampling, font, outline};
 use crate::ui::gesture::{self, Gesture};
 use crate::ui::measure::{self, ProfileLine};
 use crate::ui::tool::Tool;
@@ -45,7 +45,6 @@ pub fn paint(editor: &Editor, shown: &Shown, painter: &Painter, lens: &Lens, poi
             painter.add(Shape::line(points, Stroke::new(if chosen { 2.0 } else { width }, colour)));
         }
     }
-    motion(editor, painter, lens);
     if let Some(sound) = &shown.sound {
         foci(editor, sound, painter, lens, pointer);
     }
@@ -58,35 +57,6 @@ pub fn paint(editor: &Editor, shown: &Shown, painter: &Painter, lens: &Lens, poi
         handle::paint(target, &axes, painter, lens);
     }
     transform::paint(editor, &axes, painter, lens);
-}
-
-/// The way of a few targets.
-fn motion(editor: &Editor, painter: &Painter, lens: &Lens) {
-    const FEW: usize = 6;
-    const PIECES: u32 = 96;
-    let scene = editor.scene();
-    let axes = editor.view.axes(scene);
-    for target in scene.targets.iter().filter(|target| target.visible).take(FEW) {
-        let motion = target.motion.as_ref().unwrap_or(&scene.motion);
-        let (ways, radius) = match motion.path {
-            MotionPath::None | MotionPath::Steps => continue,
-            MotionPath::Outline => (edit::outline_on(target, &axes), 2.0),
-            MotionPath::Line
-            | MotionPath::Circle
-            | MotionPath::Square
-            | MotionPath::Triangle
-            | MotionPath::FigureEight
-            | MotionPath::Points => {
-                let centre = outline::centre(&target.shape);
-                let at = |i: u32| centre + motion.offset(f64::from(i % PIECES) / f64::from(PIECES));
-                (vec![(0..=PIECES).map(|i| axes.flat(at(i))).collect()], 1.2)
-            }
-        };
-        for way in ways {
-            let way: Vec<_> = way.into_iter().map(|uv| lens.screen(uv)).collect();
-            painter.extend(Shape::dotted_line(&way, Color32::from_white_alpha(150), 6.0, radius));
-        }
-    }
 }
 
 fn foci(editor: &Editor, sound: &Sound, painter: &Painter, lens: &Lens, pointer: Option<Pos2>) {
@@ -235,7 +205,11 @@ pub fn dimensions(editor: &Editor, painter: &Painter, lens: &Lens) {
             ProfileLine::Between(ends) => Some(measure::length_and_angle(ends)),
             ProfileLine::Across(_) => None,
         },
-        Gesture::Pan | Gesture::Band { .. } | Gesture::Brush { .. } | Gesture::Erase { .. } => None,
+        Gesture::Pan
+        | Gesture::Way(_)
+        | Gesture::Band { .. }
+        | Gesture::Brush { .. }
+        | Gesture::Erase { .. } => None,
     };
     if let Some(text) = text {
         chip(painter, at + vec2(16.0, 16.0), Align2::LEFT_TOP, &text, 12.0, theme::MARK);

@@ -7,6 +7,7 @@ pub mod board;
 pub mod bring_up;
 pub mod brush;
 pub mod canvas;
+pub mod compare;
 mod context;
 mod cursor;
 mod dialog;
@@ -30,16 +31,19 @@ mod menu;
 pub mod number;
 mod palm;
 mod panels;
+mod path_marks;
 pub mod section;
 mod segments;
 mod status;
 pub mod theme;
 mod ticks;
+mod timeline;
 pub mod tool;
 mod transform;
 mod typing;
 pub mod view;
 mod view_bar;
+mod way;
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::PathBuf;
@@ -79,6 +83,8 @@ pub struct Editor {
     pub selection: BTreeSet<usize>,
     pub view: View,
     fitted: Option<Fitted>,
+    /// What the map is compared with.
+    pub compare: Option<compare::Compare>,
     pub tool: Tool,
     pub panel: Panel,
     pub layout: Layout,
@@ -107,6 +113,8 @@ pub struct Editor {
     pub after_saving: Option<Command>,
     pub playback: Playback,
     pub oscillation: Oscillation,
+    /// What of a motion's path was taken hold of last.
+    vertex: Option<way::Vertex>,
     /// The drive as a board with so many phases per period plays it.
     pub levels: Option<u32>,
     pub board: BoardForm,
@@ -120,13 +128,15 @@ pub struct Playback {
     pub playing: bool,
     /// How much slower than it really is.
     pub slowness: f64,
-    /// Of a round, in [0, 1).
+    /// Of a cycle, in [0, 1).
     pub part: f64,
+    /// It begins again after the last frame.
+    pub loops: bool,
 }
 
 impl Default for Playback {
     fn default() -> Self {
-        Self { frame: None, playing: false, slowness: 20.0, part: 0.0 }
+        Self { frame: None, playing: false, slowness: 20.0, part: 0.0, loops: true }
     }
 }
 
@@ -258,6 +268,8 @@ pub enum Export {
 #[derive(Debug, Default)]
 pub struct Shown {
     pub map: Option<Map>,
+    /// What it is compared with.
+    pub beside: Option<compare::Beside>,
     /// Of the scene at rest.
     pub solution: Option<Arc<Solution>>,
     pub sound: Option<Sound>,
@@ -376,6 +388,7 @@ impl Editor {
         Self {
             view: View::of(&document.scene),
             fitted: None,
+            compare: None,
             document,
             selection: BTreeSet::new(),
             tool: Tool::Select,
@@ -404,6 +417,7 @@ impl Editor {
             after_saving: None,
             playback: Playback::default(),
             oscillation: Oscillation { playing: true, part: 0.0 },
+            vertex: None,
             levels: None,
             board: BoardForm::default(),
         }
@@ -432,6 +446,7 @@ impl Editor {
     /// Targets may stand elsewhere in the list now.
     fn forget_places(&mut self) {
         self.selection.clear();
+        self.vertex = None;
         self.typing = None;
         self.gesture = None;
     }
@@ -513,6 +528,10 @@ fn around(editor: &mut Editor, shown: &Shown, clear: Frame, ui: &mut Ui, command
         drawer(editor, shown, ui, commands);
     } else if !editor.layout.is_folded {
         panel(editor, shown, clear, ui, commands);
+    }
+    if is_high && timeline::is_wanted(editor) {
+        let timeline = Side::bottom("timeline").resizable(false).frame(frame);
+        timeline.show(ui, |ui| timeline::show(editor, shown, ui));
     }
     if is_high && editor.view.section {
         let section = Side::bottom("section")

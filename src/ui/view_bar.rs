@@ -7,7 +7,7 @@ use crate::studio::convention::Convention;
 use crate::ui::icon::{self, Icon};
 use crate::ui::tool::Tool;
 use crate::ui::view::{Cut, FreePlane};
-use crate::ui::{Editor, brush, panels, segments};
+use crate::ui::{Editor, brush, compare, panels, segments};
 
 /// m: how far the slider moves a plane.
 const FARTHEST: f64 = 0.3;
@@ -173,6 +173,8 @@ fn overlays(editor: &mut Editor, ui: &mut Ui) {
     });
     let tip = "The values along a line across the map; Shift and the pointer move it (X)";
     icon::toggle(ui, Icon::Profile, "Line profile", tip, &mut view.section);
+    compare::switch(editor, ui);
+    let view = &mut editor.view;
     ui.menu_button("Overlays", |ui| {
         ui.checkbox(&mut view.grid, "Grid").on_hover_text("The lines to which the pointer can snap (K)");
         ui.checkbox(&mut view.guides, "Guides").on_hover_text("What is dragged lines up with other targets");

@@ -55,7 +55,7 @@ const VALUES: [&str; 12] = [
 const ESCAPES: [&str; 5] =
     ["\\u001b[2J\\u001b]0;x\\u0007", "\\u202e\\u2066txt", "\\u0000", "\\u009b31m", "\\U000e0041\\ufeff"];
 /// Keys, and tables for them, that count something.
-const COUNTS: [(&str, &str); 12] = [
+const COUNTS: [(&str, &str); 13] = [
     ("array", "rows"),
     ("array", "columns"),
     ("solver", "iterations"),
@@ -64,6 +64,7 @@ const COUNTS: [(&str, &str); 12] = [
     ("motion", "frames"),
     ("motion", "foci"),
     ("motion", "rate"),
+    ("motion", "angle"),
     ("array", "off"),
     ("plane", "size"),
     ("plane", "tolerance"),
@@ -170,6 +171,11 @@ fn mutated(kind: usize, text: String, dice: &mut Dice) -> Vec<u8> {
             let (table, key) = dice.one_of(&COUNTS);
             let value = dice.one_of(&NUMBERS);
             format!("format = 1\n[[target]]\n[{table}]\n{key} = {value}\n")
+        }
+        15 if below(dice, 2) == 0 => {
+            let (key, value) = (dice.one_of(&["time", "at", "pressure", "easing"]), dice.one_of(&NUMBERS));
+            let many = format!("{{ time = 0.1, {key} = {value} }},").repeat(1 + below(dice, 2000));
+            format!("format = 1\n[[target]]\n[motion]\npath = \"keyframes\"\nkeyframes = [{many}]\n")
         }
         15 => format!("format = 1\n{}", "[[target]]\n".repeat(1 + below(dice, 180_000))),
         16 => {

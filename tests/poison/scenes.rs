@@ -4,8 +4,8 @@ use glam::{DVec2, DVec3};
 use sonoglyph::field::{Evaluator, FieldError, Quantity, Request, Stages};
 use sonoglyph::scene::check::check;
 use sonoglyph::scene::{
-    Area, ElementModel, Envelope, Listener, Motion, MotionPath, Pressures, Sampling, Scene, Shape, Target,
-    Tempo, Zone, font, motion, outline,
+    Area, ElementModel, Envelope, Keyframe, Listener, Motion, MotionPath, Pressures, Sampling, Scene, Shape,
+    Target, Tempo, Zone, font, motion, outline,
 };
 use sonoglyph::solver::{self, SolveError};
 
@@ -102,8 +102,19 @@ const NUMBERS: &[(&str, Put<f64>)] = &[
         (s.motion.path, s.motion.points, s.motion.frames) =
             (MotionPath::Points, vec![DVec3::ZERO, DVec3::X * x], 3);
     }),
+    ("motion.angle", |s, x| (s.motion.path, s.motion.angle, s.motion.frames) = (MotionPath::Line, x, 3)),
+    ("motion.keyframes.time", |s, x| keyed(s, Keyframe::new(x, DVec3::ZERO))),
+    ("motion.keyframes.at", |s, x| keyed(s, Keyframe::new(0.5, DVec3::X * x))),
+    ("motion.keyframes.pressure", |s, x| {
+        keyed(s, Keyframe { pressure: x, ..Keyframe::new(0.5, DVec3::ZERO) });
+    }),
     ("listener.at", |s, x| s.listener = Some(Listener { at: DVec3::new(x, 0.0, 0.2) })),
 ];
+
+fn keyed(scene: &mut Scene, keyframe: Keyframe) {
+    let keyframes = vec![Keyframe::new(0.0, DVec3::ZERO), keyframe];
+    scene.motion = Motion { path: MotionPath::Keyframes, keyframes, frames: 3, ..Motion::default() };
+}
 
 fn small() -> Scene {
     let mut scene = Scene::default();

@@ -5,8 +5,8 @@ use std::f64::consts::{PI, TAU};
 use glam::{DVec2, DVec3};
 use sonoglyph::acoustics::Air;
 use sonoglyph::scene::{
-    Amplitudes, Array, ElementModel, Envelope, Liquid, LiquidName, Listener, Medium, Method, Modulation,
-    Motion, MotionPath, Plane, Pressures, Sampling, Scene, Shape, Solver, Target, Tempo,
+    Amplitudes, Array, Easing, ElementModel, Envelope, Keyframe, Liquid, LiquidName, Listener, Medium,
+    Method, Modulation, Motion, MotionPath, Plane, Pressures, Sampling, Scene, Shape, Solver, Target, Tempo,
 };
 
 use crate::dice::Dice;
@@ -271,11 +271,22 @@ fn target(dice: &mut Dice, middle: DVec3, reach: f64, pressures: Pressures) -> T
 
 /// A few frames, in one scene of eight; `outline` (m) is how long the drawing may be whose strokes foci run along.
 fn motion(dice: &mut Dice, size: f64, outline: Option<f64>) -> Motion {
-    use MotionPath::{Circle, FigureEight, Line, Outline, Points, Square, Steps, Triangle};
+    use MotionPath::{Circle, FigureEight, Keyframes, Line, Outline, Points, Square, Steps, Triangle};
     if dice.of(0.875) {
         return Motion::default();
     }
-    let path = dice.one_of(&[Line, Circle, Square, Triangle, FigureEight, Points, Steps, Outline, Outline]);
+    let path = dice.one_of(&[
+        Line,
+        Circle,
+        Square,
+        Triangle,
+        FigureEight,
+        Points,
+        Keyframes,
+        Steps,
+        Outline,
+        Outline,
+    ]);
     let path = if path == Outline && outline.is_none() { Line } else { path };
     let has_speed = path != Steps && dice.of(0.3);
     let tempo = match has_speed {
@@ -287,7 +298,22 @@ fn motion(dice: &mut Dice, size: f64, outline: Option<f64>) -> Motion {
     };
     let points = if path == Points { vec![DVec3::ZERO, DVec3::X * size.max(1e-9)] } else { Vec::new() };
     let foci = if path == Outline { dice.whole(1, 4) } else { 1 };
-    Motion { path, size: size.max(1e-9), tempo, frames: dice.whole(4, 9), points, foci }
+    let angle = if dice.of(0.3) { dice.between(-PI, TAU) } else { 0.0 };
+    let keyframes = if path == Keyframes { keyframes(dice, size) } else { Vec::new() };
+    Motion { path, size: size.max(1e-9), angle, tempo, frames: dice.whole(4, 9), points, keyframes, foci }
+}
+
+/// Some near the target's own place, of which two at least are apart.
+fn keyframes(dice: &mut Dice, size: f64) -> Vec<Keyframe> {
+    let size = size.max(1e-9);
+    let count = dice.whole(2, 5);
+    let keyframe = |i: u32| Keyframe {
+        time: (f64::from(i) + dice.between(0.0, 0.9)) / f64::from(count),
+        at: DVec3::new(if i == 0 { size } else { -size * dice.unit() }, size * dice.unit(), 0.0),
+        pressure: dice.magnitude(0.3, 1.0),
+        easing: if i == 0 { Easing::Linear } else { dice.one_of(&Easing::ALL) },
+    };
+    (0..count).map(keyframe).collect()
 }
 
 /// Gives a target a motion of its own, of as many rounds as the frames of the scene's leave room for.

@@ -7,9 +7,11 @@
 mod board;
 mod brush;
 mod canvas;
+mod compare;
 mod edits;
 mod files;
 mod gpu;
+mod motion;
 mod quantities;
 mod reach;
 #[path = "../requirement/mod.rs"]

@@ -56,6 +56,11 @@ pub fn runs(scene: &Scene) -> bool {
     paths(scene).any(|path| path == MotionPath::Outline)
 }
 
+/// Whether wanted pressures differ from frame to frame, so that a frame is to be as loud beside the others as its foci are.
+pub fn has_dynamics(scene: &Scene) -> bool {
+    paths(scene).any(|path| matches!(path, MotionPath::Outline | MotionPath::Keyframes))
+}
+
 /// Those of the scene and of targets that are shown.
 fn paths(scene: &Scene) -> impl Iterator<Item = MotionPath> {
     let shown = scene.targets.iter().filter(|target| target.visible);

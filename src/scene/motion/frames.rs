@@ -3,12 +3,13 @@
 use glam::DVec3;
 
 use crate::scene::check::{KeyError, MOST_FOCI};
+use crate::scene::motion::Round;
 use crate::scene::motion::course::Course;
 use crate::scene::motion::cycle::{self, Cycle, Group, cycle};
 use crate::scene::motion::limits::{
     behind, check_group, check_memory, check_steps, check_turns, key, refuse, steps,
 };
-use crate::scene::motion::track::Track;
+use crate::scene::run::Vertex;
 use crate::scene::{Focus, MotionPath, Scene, Shape, Target, outline};
 
 /// Frames of a cycle, or the one that a scene without motion has.
@@ -34,18 +35,20 @@ pub fn check(scene: &Scene) -> Result<(), KeyError> {
     Score::new(scene).map(drop)
 }
 
+const AT_REST: Vertex = Vertex { at: DVec3::ZERO, pressure: 1.0 };
+
 /// Who is where in which frame.
 struct Score<'a> {
     scene: &'a Scene,
     frames: u64,
     /// Of every group: how its targets move, and how often in a cycle.
-    ways: Vec<(Group<'a>, Way)>,
+    ways: Vec<(Group<'a>, Way<'a>)>,
     steps: Vec<Vec<Part>>,
 }
 
-enum Way {
+enum Way<'a> {
     /// All of it, from where it stands in the file.
-    Offset(Track),
+    Offset(Round<'a>),
     /// Foci of their own, along its outline.
     Run(Course),
 }
@@ -119,16 +122,20 @@ impl<'a> Score<'a> {
     }
 
     fn foci(&self, frame: u64) -> Vec<Focus> {
-        let offset = |(group, way): &(Group<'_>, Way)| match way {
-            Way::Offset(round) => round.at(self.part(group, frame, 0) * round.length()).at,
-            Way::Run(_) => DVec3::ZERO,
+        let moved = |(group, way): &(Group<'_>, Way<'_>)| match way {
+            Way::Offset(round) => round.at(self.part(group, frame, 0)),
+            Way::Run(_) => AT_REST,
         };
-        let offsets: Vec<_> = self.ways.iter().map(offset).collect();
+        let moved: Vec<_> = self.ways.iter().map(moved).collect();
         let step = self.step(frame);
         let mut foci = Vec::new();
         for part in &self.steps[step as usize] {
-            let offset = part.way.map_or(DVec3::ZERO, |way| offsets[way]);
-            foci.extend(part.foci.iter().map(|focus| Focus { position: focus.position + offset, ..*focus }));
+            let Vertex { at, pressure } = part.way.map_or(AT_REST, |way| moved[way]);
+            foci.extend(part.foci.iter().map(|focus| Focus {
+                position: focus.position + at,
+                target: focus.target * pressure,
+                ..*focus
+            }));
         }
         for (group, course) in self.courses(step) {
             let runner = |focus: u32| course.at(self.part(group, frame, focus));
@@ -198,12 +205,13 @@ impl<'a> Score<'a> {
             let moved = self.steps.iter().flatten().filter(|part| part.way == Some(index));
             let foci = moved.flat_map(|part| &part.foci).map(|focus| focus.position);
             let Some(lowest) = foci.min_by(|a, b| a.z.total_cmp(&b.z)) else { continue };
-            let at = |frame: u64| lowest + round.at(self.part(group, frame, 0) * round.length()).at;
+            let at = |frame: u64| lowest + round.at(self.part(group, frame, 0)).at;
             if let Some(frame) = (0..self.frames).find(|&frame| at(frame).z <= 0.0) {
                 let (number, count, place) = (frame + 1, self.frames, behind(at(frame)));
                 let message =
                     format!("in frame {number} of {count} the motion takes a focal point to {place}");
-                return refuse(group.target, "points", message);
+                let is_keyed = group.motion.path == MotionPath::Keyframes;
+                return refuse(group.target, if is_keyed { "keyframes" } else { "points" }, message);
             }
         }
         Ok(())

@@ -1,10 +1,11 @@
-//! Motion: the closed path along which targets move, the drawn strokes along which foci run, or the steps in which targets take turns.
+//! Motion: the closed path or the keyframes along which targets move, the drawn strokes along which foci run, or the steps in which targets take turns.
 //!
 //! [`cycle()`] is how often what a scene's motions make together is played, and [`frames()`] are the focal points of its frames.
 
 mod course;
 mod cycle;
 mod frames;
+mod keyframes;
 mod limits;
 mod track;
 
@@ -16,8 +17,9 @@ use serde::{Deserialize, Serialize};
 use crate::scene::check::{Key, KeyError};
 use crate::scene::run::Vertex;
 
-pub use cycle::{Cycle, Group, cycle, moves, runs};
+pub use cycle::{Cycle, Group, cycle, has_dynamics, moves, runs};
 pub use frames::{check, count, frames};
+pub use keyframes::{Easing, Keyframe, insert};
 use track::Track;
 
 /// Pieces of a figure-eight, which has no closed form for its arc length; their chords are 1e-5 too short.
@@ -29,6 +31,9 @@ pub struct Motion {
     pub path: MotionPath,
     /// m: length of a line, diameter of a circle, side of a square or triangle, width of a figure-eight.
     pub size: f64,
+    /// rad, by which such a path is turned counter-clockwise.
+    #[serde(skip_serializing_if = "is_zero")]
+    pub angle: f64,
     #[serde(flatten)]
     pub tempo: Tempo,
     /// Frames per cycle.
@@ -36,6 +41,9 @@ pub struct Motion {
     /// The offsets (m) that `path = "points"` visits.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub points: Vec<DVec3>,
+    /// What `path = "keyframes"` goes through, in the order of their times.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub keyframes: Vec<Keyframe>,
     /// Focal points that run along an outline, at equal distances.
     #[serde(skip_serializing_if = "is_one")]
     pub foci: u32,
@@ -45,10 +53,23 @@ fn is_one(foci: &u32) -> bool {
     *foci == 1
 }
 
+fn is_zero(angle: &f64) -> bool {
+    *angle == 0.0
+}
+
 impl Default for Motion {
     fn default() -> Self {
         let tempo = Tempo::usual(MotionPath::None);
-        Self { path: MotionPath::None, size: 0.03, tempo, frames: 64, points: Vec::new(), foci: 1 }
+        Self {
+            path: MotionPath::None,
+            size: 0.03,
+            angle: 0.0,
+            tempo,
+            frames: 64,
+            points: Vec::new(),
+            keyframes: Vec::new(),
+            foci: 1,
+        }
     }
 }
 
@@ -83,17 +104,19 @@ impl Tempo {
 pub(crate) struct MotionTable {
     path: MotionPath,
     size: Option<f64>,
+    angle: f64,
     rate: Option<f64>,
     speed: Option<f64>,
     frames: Option<u32>,
     points: Vec<DVec3>,
+    keyframes: Vec<Keyframe>,
     foci: Option<u32>,
 }
 
 impl MotionTable {
     /// The motion that this table stands for.
     pub(crate) fn into_motion(self) -> Result<Motion, KeyError> {
-        let Self { path, size, rate, speed, frames, points, foci } = self;
+        let Self { path, size, angle, rate, speed, frames, points, keyframes, foci } = self;
         let tempo = match (rate, speed) {
             (Some(_), Some(_)) => {
                 let message =
@@ -106,12 +129,12 @@ impl MotionTable {
         };
         let Motion { size: usual_size, frames: usual_frames, .. } = Motion::default();
         let (size, frames) = (size.unwrap_or(usual_size), frames.unwrap_or(usual_frames));
-        Ok(Motion { path, size, tempo, frames, points, foci: foci.unwrap_or(1) })
+        Ok(Motion { path, size, angle, tempo, frames, points, keyframes, foci: foci.unwrap_or(1) })
     }
 }
 
-/// The paths lie parallel to the array and are run through at constant speed, counter-clockwise. All but `points` have
-/// their mean at the targets' own places.
+/// The paths lie parallel to the array and are run through at constant speed, counter-clockwise. All but `points` and `keyframes`
+/// have their mean at the targets' own places.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum MotionPath {
@@ -127,6 +150,8 @@ pub enum MotionPath {
     Triangle,
     /// The offsets in `points`, one after the other and back to the first.
     Points,
+    /// From keyframe to keyframe, at their times.
+    Keyframes,
     /// Gerono's: twice as wide as high, from the crossing to the upper right.
     FigureEight,
     /// Nothing moves: targets with `step = 0` are shown first, then those with `step = 1`, and so on.
@@ -145,6 +170,7 @@ impl MotionPath {
             Self::Square => "square",
             Self::Triangle => "triangle",
             Self::Points => "points",
+            Self::Keyframes => "keyframes",
             Self::FigureEight => "figure-eight",
             Self::Steps => "steps",
             Self::Outline => "outline",
@@ -155,8 +181,12 @@ impl MotionPath {
 impl Motion {
     /// How far the targets are from their own places (m) after a part of a round, in [0, 1).
     pub fn offset(&self, part: f64) -> DVec3 {
-        let round = self.round();
-        round.at(part * round.length()).at
+        self.round().at(part).at
+    }
+
+    /// What wanted pressures are multiplied by then.
+    pub fn pressure(&self, part: f64) -> f64 {
+        self.round().at(part).pressure
     }
 
     /// m, of one round; 0 for steps, and for outlines, whose length is that of the targets: [`Group::length`].
@@ -164,14 +194,33 @@ impl Motion {
         self.round().length()
     }
 
-    fn round(&self) -> Track {
-        let size = self.size;
-        let flat = |vertices: &[DVec2]| Track::round(vertices.iter().map(|v| (*v * size).extend(0.0)));
+    fn round(&self) -> Round<'_> {
         match self.path {
-            MotionPath::None | MotionPath::Steps | MotionPath::Outline => Track::round([DVec3::ZERO]),
+            MotionPath::Keyframes => Round::Keyframes(&self.keyframes),
+            MotionPath::None
+            | MotionPath::Line
+            | MotionPath::Circle
+            | MotionPath::Square
+            | MotionPath::Triangle
+            | MotionPath::Points
+            | MotionPath::FigureEight
+            | MotionPath::Steps
+            | MotionPath::Outline => Round::Track(self.track()),
+        }
+    }
+
+    fn track(&self) -> Track {
+        let size = self.size;
+        let turn = DVec2::from_angle(self.angle);
+        let turned = |v: DVec2| (turn.rotate(v) * size).extend(0.0);
+        let flat = |vertices: &[DVec2]| Track::round(vertices.iter().map(|&v| turned(v)));
+        match self.path {
+            MotionPath::None | MotionPath::Steps | MotionPath::Outline | MotionPath::Keyframes => {
+                Track::round([DVec3::ZERO])
+            }
             MotionPath::Circle => {
                 let centre = Vertex { at: DVec3::ZERO, pressure: 1.0 };
-                Track::Circle { centre, x: DVec3::X * size / 2.0, y: DVec3::Y * size / 2.0 }
+                Track::Circle { centre, x: turned(DVec2::X / 2.0), y: turned(DVec2::Y / 2.0) }
             }
             MotionPath::Line => flat(&[(-0.5, 0.0), (0.5, 0.0)].map(DVec2::from)),
             MotionPath::Square => {
@@ -183,9 +232,34 @@ impl Motion {
             }
             MotionPath::FigureEight => Track::round((0..PIECES).map(|i| {
                 let (sin, cos) = (TAU * i as f64 / PIECES as f64).sin_cos();
-                size / 2.0 * DVec3::new(sin, sin * cos, 0.0)
+                turned(DVec2::new(sin, sin * cos) / 2.0)
             })),
             MotionPath::Points => Track::round(self.points.iter().copied()),
+        }
+    }
+}
+
+/// The way of one round, by the part of it that is done.
+enum Round<'a> {
+    /// At constant speed.
+    Track(Track),
+    Keyframes(&'a [Keyframe]),
+}
+
+impl Round<'_> {
+    /// How far from its own place (m), and how loud beside what is wanted, after a part in [0, 1).
+    fn at(&self, part: f64) -> Vertex {
+        match self {
+            Self::Track(track) => track.at(part * track.length()),
+            Self::Keyframes(keyframes) => keyframes::between(keyframes, part),
+        }
+    }
+
+    /// m
+    fn length(&self) -> f64 {
+        match self {
+            Self::Track(track) => track.length(),
+            Self::Keyframes(keyframes) => keyframes::length(keyframes),
         }
     }
 }

@@ -1,8 +1,7 @@
-//! How the targets move, and which moment is shown.
+//! How the targets move, and what the frames of a cycle reach.
 
-use egui::{Slider, Ui};
+use egui::Ui;
 
-use crate::picture::sheet::pascals;
 use crate::rounding::at_most;
 use crate::scene::motion;
 use crate::scene::{Envelope, Modulation, MotionPath, Scene};
@@ -32,15 +31,15 @@ pub fn show(editor: &mut Editor, shown: &Shown, ui: &mut Ui) {
         ui.label(format!("{whose} own motion, which the Scene panel shows."));
     }
     ui.separator();
-    playback(editor, shown, ui);
     if let Some(round) = &shown.round {
         let frames = &round.frames;
+        let convention = editor.view.convention;
         heading(ui, "Cycle");
         form(ui, "round", |ui| {
             let mean = frames.iter().map(Frame::mean_pressure).sum::<f64>() / frames.len().max(1) as f64;
-            fact(ui, ("Mean pressure", "Over focal points and frames, peak"), pascals(mean));
+            fact(ui, ("Mean pressure", "Over focal points and frames"), convention.pressure(mean));
             let weakest = frames.iter().map(Frame::min_pressure).fold(f64::INFINITY, f64::min);
-            fact(ui, ("Weakest", "In the weakest frame, peak"), pascals(weakest));
+            fact(ui, ("Weakest", "In the weakest frame"), convention.pressure(weakest));
             let step = format!(
                 "{}° at most, {:.1}° RMS",
                 at_most(round.steps.largest.to_degrees(), 0),
@@ -95,36 +94,4 @@ fn modulation(modulation: &mut Modulation, ui: &mut Ui) {
             );
         }
     });
-}
-
-fn playback(editor: &mut Editor, shown: &Shown, ui: &mut Ui) {
-    heading(ui, "Play");
-    let count = motion::count(editor.scene());
-    let playback = &mut editor.playback;
-    ui.horizontal(|ui| {
-        let name = if playback.playing { "Pause" } else { "Play" };
-        if ui.button(name).clicked() {
-            playback.playing = !playback.playing;
-            playback.frame.get_or_insert(0);
-        }
-        if ui.add_enabled(playback.frame.is_some(), egui::Button::new("At rest")).clicked() {
-            playback.playing = false;
-            playback.frame = None;
-        }
-        if shown.is_following {
-            ui.spinner();
-            ui.label("solving all frames");
-        }
-    });
-    let mut frame = playback.frame.unwrap_or(0) + 1;
-    let label = ui.label("Frame").on_hover_text("The moment whose field is shown");
-    let slider = ui.add(Slider::new(&mut frame, 1..=count.max(1))).labelled_by(label.id);
-    if slider.changed() {
-        playback.playing = false;
-        playback.frame = Some(frame - 1);
-        playback.part = (frame - 1) as f64 / count.max(1) as f64;
-    }
-    let label = ui.label("Slower than it is").on_hover_text("1 is as fast as the hand feels it");
-    let slider = Slider::new(&mut playback.slowness, 1.0..=1000.0).logarithmic(true).suffix(" x");
-    ui.add(slider.max_decimals(0)).labelled_by(label.id);
 }

@@ -1,13 +1,18 @@
 //! A path and how fast it goes by: of the scene's motion, or of a target's own.
 
-use egui::Ui;
+use std::f64::consts::TAU;
+
+use egui::{ComboBox, Ui};
 use glam::DVec3;
 
-use crate::scene::{Motion, MotionPath, Scene, Tempo, motion};
-use crate::ui::panels::{MM, Unit, choice, coordinates, count, fact, form, heading, number};
+use crate::scene::check::FACTORS;
+use crate::scene::{Easing, Keyframe, Motion, MotionPath, Scene, Tempo, motion};
+use crate::ui::panels::{
+    DEGREES, MM, PLAIN, Unit, bare_number, choice, coordinates, count, fact, form, heading, number,
+};
 
 /// Steps are the last: a target's own motion has none.
-const PATHS: [(MotionPath, &str); 9] = [
+const PATHS: [(MotionPath, &str); 10] = [
     (MotionPath::None, "none"),
     (MotionPath::Outline, "outline"),
     (MotionPath::Line, "line"),
@@ -16,10 +21,16 @@ const PATHS: [(MotionPath, &str); 9] = [
     (MotionPath::Triangle, "triangle"),
     (MotionPath::FigureEight, "figure-eight"),
     (MotionPath::Points, "points"),
+    (MotionPath::Keyframes, "keyframes"),
     (MotionPath::Steps, "steps"),
 ];
+/// Of a cycle, between two keyframes.
+const APART: f64 = 1e-4;
 /// m: where a path through points first goes.
 const FIRST_POINTS: [DVec3; 3] = [DVec3::ZERO, DVec3::new(0.02, 0.0, 0.0), DVec3::new(0.02, 0.02, 0.0)];
+/// Where keyframes first are: at their times in a cycle.
+const FIRST_KEYFRAMES: [(f64, DVec3); 2] = [(0.0, DVec3::ZERO), (0.5, DVec3::new(0.02, 0.0, 0.0))];
+const PERCENT: Unit = Unit { per: 100.0, suffix: " %", decimals: 2, speed: 0.1 };
 const HERTZ: Unit = Unit { per: 1.0, suffix: " Hz", decimals: 2, speed: 0.1 };
 const SPEED: Unit = Unit { per: 1.0, suffix: " m/s", decimals: 2, speed: 0.05 };
 
@@ -65,7 +76,7 @@ pub fn settings(motion: &mut Motion, figures: Option<Figures>, is_own: bool, ui:
         choice(ui, ("Path", tip), &mut path, paths);
         choose(motion, path);
         match path {
-            MotionPath::None | MotionPath::Points | MotionPath::Steps => {}
+            MotionPath::None | MotionPath::Points | MotionPath::Keyframes | MotionPath::Steps => {}
             MotionPath::Outline => {
                 let tip = "Focal points that run along the strokes, at equal distances";
                 count(ui, ("Running foci", tip), &mut motion.foci, 1..=64);
@@ -77,12 +88,19 @@ pub fn settings(motion: &mut Motion, figures: Option<Figures>, is_own: bool, ui:
             | MotionPath::FigureEight => {
                 let tip = "Length, diameter, side or width of the path";
                 number(ui, ("Size", tip), &mut motion.size, MM, 1e-4..=1.0);
+                if path != MotionPath::Circle {
+                    let tip = "By which the path is turned, counter-clockwise";
+                    number(ui, ("Turn", tip), &mut motion.angle, DEGREES, -TAU..=TAU);
+                }
             }
         }
         if let Some(figures) = figures.filter(|_| path != MotionPath::None) {
             tempo(motion, figures, ui);
         }
     });
+    if motion.path == MotionPath::Keyframes {
+        keyframes(&mut motion.keyframes, ui);
+    }
     if motion.path == MotionPath::Points {
         points(&mut motion.points, ui);
     }
@@ -124,9 +142,56 @@ fn choose(motion: &mut Motion, path: MotionPath) {
     if path == MotionPath::Points && motion.points.is_empty() {
         motion.points = FIRST_POINTS.to_vec();
     }
+    if path == MotionPath::Keyframes && motion.keyframes.is_empty() {
+        motion.keyframes = FIRST_KEYFRAMES.map(|(time, at)| Keyframe::new(time, at)).to_vec();
+    }
     let has_no_speed = path == MotionPath::Steps && matches!(motion.tempo, Tempo::Speed(_));
     if path == MotionPath::Outline || has_no_speed {
         motion.tempo = Tempo::usual(path);
+    }
+}
+
+/// Times, offsets in mm, pressures and easings.
+fn keyframes(keyframes: &mut Vec<Keyframe>, ui: &mut Ui) {
+    heading(ui, "Keyframes");
+    ui.label("Time in the cycle, offset from the target's own place, and the factor of its pressure:");
+    let (only, mut removed) = (keyframes.len() == 1, None);
+    let times: Vec<_> = keyframes.iter().map(|keyframe| keyframe.time).collect();
+    for (index, keyframe) in keyframes.iter_mut().enumerate() {
+        let name = |what: &str| format!("Keyframe {} {what}", index + 1);
+        ui.horizontal(|ui| {
+            ui.label(format!("{}", index + 1));
+            let before = index.checked_sub(1).map_or(0.0, |before| times[before] + APART);
+            let most = times.get(index + 1).copied().unwrap_or(1.0) - APART;
+            let time = bare_number(ui, &mut keyframe.time, PERCENT, before.min(most)..=most);
+            time.on_hover_text("Part of the cycle").accessible_name(name("time"));
+            coordinates(ui, &name("offset"), &mut keyframe.at, -2000.0);
+        });
+        ui.horizontal(|ui| {
+            ui.add_space(18.0);
+            let pressure = bare_number(ui, &mut keyframe.pressure, PLAIN, FACTORS);
+            pressure.on_hover_text("Factor of the target's pressure").accessible_name(name("pressure"));
+            let combo =
+                ComboBox::from_id_salt(name("easing")).width(76.0).selected_text(keyframe.easing.name());
+            let response = combo.show_ui(ui, |ui| {
+                for easing in Easing::ALL {
+                    ui.selectable_value(&mut keyframe.easing, easing, easing.name());
+                }
+            });
+            let tip = "How the way to the next keyframe is gone";
+            response.response.on_hover_text(tip).accessible_name(name("easing"));
+            let button = ui.add_enabled(!only, egui::Button::new("-").small());
+            if button
+                .on_hover_text("Delete")
+                .accessible_name(format!("Delete keyframe {}", index + 1))
+                .clicked()
+            {
+                removed = Some(index);
+            }
+        });
+    }
+    if let Some(index) = removed {
+        keyframes.remove(index);
     }
 }
 

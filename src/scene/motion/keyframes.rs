@@ -1,0 +1,182 @@
+//! Keyframes: places and pressures at moments of a round, and the ways between them.
+
+use std::cmp::Ordering;
+
+use glam::DVec3;
+use serde::{Deserialize, Serialize};
+
+use crate::scene::run::Vertex;
+
+/// Where a target is at a moment of the round, and how loud.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Keyframe {
+    /// Of a round, in [0, 1).
+    pub time: f64,
+    /// m, from the target's own place.
+    #[serde(default)]
+    pub at: DVec3,
+    /// What the wanted pressure is multiplied by.
+    #[serde(default = "unchanged", skip_serializing_if = "is_unchanged")]
+    pub pressure: f64,
+    /// On the way to the next.
+    #[serde(default, skip_serializing_if = "Easing::is_linear")]
+    pub easing: Easing,
+}
+
+fn unchanged() -> f64 {
+    1.0
+}
+
+fn is_unchanged(pressure: &f64) -> bool {
+    *pressure == 1.0
+}
+
+/// How the way from a keyframe to the next is gone.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Easing {
+    /// At constant speed.
+    #[default]
+    Linear,
+    /// From rest to rest: 3t² - 2t³.
+    Smooth,
+    /// Not at all: it stays until the next, and jumps.
+    Hold,
+}
+
+impl Easing {
+    pub const ALL: [Self; 3] = [Self::Linear, Self::Smooth, Self::Hold];
+
+    /// The name in scene files.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Linear => "linear",
+            Self::Smooth => "smooth",
+            Self::Hold => "hold",
+        }
+    }
+
+    fn is_linear(&self) -> bool {
+        *self == Self::Linear
+    }
+
+    /// The part of the way that is done after a part of the time.
+    fn ease(self, part: f64) -> f64 {
+        match self {
+            Self::Linear => part,
+            Self::Smooth => part * part * (3.0 - 2.0 * part),
+            Self::Hold => 0.0,
+        }
+    }
+}
+
+impl Keyframe {
+    pub fn new(time: f64, at: DVec3) -> Self {
+        Self { time, at, pressure: 1.0, easing: Easing::Linear }
+    }
+
+    fn vertex(&self) -> Vertex {
+        Vertex { at: self.at, pressure: self.pressure }
+    }
+}
+
+/// The offset and the pressure after a part of a round, in [0, 1), from keyframes in the order of their times. The last is followed by
+/// the first, a round later.
+pub(super) fn between(keyframes: &[Keyframe], part: f64) -> Vertex {
+    let (Some(first), Some(last)) = (keyframes.first(), keyframes.last()) else {
+        return Vertex { at: DVec3::ZERO, pressure: 1.0 };
+    };
+    let next = keyframes.partition_point(|keyframe| keyframe.time <= part);
+    let (from, passed) = match next.checked_sub(1) {
+        Some(before) => (&keyframes[before], part - keyframes[before].time),
+        None => (last, part + 1.0 - last.time),
+    };
+    let (to, taken) = match keyframes.get(next) {
+        Some(to) if next > 0 => (to, to.time - from.time),
+        Some(to) => (to, to.time + 1.0 - from.time),
+        None => (first, first.time + 1.0 - from.time),
+    };
+    from.vertex().lerp(to.vertex(), from.easing.ease(passed / taken))
+}
+
+/// m that a round takes along the ways; jumps take none.
+pub(super) fn length(keyframes: &[Keyframe]) -> f64 {
+    let next = keyframes.iter().cycle().skip(1);
+    let way = |(from, to): (&Keyframe, &Keyframe)| match from.easing {
+        Easing::Linear | Easing::Smooth => from.at.distance(to.at),
+        Easing::Hold => 0.0,
+    };
+    keyframes.iter().zip(next).map(way).sum()
+}
+
+/// Puts a keyframe among others, in place of one at the same time. Gives out its place.
+pub fn insert(keyframes: &mut Vec<Keyframe>, keyframe: Keyframe) -> usize {
+    let place =
+        keyframes.binary_search_by(|other| other.time.partial_cmp(&keyframe.time).unwrap_or(Ordering::Less));
+    match place {
+        Ok(index) => {
+            keyframes[index] = keyframe;
+            index
+        }
+        Err(index) => {
+            keyframes.insert(index, keyframe);
+            index
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn keyframes() -> Vec<Keyframe> {
+        let at = DVec3::new;
+        vec![
+            Keyframe { pressure: 2.0, ..Keyframe::new(0.1, at(0.0, 0.0, 0.0)) },
+            Keyframe { easing: Easing::Smooth, ..Keyframe::new(0.3, at(0.04, 0.0, 0.0)) },
+            Keyframe { easing: Easing::Hold, ..Keyframe::new(0.5, at(0.04, 0.02, 0.01)) },
+            Keyframe { pressure: 0.5, ..Keyframe::new(0.9, at(0.0, 0.02, 0.0)) },
+        ]
+    }
+
+    #[test]
+    fn the_way_between_keyframes_is_that_of_their_easings() {
+        let keyframes = keyframes();
+        for (part, at, pressure) in [
+            // Linear: a quarter, half.
+            (0.1, [0.0, 0.0, 0.0], 2.0),
+            (0.15, [0.01, 0.0, 0.0], 1.75),
+            (0.2, [0.02, 0.0, 0.0], 1.5),
+            // Smooth: 3/16 - 2/64 = 5/32 of the way after a quarter of the time.
+            (0.35, [0.04, 0.02 * 5.0 / 32.0, 0.01 * 5.0 / 32.0], 1.0),
+            (0.4, [0.04, 0.01, 0.005], 1.0),
+            // Held, and then elsewhere.
+            (0.5, [0.04, 0.02, 0.01], 1.0),
+            (0.899_999_999, [0.04, 0.02, 0.01], 1.0),
+            (0.9, [0.0, 0.02, 0.0], 0.5),
+            // Over the end of the round: from 0.9 to 1.1.
+            (0.95, [0.0, 0.015, 0.0], 0.875),
+            (0.0, [0.0, 0.01, 0.0], 1.25),
+            (0.05, [0.0, 0.005, 0.0], 1.625),
+        ] {
+            let Vertex { at: found, pressure: loud } = between(&keyframes, part);
+            assert!(found.distance(DVec3::from(at)) < 1e-9, "{part}: {found}");
+            assert!((loud - pressure).abs() < 1e-7, "{part}: {loud}");
+        }
+        assert!(between(&keyframes[3..], 0.2).at.distance(keyframes[3].at) < 1e-15, "one stands still");
+        assert_eq!(between(&[], 0.2).at, DVec3::ZERO);
+        let ways = 0.04 + f64::hypot(0.02, 0.01) + 0.02;
+        assert!((length(&keyframes) - ways).abs() < 1e-12);
+    }
+
+    #[test]
+    fn a_keyframe_goes_to_its_time() {
+        let mut all = keyframes();
+        assert_eq!(insert(&mut all, Keyframe::new(0.4, DVec3::X)), 2);
+        assert_eq!(insert(&mut all, Keyframe::new(0.4, DVec3::Y)), 2);
+        assert_eq!(insert(&mut all, Keyframe::new(0.95, DVec3::Z)), 5);
+        assert_eq!(insert(&mut all, Keyframe::new(0.0, DVec3::Z)), 0);
+        assert!(all.len() == 7 && all.is_sorted_by(|a, b| a.time < b.time));
+    }
+}

@@ -1,0 +1,326 @@
+//! The timeline below the canvas: which frame is shown, how fast they go by, and the keyframes of what moves.
+
+use egui::{
+    Align2, Button, CursorIcon, DragValue, FontId, Painter, Rect, Response, ScrollArea, Sense, Stroke, Ui,
+    WidgetInfo, pos2, vec2,
+};
+
+use crate::scene::motion::{self, Cycle, Group};
+use crate::scene::{Easing, Keyframe, MotionPath};
+use crate::ui::board::Plays;
+use crate::ui::legend::round_step;
+use crate::ui::way::{self, Vertex};
+use crate::ui::{Editor, Panel, Shown, path_marks, theme};
+
+/// Points of the screen.
+const RULER: f32 = 20.0;
+const LANE: f32 = 22.0;
+const NAMES: f32 = 84.0;
+const HALF: f32 = 6.0;
+/// Lanes before they are scrolled.
+const MOST_LANES: f32 = 4.0;
+/// Points of the screen between two times of the ruler, at least.
+const TICK: f64 = 70.0;
+/// Points of the screen below which the timeline says less, and shows fewer lanes.
+const NARROW: f32 = 460.0;
+const LOW: f32 = 600.0;
+/// Frames of a cycle up to which keyframes go from frame to frame.
+const MOST_STEPS: f64 = 4096.0;
+
+/// Whether there is one: something moves, and its motion is edited or looked at.
+pub fn is_wanted(editor: &Editor) -> bool {
+    let is_looked_at = editor.panel == Panel::Motion || editor.playback.frame.is_some();
+    is_looked_at && motion::moves(editor.scene()) && !editor.scene().targets.is_empty()
+}
+
+pub fn show(editor: &mut Editor, shown: &Shown, ui: &mut Ui) {
+    let Some(clock) = motion::cycle(editor.scene()).map(|cycle| Clock::of(&cycle)) else { return };
+    ui.horizontal_wrapped(|ui| {
+        controls(editor, shown, ui, clock);
+        keyframe(editor, ui);
+    });
+    lanes(editor, ui, clock);
+}
+
+/// What time is measured in.
+#[derive(Clone, Copy, Debug)]
+struct Clock {
+    /// Cycles per second.
+    rate: f64,
+    frames: usize,
+}
+
+impl Clock {
+    fn of(cycle: &Cycle<'_>) -> Self {
+        Self { rate: cycle.rate, frames: cycle.frames as usize }
+    }
+
+    /// ms, of a part of the cycle.
+    fn time(self, part: f64) -> String {
+        let cycle = 1e3 / self.rate;
+        let digits = (2.0 - cycle.log10().floor()).clamp(0.0, 3.0) as usize;
+        format!("{:.digits$}", cycle * part)
+    }
+}
+
+/// Shows the frame that begins at or before a part of the cycle.
+fn show_part(editor: &mut Editor, part: f64, frames: usize) {
+    let frame = ((part * frames as f64 + 1e-9) as usize).min(frames.saturating_sub(1));
+    editor.playback.playing = false;
+    editor.playback.frame = Some(frame);
+    editor.playback.part = frame as f64 / frames.max(1) as f64;
+}
+
+fn controls(editor: &mut Editor, shown: &Shown, ui: &mut Ui, clock: Clock) {
+    let playback = &mut editor.playback;
+    let (name, tip) = match playback.playing {
+        true => ("Pause", "Stay at this frame"),
+        false => ("Play", "Show one frame after the other"),
+    };
+    if ui.button(name).on_hover_text(tip).clicked() {
+        playback.playing = !playback.playing;
+        playback.frame.get_or_insert(0);
+    }
+    let rest = ui.add_enabled(playback.frame.is_some(), Button::new("At rest"));
+    if rest.on_hover_text("Show the targets where they stand in the scene").clicked() {
+        playback.playing = false;
+        playback.frame = None;
+    }
+    ui.toggle_value(&mut playback.loops, "Loop").on_hover_text("Begin again after the last frame");
+    let label = ui.label("Frame");
+    let mut number = playback.frame.map_or(1, |frame| frame + 1);
+    let field =
+        DragValue::new(&mut number).range(1..=clock.frames.max(1)).suffix(format!(" / {}", clock.frames));
+    let field = ui.add(field).labelled_by(label.id).on_hover_text("The frame whose field is shown");
+    let part = playback.frame.unwrap_or(0) as f64 / clock.frames.max(1) as f64;
+    let is_wide = ui.max_rect().width() >= NARROW;
+    if is_wide {
+        ui.label(format!("{} of {} ms", clock.time(part), clock.time(1.0)));
+    }
+    let label = ui.label("Playback");
+    let slowness = DragValue::new(&mut playback.slowness).prefix("1/").range(1.0..=1000.0).speed(0.2);
+    let slowness = ui.add(slowness.max_decimals(0)).labelled_by(label.id);
+    slowness.on_hover_text(
+        "Speed on the screen; 1/1 is real time, of which the screen shows the frames that it can",
+    );
+    if field.changed() {
+        show_part(editor, (number - 1) as f64 / clock.frames.max(1) as f64, clock.frames);
+    }
+    if shown.is_following {
+        ui.spinner();
+        ui.label("solving all frames");
+    }
+    if shown.board.plays == Plays::Motion {
+        let played = shown.board.health.as_ref().and_then(|health| health.rates).map(|rates| rates.played);
+        let frames = played.unwrap_or(clock.rate * clock.frames as f64);
+        let rate = frames / clock.frames.max(1) as f64;
+        let text = format!("Board plays {rate:.2} cycles/s, {frames:.0} frames/s");
+        ui.colored_label(theme::CHOSEN, text).on_hover_text("At 1/1 the screen is in step with the board");
+    }
+}
+
+/// What the keyframe at hand is, and another one.
+fn keyframe(editor: &mut Editor, ui: &mut Ui) {
+    let Some(target) = keyed(editor) else { return };
+    ui.separator();
+    if ui.button("Add keyframe").on_hover_text("At the playhead, where the target is then").clicked() {
+        editor.playback.playing = false;
+        editor.playback.frame.get_or_insert(0);
+        way::add_keyframe(editor, target);
+    }
+    // Always there, so that nothing moves when a keyframe is taken hold of.
+    let vertex = editor.vertex;
+    let motion = vertex.and_then(|vertex| way::motion_mut(&mut editor.document.scene, vertex.target));
+    let keyframes =
+        motion.filter(|motion| motion.path == MotionPath::Keyframes).map(|motion| &mut motion.keyframes);
+    let chosen = keyframes.zip(vertex).and_then(|(all, vertex)| all.get_mut(vertex.index));
+    let is_chosen = chosen.is_some();
+    let (mut other, tip) = (Easing::Linear, "How the way to the next keyframe is gone");
+    let easing = chosen.map_or(&mut other, |keyframe| &mut keyframe.easing);
+    ui.add_enabled_ui(is_chosen, |ui| {
+        for choice in Easing::ALL {
+            let label = ui.selectable_label(is_chosen && *easing == choice, choice.name());
+            if label.on_hover_text(tip).on_disabled_hover_text("Choose a keyframe").clicked() {
+                *easing = choice;
+            }
+        }
+    });
+}
+
+/// Whose keyframes are added to: those of the selected target, of the scene, or of the first that has some.
+fn keyed(editor: &Editor) -> Option<Option<usize>> {
+    let scene = editor.scene();
+    let is_keyed = |target: &Option<usize>| {
+        way::motion_of(scene, *target).is_some_and(|motion| motion.path == MotionPath::Keyframes)
+    };
+    let chosen = editor.selection.iter().map(|&index| Some(index));
+    let all = (0..scene.targets.len()).map(Some);
+    chosen.chain([None]).chain(all).find(is_keyed)
+}
+
+/// A row of the timeline.
+struct Lane {
+    target: Option<usize>,
+    name: String,
+    rounds: u64,
+    keyframes: Vec<Keyframe>,
+}
+
+impl Lane {
+    fn of(group: &Group<'_>) -> Self {
+        let name = group.target.map_or("All targets".to_owned(), |target| format!("Target {}", target + 1));
+        let is_keyed = group.motion.path == MotionPath::Keyframes;
+        let keyframes = if is_keyed { group.motion.keyframes.clone() } else { Vec::new() };
+        Self { target: group.target, name, rounds: group.rounds, keyframes }
+    }
+}
+
+fn lanes(editor: &mut Editor, ui: &mut Ui, clock: Clock) {
+    let Some(cycle) = motion::cycle(editor.scene()) else { return };
+    let lanes: Vec<_> = cycle.groups.iter().map(Lane::of).collect();
+    let width = ui.available_width();
+    let (rect, response) = ui.allocate_exact_size(vec2(width, RULER), Sense::click_and_drag());
+    let bar = Rect::from_min_max(rect.min + vec2(NAMES, 0.0), rect.max - vec2(HALF, 0.0));
+    response.widget_info(|| WidgetInfo::labeled(egui::Role::Slider, true, "Playhead"));
+    ruler(ui, bar, clock);
+    scrub(editor, &response, bar, clock);
+    let most = if ui.ctx().content_rect().height() < LOW { 1.0 } else { MOST_LANES };
+    let scroll = ScrollArea::vertical().max_height(LANE * most).id_salt("lanes");
+    scroll.show(ui, |ui| {
+        ui.spacing_mut().item_spacing.y = 0.0;
+        for lane in &lanes {
+            show_lane(editor, ui, lane, clock);
+        }
+    });
+}
+
+/// Times of the cycle in ms.
+fn ruler(ui: &Ui, bar: Rect, clock: Clock) {
+    let (painter, ink) = (ui.painter(), ui.visuals().text_color());
+    let cycle = 1e3 / clock.rate;
+    let step = round_step(cycle * TICK / f64::from(bar.width().max(1.0)));
+    let digits = (-step.log10().floor()).clamp(0.0, 6.0) as usize;
+    let stroke = Stroke::new(1.0, ui.visuals().weak_text_color());
+    painter.hline(bar.x_range(), bar.bottom() - 1.0, stroke);
+    for i in 0..=(cycle / step).floor() as usize {
+        let time = step * i as f64;
+        let at = pos2(bar.left() + bar.width() * (time / cycle) as f32, bar.bottom() - 1.0);
+        painter.line_segment([at, at - vec2(0.0, 5.0)], stroke);
+        let unit = if i == 0 { " ms" } else { "" };
+        let (align, text) = (Align2::LEFT_TOP, format!("{time:.digits$}{unit}"));
+        if at.x + 30.0 < bar.right() {
+            painter.text(pos2(at.x + 3.0, bar.top()), align, text, FontId::proportional(11.0), ink);
+        }
+    }
+}
+
+/// Shows the moment under the pointer.
+fn scrub(editor: &mut Editor, response: &Response, bar: Rect, clock: Clock) {
+    let is_held = response.is_pointer_button_down_on() || response.clicked();
+    if let Some(at) = response.interact_pointer_pos().filter(|_| is_held) {
+        let part = f64::from((at.x - bar.left()) / bar.width().max(1.0)).clamp(0.0, 1.0);
+        show_part(editor, part, clock.frames);
+    }
+}
+
+fn show_lane(editor: &mut Editor, ui: &mut Ui, lane: &Lane, clock: Clock) {
+    let (rect, response) = ui.allocate_exact_size(vec2(ui.available_width(), LANE), Sense::click_and_drag());
+    let bar = Rect::from_min_max(rect.min + vec2(NAMES, 1.0), rect.max - vec2(HALF, 1.0));
+    let ink = ui.visuals().text_color();
+    let name = pos2(rect.left(), rect.center().y);
+    ui.painter().text(name, Align2::LEFT_CENTER, &lane.name, FontId::proportional(12.0), ink);
+    ui.painter().rect_filled(bar, 3.0, ui.visuals().faint_bg_color);
+    scrub(editor, &response, bar, clock);
+    for (index, keyframe) in lane.keyframes.iter().enumerate() {
+        for round in 0..lane.rounds {
+            let part = (round as f64 + keyframe.time) / lane.rounds as f64;
+            let at = pos2(bar.left() + bar.width() * part as f32, bar.center().y);
+            show_keyframe(editor, ui, lane, (index, round), at, (bar, clock));
+        }
+    }
+    if let Some(frame) = editor.playback.frame {
+        let x = bar.left() + bar.width() * frame as f32 / clock.frames.max(1) as f32;
+        playhead(ui.painter(), x, bar);
+    }
+}
+
+fn playhead(painter: &Painter, x: f32, bar: Rect) {
+    painter.vline(x, bar.expand2(vec2(0.0, 1.0)).y_range(), Stroke::new(2.0, theme::CHOSEN));
+}
+
+/// A keyframe that can be chosen, dragged in time and deleted.
+fn show_keyframe(
+    editor: &mut Editor,
+    ui: &Ui,
+    lane: &Lane,
+    (index, round): (usize, u64),
+    at: egui::Pos2,
+    (bar, clock): (Rect, Clock),
+) {
+    let id = ui.scope_id().with(("keyframe", lane.target, index, round));
+    let rect = Rect::from_center_size(at, vec2(HALF, HALF) * 2.4);
+    let response =
+        ui.interact(rect, id, Sense::click_and_drag()).on_hover_cursor(CursorIcon::ResizeHorizontal);
+    response.widget_info(|| {
+        WidgetInfo::labeled(egui::Role::Button, true, format!("{} keyframe {}", lane.name, index + 1))
+    });
+    let vertex = Vertex { target: lane.target, index };
+    let is_chosen = editor.vertex == Some(vertex);
+    path_marks::diamond(ui.painter(), at, HALF, if is_chosen { theme::CHOSEN } else { theme::MARK });
+    let Keyframe { time, pressure, easing, .. } = lane.keyframes[index];
+    if response.is_pointer_button_down_on() || response.clicked() {
+        editor.vertex = Some(vertex);
+    }
+    if response.clicked() {
+        show_part(editor, (round as f64 + time) / lane.rounds as f64, clock.frames);
+    }
+    if response.secondary_clicked() {
+        editor.vertex = Some(vertex);
+        way::delete(editor);
+    } else if let Some(to) = response.interact_pointer_pos().filter(|_| response.dragged()) {
+        let part = f64::from((to.x - bar.left()) / bar.width().max(1.0)) * lane.rounds as f64 - round as f64;
+        let motion = way::motion_mut(&mut editor.document.scene, lane.target);
+        motion.into_iter().for_each(|motion| retime(&mut motion.keyframes, index, part, clock.frames as f64));
+    }
+    response.on_hover_text(format!(
+        "{} ms, pressure x {pressure:.2}, {} to the next. Drag to change its time; right click deletes.",
+        clock.time(time / lane.rounds as f64),
+        easing.name()
+    ));
+}
+
+/// Moves a keyframe to the frame nearest to a part of the round, between its neighbours.
+fn retime(keyframes: &mut [Keyframe], index: usize, part: f64, frames: f64) {
+    let step = 1.0 / frames.clamp(1.0, MOST_STEPS);
+    let least = index.checked_sub(1).map_or(0.0, |before| keyframes[before].time + step);
+    let most = keyframes.get(index + 1).map_or(1.0, |next| next.time) - step;
+    let time = (part / step).round() * step;
+    if least <= most
+        && let Some(keyframe) = keyframes.get_mut(index)
+    {
+        keyframe.time = time.clamp(least, most);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::DVec3;
+
+    use super::*;
+
+    #[test]
+    fn a_keyframe_stays_between_its_neighbours() {
+        let times = |all: &[Keyframe]| all.iter().map(|keyframe| keyframe.time).collect::<Vec<_>>();
+        let mut all: Vec<_> = [0.0, 0.5, 0.75].map(|time| Keyframe::new(time, DVec3::ZERO)).to_vec();
+        for (index, part, wanted) in [
+            (1, 0.26, [0.0, 0.25, 0.75]),
+            (1, 0.9, [0.0, 0.625, 0.75]),
+            (1, -1.0, [0.0, 0.125, 0.75]),
+            (2, 3.0, [0.0, 0.125, 0.875]),
+            (0, 0.1, [0.0, 0.125, 0.875]),
+        ] {
+            retime(&mut all, index, part, 8.0);
+            assert_eq!(times(&all), wanted);
+        }
+    }
+}

@@ -1,0 +1,107 @@
+//! Two maps side by side: what each is of, one range of colours, one pointer and one zoom, and the difference.
+
+use egui::accesskit::Role;
+use sonoglyph::scene::Method;
+use sonoglyph::ui::compare::Beside;
+
+use super::*;
+
+fn choose(screen: &mut Screen, label: &str) {
+    screen.get_by_role_and_label(Role::Button, label).click();
+    rest(screen);
+}
+
+fn comparing() -> Screen {
+    let mut screen = open();
+    choose(&mut screen, "Compare");
+    screen
+}
+
+fn beside(screen: &Screen) -> &Beside {
+    screen.state().shown().beside.as_ref().unwrap()
+}
+
+#[test]
+fn another_method_stands_beside_with_the_same_range_of_colours() {
+    let mut screen = comparing();
+    let (own, other) = (screen.state().shown().map.as_ref().unwrap(), beside(&screen).map.as_ref().unwrap());
+    let range = Some(f64::from(own.largest.max(other.largest) as f32));
+    assert_eq!((own.full, other.full), (range, range));
+    assert_ne!(own.largest, other.largest);
+    assert_eq!((own.window, own.rect.size()), (other.window, other.rect.size()));
+    assert!(own.error < 1e-3 && other.error < 1e-3);
+    let mut alone = scene(&screen).clone();
+    alone.solver.method = Method::Naive;
+    let drive = sonoglyph::solver::solve(&alone).unwrap().drive;
+    assert_eq!(beside(&screen).sound.as_ref().unwrap().drive(), &drive);
+    // What is off is not made, and the first map has its own range again.
+    choose(&mut screen, "Compare");
+    assert!(screen.state().shown().beside.is_none());
+    assert_eq!(screen.state().shown().map.as_ref().unwrap().full, None);
+    assert!(screen.run() <= 2, "an idle window asks for no frames");
+}
+
+#[test]
+fn an_idle_comparison_asks_for_no_frames() {
+    let mut screen = comparing();
+    let work = screen.state().work();
+    screen.run_steps(5);
+    assert_eq!(screen.state().work(), work);
+    assert!(screen.run() <= 2);
+}
+
+#[test]
+fn the_difference_is_that_of_both_maps() {
+    let mut screen = comparing();
+    choose(&mut screen, "Difference");
+    let largest = beside(&screen).difference.as_ref().unwrap().largest;
+    let (own, other) = {
+        let (_, own) = screen.state_mut().numbers().unwrap();
+        let shown = screen.state().shown();
+        (own, shown.beside.as_ref().unwrap().map.as_ref().unwrap().largest)
+    };
+    let most = own.iter().copied().fold(0.0, f32::max);
+    assert!(largest > 0.0 && largest <= f64::from(most).max(other), "{largest}");
+    // A method beside itself.
+    screen.get_by_role_and_label(Role::ComboBox, "Second method").click();
+    rest(&mut screen);
+    let item = screen.get_all_by_role_and_label(Role::Button, "levelled Gauss-Newton").last().unwrap();
+    item.click();
+    rest(&mut screen);
+    assert_eq!(beside(&screen).difference.as_ref().unwrap().largest, 0.0);
+}
+
+#[test]
+fn a_drive_on_few_levels_stands_beside_the_ideal_one() {
+    let mut screen = comparing();
+    choose(&mut screen, "Phase levels");
+    let ideal = screen.state().shown().sound.as_ref().unwrap().drive().clone();
+    assert_eq!(beside(&screen).sound.as_ref().unwrap().drive(), &ideal.at_levels(16));
+    assert!(screen.query_by_label_contains("solved").is_none());
+}
+
+#[test]
+fn another_plane_goes_with_the_zoom_and_both_maps_read_the_pointer_out() {
+    let mut screen = comparing();
+    choose(&mut screen, "Plane");
+    let second = beside(&screen).map.as_ref().unwrap();
+    assert_eq!(second.axes.y, DVec3::Z);
+    let right = screen.get_by_label("Second map").rect();
+    screen.hover_at(right.center());
+    screen.step();
+    let (unit, source) = (egui::MouseWheelUnit::Point, egui::MouseWheelSource::Wheel);
+    let (delta, phase) = (vec2(0.0, 120.0), egui::TouchPhase::Move);
+    screen.event(Event::MouseWheel { unit, delta, modifiers: Modifiers::NONE, phase, source });
+    for _ in 0..30 {
+        screen.step();
+    }
+    rest(&mut screen);
+    let (own, other) = (screen.state().shown().map.as_ref().unwrap(), beside(&screen).map.as_ref().unwrap());
+    assert_eq!(own.window.scale, other.window.scale);
+    assert_eq!(own.window.centre.x, other.window.centre.x);
+    assert!(screen.state().editor().view.window.is_some());
+    // At the method's own zoom, both windows are one.
+    choose(&mut screen, "Method");
+    let (own, other) = (screen.state().shown().map.as_ref().unwrap(), beside(&screen).map.as_ref().unwrap());
+    assert_eq!(own.window, other.window);
+}

@@ -1,0 +1,207 @@
+//! Motions: paths that are pulled on the canvas, keyframes on the timeline, and which frame is shown.
+
+use egui::accesskit::Role;
+use egui::{PointerButton, Pos2};
+use sonoglyph::scene::{Easing, Keyframe, Motion, MotionPath, Target, motion};
+use sonoglyph::ui::Panel;
+
+use super::*;
+
+const AT: DVec3 = DVec3::new(0.0, 0.0, 0.1);
+
+/// The window on a point that moves so, with the Motion panel.
+fn open_on(motion: Motion) -> Screen {
+    let mut screen = open();
+    let editor = screen.state_mut().editor_mut();
+    editor.document.scene.targets = vec![Target::new(Shape::Point { at: AT })];
+    editor.document.scene.motion = motion;
+    editor.document.settle();
+    editor.panel = Panel::Motion;
+    rest(&mut screen);
+    screen
+}
+
+fn keyed() -> Motion {
+    let keyframes = [(0.0, 0.0), (0.5, 0.03)].map(|(time, x)| Keyframe::new(time, DVec3::X * x)).to_vec();
+    Motion { path: MotionPath::Keyframes, keyframes, frames: 8, ..Motion::default() }
+}
+
+fn undo(screen: &mut Screen) {
+    press(screen, Modifiers::COMMAND, Key::Z);
+}
+
+/// A place on the timeline, from a part of the cycle.
+fn moment(screen: &Screen, part: f32) -> Pos2 {
+    let ruler = screen.get_by_label("Playhead").rect();
+    let (left, right) = (ruler.left() + 84.0, ruler.right() - 6.0);
+    Pos2::new(left + (right - left) * part, ruler.center().y)
+}
+
+#[test]
+fn a_path_is_pulled_to_another_size_and_angle_in_one_step() {
+    for (path, from, to, size, degrees) in [
+        (MotionPath::Line, (15.0, 0.0), (0.0, 25.0), 0.05, 90.0),
+        (MotionPath::Circle, (15.0, 0.0), (0.0, 25.0), 0.05, 0.0),
+        (MotionPath::Square, (15.0, 15.0), (30.0, 30.0), 0.06, 0.0),
+    ] {
+        let before = Motion { path, frames: 8, ..Motion::default() };
+        let mut screen = open_on(before.clone());
+        let (from, to) = (at(&screen, from.0, from.1), at(&screen, to.0, to.1));
+        drag(&mut screen, from, to);
+        let motion = &scene(&screen).motion;
+        assert!((motion.size - size).abs() < 1e-3, "{path:?}: {}", motion.size);
+        assert!((motion.angle.to_degrees() - degrees).abs() < 1e-9, "{path:?}: {}", motion.angle);
+        undo(&mut screen);
+        assert_eq!(scene(&screen).motion, before);
+    }
+}
+
+#[test]
+fn vertices_are_pulled_added_and_deleted() {
+    let points =
+        [(0.0, 20.0), (30.0, 20.0), (30.0, -20.0)].map(|(x, y)| DVec3::new(x, y, 0.0) * 1e-3).to_vec();
+    let mut screen = open_on(Motion { path: MotionPath::Points, points, frames: 8, ..Motion::default() });
+    let (from, to) = (at(&screen, 30.0, -20.0), at(&screen, 10.0, -30.0));
+    drag(&mut screen, from, to);
+    let place = scene(&screen).motion.points[2];
+    assert!(place.distance(DVec3::new(0.01, -0.03, 0.0)) < 5e-4, "{place}");
+    key(&mut screen, Key::Delete);
+    assert_eq!((scene(&screen).motion.points.len(), scene(&screen).targets.len()), (2, 1));
+    undo(&mut screen);
+    undo(&mut screen);
+    assert_eq!(scene(&screen).motion.points[2], DVec3::new(0.03, -0.02, 0.0));
+    let middle = at(&screen, 15.0, 20.0);
+    screen.hover_at(middle);
+    for _ in 0..2 {
+        screen.drag_at(middle);
+        screen.step();
+        screen.drop_at(middle);
+        screen.step();
+    }
+    rest(&mut screen);
+    let points = &scene(&screen).motion.points;
+    assert!(points.len() == 4 && points[1].distance(DVec3::new(0.015, 0.02, 0.0)) < 5e-4, "{points:?}");
+    assert!(screen.state().editor().view.window.is_none());
+}
+
+#[test]
+fn the_timeline_shows_the_moment_under_the_pointer() {
+    let mut screen = open_on(keyed());
+    assert_eq!(screen.state().editor().playback.frame, None);
+    let (from, to) = (moment(&screen, 0.1), moment(&screen, 0.26));
+    drag(&mut screen, from, to);
+    assert_eq!(screen.state().editor().playback.frame, Some(2));
+    let foci = &screen.state().shown().sound.as_ref().unwrap().foci;
+    assert!(foci[0].position.distance(AT + DVec3::X * 0.015) < 1e-12, "{foci:?}");
+    assert!(rms(&mut screen, 15.0, 0.0) > 5.0 * rms(&mut screen, -30.0, 20.0));
+    screen.get_by_label("At rest").click();
+    rest(&mut screen);
+    assert_eq!(screen.state().shown().sound.as_ref().unwrap().foci[0].position, AT);
+}
+
+#[test]
+fn it_plays_once_or_in_a_loop_and_rests_when_it_has_ended() {
+    let mut screen = open_on(keyed());
+    screen.get_by_label("Loop").click();
+    screen.run_steps(2);
+    screen.get_by_role_and_label(Role::Button, "Play").click();
+    screen.run_steps(300);
+    let playback = screen.state().editor().playback;
+    assert_eq!((playback.playing, playback.frame), (false, Some(7)), "200 ms at 1/20 are over after 4 s");
+    assert!(screen.run() <= 2, "an idle window asks for no frames");
+    screen.get_by_label("Loop").click();
+    screen.run_steps(2);
+    screen.get_by_role_and_label(Role::Button, "Play").click();
+    screen.run_steps(300);
+    assert!(screen.state().editor().playback.playing);
+    screen.get_by_role_and_label(Role::Button, "Pause").click();
+    rest(&mut screen);
+    assert!(!screen.state().editor().playback.playing);
+}
+
+#[test]
+fn keyframes_are_added_moved_eased_and_deleted() {
+    let mut screen = open_on(keyed());
+    let there = moment(&screen, 0.26);
+    click(&mut screen, there);
+    screen.get_by_label("Add keyframe").click();
+    rest(&mut screen);
+    let keyframes = scene(&screen).motion.keyframes.clone();
+    assert_eq!(keyframes[1], Keyframe::new(0.25, DVec3::X * 0.015), "it changes nothing yet");
+    // The marker at the playhead takes it elsewhere.
+    let (from, to) = (at(&screen, 15.0, 0.0), at(&screen, 15.0, 25.0));
+    drag(&mut screen, from, to);
+    let place = scene(&screen).motion.keyframes[1].at;
+    assert!(place.distance(DVec3::new(0.015, 0.025, 0.0)) < 5e-4, "{place}");
+    let round = screen.state().shown().round.clone().unwrap();
+    assert!(round.frames[2].foci[0].position.distance(AT + place) < 1e-12, "the frames follow");
+    // In time, from a quarter to three eighths.
+    let diamond = |screen: &Screen, number: u32| {
+        screen.get_by_label(&format!("All targets keyframe {number}")).rect().center()
+    };
+    let from = diamond(&screen, 2);
+    let to = Pos2::new(moment(&screen, 0.38).x, from.y);
+    drag(&mut screen, from, to);
+    assert_eq!(scene(&screen).motion.keyframes[1].time, 0.375);
+    undo(&mut screen);
+    assert_eq!(scene(&screen).motion.keyframes[1].time, 0.25, "a drag is one step");
+    let place = diamond(&screen, 2);
+    click(&mut screen, place);
+    screen.get_by_role_and_label(Role::Button, "hold").click();
+    rest(&mut screen);
+    assert_eq!(scene(&screen).motion.keyframes[1].easing, Easing::Hold);
+    let place = diamond(&screen, 2);
+    screen.hover_at(place);
+    screen.step();
+    for pressed in [true, false] {
+        let (pos, button, modifiers) = (place, PointerButton::Secondary, Modifiers::NONE);
+        screen.event(Event::PointerButton { pos, button, pressed, modifiers });
+        screen.step();
+    }
+    rest(&mut screen);
+    assert_eq!(scene(&screen).motion.keyframes, keyed().keyframes);
+}
+
+#[test]
+fn pulling_the_marker_between_keyframes_makes_one() {
+    let mut screen = open_on(keyed());
+    let there = moment(&screen, 0.26);
+    click(&mut screen, there);
+    let (from, to) = (at(&screen, 15.0, 0.0), at(&screen, 15.0, -20.0));
+    drag(&mut screen, from, to);
+    let keyframes = &scene(&screen).motion.keyframes;
+    assert!(keyframes.len() == 3 && keyframes[1].time == 0.25, "{keyframes:?}");
+    assert!(keyframes[1].at.distance(DVec3::new(0.015, -0.02, 0.0)) < 5e-4);
+    undo(&mut screen);
+    assert_eq!(scene(&screen).motion, keyed());
+}
+
+#[test]
+fn a_target_has_keyframes_of_its_own() {
+    let mut screen = open_on(Motion::default());
+    let editor = screen.state_mut().editor_mut();
+    editor.document.scene.targets[0].motion = Some(keyed());
+    editor.selection = [0].into();
+    rest(&mut screen);
+    assert!(screen.query_by_label("Target 1 keyframe 2").is_some());
+    let (from, to) = (at(&screen, 30.0, 0.0), at(&screen, 30.0, 20.0));
+    drag(&mut screen, from, to);
+    let own = scene(&screen).targets[0].motion.clone().unwrap();
+    assert!(own.keyframes[1].at.distance(DVec3::new(0.03, 0.02, 0.0)) < 5e-4, "{own:?}");
+    assert_eq!(scene(&screen).motion, Motion::default());
+    assert_eq!(motion::frames(scene(&screen)).unwrap()[4][0].position, AT + own.keyframes[1].at);
+}
+
+#[test]
+fn the_frames_of_keyframes_are_as_loud_as_they_are_to_be() {
+    let mut motion = keyed();
+    motion.keyframes = [(0.0, 1.0), (0.5, 0.5)]
+        .map(|(time, pressure)| Keyframe { pressure, ..Keyframe::new(time, DVec3::ZERO) })
+        .to_vec();
+    let screen = open_on(motion);
+    let round = screen.state().shown().round.clone().unwrap();
+    let loud: Vec<_> = round.frames.iter().map(|frame| frame.mean_pressure()).collect();
+    for (i, part) in [1.0, 0.875, 0.75, 0.625, 0.5, 0.625, 0.75, 0.875].into_iter().enumerate() {
+        assert!((loud[i] / loud[0] - part).abs() < 1e-9, "{i}: {loud:?}");
+    }
+}
