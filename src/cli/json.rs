@@ -1,11 +1,17 @@
 //! A solution as the object that other programs read.
 
 use num_complex::Complex64;
+use rayon::prelude::*;
 use serde_json::{Value, json};
 
+use crate::acoustics::Aperture;
 use crate::drive::Drive;
 use crate::scene::Focus;
 use crate::solver::{Limits, Solution};
+use crate::studio::width;
+
+/// Separate foci whose widths are found; one takes about as long as a hundred superpositions at a point.
+const MOST_WIDTHS: usize = 16;
 
 /// Foci, quality, phases and amplitudes; what follows from the limits of foci and array where these are known.
 pub fn solution(solution: &Solution, limits: Option<&Limits>) -> Value {
@@ -49,6 +55,24 @@ pub fn solution(solution: &Solution, limits: Option<&Limits>) -> Value {
         quality["condition"] = json!(limits.condition);
     }
     value
+}
+
+/// Adds the -6 dB `widths` of the first separate foci to the object of a solution: m, and m² for their area, null where |p| does
+/// not fall to half.
+pub fn add_widths(value: &mut Value, aperture: &Aperture, solution: &Solution) {
+    let drives = solution.drives();
+    let separate = solution.foci.iter().enumerate().filter(|(_, focus)| focus.is_separate());
+    let first: Vec<_> = separate.take(MOST_WIDTHS).collect();
+    let widths =
+        |&(index, focus): &(usize, &Focus)| (index, width::widths(aperture, &drives, focus.position));
+    for (index, widths) in first.par_iter().map(widths).collect::<Vec<_>>() {
+        value["foci"][index]["widths"] = json!({
+            "lateral_x": widths.lateral_x,
+            "lateral_y": widths.lateral_y,
+            "axial": widths.axial,
+            "area": widths.area,
+        });
+    }
 }
 
 /// Adds the figures of a shape.

@@ -252,7 +252,7 @@ struct BatchArgs {
     /// Leave out bound, certified, rank and condition, which take longer than the drive
     #[arg(long)]
     no_limits: bool,
-    /// Add the peak, its place and the mean of the RMS pressure on the scene's plane
+    /// Add the peak, its place and the mean of the RMS pressure on the scene's plane, and the -6 dB widths of foci
     #[arg(long)]
     field: bool,
     /// Write the RMS pressure on the plane too: FOLDER/LINE.npy, float32, row 0 at the smallest y; implies --field

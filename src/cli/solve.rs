@@ -101,7 +101,7 @@ pub(in crate::cli) fn run(args: &SolveArgs) -> anyhow::Result<()> {
         output::write(path, drive.write(&aperture).as_bytes())?;
     }
     if args.json {
-        let mut value = findings.json();
+        let mut value = findings.json(&aperture);
         if let Some(played) = &played {
             value["played"] = played.json();
         }
@@ -256,7 +256,7 @@ fn compare(
         .collect();
     report_warnings(&findings);
     if as_json {
-        let values: Vec<_> = findings.iter().map(Findings::json).collect();
+        let values: Vec<_> = findings.iter().map(|one| one.json(&aperture)).collect();
         say!("{}", serde_json::to_string_pretty(&values)?)
     } else {
         say!("{}", comparison(&findings))
@@ -459,8 +459,9 @@ impl Findings {
     }
 
     /// The object that design and other programs know.
-    fn json(&self) -> Value {
+    fn json(&self, aperture: &Aperture) -> Value {
         let mut value = json::solution(&self.solution, Some(&self.limits));
+        json::add_widths(&mut value, aperture, &self.solution);
         // Named as programs have read it since before it was called a side lobe; `side_lobe` is that of drawings.
         let lobe = self.side_lobe.as_ref().ok();
         value["quality"]["ghost"] = json!(lobe.map(|lobe| lobe.part));

@@ -14,6 +14,7 @@ pub mod paintings;
 pub mod probe;
 pub mod still;
 pub mod swell;
+pub mod width;
 
 /// The scene that is shown when none is named.
 pub const EXAMPLE: &str = include_str!("../../assets/scenes/hit.toml");

@@ -92,6 +92,7 @@ impl Task {
             answer["warnings"] = json!(solution.warnings);
         }
         if self.field || self.data.is_some() {
+            json::add_widths(&mut answer, &Aperture::new(&scene), &solution);
             answer["field"] = self.field(line.number, &scene, solution.drives(), stages)?;
         }
         Ok(answer)

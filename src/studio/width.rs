@@ -1,0 +1,242 @@
+//! How wide a focus is: its -6 dB widths and area, in f64 on the continuous field.
+//!
+//! -6 dB is half the pressure: the full width at half maximum of |p|. The maximum is the one that climbing from the focus
+//! reaches, in the plane through the focus parallel to the array for `lateral_x`, `lateral_y` and `area`, and on the line along z
+//! through that place for `axial`. A width is the distance between the two nearest places on either side of the maximum where |p|
+//! is half of it; the area is what such places enclose on all rays from the maximum.
+
+use std::f64::consts::TAU;
+
+use glam::DVec3;
+use num_complex::Complex64;
+
+use crate::acoustics::Aperture;
+use crate::drive::Drive;
+
+/// Wavelengths from the maximum within which |p| must fall to half.
+pub const REACH: f64 = 60.0;
+/// Steps in a wavelength while the half is looked for: lobes are half a wavelength wide or more.
+const PER_WAVELENGTH: f64 = 12.0;
+/// Points that are evaluated together.
+const RUN: usize = 8;
+/// Rays that measure an area; the mean of a smooth closed curve converges faster than any power of their number.
+const RAYS: usize = 32;
+/// Of a wavelength: how exactly a place is found.
+const PLACE: f64 = 1e-7;
+
+/// The -6 dB extent of one focus; `None` where |p| does not fall to half within [`REACH`] wavelengths in front of the array.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Widths {
+    /// m, along x in the plane through the focus parallel to the array.
+    pub lateral_x: Option<f64>,
+    /// m, along y in the same plane.
+    pub lateral_y: Option<f64>,
+    /// m, along z.
+    pub axial: Option<f64>,
+    /// m², in the plane through the focus parallel to the array.
+    pub area: Option<f64>,
+}
+
+/// The widths of the focus at `focus` (m) of a drive, or of several that take turns (root of the mean square). All are `None` where
+/// climbing from the focus leads away from it by more than half of the array's resolution there: it has no lobe of its own.
+///
+/// # Panics
+/// No drive.
+pub fn widths(aperture: &Aperture, drives: &[Drive], focus: DVec3) -> Widths {
+    let field = Field::new(aperture, drives);
+    let allowed = aperture.resolution()(focus) / 2.0;
+    let Some(top) = field.climb(focus, &[DVec3::X, DVec3::Y], |place| place.distance(focus) <= allowed)
+    else {
+        return Widths::default();
+    };
+    let along_z = |place: DVec3| (place.z - focus.z).abs() <= field.reach() && place.z > field.wavelength;
+    let axial_top = field.climb(top.place, &[DVec3::Z], along_z);
+    Widths {
+        lateral_x: field.width(top, DVec3::X),
+        lateral_y: field.width(top, DVec3::Y),
+        axial: axial_top.and_then(|top| field.width(top, DVec3::Z)),
+        area: field.area(top),
+    }
+}
+
+/// The pressure that drives make.
+struct Field<'a> {
+    aperture: &'a Aperture,
+    played: Vec<Complex64>,
+    wavelength: f64,
+}
+
+/// A local maximum of |p| (Pa).
+#[derive(Clone, Copy)]
+struct Top {
+    place: DVec3,
+    pressure: f64,
+}
+
+impl<'a> Field<'a> {
+    fn new(aperture: &'a Aperture, drives: &[Drive]) -> Self {
+        let played = drives.iter().flat_map(|drive| drive.excitation(&aperture.driven)).collect();
+        Self { aperture, played, wavelength: aperture.wavelength() }
+    }
+
+    /// m
+    fn reach(&self) -> f64 {
+        REACH * self.wavelength
+    }
+
+    /// |p| (Pa, peak).
+    fn pressures(&self, points: &[DVec3]) -> Vec<f64> {
+        self.aperture.transfer(points).moduli(&self.played)
+    }
+
+    /// Goes uphill in steps along the axes, which are halved where no neighbour is louder.
+    fn climb(&self, from: DVec3, axes: &[DVec3], is_allowed: impl Fn(DVec3) -> bool) -> Option<Top> {
+        let mut top = Top { place: from, pressure: self.pressures(&[from])[0] };
+        let mut step = self.wavelength / PER_WAVELENGTH;
+        while step > PLACE * self.wavelength {
+            let around: Vec<_> =
+                axes.iter().flat_map(|&axis| [top.place - axis * step, top.place + axis * step]).collect();
+            let pressures = self.pressures(&around);
+            // Between steps the summit is that of a parabola along every axis.
+            let mut summit = top.place;
+            for (&axis, pair) in axes.iter().zip(pressures.chunks(2)) {
+                let bend = pair[0] - 2.0 * top.pressure + pair[1];
+                if bend < 0.0 {
+                    summit += axis * (step * ((pair[0] - pair[1]) / (2.0 * bend)).clamp(-1.0, 1.0));
+                }
+            }
+            let candidates =
+                around.into_iter().zip(pressures).chain([(summit, self.pressures(&[summit])[0])]);
+            let loudest =
+                candidates.fold(
+                    top,
+                    |best, (place, pressure)| {
+                        if pressure > best.pressure { Top { place, pressure } } else { best }
+                    },
+                );
+            if loudest.place == top.place {
+                step /= 4.0;
+                continue;
+            }
+            top = loudest;
+            if !is_allowed(top.place) {
+                return None;
+            }
+        }
+        (top.pressure > 0.0 && is_allowed(top.place)).then_some(top)
+    }
+
+    /// The width (m) of a maximum along a direction and against it.
+    fn width(&self, top: Top, direction: DVec3) -> Option<f64> {
+        Some(self.half(top, direction)? + self.half(top, -direction)?)
+    }
+
+    /// The area (m²) around a maximum parallel to the array.
+    fn area(&self, top: Top) -> Option<f64> {
+        let square = |ray: usize| {
+            let (sine, cosine) = (TAU * ray as f64 / RAYS as f64).sin_cos();
+            self.half(top, DVec3::new(cosine, sine, 0.0)).map(|radius| radius * radius)
+        };
+        let sum = (0..RAYS).map(square).sum::<Option<f64>>()?;
+        Some(TAU / RAYS as f64 * sum / 2.0)
+    }
+
+    /// How far (m) it is along a ray to where |p| first falls to half of the maximum.
+    fn half(&self, top: Top, direction: DVec3) -> Option<f64> {
+        let step = self.wavelength / PER_WAVELENGTH;
+        let steps = (REACH * PER_WAVELENGTH) as usize;
+        let at = |distance: f64| top.place + direction * distance;
+        let (level, mut before) = (top.pressure / 2.0, top.pressure);
+        for first in (1..=steps).step_by(RUN) {
+            let distances: Vec<_> = (first..first + RUN).map(|index| index as f64 * step).collect();
+            let points: Vec<_> = distances.iter().map(|&distance| at(distance)).collect();
+            for (distance, pressure) in distances.into_iter().zip(self.pressures(&points)) {
+                if at(distance).z <= self.wavelength {
+                    return None;
+                }
+                if pressure <= level {
+                    let over = |distance: f64| self.pressures(&[at(distance)])[0] - level;
+                    let ends = [(distance - step, before - level), (distance, pressure - level)];
+                    return Some(root(over, ends, PLACE * self.wavelength));
+                }
+                before = pressure;
+            }
+        }
+        None
+    }
+}
+
+/// Where a function changes its sign between two places of which both values are known, to within `error`; regula falsi
+/// with the Illinois rule.
+fn root(value: impl Fn(f64) -> f64, [mut a, mut b]: [(f64, f64); 2], error: f64) -> f64 {
+    /// More than halving alone would need.
+    const MOST: usize = 60;
+    let mut last = a.0;
+    for _ in 0..MOST {
+        let place = (a.0 * b.1 - b.0 * a.1) / (b.1 - a.1);
+        let found = (place, value(place));
+        if found.1 == 0.0 || (place - last).abs() <= error {
+            return place;
+        }
+        last = place;
+        if (found.1 > 0.0) == (b.1 > 0.0) {
+            a.1 /= 2.0;
+        } else {
+            a = b;
+        }
+        b = found;
+    }
+    last
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::Scene;
+    use crate::solver;
+
+    fn solved(text: &str) -> (Aperture, Vec<Drive>, Vec<DVec3>) {
+        let scene: Scene =
+            crate::scene::file::parse(&format!("format = 1\n{text}"), std::path::Path::new("test")).unwrap();
+        let solution = solver::solve(&scene).unwrap();
+        let foci = solution.foci.iter().map(|focus| focus.position).collect();
+        (Aperture::new(&scene), solution.drives(), foci)
+    }
+
+    #[test]
+    fn the_root_of_a_curve_is_found() {
+        for exponent in [0.3, 1.0, 3.0] {
+            let curve = |x: f64| 0.4 - x.powf(exponent);
+            let place = root(curve, [(0.0, curve(0.0)), (2.0, curve(2.0))], 1e-12);
+            assert!((place - 0.4f64.powf(1.0 / exponent)).abs() < 1e-9, "{exponent}: {place}");
+        }
+    }
+
+    #[test]
+    fn widths_are_those_of_the_formula() {
+        const MEDIUM: &str = "[medium]\nsound_speed = 343.0\ndensity = 1.2\nabsorption = 1.0\n";
+        // From numpy in f64: the sum over elements on lines, halved until the place is found; areas by counting squares.
+        let cases = [
+            ("", "[0.0, 0.0, 0.1]", [0.0087048519168, 0.0087048519168, 0.0372957186602, 6.0559e-5]),
+            ("", "[0.02, -0.01, 0.15]", [0.0113316297290, 0.0112281281135, 0.0586248466, 1.02481e-4]),
+            ("rows = 6\n", "[0.0, 0.01, 0.12]", [0.0093959217554, 0.0218423871508, 0.0606408850, 1.65646e-4]),
+            ("", "[0.0, 0.0, 2.0]", [0.1234253504, 0.1234253504, f64::NAN, 0.0123927]),
+        ];
+        for (array, at, [x, y, z, area]) in cases {
+            let (aperture, drives, foci) =
+                solved(&format!("{MEDIUM}[array]\n{array}[[target]]\nkind = \"point\"\nat = {at}\n"));
+            let found = widths(&aperture, &drives, foci[0]);
+            let agrees = |found: Option<f64>, expected: f64, error: f64| {
+                found.map_or(expected.is_nan(), |found| (found / expected - 1.0).abs() < error)
+            };
+            assert!(agrees(found.lateral_x, x, 1e-6) && agrees(found.lateral_y, y, 1e-6), "{at}: {found:?}");
+            assert!(agrees(found.axial, z, 1e-6) && agrees(found.area, area, 3e-3), "{at}: {found:?}");
+        }
+    }
+
+    #[test]
+    fn a_point_without_a_lobe_of_its_own_has_no_width() {
+        let (aperture, drives, _) = solved("[[target]]\nkind = \"point\"\nat = [0.0, 0.0, 0.1]\n");
+        assert_eq!(widths(&aperture, &drives, DVec3::new(0.006, 0.0, 0.1)), Widths::default());
+    }
+}
