@@ -132,7 +132,10 @@ pub struct Look {
 
 impl Look {
     /// The drives whose field or mean is shown.
-    fn drives(&self, solved: &Solved) -> anyhow::Result<Vec<Drive>> {
+    ///
+    /// # Errors
+    /// A moment that the motion does not have.
+    pub fn drives(&self, solved: &Solved) -> anyhow::Result<Vec<Drive>> {
         let Solved { scene, solution, .. } = solved;
         let presses = matches!(self.diagram, Diagram::Map(quantity) if quantity.declaration().is_slow);
         let moment = match self.moment {

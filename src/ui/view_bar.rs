@@ -154,19 +154,12 @@ fn free_plane(plane: &mut FreePlane, ui: &mut Ui) {
 
 fn colours(editor: &mut Editor, shown: &Shown, ui: &mut Ui) {
     let view = &mut editor.view;
-    let names = [
-        (ColourMap::Inferno, "Inferno"),
-        (ColourMap::Viridis, "Viridis"),
-        (ColourMap::Magma, "Magma"),
-        (ColourMap::Grey, "Grey"),
-    ];
     let is_amount = view.quantity.is_amount();
     ui.add_enabled_ui(is_amount, |ui| {
-        let current = names.iter().find(|(map, _)| *map == view.colours).map_or("", |(_, name)| name);
-        let combo = ComboBox::from_id_salt("colours").width(76.0).selected_text(current);
+        let combo = ComboBox::from_id_salt("colours").width(76.0).selected_text(view.colours.title());
         let response = combo.show_ui(ui, |ui| {
-            for (map, name) in names {
-                ui.selectable_value(&mut view.colours, map, name);
+            for map in ColourMap::OF_AMOUNTS {
+                ui.selectable_value(&mut view.colours, map, map.title());
             }
         });
         response.response.accessible_name("Colours").on_hover_text("Colours of the map");
