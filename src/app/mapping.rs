@@ -260,6 +260,11 @@ impl Mapping {
         Some(Picture::from_field_order(request.size.0, request.size.1, colours.as_flattened()))
     }
 
+    /// What the map on the screen is made from.
+    pub fn request(&self) -> Option<Request> {
+        self.drawn.as_ref().map(|drawn| drawn.wanted.request.clone())
+    }
+
     /// The map's values, height and width first. Waits for a GPU.
     pub fn numbers(&mut self) -> Option<(Vec<u64>, Vec<f32>)> {
         let request = self.drawn.as_ref()?.wanted.request.clone();

@@ -3,6 +3,7 @@
 mod desktop;
 mod errand;
 mod examples;
+mod figure;
 mod files;
 mod later;
 #[cfg(feature = "serial")]
@@ -27,6 +28,7 @@ use crate::ui::{self, Command, Dialog, Editor, Notice, Shown, canvas, theme};
 use desktop::{Legacy, TITLE};
 use errand::Errand;
 use examples::EXAMPLES;
+use figure::Previews;
 use files::{Film, Outcome};
 use link::Board;
 use recovery::Recovery;
@@ -55,6 +57,7 @@ pub struct Window {
     memory: Option<Memory>,
     errands: Vec<Errand<Outcome>>,
     filming: Option<Film>,
+    previews: Previews,
     /// Where the editor goes if the device that draws the window is lost.
     legacy: Option<Legacy>,
 }
@@ -96,6 +99,7 @@ impl Window {
             memory: None,
             errands: Vec::new(),
             filming: None,
+            previews: Previews::default(),
             legacy: None,
         }
     }
@@ -176,7 +180,7 @@ impl Window {
 
     /// Whether something is being made on a thread.
     pub fn is_busy(&self) -> bool {
-        self.workshop.is_busy() || !self.errands.is_empty()
+        self.workshop.is_busy() || self.previews.is_busy() || !self.errands.is_empty()
     }
 
     fn execute(&mut self, command: Command, ctx: &egui::Context) {
@@ -197,6 +201,7 @@ impl Window {
             Command::Overwrite(path) => self.overwrite(&path, ctx),
             Command::Import(path) => self.import(path, ctx),
             Command::Export(export, path) => self.export(export, &path, ctx),
+            Command::CopyFigure => self.copy_figure(ctx),
             Command::CallOff => self.filming.iter().for_each(|film| film.progress.call_off()),
             Command::Browse(purpose) => self.browse(purpose, ctx),
             Command::Board(command) => {
@@ -331,6 +336,7 @@ impl Window {
         if !is_held && !self.editor.is_in_gesture() && !ctx.text_edit_focused() {
             self.editor.document.settle();
         }
+        self.preview_figure(&ctx);
         self.name_window(&ctx);
         self.keep(&ctx);
         self.keep_settings(&ctx);

@@ -331,6 +331,7 @@ fn parse_method(name: &str) -> Result<Method, String> {
 /// Bad input, or output that cannot be written; the message is for the user as it stands.
 pub fn run() -> anyhow::Result<Next> {
     output::outlive_file_limits()?;
+    arguments::refuse_misspelt()?;
     let cli = match Cli::try_parse() {
         Ok(cli) => cli,
         Err(error) => return arguments::answer(&error),

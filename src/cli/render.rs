@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use anyhow::{Context, bail};
+use anyhow::{Context, anyhow, bail};
 use indicatif::{ProgressBar, ProgressStyle};
 
 use crate::cli::figure::{FigureArgs, write as write_figure};
@@ -69,7 +69,8 @@ pub fn run(args: &RenderArgs) -> anyhow::Result<()> {
     for output in &outputs {
         match &wish {
             Some(_) => figure::format(output).map(drop)?,
-            None => figure::refuse_other_than_png(output)?,
+            None => figure::refuse_ending(output, &["png"])
+                .map_err(|error| anyhow!("{error}; with --figure as .png, .svg or .pdf"))?,
         }
     }
     for path in &args.scenes {
@@ -87,7 +88,7 @@ pub fn run(args: &RenderArgs) -> anyhow::Result<()> {
     // A drive has no field to compute, and so no word is needed on who would.
     let mut stages = Stages::new(match args.quantity {
         Diagram::Drive => Evaluator::Cpu,
-        Diagram::Map(_) | Diagram::Sheet => evaluator::for_maps(look.backend)?,
+        Diagram::Map(_) | Diagram::Sheet => evaluator::for_maps(look.backend, args.verbose)?,
     });
 
     let bar = bar(scenes.len());

@@ -75,24 +75,18 @@ pub fn format(path: &Path) -> anyhow::Result<Format> {
     })
 }
 
-/// Refuses the name of a picture that would not be what its ending says.
+/// Refuses a name that says other than what is written.
 ///
 /// # Errors
-/// An ending other than `.png`.
-pub fn refuse_other_than_png(path: &Path) -> anyhow::Result<()> {
+/// An ending that is none of these.
+pub fn refuse_ending(path: &Path, endings: &[&str]) -> anyhow::Result<()> {
     let Some(ending) = path.extension().map(|ending| ending.to_string_lossy().to_lowercase()) else {
         return Ok(());
     };
-    match ending.as_str() {
-        "png" => Ok(()),
-        "svg" | "pdf" => {
-            bail!("{}: pictures are written as .png; with --figure as .png, .svg and .pdf", echo::path(path))
-        }
-        _ => bail!(
-            "{}: pictures are written as .png, and with --figure as .svg and .pdf too",
-            echo::path(path)
-        ),
+    if endings.contains(&ending.as_str()) {
+        return Ok(());
     }
+    bail!("{}: this is written as .{}", echo::path(path), endings.join(" or ."))
 }
 
 /// A figure, and the map in it.

@@ -66,7 +66,7 @@ pub fn default_sheet(path: Option<&Path>) -> anyhow::Result<()> {
     files.reads_pictures(&scene)?;
     files.writes(&output)?;
     let solved = Solved::new(scene, path.unwrap_or(Path::new("hit.toml")))?;
-    let mut stages = Stages::new(evaluator::for_maps(Backend::Auto)?);
+    let mut stages = Stages::new(evaluator::for_maps(Backend::Auto, true)?);
     let look = Look {
         diagram: Diagram::Sheet,
         shaded: false,

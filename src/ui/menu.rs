@@ -25,6 +25,9 @@ pub fn bar(editor: &mut Editor, shown: &Shown, ui: &mut Ui, commands: &mut Vec<C
             });
         });
         ui.menu_button("Export", |ui| {
+            if ui.button("Figure…").on_hover_text("With axes and colour bar: PDF, SVG or PNG").clicked() {
+                editor.dialog = Some(Dialog::Figure);
+            }
             for (name, export) in [
                 ("Map as PNG…", Export::Map),
                 ("Sheet as PNG…", Export::Sheet),

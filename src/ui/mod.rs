@@ -33,6 +33,7 @@ use crate::acoustics::{Air, Aperture};
 use crate::drive::Drive;
 use crate::field::contour::Line;
 use crate::field::{self, Quantity};
+use crate::picture::figure::Format;
 use crate::scene::{Focus, Method, Scene, Target};
 use crate::solver::Solution;
 use crate::solver::frames::Sequence;
@@ -44,6 +45,7 @@ use gesture::{Gesture, Typing};
 use tool::Tool;
 use view::{Cut, View, Window};
 
+pub use dialog::figure::{FigureForm, Preview};
 pub use dialog::import::Import;
 pub use dialog::{Dialog, IMPORTED, Purpose};
 
@@ -66,6 +68,8 @@ pub struct Editor {
     gesture: Option<Gesture>,
     typing: Option<Typing>,
     pub dialog: Option<Dialog>,
+    /// What figures look like, while the program runs.
+    pub figure: FigureForm,
     /// What to do once the scene is saved.
     pub after_saving: Option<Command>,
     pub playback: Playback,
@@ -157,6 +161,8 @@ pub enum Command {
     CallOff,
     /// Asks the desktop for a file.
     Browse(Purpose),
+    /// Puts the figure on the clipboard.
+    CopyFigure,
     CompareMethods,
     Board(BoardCommand),
     /// Goes on with what the last run left.
@@ -174,6 +180,8 @@ impl Command {
 /// What can be written beside the scene itself.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Export {
+    /// The map with axes, as [`Editor::figure`] says.
+    Figure(Format),
     /// The map as it is on the screen.
     Map,
     /// Wanted points, drive and map on one page.
@@ -222,6 +230,8 @@ pub struct Shown {
     pub notice: Option<Notice>,
     /// What is being written meanwhile, and the part of it that is done.
     pub export: Option<(String, f32)>,
+    /// The figure that is being asked about, or why there is none; `None` until it is there.
+    pub figure: Option<Result<Preview, String>>,
 }
 
 impl Shown {
@@ -366,6 +376,7 @@ impl Editor {
             gesture: None,
             typing: None,
             dialog: None,
+            figure: FigureForm::default(),
             after_saving: None,
             playback: Playback::default(),
             oscillation: Oscillation { playing: true, part: 0.0 },
@@ -465,7 +476,7 @@ pub fn show(
         editor.layout.section = section.response.rect.height();
     }
     CentralPanel::default().frame(Frame::NONE).show(ui, |ui| canvas(editor, shown, ui));
-    dialog::show(editor, ui.ctx(), &mut commands);
+    dialog::show(editor, shown, ui.ctx(), &mut commands);
     if editor.view.quantity != quantity {
         // A range of pascals is none of metres.
         editor.view.full = None;

@@ -7,6 +7,7 @@
 mod board;
 mod brush;
 mod edits;
+mod figure;
 mod files;
 mod gpu;
 mod quantities;

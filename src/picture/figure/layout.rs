@@ -22,6 +22,7 @@ const FOCUS_RADIUS: f64 = 0.8;
 const CAPITAL: f64 = 0.727;
 /// mm from one number on an axis to the next, about.
 const SPACING: f64 = 10.0;
+const BAR_SPACING: f64 = 8.0;
 /// What numbers beside a colour bar have room for, whatever they are: figures of one size stand side by side.
 const NUMBERS: &str = "0000";
 /// A map is at most so many times as high as the figure is wide.
@@ -179,7 +180,7 @@ impl Bar {
     /// Numbers beside a bar of this height (mm).
     fn ticks(&self, height: f64) -> Vec<(f64, String)> {
         let [low, high] = self.ends;
-        self.numbers.clone().unwrap_or_else(|| steps(low, high, (height / SPACING).max(2.0)))
+        self.numbers.clone().unwrap_or_else(|| steps(low, high, (height / BAR_SPACING).max(2.0)))
     }
 }
 

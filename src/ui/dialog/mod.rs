@@ -1,15 +1,17 @@
 //! What is asked or said in the middle of the window.
 
+pub mod figure;
 pub mod import;
 
 use std::path::{Path, PathBuf};
 
 use egui::{Context, Id, Key, Modal, RichText, ScrollArea, TextEdit, Ui};
 
+use crate::picture::figure::Format;
 use crate::scene::Scene;
 use crate::ui::document::Document;
 use crate::ui::tool::Tool;
-use crate::ui::{Command, Editor, Export, keys};
+use crate::ui::{Command, Editor, Export, Shown, keys};
 use import::Import;
 
 /// A question or a message; nothing else is done meanwhile.
@@ -33,6 +35,8 @@ pub enum Dialog {
     Recovered(Box<Scene>),
     /// Where is this drawing to stand?
     Import(Box<Import>),
+    /// What is a figure of the map to look like?
+    Figure,
     Help,
 }
 
@@ -55,6 +59,7 @@ impl Purpose {
             Self::Open => "Open a scene",
             Self::SaveAs => "Save the scene as",
             Self::Import => "Import a drawing (SVG) or a picture of strokes (PNG, JPEG, BMP)",
+            Self::Export(Export::Figure(_)) => "Export the figure",
             Self::Export(Export::Map) => "Export the map as PNG",
             Self::Export(Export::Sheet) => "Export the sheet as PNG",
             Self::Export(Export::Numbers) => "Export the map's numbers as NPY",
@@ -68,7 +73,9 @@ impl Purpose {
         match self {
             Self::Open | Self::SaveAs => &["toml"],
             Self::Import => IMPORTED,
-            Self::Export(Export::Map | Export::Sheet) => &["png"],
+            Self::Export(Export::Figure(Format::Pdf)) => &["pdf"],
+            Self::Export(Export::Figure(Format::Svg)) => &["svg"],
+            Self::Export(Export::Figure(Format::Png) | Export::Map | Export::Sheet) => &["png"],
             Self::Export(Export::Numbers) => &["npy"],
             Self::Export(Export::Drive) => &["csv"],
             Self::Export(Export::Motion) => &["gif", "png", "apng"],
@@ -118,7 +125,7 @@ impl Dialog {
 }
 
 /// Draws the dialog that is open, if one is.
-pub fn show(editor: &mut Editor, ctx: &Context, commands: &mut Vec<Command>) {
+pub fn show(editor: &mut Editor, shown: &Shown, ctx: &Context, commands: &mut Vec<Command>) {
     let Some(mut dialog) = editor.dialog.take() else { return };
     let mut stays = true;
     let modal = Modal::new(Id::unique("dialog")).show(ctx, |ui| {
@@ -136,6 +143,7 @@ pub fn show(editor: &mut Editor, ctx: &Context, commands: &mut Vec<Command>) {
             }
             Dialog::Recovered(scene) => stays = recovered(scene, ui, commands),
             Dialog::Import(import) => stays = import.show(editor, ui),
+            Dialog::Figure => stays = figure::show(editor, shown, ui, commands),
             Dialog::Help => {
                 help(ui);
                 stays = !ui.button("Close").clicked();
