@@ -16,7 +16,7 @@ use crate::scene::{Scene, check};
 use crate::solver::frames;
 use crate::source;
 use crate::studio::paintings::Placed;
-use crate::studio::{animate, link, map, output};
+use crate::studio::{animate, figure, link, map, output};
 use crate::ui::document::Document;
 use crate::ui::section::Profile;
 use crate::ui::view::Lens;
@@ -269,10 +269,12 @@ impl Window {
     }
 
     pub(super) fn export(&mut self, export: Export, path: &Path, ctx: &egui::Context) {
-        if let Err(error) = output::refuse_stream(path) {
+        let endings = Purpose::Export(export).extensions();
+        if let Err(error) = output::refuse_stream(path).and_then(|()| figure::refuse_ending(path, endings)) {
             return self.refuse("Nothing was exported", &error);
         }
         let bytes = match export {
+            Export::Figure(format) => self.figure_bytes(format),
             Export::Motion => return self.film(path, ctx),
             Export::Map => self.map_png(),
             Export::Sheet => self.sheet_png(),

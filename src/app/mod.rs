@@ -4,6 +4,7 @@ mod comparison;
 mod desktop;
 mod errand;
 mod examples;
+mod figure;
 mod files;
 mod folders;
 mod later;
@@ -34,6 +35,7 @@ use crate::ui::{self, Command, Dialog, Editor, Notice, Purpose, Shown, canvas, c
 use desktop::{Legacy, TITLE};
 use errand::Errand;
 use examples::EXAMPLES;
+use figure::Previews;
 use files::{Film, Outcome};
 use link::Board;
 use recovery::Recovery;
@@ -77,6 +79,7 @@ pub struct Window {
     errands: Vec<Errand<Outcome>>,
     thumbnails: Thumbnails,
     filming: Option<Film>,
+    previews: Previews,
     /// Where the editor goes if the device that draws the window is lost.
     legacy: Option<Legacy>,
 }
@@ -122,6 +125,7 @@ impl Window {
             errands: Vec::new(),
             thumbnails: Thumbnails::default(),
             filming: None,
+            previews: Previews::default(),
             legacy: None,
         }
     }
@@ -203,7 +207,7 @@ impl Window {
 
     /// Whether something is being made on a thread.
     pub fn is_busy(&self) -> bool {
-        self.workshop.is_busy() || !self.errands.is_empty()
+        self.workshop.is_busy() || self.previews.is_busy() || !self.errands.is_empty()
     }
 
     fn execute(&mut self, command: Command, ctx: &egui::Context) {
@@ -229,6 +233,7 @@ impl Window {
             Command::Overwrite(path) => self.overwrite(&path, ctx),
             Command::Import(path) => self.import(path, ctx),
             Command::Export(export, path) => self.export(export, &path, ctx),
+            Command::CopyFigure => self.copy_figure(ctx),
             Command::CallOff => self.filming.iter().for_each(|film| film.progress.call_off()),
             Command::Answer(purpose, text) => self.answer(purpose, &text, ctx),
             Command::List(folder) => self.list(folder, ctx),
@@ -421,6 +426,7 @@ impl Window {
         if !is_held && !self.editor.is_in_gesture() && !ctx.text_edit_focused() {
             self.editor.document.settle();
         }
+        self.preview_figure(&ctx);
         self.name_window(&ctx);
         self.keep(&ctx);
         self.keep_settings(&ctx);

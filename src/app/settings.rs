@@ -29,12 +29,6 @@ const MOST_BYTES: u64 = 1 << 20;
 const SMALLEST: [f32; 2] = [200.0, 150.0];
 const LARGEST: f32 = 16_384.0;
 
-const COLOURS: [(ColourMap, &str); 4] = [
-    (ColourMap::Inferno, "inferno"),
-    (ColourMap::Viridis, "viridis"),
-    (ColourMap::Magma, "magma"),
-    (ColourMap::Grey, "grey"),
-];
 const THEMES: [(ThemePreference, &str); 3] =
     [(ThemePreference::System, "system"), (ThemePreference::Dark, "dark"), (ThemePreference::Light, "light")];
 
@@ -102,7 +96,7 @@ impl Default for Settings {
             marks: true,
             contours: false,
             shaded: false,
-            colours: COLOURS[0].1.to_owned(),
+            colours: ColourMap::default().name().to_owned(),
             decibels: false,
             peak: false,
             grid: 0.005,
@@ -136,7 +130,7 @@ impl Settings {
             marks: view.marks,
             contours: view.contours,
             shaded: view.shaded,
-            colours: name(&COLOURS, &view.colours),
+            colours: view.colours.name().to_owned(),
             decibels: view.scale == Scale::Logarithmic,
             peak: view.convention == Convention::Peak,
             grid: editor.grid,
@@ -169,7 +163,8 @@ impl Settings {
         (view.contours, view.shaded) = (self.contours, self.shaded);
         view.scale = if self.decibels { Scale::Logarithmic } else { Scale::Linear };
         view.convention = if self.peak { Convention::Peak } else { Convention::Rms };
-        view.colours = value(&COLOURS, &self.colours).unwrap_or(view.colours);
+        let named = ColourMap::OF_AMOUNTS.into_iter().find(|map| map.name() == self.colours);
+        view.colours = named.unwrap_or(view.colours);
     }
 
     /// From the file's text, with every number in its limits, whatever it says.

@@ -57,7 +57,7 @@ pub fn run(args: &RenderArgs) -> anyhow::Result<()> {
     let pictures = schedule.map_or(sequence.frames.len(), |schedule| schedule.pictures);
     target.pictures(&stem(path), pictures).try_for_each(|path| files.keeps(&path))?;
     target.make_folder()?;
-    let stages = Stages::new(evaluator::for_maps(args.backend.backend)?);
+    let stages = Stages::new(evaluator::for_maps(args.backend.backend, args.verbose)?);
     let seconds = sequence.seconds;
     let drives: Vec<_> = sequence.frames.into_iter().map(|frame| frame.drive).collect();
     let request = Request::new(&scene, drives, quantity, size);

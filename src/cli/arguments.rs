@@ -2,10 +2,12 @@
 
 use std::fmt;
 use std::io::{self, Write};
+use std::path::Path;
 
+use clap::CommandFactory;
 use clap::error::Error;
 
-use crate::cli::Next;
+use crate::cli::{Cli, Next};
 use crate::echo;
 use crate::studio::output;
 
@@ -36,6 +38,33 @@ pub fn answer(error: &Error) -> anyhow::Result<Next> {
     drop(output::standard()?);
     error.print().and_then(|()| io::stdout().flush()).map_err(output::unsaid)?;
     Ok(Next::Exit)
+}
+
+/// Refuses a word in the place of a command or a scene that is neither.
+///
+/// # Errors
+/// [`BadArguments`], once it is said.
+pub fn refuse_misspelt() -> anyhow::Result<()> {
+    /// Words so much alike are taken for one another.
+    const ALIKE: f64 = 0.85;
+    let Some(word) = std::env::args_os().nth(1).and_then(|word| word.into_string().ok()) else {
+        return Ok(());
+    };
+    let is_word = !word.is_empty() && word.chars().all(|c| c.is_ascii_lowercase());
+    let commands = Cli::command();
+    let mut names = commands.get_subcommands().map(|command| command.get_name()).chain(["help"]);
+    if !is_word || names.any(|name| name == word) || Path::new(&word).exists() {
+        return Ok(());
+    }
+    let alike = |name: &str| strsim::jaro_winkler(name, &word);
+    let nearest = commands
+        .get_subcommands()
+        .map(|command| command.get_name())
+        .max_by(|a, b| alike(a).total_cmp(&alike(b)))
+        .filter(|name| alike(name) >= ALIKE);
+    let hint = nearest.map_or_else(String::new, |name| format!("; did you mean `{name}`?"));
+    let _ = writeln!(io::stderr(), "error: {}: no such command or file{hint}", echo::value(&word));
+    Err(BadArguments.into())
 }
 
 /// What clap says, with the arguments as messages show them.

@@ -5,6 +5,7 @@ mod arguments;
 pub mod batch;
 mod boards;
 mod devices;
+mod figure;
 mod interrupt;
 mod json;
 mod motion;
@@ -21,6 +22,7 @@ use clap::{Args, Parser, Subcommand, ValueEnum};
 use crate::bench::{self, Subject};
 pub use crate::cli::arguments::BadArguments;
 use crate::cli::boards::{BoardArgs, CheckArgs, SendArgs};
+use crate::cli::figure::FigureArgs;
 use crate::field::Quantity;
 use crate::picture::ColourMap;
 use crate::scene::{Listener, Method, Scene};
@@ -58,6 +60,8 @@ enum Command {
     ///   sonoglyph render water-two-points.toml -o water.png --quantity depression --view shaded
     ///
     ///   sonoglyph render hit.toml -o hit.png --data hit.npy --backend reference
+    ///
+    ///   sonoglyph render hit.toml -o hit.pdf --figure --contours -6 --targets --scale-bar
     ///
     ///   sonoglyph render assets/scenes/water-moving-square.toml --motion -o square.gif
     ///
@@ -197,6 +201,8 @@ struct RenderArgs {
     /// Say what was used and how long it took
     #[arg(short, long)]
     verbose: bool,
+    #[command(flatten)]
+    figure: FigureArgs,
 }
 
 #[derive(Debug, Args)]
@@ -325,6 +331,7 @@ fn parse_method(name: &str) -> Result<Method, String> {
 /// Bad input, or output that cannot be written; the message is for the user as it stands.
 pub fn run() -> anyhow::Result<Next> {
     output::outlive_file_limits()?;
+    arguments::refuse_misspelt()?;
     let cli = match Cli::try_parse() {
         Ok(cli) => cli,
         Err(error) => return arguments::answer(&error),

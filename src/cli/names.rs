@@ -71,18 +71,11 @@ impl ValueEnum for Diagram {
 
 impl ValueEnum for ColourMap {
     fn value_variants<'a>() -> &'a [Self] {
-        &[Self::Inferno, Self::Viridis, Self::Magma, Self::Grey]
+        &Self::OF_AMOUNTS
     }
 
     fn to_possible_value(&self) -> Option<PossibleValue> {
-        Some(PossibleValue::new(match self {
-            Self::Inferno => "inferno",
-            Self::Viridis => "viridis",
-            Self::Magma => "magma",
-            Self::Grey => "grey",
-            // They belong to phases and to instantaneous pressures, which have no others.
-            Self::Cyclic | Self::Diverging => return None,
-        }))
+        Some(PossibleValue::new(self.name()))
     }
 }
 

@@ -3,15 +3,16 @@
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use anyhow::{Context, bail};
+use anyhow::{Context, anyhow, bail};
 use indicatif::{ProgressBar, ProgressStyle};
 
+use crate::cli::figure::{FigureArgs, write as write_figure};
 use crate::cli::{RenderArgs, View, progress, read_scene};
 use crate::echo;
 use crate::field::{Evaluator, Stages};
-use crate::studio::evaluator;
 use crate::studio::output::{self, Files, say};
 use crate::studio::still::{self, Diagram, LARGEST_SIDE, Look, Moment, Size, Solved, stem};
+use crate::studio::{evaluator, figure};
 
 /// `W` or `WxH`.
 pub fn parse_size(text: &str) -> Result<Size, String> {
@@ -60,15 +61,24 @@ pub fn run(args: &RenderArgs) -> anyhow::Result<()> {
     if args.data.is_some() && args.scenes.len() > 1 {
         bail!("--data takes the numbers of one scene, and {} are given", args.scenes.len());
     }
-    let look = look(args);
+    let (look, wish) = (look(args), FigureArgs::wish(args)?);
     // Every scene is read and solved before the first is drawn: a slip in the last one costs no work.
     let (mut scenes, mut files) = (Vec::new(), Files::new());
     args.scenes.iter().try_for_each(|path| files.reads(path))?;
     outputs.iter().chain(&args.data).try_for_each(|path| files.keeps(path))?;
+    for output in &outputs {
+        match &wish {
+            Some(_) => figure::format(output).map(drop)?,
+            None => figure::refuse_ending(output, &["png"])
+                .map_err(|error| anyhow!("{error}; with --figure as .png, .svg or .pdf"))?,
+        }
+    }
     for path in &args.scenes {
         let mut scene = read_scene(path, args.method, &mut files)?;
         scene.plane.tolerance = args.tolerance.unwrap_or(scene.plane.tolerance);
-        look.pixels(&scene)?;
+        if wish.is_none() {
+            look.pixels(&scene)?;
+        }
         scenes.push(Solved::new(scene, path)?);
     }
     make_folder(args, &outputs)?;
@@ -78,12 +88,21 @@ pub fn run(args: &RenderArgs) -> anyhow::Result<()> {
     // A drive has no field to compute, and so no word is needed on who would.
     let mut stages = Stages::new(match args.quantity {
         Diagram::Drive => Evaluator::Cpu,
-        Diagram::Map(_) | Diagram::Sheet => evaluator::for_maps(look.backend)?,
+        Diagram::Map(_) | Diagram::Sheet => evaluator::for_maps(look.backend, args.verbose)?,
     });
 
     let bar = bar(scenes.len());
     for (solved, output) in scenes.iter().zip(&outputs) {
         bar.set_message(echo::value(&solved.name));
+        if let Some((quantity, wish)) = &wish {
+            let figure = (&look, *quantity, wish);
+            bar.suspend(|| {
+                write_figure(solved, &mut stages, figure, output, args.data.as_deref())
+                    .with_context(|| solved.name.clone())
+            })?;
+            bar.inc(1);
+            continue;
+        }
         let start = Instant::now();
         let rendered = still::render(solved, &mut stages, &look).with_context(|| solved.name.clone())?;
         rendered.write(output, args.data.as_deref())?;

@@ -1,38 +1,107 @@
 //! Colour maps: one table of 256 colours for the GPU, the legend and the PNG.
 
+use std::f64::consts::TAU;
+
 /// A table of colours.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum ColourMap {
     #[default]
     Inferno,
     Viridis,
+    /// Reads the same to people who do not tell red from green.
+    Cividis,
     Magma,
     Grey,
-    /// The only one whose ends meet, for phases.
+    /// The only one whose ends meet, for phases: all hues at one lightness.
     Cyclic,
     /// Dark in the middle: from the most negative (blue) to the most positive (red).
     Diverging,
 }
 
 impl ColourMap {
+    /// Those to choose from for amounts; phases and signed values have their own.
+    pub const OF_AMOUNTS: [Self; 5] = [Self::Inferno, Self::Viridis, Self::Cividis, Self::Magma, Self::Grey];
+
+    /// In arguments, settings and, with a capital, in menus.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Inferno => "inferno",
+            Self::Viridis => "viridis",
+            Self::Cividis => "cividis",
+            Self::Magma => "magma",
+            Self::Grey => "grey",
+            Self::Cyclic => "cyclic",
+            Self::Diverging => "diverging",
+        }
+    }
+
+    /// The name as menus have it.
+    pub fn title(self) -> String {
+        let (first, rest) = self.name().split_at(1);
+        first.to_uppercase() + rest
+    }
+
     /// r, g, b, a of 256 steps.
     pub fn table(self) -> [[u8; 4]; 256] {
         let gradient = match self {
             Self::Inferno => colorous::INFERNO,
             Self::Viridis => colorous::VIRIDIS,
+            Self::Cividis => colorous::CIVIDIS,
             Self::Magma => colorous::MAGMA,
             // A straight line in sRGB is even to the eye.
             Self::Grey => return std::array::from_fn(|i| [i as u8, i as u8, i as u8, 255]),
-            Self::Cyclic => colorous::RAINBOW,
+            Self::Cyclic => return std::array::from_fn(|i| hue(i as f64 / 256.0)),
             Self::Diverging => return std::array::from_fn(|i| diverging(i as f64 / 127.5 - 1.0)),
         };
-        // The last of a cyclic map is one step before the first.
-        let steps = if self == Self::Cyclic { 257 } else { 256 };
         std::array::from_fn(|i| {
-            let colorous::Color { r, g, b } = gradient.eval_rational(i, steps);
+            let colorous::Color { r, g, b } = gradient.eval_rational(i, 256);
             [r, g, b, 255]
         })
     }
+
+    /// For a light ground, as in print: white where there is nothing, and darker the more there is.
+    pub fn table_on_light(self) -> [[u8; 4]; 256] {
+        /// Steps in which white becomes the lightest colour of the table.
+        const FADE: f64 = 64.0;
+        let table = self.table();
+        match self {
+            Self::Inferno | Self::Viridis | Self::Cividis | Self::Magma | Self::Grey => {
+                std::array::from_fn(|i| {
+                    let white = (1.0 - i as f64 / FADE).max(0.0).powi(2);
+                    let [r, g, b, _] = table[255 - i];
+                    let mixed = |c: u8| (f64::from(c) + white * (255.0 - f64::from(c))).round() as u8;
+                    [mixed(r), mixed(g), mixed(b), 255]
+                })
+            }
+            Self::Diverging => std::array::from_fn(|i| diverging_on_light(i as f64 / 127.5 - 1.0)),
+            Self::Cyclic => table,
+        }
+    }
+}
+
+/// The colour of a part of a turn, at one lightness and chroma of Oklab (B. Ottosson, "A perceptual color space for image
+/// processing", 2020), the largest chroma that sRGB has for all hues there. Phase 0, the middle, is orange.
+fn hue(turn: f64) -> [u8; 4] {
+    const LIGHTNESS: f64 = 0.74;
+    const CHROMA: f64 = 0.12;
+    const MIDDLE: f64 = 0.17;
+    let angle = TAU * (turn - 0.5 + MIDDLE);
+    let (a, b) = (CHROMA * angle.cos(), CHROMA * angle.sin());
+    let l = (LIGHTNESS + 0.396_337_777_4 * a + 0.215_803_757_3 * b).powi(3);
+    let m = (LIGHTNESS - 0.105_561_345_8 * a - 0.063_854_172_8 * b).powi(3);
+    let s = (LIGHTNESS - 0.089_484_177_5 * a - 1.291_485_548_0 * b).powi(3);
+    let linear = [
+        4.076_741_662_1 * l - 3.307_711_591_3 * m + 0.230_969_929_2 * s,
+        -1.268_438_004_6 * l + 2.609_757_401_1 * m - 0.341_319_396_5 * s,
+        -0.004_196_086_3 * l - 0.703_418_614_7 * m + 1.707_614_701_0 * s,
+    ];
+    let byte = |c: f64| {
+        let c = c.clamp(0.0, 1.0);
+        let encoded = if c <= 0.003_130_8 { 12.92 * c } else { 1.055 * c.powf(1.0 / 2.4) - 0.055 };
+        (255.0 * encoded).round() as u8
+    };
+    let [r, g, b] = linear.map(byte);
+    [r, g, b, 255]
 }
 
 /// The colour of a part of the largest, -1 to 1. Both arms get lighter alike.
@@ -47,6 +116,17 @@ fn diverging(part: f64) -> [u8; 4] {
     [channel(0), channel(1), channel(2), 255]
 }
 
+/// The same on a light ground: white in the middle, darker towards both ends.
+fn diverging_on_light(part: f64) -> [u8; 4] {
+    const NEGATIVE: [[f64; 3]; 2] = [[96.0, 156.0, 226.0], [10.0, 40.0, 110.0]];
+    const POSITIVE: [[f64; 3]; 2] = [[234.0, 124.0, 92.0], [110.0, 12.0, 24.0]];
+    let [half, end] = if part < 0.0 { NEGATIVE } else { POSITIVE };
+    let place = 2.0 * part.abs();
+    let (from, to, place) = if place < 1.0 { ([255.0; 3], half, place) } else { (half, end, place - 1.0) };
+    let channel = |i: usize| (from[i] + (to[i] - from[i]) * place).round() as u8;
+    [channel(0), channel(1), channel(2), 255]
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -55,10 +135,13 @@ mod tests {
     fn tables_run_from_dark_to_light_and_the_cyclic_one_closes() {
         let lightness =
             |[r, g, b, _]: [u8; 4]| 0.21 * f64::from(r) + 0.72 * f64::from(g) + 0.07 * f64::from(b);
-        for map in [ColourMap::Inferno, ColourMap::Viridis, ColourMap::Magma, ColourMap::Grey] {
+        for map in ColourMap::OF_AMOUNTS {
             let table = map.table();
             assert!(table.windows(2).all(|pair| lightness(pair[1]) > lightness(pair[0]) - 1.0), "{map:?}");
             assert!(lightness(table[255]) - lightness(table[0]) > 150.0, "{map:?}");
+            let on_light = map.table_on_light();
+            assert_eq!(on_light[0], [255; 4], "{map:?}");
+            assert!(on_light.windows(2).all(|pair| lightness(pair[1]) < lightness(pair[0]) + 1.0), "{map:?}");
         }
         let diverging = ColourMap::Diverging.table();
         for i in 0..128 {
@@ -70,5 +153,13 @@ mod tests {
         let cyclic = ColourMap::Cyclic.table();
         let step = |a: [u8; 4], b: [u8; 4]| a.iter().zip(&b).map(|(a, b)| a.abs_diff(*b)).max();
         assert!(step(cyclic[0], cyclic[255]) <= Some(8));
+        // Relative luminance (IEC 61966-2-1) of one Oklab lightness: within a few per cent, where a rainbow has a factor of ten.
+        let luminance = |[r, g, b, _]: [u8; 4]| {
+            let linear = |c: u8| (f64::from(c) / 255.0 + 0.055).powf(2.4) / 1.055f64.powf(2.4);
+            0.2126 * linear(r) + 0.7152 * linear(g) + 0.0722 * linear(b)
+        };
+        let all = cyclic.map(luminance);
+        let (least, most) = all.iter().fold((f64::MAX, 0.0f64), |(a, b), &l| (a.min(l), b.max(l)));
+        assert!(most / least < 1.35, "{least} {most}");
     }
 }

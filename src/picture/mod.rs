@@ -5,6 +5,7 @@ pub mod animation;
 pub mod chart;
 pub mod colour;
 pub mod export;
+pub mod figure;
 pub mod grey;
 pub mod relief;
 pub mod sheet;

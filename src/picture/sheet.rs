@@ -415,14 +415,14 @@ fn frame(root: &Root<'_>, (left, top): (i32, i32), (width, height): (i32, i32)) 
 }
 
 /// Coordinates (mm) of a point's projection on the plane, along the axes that label it.
-fn on_plane(plane: &Plane, point: DVec3) -> Option<DVec2> {
+pub fn on_plane(plane: &Plane, point: DVec3) -> Option<DVec2> {
     let (x, y) = plane.axes()?;
     let offset = point - plane.centre;
     Some(centre(plane) + DVec2::new(offset.dot(x), offset.dot(y)) * 1e3)
 }
 
 /// The plane's corners in mm.
-fn ranges(plane: &Plane) -> (DVec2, DVec2) {
+pub fn ranges(plane: &Plane) -> (DVec2, DVec2) {
     let half = plane.size * 500.0;
     (centre(plane) - half, centre(plane) + half)
 }
@@ -433,7 +433,8 @@ fn centre(plane: &Plane) -> DVec2 {
     plane.axes().map_or(DVec2::ZERO, |(x, y)| DVec2::new(along(x), along(y)) * 1e3)
 }
 
-fn labels(plane: &Plane) -> (&'static str, &'static str) {
+/// What the plane's axes are called.
+pub fn labels(plane: &Plane) -> (&'static str, &'static str) {
     let (x, y) = plane.axes().unwrap_or((DVec3::X, DVec3::Y));
     (
         axis_name(x).unwrap_or("along the plane's x axis / mm"),

@@ -25,11 +25,12 @@ pub enum Renderer {
     Glow,
 }
 
-/// The evaluator for maps. `auto` takes the GPU if there is one that is not software, else the CPU, and says why not.
+/// The evaluator for maps. `auto` takes the GPU if there is one that is not software, else the CPU; that there is none it says
+/// only where words are wanted.
 ///
 /// # Errors
 /// A GPU that was asked for by name and cannot be had.
-pub fn for_maps(backend: Backend) -> Result<Evaluator, GpuError> {
+pub fn for_maps(backend: Backend, is_verbose: bool) -> Result<Evaluator, GpuError> {
     Ok(match backend {
         Backend::Reference => Evaluator::Reference,
         Backend::Cpu => Evaluator::Cpu,
@@ -37,7 +38,9 @@ pub fn for_maps(backend: Backend) -> Result<Evaluator, GpuError> {
         Backend::Auto => match adapter::open_best(false) {
             Ok(gpu) => Evaluator::Gpu(Box::new(gpu)),
             Err(error) => {
-                note(&format!("{error}; the CPU computes the field"));
+                if is_verbose || !matches!(error, GpuError::NoAdapter(_)) {
+                    note(&format!("{error}; the CPU computes the field"));
+                }
                 Evaluator::Cpu
             }
         },
@@ -51,7 +54,7 @@ pub fn for_maps(backend: Backend) -> Result<Evaluator, GpuError> {
 pub fn for_points(backend: Backend) -> Result<Evaluator, GpuError> {
     match backend {
         Backend::Auto => Ok(Evaluator::Reference),
-        backend => for_maps(backend),
+        backend => for_maps(backend, true),
     }
 }
 

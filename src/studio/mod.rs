@@ -5,6 +5,7 @@ pub mod animate;
 pub mod bring_up;
 pub mod convention;
 pub mod evaluator;
+pub mod figure;
 pub mod link;
 pub mod liquid;
 pub mod map;

@@ -66,7 +66,7 @@ pub fn default_sheet(path: Option<&Path>) -> anyhow::Result<()> {
     files.reads_pictures(&scene)?;
     files.writes(&output)?;
     let solved = Solved::new(scene, path.unwrap_or(Path::new("hit.toml")))?;
-    let mut stages = Stages::new(evaluator::for_maps(Backend::Auto)?);
+    let mut stages = Stages::new(evaluator::for_maps(Backend::Auto, true)?);
     let look = Look {
         diagram: Diagram::Sheet,
         shaded: false,
@@ -132,7 +132,10 @@ pub struct Look {
 
 impl Look {
     /// The drives whose field or mean is shown.
-    fn drives(&self, solved: &Solved) -> anyhow::Result<Vec<Drive>> {
+    ///
+    /// # Errors
+    /// A moment that the motion does not have.
+    pub fn drives(&self, solved: &Solved) -> anyhow::Result<Vec<Drive>> {
         let Solved { scene, solution, .. } = solved;
         let presses = matches!(self.diagram, Diagram::Map(quantity) if quantity.declaration().is_slow);
         let moment = match self.moment {

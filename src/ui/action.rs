@@ -3,6 +3,7 @@
 use egui::{Context, Key, KeyboardShortcut, Modifiers, Theme};
 
 use crate::field::Quantity;
+use crate::picture::figure::Format;
 use crate::scene::motion;
 use crate::ui::board::{BoardCommand, Plays};
 use crate::ui::brush;
@@ -112,8 +113,16 @@ impl Action {
         ];
         all.extend([A::Copy, A::Paste, A::Duplicate, A::Delete, A::SelectAll, A::Snap]);
         all.extend(
-            [Export::Map, Export::Sheet, Export::Numbers, Export::Drive, Export::Profile, Export::Motion]
-                .map(A::Export),
+            [
+                Export::Figure(Format::Pdf),
+                Export::Map,
+                Export::Sheet,
+                Export::Numbers,
+                Export::Drive,
+                Export::Profile,
+                Export::Motion,
+            ]
+            .map(A::Export),
         );
         all.extend(Tool::ALL.map(A::Tool));
         all.extend([A::SmallerBrush, A::LargerBrush]);
@@ -143,6 +152,7 @@ impl Action {
             Self::Delete => "Delete",
             Self::SelectAll => "Select all",
             Self::Snap => "Snap to the grid",
+            Self::Export(Export::Figure(_)) => "Figure for print…",
             Self::Export(Export::Map) => "Map as PNG…",
             Self::Export(Export::Sheet) => "Sheet as PNG…",
             Self::Export(Export::Numbers) => "Map's numbers as NPY…",
@@ -334,6 +344,7 @@ impl Action {
             Self::Delete => keys::delete_chosen(editor),
             Self::SelectAll => editor.selection = (0..editor.scene().targets.len()).collect(),
             Self::Snap => editor.snaps = !editor.snaps,
+            Self::Export(Export::Figure(_)) => editor.dialog = Some(Dialog::Figure),
             Self::Export(export) => ask_for_file(Purpose::Export(export)),
             Self::Tool(tool) => editor.tool = tool,
             Self::SmallerBrush => editor.brush.scale(1.0 / brush::STEP),

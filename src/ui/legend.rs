@@ -16,17 +16,6 @@ use crate::ui::{Editor, Map, Shown, panels, segments, theme};
 const WIDTH: f32 = 16.0;
 const GAP: f32 = 14.0;
 
-const COLOURS: [(ColourMap, &str); 4] = [
-    (ColourMap::Inferno, "Inferno"),
-    (ColourMap::Viridis, "Viridis"),
-    (ColourMap::Magma, "Magma"),
-    (ColourMap::Grey, "Grey"),
-];
-
-fn colours_name(colours: ColourMap) -> &'static str {
-    COLOURS.iter().find(|(map, _)| *map == colours).map_or("", |(_, name)| name)
-}
-
 /// Where the bar lies beside a plot.
 fn place(plot: Rect) -> Rect {
     Rect::from_min_max(
@@ -102,12 +91,11 @@ fn choices(view: &mut View, map: &Map, ui: &mut Ui) {
     let label = |ui: &mut Ui, text: &str| ui.label(theme::label(text, ui.visuals()));
     if is_amount {
         let name = label(ui, "Colours");
-        let list =
-            ComboBox::from_id_salt("colours").selected_text(colours_name(view.colours)).show_ui(ui, |ui| {
-                for (map, name) in COLOURS {
-                    ui.selectable_value(&mut view.colours, map, name);
-                }
-            });
+        let list = ComboBox::from_id_salt("colours").selected_text(view.colours.title()).show_ui(ui, |ui| {
+            for map in ColourMap::OF_AMOUNTS {
+                ui.selectable_value(&mut view.colours, map, map.title());
+            }
+        });
         list.response.labelled_by(name.id);
         ui.end_row();
         label(ui, "Scale");

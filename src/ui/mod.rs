@@ -55,6 +55,7 @@ use glam::{DVec2, DVec3};
 use crate::acoustics::{Air, Aperture};
 use crate::drive::Drive;
 use crate::field::{self, Quantity};
+use crate::picture::figure::Format;
 use crate::scene::{Focus, Method, Scene, Target};
 use crate::solver::Solution;
 use crate::solver::frames::Sequence;
@@ -71,6 +72,7 @@ use typing::Typing;
 use view::View;
 
 pub use dialog::Dialog;
+pub use dialog::figure::{FigureForm, Preview};
 pub use dialog::file::{Asking, Entry, Folder, IMPORTED, Purpose};
 pub use dialog::import::Import;
 pub use map::{Map, Texture};
@@ -109,6 +111,8 @@ pub struct Editor {
     escaped: Option<f64>,
     /// The user was told in this run how loud a board is.
     pub was_warned: bool,
+    /// What figures look like, while the program runs.
+    pub figure: FigureForm,
     /// What to do once the scene is saved.
     pub after_saving: Option<Command>,
     pub playback: Playback,
@@ -231,6 +235,8 @@ pub enum Command {
     List(Option<PathBuf>),
     /// Asks the desktop for a file; the answer so far comes back if it gives none.
     Browse(Purpose, String),
+    /// Puts the figure on the clipboard.
+    CopyFigure,
     CompareMethods,
     Board(BoardCommand),
     /// Goes on with what the last run left.
@@ -250,6 +256,8 @@ impl Command {
 /// What can be written beside the scene itself.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Export {
+    /// The map with axes, as [`Editor::figure`] says.
+    Figure(Format),
     /// The map as it is on the screen.
     Map,
     /// Wanted points, drive and map on one page.
@@ -309,6 +317,8 @@ pub struct Shown {
     pub notice: Option<Notice>,
     /// What is being written meanwhile, and the part of it that is done.
     pub export: Option<(String, f32)>,
+    /// The figure that is being asked about, or why there is none; `None` until it is there.
+    pub figure: Option<Result<Preview, String>>,
 }
 
 impl Shown {
@@ -414,6 +424,7 @@ impl Editor {
             hints: false,
             escaped: None,
             was_warned: false,
+            figure: FigureForm::default(),
             after_saving: None,
             playback: Playback::default(),
             oscillation: Oscillation { playing: true, part: 0.0 },

@@ -9,6 +9,7 @@ mod brush;
 mod canvas;
 mod compare;
 mod edits;
+mod figure;
 mod files;
 mod gpu;
 mod motion;

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use egui::{Button, Key, RichText, ScrollArea, TextEdit, Ui};
 
 use crate::echo;
+use crate::picture::figure::Format;
 use crate::ui::dialog::{answer, is_entered};
 use crate::ui::document::Document;
 use crate::ui::{Command, Dialog, Editor, Export, Shown, theme};
@@ -31,6 +32,7 @@ impl Purpose {
             Self::Open => "Open a scene",
             Self::SaveAs => "Save the scene as",
             Self::Import => "Import a drawing (SVG) or a picture of strokes (PNG, JPEG, BMP)",
+            Self::Export(Export::Figure(_)) => "Export the figure",
             Self::Export(Export::Map) => "Export the map as PNG",
             Self::Export(Export::Sheet) => "Export the sheet as PNG",
             Self::Export(Export::Numbers) => "Export the map's numbers as NPY",
@@ -45,7 +47,9 @@ impl Purpose {
         match self {
             Self::Open | Self::SaveAs => &["toml"],
             Self::Import => IMPORTED,
-            Self::Export(Export::Map | Export::Sheet) => &["png"],
+            Self::Export(Export::Figure(Format::Pdf)) => &["pdf"],
+            Self::Export(Export::Figure(Format::Svg)) => &["svg"],
+            Self::Export(Export::Figure(Format::Png) | Export::Map | Export::Sheet) => &["png"],
             Self::Export(Export::Numbers) => &["npy"],
             Self::Export(Export::Drive | Export::Profile) => &["csv"],
             Self::Export(Export::Motion) => &["gif", "png", "apng"],

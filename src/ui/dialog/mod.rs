@@ -1,5 +1,6 @@
 //! What is asked or said in the middle of the window.
 
+pub mod figure;
 pub mod file;
 pub mod import;
 mod palette;
@@ -51,6 +52,8 @@ pub enum Dialog {
     },
     /// Where is this drawing to stand?
     Import(Box<Import>),
+    /// What is a figure of the map to look like?
+    Figure,
     Help,
 }
 
@@ -127,6 +130,7 @@ pub fn show(editor: &mut Editor, shown: &Shown, ctx: &Context, commands: &mut Ve
                 stays = palette::show((text, chosen), (editor, shown), ui, commands);
             }
             Dialog::Import(import) => stays = import.show(editor, ui),
+            Dialog::Figure => stays = figure::show(editor, shown, ui, commands),
             Dialog::Help => {
                 help(ui);
                 stays = !answer(ui, ("Close", true), |_| ());

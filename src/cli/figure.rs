@@ -1,0 +1,157 @@
+//! `sonoglyph render --figure`: figures for papers.
+
+use std::path::Path;
+
+use anyhow::bail;
+use clap::Args;
+
+use crate::cli::{RenderArgs, View};
+use crate::field::{Quantity, Request, Scale, Stages, missed};
+use crate::picture::export;
+use crate::picture::figure::Paper;
+use crate::studio::convention::Convention;
+use crate::studio::evaluator::Backend;
+use crate::studio::figure::{self, DENSITIES, WIDTHS, Wish};
+use crate::studio::map;
+use crate::studio::output::{self, say, warn};
+use crate::studio::still::{Diagram, Look, Solved};
+
+#[derive(Debug, Args)]
+#[command(next_help_heading = "Figures")]
+pub struct FigureArgs {
+    /// Draw a figure for a paper, with axes and a colour bar: PNG, SVG or PDF by the ending
+    #[arg(long, conflicts_with_all = ["size", "motion", "waves"])]
+    figure: bool,
+    /// Width of the figure in mm [default: 85, a column]
+    #[arg(long, value_name = "W", requires = "figure", value_parser = parse_width)]
+    width_mm: Option<f64>,
+    /// Dots per inch of the map, and of a PNG [default: 300]
+    #[arg(long, value_name = "D", requires = "figure", value_parser = parse_density)]
+    dpi: Option<f64>,
+    /// Colours by decibels of the largest value
+    #[arg(long, requires = "figure")]
+    db: bool,
+    /// Values of the first and the last colour: Pa, m, W/m² or m/s; with --db in dB
+    #[arg(long, value_name = "A,B", requires = "figure", allow_hyphen_values = true, value_parser = parse_range)]
+    range: Option<[f64; 2]>,
+    /// Lines at these levels, in dB of the largest value: -6, or -3,-6,-12
+    #[arg(long, value_name = "L", requires = "figure", allow_hyphen_values = true, value_delimiter = ',', value_parser = parse_level)]
+    contours: Vec<f64>,
+    /// Draw targets: strokes as lines, foci as rings
+    #[arg(long, requires = "figure")]
+    targets: bool,
+    /// Draw a bar of a round length on the map
+    #[arg(long, requires = "figure")]
+    scale_bar: bool,
+    /// A line above the map
+    #[arg(long, value_name = "T", requires = "figure")]
+    title: Option<String>,
+    /// Colours for a light ground: white where there is no sound
+    #[arg(long, requires = "figure")]
+    light: bool,
+    /// State pressures as peak amplitudes instead of RMS
+    #[arg(long, requires = "figure")]
+    peak: bool,
+}
+
+fn number_within(text: &str, [least, most]: [f64; 2], unit: &str) -> Result<f64, String> {
+    match text.trim().parse::<f64>() {
+        Ok(number) if (least..=most).contains(&number) => Ok(number),
+        _ => Err(format!("give a number from {least} to {most} {unit}")),
+    }
+}
+
+fn parse_width(text: &str) -> Result<f64, String> {
+    number_within(text, WIDTHS, "mm")
+}
+
+fn parse_density(text: &str) -> Result<f64, String> {
+    number_within(text, DENSITIES, "dots per inch")
+}
+
+fn parse_range(text: &str) -> Result<[f64; 2], String> {
+    let numbers: Result<Vec<f64>, _> = text.split(',').map(|number| number.trim().parse()).collect();
+    match numbers.as_deref() {
+        Ok(&[low, high]) if low < high && low.is_finite() && high.is_finite() => Ok([low, high]),
+        _ => Err("give two numbers, the smaller first: A,B".to_owned()),
+    }
+}
+
+fn parse_level(text: &str) -> Result<f64, String> {
+    match text.trim().parse::<f64>() {
+        Ok(level) if (-200.0..0.0).contains(&level) => Ok(level),
+        _ => Err("give a number of dB below 0, such as -6".to_owned()),
+    }
+}
+
+impl FigureArgs {
+    /// What is chosen, where a figure is asked for.
+    ///
+    /// # Errors
+    /// What has no figure.
+    pub(in crate::cli) fn wish(args: &RenderArgs) -> anyhow::Result<Option<(Quantity, Wish)>> {
+        let figure = &args.figure;
+        if !figure.figure {
+            return Ok(None);
+        }
+        let Diagram::Map(quantity) = args.quantity else {
+            bail!(
+                "--figure draws a quantity on a plane: `drive` and `sheet` are pages with axes of their own"
+            );
+        };
+        if args.view == View::Shaded {
+            bail!("--figure draws flat maps: leave --view shaded out");
+        }
+        let column = Paper::default();
+        let wish = Wish {
+            paper: Paper {
+                width: figure.width_mm.unwrap_or(column.width),
+                dpi: figure.dpi.unwrap_or(column.dpi),
+            },
+            title: figure.title.clone(),
+            colours: args.colours,
+            is_light: figure.light,
+            scale: if figure.db { Scale::Logarithmic } else { Scale::Linear },
+            range: figure.range,
+            full: None,
+            contours: figure.contours.clone(),
+            convention: if figure.peak { Convention::Peak } else { Convention::Rms },
+            has_colour_bar: true,
+            has_scale_bar: figure.scale_bar,
+            has_targets: figure.targets,
+        };
+        Ok(Some((quantity, wish)))
+    }
+}
+
+/// Draws and writes the figure of a scene.
+pub(in crate::cli) fn write(
+    solved: &Solved,
+    stages: &mut Stages,
+    (look, quantity, wish): (&Look, Quantity, &Wish),
+    output: &Path,
+    data: Option<&Path>,
+) -> anyhow::Result<()> {
+    let Solved { name, scene, solution } = solved;
+    let format = figure::format(output)?;
+    let request = Request::new(scene, look.drives(solved)?, quantity, (1, 1));
+    let gpu_is_asked_for = look.backend == Backend::Gpu;
+    let drawn = figure::draw((scene, &solution.foci), &request, wish, stages, gpu_is_asked_for)?;
+    if let Some(missed) = missed(drawn.map.error, scene.plane.tolerance) {
+        warn(&format!("{name}: {missed}"));
+    }
+    let bytes = drawn.figure.write(format)?;
+    if let Some(data) = data {
+        let shape = [drawn.map.height as u64, drawn.map.width as u64];
+        output::write(data, &export::npy(&shape, &drawn.map.values)?)?;
+    }
+    output::write(output, &bytes)?;
+    let [width, height] = drawn.figure.size();
+    say!(
+        "{}: {width:.1} x {height:.1} mm, a map of {} x {} pixels, {}",
+        crate::echo::path(output),
+        drawn.map.width,
+        drawn.map.height,
+        map::extent(quantity, drawn.map.peak.into())
+    )
+}

@@ -1,0 +1,42 @@
+//! Round values on axes.
+
+/// 1, 2 or 5 times a power of ten, not less than `least`.
+pub fn round_step(least: f64) -> f64 {
+    let power = 10f64.powf(least.log10().floor());
+    [1.0, 2.0, 5.0, 10.0]
+        .into_iter()
+        .map(|step| step * power)
+        .find(|&step| step >= least * 0.999)
+        .unwrap_or(least)
+}
+
+/// Round values from `low` to `high`, at most about `most` of them, as numbers and as text.
+pub fn steps(low: f64, high: f64, most: f64) -> Vec<(f64, String)> {
+    let step = round_step(((high - low) / most).max(1e-12));
+    let decimals = (-(step * 1.001).log10().floor()).clamp(0.0, 9.0) as usize;
+    let (first, last) = ((low / step - 1e-6).ceil() as i64, (high / step + 1e-6).floor() as i64);
+    (first..=last).map(|index| index as f64 * step).map(|value| (value, number(value, decimals))).collect()
+}
+
+/// With a minus sign, and without one before zero.
+fn number(value: f64, decimals: usize) -> String {
+    let text = format!("{:.decimals$}", value.abs());
+    let is_zero = text.bytes().all(|byte| matches!(byte, b'0' | b'.'));
+    if value < 0.0 && !is_zero { format!("−{text}") } else { text }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn axes_have_round_numbers() {
+        let words = |low, high, most| -> Vec<String> {
+            steps(low, high, most).into_iter().map(|(_, word)| word).collect()
+        };
+        assert_eq!(words(-100.0, 100.0, 4.0), ["−100", "−50", "0", "50", "100"]);
+        assert_eq!(words(0.0, 0.73, 5.0), ["0.0", "0.2", "0.4", "0.6"]);
+        assert_eq!(words(-40.0, 0.0, 4.0), ["−40", "−30", "−20", "−10", "0"]);
+        assert_eq!(words(0.0, 1234.0, 3.0), ["0", "500", "1000"]);
+    }
+}

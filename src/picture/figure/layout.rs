@@ -1,0 +1,361 @@
+//! Where the parts of a figure stand.
+
+use crate::field::contour::Line;
+use crate::picture::Picture;
+use crate::picture::figure::axes::{round_step, steps};
+use crate::picture::figure::{Anchor, BLACK, Figure, Ink, Mark, font};
+
+/// Heights of letters, mm: 9, 8 and 7 points.
+const TITLE: f64 = 3.175;
+const LABEL: f64 = 2.82;
+const NUMBER: f64 = 2.47;
+/// mm
+const MARGIN: f64 = 1.0;
+const GAP: f64 = 1.0;
+const TICK: f64 = 0.9;
+const HAIRLINE: f64 = 0.18;
+const STROKE: f64 = 0.3;
+const BAR_WIDTH: f64 = 3.0;
+const BAR_GAP: f64 = 2.5;
+const FOCUS_RADIUS: f64 = 0.8;
+/// Height of capitals and figures over that of the letters' em.
+const CAPITAL: f64 = 0.727;
+/// mm from one number on an axis to the next, about.
+const SPACING: f64 = 10.0;
+const BAR_SPACING: f64 = 8.0;
+/// What numbers beside a colour bar have room for, whatever they are: figures of one size stand side by side.
+const NUMBERS: &str = "0000";
+/// A map is at most so many times as high as the figure is wide.
+const TALLEST: f64 = 2.0;
+/// The least width of a map, mm.
+const LEAST: f64 = 10.0;
+
+/// The kinds of file that a figure is written as.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Format {
+    #[default]
+    Png,
+    Svg,
+    Pdf,
+}
+
+impl Format {
+    pub const ALL: [Self; 3] = [Self::Png, Self::Svg, Self::Pdf];
+
+    /// Of a file's name, and on buttons in capitals.
+    pub fn ending(self) -> &'static str {
+        match self {
+            Self::Png => "png",
+            Self::Svg => "svg",
+            Self::Pdf => "pdf",
+        }
+    }
+}
+
+/// The size of a figure.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Paper {
+    /// Of the whole figure, mm.
+    pub width: f64,
+    /// Dots per inch of the map and of the PNG.
+    pub dpi: f64,
+}
+
+impl Default for Paper {
+    /// A column of a journal.
+    fn default() -> Self {
+        Self { width: 85.0, dpi: 300.0 }
+    }
+}
+
+/// An axis of the map.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Axis {
+    /// mm, at the first and the last edge.
+    pub ends: [f64; 2],
+    pub label: String,
+}
+
+/// A colour bar.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Bar {
+    pub table: [[u8; 4]; 256],
+    /// The values of the first and the last colour.
+    pub ends: [f64; 2],
+    pub label: String,
+    /// Values where numbers stand, instead of round ones.
+    pub numbers: Option<Vec<(f64, String)>>,
+}
+
+/// What a figure shows, but for the map's pixels.
+#[derive(Clone, Debug)]
+pub struct Content {
+    pub title: Option<String>,
+    /// To the right and upwards.
+    pub axes: [Axis; 2],
+    pub bar: Option<Bar>,
+    /// A scale bar in the map's lower left corner.
+    pub has_scale_bar: bool,
+    /// Lines of equal value in pixels of the map, as [`crate::field::contour`] has them.
+    pub contours: Vec<Line>,
+    /// Outlines of targets, mm on the axes.
+    pub outlines: Vec<Vec<[f64; 2]>>,
+    /// Focal points, mm on the axes.
+    pub foci: Vec<[f64; 2]>,
+    /// Ink on the map that stands out from its ground.
+    pub is_light: bool,
+}
+
+/// Where the map stands, in pixels of the PNG.
+struct Frame {
+    density: f64,
+    /// Left, top.
+    corner: [usize; 2],
+    pub map: [usize; 2],
+    page: [usize; 2],
+}
+
+impl Content {
+    fn frame(&self, paper: Paper) -> Frame {
+        let density = paper.dpi / 25.4;
+        let [x, y] = &self.axes;
+        let span = |axis: &Axis| (axis.ends[1] - axis.ends[0]).max(1e-9);
+        let widest = |numbers: &[(f64, String)]| {
+            numbers.iter().map(|(_, text)| font::width(text, NUMBER)).fold(0.0, f64::max)
+        };
+        // The numbers of the upright axes depend on the height that they make room for; a few too many are wide enough.
+        let left = MARGIN + LABEL + GAP + widest(&steps(y.ends[0], y.ends[1], 10.0)) + GAP + TICK;
+        let right = match &self.bar {
+            None => MARGIN + font::width("100", NUMBER) / 2.0,
+            Some(_) => BAR_GAP + BAR_WIDTH + TICK + GAP + font::width(NUMBERS, NUMBER) + GAP + LABEL + MARGIN,
+        };
+        let top = MARGIN + self.title.as_ref().map_or(NUMBER / 2.0, |_| TITLE + 1.5 * GAP);
+        let bottom = TICK + GAP + NUMBER + GAP + LABEL + MARGIN;
+        let room = (paper.width - left - right).max(LEAST);
+        let shape = span(y) / span(x);
+        let width = room.min(TALLEST * paper.width / shape);
+        let in_pixels = |mm: f64| ((mm * density).round() as usize).max(1);
+        let map = [in_pixels(width), in_pixels(width * shape)];
+        // A map that is narrower than its room stands in the middle.
+        let corner = [in_pixels(left + (room - width) / 2.0), in_pixels(top)];
+        let page = [in_pixels(paper.width.max(left + room + right)), corner[1] + map[1] + in_pixels(bottom)];
+        Frame { density, corner, map, page }
+    }
+
+    /// Pixels of the map, width and height: compute it for that many.
+    pub fn map_pixels(&self, paper: Paper) -> [usize; 2] {
+        self.frame(paper).map
+    }
+
+    /// Pixels of the PNG, width and height.
+    pub fn page_pixels(&self, paper: Paper) -> [usize; 2] {
+        self.frame(paper).page
+    }
+
+    /// The figure of a map that has [`Self::map_pixels`].
+    pub fn figure(&self, paper: Paper, map: Picture) -> Figure {
+        let frame = self.frame(paper);
+        let mut marks = Marks { list: Vec::new(), frame: &frame, content: self };
+        let place = |pixels: [usize; 2]| pixels.map(|pixels| pixels as f64 / frame.density);
+        let (corner, size) = (place(frame.corner), place(frame.map));
+        marks.list.push(Mark::Pixels { corner, size, picture: map });
+        marks.drawn_on_the_map();
+        marks.frame_of(corner, size);
+        marks.horizontal(corner, size);
+        marks.vertical(corner, size);
+        if let Some(bar) = &self.bar {
+            marks.bar(bar, corner, size);
+        }
+        if let Some(title) = &self.title {
+            let at = [corner[0], MARGIN + TITLE * 0.85];
+            marks.text(at, TITLE, Anchor::Start, false, title);
+        }
+        let list = marks.list;
+        let title = self.title.clone().unwrap_or_default();
+        Figure { pixels: frame.page, density: frame.density, title, marks: list }
+    }
+}
+
+impl Bar {
+    /// Numbers beside a bar of this height (mm).
+    fn ticks(&self, height: f64) -> Vec<(f64, String)> {
+        let [low, high] = self.ends;
+        self.numbers.clone().unwrap_or_else(|| steps(low, high, (height / BAR_SPACING).max(2.0)))
+    }
+}
+
+struct Marks<'a> {
+    list: Vec<Mark>,
+    frame: &'a Frame,
+    content: &'a Content,
+}
+
+impl Marks<'_> {
+    fn line(&mut self, points: &[[f64; 2]], width: f64, ink: Ink) {
+        self.list.push(Mark::Line { points: points.to_vec(), is_closed: false, width, ink });
+    }
+
+    fn text(&mut self, at: [f64; 2], height: f64, anchor: Anchor, is_turned: bool, text: &str) {
+        self.list.push(Mark::Text { at, height, anchor, is_turned, ink: BLACK, text: text.to_owned() });
+    }
+
+    fn frame_of(&mut self, [x, y]: [f64; 2], [width, height]: [f64; 2]) {
+        let points = vec![[x, y], [x + width, y], [x + width, y + height], [x, y + height]];
+        self.list.push(Mark::Line { points, is_closed: true, width: HAIRLINE, ink: BLACK });
+    }
+
+    fn horizontal(&mut self, [left, top]: [f64; 2], [width, height]: [f64; 2]) {
+        let axis = &self.content.axes[0];
+        let [low, high] = axis.ends;
+        let bottom = top + height;
+        for (value, text) in steps(low, high, (width / SPACING).max(2.0)) {
+            let x = left + width * (value - low) / (high - low);
+            self.line(&[[x, bottom], [x, bottom + TICK]], HAIRLINE, BLACK);
+            self.text([x, bottom + TICK + GAP + NUMBER * CAPITAL], NUMBER, Anchor::Middle, false, &text);
+        }
+        let below = bottom + TICK + GAP + NUMBER + GAP + LABEL * CAPITAL;
+        self.text([left + width / 2.0, below], LABEL, Anchor::Middle, false, &axis.label);
+    }
+
+    fn vertical(&mut self, [left, top]: [f64; 2], [_, height]: [f64; 2]) {
+        let axis = &self.content.axes[1];
+        let [low, high] = axis.ends;
+        let mut widest = 0.0f64;
+        for (value, text) in steps(low, high, (height / SPACING).max(2.0)) {
+            let y = top + height * (high - value) / (high - low);
+            self.line(&[[left - TICK, y], [left, y]], HAIRLINE, BLACK);
+            let at = [left - TICK - GAP, y + NUMBER * CAPITAL / 2.0];
+            self.text(at, NUMBER, Anchor::End, false, &text);
+            widest = widest.max(font::width(&text, NUMBER));
+        }
+        let at = [left - TICK - GAP - widest - GAP - LABEL * 0.2, top + height / 2.0];
+        self.text(at, LABEL, Anchor::Middle, true, &axis.label);
+    }
+
+    fn bar(&mut self, bar: &Bar, [map_left, top]: [f64; 2], [map_width, height]: [f64; 2]) {
+        let density = self.frame.density;
+        let on_grid = |mm: f64| (mm * density).round() / density;
+        let (left, width) = (on_grid(map_left + map_width + BAR_GAP), on_grid(BAR_WIDTH).max(1.0 / density));
+        let rows = self.frame.map[1];
+        let columns = (width * density).round() as usize;
+        let colour = |row: usize| bar.table[(rows - 1 - row) * 255 / (rows - 1).max(1)];
+        let rgba = (0..rows).flat_map(|row| std::iter::repeat_n(colour(row), columns)).flatten().collect();
+        let picture = Picture { width: columns, height: rows, rgba };
+        self.list.push(Mark::Pixels { corner: [left, top], size: [width, height], picture });
+        self.frame_of([left, top], [width, height]);
+        let ([low, high], right) = (bar.ends, left + width);
+        let mut widest = 0.0f64;
+        for (value, text) in bar.ticks(height) {
+            let y = top + height * (high - value) / (high - low);
+            self.line(&[[right, y], [right + TICK, y]], HAIRLINE, BLACK);
+            let at = [right + TICK + GAP, y + NUMBER * CAPITAL / 2.0];
+            self.text(at, NUMBER, Anchor::Start, false, &text);
+            widest = widest.max(font::width(&text, NUMBER));
+        }
+        let at = [right + TICK + GAP + widest + GAP + LABEL * 0.75, top + height / 2.0];
+        self.text(at, LABEL, Anchor::Middle, true, &bar.label);
+    }
+
+    /// Contours, targets and scale bar: ink that is seen on the map.
+    fn drawn_on_the_map(&mut self) {
+        let content = self.content;
+        let ink = if content.is_light { BLACK } else { [255; 3] };
+        let density = self.frame.density;
+        let [left, top] = self.frame.corner.map(|pixels| pixels as f64 / density);
+        let [width, height] = self.frame.map.map(|pixels| pixels as f64 / density);
+        for line in &content.contours {
+            let place =
+                |&[u, v]: &[f32; 2]| [left + f64::from(u) / density, top + height - f64::from(v) / density];
+            let points: Vec<_> = line.iter().map(place).collect();
+            self.line(&points, HAIRLINE, ink);
+        }
+        let [x, y] = &content.axes;
+        let place = |[u, v]: [f64; 2]| {
+            [
+                left + width * (u - x.ends[0]) / (x.ends[1] - x.ends[0]),
+                top + height * (y.ends[1] - v) / (y.ends[1] - y.ends[0]),
+            ]
+        };
+        let target_ink = if content.is_light { [0, 90, 181] } else { [120, 220, 255] };
+        let room = [left, top, left + width, top + height];
+        for outline in &content.outlines {
+            let points: Vec<_> = outline.iter().map(|&point| place(point)).collect();
+            for piece in clipped(&points, room) {
+                self.line(&piece, STROKE, target_ink);
+            }
+        }
+        for &focus in &content.foci {
+            let [u, v] = place(focus);
+            let ring: Vec<_> = (0..=36)
+                .map(|step| f64::from(step) * std::f64::consts::TAU / 36.0)
+                .map(|angle| [u + FOCUS_RADIUS * angle.cos(), v + FOCUS_RADIUS * angle.sin()])
+                .collect();
+            for piece in clipped(&ring, room) {
+                self.line(&piece, STROKE, target_ink);
+            }
+        }
+        if content.has_scale_bar {
+            let span = x.ends[1] - x.ends[0];
+            let length = round_step(span / 8.0);
+            let (from, base) = (left + 2.0, top + height - 2.0);
+            let drawn = width * length / span;
+            self.list.push(Mark::Block { corner: [from, base - 0.6], size: [drawn, 0.6], ink });
+            let (at, text) = ([from + drawn / 2.0, base - 1.4], format!("{length} mm"));
+            let anchor = if font::width(&text, NUMBER) > drawn { Anchor::Start } else { Anchor::Middle };
+            let at = if anchor == Anchor::Start { [from, at[1]] } else { at };
+            self.list.push(Mark::Text { at, height: NUMBER, anchor, is_turned: false, ink, text });
+        }
+    }
+}
+
+/// The pieces of a line within a rectangle (left, top, right, bottom).
+fn clipped(points: &[[f64; 2]], room: [f64; 4]) -> Vec<Vec<[f64; 2]>> {
+    let mut pieces: Vec<Vec<[f64; 2]>> = Vec::new();
+    let mut last = None;
+    for pair in points.windows(2) {
+        let Some([from, to]) = inside(pair[0], pair[1], room) else { continue };
+        match pieces.last_mut() {
+            Some(piece) if last == Some(from) => piece.push(to),
+            _ => pieces.push(vec![from, to]),
+        }
+        last = Some(to);
+    }
+    pieces
+}
+
+/// The part of a straight line within a rectangle, after Liang and Barsky.
+fn inside(from: [f64; 2], to: [f64; 2], [left, top, right, bottom]: [f64; 4]) -> Option<[[f64; 2]; 2]> {
+    let (mut first, mut last) = (0.0f64, 1.0f64);
+    for (axis, low, high) in [(0, left, right), (1, top, bottom)] {
+        let (start, way) = (from[axis], to[axis] - from[axis]);
+        if way == 0.0 {
+            if start < low || start > high {
+                return None;
+            }
+            continue;
+        }
+        let (a, b) = ((low - start) / way, (high - start) / way);
+        first = first.max(a.min(b));
+        last = last.min(a.max(b));
+    }
+    let at = |part: f64| match part {
+        0.0 => from,
+        1.0 => to,
+        part => [from[0] + part * (to[0] - from[0]), from[1] + part * (to[1] - from[1])],
+    };
+    (first <= last).then(|| [at(first), at(last)])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn lines_end_at_the_edge_of_the_map() {
+        let room = [0.0, 0.0, 10.0, 10.0];
+        let line = [[-5.0, 5.0], [5.0, 5.0], [5.0, 15.0], [8.0, 15.0], [8.0, 5.0]];
+        let pieces = clipped(&line, room);
+        assert_eq!(pieces, [vec![[0.0, 5.0], [5.0, 5.0], [5.0, 10.0]], vec![[8.0, 10.0], [8.0, 5.0]]]);
+        assert!(clipped(&[[-1.0, -1.0], [-1.0, 11.0]], room).is_empty());
+    }
+}

@@ -1,0 +1,109 @@
+//! A figure as SVG: lines and text as such, pixels as PNG within.
+
+use std::fmt::Write;
+
+use base64::Engine;
+use base64::engine::general_purpose::STANDARD;
+
+use crate::picture::figure::{Anchor, Figure, Ink, Mark};
+use crate::picture::{PictureError, export};
+
+/// The SVG; lengths are in mm.
+///
+/// # Errors
+/// Pixels that no PNG holds.
+pub fn write(figure: &Figure) -> Result<Vec<u8>, PictureError> {
+    let [width, height] = figure.size();
+    let mut text = format!(
+        "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<svg xmlns=\"http://www.w3.org/2000/svg\" \
+         xmlns:xlink=\"http://www.w3.org/1999/xlink\" width=\"{width:.4}mm\" height=\"{height:.4}mm\" \
+         viewBox=\"0 0 {width:.4} {height:.4}\" font-family=\"Inter, Helvetica, Arial, sans-serif\">\n"
+    );
+    if !figure.title.is_empty() {
+        line(&mut text, format_args!("<title>{}</title>", escaped(&figure.title)))?;
+    }
+    line(&mut text, format_args!("<rect width=\"100%\" height=\"100%\" fill=\"#fff\"/>"))?;
+    for mark in &figure.marks {
+        match mark {
+            Mark::Pixels { corner: [x, y], size: [width, height], picture } => {
+                let png = export::png(picture).map_err(|error| PictureError(error.to_string()))?;
+                let data = STANDARD.encode(png);
+                line(
+                    &mut text,
+                    format_args!(
+                        "<image x=\"{x:.4}\" y=\"{y:.4}\" width=\"{width:.4}\" height=\"{height:.4}\" \
+                         preserveAspectRatio=\"none\" style=\"image-rendering:pixelated\" \
+                         xlink:href=\"data:image/png;base64,{data}\"/>"
+                    ),
+                )?;
+            }
+            Mark::Line { points, is_closed, width, ink } => {
+                let mut path = String::new();
+                for (index, [x, y]) in points.iter().enumerate() {
+                    let letter = if index == 0 { 'M' } else { 'L' };
+                    write!(path, "{letter}{x:.3} {y:.3}").map_err(|error| PictureError(error.to_string()))?;
+                }
+                path.push_str(if *is_closed { "Z" } else { "" });
+                line(
+                    &mut text,
+                    format_args!(
+                        "<path d=\"{path}\" fill=\"none\" stroke=\"{}\" stroke-width=\"{width}\" stroke-linejoin=\"round\"/>",
+                        colour(*ink)
+                    ),
+                )?;
+            }
+            Mark::Block { corner: [x, y], size: [width, height], ink } => line(
+                &mut text,
+                format_args!(
+                    "<rect x=\"{x:.3}\" y=\"{y:.3}\" width=\"{width:.3}\" height=\"{height:.3}\" fill=\"{}\"/>",
+                    colour(*ink)
+                ),
+            )?,
+            Mark::Text { at: [x, y], height, anchor, is_turned, ink, text: words } => {
+                let anchor = match anchor {
+                    Anchor::Start => "start",
+                    Anchor::Middle => "middle",
+                    Anchor::End => "end",
+                };
+                let turn = if *is_turned {
+                    format!(" transform=\"rotate(-90 {x:.3} {y:.3})\"")
+                } else {
+                    String::new()
+                };
+                line(
+                    &mut text,
+                    format_args!(
+                        "<text x=\"{x:.3}\" y=\"{y:.3}\" font-size=\"{height}\" text-anchor=\"{anchor}\" \
+                         fill=\"{}\"{turn}>{}</text>",
+                        colour(*ink),
+                        escaped(words)
+                    ),
+                )?;
+            }
+        }
+    }
+    text.push_str("</svg>\n");
+    Ok(text.into_bytes())
+}
+
+fn line(text: &mut String, words: std::fmt::Arguments<'_>) -> Result<(), PictureError> {
+    writeln!(text, "{words}").map_err(|error| PictureError(error.to_string()))
+}
+
+fn colour([r, g, b]: Ink) -> String {
+    format!("#{r:02x}{g:02x}{b:02x}")
+}
+
+/// As XML has it, without what it cannot hold.
+fn escaped(text: &str) -> String {
+    let mut escaped = String::new();
+    for character in text.chars().filter(|character| !character.is_control()) {
+        match character {
+            '&' => escaped.push_str("&amp;"),
+            '<' => escaped.push_str("&lt;"),
+            '>' => escaped.push_str("&gt;"),
+            other => escaped.push(other),
+        }
+    }
+    escaped
+}

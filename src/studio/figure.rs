@@ -1,0 +1,303 @@
+//! Figures for papers: a quantity on a plane with axes, in the colours, range and convention that were chosen.
+
+use std::path::Path;
+
+use anyhow::{Context, bail};
+use glam::DVec2;
+
+use crate::echo;
+use crate::field::colouring::{FLOOR, Scale};
+use crate::field::quantity::Range;
+use crate::field::stages::MOST_PIXELS;
+use crate::field::{Map, Quantity, Request, Stages, contour};
+use crate::memory;
+use crate::picture::figure::{Axis, Bar, Content, Figure, Format, Paper};
+use crate::picture::{ColourMap, Picture, sheet};
+use crate::scene::{Focus, Sampling, Scene, Target, outline};
+use crate::studio::convention::Convention;
+use crate::studio::evaluator::or_by_cpu;
+use crate::studio::map;
+
+/// mm, and dots per inch, that a figure may have.
+pub const WIDTHS: [f64; 2] = [30.0, 1000.0];
+pub const DENSITIES: [f64; 2] = [36.0, 2400.0];
+/// What a pixel takes on its way from the field to a file, at most.
+const BYTES_PER_PIXEL: usize = 32;
+
+/// What is chosen of a figure.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Wish {
+    pub paper: Paper,
+    pub title: Option<String>,
+    pub colours: ColourMap,
+    /// Colours for a light ground.
+    pub is_light: bool,
+    pub scale: Scale,
+    /// Values of the first and the last colour: SI units in the convention, or dB on a logarithmic scale.
+    pub range: Option<[f64; 2]>,
+    /// What has 0 dB and, without a range, the last colour; the map's largest value if `None`.
+    pub full: Option<f64>,
+    /// dB below the map's largest value.
+    pub contours: Vec<f64>,
+    pub convention: Convention,
+    pub has_colour_bar: bool,
+    pub has_scale_bar: bool,
+    pub has_targets: bool,
+}
+
+impl Default for Wish {
+    fn default() -> Self {
+        Self {
+            paper: Paper::default(),
+            title: None,
+            colours: ColourMap::default(),
+            is_light: false,
+            scale: Scale::Linear,
+            range: None,
+            full: None,
+            contours: Vec::new(),
+            convention: Convention::default(),
+            has_colour_bar: true,
+            has_scale_bar: false,
+            has_targets: false,
+        }
+    }
+}
+
+/// What a figure is written as, by the ending of its name.
+///
+/// # Errors
+/// Another ending, or none.
+pub fn format(path: &Path) -> anyhow::Result<Format> {
+    let ending = path.extension().unwrap_or_default().to_string_lossy().to_lowercase();
+    Format::ALL.into_iter().find(|format| format.ending() == ending).with_context(|| {
+        format!("{}: figures are written as .png, .svg and .pdf, by the ending", echo::path(path))
+    })
+}
+
+/// Refuses a name that says other than what is written.
+///
+/// # Errors
+/// An ending that is none of these.
+pub fn refuse_ending(path: &Path, endings: &[&str]) -> anyhow::Result<()> {
+    let Some(ending) = path.extension().map(|ending| ending.to_string_lossy().to_lowercase()) else {
+        return Ok(());
+    };
+    if endings.contains(&ending.as_str()) {
+        return Ok(());
+    }
+    bail!("{}: this is written as .{}", echo::path(path), endings.join(" or ."))
+}
+
+/// A figure, and the map in it.
+#[derive(Debug)]
+pub struct Drawn {
+    pub figure: Figure,
+    pub map: Map,
+}
+
+/// Draws what is requested, whose size is that of the figure's map; `foci` are those of its drives.
+///
+/// # Errors
+/// Choices that the quantity does not have, too many pixels, or a field that cannot be computed.
+pub fn draw(
+    (scene, foci): (&Scene, &[Focus]),
+    request: &Request,
+    wish: &Wish,
+    stages: &mut Stages,
+    gpu_is_asked_for: bool,
+) -> anyhow::Result<Drawn> {
+    let quantity = request.quantity;
+    check(quantity, wish)?;
+    let mut content = content((scene, foci), request, wish)?;
+    let [page_width, page_height] = content.page_pixels(wish.paper);
+    let bytes = page_width.saturating_mul(page_height).saturating_mul(BYTES_PER_PIXEL);
+    if bytes / BYTES_PER_PIXEL > MOST_PIXELS || !memory::holds(bytes) {
+        bail!(
+            "{page_width} x {page_height} pixels are too many: choose fewer dots per inch or a smaller width"
+        );
+    }
+    let [width, height] = content.map_pixels(wish.paper);
+    let request = Request { size: (width, height), ..request.clone() };
+    let map = or_by_cpu(stages, gpu_is_asked_for, |stages| stages.map(&request).cloned())?;
+    let law = Law::new(quantity, wish, f64::from(map.peak));
+    let table = table(quantity, wish);
+    let colours: Vec<u8> = map.values.iter().flat_map(|&value| table[law.place(f64::from(value))]).collect();
+    let picture = Picture::from_field_order(width, height, &colours);
+    if let Some(bar) = &mut content.bar {
+        *bar = law.bar(table);
+    }
+    if map.peak > 0.0 {
+        for level in &wish.contours {
+            let level = f64::from(map.peak) * 10f64.powf(level / quantity.declaration().decibels);
+            content.contours.extend(contour::lines(&map.values, width, level as f32, |&value| value));
+        }
+    }
+    Ok(Drawn { figure: content.figure(wish.paper, picture), map })
+}
+
+fn check(quantity: Quantity, wish: &Wish) -> anyhow::Result<()> {
+    let declaration = quantity.declaration();
+    let words = declaration.words;
+    if wish.scale == Scale::Logarithmic && declaration.range != Range::Amount {
+        bail!("--db is a scale of amounts, and {words} has a sign or a direction");
+    }
+    if !wish.contours.is_empty() && !declaration.has_mean {
+        bail!("--contours are of amounts, and {words} has none");
+    }
+    if wish.range.is_some() && declaration.range == Range::Cyclic {
+        bail!("--range: a {words} has one range, a whole turn");
+    }
+    Ok(())
+}
+
+fn table(quantity: Quantity, wish: &Wish) -> [[u8; 4]; 256] {
+    let colours = map::colours(quantity, wish.colours);
+    if wish.is_light { colours.table_on_light() } else { colours.table() }
+}
+
+/// All but what follows from the map's values.
+fn content((scene, foci): (&Scene, &[Focus]), request: &Request, wish: &Wish) -> anyhow::Result<Content> {
+    let plane = &request.plane;
+    let (low, high) = sheet::ranges(plane);
+    let (x, y) = sheet::labels(plane);
+    let axis = |low: f64, high: f64, label: &str| Axis { ends: [low, high], label: label.to_owned() };
+    let place = |point| sheet::on_plane(plane, point).map(|DVec2 { x, y }| [x, y]);
+    let is_continuous = |target: &Target| target.sampling == Sampling::Continuous || target.is_area();
+    let (mut outlines, mut rings) = (Vec::new(), Vec::new());
+    if wish.has_targets {
+        for target in scene.targets.iter().filter(|target| target.is_in(0) && is_continuous(target)) {
+            for stroke in outline::strokes(target)? {
+                outlines.push(stroke.into_iter().filter_map(place).collect());
+            }
+        }
+        let separate = foci.iter().filter(|focus| focus.is_separate());
+        rings = separate.filter_map(|focus| place(focus.position)).collect();
+    }
+    let bar = || Law::new(request.quantity, wish, 1.0).bar(table(request.quantity, wish));
+    Ok(Content {
+        title: wish.title.clone().filter(|title| !title.trim().is_empty()),
+        axes: [axis(low.x, high.x, x), axis(low.y, high.y, y)],
+        bar: wish.has_colour_bar.then(bar),
+        has_scale_bar: wish.has_scale_bar,
+        contours: Vec::new(),
+        outlines,
+        foci: rings,
+        is_light: wish.is_light,
+    })
+}
+
+/// Which colour a value has, and what the colour bar says of it.
+struct Law {
+    quantity: Quantity,
+    convention: Convention,
+    /// From a value to the number on the bar: dB, or a factor.
+    scale: Scale,
+    factor: f64,
+    unit: &'static str,
+    /// The value of 0 dB.
+    full: f64,
+    /// Numbers on the bar.
+    ends: [f64; 2],
+}
+
+impl Law {
+    fn new(quantity: Quantity, wish: &Wish, peak: f64) -> Self {
+        let declaration = quantity.declaration();
+        // RMS pressures are stated in either convention; all others have one.
+        let stated = if quantity == Quantity::Rms {
+            wish.convention.of_peak() / Convention::Rms.of_peak()
+        } else {
+            1.0
+        };
+        let full = wish.full.unwrap_or(if peak > 0.0 { peak } else { 1.0 });
+        let largest = wish
+            .range
+            .filter(|_| wish.scale == Scale::Linear)
+            .map_or(full * stated, |[low, high]| low.abs().max(high.abs()));
+        let (factor, unit) = declaration.unit.scaled(largest);
+        let ends = match (declaration.range, wish.scale) {
+            (Range::Cyclic, _) => [-180.0, 180.0],
+            (Range::Amount, Scale::Logarithmic) => {
+                wish.range.unwrap_or([quantity.decibels(FLOOR.into()), 0.0])
+            }
+            (Range::Amount, Scale::Linear) => wish.range.unwrap_or([0.0, largest]).map(|end| end * factor),
+            (Range::Signed, _) => wish.range.unwrap_or([-largest, largest]).map(|end| end * factor),
+        };
+        let scale = if declaration.range == Range::Amount { wish.scale } else { Scale::Linear };
+        Self { quantity, convention: wish.convention, scale, factor: factor * stated, unit, full, ends }
+    }
+
+    /// The place of a value in a table of colours.
+    fn place(&self, value: f64) -> usize {
+        let number = match self.scale {
+            Scale::Linear => value * self.factor,
+            Scale::Logarithmic => self.quantity.decibels(value / self.full),
+        };
+        let part = (number - self.ends[0]) / (self.ends[1] - self.ends[0]);
+        match self.quantity.declaration().range {
+            // Every colour has the same share of a turn.
+            Range::Cyclic => (part.rem_euclid(1.0) * 256.0) as usize % 256,
+            Range::Amount | Range::Signed => (part.clamp(0.0, 1.0) * 255.0).round() as usize,
+        }
+    }
+
+    fn bar(&self, table: [[u8; 4]; 256]) -> Bar {
+        let declaration = self.quantity.declaration();
+        let words = match (self.quantity, self.convention) {
+            (Quantity::Rms, Convention::Rms) => "RMS pressure".to_owned(),
+            (Quantity::Rms, Convention::Peak) => "Peak pressure".to_owned(),
+            _ => capital(declaration.words),
+        };
+        let label = match self.scale {
+            Scale::Linear => format!("{words} / {}", self.unit),
+            Scale::Logarithmic => {
+                let stated = self.factor / declaration.unit.scaled(self.full).0;
+                format!("{words} / dB re {}", self.quantity.with_unit(self.full * stated))
+            }
+        };
+        let is_turn = declaration.range == Range::Cyclic;
+        let quarter = |quarter: i32| {
+            let degrees = 90 * quarter;
+            let sign = if degrees < 0 { "−" } else { "" };
+            (f64::from(degrees), format!("{sign}{}", degrees.abs()))
+        };
+        let numbers = is_turn.then(|| (-2..=2).map(quarter).collect());
+        Bar { table, ends: self.ends, label, numbers }
+    }
+}
+
+fn capital(words: &str) -> String {
+    let mut letters = words.chars();
+    letters.next().map_or_else(String::new, |first| first.to_uppercase().chain(letters).collect())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_pressure_is_stated_in_the_convention_that_is_chosen() {
+        let of = |convention, scale| {
+            let wish = Wish { convention, scale, ..Wish::default() };
+            let law = Law::new(Quantity::Rms, &wish, 100.0);
+            (law.bar(ColourMap::Grey.table()).label, law.ends, law.place(50.0))
+        };
+        let (label, ends, place) = of(Convention::Rms, Scale::Linear);
+        assert_eq!((label.as_str(), ends, place), ("RMS pressure / Pa", [0.0, 100.0], 128));
+        let (label, ends, place) = of(Convention::Peak, Scale::Linear);
+        assert_eq!((label.as_str(), place), ("Peak pressure / Pa", 128));
+        assert!((ends[1] - 141.42).abs() < 0.01);
+        let (label, ends, place) = of(Convention::Peak, Scale::Logarithmic);
+        assert_eq!((label.as_str(), ends[1]), ("Peak pressure / dB re 141 Pa", 0.0));
+        // Half the pressure is 6.02 dB below.
+        assert_eq!(place, ((60.0f64 - 6.0206) / 60.0 * 255.0).round() as usize);
+    }
+
+    #[test]
+    fn a_range_has_the_first_and_the_last_colour_at_its_ends() {
+        let wish = Wish { range: Some([20.0, 60.0]), ..Wish::default() };
+        let law = Law::new(Quantity::Rms, &wish, 100.0);
+        assert_eq!([10.0, 20.0, 40.0, 60.0, 99.0].map(|value| law.place(value)), [0, 0, 128, 255, 255]);
+    }
+}

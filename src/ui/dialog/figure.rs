@@ -1,0 +1,157 @@
+//! The question what a figure of the map is to look like, with a preview.
+
+use egui::{ComboBox, DragValue, Sense, TextEdit, TextureHandle, Ui, vec2};
+
+use crate::picture::figure::{Format, Paper};
+use crate::studio::figure::{DENSITIES, WIDTHS, Wish};
+use crate::ui::view::View;
+use crate::ui::{Command, Dialog, Editor, Export, Purpose, Shown, theme};
+
+/// Points of the screen that the preview takes at most.
+const PREVIEW: f32 = 260.0;
+
+/// What is chosen of a figure; the map, its colours, range and contours are those of the view.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FigureForm {
+    paper: Paper,
+    title: String,
+    colour_bar: bool,
+    scale_bar: bool,
+    contours: bool,
+    targets: bool,
+    is_light: bool,
+    format: Format,
+}
+
+impl Default for FigureForm {
+    fn default() -> Self {
+        Self {
+            paper: Paper::default(),
+            title: String::new(),
+            colour_bar: true,
+            scale_bar: false,
+            contours: false,
+            targets: false,
+            is_light: false,
+            format: Format::Pdf,
+        }
+    }
+}
+
+impl FigureForm {
+    /// The figure of what a view shows.
+    pub fn wish(&self, view: &View) -> Wish {
+        let declaration = view.quantity.declaration();
+        let has_contours = self.contours && declaration.has_mean;
+        Wish {
+            paper: self.paper,
+            title: Some(self.title.clone()),
+            colours: view.colours,
+            is_light: self.is_light,
+            scale: view.colouring().scale(),
+            range: None,
+            full: view.full,
+            contours: has_contours.then_some(view.contour_level).into_iter().collect(),
+            convention: view.convention,
+            has_colour_bar: self.colour_bar,
+            has_scale_bar: self.scale_bar,
+            has_targets: self.targets,
+        }
+    }
+}
+
+/// A figure as it would be written, in the pixels of the screen.
+#[derive(Clone)]
+pub struct Preview {
+    pub texture: TextureHandle,
+    /// Of the figure, mm.
+    pub size: [f64; 2],
+}
+
+impl std::fmt::Debug for Preview {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Preview").field("size", &self.size).finish_non_exhaustive()
+    }
+}
+
+/// Draws the question, and says whether it stays.
+pub fn show(editor: &mut Editor, shown: &Shown, ui: &mut Ui, commands: &mut Vec<Command>) -> bool {
+    ui.heading("Export figure");
+    preview(shown, ui);
+    if editor.view.is_shaded() {
+        ui.label("A figure shows the depression as a flat map; Map as PNG… writes the shaded surface.");
+    }
+    settings(editor, ui);
+    ui.add_space(8.0);
+    let mut stays = true;
+    let is_there = matches!(shown.figure, Some(Ok(_)));
+    ui.horizontal(|ui| {
+        if ui.add_enabled(is_there, egui::Button::new("Export…")).clicked() {
+            let purpose = Purpose::Export(Export::Figure(editor.figure.format));
+            editor.dialog = Some(Dialog::path(purpose, &editor.document));
+            stays = false;
+        }
+        let copy = ui.add_enabled(is_there, egui::Button::new("Copy image"));
+        if copy.on_hover_text("Put the figure's pixels on the clipboard").clicked() {
+            commands.push(Command::CopyFigure);
+        }
+        stays &= !ui.button("Close").clicked();
+    });
+    stays
+}
+
+fn preview(shown: &Shown, ui: &mut Ui) {
+    let room = vec2(ui.available_width(), PREVIEW.min(ui.ctx().content_rect().height() * 0.4));
+    let (rect, _) = ui.allocate_exact_size(room, Sense::hover());
+    match &shown.figure {
+        None => {
+            ui.put(rect, egui::Spinner::new());
+        }
+        Some(Err(problem)) => {
+            ui.put(rect, egui::Label::new(egui::RichText::new(problem).color(theme::error(ui.visuals()))));
+        }
+        Some(Ok(preview)) => {
+            let picture = preview.texture.size_vec2();
+            let size = picture * (room / picture).min_elem();
+            let alt = format!("Figure of {:.0} x {:.0} mm", preview.size[0], preview.size[1]);
+            ui.put(
+                rect,
+                egui::Image::new((preview.texture.id(), size)).fit_to_exact_size(size).alt_text(alt),
+            );
+        }
+    }
+}
+
+fn settings(editor: &mut Editor, ui: &mut Ui) {
+    let has_contours = editor.view.quantity.declaration().has_mean;
+    let form = &mut editor.figure;
+    egui::Grid::new("figure").num_columns(2).show(ui, |ui| {
+        ui.label("Format");
+        let combo = ComboBox::from_id_salt("format").selected_text(form.format.ending().to_uppercase());
+        combo.show_ui(ui, |ui| {
+            for format in Format::ALL {
+                ui.selectable_value(&mut form.format, format, format.ending().to_uppercase());
+            }
+        });
+        ui.end_row();
+        let mut number = |name: &str, value: &mut f64, [least, most]: [f64; 2], unit: &str| {
+            let label = ui.label(name);
+            let field = DragValue::new(value).range(least..=most).max_decimals(1).suffix(unit);
+            ui.add(field).labelled_by(label.id);
+            ui.end_row();
+        };
+        number("Width", &mut form.paper.width, WIDTHS, " mm");
+        number("Resolution", &mut form.paper.dpi, DENSITIES, " dpi");
+        let label = ui.label("Title");
+        ui.add(TextEdit::singleline(&mut form.title).desired_width(240.0)).labelled_by(label.id);
+        ui.end_row();
+    });
+    ui.horizontal_wrapped(|ui| {
+        ui.checkbox(&mut form.colour_bar, "Colour bar");
+        ui.checkbox(&mut form.scale_bar, "Scale bar");
+        let contours = egui::Checkbox::new(&mut form.contours, "Contours");
+        ui.add_enabled(has_contours, contours).on_hover_text("At the view's level");
+        ui.checkbox(&mut form.targets, "Targets");
+        ui.checkbox(&mut form.is_light, "Light ground").on_hover_text("White where there is no sound");
+    });
+}

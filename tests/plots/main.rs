@@ -1,0 +1,149 @@
+//! Figures through the program: what PNG, SVG and PDF hold of one map, and what is refused.
+
+#![expect(clippy::unwrap_used, reason = "a test's helper may panic")]
+
+use std::path::Path;
+use std::process::Command;
+
+use base64::Engine;
+use base64::engine::general_purpose::STANDARD;
+use image::RgbImage;
+use tempfile::TempDir;
+
+const SCENE: &str = "format = 1\n[[target]]\nat = [0.01, 0.02, 0.1]\n[solver]\nmethod = \"focus\"\n\
+                     [plane]\nsize = [0.12, 0.1]\n";
+
+fn folder() -> TempDir {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("a.toml"), SCENE).unwrap();
+    folder
+}
+
+/// The exit status, standard output and standard error.
+fn run(folder: &Path, args: &[&str]) -> (Option<i32>, String, String) {
+    let output =
+        Command::new(env!("CARGO_BIN_EXE_sonoglyph")).args(args).current_dir(folder).output().unwrap();
+    let text = |bytes: Vec<u8>| String::from_utf8(bytes).unwrap();
+    (output.status.code(), text(output.stdout), text(output.stderr))
+}
+
+fn draw(folder: &Path, name: &str, more: &[&str]) -> Vec<u8> {
+    let args = [&["render", "a.toml", "-o", name, "--figure", "--backend", "cpu"], more].concat();
+    let (status, _, error) = run(folder, &args);
+    assert_eq!((status, error.as_str()), (Some(0), ""), "{args:?}");
+    std::fs::read(folder.join(name)).unwrap()
+}
+
+/// The largest picture in a PDF: dictionary and data of every stream are looked through.
+fn map_of_pdf(bytes: &[u8]) -> RgbImage {
+    let find = |from: usize, words: &[u8]| {
+        bytes[from..].windows(words.len()).position(|window| window == words).map(|at| from + at)
+    };
+    let mut largest: Option<RgbImage> = None;
+    let mut at = 0;
+    while let Some(start) = find(at, b"/Subtype /Image") {
+        let number = |key: &[u8]| -> u32 {
+            let from = find(start, key).unwrap() + key.len();
+            let digits: String = bytes[from..]
+                .iter()
+                .map(|&byte| char::from(byte))
+                .skip_while(|c| *c == ' ')
+                .take_while(char::is_ascii_digit)
+                .collect();
+            digits.parse().unwrap()
+        };
+        let (width, height) = (number(b"/Width"), number(b"/Height"));
+        let data = find(start, b"stream\n").unwrap() + 7;
+        let rgb = miniz_oxide::inflate::decompress_to_vec_zlib(&bytes[data..]).unwrap();
+        let image = RgbImage::from_raw(width, height, rgb).unwrap();
+        if largest.as_ref().is_none_or(|largest| image.len() > largest.len()) {
+            largest = Some(image);
+        }
+        at = data;
+    }
+    largest.unwrap()
+}
+
+/// The first picture in an SVG, and its texts.
+fn map_and_words_of_svg(bytes: &[u8]) -> (RgbImage, Vec<String>) {
+    let text = std::str::from_utf8(bytes).unwrap();
+    let document = roxmltree::Document::parse(text).unwrap();
+    let named = |name: &'static str| document.descendants().filter(move |node| node.has_tag_name(name));
+    let link = named("image").next().unwrap().attribute(("http://www.w3.org/1999/xlink", "href")).unwrap();
+    let png = STANDARD.decode(link.strip_prefix("data:image/png;base64,").unwrap()).unwrap();
+    let words = named("text").map(|node| node.text().unwrap().to_owned()).collect();
+    (image::load_from_memory(&png).unwrap().to_rgb8(), words)
+}
+
+#[test]
+fn one_map_is_in_all_three_files_and_words_stay_words() {
+    let folder = folder();
+    let choice = ["--title", "A focus & <more>", "--width-mm", "70", "--dpi", "200"];
+    let png = image::load_from_memory(&draw(folder.path(), "a.png", &choice)).unwrap().to_rgb8();
+    let pdf = draw(folder.path(), "a.pdf", &choice);
+    let (map, words) = map_and_words_of_svg(&draw(folder.path(), "a.svg", &choice));
+    assert!(map.width() > 300 && map == map_of_pdf(&pdf), "SVG and PDF hold one picture");
+    assert_eq!(png.width(), (70.0f64 * 200.0 / 25.4).round() as u32);
+    // Pixel by pixel, but for the frame around the map.
+    let inside = |left: u32, top: u32| {
+        let (columns, rows) = (4..map.width() - 4, 4..map.height() - 4);
+        rows.into_iter()
+            .all(|y| columns.clone().all(|x| png.get_pixel(left + x, top + y) == map.get_pixel(x, y)))
+    };
+    let corners =
+        (0..png.width() - map.width()).flat_map(|x| (0..png.height() - map.height()).map(move |y| (x, y)));
+    assert_eq!(corners.filter(|&(left, top)| inside(left, top)).count(), 1, "the PNG shows it one to one");
+    for word in ["A focus & <more>", "x / mm", "y / mm", "−50", "RMS pressure / Pa", "0"] {
+        assert!(words.iter().any(|own| own == word), "{word}: {words:?}");
+    }
+    assert!(pdf.starts_with(b"%PDF-") && pdf.windows(9).any(|window| window == b"/FontFile"));
+}
+
+#[test]
+fn what_is_chosen_is_drawn() {
+    let folder = folder();
+    let words = |more: &[&str]| map_and_words_of_svg(&draw(folder.path(), "a.svg", more)).1.join("|");
+    let paths = |more: &[&str]| {
+        let svg = draw(folder.path(), "a.svg", more);
+        String::from_utf8(svg).unwrap().matches("<path").count()
+    };
+    assert!(words(&["--peak"]).contains("Peak pressure / "));
+    assert!(words(&["--db", "--range=-40,0"]).contains("dB re"));
+    assert!(words(&["--scale-bar"]).contains("20 mm"));
+    assert!(words(&["--quantity", "phase"]).contains("−180"));
+    let bare = paths(&[]);
+    assert!(paths(&["--targets"]) == bare + 1 && paths(&["--contours=-6"]) > bare);
+    let silent = |more: &[&str]| {
+        let (map, _) = map_and_words_of_svg(&draw(folder.path(), "a.svg", more));
+        *map.pixels().min_by_key(|pixel| pixel.0.iter().map(|&c| u32::from(c)).sum::<u32>()).unwrap()
+    };
+    assert!(silent(&[]).0.iter().all(|&c| c < 40), "dark where there is little");
+    let (map, _) = map_and_words_of_svg(&draw(folder.path(), "a.svg", &["--light"]));
+    assert!(map.pixels().any(|pixel| pixel.0.iter().all(|&c| c > 235)), "light where there is little");
+}
+
+#[test]
+fn what_cannot_be_drawn_is_refused_in_one_line() {
+    let folder = folder();
+    let render = |more: &[&'static str]| [&["render", "a.toml", "-o"], more].concat();
+    for (args, part) in [
+        (render(&["x.jpg"]), "x.jpg: this is written as .png; with --figure as .png, .svg or .pdf"),
+        (render(&["x.svg"]), "with --figure"),
+        (render(&["x.pdf"]), "with --figure"),
+        (render(&["x.jpg", "--figure"]), "x.jpg: figures are written as .png, .svg and .pdf"),
+        (render(&["x.pdf", "--figure", "--dpi", "0"]), "from 36 to 2400"),
+        (render(&["x.pdf", "--figure", "--width-mm", "1e9"]), "from 30 to 1000"),
+        (render(&["x.pdf", "--figure", "--range", "3"]), "two numbers"),
+        (render(&["x.pdf", "--figure", "--contours", "6"]), "below 0"),
+        (render(&["x.pdf", "--figure", "--quantity", "phase", "--db"]), "--db"),
+        (render(&["x.pdf", "--figure", "--quantity", "sheet"]), "pages with axes of their own"),
+        (render(&["x.png", "--dpi", "200"]), "--figure"),
+        (render(&["x.png", "--figure", "--width-mm", "1000", "--dpi", "2400"]), "fewer dots per inch"),
+        (vec!["rendr", "a.toml"], "rendr: no such command or file; did you mean `render`?"),
+        (vec!["qqqq"], "qqqq: no such command or file"),
+    ] {
+        let (status, _, error) = run(folder.path(), &args);
+        assert!(status == Some(2) && error.contains(part), "{args:?}: {status:?} {error}");
+        assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1, "{args:?} left something behind");
+    }
+}
