@@ -52,6 +52,13 @@ fn warning(
         return None;
     }
     let name = format!("Target {}", index + 1);
+    let part = straightest(aperture, at);
+    if part < SIDEWAYS {
+        return Some(format!(
+            "{name} is beyond the steering range: even the nearest elements radiate only {:.0} % of their pressure on axis towards it",
+            100.0 * part
+        ));
+    }
     let loud = single_focus(aperture, at);
     if loud < WEAK * best {
         return Some(format!(
@@ -59,13 +66,6 @@ fn warning(
              the array",
             100.0 * loud / best,
             distance * 1e3
-        ));
-    }
-    let part = straightest(aperture, at);
-    if part < SIDEWAYS {
-        return Some(format!(
-            "{name} is beyond the steering range: even the nearest elements radiate only {:.0} % of their pressure on axis towards it",
-            100.0 * part
         ));
     }
     let lobe = grating_lobe(aperture, at).filter(|lobe| *lobe > LOUD_LOBE)?;
