@@ -13,6 +13,7 @@ use sonoglyph::device::calibration::Calibration;
 use sonoglyph::device::health::State;
 use sonoglyph::device::levels::Levels;
 use sonoglyph::device::profile::Profile;
+use sonoglyph::scene::{Motion, MotionPath};
 use sonoglyph::ui::Panel;
 use sonoglyph::ui::board::Plays;
 use sonoglyph::ui::document::Document;
@@ -280,4 +281,26 @@ fn a_board_is_brought_up_step_by_step() {
     press(&mut screen, "End");
     until(&mut screen, "silence", |_| is_silent(&board));
     assert!(screen.query_by_label("Send").is_some());
+}
+
+#[test]
+fn while_the_board_plays_the_motion_the_screen_goes_through_its_frames() {
+    let (mut screen, _board, _shown) = connected(Profile::Native);
+    let editor = screen.state_mut().editor_mut();
+    editor.document.scene.motion = Motion { path: MotionPath::Circle, frames: 8, ..Motion::default() };
+    assert_eq!(editor.playback.frame, None);
+    until(&mut screen, "all frames", |screen| screen.state().shown().round.is_some());
+    screen.get_by_label("Play motion").click();
+    screen.run_steps(4);
+    screen.get_by_label("Sound").click();
+    let is_playing = |screen: &Screen| screen.state().editor().playback.playing;
+    until(&mut screen, "the motion", is_playing);
+    let playback = screen.state().editor().playback;
+    assert_eq!((playback.slowness, playback.loops), (1.0, true), "in real time");
+    assert!(screen.query_by_label_contains("5.00 cycles/s, 40 frames/s").is_some());
+    let frame = playback.frame;
+    until(&mut screen, "another frame", |screen| screen.state().editor().playback.frame != frame);
+    screen.get_by_label("Stop").click();
+    until(&mut screen, "rest", |screen| screen.state().editor().playback.frame.is_none());
+    assert!(!screen.state().editor().playback.playing);
 }
