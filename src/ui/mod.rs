@@ -521,8 +521,11 @@ fn around(editor: &mut Editor, shown: &Shown, clear: Frame, ui: &mut Ui, command
     if is_high {
         Side::top("view").frame(frame).show(ui, |ui| {
             if is_narrow {
-                // In one line each: wrapped rows would take half of a small window.
-                ScrollArea::horizontal().show(ui, |ui| view_bar::show(editor, shown, ui));
+                // As in a wide window: wrapped rows would take half of a small one.
+                ScrollArea::horizontal().show(ui, |ui| {
+                    ui.set_width(VIEW_BAR);
+                    view_bar::show(editor, shown, ui);
+                });
             } else {
                 view_bar::show(editor, shown, ui);
             }
@@ -590,6 +593,8 @@ const DRAWER: f32 = 340.0;
 const SMALLEST_MAP: f32 = 520.0;
 /// Below this the panel lies over the map and the view bar scrolls.
 const NARROW: f32 = 860.0;
+/// Points of the screen in which the view bar's rows do not wrap.
+const VIEW_BAR: f32 = 1180.0;
 
 fn is_narrow(ctx: &egui::Context) -> bool {
     ctx.content_rect().width() < NARROW
