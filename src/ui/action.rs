@@ -8,7 +8,7 @@ use crate::scene::motion;
 use crate::ui::board::{BoardCommand, Plays};
 use crate::ui::brush;
 use crate::ui::tool::Tool;
-use crate::ui::{Command, Dialog, Editor, Export, Panel, Purpose, Shown, keys};
+use crate::ui::{Command, Dialog, Editor, Export, Panel, Purpose, Shown, clipboard};
 
 /// What a step of the window's scale multiplies it by, and its bounds.
 const SCALE_STEP: f32 = 1.25;
@@ -334,14 +334,14 @@ impl Action {
             Self::Undo => editor.undo(),
             Self::Redo => editor.redo(),
             Self::Cut => {
-                keys::copy(editor, ctx);
-                keys::delete(editor);
+                clipboard::copy(editor, ctx);
+                clipboard::delete(editor);
             }
-            Self::Copy => keys::copy(editor, ctx),
+            Self::Copy => clipboard::copy(editor, ctx),
             // It comes as an event in the next frame.
             Self::Paste => ctx.send_viewport_cmd(egui::ViewportCommand::RequestPaste),
-            Self::Duplicate => keys::duplicate(editor),
-            Self::Delete => keys::delete_chosen(editor),
+            Self::Duplicate => clipboard::duplicate(editor),
+            Self::Delete => clipboard::delete_chosen(editor),
             Self::SelectAll => editor.selection = (0..editor.scene().targets.len()).collect(),
             Self::Snap => editor.snaps = !editor.snaps,
             Self::Export(Export::Figure(_)) => editor.dialog = Some(Dialog::Figure),

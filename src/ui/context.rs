@@ -6,7 +6,7 @@ use glam::DVec2;
 use crate::scene::Target;
 use crate::ui::Editor;
 use crate::ui::edit::{self, Align};
-use crate::ui::keys;
+use crate::ui::clipboard;
 use crate::ui::view::Lens;
 
 /// Points of the screen within which an outline is meant.
@@ -33,16 +33,16 @@ fn show(editor: &mut Editor, ui: &mut Ui) {
     let item =
         |ui: &mut Ui, least: usize, name: &str| ui.add_enabled(chosen >= least, Button::new(name)).clicked();
     if item(ui, 1, "Duplicate") {
-        keys::duplicate(editor);
+        clipboard::duplicate(editor);
     }
     if item(ui, 1, "Copy") {
-        keys::copy(editor, ui.ctx());
+        clipboard::copy(editor, ui.ctx());
     }
     if ui.add_enabled(!editor.copied.is_empty(), Button::new("Paste here")).clicked() {
         paste(editor);
     }
     if item(ui, 1, "Delete") {
-        keys::delete(editor);
+        clipboard::delete(editor);
     }
     ui.separator();
     let axes = editor.view.axes(editor.scene());

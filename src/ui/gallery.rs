@@ -66,6 +66,7 @@ fn example(index: usize, editor: &mut Editor, shown: &Shown, ui: &mut Ui, comman
     ui.vertical(|ui| {
         ui.set_width(PICTURE.x);
         ui.spacing_mut().item_spacing.y = 2.0;
+        ui.spacing_mut().button_padding = egui::Vec2::ZERO;
         let response = match shown.thumbnails.get(&index) {
             Some(texture) => {
                 let image = Image::new((texture.id(), PICTURE)).fit_to_exact_size(PICTURE);

@@ -1,18 +1,15 @@
 //! Shortcuts.
 
-use std::collections::BTreeSet;
-use std::path::Path;
-
 use egui::{Context, Event, Key, Modifiers};
 
-use crate::studio::{link, opening};
+use crate::studio::link;
 use crate::ui::action::Action;
 use crate::ui::board::{BoardCommand, Plays};
+use crate::ui::clipboard;
 use crate::ui::cursor;
 use crate::ui::edit;
 use crate::ui::tool::Tool;
 use crate::ui::typing;
-use crate::ui::way;
 use crate::ui::{Command, Editor, Notice, Shown};
 
 /// m: what an arrow key moves by, and with shift.
@@ -79,7 +76,7 @@ pub fn press(editor: &mut Editor, shown: &mut Shown, ctx: &Context, commands: &m
     if in_field {
         return;
     }
-    clipboard(editor, ctx, commands);
+    hear_clipboard(editor, ctx, commands);
     if presses.iter().any(|(key, _)| *key == Key::Escape) {
         escape(editor);
     }
@@ -128,36 +125,18 @@ fn is_in_field(ctx: &Context) -> bool {
 }
 
 /// What the desktop's keys for copying, cutting and pasting ask for.
-fn clipboard(editor: &mut Editor, ctx: &Context, commands: &mut Vec<Command>) {
+fn hear_clipboard(editor: &mut Editor, ctx: &Context, commands: &mut Vec<Command>) {
     for event in ctx.input(|input| input.events.clone()) {
         match event {
-            Event::Copy => copy(editor, ctx),
+            Event::Copy => clipboard::copy(editor, ctx),
             Event::Cut => {
-                copy(editor, ctx);
-                delete(editor);
+                clipboard::copy(editor, ctx);
+                clipboard::delete(editor);
             }
             Event::Paste(text) if link::is_link(&text) => editor.ask(Command::OpenLink(text), commands),
-            Event::Paste(text) => paste(editor, &text),
+            Event::Paste(text) => clipboard::paste(editor, &text),
             _ => {}
         }
-    }
-}
-
-pub fn copy(editor: &mut Editor, ctx: &Context) {
-    if let Some((text, targets)) = edit::copied(editor.scene(), &editor.selection) {
-        ctx.copy_text(text);
-        editor.copied = targets;
-    }
-}
-
-fn paste(editor: &mut Editor, text: &str) {
-    let axes = editor.view.axes(editor.scene());
-    if edit::paste(&mut editor.document.scene, &mut editor.selection, &axes, text) {
-        let pasted = editor.selection.iter().next().copied().unwrap_or(0);
-        edit::return_pixels(&mut editor.document.scene.targets[pasted..], &editor.copied);
-        let folder = editor.document.path().and_then(Path::parent).unwrap_or(Path::new("")).to_owned();
-        // A picture that is missing is named where the scene is shown.
-        let _ = opening::load_targets(&mut editor.document.scene.targets, &folder);
     }
 }
 
@@ -187,22 +166,4 @@ fn nudge(editor: &mut Editor, key: Key, far: bool) {
             edit::translate(&mut target.shape, by);
         }
     }
-}
-
-/// The vertex or keyframe of a path that was taken hold of last, or else what is selected.
-pub fn delete_chosen(editor: &mut Editor) {
-    if !way::delete(editor) {
-        delete(editor);
-    }
-}
-
-pub fn delete(editor: &mut Editor) {
-    edit::delete(&mut editor.document.scene, &mut editor.selection);
-}
-
-pub fn duplicate(editor: &mut Editor) {
-    let axes = editor.view.axes(editor.scene());
-    let mut selection: BTreeSet<usize> = std::mem::take(&mut editor.selection);
-    edit::duplicate(&mut editor.document.scene, &mut selection, &axes);
-    editor.selection = selection;
 }

@@ -2,11 +2,13 @@
 //! solving and the field are somebody else's.
 
 pub mod action;
+mod arrangement;
 mod array;
 pub mod board;
 pub mod bring_up;
 pub mod brush;
 pub mod canvas;
+mod clipboard;
 pub mod compare;
 mod context;
 mod cursor;
@@ -49,7 +51,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use egui::{CentralPanel, Color32, Frame, Margin, Panel as Side, Ui, UiBuilder};
+use egui::{CentralPanel, Color32, Frame, Ui};
 use glam::{DVec2, DVec3};
 
 use crate::acoustics::{Air, Aperture};
@@ -71,6 +73,7 @@ use tool::Tool;
 use typing::Typing;
 use view::View;
 
+pub use arrangement::Layout;
 pub use dialog::Dialog;
 pub use dialog::figure::{FigureForm, Preview};
 pub use dialog::file::{Asking, Entry, Folder, IMPORTED, Purpose};
@@ -175,32 +178,6 @@ impl Panel {
             Self::Liquid => "Liquid",
             Self::Motion => "Motion",
             Self::Device => "Device",
-        }
-    }
-}
-
-/// Points of the screen that the panels take which can be made wider or narrower.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Layout {
-    /// Width of the one on the right.
-    pub panel: f32,
-    /// Height of the cross-section.
-    pub section: f32,
-    /// The panel on the right is folded away.
-    pub is_folded: bool,
-    /// In a narrow window: it lies over the map.
-    pub is_drawn_out: bool,
-    /// The map and its legend alone.
-    pub presents: bool,
-}
-
-impl Layout {
-    /// Folds the panel on the right away, or brings it back.
-    pub fn toggle(&mut self, ctx: &egui::Context) {
-        if is_narrow(ctx) {
-            self.is_drawn_out = !self.is_drawn_out;
-        } else {
-            self.is_folded = !self.is_folded;
         }
     }
 }
@@ -506,7 +483,7 @@ pub fn show(
     if editor.layout.presents {
         menu::presented_stop(shown, ui.ctx(), &mut commands);
     } else {
-        around(editor, shown, clear, ui, &mut commands);
+        arrangement::around(editor, shown, clear, ui, &mut commands);
     }
     let centre = CentralPanel::default().frame(Frame::NONE).show(ui, |ui| canvas(editor, shown, ui));
     gallery::show(centre.response.rect, editor, shown, ui, &mut commands);
@@ -517,92 +494,4 @@ pub fn show(
     }
     dialog::warn_of_loudness(editor, &mut commands);
     commands
-}
-
-/// Menu, view bar, status, tools, panel and line profile, as far as the window has room for them.
-fn around(editor: &mut Editor, shown: &Shown, clear: Frame, ui: &mut Ui, commands: &mut Vec<Command>) {
-    let frame = clear.inner_margin(Margin::symmetric(8, 4));
-    let (is_wide, is_high) = has_room(ui);
-    let is_narrow = is_narrow(ui.ctx());
-    Side::top("menu").frame(frame).show(ui, |ui| menu::bar(editor, shown, ui, commands));
-    if is_high {
-        Side::top("view").frame(frame).show(ui, |ui| view_bar::show(editor, ui));
-        Side::bottom("status").frame(frame).show(ui, |ui| status::bar(editor, shown, ui));
-    }
-    if is_wide {
-        let columns = menu::tool_columns(ui.available_height() - 8.0);
-        let width = menu::tool_width(columns);
-        let tools = Side::left("tools").resizable(false).exact_size(width).frame(frame);
-        tools.show(ui, |ui| menu::tools(editor, columns, ui));
-    }
-    if is_narrow {
-        drawer(editor, shown, ui, commands);
-    } else if !editor.layout.is_folded {
-        panel(editor, shown, clear, ui, commands);
-    }
-    if is_high && timeline::is_wanted(editor) {
-        let timeline = Side::bottom("timeline").resizable(false).frame(frame);
-        timeline.show(ui, |ui| timeline::show(editor, shown, ui));
-    }
-    if is_high && editor.view.section {
-        let section = Side::bottom("section")
-            .frame(clear)
-            .default_size(editor.layout.section)
-            .size_range(110.0..=320.0);
-        let section = section.resizable(true).show(ui, |ui| section::show(editor, shown, ui));
-        editor.layout.section = section.response.rect.height();
-    }
-}
-
-/// The panel beside the map: as wide as the user wants it, whatever is in it, and never so wide that no map is left.
-fn panel(editor: &mut Editor, shown: &Shown, clear: Frame, ui: &mut Ui, commands: &mut Vec<Command>) {
-    let most = (ui.ctx().content_rect().width() - SMALLEST_MAP).clamp(PANEL.start, PANEL.end);
-    let side = Side::right("panel").frame(clear).default_size(editor.layout.panel.min(most));
-    let side = side.size_range(PANEL.start..=most).show(ui, |ui| {
-        let rect = ui.available_rect_before_wrap();
-        let mut inner = ui.new_child(UiBuilder::new().max_rect(rect));
-        inner.shrink_clip_rect(rect);
-        panels::show(editor, shown, &mut inner, commands);
-        ui.advance_cursor_after_rect(rect);
-    });
-    editor.layout.panel = side.response.rect.width();
-}
-
-/// The panel over the map, where the window is too narrow for both.
-fn drawer(editor: &mut Editor, shown: &Shown, ui: &Ui, commands: &mut Vec<Command>) {
-    if !editor.layout.is_drawn_out {
-        return;
-    }
-    let room = ui.available_rect_before_wrap();
-    let width = DRAWER.min(room.width() - 16.0);
-    let area = egui::Area::new(egui::Id::unique("drawer")).order(egui::Order::Middle);
-    area.fixed_pos(room.right_top() - egui::vec2(width + 16.0, 0.0)).show(ui.ctx(), |ui| {
-        Frame::popup(ui.style()).show(ui, |ui| {
-            let rect = egui::Rect::from_min_size(ui.cursor().min, egui::vec2(width, room.height() - 16.0));
-            let mut inner = ui.new_child(UiBuilder::new().max_rect(rect));
-            inner.shrink_clip_rect(rect);
-            panels::show(editor, shown, &mut inner, commands);
-            ui.advance_cursor_after_rect(rect);
-        });
-    });
-}
-
-/// Points of the screen: widths of the panel on the right, beside the map and over it.
-const PANEL: std::ops::Range<f32> = 260.0..520.0;
-const DRAWER: f32 = 340.0;
-/// Tools, map and its axes beside the panel.
-const SMALLEST_MAP: f32 = 520.0;
-/// Below this the panel lies over the map and the view bar scrolls.
-const NARROW: f32 = 860.0;
-
-fn is_narrow(ctx: &egui::Context) -> bool {
-    ctx.content_rect().width() < NARROW
-}
-
-/// Whether a window is wide and high enough for more than the menu and the canvas.
-fn has_room(ui: &Ui) -> (bool, bool) {
-    const WIDE: f32 = 460.0;
-    const HIGH: f32 = 320.0;
-    let size = ui.ctx().content_rect().size();
-    (size.x >= WIDE, size.y >= HIGH)
 }

@@ -7,7 +7,7 @@ use crate::acoustics::Air;
 use crate::scene::{ElementModel, Listener, Target};
 use crate::studio::probe;
 use crate::ui::panels::{MM, PLAIN, Unit, choice, count, fact, form, given, heading, number, target};
-use crate::ui::{Editor, Shown, edit, element_map, keys, theme};
+use crate::ui::{Editor, Shown, clipboard, edit, element_map, theme};
 
 pub fn show(editor: &mut Editor, shown: &Shown, ui: &mut Ui) {
     targets(editor, ui);
@@ -41,10 +41,10 @@ fn targets(editor: &mut Editor, ui: &mut Ui) {
         let any = !editor.selection.is_empty();
         ui.add_enabled_ui(any, |ui| {
             if ui.button("Duplicate").on_hover_text("Ctrl D").clicked() {
-                keys::duplicate(editor);
+                clipboard::duplicate(editor);
             }
             if ui.button("Delete").on_hover_text("Delete").clicked() {
-                keys::delete(editor);
+                clipboard::delete(editor);
             }
             let first = editor.selection.first().copied();
             let last = editor.selection.last().copied();

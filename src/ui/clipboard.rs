@@ -1,0 +1,45 @@
+//! What is done to the selected targets as a whole: copied, pasted, doubled, deleted.
+
+use std::collections::BTreeSet;
+use std::path::Path;
+
+use egui::Context;
+
+use crate::studio::opening;
+use crate::ui::{Editor, edit, way};
+
+pub fn copy(editor: &mut Editor, ctx: &Context) {
+    if let Some((text, targets)) = edit::copied(editor.scene(), &editor.selection) {
+        ctx.copy_text(text);
+        editor.copied = targets;
+    }
+}
+
+pub fn paste(editor: &mut Editor, text: &str) {
+    let axes = editor.view.axes(editor.scene());
+    if edit::paste(&mut editor.document.scene, &mut editor.selection, &axes, text) {
+        let pasted = editor.selection.iter().next().copied().unwrap_or(0);
+        edit::return_pixels(&mut editor.document.scene.targets[pasted..], &editor.copied);
+        let folder = editor.document.path().and_then(Path::parent).unwrap_or(Path::new("")).to_owned();
+        // A picture that is missing is named where the scene is shown.
+        let _ = opening::load_targets(&mut editor.document.scene.targets, &folder);
+    }
+}
+
+/// The vertex or keyframe of a path that was taken hold of last, or else what is selected.
+pub fn delete_chosen(editor: &mut Editor) {
+    if !way::delete(editor) {
+        delete(editor);
+    }
+}
+
+pub fn delete(editor: &mut Editor) {
+    edit::delete(&mut editor.document.scene, &mut editor.selection);
+}
+
+pub fn duplicate(editor: &mut Editor) {
+    let axes = editor.view.axes(editor.scene());
+    let mut selection: BTreeSet<usize> = std::mem::take(&mut editor.selection);
+    edit::duplicate(&mut editor.document.scene, &mut selection, &axes);
+    editor.selection = selection;
+}
