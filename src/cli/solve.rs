@@ -15,7 +15,6 @@ use crate::solver::levels::{self, Reached};
 use crate::solver::{self, Limits, Problem, Solution, SolveError, room};
 use crate::studio::output::{self, Files, say, warn};
 use crate::studio::probe::{self, Reading};
-use crate::studio::reach;
 
 /// What is said in place of figures that compare pressures at the foci, and the rows that do.
 const SILENT: &str = "no sound reaches the foci";
@@ -153,7 +152,7 @@ impl Findings {
             ));
         }
         notices.extend(heard.and_then(|heard| heard.warning()));
-        notices.extend(reach::warnings(scene));
+        notices.extend(crate::studio::reach::warnings(scene));
         Self { solution, limits, side_lobe, heard, notices }
     }
 

@@ -59,9 +59,7 @@ fn a_line_is_measured_moved_at_its_end_exported_and_put_away() {
     assert!(screen.query_by_label("60.0 mm, 0.0°").is_some());
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("profile.csv");
-    screen.get_by_label("Export").click();
-    rest(&mut screen);
-    screen.get_by_label("Line profile as CSV…").click();
+    screen.get_by_label("CSV…").click();
     rest(&mut screen);
     let purpose = Purpose::Export(sonoglyph::ui::Export::Profile);
     screen.state_mut().editor_mut().dialog = Some(Dialog::Path { purpose, text: path.display().to_string() });
