@@ -182,6 +182,7 @@ fn defaults_are_those_of_an_empty_scene() {
         ("solver", "search", search.into()),
         ("solver", "frames", frames.into()),
         ("solver", "target", "pressure".into()),
+        ("motion", "angle", 0.0.into()),
         ("motion", "foci", 1.into()),
     ] {
         empty[table].as_table_mut().unwrap().insert(key.to_owned(), value);

@@ -14,7 +14,7 @@ use crate::field::{Colouring, Request, Scale};
 use crate::picture::ColourMap;
 use crate::scene::{Method, Scene};
 use crate::solver::frames::{self, Sequence};
-use crate::ui::compare::{Beside, Compare, Difference, With};
+use crate::ui::beside::{Beside, Compare, Difference, With};
 use crate::ui::view::Lens;
 use crate::ui::{Editor, Map, Shown};
 

@@ -10,9 +10,10 @@ use glam::{DVec2, DVec3};
 use crate::field::Quantity;
 use crate::picture::ColourMap;
 use crate::scene::{Method, Scene};
+use crate::ui::beside::{Compare, Difference, With};
 use crate::ui::canvas::{self, Canvas};
 use crate::ui::view::{Axes, Cut, Lens, View, Window};
-use crate::ui::{Editor, Map, Shown, Sound, Texture, edit, legend, marks, theme};
+use crate::ui::{Editor, Map, Shown, Sound, edit, legend, marks, theme};
 
 /// What wheel and pinch do, as on the canvas.
 const ZOOM_PER_POINT: f64 = 1.0 / 240.0;
@@ -20,121 +21,10 @@ const ZOOM_PER_POINT: f64 = 1.0 / 240.0;
 const NARROWEST: f32 = 420.0;
 const CROSS: Color32 = Color32::from_rgba_premultiplied(150, 150, 150, 150);
 
-/// In what the second map differs.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum With {
-    /// Another method.
-    Method,
-    /// The drive on so many phase levels.
-    Levels,
-    /// Another plane.
-    Plane,
-}
-
-/// What the map is compared with.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Compare {
-    pub with: With,
-    pub method: Method,
-    pub levels: u32,
-    pub cut: Cut,
-    /// The difference stands at the right.
-    pub difference: bool,
-    /// There is room for two.
-    is_split: bool,
-    /// m, what the pointer is at, on either map.
-    pointer: Option<DVec3>,
-    /// m, of another plane's window; what it shares with the map's comes from there.
-    centre: Option<DVec2>,
-}
-
-impl Default for Compare {
-    fn default() -> Self {
-        Self {
-            with: With::Method,
-            method: Method::Naive,
-            levels: 16,
-            cut: Cut::Xz,
-            difference: false,
-            is_split: false,
-            pointer: None,
-            centre: None,
-        }
-    }
-}
-
-impl Editor {
-    /// Whether two maps are seen.
-    pub fn is_comparing(&self) -> bool {
-        self.compare.as_ref().is_some_and(|compare| compare.is_split)
-    }
-}
-
-impl Compare {
-    /// How the second map is looked at.
-    pub fn view(&self, view: &View) -> View {
-        match self.with {
-            With::Plane => View { cut: self.cut, window: None, ..view.clone() },
-            With::Method | With::Levels => view.clone(),
-        }
-    }
-
-    /// Whether a difference is wanted of maps that have one.
-    pub fn is_subtracted(&self) -> bool {
-        self.difference && self.with != With::Plane
-    }
-
-    fn names(&self, editor: &Editor) -> [String; 2] {
-        let levels =
-            |levels: Option<u32>| levels.map_or("ideal drive".to_owned(), |n| format!("{n} phase levels"));
-        match self.with {
-            With::Method => [editor.scene().solver.method.title().to_owned(), self.method.title().to_owned()],
-            With::Levels => [levels(editor.levels), levels(Some(self.levels))],
-            With::Plane => [editor.view.cut.name().to_owned(), self.cut.name().to_owned()],
-        }
-    }
-}
-
-/// What was made of the second map.
-#[derive(Debug, Default)]
-pub struct Beside {
-    pub map: Option<Map>,
-    pub sound: Option<Sound>,
-    pub problem: Option<String>,
-    /// It is still being solved.
-    pub is_pending: bool,
-    pub difference: Option<Difference>,
-}
-
-/// The first map minus the second.
-#[derive(Debug)]
-pub struct Difference {
-    pub texture: Texture,
-    /// The largest amount.
-    pub largest: f64,
-    pub quantity: Quantity,
-    pub window: Window,
-    /// Points of the screen, where the first map is.
-    pub rect: Rect,
-}
-
 /// The second map's place on the screen.
 #[derive(Debug)]
 pub struct Second {
     pub lens: Lens,
-}
-
-/// The switch among the other things that are shown.
-pub fn switch(editor: &mut Editor, ui: &mut Ui) {
-    let mut is_on = editor.compare.is_some();
-    ui.toggle_value(&mut is_on, "Compare").on_hover_text(
-        "Two methods, drives or planes side by side with one range of colours, or their difference",
-    );
-    match (is_on, &editor.compare) {
-        (true, None) => editor.compare = Some(Compare::default()),
-        (false, Some(_)) => editor.compare = None,
-        (true, Some(_)) | (false, None) => {}
-    }
 }
 
 /// Room for the canvas, and beside it for what it is compared with.

@@ -4,6 +4,7 @@
 pub mod action;
 mod arrangement;
 mod array;
+pub mod beside;
 pub mod board;
 pub mod bring_up;
 pub mod brush;
@@ -89,7 +90,7 @@ pub struct Editor {
     pub view: View,
     fitted: Option<Fitted>,
     /// What the map is compared with.
-    pub compare: Option<compare::Compare>,
+    pub compare: Option<beside::Compare>,
     pub tool: Tool,
     pub panel: Panel,
     pub layout: Layout,
@@ -254,7 +255,7 @@ pub enum Export {
 pub struct Shown {
     pub map: Option<Map>,
     /// What it is compared with.
-    pub beside: Option<compare::Beside>,
+    pub beside: Option<beside::Beside>,
     /// Of the scene at rest.
     pub solution: Option<Arc<Solution>>,
     pub sound: Option<Sound>,

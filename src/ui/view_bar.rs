@@ -7,7 +7,7 @@ use crate::studio::convention::Convention;
 use crate::ui::icon::{self, Icon};
 use crate::ui::tool::Tool;
 use crate::ui::view::{Cut, FreePlane};
-use crate::ui::{Editor, brush, compare, panels, segments};
+use crate::ui::{Editor, beside, brush, panels, segments};
 
 /// m: how far the slider moves a plane.
 const FARTHEST: f64 = 0.3;
@@ -173,7 +173,7 @@ fn overlays(editor: &mut Editor, ui: &mut Ui) {
     });
     let tip = "The values along a line across the map; Shift and the pointer move it (X)";
     icon::toggle(ui, Icon::Profile, "Line profile", tip, &mut view.section);
-    compare::switch(editor, ui);
+    beside::switch(editor, ui);
     let view = &mut editor.view;
     ui.menu_button("Overlays", |ui| {
         ui.checkbox(&mut view.grid, "Grid").on_hover_text("The lines to which the pointer can snap (K)");

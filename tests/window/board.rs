@@ -300,7 +300,7 @@ fn while_the_board_plays_the_motion_the_screen_goes_through_its_frames() {
     assert!(screen.query_by_label_contains("5.00 cycles/s, 40 frames/s").is_some());
     let frame = playback.frame;
     until(&mut screen, "another frame", |screen| screen.state().editor().playback.frame != frame);
-    screen.get_by_label("Stop").click();
+    screen.get_all_by_label("Stop").last().unwrap().click();
     until(&mut screen, "rest", |screen| screen.state().editor().playback.frame.is_none());
     assert!(!screen.state().editor().playback.playing);
 }

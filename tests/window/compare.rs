@@ -2,7 +2,7 @@
 
 use egui::accesskit::Role;
 use sonoglyph::scene::Method;
-use sonoglyph::ui::compare::Beside;
+use sonoglyph::ui::beside::Beside;
 
 use super::*;
 

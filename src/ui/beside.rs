@@ -1,0 +1,121 @@
+//! What the map is compared with: the wish, and what was made of it.
+
+use egui::{Rect, Ui};
+use glam::{DVec2, DVec3};
+
+use crate::field::Quantity;
+use crate::scene::Method;
+use crate::ui::view::{Cut, View, Window};
+use crate::ui::{Editor, Map, Sound, Texture};
+
+/// In what the second map differs.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum With {
+    /// Another method.
+    Method,
+    /// The drive on so many phase levels.
+    Levels,
+    /// Another plane.
+    Plane,
+}
+
+/// What the map is compared with.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Compare {
+    pub with: With,
+    pub method: Method,
+    pub levels: u32,
+    pub cut: Cut,
+    /// The difference stands at the right.
+    pub difference: bool,
+    /// There is room for two.
+    pub is_split: bool,
+    /// m, what the pointer is at, on either map.
+    pub pointer: Option<DVec3>,
+    /// m, of another plane's window; what it shares with the map's comes from there.
+    pub centre: Option<DVec2>,
+}
+
+impl Default for Compare {
+    fn default() -> Self {
+        Self {
+            with: With::Method,
+            method: Method::Naive,
+            levels: 16,
+            cut: Cut::Xz,
+            difference: false,
+            is_split: false,
+            pointer: None,
+            centre: None,
+        }
+    }
+}
+
+impl Editor {
+    /// Whether two maps are seen.
+    pub fn is_comparing(&self) -> bool {
+        self.compare.as_ref().is_some_and(|compare| compare.is_split)
+    }
+}
+
+impl Compare {
+    /// How the second map is looked at.
+    pub fn view(&self, view: &View) -> View {
+        match self.with {
+            With::Plane => View { cut: self.cut, window: None, ..view.clone() },
+            With::Method | With::Levels => view.clone(),
+        }
+    }
+
+    /// Whether a difference is wanted of maps that have one.
+    pub fn is_subtracted(&self) -> bool {
+        self.difference && self.with != With::Plane
+    }
+
+    /// What each side is called.
+    pub fn names(&self, editor: &Editor) -> [String; 2] {
+        let levels =
+            |levels: Option<u32>| levels.map_or("ideal drive".to_owned(), |n| format!("{n} phase levels"));
+        match self.with {
+            With::Method => [editor.scene().solver.method.title().to_owned(), self.method.title().to_owned()],
+            With::Levels => [levels(editor.levels), levels(Some(self.levels))],
+            With::Plane => [editor.view.cut.name().to_owned(), self.cut.name().to_owned()],
+        }
+    }
+}
+
+/// What was made of the second map.
+#[derive(Debug, Default)]
+pub struct Beside {
+    pub map: Option<Map>,
+    pub sound: Option<Sound>,
+    pub problem: Option<String>,
+    /// It is still being solved.
+    pub is_pending: bool,
+    pub difference: Option<Difference>,
+}
+
+/// The first map minus the second.
+#[derive(Debug)]
+pub struct Difference {
+    pub texture: Texture,
+    /// The largest amount.
+    pub largest: f64,
+    pub quantity: Quantity,
+    pub window: Window,
+    /// Points of the screen, where the first map is.
+    pub rect: Rect,
+}
+
+/// The switch among the other things that are shown.
+pub fn switch(editor: &mut Editor, ui: &mut Ui) {
+    let mut is_on = editor.compare.is_some();
+    ui.toggle_value(&mut is_on, "Compare").on_hover_text(
+        "Two methods, drives or planes side by side with one range of colours, or their difference",
+    );
+    match (is_on, &editor.compare) {
+        (true, None) => editor.compare = Some(Compare::default()),
+        (false, Some(_)) => editor.compare = None,
+        (true, Some(_)) | (false, None) => {}
+    }
+}
