@@ -70,8 +70,13 @@ pub fn lacking(text: &str) -> Vec<char> {
 
 /// A sentence on characters that the font lacks.
 pub fn lacks(characters: &[char]) -> String {
-    let quoted: Vec<_> =
-        characters.iter().take(5).map(|letter| format!("“{}”", letter.escape_debug())).collect();
+    /// The last character of the scripts that the window's font draws.
+    const LAST: char = '\u{3ff}';
+    let named = |&letter: &char| match letter {
+        _ if letter > LAST => format!("U+{:04X}", u32::from(letter)),
+        _ => format!("“{}”", letter.escape_debug()),
+    };
+    let quoted: Vec<_> = characters.iter().take(5).map(named).collect();
     format!("the stroke font has no {}", quoted.join(", "))
 }
 

@@ -8,7 +8,7 @@ use crate::scene::motion;
 use crate::ui::board::{BoardCommand, Plays};
 use crate::ui::brush;
 use crate::ui::tool::Tool;
-use crate::ui::{Command, Dialog, Editor, Export, Panel, Purpose, Shown, clipboard};
+use crate::ui::{Command, Dialog, Editor, Export, Panel, Purpose, Shown, clipboard, way};
 
 /// What a step of the window's scale multiplies it by, and its bounds.
 const SCALE_STEP: f32 = 1.25;
@@ -152,7 +152,7 @@ impl Action {
             Self::Delete => "Delete",
             Self::SelectAll => "Select all",
             Self::Snap => "Snap to the grid",
-            Self::Export(Export::Figure(_)) => "Figure for print…",
+            Self::Export(Export::Figure(_)) => "Figure…",
             Self::Export(Export::Map) => "Map as PNG…",
             Self::Export(Export::Sheet) => "Sheet as PNG…",
             Self::Export(Export::Numbers) => "Map's numbers as NPY…",
@@ -298,7 +298,8 @@ impl Action {
             (self == Self::Redo && !editor.document.can_redo(), "There is nothing to redo"),
             (
                 is_one_of(&[Self::Cut, Self::Copy, Self::Duplicate, Self::Delete])
-                    && editor.selection.is_empty(),
+                    && editor.selection.is_empty()
+                    && !(self == Self::Delete && way::can_delete(editor)),
                 "No target is selected",
             ),
             (self == Self::SelectAll && editor.scene().targets.is_empty(), "The scene has no targets"),

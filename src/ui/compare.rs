@@ -63,8 +63,10 @@ fn settings(editor: &mut Editor, ui: &mut Ui) {
     }
     match compare.with {
         With::Method => {
-            let combo =
-                ComboBox::from_id_salt("second method").width(170.0).selected_text(compare.method.title());
+            let combo = ComboBox::from_id_salt("second method")
+                .width(170.0)
+                .height(320.0)
+                .selected_text(compare.method.title());
             let response = combo.show_ui(ui, |ui| {
                 for method in Method::ALL {
                     ui.selectable_value(&mut compare.method, method, method.title());

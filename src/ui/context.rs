@@ -5,8 +5,8 @@ use glam::DVec2;
 
 use crate::scene::Target;
 use crate::ui::Editor;
-use crate::ui::edit::{self, Align};
 use crate::ui::clipboard;
+use crate::ui::edit::{self, Align};
 use crate::ui::view::Lens;
 
 /// Points of the screen within which an outline is meant.

@@ -21,12 +21,21 @@ pub struct Fitted {
     /// m
     centre: DVec2,
     size: DVec2,
+    /// Where it was last.
+    lens: Option<Lens>,
 }
 
 impl Fitted {
     fn new(view: &View, scene: &Scene) -> Self {
         let (centre, size) = view.whole(scene);
-        Self { cut: view.cut, plane: scene.plane.clone(), array: scene.array.clone(), centre, size }
+        Self {
+            cut: view.cut,
+            plane: scene.plane.clone(),
+            array: scene.array.clone(),
+            centre,
+            size,
+            lens: None,
+        }
     }
 
     /// What is shown on the next frame; `is_held` while something is dragged or typed.
@@ -73,10 +82,17 @@ impl Editor {
     /// What of the cut is on this rectangle of the screen; `is_held` while something is dragged or typed.
     pub(in crate::ui) fn lens(&mut self, rect: Rect, is_held: bool) -> Lens {
         let is_held = is_held || self.is_in_gesture();
-        let fitted = Fitted::next(self.fitted.take(), &self.view, &self.document.scene, is_held);
-        let window = self.view.window.unwrap_or_else(|| fitted.window(rect));
+        let mut fitted = Fitted::next(self.fitted.take(), &self.view, &self.document.scene, is_held);
+        let window = match (self.view.window, fitted.lens.filter(|_| is_held)) {
+            (Some(window), _) => window,
+            // Panels may take room from the map meanwhile: what is under the pointer stays there.
+            (None, Some(last)) => Window { centre: last.flat(rect.center()), ..last.window },
+            (None, None) => fitted.window(rect),
+        };
+        let lens = Lens { rect, window };
+        fitted.lens = Some(lens);
         self.fitted = Some(fitted);
-        Lens { rect, window }
+        lens
     }
 
     /// Whether a line is being drawn, whose profile is shown once it is.

@@ -126,7 +126,9 @@ fn export(shown: &Shown, ui: &mut Ui, commands: &mut Vec<Command>) {
 /// An action in a menu.
 fn item(action: Action, editor: &mut Editor, shown: &Shown, ui: &mut Ui, commands: &mut Vec<Command>) {
     let possible = action.possible(editor, shown);
-    let button = Button::new(action.name()).shortcut_text(action.shortcut(ui.ctx()));
+    let keys = action.shortcut(ui.ctx());
+    let button = Button::new(action.name());
+    let button = if keys.is_empty() { button } else { button.shortcut_text(keys) };
     let response = ui.add_enabled(possible.is_ok(), button);
     if response.on_disabled_hover_text(possible.err().unwrap_or_default()).clicked() {
         action.run(editor, shown, ui.ctx(), commands);

@@ -12,6 +12,8 @@ const WIDTH: f32 = 420.0;
 
 pub fn bar(editor: &Editor, shown: &Shown, ui: &mut Ui) {
     ui.horizontal(|ui| {
+        // With and without a map: another height would move the map under the pointer.
+        ui.set_min_height(ui.spacing().interact_size.y);
         if let Some(map) = &shown.map {
             details(editor, shown, map, ui);
         }

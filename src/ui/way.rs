@@ -197,24 +197,39 @@ pub fn add_vertex(editor: &mut Editor, axes: &Axes, lens: &Lens, at: Pos2) -> bo
     true
 }
 
-/// Deletes the vertex or keyframe that was taken hold of last, unless it is the only one.
-pub fn delete(editor: &mut Editor) -> bool {
-    let Some(Vertex { target, index }) = editor.vertex.take() else { return false };
+/// Whether [`delete`] has something to delete.
+pub fn can_delete(editor: &Editor) -> bool {
+    let Some(Vertex { target, index }) = editor.vertex else { return false };
     if editor.panel != Panel::Motion && held(editor).is_none_or(|(held, _)| held != target) {
         return false;
     }
+    let motion = motion_of(editor.scene(), target);
+    let count = motion.map_or(0, |motion| match motion.path {
+        MotionPath::Points => motion.points.len(),
+        MotionPath::Keyframes => motion.keyframes.len(),
+        MotionPath::None
+        | MotionPath::Line
+        | MotionPath::Circle
+        | MotionPath::Square
+        | MotionPath::Triangle
+        | MotionPath::FigureEight
+        | MotionPath::Steps
+        | MotionPath::Outline => 0,
+    });
+    count > 1 && index < count
+}
+
+/// Deletes the vertex or keyframe that was taken hold of last, unless it is the only one.
+pub fn delete(editor: &mut Editor) -> bool {
+    let can_delete = can_delete(editor);
+    let Some(Vertex { target, index }) = editor.vertex.take().filter(|_| can_delete) else { return false };
     let Some(motion) = motion_mut(&mut editor.document.scene, target) else { return false };
-    match motion.path {
-        MotionPath::Points if index < motion.points.len() && motion.points.len() > 1 => {
-            motion.points.remove(index);
-            true
-        }
-        MotionPath::Keyframes if index < motion.keyframes.len() && motion.keyframes.len() > 1 => {
-            motion.keyframes.remove(index);
-            true
-        }
-        _ => false,
+    if motion.path == MotionPath::Points {
+        motion.points.remove(index);
+    } else {
+        motion.keyframes.remove(index);
     }
+    true
 }
 
 /// The part of its round that a motion has behind it in the frame that is shown, or at rest.

@@ -291,8 +291,6 @@ fn while_the_board_plays_the_motion_the_screen_goes_through_its_frames() {
     assert_eq!(editor.playback.frame, None);
     until(&mut screen, "all frames", |screen| screen.state().shown().round.is_some());
     screen.get_by_label("Play motion").click();
-    screen.run_steps(4);
-    screen.get_by_label("Sound").click();
     let is_playing = |screen: &Screen| screen.state().editor().playback.playing;
     until(&mut screen, "the motion", is_playing);
     let playback = screen.state().editor().playback;

@@ -243,7 +243,7 @@ fn texts(screen: &Screen) -> Vec<(String, Rect)> {
 #[test]
 fn the_read_out_of_a_narrow_map_is_seen_whole() {
     let mut screen = open_with(&[point(0.0, 0.0)]);
-    screen.set_size(vec2(820.0, 600.0));
+    screen.set_size(vec2(500.0, 600.0));
     rest(&mut screen);
     let map = lens(&screen).rect;
     assert!(map.width() < 340.0, "{}", map.width());

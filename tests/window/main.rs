@@ -39,8 +39,14 @@ use sonoglyph::ui::{Command, Dialog, Purpose};
 type Screen = Harness<'static, Window>;
 
 fn open() -> Screen {
+    open_by(0.25)
+}
+
+/// With so many seconds from one layout to the next.
+fn open_by(step: f32) -> Screen {
     let mut screen = Harness::builder()
         .with_size(vec2(1280.0, 800.0))
+        .with_step_dt(step)
         .build_eframe(|context| Window::with_example(&context.egui_ctx));
     rest(&mut screen);
     screen

@@ -11,7 +11,8 @@ const AT: DVec3 = DVec3::new(0.0, 0.0, 0.1);
 
 /// The window on a point that moves so, with the Motion panel.
 fn open_on(motion: Motion) -> Screen {
-    let mut screen = open();
+    // Fine enough for two clicks to be a double click.
+    let mut screen = open_by(0.02);
     let editor = screen.state_mut().editor_mut();
     editor.document.scene.targets = vec![Target::new(Shape::Point { at: AT })];
     editor.document.scene.motion = motion;

@@ -45,7 +45,7 @@ fn the_solver_page_tells_how_good_a_shape_is_and_sets_how_quiet() {
     rest(&mut screen);
     let figures = solution(&screen).figures.unwrap();
     screen.get_by_label(&format!("{:.0} %, {:.1} dB", 100.0 * figures.evenness, figures.ripple_db));
-    screen.get_by_label("Loudest elsewhere");
+    screen.get_by_label("Peak side lobe");
     screen.get_by_label("Pressure along the strokes");
     let loud = figures.strength;
     screen.state_mut().editor_mut().document.scene.solver.quiet = 0.0;
@@ -58,6 +58,6 @@ fn the_solver_page_tells_how_good_a_shape_is_and_sets_how_quiet() {
     }
     rest(&mut screen);
     assert!(solution(&screen).figures.is_none());
-    assert!(screen.query_by_label("Loudest elsewhere").is_none());
+    assert!(screen.query_by_label("Peak side lobe").is_none());
     assert!(screen.query_by_label("Pressure along the strokes").is_none());
 }

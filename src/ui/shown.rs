@@ -1,0 +1,141 @@
+//! What was made from the scene: what panels and canvas show.
+
+use std::collections::BTreeMap;
+use std::path::PathBuf;
+use std::sync::Arc;
+
+use glam::DVec3;
+
+use crate::acoustics::{Air, Aperture};
+use crate::drive::Drive;
+use crate::field::{self, Quantity};
+use crate::scene::{Focus, Method};
+use crate::solver::Solution;
+use crate::solver::frames::Sequence;
+use crate::studio::probe::{self, Reading};
+use crate::studio::width::Widths;
+use crate::ui::beside;
+use crate::ui::board::BoardShown;
+use crate::ui::map::{Map, Texture};
+use crate::ui::{Editor, Folder, Preview};
+
+/// What was made from the scene and is there to be shown.
+#[derive(Debug, Default)]
+pub struct Shown {
+    pub map: Option<Map>,
+    /// What it is compared with.
+    pub beside: Option<beside::Beside>,
+    /// Of the scene at rest.
+    pub solution: Option<Arc<Solution>>,
+    pub sound: Option<Sound>,
+    /// Why what is shown is not what the scene asks for.
+    pub problem: Option<String>,
+    /// What is still to come, and what is shown until then: a sentence.
+    pub pending: Option<String>,
+    /// A sentence each.
+    pub warnings: Vec<String>,
+    /// The part of the best that any drive can do.
+    pub certified: Option<f64>,
+    pub methods: Vec<MethodRow>,
+    pub is_comparing: bool,
+    pub round: Option<Arc<Sequence>>,
+    pub is_following: bool,
+    pub pressed: Option<Pressed>,
+    pub extremes: Option<Extremes>,
+    /// Of the focus that is selected, while the line profile is shown.
+    pub widths: Option<Widths>,
+    /// Files that were open last, the last one first.
+    pub recent: Vec<PathBuf>,
+    /// Where a file is asked for.
+    pub folder: Option<Folder>,
+    /// Titles of the example scenes.
+    pub examples: Vec<String>,
+    /// Pictures of those that were seen, by their place in the list.
+    pub thumbnails: BTreeMap<usize, Texture>,
+    /// Who computes the field.
+    pub evaluator: String,
+    /// ms
+    pub solving: f64,
+    pub mapping: f64,
+    /// ms that the GPU took for the map, where it can be timed.
+    pub on_gpu: Option<f64>,
+    pub board: BoardShown,
+    /// What was just done, or could not be.
+    pub notice: Option<Notice>,
+    /// What is being written meanwhile, and the part of it that is done.
+    pub export: Option<(String, f32)>,
+    /// The figure that is being asked about, or why there is none; `None` until it is there.
+    pub figure: Option<Result<Preview, String>>,
+}
+
+impl Shown {
+    /// The drives that a map of this quantity is of: those that are played, or all frames of the motion where their mean counts
+    /// and none of them is looked at.
+    pub fn drives(&self, editor: &Editor, quantity: Quantity) -> Vec<Drive> {
+        match (&self.round, &self.sound) {
+            (Some(round), _) if quantity.declaration().is_slow && editor.playback.frame.is_none() => {
+                round.frames.iter().map(|frame| frame.drive.clone()).collect()
+            }
+            (_, sound) => sound.iter().flat_map(|sound| sound.drives.clone()).collect(),
+        }
+    }
+}
+
+/// A word on what was done.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Notice {
+    pub text: String,
+    pub is_error: bool,
+}
+
+/// What is played, and what arrives.
+#[derive(Clone, Debug)]
+pub struct Sound {
+    pub aperture: Aperture,
+    pub air: Air,
+    /// Those that take turns, one at least.
+    pub drives: Vec<Drive>,
+    pub foci: Vec<Focus>,
+    /// What arrives at the foci.
+    pub readings: Vec<Reading>,
+}
+
+impl Sound {
+    /// The first of those that take turns.
+    pub fn drive(&self) -> &Drive {
+        &self.drives[0]
+    }
+
+    /// The values of a map at points of its plane, in f64; none where these follow from more than the points.
+    pub fn values(&self, map: &Map, points: &[DVec3]) -> Vec<f64> {
+        let axes = [map.axes.x, map.axes.y, map.axes.x.cross(map.axes.y)];
+        probe::values((&self.aperture, &self.air), &self.drives, (map.quantity, map.phase), axes, points)
+    }
+
+    pub fn value(&self, map: &Map, point: DVec3) -> Option<f64> {
+        self.values(map, &[point]).first().copied()
+    }
+}
+
+/// A method in the comparison.
+#[derive(Clone, Debug)]
+pub struct MethodRow {
+    pub method: Method,
+    /// Or why there is none.
+    pub solution: Result<Arc<Solution>, String>,
+}
+
+/// What presses on the scene's plane.
+#[derive(Clone, Debug)]
+pub struct Pressed {
+    pub figures: field::Pressed,
+    /// That the depression is beyond linear theory.
+    pub beyond: Option<String>,
+}
+
+/// The loudest place on the screen and its peak side lobe: where (m), and |P| (Pa, peak).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Extremes {
+    pub peak: Option<(DVec3, f64)>,
+    pub side_lobe: Option<(DVec3, f64)>,
+}
