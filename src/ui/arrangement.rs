@@ -2,15 +2,13 @@
 
 use egui::{Frame, Margin, Panel as Side, Ui, UiBuilder};
 
-use crate::ui::{Command, Editor, Shown, menu, panels, section, status, timeline, view_bar};
+use crate::ui::{Command, Editor, Shown, menu, panels, section, status, theme, timeline, view_bar};
 
 /// Points of the screen: widths of the panel on the right, beside the map and over it.
 const PANEL: std::ops::Range<f32> = 260.0..520.0;
 const DRAWER: f32 = 340.0;
 /// Tools, map and its axes beside the panel.
 const SMALLEST_MAP: f32 = 520.0;
-/// Below this the panel lies over the map and the view bar has lists.
-const NARROW: f32 = 860.0;
 
 /// Points of the screen that the panels take which can be made wider or narrower.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -30,7 +28,7 @@ pub struct Layout {
 impl Layout {
     /// Folds the panel on the right away, or brings it back.
     pub fn toggle(&mut self, ctx: &egui::Context) {
-        if is_narrow(ctx) {
+        if theme::is_narrow(ctx) {
             self.is_drawn_out = !self.is_drawn_out;
         } else {
             self.is_folded = !self.is_folded;
@@ -48,7 +46,7 @@ pub(super) fn around(
 ) {
     let frame = clear.inner_margin(Margin::symmetric(8, 4));
     let (is_wide, is_high) = has_room(ui);
-    let is_narrow = is_narrow(ui.ctx());
+    let is_narrow = theme::is_narrow(ui.ctx());
     Side::top("menu").frame(frame).show(ui, |ui| menu::bar(editor, shown, ui, commands));
     if is_high {
         Side::top("view").frame(frame).show(ui, |ui| view_bar::show(editor, ui));
@@ -110,11 +108,6 @@ fn drawer(editor: &mut Editor, shown: &Shown, ui: &Ui, commands: &mut Vec<Comman
             ui.advance_cursor_after_rect(rect);
         });
     });
-}
-
-/// Whether a window has no room for map and panel side by side.
-pub fn is_narrow(ctx: &egui::Context) -> bool {
-    ctx.content_rect().width() < NARROW
 }
 
 /// Whether a window is wide and high enough for more than the menu and the canvas.

@@ -1,6 +1,6 @@
 //! A segmented control: a few choices side by side, of which one is taken.
 
-use crate::ui::arrangement;
+use crate::ui::theme;
 use egui::{Button, ComboBox, Frame, Margin, TextStyle, TextWrapMode, Ui, WidgetText};
 
 /// One choice: the value, its name, and a sentence about it.
@@ -16,7 +16,7 @@ const FEW: usize = 2;
 pub fn show<T: Copy + PartialEq>(ui: &mut Ui, name: &str, value: &mut T, choices: &[Segment<'_, T>]) -> bool {
     let before = *value;
     let width = choices.iter().map(|(_, name, _)| text_width(ui, name) + BETWEEN).sum::<f32>() + AROUND;
-    let is_long = choices.len() > FEW && arrangement::is_narrow(ui.ctx());
+    let is_long = choices.len() > FEW && theme::is_narrow(ui.ctx());
     if is_long || width > ui.max_rect().width() {
         let current = choices.iter().find(|(choice, ..)| choice == value).map_or("", |(_, name, _)| name);
         let list = ComboBox::from_id_salt(name).selected_text(current).height(360.0).show_ui(ui, |ui| {

@@ -63,6 +63,12 @@ fn semibold() -> FontFamily {
     FontFamily::Name(SEMIBOLD.into())
 }
 
+/// Whether a window has no room for map and panel side by side: the panel lies over the map then, and the view bar has lists.
+pub fn is_narrow(ctx: &Context) -> bool {
+    const NARROW: f32 = 860.0;
+    ctx.content_rect().width() < NARROW
+}
+
 /// A title above a group of controls.
 pub fn heading(text: &str) -> RichText {
     RichText::new(text).font(FontId::new(14.0, semibold()))
