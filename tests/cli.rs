@@ -97,6 +97,7 @@ fn solve_prints_the_json_that_other_programs_read() {
             "certified",
             "ghost",
             "ghost_position",
+            "widths",
             "residual",
             "evenness",
             "side_lobe",

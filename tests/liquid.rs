@@ -247,7 +247,8 @@ fn what_cannot_be_pressed_or_shown_is_refused() {
         ("stretched.toml", &stretched),
     ]);
     let refused = |scene: &'static str, more: &[&'static str]| {
-        refuse(folder.path(), &[&["render", scene, "-o", "a.gif", "--quantity", "depression"], more].concat())
+        let output = if more.contains(&"--waves") { "a.gif" } else { "a.png" };
+        refuse(folder.path(), &[&["render", scene, "-o", output, "--quantity", "depression"], more].concat())
     };
     for (message, part) in [
         (refused("upright.toml", &[]), "lies parallel to the array"),

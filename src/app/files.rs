@@ -150,7 +150,8 @@ impl Window {
             self.answered = None;
             return;
         }
-        let path = purpose.with_ending(path);
+        let typed = path;
+        let path = purpose.with_ending(typed.clone());
         if purpose.reads() {
             // What cannot be read takes nothing away: only then is it asked whether the scene is to be saved.
             let readable = match purpose {
@@ -161,6 +162,10 @@ impl Window {
                 Ok(()) => self.go_on(purpose, path, ctx),
                 Err(error) => self.refuse("The file cannot be read", &error),
             }
+        } else if let Err(error) =
+            [&typed, &path].into_iter().try_for_each(|path| output::refuse_stream(path))
+        {
+            self.refuse("That is no file to write to", &error);
         } else if path.exists() && self.editor.document.path() != Some(path.as_path()) {
             let text = text.to_owned();
             self.editor.dialog = Some(Dialog::Replace { purpose, text, path });

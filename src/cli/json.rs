@@ -57,22 +57,23 @@ pub fn solution(solution: &Solution, limits: Option<&Limits>) -> Value {
     value
 }
 
-/// Adds the -6 dB `widths` of the first separate foci to the object of a solution: m, and m² for their area, null where |p| does
-/// not fall to half.
+/// Adds the -6 dB `widths` of the first separate foci to the quality of a solution, by their places among the foci: m, and m² for
+/// their area, null where |p| does not fall to half.
 pub fn add_widths(value: &mut Value, aperture: &Aperture, solution: &Solution) {
     let drives = solution.drives();
     let separate = solution.foci.iter().enumerate().filter(|(_, focus)| focus.is_separate());
     let first: Vec<_> = separate.take(MOST_WIDTHS).collect();
-    let widths =
-        |&(index, focus): &(usize, &Focus)| (index, width::widths(aperture, &drives, focus.position));
-    for (index, widths) in first.par_iter().map(widths).collect::<Vec<_>>() {
-        value["foci"][index]["widths"] = json!({
+    let widths = |&(index, focus): &(usize, &Focus)| {
+        let widths = width::widths(aperture, &drives, focus.position);
+        json!({
+            "focus": index,
             "lateral_x": widths.lateral_x,
             "lateral_y": widths.lateral_y,
             "axial": widths.axial,
             "area": widths.area,
-        });
-    }
+        })
+    };
+    value["quality"]["widths"] = first.par_iter().map(widths).collect::<Vec<_>>().into();
 }
 
 /// Adds the figures of a shape.

@@ -450,9 +450,10 @@ mod tests {
         let width = |lobe: Lobe| lobe.half.map(|[before, after]| after - before).unwrap();
         let triangle = |x: f64| (1.0 - (x - 0.04).abs() / 0.02).max(0.0);
         let of_pressure = profile(triangle).lobe().unwrap();
-        assert!((width(of_pressure) - 0.02).abs() < 1e-5 && (of_pressure.at - 0.04).abs() < 2e-4);
+        // Its tip lies between two of the points.
+        assert!((width(of_pressure) - 0.02).abs() < 2e-4 && (of_pressure.at - 0.04).abs() < 2e-4);
         let squared = Profile { quantity: Quantity::Intensity, ..profile(|x| triangle(x).powi(2)) };
-        assert!((width(squared.lobe().unwrap()) - 0.02).abs() < 1e-4);
+        assert!((width(squared.lobe().unwrap()) - 0.02).abs() < 3e-4);
         assert_eq!(profile(|x| x).lobe().unwrap().half, None, "a slope has no width");
         assert_eq!(profile(|_| 0.0).lobe(), None);
     }

@@ -67,8 +67,11 @@ fn edit(screen: &mut Screen) {
 
 /// What the window says could not be done.
 fn refusal(screen: &mut Screen) -> String {
-    match screen.state_mut().editor_mut().dialog.take() {
-        Some(Dialog::Message { text, .. }) => text,
+    let editor = screen.state_mut().editor_mut();
+    match (editor.dialog.take(), editor.asking.problem.take()) {
+        (Some(Dialog::Message { text, .. }), _) => text,
+        // An answer that will not do stays, with the reason.
+        (Some(Dialog::Path { .. }), Some((_, why))) => why,
         other => panic!("nothing was refused: {other:?}"),
     }
 }
@@ -139,8 +142,6 @@ fn a_window_waits_for_no_pipe_and_leaves_devices_alone() {
             assert!(text.contains("this is a device or a pipe, not a file"), "{purpose:?}: {text}");
         }
         answer(&mut screen, Purpose::Open, path);
-        // What is unsaved is asked about first.
-        choose(&mut screen, "Don't save");
         let text = refusal(&mut screen);
         assert!(text.contains("this is a device or a pipe, not a file"), "{text}");
         answer(&mut screen, Purpose::Import, path);

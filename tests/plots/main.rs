@@ -93,7 +93,7 @@ fn one_map_is_in_all_three_files_and_words_stay_words() {
     let corners =
         (0..png.width() - map.width()).flat_map(|x| (0..png.height() - map.height()).map(move |y| (x, y)));
     assert_eq!(corners.filter(|&(left, top)| inside(left, top)).count(), 1, "the PNG shows it one to one");
-    for word in ["A focus & <more>", "x / mm", "y / mm", "−50", "RMS pressure / Pa", "0"] {
+    for word in ["A focus & <more>", "x / mm", "y / mm", "−50", "RMS pressure / kPa", "0"] {
         assert!(words.iter().any(|own| own == word), "{word}: {words:?}");
     }
     assert!(pdf.starts_with(b"%PDF-") && pdf.windows(9).any(|window| window == b"/FontFile"));

@@ -275,19 +275,14 @@ fn motion(dice: &mut Dice, size: f64, outline: Option<f64>) -> Motion {
     if dice.of(0.875) {
         return Motion::default();
     }
-    let path = dice.one_of(&[
-        Line,
-        Circle,
-        Square,
-        Triangle,
-        FigureEight,
-        Points,
-        Keyframes,
-        Steps,
-        Outline,
-        Outline,
-    ]);
-    let path = if path == Outline && outline.is_none() { Line } else { path };
+    let path = dice.one_of(&[Line, Circle, Square, Triangle, FigureEight, Points, Steps, Outline, Outline]);
+    // What came later to motions is drawn beside, so that all other scenes stay what they were.
+    let mut beside = dice.clone();
+    let path = match path {
+        Outline if outline.is_none() => Line,
+        Points if beside.of(0.5) => Keyframes,
+        path => path,
+    };
     let has_speed = path != Steps && dice.of(0.3);
     let tempo = match has_speed {
         true => {
@@ -298,8 +293,8 @@ fn motion(dice: &mut Dice, size: f64, outline: Option<f64>) -> Motion {
     };
     let points = if path == Points { vec![DVec3::ZERO, DVec3::X * size.max(1e-9)] } else { Vec::new() };
     let foci = if path == Outline { dice.whole(1, 4) } else { 1 };
-    let angle = if dice.of(0.3) { dice.between(-PI, TAU) } else { 0.0 };
-    let keyframes = if path == Keyframes { keyframes(dice, size) } else { Vec::new() };
+    let angle = if beside.of(0.3) { beside.between(-PI, TAU) } else { 0.0 };
+    let keyframes = if path == Keyframes { keyframes(&mut beside, size) } else { Vec::new() };
     Motion { path, size: size.max(1e-9), angle, tempo, frames: dice.whole(4, 9), points, keyframes, foci }
 }
 

@@ -77,8 +77,8 @@ fn open_with(targets: Vec<Target>, motion: MotionPath) -> Screen {
     // As if it came from a file: there is nothing to take back.
     editor.replace(sonoglyph::ui::document::Document::new(scene, "test"));
     editor.selection = [0].into();
-    // High enough for every field of a page.
-    screen.set_size(vec2(900.0, 1400.0));
+    // Wide enough for the panel beside the map.
+    screen.set_size(vec2(880.0, 480.0));
     rest(&mut screen);
     screen
 }

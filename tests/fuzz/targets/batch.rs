@@ -58,7 +58,10 @@ fn is_a_solution(answer: &Value) {
 
 /// What is not finite is `null` in JSON.
 fn is_finite(value: &Value, of: &str) {
+    /// |p| does not fall to half on every line through a focus.
+    const MAY_LACK: [&str; 4] = ["lateral_x", "lateral_y", "axial", "area"];
     match value {
+        Value::Null if MAY_LACK.contains(&of) => {}
         Value::Null => panic!("{of} holds a number that is none"),
         Value::Array(values) => values.iter().for_each(|value| is_finite(value, of)),
         Value::Object(values) => values.iter().for_each(|(key, value)| is_finite(value, key)),
