@@ -3,7 +3,7 @@
 use std::f64::consts::{FRAC_1_SQRT_2, SQRT_2};
 
 use crate::field::Quantity;
-use crate::picture::sheet::{pascals, pascals_at_most};
+use crate::picture::sheet::pascals;
 
 /// How the amplitude of a sinusoidal pressure is stated.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -47,11 +47,6 @@ impl Convention {
     /// A peak amplitude (Pa) with its unit and this convention's name.
     pub fn pressure(self, peak: f64) -> String {
         format!("{} {}", pascals(peak * self.of_peak()), self.name())
-    }
-
-    /// The same of an upper bound.
-    pub fn pressure_at_most(self, peak: f64) -> String {
-        format!("{} {}", pascals_at_most(peak * self.of_peak()), self.name())
     }
 }
 

@@ -7,6 +7,7 @@ use glam::{DVec2, DVec3};
 
 use crate::field::Quantity;
 use crate::field::quantity::Range;
+use crate::picture::figure::axes;
 use crate::studio::probe;
 use crate::ui::tool::Tool;
 use crate::ui::view::{Lens, View};
@@ -218,7 +219,7 @@ pub fn axes(view: &View, ui: &Ui, lens: &Lens) {
     let ink = visuals.text_color();
     let rect = lens.rect;
     painter.rect_stroke(rect, 0.0, Stroke::new(1.0, visuals.weak_text_color()), StrokeKind::Outside);
-    let step = legend::round_step(TICK * lens.window.scale * 1e3);
+    let step = axes::round_step(TICK * lens.window.scale * 1e3);
     let (low, high) = (lens.flat(rect.left_bottom()) * 1e3, lens.flat(rect.right_top()) * 1e3);
     let decimals = ticks::decimals(step).min(2);
     let font = FontId::proportional(12.0);

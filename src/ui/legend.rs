@@ -9,6 +9,7 @@ use crate::field::colouring::FLOOR;
 use crate::field::quantity::{Range, figures};
 use crate::field::{Quantity, Scale};
 use crate::picture::ColourMap;
+use crate::picture::figure::axes::round_step;
 use crate::studio::convention::Convention;
 use crate::ui::view::{Lens, View};
 use crate::ui::{Editor, Map, Shown, panels, segments, theme};
@@ -224,24 +225,9 @@ fn amounts(full: f64, count: f64) -> Vec<(f64, String)> {
     ticks
 }
 
-/// 1, 2 or 5 times a power of ten, not less than `least`.
-pub fn round_step(least: f64) -> f64 {
-    let power = 10f64.powf(least.log10().floor());
-    [1.0, 2.0, 5.0, 10.0]
-        .into_iter()
-        .map(|step| step * power)
-        .find(|&step| step >= least * 0.999)
-        .unwrap_or(least)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn ticks_are_round() {
-        assert_eq!((round_step(0.7), round_step(1.0), round_step(21.0)), (1.0, 1.0, 50.0));
-    }
 
     #[test]
     fn decibels_stand_where_their_colours_are() {

@@ -95,8 +95,7 @@ fn stop(shown: &Shown, ui: &mut Ui, commands: &mut Vec<Command>) {
     if shown.board.plays == Plays::Nothing {
         return;
     }
-    let text = RichText::new("Stop").strong().color(Color32::WHITE);
-    let button = Button::new(text).fill(theme::DANGER).min_size(vec2(72.0, 26.0));
+    let button = theme::destructive("Stop").min_size(vec2(72.0, 26.0));
     if ui.add(button).on_hover_text("Silences the board (Esc twice)").clicked() {
         commands.push(Command::Board(BoardCommand::Stop));
     }

@@ -8,10 +8,10 @@ use glam::{DVec2, DVec3};
 
 use crate::field::Quantity;
 use crate::field::quantity::Range;
+use crate::picture::figure::axes;
 use crate::scene::outline;
 use crate::studio::convention::Convention;
 use crate::studio::width::Widths;
-use crate::ui::legend;
 use crate::ui::measure::{self, ProfileLine};
 use crate::ui::ticks;
 use crate::ui::view::{Cut, Lens};
@@ -354,7 +354,7 @@ impl<'a> Plot<'a> {
         let font = FontId::proportional(12.0);
         let rect = self.rect;
         let span = (self.places[1] - self.places[0]) * 1e3;
-        let step = legend::round_step(TICK * span / f64::from(rect.width().max(1.0)));
+        let step = axes::round_step(TICK * span / f64::from(rect.width().max(1.0)));
         let decimals = ticks::decimals(step);
         for x in ticks::between(self.places[0] * 1e3, self.places[1] * 1e3, step) {
             let at = pos2(self.x(x * 1e-3), rect.bottom());
@@ -369,7 +369,7 @@ impl<'a> Plot<'a> {
             );
         }
         let range = self.values[1] - self.values[0];
-        let step = legend::round_step(TICK_UP * range / f64::from(rect.height().max(1.0)));
+        let step = axes::round_step(TICK_UP * range / f64::from(rect.height().max(1.0)));
         let decimals = ticks::decimals(step);
         for value in ticks::between(self.values[0], self.values[1], step) {
             let at = pos2(rect.left(), self.y(value / self.factor));

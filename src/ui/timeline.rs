@@ -5,10 +5,10 @@ use egui::{
     WidgetInfo, pos2, vec2,
 };
 
+use crate::picture::figure::axes::round_step;
 use crate::scene::motion::{self, Cycle, Group};
 use crate::scene::{Easing, Keyframe, MotionPath};
 use crate::ui::board::Plays;
-use crate::ui::legend::round_step;
 use crate::ui::way::{self, Vertex};
 use crate::ui::{Editor, Panel, Shown, path_marks, theme};
 

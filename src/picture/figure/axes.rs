@@ -31,6 +31,7 @@ mod tests {
 
     #[test]
     fn axes_have_round_numbers() {
+        assert_eq!((round_step(0.7), round_step(1.0), round_step(21.0)), (1.0, 1.0, 50.0));
         let words = |low, high, most| -> Vec<String> {
             steps(low, high, most).into_iter().map(|(_, word)| word).collect()
         };

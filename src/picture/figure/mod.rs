@@ -3,7 +3,7 @@
 //! The description is a list of marks in millimetres, laid out on the grid of the PNG's pixels: the map is one raster image whose
 //! pixels are the same in all three, and the PNG shows them one to one. All else is vectors, and text stays text.
 
-mod axes;
+pub mod axes;
 mod font;
 mod layout;
 mod pdf;

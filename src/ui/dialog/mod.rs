@@ -7,13 +7,13 @@ mod palette;
 
 use std::path::{Path, PathBuf};
 
-use egui::{Button, Context, Id, Key, Modal, Modifiers, RichText, ScrollArea, Ui};
+use egui::{Context, Id, Key, Modal, Modifiers, RichText, ScrollArea, Ui};
 
 use crate::echo;
 use crate::scene::Scene;
 use crate::ui::action::{Action, Group};
 use crate::ui::board::BoardCommand;
-use crate::ui::{Command, Editor, Shown, keys};
+use crate::ui::{Command, Editor, Shown, keys, theme};
 use file::Purpose;
 use import::Import;
 
@@ -89,9 +89,7 @@ fn hear_enter(ctx: &Context) {
 fn answer(ui: &mut Ui, (primary, enabled): (&str, bool), others: impl FnOnce(&mut Ui)) -> bool {
     let entered = enabled && is_entered(ui);
     ui.horizontal(|ui| {
-        let text = RichText::new(primary).strong();
-        let button = Button::new(text).fill(ui.visuals().selection.bg_fill);
-        let clicked = ui.add_enabled(enabled, button).clicked();
+        let clicked = ui.add_enabled(enabled, theme::primary(primary)).clicked();
         others(ui);
         clicked || entered
     })

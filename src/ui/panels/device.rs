@@ -4,7 +4,6 @@ use egui::{RichText, Ui};
 
 use crate::device::health::{Health, State};
 use crate::device::profile::Profile;
-use crate::picture::sheet::pascals;
 use crate::scene::motion;
 use crate::ui::board::{BoardCommand, BoardShown, Plays};
 use crate::ui::panels::{bring_up, choice, count, fact, form, heading};
@@ -293,11 +292,12 @@ fn played(editor: &mut Editor, board: &BoardShown, ui: &mut Ui) {
     if ui.checkbox(&mut as_played, "Show what the board plays").on_hover_text(tip).changed() {
         editor.levels = as_played.then_some(levels);
     }
+    let convention = editor.view.convention;
     match board.pressures {
         Some((ideal, played)) => form(ui, "played", |ui| {
-            fact(ui, ("Ideal", "Mean pressure over the focal points, peak"), pascals(ideal));
+            fact(ui, ("Ideal", "Mean pressure over the focal points"), convention.pressure(ideal));
             let part = match ideal > 0.0 {
-                true => format!("{} ({:.1} %)", pascals(played), 100.0 * played / ideal),
+                true => format!("{} ({:.1} %)", convention.pressure(played), 100.0 * played / ideal),
                 false => "no sound reaches the focal points".to_owned(),
             };
             let tip = "The same with the board's phases and amplitudes. A calibration makes its elements alike and is left out";
