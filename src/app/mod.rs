@@ -69,6 +69,8 @@ pub struct Window {
     board: Board,
     /// The window may close without another question.
     may_close: bool,
+    /// Something was done that the window's own system or the next frame answers.
+    owes_frame: bool,
     title: String,
     recovery: Option<Recovery>,
     /// What the last run left is neither taken nor discarded yet.
@@ -117,6 +119,7 @@ impl Window {
             workshop,
             board: Board::default(),
             may_close: false,
+            owes_frame: false,
             title: String::new(),
             recovery: None,
             offers_recovery: false,
@@ -267,13 +270,21 @@ impl Window {
                 self.offers_recovery = false;
                 self.recovery.iter_mut().for_each(Recovery::forget);
             }
+            // It comes as an event in the next frame.
+            Command::Paste => ctx.send_viewport_cmd(egui::ViewportCommand::RequestPaste),
             Command::Close => {
                 self.forget_unsaved();
-                self.may_close = true;
-                ctx.send_viewport_cmd(egui::ViewportCommand::Close);
+                self.close(ctx);
             }
         }
-        ctx.request_repaint();
+        self.owes_frame = true;
+    }
+
+    /// Closes the window at the next frame, without another question.
+    fn close(&mut self, ctx: &egui::Context) {
+        self.may_close = true;
+        self.owes_frame = true;
+        ctx.send_viewport_cmd(egui::ViewportCommand::Close);
     }
 
     /// What was unsaved here is not wanted; what the last run left stays until that is answered.
@@ -358,8 +369,7 @@ impl Window {
         let blank = Editor::new(Document::new(Scene::default(), "untitled"));
         let editor = std::mem::replace(&mut self.editor, blank);
         *legacy.borrow_mut() = Some((editor, Notice { text, is_error: true }));
-        self.may_close = true;
-        ctx.send_viewport_cmd(egui::ViewportCommand::Close);
+        self.close(ctx);
     }
 
     fn name_window(&mut self, ctx: &egui::Context) {
@@ -381,20 +391,6 @@ impl eframe::App for Window {
     /// The ground of all panels, which have none of their own.
     fn clear_color(&self, visuals: &egui::Visuals) -> [f32; 4] {
         visuals.panel_fill.to_normalized_gamma_f32()
-    }
-}
-
-/// Lays the window out again before it is painted, where an event or a change asks for that: panels come before the map whose
-/// figures they show. egui would paint two more frames after every event, and painting is most of what a frame costs a software
-/// driver.
-fn settle(ctx: &egui::Context, has_changed: bool) {
-    let passes = ctx.current_pass_index() + 1;
-    // Passes after the first have no events of their own.
-    let is_unsettled = passes > 1 || has_changed || ctx.input(|input| !input.events.is_empty());
-    if is_unsettled && passes < PASSES {
-        ctx.request_discard("settling");
-    } else if has_changed {
-        ctx.request_repaint();
     }
 }
 
@@ -430,6 +426,21 @@ impl Window {
         self.name_window(&ctx);
         self.keep(&ctx);
         self.keep_settings(&ctx);
-        settle(&ctx, before != self.editor.seen());
+        self.settle(&ctx, before != self.editor.seen());
+    }
+
+    /// Lays the window out again before it is painted, where an event or a change asks for that: panels come before the map whose
+    /// figures they show. egui would paint two more frames after every event, and painting is most of what a frame costs a
+    /// software driver.
+    fn settle(&mut self, ctx: &egui::Context, has_changed: bool) {
+        let passes = ctx.current_pass_index() + 1;
+        // Passes after the first have no events of their own.
+        let is_unsettled = passes > 1 || has_changed || ctx.input(|input| !input.events.is_empty());
+        if is_unsettled && passes < PASSES {
+            ctx.request_discard("settling");
+        } else if std::mem::take(&mut self.owes_frame) || has_changed {
+            // eframe forgets what was asked for in a pass before this.
+            ctx.request_repaint();
+        }
     }
 }

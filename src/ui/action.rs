@@ -339,8 +339,7 @@ impl Action {
                 clipboard::delete(editor);
             }
             Self::Copy => clipboard::copy(editor, ctx),
-            // It comes as an event in the next frame.
-            Self::Paste => ctx.send_viewport_cmd(egui::ViewportCommand::RequestPaste),
+            Self::Paste => commands.push(Command::Paste),
             Self::Duplicate => clipboard::duplicate(editor),
             Self::Delete => clipboard::delete_chosen(editor),
             Self::SelectAll => editor.selection = (0..editor.scene().targets.len()).collect(),

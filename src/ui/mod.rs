@@ -211,6 +211,8 @@ pub enum Command {
     CopyFigure,
     CompareMethods,
     Board(BoardCommand),
+    /// Asks the desktop for what is on its clipboard.
+    Paste,
     /// Goes on with what the last run left.
     Recover(Box<Scene>),
     /// Deletes what the last run left.

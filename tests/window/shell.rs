@@ -1,5 +1,8 @@
 //! What stands around the map: questions for files, numbers that are typed, menus, and small windows.
 
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
+
 use egui::accesskit::Role;
 use sonoglyph::app::recovery::Recovery;
 use sonoglyph::scene::Target;
@@ -48,6 +51,32 @@ fn what_a_crash_left_is_offered_until_it_is_taken_or_discarded() {
         assert_eq!(screen.state().editor().dialog, None);
     }
     assert_eq!(left(), None);
+}
+
+#[test]
+fn the_window_closes_though_nothing_more_happens() {
+    let mut screen = open();
+    // eframe hears of a frame that is asked for, but not of those asked for more than one pass before the last.
+    let asked = Arc::new(AtomicU64::new(0));
+    let heard = Arc::clone(&asked);
+    screen.ctx.set_request_repaint_callback(move |info| {
+        heard.fetch_max(info.current_cumulative_pass_nr + 1, Ordering::Relaxed);
+    });
+    let is_wanted = |screen: &Screen| asked.load(Ordering::Relaxed) >= screen.ctx.cumulative_pass_nr();
+    screen.step();
+    assert!(!is_wanted(&screen), "an idle window wants no frame");
+    let quit = |pressed| Event::Key {
+        key: Key::Q,
+        physical_key: None,
+        pressed,
+        repeat: false,
+        modifiers: Modifiers::COMMAND,
+    };
+    screen.input_mut().events.extend([quit(true), quit(false)]);
+    screen.step();
+    let commands = &screen.output().viewport_output[&egui::ViewportId::ROOT].commands;
+    assert!(commands.contains(&egui::ViewportCommand::Close), "{commands:?}");
+    assert!(is_wanted(&screen), "the frame that closes the window is forgotten");
 }
 
 /// Opens the question for a file and writes the answer into its field.
