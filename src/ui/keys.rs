@@ -36,6 +36,7 @@ pub const HELP: &[(&str, &str)] = &[
     ("Ctrl while dragging", "Free of grid and guides"),
     ("Alt and drag", "Drag a copy"),
     ("Right click", "Menu of what is selected"),
+    ("Click in the list", "Select one target of a group"),
 ];
 
 /// Acts on the keys that no widget wants.

@@ -3,8 +3,9 @@
 use egui::{RichText, TextEdit, Ui};
 use glam::DVec3;
 
-use crate::scene::check::MOST_FOCI;
+use crate::scene::check::{MOST_FOCI, MOST_LETTERS};
 use crate::scene::{MotionPath, Pressures, Sampling, Scene, Shape, Target, font};
+use crate::ui::edit;
 use crate::ui::panels::path::{self, Figures};
 use crate::ui::panels::{DEGREES, MM, PLAIN, Unit, bare_count, coordinates, count, form, number};
 use crate::ui::theme;
@@ -13,6 +14,7 @@ use crate::ui::theme;
 const SPACING: f64 = 0.01;
 /// m, of a broad stroke when it is first asked for.
 const WIDTH: f64 = 0.006;
+pub const GROUP: (&str, &str) = ("Group", "Targets with the same group are selected together on the map");
 /// m
 const LENGTH: std::ops::RangeInclusive<f64> = 1e-4..=10.0;
 
@@ -22,6 +24,8 @@ pub fn show(scene: &mut Scene, index: usize, ui: &mut Ui) {
     let figures = Figures::of(scene, Some(index));
     let Some(target) = scene.targets.get_mut(index) else { return };
     form(ui, "target", |ui| {
+        let kind = edit::kind(target);
+        label(ui, ("Name", "What the target is called in lists and warnings"), &kind, &mut target.name);
         shape(target, ui);
         if target.sampling == Sampling::Fill && matches!(target.shape, Shape::Path { closed: false, .. }) {
             target.sampling = Sampling::Continuous;
@@ -36,8 +40,19 @@ pub fn show(scene: &mut Scene, index: usize, ui: &mut Ui) {
             number(ui, ("Angle", "Turned about its centre"), &mut target.angle, DEGREES, -7.0..=7.0);
         }
         step(target, takes_turns, ui);
+        label(ui, GROUP, "in no group", &mut target.group);
     });
     own_motion(target, figures, ui);
+}
+
+/// A name that may be empty; `hint` is what stands there then.
+pub fn label(ui: &mut Ui, (name, tip): (&str, &str), hint: &str, text: &mut String) -> bool {
+    let label = ui.label(name).on_hover_text(tip);
+    let field = TextEdit::singleline(text).hint_text(hint).char_limit(MOST_LETTERS).desired_width(150.0);
+    let changed = ui.add(field).labelled_by(label.id).changed();
+    text.retain(|letter| !letter.is_control());
+    ui.end_row();
+    changed
 }
 
 /// How it moves where it does not move with the others.
