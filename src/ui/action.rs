@@ -12,6 +12,8 @@ use crate::ui::{Command, Dialog, Editor, Export, Panel, Purpose, Shown, clipboar
 
 /// What a step of the window's scale multiplies it by, and its bounds.
 const SCALE_STEP: f32 = 1.25;
+/// What the presentation mode multiplies it by.
+pub const PRESENTED: f32 = 1.5;
 pub const SCALES: [f32; 6] = [0.75, 1.0, 1.25, 1.5, 1.75, 2.0];
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -370,7 +372,7 @@ impl Action {
             Self::Profile => editor.view.section = !editor.view.section,
             Self::ShowPanel(panel) => (editor.panel, editor.layout.is_drawn_out) = (panel, true),
             Self::TogglePanel => editor.layout.toggle(ctx),
-            Self::Present => editor.layout.presents = !editor.layout.presents,
+            Self::Present => present(editor, ctx, !editor.layout.presents),
             Self::Larger => scale(ctx, ctx.zoom_factor() * SCALE_STEP),
             Self::Smaller => scale(ctx, ctx.zoom_factor() / SCALE_STEP),
             Self::UsualScale => scale(ctx, 1.0),
@@ -390,6 +392,13 @@ impl Action {
 /// Makes everything in the window so many times as large as usual.
 pub fn scale(ctx: &Context, factor: f32) {
     ctx.set_zoom_factor(factor.clamp(SCALES[0], SCALES[SCALES.len() - 1]));
+}
+
+/// Shows the map alone, with texts that the last row can read, or everything again.
+pub fn present(editor: &mut Editor, ctx: &Context, presents: bool) {
+    let before = std::mem::replace(&mut editor.layout.presents, presents);
+    let by = |presents: bool| if presents { PRESENTED } else { 1.0 };
+    ctx.set_zoom_factor(ctx.zoom_factor() * by(presents) / by(before));
 }
 
 /// The key of a quantity: its place among them.

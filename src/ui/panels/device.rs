@@ -82,7 +82,7 @@ fn connection(editor: &mut Editor, board: &BoardShown, ui: &mut Ui, ask: &mut im
                 ask(BoardCommand::Disconnect);
             }
         } else {
-            let named = !editor.board.port.trim().is_empty();
+            let named = !editor.board.port().is_empty();
             let button = ui.add_enabled(named, egui::Button::new("Connect"));
             let button = button
                 .on_hover_text("Opens the port and makes the board silent")
@@ -103,6 +103,11 @@ fn connection(editor: &mut Editor, board: &BoardShown, ui: &mut Ui, ask: &mut im
 fn port(editor: &mut Editor, board: &BoardShown, ui: &mut Ui, ask: &mut impl FnMut(BoardCommand)) {
     let tip = "Where the board is plugged in; choose one or type it";
     let label = ui.label("Port").on_hover_text(tip);
+    if let Some(port) = &editor.board.virtual_port {
+        ui.label("virtual board").on_hover_text(port);
+        ui.end_row();
+        return;
+    }
     ui.horizontal(|ui| {
         let field = egui::TextEdit::singleline(&mut editor.board.port).desired_width(150.0);
         ui.add(field.hint_text("/dev/ttyUSB0")).labelled_by(label.id).on_hover_text(tip);

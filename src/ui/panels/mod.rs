@@ -54,6 +54,8 @@ pub fn show(editor: &mut Editor, shown: &Shown, ui: &mut Ui, commands: &mut Vec<
     });
     ui.separator();
     ScrollArea::vertical().auto_shrink([false, false]).id_salt(editor.panel as u8).show(ui, |ui| {
+        // The scroll bar lies over the panel.
+        ui.set_max_width(ui.available_width() - ui.spacing().scroll.bar_width);
         match editor.panel {
             Panel::Scene => scene::show(editor, shown, ui),
             Panel::Solver => solver::show(editor, shown, ui, commands),
