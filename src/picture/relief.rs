@@ -38,6 +38,8 @@ pub struct Relief<'a> {
     pub columns: usize,
     /// m
     pub size: DVec2,
+    /// How many times as deep as it is it is drawn.
+    pub exaggeration: f64,
 }
 
 /// Where in a picture the surface is to be.
@@ -68,14 +70,20 @@ pub fn height(width: usize) -> usize {
     (width as f64 * PAGE.1 / PAGE.0).round() as usize
 }
 
-impl Relief<'_> {
-    /// How many times as deep as they are dents are drawn: a round number, at least 1.
-    pub fn exaggeration(&self) -> f64 {
-        let deepest = self.depth.iter().fold(0.0f32, |most, depth| most.max(depth.abs()));
-        let wanted = DRAWN_DEPTH * self.size.x / f64::from(deepest).max(1e-9);
-        let decade = 10f64.powf(wanted.log10().floor());
-        let round = [5.0, 2.0, 1.0].map(|step| step * decade).into_iter().find(|round| *round <= wanted);
-        round.unwrap_or(1.0).clamp(1.0, 1e6)
+/// How many times as deep as they are depths up to this one (m) are drawn on a plane of this size (m): a round number, at least
+/// 1.
+pub fn exaggeration(deepest: f64, size: DVec2) -> f64 {
+    let wanted = DRAWN_DEPTH * size.x / deepest.max(1e-9);
+    let decade = 10f64.powf(wanted.log10().floor());
+    let round = [5.0, 2.0, 1.0].map(|step| step * decade).into_iter().find(|round| *round <= wanted);
+    round.unwrap_or(1.0).clamp(1.0, 1e6)
+}
+
+impl<'a> Relief<'a> {
+    /// Drawn as deep as its own deepest place allows.
+    pub fn new(depth: &'a [f32], columns: usize, size: DVec2) -> Self {
+        let deepest = depth.iter().fold(0.0f32, |most, depth| most.max(depth.abs()));
+        Self { depth, columns, size, exaggeration: exaggeration(deepest.into(), size) }
     }
 
     /// Draws it with words on a page.
@@ -148,7 +156,7 @@ impl<'a> Seen<'a> {
         let front = height - place.bottom - (room.y - far) / 2.0;
         let columns = relief.columns.max(1);
         let rows = relief.depth.len() / columns;
-        let exaggeration = relief.exaggeration();
+        let exaggeration = relief.exaggeration;
         Self {
             relief,
             light: Light::new(size, (columns, rows), exaggeration),
@@ -371,7 +379,7 @@ mod tests {
     use super::*;
 
     fn relief(depth: &[f32]) -> Relief<'_> {
-        Relief { depth, columns: 40, size: DVec2::new(0.1, 0.075) }
+        Relief::new(depth, 40, DVec2::new(0.1, 0.075))
     }
 
     fn bowl(deepest: f64) -> Vec<f32> {
@@ -407,7 +415,7 @@ mod tests {
     fn dents_are_drawn_a_round_number_of_times_as_deep() {
         for (deepest, times) in [(1e-4, 50.0), (0.9e-2, 1.0), (1.0, 1.0), (2.1e-6, 2000.0)] {
             let bowl = bowl(deepest);
-            assert_eq!(relief(&bowl).exaggeration(), times, "{deepest}");
+            assert_eq!(relief(&bowl).exaggeration, times, "{deepest}");
         }
     }
 

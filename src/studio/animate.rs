@@ -1,32 +1,108 @@
-//! Maps of a motion or of waves, frame by frame, as one file or a folder of pictures.
+//! Films: a motion or waves, frame by frame, as one file or a folder of pictures.
 
 use std::cell::Cell;
 use std::io;
 use std::path::{Path, PathBuf};
 
-use anyhow::{Context, bail};
+use anyhow::{Context, anyhow, bail};
 
 use crate::echo;
-#[cfg(feature = "window")]
-use crate::field::Evaluator;
 use crate::field::quantity::Range;
-use crate::field::{Colouring, FieldError, Request, Stages};
+use crate::field::{Colouring, Request, Stages};
 use crate::gauge::Gauge;
-use crate::picture::ColourMap;
-use crate::picture::animation::{Animation, Format, Pace};
+use crate::picture::Picture;
+use crate::picture::animation::{Animation, Colours, Format, Pace};
 use crate::picture::export::{self, Numbers};
+use crate::picture::relief::{self, Relief};
 use crate::scene::{Scene, motion};
 use crate::studio::evaluator::or_by_cpu;
+use crate::studio::liquid::{self, Moment};
 use crate::studio::map;
 use crate::studio::output;
 #[cfg(feature = "window")]
 use crate::studio::still::stem;
 use crate::studio::swell::{Schedule, Swell};
+use crate::studio::video::{self, Codec, Video};
+
+/// Frames per second that may be asked for.
+pub const RATES: [f64; 2] = [1.0 / 60.0, 240.0];
+/// Viewers show a GIF's and a PNG's frames for no less than 20 ms.
+const MOST_OF_PICTURES: f64 = 50.0;
+
+/// The kinds of file that hold a film.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Kind {
+    #[default]
+    Gif,
+    Apng,
+    Mp4,
+    Webm,
+}
+
+impl Kind {
+    pub const ALL: [Self; 4] = [Self::Gif, Self::Apng, Self::Mp4, Self::Webm];
+
+    /// Of a file's name, the usual one first.
+    pub fn endings(self) -> &'static [&'static str] {
+        match self {
+            Self::Gif => &["gif"],
+            Self::Apng => &["png", "apng"],
+            Self::Mp4 => &["mp4"],
+            Self::Webm => &["webm"],
+        }
+    }
+
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Gif => "GIF",
+            Self::Apng => "Animated PNG",
+            Self::Mp4 => "MP4",
+            Self::Webm => "WebM",
+        }
+    }
+
+    fn of(path: &Path) -> Option<Self> {
+        let ending = path.extension()?.to_str()?.to_ascii_lowercase();
+        Self::ALL.into_iter().find(|kind| kind.endings().contains(&ending.as_str()))
+    }
+
+    fn encoding(self) -> Encoding {
+        match self {
+            Self::Gif => Encoding::Pictures(Format::Gif),
+            Self::Apng => Encoding::Pictures(Format::Png),
+            Self::Mp4 => Encoding::Video(Codec::H264),
+            Self::Webm => Encoding::Video(Codec::Vp9),
+        }
+    }
+
+    /// The size (pixels) that this kind has instead: sides of videos are even.
+    pub fn pixels(self, (width, height): (usize, usize)) -> (usize, usize) {
+        match self.encoding() {
+            Encoding::Pictures(_) => (width, height),
+            Encoding::Video(_) => (width.next_multiple_of(2), height.next_multiple_of(2)),
+        }
+    }
+
+    /// Frames per second, at most.
+    pub fn most_rate(self) -> f64 {
+        match self.encoding() {
+            Encoding::Pictures(_) => MOST_OF_PICTURES,
+            Encoding::Video(_) => RATES[1],
+        }
+    }
+}
+
+/// Who encodes.
+#[derive(Clone, Copy, Debug)]
+enum Encoding {
+    Pictures(Format),
+    Video(Codec),
+}
 
 /// What is written.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Target {
-    File(PathBuf, Format),
+    File(PathBuf, Kind),
     /// A PNG per frame.
     Folder(PathBuf),
 }
@@ -37,23 +113,48 @@ impl Target {
         if output.is_dir() || named_as_folder {
             return Ok(Self::Folder(output.to_owned()));
         }
-        match Format::of(output) {
-            Some(format) => Ok(Self::File(output.to_owned(), format)),
+        match Kind::of(output) {
+            Some(kind) => Ok(Self::File(output.to_owned(), kind)),
             None => bail!(
-                "{}: an animation goes into FILE.gif, FILE.png or FILE.apng, or as a PNG per frame into FOLDER/",
+                "{}: an animation goes into FILE.gif, FILE.png or FILE.apng, as a video into FILE.mp4 or FILE.webm, or as a PNG \
+                 per frame into FOLDER/",
                 output.display()
             ),
         }
     }
 
+    /// As [`Kind::pixels`].
+    pub fn pixels(&self, size: (usize, usize)) -> (usize, usize) {
+        match self {
+            Self::File(_, kind) => kind.pixels(size),
+            Self::Folder(_) => size,
+        }
+    }
+
     /// Fails early where writing would fail after the work.
-    pub fn check(&self, (width, height): (usize, usize)) -> anyhow::Result<()> {
-        let Self::File(path, format) = self else { return Ok(()) };
-        let most = format.largest_side();
+    pub fn check(&self, (width, height): (usize, usize), rate: Option<f64>) -> anyhow::Result<()> {
+        let Self::File(path, kind) = self else { return Ok(()) };
+        let most = match kind.encoding() {
+            Encoding::Pictures(format) => format.largest_side(),
+            Encoding::Video(_) => video::LARGEST_SIDE,
+        };
         if width.max(height) > most {
             bail!("{}: {width} x {height} pixels: this format has room for {most} a side", path.display());
         }
-        output::check_writable(path)
+        if let Some(rate) = rate.filter(|rate| *rate > kind.most_rate()) {
+            bail!(
+                "{}: {rate} frames a second: viewers show at most {} of this format",
+                path.display(),
+                kind.most_rate()
+            );
+        }
+        output::check_writable(path)?;
+        match kind.encoding() {
+            Encoding::Pictures(_) => Ok(()),
+            Encoding::Video(codec) => {
+                codec.check((width, height)).map_err(|error| anyhow!("{}: {error:#}", path.display()))
+            }
+        }
     }
 
     /// The names of a folder's pictures; none for a file.
@@ -74,23 +175,19 @@ impl Target {
     }
 }
 
-/// Writes what the drives of a request show, one after the other, in these colours. `tell` hears which part is done, and ends it
-/// with an error.
+/// Writes a film. `tell` hears which part is done, and ends it with an error.
 ///
 /// # Errors
-/// A file that is neither GIF nor PNG or cannot be written, too many pixels for it, or what `tell` says.
+/// A file of another kind or one that cannot be written, too many pixels for it, or what `tell` says.
 #[cfg(feature = "window")]
 pub fn write(
-    scene: &Scene,
-    request: Request,
-    colouring: Colouring,
+    film: &mut Film<'_>,
     path: &Path,
     tell: &dyn Fn(f64) -> anyhow::Result<()>,
 ) -> anyhow::Result<()> {
     let target = Target::of(path)?;
-    target.check(request.size)?;
+    target.check(film.size(), film.rate)?;
     target.make_folder()?;
-    let mut film = Film::new(scene, request, Stages::new(Evaluator::Cpu), colouring);
     film.shoot(&target, &stem(path), tell).map(drop)
 }
 
@@ -104,6 +201,8 @@ pub fn times_of(data: &Path) -> PathBuf {
 pub struct Shot {
     frames: usize,
     pace: Pace,
+    /// The frames' rate was asked for.
+    is_chosen: bool,
     /// What the colours tell, in words.
     range: String,
     /// What it is that is shown as fast as it is.
@@ -117,7 +216,8 @@ impl Shot {
     }
 
     pub fn line(&self, output: &Path, (width, height): (usize, usize)) -> String {
-        let Self { frames, pace, range, what } = self;
+        let Self { frames, pace, is_chosen, range, what } = self;
+        let because = |why: &'static str| if *is_chosen { "" } else { why };
         let name = if *frames == 1 { "frame" } else { "frames" };
         let line = format!("{}: {frames} {name} of {width} x {height} pixels{range}", echo::path(output));
         if *frames == 1 {
@@ -125,10 +225,12 @@ impl Shot {
         }
         let shown = match pace.slowed {
             slowed if slowed > 1.001 => {
-                format!("shown slowed down {slowed:.1} x: viewers show no frame for less than 20 ms")
+                let why = because(": viewers show no frame for less than 20 ms");
+                format!("shown slowed down {slowed:.1} x{why}")
             }
             slowed if slowed < 0.999 => {
-                format!("shown {:.1} x as fast: no frame lasts longer than 60 s", 1.0 / slowed)
+                let why = because(": no frame lasts longer than 60 s");
+                format!("shown {:.1} x as fast{why}", 1.0 / slowed)
             }
             _ => "and so it does here".to_owned(),
         };
@@ -136,7 +238,31 @@ impl Shot {
     }
 }
 
-/// Makes the map of one frame after the other.
+/// What every frame shows.
+#[derive(Clone, Debug)]
+pub enum Look {
+    /// A map. Without a largest value of their own, the colours go up to that of all frames.
+    Flat(Box<Colouring>),
+    /// The liquid's surface as light falls on it, on a page of so many pixels. The request's are the points of the surface.
+    Shaded { name: String, page: (usize, usize) },
+}
+
+/// What all frames have in common.
+#[derive(Debug, Default)]
+struct Extent {
+    /// The smallest and the largest value; 0 lies between them.
+    range: [f32; 2],
+    /// The values of the frame that goes farthest, of which an example is drawn.
+    farthest: Option<Vec<f32>>,
+}
+
+impl Extent {
+    fn deepest(&self) -> f32 {
+        self.range[1].max(-self.range[0])
+    }
+}
+
+/// Draws one frame after the other.
 #[derive(Debug)]
 pub struct Film<'a> {
     scene: &'a Scene,
@@ -144,8 +270,9 @@ pub struct Film<'a> {
     request: Request,
     stages: Stages,
     pub gpu_is_asked_for: bool,
-    /// But for the range, which all frames share.
-    colouring: Colouring,
+    look: Look,
+    /// Frames that are shown in a second; as many as there really are, as far as viewers allow, if `None`.
+    pub rate: Option<f64>,
     /// Of waves, if they are shown.
     pub schedule: Option<Schedule>,
     /// Begins to show the progress of a step of this name.
@@ -159,13 +286,14 @@ pub struct Film<'a> {
 
 impl<'a> Film<'a> {
     /// `request` has the drives of all frames.
-    pub fn new(scene: &'a Scene, request: Request, stages: Stages, colouring: Colouring) -> Self {
+    pub fn new(scene: &'a Scene, request: Request, stages: Stages, look: Look) -> Self {
         Self {
             scene,
             request,
             stages,
             gpu_is_asked_for: false,
-            colouring,
+            look,
+            rate: None,
             schedule: None,
             begin: |_| Gauge::default(),
             data: None,
@@ -174,16 +302,23 @@ impl<'a> Film<'a> {
         }
     }
 
-    /// Two passes, so that no more than one map is ever in memory: the first finds the range of the colours, which all frames
-    /// share, the second writes.
+    /// Pixels of a frame.
+    pub fn size(&self) -> (usize, usize) {
+        match self.look {
+            Look::Flat(_) => self.request.size,
+            Look::Shaded { page, .. } => page,
+        }
+    }
+
+    /// Two passes, so that no more than one map is ever in memory: the first finds the range that all frames share, the second
+    /// writes.
     pub fn shoot(
         &mut self,
         target: &Target,
         name: &str,
         tell: &dyn Fn(f64) -> anyhow::Result<()>,
     ) -> anyhow::Result<Shot> {
-        let table = &self.colouring.table.clone();
-        let size = self.request.size;
+        let size = self.size();
         let count = self.schedule.map_or(self.request.drives.len(), |schedule| schedule.pictures);
         let (done, progress) = (Cell::new(0), (self.begin)("the maps of all frames"));
         let step = || {
@@ -191,27 +326,41 @@ impl<'a> Film<'a> {
             progress.tell(done.get(), 2 * count);
             tell(done.get() as f64 / (2 * count) as f64)
         };
-        let range = self.measured(count, &step)?;
+        let extent = self.measured(count, &step)?;
         let frames_per_second = self.schedule.map_or(self.frames_per_second(), Schedule::rate);
-        let pace = Pace::new(frames_per_second);
+        let pace = self
+            .rate
+            .map_or_else(|| Pace::new(frames_per_second), |rate| Pace::chosen(rate, frames_per_second));
         match target {
-            Target::File(path, format) => output::write_by(path, |file| {
-                let mut animation = Animation::new(file, *format, size, table, count as u32, pace)?;
-                self.each(|film, _, request| {
-                    animation.add(&film.places(request, range)?)?;
-                    step()
-                })?;
-                Ok(animation.finish()?)
+            Target::File(path, kind) => output::write_by(path, |file| match kind.encoding() {
+                Encoding::Pictures(format) => {
+                    let colours = self.colours(&extent)?;
+                    let mut animation = Animation::new(file, format, size, &colours, count as u32, pace)?;
+                    self.each(|film, index, request| {
+                        animation.add(&film.picture(index, request, &extent)?)?;
+                        step()
+                    })?;
+                    Ok(animation.finish()?)
+                }
+                Encoding::Video(codec) => {
+                    let mut video = Video::new(codec, size, 1.0 / pace.per_frame)?;
+                    self.each(|film, index, request| {
+                        video.add(&film.picture(index, request, &extent)?)?;
+                        step()
+                    })?;
+                    video.finish(file)
+                }
             })?,
             Target::Folder(_) => {
+                let colours = self.colours(&extent)?;
                 let mut paths = target.pictures(name, count);
-                self.each(|film, _, request| {
-                    let places = film.places(request, range)?;
+                self.each(|film, index, request| {
+                    let frame = film.picture(index, request, &extent)?;
                     let path = paths.next().context("a picture has no name")?;
                     step()?;
                     output::write_by(&path, |file| {
-                        let mut picture = Animation::new(file, Format::Png, size, table, 1, pace)?;
-                        picture.add(&places)?;
+                        let mut picture = Animation::new(file, Format::Png, size, &colours, 1, pace)?;
+                        picture.add(&frame)?;
                         Ok(picture.finish()?)
                     })
                 })?;
@@ -221,7 +370,8 @@ impl<'a> Film<'a> {
             None => format!("a cycle takes {:.3} s", count as f64 / frames_per_second),
             Some(_) => format!("it takes {:.3} s", count as f64 / frames_per_second),
         };
-        Ok(Shot { frames: count, pace, range: self.in_words(range), what })
+        let is_chosen = self.rate.is_some();
+        Ok(Shot { frames: count, pace, is_chosen, range: self.in_words(extent.range), what })
     }
 
     /// Of the motion; a scene that stands still shows its one frame for a second.
@@ -229,29 +379,28 @@ impl<'a> Film<'a> {
         motion::cycle(self.scene).map_or(1.0, |cycle| cycle.frames_per_second())
     }
 
-    /// The range of all frames; their values are written if they are wanted.
-    fn measured(&mut self, count: usize, step: &dyn Fn() -> anyhow::Result<()>) -> anyhow::Result<[f32; 2]> {
-        let mut range = [0.0f32; 2];
+    /// What all frames have in common; their values are written if they are wanted.
+    fn measured(&mut self, count: usize, step: &dyn Fn() -> anyhow::Result<()>) -> anyhow::Result<Extent> {
+        let mut extent = Extent::default();
         let mut measure =
             |film: &mut Self, request: &Request, take: &mut dyn FnMut(&[f32]) -> io::Result<()>| {
-                let [low, high] = film.extent(request, take)?;
-                range = [range[0].min(low), range[1].max(high)];
+                film.measure(request, &mut extent, take)?;
                 step()
             };
-        let Some(path) = self.data.clone() else {
+        if let Some(path) = self.data.clone() {
+            let (width, height) = self.request.size;
+            output::write_by(&path, |file| {
+                let mut numbers = Numbers::new(file, &[count as u64, height as u64, width as u64])?;
+                self.each(|film, _, request| measure(film, request, &mut |values| numbers.add(values)))?;
+                Ok(numbers.finish()?)
+            })?;
+            let rate = self.schedule.map_or(self.frames_per_second(), Schedule::rate);
+            let times: Vec<_> = (1..=count).map(|frame| (frame as f64 / rate) as f32).collect();
+            output::write(&times_of(&path), &export::npy(&[count as u64], &times)?)?;
+        } else {
             self.each(|film, _, request| measure(film, request, &mut |_| Ok(())))?;
-            return Ok(range);
-        };
-        let (width, height) = self.request.size;
-        output::write_by(&path, |file| {
-            let mut numbers = Numbers::new(file, &[count as u64, height as u64, width as u64])?;
-            self.each(|film, _, request| measure(film, request, &mut |values| numbers.add(values)))?;
-            Ok(numbers.finish()?)
-        })?;
-        let rate = self.schedule.map_or(self.frames_per_second(), Schedule::rate);
-        let times: Vec<_> = (1..=count).map(|frame| (frame as f64 / rate) as f32).collect();
-        output::write(&times_of(&path), &export::npy(&[count as u64], &times)?)?;
-        Ok(range)
+        }
+        Ok(extent)
     }
 
     fn in_words(&self, [low, high]: [f32; 2]) -> String {
@@ -291,12 +440,13 @@ impl<'a> Film<'a> {
         Ok(())
     }
 
-    /// The smallest and the largest value of a frame; its values go to `take`.
-    fn extent(
+    /// Adds a frame to what all have in common; its values go to `take`.
+    fn measure(
         &mut self,
         request: &Request,
+        extent: &mut Extent,
         take: &mut dyn FnMut(&[f32]) -> io::Result<()>,
-    ) -> anyhow::Result<[f32; 2]> {
+    ) -> anyhow::Result<()> {
         let of_liquid = request.quantity.declaration().of_liquid;
         let (map, slope) = or_by_cpu(&mut self.stages, self.gpu_is_asked_for, |stages| {
             let map = stages.map(request)?.clone();
@@ -307,24 +457,92 @@ impl<'a> Film<'a> {
         take(&map.values)?;
         self.error = self.error.max(map.error);
         self.slope = self.slope.max(slope);
-        Ok(match request.depth {
+        let [low, high] = match request.depth {
             Some(_) => map.values.iter().fold([0.0; 2], |[low, high], &h| [h.min(low), h.max(high)]),
             None => [0.0, map.peak],
+        };
+        let before = extent.deepest();
+        extent.range = [extent.range[0].min(low), extent.range[1].max(high)];
+        let is_farthest = extent.farthest.is_none() || extent.deepest() > before;
+        if matches!(self.look, Look::Shaded { .. }) && is_farthest {
+            extent.farthest = Some(map.values);
+        }
+        Ok(())
+    }
+
+    /// The colours that frames are made of.
+    fn colours(&self, extent: &Extent) -> anyhow::Result<Colours> {
+        Ok(match &self.look {
+            Look::Flat(colouring) => Colours::Map(Box::new(colouring.table)),
+            Look::Shaded { name, page } => Colours::Like(self.shaded(
+                0,
+                extent.farthest.as_deref().unwrap_or_default(),
+                extent,
+                (name, *page),
+            )?),
         })
     }
 
-    /// The place of every pixel in a table of colours that covers a range.
-    fn places(&mut self, request: &Request, [low, high]: [f32; 2]) -> Result<Vec<u8>, FieldError> {
-        // In shades of grey, a colour is its place.
-        let table = ColourMap::Grey.table();
-        let colouring = Colouring { table, full: Some(high), ..self.colouring.clone() };
-        or_by_cpu(&mut self.stages, self.gpu_is_asked_for, |stages| {
-            if request.depth.is_some() {
+    fn picture(&mut self, index: usize, request: &Request, extent: &Extent) -> anyhow::Result<Picture> {
+        let (width, height) = request.size;
+        let [low, high] = extent.range;
+        match self.look.clone() {
+            Look::Flat(colouring) if request.depth.is_some() => {
                 let scale = 255.0 / (high - low).max(f32::MIN_POSITIVE);
-                let place = |&h: &f32| ((h - low) * scale + 0.5) as u8;
-                return Ok(stages.map(request)?.values.iter().map(place).collect());
+                let colour = |&h: &f32| colouring.table[usize::from(((h - low) * scale + 0.5) as u8)];
+                let map = or_by_cpu(&mut self.stages, self.gpu_is_asked_for, |stages| {
+                    Ok(stages.map(request)?.values.iter().flat_map(colour).collect::<Vec<_>>())
+                })?;
+                Ok(Picture::from_field_order(width, height, &map))
             }
-            Ok(stages.colours(request, &colouring)?.iter().map(|[place, ..]| *place).collect())
-        })
+            Look::Flat(colouring) => {
+                let colouring = Colouring { full: colouring.full.or(Some(high)), ..*colouring };
+                or_by_cpu(&mut self.stages, self.gpu_is_asked_for, |stages| {
+                    let colours = stages.colours(request, &colouring)?;
+                    Ok(Picture::from_field_order(width, height, colours.as_flattened()))
+                })
+                .map_err(Into::into)
+            }
+            Look::Shaded { name, page } => {
+                let depth = or_by_cpu(&mut self.stages, self.gpu_is_asked_for, |stages| {
+                    Ok(stages.map(request)?.values.clone())
+                })?;
+                self.shaded(index, &depth, extent, (&name, page))
+            }
+        }
+    }
+
+    /// A frame's surface on a page.
+    fn shaded(
+        &self,
+        index: usize,
+        depth: &[f32],
+        extent: &Extent,
+        (name, page): (&str, (usize, usize)),
+    ) -> anyhow::Result<Picture> {
+        let size = self.request.plane.size;
+        let exaggeration = relief::exaggeration(extent.deepest().into(), size);
+        let relief = Relief { depth, columns: self.request.size.0, size, exaggeration };
+        let moment = match self.schedule {
+            Some(schedule) => Moment::Time((index + 1) as f64 / schedule.rate()),
+            None => Moment::Frame(index, self.request.drives.len()),
+        };
+        Ok(liquid::frame(name, self.scene, (&relief, extent.range), (moment, self.slope), page)?)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_tell_kinds() {
+        let of = |name: &str| Kind::of(Path::new(name));
+        assert_eq!(of("a.gif"), Some(Kind::Gif));
+        assert_eq!((of("a.PNG"), of("b/a.apng")), (Some(Kind::Apng), Some(Kind::Apng)));
+        assert_eq!((of("a.mp4"), of("a.WebM")), (Some(Kind::Mp4), Some(Kind::Webm)));
+        assert_eq!((of("a.avi"), of("gif"), of("")), (None, None, None));
+        assert_eq!(Kind::Mp4.pixels((101, 64)), (102, 64));
+        assert_eq!(Kind::Gif.pixels((101, 64)), (101, 64));
     }
 }
