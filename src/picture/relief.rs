@@ -26,7 +26,7 @@ const STRIP: usize = 32;
 const SKY: Vec3 = Vec3::new(0.90, 0.94, 0.97);
 const DEEP: Vec3 = Vec3::new(0.03, 0.20, 0.33);
 const SHALLOW: Vec3 = Vec3::new(0.10, 0.47, 0.60);
-const PAPER: [u8; 3] = [255; 3];
+pub const PAPER: [u8; 3] = [255; 3];
 const INK: RGBColor = RGBColor(30, 30, 34);
 const WARNING: RGBColor = RGBColor(178, 34, 20);
 
@@ -79,11 +79,30 @@ pub fn exaggeration(deepest: f64, size: DVec2) -> f64 {
     round.unwrap_or(1.0).clamp(1.0, 1e6)
 }
 
+/// The height of a level surface of this size (m) over its width, as it is seen.
+pub fn shape(size: DVec2) -> f64 {
+    size.y / size.x * ELEVATION.sin()
+}
+
+impl Place {
+    /// Pixels of a metre to the right on a surface of this size (m).
+    pub fn scale(&self, size: DVec2) -> f64 {
+        let (width, height) = (self.width as f64, self.height as f64);
+        let room = DVec2::new(width - 2.0 * self.side, height - self.top - self.bottom).max(DVec2::ONE);
+        (room.x / size.x).min(room.y / (size.x * shape(size)))
+    }
+}
+
 impl<'a> Relief<'a> {
     /// Drawn as deep as its own deepest place allows.
     pub fn new(depth: &'a [f32], columns: usize, size: DVec2) -> Self {
         let deepest = depth.iter().fold(0.0f32, |most, depth| most.max(depth.abs()));
         Self { depth, columns, size, exaggeration: exaggeration(deepest.into(), size) }
+    }
+
+    /// Pixels that a metre of depth sinks, where one to the right has so many.
+    pub fn sinks(&self, scale: f64) -> f64 {
+        scale * self.exaggeration * ELEVATION.cos()
     }
 
     /// Draws it with words on a page.
@@ -150,19 +169,17 @@ impl<'a> Seen<'a> {
     fn new(relief: &'a Relief<'a>, place: &Place) -> Self {
         let (width, height) = (place.width as f64, place.height as f64);
         let size = relief.size;
-        let room = DVec2::new(width - 2.0 * place.side, height - place.top - place.bottom).max(DVec2::ONE);
-        let scale = (room.x / size.x).min(room.y / (size.y * ELEVATION.sin()));
-        let far = scale * size.y * ELEVATION.sin();
-        let front = height - place.bottom - (room.y - far) / 2.0;
+        let scale = place.scale(size);
+        let far = scale * size.x * shape(size);
+        let front = height - place.bottom - ((height - place.top - place.bottom).max(1.0) - far) / 2.0;
         let columns = relief.columns.max(1);
         let rows = relief.depth.len() / columns;
-        let exaggeration = relief.exaggeration;
         Self {
             relief,
-            light: Light::new(size, (columns, rows), exaggeration),
+            light: Light::new(size, (columns, rows), relief.exaggeration),
             columns,
             rows,
-            sinks: (scale * exaggeration * ELEVATION.cos()) as f32,
+            sinks: relief.sinks(scale) as f32,
             left: (width - scale * size.x) / 2.0,
             wide: scale * size.x,
             front: front as f32,

@@ -10,6 +10,7 @@ use egui_kittest::kittest::Queryable;
 use sonoglyph::app::Window;
 use sonoglyph::field::Evaluator;
 use sonoglyph::scene::file;
+use sonoglyph::studio::animate::Kind;
 use sonoglyph::ui::document::Document;
 use sonoglyph::ui::{Dialog, Export, Purpose};
 
