@@ -162,8 +162,9 @@ pub(in crate::cli) fn write(
     }
     output::write(output, &bytes)?;
     let [width, height] = drawn.figure.size();
+    let (kind, points) = if wish.is_shaded { ("surface", "points") } else { ("map", "pixels") };
     say!(
-        "{}: {width:.1} x {height:.1} mm, a map of {} x {} pixels, {}",
+        "{}: {width:.1} x {height:.1} mm, a {kind} of {} x {} {points}, {}",
         crate::echo::path(output),
         drawn.map.width,
         drawn.map.height,

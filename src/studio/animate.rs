@@ -56,8 +56,8 @@ impl Kind {
         match self {
             Self::Gif => "GIF",
             Self::Apng => "Animated PNG",
-            Self::Mp4 => "MP4",
-            Self::Webm => "WebM",
+            Self::Mp4 => "MP4 (H.264)",
+            Self::Webm => "WebM (VP9)",
         }
     }
 
@@ -348,7 +348,7 @@ impl<'a> Film<'a> {
                         video.add(&film.picture(index, request, &extent)?)?;
                         step()
                     })?;
-                    video.finish(file)
+                    video.finish(file, &|| tell(1.0))
                 }
             })?,
             Target::Folder(_) => {

@@ -3,6 +3,8 @@
 use std::fs::File;
 use std::io::{self, ErrorKind, Read, Seek, SeekFrom, Write};
 use std::process::{Child, ChildStdin, Command, Stdio};
+use std::thread;
+use std::time::Duration;
 
 use anyhow::{Context, anyhow, bail};
 
@@ -16,6 +18,8 @@ pub const LARGEST_SIDE: usize = 8192;
 /// What ffmpeg says last is told in an error: lines, of so many bytes in all.
 const LAST_LINES: usize = 3;
 const LAST_BYTES: u64 = 1500;
+/// From one look whether ffmpeg has ended to the next.
+const LOOK: Duration = Duration::from_millis(5);
 
 /// How a video is encoded, and in which file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -54,7 +58,7 @@ impl Codec {
     pub fn check(self, (width, height): (usize, usize)) -> anyhow::Result<()> {
         let mut video = Video::new(self, (width, height), 25.0)?;
         video.add(&Picture { width, height, rgba: vec![255; width * height * 4] })?;
-        video.finish(&mut io::sink())
+        video.finish(&mut io::sink(), &|| Ok(()))
     }
 }
 
@@ -102,27 +106,37 @@ impl Video {
         match self.frames.as_mut().map(|frames| frames.write_all(&frame.rgba)) {
             Some(Ok(())) => Ok(()),
             Some(Err(_)) | None => {
-                self.end()?;
+                self.end(&|| Ok(()))?;
                 bail!("{PROGRAM} ended before the last frame")
             }
         }
     }
 
-    /// Writes the video.
+    /// Writes the video; meanwhile `goes_on` is asked now and then, and ends it with an error.
     ///
     /// # Errors
     /// What ffmpeg says, or a file that cannot be written.
-    pub fn finish(mut self, file: &mut dyn Write) -> anyhow::Result<()> {
-        self.end()?;
+    pub fn finish(
+        mut self,
+        file: &mut dyn Write,
+        goes_on: &dyn Fn() -> anyhow::Result<()>,
+    ) -> anyhow::Result<()> {
+        self.end(goes_on)?;
         let video = self.output.read()?;
         io::copy(&mut &*video, file)?;
         Ok(())
     }
 
     /// Waits for ffmpeg, which has had its last frame.
-    fn end(&mut self) -> anyhow::Result<()> {
+    fn end(&mut self, goes_on: &dyn Fn() -> anyhow::Result<()>) -> anyhow::Result<()> {
         self.frames = None;
-        let status = self.program.wait().with_context(|| format!("{PROGRAM} is lost"))?;
+        let status = loop {
+            match self.program.try_wait().with_context(|| format!("{PROGRAM} is lost"))? {
+                Some(status) => break status,
+                None => goes_on()?,
+            }
+            thread::sleep(LOOK);
+        };
         if status.success() {
             return Ok(());
         }

@@ -9,7 +9,7 @@ use crate::picture::figure::{Anchor, BLACK, Figure, Mark, Paper};
 use crate::picture::relief::{self, PAPER, Place};
 
 /// Parts of the picture's width above the surface, where waves may rise, and below it, for its front.
-const ABOVE: f64 = 0.05;
+const ABOVE: f64 = 0.02;
 const FRONT: f64 = 0.06;
 
 /// A bar of known length, mm on the paper, and what it says.
