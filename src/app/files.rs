@@ -307,7 +307,7 @@ impl Window {
         let (view, form) = (&self.editor.view, &self.editor.film);
         let schedule = match form.schedule(self.editor.scene(), view) {
             Ok(schedule) => schedule,
-            Err(error) => return self.refuse("Nothing was exported", &error),
+            Err(error) => return self.refuse("Nothing was exported", &anyhow!(error)),
         };
         let (size, rate) = (form.size(map, ctx.pixels_per_point()), form.rate());
         let lens = Lens { rect: map.rect, window: map.window };

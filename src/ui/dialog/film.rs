@@ -45,9 +45,10 @@ impl FilmForm {
     ///
     /// # Errors
     /// More pictures than waves may have.
-    pub fn schedule(&self, scene: &Scene, view: &View) -> anyhow::Result<Option<Schedule>> {
+    pub fn schedule(&self, scene: &Scene, view: &View) -> Result<Option<Schedule>, String> {
         let has_waves = view.quantity.declaration().of_liquid && (self.waves || !motion::moves(scene));
-        has_waves.then(|| Schedule::new(scene, self.seconds)).transpose()
+        let schedule = has_waves.then(|| Schedule::new(scene, self.seconds)).transpose();
+        schedule.map_err(|error| format!("{error:#}"))
     }
 }
 
@@ -114,7 +115,7 @@ pub(super) fn show(editor: &mut Editor, shown: &Shown, ui: &mut Ui) -> bool {
     }
     ui.label(match &schedule {
         Ok(_) => summary(count, pace),
-        Err(error) => format!("{error:#}"),
+        Err(error) => error.clone(),
     });
     if matches!(form.kind, Kind::Mp4 | Kind::Webm) {
         ui.weak("The program ffmpeg encodes videos; it must be on PATH.");
