@@ -378,8 +378,8 @@ mod tests {
         options.set_color_output(gif::ColorOutput::RGBA);
         let mut decoder = options.read_info(Cursor::new(encoded(Format::Gif))).unwrap();
         let gif = decoder.read_next_frame().unwrap().unwrap().buffer.to_vec();
-        let off = gif.iter().zip(&picture.rgba).map(|(a, b)| a.abs_diff(*b)).max().unwrap();
-        // 1200 colours, 256 of which are kept.
-        assert!(off <= 30, "{off}");
+        let off: u32 = gif.iter().zip(&picture.rgba).map(|(a, b)| u32::from(a.abs_diff(*b))).sum();
+        // 1200 colours, 256 of which are kept: cells of 15 x 15, a quarter of which they are off in two channels of four.
+        assert!(off < 6 * gif.len() as u32, "{off}");
     }
 }
