@@ -26,6 +26,7 @@ const LAYERS: &[(&str, &[&str])] = &[
         "picture",
         &[
             "base64",
+            "color_quant",
             "colorous",
             "gif",
             "glam",

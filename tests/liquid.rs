@@ -260,7 +260,7 @@ fn what_cannot_be_pressed_or_shown_is_refused() {
         (refused("a.toml", &["--waves", "--seconds", "1e9"]), "were asked for"),
         (refused("a.toml", &["--waves", "--seconds", "nan"]), "NaN s were asked for"),
         (refused("a.toml", &["--seconds", "1"]), "--waves"),
-        (refused("a.toml", &["--waves", "--view", "shaded"]), "leave out --view shaded"),
+        (refused("a.toml", &["--fps", "20"]), "add --motion or --waves"),
         (refused("a.toml", &["--waves", "--motion"]), "cannot be used with"),
     ] {
         assert!(message.contains(part), "{part}: {message}");

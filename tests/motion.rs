@@ -338,7 +338,7 @@ fn bad_arguments_are_refused() {
     let folder = folder_with(&[("a.toml", SQUARE), ("file", "")]);
     let render = |rest: &[&'static str]| [&["render", "a.toml", "--motion", "-o"][..], rest].concat();
     for (args, part) in [
-        (render(&["a.mp4"]), "a.mp4: an animation goes into FILE.gif"),
+        (render(&["a.avi"]), "a.avi: an animation goes into FILE.gif"),
         (render(&["a"]), "FOLDER/"),
         (render(&["no/a.gif"]), "no/a.gif: cannot write"),
         (render(&["file/"]), "cannot make the folder"),

@@ -9,14 +9,16 @@ use eframe::egui;
 use crate::app::Window;
 use crate::app::errand::{Errand, Progress, State};
 use crate::app::{folders, settings};
-use crate::field::{Evaluator, Quantity, Request, Stages};
+use crate::field::{Colouring, Evaluator, Quantity, Request, Stages};
 use crate::import::{self, Drawing};
 use crate::picture::{export, sheet};
 use crate::scene::{Scene, check};
 use crate::solver::frames;
 use crate::source;
+use crate::studio::animate::{self, Look};
 use crate::studio::paintings::Placed;
-use crate::studio::{animate, figure, link, map, output};
+use crate::studio::still::stem;
+use crate::studio::{figure, link, liquid, map, output};
 use crate::ui::document::Document;
 use crate::ui::section::Profile;
 use crate::ui::view::Lens;
@@ -280,7 +282,7 @@ impl Window {
         }
         let bytes = match export {
             Export::Figure(format) => self.figure_bytes(format),
-            Export::Motion => return self.film(path, ctx),
+            Export::Motion(_) => return self.film(path, ctx),
             Export::Map => self.map_png(),
             Export::Sheet => self.sheet_png(),
             Export::Numbers => self.numbers_npy(),
@@ -293,7 +295,7 @@ impl Window {
         }
     }
 
-    /// Writes the motion on a thread: maps of the plane on the screen, of its size and in its colours.
+    /// Writes the motion, or waves, on a thread: the plane on the screen as it is seen.
     fn film(&mut self, path: &Path, ctx: &egui::Context) {
         if let Some(film) = &self.filming {
             let error = anyhow!("{} is being written: one motion is exported at a time", film.name);
@@ -302,10 +304,22 @@ impl Window {
         let Some(map) = &self.shown.map else {
             return self.refuse("Nothing was exported", &anyhow!("there is no map"));
         };
-        let (view, size) = (&self.editor.view, (map.width, map.height));
+        let (view, form) = (&self.editor.view, &self.editor.film);
+        let schedule = match form.schedule(self.editor.scene(), view) {
+            Ok(schedule) => schedule,
+            Err(error) => return self.refuse("Nothing was exported", &anyhow!(error)),
+        };
+        let (size, rate) = (form.size(map, ctx.pixels_per_point()), form.rate());
         let lens = Lens { rect: map.rect, window: map.window };
         let scene = Scene { plane: view.plane(self.editor.scene(), &lens), ..self.editor.scene().clone() };
-        let (colouring, quantity, moment) = (view.colouring(), map.quantity, map.phase);
+        let (points, look) = if view.is_shaded() {
+            let name = stem(Path::new(&self.editor.document.name()));
+            (liquid::points(&scene.plane), Look::Shaded { name, page: size })
+        } else {
+            let full = view.full.map(|full| full as f32);
+            (size, Look::Flat(Box::new(Colouring { full, ..view.colouring() })))
+        };
+        let (quantity, moment) = (map.quantity, map.phase);
         let round = self.shown.round.clone();
         let (path, ctx_of_thread) = (path.to_owned(), ctx.clone());
         let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
@@ -319,8 +333,10 @@ impl Window {
                 check::check(&scene)?;
                 let round = round.map_or_else(|| frames::follow(&scene).map(Arc::new), Ok)?;
                 let drives = round.frames.iter().map(|frame| frame.drive.clone()).collect();
-                let request = Request { moment, ..Request::new(&scene, drives, quantity, size) };
-                animate::write(&scene, request, colouring.clone(), &path, &tell)
+                let request = Request { moment, ..Request::new(&scene, drives, quantity, points) };
+                let mut film = animate::Film::new(&scene, request, Stages::new(Evaluator::Cpu), look);
+                (film.rate, film.schedule) = (rate, schedule);
+                animate::write(&mut film, &path, &tell)
             };
             let written = write();
             let outcome = if progress.is_off() && written.is_err() { Ok(None) } else { written.map(Some) };

@@ -206,8 +206,8 @@ impl Mapping {
         });
         let texture = if wanted.is_shaded {
             let values = &self.stages.map(request)?.values;
-            let surface = Relief { depth: values, columns: request.size.0, size: request.plane.size };
-            exaggeration = Some(surface.exaggeration());
+            let surface = Relief::new(values, request.size.0, request.plane.size);
+            exaggeration = Some(surface.exaggeration);
             let picture = surface.draw(&place(width, height));
             let image = from_top(&picture);
             relief = Some(picture);

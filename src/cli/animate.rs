@@ -7,13 +7,25 @@ use anyhow::bail;
 use crate::cli::{RenderArgs, View, progress, read_scene, render};
 use crate::field::{Colouring, Quantity, Request, Stages, missed};
 use crate::solver::frames;
-use crate::studio::animate::{Film, Target, times_of};
+use crate::studio::animate::{self, Film, RATES, Target, times_of};
 use crate::studio::evaluator::{self, Backend};
 use crate::studio::motion::SOLVING;
 use crate::studio::output::{Files, note, say, warn};
-use crate::studio::still::{Diagram, stem};
+use crate::studio::still::{Diagram, Size, stem};
 use crate::studio::swell::Schedule;
 use crate::studio::{liquid, map, motion};
+
+/// Pixels that a film of a shaded surface is wide.
+const SHADED_WIDTH: usize = 800;
+
+/// Frames per second.
+pub fn parse_rate(text: &str) -> Result<f64, String> {
+    let [least, most] = RATES;
+    match text.trim().parse::<f64>() {
+        Ok(rate) if (least..=most).contains(&rate) => Ok(rate),
+        _ => Err(format!("give a number of frames per second from {least:.3} to {most}")),
+    }
+}
 
 pub fn run(args: &RenderArgs) -> anyhow::Result<()> {
     let target = Target::of(&args.output)?;
@@ -33,14 +45,18 @@ pub fn run(args: &RenderArgs) -> anyhow::Result<()> {
             bail!("maps are animated: --quantity {}", names.join(", "))
         }
     };
-    if args.view == View::Shaded {
-        bail!("animations are maps: leave out --view shaded");
+    let is_shaded = args.view == View::Shaded;
+    if is_shaded && !quantity.declaration().of_liquid {
+        bail!("--view shaded is of a liquid's surface: --quantity depression")
     }
     let mut files = Files::new();
     let mut scene = read_scene(path, args.method, &mut files)?;
     scene.plane.tolerance = args.tolerance.unwrap_or(scene.plane.tolerance);
-    let look = render::look(args);
-    let size = look.pixels(&scene)?;
+    let mut look = render::look(args);
+    if is_shaded && look.size.is_none() {
+        look.size = Some(Size { width: SHADED_WIDTH, height: None });
+    }
+    let size = target.pixels(look.pixels(&scene)?);
     if let Target::File(path, _) = &target {
         files.keeps(path)?;
     }
@@ -48,7 +64,7 @@ pub fn run(args: &RenderArgs) -> anyhow::Result<()> {
         files.writes(data)?;
         files.writes(&times_of(data))?;
     }
-    target.check(size)?;
+    target.check(size, args.fps)?;
     let schedule = args.waves.then(|| Schedule::new(&scene, args.seconds)).transpose()?;
     let sequence = match args.waves {
         true => frames::follow_with(&scene, &progress::begin(SOLVING))?,
@@ -60,9 +76,15 @@ pub fn run(args: &RenderArgs) -> anyhow::Result<()> {
     let stages = Stages::new(evaluator::for_maps(args.backend.backend, args.verbose)?);
     let seconds = sequence.seconds;
     let drives: Vec<_> = sequence.frames.into_iter().map(|frame| frame.drive).collect();
-    let request = Request::new(&scene, drives, quantity, size);
-    let colouring = Colouring::new(quantity, map::colours(quantity, args.colours).table());
-    let mut film = Film::new(&scene, request, stages, colouring);
+    let (points, look) = if is_shaded {
+        (liquid::points(&scene.plane), animate::Look::Shaded { name: stem(path), page: size })
+    } else {
+        let colouring = Colouring::new(quantity, map::colours(quantity, args.colours).table());
+        (size, animate::Look::Flat(Box::new(colouring)))
+    };
+    let request = Request::new(&scene, drives, quantity, points);
+    let mut film = Film::new(&scene, request, stages, look);
+    film.rate = args.fps;
     film.gpu_is_asked_for = args.backend.backend == Backend::Gpu;
     film.schedule = schedule;
     film.data.clone_from(&args.data);

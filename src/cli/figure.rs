@@ -12,9 +12,9 @@ use crate::picture::figure::Paper;
 use crate::studio::convention::Convention;
 use crate::studio::evaluator::Backend;
 use crate::studio::figure::{self, DENSITIES, WIDTHS, Wish};
-use crate::studio::map;
 use crate::studio::output::{self, say, warn};
 use crate::studio::still::{Diagram, Look, Solved};
+use crate::studio::{liquid, map};
 
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Figures")]
@@ -99,8 +99,19 @@ impl FigureArgs {
                 "--figure draws a quantity on a plane: `drive` and `sheet` are pages with axes of their own"
             );
         };
-        if args.view == View::Shaded {
-            bail!("--figure draws flat maps: leave --view shaded out");
+        let is_shaded = args.view == View::Shaded;
+        if is_shaded && !quantity.declaration().of_liquid {
+            bail!("--view shaded is of a liquid's surface: --quantity depression");
+        }
+        let of_maps = [
+            (figure.db, "--db"),
+            (figure.range.is_some(), "--range"),
+            (!figure.contours.is_empty(), "--contours"),
+            (figure.targets, "--targets"),
+            (figure.light, "--light"),
+        ];
+        if let Some((_, option)) = of_maps.iter().find(|(is_given, _)| is_shaded && *is_given) {
+            bail!("{option} is of flat maps: leave out --view shaded");
         }
         let column = Paper::default();
         let wish = Wish {
@@ -109,6 +120,7 @@ impl FigureArgs {
                 dpi: figure.dpi.unwrap_or(column.dpi),
             },
             title: figure.title.clone(),
+            is_shaded,
             colours: args.colours,
             is_light: figure.light,
             scale: if figure.db { Scale::Logarithmic } else { Scale::Linear },
@@ -140,6 +152,9 @@ pub(in crate::cli) fn write(
     if let Some(missed) = missed(drawn.map.error, scene.plane.tolerance) {
         warn(&format!("{name}: {missed}"));
     }
+    if let Some(beyond) = drawn.slope.and_then(liquid::beyond_linear_theory) {
+        warn(&format!("{name}: {beyond}"));
+    }
     let bytes = drawn.figure.write(format)?;
     if let Some(data) = data {
         let shape = [drawn.map.height as u64, drawn.map.width as u64];
@@ -147,8 +162,9 @@ pub(in crate::cli) fn write(
     }
     output::write(output, &bytes)?;
     let [width, height] = drawn.figure.size();
+    let (kind, points) = if wish.is_shaded { ("surface", "points") } else { ("map", "pixels") };
     say!(
-        "{}: {width:.1} x {height:.1} mm, a map of {} x {} pixels, {}",
+        "{}: {width:.1} x {height:.1} mm, a {kind} of {} x {} {points}, {}",
         crate::echo::path(output),
         drawn.map.width,
         drawn.map.height,

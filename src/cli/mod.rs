@@ -65,7 +65,7 @@ enum Command {
     ///
     ///   sonoglyph render assets/scenes/water-moving-square.toml --motion -o square.gif
     ///
-    ///   sonoglyph render assets/scenes/water-moving-square.toml --quantity depression --waves -o waves.gif
+    ///   sonoglyph render assets/scenes/water-moving-square.toml --quantity depression --view shaded --waves -o waves.mp4
     #[command(verbatim_doc_comment)]
     Render(RenderArgs),
     /// Find the drive of a scene and say how good it is
@@ -154,7 +154,7 @@ struct RenderArgs {
     /// What to show
     #[arg(long, value_enum, default_value_t = Diagram::Map(Quantity::Rms))]
     quantity: Diagram,
-    /// Pixels: W, or WxH; W alone keeps the plane's shape [default: 512, sheets 1600]
+    /// Pixels: W, or WxH; W alone keeps the plane's shape [default: 512, pages 1600, films of shaded surfaces 800]
     #[arg(long, value_name = "W[xH]", value_parser = render::parse_size)]
     size: Option<Size>,
     /// How a surface depression is shown
@@ -179,10 +179,11 @@ struct RenderArgs {
     /// phase in rad, amplitude before it is made uniform.
     #[arg(long, value_name = "FILE.npy")]
     data: Option<PathBuf>,
-    /// Animate a cycle of the scene's motion: FILE.gif, an animated FILE.png or FILE.apng, or a PNG per frame in FOLDER/
+    /// Animate a cycle of the scene's motion: FILE.gif, an animated FILE.png or FILE.apng, FILE.mp4 or FILE.webm, or a PNG
+    /// per frame in FOLDER/
     ///
-    /// All frames share one range of colours. A cycle takes as long as it really does, unless frames would be shown for less
-    /// than 20 ms.
+    /// All frames share one range of colours or depths. MP4 (H.264) and WebM (VP9) are encoded by the program ffmpeg; their
+    /// sides are even.
     #[arg(long)]
     motion: bool,
     /// Animate the liquid's surface from the moment that the sound begins: waves, for --quantity depression
@@ -193,6 +194,9 @@ struct RenderArgs {
     /// How long --waves goes on [default: a cycle of the motion, or 0.25 s where nothing moves]
     #[arg(long, value_name = "S", requires = "waves")]
     seconds: Option<f64>,
+    /// Frames of --motion or --waves that are shown per second [default: as many as there really are, at most 50]
+    #[arg(long, value_name = "N", value_parser = animate::parse_rate)]
+    fps: Option<f64>,
     /// What a still picture of a scene with motion shows: a frame, counted from 1, or the mean of a cycle
     ///
     /// Otherwise targets stand where the scene puts them, but for `radiation` and `depression`: a liquid is slow and feels the mean.

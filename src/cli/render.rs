@@ -61,6 +61,9 @@ pub fn run(args: &RenderArgs) -> anyhow::Result<()> {
     if args.data.is_some() && args.scenes.len() > 1 {
         bail!("--data takes the numbers of one scene, and {} are given", args.scenes.len());
     }
+    if args.fps.is_some() {
+        bail!("--fps is of films: add --motion or --waves");
+    }
     let (look, wish) = (look(args), FigureArgs::wish(args)?);
     // Every scene is read and solved before the first is drawn: a slip in the last one costs no work.
     let (mut scenes, mut files) = (Vec::new(), Files::new());

@@ -1,11 +1,18 @@
-//! Animations, encoded frame by frame as they come: GIF and animated PNG. Their palette is the colour map itself, so that every
-//! pixel has exactly its colour.
+//! Animations, encoded frame by frame as they come: GIF and animated PNG. The palette of a colour map's frames is the map itself,
+//! so that every pixel has exactly its colour.
 
+use std::collections::HashMap;
 use std::fmt;
 use std::io::Write;
-use std::path::Path;
 
-/// A file format for frames of 256 colours.
+use color_quant::NeuQuant;
+
+use crate::picture::Picture;
+
+/// Pixels of a picture of which one is looked at to choose colours.
+const SAMPLING: i32 = 3;
+
+/// A file format of animated pictures.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Format {
     Gif,
@@ -14,15 +21,6 @@ pub enum Format {
 }
 
 impl Format {
-    /// The format of a file with this name.
-    pub fn of(path: &Path) -> Option<Self> {
-        match path.extension()?.to_str()?.to_ascii_lowercase().as_str() {
-            "gif" => Some(Self::Gif),
-            "png" | "apng" => Some(Self::Png),
-            _ => None,
-        }
-    }
-
     /// Pixels per side that it has numbers for.
     pub fn largest_side(self) -> usize {
         match self {
@@ -37,6 +35,46 @@ impl Format {
             Self::Gif => 100,
             Self::Png => 1000,
         }
+    }
+}
+
+/// The colours that all frames are made of.
+#[derive(Clone, Debug)]
+pub enum Colours {
+    /// Those of a colour map, and no others.
+    Map(Box<[[u8; 4]; 256]>),
+    /// Any. A GIF has 256 of them, which suit this picture.
+    Like(Picture),
+}
+
+/// 256 colours at most, and which is nearest to any.
+struct Palette {
+    /// r, g, b of one after the other.
+    rgb: Vec<u8>,
+    nearest: HashMap<[u8; 3], u8>,
+}
+
+impl Palette {
+    fn new(colours: &Colours) -> Self {
+        let rgb = match colours {
+            Colours::Map(table) => table.iter().flat_map(|[r, g, b, _]| [*r, *g, *b]).collect(),
+            Colours::Like(picture) => NeuQuant::new(SAMPLING, 256, &picture.rgba).color_map_rgb(),
+        };
+        Self { rgb, nearest: HashMap::new() }
+    }
+
+    fn place(&mut self, colour: [u8; 3]) -> u8 {
+        let Self { rgb, nearest } = self;
+        let far = |own: &[u8; 3]| -> u32 {
+            own.iter().zip(colour).map(|(own, wanted)| u32::from(own.abs_diff(wanted)).pow(2)).sum()
+        };
+        let search =
+            || (0..=255).zip(rgb.as_chunks().0).min_by_key(|(_, own)| far(own)).map_or(0, |(at, _)| at);
+        *nearest.entry(colour).or_insert_with(search)
+    }
+
+    fn places(&mut self, picture: &Picture) -> Vec<u8> {
+        picture.rgba.as_chunks().0.iter().map(|&[r, g, b, _]| self.place([r, g, b])).collect()
     }
 }
 
@@ -59,6 +97,12 @@ impl Pace {
         let real = if is_rate { 1.0 / frames_per_second } else { LONGEST };
         let per_frame = real.clamp(SHORTEST, LONGEST);
         Self { per_frame, slowed: per_frame / real }
+    }
+
+    /// So many frames a second (more than 0), of what really has `frames_per_second`.
+    pub fn chosen(shown_per_second: f64, frames_per_second: f64) -> Self {
+        let per_frame = 1.0 / shown_per_second;
+        Self { per_frame, slowed: per_frame * frames_per_second }
     }
 
     /// Ticks that a frame is shown for; rounding in one is made up for in the next.
@@ -119,8 +163,9 @@ impl<W: Write> fmt::Debug for Animation<W> {
 }
 
 enum Encoder<W: Write> {
-    Gif(gif::Encoder<W>),
-    Png(png::Writer<W>),
+    Gif(gif::Encoder<W>, Palette),
+    /// Without a palette, pixels have their own colours.
+    Png(png::Writer<W>, Option<Palette>),
 }
 
 impl<W: Write> Animation<W> {
@@ -132,7 +177,7 @@ impl<W: Write> Animation<W> {
         writer: W,
         format: Format,
         (width, height): (usize, usize),
-        colours: &[[u8; 4]; 256],
+        colours: &Colours,
         frames: u32,
         pace: Pace,
     ) -> Result<Self, AnimationError> {
@@ -140,52 +185,63 @@ impl<W: Write> Animation<W> {
         if frames == 0 || [width, height].iter().any(|side| !(1..=largest).contains(side)) {
             return Err(AnimationError::Size { width, height, largest, frames });
         }
-        let palette: Vec<u8> = colours.iter().flat_map(|[r, g, b, _]| [*r, *g, *b]).collect();
         let encoder = match format {
             Format::Gif => {
-                let mut encoder = gif::Encoder::new(writer, width as u16, height as u16, &palette)?;
+                let palette = Palette::new(colours);
+                let mut encoder = gif::Encoder::new(writer, width as u16, height as u16, &palette.rgb)?;
                 encoder.set_repeat(gif::Repeat::Infinite)?;
-                Encoder::Gif(encoder)
+                Encoder::Gif(encoder, palette)
             }
             Format::Png => {
                 let mut encoder = png::Encoder::new(writer, width as u32, height as u32);
-                encoder.set_color(png::ColorType::Indexed);
+                let palette = match colours {
+                    Colours::Map(_) => Some(Palette::new(colours)),
+                    Colours::Like(_) => None,
+                };
+                if let Some(palette) = &palette {
+                    encoder.set_color(png::ColorType::Indexed);
+                    encoder.set_palette(palette.rgb.clone());
+                } else {
+                    encoder.set_color(png::ColorType::Rgb);
+                }
                 encoder.set_depth(png::BitDepth::Eight);
-                encoder.set_palette(palette);
                 if frames != 1 {
                     encoder.set_animated(frames, 0)?;
                 }
                 encoder.validate_sequence(true);
-                Encoder::Png(encoder.write_header()?)
+                Encoder::Png(encoder.write_header()?, palette)
             }
         };
         Ok(Self { encoder, width, height, pace, frames, added: 0 })
     }
 
-    /// Adds a frame: the place of every pixel in the table of colours, row 0 at the bottom.
+    /// Adds a frame.
     ///
     /// # Errors
     /// A file that cannot be written, or more frames than were promised.
     ///
     /// # Panics
-    /// Another number of places than pixels.
-    pub fn add(&mut self, places: &[u8]) -> Result<(), AnimationError> {
-        assert_eq!(places.len(), self.width * self.height, "a byte per pixel");
-        let from_top: Vec<u8> = places.chunks_exact(self.width).rev().flatten().copied().collect();
+    /// A frame of another size.
+    pub fn add(&mut self, frame: &Picture) -> Result<(), AnimationError> {
+        assert_eq!((frame.width, frame.height), (self.width, self.height), "frames of one size");
         match &mut self.encoder {
-            Encoder::Gif(encoder) => encoder.write_frame(&gif::Frame {
+            Encoder::Gif(encoder, palette) => encoder.write_frame(&gif::Frame {
                 width: self.width as u16,
                 height: self.height as u16,
                 delay: self.pace.ticks(self.added, Format::Gif.ticks_per_second()),
-                buffer: from_top.into(),
+                buffer: palette.places(frame).into(),
                 ..gif::Frame::default()
             })?,
-            Encoder::Png(writer) => {
+            Encoder::Png(writer, palette) => {
                 if self.frames != 1 {
                     let per_second = Format::Png.ticks_per_second();
                     writer.set_frame_delay(self.pace.ticks(self.added, per_second), per_second)?;
                 }
-                writer.write_image_data(&from_top)?;
+                let bytes = match palette {
+                    Some(palette) => palette.places(frame),
+                    None => frame.rgba.as_chunks().0.iter().flat_map(|&[r, g, b, _]| [r, g, b]).collect(),
+                };
+                writer.write_image_data(&bytes)?;
             }
         }
         self.added += 1;
@@ -198,8 +254,8 @@ impl<W: Write> Animation<W> {
     /// A file that cannot be written, or fewer frames than were promised.
     pub fn finish(self) -> Result<(), AnimationError> {
         match self.encoder {
-            Encoder::Gif(encoder) => drop(encoder.into_inner()?),
-            Encoder::Png(writer) => writer.finish()?,
+            Encoder::Gif(encoder, _) => drop(encoder.into_inner()?),
+            Encoder::Png(writer, _) => writer.finish()?,
         }
         Ok(())
     }
@@ -214,31 +270,27 @@ mod tests {
 
     const SIZE: (usize, usize) = (5, 4);
 
-    /// Every frame has other places, and all 256 appear.
-    fn places(frame: u32) -> Vec<u8> {
-        (0..20).map(|pixel| (frame * 20 + pixel) as u8).collect()
+    /// Every frame has other colours, and all 256 appear.
+    fn frame(number: u32) -> Picture {
+        let table = ColourMap::Inferno.table();
+        let rgba = (0..20).flat_map(|pixel| table[(number as usize * 20 + pixel) % 256]).collect();
+        Picture { width: SIZE.0, height: SIZE.1, rgba }
     }
 
     fn encoded(format: Format, frames: u32, pace: Pace) -> Vec<u8> {
         let mut bytes = Vec::new();
-        let colours = ColourMap::Inferno.table();
+        let colours = Colours::Map(Box::new(ColourMap::Inferno.table()));
         let mut animation = Animation::new(&mut bytes, format, SIZE, &colours, frames, pace).unwrap();
-        for frame in 0..frames {
-            animation.add(&places(frame)).unwrap();
+        for number in 0..frames {
+            animation.add(&frame(number)).unwrap();
         }
         animation.finish().unwrap();
         bytes
     }
 
-    /// r, g, b from the top left, as the colour map says.
-    fn expected(frame: u32) -> Vec<u8> {
-        let table = ColourMap::Inferno.table();
-        let rows = places(frame);
-        rows.chunks(SIZE.0)
-            .rev()
-            .flatten()
-            .flat_map(|&place| table[usize::from(place)][..3].to_vec())
-            .collect()
+    /// r, g, b from the top left.
+    fn expected(number: u32) -> Vec<u8> {
+        frame(number).rgba.chunks(4).flat_map(|pixel| pixel[..3].to_vec()).collect()
     }
 
     #[test]
@@ -287,9 +339,9 @@ mod tests {
     #[test]
     fn promised_frames_must_come() {
         let pace = Pace::new(5.0);
-        let table = ColourMap::Grey.table();
-        let mut animation = Animation::new(Vec::new(), Format::Png, SIZE, &table, 2, pace).unwrap();
-        animation.add(&places(0)).unwrap();
+        let colours = Colours::Map(Box::new(ColourMap::Inferno.table()));
+        let mut animation = Animation::new(Vec::new(), Format::Png, SIZE, &colours, 2, pace).unwrap();
+        animation.add(&frame(0)).unwrap();
         assert!(matches!(animation.finish(), Err(AnimationError::Png(_))));
     }
 
@@ -307,10 +359,27 @@ mod tests {
     }
 
     #[test]
-    fn names_tell_formats() {
-        let of = |name: &str| Format::of(Path::new(name));
-        assert_eq!(of("a.gif"), Some(Format::Gif));
-        assert_eq!((of("a.PNG"), of("b/a.apng")), (Some(Format::Png), Some(Format::Png)));
-        assert_eq!((of("a.mp4"), of("gif"), of("")), (None, None, None));
+    fn pictures_of_any_colours_stay_as_they_are_in_a_png_and_nearly_so_in_a_gif() {
+        let (width, height) = (40, 30);
+        let at = |i: usize| [(i % 40 * 6) as u8, (i / 40 * 8) as u8, 128, 255];
+        let picture = Picture { width, height, rgba: (0..width * height).flat_map(at).collect() };
+        let encoded = |format| {
+            let (mut bytes, colours) = (Vec::new(), Colours::Like(picture.clone()));
+            let pace = Pace::new(5.0);
+            let mut animation =
+                Animation::new(&mut bytes, format, (width, height), &colours, 1, pace).unwrap();
+            animation.add(&picture).unwrap();
+            animation.finish().unwrap();
+            bytes
+        };
+        let png = image::load_from_memory(&encoded(Format::Png)).unwrap().to_rgba8().into_raw();
+        assert_eq!(png, picture.rgba);
+        let mut options = gif::DecodeOptions::new();
+        options.set_color_output(gif::ColorOutput::RGBA);
+        let mut decoder = options.read_info(Cursor::new(encoded(Format::Gif))).unwrap();
+        let gif = decoder.read_next_frame().unwrap().unwrap().buffer.to_vec();
+        let off: u32 = gif.iter().zip(&picture.rgba).map(|(a, b)| u32::from(a.abs_diff(*b))).sum();
+        // 1200 colours, 256 of which are kept: cells of 15 x 15, a quarter of which they are off in two channels of four.
+        assert!(off < 6 * gif.len() as u32, "{off}");
     }
 }

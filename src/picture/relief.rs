@@ -26,7 +26,7 @@ const STRIP: usize = 32;
 const SKY: Vec3 = Vec3::new(0.90, 0.94, 0.97);
 const DEEP: Vec3 = Vec3::new(0.03, 0.20, 0.33);
 const SHALLOW: Vec3 = Vec3::new(0.10, 0.47, 0.60);
-const PAPER: [u8; 3] = [255; 3];
+pub const PAPER: [u8; 3] = [255; 3];
 const INK: RGBColor = RGBColor(30, 30, 34);
 const WARNING: RGBColor = RGBColor(178, 34, 20);
 
@@ -38,6 +38,8 @@ pub struct Relief<'a> {
     pub columns: usize,
     /// m
     pub size: DVec2,
+    /// How many times as deep as it is it is drawn.
+    pub exaggeration: f64,
 }
 
 /// Where in a picture the surface is to be.
@@ -68,14 +70,39 @@ pub fn height(width: usize) -> usize {
     (width as f64 * PAGE.1 / PAGE.0).round() as usize
 }
 
-impl Relief<'_> {
-    /// How many times as deep as they are dents are drawn: a round number, at least 1.
-    pub fn exaggeration(&self) -> f64 {
-        let deepest = self.depth.iter().fold(0.0f32, |most, depth| most.max(depth.abs()));
-        let wanted = DRAWN_DEPTH * self.size.x / f64::from(deepest).max(1e-9);
-        let decade = 10f64.powf(wanted.log10().floor());
-        let round = [5.0, 2.0, 1.0].map(|step| step * decade).into_iter().find(|round| *round <= wanted);
-        round.unwrap_or(1.0).clamp(1.0, 1e6)
+/// How many times as deep as they are depths up to this one (m) are drawn on a plane of this size (m): a round number, at least
+/// 1.
+pub fn exaggeration(deepest: f64, size: DVec2) -> f64 {
+    let wanted = DRAWN_DEPTH * size.x / deepest.max(1e-9);
+    let decade = 10f64.powf(wanted.log10().floor());
+    let round = [5.0, 2.0, 1.0].map(|step| step * decade).into_iter().find(|round| *round <= wanted);
+    round.unwrap_or(1.0).clamp(1.0, 1e6)
+}
+
+/// The height of a level surface of this size (m) over its width, as it is seen.
+pub fn shape(size: DVec2) -> f64 {
+    size.y / size.x * ELEVATION.sin()
+}
+
+impl Place {
+    /// Pixels of a metre to the right on a surface of this size (m).
+    pub fn scale(&self, size: DVec2) -> f64 {
+        let (width, height) = (self.width as f64, self.height as f64);
+        let room = DVec2::new(width - 2.0 * self.side, height - self.top - self.bottom).max(DVec2::ONE);
+        (room.x / size.x).min(room.y / (size.x * shape(size)))
+    }
+}
+
+impl<'a> Relief<'a> {
+    /// Drawn as deep as its own deepest place allows.
+    pub fn new(depth: &'a [f32], columns: usize, size: DVec2) -> Self {
+        let deepest = depth.iter().fold(0.0f32, |most, depth| most.max(depth.abs()));
+        Self { depth, columns, size, exaggeration: exaggeration(deepest.into(), size) }
+    }
+
+    /// Pixels that a metre of depth sinks, where one to the right has so many.
+    pub fn sinks(&self, scale: f64) -> f64 {
+        scale * self.exaggeration * ELEVATION.cos()
     }
 
     /// Draws it with words on a page.
@@ -142,19 +169,17 @@ impl<'a> Seen<'a> {
     fn new(relief: &'a Relief<'a>, place: &Place) -> Self {
         let (width, height) = (place.width as f64, place.height as f64);
         let size = relief.size;
-        let room = DVec2::new(width - 2.0 * place.side, height - place.top - place.bottom).max(DVec2::ONE);
-        let scale = (room.x / size.x).min(room.y / (size.y * ELEVATION.sin()));
-        let far = scale * size.y * ELEVATION.sin();
-        let front = height - place.bottom - (room.y - far) / 2.0;
+        let scale = place.scale(size);
+        let far = scale * size.x * shape(size);
+        let front = height - place.bottom - ((height - place.top - place.bottom).max(1.0) - far) / 2.0;
         let columns = relief.columns.max(1);
         let rows = relief.depth.len() / columns;
-        let exaggeration = relief.exaggeration();
         Self {
             relief,
-            light: Light::new(size, (columns, rows), exaggeration),
+            light: Light::new(size, (columns, rows), relief.exaggeration),
             columns,
             rows,
-            sinks: (scale * exaggeration * ELEVATION.cos()) as f32,
+            sinks: relief.sinks(scale) as f32,
             left: (width - scale * size.x) / 2.0,
             wide: scale * size.x,
             front: front as f32,
@@ -371,7 +396,7 @@ mod tests {
     use super::*;
 
     fn relief(depth: &[f32]) -> Relief<'_> {
-        Relief { depth, columns: 40, size: DVec2::new(0.1, 0.075) }
+        Relief::new(depth, 40, DVec2::new(0.1, 0.075))
     }
 
     fn bowl(deepest: f64) -> Vec<f32> {
@@ -407,7 +432,7 @@ mod tests {
     fn dents_are_drawn_a_round_number_of_times_as_deep() {
         for (deepest, times) in [(1e-4, 50.0), (0.9e-2, 1.0), (1.0, 1.0), (2.1e-6, 2000.0)] {
             let bowl = bowl(deepest);
-            assert_eq!(relief(&bowl).exaggeration(), times, "{deepest}");
+            assert_eq!(relief(&bowl).exaggeration, times, "{deepest}");
         }
     }
 

@@ -9,26 +9,32 @@ use crate::echo;
 use crate::field::colouring::{FLOOR, Scale};
 use crate::field::quantity::Range;
 use crate::field::stages::MOST_PIXELS;
-use crate::field::{Map, Quantity, Request, Stages, contour};
+use crate::field::{FieldError, Map, Quantity, Request, Stages, contour};
 use crate::memory;
-use crate::picture::figure::{Axis, Bar, Content, Figure, Format, Paper};
+use crate::picture::figure::surface::{self, Measure, Surface};
+use crate::picture::figure::{Axis, Bar, Content, Figure, Format, Paper, round_step};
+use crate::picture::relief::Relief;
 use crate::picture::{ColourMap, Picture, sheet};
 use crate::scene::{Focus, Sampling, Scene, Target, outline};
 use crate::studio::convention::Convention;
 use crate::studio::evaluator::or_by_cpu;
-use crate::studio::map;
+use crate::studio::{liquid, map};
 
 /// mm, and dots per inch, that a figure may have.
 pub const WIDTHS: [f64; 2] = [30.0, 1000.0];
 pub const DENSITIES: [f64; 2] = [36.0, 2400.0];
 /// What a pixel takes on its way from the field to a file, at most.
 const BYTES_PER_PIXEL: usize = 32;
+/// mm on the paper that the bar of a depth has at least.
+const LEAST_DEPTH: f64 = 2.5;
 
 /// What is chosen of a figure.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Wish {
     pub paper: Paper,
     pub title: Option<String>,
+    /// A liquid's surface as light falls on it: colours, range, contours and targets are those of maps.
+    pub is_shaded: bool,
     pub colours: ColourMap,
     /// Colours for a light ground.
     pub is_light: bool,
@@ -40,6 +46,7 @@ pub struct Wish {
     /// dB below the map's largest value.
     pub contours: Vec<f64>,
     pub convention: Convention,
+    /// Of a shaded surface: a bar of a round depth.
     pub has_colour_bar: bool,
     pub has_scale_bar: bool,
     pub has_targets: bool,
@@ -50,6 +57,7 @@ impl Default for Wish {
         Self {
             paper: Paper::default(),
             title: None,
+            is_shaded: false,
             colours: ColourMap::default(),
             is_light: false,
             scale: Scale::Linear,
@@ -94,6 +102,8 @@ pub fn refuse_ending(path: &Path, endings: &[&str]) -> anyhow::Result<()> {
 pub struct Drawn {
     pub figure: Figure,
     pub map: Map,
+    /// The steepest slope of a liquid's surface.
+    pub slope: Option<f64>,
 }
 
 /// Draws what is requested, whose size is that of the figure's map; `foci` are those of its drives.
@@ -109,17 +119,14 @@ pub fn draw(
 ) -> anyhow::Result<Drawn> {
     let quantity = request.quantity;
     check(quantity, wish)?;
-    let mut content = content((scene, foci), request, wish)?;
-    let [page_width, page_height] = content.page_pixels(wish.paper);
-    let bytes = page_width.saturating_mul(page_height).saturating_mul(BYTES_PER_PIXEL);
-    if bytes / BYTES_PER_PIXEL > MOST_PIXELS || !memory::holds(bytes) {
-        bail!(
-            "{page_width} x {page_height} pixels are too many: choose fewer dots per inch or a smaller width"
-        );
+    if wish.is_shaded {
+        return shaded(request, wish, stages, gpu_is_asked_for);
     }
+    let mut content = content((scene, foci), request, wish)?;
+    check_size(content.page_pixels(wish.paper))?;
     let [width, height] = content.map_pixels(wish.paper);
     let request = Request { size: (width, height), ..request.clone() };
-    let map = or_by_cpu(stages, gpu_is_asked_for, |stages| stages.map(&request).cloned())?;
+    let (map, slope) = or_by_cpu(stages, gpu_is_asked_for, |stages| mapped(&request, stages))?;
     let law = Law::new(quantity, wish, f64::from(map.peak));
     let table = table(quantity, wish);
     let colours: Vec<u8> = map.values.iter().flat_map(|&value| table[law.place(f64::from(value))]).collect();
@@ -133,12 +140,70 @@ pub fn draw(
             content.contours.extend(contour::lines(&map.values, width, level as f32, |&value| value));
         }
     }
-    Ok(Drawn { figure: content.figure(wish.paper, picture), map })
+    Ok(Drawn { figure: content.figure(wish.paper, picture), map, slope })
+}
+
+fn check_size([width, height]: [usize; 2]) -> anyhow::Result<()> {
+    let bytes = width.saturating_mul(height).saturating_mul(BYTES_PER_PIXEL);
+    if bytes / BYTES_PER_PIXEL > MOST_PIXELS || !memory::holds(bytes) {
+        bail!("{width} x {height} pixels are too many: choose fewer dots per inch or a smaller width");
+    }
+    Ok(())
+}
+
+/// The map, and the steepest slope where it is of a liquid.
+fn mapped(request: &Request, stages: &mut Stages) -> Result<(Map, Option<f64>), FieldError> {
+    let map = stages.map(request)?.clone();
+    let of_liquid = request.quantity.declaration().of_liquid;
+    let pressed = of_liquid.then(|| stages.pressed(request)).transpose()?;
+    Ok((map, pressed.and_then(|pressed| pressed.depression).map(|depression| depression.slope)))
+}
+
+/// The surface at an angle, with bars for lengths to the right and for depths.
+fn shaded(
+    request: &Request,
+    wish: &Wish,
+    stages: &mut Stages,
+    gpu_is_asked_for: bool,
+) -> anyhow::Result<Drawn> {
+    let (plane, paper) = (&request.plane, wish.paper);
+    let place = surface::place(paper, plane.size);
+    check_size([place.width, place.height])?;
+    let request = Request { size: liquid::points(plane), ..request.clone() };
+    let (map, slope) = or_by_cpu(stages, gpu_is_asked_for, |stages| mapped(&request, stages))?;
+    let relief = Relief::new(&map.values, map.width, plane.size);
+    let picture = relief.draw(&place);
+    // On the paper, of a metre.
+    let to_the_right = place.scale(plane.size) * 25.4 / paper.dpi;
+    let down = relief.sinks(to_the_right);
+    let measure = |metres: f64, mm: f64, words: &str| {
+        let (factor, unit) = request.quantity.declaration().unit.scaled(metres);
+        Measure {
+            length: metres * mm,
+            text: format!("{} {unit}{words}", (metres * factor * 1e6).round() / 1e6),
+        }
+    };
+    let drawn = format!(" deep, drawn {} ×", relief.exaggeration);
+    let content = Surface {
+        title: title(wish),
+        scale: wish.has_scale_bar.then(|| measure(round_step(plane.size.x / 8.0), to_the_right, "")),
+        depth: wish.has_colour_bar.then(|| measure(round_step(LEAST_DEPTH / down), down, &drawn)),
+    };
+    let figure = content.figure(paper, picture);
+    Ok(Drawn { figure, map, slope })
+}
+
+/// One that is not blank.
+fn title(wish: &Wish) -> Option<String> {
+    wish.title.clone().filter(|title| !title.trim().is_empty())
 }
 
 fn check(quantity: Quantity, wish: &Wish) -> anyhow::Result<()> {
     let declaration = quantity.declaration();
     let words = declaration.words;
+    if wish.is_shaded && !declaration.of_liquid {
+        bail!("a surface is shaded: show the depression, not {words}");
+    }
     if wish.scale == Scale::Logarithmic && declaration.range != Range::Amount {
         bail!("--db is a scale of amounts, and {words} has a sign or a direction");
     }
@@ -176,7 +241,7 @@ fn content((scene, foci): (&Scene, &[Focus]), request: &Request, wish: &Wish) ->
     }
     let bar = || Law::new(request.quantity, wish, 1.0).bar(table(request.quantity, wish));
     Ok(Content {
-        title: wish.title.clone().filter(|title| !title.trim().is_empty()),
+        title: title(wish),
         axes: [axis(low.x, high.x, x), axis(low.y, high.y, y)],
         bar: wish.has_colour_bar.then(bar),
         has_scale_bar: wish.has_scale_bar,

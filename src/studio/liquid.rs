@@ -2,7 +2,7 @@
 
 use glam::DVec2;
 
-use crate::field::{Depression, Pressed};
+use crate::field::{Depression, Pressed, Quantity};
 use crate::picture::relief::{self, Relief, Words};
 use crate::picture::sheet::pascals_at_most;
 use crate::picture::{Picture, PictureError};
@@ -64,22 +64,62 @@ pub fn picture(
         }
         return Ok(picture);
     };
-    let relief = Relief { depth: &map.map.values, columns, size: scene.plane.size };
+    let relief = Relief::new(&map.map.values, columns, scene.plane.size);
     let size = scene.plane.size * 1e3;
     let mut lines = vec![
         format!("{name}: {}", liquid(scene)),
         figures(&pressed, depression),
         format!(
             "{:.0} x {:.0} mm seen from the front, depths drawn {} times as deep",
-            size.x,
-            size.y,
-            relief.exaggeration()
+            size.x, size.y, relief.exaggeration
         ),
     ];
     if scene.modulation.mean_square() < 1.0 {
         lines[2] = format!("{}; {}", lines[2], envelope(scene));
     }
     relief.page(Words { lines: &lines, warning: beyond.as_deref() }, page)
+}
+
+/// When a frame of a film is.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Moment {
+    /// Of so many in a cycle, from 0.
+    Frame(usize, usize),
+    /// s, since the sound began.
+    Time(f64),
+}
+
+/// A frame of a film whose depths (m) have this range in all frames, shaded on a page; `slope` is the steepest of all.
+///
+/// # Errors
+/// The page is too small for its words.
+pub fn frame(
+    name: &str,
+    scene: &Scene,
+    (relief, [low, high]): (&Relief<'_>, [f32; 2]),
+    (moment, slope): (Moment, f64),
+    page: (usize, usize),
+) -> Result<Picture, PictureError> {
+    let when = match moment {
+        Moment::Frame(index, count) => format!("Frame {} of {count}", index + 1),
+        Moment::Time(seconds) => format!("{:.1} ms after the sound begins", seconds * 1e3),
+    };
+    let depth = |depth: f32| Quantity::Depression.with_unit(depth.into());
+    let all = match moment {
+        Moment::Frame(..) => format!("deepest {} in all frames", depth(high)),
+        Moment::Time(_) => format!("depth {} to {} in all frames", depth(low), depth(high)),
+    };
+    let size = relief.size * 1e3;
+    let lines = [
+        format!("{name}: {}", liquid(scene)),
+        format!("{when}; {all}"),
+        format!(
+            "{:.0} x {:.0} mm seen from the front, depths drawn {} times as deep",
+            size.x, size.y, relief.exaggeration
+        ),
+    ];
+    let warning = beyond_linear_theory(slope);
+    relief.page(Words { lines: &lines, warning: warning.as_deref() }, page)
 }
 
 fn liquid(scene: &Scene) -> String {

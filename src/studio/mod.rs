@@ -17,6 +17,7 @@ pub mod probe;
 pub mod reach;
 pub mod still;
 pub mod swell;
+pub mod video;
 pub mod width;
 
 /// The scene that is shown when none is named.

@@ -348,40 +348,27 @@ mod tests {
         }
     }
 
-    /// How far s is from a root of the determinant of the four boundary conditions, relative to s, by Newton's step. Its columns
-    /// are the vertical speeds e^{qz} and e^{-q(z + d)} without and e^{xqz} and e^{-xq(z + d)} with vorticity.
+    /// How far s is from a root of the boundary conditions, relative to s, by Newton's step. The vertical speed of a liquid at
+    /// rest on its floor is A (cosh q(z + d) - cosh xq(z + d)) + B (sinh q(z + d) - sinh xq(z + d) / x).
     fn distance(liquid: &Liquid, q: f64, s: Complex64) -> f64 {
         let n = liquid.viscosity() / liquid.density() * q * q;
         let restoring = liquid.gravity * q + liquid.surface_tension() * q.powi(3) / liquid.density();
         let depth = q * liquid.depth;
+        // Everything is divided by this: the hyperbolic functions would overflow.
+        let left = (s / n + 1.0).sqrt().re.max(1.0) * depth;
         let determinant = |s: Complex64| {
             let x = (s / n + 1.0).sqrt();
-            let (one, a, b) = (Complex64::from(1.0), Complex64::from((-depth).exp()), (-x * depth).exp());
-            let (weight, shear) = (restoring / s, x * x + 1.0);
-            let rows = [
-                [a, one, b, one],
-                [a, -one, x * b, -x],
-                [2.0 * one, 2.0 * a, shear, shear * b],
-                [
-                    weight + s + 2.0 * n,
-                    (weight - s - 2.0 * n) * a,
-                    weight + 2.0 * n * x,
-                    (weight - 2.0 * n * x) * b,
-                ],
-            ];
-            let minor = |columns: [usize; 2]| {
-                let [i, j] = columns;
-                rows[0][i] * rows[1][j] - rows[0][j] * rows[1][i]
+            let ends = |x: Complex64| {
+                let (up, down) = ((x * depth - left).exp(), (-x * depth - left).exp());
+                ((up + down) / 2.0, (up - down) / 2.0)
             };
-            let under = |columns: [usize; 2]| {
-                let [i, j] = columns;
-                rows[2][i] * rows[3][j] - rows[2][j] * rows[3][i]
-            };
-            minor([0, 1]) * under([2, 3]) - minor([0, 2]) * under([1, 3])
-                + minor([0, 3]) * under([1, 2])
-                + minor([1, 2]) * under([0, 3])
-                - minor([1, 3]) * under([0, 2])
-                + minor([2, 3]) * under([0, 1])
+            let ((cosh, sinh), (cosh_x, sinh_x)) = (ends(Complex64::from(1.0)), ends(x));
+            let shear = [2.0 * cosh - (x * x + 1.0) * cosh_x, 2.0 * sinh - (x * x + 1.0) * sinh_x / x];
+            let speed = [cosh - cosh_x, sinh - sinh_x / x];
+            let slope = [sinh - x * sinh_x, cosh - cosh_x];
+            let pressure = [sinh, cosh];
+            let normal = [0, 1].map(|i| restoring / s * speed[i] + s * pressure[i] + 2.0 * n * slope[i]);
+            shear[0] * normal[1] - shear[1] * normal[0]
         };
         let by = s * 1e-5;
         let slope = (determinant(s + by) - determinant(s - by)) / (2.0 * by);

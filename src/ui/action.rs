@@ -5,6 +5,7 @@ use egui::{Context, Key, KeyboardShortcut, Modifiers, Theme};
 use crate::field::Quantity;
 use crate::picture::figure::Format;
 use crate::scene::motion;
+use crate::studio::animate::Kind;
 use crate::ui::board::{BoardCommand, Plays};
 use crate::ui::brush;
 use crate::ui::tool::Tool;
@@ -124,7 +125,7 @@ impl Action {
                 Export::Numbers,
                 Export::Drive,
                 Export::Profile,
-                Export::Motion,
+                Export::Motion(Kind::Gif),
             ]
             .map(A::Export),
         );
@@ -164,7 +165,7 @@ impl Action {
             Self::Export(Export::Numbers) => "Map's numbers as NPY…",
             Self::Export(Export::Drive) => "Drive as CSV…",
             Self::Export(Export::Profile) => "Line profile as CSV…",
-            Self::Export(Export::Motion) => "Motion as GIF or animated PNG…",
+            Self::Export(Export::Motion(_)) => "Motion…",
             Self::Tool(tool) => tool.name(),
             Self::SmallerBrush => "Smaller brush",
             Self::LargerBrush => "Larger brush",
@@ -303,6 +304,7 @@ impl Action {
     /// A sentence that says what is missing.
     pub fn possible(self, editor: &Editor, shown: &Shown) -> Result<(), &'static str> {
         let is_one_of = |actions: &[Self]| actions.contains(&self);
+        let has_waves = editor.view.quantity.declaration().of_liquid;
         let lacks = [
             (self == Self::Undo && !editor.document.can_undo(), "There is nothing to undo"),
             (self == Self::Redo && !editor.document.can_redo(), "There is nothing to redo"),
@@ -323,7 +325,7 @@ impl Action {
                 "Connect to a board in the Device panel first",
             ),
             (
-                is_one_of(&[Self::Export(Export::Motion), Self::PlayMotion])
+                ((matches!(self, Self::Export(Export::Motion(_))) && !has_waves) || self == Self::PlayMotion)
                     && !motion::moves(editor.scene()),
                 "Nothing moves: choose a path in the Motion panel",
             ),
@@ -362,6 +364,7 @@ impl Action {
             Self::SelectAll => editor.selection = (0..editor.scene().targets.len()).collect(),
             Self::Snap => editor.snaps = !editor.snaps,
             Self::Export(Export::Figure(_)) => editor.dialog = Some(Dialog::Figure),
+            Self::Export(Export::Motion(_)) => editor.dialog = Some(Dialog::Film),
             Self::Export(export) => ask_for_file(Purpose::Export(export)),
             Self::Tool(tool) => editor.tool = tool,
             Self::SmallerBrush => editor.brush.scale(1.0 / brush::STEP),

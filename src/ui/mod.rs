@@ -58,6 +58,7 @@ use glam::DVec2;
 
 use crate::picture::figure::Format;
 use crate::scene::{Scene, Target};
+use crate::studio::animate::Kind;
 use board::{BoardCommand, BoardForm};
 use brush::Brush;
 use document::Document;
@@ -72,6 +73,7 @@ pub use arrangement::Layout;
 pub use dialog::Dialog;
 pub use dialog::figure::{FigureForm, Preview};
 pub use dialog::file::{Asking, Entry, Folder, IMPORTED, Purpose};
+pub use dialog::film::FilmForm;
 pub use dialog::import::Import;
 pub use map::{Map, Texture};
 pub use shown::{Extremes, MethodRow, Notice, Pressed, Shown, Sound};
@@ -112,6 +114,8 @@ pub struct Editor {
     pub was_warned: bool,
     /// What figures look like, while the program runs.
     pub figure: FigureForm,
+    /// How films are written, while the program runs.
+    pub film: FilmForm,
     /// What to do once the scene is saved.
     pub after_saving: Option<Command>,
     pub playback: Playback,
@@ -243,8 +247,8 @@ pub enum Export {
     Drive,
     /// The values along the line that is shown.
     Profile,
-    /// Every frame of the motion, as maps of what is on the screen.
-    Motion,
+    /// Every frame of the motion, as [`Editor::film`] says, of what is on the screen.
+    Motion(Kind),
 }
 
 impl Editor {
@@ -279,6 +283,7 @@ impl Editor {
             escaped: None,
             was_warned: false,
             figure: FigureForm::default(),
+            film: FilmForm::default(),
             after_saving: None,
             playback: Playback::default(),
             oscillation: Oscillation { playing: true, part: 0.0 },

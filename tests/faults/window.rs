@@ -10,6 +10,7 @@ use egui_kittest::kittest::Queryable;
 use sonoglyph::app::Window;
 use sonoglyph::field::Evaluator;
 use sonoglyph::scene::file;
+use sonoglyph::studio::animate::Kind;
 use sonoglyph::ui::document::Document;
 use sonoglyph::ui::{Dialog, Export, Purpose};
 
@@ -116,7 +117,7 @@ fn on_a_full_disk(folder: &Path) {
         answer(&mut screen, Purpose::Export(export), &folder.join(name));
         assert!(refusal(&mut screen).contains("files may not become that large here"), "{export:?}");
     }
-    answer(&mut screen, Purpose::Export(Export::Motion), &folder.join("x.gif"));
+    answer(&mut screen, Purpose::Export(Export::Motion(Kind::Gif)), &folder.join("x.gif"));
     rest(&mut screen);
     assert!(refusal(&mut screen).contains("x.gif: cannot write: files may not become that large here"));
     // Who closes it is asked, and saving in vain closes nothing.
@@ -136,7 +137,9 @@ fn a_window_waits_for_no_pipe_and_leaves_devices_alone() {
     let mut screen = open(&folder.path().join("a.toml"));
     edit(&mut screen);
     for path in [&pipe, Path::new("/dev/null")] {
-        for purpose in [Purpose::SaveAs, Purpose::Export(Export::Map), Purpose::Export(Export::Motion)] {
+        for purpose in
+            [Purpose::SaveAs, Purpose::Export(Export::Map), Purpose::Export(Export::Motion(Kind::Gif))]
+        {
             answer(&mut screen, purpose, path);
             let text = refusal(&mut screen);
             assert!(text.contains("this is a device or a pipe, not a file"), "{purpose:?}: {text}");

@@ -123,6 +123,50 @@ fn what_is_chosen_is_drawn() {
 }
 
 #[test]
+fn a_shaded_surface_has_bars_for_its_lengths_and_depths_instead_of_axes() {
+    let folder = folder();
+    let choice = ["--quantity", "depression", "--view", "shaded", "--scale-bar", "--title", "Water"];
+    // The array at its usual amplitude presses water farther than linear theory goes, which is a warning.
+    let draw = |name: &str, more: &[&str]| {
+        let args =
+            [&["render", "a.toml", "-o", name, "--figure", "--backend", "cpu"], &choice[..], more].concat();
+        let (status, _, error) = run(folder.path(), &args);
+        assert_eq!(status, Some(0), "{args:?}: {error}");
+        std::fs::read(folder.path().join(name)).unwrap()
+    };
+    let svg = draw("a.svg", &["--dpi", "150"]);
+    let (surface, words) = map_and_words_of_svg(&svg);
+    assert_eq!(words.len(), 3, "{words:?}");
+    assert!(words[0] == "Water" && words.iter().any(|words| words == "20 mm"), "{words:?}");
+    assert!(words.iter().any(|words| words.contains(" deep, drawn ") && words.ends_with(" ×")), "{words:?}");
+    // The plane is 120 mm wide on 83 mm of paper: its 20 mm are 13.83 mm there.
+    let text = std::str::from_utf8(&svg).unwrap();
+    let document = roxmltree::Document::parse(text).unwrap();
+    let bars: Vec<[f64; 2]> = document
+        .descendants()
+        .filter(|node| node.has_tag_name("rect") && node.attribute("fill").is_some_and(|fill| fill != "#fff"))
+        .map(|node| ["width", "height"].map(|side| node.attribute(side).unwrap().parse().unwrap()))
+        .collect();
+    assert!(bars.iter().any(|[width, _]| (width - 83.0 / 6.0).abs() < 0.05), "{bars:?}");
+    assert!(bars.iter().any(|[width, height]| height > width && *height >= 2.4), "{bars:?}");
+    let pdf = draw("a.pdf", &["--dpi", "150"]);
+    assert!(surface == map_of_pdf(&pdf) && surface.width() == 490);
+    // Water is blue.
+    let middle = surface.get_pixel(surface.width() / 8, surface.height() / 2);
+    assert!(middle[2] > middle[0] + 40, "{middle:?}");
+    let png = image::load_from_memory(&draw("a.png", &["--dpi", "150"])).unwrap().to_rgb8();
+    assert_eq!(png.width(), (85.0f64 * 150.0 / 25.4).round() as u32);
+    let refused = |more: &[&str]| {
+        let args = [&["render", "a.toml", "-o", "x.pdf", "--figure", "--view", "shaded"], more].concat();
+        let (status, _, error) = run(folder.path(), &args);
+        assert_eq!(status, Some(2), "{error}");
+        error
+    };
+    assert!(refused(&[]).contains("--quantity depression"));
+    assert!(refused(&["--quantity", "depression", "--contours=-6"]).contains("--contours is of flat maps"));
+}
+
+#[test]
 fn what_cannot_be_drawn_is_refused_in_one_line() {
     let folder = folder();
     let render = |more: &[&'static str]| [&["render", "a.toml", "-o"], more].concat();

@@ -1,7 +1,7 @@
 //! Poison in pictures, files of numbers, animations, charts and views of a liquid.
 
 use glam::DVec2;
-use sonoglyph::picture::animation::{Animation, AnimationError, Format, Pace};
+use sonoglyph::picture::animation::{Animation, AnimationError, Colours, Format, Pace};
 use sonoglyph::picture::chart::{Chart, Level, Series};
 use sonoglyph::picture::relief::{self, Relief, Words};
 use sonoglyph::picture::{ColourMap, Picture, export, sheet};
@@ -27,12 +27,12 @@ fn pictures_have_four_bytes_a_pixel() {
 
 #[test]
 fn animations_have_frames_and_sides() {
-    let table = ColourMap::Grey.table();
+    let colours = Colours::Map(Box::new(ColourMap::Grey.table()));
     for pace in POISON.map(Pace::new) {
         assert!((0.02..=60.0).contains(&pace.per_frame) && pace.slowed >= 0.0, "{pace:?}");
     }
     for format in [Format::Gif, Format::Png] {
-        let begun = |size, frames| Animation::new(Vec::new(), format, size, &table, frames, Pace::new(5.0));
+        let begun = |size, frames| Animation::new(Vec::new(), format, size, &colours, frames, Pace::new(5.0));
         for side in SIZES {
             for size in [(side, 2), (2, side)] {
                 assert!(matches!(begun(size, 1), Err(AnimationError::Size { .. })), "{format:?} {size:?}");
@@ -40,7 +40,8 @@ fn animations_have_frames_and_sides() {
         }
         assert!(matches!(begun((2, 2), 0), Err(AnimationError::Size { .. })));
         let mut animation = begun((2, 2), 1).unwrap();
-        assert!(panics(|| animation.add(&[0; 5])));
+        let other = Picture { width: 5, height: 1, rgba: vec![0; 20] };
+        assert!(panics(|| animation.add(&other)));
     }
 }
 
@@ -67,8 +68,8 @@ fn reliefs_of_anything_are_pictures() {
     for poison in POISON {
         let mut depth = vec![1e-5f32; 12];
         depth[5] = poison as f32;
-        let relief = Relief { depth: &depth, columns: 4, size: DVec2::new(0.04, 0.03) };
-        assert!((1.0..=1e6).contains(&relief.exaggeration()), "{poison}");
+        let relief = Relief::new(&depth, 4, DVec2::new(0.04, 0.03));
+        assert!((1.0..=1e6).contains(&relief.exaggeration), "{poison}");
         let picture = relief.page(Words::default(), (90, 60)).unwrap();
         assert_eq!(picture.rgba.len(), 90 * 60 * 4, "{poison}");
     }

@@ -1,4 +1,4 @@
-//! What a test needs of the machine, and what may not be missing there: `SONOGLYPH_REQUIRE=gpu,display,rtl,examples`.
+//! What a test needs of the machine, and what may not be missing there: `SONOGLYPH_REQUIRE=gpu,display,rtl,examples,video`.
 
 use std::fmt::Display;
 

@@ -38,3 +38,32 @@ fn a_figure_is_previewed_written_and_copied() {
     let svg = std::fs::read_to_string(&path).unwrap();
     assert!(svg.contains(" mm</text>") && !svg.contains("RMS pressure"), "a scale bar and no colour bar");
 }
+
+#[test]
+fn the_figure_of_a_shaded_surface_is_shaded() {
+    let mut screen = open();
+    screen.key_press_modifiers(Modifiers::NONE, Key::Num4);
+    rest(&mut screen);
+    screen.get_by_label("Shaded").click();
+    rest(&mut screen);
+    screen.get_by_label("Export").click();
+    rest(&mut screen);
+    screen.get_by_label("Figure…").click();
+    rest(&mut screen);
+    assert!(screen.query_by_label("Contours").is_none(), "a surface at an angle has none");
+    screen.get_by_label("Depth bar").click();
+    screen.get_by_label("Scale bar").click();
+    rest(&mut screen);
+    screen.get_by_label("Export…").click();
+    rest(&mut screen);
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("own.svg");
+    let purpose = Purpose::Export(sonoglyph::ui::Export::Figure(sonoglyph::picture::figure::Format::Svg));
+    screen.state_mut().editor_mut().dialog = Some(Dialog::Path { purpose, text: path.display().to_string() });
+    rest(&mut screen);
+    screen.key_press(Key::Enter);
+    rest(&mut screen);
+    let svg = std::fs::read_to_string(&path).unwrap();
+    assert_eq!(svg.matches("</text>").count(), 1, "a scale bar, no depth bar and no axes");
+    assert!(svg.contains(" mm</text>") && svg.matches("<image").count() == 1);
+}

@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 use std::sync::Arc;
 
+use sonoglyph::studio::animate::Kind;
 use sonoglyph::ui::Import;
 
 use super::*;
@@ -162,12 +163,61 @@ fn a_motion_is_written_and_can_be_called_off() {
 
 /// Asks for the file by hand, and goes on at once.
 fn export_motion(screen: &mut Screen, path: &Path) {
-    let purpose = Purpose::Export(sonoglyph::ui::Export::Motion);
+    let kind = Kind::ALL.into_iter().find(|kind| path.extension().unwrap() == kind.endings()[0]).unwrap();
+    let purpose = Purpose::Export(sonoglyph::ui::Export::Motion(kind));
     let text = path.display().to_string();
     screen.state_mut().editor_mut().dialog = Some(Dialog::Path { purpose, text });
     rest(screen);
     screen.key_press(Key::Enter);
     screen.step();
+}
+
+#[test]
+fn a_shaded_film_is_written_as_its_dialog_says() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut screen = open();
+    let editor = screen.state_mut().editor_mut();
+    editor.document.scene.targets =
+        vec![sonoglyph::scene::Target::new(Shape::Point { at: DVec3::new(0.0, 0.0, 0.1) })];
+    editor.document.scene.motion.path = sonoglyph::scene::MotionPath::Circle;
+    editor.document.scene.motion.frames = 4;
+    rest(&mut screen);
+    screen.key_press_modifiers(Modifiers::NONE, Key::Num4);
+    rest(&mut screen);
+    screen.get_by_label("Shaded").click();
+    rest(&mut screen);
+    screen.get_by_label("Export").click();
+    rest(&mut screen);
+    screen.get_by_label("Motion…").click();
+    rest(&mut screen);
+    assert_eq!(screen.state().editor().dialog, Some(Dialog::Film));
+    for (name, value) in [("Width", "401"), ("Frame rate", "10")] {
+        let field = screen.get_by_role_and_label(egui::accesskit::Role::SpinButton, name);
+        field.click();
+        rest(&mut screen);
+        press(&mut screen, Modifiers::COMMAND, Key::A);
+        letters(&mut screen, value);
+        key(&mut screen, Key::Enter);
+    }
+    assert!(screen.query_by_label_contains("4 frames in 0.40 s").is_some());
+    screen.get_by_label("Export…").click();
+    rest(&mut screen);
+    let path = folder.path().join("water.gif");
+    export_motion(&mut screen, &path);
+    rest(&mut screen);
+    let notice = screen.state().shown().notice.as_ref().unwrap();
+    assert!(notice.text.contains("Wrote ") && !notice.is_error, "{notice:?}");
+    let mut options = gif::DecodeOptions::new();
+    options.set_color_output(gif::ColorOutput::RGBA);
+    let mut decoder = options.read_info(std::fs::File::open(&path).unwrap()).unwrap();
+    assert_eq!(decoder.width(), 401);
+    let (mut frames, mut blue) = (0, 0);
+    while let Some(frame) = decoder.read_next_frame().unwrap() {
+        assert_eq!(frame.delay, 10);
+        blue += frame.buffer.chunks(4).filter(|pixel| pixel[2] > pixel[0].saturating_add(40)).count();
+        frames += 1;
+    }
+    assert!(frames == 4 && blue > 4 * 401 * 60, "water is blue: {blue} pixels");
 }
 
 #[test]

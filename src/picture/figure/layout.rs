@@ -6,27 +6,29 @@ use crate::picture::figure::axes::{round_step, steps};
 use crate::picture::figure::{Anchor, BLACK, Figure, Ink, Mark, font};
 
 /// Heights of letters, mm: 9, 8 and 7 points.
-const TITLE: f64 = 3.175;
+pub const TITLE: f64 = 3.175;
 const LABEL: f64 = 2.82;
-const NUMBER: f64 = 2.47;
+pub const NUMBER: f64 = 2.47;
 /// mm
-const MARGIN: f64 = 1.0;
-const GAP: f64 = 1.0;
+pub const MARGIN: f64 = 1.0;
+pub const GAP: f64 = 1.0;
 const TICK: f64 = 0.9;
 const HAIRLINE: f64 = 0.18;
 const STROKE: f64 = 0.3;
+/// Of bars that show a length.
+pub const RULE: f64 = 0.6;
 const BAR_WIDTH: f64 = 3.0;
 const BAR_GAP: f64 = 2.5;
 const FOCUS_RADIUS: f64 = 0.8;
 /// Height of capitals and figures over that of the letters' em.
-const CAPITAL: f64 = 0.727;
+pub const CAPITAL: f64 = 0.727;
 /// mm from one number on an axis to the next, about.
 const SPACING: f64 = 10.0;
 const BAR_SPACING: f64 = 8.0;
 /// What numbers beside a colour bar have room for, whatever they are: figures of one size stand side by side.
 const NUMBERS: &str = "0000";
 /// A map is at most so many times as high as the figure is wide.
-const TALLEST: f64 = 2.0;
+pub const TALLEST: f64 = 2.0;
 /// The least width of a map, mm.
 const LEAST: f64 = 10.0;
 
@@ -299,7 +301,7 @@ impl Marks<'_> {
             let length = round_step(span / 8.0);
             let (from, base) = (left + 2.0, top + height - 2.0);
             let drawn = width * length / span;
-            self.list.push(Mark::Block { corner: [from, base - 0.6], size: [drawn, 0.6], ink });
+            self.list.push(Mark::Block { corner: [from, base - RULE], size: [drawn, RULE], ink });
             let (at, text) = ([from + drawn / 2.0, base - 1.4], format!("{length} mm"));
             let anchor = if font::width(&text, NUMBER) > drawn { Anchor::Start } else { Anchor::Middle };
             let at = if anchor == Anchor::Start { [from, at[1]] } else { at };

@@ -1,4 +1,4 @@
-//! The question what a figure of the map is to look like, with a preview.
+//! The question what a figure of the map or the surface is to look like, with a preview.
 
 use egui::{ComboBox, DragValue, Sense, TextEdit, TextureHandle, Ui, vec2};
 
@@ -42,10 +42,12 @@ impl FigureForm {
     /// The figure of what a view shows.
     pub fn wish(&self, view: &View) -> Wish {
         let declaration = view.quantity.declaration();
-        let has_contours = self.contours && declaration.has_mean;
+        let is_shaded = view.is_shaded();
+        let has_contours = self.contours && declaration.has_mean && !is_shaded;
         Wish {
             paper: self.paper,
             title: Some(self.title.clone()),
+            is_shaded,
             colours: view.colours,
             is_light: self.is_light,
             scale: view.colouring().scale(),
@@ -55,7 +57,7 @@ impl FigureForm {
             convention: view.convention,
             has_colour_bar: self.colour_bar,
             has_scale_bar: self.scale_bar,
-            has_targets: self.targets,
+            has_targets: self.targets && !is_shaded,
         }
     }
 }
@@ -78,9 +80,6 @@ impl std::fmt::Debug for Preview {
 pub fn show(editor: &mut Editor, shown: &Shown, ui: &mut Ui, commands: &mut Vec<Command>) -> bool {
     ui.heading("Export figure");
     preview(shown, ui);
-    if editor.view.is_shaded() {
-        ui.label("A figure shows the depression as a flat map; Map as PNG… writes the shaded surface.");
-    }
     settings(editor, ui);
     ui.add_space(8.0);
     let mut stays = true;
@@ -123,7 +122,7 @@ fn preview(shown: &Shown, ui: &mut Ui) {
 }
 
 fn settings(editor: &mut Editor, ui: &mut Ui) {
-    let has_contours = editor.view.quantity.declaration().has_mean;
+    let (is_shaded, has_contours) = (editor.view.is_shaded(), editor.view.quantity.declaration().has_mean);
     let form = &mut editor.figure;
     egui::Grid::new("figure").num_columns(2).show(ui, |ui| {
         ui.label("Format");
@@ -147,6 +146,11 @@ fn settings(editor: &mut Editor, ui: &mut Ui) {
         ui.end_row();
     });
     ui.horizontal_wrapped(|ui| {
+        if is_shaded {
+            ui.checkbox(&mut form.colour_bar, "Depth bar");
+            ui.checkbox(&mut form.scale_bar, "Scale bar").on_hover_text("Of lengths to the right");
+            return;
+        }
         ui.checkbox(&mut form.colour_bar, "Colour bar");
         ui.checkbox(&mut form.scale_bar, "Scale bar");
         let contours = egui::Checkbox::new(&mut form.contours, "Contours");

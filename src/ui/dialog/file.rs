@@ -38,7 +38,7 @@ impl Purpose {
             Self::Export(Export::Numbers) => "Export the map's numbers as NPY",
             Self::Export(Export::Drive) => "Export the drive as CSV",
             Self::Export(Export::Profile) => "Export the line profile as CSV",
-            Self::Export(Export::Motion) => "Export the motion as GIF or animated PNG",
+            Self::Export(Export::Motion(_)) => "Export the motion",
         }
     }
 
@@ -52,7 +52,7 @@ impl Purpose {
             Self::Export(Export::Figure(Format::Png) | Export::Map | Export::Sheet) => &["png"],
             Self::Export(Export::Numbers) => &["npy"],
             Self::Export(Export::Drive | Export::Profile) => &["csv"],
-            Self::Export(Export::Motion) => &["gif", "png", "apng"],
+            Self::Export(Export::Motion(kind)) => kind.endings(),
         }
     }
 

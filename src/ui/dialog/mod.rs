@@ -2,6 +2,7 @@
 
 pub mod figure;
 pub mod file;
+pub mod film;
 pub mod import;
 mod palette;
 
@@ -54,6 +55,8 @@ pub enum Dialog {
     Import(Box<Import>),
     /// What is a figure of the map to look like?
     Figure,
+    /// How is the motion to be written?
+    Film,
     Help,
 }
 
@@ -129,6 +132,7 @@ pub fn show(editor: &mut Editor, shown: &Shown, ctx: &Context, commands: &mut Ve
             }
             Dialog::Import(import) => stays = import.show(editor, ui),
             Dialog::Figure => stays = figure::show(editor, shown, ui, commands),
+            Dialog::Film => stays = film::show(editor, shown, ui),
             Dialog::Help => {
                 help(ui);
                 stays = !answer(ui, ("Close", true), |_| ());
