@@ -270,7 +270,7 @@ impl Memory {
         // Where nothing can be written, the next run begins as the first one did.
         if let (Some(folder), Ok(text)) = (self.path.parent(), toml::to_string(&file)) {
             let _ = std::fs::create_dir_all(folder);
-            // A pipe would keep the window waiting for who reads it.
+            // A pipe would keep the window waiting for its reader.
             let _ =
                 output::refuse_stream(&self.path).and_then(|()| output::write(&self.path, text.as_bytes()));
         }

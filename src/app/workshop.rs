@@ -287,7 +287,7 @@ impl Workshop {
         }
     }
 
-    /// All frames of the motion, where somebody looks at them.
+    /// All frames of the motion, where they are shown.
     fn follow(&mut self, editor: &Editor, shown: &mut Shown, ctx: &Context) {
         let scene = editor.scene();
         let presses = editor.view.quantity.declaration().is_slow;

@@ -16,10 +16,14 @@ use crate::solver::{self, Limits, Problem, Solution, SolveError, room};
 use crate::studio::output::{self, Files, say, warn};
 use crate::studio::probe::{self, Reading};
 
+/// Width of the column of names.
+pub const COLUMN: usize = 24;
 /// What is said in place of figures that compare pressures at the foci, and the rows that do.
 const SILENT: &str = "no sound reaches the foci";
+/// Standard deviation over mean of the pressures at the foci.
+const UNIFORMITY: &str = "uniformity (std/mean)";
 const COMPARED: [&str; 8] = [
-    "spread",
+    UNIFORMITY,
     "relative to single",
     "residual",
     "evenness",
@@ -196,7 +200,7 @@ impl Played {
         };
         for (name, reached) in [("rounded", self.rounded), ("refined", self.refined.1)] {
             say!(
-                "{name:<20}mean {} ({}), weakest {} ({}), spread {}",
+                "{name:<COLUMN$}mean {} ({}), weakest {} ({}), std/mean {}",
                 pascals(reached.mean_pressure),
                 percent(reached.mean_pressure / self.ideal.mean_pressure),
                 of_target(reached.weakest),
@@ -291,9 +295,9 @@ fn comparison(findings: &[Findings]) -> Table {
         "method",
         "mean",
         "weakest",
-        "spread",
+        "std/mean",
         "efficiency",
-        "certified",
+        "of the bound",
         "side lobe",
         "iterations",
         "ms",
@@ -378,14 +382,14 @@ impl Findings {
             ("elements driven", drive_row(scene, solution)),
             ("mean pressure", pascals(quality.mean_pressure)),
             ("weakest focus", pascals(quality.min_pressure)),
-            ("spread", percent(quality.spread)),
+            (UNIFORMITY, percent(quality.spread)),
             ("efficiency", percent(quality.efficiency)),
             ("relative to single", format!("{:.4}", quality.relative_to_single)),
-            ("bound", no_more),
+            ("upper bound", no_more),
             (
-                "certified",
+                "fraction of the bound",
                 format!(
-                    "at least {} of the best any drive can do{at_full}",
+                    "at least {}, guaranteed{at_full}",
                     percent_at_least(solution.certified(limits.bound), 2)
                 ),
             ),
@@ -438,8 +442,8 @@ impl Findings {
         }
         for (name, value) in rows {
             match quality.is_silent() && COMPARED.contains(&name) {
-                true => say!("{name:<20}none: {SILENT}")?,
-                false => say!("{name:<20}{value}")?,
+                true => say!("{name:<COLUMN$}-, {SILENT}")?,
+                false => say!("{name:<COLUMN$}{value}")?,
             }
         }
         Ok(())
@@ -455,7 +459,7 @@ impl Findings {
                     pascals(lobe.pressure)
                 )
             }
-            Err(none) => format!("none: {none}"),
+            Err(why) => format!("-, {why}"),
         }
     }
 

@@ -128,7 +128,7 @@ impl Element {
     fn of([element, offset, gain, off]: [f64; 4], elements: usize) -> Result<(usize, Self), String> {
         if element.fract() != 0.0 || element < 0.0 || element >= elements as f64 {
             return Err(format!(
-                "element {element:?} is none: they are numbered 0 to {}",
+                "element {element:?} is out of range (0-{})",
                 elements.saturating_sub(1)
             ));
         }

@@ -28,7 +28,7 @@ pub struct Map {
     pub width: usize,
     pub height: usize,
     pub contours: Vec<Line>,
-    /// How many times as deep as it is a shaded dent is drawn.
+    /// How many times as deep as it is a shaded depression is drawn.
     pub exaggeration: Option<f64>,
     /// Row by row from the smallest y, where they are there and the sound at a point does not tell them.
     pub numbers: Option<Vec<f32>>,

@@ -1,5 +1,5 @@
 //! The window's panels, canvas and tools. They edit an [`Editor`], show a [`Shown`] and return [`Command`]s; files, threads,
-//! solving and the field are somebody else's.
+//! solving and the field are elsewhere.
 
 pub mod action;
 mod arrangement;
@@ -365,7 +365,7 @@ pub fn show(
     gallery::show(centre.response.rect, editor, shown, ui, &mut commands);
     dialog::show(editor, shown, ui.ctx(), &mut commands);
     if editor.view.quantity != quantity {
-        // A range of pascals is none of metres.
+        // A range in pascals does not fit metres.
         editor.view.full = None;
     }
     dialog::warn_of_loudness(editor, &mut commands);

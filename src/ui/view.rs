@@ -188,7 +188,7 @@ pub struct View {
     pub convention: Convention,
     /// What gets the last colour (Pa RMS, Pa or m), the largest value if `None`.
     pub full: Option<f64>,
-    /// The dent as light falls on it, and not as a map.
+    /// The depression as a shaded relief instead of a map.
     pub shaded: bool,
     /// Lines where the shown amount has one value are drawn.
     pub contours: bool,

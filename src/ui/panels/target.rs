@@ -33,7 +33,7 @@ pub fn show(scene: &mut Scene, index: usize, ui: &mut Ui) {
         }
         let turns = !matches!(target.shape, Shape::Point { .. } | Shape::Circle { .. });
         if turns {
-            number(ui, ("Angle", "Turned about its centre"), &mut target.angle, DEGREES, -7.0..=7.0);
+            number(ui, ("Angle", "Rotation about its centre"), &mut target.angle, DEGREES, -7.0..=7.0);
         }
         step(target, takes_turns, ui);
     });
@@ -44,7 +44,7 @@ pub fn show(scene: &mut Scene, index: usize, ui: &mut Ui) {
 fn own_motion(target: &mut Target, figures: Option<Figures>, ui: &mut Ui) {
     let mut has_own = target.motion.is_some();
     ui.checkbox(&mut has_own, "Own motion").on_hover_text(
-        "It moves by itself, or stands still with the path \"none\"; else as the Motion panel says",
+        "Instead of the scene's motion; with the path \"none\" the target stands still",
     );
     if !has_own {
         target.motion = None;
@@ -86,7 +86,7 @@ fn shape(target: &mut Target, ui: &mut Ui) {
                 vertices.iter_mut().for_each(|vertex| *vertex += centre - before);
             }
             ui.label("Closed");
-            ui.checkbox(closed, "").on_hover_text("The end joins the beginning").accessible_name("Closed");
+            ui.checkbox(closed, "").on_hover_text("The last vertex joins the first").accessible_name("Closed");
             ui.end_row();
         }
         Shape::Text { text, at, height } => {
@@ -96,7 +96,7 @@ fn shape(target: &mut Target, ui: &mut Ui) {
         }
         Shape::Picture { file, at, width, pixels: _ } => {
             ui.label("Picture");
-            ui.label(file.as_str()).on_hover_text("Its brightness is the wanted pressure squared");
+            ui.label(file.as_str()).on_hover_text("Brightness is target pressure squared");
             ui.end_row();
             point(ui, "Centre", at);
             number(ui, ("Width", "Of the picture"), width, MM, LENGTH);
@@ -138,12 +138,12 @@ pub fn point(ui: &mut Ui, name: &str, at: &mut DVec3) {
 fn pressure(target: &mut Target, pressures: Pressures, ui: &mut Ui) {
     match pressures {
         Pressures::Relative => {
-            let tip = "Wanted pressure, relative to the other targets";
+            let tip = "Target pressure, relative to the other targets";
             number(ui, ("Pressure", tip), &mut target.pressure, PLAIN, 0.01..=100.0);
         }
         Pressures::Pascal => {
             let unit = Unit { per: 1.0, suffix: " Pa", decimals: 0, speed: 10.0 };
-            let tip = "Wanted pressure at every focal point, peak";
+            let tip = "Target pressure at every focus, peak";
             number(ui, ("Pressure", tip), &mut target.pressure, unit, 1.0..=1e5);
         }
     }
@@ -153,12 +153,12 @@ fn pressure(target: &mut Target, pressures: Pressures, ui: &mut Ui) {
 type Choice = (&'static str, &'static str, Sampling);
 
 const OUTLINES: [Choice; 3] = [
-    ("Continuous", "Evenly loud all along", Sampling::Continuous),
-    ("Spacing", "Focal points, by their distance along the outline", Sampling::Spacing(SPACING)),
-    ("Count", "Focal points, by their number", Sampling::Points(16)),
+    ("Continuous", "Equal pressure along the whole stroke", Sampling::Continuous),
+    ("Spacing", "Foci at this spacing along the outline", Sampling::Spacing(SPACING)),
+    ("Count", "This many foci along the outline", Sampling::Points(16)),
 ];
 const AREAS: [Choice; 2] = [
-    ("Broad", "The area within half a width of the outline", Sampling::Stroke(WIDTH)),
+    ("Broad", "A stroke of finite width", Sampling::Stroke(WIDTH)),
     ("Filled", "The area inside the outline", Sampling::Fill),
 ];
 
@@ -177,7 +177,7 @@ fn areas(shape: &Shape) -> &'static [Choice] {
 
 /// Whether a shape is a stroke, separate focal points, and how many, or one of these areas.
 pub fn sampling(ui: &mut Ui, sampling: &mut Sampling, areas: &[Choice]) {
-    let label = ui.label("Stroke").on_hover_text("Evenly loud all along, separate focal points, or an area");
+    let label = ui.label("Stroke").on_hover_text("Continuous, separate foci, or an area");
     ui.vertical(|ui| {
         // In one row they would widen the panel while a shape is drawn, and the map would go from under the pointer.
         for choices in [&OUTLINES, areas] {
@@ -214,7 +214,7 @@ fn step(target: &mut Target, takes_turns: bool, ui: &mut Ui) {
         return;
     }
     let mut has_step = target.step.is_some();
-    ui.checkbox(&mut has_step, "In step").on_hover_text("Shown when its turn comes; else it is there always");
+    ui.checkbox(&mut has_step, "In step").on_hover_text("Played in this step only; otherwise in every step");
     match (&mut target.step, has_step) {
         (Some(step), true) => {
             bare_count(ui, step, 0..=1000).on_hover_text("Counted from 0").accessible_name("Step");
