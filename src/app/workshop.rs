@@ -164,6 +164,7 @@ impl Workshop {
             moment: editor.oscillation.part,
             full: comparison::common_range(editor, shown),
             lens,
+            is_veil: false,
         };
         let done = self.mapping.update(&look, &mut shown.map, ctx);
         if let Some(text) = done.gave_up {

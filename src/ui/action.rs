@@ -344,7 +344,10 @@ impl Action {
             Self::Delete => clipboard::delete_chosen(editor),
             Self::SelectAll => editor.selection = (0..editor.scene().targets.len()).collect(),
             Self::Snap => editor.snaps = !editor.snaps,
-            Self::Export(Export::Figure(_)) => editor.dialog = Some(Dialog::Figure),
+            Self::Export(Export::Figure(_)) => {
+                editor.figure.follow(&editor.view);
+                editor.dialog = Some(Dialog::Figure);
+            }
             Self::Export(export) => ask_for_file(Purpose::Export(export)),
             Self::Tool(tool) => editor.tool = tool,
             Self::SmallerBrush => editor.brush.scale(1.0 / brush::STEP),

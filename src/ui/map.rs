@@ -18,8 +18,12 @@ pub struct Map {
     pub quantity: Quantity,
     /// rad, the ωt of an instantaneous pressure.
     pub phase: f64,
+    /// Lies over the picture and dims it.
+    pub veil: Option<egui::TextureId>,
     /// What gets the last colour, if not the largest value.
     pub full: Option<f64>,
+    /// What gets the first colour of a linear scale, if that is chosen.
+    pub low: Option<f64>,
     /// The largest value, as [`crate::field::Map::peak`] has it.
     pub largest: f64,
     /// Relative to it.

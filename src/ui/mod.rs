@@ -352,6 +352,7 @@ pub fn show(
     canvas: impl FnOnce(&mut Editor, &mut Shown, &mut Ui),
 ) -> Vec<Command> {
     let mut commands = Vec::new();
+    editor.view.follow_theme(ui.visuals().dark_mode);
     let quantity = editor.view.quantity;
     keys::press(editor, shown, ui.ctx(), &mut commands);
     // The window is cleared to the panels' colour: filling every pixel once more would take a software driver half a frame.
@@ -366,7 +367,7 @@ pub fn show(
     dialog::show(editor, shown, ui.ctx(), &mut commands);
     if editor.view.quantity != quantity {
         // A range in pascals does not fit metres.
-        editor.view.full = None;
+        editor.view.forget_range();
     }
     dialog::warn_of_loudness(editor, &mut commands);
     commands

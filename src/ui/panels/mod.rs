@@ -33,7 +33,7 @@ pub struct Unit {
 
 pub const MM: Unit = Unit { per: 1e3, suffix: " mm", decimals: 2, speed: 0.25 };
 pub const PLAIN: Unit = Unit { per: 1.0, suffix: "", decimals: 3, speed: 0.01 };
-const DEGREES: Unit = Unit { per: 180.0 / std::f64::consts::PI, suffix: "°", decimals: 1, speed: 0.5 };
+pub const DEGREES: Unit = Unit { per: 180.0 / std::f64::consts::PI, suffix: "°", decimals: 1, speed: 0.5 };
 
 pub fn show(editor: &mut Editor, shown: &Shown, ui: &mut Ui, commands: &mut Vec<Command>) {
     ui.add_space(4.0);
