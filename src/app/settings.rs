@@ -377,8 +377,7 @@ mod tests {
             assert_eq!(settings, Settings::default());
             assert!(word.unwrap().contains("settings.toml is left aside: "));
         }
-        let odd =
-            "size = [nan, 1e30]\nposition = [inf, 0]\npanel_width = -5\ngrid = nan\nfloor = inf\ncontour_level = 9\nbaud = 7\nnew_key = 1\n";
+        let odd = "size = [nan, 1e30]\nposition = [inf, 0]\npanel_width = -5\ngrid = nan\nfloor = inf\ncontour_level = 9\nbaud = 7\nnew_key = 1\n";
         std::fs::write(&path, odd).unwrap();
         let (_, settings, word) = Memory::at(folder.path());
         assert_eq!(word, None);

@@ -150,8 +150,8 @@ mod tests {
         assert_eq!((colours[0], colours[240]), ([255; 4], [0; 4]), "-60 dB is the end");
         // A quarter of a dB is 1.06 of 255 places.
         assert!(colours.windows(2).all(|pair| (1..=2).contains(&(pair[0][0] - pair[1][0]))), "{colours:?}");
-        Colouring { floor: 1e-2, ..colouring }.colours(&[1.0, 0.1, 0.01, 1e-3], 1.0, &mut colours);
-        assert_eq!(colours, [[255; 4], [128; 4], [0; 4], [0; 4]], "-40 dB is the end");
+        Colouring { floor: 1e-2, ..colouring }.colours(&[1.0, 0.11, 0.01, 1e-3], 1.0, &mut colours);
+        assert_eq!(colours, [[255; 4], [133; 4], [0; 4], [0; 4]], "-40 dB is the end");
     }
 
     #[test]

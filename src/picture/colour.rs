@@ -96,7 +96,8 @@ pub fn veil(is_light: bool) -> [[u8; 4]; 256] {
 
 /// A colour under a veil.
 pub fn veiled([r, g, b, a]: [u8; 4], [over_r, over_g, over_b, alpha]: [u8; 4]) -> [u8; 4] {
-    let mixed = |under: u8, over: u8| over.saturating_add((u16::from(under) * u16::from(255 - alpha) / 255) as u8);
+    let mixed =
+        |under: u8, over: u8| over.saturating_add((u16::from(under) * u16::from(255 - alpha) / 255) as u8);
     [mixed(r, over_r), mixed(g, over_g), mixed(b, over_b), a]
 }
 

@@ -236,11 +236,13 @@ impl Law {
         let low = wish.low.map(|low| low * stated).filter(|low| *low < largest);
         let ends = match (declaration.range, wish.scale) {
             (Range::Cyclic, _) => [-180.0, 180.0],
-            (Range::Amount, Scale::Logarithmic) => {
-                wish.range.unwrap_or([quantity.decibels(wish.floor), 0.0])
+            (Range::Amount, Scale::Logarithmic) => wish.range.unwrap_or([quantity.decibels(wish.floor), 0.0]),
+            (Range::Amount, Scale::Linear) => {
+                wish.range.unwrap_or([low.unwrap_or(0.0), largest]).map(|end| end * factor)
             }
-            (Range::Amount, Scale::Linear) => wish.range.unwrap_or([low.unwrap_or(0.0), largest]).map(|end| end * factor),
-            (Range::Signed, _) => wish.range.unwrap_or([low.unwrap_or(-largest), largest]).map(|end| end * factor),
+            (Range::Signed, _) => {
+                wish.range.unwrap_or([low.unwrap_or(-largest), largest]).map(|end| end * factor)
+            }
         };
         let scale = if declaration.range == Range::Amount { wish.scale } else { Scale::Linear };
         Self { quantity, convention: wish.convention, scale, factor: factor * stated, unit, full, ends }

@@ -7,8 +7,8 @@ use glam::{DVec2, DVec3};
 
 use crate::scene::{Scene, outline};
 use crate::ui::edit;
-use crate::ui::{theme, ticks};
 use crate::ui::view::{Axes, Lens};
+use crate::ui::{theme, ticks};
 
 /// Points of the screen within which a line attracts.
 const REACH: f64 = 5.0;

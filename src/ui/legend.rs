@@ -3,8 +3,8 @@
 use std::ops::RangeInclusive;
 
 use egui::{
-    Align2, Color32, ComboBox, CursorIcon, FontId, Mesh, Popup, PopupCloseBehavior, Rect,
-    RectAlign, Role, Sense, Stroke, StrokeKind, Ui, WidgetInfo, pos2, vec2,
+    Align2, Color32, ComboBox, CursorIcon, FontId, Mesh, Popup, PopupCloseBehavior, Rect, RectAlign, Role,
+    Sense, Stroke, StrokeKind, Ui, WidgetInfo, pos2, vec2,
 };
 
 use crate::field::quantity::{Range, figures};
@@ -12,8 +12,8 @@ use crate::field::{Quantity, Scale};
 use crate::picture::ColourMap;
 use crate::picture::figure::axes::round_step;
 use crate::studio::convention::Convention;
-use crate::ui::view::{Lens, View};
 use crate::ui::number::{self, Look};
+use crate::ui::view::{Lens, View};
 use crate::ui::{Editor, Map, Shown, canvas, panels, segments, theme, ticks};
 
 /// Of what the map shows: Pa, m, and so on.
@@ -100,7 +100,8 @@ pub fn controls(editor: &mut Editor, shown: &Shown, ui: &mut Ui, lens: &Lens) {
     let response = response
         .on_hover_cursor(CursorIcon::PointingHand)
         .on_hover_text("Colour scale. Click to choose colours, range and contour lines");
-    let popup = Popup::menu(&response)
+    // Not a menu, where fields have no frames.
+    let popup = Popup::from_toggle_button_response(&response)
         .align(RectAlign::LEFT_START)
         .close_behavior(PopupCloseBehavior::CloseOnClickOutside);
     popup.show(|ui| {
@@ -143,7 +144,7 @@ fn choices(view: &mut View, map: &Map, ui: &mut Ui) {
     label(ui, "Ground");
     let mut is_light = view.is_light;
     let tip = "White where there is no sound, as in print; on by default in the light theme";
-    if ui.checkbox(&mut is_light, "Light ground").on_hover_text(tip).changed() {
+    if ui.checkbox(&mut is_light, "Light").on_hover_text(tip).accessible_name("Light ground").changed() {
         let of_theme = !ui.visuals().dark_mode;
         view.ground = (is_light != of_theme).then_some(is_light);
     }
@@ -182,7 +183,8 @@ fn range(view: &mut View, map: &Map, ui: &mut Ui) {
         if is_linear {
             let low = view.low.filter(|_| view.full.is_some()).unwrap_or(least);
             let lowest = if least < 0.0 { -LARGEST } else { 0.0 };
-            let typed = field(ui, low, lowest..=largest * (1.0 - NARROWEST), "Smallest value that has a colour");
+            let typed =
+                field(ui, low, lowest..=largest * (1.0 - NARROWEST), "Smallest value that has a colour");
             if let Some(low) = typed {
                 (view.low, view.full) = (Some(low), Some(largest));
             }
@@ -318,12 +320,19 @@ mod tests {
     #[test]
     fn ticks_stay_on_the_bar_and_rise() {
         for full in [1e-4, 0.013, 1.0, 7.3, 850.0, 2e6] {
-            for law in [-1.0, -0.2, 0.0, 0.3, 0.99].map(Law::Linear).into_iter().chain([1e-3, 0.02, 1e-6].map(Law::Decibels)) {
+            for law in [-1.0, -0.2, 0.0, 0.3, 0.99]
+                .map(Law::Linear)
+                .into_iter()
+                .chain([1e-3, 0.02, 1e-6].map(Law::Decibels))
+            {
                 let ticks = law.ticks(Quantity::Rms, full);
                 assert!(ticks.len() >= 3 && ticks.len() < 14, "{full} {law:?}: {ticks:?}");
                 assert!(ticks.iter().all(|(part, _)| (-1e-9..=1.0).contains(part)), "{ticks:?}");
                 let rises = |pair: &[(f64, String)]| pair[0].0 < pair[1].0;
-                assert!(ticks.windows(2).all(rises) || ticks.windows(2).all(|pair| !rises(pair)), "{ticks:?}");
+                assert!(
+                    ticks.windows(2).all(rises) || ticks.windows(2).all(|pair| !rises(pair)),
+                    "{ticks:?}"
+                );
             }
         }
     }

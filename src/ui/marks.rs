@@ -41,6 +41,10 @@ pub fn paint(editor: &Editor, shown: &Shown, painter: &Painter, lens: &Lens, poi
             }
             if chosen {
                 painter.add(Shape::line(points.clone(), Stroke::new(4.0, theme::MARK_EDGE)));
+            } else if editor.view.is_light {
+                // What is loud is as dark as the line.
+                let halo = theme::line(false, alpha);
+                painter.add(Shape::line(points.clone(), Stroke::new(width + 1.6, halo)));
             }
             painter.add(Shape::line(points, Stroke::new(if chosen { 2.0 } else { width }, colour)));
         }

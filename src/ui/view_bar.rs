@@ -92,7 +92,8 @@ fn oscillation(editor: &mut Editor, ui: &mut Ui) {
     let slider = Slider::new(&mut degrees, 0.0..=360.0).max_decimals(0).show_value(false);
     ui.spacing_mut().slider_width = 100.0;
     let slid = ui.add(slider).accessible_name("Moment").on_hover_text(tip).changed();
-    let look = Look { unit: "°", has_suffix: true, decimals: 0, speed: 1.0, name: Some("Phase of the moment") };
+    let look =
+        Look { unit: "°", has_suffix: true, decimals: 0, speed: 1.0, name: Some("Phase of the moment") };
     let typed = number::field(ui, &mut degrees, &look, 0.0..=360.0).on_hover_text(tip).changed();
     if (slid || typed) && degrees.is_finite() {
         oscillation.playing = false;
@@ -180,9 +181,19 @@ fn overlays(editor: &mut Editor, ui: &mut Ui) {
     let view = &mut editor.view;
     for (icon, name, tip, is_on) in [
         (Icon::Grid, "Show grid", "The lines to which the pointer snaps (K)", &mut view.grid),
-        (Icon::Guides, "Guides", "A dragged target lines up with others and the array's axis", &mut view.guides),
+        (
+            Icon::Guides,
+            "Guides",
+            "A dragged target lines up with others and the array's axis",
+            &mut view.guides,
+        ),
         (Icon::Elements, "Show elements", "The array's elements, coloured by phase", &mut view.elements),
-        (Icon::Peak, "Show peak and side lobe", "The loudest place in view and its peak side lobe", &mut view.extremes),
+        (
+            Icon::Peak,
+            "Show peak and side lobe",
+            "The loudest place in view and its peak side lobe",
+            &mut view.extremes,
+        ),
         (Icon::Palm, "Show palm", "An adult's hand to scale", &mut view.palm),
     ] {
         icon::toggle(ui, icon, name, tip, is_on);

@@ -25,7 +25,8 @@ fn a_silent_plane_says_so_in_place_of_figures() {
 fn a_drive_that_is_not_heard_has_no_figures_that_compare() {
     let folder = folder(&silent());
     let (text, _) = said(folder.path(), &["solve", "a.toml", "--levels", "8"]);
-    for row in ["uniformity", "evenness", "relative to single", "peak side lobe", "loudest elsewhere", "residual"]
+    for row in
+        ["uniformity", "evenness", "relative to single", "peak side lobe", "loudest elsewhere", "residual"]
     {
         let line = text.lines().find(|line| line.starts_with(row)).unwrap_or_else(|| panic!("{row}: {text}"));
         assert!(line.contains("-, no sound reaches"), "{line}");

@@ -191,7 +191,12 @@ fn the_next_run_looks_as_the_last_one_did() {
         answer(&mut screen, Purpose::SaveAs, &saved);
         screen.get_by_label("Liquid").click();
         screen.get_by_label("Peak").click();
-        screen.get_by_label("Line profile").click();
+        for overlay in
+            ["Line profile", "Show grid", "Guides", "Show elements", "Show peak and side lobe", "Show palm"]
+        {
+            screen.get_by_label(overlay).click();
+            rest(&mut screen);
+        }
         screen.get_by_label("Colour scale").click();
         rest(&mut screen);
         screen.get_by_label("dB").click();
@@ -211,6 +216,11 @@ fn the_next_run_looks_as_the_last_one_did() {
     assert_eq!((editor.panel, editor.grid), (sonoglyph::ui::Panel::Liquid, 0.002));
     assert_eq!(editor.view.convention, sonoglyph::studio::convention::Convention::Peak);
     assert!(editor.view.section && editor.view.scale == sonoglyph::field::Scale::Logarithmic);
+    let view = &editor.view;
+    assert_eq!(
+        [view.grid, view.guides, view.elements, view.extremes, view.palm],
+        [true, false, true, true, true]
+    );
     assert!((editor.layout.panel - 412.0).abs() < 12.0, "{:?}", editor.layout);
     assert_eq!(screen.state().shown().recent, std::slice::from_ref(&saved));
     screen.get_by_label("File").click();

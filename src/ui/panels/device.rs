@@ -6,7 +6,7 @@ use crate::device::health::{Health, State};
 use crate::device::profile::Profile;
 use crate::scene::motion;
 use crate::ui::board::{BoardCommand, BoardShown, Plays};
-use crate::ui::panels::{bring_up, choice, count, fact, form, heading};
+use crate::ui::panels::{bring_up, choice, count, fact, form, heading, label};
 use crate::ui::{Command, Editor, Shown, theme};
 
 /// Bits per second that the most usual adapters have.
@@ -56,7 +56,7 @@ fn connection(editor: &mut Editor, board: &BoardShown, ui: &mut Ui, ask: &mut im
             choice(ui, ("Bit rate", tip), &mut editor.board.baud, &BAUDS);
             let tip =
                 "CSV with the columns element, offset (degrees), gain (0 to 1), off (0 or 1); may be empty";
-            let label = ui.label("Calibration").on_hover_text(tip);
+            let label = label(ui, "Calibration").on_hover_text(tip);
             ui.add(egui::TextEdit::singleline(&mut editor.board.calibration).hint_text("CSV file"))
                 .labelled_by(label.id)
                 .on_hover_text(tip);
@@ -102,7 +102,7 @@ fn connection(editor: &mut Editor, board: &BoardShown, ui: &mut Ui, ask: &mut im
 /// Ports to choose from, and a field for any other.
 fn port(editor: &mut Editor, board: &BoardShown, ui: &mut Ui, ask: &mut impl FnMut(BoardCommand)) {
     let tip = "Serial port of the board";
-    let label = ui.label("Port").on_hover_text(tip);
+    let label = label(ui, "Port").on_hover_text(tip);
     ui.horizontal(|ui| {
         let field = egui::TextEdit::singleline(&mut editor.board.port).desired_width(150.0);
         ui.add(field.hint_text("/dev/ttyUSB0")).labelled_by(label.id).on_hover_text(tip);
@@ -170,9 +170,8 @@ fn sending(
             ask(BoardCommand::PlayMotion);
         }
     });
-    ui.checkbox(&mut editor.board.live, "Live").on_hover_text(
-        "Every change goes to the board at once, also during a drag",
-    );
+    ui.checkbox(&mut editor.board.live, "Live")
+        .on_hover_text("Every change goes to the board at once, also during a drag");
     let what = match board.plays {
         Plays::Nothing => "silent".to_owned(),
         Plays::Scene => "the scene".to_owned(),
@@ -253,11 +252,7 @@ fn line(board: &BoardShown, profile: Profile, health: &Health, ui: &mut Ui) {
         fact(ui, ("Frames", tip), frames);
         fact(ui, ("Data rate", "To the board"), format!("{:.1} kB/s", health.bytes_per_second / 1e3));
         if let Some(rates) = health.rates {
-            fact(
-                ui,
-                ("Motion", "Frames per second, of the scene and as played"),
-                rates.to_string(),
-            );
+            fact(ui, ("Motion", "Frames per second, of the scene and as played"), rates.to_string());
         }
         if let Some(latency) = health.latency {
             let tip = "From a change to the last byte of its frame on the line, median";

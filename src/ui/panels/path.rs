@@ -70,7 +70,8 @@ impl Figures {
 /// Path, size and tempo of a target's own motion, or of the scene's, which alone may go in steps.
 pub fn settings(motion: &mut Motion, figures: Option<Figures>, is_own: bool, ui: &mut Ui) {
     form(ui, "motion", |ui| {
-        let tip = "Of the targets. Outline: foci run along the drawn strokes. Steps: targets are played in turn";
+        let tip =
+            "Of the targets. Outline: foci run along the drawn strokes. Steps: targets are played in turn";
         let paths = &PATHS[..PATHS.len() - usize::from(is_own)];
         let mut path = motion.path;
         choice(ui, ("Path", tip), &mut path, paths);
@@ -127,8 +128,7 @@ fn tempo(motion: &mut Motion, figures: Figures, ui: &mut Ui) {
         fact(ui, ("Frame rate", "The board has to keep up with it"), shown);
     } else {
         let times = if rounds == 1 { "once".to_owned() } else { format!("{rounds} times") };
-        let tip =
-            "A whole number of repetitions fits into the scene's cycle";
+        let tip = "A whole number of repetitions fits into the scene's cycle";
         fact(ui, ("Played", tip), format!("{times} a cycle: {:.2} Hz", rate * rounds as f64));
     }
 }

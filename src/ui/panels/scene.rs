@@ -171,8 +171,7 @@ fn together(editor: &mut Editor, count: usize, ui: &mut Ui) {
     let mut pressure = first.pressure;
     let changed = std::cell::Cell::new(false);
     form(ui, "together", |ui| {
-        let response =
-            number(ui, ("Pressure", "Target pressure of each"), &mut pressure, PLAIN, 0.01..=1e5);
+        let response = number(ui, ("Pressure", "Target pressure of each"), &mut pressure, PLAIN, 0.01..=1e5);
         changed.set(response.changed());
     });
     if changed.get() {
@@ -241,13 +240,7 @@ fn array(editor: &mut Editor, ui: &mut Ui) {
         let elements = array.elements();
         array.off.retain(|&element| element < elements);
         number(ui, ("Pitch", "Distance between neighbouring elements"), &mut array.pitch, MM, 1e-4..=0.2);
-        number(
-            ui,
-            ("Element radius", "Of the radiating surface"),
-            &mut array.element_radius,
-            MM,
-            1e-5..=0.1,
-        );
+        number(ui, ("Element radius", "Of the radiating surface"), &mut array.element_radius, MM, 1e-5..=0.1);
         let khz = Unit { per: 1e-3, suffix: " kHz", decimals: 2, speed: 0.1 };
         number(ui, ("Frequency", "Of the carrier"), &mut array.frequency, khz, 1e3..=1e6);
         let strength = Unit { per: 1.0, suffix: " Pa·m", decimals: 2, speed: 0.02 };

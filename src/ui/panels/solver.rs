@@ -47,7 +47,8 @@ fn settings(editor: &mut Editor, ui: &mut Ui) {
         choice(ui, ("Amplitudes", "Uniform on most boards"), &mut solver.amplitudes, &amplitudes);
         let tip = "Weight of silence beside the drawing: 0 strongest drive, 1 lowest side lobes";
         number(ui, ("Quiet", tip), &mut solver.quiet, PLAIN, 0.0..=1.0);
-        let tip = "Drives played in turn, whose mean intensity has the drawn shape: their side lobes average out";
+        let tip =
+            "Drives played in turn, whose mean intensity has the drawn shape: their side lobes average out";
         count(ui, ("Drives in turn", tip), &mut solver.frames, 1..=32);
         let pressures = [(Pressures::Relative, "relative"), (Pressures::Pascal, "pascals")];
         choice(
@@ -91,11 +92,7 @@ fn quality(convention: Convention, shown: &Shown, solution: &Solution, ui: &mut 
             Some(certified) => format!("at least {}", percent_at_least(certified, 0)),
             None => "…".to_owned(),
         };
-        fact(
-            ui,
-            ("Fraction of the upper bound", "Guaranteed; no drive exceeds the bound"),
-            certified,
-        );
+        fact(ui, ("Fraction of the upper bound", "Guaranteed; no drive exceeds the bound"), certified);
     });
     for warning in &shown.warnings {
         ui.label(egui::RichText::new(warning).color(theme::warning(ui.visuals())));

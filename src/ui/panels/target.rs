@@ -6,7 +6,9 @@ use glam::DVec3;
 use crate::scene::check::MOST_FOCI;
 use crate::scene::{MotionPath, Pressures, Sampling, Scene, Shape, Target, font};
 use crate::ui::panels::path::{self, Figures};
-use crate::ui::panels::{DEGREES, MM, PLAIN, Unit, bare_count, coordinates, count, form, number};
+use crate::ui::panels::{
+    DEGREES, MM, PLAIN, Unit, bare_count, bare_number, coordinates, count, form, label, number, value,
+};
 use crate::ui::theme;
 
 /// m between the focal points that an outline gets when they are first asked for.
@@ -43,9 +45,8 @@ pub fn show(scene: &mut Scene, index: usize, ui: &mut Ui) {
 /// How it moves where it does not move with the others.
 fn own_motion(target: &mut Target, figures: Option<Figures>, ui: &mut Ui) {
     let mut has_own = target.motion.is_some();
-    ui.checkbox(&mut has_own, "Own motion").on_hover_text(
-        "Instead of the scene's motion; with the path \"none\" the target stands still",
-    );
+    ui.checkbox(&mut has_own, "Own motion")
+        .on_hover_text("Instead of the scene's motion; with the path \"none\" the target stands still");
     if !has_own {
         target.motion = None;
         return;
@@ -85,8 +86,10 @@ fn shape(target: &mut Target, ui: &mut Ui) {
             if centre != before {
                 vertices.iter_mut().for_each(|vertex| *vertex += centre - before);
             }
-            ui.label("Closed");
-            ui.checkbox(closed, "").on_hover_text("The last vertex joins the first").accessible_name("Closed");
+            label(ui, "Closed");
+            ui.checkbox(closed, "")
+                .on_hover_text("The last vertex joins the first")
+                .accessible_name("Closed");
             ui.end_row();
         }
         Shape::Text { text, at, height } => {
@@ -95,7 +98,7 @@ fn shape(target: &mut Target, ui: &mut Ui) {
             number(ui, ("Letter height", "Of a capital letter"), height, MM, LENGTH);
         }
         Shape::Picture { file, at, width, pixels: _ } => {
-            ui.label("Picture");
+            label(ui, "Picture");
             ui.label(file.as_str()).on_hover_text("Brightness is target pressure squared");
             ui.end_row();
             point(ui, "Centre", at);
@@ -106,7 +109,7 @@ fn shape(target: &mut Target, ui: &mut Ui) {
 
 /// Only letters that the stroke font has, and never no letter at all; what it lacks is said.
 fn letters(ui: &mut Ui, text: &mut String) {
-    let label = ui.label("Text");
+    let label = label(ui, "Text");
     let mut edited = text.clone();
     let response = ui.add(TextEdit::singleline(&mut edited).desired_width(150.0)).labelled_by(label.id);
     let id = response.id.with("lacking");
@@ -129,9 +132,9 @@ fn letters(ui: &mut Ui, text: &mut String) {
 
 /// x, y and z in mm, in front of the array.
 pub fn point(ui: &mut Ui, name: &str, at: &mut DVec3) {
-    ui.label(format!("{name}, mm"))
+    label(ui, &format!("{name}, mm"))
         .on_hover_text("x, y, z; the array lies in z = 0, its centre at the origin");
-    ui.horizontal(|ui| coordinates(ui, name, at, 1.0));
+    value(ui, |ui| coordinates(ui, name, at, 1.0));
     ui.end_row();
 }
 
@@ -177,7 +180,7 @@ fn areas(shape: &Shape) -> &'static [Choice] {
 
 /// Whether a shape is a stroke, separate focal points, and how many, or one of these areas.
 pub fn sampling(ui: &mut Ui, sampling: &mut Sampling, areas: &[Choice]) {
-    let label = ui.label("Stroke").on_hover_text("Continuous, separate foci, or an area");
+    let label = label(ui, "Stroke").on_hover_text("Continuous, separate foci, or an area");
     ui.vertical(|ui| {
         // In one row they would widen the panel while a shape is drawn, and the map would go from under the pointer.
         for choices in [&OUTLINES, areas] {
@@ -193,10 +196,10 @@ pub fn sampling(ui: &mut Ui, sampling: &mut Sampling, areas: &[Choice]) {
         match sampling {
             Sampling::Whole | Sampling::Continuous | Sampling::Fill => {}
             Sampling::Stroke(width) => {
-                crate::ui::panels::bare_number(ui, width, MM, 1e-3..=0.2).labelled_by(label.id);
+                bare_number(ui, width, MM, 1e-3..=0.2).labelled_by(label.id);
             }
             Sampling::Spacing(spacing) => {
-                crate::ui::panels::bare_number(ui, spacing, MM, 1e-3..=0.2).labelled_by(label.id);
+                bare_number(ui, spacing, MM, 1e-3..=0.2).labelled_by(label.id);
             }
             Sampling::Points(points) => {
                 let mut count = *points as u32;
@@ -217,7 +220,9 @@ fn step(target: &mut Target, takes_turns: bool, ui: &mut Ui) {
     ui.checkbox(&mut has_step, "In step").on_hover_text("Played in this step only; otherwise in every step");
     match (&mut target.step, has_step) {
         (Some(step), true) => {
-            bare_count(ui, step, 0..=1000).on_hover_text("Counted from 0").accessible_name("Step");
+            value(ui, |ui| bare_count(ui, step, 0..=1000))
+                .on_hover_text("Counted from 0")
+                .accessible_name("Step");
         }
         (step, true) => *step = Some(0),
         (step, false) => *step = None,

@@ -218,8 +218,7 @@ impl Check {
     /// Pressed, it silences the board, and it stays silent until it is told to play again.
     fn stop(&mut self, link: &Link) -> anyhow::Result<()> {
         if !self.profile.answers() {
-            return self
-                .note(Verdict::Noted, "emergency stop: this board cannot report one");
+            return self.note(Verdict::Noted, "emergency stop: this board cannot report one");
         }
         if !self.answers.listen() {
             return self.note(Verdict::Noted, "emergency stop: not tried; --listen asks you to press it");
