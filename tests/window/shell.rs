@@ -293,3 +293,21 @@ fn a_scene_goes_through_a_link() {
     key(&mut screen, Key::Enter);
     assert!(screen.query_by_label_contains("not a whole Sonoglyph link").is_some());
 }
+
+#[test]
+fn what_is_cut_is_told_once() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut screen = open();
+    press(&mut screen, Modifiers::COMMAND | Modifiers::SHIFT, Key::S);
+    answer(&mut screen, Purpose::SaveAs, &folder.path().join("long".repeat(40)).with_extension("toml"));
+    let told = |screen: &Screen| screen.query_all_by_label_contains("longlonglong").count();
+    let before = told(&screen);
+    let notice = screen
+        .query_all_by_label_contains("longlonglong")
+        .max_by(|a, b| a.rect().center().y.total_cmp(&b.rect().center().y));
+    let notice = notice.unwrap().rect().center();
+    assert!(notice.y > 700.0, "it stands in the line at the bottom: {notice}");
+    screen.hover_at(notice);
+    screen.run_steps(60);
+    assert_eq!(told(&screen), before + 1);
+}

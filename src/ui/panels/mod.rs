@@ -203,11 +203,7 @@ fn coordinates(ui: &mut Ui, name: &str, at: &mut DVec3, lowest: f64) {
     ui.spacing_mut().item_spacing.x = 4.0;
     // Wide enough for most: rows of points stand in columns.
     ui.spacing_mut().interact_size.x = 46.0;
-    let mut axes: Vec<_> = ["x", "y", "z"].into_iter().zip(at.as_mut()).collect();
-    if ui.layout().prefer_right_to_left() {
-        axes.reverse();
-    }
-    for (axis, value) in axes {
+    for (axis, value) in ["x", "y", "z"].into_iter().zip(at.as_mut()) {
         let mut shown = without_sign_on_zero(*value * 1e3);
         let least = if axis == "z" { lowest } else { -2000.0 };
         let name = format!("{name} {axis}");

@@ -134,7 +134,7 @@ fn letters(ui: &mut Ui, text: &mut String) {
 pub fn point(ui: &mut Ui, name: &str, at: &mut DVec3) {
     label(ui, &format!("{name}, mm"))
         .on_hover_text("x, y, z; the array lies in z = 0, its centre at the origin");
-    value(ui, |ui| coordinates(ui, name, at, 1.0));
+    ui.horizontal(|ui| coordinates(ui, name, at, 1.0));
     ui.end_row();
 }
 
