@@ -178,6 +178,8 @@ fn defaults_are_those_of_an_empty_scene() {
         ("target", "kind", "point".into()),
         ("target", "visible", true.into()),
         ("target", "fill", false.into()),
+        ("target", "name", "".into()),
+        ("target", "group", "".into()),
         ("solver", "quiet", quiet.into()),
         ("solver", "search", search.into()),
         ("solver", "frames", frames.into()),

@@ -80,9 +80,7 @@ impl Board {
             BoardCommand::Disconnect => {
                 *locked(&self.link) = None;
                 (shown.board.health, shown.board.found, shown.board.plays) = (None, None, Plays::Nothing);
-                if self.twin.take().is_some() {
-                    editor.board.port.clear();
-                }
+                (self.twin, editor.board.virtual_port) = (None, None);
             }
             BoardCommand::TryWithout => self.try_without(editor, shown, ctx),
             BoardCommand::Send => (self.drives, shown.board.plays) = (None, Plays::Scene),
@@ -122,7 +120,7 @@ impl Board {
         *locked(&self.link) = None;
         (shown.board.health, shown.board.found, shown.board.plays) = (None, None, Plays::Nothing);
         shown.board.surveyed = None;
-        let (port, profile) = (editor.board.port.trim().to_owned(), editor.board.profile);
+        let (port, profile) = (editor.board.port().to_owned(), editor.board.profile);
         match Errand::start(ctx, move |_| surveyed(&port, profile)) {
             Ok(errand) => self.survey = Some(errand),
             Err(error) => refuse(shown, error.to_string()),
@@ -177,7 +175,7 @@ impl Board {
             None => Ok(Calibration::default()),
         };
         let opened = calibration.and_then(|calibration| {
-            let port = Path::new(form.port.trim()).to_owned();
+            let port = Path::new(form.port()).to_owned();
             let settings = Settings { port, profile: form.profile, baud: form.baud() };
             let ctx = ctx.clone();
             let link = Link::open(settings, Box::new(move || ctx.request_repaint()));
@@ -199,9 +197,12 @@ impl Board {
     fn try_without(&mut self, editor: &mut Editor, shown: &mut Shown, ctx: &Context) {
         match twin(editor.board.profile) {
             Ok((twin, port)) => {
-                editor.board.port = port;
+                editor.board.virtual_port = Some(port);
                 self.connect(editor, shown, ctx);
                 self.twin = Some(twin);
+                if shown.board.health.is_none() {
+                    (self.twin, editor.board.virtual_port) = (None, None);
+                }
             }
             Err(error) => refuse(shown, error),
         }

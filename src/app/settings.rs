@@ -140,6 +140,7 @@ impl Settings {
     pub fn of(editor: &Editor, recent: &[PathBuf], ctx: &Context) -> Self {
         let window = ctx.input(|input| input.viewport().clone());
         let (view, content) = (&editor.view, ctx.content_rect());
+        let presented = if editor.layout.presents { action::PRESENTED } else { 1.0 };
         let pair = |x: f32, y: f32| [x.round(), y.round()];
         Self {
             size: pair(content.width() * ctx.zoom_factor(), content.height() * ctx.zoom_factor()),
@@ -147,7 +148,7 @@ impl Settings {
             maximized: window.maximized.unwrap_or(false),
             theme: name(&THEMES, &ctx.options(|options| options.theme_preference)),
             hints: editor.hints,
-            scale: (ctx.zoom_factor() * 100.0).round() / 100.0,
+            scale: (ctx.zoom_factor() / presented * 100.0).round() / 100.0,
             panel: editor.panel.name().to_owned(),
             panel_width: editor.layout.panel.round(),
             section_height: editor.layout.section.round(),

@@ -18,6 +18,8 @@ pub const MOST_ELEMENTS: u64 = 65_536;
 pub const MOST_FOCI: usize = 1024;
 /// Targets that a scene may have, shown at once or one after the other.
 pub const MOST_TARGETS: usize = 10_000;
+/// Letters in the name of a target or a group.
+pub const MOST_LETTERS: usize = 64;
 /// Zones that a scene may keep quiet.
 pub const MOST_ZONES: usize = 64;
 /// The largest ka of an exact piston: its integral takes some 50 000 nodes for one point.
@@ -117,6 +119,16 @@ fn array(array: &Array) -> Result<(), KeyError> {
     Ok(())
 }
 
+fn label(key: &'static str, text: &str) -> Result<(), KeyError> {
+    if text.chars().count() > MOST_LETTERS {
+        return refuse(key, format!("longer than {MOST_LETTERS} letters"));
+    }
+    if text.chars().any(char::is_control) {
+        return refuse(key, "holds a control character".to_owned());
+    }
+    Ok(())
+}
+
 fn disk(scene: &Scene) -> Result<(), KeyError> {
     let Scene { array, medium, .. } = scene;
     let widest = WIDEST_DISK * medium.speed_of_sound() / (TAU * array.frequency);
@@ -132,6 +144,8 @@ fn disk(scene: &Scene) -> Result<(), KeyError> {
 
 fn target(target: &Target, pressures: Pressures) -> Result<(), KeyError> {
     shape(&target.shape)?;
+    label("name", &target.name)?;
+    label("group", &target.group)?;
     let unit = match pressures {
         Pressures::Relative => "relative to the other foci",
         Pressures::Pascal => "Pa (peak)",

@@ -354,6 +354,8 @@ mod tests {
             [[target]]
             kind = "point"
             pressure = 0.5
+            name = "left \\ \"eye\""
+            group = "face"
             [[target]]
             kind = "line"
             points = 5

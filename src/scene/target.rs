@@ -33,6 +33,12 @@ pub struct Target {
     /// A hidden target is kept and not played.
     #[serde(skip_serializing_if = "is_true")]
     pub visible: bool,
+    /// What it is called; empty: by its kind.
+    #[serde(skip_serializing_if = "String::is_empty")]
+    pub name: String,
+    /// Targets with the same group are selected together; empty: in no group.
+    #[serde(skip_serializing_if = "String::is_empty")]
+    pub group: String,
     /// Its own motion, instead of the scene's.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub motion: Option<Motion>,
@@ -52,6 +58,8 @@ impl Target {
             normal: DVec3::Z,
             step: None,
             visible: true,
+            name: String::new(),
+            group: String::new(),
             motion: None,
         }
     }
@@ -203,6 +211,10 @@ pub(crate) struct TargetTable {
     normal: Option<DVec3>,
     step: Option<u32>,
     visible: Option<bool>,
+    #[serde(default)]
+    name: String,
+    #[serde(default)]
+    group: String,
     motion: Option<MotionTable>,
 }
 
@@ -269,6 +281,8 @@ impl TargetTable {
         let mut target = Target::new(shape);
         target.step = table.step;
         target.visible = table.visible.unwrap_or(target.visible);
+        target.name = std::mem::take(&mut table.name);
+        target.group = std::mem::take(&mut table.group);
         let under = |e: KeyError| e.under(&["target".into(), index.into(), "motion".into()]);
         target.motion = table.motion.take().map(MotionTable::into_motion).transpose().map_err(under)?;
         target.pressure = table.pressure.take().unwrap_or(target.pressure);
@@ -340,6 +354,8 @@ impl TargetTable {
             normal,
             step: _,
             visible: _,
+            name: _,
+            group: _,
             motion: _,
         } = self;
         [

@@ -51,7 +51,10 @@ fn warning(
     if at.z <= 0.0 {
         return None;
     }
-    let name = format!("Target {}", index + 1);
+    let name = match target.name.as_str() {
+        "" => format!("Target {}", index + 1),
+        name => format!("Target {} ({name})", index + 1),
+    };
     let part = straightest(aperture, at);
     if part < SIDEWAYS {
         return Some(format!(

@@ -8,10 +8,12 @@ use crate::scene::motion;
 use crate::ui::board::{BoardCommand, Plays};
 use crate::ui::brush;
 use crate::ui::tool::Tool;
-use crate::ui::{Command, Dialog, Editor, Export, Panel, Purpose, Shown, clipboard, way};
+use crate::ui::{Command, Dialog, Editor, Export, Panel, Purpose, Shown, clipboard, group, way};
 
 /// What a step of the window's scale multiplies it by, and its bounds.
 const SCALE_STEP: f32 = 1.25;
+/// What the presentation mode multiplies it by.
+pub const PRESENTED: f32 = 1.5;
 pub const SCALES: [f32; 6] = [0.75, 1.0, 1.25, 1.5, 1.75, 2.0];
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -31,6 +33,8 @@ pub enum Action {
     Duplicate,
     Delete,
     SelectAll,
+    Group,
+    Ungroup,
     Snap,
     Export(Export),
     Tool(Tool),
@@ -111,7 +115,7 @@ impl Action {
             A::Redo,
             A::Cut,
         ];
-        all.extend([A::Copy, A::Paste, A::Duplicate, A::Delete, A::SelectAll, A::Snap]);
+        all.extend([A::Copy, A::Paste, A::Duplicate, A::Delete, A::SelectAll, A::Group, A::Ungroup, A::Snap]);
         all.extend(
             [
                 Export::Figure(Format::Pdf),
@@ -151,6 +155,8 @@ impl Action {
             Self::Duplicate => "Duplicate",
             Self::Delete => "Delete",
             Self::SelectAll => "Select all",
+            Self::Group => "Group",
+            Self::Ungroup => "Ungroup",
             Self::Snap => "Snap to the grid",
             Self::Export(Export::Figure(_)) => "Figure…",
             Self::Export(Export::Map) => "Map as PNG…",
@@ -199,6 +205,8 @@ impl Action {
             | Self::Duplicate
             | Self::Delete
             | Self::SelectAll
+            | Self::Group
+            | Self::Ungroup
             | Self::Snap => Group::Edit,
             Self::Export(_) => Group::Export,
             Self::Tool(_) | Self::SmallerBrush | Self::LargerBrush => Group::Tools,
@@ -234,6 +242,8 @@ impl Action {
             Self::Duplicate => vec![ctrl(Key::D)],
             Self::Delete => vec![plain(Key::Delete), plain(Key::Backspace)],
             Self::SelectAll => vec![ctrl(Key::A)],
+            Self::Group => vec![ctrl(Key::G)],
+            Self::Ungroup => vec![ctrl_shift(Key::G)],
             Self::Snap => vec![plain(Key::K)],
             Self::Tool(tool) => vec![plain(tool.key())],
             Self::SmallerBrush => vec![plain(Key::OpenBracket)],
@@ -302,6 +312,11 @@ impl Action {
                     && !(self == Self::Delete && way::can_delete(editor)),
                 "No target is selected",
             ),
+            (self == Self::Group && editor.selection.len() < 2, "Select two targets or more"),
+            (
+                self == Self::Ungroup && !group::any(editor.scene(), &editor.selection),
+                "No selected target is in a group",
+            ),
             (self == Self::SelectAll && editor.scene().targets.is_empty(), "The scene has no targets"),
             (
                 is_one_of(&[Self::Send, Self::PlayMotion]) && shown.board.health.is_none(),
@@ -342,6 +357,8 @@ impl Action {
             Self::Paste => commands.push(Command::Paste),
             Self::Duplicate => clipboard::duplicate(editor),
             Self::Delete => clipboard::delete_chosen(editor),
+            Self::Group => group::join(editor),
+            Self::Ungroup => group::rename(editor, ""),
             Self::SelectAll => editor.selection = (0..editor.scene().targets.len()).collect(),
             Self::Snap => editor.snaps = !editor.snaps,
             Self::Export(Export::Figure(_)) => {
@@ -358,7 +375,7 @@ impl Action {
             Self::Profile => editor.view.section = !editor.view.section,
             Self::ShowPanel(panel) => (editor.panel, editor.layout.is_drawn_out) = (panel, true),
             Self::TogglePanel => editor.layout.toggle(ctx),
-            Self::Present => editor.layout.presents = !editor.layout.presents,
+            Self::Present => present(editor, ctx, !editor.layout.presents),
             Self::Larger => scale(ctx, ctx.zoom_factor() * SCALE_STEP),
             Self::Smaller => scale(ctx, ctx.zoom_factor() / SCALE_STEP),
             Self::UsualScale => scale(ctx, 1.0),
@@ -378,6 +395,13 @@ impl Action {
 /// Makes everything in the window so many times as large as usual.
 pub fn scale(ctx: &Context, factor: f32) {
     ctx.set_zoom_factor(factor.clamp(SCALES[0], SCALES[SCALES.len() - 1]));
+}
+
+/// Shows the map alone, with texts that the last row can read, or everything again.
+pub fn present(editor: &mut Editor, ctx: &Context, presents: bool) {
+    let before = std::mem::replace(&mut editor.layout.presents, presents);
+    let by = |presents: bool| if presents { PRESENTED } else { 1.0 };
+    ctx.set_zoom_factor(ctx.zoom_factor() * by(presents) / by(before));
 }
 
 /// The key of a quantity: its place among them.

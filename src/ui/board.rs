@@ -9,7 +9,10 @@ use crate::ui::bring_up::{BringUp, Surveyed};
 /// What the Device panel edits.
 #[derive(Clone, Debug, PartialEq)]
 pub struct BoardForm {
+    /// As typed.
     pub port: String,
+    /// Of the program's own virtual board, instead.
+    pub virtual_port: Option<String>,
     pub profile: Profile,
     /// 0: the default baud rate.
     pub baud: u32,
@@ -27,6 +30,7 @@ impl Default for BoardForm {
     fn default() -> Self {
         Self {
             port: String::new(),
+            virtual_port: None,
             profile: Profile::Native,
             baud: 0,
             calibration: String::new(),
@@ -38,6 +42,10 @@ impl Default for BoardForm {
 }
 
 impl BoardForm {
+    pub fn port(&self) -> &str {
+        self.virtual_port.as_deref().unwrap_or(self.port.trim())
+    }
+
     pub fn baud(&self) -> Option<u32> {
         (self.baud > 0).then_some(self.baud)
     }

@@ -19,7 +19,7 @@ use crate::ui::{
 /// Points of the screen around the plot.
 pub const LEFT: f32 = 56.0;
 const BELOW: f32 = 40.0;
-pub const RIGHT: f32 = 92.0;
+pub const RIGHT: f32 = 102.0;
 /// The same where another map stands there.
 pub const BESIDE: f32 = 16.0;
 const ABOVE: f32 = 12.0;

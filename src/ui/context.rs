@@ -7,6 +7,7 @@ use crate::scene::Target;
 use crate::ui::Editor;
 use crate::ui::clipboard;
 use crate::ui::edit::{self, Align};
+use crate::ui::group;
 use crate::ui::view::Lens;
 
 /// Points of the screen within which an outline is meant.
@@ -21,7 +22,7 @@ pub fn menu(editor: &mut Editor, response: &Response, lens: &Lens) {
         let axes = editor.view.axes(editor.scene());
         let hit = edit::target_at(editor.scene(), &axes, place, REACH * lens.window.scale);
         if let Some(hit) = hit.filter(|hit| !editor.selection.contains(hit)) {
-            editor.selection = [hit].into();
+            editor.selection = group::around(editor.scene(), hit);
         }
         editor.asked = place;
     }
@@ -43,6 +44,14 @@ fn show(editor: &mut Editor, ui: &mut Ui) {
     }
     if item(ui, 1, "Delete") {
         clipboard::delete(editor);
+    }
+    ui.separator();
+    if item(ui, 2, "Group") {
+        group::join(editor);
+    }
+    let is_grouped = group::any(editor.scene(), &editor.selection);
+    if ui.add_enabled(is_grouped, Button::new("Ungroup")).clicked() {
+        group::rename(editor, "");
     }
     ui.separator();
     let axes = editor.view.axes(editor.scene());
@@ -68,5 +77,6 @@ fn paste(editor: &mut Editor) {
     pasted.iter_mut().for_each(|target| edit::translate(&mut target.shape, axes.x * by.x + axes.y * by.y));
     let first = editor.scene().targets.len();
     editor.document.scene.targets.extend(pasted);
+    group::part(&mut editor.document.scene.targets, first);
     editor.selection = (first..editor.scene().targets.len()).collect();
 }

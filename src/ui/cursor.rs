@@ -5,6 +5,7 @@ use glam::DVec2;
 
 use crate::ui::Editor;
 use crate::ui::edit;
+use crate::ui::group;
 use crate::ui::theme;
 use crate::ui::tool::Tool;
 use crate::ui::typing::Typing;
@@ -102,7 +103,7 @@ fn press(editor: &mut Editor, lens: &Lens, at: DVec2) {
     match editor.tool {
         Tool::Select => {
             let hit = edit::target_at(editor.scene(), &axes, at, REACH * lens.window.scale);
-            editor.selection = hit.into_iter().collect();
+            editor.selection = hit.map(|hit| group::around(editor.scene(), hit)).unwrap_or_default();
         }
         Tool::Text => {
             editor.selection.clear();

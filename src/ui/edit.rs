@@ -6,6 +6,7 @@ use std::path::Path;
 use glam::{DVec2, DVec3};
 
 use crate::scene::{MotionPath, Scene, Shape, Target, file, outline};
+use crate::ui::group;
 use crate::ui::view::Axes;
 
 /// m: where a copy stands beside what it is a copy of.
@@ -73,6 +74,7 @@ pub fn paste(scene: &mut Scene, selection: &mut BTreeSet<usize>, axes: &Axes, te
     }
     let first = scene.targets.len();
     scene.targets.extend(targets);
+    group::part(&mut scene.targets, first);
     *selection = (first..scene.targets.len()).collect();
     true
 }
@@ -99,6 +101,11 @@ pub fn duplicate(scene: &mut Scene, selection: &mut BTreeSet<usize>, axes: &Axes
 
 /// What a target is called in lists.
 pub fn name(target: &Target) -> String {
+    if target.name.is_empty() { kind(target) } else { target.name.clone() }
+}
+
+/// What a target without a name is called.
+pub fn kind(target: &Target) -> String {
     match &target.shape {
         Shape::Point { .. } => "Point".to_owned(),
         Shape::Line { .. } => "Line".to_owned(),
@@ -200,6 +207,7 @@ pub fn copy_in_place(scene: &mut Scene, selection: &mut BTreeSet<usize>) {
         selection.iter().filter_map(|&index| scene.targets.get(index)).cloned().collect();
     let first = scene.targets.len();
     scene.targets.extend(copies);
+    group::part(&mut scene.targets, first);
     *selection = (first..scene.targets.len()).collect();
 }
 

@@ -9,6 +9,7 @@ use crate::scene::{Target, outline};
 use crate::ui::Editor;
 use crate::ui::brush;
 use crate::ui::edit;
+use crate::ui::group;
 use crate::ui::guides::Guides;
 use crate::ui::handle;
 use crate::ui::measure::{self, ProfileLine};
@@ -227,11 +228,12 @@ fn grab(editor: &mut Editor, axes: &Axes, lens: &Lens, at: Pos2, modifiers: Modi
         editor.selection = kept.clone();
         return Gesture::Band { from, kept };
     };
+    let hit = group::around(editor.scene(), index);
     match (modifiers.shift, editor.selection.contains(&index)) {
-        (true, true) => drop(editor.selection.remove(&index)),
-        (true, false) => drop(editor.selection.insert(index)),
+        (true, true) => editor.selection.retain(|chosen| !hit.contains(chosen)),
+        (true, false) => editor.selection.extend(hit),
         (false, true) => {}
-        (false, false) => editor.selection = BTreeSet::from([index]),
+        (false, false) => editor.selection = hit,
     }
     if modifiers.alt {
         edit::copy_in_place(&mut editor.document.scene, &mut editor.selection);
@@ -291,7 +293,8 @@ fn go_on(editor: &mut Editor, axes: &Axes, lens: &Lens, at: Pos2, modifiers: Mod
         Gesture::Move { from, before } => follow(editor, axes, lens, (at, modifiers), (*from, before)),
         Gesture::Band { from, kept } => {
             let inside = edit::targets_in(editor.scene(), axes, *from, lens.flat(at));
-            editor.selection = kept.union(&inside).copied().collect();
+            let whole = inside.iter().flat_map(|&index| group::around(editor.scene(), index));
+            editor.selection = kept.iter().copied().chain(whole).collect();
         }
         Gesture::Draw { from, index } => {
             let mut to = place(editor, axes, lens, (at, modifiers), *index);

@@ -3,7 +3,7 @@
 use egui::{Context, Event, Key, Modifiers};
 
 use crate::studio::link;
-use crate::ui::action::Action;
+use crate::ui::action::{self, Action};
 use crate::ui::board::{BoardCommand, Plays};
 use crate::ui::clipboard;
 use crate::ui::cursor;
@@ -36,6 +36,7 @@ pub const HELP: &[(&str, &str)] = &[
     ("Ctrl while dragging", "Free of grid and guides"),
     ("Alt and drag", "Drag a copy"),
     ("Right click", "Menu of what is selected"),
+    ("Click in the list", "Select one target of a group"),
 ];
 
 /// Acts on the keys that no widget wants.
@@ -78,7 +79,7 @@ pub fn press(editor: &mut Editor, shown: &mut Shown, ctx: &Context, commands: &m
     }
     hear_clipboard(editor, ctx, commands);
     if presses.iter().any(|(key, _)| *key == Key::Escape) {
-        escape(editor);
+        escape(editor, ctx);
     }
     if cursor::moves_selection(editor, ctx) {
         presses.iter().for_each(|&(key, shift)| nudge(editor, key, shift));
@@ -106,9 +107,10 @@ fn stop(editor: &mut Editor, shown: &mut Shown, ctx: &Context, commands: &mut Ve
     }
 }
 
-fn escape(editor: &mut Editor) {
+fn escape(editor: &mut Editor, ctx: &Context) {
     editor.layout.is_drawn_out = false;
-    if std::mem::take(&mut editor.layout.presents) {
+    if editor.layout.presents {
+        action::present(editor, ctx, false);
         return;
     }
     if editor.gesture.take().is_some() {

@@ -58,7 +58,8 @@ fn state(editor: &mut Editor, shown: &Shown, ui: &mut Ui, commands: &mut Vec<Com
         editor.layout.toggle(ui.ctx());
     }
     let (colour, word) = board(shown, ui);
-    if ui.add(dotted(colour, "Board")).on_hover_text(word).clicked() {
+    let name = if editor.board.virtual_port.is_some() { "Virtual board" } else { "Board" };
+    if ui.add(dotted(colour, name)).on_hover_text(word).clicked() {
         Action::ShowPanel(crate::ui::Panel::Device).run(editor, shown, ui.ctx(), commands);
         editor.layout.is_folded = false;
     }
@@ -95,7 +96,7 @@ fn stop(shown: &Shown, ui: &mut Ui, commands: &mut Vec<Command>) {
     if shown.board.plays == Plays::Nothing {
         return;
     }
-    let button = theme::destructive("Stop").min_size(vec2(72.0, 26.0));
+    let button = theme::destructive("Stop").min_size(vec2(72.0, 22.0));
     if ui.add(button).on_hover_text("Silences the board (Esc twice)").clicked() {
         commands.push(Command::Board(BoardCommand::Stop));
     }

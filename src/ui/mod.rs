@@ -21,6 +21,7 @@ mod element_map;
 mod expression;
 pub mod gallery;
 mod gesture;
+mod group;
 mod guides;
 mod handle;
 mod icon;

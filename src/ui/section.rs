@@ -248,7 +248,7 @@ fn widths(widths: &Widths) -> Option<String> {
 
 /// A value that a click copies.
 pub fn copied(ui: &mut Ui, value: &str, tip: &str) {
-    let label = Label::new(RichText::new(value).strong()).selectable(false).sense(Sense::CLICK);
+    let label = Label::new(RichText::new(value).strong()).selectable(false).extend().sense(Sense::CLICK);
     if ui.add(label).on_hover_text(format!("{tip}. Click to copy")).clicked() {
         ui.ctx().copy_text(value.to_owned());
     }

@@ -264,3 +264,46 @@ fn a_target_out_of_reach_is_named() {
     rest(&mut screen);
     assert!(warned(&screen), "{:?}", screen.state().shown().warnings);
 }
+
+#[test]
+fn a_group_is_selected_moved_copied_named_and_dissolved() {
+    let mut screen = open_with(&[point(-0.03, 0.0), point(0.0, 0.0), point(0.04, 0.04)]);
+    let groups = |screen: &Screen| -> Vec<String> {
+        scene(screen).targets.iter().map(|target| target.group.clone()).collect()
+    };
+    let (left, far) = (at(&screen, -30.0, 0.0), at(&screen, 40.0, 40.0));
+    press(&mut screen, Modifiers::COMMAND, Key::A);
+    click(&mut screen, far);
+    let (from, to) = (at(&screen, -60.0, -60.0), at(&screen, 20.0, 20.0));
+    drag(&mut screen, from, to);
+    press(&mut screen, Modifiers::COMMAND, Key::G);
+    assert_eq!(groups(&screen), ["Group 1", "Group 1", ""]);
+
+    click(&mut screen, far);
+    let to = at(&screen, -30.0, 20.0);
+    drag(&mut screen, left, to);
+    let moved = scene(&screen).targets.iter().map(|it| sonoglyph::scene::outline::centre(&it.shape).y);
+    let moved: Vec<f64> = moved.collect();
+    assert!(moved[0] > 0.015 && moved[1] == moved[0] && moved[2] == 0.04, "{moved:?}");
+
+    press(&mut screen, Modifiers::COMMAND, Key::D);
+    assert_eq!(groups(&screen), ["Group 1", "Group 1", "", "Group 2", "Group 2"]);
+    let field = |screen: &mut Screen, label: &str, text: &str| {
+        screen.get_by_role_and_label(Role::TextInput, label).focus();
+        rest(screen);
+        press(screen, Modifiers::COMMAND, Key::A);
+        screen.event(Event::Text(text.to_owned()));
+        rest(screen);
+        key(screen, Key::Enter);
+    };
+    field(&mut screen, "Group", "eyes");
+    assert_eq!(groups(&screen)[3..], ["eyes", "eyes"]);
+    press(&mut screen, Modifiers::COMMAND | Modifiers::SHIFT, Key::G);
+    assert_eq!(groups(&screen)[3..], ["", ""]);
+
+    screen.get_by_role_and_label(Role::Button, "3  Point").click();
+    rest(&mut screen);
+    field(&mut screen, "Name", "ear");
+    assert_eq!(scene(&screen).targets[2].name, "ear");
+    assert!(screen.query_by_label("3  ear").is_some(), "the list has the name");
+}

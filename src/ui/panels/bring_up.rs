@@ -40,7 +40,7 @@ pub fn show(editor: &mut Editor, board: &BoardShown, ui: &mut Ui, ask: &mut impl
 }
 
 fn begin(editor: &mut Editor, ui: &mut Ui, ask: &mut impl FnMut(BoardCommand)) {
-    let named = !editor.board.port.trim().is_empty();
+    let named = !editor.board.port().is_empty();
     let button = ui.add_enabled(named, egui::Button::new("Bring up a board"));
     let tip = "Tests the line, every element, a focus and the emergency stop, step by step";
     if button.on_hover_text(tip).on_disabled_hover_text("Name a port first").clicked() {
@@ -190,7 +190,7 @@ fn done(editor: &mut Editor, run: &mut BringUp, ui: &mut Ui, ask: &mut impl FnMu
         failed => format!("{failed} of the steps failed."),
     });
     if ui.button("Copy the report").on_hover_text("As a text, to send to others").clicked() {
-        ui.ctx().copy_text(run.report.text(editor.board.profile, &editor.board.port));
+        ui.ctx().copy_text(run.report.text(editor.board.profile, editor.board.port()));
     }
     let off = run.calibration.off().len();
     if off == 0 {

@@ -6,7 +6,7 @@ use crate::device::health::{Health, State};
 use crate::device::profile::Profile;
 use crate::scene::motion;
 use crate::ui::board::{BoardCommand, BoardShown, Plays};
-use crate::ui::panels::{bring_up, choice, count, fact, form, heading, label};
+use crate::ui::panels::{bring_up, caption, choice, count, fact, form, heading};
 use crate::ui::{Command, Editor, Shown, theme};
 
 /// Bits per second that the most usual adapters have.
@@ -56,7 +56,7 @@ fn connection(editor: &mut Editor, board: &BoardShown, ui: &mut Ui, ask: &mut im
             choice(ui, ("Bit rate", tip), &mut editor.board.baud, &BAUDS);
             let tip =
                 "CSV with the columns element, offset (degrees), gain (0 to 1), off (0 or 1); may be empty";
-            let label = label(ui, "Calibration").on_hover_text(tip);
+            let label = caption(ui, "Calibration").on_hover_text(tip);
             ui.add(egui::TextEdit::singleline(&mut editor.board.calibration).hint_text("CSV file"))
                 .labelled_by(label.id)
                 .on_hover_text(tip);
@@ -82,7 +82,7 @@ fn connection(editor: &mut Editor, board: &BoardShown, ui: &mut Ui, ask: &mut im
                 ask(BoardCommand::Disconnect);
             }
         } else {
-            let named = !editor.board.port.trim().is_empty();
+            let named = !editor.board.port().is_empty();
             let button = ui.add_enabled(named, egui::Button::new("Connect"));
             let button = button
                 .on_hover_text("Opens the port and silences the board")
@@ -102,7 +102,12 @@ fn connection(editor: &mut Editor, board: &BoardShown, ui: &mut Ui, ask: &mut im
 /// Ports to choose from, and a field for any other.
 fn port(editor: &mut Editor, board: &BoardShown, ui: &mut Ui, ask: &mut impl FnMut(BoardCommand)) {
     let tip = "Serial port of the board";
-    let label = label(ui, "Port").on_hover_text(tip);
+    let label = caption(ui, "Port").on_hover_text(tip);
+    if let Some(port) = &editor.board.virtual_port {
+        ui.label("virtual board").on_hover_text(port);
+        ui.end_row();
+        return;
+    }
     ui.horizontal(|ui| {
         let field = egui::TextEdit::singleline(&mut editor.board.port).desired_width(150.0);
         ui.add(field.hint_text("/dev/ttyUSB0")).labelled_by(label.id).on_hover_text(tip);

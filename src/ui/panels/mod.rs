@@ -54,6 +54,8 @@ pub fn show(editor: &mut Editor, shown: &Shown, ui: &mut Ui, commands: &mut Vec<
     });
     ui.separator();
     ScrollArea::vertical().auto_shrink([false, false]).id_salt(editor.panel as u8).show(ui, |ui| {
+        // The scroll bar lies over the panel.
+        ui.set_max_width(ui.available_width() - ui.spacing().scroll.bar_width);
         match editor.panel {
             Panel::Scene => scene::show(editor, shown, ui),
             Panel::Solver => solver::show(editor, shown, ui, commands),
@@ -79,7 +81,7 @@ pub fn form(ui: &mut Ui, id: &str, rows: impl FnOnce(&mut Ui)) {
 }
 
 /// The name of a row.
-pub fn label(ui: &mut Ui, name: &str) -> Response {
+pub fn caption(ui: &mut Ui, name: &str) -> Response {
     let name = theme::label(name, ui.visuals());
     ui.label(name)
 }
@@ -98,7 +100,7 @@ pub fn number(
     unit: Unit,
     range: RangeInclusive<f64>,
 ) -> Response {
-    let label = label(ui, name).on_hover_text(tip);
+    let label = caption(ui, name).on_hover_text(tip);
     let response = self::value(ui, |ui| bare_number(ui, value, unit, range));
     let response = response.labelled_by(label.id).on_hover_text(tip);
     ui.end_row();
@@ -119,7 +121,7 @@ pub fn bare_number(ui: &mut Ui, value: &mut f64, unit: Unit, range: RangeInclusi
 
 /// The same for whole numbers.
 fn count(ui: &mut Ui, (name, tip): (&str, &str), value: &mut u32, range: RangeInclusive<u32>) -> Response {
-    let label = label(ui, name).on_hover_text(tip);
+    let label = caption(ui, name).on_hover_text(tip);
     let response = self::value(ui, |ui| bare_count(ui, value, range));
     let response = response.labelled_by(label.id).on_hover_text(tip);
     ui.end_row();
@@ -139,7 +141,7 @@ fn bare_count(ui: &mut Ui, value: &mut u32, range: RangeInclusive<u32>) -> Respo
 
 /// A row with a value that is only shown; a click copies it.
 pub fn fact(ui: &mut Ui, (name, tip): (&str, &str), value: impl Into<String>) {
-    label(ui, name).on_hover_text(tip);
+    caption(ui, name).on_hover_text(tip);
     self::value(ui, |ui| {
         let value = value.into();
         let is_cut = segments::text_width(ui, &value) > ui.available_width();
@@ -155,7 +157,7 @@ pub fn fact(ui: &mut Ui, (name, tip): (&str, &str), value: impl Into<String>) {
 
 /// A choice among a few.
 fn choice<T: Copy + PartialEq>(ui: &mut Ui, (name, tip): (&str, &str), value: &mut T, choices: &[(T, &str)]) {
-    let label = label(ui, name).on_hover_text(tip);
+    let label = caption(ui, name).on_hover_text(tip);
     let current = choices.iter().find(|(choice, _)| choice == value).map_or("", |(_, name)| name);
     let list = self::value(ui, |ui| {
         egui::ComboBox::from_id_salt(name).selected_text(current).height(320.0).show_ui(ui, |ui| {

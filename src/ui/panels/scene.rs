@@ -7,7 +7,7 @@ use crate::acoustics::Air;
 use crate::scene::{ElementModel, Listener, Target};
 use crate::studio::probe;
 use crate::ui::panels::{MM, PLAIN, Unit, choice, count, fact, form, given, heading, number, target};
-use crate::ui::{Editor, Shown, clipboard, edit, element_map, theme};
+use crate::ui::{Editor, Shown, clipboard, edit, element_map, group, theme};
 
 pub fn show(editor: &mut Editor, shown: &Shown, ui: &mut Ui) {
     targets(editor, ui);
@@ -77,7 +77,9 @@ fn targets(editor: &mut Editor, ui: &mut Ui) {
 /// A target in the list. Gives out from where to where one is to go that was dropped here.
 fn row(editor: &mut Editor, index: usize, several: bool, ui: &mut Ui) -> Option<(usize, usize)> {
     let chosen = editor.selection.contains(&index);
-    let name = format!("{}  {}", index + 1, edit::name(&editor.scene().targets[index]));
+    let target = &editor.scene().targets[index];
+    let name = format!("{}  {}", index + 1, edit::name(target));
+    let group = RichText::new(&target.group).weak();
     let row = ui.horizontal(|ui| {
         ui.spacing_mut().item_spacing.x = 4.0;
         let visible = &mut editor.document.scene.targets[index].visible;
@@ -86,7 +88,10 @@ fn row(editor: &mut Editor, index: usize, several: bool, ui: &mut Ui) -> Option<
             .accessible_name(format!("Target {} is played", index + 1));
         let text = if *visible { RichText::new(name) } else { RichText::new(name).weak() };
         // The rest of the row, so that the name stands at its left.
-        let row = (text, egui::Atom::grow());
+        let mut row = egui::Atoms::new((text, egui::Atom::grow()));
+        if !group.is_empty() {
+            row.push_right(group);
+        }
         let button = egui::Button::selectable(chosen, row).sense(Sense::click_and_drag()).truncate();
         ui.add(button.min_size(egui::vec2(ui.available_width(), 0.0)))
     });
@@ -169,12 +174,17 @@ fn together(editor: &mut Editor, count: usize, ui: &mut Ui) {
         return;
     };
     let mut pressure = first.pressure;
-    let changed = std::cell::Cell::new(false);
+    let mut group = group::common(editor.scene(), &editor.selection).unwrap_or_default().to_owned();
+    let (mut is_louder, mut is_renamed) = (false, false);
     form(ui, "together", |ui| {
         let response = number(ui, ("Pressure", "Target pressure of each"), &mut pressure, PLAIN, 0.01..=1e5);
-        changed.set(response.changed());
+        is_louder = response.changed();
+        is_renamed = target::label(ui, target::GROUP, "in no group", &mut group);
     });
-    if changed.get() {
+    if is_renamed {
+        group::rename(editor, &group);
+    }
+    if is_louder {
         let chosen = |(index, target): (usize, &mut Target)| {
             if editor.selection.contains(&index) {
                 target.pressure = pressure;

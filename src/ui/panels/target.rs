@@ -3,11 +3,12 @@
 use egui::{RichText, TextEdit, Ui};
 use glam::DVec3;
 
-use crate::scene::check::MOST_FOCI;
+use crate::scene::check::{MOST_FOCI, MOST_LETTERS};
 use crate::scene::{MotionPath, Pressures, Sampling, Scene, Shape, Target, font};
+use crate::ui::edit;
 use crate::ui::panels::path::{self, Figures};
 use crate::ui::panels::{
-    DEGREES, MM, PLAIN, Unit, bare_count, bare_number, coordinates, count, form, label, number, value,
+    DEGREES, MM, PLAIN, Unit, bare_count, bare_number, caption, coordinates, count, form, number, value,
 };
 use crate::ui::theme;
 
@@ -15,6 +16,7 @@ use crate::ui::theme;
 const SPACING: f64 = 0.01;
 /// m, of a broad stroke when it is first asked for.
 const WIDTH: f64 = 0.006;
+pub const GROUP: (&str, &str) = ("Group", "Targets with the same group are selected together on the map");
 /// m
 const LENGTH: std::ops::RangeInclusive<f64> = 1e-4..=10.0;
 
@@ -24,6 +26,8 @@ pub fn show(scene: &mut Scene, index: usize, ui: &mut Ui) {
     let figures = Figures::of(scene, Some(index));
     let Some(target) = scene.targets.get_mut(index) else { return };
     form(ui, "target", |ui| {
+        let kind = edit::kind(target);
+        label(ui, ("Name", "What the target is called in lists and warnings"), &kind, &mut target.name);
         shape(target, ui);
         if target.sampling == Sampling::Fill && matches!(target.shape, Shape::Path { closed: false, .. }) {
             target.sampling = Sampling::Continuous;
@@ -38,8 +42,19 @@ pub fn show(scene: &mut Scene, index: usize, ui: &mut Ui) {
             number(ui, ("Angle", "Rotation about its centre"), &mut target.angle, DEGREES, -7.0..=7.0);
         }
         step(target, takes_turns, ui);
+        label(ui, GROUP, "in no group", &mut target.group);
     });
     own_motion(target, figures, ui);
+}
+
+/// A name that may be empty; `hint` is what stands there then.
+pub fn label(ui: &mut Ui, (name, tip): (&str, &str), hint: &str, text: &mut String) -> bool {
+    let label = caption(ui, name).on_hover_text(tip);
+    let field = TextEdit::singleline(text).hint_text(hint).char_limit(MOST_LETTERS).desired_width(150.0);
+    let changed = ui.add(field).labelled_by(label.id).changed();
+    text.retain(|letter| !letter.is_control());
+    ui.end_row();
+    changed
 }
 
 /// How it moves where it does not move with the others.
@@ -86,7 +101,7 @@ fn shape(target: &mut Target, ui: &mut Ui) {
             if centre != before {
                 vertices.iter_mut().for_each(|vertex| *vertex += centre - before);
             }
-            label(ui, "Closed");
+            caption(ui, "Closed");
             ui.checkbox(closed, "")
                 .on_hover_text("The last vertex joins the first")
                 .accessible_name("Closed");
@@ -98,7 +113,7 @@ fn shape(target: &mut Target, ui: &mut Ui) {
             number(ui, ("Letter height", "Of a capital letter"), height, MM, LENGTH);
         }
         Shape::Picture { file, at, width, pixels: _ } => {
-            label(ui, "Picture");
+            caption(ui, "Picture");
             ui.label(file.as_str()).on_hover_text("Brightness is target pressure squared");
             ui.end_row();
             point(ui, "Centre", at);
@@ -109,7 +124,7 @@ fn shape(target: &mut Target, ui: &mut Ui) {
 
 /// Only letters that the stroke font has, and never no letter at all; what it lacks is said.
 fn letters(ui: &mut Ui, text: &mut String) {
-    let label = label(ui, "Text");
+    let label = caption(ui, "Text");
     let mut edited = text.clone();
     let response = ui.add(TextEdit::singleline(&mut edited).desired_width(150.0)).labelled_by(label.id);
     let id = response.id.with("lacking");
@@ -132,7 +147,7 @@ fn letters(ui: &mut Ui, text: &mut String) {
 
 /// x, y and z in mm, in front of the array.
 pub fn point(ui: &mut Ui, name: &str, at: &mut DVec3) {
-    label(ui, &format!("{name}, mm"))
+    caption(ui, &format!("{name}, mm"))
         .on_hover_text("x, y, z; the array lies in z = 0, its centre at the origin");
     ui.horizontal(|ui| coordinates(ui, name, at, 1.0));
     ui.end_row();
@@ -180,7 +195,7 @@ fn areas(shape: &Shape) -> &'static [Choice] {
 
 /// Whether a shape is a stroke, separate focal points, and how many, or one of these areas.
 pub fn sampling(ui: &mut Ui, sampling: &mut Sampling, areas: &[Choice]) {
-    let label = label(ui, "Stroke").on_hover_text("Continuous, separate foci, or an area");
+    let label = caption(ui, "Stroke").on_hover_text("Continuous, separate foci, or an area");
     ui.vertical(|ui| {
         // In one row they would widen the panel while a shape is drawn, and the map would go from under the pointer.
         for choices in [&OUTLINES, areas] {
