@@ -232,7 +232,7 @@ fn foci_run_along_the_drawn_strokes() {
     }
     let table = succeed(folder.path(), &["solve", "a.toml", "--motion"]);
     for part in
-        ["160.0 mm a cycle", "37.5 cycles/s of 16", "target 3: circle, 62.8 mm, 2 times a cycle: 75 rounds/s"]
+        ["160.0 mm a cycle", "37.5 cycles/s of 16", "target 3: circle, 62.8 mm, 2 times a cycle: 75 Hz"]
     {
         assert!(table.contains(part), "{part}: {table}");
     }

@@ -18,7 +18,7 @@ use crate::field::{
 use crate::picture::Picture;
 use crate::picture::relief::{Place, Relief};
 use crate::scene::Scene;
-use crate::ui::canvas::GROUND;
+use crate::ui::theme;
 use crate::ui::view::{Lens, View};
 use crate::ui::{Map, Sound, Texture};
 
@@ -393,14 +393,14 @@ fn contours(stages: &mut Stages, request: &Request, part: f64) -> Result<Vec<Lin
 
 /// Where on the canvas a shaded surface is.
 fn place(width: usize, height: usize) -> Place {
-    let high = height as f64;
+    let (high, ground) = (height as f64, theme::ground(false));
     Place {
         width,
         height,
         side: SHADED_SIDE * high,
         top: SHADED_TOP * high,
         bottom: SHADED_BOTTOM * high,
-        ground: [GROUND.r(), GROUND.g(), GROUND.b()],
+        ground: [ground.r(), ground.g(), ground.b()],
     }
 }
 

@@ -31,6 +31,9 @@ use crate::studio::output::Files;
 use crate::studio::still::{Diagram, Moment, Size};
 use crate::studio::{opening, output};
 
+/// Width of the column of names in answers.
+const COLUMN: usize = 24;
+
 /// Draw a shape, see the ultrasound field of a phased array, feel it in the air.
 ///
 /// Without a command, the window opens on the scene (or an example). Where there is no display, the scene is solved and its

@@ -5,8 +5,8 @@ use std::io::{BufWriter, Write};
 use anyhow::bail;
 use serde_json::{Value, json};
 
-use crate::cli::solve::{COLUMN, Methods};
-use crate::cli::{SolveArgs, progress, read_scene};
+use crate::cli::solve::Methods;
+use crate::cli::{COLUMN, SolveArgs, progress, read_scene};
 use crate::picture::sheet::pascals;
 use crate::scene::motion::{Cycle, Group};
 use crate::scene::{Scene, motion};

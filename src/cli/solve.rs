@@ -5,7 +5,7 @@ use glam::DVec3;
 use serde_json::{Value, json};
 
 use crate::acoustics::Aperture;
-use crate::cli::{SolveArgs, json, parse_method, read_scene};
+use crate::cli::{COLUMN, SolveArgs, json, parse_method, read_scene};
 use crate::drive::{Drive, delay_level};
 use crate::field::{Evaluator, NoSideLobe, SideLobe, Stages, side_lobe};
 use crate::picture::sheet::{pascals, pascals_at_most};
@@ -16,11 +16,8 @@ use crate::solver::{self, Limits, Problem, Solution, SolveError, room};
 use crate::studio::output::{self, Files, say, warn};
 use crate::studio::probe::{self, Reading};
 
-/// Width of the column of names.
-pub const COLUMN: usize = 24;
 /// What is said in place of figures that compare pressures at the foci, and the rows that do.
 const SILENT: &str = "no sound reaches the foci";
-/// Standard deviation over mean of the pressures at the foci.
 const UNIFORMITY: &str = "uniformity (std/mean)";
 const COMPARED: [&str; 8] = [
     UNIFORMITY,
@@ -441,10 +438,9 @@ impl Findings {
             ));
         }
         for (name, value) in rows {
-            match quality.is_silent() && COMPARED.contains(&name) {
-                true => say!("{name:<COLUMN$}-, {SILENT}")?,
-                false => say!("{name:<COLUMN$}{value}")?,
-            }
+            let is_void = quality.is_silent() && COMPARED.contains(&name);
+            let value = if is_void { format!("-, {SILENT}") } else { value };
+            say!("{name:<COLUMN$}{value}")?;
         }
         Ok(())
     }

@@ -26,8 +26,6 @@ const ABOVE: f32 = 12.0;
 /// Points of the screen between two ticks, at least.
 const TICK: f64 = 70.0;
 const SMALLEST: f32 = 40.0;
-/// Where there is no map.
-pub const GROUND: Color32 = Color32::from_rgb(12, 12, 16);
 const CONTOUR: Color32 = Color32::from_rgb(235, 235, 235);
 const CONTOUR_EDGE: Color32 = Color32::from_rgba_premultiplied(0, 0, 0, 120);
 
@@ -137,7 +135,7 @@ pub fn paint(editor: &Editor, shown: &Shown, ui: &Ui, canvas: &Canvas) {
 
 /// Behind the map.
 pub fn ground(view: &View) -> Color32 {
-    if view.is_light && !view.is_shaded() { Color32::WHITE } else { GROUND }
+    theme::ground(view.is_light && !view.is_shaded())
 }
 
 /// Where a map is on the screen.

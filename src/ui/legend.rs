@@ -14,7 +14,7 @@ use crate::picture::figure::axes::round_step;
 use crate::studio::convention::Convention;
 use crate::ui::number::{self, Look};
 use crate::ui::view::{Lens, View};
-use crate::ui::{Editor, Map, Shown, canvas, panels, segments, theme, ticks};
+use crate::ui::{Editor, Map, Shown, panels, segments, theme, ticks};
 
 /// Of what the map shows: Pa, m, and so on.
 const SMALLEST: f64 = 1e-12;
@@ -57,7 +57,7 @@ pub fn paint(editor: &Editor, map: &Map, ui: &Ui, lens: &Lens) {
     );
     let table = editor.view.table();
     let dims = editor.view.veil().is_some();
-    let ground = canvas::ground(&editor.view);
+    let ground = theme::ground(editor.view.is_light);
     let mut mesh = Mesh::default();
     for (i, [r, g, b, _]) in table.iter().enumerate() {
         let y = |i: usize| bar.bottom() - bar.height() * i as f32 / table.len() as f32;

@@ -206,7 +206,7 @@ fn the_next_run_looks_as_the_last_one_did() {
         screen.state_mut().editor_mut().grid = 0.002;
         screen.ctx.set_theme(egui::Theme::Light);
         let edge = Pos2::new(screen.get_by_label("Canvas: the field on the plane").rect().right(), 400.0);
-        let edge = edge + vec2(92.0, 0.0);
+        let edge = edge + vec2(sonoglyph::ui::canvas::RIGHT, 0.0);
         drag(&mut screen, edge, edge - vec2(60.0, 0.0));
     }
     let settings = std::fs::read_to_string(folder.path().join("settings.toml")).unwrap();

@@ -15,7 +15,7 @@ use sonoglyph::ui::document::Document;
 use sonoglyph::ui::view::{Cut, FreePlane, Lens};
 use sonoglyph::ui::{Dialog, Map};
 
-use super::{Screen, answer, lens, rest, scene, type_in};
+use super::{Screen, lens, rest, scene, type_in};
 
 fn focused(foci: &[DVec3]) -> Scene {
     let target = |&at: &DVec3| Target::new(Shape::Point { at });
@@ -151,7 +151,9 @@ fn picture(screen: &mut Screen) -> Vec<[u8; 4]> {
     let Some(Dialog::Path { purpose, .. }) = screen.state().editor().dialog.clone() else {
         panic!("no question")
     };
-    answer(screen, purpose, &path);
+    screen.state_mut().editor_mut().dialog = Some(Dialog::Path { purpose, text: path.display().to_string() });
+    screen.key_press(Key::Enter);
+    rest(screen);
     let picture = image::open(path).unwrap().to_rgba8();
     picture.rows().rev().flat_map(|row| row.map(|pixel| pixel.0).collect::<Vec<_>>()).collect()
 }
@@ -161,7 +163,7 @@ fn both_ends_of_the_colours_are_typed_and_kept() {
     let mut screen = open(focused(&[DVec3::new(0.0, 0.0, 0.1)]));
     click(&mut screen, "Colour scale");
     type_in(&mut screen, "Smallest value that has a colour", "0,2 kPa");
-    type_in(&mut screen, "Largest value that has a colour", "2 * 200");
+    type_in(&mut screen, "Largest value that has a colour", "2 * 200 Pa");
     let view = screen.state().editor().view.clone();
     assert_eq!((view.low, view.full), (Some(200.0), Some(400.0)));
     screen.key_press(Key::Escape);
