@@ -248,7 +248,9 @@ impl Law {
             false => text,
         };
         match self {
-            Self::Decibels(_) => format!("{title}\ndB of {}", with_convention(quantity.with_unit(full))),
+            Self::Decibels(_) => {
+                format!("{}\ndB re {}", with_convention(title.to_owned()), quantity.with_unit(full))
+            }
             Self::Linear(_) | Self::Turn => {
                 let unit = quantity.declaration().unit.scaled(full).1;
                 format!("{title}\n{}", with_convention(unit.to_owned()))

@@ -200,6 +200,7 @@ pub fn sampling(ui: &mut Ui, sampling: &mut Sampling, areas: &[Choice]) {
         // In one row they would widen the panel while a shape is drawn, and the map would go from under the pointer.
         for choices in [&OUTLINES, areas] {
             ui.horizontal(|ui| {
+                ui.spacing_mut().item_spacing.x = 2.0;
                 for &(name, tip, choice) in choices {
                     let is_chosen = std::mem::discriminant(sampling) == std::mem::discriminant(&choice);
                     if ui.selectable_label(is_chosen, name).on_hover_text(tip).clicked() && !is_chosen {
