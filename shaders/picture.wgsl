@@ -2,7 +2,8 @@
 
 struct PictureParams {
     width: u32,
-    // The place of 0, and how many places lie between it and `full`.
+    // The place of 0 and how many places lie between it and `full`; on a logarithmic scale, the place of `full` and how many
+    // places lie in an octave.
     zero: f32,
     spread: f32,
     // The value that gets the last colour; 0 for the peak.
@@ -19,8 +20,7 @@ struct PictureParams {
 
 fn place(value: f32, full: f32) -> f32 {
     if LOGARITHMIC {
-        let part = clamp(value / full, FLOOR, 1.0);
-        return (1.0 - log2(part) / log2(FLOOR)) * 255.0;
+        return params.zero + params.spread * log2(clamp(value / full, SMALLEST, 1.0));
     }
     return params.zero + value * (params.spread / full);
 }

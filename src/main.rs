@@ -57,7 +57,7 @@ fn open(scene: Option<&Path>, _: Renderer) -> anyhow::Result<()> {
     sonoglyph::studio::still::default_sheet(scene)
 }
 
-/// Without a desktop session, Mesa's device-selection layer complains on stderr about a Wayland that nobody asked for.
+/// Without a desktop session, Mesa's device-selection layer complains on stderr about a Wayland that was not asked for.
 #[expect(unsafe_code, reason = "no other thread runs yet")]
 fn quiet_drivers() {
     if std::env::var_os("XDG_RUNTIME_DIR").is_none() {

@@ -11,7 +11,7 @@ pub fn holds(bytes: usize) -> bool {
     may_be_reserved(bytes) && left.is_none_or(|left| bytes as u64 <= left)
 }
 
-/// Bytes below which nobody is kept waiting.
+/// Bytes that are given without waiting.
 const LARGE: usize = 32 << 20;
 
 /// What is reserved by all threads.

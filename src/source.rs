@@ -10,7 +10,7 @@ const HANDED_OVER: [&str; 3] = ["/dev/stdin", "/dev/fd", "/proc/self/fd"];
 /// Opens a regular file, or a pipe that the caller has handed over (`/dev/stdin`, `<(…)` of a shell).
 ///
 /// # Errors
-/// What the system says; a folder, a device, or a pipe that somebody would have to open first.
+/// What the system says; a folder, a device, or a pipe without a writer.
 pub fn open(path: &Path) -> io::Result<File> {
     open_any(path).map_err(|error| match error.kind() {
         ErrorKind::NotFound => io::Error::new(ErrorKind::NotFound, "no such file"),

@@ -142,7 +142,8 @@ fn the_table_says_how_fast_the_focus_is_and_what_can_play_it() {
     let fast = SQUARE.replace("rate = 2", "rate = 4000");
     let folder = folder_with(&[("a.toml", SQUARE), ("fast.toml", &fast)]);
     let table = succeed(folder.path(), &["solve", "a.toml", "--motion"]);
-    for part in ["80.0 mm a cycle", "24 frames/s", "SonicSurface", "0.160 m/s; 5 to 8 m/s", "phase steps"] {
+    for part in ["80.0 mm a cycle", "24 frames/s", "SonicSurface", "0.160 m/s; 5 to 8 m/s", "phase per frame"]
+    {
         assert!(table.contains(part), "{part}: {table}");
     }
     let output = run(folder.path(), &["solve", "fast.toml", "--motion"]);
@@ -231,7 +232,7 @@ fn foci_run_along_the_drawn_strokes() {
     }
     let table = succeed(folder.path(), &["solve", "a.toml", "--motion"]);
     for part in
-        ["160.0 mm a cycle", "37.5 cycles/s of 16", "target 3: circle, 62.8 mm, 2 times a cycle: 75 rounds/s"]
+        ["160.0 mm a cycle", "37.5 cycles/s of 16", "target 3: circle, 62.8 mm, 2 times a cycle: 75 Hz"]
     {
         assert!(table.contains(part), "{part}: {table}");
     }

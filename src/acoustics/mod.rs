@@ -2,9 +2,9 @@
 
 pub mod air;
 pub mod element;
+mod jacobian;
 mod row;
 mod transfer;
-mod turns;
 
 use std::f64::consts::TAU;
 
@@ -16,8 +16,8 @@ pub use air::Air;
 use row::Elements;
 
 pub use element::Element;
+pub use jacobian::PhaseJacobian;
 pub use transfer::{Phasors, Sums, Transfer};
-pub use turns::Turns;
 
 /// The array as a radiator: equal elements at known places, some of them driven.
 #[derive(Clone, Debug, PartialEq)]

@@ -10,7 +10,7 @@ use crate::app::mapping::{Look, Mapping, image, in_egui};
 use crate::app::posing::{Solved, Source, posed, posed_in_motion, solve, sound};
 use crate::drive::Drive;
 use crate::field::quantity::Range;
-use crate::field::{Colouring, Request, Scale};
+use crate::field::{Colouring, Request};
 use crate::picture::ColourMap;
 use crate::scene::{Method, Scene};
 use crate::solver::frames::{self, Sequence};
@@ -24,8 +24,8 @@ pub struct Comparison {
     mapping: Mapping,
     solving: Later<Scene, Solved>,
     following: Later<Scene, Result<Arc<Sequence>, String>>,
-    /// Which two maps the difference that is shown is of.
-    subtracted: Option<(Request, Request)>,
+    /// Which two maps the difference that is shown is of, and whether it is on a light ground.
+    subtracted: Option<(Request, Request, bool)>,
 }
 
 /// The largest value of both maps, where one range of colours is to hold for them.
@@ -98,10 +98,11 @@ impl Comparison {
             moment: editor.oscillation.part,
             full: range,
             lens,
+            is_veil: false,
         };
         let done = self.mapping.update(&look, &mut beside.map, ctx);
         beside.problem = beside.problem.or(done.problem).or(done.gave_up);
-        self.subtract(compare, shown.map.as_ref(), &mut beside, own, ctx);
+        self.subtract((compare, view.is_light), shown.map.as_ref(), &mut beside, own, ctx);
         shown.beside = Some(beside);
         if common_range(editor, shown) != range {
             // The map at the left was drawn before.
@@ -151,7 +152,7 @@ impl Comparison {
     /// Map minus map, pixel by pixel.
     fn subtract(
         &mut self,
-        compare: &Compare,
+        (compare, is_light): (&Compare, bool),
         own_map: Option<&Map>,
         beside: &mut Beside,
         own: &mut Mapping,
@@ -168,7 +169,7 @@ impl Comparison {
             (beside.difference, self.subtracted) = (None, None);
             return;
         }
-        let key = (left, right);
+        let key = (left, right, is_light);
         if self.subtracted.as_ref() == Some(&key) {
             return;
         }
@@ -180,11 +181,11 @@ impl Comparison {
         };
         let values: Vec<_> = left.into_iter().zip(right).map(minus).collect();
         let largest = values.iter().fold(0.0_f32, |most, value| most.max(value.abs()));
+        let table = ColourMap::Diverging.on(is_light);
         let colouring = Colouring {
             range: Range::Signed,
-            table: ColourMap::Diverging.table(),
             full: Some(largest.max(f32::MIN_POSITIVE)),
-            scale: Scale::Linear,
+            ..Colouring::new(key.0.quantity, table)
         };
         let mut colours = Vec::new();
         colouring.colours(&values, largest, &mut colours);

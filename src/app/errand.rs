@@ -37,7 +37,7 @@ impl Progress {
     }
 }
 
-/// Work under way. It goes on when this is dropped, and nobody hears of it.
+/// Work under way. It goes on unheard when this is dropped.
 #[derive(Debug)]
 pub struct Errand<T> {
     pub progress: Progress,
@@ -61,7 +61,7 @@ impl<T: Send + 'static> Errand<T> {
         let progress = Progress::default();
         let (own, ctx) = (progress.clone(), ctx.clone());
         let run = move || {
-            // Nobody may be waiting any more.
+            // The receiver may be gone.
             let _ = sender.send(work(&own));
             drop(sender);
             ctx.request_repaint();

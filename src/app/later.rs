@@ -30,7 +30,7 @@ impl<K: Clone + PartialEq + Send + 'static, V: Send + 'static> Later<K, V> {
         let (sender, receiver) = sync_channel(1);
         let (own, ctx) = (key.clone(), ctx.clone());
         let make = move || {
-            // Nobody may be waiting any more.
+            // The receiver may be gone.
             let _ = sender.send(work(&own));
             ctx.request_repaint();
         };

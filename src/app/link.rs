@@ -28,7 +28,7 @@ const LOOK: Duration = Duration::from_millis(250);
 /// Messages that are kept.
 const KEPT: usize = 20;
 
-/// The link, if somebody connected, and what it was told last.
+/// The link, once connected, and what it was told last.
 #[derive(Debug, Default)]
 pub struct Board {
     /// Shared with the thread that waits for Ctrl-C.
@@ -67,7 +67,7 @@ fn twin(_: Profile) -> Result<(Twin, String), String> {
 }
 
 impl Board {
-    /// What the panel shows before anybody connects.
+    /// What the panel shows before the first connection.
     pub fn shown() -> BoardShown {
         BoardShown { ports: ports(), ..BoardShown::default() }
     }

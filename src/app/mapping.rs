@@ -18,7 +18,7 @@ use crate::field::{
 use crate::picture::Picture;
 use crate::picture::relief::{Place, Relief};
 use crate::scene::Scene;
-use crate::ui::canvas::GROUND;
+use crate::ui::theme;
 use crate::ui::view::{Lens, View};
 use crate::ui::{Map, Sound, Texture};
 
@@ -67,6 +67,8 @@ pub struct Look<'a> {
     /// What gets the last colour, where the view does not say it.
     pub full: Option<f64>,
     pub lens: &'a Lens,
+    /// Not the view's quantity, but the pressure that dims it.
+    pub is_veil: bool,
 }
 
 /// What came of it beside the map.
@@ -91,6 +93,14 @@ pub struct Mapping {
     /// Why the GPU does not compute any more, until the window has said so.
     given_up: Option<GpuError>,
     has_lost_screen: bool,
+    /// What dims a phase map, with stages of its own.
+    veil: Option<Box<Veil>>,
+}
+
+/// A map that lies over another.
+struct Veil {
+    mapping: Mapping,
+    map: Option<Map>,
 }
 
 impl std::fmt::Debug for Mapping {
@@ -112,6 +122,7 @@ impl Mapping {
             drawn: None,
             given_up: None,
             has_lost_screen: false,
+            veil: None,
         }
     }
 
@@ -155,8 +166,27 @@ impl Mapping {
         self.drawn.as_ref().map(|drawn| &drawn.wanted.request)
     }
 
-    /// Brings the map up to date.
+    /// Brings the map up to date, and what dims it.
     pub fn update(&mut self, look: &Look<'_>, map: &mut Option<Map>, ctx: &Context) -> Done {
+        let mut done = self.update_own(look, map, ctx);
+        if look.view.veil().is_none() {
+            self.veil = None;
+        } else {
+            let twin = self.veil.take().unwrap_or_else(|| Box::new(Veil { mapping: self.twin(), map: None }));
+            let veil = self.veil.insert(twin);
+            let look = Look { drives: look.drives.clone(), is_veil: true, ..*look };
+            let over = veil.mapping.update_own(&look, &mut veil.map, ctx);
+            done.problem = done.problem.or(over.problem);
+            self.has_lost_screen |= veil.mapping.has_lost_screen;
+        }
+        if let Some(map) = map {
+            let over = self.veil.as_ref().and_then(|veil| veil.map.as_ref());
+            map.veil = over.map(|over| over.texture.id());
+        }
+        done
+    }
+
+    fn update_own(&mut self, look: &Look<'_>, map: &mut Option<Map>, ctx: &Context) -> Done {
         let mut done = Done::default();
         if let Some(error) = self.given_up.take() {
             done.gave_up = Some(format!("{error}; the CPU computes the field from now on"));
@@ -231,7 +261,9 @@ impl Mapping {
             axes: look.view.axes(look.scene),
             window: look.lens.window,
             rect: look.lens.rect,
+            veil: None,
             full: wanted.colouring.full.map(f64::from),
+            low: wanted.colouring.low.map(f64::from),
             quantity: request.quantity,
             phase: request.moment,
             // Those of the map before, until its own have come back from a GPU.
@@ -308,7 +340,11 @@ impl Mapping {
         let Wanted { request, colouring, .. } = wanted.clone();
         let colours =
             self.or_by_cpu(|own| own.stages.colours(&request, &colouring).map(<[_]>::to_vec)).ok()?;
-        Some(Picture::from_field_order(request.size.0, request.size.1, colours.as_flattened()))
+        let mut picture = Picture::from_field_order(request.size.0, request.size.1, colours.as_flattened());
+        if let Some(veil) = self.veil.as_mut().and_then(|veil| veil.mapping.picture()) {
+            picture.veil(&veil);
+        }
+        Some(picture)
     }
 
     /// The map's values, height and width first. Waits for a GPU.
@@ -337,14 +373,17 @@ fn wanted(look: &Look<'_>, ctx: &Context) -> Option<Wanted> {
     let step = if is_shaded { SHADED_STEP } else { 1 };
     let size = (picture.0.div_ceil(step), picture.1.div_ceil(step));
     let is_wave = view.quantity == Quantity::Instantaneous;
+    let veil = view.veil().filter(|_| look.is_veil);
+    let quantity = if veil.is_some() { Quantity::Rms } else { view.quantity };
     let request = Request {
         aperture: sound.aperture.clone(),
         plane: view.plane(scene, lens),
         moment: if is_wave { look.moment * TAU } else { 0.0 },
-        ..Request::new(scene, look.drives.clone(), view.quantity, size)
+        ..Request::new(scene, look.drives.clone(), quantity, size)
     };
     let full = look.full.or(view.full).map(|full| full as f32);
-    let colouring = Colouring { full, ..view.colouring() };
+    let low = view.low.filter(|_| view.full.is_some()).map(|low| low as f32);
+    let colouring = veil.unwrap_or_else(|| Colouring { full, low, ..view.colouring() });
     Some(Wanted { request, colouring, picture, is_shaded, contour: view.contour_part() })
 }
 
@@ -354,14 +393,14 @@ fn contours(stages: &mut Stages, request: &Request, part: f64) -> Result<Vec<Lin
 
 /// Where on the canvas a shaded surface is.
 fn place(width: usize, height: usize) -> Place {
-    let high = height as f64;
+    let (high, ground) = (height as f64, theme::ground(false));
     Place {
         width,
         height,
         side: SHADED_SIDE * high,
         top: SHADED_TOP * high,
         bottom: SHADED_BOTTOM * high,
-        ground: [GROUND.r(), GROUND.g(), GROUND.b()],
+        ground: [ground.r(), ground.g(), ground.b()],
     }
 }
 

@@ -47,7 +47,7 @@ impl Recovery {
     /// `None` while another window has this file.
     fn take(path: PathBuf) -> Option<Self> {
         let lock = lock_of(&path);
-        // A pipe would keep the window waiting for who reads it.
+        // A pipe would keep the window waiting for its reader.
         let lock = output::refuse_stream(&lock)
             .and_then(|()| Ok(File::options().create(true).append(true).open(lock)?))
             .ok();

@@ -10,6 +10,7 @@ use serde::{Deserialize, Serialize};
 use crate::device::profile::Profile;
 use crate::echo;
 use crate::field::Scale;
+use crate::field::colouring::FLOOR;
 use crate::picture::ColourMap;
 use crate::scene::strict::Strict;
 use crate::source;
@@ -31,6 +32,8 @@ const LARGEST: f32 = 16_384.0;
 
 const THEMES: [(ThemePreference, &str); 3] =
     [(ThemePreference::System, "system"), (ThemePreference::Dark, "dark"), (ThemePreference::Light, "light")];
+
+const GROUNDS: [(Option<bool>, &str); 3] = [(None, "theme"), (Some(false), "dark"), (Some(true), "light")];
 
 /// What the file calls a value; the first one if it has no name.
 fn name<T: PartialEq>(names: &[(T, &'static str)], value: &T) -> String {
@@ -62,10 +65,23 @@ pub struct Settings {
     pub section_height: f32,
     pub section: bool,
     pub marks: bool,
+    pub grid_lines: bool,
+    pub guides: bool,
+    pub elements: bool,
+    pub extremes: bool,
+    pub palm: bool,
     pub contours: bool,
+    /// dB
+    pub contour_level: f64,
     pub shaded: bool,
     pub colours: String,
     pub decibels: bool,
+    /// Part of the largest value at which a logarithmic scale ends.
+    pub floor: f64,
+    /// The brightness of phase maps follows the amplitude.
+    pub fades: bool,
+    /// Of maps: that of the theme, dark or light.
+    pub ground: String,
     /// Pressures are stated as peak amplitudes.
     pub peak: bool,
     /// m
@@ -94,10 +110,19 @@ impl Default for Settings {
             section_height: 210.0,
             section: false,
             marks: true,
+            grid_lines: false,
+            guides: true,
+            elements: false,
+            extremes: false,
+            palm: false,
             contours: false,
+            contour_level: -6.0,
             shaded: false,
             colours: ColourMap::default().name().to_owned(),
             decibels: false,
+            floor: FLOOR.into(),
+            fades: false,
+            ground: GROUNDS[0].1.to_owned(),
             peak: false,
             grid: 0.005,
             snaps: false,
@@ -129,10 +154,19 @@ impl Settings {
             section_height: editor.layout.section.round(),
             section: view.section,
             marks: view.marks,
+            grid_lines: view.grid,
+            guides: view.guides,
+            elements: view.elements,
+            extremes: view.extremes,
+            palm: view.palm,
             contours: view.contours,
+            contour_level: view.contour_level,
             shaded: view.shaded,
             colours: view.colours.name().to_owned(),
             decibels: view.scale == Scale::Logarithmic,
+            floor: view.floor,
+            fades: view.fades,
+            ground: name(&GROUNDS, &view.ground),
             peak: view.convention == Convention::Peak,
             grid: editor.grid,
             snaps: editor.snaps,
@@ -161,6 +195,11 @@ impl Settings {
         board.calibration.clone_from(&self.calibration);
         let view = &mut editor.view;
         (view.section, view.marks) = (self.section, self.marks);
+        (view.grid, view.guides) = (self.grid_lines, self.guides);
+        (view.elements, view.extremes, view.palm) = (self.elements, self.extremes, self.palm);
+        view.contour_level = self.contour_level;
+        (view.floor, view.fades) = (self.floor, self.fades);
+        view.ground = value(&GROUNDS, &self.ground).unwrap_or(None);
         (view.contours, view.shaded) = (self.contours, self.shaded);
         view.scale = if self.decibels { Scale::Logarithmic } else { Scale::Linear };
         view.convention = if self.peak { Convention::Peak } else { Convention::Rms };
@@ -194,7 +233,12 @@ impl Settings {
         self.scale = within(self.scale, 0.75, 2.0, own.scale);
         self.panel_width = within(self.panel_width, 100.0, 1000.0, own.panel_width);
         self.section_height = within(self.section_height, 50.0, 1000.0, own.section_height);
-        self.grid = if self.grid.is_finite() { self.grid.clamp(1e-4, 0.1) } else { own.grid };
+        let between = |value: f64, least: f64, most: f64, otherwise: f64| {
+            if value.is_finite() { value.clamp(least, most) } else { otherwise }
+        };
+        self.grid = between(self.grid, 1e-4, 0.1, own.grid);
+        self.floor = between(self.floor, 1e-12, 0.9, own.floor);
+        self.contour_level = between(self.contour_level, -60.0, -0.1, own.contour_level);
         if !BAUDS.contains(&self.baud) {
             self.baud = own.baud;
         }
@@ -271,7 +315,7 @@ impl Memory {
         // Where nothing can be written, the next run begins as the first one did.
         if let (Some(folder), Ok(text)) = (self.path.parent(), toml::to_string(&file)) {
             let _ = std::fs::create_dir_all(folder);
-            // A pipe would keep the window waiting for who reads it.
+            // A pipe would keep the window waiting for its reader.
             let _ =
                 output::refuse_stream(&self.path).and_then(|()| output::write(&self.path, text.as_bytes()));
         }
@@ -334,13 +378,13 @@ mod tests {
             assert_eq!(settings, Settings::default());
             assert!(word.unwrap().contains("settings.toml is left aside: "));
         }
-        let odd =
-            "size = [nan, 1e30]\nposition = [inf, 0]\npanel_width = -5\ngrid = nan\nbaud = 7\nnew_key = 1\n";
+        let odd = "size = [nan, 1e30]\nposition = [inf, 0]\npanel_width = -5\ngrid = nan\nfloor = inf\ncontour_level = 9\nbaud = 7\nnew_key = 1\n";
         std::fs::write(&path, odd).unwrap();
         let (_, settings, word) = Memory::at(folder.path());
         assert_eq!(word, None);
         assert_eq!((settings.size, settings.position), ([1280.0, LARGEST], None));
         assert_eq!((settings.panel_width, settings.grid, settings.baud), (100.0, 0.005, 0));
+        assert_eq!((settings.floor, settings.contour_level), (FLOOR.into(), -0.1));
     }
 
     #[test]

@@ -164,6 +164,7 @@ impl Workshop {
             moment: editor.oscillation.part,
             full: comparison::common_range(editor, shown),
             lens,
+            is_veil: false,
         };
         let done = self.mapping.update(&look, &mut shown.map, ctx);
         if let Some(text) = done.gave_up {
@@ -287,7 +288,7 @@ impl Workshop {
         }
     }
 
-    /// All frames of the motion, where somebody looks at them.
+    /// All frames of the motion, where they are shown.
     fn follow(&mut self, editor: &Editor, shown: &mut Shown, ctx: &Context) {
         let scene = editor.scene();
         let presses = editor.view.quantity.declaration().is_slow;

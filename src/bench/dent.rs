@@ -1,4 +1,4 @@
-//! `sonoglyph bench field` too: dents and averages beside the picture of one field, over errors and pixels.
+//! `sonoglyph bench field` too: depressions and averages beside the picture of one field, over errors and pixels.
 
 use std::f64::consts::TAU;
 

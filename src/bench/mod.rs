@@ -41,7 +41,7 @@ pub struct Options {
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Subject {
-    /// Maps of the field, and dents and means beside them.
+    /// Maps of the field, and depressions and means beside them.
     Field,
     /// Solver methods.
     Solve,
@@ -85,7 +85,7 @@ struct Section {
 fn subjects() -> [(Subject, &'static str, &'static str, Measure); 7] {
     [
         (Subject::Field, "field", "Maps of the field", field::run),
-        (Subject::Field, "dent", "Dents, radiation pressure and means over a round", dent::run),
+        (Subject::Field, "dent", "Depressions, radiation pressure and means over a cycle", dent::run),
         (Subject::Solve, "solve", "Solver methods", solve::run),
         (Subject::Stability, "stability", "Foci that are hard to solve", stability::run),
         (Subject::Shapes, "shapes", "Drives of drawings", shapes::run),

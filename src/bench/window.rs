@@ -75,7 +75,7 @@ pub fn run(quick: bool) -> anyhow::Result<Report> {
     })
 }
 
-/// The window with its context, and nobody to look at it.
+/// The window with its context, off the screen.
 struct Screen {
     ctx: egui::Context,
     size: egui::Vec2,

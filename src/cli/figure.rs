@@ -125,12 +125,12 @@ impl FigureArgs {
             is_light: figure.light,
             scale: if figure.db { Scale::Logarithmic } else { Scale::Linear },
             range: figure.range,
-            full: None,
             contours: figure.contours.clone(),
             convention: if figure.peak { Convention::Peak } else { Convention::Rms },
             has_colour_bar: true,
             has_scale_bar: figure.scale_bar,
             has_targets: figure.targets,
+            ..Wish::default()
         };
         Ok(Some((quantity, wish)))
     }

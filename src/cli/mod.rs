@@ -31,6 +31,9 @@ use crate::studio::output::Files;
 use crate::studio::still::{Diagram, Moment, Size};
 use crate::studio::{opening, output};
 
+/// Width of the column of names in answers.
+const COLUMN: usize = 24;
+
 /// Draw a shape, see the ultrasound field of a phased array, feel it in the air.
 ///
 /// Without a command, the window opens on the scene (or an example). Where there is no display, the scene is solved and its
@@ -40,7 +43,7 @@ use crate::studio::{opening, output};
 struct Cli {
     /// Scene file (TOML; assets/scenes holds examples), or a link `sonoglyph:#…`.
     scene: Option<PathBuf>,
-    /// Who draws the window
+    /// Renderer of the window
     #[arg(long, value_enum, default_value_t = Renderer::Auto)]
     renderer: Renderer,
     #[command(subcommand)]
@@ -102,7 +105,7 @@ enum Command {
     /// Solve scenes that come as JSON lines, and answer with JSON lines in the same order
     ///
     /// A line is a scene with the tables and keys of the file; `format` may be left out, and an `id` comes back with the
-    /// answer. The answer is what `solve --json` prints, or {"error": …} for a line that is no scene. Example:
+    /// answer. The answer is what `solve --json` prints, or {"error": …} for an invalid line. Example:
     ///
     ///   echo '{"target": [{"kind": "point", "at": [0, 0, 0.12]}]}' | sonoglyph batch --field
     #[command(verbatim_doc_comment)]
@@ -121,7 +124,7 @@ enum Command {
     ///   sonoglyph send assets/scenes/water-moving-square.toml --port /dev/ttyUSB0 --profile native --baud 3000000 --seconds 20
     #[command(verbatim_doc_comment)]
     Send(SendArgs),
-    /// Bring a board up: who answers, what the line carries, every element, a focus, the emergency stop
+    /// Bring a board up: connection, capacity of the line, every element, a focus, the emergency stop
     ///
     /// Ends with exit status 0 if all steps passed, and leaves the board silent. Examples:
     ///
@@ -130,7 +133,7 @@ enum Command {
     ///   sonoglyph check --port /dev/ttyUSB0 --listen --calibration mine.csv -o report.txt
     #[command(verbatim_doc_comment)]
     Check(CheckArgs),
-    /// Be a board: open a pseudo-terminal, decode what arrives, and show the field that it would make
+    /// Emulate a board: open a pseudo-terminal, decode the stream, and show the field that it would make
     ///
     /// Prints the port to send to. Examples:
     ///
@@ -151,7 +154,7 @@ struct RenderArgs {
     /// A file, or a folder for one PNG per scene
     #[arg(short, long)]
     output: PathBuf,
-    /// What to show
+    /// Quantity or page to draw
     #[arg(long, value_enum, default_value_t = Diagram::Map(Quantity::Rms))]
     quantity: Diagram,
     /// Pixels: W, or WxH; W alone keeps the plane's shape [default: 512, pages 1600, films of shaded surfaces 800]
@@ -191,18 +194,18 @@ struct RenderArgs {
     /// The envelope swings and the targets move as the scene says. The walls, 14 capillary lengths beyond the plane, reflect.
     #[arg(long, conflicts_with = "motion")]
     waves: bool,
-    /// How long --waves goes on [default: a cycle of the motion, or 0.25 s where nothing moves]
+    /// How long --waves goes on [default: a cycle of the motion, or 0.25 s of a static scene]
     #[arg(long, value_name = "S", requires = "waves")]
     seconds: Option<f64>,
     /// Frames of --motion or --waves that are shown per second [default: as many as there really are, at most 50]
     #[arg(long, value_name = "N", value_parser = animate::parse_rate)]
     fps: Option<f64>,
-    /// What a still picture of a scene with motion shows: a frame, counted from 1, or the mean of a cycle
+    /// Still picture of a scene with motion: a frame, counted from 1, or the mean of a cycle
     ///
     /// Otherwise targets stand where the scene puts them, but for `radiation` and `depression`: a liquid is slow and feels the mean.
     #[arg(long, value_name = "N|mean", value_parser = render::parse_moment, conflicts_with_all = ["motion", "waves"])]
     frame: Option<Moment>,
-    /// Say what was used and how long it took
+    /// Report evaluator, method and times
     #[arg(short, long)]
     verbose: bool,
     #[command(flatten)]
@@ -221,7 +224,7 @@ struct SolveArgs {
     /// Write the drive: element, x, y (m), phase (rad), amplitude
     #[arg(long, value_name = "FILE")]
     csv: Option<PathBuf>,
-    /// Say what a board with L phase levels per period reaches, and find the best drive on these levels; --csv writes it
+    /// Report the quality on a board with L phase levels per period, and find the best drive on these levels; --csv writes it
     #[arg(long, value_name = "L", value_parser = clap::value_parser!(u32).range(2..=65536))]
     levels: Option<u32>,
     /// Solve every frame of the scene's motion, each going on from the one before
@@ -278,7 +281,7 @@ struct BatchArgs {
 
 #[derive(Debug, Args)]
 struct BenchArgs {
-    /// What to measure
+    /// Subject of the measurements
     #[arg(value_enum, default_value_t = Subject::All)]
     subject: Subject,
     /// Write every record as JSON
@@ -301,7 +304,7 @@ impl From<BenchArgs> for bench::Options {
 
 #[derive(Clone, Copy, Debug, Args)]
 struct BackendArgs {
-    /// Who computes the field. `auto`: for maps the GPU if there is one that is not software, else the CPU; for points
+    /// Evaluator of the field. `auto`: for maps the GPU if there is one that is not software, else the CPU; for points
     /// the f64 reference
     #[arg(long, value_enum, default_value_t = Backend::Auto)]
     backend: Backend,

@@ -1,4 +1,4 @@
-//! `sonoglyph solve --motion`: the drives of all frames of a round and their quality, as a table, JSON or CSV.
+//! `sonoglyph solve --motion`: the drives of all frames of a cycle and their quality, as a table, JSON or CSV.
 
 use std::io::{BufWriter, Write};
 
@@ -6,7 +6,7 @@ use anyhow::bail;
 use serde_json::{Value, json};
 
 use crate::cli::solve::Methods;
-use crate::cli::{SolveArgs, progress, read_scene};
+use crate::cli::{COLUMN, SolveArgs, progress, read_scene};
 use crate::picture::sheet::pascals;
 use crate::scene::motion::{Cycle, Group};
 use crate::scene::{Scene, motion};
@@ -70,7 +70,7 @@ fn playable(rate: f64, carrier: f64) -> String {
     }
 }
 
-/// What is said of the whole round.
+/// What is said of the whole cycle.
 struct Summary {
     mean_pressure: f64,
     weakest: Extreme,
@@ -134,15 +134,15 @@ fn print(scene: &Scene, sequence: &Sequence) -> anyhow::Result<()> {
             format!("{}, in frame {}", pascals(summary.weakest.value), summary.weakest.frame + 1),
         ),
         (
-            "largest spread",
-            format!("{:.2} %, in frame {}", 100.0 * summary.spread.value, summary.spread.frame + 1),
+            "least uniform",
+            format!("std/mean {:.2} %, in frame {}", 100.0 * summary.spread.value, summary.spread.frame + 1),
         ),
     ]);
     if count > 1 {
         rows.push((
-            "phase steps",
+            "phase per frame",
             format!(
-                "{:.3} rad rms; the largest is {:.3} rad, of one element into frame {}",
+                "changes by {:.3} rad RMS; by {:.3} rad at most, of one element into frame {}",
                 sequence.steps.rms,
                 sequence.steps.largest,
                 sequence.steps.to + 1
@@ -150,7 +150,7 @@ fn print(scene: &Scene, sequence: &Sequence) -> anyhow::Result<()> {
         ));
     }
     for (name, value) in rows {
-        say!("{name:<20}{value}")?;
+        say!("{name:<COLUMN$}{value}")?;
     }
     Ok(())
 }
@@ -179,7 +179,7 @@ fn moving(cycle: &Cycle<'_>, carrier: f64, rows: &mut Vec<(&'static str, String)
         rows.push((
             "own motion",
             format!(
-                "target {}: {path}, {:.1} mm, {times} a cycle: {} rounds/s, {:.3} m/s",
+                "target {}: {path}, {:.1} mm, {times} a cycle: {} Hz, {:.3} m/s",
                 target + 1,
                 length * 1e3,
                 figure(rate),

@@ -10,7 +10,7 @@ use crate::studio::output::note;
 
 /// In which progress is counted.
 const STEPS: f64 = 10_000.0;
-/// s that nobody needs to be told of, and after which an estimate is worth something.
+/// s that need no progress bar, and after which an estimate is worth something.
 const SHORT: f64 = 1.0;
 /// s that are worth a note.
 const LONG: f64 = 5.0;

@@ -5,7 +5,7 @@ use glam::DVec3;
 use serde_json::{Value, json};
 
 use crate::acoustics::Aperture;
-use crate::cli::{SolveArgs, json, parse_method, read_scene};
+use crate::cli::{COLUMN, SolveArgs, json, parse_method, read_scene};
 use crate::drive::{Drive, delay_level};
 use crate::field::{Evaluator, NoSideLobe, SideLobe, Stages, side_lobe};
 use crate::picture::sheet::{pascals, pascals_at_most};
@@ -18,8 +18,9 @@ use crate::studio::probe::{self, Reading};
 
 /// What is said in place of figures that compare pressures at the foci, and the rows that do.
 const SILENT: &str = "no sound reaches the foci";
+const UNIFORMITY: &str = "uniformity (std/mean)";
 const COMPARED: [&str; 8] = [
-    "spread",
+    UNIFORMITY,
     "relative to single",
     "residual",
     "evenness",
@@ -196,7 +197,7 @@ impl Played {
         };
         for (name, reached) in [("rounded", self.rounded), ("refined", self.refined.1)] {
             say!(
-                "{name:<20}mean {} ({}), weakest {} ({}), spread {}",
+                "{name:<COLUMN$}mean {} ({}), weakest {} ({}), std/mean {}",
                 pascals(reached.mean_pressure),
                 percent(reached.mean_pressure / self.ideal.mean_pressure),
                 of_target(reached.weakest),
@@ -291,9 +292,9 @@ fn comparison(findings: &[Findings]) -> Table {
         "method",
         "mean",
         "weakest",
-        "spread",
+        "std/mean",
         "efficiency",
-        "certified",
+        "of the bound",
         "side lobe",
         "iterations",
         "ms",
@@ -378,14 +379,14 @@ impl Findings {
             ("elements driven", drive_row(scene, solution)),
             ("mean pressure", pascals(quality.mean_pressure)),
             ("weakest focus", pascals(quality.min_pressure)),
-            ("spread", percent(quality.spread)),
+            (UNIFORMITY, percent(quality.spread)),
             ("efficiency", percent(quality.efficiency)),
             ("relative to single", format!("{:.4}", quality.relative_to_single)),
-            ("bound", no_more),
+            ("upper bound", no_more),
             (
-                "certified",
+                "fraction of the bound",
                 format!(
-                    "at least {} of the best any drive can do{at_full}",
+                    "at least {}, guaranteed{at_full}",
                     percent_at_least(solution.certified(limits.bound), 2)
                 ),
             ),
@@ -437,10 +438,9 @@ impl Findings {
             ));
         }
         for (name, value) in rows {
-            match quality.is_silent() && COMPARED.contains(&name) {
-                true => say!("{name:<20}none: {SILENT}")?,
-                false => say!("{name:<20}{value}")?,
-            }
+            let is_void = quality.is_silent() && COMPARED.contains(&name);
+            let value = if is_void { format!("-, {SILENT}") } else { value };
+            say!("{name:<COLUMN$}{value}")?;
         }
         Ok(())
     }
@@ -455,7 +455,7 @@ impl Findings {
                     pascals(lobe.pressure)
                 )
             }
-            Err(none) => format!("none: {none}"),
+            Err(why) => format!("-, {why}"),
         }
     }
 

@@ -127,10 +127,7 @@ impl Element {
     /// The element's number, and what its row says of it.
     fn of([element, offset, gain, off]: [f64; 4], elements: usize) -> Result<(usize, Self), String> {
         if element.fract() != 0.0 || element < 0.0 || element >= elements as f64 {
-            return Err(format!(
-                "element {element:?} is none: they are numbered 0 to {}",
-                elements.saturating_sub(1)
-            ));
+            return Err(format!("element {element:?} is out of range (0-{})", elements.saturating_sub(1)));
         }
         if !(-360.0..=360.0).contains(&offset) {
             return Err(format!("offset {offset:?} is not between -360 and 360 degrees"));

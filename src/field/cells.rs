@@ -30,7 +30,7 @@ pub struct Cells {
 
 impl Cells {
     /// For a `plane`, at least `margin` (m) beyond it, so that interpolated squares are off by at most `accuracy`, relative to
-    /// their peak. `None` if they would be too many, or nobody can say how many.
+    /// their peak. `None` if they would be too many, or their number is unknown.
     pub fn new(aperture: &Aperture, plane: &Plane, margin: f64, accuracy: f64) -> Option<Self> {
         /// Of the accuracy, what the window may take; the squares may be off by the rest.
         const SHARE: f64 = 0.2;

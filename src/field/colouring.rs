@@ -11,12 +11,14 @@ use crate::field::quantity::{Quantity, Range};
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Scale {
     Linear,
-    /// By their logarithm, from [`FLOOR`] of the largest.
+    /// By their logarithm, from a part of the largest.
     Logarithmic,
 }
 
-/// The part of the largest amount that has the first colour of a logarithmic scale: -60 dB of a pressure.
+/// [`Colouring::floor`] where it is not chosen: -60 dB of a pressure.
 pub const FLOOR: f32 = 1e-3;
+/// The last place of a table.
+const LAST: f32 = 255.0;
 /// What is divided by where every value is 0.
 pub const SMALLEST: f32 = 1e-30;
 
@@ -28,11 +30,17 @@ pub struct Colouring {
     pub table: [[u8; 4]; 256],
     /// The value that gets the last colour; the map's peak if `None`.
     pub full: Option<f32>,
+    /// The value that gets the first colour of a linear scale, where `full` is given; if `None`, 0 of amounts and `-full` of signed
+    /// values.
+    pub low: Option<f32>,
     /// Of amounts; other ranges are linear.
     pub scale: Scale,
+    /// The part of the largest amount that has the first colour of a logarithmic scale, in (0, 1).
+    pub floor: f32,
 }
 
-/// The place of a value in a table: `zero + value · spread / full`, where `full` may be the peak.
+/// The place of a value in a table: `zero + spread · part`, where the part is `value / full`, or its logarithm to base 2 on a
+/// logarithmic scale, and `full` may be the peak.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Line {
     pub zero: f32,
@@ -44,7 +52,8 @@ pub struct Line {
 impl Colouring {
     /// Up to the peak, linearly.
     pub fn new(quantity: Quantity, table: [[u8; 4]; 256]) -> Self {
-        Self { range: quantity.declaration().range, table, full: None, scale: Scale::Linear }
+        let range = quantity.declaration().range;
+        Self { range, table, full: None, low: None, scale: Scale::Linear, floor: FLOOR }
     }
 
     /// The scale that the range allows.
@@ -52,13 +61,23 @@ impl Colouring {
         if self.range == Range::Amount { self.scale } else { Scale::Linear }
     }
 
-    /// Places on a linear scale.
+    /// Where values stand in the table.
     pub fn line(&self) -> Line {
+        let full = self.full;
+        if self.scale() == Scale::Logarithmic {
+            return Line { zero: LAST, spread: LAST / -self.floor.log2(), full };
+        }
+        // The first colour's part of the last one's value.
+        let low = match (self.low, full) {
+            (Some(low), Some(full)) if low < full && full > 0.0 => Some(low / full),
+            (Some(_) | None, Some(_) | None) => None,
+        };
+        let from = |low: f32| Line { zero: -LAST * low / (1.0 - low), spread: LAST / (1.0 - low), full };
         match self.range {
-            Range::Amount => Line { zero: 0.0, spread: 255.0, full: self.full },
-            Range::Signed => Line { zero: 127.5, spread: 127.5, full: self.full },
+            Range::Amount => from(low.unwrap_or(0.0)),
+            Range::Signed => from(low.unwrap_or(-1.0)),
             // Every colour has the same share of a turn.
-            Range::Cyclic => Line { zero: 127.5, spread: 256.0, full: Some(TAU) },
+            Range::Cyclic => Line { zero: LAST / 2.0, spread: LAST + 1.0, full: Some(TAU) },
         }
     }
 
@@ -84,7 +103,7 @@ impl Colouring {
         let full = full.unwrap_or(peak).max(SMALLEST);
         match self.scale() {
             Scale::Linear => Law::Linear { of_zero: zero, per_unit: spread / full },
-            Scale::Logarithmic => Law::Logarithmic { largest: full, floor: FLOOR },
+            Scale::Logarithmic => Law::Logarithmic { largest: full, floor: self.floor },
         }
     }
 }
@@ -131,6 +150,25 @@ mod tests {
         assert_eq!((colours[0], colours[240]), ([255; 4], [0; 4]), "-60 dB is the end");
         // A quarter of a dB is 1.06 of 255 places.
         assert!(colours.windows(2).all(|pair| (1..=2).contains(&(pair[0][0] - pair[1][0]))), "{colours:?}");
+        Colouring { floor: 1e-2, ..colouring }.colours(&[1.0, 0.11, 0.01, 1e-3], 1.0, &mut colours);
+        assert_eq!(colours, [[255; 4], [133; 4], [0; 4], [0; 4]], "-40 dB is the end");
+    }
+
+    #[test]
+    fn a_range_has_its_ends_at_the_first_and_the_last_colour() {
+        let table = std::array::from_fn(|i| [i as u8; 4]);
+        let places = |quantity, low, full, values: &[f32]| {
+            let mut colours = Vec::new();
+            let own = Colouring::new(quantity, table);
+            Colouring { low: Some(low), full, ..own }.colours(values, 9.0, &mut colours);
+            colours.iter().map(|colour| colour[0]).collect::<Vec<_>>()
+        };
+        let values = [-3.0, 1.0, 2.0, 3.0, 4.0];
+        assert_eq!(places(Quantity::Rms, 1.0, Some(3.0), &values), [0, 0, 128, 255, 255]);
+        assert_eq!(places(Quantity::Instantaneous, -1.0, Some(3.0), &values), [0, 128, 191, 255, 255]);
+        // Without an upper end there is no lower one, and an empty range is that of the map.
+        assert_eq!(places(Quantity::Rms, 1.0, None, &[0.0, 9.0]), [0, 255]);
+        assert_eq!(places(Quantity::Rms, 5.0, Some(3.0), &[0.0, 3.0]), [0, 255]);
     }
 
     #[test]

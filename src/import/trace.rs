@@ -166,7 +166,7 @@ fn prune(chains: &mut Vec<Chain>, width: f64) {
     });
 }
 
-/// Joins chains that go on straight through their nodes, or that meet nobody else there.
+/// Joins chains that go on straight through their nodes, or that meet no other there.
 fn joined(chains: Vec<Chain>, width: f64) -> Vec<Line> {
     let reach = (2.0 * width).max(SIDE);
     let mut chains: Vec<Option<Chain>> = chains.into_iter().map(Some).collect();

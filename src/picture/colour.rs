@@ -59,6 +59,11 @@ impl ColourMap {
         })
     }
 
+    /// For a dark or a light ground.
+    pub fn on(self, is_light: bool) -> [[u8; 4]; 256] {
+        if is_light { self.table_on_light() } else { self.table() }
+    }
+
     /// For a light ground, as in print: white where there is nothing, and darker the more there is.
     pub fn table_on_light(self) -> [[u8; 4]; 256] {
         /// Steps in which white becomes the lightest colour of the table.
@@ -77,6 +82,23 @@ impl ColourMap {
             Self::Cyclic => table,
         }
     }
+}
+
+/// What lies over a map to let its brightness follow an amount: the ground where there is nothing, and clear at the largest.
+/// Colours are multiplied by their alpha.
+pub fn veil(is_light: bool) -> [[u8; 4]; 256] {
+    std::array::from_fn(|i| {
+        let alpha = 255 - i as u8;
+        let grey = if is_light { alpha } else { 0 };
+        [grey, grey, grey, alpha]
+    })
+}
+
+/// A colour under a veil.
+pub fn veiled([r, g, b, a]: [u8; 4], [over_r, over_g, over_b, alpha]: [u8; 4]) -> [u8; 4] {
+    let mixed =
+        |under: u8, over: u8| over.saturating_add((u16::from(under) * u16::from(255 - alpha) / 255) as u8);
+    [mixed(r, over_r), mixed(g, over_g), mixed(b, over_b), a]
 }
 
 /// The colour of a part of a turn, at one lightness and chroma of Oklab (B. Ottosson, "A perceptual color space for image
@@ -150,6 +172,11 @@ mod tests {
             assert!(i == 0 || high >= lightness(diverging[127 + i]), "{i}");
         }
         assert!(diverging[0][2] > diverging[0][0] && diverging[255][0] > diverging[255][2]);
+        let orange = ColourMap::Cyclic.table()[128];
+        for (is_light, ground) in [(false, [0, 0, 0, 255]), (true, [255; 4])] {
+            let veil = veil(is_light);
+            assert_eq!([veiled(orange, veil[0]), veiled(orange, veil[255])], [ground, orange]);
+        }
         let cyclic = ColourMap::Cyclic.table();
         let step = |a: [u8; 4], b: [u8; 4]| a.iter().zip(&b).map(|(a, b)| a.abs_diff(*b)).max();
         assert!(step(cyclic[0], cyclic[255]) <= Some(8));

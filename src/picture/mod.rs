@@ -46,6 +46,14 @@ impl Picture {
         Self { width, height, rgba }
     }
 
+    /// Lays a veil of as many pixels over it: [`colour::veil`].
+    pub fn veil(&mut self, veil: &Self) {
+        let pixels = self.rgba.as_chunks_mut::<4>().0.iter_mut();
+        for (pixel, over) in pixels.zip(veil.rgba.as_chunks::<4>().0) {
+            *pixel = colour::veiled(*pixel, *over);
+        }
+    }
+
     /// One colour, r, g, b, a.
     ///
     /// # Panics

@@ -103,8 +103,8 @@ fn summary(scene: &Scene, solution: &Solution) -> String {
     let aperture = Aperture::new(scene);
     let bound = solver::bound(&Problem::new(&aperture, solution.foci.clone()));
     format!(
-        "{}, {}     mean {}, weakest {}, spread {:.1} %     η {:.1} %     at least {} of the best any drive can do",
-        solution.method.name(),
+        "{}, {}     mean {}, weakest {}, std/mean {:.1} %     η {:.1} %     at least {} of the upper bound",
+        solution.method.title(),
         amount(&solution.foci),
         pascals(quality.mean_pressure),
         pascals(quality.min_pressure),

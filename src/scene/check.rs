@@ -27,7 +27,7 @@ const WIDEST_DISK: f64 = 2e4;
 /// Wanted pressures, relative or in Pa (peak).
 const LEAST_PRESSURE: f64 = 1e-6;
 const MOST_PRESSURE: f64 = 1e9;
-/// Rounds per second of a motion.
+/// Repetitions per second of a motion.
 pub(crate) const RATES: std::ops::RangeInclusive<f64> = 1e-6..=1e5;
 /// What keyframes may multiply wanted pressures by.
 pub const FACTORS: std::ops::RangeInclusive<f64> = 1e-3..=1e3;
@@ -420,7 +420,7 @@ fn no_steps(own: &Motion) -> Result<(), KeyError> {
     refuse("path", "a single target takes no turns: `path = \"steps\"` stands in the scene's [motion]")
 }
 
-/// Checks where somebody listens.
+/// Checks the place of a listener.
 ///
 /// # Errors
 /// A point behind the array or beyond all scenes.

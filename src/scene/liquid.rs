@@ -18,7 +18,7 @@ pub struct Liquid {
     pub viscosity: Option<f64>,
     /// m/s²
     pub gravity: f64,
-    /// m; waves feel the bottom, a dent at rest does not.
+    /// m; waves feel the bottom, a depression at rest does not.
     pub depth: f64,
 }
 
@@ -51,7 +51,7 @@ impl Liquid {
         self.viscosity.unwrap_or(self.name.properties().viscosity)
     }
 
-    /// √(σ/ρg), m: how far a dent reaches beyond what presses it.
+    /// √(σ/ρg), m: how far a depression reaches beyond what presses it.
     pub fn capillary_length(&self) -> f64 {
         (self.surface_tension() / (self.density() * self.gravity)).sqrt()
     }
@@ -68,7 +68,7 @@ pub enum LiquidName {
     Ethanol,
 }
 
-/// What a dent and its waves depend on.
+/// What a depression and its waves depend on.
 struct Properties {
     density: f64,
     surface_tension: f64,

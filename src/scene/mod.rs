@@ -418,7 +418,7 @@ impl Plane {
     }
 }
 
-/// Somebody's ear.
+/// The place of an ear.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Listener {

@@ -25,7 +25,7 @@ const KEPT: f64 = 0.96;
 /// The same for a shape, whose weakest place comes and goes with the samples.
 const KEPT_OF_SHAPE: f64 = 0.85;
 
-/// All frames of a round, or all drives that take turns in a scene that stands.
+/// All frames of a cycle, or all drives that take turns in a scene that stands.
 #[derive(Clone, Debug)]
 pub struct Sequence {
     pub frames: Vec<Frame>,
@@ -34,7 +34,7 @@ pub struct Sequence {
     pub seconds: f64,
 }
 
-/// What is played for a part of a round.
+/// What is played for a part of a cycle.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Frame {
     pub foci: Vec<Focus>,
@@ -292,7 +292,7 @@ fn go_on(problem: &Problem<'_>, before: &Link, settings: &Solver) -> Result<Link
 }
 
 /// How far (rad) to turn each frame as a whole, so that phases move as little as can be from the one before, and from the last to
-/// the first: what is left over at the end of the round is shared out among all.
+/// the first: what is left over at the end of the cycle is shared out among all.
 fn turns(frames: &[Found]) -> Vec<f64> {
     let count = frames.len();
     let ahead = |i: usize| {

@@ -8,7 +8,7 @@ use faer::linalg::solvers::{Llt, Solve};
 use faer::{Mat, Side};
 use num_complex::Complex64;
 
-use crate::acoustics::{Phasors, Sums, Transfer, Turns};
+use crate::acoustics::{PhaseJacobian, Phasors, Sums, Transfer};
 use crate::solver::{Excitation, Problem, starts};
 
 /// Phases that the greedy search tries for every element.
@@ -302,9 +302,9 @@ impl State<'_, 1> {
         (squares / count - mean * mean).max(0.0).sqrt() / mean.max(f64::MIN_POSITIVE)
     }
 
-    /// Levels the foci with as little turning of elements as can be: Gauss and Newton's steps.
+    /// Levels the foci with the smallest change of phases: Gauss-Newton steps.
     ///
-    /// Of all turns δφ with J δφ = s A - |p|, J = ∂|p|/∂φ, the shortest is Jᵀ y with J Jᵀ y = s A - |p|, for the s that makes it
+    /// Of all phase changes δφ with J δφ = s A - |p|, J = ∂|p|/∂φ, the shortest is Jᵀ y with J Jᵀ y = s A - |p|, for the s that makes it
     /// shortest; and Jᵀ y is what H* (y e^{jθ}) adds to u across its own direction, θ being the phases of p. Damped, since foci
     /// closer than the array resolves cannot be told apart. Only moduli are asked for: where the field itself is prescribed, such
     /// foci ask for much more than they need.
@@ -312,7 +312,7 @@ impl State<'_, 1> {
         /// Of the mean of the diagonal.
         const DAMPING: f64 = 1e-2;
         let count = targets.len();
-        let mut turns = Turns::default();
+        let mut jacobian = PhaseJacobian::default();
         for _ in 0..LEVELLINGS {
             if self.spread(targets) < LEVEL {
                 return;
@@ -322,12 +322,12 @@ impl State<'_, 1> {
                 (wanted[(m, 0)], wanted[(m, 1)]) = (*target, self.modulus(m));
             }
             let directions: Phasors = self.pressure[0].iter().map(phase).collect();
-            turns.update(self.transfer, &self.u[0], &directions);
-            let mean = (0..count).map(|m| turns.product(m, m)).sum::<f64>() / count as f64;
-            // One element turns no modulus at all.
+            jacobian.update(self.transfer, &self.u[0], &directions);
+            let mean = (0..count).map(|m| jacobian.product(m, m)).sum::<f64>() / count as f64;
+            // A single element changes no modulus.
             let damping = DAMPING * mean + 1e-12 * mean_square(wanted.col_as_slice(1)) + f64::MIN_POSITIVE;
             let damped = Mat::from_fn(count, count, |i, j| {
-                if i < j { 0.0 } else { turns.product(i, j) + if i == j { damping } else { 0.0 } }
+                if i < j { 0.0 } else { jacobian.product(i, j) + if i == j { damping } else { 0.0 } }
             });
             let Ok(factor): Result<Llt<f64>, _> = damped.llt(Side::Lower) else { return };
             let mut solved = wanted.clone();

@@ -57,8 +57,7 @@ impl Quality {
     }
 }
 
-/// What foci and array allow, whatever the method. It takes longer than most solutions, so nobody computes it who does not
-/// show it.
+/// What foci and array allow, whatever the method. It takes longer than most solutions and is computed on demand.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Limits {
     /// As [`bound`] defines it.

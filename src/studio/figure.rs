@@ -9,12 +9,12 @@ use crate::echo;
 use crate::field::colouring::{FLOOR, Scale};
 use crate::field::quantity::Range;
 use crate::field::stages::MOST_PIXELS;
-use crate::field::{FieldError, Map, Quantity, Request, Stages, contour};
+use crate::field::{Colouring, FieldError, Map, Quantity, Request, Stages, contour};
 use crate::memory;
 use crate::picture::figure::surface::{self, Measure, Surface};
 use crate::picture::figure::{Axis, Bar, Content, Figure, Format, Paper, round_step};
 use crate::picture::relief::Relief;
-use crate::picture::{ColourMap, Picture, sheet};
+use crate::picture::{ColourMap, Picture, colour, sheet};
 use crate::scene::{Focus, Sampling, Scene, Target, outline};
 use crate::studio::convention::Convention;
 use crate::studio::evaluator::or_by_cpu;
@@ -43,6 +43,12 @@ pub struct Wish {
     pub range: Option<[f64; 2]>,
     /// What has 0 dB and, without a range, the last colour; the map's largest value if `None`.
     pub full: Option<f64>,
+    /// Without a range, the value of the first colour on a linear scale, as in [`crate::field::Colouring::low`].
+    pub low: Option<f64>,
+    /// Without a range, the part of the largest value with the first colour on a logarithmic scale.
+    pub floor: f64,
+    /// The brightness of a phase follows its amplitude.
+    pub fades: bool,
     /// dB below the map's largest value.
     pub contours: Vec<f64>,
     pub convention: Convention,
@@ -63,6 +69,9 @@ impl Default for Wish {
             scale: Scale::Linear,
             range: None,
             full: None,
+            low: None,
+            floor: FLOOR.into(),
+            fades: false,
             contours: Vec::new(),
             convention: Convention::default(),
             has_colour_bar: true,
@@ -130,7 +139,15 @@ pub fn draw(
     let law = Law::new(quantity, wish, f64::from(map.peak));
     let table = table(quantity, wish);
     let colours: Vec<u8> = map.values.iter().flat_map(|&value| table[law.place(f64::from(value))]).collect();
-    let picture = Picture::from_field_order(width, height, &colours);
+    let mut picture = Picture::from_field_order(width, height, &colours);
+    if wish.fades && quantity.declaration().range == Range::Cyclic {
+        let request = Request { quantity: Quantity::Rms, ..request };
+        let colouring = Colouring::new(Quantity::Rms, colour::veil(wish.is_light));
+        let veil = or_by_cpu(stages, gpu_is_asked_for, |stages| {
+            stages.colours(&request, &colouring).map(<[_]>::to_vec)
+        })?;
+        picture.veil(&Picture::from_field_order(width, height, veil.as_flattened()));
+    }
     if let Some(bar) = &mut content.bar {
         *bar = law.bar(table);
     }
@@ -218,7 +235,7 @@ fn check(quantity: Quantity, wish: &Wish) -> anyhow::Result<()> {
 
 fn table(quantity: Quantity, wish: &Wish) -> [[u8; 4]; 256] {
     let colours = map::colours(quantity, wish.colours);
-    if wish.is_light { colours.table_on_light() } else { colours.table() }
+    colours.on(wish.is_light)
 }
 
 /// All but what follows from the map's values.
@@ -281,13 +298,16 @@ impl Law {
             .filter(|_| wish.scale == Scale::Linear)
             .map_or(full * stated, |[low, high]| low.abs().max(high.abs()));
         let (factor, unit) = declaration.unit.scaled(largest);
+        let low = wish.low.map(|low| low * stated).filter(|low| *low < largest);
         let ends = match (declaration.range, wish.scale) {
             (Range::Cyclic, _) => [-180.0, 180.0],
-            (Range::Amount, Scale::Logarithmic) => {
-                wish.range.unwrap_or([quantity.decibels(FLOOR.into()), 0.0])
+            (Range::Amount, Scale::Logarithmic) => wish.range.unwrap_or([quantity.decibels(wish.floor), 0.0]),
+            (Range::Amount, Scale::Linear) => {
+                wish.range.unwrap_or([low.unwrap_or(0.0), largest]).map(|end| end * factor)
             }
-            (Range::Amount, Scale::Linear) => wish.range.unwrap_or([0.0, largest]).map(|end| end * factor),
-            (Range::Signed, _) => wish.range.unwrap_or([-largest, largest]).map(|end| end * factor),
+            (Range::Signed, _) => {
+                wish.range.unwrap_or([low.unwrap_or(-largest), largest]).map(|end| end * factor)
+            }
         };
         let scale = if declaration.range == Range::Amount { wish.scale } else { Scale::Linear };
         Self { quantity, convention: wish.convention, scale, factor: factor * stated, unit, full, ends }
@@ -364,5 +384,11 @@ mod tests {
         let wish = Wish { range: Some([20.0, 60.0]), ..Wish::default() };
         let law = Law::new(Quantity::Rms, &wish, 100.0);
         assert_eq!([10.0, 20.0, 40.0, 60.0, 99.0].map(|value| law.place(value)), [0, 0, 128, 255, 255]);
+        let wish = Wish { low: Some(20.0), full: Some(60.0), ..Wish::default() };
+        let law = Law::new(Quantity::Rms, &wish, 100.0);
+        assert_eq!([10.0, 20.0, 40.0, 60.0, 99.0].map(|value| law.place(value)), [0, 0, 128, 255, 255]);
+        let wish = Wish { floor: 1e-2, scale: Scale::Logarithmic, ..Wish::default() };
+        let law = Law::new(Quantity::Rms, &wish, 100.0);
+        assert_eq!([0.1, 1.0, 10.0, 100.0].map(|value| law.place(value)), [0, 0, 128, 255]);
     }
 }

@@ -151,12 +151,12 @@ fn figures(pressed: &Pressed, depression: Depression) -> String {
 fn envelope(scene: &Scene) -> String {
     let modulation = &scene.modulation;
     let shape = match modulation.shape {
-        Envelope::Off => "steady sound",
+        Envelope::Off => "no",
         Envelope::Sine => "sine",
         Envelope::Square => "square",
     };
     format!(
-        "the {shape} envelope of {} Hz leaves {:.1} % of the steady pressure",
+        "{shape} modulation at {} Hz leaves {:.1} % of the steady pressure",
         modulation.frequency,
         modulation.mean_square() * 100.0
     )

@@ -33,7 +33,7 @@ pub fn follow(scene: &Scene, name: &str, progress: &Gauge) -> anyhow::Result<Seq
 
 /// Says which targets go round at another rate than they are to.
 fn warn_of_rates(scene: &Scene) {
-    /// Relative: what nobody sees or feels.
+    /// Relative: neither seen nor felt.
     const APART: f64 = 1e-3;
     let Some(cycle) = motion::cycle(scene) else { return };
     for group in &cycle.groups {

@@ -19,7 +19,7 @@ use crate::studio::motion::{SOLVING, follow};
 use crate::studio::output::{self, Files, say, warn};
 use crate::studio::{EXAMPLE, liquid, opening};
 
-/// What the sheet of a scene is called when nobody named a file.
+/// Default file name of a sheet.
 const DEFAULT_SHEET: &str = "sonoglyph.png";
 /// Pixels per side that a picture may have, and in all: half a gigabyte of field.
 pub const LARGEST_SIDE: usize = 1_000_000;

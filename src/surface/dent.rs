@@ -1,4 +1,4 @@
-//! The dent that a pressure presses into a liquid at rest: ρ g h - σ ∇²h = p, h being the depth.
+//! The depression that a pressure presses into a liquid at rest: ρ g h - σ ∇²h = p, h being the depth.
 
 use std::f64::consts::PI;
 use std::fmt;
@@ -39,7 +39,7 @@ pub struct Dent {
     pub force: f64,
 }
 
-/// The largest factor on the drive's amplitude for which the linear theory holds, where it makes this slope; dents go with its
+/// The largest factor on the drive's amplitude for which the linear theory holds, where it makes this slope; depressions go with its
 /// square.
 pub fn largest_drive(slope: f64) -> f64 {
     if slope > 0.0 { (STEEPEST / slope).sqrt() } else { f64::INFINITY }
@@ -65,7 +65,7 @@ impl Tank {
         self.len() == 0
     }
 
-    /// The dent under a pressure (Pa) given for every cell, row by row.
+    /// The depression under a pressure (Pa) given for every cell, row by row.
     pub fn dent(&self, liquid: &Liquid, pressure: &[f64]) -> Dent {
         let mut modes = self.modes(pressure);
         for (mode, square) in modes.iter_mut().zip(self.squares()) {

@@ -22,9 +22,9 @@ pub struct Waves {
 pub struct Rest(Vec<f64>);
 
 impl Rest {
-    /// From the dent that the pressure makes, m for every cell of the tank.
+    /// From the depression that the pressure makes, m for every cell of the tank.
     ///
-    /// The liquid as a whole stays where it is: unlike a dent in an endless bath, waves displace nothing.
+    /// The liquid as a whole stays where it is: unlike a depression in an endless bath, waves displace nothing.
     pub fn new(tank: &Tank, depth: &[f64]) -> Self {
         let mut modes = tank.modes(depth);
         if let Some(level) = modes.first_mut() {

@@ -363,7 +363,10 @@ impl Action {
             Self::Ungroup => group::rename(editor, ""),
             Self::SelectAll => editor.selection = (0..editor.scene().targets.len()).collect(),
             Self::Snap => editor.snaps = !editor.snaps,
-            Self::Export(Export::Figure(_)) => editor.dialog = Some(Dialog::Figure),
+            Self::Export(Export::Figure(_)) => {
+                editor.figure.follow(&editor.view);
+                editor.dialog = Some(Dialog::Figure);
+            }
             Self::Export(Export::Motion(_)) => editor.dialog = Some(Dialog::Film),
             Self::Export(export) => ask_for_file(Purpose::Export(export)),
             Self::Tool(tool) => editor.tool = tool,

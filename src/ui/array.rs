@@ -8,6 +8,7 @@ use glam::{DVec2, DVec3};
 use crate::field::Quantity;
 use crate::picture::ColourMap;
 use crate::studio::map;
+use crate::ui::theme;
 use crate::ui::view::{Axes, Lens, array_size};
 use crate::ui::{Editor, Shown, Sound};
 
@@ -49,7 +50,7 @@ fn outline(editor: &Editor, axes: &Axes, painter: &Painter, lens: &Lens) {
     let corner = |x: f64, y: f64| lens.screen(axes.flat(half * DVec3::new(x, y, 0.0)));
     let closed =
         [corner(-1.0, -1.0), corner(1.0, -1.0), corner(1.0, 1.0), corner(-1.0, 1.0), corner(-1.0, -1.0)];
-    let stroke = Stroke::new(1.0, Color32::from_white_alpha(70));
+    let stroke = Stroke::new(1.0, theme::line(editor.view.is_light, 70));
     painter.extend(Shape::dashed_line(&closed, stroke, 6.0, 4.0));
 }
 

@@ -5,6 +5,7 @@ use glam::{DVec2, DVec3};
 
 use crate::field::Quantity;
 use crate::scene::Method;
+use crate::ui::icon::{self, Icon};
 use crate::ui::view::{Cut, View, Window};
 use crate::ui::{Editor, Map, Sound, Texture};
 
@@ -110,9 +111,8 @@ pub struct Difference {
 /// The switch among the other things that are shown.
 pub fn switch(editor: &mut Editor, ui: &mut Ui) {
     let mut is_on = editor.compare.is_some();
-    ui.toggle_value(&mut is_on, "Compare").on_hover_text(
-        "Two methods, drives or planes side by side with one range of colours, or their difference",
-    );
+    let tip = "Two methods, drives or planes side by side with one range of colours, or their difference";
+    icon::toggle(ui, Icon::Compare, "Compare", tip, &mut is_on);
     match (is_on, &editor.compare) {
         (true, None) => editor.compare = Some(Compare::default()),
         (false, Some(_)) => editor.compare = None,

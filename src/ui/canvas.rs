@@ -26,8 +26,6 @@ const ABOVE: f32 = 12.0;
 /// Points of the screen between two ticks, at least.
 const TICK: f64 = 70.0;
 const SMALLEST: f32 = 40.0;
-/// Where there is no map.
-pub const GROUND: Color32 = Color32::from_rgb(12, 12, 16);
 const CONTOUR: Color32 = Color32::from_rgb(235, 235, 235);
 const CONTOUR_EDGE: Color32 = Color32::from_rgba_premultiplied(0, 0, 0, 120);
 
@@ -94,7 +92,7 @@ pub fn paint(editor: &Editor, shown: &Shown, ui: &Ui, canvas: &Canvas) {
     let map = shown.map.as_ref().filter(|map| map.cut == editor.view.cut);
     // What a map covers, but for a part of a pixel, is not painted twice.
     if !map.is_some_and(|map| place(map, lens).expand(0.1).contains_rect(lens.rect)) {
-        painter.rect_filled(lens.rect, 0.0, GROUND);
+        painter.rect_filled(lens.rect, 0.0, ground(&editor.view));
     }
     if let Some(map) = map {
         paint_map(map, &painter, lens);
@@ -105,7 +103,7 @@ pub fn paint(editor: &Editor, shown: &Shown, ui: &Ui, canvas: &Canvas) {
         return;
     }
     if editor.view.grid || editor.snaps {
-        guides::grid(editor.grid, &painter, lens);
+        guides::grid(editor.grid, editor.view.is_light, &painter, lens);
     }
     if editor.view.marks {
         marks::paint(editor, shown, &painter, lens, canvas.response.hover_pos());
@@ -135,6 +133,11 @@ pub fn paint(editor: &Editor, shown: &Shown, ui: &Ui, canvas: &Canvas) {
     }
 }
 
+/// Behind the map.
+pub fn ground(view: &View) -> Color32 {
+    theme::ground(view.is_light && !view.is_shaded())
+}
+
 /// Where a map is on the screen.
 fn place(map: &Map, lens: &Lens) -> Rect {
     let there = Lens { rect: map.rect, window: map.window };
@@ -147,7 +150,9 @@ pub fn paint_map(map: &Map, painter: &Painter, lens: &Lens) {
     let place = place(map, lens);
     // Row 0 of a map is at the smallest y: the bottom.
     let upright = Rect::from_min_max(pos2(0.0, 1.0), pos2(1.0, 0.0));
-    painter.image(map.texture.id(), place, upright, Color32::WHITE);
+    for texture in [Some(map.texture.id()), map.veil].into_iter().flatten() {
+        painter.image(texture, place, upright, Color32::WHITE);
+    }
     contours(map, painter, place);
 }
 

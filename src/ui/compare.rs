@@ -177,7 +177,7 @@ pub fn paint(editor: &Editor, shown: &Shown, ui: &Ui, first: &Canvas, second: &S
     let view = compare.view(&editor.view);
     let lens = &second.lens;
     let painter = ui.painter_at(lens.rect);
-    painter.rect_filled(lens.rect, 0.0, canvas::GROUND);
+    painter.rect_filled(lens.rect, 0.0, canvas::ground(&view));
     let Some(beside) = &shown.beside else { return };
     let map = beside.map.as_ref().filter(|map| map.cut == view.cut);
     let difference = beside.difference.as_ref().filter(|_| compare.is_subtracted());
@@ -198,7 +198,7 @@ pub fn paint(editor: &Editor, shown: &Shown, ui: &Ui, first: &Canvas, second: &S
         canvas::axes(&view, ui, lens);
     }
     match (difference, map) {
-        (Some(difference), _) => balance(difference, ui, lens.rect),
+        (Some(difference), _) => balance(difference, view.is_light, ui, lens.rect),
         (None, Some(map)) => legend::paint(editor, map, ui, lens),
         (None, None) => {}
     }
@@ -263,7 +263,7 @@ fn outlines(editor: &Editor, sound: Option<&Sound>, view: &View, painter: &Paint
     for target in editor.scene().targets.iter().filter(|target| target.visible) {
         for stroke in edit::outline_on(target, &axes) {
             let stroke: Vec<_> = stroke.into_iter().map(|uv| lens.screen(uv)).collect();
-            painter.add(egui::Shape::line(stroke, Stroke::new(1.0, Color32::from_white_alpha(110))));
+            painter.add(egui::Shape::line(stroke, Stroke::new(1.0, theme::line(view.is_light, 110))));
         }
     }
     for focus in sound.iter().flat_map(|sound| &sound.foci).filter(|focus| focus.is_separate()) {
@@ -336,7 +336,7 @@ fn words(
 }
 
 /// The legend of a difference.
-fn balance(difference: &Difference, ui: &Ui, plot: Rect) {
+fn balance(difference: &Difference, is_light: bool, ui: &Ui, plot: Rect) {
     let (painter, ink) = (ui.painter(), ui.visuals().text_color());
     let left = plot.right() + 14.0;
     let bar = Rect::from_min_max(pos2(left, plot.top() + 36.0), pos2(left + 16.0, plot.bottom()));
@@ -344,7 +344,7 @@ fn balance(difference: &Difference, ui: &Ui, plot: Rect) {
     let font = FontId::proportional(12.0);
     let title = format!("Difference\n{unit}");
     painter.text(pos2(left, plot.top() - 4.0), Align2::LEFT_TOP, title, font.clone(), ink);
-    let table = ColourMap::Diverging.table();
+    let table = ColourMap::Diverging.on(is_light);
     let mut mesh = Mesh::default();
     let y = |part: f32| bar.bottom() - bar.height() * part;
     for (i, [r, g, b, _]) in table.iter().enumerate() {

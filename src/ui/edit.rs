@@ -69,7 +69,7 @@ pub fn paste(scene: &mut Scene, selection: &mut BTreeSet<usize>, axes: &Axes, te
     let by = (axes.x - axes.y) * BESIDE;
     for target in &mut targets {
         translate(&mut target.shape, by);
-        // Where nobody takes turns, there are no steps.
+        // Without turns there are no steps.
         target.step = target.step.filter(|_| scene.motion.path == MotionPath::Steps);
     }
     let first = scene.targets.len();

@@ -7,8 +7,8 @@ use glam::{DVec2, DVec3};
 
 use crate::scene::{Scene, outline};
 use crate::ui::edit;
-use crate::ui::ticks;
 use crate::ui::view::{Axes, Lens};
+use crate::ui::{theme, ticks};
 
 /// Points of the screen within which a line attracts.
 const REACH: f64 = 5.0;
@@ -17,7 +17,8 @@ const MOST: usize = 64;
 /// Points of the screen between two lines of the grid, at least.
 const DENSEST: f64 = 8.0;
 const COLOUR: Color32 = Color32::from_rgb(255, 92, 168);
-const GRID: Color32 = Color32::from_rgba_premultiplied(34, 34, 34, 34);
+/// Of 255: how much of the map the grid hides.
+const GRID: u8 = 34;
 
 /// A line that something lines up with: one coordinate on the cut, m.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -86,11 +87,11 @@ pub fn paint(guides: &[Guide], painter: &Painter, lens: &Lens) {
 }
 
 /// Draws the grid to which the pointer snaps, coarser where its lines would fill the map.
-pub fn grid(spacing: f64, painter: &Painter, lens: &Lens) {
+pub fn grid(spacing: f64, is_light: bool, painter: &Painter, lens: &Lens) {
     let coarser = [1.0, 2.0, 10.0, 20.0, 100.0].map(|factor| spacing * factor);
     let Some(step) = coarser.into_iter().find(|step| step / lens.window.scale >= DENSEST) else { return };
     let (low, high) = (lens.flat(lens.rect.left_bottom()), lens.flat(lens.rect.right_top()));
-    let stroke = Stroke::new(1.0, GRID);
+    let stroke = Stroke::new(1.0, theme::line(is_light, GRID));
     for x in ticks::between(low.x, high.x, step) {
         painter.vline(lens.screen(DVec2::new(x, 0.0)).x, lens.rect.y_range(), stroke);
     }

@@ -1,6 +1,6 @@
 //! Small drawn buttons: what can be seen beside the field, each a picture with a name and a sentence.
 
-use egui::{Pos2, Rect, Response, Role, Sense, Stroke, Ui, WidgetInfo, vec2};
+use egui::{Pos2, Rect, Response, Role, Sense, Shape, Stroke, StrokeKind, Ui, WidgetInfo, vec2};
 
 use crate::ui::theme;
 
@@ -14,6 +14,12 @@ pub enum Icon {
     Fit,
     Targets,
     Profile,
+    Compare,
+    Grid,
+    Guides,
+    Elements,
+    Peak,
+    Palm,
 }
 
 /// A button that does something once.
@@ -44,7 +50,7 @@ fn drawn(ui: &mut Ui, icon: Icon, name: &str, is_on: bool) -> Response {
         ui.painter().rect_filled(rect, 5.0, visuals.weak_bg_fill);
     }
     if response.has_focus() {
-        ui.painter().rect_stroke(rect, 5.0, ui.visuals().selection.stroke, egui::StrokeKind::Inside);
+        ui.painter().rect_stroke(rect, 5.0, ui.visuals().selection.stroke, StrokeKind::Inside);
     }
     paint(ui, icon, rect.shrink(6.0), Stroke::new(WIDTH, visuals.text_color()));
     response
@@ -73,6 +79,41 @@ fn paint(ui: &Ui, icon: Icon, rect: Rect, stroke: Stroke) {
             };
             painter.line((-10..=10).map(bell).collect(), stroke);
             painter.line_segment([at(-1.1, 1.1), at(1.1, 1.1)], stroke);
+        }
+        Icon::Compare => {
+            for x in [-1.0, 1.0] {
+                painter.line(vec![at(x * 0.3, -0.9), at(x, -0.9), at(x, 0.9), at(x * 0.3, 0.9)], stroke);
+            }
+            painter.line_segment([at(0.0, -1.1), at(0.0, 1.1)], stroke);
+        }
+        Icon::Grid => {
+            for place in [-0.6, 0.0, 0.6] {
+                painter.line_segment([at(place, -1.0), at(place, 1.0)], stroke);
+                painter.line_segment([at(-1.0, place), at(1.0, place)], stroke);
+            }
+        }
+        Icon::Guides => {
+            painter.extend(Shape::dashed_line(&[at(0.0, -1.1), at(0.0, 1.1)], stroke, 2.5, 2.0));
+            for (left, top, right, bottom) in [(-0.5, -0.8, 0.5, -0.2), (-0.9, 0.3, 0.9, 0.9)] {
+                let block = Rect::from_min_max(at(left, top), at(right, bottom));
+                painter.rect_stroke(block, 1.0, stroke, StrokeKind::Middle);
+            }
+        }
+        Icon::Elements => {
+            for (x, y) in [-0.8, 0.0, 0.8].into_iter().flat_map(|x| [-0.8, 0.0, 0.8].map(|y| (x, y))) {
+                painter.circle_filled(at(x, y), 1.8, stroke.color);
+            }
+        }
+        Icon::Peak => {
+            painter.line(vec![at(-1.1, 0.9), at(-0.5, 0.9), at(-0.1, -0.8), at(0.3, 0.9)], stroke);
+            painter.line(vec![at(0.3, 0.9), at(0.6, 0.1), at(0.9, 0.9), at(1.1, 0.9)], stroke);
+        }
+        Icon::Palm => {
+            let hand = [(-0.5, 1.1), (-1.0, 0.1), (-0.7, -0.1), (-0.45, 0.2), (-0.45, -0.8), (-0.15, -0.8)];
+            let rest = [(-0.15, -1.1), (0.2, -1.1), (0.2, -0.8), (0.55, -0.8), (0.55, -0.4), (0.85, -0.4)];
+            let end = [(0.85, 0.4), (0.5, 1.1), (-0.5, 1.1)];
+            let outline = hand.into_iter().chain(rest).chain(end).map(|(x, y)| at(x, y));
+            painter.line(outline.collect(), stroke);
         }
     }
 }

@@ -1,19 +1,32 @@
 //! The colour legend, and what it lets one choose.
 
+use std::ops::RangeInclusive;
+
 use egui::{
-    Align2, Color32, ComboBox, CursorIcon, DragValue, FontId, Mesh, Popup, PopupCloseBehavior, Rect,
-    RectAlign, Role, Sense, Stroke, StrokeKind, Ui, WidgetInfo, pos2, vec2,
+    Align2, Color32, ComboBox, CursorIcon, FontId, Mesh, Popup, PopupCloseBehavior, Rect, RectAlign, Role,
+    Sense, Stroke, StrokeKind, Ui, WidgetInfo, pos2, vec2,
 };
 
-use crate::field::colouring::FLOOR;
 use crate::field::quantity::{Range, figures};
 use crate::field::{Quantity, Scale};
 use crate::picture::ColourMap;
 use crate::picture::figure::axes::round_step;
 use crate::studio::convention::Convention;
+use crate::ui::number::{self, Look};
 use crate::ui::view::{Lens, View};
-use crate::ui::{Editor, Map, Shown, panels, segments, theme};
+use crate::ui::{Editor, Map, Shown, panels, segments, theme, ticks};
 
+/// Of what the map shows: Pa, m, and so on.
+const SMALLEST: f64 = 1e-12;
+const LARGEST: f64 = 1e9;
+/// The least distance of the ends, as a part of the upper one.
+const NARROWEST: f64 = 1e-3;
+/// dB
+const FLOORS: RangeInclusive<f64> = -120.0..=-1.0;
+/// dB
+const CONTOURS: RangeInclusive<f64> = -60.0..=-0.1;
+/// Round steps along the bar, about.
+const STEPS: f64 = 6.0;
 const WIDTH: f32 = 16.0;
 const GAP: f32 = 14.0;
 
@@ -34,7 +47,7 @@ pub fn paint(editor: &Editor, map: &Map, ui: &Ui, lens: &Lens) {
     let convention = editor.view.convention;
     let factor = convention.factor(map.quantity);
     let full = map.full.unwrap_or(map.largest).max(1e-30) * factor;
-    let law = Law::of(map.quantity, editor.view.scale);
+    let law = Law::of(&editor.view, map.quantity, map.low.map(|low| low * factor), full);
     painter.text(
         pos2(bar.left(), plot.top() - 4.0),
         Align2::LEFT_TOP,
@@ -42,12 +55,20 @@ pub fn paint(editor: &Editor, map: &Map, ui: &Ui, lens: &Lens) {
         FontId::proportional(12.0),
         ink,
     );
-    let table = editor.view.colour_map().table();
+    let table = editor.view.table();
+    let dims = editor.view.veil().is_some();
+    let ground = theme::ground(editor.view.is_light);
     let mut mesh = Mesh::default();
     for (i, [r, g, b, _]) in table.iter().enumerate() {
         let y = |i: usize| bar.bottom() - bar.height() * i as f32 / table.len() as f32;
         let strip = Rect::from_min_max(pos2(bar.left(), y(i + 1)), pos2(bar.right(), y(i)));
-        mesh.add_colored_rect(strip, Color32::from_rgb(*r, *g, *b));
+        let colour = Color32::from_rgb(*r, *g, *b);
+        mesh.add_colored_rect(strip, colour);
+        if dims {
+            // From silence at the left to the largest amplitude at the right.
+            let corners = mesh.vertices.iter_mut().rev().take(4);
+            corners.filter(|corner| corner.pos.x == strip.left()).for_each(|corner| corner.color = ground);
+        }
     }
     painter.add(mesh);
     let edge = Stroke::new(1.0, ui.visuals().weak_text_color());
@@ -79,7 +100,8 @@ pub fn controls(editor: &mut Editor, shown: &Shown, ui: &mut Ui, lens: &Lens) {
     let response = response
         .on_hover_cursor(CursorIcon::PointingHand)
         .on_hover_text("Colour scale. Click to choose colours, range and contour lines");
-    let popup = Popup::menu(&response)
+    // Not a menu, where fields have no frames.
+    let popup = Popup::from_toggle_button_response(&response)
         .align(RectAlign::LEFT_START)
         .close_behavior(PopupCloseBehavior::CloseOnClickOutside);
     popup.show(|ui| {
@@ -100,7 +122,7 @@ fn choices(view: &mut View, map: &Map, ui: &mut Ui) {
         list.response.labelled_by(name.id);
         ui.end_row();
         label(ui, "Scale");
-        let decibels = "In decibels, from the largest pressure down to a thousandth of it".to_owned();
+        let decibels = "In decibels below the largest value".to_owned();
         let scales = [
             (Scale::Linear, "Linear", "In proportion to the value".to_owned()),
             (Scale::Logarithmic, "dB", decibels),
@@ -109,60 +131,113 @@ fn choices(view: &mut View, map: &Map, ui: &mut Ui) {
         ui.end_row();
     }
     if view.quantity.declaration().range != Range::Cyclic {
-        label(ui, "Range");
+        let convention = if view.quantity.declaration().is_root { view.convention.name() } else { "" };
+        label(ui, format!("Range {convention}").trim_end());
         range(view, map, ui);
         ui.end_row();
+    } else {
+        label(ui, "Brightness");
+        ui.checkbox(&mut view.fades, "Follows amplitude")
+            .on_hover_text("Phases are dark where the pressure is low, where they mean little");
+        ui.end_row();
     }
+    label(ui, "Ground");
+    let mut is_light = view.is_light;
+    let tip = "White where there is no sound, as in print; on by default in the light theme";
+    if ui.checkbox(&mut is_light, "Light").on_hover_text(tip).accessible_name("Light ground").changed() {
+        let of_theme = !ui.visuals().dark_mode;
+        view.ground = (is_light != of_theme).then_some(is_light);
+    }
+    ui.end_row();
     if view.quantity.declaration().has_mean {
         ui.checkbox(&mut view.contours, "Contours").on_hover_text(
-            "Lines where the value is so many decibels below the largest in view; at -6 dB the pressure is half of it",
+            "Lines at a level below the largest value in view; at -6 dB the pressure is half of it",
         );
-        let field = DragValue::new(&mut view.contour_level).speed(0.1).range(-60.0..=-0.1);
-        let field = field.max_decimals(1).suffix(" dB");
-        ui.add_enabled(view.contours, field).accessible_name("Level of the contour lines");
+        ui.add_enabled_ui(view.contours, |ui| {
+            let name = Some("Level of the contour lines");
+            let look = Look { unit: " dB", has_suffix: true, decimals: 1, speed: 0.1, name };
+            number::field(ui, &mut view.contour_level, &look, CONTOURS);
+        });
         ui.end_row();
     }
 }
 
-/// Up to the largest value on the screen, or up to one that stays.
+/// The ends of the colours, in the unit of the legend. They follow the map until one is typed or they are locked.
 fn range(view: &mut View, map: &Map, ui: &mut Ui) {
+    let largest = view.full.unwrap_or(map.largest);
+    let stated = view.convention.factor(view.quantity);
+    let (unit, symbol) = view.quantity.declaration().unit.scaled(largest * stated);
+    let per = unit * stated;
+    let suffix = format!(" {symbol}");
+    let is_linear = view.colouring().scale() == Scale::Linear;
+    let least = if view.quantity.declaration().range == Range::Signed { -largest } else { 0.0 };
+    let field = |ui: &mut Ui, value: f64, range: RangeInclusive<f64>, name: &'static str| {
+        let mut typed = value * per;
+        let decimals = if largest * per >= 100.0 { 1 } else { 3 };
+        let speed = 0.01 * (largest * per).max(1e-3);
+        let look = Look { unit: &suffix, has_suffix: true, decimals, speed, name: Some(name) };
+        let response = number::field(ui, &mut typed, &look, range.start() * per..=range.end() * per);
+        (response.changed() && typed.is_finite()).then(|| (typed / per).clamp(*range.start(), *range.end()))
+    };
     ui.horizontal(|ui| {
-        let mut is_locked = view.full.is_some();
-        ui.checkbox(&mut is_locked, "Lock")
-            .on_hover_text("Keep the range of colours while the sound changes");
-        view.full = is_locked.then(|| view.full.unwrap_or(map.largest));
-        let convention = view.convention.factor(view.quantity);
-        let (unit, symbol) =
-            view.quantity.declaration().unit.scaled(view.full.unwrap_or(map.largest) * convention);
-        let mut value = view.full.unwrap_or(map.largest) * convention * unit;
-        let speed = 0.01 * value.abs().max(1e-3);
-        let field = DragValue::new(&mut value).speed(speed).suffix(format!(" {symbol}"));
-        let response = ui.add_enabled(is_locked, field).accessible_name("Largest value that has a colour");
-        if response.changed() && value.is_finite() {
-            view.full = Some((value / unit / convention).clamp(1e-12, 1e9));
+        if is_linear {
+            let low = view.low.filter(|_| view.full.is_some()).unwrap_or(least);
+            let lowest = if least < 0.0 { -LARGEST } else { 0.0 };
+            let typed =
+                field(ui, low, lowest..=largest * (1.0 - NARROWEST), "Smallest value that has a colour");
+            if let Some(low) = typed {
+                (view.low, view.full) = (Some(low), Some(largest));
+            }
+            ui.label("to");
+        } else {
+            floor(view, ui);
+            ui.label("below");
+        }
+        let low = view.low.filter(|_| is_linear && view.full.is_some()).unwrap_or(0.0).max(0.0);
+        let smallest = (low * (1.0 + NARROWEST)).max(SMALLEST);
+        if let Some(full) = field(ui, largest, smallest..=LARGEST, "Largest value that has a colour") {
+            view.full = Some(full);
         }
     });
+    ui.end_row();
+    ui.label("");
+    let mut is_locked = view.full.is_some();
+    let tip = "Keep the ends of the colours while the sound changes; typing one locks them";
+    if ui.checkbox(&mut is_locked, "Lock").on_hover_text(tip).changed() {
+        view.forget_range();
+        view.full = is_locked.then_some(map.largest);
+    }
+}
+
+/// How far a logarithmic scale goes down.
+fn floor(view: &mut View, ui: &mut Ui) {
+    let mut decibels = view.quantity.decibels(view.floor);
+    let name = Some("Lowest level that has a colour");
+    let look = Look { unit: " dB", has_suffix: true, decimals: 1, speed: 0.5, name };
+    if number::field(ui, &mut decibels, &look, FLOORS).changed() && decibels.is_finite() {
+        view.floor = 10f64.powf(decibels / view.quantity.declaration().decibels);
+    }
 }
 
 /// How values are spread over the bar.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Law {
-    /// From nothing to the largest.
-    Linear,
-    /// dB below the largest.
-    Decibels,
-    /// From minus the largest to the largest.
-    Signed,
+    /// From this part of the largest.
+    Linear(f64),
+    /// dB below the largest, down to this part of it.
+    Decibels(f64),
     Turn,
 }
 
 impl Law {
-    fn of(quantity: Quantity, scale: Scale) -> Self {
-        match (quantity.declaration().range, scale) {
+    /// With the first colour at `low`, where that is chosen, and the last one at `full`.
+    fn of(view: &View, quantity: Quantity, low: Option<f64>, full: f64) -> Self {
+        let low = low.filter(|low| *low < full).map(|low| low / full);
+        match (quantity.declaration().range, view.scale) {
             (Range::Cyclic, _) => Self::Turn,
-            (Range::Signed, _) => Self::Signed,
-            (Range::Amount, Scale::Linear) => Self::Linear,
-            (Range::Amount, Scale::Logarithmic) => Self::Decibels,
+            (Range::Signed, _) => Self::Linear(low.unwrap_or(-1.0)),
+            (Range::Amount, Scale::Linear) => Self::Linear(low.unwrap_or(0.0)),
+            (Range::Amount, Scale::Logarithmic) => Self::Decibels(view.floor),
         }
     }
 
@@ -173,8 +248,10 @@ impl Law {
             false => text,
         };
         match self {
-            Self::Decibels => format!("{title}\ndB of {}", with_convention(quantity.with_unit(full))),
-            Self::Linear | Self::Signed | Self::Turn => {
+            Self::Decibels(_) => {
+                format!("{}\ndB re {}", with_convention(title.to_owned()), quantity.with_unit(full))
+            }
+            Self::Linear(_) | Self::Turn => {
                 let unit = quantity.declaration().unit.scaled(full).1;
                 format!("{title}\n{}", with_convention(unit.to_owned()))
             }
@@ -184,9 +261,9 @@ impl Law {
     /// The part of the bar at which a part of the largest value stands.
     fn place(self, part: f64, quantity: Quantity) -> f64 {
         match self {
-            Self::Linear => part,
-            Self::Decibels => 1.0 - quantity.decibels(part) / quantity.decibels(FLOOR.into()),
-            Self::Signed | Self::Turn => 0.5 + 0.5 * part,
+            Self::Linear(low) => (part - low) / (1.0 - low),
+            Self::Decibels(floor) => 1.0 - quantity.decibels(part) / quantity.decibels(floor),
+            Self::Turn => 0.5 + 0.5 * part,
         }
     }
 
@@ -196,31 +273,28 @@ impl Law {
             Self::Turn => [-180.0, -90.0, 0.0, 90.0, 180.0]
                 .map(|degrees| (degrees / 360.0 + 0.5, format!("{degrees:.0}")))
                 .to_vec(),
-            Self::Decibels => {
-                let least = quantity.decibels(FLOOR.into());
-                let tick = |part: f64| (1.0 - part, format!("{:.0}", least * part + 0.0));
-                (0..=6).map(|i| tick(f64::from(i) / 6.0)).collect()
+            Self::Decibels(floor) => {
+                let least = quantity.decibels(floor);
+                let step = round_step(-least / STEPS);
+                let levels = (0..).map(|i| -step * f64::from(i)).take_while(|level| *level > least - 1e-6);
+                let decimals = ticks::decimals(step);
+                levels.map(|level| (1.0 - level / least, format!("{:.decimals$}", level + 0.0))).collect()
             }
-            Self::Linear => amounts(full, 6.0),
-            Self::Signed => {
-                let above = amounts(full, 3.0);
-                let below = above.iter().skip(1).map(|(part, label)| (-part, format!("-{label}")));
-                let all: Vec<_> = below.chain(above.iter().cloned()).collect();
-                all.into_iter().map(|(part, label)| (0.5 + 0.5 * part, label)).collect()
-            }
+            Self::Linear(low) => amounts(low * full, full),
         }
     }
 }
 
-/// Round values from nothing to `full`, about so many, as parts of it; the largest value itself is written at the end.
-fn amounts(full: f64, count: f64) -> Vec<(f64, String)> {
-    let step = round_step(full / count);
-    let decimals = (-step.log10().floor()).clamp(0.0, 6.0) as usize;
-    let mut ticks: Vec<_> = (0..=(full / step).floor() as usize)
-        .map(|i| i as f64 * step)
-        .filter(|value| value / full < 1.0 - 0.36 / count)
-        .map(|value| (value / full, format!("{value:.decimals$}")))
-        .collect();
+/// Round values from `low` to `full`, as parts of the way; both ends are written as they are.
+fn amounts(low: f64, full: f64) -> Vec<(f64, String)> {
+    /// Of the way: round values this near to an end give way to it.
+    const NEAR: f64 = 0.06;
+    let step = round_step((full - low) / STEPS);
+    let decimals = ticks::decimals(step).min(6);
+    let within = ticks::between(low, full, step).map(|value| ((value - low) / (full - low), value));
+    let within = within.filter(|(part, _)| (NEAR..1.0 - NEAR).contains(part));
+    let mut ticks = vec![(0.0, figures(low))];
+    ticks.extend(within.map(|(part, value)| (part, format!("{:.decimals$}", value + 0.0))));
     ticks.push((1.0, figures(full)));
     ticks
 }
@@ -232,25 +306,35 @@ mod tests {
     #[test]
     fn decibels_stand_where_their_colours_are() {
         for (quantity, floor) in [(Quantity::Rms, "-60"), (Quantity::Depression, "-30")] {
-            let ticks = Law::Decibels.ticks(quantity, 7.0);
+            let law = Law::Decibels(1e-3);
+            let ticks = law.ticks(quantity, 7.0);
             assert_eq!(ticks.last().unwrap(), &(0.0, floor.to_owned()));
             assert_eq!(ticks[0], (1.0, "0".to_owned()));
-            assert!((Law::Decibels.place(FLOOR.into(), quantity)).abs() < 1e-6);
-            assert!((Law::Decibels.place(0.1, quantity) - 2.0 / 3.0).abs() < 1e-6);
+            assert!(law.place(1e-3, quantity).abs() < 1e-6);
+            assert!((law.place(0.1, quantity) - 2.0 / 3.0).abs() < 1e-6);
         }
-        assert_eq!(
-            (Law::Signed.place(-1.0, Quantity::Instantaneous), Law::Linear.place(0.5, Quantity::Rms)),
-            (0.0, 0.5)
-        );
+        assert!((Law::Decibels(1e-2).place(0.1, Quantity::Rms) - 0.5).abs() < 1e-6);
+        assert_eq!((Law::Linear(-1.0).place(-1.0, Quantity::Instantaneous)), 0.0);
+        assert_eq!(Law::Linear(0.0).place(0.5, Quantity::Rms), 0.5);
+        assert_eq!(Law::Linear(0.25).place(0.5, Quantity::Rms), 1.0 / 3.0);
     }
 
     #[test]
-    fn ticks_stay_on_the_bar() {
+    fn ticks_stay_on_the_bar_and_rise() {
         for full in [1e-4, 0.013, 1.0, 7.3, 850.0, 2e6] {
-            for law in [Law::Linear, Law::Decibels, Law::Signed, Law::Turn] {
+            for law in [-1.0, -0.2, 0.0, 0.3, 0.99]
+                .map(Law::Linear)
+                .into_iter()
+                .chain([1e-3, 0.02, 1e-6].map(Law::Decibels))
+            {
                 let ticks = law.ticks(Quantity::Rms, full);
-                assert!(ticks.len() >= 3 && ticks.len() < 12, "{full}: {ticks:?}");
-                assert!(ticks.iter().all(|(part, _)| (0.0..=1.0).contains(part)), "{ticks:?}");
+                assert!(ticks.len() >= 3 && ticks.len() < 14, "{full} {law:?}: {ticks:?}");
+                assert!(ticks.iter().all(|(part, _)| (-1e-9..=1.0).contains(part)), "{ticks:?}");
+                let rises = |pair: &[(f64, String)]| pair[0].0 < pair[1].0;
+                assert!(
+                    ticks.windows(2).all(rises) || ticks.windows(2).all(|pair| !rises(pair)),
+                    "{ticks:?}"
+                );
             }
         }
     }

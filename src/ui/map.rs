@@ -18,8 +18,12 @@ pub struct Map {
     pub quantity: Quantity,
     /// rad, the ωt of an instantaneous pressure.
     pub phase: f64,
+    /// Lies over the picture and dims it.
+    pub veil: Option<egui::TextureId>,
     /// What gets the last colour, if not the largest value.
     pub full: Option<f64>,
+    /// What gets the first colour of a linear scale, if that is chosen.
+    pub low: Option<f64>,
     /// The largest value, as [`crate::field::Map::peak`] has it.
     pub largest: f64,
     /// Relative to it.
@@ -28,7 +32,7 @@ pub struct Map {
     pub width: usize,
     pub height: usize,
     pub contours: Vec<Line>,
-    /// How many times as deep as it is a shaded dent is drawn.
+    /// How many times as deep as it is a shaded depression is drawn.
     pub exaggeration: Option<f64>,
     /// Row by row from the smallest y, where they are there and the sound at a point does not tell them.
     pub numbers: Option<Vec<f32>>,

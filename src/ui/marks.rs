@@ -30,7 +30,7 @@ pub fn paint(editor: &Editor, shown: &Shown, painter: &Painter, lens: &Lens, poi
         // Where separate foci are marked, their outline stays behind.
         let is_continuous = target.sampling == Sampling::Continuous || target.is_area();
         let (width, alpha) = if is_continuous { (1.8, 190) } else { (1.0, 110) };
-        let colour = if chosen { theme::CHOSEN } else { Color32::from_white_alpha(alpha) };
+        let colour = if chosen { theme::CHOSEN } else { theme::line(editor.view.is_light, alpha) };
         for stroke in edit::outline_on(target, &axes) {
             let points: Vec<_> = stroke.into_iter().map(|uv| lens.screen(uv)).collect();
             if let [only] = points[..] {
@@ -41,6 +41,10 @@ pub fn paint(editor: &Editor, shown: &Shown, painter: &Painter, lens: &Lens, poi
             }
             if chosen {
                 painter.add(Shape::line(points.clone(), Stroke::new(4.0, theme::MARK_EDGE)));
+            } else if editor.view.is_light {
+                // What is loud is as dark as the line.
+                let halo = theme::line(false, alpha);
+                painter.add(Shape::line(points.clone(), Stroke::new(width + 1.6, halo)));
             }
             painter.add(Shape::line(points, Stroke::new(if chosen { 2.0 } else { width }, colour)));
         }

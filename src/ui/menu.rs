@@ -3,13 +3,13 @@
 use std::path::PathBuf;
 
 use egui::containers::menu::MenuBar;
-use egui::{Button, Color32, Context, DragValue, Label, ProgressBar, RichText, Sense, Stroke, Ui, vec2};
+use egui::{Button, Color32, Context, Label, ProgressBar, RichText, Sense, Stroke, Ui, vec2};
 
 use crate::device::health::State;
 use crate::ui::action::{self, Action, Group};
 use crate::ui::board::{BoardCommand, Plays};
 use crate::ui::tool::{self, Tool};
-use crate::ui::{Command, Editor, Shown, theme};
+use crate::ui::{Command, Editor, Shown, panels, theme};
 
 /// Points of the screen: a tool with the gap below it.
 const TOOL: f32 = 32.0;
@@ -203,9 +203,7 @@ fn edit(editor: &mut Editor, shown: &Shown, ui: &mut Ui, commands: &mut Vec<Comm
     ui.checkbox(&mut editor.snaps, "Snap to the grid (K)");
     ui.horizontal(|ui| {
         let label = ui.label("Grid");
-        let mut grid = editor.grid * 1e3;
-        ui.add(DragValue::new(&mut grid).range(0.5..=50.0).speed(0.1).suffix(" mm")).labelled_by(label.id);
-        editor.grid = grid * 1e-3;
+        panels::bare_number(ui, &mut editor.grid, panels::MM, 5e-4..=0.05).labelled_by(label.id);
     });
 }
 

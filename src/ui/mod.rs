@@ -1,5 +1,5 @@
 //! The window's panels, canvas and tools. They edit an [`Editor`], show a [`Shown`] and return [`Command`]s; files, threads,
-//! solving and the field are somebody else's.
+//! solving and the field are elsewhere.
 
 pub mod action;
 mod arrangement;
@@ -358,6 +358,7 @@ pub fn show(
     canvas: impl FnOnce(&mut Editor, &mut Shown, &mut Ui),
 ) -> Vec<Command> {
     let mut commands = Vec::new();
+    editor.view.follow_theme(ui.visuals().dark_mode);
     let quantity = editor.view.quantity;
     keys::press(editor, shown, ui.ctx(), &mut commands);
     // The window is cleared to the panels' colour: filling every pixel once more would take a software driver half a frame.
@@ -371,8 +372,8 @@ pub fn show(
     gallery::show(centre.response.rect, editor, shown, ui, &mut commands);
     dialog::show(editor, shown, ui.ctx(), &mut commands);
     if editor.view.quantity != quantity {
-        // A range of pascals is none of metres.
-        editor.view.full = None;
+        // A range in pascals does not fit metres.
+        editor.view.forget_range();
     }
     dialog::warn_of_loudness(editor, &mut commands);
     commands

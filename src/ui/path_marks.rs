@@ -25,7 +25,7 @@ pub fn paint(editor: &Editor, shown: &Shown, painter: &Painter, lens: &Lens) {
         if motion.path == MotionPath::Outline {
             for stroke in edit::outline_on(target, &axes) {
                 let stroke: Vec<_> = stroke.into_iter().map(|uv| lens.screen(uv)).collect();
-                painter.extend(Shape::dotted_line(&stroke, Color32::from_white_alpha(150), 6.0, 2.0));
+                painter.extend(Shape::dotted_line(&stroke, theme::line(editor.view.is_light, 150), 6.0, 2.0));
             }
         } else if way::arm(motion.path).is_some() || !way::handles(motion).is_empty() {
             let line = way::way(motion, centre, &axes, lens);
@@ -33,7 +33,7 @@ pub fn paint(editor: &Editor, shown: &Shown, painter: &Painter, lens: &Lens) {
                 painter.add(Shape::line(line.clone(), Stroke::new(3.0, theme::MARK_EDGE)));
                 painter.add(Shape::line(line, Stroke::new(1.4, theme::CHOSEN)));
             } else {
-                painter.extend(Shape::dotted_line(&line, Color32::from_white_alpha(150), 6.0, 1.2));
+                painter.extend(Shape::dotted_line(&line, theme::line(editor.view.is_light, 150), 6.0, 1.2));
             }
         }
     }
@@ -55,7 +55,7 @@ fn moved(editor: &Editor, painter: &Painter, axes: &Axes, lens: &Lens) {
         edit::translate(&mut there.shape, offset);
         for stroke in edit::outline_on(&there, axes).into_iter().filter(|stroke| stroke.len() > 1) {
             let stroke: Vec<_> = stroke.into_iter().map(|uv| lens.screen(uv)).collect();
-            painter.add(Shape::line(stroke, Stroke::new(1.6, Color32::from_white_alpha(200))));
+            painter.add(Shape::line(stroke, Stroke::new(1.6, theme::line(editor.view.is_light, 200))));
         }
     }
 }

@@ -44,7 +44,8 @@ pub fn show<T: Copy + PartialEq>(ui: &mut Ui, name: &str, value: &mut T, choices
     *value != before
 }
 
-fn text_width(ui: &Ui, text: &str) -> f32 {
+/// Points of the screen that a text on a button takes.
+pub fn text_width(ui: &Ui, text: &str) -> f32 {
     let galley =
         WidgetText::from(text).into_galley(ui, Some(TextWrapMode::Extend), f32::INFINITY, TextStyle::Button);
     galley.size().x

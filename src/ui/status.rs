@@ -21,7 +21,8 @@ pub fn bar(editor: &Editor, shown: &Shown, ui: &mut Ui) {
         if let Some(notice) = &shown.notice {
             let colour = if notice.is_error { theme::error(ui.visuals()) } else { ui.visuals().text_color() };
             let text = echo::message(&notice.text);
-            ui.add(Label::new(RichText::new(&text).color(colour)).truncate()).on_hover_text(text);
+            // Where it is cut, hovering shows all of it.
+            ui.add(Label::new(RichText::new(text).color(colour)).truncate());
         }
     });
 }

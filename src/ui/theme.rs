@@ -21,6 +21,16 @@ pub const MARK: Color32 = Color32::WHITE;
 pub const MARK_EDGE: Color32 = Color32::from_rgba_premultiplied(0, 0, 0, 190);
 pub const CHOSEN: Color32 = Color32::from_rgb(72, 219, 251);
 
+/// Behind a map.
+pub fn ground(is_light: bool) -> Color32 {
+    if is_light { Color32::WHITE } else { Color32::from_rgb(12, 12, 16) }
+}
+
+/// Thin lines over the map, on a dark or a light ground.
+pub fn line(is_light: bool, alpha: u8) -> Color32 {
+    if is_light { Color32::from_black_alpha(alpha) } else { Color32::from_white_alpha(alpha) }
+}
+
 /// Sets the font, and sizes, spacing and colours of both themes.
 pub fn install(ctx: &Context) {
     let mut fonts = FontDefinitions::empty();

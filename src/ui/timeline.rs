@@ -289,7 +289,7 @@ fn show_keyframe(
     ));
 }
 
-/// Moves a keyframe to the frame nearest to a part of the round, between its neighbours.
+/// Moves a keyframe to the frame nearest to a part of the repetition, between its neighbours.
 fn retime(keyframes: &mut [Keyframe], index: usize, part: f64, frames: f64) {
     let step = 1.0 / frames.clamp(1.0, MOST_STEPS);
     let least = index.checked_sub(1).map_or(0.0, |before| keyframes[before].time + step);

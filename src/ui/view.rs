@@ -5,8 +5,10 @@ use std::f64::consts::FRAC_PI_4;
 use egui::{Pos2, Rect, Vec2, vec2};
 use glam::{DQuat, DVec2, DVec3};
 
+use crate::field::colouring::FLOOR;
+use crate::field::quantity::Range;
 use crate::field::{Colouring, Quantity, Scale};
-use crate::picture::ColourMap;
+use crate::picture::{ColourMap, colour};
 use crate::scene::{Array, Plane, Scene, outline};
 use crate::studio::convention::Convention;
 use crate::studio::map;
@@ -188,7 +190,17 @@ pub struct View {
     pub convention: Convention,
     /// What gets the last colour (Pa RMS, Pa or m), the largest value if `None`.
     pub full: Option<f64>,
-    /// The dent as light falls on it, and not as a map.
+    /// What gets the first colour of a linear scale, where `full` is given; as in [`Colouring::low`] if `None`.
+    pub low: Option<f64>,
+    /// The part of the largest value that gets the first colour of a logarithmic scale.
+    pub floor: f64,
+    /// Colours are for a light ground; as the theme is, if `None`.
+    pub ground: Option<bool>,
+    /// What that comes to.
+    pub is_light: bool,
+    /// The brightness of a phase map follows the amplitude.
+    pub fades: bool,
+    /// The depression as a shaded relief instead of a map.
     pub shaded: bool,
     /// Lines where the shown amount has one value are drawn.
     pub contours: bool,
@@ -226,6 +238,11 @@ impl View {
             scale: Scale::Linear,
             convention: Convention::Rms,
             full: None,
+            low: None,
+            floor: FLOOR.into(),
+            ground: None,
+            is_light: false,
+            fades: false,
             shaded: false,
             contours: false,
             contour_level: -6.0,
@@ -337,7 +354,32 @@ impl View {
 
     /// Over the whole range.
     pub fn colouring(&self) -> Colouring {
-        Colouring { scale: self.scale, ..Colouring::new(self.quantity, self.colour_map().table()) }
+        Colouring {
+            scale: self.scale,
+            floor: self.floor as f32,
+            ..Colouring::new(self.quantity, self.table())
+        }
+    }
+
+    /// The colours, for the ground that is chosen.
+    pub fn table(&self) -> [[u8; 4]; 256] {
+        self.colour_map().on(self.is_light)
+    }
+
+    /// Of the RMS pressure that lies over a phase map as a veil, where brightness follows it.
+    pub fn veil(&self) -> Option<Colouring> {
+        let is_wanted = self.fades && self.quantity.declaration().range == Range::Cyclic;
+        is_wanted.then(|| Colouring::new(Quantity::Rms, colour::veil(self.is_light)))
+    }
+
+    /// Follows the theme where the ground is not chosen.
+    pub fn follow_theme(&mut self, is_dark: bool) {
+        self.is_light = self.ground.unwrap_or(!is_dark);
+    }
+
+    /// Colours over the whole range of the map.
+    pub fn forget_range(&mut self) {
+        (self.full, self.low) = (None, None);
     }
 
     /// Colours from nothing to the largest, round a turn, or from the most negative to the most positive.

@@ -1,10 +1,12 @@
 //! The two rows above the canvas: which quantity is seen, and on which plane.
 
-use egui::{DragValue, Slider, Ui};
+use egui::{Slider, Ui};
 
 use crate::field::Quantity;
 use crate::studio::convention::Convention;
 use crate::ui::icon::{self, Icon};
+use crate::ui::number::{self, Look};
+use crate::ui::panels::{DEGREES, MM, Unit};
 use crate::ui::tool::Tool;
 use crate::ui::view::{Cut, FreePlane};
 use crate::ui::{Editor, beside, brush, panels, segments};
@@ -36,12 +38,12 @@ pub fn show(editor: &mut Editor, ui: &mut Ui) {
 
 /// What the brush paints or the eraser wipes.
 fn brush(editor: &mut Editor, ui: &mut Ui) {
-    let tip = "Of the brush and the eraser ([ and ])";
+    let tip = "Of brush and eraser ([ and ])";
     let label = ui.label("Diameter").on_hover_text(tip);
     let diameter = &mut editor.brush.diameter;
-    panels::bare_number(ui, diameter, panels::MM, brush::DIAMETER).labelled_by(label.id).on_hover_text(tip);
+    panels::bare_number(ui, diameter, MM, brush::DIAMETER).labelled_by(label.id).on_hover_text(tip);
     if editor.tool == Tool::Brush {
-        let tip = "Wanted pressure squared, relative to that of white";
+        let tip = "Target pressure squared, relative to white";
         let label = ui.label("Brightness").on_hover_text(tip);
         let brightness = &mut editor.brush.brightness;
         let response = panels::bare_number(ui, brightness, panels::PLAIN, brush::BRIGHTNESS);
@@ -77,19 +79,23 @@ fn convention(editor: &mut Editor, ui: &mut Ui) {
 fn oscillation(editor: &mut Editor, ui: &mut Ui) {
     let oscillation = &mut editor.oscillation;
     let (name, tip) = if oscillation.playing {
-        ("Pause", "Let the waves stand still")
+        ("Pause", "Stops the waves")
     } else {
-        ("Play", "Let the waves run: a period takes two seconds")
+        ("Play", "Runs the waves: a period takes two seconds")
     };
     if ui.button(name).on_hover_text(tip).clicked() {
         oscillation.playing = !oscillation.playing;
     }
-    // What the slider would round it would report as a change.
+    // A number that the slider rounded would count as changed.
     let mut degrees = (oscillation.part * 360.0).round();
-    let slider = Slider::new(&mut degrees, 0.0..=360.0).max_decimals(0).suffix("°");
+    let tip = "Moment in the period of the sound";
+    let slider = Slider::new(&mut degrees, 0.0..=360.0).max_decimals(0).show_value(false);
     ui.spacing_mut().slider_width = 100.0;
-    let response = ui.add(slider).accessible_name("Phase of the moment");
-    if response.on_hover_text("Which moment of the sound's period is seen").changed() && degrees.is_finite() {
+    let slid = ui.add(slider).accessible_name("Moment").on_hover_text(tip).changed();
+    let look =
+        Look { unit: "°", has_suffix: true, decimals: 0, speed: 1.0, name: Some("Phase of the moment") };
+    let typed = number::field(ui, &mut degrees, &look, 0.0..=360.0).on_hover_text(tip).changed();
+    if (slid || typed) && degrees.is_finite() {
         oscillation.playing = false;
         oscillation.part = (degrees / 360.0).rem_euclid(1.0);
     }
@@ -101,7 +107,7 @@ fn surface(editor: &mut Editor, ui: &mut Ui) {
         (
             true,
             "Shaded",
-            "The surface as light falls on it, seen from the front; targets are edited in the flat view"
+            "The surface as a shaded relief, seen from the front; targets are edited in the flat view"
                 .to_owned(),
         ),
     ];
@@ -124,39 +130,36 @@ fn height(editor: &mut Editor, ui: &mut Ui) {
     let (Some(name), Some(height)) = (cut.normal(), editor.view.height_mut()) else { return };
     let least = if cut == Cut::Xy { 0.01 } else { -FARTHEST / 2.0 };
     let mut shown = *height * 1e3;
+    let tip = format!(
+        "Position of the plane along {name}. New targets are drawn on it; “Set as scene plane” in the Scene panel writes it to \
+         the scene."
+    );
     let label = ui.label(name);
     let slider = Slider::new(&mut shown, least * 1e3..=(least + FARTHEST) * 1e3)
         .clamping(egui::SliderClamping::Never)
         .step_by(0.5)
-        .suffix(" mm");
-    let response = ui.add(slider).labelled_by(label.id).on_hover_text(format!(
-        "Where the plane lies along {name}. New targets are drawn on it; “Set as scene plane” in the Scene panel writes it to \
-         the scene."
-    ));
+        .show_value(false);
+    let response = ui.add(slider).accessible_name(format!("Position along {name}")).on_hover_text(&tip);
     if response.changed() && shown.is_finite() {
         *height = (shown * 1e-3).clamp(-10.0, 10.0);
     }
+    panels::bare_number(ui, height, MM, -10.0..=10.0).labelled_by(label.id).on_hover_text(tip);
 }
 
 fn free_plane(plane: &mut FreePlane, ui: &mut Ui) {
     ui.spacing_mut().item_spacing.x = 4.0;
-    let mut number = |name: &str, tip: &str, value: &mut f64, per: f64, most: f64, suffix: &str| {
-        let mut shown = *value * per;
+    let mut number = |name: &str, tip: &str, value: &mut f64, unit: Unit, most: f64| {
         let label = ui.label(name);
-        let field = DragValue::new(&mut shown).speed(0.5).max_decimals(1).suffix(suffix);
-        if ui.add(field).labelled_by(label.id).on_hover_text(tip).changed() && shown.is_finite() {
-            *value = (shown / per).clamp(-most, most);
-        }
+        panels::bare_number(ui, value, unit, -most..=most).labelled_by(label.id).on_hover_text(tip);
     };
     let centre = &mut plane.centre;
     for (name, value) in [("x", &mut centre.x), ("y", &mut centre.y), ("z", &mut centre.z)] {
-        number(name, "The point through which the plane runs", value, 1e3, 10.0, " mm");
+        number(name, "A point of the plane", value, MM, 10.0);
     }
-    let per = 1f64.to_degrees();
     let most = std::f64::consts::TAU;
     let tip = "0° lies parallel to the array, 90° stands upright";
-    number("tilt", tip, &mut plane.tilt, per, most, "°");
-    number("turn", "About the array's axis, counter-clockwise", &mut plane.turn, per, most, "°");
+    number("tilt", tip, &mut plane.tilt, DEGREES, most);
+    number("turn", "About the array's axis, counter-clockwise", &mut plane.turn, DEGREES, most);
 }
 
 /// What lies over the map and below it, and the view of everything.
@@ -174,13 +177,25 @@ fn overlays(editor: &mut Editor, ui: &mut Ui) {
     let tip = "The values along a line across the map; Shift and the pointer move it (X)";
     icon::toggle(ui, Icon::Profile, "Line profile", tip, &mut view.section);
     beside::switch(editor, ui);
+    ui.add_space(6.0);
     let view = &mut editor.view;
-    ui.menu_button("Overlays", |ui| {
-        ui.checkbox(&mut view.grid, "Grid").on_hover_text("The lines to which the pointer can snap (K)");
-        ui.checkbox(&mut view.guides, "Guides").on_hover_text("What is dragged lines up with other targets");
-        ui.checkbox(&mut view.elements, "Elements").on_hover_text("The array's elements, coloured by phase");
-        ui.checkbox(&mut view.extremes, "Peak and side lobe")
-            .on_hover_text("The loudest place on the map and its peak side lobe");
-        ui.checkbox(&mut view.palm, "Palm").on_hover_text("An adult's hand to scale");
-    });
+    for (icon, name, tip, is_on) in [
+        (Icon::Grid, "Show grid", "The lines to which the pointer snaps (K)", &mut view.grid),
+        (
+            Icon::Guides,
+            "Guides",
+            "A dragged target lines up with others and the array's axis",
+            &mut view.guides,
+        ),
+        (Icon::Elements, "Show elements", "The array's elements, coloured by phase", &mut view.elements),
+        (
+            Icon::Peak,
+            "Show peak and side lobe",
+            "The loudest place in view and its peak side lobe",
+            &mut view.extremes,
+        ),
+        (Icon::Palm, "Show palm", "An adult's hand to scale", &mut view.palm),
+    ] {
+        icon::toggle(ui, icon, name, tip, is_on);
+    }
 }

@@ -232,14 +232,14 @@ pub fn delete(editor: &mut Editor) -> bool {
     true
 }
 
-/// The part of its round that a motion has behind it in the frame that is shown, or at rest.
+/// The part of its repetition that a motion has behind it in the frame that is shown, or at rest.
 pub fn part(editor: &Editor, target: Option<usize>) -> Option<f64> {
     let cycle = motion::cycle(editor.scene())?;
     let group = cycle.groups.iter().find(|group| group.target == target)?;
     Some(part_of(&cycle, group, editor.playback.frame.unwrap_or(0)))
 }
 
-/// The part of its round that a group has behind it in a frame.
+/// The part of its repetition that a group has behind it in a frame.
 pub fn part_of(cycle: &Cycle<'_>, group: &Group<'_>, frame: usize) -> f64 {
     let frames = u64::from(cycle.frames).max(1);
     (frame as u64).wrapping_mul(group.rounds).rem_euclid(frames) as f64 / frames as f64
@@ -269,7 +269,7 @@ pub fn marker(editor: &Editor, target: Option<usize>) -> Option<DVec3> {
     is_keyed.then(|| part(editor, target).map(|part| motion.offset(part)))?
 }
 
-/// A round on the screen.
+/// A repetition on the screen.
 pub fn way(motion: &Motion, centre: DVec3, axes: &Axes, lens: &Lens) -> Vec<Pos2> {
     let at = |i: u32| centre + motion.offset(f64::from(i % PIECES) / f64::from(PIECES));
     (0..=PIECES).map(|i| lens.screen(axes.flat(at(i)))).collect()

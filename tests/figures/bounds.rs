@@ -26,11 +26,11 @@ fn bounds_are_rounded_outwards() {
         let quality = &solved(folder.path())["quality"];
         let [bound, certified] = ["bound", "certified"].map(|key| quality[key].as_f64().unwrap());
         let (text, warned) = said(folder.path(), &["solve", "a.toml"]);
-        let (printed, _) = number_after(&text, "certified           at least ");
+        let (printed, _) = number_after(&text, "fraction of the bound   at least ");
         // Up to what one run differs from the next in its last bits.
         let part = 100.0 * certified * (1.0 + 1e-12);
         assert!(printed <= part && printed > part - 0.0101, "{number}: {printed} % of {part} %: {scene}");
-        let (printed, unit) = number_after(&text, "bound               ");
+        let (printed, unit) = number_after(&text, "upper bound             ");
         let unit = if unit.starts_with(" kPa") {
             1e3
         } else if unit.starts_with(" %") {

@@ -115,7 +115,7 @@ fn what_is_dragged_is_played() {
             lost.is_some_and(|notice| notice.is_error && notice.text.contains("lost"))
         };
         until(&mut screen, "a word", is_lost);
-        for name in ["Send", "One alone", "Checkerboard"] {
+        for name in ["Send", "Single element", "Checkerboard"] {
             assert!(screen.get_by_label(name).accesskit_node().is_disabled(), "{name}: there is no board");
         }
         let to = place(&screen, 20.0, 5.0);
@@ -152,7 +152,7 @@ fn elements_are_tried_one_by_one() {
     let (mut screen, board, shown) = connected(Profile::SonicSurface);
     screen.state_mut().editor_mut().board.element = 37;
     screen.step();
-    screen.get_by_label("One alone").click();
+    screen.get_by_label("Single element").click();
     screen.run_steps(2);
     assert_eq!(screen.state().shown().board.plays, Plays::One(37));
     arrives(&mut screen, &shown, &Levels::one(Profile::SonicSurface, 37));
@@ -199,7 +199,7 @@ fn a_virtual_board_is_chosen_as_a_port_and_remembered_and_claims_no_more_than_it
         let mut screen = open_there();
         screen.get_by_label("Device").click();
         screen.run_steps(4);
-        screen.get_by_label("ports").click();
+        screen.get_by_label("Ports").click();
         screen.run_steps(4);
         screen.get_by_label(&format!("{name} (virtual board, sonicsurface)")).click();
         screen.run_steps(4);
@@ -214,7 +214,7 @@ fn a_virtual_board_is_chosen_as_a_port_and_remembered_and_claims_no_more_than_it
     assert_eq!((form.baud, std::mem::take(&mut form.calibration)), (230_400, "mine.csv".to_owned()));
     screen.run_steps(2);
     screen.get_by_label("Connect").click();
-    let confirms_nothing = "port open; this board cannot confirm";
+    let confirms_nothing = "port open, unconfirmed";
     until(&mut screen, "the port", |screen| screen.query_by_label(confirms_nothing).is_some());
     assert!(!screen.get_by_label("Send").accesskit_node().is_disabled());
     let messages = &screen.state().shown().board.messages;

@@ -11,9 +11,14 @@ fn choose(screen: &mut Screen, label: &str) {
     rest(screen);
 }
 
+fn switch(screen: &mut Screen) {
+    screen.get_by_role_and_label(Role::CheckBox, "Compare").click();
+    rest(screen);
+}
+
 fn comparing() -> Screen {
     let mut screen = open();
-    choose(&mut screen, "Compare");
+    switch(&mut screen);
     screen
 }
 
@@ -35,7 +40,7 @@ fn another_method_stands_beside_with_the_same_range_of_colours() {
     let drive = sonoglyph::solver::solve(&alone).unwrap().drive;
     assert_eq!(beside(&screen).sound.as_ref().unwrap().drive(), &drive);
     // What is off is not made, and the first map has its own range again.
-    choose(&mut screen, "Compare");
+    switch(&mut screen);
     assert!(screen.state().shown().beside.is_none());
     assert_eq!(screen.state().shown().map.as_ref().unwrap().full, None);
     assert!(screen.run() <= 2, "an idle window asks for no frames");

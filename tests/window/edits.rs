@@ -158,7 +158,7 @@ fn modulation_and_listener_can_be_given() {
     let mut screen = open_with(&[point(0.0)]);
     screen.get_by_label("Motion").click();
     rest(&mut screen);
-    choose(&mut screen, "Envelope", "sine");
+    choose(&mut screen, "Amplitude modulation", "sine");
     assert_eq!(scene(&screen).modulation.shape, Envelope::Sine);
     type_in(&mut screen, "Frequency", "150");
     type_in(&mut screen, "Modulation depth", "80");
@@ -167,7 +167,7 @@ fn modulation_and_listener_can_be_given() {
     rest(&mut screen);
     screen.get_by_label("Listener").click();
     rest(&mut screen);
-    screen.get_by_label("Somebody listens").click();
+    screen.get_by_label("Exposure at a listener").click();
     rest(&mut screen);
     type_in(&mut screen, "Ear y", "-400");
     assert_eq!(scene(&screen).listener.as_ref().unwrap().at.y, -0.4);

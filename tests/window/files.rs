@@ -241,7 +241,12 @@ fn the_next_run_looks_as_the_last_one_did() {
         answer(&mut screen, Purpose::SaveAs, &saved);
         screen.get_by_label("Liquid").click();
         screen.get_by_label("Peak").click();
-        screen.get_by_label("Line profile").click();
+        for overlay in
+            ["Line profile", "Show grid", "Guides", "Show elements", "Show peak and side lobe", "Show palm"]
+        {
+            screen.get_by_label(overlay).click();
+            rest(&mut screen);
+        }
         screen.get_by_label("Colour scale").click();
         rest(&mut screen);
         screen.get_by_label("dB").click();
@@ -251,7 +256,7 @@ fn the_next_run_looks_as_the_last_one_did() {
         screen.state_mut().editor_mut().grid = 0.002;
         screen.ctx.set_theme(egui::Theme::Light);
         let edge = Pos2::new(screen.get_by_label("Canvas: the field on the plane").rect().right(), 400.0);
-        let edge = edge + vec2(92.0, 0.0);
+        let edge = edge + vec2(sonoglyph::ui::canvas::RIGHT, 0.0);
         drag(&mut screen, edge, edge - vec2(60.0, 0.0));
     }
     let settings = std::fs::read_to_string(folder.path().join("settings.toml")).unwrap();
@@ -261,6 +266,11 @@ fn the_next_run_looks_as_the_last_one_did() {
     assert_eq!((editor.panel, editor.grid), (sonoglyph::ui::Panel::Liquid, 0.002));
     assert_eq!(editor.view.convention, sonoglyph::studio::convention::Convention::Peak);
     assert!(editor.view.section && editor.view.scale == sonoglyph::field::Scale::Logarithmic);
+    let view = &editor.view;
+    assert_eq!(
+        [view.grid, view.guides, view.elements, view.extremes, view.palm],
+        [true, false, true, true, true]
+    );
     assert!((editor.layout.panel - 412.0).abs() < 12.0, "{:?}", editor.layout);
     assert_eq!(screen.state().shown().recent, std::slice::from_ref(&saved));
     screen.get_by_label("File").click();

@@ -83,7 +83,7 @@ fn no_input_is_without_a_name() {
         rest(&mut screen);
         found.extend(unnamed(&screen).into_iter().map(|what| format!("{panel}, outline: {what}")));
     }
-    for part in ["Listener", "Somebody listens", "Array", "Air"] {
+    for part in ["Listener", "Exposure at a listener", "Array", "Air"] {
         screen.get_by_label(part).click();
         rest(&mut screen);
         found.extend(unnamed(&screen).into_iter().map(|what| format!("{part}: {what}")));

@@ -169,7 +169,10 @@ fn numbers_are_read_as_people_type_them_and_what_is_none_is_explained() {
     screen.hover_at(before.center());
     screen.run_steps(2);
     assert!(screen.query_by_label("Set to the largest value here: 200 mm").is_some());
-    assert_eq!(screen.get_by_role_and_label(Role::SpinButton, "Pitch").rect().min, before.min);
+    assert_eq!(
+        screen.get_by_role_and_label(Role::SpinButton, "Pitch").rect().right_top(),
+        before.right_top()
+    );
     screen.hover_at(Pos2::ZERO);
     screen.run_steps(400);
     assert!(screen.query_by_label_contains("largest value").is_none(), "the word goes by itself");
@@ -293,4 +296,22 @@ fn a_scene_goes_through_a_link() {
     type_path(&mut screen, Modifiers::COMMAND, Key::O, &link[..link.len() - 9]);
     key(&mut screen, Key::Enter);
     assert!(screen.query_by_label_contains("not a whole Sonoglyph link").is_some());
+}
+
+#[test]
+fn what_is_cut_is_told_once() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut screen = open();
+    press(&mut screen, Modifiers::COMMAND | Modifiers::SHIFT, Key::S);
+    answer(&mut screen, Purpose::SaveAs, &folder.path().join("long".repeat(40)).with_extension("toml"));
+    let told = |screen: &Screen| screen.query_all_by_label_contains("longlonglong").count();
+    let before = told(&screen);
+    let notice = screen
+        .query_all_by_label_contains("longlonglong")
+        .max_by(|a, b| a.rect().center().y.total_cmp(&b.rect().center().y));
+    let notice = notice.unwrap().rect().center();
+    assert!(notice.y > 700.0, "it stands in the line at the bottom: {notice}");
+    screen.hover_at(notice);
+    screen.run_steps(60);
+    assert_eq!(told(&screen), before + 1);
 }

@@ -11,11 +11,11 @@ use sonoglyph::app::Window;
 use sonoglyph::field::contour::Line;
 use sonoglyph::field::{Evaluator, Quantity, Request, Stages, Work};
 use sonoglyph::scene::{MotionPath, Scene, Shape, Target};
-use sonoglyph::ui::Map;
 use sonoglyph::ui::document::Document;
 use sonoglyph::ui::view::{Cut, FreePlane, Lens};
+use sonoglyph::ui::{Dialog, Map};
 
-use super::{Screen, lens, rest, scene};
+use super::{Screen, lens, rest, scene, type_in};
 
 fn focused(foci: &[DVec3]) -> Scene {
     let target = |&at: &DVec3| Target::new(Shape::Point { at });
@@ -140,6 +140,101 @@ fn one_convention_holds_for_the_whole_window() {
         (full / map(&screen).largest - 1.0).abs() < 1e-9,
         "the range is that of the map, not of what is said of it"
     );
+}
+
+/// The map as it is exported, a row of pixels after the other from the smallest y.
+fn picture(screen: &mut Screen) -> Vec<[u8; 4]> {
+    let folder = tempfile::tempdir().unwrap();
+    click(screen, "Export");
+    click(screen, "Map as PNG…");
+    let path = folder.path().join("map.png");
+    let Some(Dialog::Path { purpose, .. }) = screen.state().editor().dialog.clone() else {
+        panic!("no question")
+    };
+    screen.state_mut().editor_mut().dialog = Some(Dialog::Path { purpose, text: path.display().to_string() });
+    screen.key_press(Key::Enter);
+    rest(screen);
+    let picture = image::open(path).unwrap().to_rgba8();
+    picture.rows().rev().flat_map(|row| row.map(|pixel| pixel.0).collect::<Vec<_>>()).collect()
+}
+
+#[test]
+fn both_ends_of_the_colours_are_typed_and_kept() {
+    let mut screen = open(focused(&[DVec3::new(0.0, 0.0, 0.1)]));
+    click(&mut screen, "Colour scale");
+    type_in(&mut screen, "Smallest value that has a colour", "0,2 kPa");
+    type_in(&mut screen, "Largest value that has a colour", "2 * 200 Pa");
+    let view = screen.state().editor().view.clone();
+    assert_eq!((view.low, view.full), (Some(200.0), Some(400.0)));
+    screen.key_press(Key::Escape);
+    rest(&mut screen);
+    let (values, picture) = (numbers(&mut screen), picture(&mut screen));
+    let table = view.table();
+    let at = |place: f32| table[place.clamp(0.0, 255.0) as usize];
+    let mut between = 0;
+    for (value, colour) in values.iter().zip(&picture) {
+        let place = 255.0 * (value - 200.0) / 200.0;
+        // Next to a step of the table rounding may go either way.
+        assert!([place.floor(), place.ceil()].map(at).contains(colour), "{value}: {colour:?}");
+        between += usize::from((0.0..255.0).contains(&place));
+    }
+    assert!(between > 100, "{between}");
+    click(&mut screen, "Colour scale");
+    type_in(&mut screen, "Largest value that has a colour", "1");
+    let full = screen.state().editor().view.full.unwrap();
+    assert!((200.0..201.0).contains(&full), "not below the smallest: {full}");
+    click(&mut screen, "Lock");
+    let view = &screen.state().editor().view;
+    assert_eq!((view.low, view.full), (None, None), "both follow the map again");
+    click(&mut screen, "dB");
+    type_in(&mut screen, "Lowest level that has a colour", "-40");
+    assert!((screen.state().editor().view.floor - 0.01).abs() < 1e-9);
+}
+
+#[test]
+fn the_brightness_of_a_phase_follows_its_amplitude_on_either_ground() {
+    let mut screen = open(focused(&[DVec3::new(0.02, 0.0, 0.1)]));
+    let values = numbers(&mut screen);
+    let largest = values.iter().copied().fold(0.0, f32::max);
+    screen.key_press_modifiers(Modifiers::NONE, Key::Num2);
+    rest(&mut screen);
+    let plain = picture(&mut screen);
+    choose(&mut screen, "Follows amplitude");
+    assert!(map(&screen).veil.is_some());
+    let dark = picture(&mut screen);
+    choose(&mut screen, "Light ground");
+    let light = picture(&mut screen);
+    for (i, value) in values.iter().enumerate() {
+        let part = value / largest;
+        for channel in 0..3 {
+            let plain = f32::from(plain[i][channel]);
+            let near = |colour: [u8; 4], expected: f32| (f32::from(colour[channel]) - expected).abs() < 3.0;
+            assert!(near(dark[i], part * plain), "{i}: {:?} {part}", dark[i]);
+            assert!(near(light[i], 255.0 + part * (plain - 255.0)), "{i}: {:?} {part}", light[i]);
+        }
+    }
+    choose(&mut screen, "Follows amplitude");
+    assert!(map(&screen).veil.is_none());
+    assert_eq!(picture(&mut screen), plain);
+}
+
+#[test]
+fn the_ground_of_a_map_is_that_of_the_theme_unless_it_is_chosen() {
+    let mut screen = open(focused(&[DVec3::new(0.0, 0.0, 0.1)]));
+    let faintest = |screen: &mut Screen| {
+        let (values, picture) = (numbers(screen), picture(screen));
+        let least = values.iter().zip(picture).min_by(|a, b| a.0.total_cmp(b.0)).unwrap();
+        least.1
+    };
+    assert!(faintest(&mut screen)[0] < 20);
+    screen.ctx.set_theme(egui::Theme::Light);
+    rest(&mut screen);
+    assert!(faintest(&mut screen)[0] > 240);
+    choose(&mut screen, "Light ground");
+    assert_eq!(screen.state().editor().view.ground, Some(false));
+    assert!(faintest(&mut screen)[0] < 20);
+    choose(&mut screen, "Light ground");
+    assert_eq!(screen.state().editor().view.ground, None, "it follows the theme again");
 }
 
 #[test]

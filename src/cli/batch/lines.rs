@@ -5,7 +5,7 @@ use std::io::{BufRead, Read};
 /// Bytes that a line may have: the largest scene has fewer, and some lines are always on their way.
 const LONGEST: u64 = 1 << 20;
 
-/// A line of the input, counted from 1, or why it is none.
+/// A line of the input, counted from 1, or why it is invalid.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Line {
     pub number: u64,

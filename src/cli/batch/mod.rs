@@ -17,7 +17,7 @@ use crate::cli::batch::task::Task;
 use crate::cli::interrupt::{self, Interrupted};
 use crate::studio::output::{self, Files};
 
-/// How often somebody who waits looks for an interrupt.
+/// How often a waiting thread looks for an interrupt.
 const LOOK: Duration = Duration::from_millis(50);
 
 pub(super) fn run(args: &BatchArgs) -> anyhow::Result<()> {

@@ -38,7 +38,7 @@ pub fn start(
     thread::Builder::new().name("lines".to_owned()).spawn(move || {
         for line in lines(input) {
             let (sender, receiver) = sync_channel(1);
-            // Nobody may be left who reads the answers.
+            // The reader of the answers may be gone.
             if promise.send(receiver).is_err() || hand_out.send((line, sender)).is_err() {
                 break;
             }
@@ -60,7 +60,7 @@ fn work(jobs: &Mutex<Receiver<Job>>, answer: &impl Fn(&Line, &mut Stages) -> Val
             let number = line.number;
             json!({ "line": number, "error": format!("line {number}: an internal error; please report the scene") })
         });
-        // Made into text here, on all cores. Nobody may be left who reads it, and then nobody hands out lines.
+        // Made into text here, on all cores. If its reader is gone, no lines are handed out.
         if sender.send(answer.to_string()).is_err() {
             break;
         }

@@ -17,7 +17,7 @@ use crate::solver;
 use crate::studio::motion::{SOLVING, follow};
 use crate::studio::output::{Files, mention, note, say, warn};
 
-/// How long a scene at rest is played if nobody says.
+/// How long a static scene is played by default.
 const GLANCE: Duration = Duration::from_secs(1);
 /// A board that stays lost for so long is not waited for, unless it is played without end.
 const PATIENCE: Duration = Duration::from_secs(10);
@@ -137,7 +137,7 @@ fn follow_carrier(scene: &mut Scene, found: Found) {
     }
 }
 
-/// What the board is to play, and how long a round of it takes.
+/// What the board is to play, and how long its cycle takes.
 fn content(
     scene: &Scene,
     name: &str,

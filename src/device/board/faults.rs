@@ -27,7 +27,7 @@ impl Faults {
     /// From "drop=0.001,unplug=2,garbage".
     ///
     /// # Errors
-    /// Names the part that is none.
+    /// Names the invalid part.
     pub fn parse(text: &str) -> Result<Self, String> {
         let mut faults = Self::default();
         for part in text.split(',').map(str::trim) {

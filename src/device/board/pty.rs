@@ -67,7 +67,7 @@ impl Pty {
         rustix::io::read(&self.master, bytes).unwrap_or(0)
     }
 
-    /// What does not fit is lost, as on a line that nobody listens to.
+    /// What does not fit is lost, as on a line without a listener.
     pub fn write(&self, bytes: &[u8]) {
         let _ = rustix::io::write(&self.master, bytes);
     }

@@ -26,7 +26,7 @@ use crate::scene::Modulation;
 const RETRY: Duration = Duration::from_millis(250);
 /// The line is kept busy for so long ahead: more delays a new frame, less leaves gaps when the computer is busy.
 const LEAD: Duration = Duration::from_millis(3);
-/// Messages that nobody has read yet; more are dropped.
+/// Unread messages that are kept; more are dropped.
 const MESSAGES: usize = 256;
 
 /// Where a board is, and what it is.

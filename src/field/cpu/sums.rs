@@ -255,7 +255,7 @@ mod tests {
             for (rows, length) in lengths().flat_map(|length| [(1, length), (ROWS, length)]) {
                 let (values, weights) = (scattered(TAPS * length, 0.3), scattered(rows * TAPS, 0.9));
                 let lines = Lines { values: &values, stride: length, weights: &weights };
-                // A gap between the rows belongs to nobody.
+                // A gap between the rows is not handed out.
                 let stride = length + 3;
                 let mut sums = vec![7.0; rows * stride];
                 let mut out = Rows { values: &mut sums, stride, length };

@@ -242,7 +242,7 @@ impl Chain {
         self.painting.insert(painting).paint(gpu, colouring, self.run)
     }
 
-    /// Figures of the last run, if they are there; never waits. They are asked for if nobody has.
+    /// Figures of the last run, if they are there; never waits. They are asked for if they were not yet.
     ///
     /// # Errors
     /// The device was lost.

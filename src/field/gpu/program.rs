@@ -3,7 +3,7 @@
 use bytemuck::{Pod, Zeroable};
 
 use crate::acoustics::element::NEAREST;
-use crate::field::colouring::{FLOOR, SMALLEST, Scale};
+use crate::field::colouring::{SMALLEST, Scale};
 use crate::field::gpu::tuning::Tuning;
 use crate::field::quantity::{Norm, PRESSURE, Part, Quantity};
 use crate::field::sources::{COSINE, MOST_NODES, SINE};
@@ -243,7 +243,6 @@ fn constants() -> String {
          const UNIFORM_ELEMENTS: u32 = {UNIFORM_ELEMENTS}u;\n\
          const MOST_NODES: u32 = {MOST_NODES}u;\n\
          const NEAREST: f32 = {NEAREST:?};\n\
-         const FLOOR: f32 = {FLOOR:?};\n\
          const SMALLEST: f32 = {SMALLEST:?};\n\
          const PI: f32 = {:?};\n{}{}",
         std::f32::consts::PI,

@@ -174,7 +174,7 @@ pub enum FieldError {
     NoPixels(usize, usize),
     #[error("the drive does not give every element of the array an amplitude and a phase that are numbers")]
     NoDrive,
-    #[error("a map needs a drive, a moment, and of the envelope a part from 0 to 1")]
+    #[error("a map needs a drive, a moment, and a part from 0 to 1 of the steady pressure")]
     NoMean,
     #[error(
         "invalid plane: its axes are parallel or zero, or its centre, size or tolerance are out of a scene's range"

@@ -45,7 +45,7 @@ impl Course {
         self.ends.last().copied().unwrap_or(0.0)
     }
 
-    /// Where a focus is after a part of a round, in [0, 1), and how loud it is to be.
+    /// Where a focus is after a part of a repetition, in [0, 1), and how loud it is to be.
     pub fn at(&self, part: f64) -> Focus {
         let distance = part * self.length();
         let index = self.ends.partition_point(|&end| end <= distance).min(self.tracks.len() - 1);

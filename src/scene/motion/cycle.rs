@@ -1,4 +1,4 @@
-//! The cycle that all motions of a scene go through together, and how many rounds each of them makes in it.
+//! The cycle that all motions of a scene go through together, and how many repetitions each of them makes in it.
 
 use crate::scene::motion::course::Course;
 use crate::scene::{KeyError, Motion, MotionPath, Scene, Target};
@@ -11,7 +11,7 @@ pub struct Cycle<'a> {
     pub frames: u32,
     /// The scene's, if it has one, and then those of targets in the order of the file.
     pub groups: Vec<Group<'a>>,
-    /// The group whose round is the cycle, and whose frames are its frames.
+    /// The group whose repetition is the cycle, and whose frames are its frames.
     pub leader: usize,
 }
 
@@ -20,7 +20,7 @@ impl Cycle<'_> {
         f64::from(self.frames) * self.rate
     }
 
-    /// Rounds per second that a group makes: a whole number of them in a cycle.
+    /// Repetitions per second that a group makes: a whole number of them in a cycle.
     pub fn played(&self, group: &Group<'_>) -> f64 {
         self.rate * group.rounds as f64
     }
@@ -32,14 +32,14 @@ pub struct Group<'a> {
     /// The target's place in the scene; `None` for the scene's motion.
     pub target: Option<usize>,
     pub motion: &'a Motion,
-    /// m, of a round.
+    /// m, of a repetition.
     pub length: f64,
-    /// Rounds per cycle.
+    /// Repetitions per cycle.
     pub rounds: u64,
 }
 
 impl Group<'_> {
-    /// Rounds per second that the motion asks for.
+    /// Repetitions per second that the motion asks for.
     pub fn asked(&self) -> f64 {
         const OTHERWISE: f64 = 1.0;
         self.motion.tempo.rate(self.length).unwrap_or(OTHERWISE)
@@ -68,7 +68,7 @@ fn paths(scene: &Scene) -> impl Iterator<Item = MotionPath> {
     std::iter::once(&scene.motion).chain(own).map(|motion| motion.path)
 }
 
-/// The scene's own motion sets the cycle, or else the slowest of its targets'; the others make whole rounds in it. `None` where
+/// The scene's own motion sets the cycle, or else the slowest of its targets'; the others make whole repetitions in it. `None` where
 /// nothing moves.
 pub fn cycle(scene: &Scene) -> Option<Cycle<'_>> {
     let own = scene.targets.iter().enumerate().filter(|(_, target)| target.visible);
@@ -90,7 +90,7 @@ pub fn cycle(scene: &Scene) -> Option<Cycle<'_>> {
     Some(Cycle { rate, frames, groups, leader })
 }
 
-/// m, of a round of a motion; 0 for an outline that cannot be drawn.
+/// m, of a repetition of a motion; 0 for an outline that cannot be drawn.
 fn length(scene: &Scene, target: Option<usize>, motion: &Motion) -> f64 {
     if motion.path == MotionPath::Outline {
         course(scene, target).map_or(0.0, |course| course.length())

@@ -154,7 +154,7 @@ impl<'a> Score<'a> {
         })
     }
 
-    /// How much of a round one of the foci that share it has behind it, without rounding errors that grow with the frames.
+    /// How much of a repetition one of the foci that share it has behind it, without rounding errors that grow with the frames.
     fn part(&self, group: &Group<'_>, frame: u64, focus: u32) -> f64 {
         let (frames, foci) = (u128::from(self.frames), u128::from(group.motion.foci));
         let whole = frames * foci;

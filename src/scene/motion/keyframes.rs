@@ -1,4 +1,4 @@
-//! Keyframes: places and pressures at moments of a round, and the ways between them.
+//! Keyframes: places and pressures at moments of a repetition, and the ways between them.
 
 use std::cmp::Ordering;
 
@@ -7,11 +7,11 @@ use serde::{Deserialize, Serialize};
 
 use crate::scene::run::Vertex;
 
-/// Where a target is at a moment of the round, and how loud.
+/// Where a target is at a moment of the repetition, and how loud.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Keyframe {
-    /// Of a round, in [0, 1).
+    /// Of a repetition, in [0, 1).
     pub time: f64,
     /// m, from the target's own place.
     #[serde(default)]
@@ -81,8 +81,8 @@ impl Keyframe {
     }
 }
 
-/// The offset and the pressure after a part of a round, in [0, 1), from keyframes in the order of their times. The last is followed by
-/// the first, a round later.
+/// The offset and the pressure after a part of a repetition, in [0, 1), from keyframes in the order of their times. The last is followed by
+/// the first, a repetition later.
 pub(super) fn between(keyframes: &[Keyframe], part: f64) -> Vertex {
     let (Some(first), Some(last)) = (keyframes.first(), keyframes.last()) else {
         return Vertex { at: DVec3::ZERO, pressure: 1.0 };
@@ -100,7 +100,7 @@ pub(super) fn between(keyframes: &[Keyframe], part: f64) -> Vertex {
     from.vertex().lerp(to.vertex(), from.easing.ease(passed / taken))
 }
 
-/// m that a round takes along the ways; jumps take none.
+/// m that a repetition takes along the ways; jumps take none.
 pub(super) fn length(keyframes: &[Keyframe]) -> f64 {
     let next = keyframes.iter().cycle().skip(1);
     let way = |(from, to): (&Keyframe, &Keyframe)| match from.easing {
@@ -155,7 +155,7 @@ mod tests {
             (0.5, [0.04, 0.02, 0.01], 1.0),
             (0.899_999_999, [0.04, 0.02, 0.01], 1.0),
             (0.9, [0.0, 0.02, 0.0], 0.5),
-            // Over the end of the round: from 0.9 to 1.1.
+            // Over the end of the repetition: from 0.9 to 1.1.
             (0.95, [0.0, 0.015, 0.0], 0.875),
             (0.0, [0.0, 0.01, 0.0], 1.25),
             (0.05, [0.0, 0.005, 0.0], 1.625),

@@ -12,7 +12,7 @@ const MOST_BYTES: u64 = 1 << 30;
 const LISTS: usize = 512;
 /// One part in so many is lost between allocations.
 const SLACK: u64 = 6;
-/// Frames of a round, where a cycle has several.
+/// Frames of a repetition, where a cycle has several.
 const FEWEST: u64 = 3;
 
 /// How many there are; one where nothing goes in steps.

@@ -25,7 +25,7 @@ use track::Track;
 /// Pieces of a figure-eight, which has no closed form for its arc length; their chords are 1e-5 too short.
 const PIECES: usize = 512;
 
-/// How targets change while time goes by. A round begins again where it ends.
+/// How targets change while time goes by. A repetition begins again where it ends.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Motion {
     pub path: MotionPath,
@@ -73,11 +73,11 @@ impl Default for Motion {
     }
 }
 
-/// How fast a round goes by; the other one follows from its length.
+/// How fast a repetition goes by; the other one follows from its length.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Tempo {
-    /// Rounds per second.
+    /// Repetitions per second.
     Rate(f64),
     /// m/s
     Speed(f64),
@@ -89,7 +89,7 @@ impl Tempo {
         if path == MotionPath::Outline { Self::Speed(6.0) } else { Self::Rate(5.0) }
     }
 
-    /// Rounds per second of so many metres; without length there is no speed, and no number for one.
+    /// Repetitions per second of so many metres; without length there is no speed, and no number for one.
     pub fn rate(self, length: f64) -> Option<f64> {
         match self {
             Self::Rate(rate) => Some(rate),
@@ -179,7 +179,7 @@ impl MotionPath {
 }
 
 impl Motion {
-    /// How far the targets are from their own places (m) after a part of a round, in [0, 1).
+    /// How far the targets are from their own places (m) after a part of a repetition, in [0, 1).
     pub fn offset(&self, part: f64) -> DVec3 {
         self.round().at(part).at
     }
@@ -189,7 +189,7 @@ impl Motion {
         self.round().at(part).pressure
     }
 
-    /// m, of one round; 0 for steps, and for outlines, whose length is that of the targets: [`Group::length`].
+    /// m, of one repetition; 0 for steps, and for outlines, whose length is that of the targets: [`Group::length`].
     pub fn length(&self) -> f64 {
         self.round().length()
     }
@@ -239,7 +239,7 @@ impl Motion {
     }
 }
 
-/// The way of one round, by the part of it that is done.
+/// The way of one repetition, by the part of it that is done.
 enum Round<'a> {
     /// At constant speed.
     Track(Track),

@@ -52,7 +52,7 @@ pub fn check_writable(path: &Path) -> anyhow::Result<()> {
     of_file(path, check(path).map_err(Into::into))
 }
 
-/// For who cannot wait: a pipe takes as long as nobody is at its other end.
+/// For callers that must not block: opening a pipe waits for its reader.
 ///
 /// # Errors
 /// There is something at the path that is neither file nor folder.
@@ -67,7 +67,7 @@ pub fn refuse_stream(path: &Path) -> anyhow::Result<()> {
 
 fn check(path: &Path) -> io::Result<()> {
     match existing(path)? {
-        // Opening it twice would end it for who reads it.
+        // Opening it twice would end it for its reader.
         Some(there) if !there.is_file() => Ok(()),
         there => draft_for(path, there.as_ref()).map(drop),
     }
@@ -169,7 +169,7 @@ pub fn outlive_file_limits() -> io::Result<()> {
     use std::sync::atomic::AtomicBool;
 
     use signal_hook::consts::SIGXFSZ;
-    // A flag that nobody looks at: that there is a handler is enough, and programs that are started from here get none.
+    // The flag is not read: a handler is enough, and child processes do not inherit it.
     signal_hook::flag::register(SIGXFSZ, Arc::new(AtomicBool::new(false))).map(drop)
 }
 
@@ -182,7 +182,7 @@ pub fn outlive_file_limits() -> io::Result<()> {
     Ok(())
 }
 
-/// A line on standard output, where results go: `say!("{count} frames")?`. Unlike `println!` it does not panic where nobody
+/// A line on standard output, where results go: `say!("{count} frames")?`. Unlike `println!` it does not panic where nothing
 /// reads or the disk is full, and what it quotes steers no terminal.
 macro_rules! say {
     ($($line:tt)*) => { $crate::studio::output::say_line(&format!($($line)*)) };
@@ -230,13 +230,13 @@ pub fn standard() -> anyhow::Result<StdoutLock<'static>> {
     Ok(io::stdout().lock())
 }
 
-/// Why standard output takes no more. That nobody reads it is no fault, and `main` knows that by the error below.
+/// Why standard output takes no more. A closed pipe is no fault, and `main` knows that by the error below.
 pub fn unsaid(error: io::Error) -> anyhow::Error {
     anyhow::Error::new(error).context("standard output: cannot write")
 }
 
 /// A message on standard error, where all is said that is no result: one line, and not a long one. If that cannot be written,
-/// there is nobody to be told.
+/// nothing can report it.
 pub fn mention(text: &str) {
     let _ = writeln!(io::stderr(), "{}", echo::message(text));
 }

@@ -39,6 +39,11 @@ impl Default for FigureForm {
 }
 
 impl FigureForm {
+    /// Colours for the ground of the view.
+    pub fn follow(&mut self, view: &View) {
+        self.is_light = view.is_light;
+    }
+
     /// The figure of what a view shows.
     pub fn wish(&self, view: &View) -> Wish {
         let declaration = view.quantity.declaration();
@@ -53,6 +58,9 @@ impl FigureForm {
             scale: view.colouring().scale(),
             range: None,
             full: view.full,
+            low: view.low.filter(|_| view.full.is_some()),
+            floor: view.floor,
+            fades: view.fades,
             contours: has_contours.then_some(view.contour_level).into_iter().collect(),
             convention: view.convention,
             has_colour_bar: self.colour_bar,

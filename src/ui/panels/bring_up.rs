@@ -42,7 +42,7 @@ pub fn show(editor: &mut Editor, board: &BoardShown, ui: &mut Ui, ask: &mut impl
 fn begin(editor: &mut Editor, ui: &mut Ui, ask: &mut impl FnMut(BoardCommand)) {
     let named = !editor.board.port().is_empty();
     let button = ui.add_enabled(named, egui::Button::new("Bring up a board"));
-    let tip = "Tries the line, every element, a focus and the emergency stop, one step after the other";
+    let tip = "Tests the line, every element, a focus and the emergency stop, step by step";
     if button.on_hover_text(tip).on_disabled_hover_text("Name a port first").clicked() {
         editor.board.bring_up = Some(Box::default());
         ask(BoardCommand::Survey);
@@ -81,7 +81,7 @@ fn line(
     let Some(surveyed) = &board.surveyed else {
         ui.horizontal(|ui| {
             ui.spinner();
-            ui.label("trying who answers, and at which bit rates");
+            ui.label("testing the line and its bit rates");
         });
         return;
     };

@@ -6,7 +6,7 @@ use crate::device::health::{Health, State};
 use crate::device::profile::Profile;
 use crate::scene::motion;
 use crate::ui::board::{BoardCommand, BoardShown, Plays};
-use crate::ui::panels::{bring_up, choice, count, fact, form, heading};
+use crate::ui::panels::{bring_up, caption, choice, count, fact, form, heading};
 use crate::ui::{Command, Editor, Shown, theme};
 
 /// Bits per second that the most usual adapters have.
@@ -50,14 +50,14 @@ fn connection(editor: &mut Editor, board: &BoardShown, ui: &mut Ui, ask: &mut im
     ui.add_enabled_ui(!is_open, |ui| {
         form(ui, "board", |ui| {
             let profiles: Vec<_> = Profile::choices().map(|profile| (profile, profile.name())).collect();
-            choice(ui, ("Kind", "What sort of board it is"), &mut editor.board.profile, &profiles);
+            choice(ui, ("Kind", "Of board"), &mut editor.board.profile, &profiles);
             port(editor, board, ui, ask);
-            let tip = "Bits per second; what the board and your adapter can";
+            let tip = "Bits per second, of board and adapter";
             choice(ui, ("Bit rate", tip), &mut editor.board.baud, &BAUDS);
             let tip =
-                "CSV with the columns element, offset (degrees), gain (0 to 1), off (0 or 1); empty: none";
-            let label = ui.label("Calibration").on_hover_text(tip);
-            ui.add(egui::TextEdit::singleline(&mut editor.board.calibration).hint_text("none"))
+                "CSV with the columns element, offset (degrees), gain (0 to 1), off (0 or 1); may be empty";
+            let label = caption(ui, "Calibration").on_hover_text(tip);
+            ui.add(egui::TextEdit::singleline(&mut editor.board.calibration).hint_text("CSV file"))
                 .labelled_by(label.id)
                 .on_hover_text(tip);
             ui.end_row();
@@ -85,12 +85,12 @@ fn connection(editor: &mut Editor, board: &BoardShown, ui: &mut Ui, ask: &mut im
             let named = !editor.board.port().is_empty();
             let button = ui.add_enabled(named, egui::Button::new("Connect"));
             let button = button
-                .on_hover_text("Opens the port and makes the board silent")
+                .on_hover_text("Opens the port and silences the board")
                 .on_disabled_hover_text("Name a port first");
             if button.clicked() {
                 ask(BoardCommand::Connect);
             }
-            let tip = "Starts a virtual board of this kind in the program and connects to it";
+            let tip = "Starts a virtual board of this kind and connects to it";
             if ui.button("Try without a board").on_hover_text(tip).clicked() {
                 ask(BoardCommand::TryWithout);
             }
@@ -101,8 +101,8 @@ fn connection(editor: &mut Editor, board: &BoardShown, ui: &mut Ui, ask: &mut im
 
 /// Ports to choose from, and a field for any other.
 fn port(editor: &mut Editor, board: &BoardShown, ui: &mut Ui, ask: &mut impl FnMut(BoardCommand)) {
-    let tip = "Where the board is plugged in; choose one or type it";
-    let label = ui.label("Port").on_hover_text(tip);
+    let tip = "Serial port of the board";
+    let label = caption(ui, "Port").on_hover_text(tip);
     if let Some(port) = &editor.board.virtual_port {
         ui.label("virtual board").on_hover_text(port);
         ui.end_row();
@@ -111,9 +111,9 @@ fn port(editor: &mut Editor, board: &BoardShown, ui: &mut Ui, ask: &mut impl FnM
     ui.horizontal(|ui| {
         let field = egui::TextEdit::singleline(&mut editor.board.port).desired_width(150.0);
         ui.add(field.hint_text("/dev/ttyUSB0")).labelled_by(label.id).on_hover_text(tip);
-        let menu = ui.menu_button("ports", |ui| {
+        let menu = ui.menu_button("Ports", |ui| {
             if board.ports.is_empty() {
-                ui.label("There is no serial port");
+                ui.label("No serial ports found");
             }
             for port in &board.ports {
                 if ui.button(&port.label).clicked() {
@@ -123,7 +123,7 @@ fn port(editor: &mut Editor, board: &BoardShown, ui: &mut Ui, ask: &mut impl FnM
                 }
             }
         });
-        if menu.response.on_hover_text("Ports there are").clicked() {
+        if menu.response.on_hover_text("Serial ports of this computer").clicked() {
             ask(BoardCommand::ListPorts);
         }
     });
@@ -137,18 +137,18 @@ fn state(board: &BoardShown, profile: Profile, ui: &mut Ui) {
         }
         Some(State::Connecting) => {
             ui.spinner();
-            ui.label("looking for the board");
+            ui.label("searching");
         }
         Some(State::Ready) if profile.answers() => {
             ui.label(RichText::new("connected").strong());
         }
         Some(State::Ready) => {
-            let tip = "It answers nothing: whether it is there, and what it plays, is not known here";
-            ui.label(RichText::new("port open; this board cannot confirm").strong()).on_hover_text(tip);
+            let tip = "This board sends no answers, so its presence and state are unknown";
+            ui.label(RichText::new("port open, unconfirmed").strong()).on_hover_text(tip);
         }
         // A board may be away for hours: nothing turns meanwhile.
         Some(State::Lost(_)) => {
-            ui.label(RichText::new("lost; looking for it").color(theme::error(ui.visuals())));
+            ui.label(RichText::new("lost, searching").color(theme::error(ui.visuals())));
         }
     }
 }
@@ -169,15 +169,14 @@ fn sending(
         if button(ui, "Send", "The board plays the scene from now on", obstacle.as_deref()) {
             ask(BoardCommand::Send);
         }
-        let rests = (!motion::moves(editor.scene())).then(|| "Nothing moves in this scene".to_owned());
-        let tip = "All frames, over and over; a native board keeps them and plays them by itself";
+        let rests = (!motion::moves(editor.scene())).then(|| "The scene is static".to_owned());
+        let tip = "Repeats all frames; a native board stores them and plays on its own";
         if button(ui, "Play motion", tip, obstacle.or(rests).as_deref()) {
             ask(BoardCommand::PlayMotion);
         }
     });
-    ui.checkbox(&mut editor.board.live, "Live").on_hover_text(
-        "While the board plays the scene, every change goes to it at once, also while you drag",
-    );
+    ui.checkbox(&mut editor.board.live, "Live")
+        .on_hover_text("Every change goes to the board at once, also during a drag");
     let what = match board.plays {
         Plays::Nothing => "silent".to_owned(),
         Plays::Scene => "the scene".to_owned(),
@@ -186,14 +185,14 @@ fn sending(
         Plays::Checkerboard => "a checkerboard".to_owned(),
         Plays::Focus => "a focus above the centre".to_owned(),
     };
-    form(ui, "plays", |ui| fact(ui, ("Wanted", "What the board is to play"), what));
+    form(ui, "plays", |ui| fact(ui, ("Playing", "As sent to the board"), what));
     if let Some(carrier) = other_carrier(editor, board) {
         let frequency = editor.scene().array.frequency;
         ui.label(
-            RichText::new(format!("The board plays {carrier} Hz, the scene is made for {frequency} Hz."))
+            RichText::new(format!("The board's carrier is {carrier} Hz, the scene's {frequency} Hz."))
                 .color(theme::warning(ui.visuals())),
         );
-        if ui.button("Make the scene for the board").clicked() {
+        if ui.button("Use the board's carrier").clicked() {
             ask(BoardCommand::TakeCarrier);
         }
     }
@@ -227,10 +226,10 @@ fn trial(
     ui: &mut Ui,
     ask: &mut impl FnMut(BoardCommand),
 ) {
-    heading(ui, "Try the elements");
+    heading(ui, "Element test");
     let last = editor.board.profile.elements().saturating_sub(1) as u32;
     form(ui, "trial", |ui| {
-        let tip = "Counted from 0, row by row from the corner at smallest x and y";
+        let tip = "From 0, row by row, starting at smallest x and y";
         let before = editor.board.element;
         count(ui, ("Element", tip), &mut editor.board.element, 0..=last);
         if before != editor.board.element && matches!(board.plays, Plays::One(_)) {
@@ -239,10 +238,10 @@ fn trial(
     });
     let obstacle = obstacle(health);
     ui.horizontal(|ui| {
-        if button(ui, "One alone", "Only this element sounds, fully", obstacle.as_deref()) {
+        if button(ui, "Single element", "Only this element sounds, at full amplitude", obstacle.as_deref()) {
             ask(BoardCommand::One);
         }
-        let tip = "Neighbours in antiphase: nothing far away";
+        let tip = "Neighbours in antiphase: no far field";
         if button(ui, "Checkerboard", tip, obstacle.as_deref()) {
             ask(BoardCommand::Checkerboard);
         }
@@ -250,37 +249,33 @@ fn trial(
 }
 
 fn line(board: &BoardShown, profile: Profile, health: &Health, ui: &mut Ui) {
-    heading(ui, "The line");
+    heading(ui, "Link");
     let milliseconds = |duration: std::time::Duration| format!("{:.2} ms", duration.as_secs_f64() * 1e3);
     form(ui, "line", |ui| {
         let frames = format!("{}, {:.0} per second", health.frames, health.frames_per_second);
-        let tip = if profile.answers() { "That the board has" } else { "That were sent" };
+        let tip = if profile.answers() { "Confirmed by the board" } else { "Sent" };
         fact(ui, ("Frames", tip), frames);
-        fact(ui, ("Bytes", "On their way to it"), format!("{:.1} kB/s", health.bytes_per_second / 1e3));
+        fact(ui, ("Data rate", "To the board"), format!("{:.1} kB/s", health.bytes_per_second / 1e3));
         if let Some(rates) = health.rates {
-            fact(
-                ui,
-                ("Motion", "Frames per second: those of the scene, and those that are played"),
-                rates.to_string(),
-            );
+            fact(ui, ("Motion", "Frames per second, of the scene and as played"), rates.to_string());
         }
         if let Some(latency) = health.latency {
-            let tip = "From a change to the last byte of its frame on the line; the median";
-            fact(ui, ("Delay", tip), milliseconds(latency.median));
+            let tip = "From a change to the last byte of its frame on the line, median";
+            fact(ui, ("Latency", tip), milliseconds(latency.median));
         }
         if let Some(round_trip) = health.round_trip {
             let value = format!("{} ± {}", milliseconds(round_trip.median), milliseconds(round_trip.jitter));
-            fact(ui, ("Answers after", "From a packet's last byte to its answer"), value);
-            let tip = "Packets that were corrupted on the line or refused, and sent again";
+            fact(ui, ("Round trip", "From the last byte of a packet to its answer, median ± jitter"), value);
+            let tip = "Packets corrupted on the line or refused";
             fact(ui, ("Retransmissions", tip), health.refused.to_string());
         }
         if let Some(swaps) = health.swaps {
             let hertz = 0.5 / swaps.median.as_secs_f64();
             let value = format!("{hertz:.2} Hz ± {}", milliseconds(swaps.jitter));
-            fact(ui, ("Modulated at", "By switching it on and off from here"), value);
+            fact(ui, ("Modulated at", "By exchanging buffers from here, with jitter"), value);
         }
         if health.found > 1 {
-            fact(ui, ("Found again", "After it was lost"), format!("{} times", health.found - 1));
+            fact(ui, ("Reconnected", "After losses of the link"), format!("{} times", health.found - 1));
         }
     });
     for message in board.messages.iter().rev().take(4) {
@@ -290,22 +285,22 @@ fn line(board: &BoardShown, profile: Profile, health: &Health, ui: &mut Ui) {
 
 /// What the board makes of the drive.
 fn played(editor: &mut Editor, board: &BoardShown, ui: &mut Ui) {
-    heading(ui, "What it makes of the scene");
+    heading(ui, "Quantised scene");
     let levels = u32::from(editor.board.profile.levels());
     let mut as_played = editor.levels == Some(levels);
-    let tip = "The map and all pressures are then those of the drive in the board's phases";
+    let tip = "Map and pressures of the drive in the board's phase steps";
     if ui.checkbox(&mut as_played, "Show what the board plays").on_hover_text(tip).changed() {
         editor.levels = as_played.then_some(levels);
     }
     let convention = editor.view.convention;
     match board.pressures {
         Some((ideal, played)) => form(ui, "played", |ui| {
-            fact(ui, ("Ideal", "Mean pressure over the focal points"), convention.pressure(ideal));
+            fact(ui, ("Ideal", "Mean pressure over the foci"), convention.pressure(ideal));
             let part = match ideal > 0.0 {
                 true => format!("{} ({:.1} %)", convention.pressure(played), 100.0 * played / ideal),
-                false => "no sound reaches the focal points".to_owned(),
+                false => "no sound reaches the foci".to_owned(),
             };
-            let tip = "The same with the board's phases and amplitudes. A calibration makes its elements alike and is left out";
+            let tip = "With the board's phases and amplitudes, without its calibration";
             fact(ui, ("As played", tip), part);
         }),
         None => {

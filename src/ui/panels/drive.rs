@@ -22,11 +22,11 @@ const LEVELS: [(Option<u32>, &str); 8] = [
 
 pub fn show(editor: &mut Editor, shown: &Shown, ui: &mut Ui) {
     let Some(sound) = &shown.sound else {
-        ui.label("No drive yet: draw a target first");
+        ui.label("Draw a target to get a drive.");
         return;
     };
     form(ui, "levels", |ui| {
-        let tip = "Map and pressures of the drive rounded to so many phases per period, as boards play it";
+        let tip = "Phases per period, as boards play; map and pressures follow";
         choice(ui, ("Quantised to", tip), &mut editor.levels, &LEVELS);
         let mean = sound.readings.iter().map(Reading::peak).sum::<f64>() / sound.readings.len().max(1) as f64;
         fact(ui, ("Mean pressure", "Over the focal points"), editor.view.convention.pressure(mean));

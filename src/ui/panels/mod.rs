@@ -19,7 +19,7 @@ use glam::DVec3;
 pub use target::{point, sampling};
 
 use crate::ui::number::{self, Look};
-use crate::ui::{Command, Editor, Panel, Shown, theme};
+use crate::ui::{Command, Editor, Panel, Shown, segments, theme};
 
 /// How a number is shown: so many times as large, with this behind it.
 #[derive(Clone, Copy)]
@@ -33,7 +33,7 @@ pub struct Unit {
 
 pub const MM: Unit = Unit { per: 1e3, suffix: " mm", decimals: 2, speed: 0.25 };
 pub const PLAIN: Unit = Unit { per: 1.0, suffix: "", decimals: 3, speed: 0.01 };
-const DEGREES: Unit = Unit { per: 180.0 / std::f64::consts::PI, suffix: "°", decimals: 1, speed: 0.5 };
+pub const DEGREES: Unit = Unit { per: 180.0 / std::f64::consts::PI, suffix: "°", decimals: 1, speed: 0.5 };
 
 pub fn show(editor: &mut Editor, shown: &Shown, ui: &mut Ui, commands: &mut Vec<Command>) {
     ui.add_space(4.0);
@@ -68,15 +68,27 @@ pub fn show(editor: &mut Editor, shown: &Shown, ui: &mut Ui, commands: &mut Vec<
     });
 }
 
-fn heading(ui: &mut Ui, text: &str) {
+fn heading(ui: &mut Ui, text: &str) -> Response {
     ui.add_space(12.0);
-    ui.label(theme::heading(text));
+    let response = ui.label(theme::heading(text));
     ui.add_space(2.0);
+    response
 }
 
 /// Two columns: names and values.
 pub fn form(ui: &mut Ui, id: &str, rows: impl FnOnce(&mut Ui)) {
     egui::Grid::new(id).num_columns(2).spacing([12.0, 5.0]).min_col_width(104.0).show(ui, rows);
+}
+
+/// The name of a row.
+pub fn caption(ui: &mut Ui, name: &str) -> Response {
+    let name = theme::label(name, ui.visuals());
+    ui.label(name)
+}
+
+/// The value of a row: all values of a page end at its right edge.
+pub fn value<R>(ui: &mut Ui, add: impl FnOnce(&mut Ui) -> R) -> R {
+    ui.with_layout(Layout::right_to_left(Align::Center), add).inner
 }
 
 /// A row with a number that can be edited. What is no number changes nothing, and what is out of range becomes the nearest that
@@ -88,9 +100,9 @@ pub fn number(
     unit: Unit,
     range: RangeInclusive<f64>,
 ) -> Response {
-    let label = theme::label(name, ui.visuals());
-    let label = ui.label(label).on_hover_text(tip);
-    let response = bare_number(ui, value, unit, range).labelled_by(label.id).on_hover_text(tip);
+    let label = caption(ui, name).on_hover_text(tip);
+    let response = self::value(ui, |ui| bare_number(ui, value, unit, range));
+    let response = response.labelled_by(label.id).on_hover_text(tip);
     ui.end_row();
     response
 }
@@ -109,9 +121,9 @@ pub fn bare_number(ui: &mut Ui, value: &mut f64, unit: Unit, range: RangeInclusi
 
 /// The same for whole numbers.
 fn count(ui: &mut Ui, (name, tip): (&str, &str), value: &mut u32, range: RangeInclusive<u32>) -> Response {
-    let label = theme::label(name, ui.visuals());
-    let label = ui.label(label).on_hover_text(tip);
-    let response = bare_count(ui, value, range).labelled_by(label.id).on_hover_text(tip);
+    let label = caption(ui, name).on_hover_text(tip);
+    let response = self::value(ui, |ui| bare_count(ui, value, range));
+    let response = response.labelled_by(label.id).on_hover_text(tip);
     ui.end_row();
     response
 }
@@ -129,12 +141,14 @@ fn bare_count(ui: &mut Ui, value: &mut u32, range: RangeInclusive<u32>) -> Respo
 
 /// A row with a value that is only shown; a click copies it.
 pub fn fact(ui: &mut Ui, (name, tip): (&str, &str), value: impl Into<String>) {
-    let label = theme::label(name, ui.visuals());
-    ui.label(label).on_hover_text(tip);
-    ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
+    caption(ui, name).on_hover_text(tip);
+    self::value(ui, |ui| {
         let value = value.into();
-        let label = Label::new(&value).truncate().selectable(false).sense(egui::Sense::CLICK);
-        if ui.add(label).on_hover_text(tip).clicked() {
+        let is_cut = segments::text_width(ui, &value) > ui.available_width();
+        let tip = if is_cut { format!("{value}\n{tip}") } else { tip.to_owned() };
+        ui.add_space(ui.spacing().button_padding.x);
+        let label = Label::new(&value).truncate().show_tooltip_when_elided(false).selectable(false);
+        if ui.add(label.sense(egui::Sense::CLICK)).on_hover_text(tip).clicked() {
             ui.ctx().copy_text(value);
         }
     });
@@ -143,20 +157,16 @@ pub fn fact(ui: &mut Ui, (name, tip): (&str, &str), value: impl Into<String>) {
 
 /// A choice among a few.
 fn choice<T: Copy + PartialEq>(ui: &mut Ui, (name, tip): (&str, &str), value: &mut T, choices: &[(T, &str)]) {
-    let label = theme::label(name, ui.visuals());
-    let label = ui.label(label).on_hover_text(tip);
+    let label = caption(ui, name).on_hover_text(tip);
     let current = choices.iter().find(|(choice, _)| choice == value).map_or("", |(_, name)| name);
-    egui::ComboBox::from_id_salt(name)
-        .selected_text(current)
-        .height(320.0)
-        .show_ui(ui, |ui| {
+    let list = self::value(ui, |ui| {
+        egui::ComboBox::from_id_salt(name).selected_text(current).height(320.0).show_ui(ui, |ui| {
             for (choice, name) in choices {
                 ui.selectable_value(value, *choice, *name);
             }
         })
-        .response
-        .labelled_by(label.id)
-        .on_hover_text(tip);
+    });
+    list.response.labelled_by(label.id).on_hover_text(tip);
     ui.end_row();
 }
 
@@ -171,13 +181,17 @@ fn given(
 ) {
     let mut is_given = value.is_some();
     ui.checkbox(&mut is_given, name).on_hover_text(format!("{tip}. Ticked: as given here"));
-    if is_given {
-        let number = value.get_or_insert(otherwise);
-        bare_number(ui, number, unit, range).accessible_name(name);
-    } else {
-        *value = None;
-        ui.label(format!("{:.*}{}", unit.decimals, otherwise * unit.per, unit.suffix));
-    }
+    self::value(ui, |ui| {
+        if is_given {
+            let number = value.get_or_insert(otherwise);
+            bare_number(ui, number, unit, range).accessible_name(name);
+        } else {
+            *value = None;
+            // As far in as the numbers in fields.
+            ui.add_space(ui.spacing().button_padding.x);
+            ui.label(format!("{:.*}{}", unit.decimals, otherwise * unit.per, unit.suffix));
+        }
+    });
     ui.end_row();
 }
 

@@ -17,25 +17,25 @@ pub fn show(editor: &mut Editor, shown: &Shown, ui: &mut Ui) {
     if !motion::moves(editor.scene()) {
         editor.playback.frame = None;
         editor.playback.playing = false;
-        ui.label("Nothing moves. Choose a path: all targets follow it together.");
+        ui.label("The scene is static. Choose a path that all targets follow.");
         return;
     }
     if editor.scene().motion.path == MotionPath::Steps {
-        ui.label("Every target shows its step in the Scene panel.");
+        ui.label("The Scene panel sets the step of each target.");
     }
     let own =
         editor.scene().targets.iter().filter(|target| target.visible && target.motion.is_some()).count();
     if own > 0 {
         let whose =
             if own == 1 { "1 target has its".to_owned() } else { format!("{own} targets have their") };
-        ui.label(format!("{whose} own motion, which the Scene panel shows."));
+        ui.label(format!("{whose} own motion; see the Scene panel."));
     }
     ui.separator();
     if let Some(round) = &shown.round {
         let frames = &round.frames;
         let convention = editor.view.convention;
         heading(ui, "Cycle");
-        form(ui, "round", |ui| {
+        form(ui, "cycle", |ui| {
             let mean = frames.iter().map(Frame::mean_pressure).sum::<f64>() / frames.len().max(1) as f64;
             fact(ui, ("Mean pressure", "Over focal points and frames"), convention.pressure(mean));
             let weakest = frames.iter().map(Frame::min_pressure).fold(f64::INFINITY, f64::min);
@@ -45,7 +45,7 @@ pub fn show(editor: &mut Editor, shown: &Shown, ui: &mut Ui) {
                 at_most(round.steps.largest.to_degrees(), 0),
                 round.steps.rms.to_degrees()
             );
-            fact(ui, ("Phase steps", "How far phases go from frame to frame: small steps are silent"), step);
+            fact(ui, ("Phase change per frame", "Of the elements; small changes are silent"), step);
             fact(ui, ("Solved in", "All frames"), format!("{:.0} ms", 1e3 * round.seconds));
         });
     }
@@ -78,16 +78,16 @@ fn modulation(modulation: &mut Modulation, ui: &mut Ui) {
     heading(ui, "Modulation");
     form(ui, "modulation", |ui| {
         let shapes = [(Envelope::Off, "off"), (Envelope::Sine, "sine"), (Envelope::Square, "square")];
-        let tip = "How the loudness goes up and down: a hand feels that, and no steady sound";
-        choice(ui, ("Envelope", tip), &mut modulation.shape, &shapes);
+        let tip = "Waveform; skin feels modulated sound, not steady sound";
+        choice(ui, ("Amplitude modulation", tip), &mut modulation.shape, &shapes);
         if modulation.shape != Envelope::Off {
             let hertz = Unit { per: 1.0, suffix: " Hz", decimals: 1, speed: 1.0 };
-            let tip = "How often; skin feels 200 Hz best";
+            let tip = "Of the modulation; skin is most sensitive near 200 Hz";
             number(ui, ("Frequency", tip), &mut modulation.frequency, hertz, 1.0..=1000.0);
             let percent = Unit { per: 100.0, suffix: " %", decimals: 0, speed: 0.5 };
             number(
                 ui,
-                ("Modulation depth", "100 %: down to silence"),
+                ("Modulation depth", "Of the amplitude; 100 % reaches zero"),
                 &mut modulation.depth,
                 percent,
                 0.0..=1.0,

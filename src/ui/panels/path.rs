@@ -37,16 +37,16 @@ const SPEED: Unit = Unit { per: 1.0, suffix: " m/s", decimals: 2, speed: 0.05 };
 /// What follows from a motion and from the others of its scene.
 #[derive(Clone, Copy)]
 pub struct Figures {
-    /// m, of a round.
+    /// m, of one repetition of the path.
     length: f64,
-    /// Rounds per second that it asks for.
+    /// Repetitions per second that it asks for.
     asked: f64,
-    /// Rounds per cycle.
+    /// Repetitions per cycle.
     rounds: u64,
     /// Cycles and frames per second.
     rate: f64,
     frames_per_second: f64,
-    /// Its round is the cycle.
+    /// One repetition of it is the cycle.
     leads: bool,
 }
 
@@ -70,7 +70,8 @@ impl Figures {
 /// Path, size and tempo of a target's own motion, or of the scene's, which alone may go in steps.
 pub fn settings(motion: &mut Motion, figures: Option<Figures>, is_own: bool, ui: &mut Ui) {
     form(ui, "motion", |ui| {
-        let tip = "Along which targets move. Outline: focal points run along the drawn strokes. Steps: targets take turns";
+        let tip =
+            "Of the targets. Outline: foci run along the drawn strokes. Steps: targets are played in turn";
         let paths = &PATHS[..PATHS.len() - usize::from(is_own)];
         let mut path = motion.path;
         choice(ui, ("Path", tip), &mut path, paths);
@@ -78,7 +79,7 @@ pub fn settings(motion: &mut Motion, figures: Option<Figures>, is_own: bool, ui:
         match path {
             MotionPath::None | MotionPath::Points | MotionPath::Keyframes | MotionPath::Steps => {}
             MotionPath::Outline => {
-                let tip = "Focal points that run along the strokes, at equal distances";
+                let tip = "Foci along the strokes, equally spaced";
                 count(ui, ("Running foci", tip), &mut motion.foci, 1..=64);
             }
             MotionPath::Line
@@ -89,8 +90,8 @@ pub fn settings(motion: &mut Motion, figures: Option<Figures>, is_own: bool, ui:
                 let tip = "Length, diameter, side or width of the path";
                 number(ui, ("Size", tip), &mut motion.size, MM, 1e-4..=1.0);
                 if path != MotionPath::Circle {
-                    let tip = "By which the path is turned, counter-clockwise";
-                    number(ui, ("Turn", tip), &mut motion.angle, DEGREES, -TAU..=TAU);
+                    let tip = "Rotation of the path, counter-clockwise";
+                    number(ui, ("Angle", tip), &mut motion.angle, DEGREES, -TAU..=TAU);
                 }
             }
         }
@@ -110,13 +111,13 @@ pub fn settings(motion: &mut Motion, figures: Option<Figures>, is_own: bool, ui:
 fn tempo(motion: &mut Motion, figures: Figures, ui: &mut Ui) {
     let Figures { length, asked, rounds, rate, frames_per_second, leads } = figures;
     let mut rounds_per_second = asked;
-    let tip = "Rounds per second; kept where it was given last";
+    let tip = "Repetitions of the path per second; the one of rate and speed that was typed last is kept";
     if number(ui, ("Rate", tip), &mut rounds_per_second, HERTZ, 0.01..=1e4).changed() {
         motion.tempo = Tempo::Rate(rounds_per_second);
     }
     if length > 0.0 {
         let mut speed = length * asked;
-        let tip = "Of a focus; 5 to 8 m/s are felt most. Kept where it was given last";
+        let tip = "Of a focus along its path; 5 to 8 m/s feel strongest";
         if number(ui, ("Speed", tip), &mut speed, SPEED, 1e-3..=1e3).changed() {
             motion.tempo = Tempo::Speed(speed);
         }
@@ -124,11 +125,10 @@ fn tempo(motion: &mut Motion, figures: Figures, ui: &mut Ui) {
     if leads {
         count(ui, ("Frames", "Drives per cycle"), &mut motion.frames, 1..=4096);
         let shown = format!("{frames_per_second:.0} per second");
-        fact(ui, ("Frames shown", "What the board has to keep up with"), shown);
+        fact(ui, ("Frame rate", "The board has to keep up with it"), shown);
     } else {
         let times = if rounds == 1 { "once".to_owned() } else { format!("{rounds} times") };
-        let tip =
-            "A whole number of rounds fits into the cycle of the scene's motion, or of the slowest target's";
+        let tip = "A whole number of repetitions fits into the scene's cycle";
         fact(ui, ("Played", tip), format!("{times} a cycle: {:.2} Hz", rate * rounds as f64));
     }
 }
@@ -154,7 +154,7 @@ fn choose(motion: &mut Motion, path: MotionPath) {
 /// Times, offsets in mm, pressures and easings.
 fn keyframes(keyframes: &mut Vec<Keyframe>, ui: &mut Ui) {
     heading(ui, "Keyframes");
-    ui.label("Time in the cycle, offset from the target's own place, and the factor of its pressure:");
+    ui.label("Time in the cycle; offset from the target in mm; factor of its pressure:");
     let (only, mut removed) = (keyframes.len() == 1, None);
     let times: Vec<_> = keyframes.iter().map(|keyframe| keyframe.time).collect();
     for (index, keyframe) in keyframes.iter_mut().enumerate() {
@@ -178,7 +178,7 @@ fn keyframes(keyframes: &mut Vec<Keyframe>, ui: &mut Ui) {
                     ui.selectable_value(&mut keyframe.easing, easing, easing.name());
                 }
             });
-            let tip = "How the way to the next keyframe is gone";
+            let tip = "Easing on the way to the next keyframe";
             response.response.on_hover_text(tip).accessible_name(name("easing"));
             let button = ui.add_enabled(!only, egui::Button::new("-").small());
             if button
@@ -198,7 +198,7 @@ fn keyframes(keyframes: &mut Vec<Keyframe>, ui: &mut Ui) {
 /// The offsets that a path through points visits, in mm.
 fn points(points: &mut Vec<DVec3>, ui: &mut Ui) {
     heading(ui, "Points");
-    ui.label("Where the targets go, one after the other and back to the first, from their own places:");
+    ui.label("Offsets from the target in mm, visited in turn:");
     let (mut added, mut removed) = (None, None);
     let only = points.len() == 1;
     form(ui, "points", |ui| {
@@ -207,12 +207,12 @@ fn points(points: &mut Vec<DVec3>, ui: &mut Ui) {
             ui.horizontal(|ui| {
                 coordinates(ui, &format!("Point {}", index + 1), offset, -2000.0);
                 let number = index + 1;
-                let button = ui.small_button("+").on_hover_text("Another one after this");
+                let button = ui.small_button("+").on_hover_text("Insert a point after this one");
                 if button.accessible_name(format!("Add a point after {number}")).clicked() {
                     added = Some(index);
                 }
                 let button = ui.add_enabled(!only, egui::Button::new("-").small());
-                let button = button.on_hover_text("Without this one");
+                let button = button.on_hover_text("Remove this point");
                 if button.accessible_name(format!("Remove point {number}")).clicked() {
                     removed = Some(index);
                 }

@@ -4,6 +4,7 @@ use egui::{Ui, Vec2b};
 use egui_plot::{HLine, Line, Plot, PlotPoints};
 
 use crate::scene::Part;
+use crate::ui::panels::heading;
 use crate::ui::{Sound, theme};
 
 /// Places (mm) along all strokes, one after the other, and the pressure there over its target's mean; a curve for each stroke.
@@ -39,8 +40,8 @@ pub fn show(sound: &Sound, ui: &mut Ui) {
     if curves.is_empty() {
         return;
     }
-    ui.label("Pressure along the strokes")
-        .on_hover_text("Over its mean, from the first stroke's beginning to the last one's end, mm");
+    heading(ui, "Pressure along the strokes")
+        .on_hover_text("Relative to its mean, against the way along the strokes in mm");
     let plot = Plot::new("profile")
         .height(HEIGHT)
         .allow_zoom(false)
@@ -50,7 +51,7 @@ pub fn show(sound: &Sound, ui: &mut Ui) {
         .auto_bounds(Vec2b::TRUE)
         .include_y(0.0)
         .include_y(1.2)
-        .grid_spacing(16.0..=60.0)
+        .grid_spacing(16.0..=400.0)
         .show_grid(true);
     plot.show(ui, |plot| {
         plot.hline(HLine::new("mean", 1.0).color(theme::CHOSEN.gamma_multiply(0.4)));

@@ -21,7 +21,7 @@ pub fn show(editor: &mut Editor, shown: &Shown, ui: &mut Ui) {
 fn targets(editor: &mut Editor, ui: &mut Ui) {
     heading(ui, "Targets");
     if editor.scene().targets.is_empty() {
-        ui.label("None yet. Pick a tool and draw on the map.");
+        ui.label("Pick a tool and draw on the map.");
         return;
     }
     let several = ui.input(|input| input.modifiers.shift || input.modifiers.command);
@@ -64,7 +64,7 @@ fn targets(editor: &mut Editor, ui: &mut Ui) {
     });
     match editor.selection.len() {
         0 => {
-            ui.label(RichText::new("Select a target to see its numbers.").weak());
+            ui.label(RichText::new("Select a target to edit its numbers.").weak());
         }
         1 => {
             let index = editor.selection.first().copied().unwrap_or(0);
@@ -84,7 +84,7 @@ fn row(editor: &mut Editor, index: usize, several: bool, ui: &mut Ui) -> Option<
         ui.spacing_mut().item_spacing.x = 4.0;
         let visible = &mut editor.document.scene.targets[index].visible;
         ui.checkbox(visible, "")
-            .on_hover_text("Played; a target without the tick stays in the file and is silent")
+            .on_hover_text("On; a target that is off stays in the file")
             .accessible_name(format!("Target {} is played", index + 1));
         let text = if *visible { RichText::new(name) } else { RichText::new(name).weak() };
         // The rest of the row, so that the name stands at its left.
@@ -141,12 +141,12 @@ fn walk(index: usize, count: usize, response: &egui::Response, ui: &Ui) {
 #[derive(Clone, Copy)]
 struct Dragged(usize);
 
-/// Somebody's ear, and how loud it is there.
+/// The place of an ear, and the exposure there.
 fn listener(editor: &mut Editor, shown: &Shown, ui: &mut Ui) {
     let listener = &mut editor.document.scene.listener;
     let mut is_there = listener.is_some();
-    ui.checkbox(&mut is_there, "Somebody listens")
-        .on_hover_text("A place where the loudness matters: an ear beside the array");
+    ui.checkbox(&mut is_there, "Exposure at a listener")
+        .on_hover_text("Sound pressure level at a place that matters, such as the ear of a bystander");
     if !is_there {
         *listener = None;
         return;
@@ -156,8 +156,8 @@ fn listener(editor: &mut Editor, shown: &Shown, ui: &mut Ui) {
         target::point(ui, "Ear", &mut listener.at);
         if let Some(sound) = &shown.sound {
             let heard = probe::reading(&sound.aperture, &sound.drives, listener.at);
-            let tip = "Sound pressure level there, of the sound without its modulation";
-            fact(ui, ("Loudness", tip), format!("{:.1} dB SPL", heard.spl()));
+            let tip = "Sound pressure level at the ear, of the unmodulated sound";
+            fact(ui, ("Level", tip), format!("{:.1} dB SPL", heard.spl()));
             if let Some(warning) = heard.warning() {
                 ui.label("");
                 ui.label(RichText::new(warning).color(theme::warning(ui.visuals())));
@@ -169,7 +169,7 @@ fn listener(editor: &mut Editor, shown: &Shown, ui: &mut Ui) {
 
 /// What several targets share.
 fn together(editor: &mut Editor, count: usize, ui: &mut Ui) {
-    ui.label(format!("{count} targets are selected"));
+    ui.label(format!("{count} targets selected"));
     let Some(first) = editor.selection.first().and_then(|&index| editor.scene().targets.get(index)) else {
         return;
     };
@@ -177,8 +177,7 @@ fn together(editor: &mut Editor, count: usize, ui: &mut Ui) {
     let mut group = group::common(editor.scene(), &editor.selection).unwrap_or_default().to_owned();
     let (mut is_louder, mut is_renamed) = (false, false);
     form(ui, "together", |ui| {
-        let response =
-            number(ui, ("Pressure", "Wanted pressure of all of them"), &mut pressure, PLAIN, 0.01..=1e5);
+        let response = number(ui, ("Pressure", "Target pressure of each"), &mut pressure, PLAIN, 0.01..=1e5);
         is_louder = response.changed();
         is_renamed = target::label(ui, target::GROUP, "in no group", &mut group);
     });
@@ -195,18 +194,18 @@ fn together(editor: &mut Editor, count: usize, ui: &mut Ui) {
     }
 }
 
-/// The plane of the file, which `render` draws, against the one on the screen.
+/// The plane of the file, which `render` draws, and the button that takes the one on the screen.
 fn plane(editor: &mut Editor, shown: &Shown, ui: &mut Ui) {
-    heading(ui, "Plane");
+    heading(ui, "Scene plane");
     let scene = editor.scene();
     let seen = shown.map.as_ref().map(|map| {
         let lens = crate::ui::view::Lens { rect: map.rect, window: map.window };
         editor.view.plane(scene, &lens)
     });
-    let tip = "The scene's plane is what `sonoglyph render` draws, and the surface of the liquid";
+    let tip = "`sonoglyph render` draws it, and it is the surface of the liquid";
     let plane = &scene.plane;
     ui.label(format!(
-        "Of the scene: {:.0} x {:.0} mm about ({:.0}, {:.0}, {:.0})",
+        "{:.0} x {:.0} mm, centre ({:.0}, {:.0}, {:.0}) mm",
         plane.size.x * 1e3,
         plane.size.y * 1e3,
         plane.centre.x * 1e3,
@@ -217,13 +216,13 @@ fn plane(editor: &mut Editor, shown: &Shown, ui: &mut Ui) {
     ui.horizontal(|ui| {
         if let Some(seen) = seen
             && ui
-                .button("Use this plane")
-                .on_hover_text("Makes the part that is on the screen the scene's")
+                .button("Set as scene plane")
+                .on_hover_text("The part of the plane on the screen becomes the scene plane")
                 .clicked()
         {
             editor.document.scene.plane = seen;
         }
-        let label = ui.label("Tolerance").on_hover_text("Largest error of the map, relative to its peak");
+        let label = ui.label("Tolerance").on_hover_text("Largest error of a map, relative to its peak");
         let tolerance = &mut editor.document.scene.plane.tolerance;
         egui::ComboBox::from_id_salt("tolerance")
             .selected_text(if *tolerance == 0.0 { "exact".to_owned() } else { format!("{tolerance:e}") })
@@ -250,36 +249,30 @@ fn array(editor: &mut Editor, ui: &mut Ui) {
         }
         let elements = array.elements();
         array.off.retain(|&element| element < elements);
-        number(ui, ("Pitch", "From element to element"), &mut array.pitch, MM, 1e-4..=0.2);
-        number(
-            ui,
-            ("Element radius", "Of the part that radiates"),
-            &mut array.element_radius,
-            MM,
-            1e-5..=0.1,
-        );
+        number(ui, ("Pitch", "Distance between neighbouring elements"), &mut array.pitch, MM, 1e-4..=0.2);
+        number(ui, ("Element radius", "Of the radiating surface"), &mut array.element_radius, MM, 1e-5..=0.1);
         let khz = Unit { per: 1e-3, suffix: " kHz", decimals: 2, speed: 0.1 };
-        number(ui, ("Frequency", "Of the sound"), &mut array.frequency, khz, 1e3..=1e6);
+        number(ui, ("Frequency", "Of the carrier"), &mut array.frequency, khz, 1e3..=1e6);
         let strength = Unit { per: 1.0, suffix: " Pa·m", decimals: 2, speed: 0.02 };
         number(
             ui,
-            ("Strength", "Peak pressure that one element makes straight ahead, times the distance"),
+            ("Strength", "Peak pressure of one element on its axis, times the distance"),
             &mut array.strength,
             strength,
             1e-3..=1e4,
         );
         choice(
             ui,
-            ("Element", "How one element radiates"),
+            ("Directivity", "Of one element"),
             &mut array.element,
             &[
                 (ElementModel::Piston, "piston, far field"),
-                (ElementModel::ExactPiston, "piston, near field too"),
-                (ElementModel::Point, "the same in every direction"),
+                (ElementModel::ExactPiston, "piston, near field"),
+                (ElementModel::Point, "omnidirectional"),
             ],
         );
     });
-    ui.label("Click or drag to switch elements off and on:");
+    ui.label("Click or drag to switch elements on and off:");
     switches(editor, ui);
 }
 
@@ -307,7 +300,7 @@ fn switches(editor: &mut Editor, ui: &mut Ui) {
     }
     ui.horizontal(|ui| {
         let off = array.off.len();
-        ui.label(format!("{} of {} play", array.elements() - off, array.elements()));
+        ui.label(format!("{} of {} elements on", array.elements() - off, array.elements()));
         if ui.add_enabled(off > 0, egui::Button::new("All on")).clicked() {
             array.off.clear();
         }
@@ -324,11 +317,11 @@ fn air(editor: &mut Editor, ui: &mut Ui) {
         let percent = Unit { per: 1.0, suffix: " %", decimals: 0, speed: 0.3 };
         number(ui, ("Humidity", "Relative"), &mut medium.humidity, percent, 0.0..=100.0);
         let hectopascal = Unit { per: 0.01, suffix: " hPa", decimals: 1, speed: 1.0 };
-        number(ui, ("Air pressure", "Of the weather"), &mut medium.pressure, hectopascal, 1e3..=1e6);
+        number(ui, ("Air pressure", "Static"), &mut medium.pressure, hectopascal, 1e3..=1e6);
         let speed = Unit { per: 1.0, suffix: " m/s", decimals: 2, speed: 0.1 };
         given(
             ui,
-            ("Sound speed", "Follows from the temperature"),
+            ("Sound speed", "From the temperature"),
             &mut medium.sound_speed,
             air.sound_speed,
             speed,
@@ -337,7 +330,7 @@ fn air(editor: &mut Editor, ui: &mut Ui) {
         let density = Unit { per: 1.0, suffix: " kg/m³", decimals: 3, speed: 0.001 };
         given(
             ui,
-            ("Density", "Follows from the weather"),
+            ("Density", "From temperature, humidity and air pressure"),
             &mut medium.density,
             air.density,
             density,
@@ -346,7 +339,7 @@ fn air(editor: &mut Editor, ui: &mut Ui) {
         let absorption = Unit { per: 1.0, suffix: " dB/m", decimals: 2, speed: 0.01 };
         given(
             ui,
-            ("Absorption", "Follows from the weather"),
+            ("Absorption", "From temperature, humidity and air pressure"),
             &mut medium.absorption,
             air.absorption(),
             absorption,

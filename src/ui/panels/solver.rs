@@ -45,9 +45,10 @@ fn settings(editor: &mut Editor, ui: &mut Ui) {
         count(ui, ("Iterations", tip), &mut solver.iterations, 0..=10_000);
         let amplitudes = [(Amplitudes::Uniform, "uniform"), (Amplitudes::Free, "per element")];
         choice(ui, ("Amplitudes", "Uniform on most boards"), &mut solver.amplitudes, &amplitudes);
-        let tip = "Weight of quiet beside the drawing: 0 the strongest drive, 1 the quietest elsewhere";
+        let tip = "Weight of silence beside the drawing: 0 strongest drive, 1 lowest side lobes";
         number(ui, ("Quiet", tip), &mut solver.quiet, PLAIN, 0.0..=1.0);
-        let tip = "Drives played in turn whose mean has the drawn shape: their side lobes average out";
+        let tip =
+            "Drives played in turn, whose mean intensity has the drawn shape: their side lobes average out";
         count(ui, ("Drives in turn", tip), &mut solver.frames, 1..=32);
         let pressures = [(Pressures::Relative, "relative"), (Pressures::Pascal, "pascals")];
         choice(
@@ -67,7 +68,7 @@ fn quality(convention: Convention, shown: &Shown, solution: &Solution, ui: &mut 
     let quality = &solution.quality;
     heading(ui, "Quality");
     if quality.is_silent() {
-        ui.label("No sound reaches the focal points");
+        ui.label("No sound reaches the foci");
         return;
     }
     form(ui, "quality", |ui| {
@@ -79,7 +80,7 @@ fn quality(convention: Convention, shown: &Shown, solution: &Solution, ui: &mut 
         );
         fact(
             ui,
-            ("Uniformity, std/mean", "Standard deviation over mean of the pressures at the points"),
+            ("Uniformity (std/mean)", "Standard deviation over mean of the focal pressures"),
             format!("{:.1} %", 100.0 * quality.spread),
         );
         if solution.foci.iter().any(|focus| !focus.is_separate()) {
@@ -91,11 +92,7 @@ fn quality(convention: Convention, shown: &Shown, solution: &Solution, ui: &mut 
             Some(certified) => format!("at least {}", percent_at_least(certified, 0)),
             None => "…".to_owned(),
         };
-        fact(
-            ui,
-            ("Fraction of the bound", "Guaranteed fraction of the upper bound, which no drive exceeds"),
-            certified,
-        );
+        fact(ui, ("Fraction of the upper bound", "Guaranteed; no drive exceeds the bound"), certified);
     });
     for warning in &shown.warnings {
         ui.label(egui::RichText::new(warning).color(theme::warning(ui.visuals())));
@@ -106,11 +103,11 @@ fn quality(convention: Convention, shown: &Shown, solution: &Solution, ui: &mut 
 fn foci(quality: &Quality, ui: &mut Ui) {
     fact(
         ui,
-        ("Efficiency", "Evenness of the excitation before it is made uniform: Σ|u|² / (N max|u|²)"),
+        ("Efficiency", "Of the excitation before it is made uniform: Σ|u|² / (N max|u|²)"),
         format!("{:.1} %", 100.0 * quality.efficiency),
     );
-    let tip = "Mean pressure over that of a single focus divided by √M, of M foci";
-    fact(ui, ("Relative to one focus", tip), format!("{:.2}", quality.relative_to_single));
+    let tip = "Mean pressure of M foci times √M over that of a single focus";
+    fact(ui, ("Relative to a single focus", tip), format!("{:.2}", quality.relative_to_single));
 }
 
 /// Figures that only shapes have; they come when nothing is dragged.
@@ -144,7 +141,7 @@ fn comparison(editor: &mut Editor, shown: &Shown, ui: &mut Ui, commands: &mut Ve
         let button = egui::Button::new("Compare all methods");
         if ui
             .add_enabled(!shown.is_comparing, button)
-            .on_hover_text("Solve the scene with every method")
+            .on_hover_text("Solves the scene with every method")
             .clicked()
         {
             commands.push(Command::CompareMethods);
@@ -160,8 +157,8 @@ fn comparison(editor: &mut Editor, shown: &Shown, ui: &mut Ui, commands: &mut Ve
         for (title, tip) in [
             ("Method", "Click to use it"),
             ("Weakest", "Pressure at the weakest focal point"),
-            ("std/mean", "Of the pressures at the points"),
-            ("Time", "Without the figures of quality"),
+            ("std/mean", "Standard deviation over mean of the focal pressures"),
+            ("Time", "Of the solve, without quality figures"),
         ] {
             ui.strong(title).on_hover_text(tip);
         }

@@ -7,7 +7,9 @@ use crate::scene::check::{MOST_FOCI, MOST_LETTERS};
 use crate::scene::{MotionPath, Pressures, Sampling, Scene, Shape, Target, font};
 use crate::ui::edit;
 use crate::ui::panels::path::{self, Figures};
-use crate::ui::panels::{DEGREES, MM, PLAIN, Unit, bare_count, coordinates, count, form, number};
+use crate::ui::panels::{
+    DEGREES, MM, PLAIN, Unit, bare_count, bare_number, caption, coordinates, count, form, number, value,
+};
 use crate::ui::theme;
 
 /// m between the focal points that an outline gets when they are first asked for.
@@ -37,7 +39,7 @@ pub fn show(scene: &mut Scene, index: usize, ui: &mut Ui) {
         }
         let turns = !matches!(target.shape, Shape::Point { .. } | Shape::Circle { .. });
         if turns {
-            number(ui, ("Angle", "Turned about its centre"), &mut target.angle, DEGREES, -7.0..=7.0);
+            number(ui, ("Angle", "Rotation about its centre"), &mut target.angle, DEGREES, -7.0..=7.0);
         }
         step(target, takes_turns, ui);
         label(ui, GROUP, "in no group", &mut target.group);
@@ -47,7 +49,7 @@ pub fn show(scene: &mut Scene, index: usize, ui: &mut Ui) {
 
 /// A name that may be empty; `hint` is what stands there then.
 pub fn label(ui: &mut Ui, (name, tip): (&str, &str), hint: &str, text: &mut String) -> bool {
-    let label = ui.label(name).on_hover_text(tip);
+    let label = caption(ui, name).on_hover_text(tip);
     let field = TextEdit::singleline(text).hint_text(hint).char_limit(MOST_LETTERS).desired_width(150.0);
     let changed = ui.add(field).labelled_by(label.id).changed();
     text.retain(|letter| !letter.is_control());
@@ -58,9 +60,8 @@ pub fn label(ui: &mut Ui, (name, tip): (&str, &str), hint: &str, text: &mut Stri
 /// How it moves where it does not move with the others.
 fn own_motion(target: &mut Target, figures: Option<Figures>, ui: &mut Ui) {
     let mut has_own = target.motion.is_some();
-    ui.checkbox(&mut has_own, "Own motion").on_hover_text(
-        "It moves by itself, or stands still with the path \"none\"; else as the Motion panel says",
-    );
+    ui.checkbox(&mut has_own, "Own motion")
+        .on_hover_text("Instead of the scene's motion; with the path \"none\" the target stands still");
     if !has_own {
         target.motion = None;
         return;
@@ -100,8 +101,10 @@ fn shape(target: &mut Target, ui: &mut Ui) {
             if centre != before {
                 vertices.iter_mut().for_each(|vertex| *vertex += centre - before);
             }
-            ui.label("Closed");
-            ui.checkbox(closed, "").on_hover_text("The end joins the beginning").accessible_name("Closed");
+            caption(ui, "Closed");
+            ui.checkbox(closed, "")
+                .on_hover_text("The last vertex joins the first")
+                .accessible_name("Closed");
             ui.end_row();
         }
         Shape::Text { text, at, height } => {
@@ -110,8 +113,8 @@ fn shape(target: &mut Target, ui: &mut Ui) {
             number(ui, ("Letter height", "Of a capital letter"), height, MM, LENGTH);
         }
         Shape::Picture { file, at, width, pixels: _ } => {
-            ui.label("Picture");
-            ui.label(file.as_str()).on_hover_text("Its brightness is the wanted pressure squared");
+            caption(ui, "Picture");
+            ui.label(file.as_str()).on_hover_text("Brightness is target pressure squared");
             ui.end_row();
             point(ui, "Centre", at);
             number(ui, ("Width", "Of the picture"), width, MM, LENGTH);
@@ -121,7 +124,7 @@ fn shape(target: &mut Target, ui: &mut Ui) {
 
 /// Only letters that the stroke font has, and never no letter at all; what it lacks is said.
 fn letters(ui: &mut Ui, text: &mut String) {
-    let label = ui.label("Text");
+    let label = caption(ui, "Text");
     let mut edited = text.clone();
     let response = ui.add(TextEdit::singleline(&mut edited).desired_width(150.0)).labelled_by(label.id);
     let id = response.id.with("lacking");
@@ -144,7 +147,7 @@ fn letters(ui: &mut Ui, text: &mut String) {
 
 /// x, y and z in mm, in front of the array.
 pub fn point(ui: &mut Ui, name: &str, at: &mut DVec3) {
-    ui.label(format!("{name}, mm"))
+    caption(ui, &format!("{name}, mm"))
         .on_hover_text("x, y, z; the array lies in z = 0, its centre at the origin");
     ui.horizontal(|ui| coordinates(ui, name, at, 1.0));
     ui.end_row();
@@ -153,12 +156,12 @@ pub fn point(ui: &mut Ui, name: &str, at: &mut DVec3) {
 fn pressure(target: &mut Target, pressures: Pressures, ui: &mut Ui) {
     match pressures {
         Pressures::Relative => {
-            let tip = "Wanted pressure, relative to the other targets";
+            let tip = "Target pressure, relative to the other targets";
             number(ui, ("Pressure", tip), &mut target.pressure, PLAIN, 0.01..=100.0);
         }
         Pressures::Pascal => {
             let unit = Unit { per: 1.0, suffix: " Pa", decimals: 0, speed: 10.0 };
-            let tip = "Wanted pressure at every focal point, peak";
+            let tip = "Target pressure at every focus, peak";
             number(ui, ("Pressure", tip), &mut target.pressure, unit, 1.0..=1e5);
         }
     }
@@ -168,12 +171,12 @@ fn pressure(target: &mut Target, pressures: Pressures, ui: &mut Ui) {
 type Choice = (&'static str, &'static str, Sampling);
 
 const OUTLINES: [Choice; 3] = [
-    ("Continuous", "Evenly loud all along", Sampling::Continuous),
-    ("Spacing", "Focal points, by their distance along the outline", Sampling::Spacing(SPACING)),
-    ("Count", "Focal points, by their number", Sampling::Points(16)),
+    ("Continuous", "Equal pressure along the whole stroke", Sampling::Continuous),
+    ("Spacing", "Foci at this spacing along the outline", Sampling::Spacing(SPACING)),
+    ("Count", "This many foci along the outline", Sampling::Points(16)),
 ];
 const AREAS: [Choice; 2] = [
-    ("Broad", "The area within half a width of the outline", Sampling::Stroke(WIDTH)),
+    ("Broad", "A stroke of finite width", Sampling::Stroke(WIDTH)),
     ("Filled", "The area inside the outline", Sampling::Fill),
 ];
 
@@ -192,11 +195,12 @@ fn areas(shape: &Shape) -> &'static [Choice] {
 
 /// Whether a shape is a stroke, separate focal points, and how many, or one of these areas.
 pub fn sampling(ui: &mut Ui, sampling: &mut Sampling, areas: &[Choice]) {
-    let label = ui.label("Stroke").on_hover_text("Evenly loud all along, separate focal points, or an area");
+    let label = caption(ui, "Stroke").on_hover_text("Continuous, separate foci, or an area");
     ui.vertical(|ui| {
         // In one row they would widen the panel while a shape is drawn, and the map would go from under the pointer.
         for choices in [&OUTLINES, areas] {
             ui.horizontal(|ui| {
+                ui.spacing_mut().item_spacing.x = 2.0;
                 for &(name, tip, choice) in choices {
                     let is_chosen = std::mem::discriminant(sampling) == std::mem::discriminant(&choice);
                     if ui.selectable_label(is_chosen, name).on_hover_text(tip).clicked() && !is_chosen {
@@ -208,10 +212,10 @@ pub fn sampling(ui: &mut Ui, sampling: &mut Sampling, areas: &[Choice]) {
         match sampling {
             Sampling::Whole | Sampling::Continuous | Sampling::Fill => {}
             Sampling::Stroke(width) => {
-                crate::ui::panels::bare_number(ui, width, MM, 1e-3..=0.2).labelled_by(label.id);
+                bare_number(ui, width, MM, 1e-3..=0.2).labelled_by(label.id);
             }
             Sampling::Spacing(spacing) => {
-                crate::ui::panels::bare_number(ui, spacing, MM, 1e-3..=0.2).labelled_by(label.id);
+                bare_number(ui, spacing, MM, 1e-3..=0.2).labelled_by(label.id);
             }
             Sampling::Points(points) => {
                 let mut count = *points as u32;
@@ -229,10 +233,12 @@ fn step(target: &mut Target, takes_turns: bool, ui: &mut Ui) {
         return;
     }
     let mut has_step = target.step.is_some();
-    ui.checkbox(&mut has_step, "In step").on_hover_text("Shown when its turn comes; else it is there always");
+    ui.checkbox(&mut has_step, "In step").on_hover_text("Played in this step only; otherwise in every step");
     match (&mut target.step, has_step) {
         (Some(step), true) => {
-            bare_count(ui, step, 0..=1000).on_hover_text("Counted from 0").accessible_name("Step");
+            value(ui, |ui| bare_count(ui, step, 0..=1000))
+                .on_hover_text("Counted from 0")
+                .accessible_name("Step");
         }
         (step, true) => *step = Some(0),
         (step, false) => *step = None,

@@ -20,7 +20,7 @@ use crate::solver;
 use crate::studio::bring_up::{HEIGHT, Report, Verdict, focus_scene, survey_line};
 use crate::studio::output::{self, Files, note, say, warn};
 
-/// How long an element sounds that nobody is asked about.
+/// How long an element sounds where the answers are not asked for.
 const GLANCE: Duration = Duration::from_millis(40);
 /// How long the focus sounds.
 const FOCUS: Duration = Duration::from_secs(2);
@@ -218,8 +218,7 @@ impl Check {
     /// Pressed, it silences the board, and it stays silent until it is told to play again.
     fn stop(&mut self, link: &Link) -> anyhow::Result<()> {
         if !self.profile.answers() {
-            return self
-                .note(Verdict::Noted, "emergency stop: this board has none that could be asked about");
+            return self.note(Verdict::Noted, "emergency stop: this board cannot report one");
         }
         if !self.answers.listen() {
             return self.note(Verdict::Noted, "emergency stop: not tried; --listen asks you to press it");

@@ -8,9 +8,9 @@ use crate::simd::{Instructions, Isa, Kernel, accumulate, fused64, lanes};
 const TILE: usize = 4;
 
 /// J Jᵀ of the derivatives of the moduli |p_m| by the phases of the elements, J_mn = -Im(e^{-jθ_m} H_mn u_n), θ_m the phase of
-/// p_m: how alike the turns are that points ask of the elements, Pa²/rad².
+/// p_m: the Gram matrix of the phase Jacobian, Pa²/rad².
 #[derive(Clone, Debug, Default)]
-pub struct Turns {
+pub struct PhaseJacobian {
     /// Points, padded to whole blocks.
     stride: usize,
     /// J: a row per point, padded like the transfer's, and rows of zeros to whole blocks of points.
@@ -21,14 +21,14 @@ pub struct Turns {
     products: Vec<f64>,
 }
 
-impl Turns {
+impl PhaseJacobian {
     /// At a drive of full amplitude and the directions e^{jθ} of what it makes.
     pub fn update(&mut self, transfer: &Transfer, excitation: &Phasors, directions: &Phasors) {
         self.stride = transfer.points.next_multiple_of(BLOCK);
         self.by_point.resize(transfer.stride * self.stride, 0.0);
         self.by_element.resize(transfer.stride * self.stride, 0.0);
         self.products.resize(transfer.points.next_multiple_of(TILE) * self.stride, 0.0);
-        Isa::best().run(Turn { transfer, excitation, directions, turns: self });
+        Isa::best().run(Update { transfer, excitation, directions, jacobian: self });
     }
 
     /// J Jᵀ of two points, the second no later than the first.
@@ -37,20 +37,20 @@ impl Turns {
     }
 }
 
-struct Turn<'a> {
+struct Update<'a> {
     transfer: &'a Transfer,
     excitation: &'a Phasors,
     directions: &'a Phasors,
-    turns: &'a mut Turns,
+    jacobian: &'a mut PhaseJacobian,
 }
 
-impl Kernel for Turn<'_> {
+impl Kernel for Update<'_> {
     type Output = ();
 
     #[inline(always)]
     fn run<I: Instructions>(self) {
-        let Self { transfer, excitation, directions, turns } = self;
-        let Turns { stride, by_point, by_element, products } = turns;
+        let Self { transfer, excitation, directions, jacobian } = self;
+        let PhaseJacobian { stride, by_point, by_element, products } = jacobian;
         let stride = *stride;
         for (point, (&cos, &sin)) in directions.re.iter().zip(&directions.im).enumerate() {
             let row = &mut by_point[point * transfer.stride..(point + 1) * transfer.stride];
@@ -102,7 +102,7 @@ mod tests {
     use crate::scene::Scene;
 
     #[test]
-    fn turns_are_how_moduli_change_with_phases() {
+    fn it_is_how_moduli_change_with_phases() {
         // Points in twos and not, elements that fill no block, one and more.
         for (points, rows, columns) in [(1, 1, 3), (2, 4, 4), (5, 5, 7)] {
             let mut scene = Scene::default();
@@ -113,8 +113,8 @@ mod tests {
             let mut u = transfer.excitation();
             (0..transfer.elements).for_each(|n| u.set(n, Complex64::from_polar(1.0, phase(n))));
             let made = transfer.pressure(&u.to_vec(transfer.elements));
-            let mut turns = Turns::default();
-            turns.update(&transfer, &u, &made.iter().map(|p| p / p.norm()).collect());
+            let mut jacobian = PhaseJacobian::default();
+            jacobian.update(&transfer, &u, &made.iter().map(|p| p / p.norm()).collect());
 
             let derivative = |m: usize, n: usize| {
                 const STEP: f64 = 1e-6;
@@ -128,7 +128,7 @@ mod tests {
                 for j in 0..=i {
                     let all = 0..transfer.elements;
                     let expected: f64 = all.map(|n| derivative(i, n) * derivative(j, n)).sum();
-                    let got = turns.product(i, j);
+                    let got = jacobian.product(i, j);
                     assert!((got - expected).abs() < 1e-2, "{points} {i} {j}: {got} is not {expected}");
                 }
             }
