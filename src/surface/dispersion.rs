@@ -348,28 +348,46 @@ mod tests {
         }
     }
 
-    /// How far s is from a root of the boundary conditions, relative to s, by Newton's step. The vertical speed of a liquid at
-    /// rest on its floor is A (cosh q(z + d) - cosh xq(z + d)) + B (sinh q(z + d) - sinh xq(z + d) / x).
+    /// The determinant of the boundary conditions at s, in two ways of which one is well-conditioned: with the vertical speed
+    /// A (cosh q(z + d) - cosh xq(z + d)) + B (sinh q(z + d) - sinh xq(z + d) / x), at rest on the floor, if vorticity fills the
+    /// liquid; and else with the four speeds e^{qz}, e^{-q(z + d)}, e^{xqz} and e^{-xq(z + d)}.
+    fn determinant(restoring: f64, n: f64, depth: f64, s: Complex64, fills: bool) -> Complex64 {
+        let (x, one) = ((s / n + 1.0).sqrt(), Complex64::from(1.0));
+        if fills {
+            let [(cosh, sinh), (cosh_x, sinh_x)] = [one, x].map(|x| ((x * depth).cosh(), (x * depth).sinh()));
+            let shear = [2.0 * cosh - (x * x + 1.0) * cosh_x, 2.0 * sinh - (x * x + 1.0) * sinh_x / x];
+            let speed = [cosh - cosh_x, sinh - sinh_x / x];
+            let (slope, pressure) = ([sinh - x * sinh_x, cosh - cosh_x], [sinh, cosh]);
+            let normal = [0, 1].map(|i| restoring / s * speed[i] + s * pressure[i] + 2.0 * n * slope[i]);
+            return shear[0] * normal[1] - shear[1] * normal[0];
+        }
+        let (a, b) = (Complex64::from((-depth).exp()), (-x * depth).exp());
+        let (weight, shear) = (restoring / s, x * x + 1.0);
+        let floor = [[a, one, b, one], [a, -one, x * b, -x]];
+        let surface = [
+            [2.0 * one, 2.0 * a, shear, shear * b],
+            [
+                weight + s + 2.0 * n,
+                (weight - s - 2.0 * n) * a,
+                weight + 2.0 * n * x,
+                (weight - 2.0 * n * x) * b,
+            ],
+        ];
+        let minor = |rows: &[[Complex64; 4]; 2], i: usize, j: usize| {
+            rows[0][i] * rows[1][j] - rows[0][j] * rows[1][i]
+        };
+        let pairs = [([0, 1], [2, 3]), ([2, 0], [1, 3]), ([0, 3], [1, 2])];
+        let both = pairs.into_iter().flat_map(|(own, other)| [(own, other), (other, own)]);
+        both.map(|([i, j], [k, l])| minor(&floor, i, j) * minor(&surface, k, l)).sum()
+    }
+
+    /// How far s is from a root, relative to s, by Newton's step.
     fn distance(liquid: &Liquid, q: f64, s: Complex64) -> f64 {
         let n = liquid.viscosity() / liquid.density() * q * q;
         let restoring = liquid.gravity * q + liquid.surface_tension() * q.powi(3) / liquid.density();
         let depth = q * liquid.depth;
-        // Everything is divided by this: the hyperbolic functions would overflow.
-        let left = (s / n + 1.0).sqrt().re.max(1.0) * depth;
-        let determinant = |s: Complex64| {
-            let x = (s / n + 1.0).sqrt();
-            let ends = |x: Complex64| {
-                let (up, down) = ((x * depth - left).exp(), (-x * depth - left).exp());
-                ((up + down) / 2.0, (up - down) / 2.0)
-            };
-            let ((cosh, sinh), (cosh_x, sinh_x)) = (ends(Complex64::from(1.0)), ends(x));
-            let shear = [2.0 * cosh - (x * x + 1.0) * cosh_x, 2.0 * sinh - (x * x + 1.0) * sinh_x / x];
-            let speed = [cosh - cosh_x, sinh - sinh_x / x];
-            let slope = [sinh - x * sinh_x, cosh - cosh_x];
-            let pressure = [sinh, cosh];
-            let normal = [0, 1].map(|i| restoring / s * speed[i] + s * pressure[i] + 2.0 * n * slope[i]);
-            shear[0] * normal[1] - shear[1] * normal[0]
-        };
+        let fills = (s / n + 1.0).sqrt().re * depth < 3.0;
+        let determinant = |s: Complex64| determinant(restoring, n, depth, s, fills);
         let by = s * 1e-5;
         let slope = (determinant(s + by) - determinant(s - by)) / (2.0 * by);
         (determinant(s) / slope / s).norm()
