@@ -40,6 +40,9 @@ pub struct FigureArgs {
     /// Draw targets: strokes as lines, foci as rings
     #[arg(long, requires = "figure")]
     targets: bool,
+    /// Draw the -6 dB widths of separate foci, along both axes
+    #[arg(long, requires = "figure")]
+    widths: bool,
     /// Draw a bar of a round length on the map
     #[arg(long, requires = "figure")]
     scale_bar: bool,
@@ -108,6 +111,7 @@ impl FigureArgs {
             (figure.range.is_some(), "--range"),
             (!figure.contours.is_empty(), "--contours"),
             (figure.targets, "--targets"),
+            (figure.widths, "--widths"),
             (figure.light, "--light"),
         ];
         if let Some((_, option)) = of_maps.iter().find(|(is_given, _)| is_shaded && *is_given) {
@@ -130,6 +134,7 @@ impl FigureArgs {
             has_colour_bar: true,
             has_scale_bar: figure.scale_bar,
             has_targets: figure.targets,
+            has_widths: figure.widths,
             ..Wish::default()
         };
         Ok(Some((quantity, wish)))

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use anyhow::{Context, bail};
-use glam::DVec2;
+use glam::{DVec2, DVec3};
 
 use crate::echo;
 use crate::field::colouring::{FLOOR, Scale};
@@ -18,13 +18,17 @@ use crate::picture::{ColourMap, Picture, colour, sheet};
 use crate::scene::{Focus, Sampling, Scene, Target, outline};
 use crate::studio::convention::Convention;
 use crate::studio::evaluator::or_by_cpu;
-use crate::studio::{liquid, map};
+use crate::studio::{liquid, map, width};
 
 /// mm, and dots per inch, that a figure may have.
 pub const WIDTHS: [f64; 2] = [30.0, 1000.0];
 pub const DENSITIES: [f64; 2] = [36.0, 2400.0];
 /// What a pixel takes on its way from the field to a file, at most.
 const BYTES_PER_PIXEL: usize = 32;
+/// m: how far from a plane a focus counts as on it.
+const ON_PLANE: f64 = 1e-3;
+/// Foci whose widths are drawn, at most: each takes some milliseconds.
+const MOST_WIDTHS: usize = 24;
 /// mm on the paper that the bar of a depth has at least.
 const LEAST_DEPTH: f64 = 2.5;
 
@@ -56,6 +60,8 @@ pub struct Wish {
     pub has_colour_bar: bool,
     pub has_scale_bar: bool,
     pub has_targets: bool,
+    /// The -6 dB widths of separate foci, along the axes.
+    pub has_widths: bool,
 }
 
 impl Default for Wish {
@@ -77,6 +83,7 @@ impl Default for Wish {
             has_colour_bar: true,
             has_scale_bar: false,
             has_targets: false,
+            has_widths: false,
         }
     }
 }
@@ -265,8 +272,26 @@ fn content((scene, foci): (&Scene, &[Focus]), request: &Request, wish: &Wish) ->
         contours: Vec::new(),
         outlines,
         foci: rings,
+        lengths: if wish.has_widths { lengths(foci, request) } else { Vec::new() },
         is_light: wish.is_light,
     })
+}
+
+/// The -6 dB widths of separate foci on the plane, mm on the axes.
+fn lengths(foci: &[Focus], request: &Request) -> Vec<([[f64; 2]; 2], String)> {
+    let Request { plane, aperture, drives, .. } = request;
+    let Some((x, y)) = plane.axes() else { return Vec::new() };
+    let place = |point| sheet::on_plane(plane, point).map(|DVec2 { x, y }| [x, y]);
+    let height = |point: DVec3| (point - plane.centre).dot(x.cross(y)).abs();
+    let shown = foci.iter().filter(|focus| focus.is_separate() && height(focus.position) < ON_PLANE);
+    let spans =
+        shown.take(MOST_WIDTHS).flat_map(|focus| width::spans(aperture, drives, focus.position, [x, y]));
+    spans
+        .filter_map(|[from, to]| {
+            let text = format!("{:.1} mm", from.distance(to) * 1e3);
+            Some(([place(from)?, place(to)?], text))
+        })
+        .collect()
 }
 
 /// Which colour a value has, and what the colour bar says of it.

@@ -59,6 +59,20 @@ pub fn widths(aperture: &Aperture, drives: &[Drive], focus: DVec3) -> Widths {
     }
 }
 
+/// The ends (m) of the -6 dB widths of the focus at `focus` along the axes of a plane, each through the maximum on the plane.
+/// Empty where [`widths`] has none.
+///
+/// # Panics
+/// No drive.
+pub fn spans(aperture: &Aperture, drives: &[Drive], focus: DVec3, axes: [DVec3; 2]) -> Vec<[DVec3; 2]> {
+    let field = Field::new(aperture, drives);
+    let allowed = aperture.resolution()(focus) / 2.0;
+    // Along the beam the maximum lies farther from the focus than across it.
+    let is_near = |place: DVec3| (place - focus).truncate().length() <= allowed && place.z > field.wavelength;
+    let Some(top) = field.climb(focus, &axes, is_near) else { return Vec::new() };
+    axes.into_iter().filter_map(|axis| field.span(top, axis)).collect()
+}
+
 /// The pressure that drives make.
 struct Field<'a> {
     aperture: &'a Aperture,
@@ -128,7 +142,14 @@ impl<'a> Field<'a> {
 
     /// The width (m) of a maximum along a direction and against it.
     fn width(&self, top: Top, direction: DVec3) -> Option<f64> {
-        Some(self.half(top, direction)? + self.half(top, -direction)?)
+        let [from, to] = self.span(top, direction)?;
+        Some(from.distance(to))
+    }
+
+    /// Its ends (m).
+    fn span(&self, top: Top, direction: DVec3) -> Option<[DVec3; 2]> {
+        let end = |direction: DVec3| self.half(top, direction).map(|far| top.place + direction * far);
+        Some([end(-direction)?, end(direction)?])
     }
 
     /// The area (m²) around a maximum parallel to the array.

@@ -123,6 +123,24 @@ fn what_is_chosen_is_drawn() {
 }
 
 #[test]
+fn widths_are_those_that_solve_prints() {
+    let folder = folder();
+    let (_, answer, error) = run(folder.path(), &["solve", "a.toml", "--json"]);
+    let answer: serde_json::Value = serde_json::from_str(&answer).expect(&error);
+    let widths = &answer["quality"]["widths"][0];
+    let in_mm = |name: &str| format!("{:.1} mm", widths[name].as_f64().unwrap() * 1e3);
+    let (_, words) = map_and_words_of_svg(&draw(folder.path(), "a.svg", &["--widths"]));
+    for name in ["lateral_x", "lateral_y"] {
+        assert!(words.contains(&in_mm(name)), "{name}: {} of {words:?}", in_mm(name));
+    }
+    let upright = SCENE
+        .replace("[plane]", "[plane]\ncentre = [0.01, 0.02, 0.1]\nx_axis = [1, 0, 0]\ny_axis = [0, 0, 1]");
+    std::fs::write(folder.path().join("a.toml"), upright).unwrap();
+    let (_, words) = map_and_words_of_svg(&draw(folder.path(), "a.svg", &["--widths"]));
+    assert!(words.iter().filter(|word| word.ends_with(" mm")).count() == 2, "across and along: {words:?}");
+}
+
+#[test]
 fn a_shaded_surface_has_bars_for_its_lengths_and_depths_instead_of_axes() {
     let folder = folder();
     let choice = ["--quantity", "depression", "--view", "shaded", "--scale-bar", "--title", "Water"];

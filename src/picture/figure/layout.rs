@@ -104,6 +104,8 @@ pub struct Content {
     pub outlines: Vec<Vec<[f64; 2]>>,
     /// Focal points, mm on the axes.
     pub foci: Vec<[f64; 2]>,
+    /// Measured lengths: from where to where, mm on the axes, and in words.
+    pub lengths: Vec<([[f64; 2]; 2], String)>,
     /// Ink on the map that stands out from its ground.
     pub is_light: bool,
 }
@@ -296,6 +298,9 @@ impl Marks<'_> {
                 self.line(&piece, STROKE, target_ink);
             }
         }
+        for (ends, text) in &content.lengths {
+            self.length(ends.map(place), text, ink, room);
+        }
         if content.has_scale_bar {
             let span = x.ends[1] - x.ends[0];
             let length = round_step(span / 8.0);
@@ -306,6 +311,37 @@ impl Marks<'_> {
             let anchor = if font::width(&text, NUMBER) > drawn { Anchor::Start } else { Anchor::Middle };
             let at = if anchor == Anchor::Start { [from, at[1]] } else { at };
             self.list.push(Mark::Text { at, height: NUMBER, anchor, is_turned: false, ink, text });
+        }
+    }
+}
+
+impl Marks<'_> {
+    /// A measured length: a line between two ticks, and its number beyond the end at the right or above.
+    fn length(&mut self, ends: [[f64; 2]; 2], text: &str, ink: Ink, room: [f64; 4]) {
+        let [from, to] = ends;
+        let along = [to[0] - from[0], to[1] - from[1]];
+        let size = along[0].hypot(along[1]).max(1e-9);
+        let across = [along[1] / size * TICK / 2.0, -along[0] / size * TICK / 2.0];
+        let ticks = ends.map(|[x, y]| [[x - across[0], y - across[1]], [x + across[0], y + across[1]]]);
+        for line in ticks.into_iter().chain([ends]) {
+            for piece in clipped(&line, room) {
+                self.line(&piece, HAIRLINE, ink);
+            }
+        }
+        let is_across = along[0].abs() > along[1].abs();
+        let ([x, y], anchor) = if is_across {
+            let right = ends.into_iter().max_by(|a, b| a[0].total_cmp(&b[0])).unwrap_or(to);
+            ([right[0] + GAP / 2.0, right[1] + NUMBER * CAPITAL / 2.0], Anchor::Start)
+        } else {
+            let top = ends.into_iter().min_by(|a, b| a[1].total_cmp(&b[1])).unwrap_or(to);
+            ([top[0], top[1] - GAP / 2.0], Anchor::Middle)
+        };
+        let wide = font::width(text, NUMBER);
+        let left = if is_across { x } else { x - wide / 2.0 };
+        let fits = left >= room[0] && left + wide <= room[2] && y - NUMBER >= room[1] && y <= room[3];
+        if fits {
+            let text = text.to_owned();
+            self.list.push(Mark::Text { at: [x, y], height: NUMBER, anchor, is_turned: false, ink, text });
         }
     }
 }

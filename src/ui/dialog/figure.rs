@@ -19,6 +19,7 @@ pub struct FigureForm {
     scale_bar: bool,
     contours: bool,
     targets: bool,
+    widths: bool,
     is_light: bool,
     format: Format,
 }
@@ -32,6 +33,7 @@ impl Default for FigureForm {
             scale_bar: false,
             contours: false,
             targets: false,
+            widths: false,
             is_light: false,
             format: Format::Pdf,
         }
@@ -66,6 +68,7 @@ impl FigureForm {
             has_colour_bar: self.colour_bar,
             has_scale_bar: self.scale_bar,
             has_targets: self.targets && !is_shaded,
+            has_widths: self.widths && !is_shaded,
         }
     }
 }
@@ -93,7 +96,7 @@ pub fn show(editor: &mut Editor, shown: &Shown, ui: &mut Ui, commands: &mut Vec<
     let mut stays = true;
     let is_there = matches!(shown.figure, Some(Ok(_)));
     ui.horizontal(|ui| {
-        if ui.add_enabled(is_there, egui::Button::new("Export…")).clicked() {
+        if ui.add_enabled(is_there, theme::primary("Export…")).clicked() {
             let purpose = Purpose::Export(Export::Figure(editor.figure.format));
             editor.dialog = Some(Dialog::path(purpose, &editor.document));
             stays = false;
@@ -164,6 +167,7 @@ fn settings(editor: &mut Editor, ui: &mut Ui) {
         let contours = egui::Checkbox::new(&mut form.contours, "Contours");
         ui.add_enabled(has_contours, contours).on_hover_text("At the view's level");
         ui.checkbox(&mut form.targets, "Targets");
+        ui.checkbox(&mut form.widths, "Widths").on_hover_text("-6 dB widths of separate foci (FWHM)");
         ui.checkbox(&mut form.is_light, "Light ground").on_hover_text("White where there is no sound");
     });
 }
