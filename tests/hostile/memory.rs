@@ -142,11 +142,13 @@ fn a_long_step_says_how_long_and_ends_when_it_is_interrupted() {
         let args: Vec<_> = args.split(' ').collect();
         let mut command = program(folder.path(), &args);
         let mut child = command.stdout(Stdio::null()).stderr(Stdio::piped()).spawn().unwrap();
-        let said = BufReader::new(child.stderr.take().unwrap());
-        let note = said.lines().map(Result::unwrap).find(|line| line.contains(part));
+        // Open until the end: a program that cannot write its notes ends by that.
+        let mut said = BufReader::new(child.stderr.take().unwrap()).lines().map(Result::unwrap);
+        let note = said.by_ref().find(|line| line.contains(part));
         assert!(note.is_some_and(|note| note.contains("in all")), "{args:?}");
+        // Ctrl-C is ignored by what a shell runs in the background; this has the same effect.
         let kill =
-            std::process::Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap();
+            std::process::Command::new("kill").args(["-TERM", &child.id().to_string()]).status().unwrap();
         assert!(kill.success());
         assert!(child.wait().unwrap().signal().is_some(), "it did not end of itself");
         assert!(!folder.path().join("x.png").exists() && !folder.path().join("x.gif").exists());
