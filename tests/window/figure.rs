@@ -42,14 +42,7 @@ fn a_figure_is_previewed_written_and_copied() {
 #[test]
 fn the_figure_of_a_shaded_surface_is_shaded() {
     let mut screen = open();
-    screen.key_press_modifiers(Modifiers::NONE, Key::Num4);
-    rest(&mut screen);
-    screen.get_by_label("Shaded").click();
-    rest(&mut screen);
-    screen.get_by_label("Export").click();
-    rest(&mut screen);
-    screen.get_by_label("Figure…").click();
-    rest(&mut screen);
+    export_shaded(&mut screen, "Figure…");
     assert!(screen.query_by_label("Contours").is_none(), "a surface at an angle has none");
     screen.get_by_label("Depth bar").click();
     screen.get_by_label("Scale bar").click();

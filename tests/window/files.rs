@@ -126,16 +126,19 @@ fn comments_of_a_file_survive_an_edit_and_nothing_changes_without_one() {
     assert_eq!(file::read(&path).unwrap(), *scene(&screen));
 }
 
+/// A focus goes round in so many frames.
+fn circle(screen: &mut Screen, frames: u32) {
+    let scene = &mut screen.state_mut().editor_mut().document.scene;
+    scene.targets = vec![sonoglyph::scene::Target::new(Shape::Point { at: DVec3::new(0.0, 0.0, 0.1) })];
+    (scene.motion.path, scene.motion.frames) = (sonoglyph::scene::MotionPath::Circle, frames);
+    rest(screen);
+}
+
 #[test]
 fn a_motion_is_written_and_can_be_called_off() {
     let folder = tempfile::tempdir().unwrap();
     let mut screen = open();
-    let editor = screen.state_mut().editor_mut();
-    editor.document.scene.targets =
-        vec![sonoglyph::scene::Target::new(Shape::Point { at: DVec3::new(0.0, 0.0, 0.1) })];
-    editor.document.scene.motion.path = sonoglyph::scene::MotionPath::Circle;
-    editor.document.scene.motion.frames = 6;
-    rest(&mut screen);
+    circle(&mut screen, 6);
     let path = folder.path().join("round.gif");
     export_motion(&mut screen, &path);
     assert!(screen.state().is_busy(), "it is written while the window goes on");
@@ -176,20 +179,8 @@ fn export_motion(screen: &mut Screen, path: &Path) {
 fn a_shaded_film_is_written_as_its_dialog_says() {
     let folder = tempfile::tempdir().unwrap();
     let mut screen = open();
-    let editor = screen.state_mut().editor_mut();
-    editor.document.scene.targets =
-        vec![sonoglyph::scene::Target::new(Shape::Point { at: DVec3::new(0.0, 0.0, 0.1) })];
-    editor.document.scene.motion.path = sonoglyph::scene::MotionPath::Circle;
-    editor.document.scene.motion.frames = 4;
-    rest(&mut screen);
-    screen.key_press_modifiers(Modifiers::NONE, Key::Num4);
-    rest(&mut screen);
-    screen.get_by_label("Shaded").click();
-    rest(&mut screen);
-    screen.get_by_label("Export").click();
-    rest(&mut screen);
-    screen.get_by_label("Motion…").click();
-    rest(&mut screen);
+    circle(&mut screen, 4);
+    export_shaded(&mut screen, "Motion…");
     assert_eq!(screen.state().editor().dialog, Some(Dialog::Film));
     for (name, value) in [("Width", "401"), ("Frame rate", "10")] {
         let field = screen.get_by_role_and_label(egui::accesskit::Role::SpinButton, name);

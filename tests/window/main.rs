@@ -101,6 +101,15 @@ fn click(screen: &mut Screen, place: Pos2) {
     rest(screen);
 }
 
+/// Shows the depression shaded, and chooses from the menu of exports.
+fn export_shaded(screen: &mut Screen, item: &str) {
+    key(screen, Key::Num4);
+    for label in ["Shaded", "Export", item] {
+        screen.get_by_label(label).click();
+        rest(screen);
+    }
+}
+
 fn press(screen: &mut Screen, modifiers: Modifiers, key: Key) {
     screen.key_press_modifiers(modifiers, key);
     rest(screen);
