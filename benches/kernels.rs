@@ -26,19 +26,19 @@ fn kernels(criterion: &mut Criterion) {
         let drive = solver::solve(&scene).expect("one point can be solved").drive;
         let aperture = Aperture::new(&scene);
         let samples = Samples::on_plane(&scene.plane, side, side).expect("the default plane is a plane");
-        let sources = Sources::new(&aperture, &drive, &samples).expect("the default element fits f32");
+        let sources = Sources::of_faces(&aperture, &drive, &samples).expect("the default element fits f32");
 
         let mut group = criterion.benchmark_group(name);
         group.sample_size(10);
-        group.throughput(Throughput::Elements((samples.len() * sources.elements.len()) as u64));
+        group.throughput(Throughput::Elements((samples.len() * sources[0].elements.len()) as u64));
         for isa in Isa::available() {
             group.bench_function(BenchmarkId::new("CPU", isa.name()), |bencher| {
-                bencher.iter(|| cpu::pressure_with(isa, black_box(&sources), black_box(&samples)));
+                bencher.iter(|| cpu::pressure_with(isa, black_box(&sources), samples.len()));
             });
         }
         if let Some(gpu) = &gpu {
             group.bench_function(BenchmarkId::new("GPU", &gpu.info().name), |bencher| {
-                bencher.iter(|| gpu.pressure(black_box(&sources), black_box(&samples)));
+                bencher.iter(|| gpu.pressure(black_box(&sources)));
             });
         }
         group.bench_function("reference", |bencher| {
@@ -55,18 +55,21 @@ fn stages(criterion: &mut Criterion) {
     let aperture = Aperture::new(&scene);
     let plan = Plan::new(&aperture, &scene.plane, Costs::CPU).expect("a plane");
     let grid = plan.grid.as_ref().expect("the default plane is interpolated");
-    let wave = Wave::new(&aperture, &grid.samples).expect("the default element fits f32");
-    let transfer = Transfer::new(&aperture, &wave, Layout::new(&aperture, grid), None);
+    let (board, (_, shared)) = (&aperture.faces[0], grid.heard[0]);
+    let wave =
+        Wave::new(&aperture.element, &board.layout, &grid.samples).expect("the default element fits f32");
+    let transfer = Transfer::new(board, &wave, Layout::new(board, &grid.samples, shared), None);
     let excitation = vec![Complex64::ONE; aperture.positions.len()];
-    let samples =
-        transfer.superpose(&aperture, std::slice::from_ref(&excitation), grid.samples.len()).swap_remove(0);
+    let mut samples = vec![Complex32::ZERO; grid.samples.len()];
+    transfer.superpose(board, std::slice::from_ref(&excitation), std::slice::from_mut(&mut samples));
 
     let mut group = criterion.benchmark_group("superposition");
     for (name, drives) in [("one drive", 1), ("four drives", 4)] {
         let excitations = vec![excitation.clone(); drives];
         group.throughput(Throughput::Elements((drives * samples.len() * excitation.len()) as u64));
         group.bench_function(name, |bencher| {
-            bencher.iter(|| transfer.superpose(&aperture, black_box(&excitations), grid.samples.len()));
+            let mut fields = vec![samples.clone(); drives];
+            bencher.iter(|| transfer.superpose(board, black_box(&excitations), &mut fields));
         });
     }
     group.finish();

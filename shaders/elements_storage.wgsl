@@ -1,3 +1,4 @@
-// The elements, too many for a uniform array: x, y (m), phase (turns), amplitude (Pa·m).
+// The elements, too many for a uniform array: x, y (m), phase (turns), amplitude (Pa·m); of a curved board then z (m) and the direction of
+// radiation.
 
 @group(0) @binding(1) var<storage, read> elements: array<vec4f>;

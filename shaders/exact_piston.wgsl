@@ -5,7 +5,7 @@
 // cos ψ and 4 a sin²(ψ/2) at the nodes.
 @group(0) @binding(5) var<uniform> nodes: array<vec4f, MOST_NODES>;
 
-fn wave(x: vec4f, y: vec4f, z: vec4f, element: vec4f) -> Phasor {
+fn wave(x: vec4f, y: vec4f, z: vec4f, element: vec4f, tilt: vec4f) -> Phasor {
     let dx = x - element.x;
     let dy = y - element.y;
     let rho2 = dx * dx + dy * dy;

@@ -17,9 +17,14 @@ fn sample(offset: u32) -> vec4f {
 // Four sums, turned by what is common and added to what is there.
 fn write(offset: u32, z: vec4f, turns: vec4f, sum: Phasor) {
     let nearest = vec4f(-NEAREST * params.turns_per_metre);
-    let onward = phasor(select(-turns, nearest, z < vec4f(NEAREST)));
-    // The array stands in a baffle: nothing goes backwards.
-    let in_front = select(vec4f(0.0), vec4f(params.gain), z >= vec4f(-NEAREST));
+    // The array stands in a baffle: nothing goes backwards. Of a curved one every element looks to that itself, and the way is |z|.
+    var way = select(turns, -turns, z >= vec4f(0.0));
+    var in_front = vec4f(params.gain);
+    if IS_FLAT {
+        way = select(-turns, nearest, z < vec4f(NEAREST));
+        in_front = select(vec4f(0.0), in_front, z >= vec4f(-NEAREST));
+    }
+    let onward = phasor(way);
     let re = in_front * (sum.re * onward.re - sum.im * onward.im);
     let im = in_front * (sum.re * onward.im + sum.im * onward.re);
     for (var i = 0u; i < 4u; i++) {
@@ -40,7 +45,7 @@ fn field_main(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_ind
     let x_low = vec4f(p0.x, p1.x, p2.x, p3.x);
     let y_low = vec4f(p0.y, p1.y, p2.y, p3.y);
     let z_low = vec4f(p0.z, p1.z, p2.z, p3.z);
-    let front_low = max(z_low, vec4f(NEAREST));
+    let front_low = select(z_low, max(z_low, vec4f(NEAREST)), vec4<bool>(IS_FLAT));
     var x_high = vec4f(0.0);
     var y_high = vec4f(0.0);
     var z_high = vec4f(0.0);
@@ -55,19 +60,20 @@ fn field_main(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_ind
         z_high = vec4f(p4.z, p5.z, p6.z, p7.z);
         turns_high = vec4f(p4.w, p5.w, p6.w, p7.w);
     }
-    let front_high = max(z_high, vec4f(NEAREST));
+    let front_high = select(z_high, max(z_high, vec4f(NEAREST)), vec4<bool>(IS_FLAT));
 
     var low = Phasor(vec4f(0.0), vec4f(0.0));
     var high = Phasor(vec4f(0.0), vec4f(0.0));
     // group.z is 0. Of a loop that uniforms alone end, lavapipe makes a program of its own in every run, and keeps it.
     let last_element = params.last_element + group.z;
     for (var n = params.first_element; n < last_element; n++) {
-        let element = elements[n];
-        let to_low = wave(x_low, y_low, front_low, element);
+        let element = elements[n * VECTORS];
+        let tilt = elements[n * VECTORS + VECTORS - 1u];
+        let to_low = wave(x_low, y_low, front_low, element, tilt);
         low.re += to_low.re;
         low.im += to_low.im;
         if EIGHT_SAMPLES {
-            let to_high = wave(x_high, y_high, front_high, element);
+            let to_high = wave(x_high, y_high, front_high, element, tilt);
             high.re += to_high.re;
             high.im += to_high.im;
         }

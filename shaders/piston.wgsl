@@ -1,6 +1,6 @@
 // The far field of one element at four points: S D(θ)/r e^{-αr} e^{j(φ - k(r - z))}. The phase holds the transfer's j.
 
-fn wave(x: vec4f, y: vec4f, z: vec4f, element: vec4f) -> Phasor {
+fn wave(x: vec4f, y: vec4f, z: vec4f, element: vec4f, tilt: vec4f) -> Phasor {
     let dx = x - element.x;
     let dy = y - element.y;
     let rho2 = dx * dx + dy * dy;

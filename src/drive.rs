@@ -87,12 +87,18 @@ impl Drive {
         }
     }
 
-    /// As CSV that [`Self::read`] reads: the columns `element`, `x`, `y` (m), `phase` (rad) and `amplitude`.
+    /// As CSV that [`Self::read`] reads: the columns `element`, `x`, `y` and where it is not 0 `z` (m), `phase` (rad) and `amplitude`.
     pub fn write(&self, aperture: &Aperture) -> String {
-        let mut text = String::from("element,x,y,phase,amplitude\n");
+        let is_flat = aperture.positions.iter().all(|position| position.z == 0.0);
+        let mut text = String::from(if is_flat { "element,x,y" } else { "element,x,y,z" });
+        text.push_str(",phase,amplitude\n");
         for (element, position) in aperture.positions.iter().enumerate() {
             let (phase, amplitude) = (self.phases[element], self.amplitudes[element]);
-            text.push_str(&format!("{element},{:?},{:?},{phase:?},{amplitude:?}\n", position.x, position.y));
+            let z = if is_flat { String::new() } else { format!("{:?},", position.z) };
+            text.push_str(&format!(
+                "{element},{:?},{:?},{z}{phase:?},{amplitude:?}\n",
+                position.x, position.y
+            ));
         }
         text
     }

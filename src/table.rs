@@ -112,6 +112,11 @@ impl<R: Read, const N: usize, const M: usize> Table<R, N, M> {
         Ok(Some(row))
     }
 
+    /// That of the row that was read last, counted from 1.
+    pub fn line(&self) -> u64 {
+        self.line
+    }
+
     /// An error in the row that was read last.
     pub fn refusal(&self, reason: impl Into<String>) -> TableError {
         TableError { line: self.line, reason: reason.into() }

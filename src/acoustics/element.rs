@@ -58,6 +58,12 @@ impl Element {
         wave * self.strength * (-self.attenuation * r).exp()
     }
 
+    /// The same of an element that radiates along `normal`, a unit vector.
+    pub fn towards(&self, offset: DVec3, normal: DVec3) -> Complex64 {
+        let height = offset.dot(normal);
+        self.transfer(DVec3::new((offset - normal * height).length(), 0.0, height))
+    }
+
     /// D = 2 J1(x)/x with x = ka sinθ.
     pub fn directivity(&self, sin: f64) -> f64 {
         match self.model {

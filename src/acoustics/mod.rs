@@ -2,35 +2,40 @@
 
 pub mod air;
 pub mod element;
+mod face;
 mod jacobian;
 mod row;
 mod transfer;
 
 use std::f64::consts::TAU;
+use std::sync::Arc;
 
 use glam::{DVec2, DVec3};
 
-use crate::scene::{Array, Scene};
+use crate::scene::{Placed, Reflector, Scene};
 
 pub use air::Air;
 use row::Elements;
 
 pub use element::Element;
+pub use face::{Face, Layout, Pose};
 pub use jacobian::PhaseJacobian;
 pub use transfer::{Phasors, Sums, Transfer};
 
-/// The array as a radiator: equal elements at known places, some of them driven.
+/// The array as a radiator: boards of equal elements at known places, some of them driven, and their images in reflectors.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Aperture {
     pub element: Element,
-    /// m, in z = 0; element n = row · columns + column, column 0 at smallest x, row 0 at smallest y.
-    pub positions: Vec<DVec2>,
+    /// m, of every element, board after board.
+    pub positions: Vec<DVec3>,
+    /// Unit vectors: the directions in which they radiate.
+    pub normals: Vec<DVec3>,
     /// m, between neighbours.
     pub pitch: f64,
-    /// Elements along x; `positions` holds whole rows of them.
-    pub columns: usize,
     /// Indices into `positions` of the elements that are not off, in rising order.
     pub driven: Vec<usize>,
+    /// The boards, and after them their images, the loudest first.
+    pub faces: Vec<Face>,
 }
 
 impl Aperture {
@@ -44,14 +49,42 @@ impl Aperture {
             strength: array.strength,
             attenuation: air.attenuation,
         };
+        let placed = array.places();
+        let (layout, columns) = match array.file {
+            Some(_) => {
+                (Layout { normals: placed.iter().map(|it| it.normal).collect(), ..flat(&placed) }, None)
+            }
+            None => (flat(&placed), Some(array.columns as usize)),
+        };
+        let (layout, own) = Layout { columns, ..layout }.level();
+        let (layout, standing) = (Arc::new(layout), scene.standing());
+        let poses: Vec<_> = standing.iter().map(Pose::of).collect();
+        let board = |(number, pose): (usize, &Pose)| {
+            Face::board(pose.after(&own), Arc::clone(&layout), number * placed.len())
+        };
+        let mut faces: Vec<_> = poses.iter().enumerate().map(board).collect();
+        faces.extend(face::images(&faces, &scene.mirrors(), &standing, array.reflectivity));
+        let all = || poses.iter().flat_map(|pose| placed.iter().map(move |it| (pose, it)));
         let off: std::collections::HashSet<_> = array.off.iter().copied().collect();
-        let driven = (0..array.elements()).filter(|n| !off.contains(n)).collect();
         Self {
             element,
-            positions: positions(array),
+            positions: all().map(|(pose, it)| pose.world(it.at)).collect(),
+            normals: all().map(|(pose, it)| pose.world_direction(it.normal)).collect(),
             pitch: array.pitch,
-            columns: array.columns as usize,
-            driven,
+            driven: (0..scene.elements()).filter(|n| !off.contains(n)).collect(),
+            faces,
+        }
+    }
+
+    /// The same elements in other places of z = 0 (m), all driven, and nothing that reflects.
+    pub fn with_elements(&self, positions: Vec<DVec3>) -> Self {
+        let layout = Layout { positions: positions.clone(), normals: Vec::new(), columns: None };
+        Self {
+            normals: vec![DVec3::Z; positions.len()],
+            driven: (0..positions.len()).collect(),
+            faces: vec![Face::board(Pose::HOME, Arc::new(layout), 0)],
+            positions,
+            ..*self
         }
     }
 
@@ -60,63 +93,150 @@ impl Aperture {
         TAU / self.element.wavenumber
     }
 
-    /// The centres of the first and the last element: opposite corners of the array.
-    pub fn corners(&self) -> (DVec2, DVec2) {
-        (self.positions[0], self.positions[self.positions.len() - 1])
+    /// The boards without their images.
+    pub fn boards(&self) -> impl Iterator<Item = &Face> {
+        self.faces.iter().take_while(|face| face.is_direct())
     }
 
-    /// The box around the centres of the driven elements: its smallest and its largest corner, m.
-    pub fn extent(&self) -> (DVec2, DVec2) {
-        self.driven
-            .iter()
-            .map(|&n| self.positions[n])
-            .fold((DVec2::MAX, DVec2::MIN), |(low, high), position| (low.min(position), high.max(position)))
+    /// Columns and rows of the array, if it is one flat board in rows and columns, in z = 0 about the origin, and nothing reflects its
+    /// sound.
+    pub fn lattice(&self) -> Option<[usize; 2]> {
+        match &self.faces[..] {
+            [face] if face.pose == Pose::HOME => {
+                face.layout.columns.map(|columns| [columns, self.positions.len() / columns])
+            }
+            _ => None,
+        }
     }
 
-    /// H: one row of complex pressures (Pa, peak) per point, one column per driven element.
+    /// Whether a series of reflections was cut before it was silent.
+    pub fn is_series_cut(&self) -> bool {
+        self.faces.len() >= face::MOST_REFLECTIONS as usize
+    }
+
+    /// What meets a reflector, so that twice that is the pressure on it: without its own images, which double the sound there, times half of
+    /// what they make of it.
+    pub fn incident_on(&self, mirror: &Reflector) -> Self {
+        let heard = self.faces.iter().filter(|face| mirror.height(face.pose.world(DVec3::ZERO)) > 0.0);
+        let gain = f64::midpoint(1.0, mirror.coefficient);
+        let faces = heard.map(|face| Face { gain: gain * face.gain, ..face.clone() }).collect();
+        Self { faces, ..self.clone() }
+    }
+
+    /// m: the farthest element from the middle of its board, along x and along y of the board.
+    pub fn reach(&self) -> DVec2 {
+        let of_board = |board: &Face| {
+            let (low, high) = board.corners();
+            low.abs().max(high.abs())
+        };
+        self.boards().map(of_board).fold(DVec2::ZERO, DVec2::max)
+    }
+
+    /// m: how far a point is in front of the board that it is nearest to, of those it is in front of; 0 where it is behind all.
+    pub fn height(&self, point: DVec3) -> f64 {
+        let heights = self.boards().map(|board| board.pose.local(point).z);
+        let least = heights.filter(|height| *height > 0.0).fold(f64::INFINITY, f64::min);
+        if least.is_finite() { least } else { 0.0 }
+    }
+
+    /// The planes behind which some elements are not heard: a point and the direction of radiation of each.
+    pub fn walls(&self) -> Vec<(DVec3, DVec3)> {
+        let of_face = |face: &Face| {
+            let elements = if face.layout.is_flat() { 0..1 } else { 0..face.layout.positions.len() };
+            let wall = |n: usize| {
+                let at = if face.layout.is_flat() { DVec3::ZERO } else { face.layout.positions[n] };
+                (face.pose.world(at), face.pose.world_direction(face.layout.normal(n)))
+            };
+            elements.map(wall).collect::<Vec<_>>()
+        };
+        self.faces.iter().flat_map(of_face).collect()
+    }
+
+    /// The box around the centres of a board's driven elements, in its own coordinates: its smallest and its largest corner, m. `None` where
+    /// none is driven.
+    pub fn extent(&self, board: &Face) -> Option<(DVec3, DVec3)> {
+        let driven = &self.driven[board.among(&self.driven)];
+        let places = driven.iter().map(|&n| board.layout.positions[n - board.first]);
+        let grow = |(low, high): (DVec3, DVec3), at: DVec3| (low.min(at), high.max(at));
+        (!driven.is_empty()).then(|| places.fold((DVec3::MAX, DVec3::MIN), grow))
+    }
+
+    /// H: one row of complex pressures (Pa, peak) per point, one column per driven element; with what reflectors send there.
     pub fn transfer(&self, points: &[DVec3]) -> Transfer {
-        let elements = Elements::new(&self.element, self.driven.iter().map(|&n| self.positions[n]));
         let mut transfer = Transfer::zeros(points.len(), self.driven.len());
+        let [face] = &self.faces[..] else {
+            self.add_up(points, &mut transfer);
+            return transfer;
+        };
+        if face.gain != 1.0 {
+            self.add_up(points, &mut transfer);
+            return transfer;
+        }
+        let elements = Elements::new(&self.element, face, &self.driven);
         for (index, &point) in points.iter().enumerate() {
             let (re, im) = transfer.row_mut(index);
-            elements.fill(point, re, im);
+            elements.fill(face.pose.local(point), re, im);
         }
         transfer
     }
 
+    /// The transfer of several faces.
+    fn add_up(&self, points: &[DVec3], transfer: &mut Transfer) {
+        let (mut wave_re, mut wave_im) = (Vec::new(), Vec::new());
+        for face in &self.faces {
+            let columns = face.among(&self.driven);
+            let elements = Elements::new(&self.element, face, &self.driven[columns.clone()]);
+            wave_re.resize(elements.room(), 0.0);
+            wave_im.resize(elements.room(), 0.0);
+            for (index, &point) in points.iter().enumerate() {
+                elements.fill(face.pose.local(point), &mut wave_re, &mut wave_im);
+                let (re, im) = transfer.row_mut(index);
+                let pairs = re[columns.clone()].iter_mut().zip(&wave_re);
+                for (sum, wave) in pairs.chain(im[columns.clone()].iter_mut().zip(&wave_im)) {
+                    *sum += face.gain * wave;
+                }
+            }
+        }
+    }
+
     /// The distance (m) below which two foci near a point are not told apart: λ/(2 NA), NA the sine of half the angle
-    /// under which the array is seen along its wider side.
+    /// under which the widest of the boards is seen along its wider side.
     pub fn resolution(&self) -> impl Fn(DVec3) -> f64 {
-        let ((low, high), wavelength) = (self.extent(), self.wavelength());
+        let boards: Vec<_> =
+            self.boards().filter_map(|board| Some((board.pose, self.extent(board)?))).collect();
+        let wavelength = self.wavelength();
         move |point| {
-            let half_angle = |low: f64, high: f64, x: f64| {
-                (((high - x) / point.z).atan() - ((low - x) / point.z).atan()) / 2.0
+            let widest = |(pose, (low, high)): &(Pose, (DVec3, DVec3))| {
+                let point = pose.local(point);
+                let half_angle = |low: f64, high: f64, x: f64| {
+                    (((high - x) / point.z).atan() - ((low - x) / point.z).atan()) / 2.0
+                };
+                half_angle(low.x, high.x, point.x).max(half_angle(low.y, high.y, point.y)).sin()
             };
-            let widest = half_angle(low.x, high.x, point.x).max(half_angle(low.y, high.y, point.y));
-            wavelength / (2.0 * widest.sin().max(1e-6))
+            let widest = boards.iter().map(widest).fold(1e-6, f64::max);
+            wavelength / (2.0 * widest)
         }
     }
 }
 
-fn positions(array: &Array) -> Vec<DVec2> {
-    let last = DVec2::new(f64::from(array.columns - 1), f64::from(array.rows - 1));
-    let place =
-        |row: u32, column: u32| (DVec2::new(f64::from(column), f64::from(row)) - last / 2.0) * array.pitch;
-    (0..array.rows).flat_map(|row| (0..array.columns).map(move |column| place(row, column))).collect()
+/// Elements of a board that all radiate along z.
+fn flat(placed: &[Placed]) -> Layout {
+    Layout { positions: placed.iter().map(|it| it.at).collect(), normals: Vec::new(), columns: None }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::scene::Array;
 
     #[test]
     fn elements_are_numbered_row_by_row_and_centred() {
         let array = Array { rows: 3, columns: 4, pitch: 0.01, ..Array::default() };
-        let positions = positions(&array);
+        let Aperture { positions, .. } = Aperture::new(&Scene { array, ..Scene::default() });
         assert_eq!(positions.len(), 12);
-        assert!(positions[0].distance(DVec2::new(-0.015, -0.01)) < 1e-15);
-        assert!(positions[1].distance(DVec2::new(-0.005, -0.01)) < 1e-15, "x runs fastest");
-        assert!(positions[11].distance(DVec2::new(0.015, 0.01)) < 1e-15);
+        assert!(positions[0].distance(DVec3::new(-0.015, -0.01, 0.0)) < 1e-15);
+        assert!(positions[1].distance(DVec3::new(-0.005, -0.01, 0.0)) < 1e-15, "x runs fastest");
+        assert!(positions[11].distance(DVec3::new(0.015, 0.01, 0.0)) < 1e-15);
     }
 
     #[test]

@@ -2,10 +2,11 @@
 
 use std::f64::consts::PI;
 
-use glam::{DVec2, DVec3};
+use glam::DVec3;
+use num_complex::Complex64;
 
-use crate::acoustics::Element;
 use crate::acoustics::element::NEAREST;
+use crate::acoustics::{Element, Face};
 use crate::scene::ElementModel;
 use crate::simd::{Instructions, Isa, Kernel, fused64, lanes};
 
@@ -20,30 +21,41 @@ const MANY_TERMS: usize = 26;
 const DECAY_TERMS: usize = 9;
 const MOST_DECAY: f64 = 0.1;
 
-/// Equal elements at known places, ready for [`Elements::fill`].
+/// Equal elements of a board, ready for [`Elements::fill`], in its own coordinates.
 #[derive(Clone, Debug)]
 pub struct Elements<'a> {
     element: &'a Element,
     /// m, padded with zeros to whole blocks.
-    x: Vec<f64>,
-    y: Vec<f64>,
+    places: [Vec<f64>; 3],
+    /// Unit vectors, padded; none of a flat board.
+    normals: Option<[Vec<f64>; 3]>,
     count: usize,
     /// The largest distance (m) of an element from the origin.
     reach: f64,
 }
 
 impl<'a> Elements<'a> {
-    pub fn new(element: &'a Element, positions: impl Iterator<Item = DVec2> + Clone) -> Self {
-        let mut x: Vec<_> = positions.clone().map(|position| position.x).collect();
-        let mut y: Vec<_> = positions.clone().map(|position| position.y).collect();
-        let count = x.len();
-        x.resize(count.next_multiple_of(LANES), 0.0);
-        y.resize(count.next_multiple_of(LANES), 0.0);
-        let reach = positions.map(DVec2::length).fold(0.0, f64::max);
-        Self { element, x, y, count, reach }
+    /// The driven ones of a board, of the array's.
+    pub fn new(element: &'a Element, board: &Face, driven: &[usize]) -> Self {
+        let layout = &board.layout;
+        let room = driven.len().next_multiple_of(LANES);
+        let padded = |value: &dyn Fn(usize) -> f64| {
+            let mut values: Vec<_> = driven.iter().map(|&n| value(n - board.first)).collect();
+            values.resize(room, 0.0);
+            values
+        };
+        let places = [0, 1, 2].map(|axis| padded(&|n| layout.positions[n][axis]));
+        let normals = (!layout.is_flat()).then(|| [0, 1, 2].map(|axis| padded(&|n| layout.normals[n][axis])));
+        let distances = driven.iter().map(|&n| layout.positions[n - board.first].length());
+        Self { element, places, normals, count: driven.len(), reach: distances.fold(0.0, f64::max) }
     }
 
-    /// Writes real and imaginary parts of the transfer to a point, one per element.
+    /// Values that [`Elements::fill`] writes of each part: whole blocks.
+    pub fn room(&self) -> usize {
+        self.places[0].len()
+    }
+
+    /// Writes real and imaginary parts of the transfer to a point of the board's coordinates, one per element.
     pub fn fill(&self, point: DVec3, re: &mut [f64], im: &mut [f64]) {
         let element = self.element;
         let half_ka = match element.model {
@@ -53,24 +65,47 @@ impl<'a> Elements<'a> {
         let is_series = element.model != ElementModel::ExactPiston
             && half_ka <= 5.0
             && element.attenuation * self.reach <= MOST_DECAY
-            && point.z >= -NEAREST;
+            && (point.z >= -NEAREST || self.normals.is_some());
         if !is_series {
             for n in 0..self.count {
-                let transfer = element.transfer(point - DVec3::new(self.x[n], self.y[n], 0.0));
+                let transfer = self.single(n, point);
                 (re[n], im[n]) = (transfer.re, transfer.im);
             }
             return;
         }
-        let whole = self.x.len();
+        let whole = self.room();
         let row = Row { elements: self, half_ka, point, re: &mut re[..whole], im: &mut im[..whole] };
-        if half_ka <= 2.0 {
-            Isa::best().run(FewTerms(row));
-        } else {
-            Isa::best().run(ManyTerms(row));
+        match (half_ka <= 2.0, self.normals.is_some()) {
+            (true, false) => Isa::best().run(Series::<FEW_TERMS, true>(row)),
+            (false, false) => Isa::best().run(Series::<MANY_TERMS, true>(row)),
+            (true, true) => Isa::best().run(Series::<FEW_TERMS, false>(row)),
+            (false, true) => Isa::best().run(Series::<MANY_TERMS, false>(row)),
         }
         // Padding sends nothing.
         re[self.count..].fill(0.0);
         im[self.count..].fill(0.0);
+        self.mend(point, re, im);
+    }
+
+    /// The transfer of one element.
+    fn single(&self, n: usize, point: DVec3) -> Complex64 {
+        let offset = point - DVec3::from_array([0, 1, 2].map(|axis| self.places[axis][n]));
+        let Some(normals) = &self.normals else { return self.element.transfer(offset) };
+        self.element.towards(offset, DVec3::from_array([0, 1, 2].map(|axis| normals[axis][n])))
+    }
+
+    /// Elements of a curved board that the point lies behind, or in whose plane.
+    fn mend(&self, point: DVec3, re: &mut [f64], im: &mut [f64]) {
+        let Some([x, y, z]) = &self.normals else { return };
+        for n in 0..self.count {
+            let height = (point.x - self.places[0][n]) * x[n]
+                + (point.y - self.places[1][n]) * y[n]
+                + (point.z - self.places[2][n]) * z[n];
+            if height < NEAREST {
+                let transfer = self.single(n, point);
+                (re[n], im[n]) = (transfer.re, transfer.im);
+            }
+        }
     }
 }
 
@@ -82,51 +117,52 @@ struct Row<'a> {
     im: &'a mut [f64],
 }
 
-struct FewTerms<'a>(Row<'a>);
+/// The row of a flat board, or of a curved one.
+struct Series<'a, const TERMS: usize, const FLAT: bool>(Row<'a>);
 
-struct ManyTerms<'a>(Row<'a>);
-
-impl Kernel for FewTerms<'_> {
+impl<const TERMS: usize, const FLAT: bool> Kernel for Series<'_, TERMS, FLAT> {
     type Output = ();
 
     #[inline(always)]
     fn run<I: Instructions>(self) {
-        row::<I, FEW_TERMS>(self.0);
-    }
-}
-
-impl Kernel for ManyTerms<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn run<I: Instructions>(self) {
-        row::<I, MANY_TERMS>(self.0);
+        row::<I, TERMS, FLAT>(self.0);
     }
 }
 
 /// S · D(θ)/r · j e^{-jkr} · e^{-αr}.
 #[inline(always)]
-fn row<I: Instructions, const TERMS: usize>(Row { elements, half_ka, point, re, im }: Row<'_>) {
+fn row<I: Instructions, const TERMS: usize, const FLAT: bool>(
+    Row { elements, half_ka, point, re, im }: Row<'_>,
+) {
     let element = elements.element;
-    let z = point.z.max(NEAREST);
+    let z = if FLAT { point.z.max(NEAREST) } else { point.z };
     let half_turns_per_metre = element.wavenumber / PI;
     // e^{-αr} relative to what it is at the origin.
     let middle = point.with_z(z).length();
     let strength = element.strength * (-element.attenuation * middle).exp();
     let directivity = directivity_series::<TERMS>(half_ka * half_ka);
     let (decay, sine, cosine) = (decay_series(), sine_series(), cosine_series());
-    let (xs, _) = elements.x.as_chunks::<LANES>();
-    let (ys, _) = elements.y.as_chunks::<LANES>();
+    let [xs, ys, zs] = elements.places.each_ref().map(|values| values.as_chunks::<LANES>().0);
+    let normals = elements.normals.as_ref();
+    let normals = normals.map(|normals| normals.each_ref().map(|values| values.as_chunks::<LANES>().0));
     let (res, _) = re.as_chunks_mut::<LANES>();
     let (ims, _) = im.as_chunks_mut::<LANES>();
-    for ((x, y), (re, im)) in xs.iter().zip(ys).zip(res.iter_mut().zip(ims)) {
+    for (block, ((x, y), (re, im))) in xs.iter().zip(ys).zip(res.iter_mut().zip(ims)).enumerate() {
         let dx = lanes::<LANES>(|i| point.x - x[i]);
         let dy = lanes::<LANES>(|i| point.y - y[i]);
-        let dy2 = lanes::<LANES>(|i| fused64::<I>(dy[i], dy[i], z * z));
+        let dz = if FLAT { [z; LANES] } else { lanes::<LANES>(|i| z - zs[block][i]) };
+        let dy2 = lanes::<LANES>(|i| fused64::<I>(dy[i], dy[i], dz[i] * dz[i]));
         let r2 = lanes::<LANES>(|i| fused64::<I>(dx[i], dx[i], dy2[i]));
         let r = lanes::<LANES>(|i| r2[i].sqrt());
         let inverse = lanes::<LANES>(|i| 1.0 / r[i]);
-        let cos = lanes::<LANES>(|i| z * inverse[i]);
+        let height = match &normals {
+            Some([nx, ny, nz]) if !FLAT => {
+                let (nx, ny, nz) = (&nx[block], &ny[block], &nz[block]);
+                lanes::<LANES>(|i| fused64::<I>(dx[i], nx[i], fused64::<I>(dy[i], ny[i], dz[i] * nz[i])))
+            }
+            _ => dz,
+        };
+        let cos = lanes::<LANES>(|i| height[i] * inverse[i]);
         let sin2 = lanes::<LANES>(|i| fused64::<I>(-cos[i], cos[i], 1.0));
         let pattern = horner::<I, TERMS>(&directivity, &sin2);
         let nearer = lanes::<LANES>(|i| element.attenuation * (middle - r[i]));
@@ -220,7 +256,7 @@ mod tests {
             (scene.array.element, scene.array.element_radius) = (models[model], radius);
             scene.medium.absorption = absorption;
             let aperture = Aperture::new(&scene);
-            let elements = Elements::new(&aperture.element, aperture.positions.iter().copied());
+            let elements = Elements::new(&aperture.element, &aperture.faces[0], &aperture.driven);
             for point in [
                 DVec3::new(0.01, -0.02, 0.1),
                 DVec3::new(0.3, 0.2, 1.0),
@@ -232,7 +268,7 @@ mod tests {
                 let (mut re, mut im) = (vec![1.0; 64], vec![1.0; 64]);
                 elements.fill(point, &mut re, &mut im);
                 for (n, position) in aperture.positions.iter().enumerate() {
-                    let expected = aperture.element.transfer(point - position.extend(0.0));
+                    let expected = aperture.element.transfer(point - *position);
                     let off = (expected.re - re[n]).hypot(expected.im - im[n]);
                     // Both round the phase, by 1e-16 of it.
                     let most =

@@ -43,6 +43,8 @@ pub const EXAMPLES: &[Example] = &[
     example!("circle-figure-eight", "A ring on a figure-eight"),
     example!("rectangle", "A rectangle"),
     example!("triangle", "A triangle"),
+    example!("two-boards", "Two boards face to face"),
+    example!("standing-wave", "A standing wave over a liquid"),
     example!("water-two-points", "Water: two depressions"),
     example!("water-three-points", "Water: three depressions"),
     example!("water-moving-square", "Water: a moving square"),

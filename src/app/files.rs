@@ -12,13 +12,13 @@ use crate::app::{folders, settings};
 use crate::field::{Colouring, Evaluator, Quantity, Request, Stages};
 use crate::import::{self, Drawing};
 use crate::picture::{export, sheet};
-use crate::scene::{Scene, check};
+use crate::scene::{Elements, Scene, check};
 use crate::solver::frames;
 use crate::source;
 use crate::studio::animate::{self, Look};
 use crate::studio::paintings::Placed;
 use crate::studio::still::stem;
-use crate::studio::{figure, link, liquid, map, output};
+use crate::studio::{elements, figure, link, liquid, map, opening, output};
 use crate::ui::document::Document;
 use crate::ui::section::Profile;
 use crate::ui::view::Lens;
@@ -288,6 +288,7 @@ impl Window {
             Export::Numbers => self.numbers_npy(),
             Export::Drive => self.drive_csv(),
             Export::Profile => self.profile_csv(),
+            Export::Elements => Ok(elements::of_scene(self.editor.scene()).into_bytes()),
         };
         match bytes.and_then(|bytes| output::write(path, &bytes)) {
             Ok(()) => self.tell(&format!("Wrote {}", path.display()), false),
@@ -357,6 +358,18 @@ impl Window {
     fn drive_csv(&self) -> anyhow::Result<Vec<u8>> {
         let sound = self.shown.sound.as_ref().context("nothing is played")?;
         Ok(sound.drive().write(&sound.aperture).into_bytes())
+    }
+
+    /// Makes a table of elements the array.
+    pub(super) fn take_elements(&mut self, path: &Path) {
+        let mut array = self.editor.scene().array.clone();
+        array.file = Some(path.to_string_lossy().into_owned());
+        array.placed = Elements::default();
+        array.off.clear();
+        match opening::load_elements(&mut array, Path::new("")) {
+            Ok(()) => self.editor.document.scene.array = array,
+            Err(error) => self.refuse("The table holds no array", &anyhow!("{}", error.message)),
+        }
     }
 
     fn profile_csv(&self) -> anyhow::Result<Vec<u8>> {

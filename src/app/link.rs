@@ -265,7 +265,7 @@ impl Board {
         }
         let profile = editor.board.profile;
         let levels = |drive: &Drive| Levels::new(profile, drive, &self.calibration);
-        if let Err(error) = profile.drives(&editor.scene().array) {
+        if let Err(error) = profile.drives(editor.scene()) {
             refuse(shown, error.to_string());
             self.drives = Some(drives);
             return;
@@ -283,7 +283,7 @@ impl Board {
     fn send_motion(&mut self, editor: &Editor, shown: &mut Shown) {
         let (Some(round), Some(cycle)) = (&shown.round, motion::cycle(editor.scene())) else { return };
         self.awaits_round = false;
-        if let Err(error) = editor.board.profile.drives(&editor.scene().array) {
+        if let Err(error) = editor.board.profile.drives(editor.scene()) {
             return refuse(shown, error.to_string());
         }
         let levels = |drive: &Drive| Levels::new(editor.board.profile, drive, &self.calibration);
@@ -310,8 +310,8 @@ impl Board {
         }
         self.compared = Some((solution.clone(), profile));
         let aperture = Aperture::new(editor.scene());
-        let fits = aperture.positions.len() == solution.drive.phases.len()
-            && profile.drives(&editor.scene().array).is_ok();
+        let fits =
+            aperture.positions.len() == solution.drive.phases.len() && profile.drives(editor.scene()).is_ok();
         let levels = Levels::new(profile, &solution.drive, &Calibration::default());
         shown.board.pressures = levels.ok().filter(|_| fits).map(|levels| {
             let transfer = Problem::new(&aperture, solution.foci.clone()).transfer;

@@ -235,6 +235,7 @@ impl Window {
             Command::SaveAs(path) => self.save(&path, ctx),
             Command::Overwrite(path) => self.overwrite(&path, ctx),
             Command::Import(path) => self.import(path, ctx),
+            Command::TakeElements(path) => self.take_elements(&path),
             Command::Export(export, path) => self.export(export, &path, ctx),
             Command::CopyFigure => self.copy_figure(ctx),
             Command::CallOff => self.filming.iter().for_each(|film| film.progress.call_off()),
@@ -314,8 +315,11 @@ impl Window {
             ctx.input(|input| input.raw.dropped_files.first().map(|file| file.path().to_owned()));
         if let Some(path) = dropped {
             let extension = path.extension().unwrap_or_default().to_string_lossy().to_lowercase();
-            let is_drawing = ui::IMPORTED.contains(&extension.as_str());
-            let command = if is_drawing { Command::Import(path) } else { Command::Open(path) };
+            let command = match extension.as_str() {
+                drawing if ui::IMPORTED.contains(&drawing) => Command::Import(path),
+                table if ui::ELEMENTS.contains(&table) => Command::TakeElements(path),
+                _ => Command::Open(path),
+            };
             self.editor.ask(command, commands);
         }
         let closes = ctx.input(|input| input.viewport().close_requested());

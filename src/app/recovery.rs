@@ -113,8 +113,9 @@ impl Recovery {
 fn read(path: &Path) -> Option<(Scene, Paintings)> {
     let mut scene = file::read(path).ok()?;
     let folder = path.parent().unwrap_or(Path::new(""));
+    // What is gone is said to be missing where the scene is shown.
+    let _ = opening::load_elements(&mut scene.array, folder);
     for target in &mut scene.targets {
-        // A picture that is gone is said to be missing where the scene is shown.
         let _ = opening::load_targets(std::slice::from_mut(target), folder);
     }
     let mut paintings = Paintings::default();

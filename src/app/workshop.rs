@@ -429,7 +429,7 @@ impl Workshop {
 fn amount(scene: &Scene) -> Result<usize, String> {
     check::check(scene).map_err(|error| error.to_string())?;
     let foci = outline::foci(scene).map_err(|error| error.to_string())?;
-    Ok(foci.len() * scene.array.elements())
+    Ok(foci.len() * scene.elements())
 }
 
 fn all_methods(scene: &Scene) -> Vec<MethodRow> {

@@ -159,7 +159,7 @@ fn round(aperture: &Aperture, turned: f64) -> Vec<Drive> {
     let drive = |frame: usize| {
         let (sin, cos) = (TAU * (frame as f64 + turned) / FRAMES as f64).sin_cos();
         let focus = DVec3::new(0.02 * cos, 0.02 * sin, 0.1);
-        let phase = |position: &DVec2| aperture.element.wavenumber * focus.distance(position.extend(0.0));
+        let phase = |position: &DVec3| aperture.element.wavenumber * focus.distance(*position);
         let phases: Vec<_> = aperture.positions.iter().map(phase).collect();
         Drive { amplitudes: vec![1.0; phases.len()], phases }
     };

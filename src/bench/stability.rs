@@ -165,8 +165,11 @@ fn scaled(mut aperture: Aperture, scale: f64) -> Aperture {
     aperture.element.radius *= scale;
     aperture.element.attenuation = 0.0;
     aperture.pitch *= scale;
-    for position in &mut aperture.positions {
-        *position *= scale;
+    aperture.positions.iter_mut().for_each(|position| *position *= scale);
+    for face in &mut aperture.faces {
+        let mut layout = (*face.layout).clone();
+        layout.positions.iter_mut().for_each(|position| *position *= scale);
+        face.layout = layout.into();
     }
     aperture
 }

@@ -5,6 +5,7 @@ mod arguments;
 pub mod batch;
 mod boards;
 mod devices;
+mod elements;
 mod figure;
 mod interrupt;
 mod json;
@@ -110,6 +111,13 @@ enum Command {
     ///   echo '{"target": [{"kind": "point", "at": [0, 0, 0.12]}]}' | sonoglyph batch --field
     #[command(verbatim_doc_comment)]
     Batch(BatchArgs),
+    /// Write the places and directions of a scene's elements as CSV, board after board
+    ///
+    /// The columns are x,y,z (m) and nx,ny,nz, as `array.elements` of a scene file reads them. Examples:
+    ///
+    ///   sonoglyph elements levitator.toml -o levitator.csv
+    #[command(verbatim_doc_comment)]
+    Elements(ElementsArgs),
     /// List the adapters and evaluators found, and which would be used
     Devices,
     /// List the serial ports, and the boards that can be driven
@@ -351,6 +359,7 @@ pub fn run() -> anyhow::Result<Next> {
         Cli { command: Some(Command::Probe(args)), .. } => probe::run(&args),
         Cli { command: Some(Command::Batch(args)), .. } => batch::run(&args),
         Cli { command: Some(Command::Bench(args)), .. } => return Ok(Next::Bench(args.into())),
+        Cli { command: Some(Command::Elements(args)), .. } => elements::run(&args),
         Cli { command: Some(Command::Devices), .. } => devices::run(),
         Cli { command: Some(Command::Ports), .. } => boards::ports(),
         Cli { command: Some(Command::Send(args)), .. } => boards::send(&args),
@@ -362,6 +371,15 @@ pub fn run() -> anyhow::Result<Next> {
 }
 
 /// What is left to do when the command line has been read.
+#[derive(Debug, Args)]
+struct ElementsArgs {
+    /// Scene file
+    scene: PathBuf,
+    /// Where the table goes; without it, to standard output
+    #[arg(short, long, value_name = "FILE")]
+    output: Option<PathBuf>,
+}
+
 #[derive(Debug)]
 pub enum Next {
     Exit,

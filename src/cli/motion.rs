@@ -224,7 +224,7 @@ fn write_json(out: &mut dyn Write, scene: &Scene, sequence: &Sequence) -> std::i
     let rate = cycle.as_ref().map(|cycle| cycle.rate);
     let head = json!({
         "method": scene.solver.method.name(),
-        "elements": scene.array.elements(),
+        "elements": scene.elements(),
         "path": scene.motion.path.name(),
         "rate": rate,
         "frames_per_second": cycle.as_ref().map(|cycle| cycle.frames_per_second()),
@@ -268,7 +268,7 @@ fn frame_json(frame: &Frame, time: f64) -> Value {
 /// A row per frame: the phase (rad) of every element, and `nan` for those that are off.
 fn write_csv(out: &mut dyn Write, scene: &Scene, sequence: &Sequence) -> std::io::Result<()> {
     write!(out, "frame,time")?;
-    for element in 0..scene.array.elements() {
+    for element in 0..scene.elements() {
         write!(out, ",phase_{element}")?;
     }
     writeln!(out)?;

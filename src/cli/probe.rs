@@ -28,7 +28,7 @@ pub fn run(args: &ProbeArgs) -> anyhow::Result<()> {
     }
     let samples = read_table(&args.points, Samples::read)?;
     let drives = match &args.drive {
-        Some(path) => vec![read_table(path, |csv| Drive::read(csv, scene.array.elements()))?],
+        Some(path) => vec![read_table(path, |csv| Drive::read(csv, scene.elements()))?],
         None => {
             let solution = solver::solve(&scene).with_context(|| args.scene.display().to_string())?;
             solution.warnings.iter().for_each(|warning| warn(warning));

@@ -49,9 +49,7 @@ pub fn parse_listener(text: &str) -> Result<Listener, String> {
     let Some(&[x, y, z]) = numbers.as_deref().ok() else {
         return Err("give three numbers in metres: X,Y,Z".to_owned());
     };
-    let listener = Listener { at: DVec3::new(x, y, z) };
-    check::listener(&listener).map_err(|error| error.message)?;
-    Ok(listener)
+    Ok(Listener { at: DVec3::new(x, y, z) })
 }
 
 pub fn parse_search(text: &str) -> Result<f64, String> {
@@ -67,7 +65,11 @@ pub(in crate::cli) fn run(args: &SolveArgs) -> anyhow::Result<()> {
     };
     let mut files = Files::new();
     let mut scene = read_scene(&args.scene, one, &mut files)?;
-    scene.listener = args.listener.clone().or(scene.listener);
+    if let Some(listener) = &args.listener {
+        check::listener(listener, &scene.front())
+            .map_err(|error| anyhow::anyhow!("--listener {}", error.message))?;
+        scene.listener = args.listener.clone();
+    }
     scene.solver.search = args.search.unwrap_or(scene.solver.search);
     if let Some(path) = &args.csv {
         if args.method == Some(Methods::All) {

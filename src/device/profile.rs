@@ -1,6 +1,6 @@
 //! The boards that can be driven, and their facts.
 
-use crate::scene::Array;
+use crate::scene::Scene;
 
 /// A kind of board.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -41,11 +41,28 @@ pub enum Strength {
 
 /// An array that is not the board's.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("the scene's array has {} x {} elements (columns x rows), and {} {}", array[0], array[1], profile.name(), profile.size())]
+#[error("{}, and {} {}", own(*boards, array, *elements), profile.name(), profile.size())]
 pub struct OtherArray {
     pub profile: Profile,
-    /// Columns and rows of the scene's.
-    pub array: [u32; 2],
+    /// Of the scene.
+    pub boards: usize,
+    /// Columns and rows of the scene's, if it has such.
+    pub array: Option<[u32; 2]>,
+    /// Of all boards.
+    pub elements: usize,
+}
+
+/// What a scene has, in words.
+fn own(boards: usize, array: &Option<[u32; 2]>, elements: usize) -> String {
+    match (boards, array) {
+        (1, Some([columns, rows])) => {
+            format!("the scene's array has {columns} x {rows} elements (columns x rows)")
+        }
+        (_, Some([columns, rows])) => {
+            format!("the scene has {boards} boards of {columns} x {rows} elements (columns x rows)")
+        }
+        (_, None) => format!("the scene's table of elements makes {elements} in all"),
+    }
 }
 
 impl Profile {
@@ -136,17 +153,21 @@ impl Profile {
         }
     }
 
-    /// Whether a scene's array is the board's; its pitch may be another.
+    /// Whether a scene's boards are the profile's; their pitch may be another. Where a line has several, board after board is one of the
+    /// scene's, or rows after rows of one.
     ///
     /// # Errors
     /// Other columns or rows, or another number of elements.
-    pub fn drives(self, array: &Array) -> Result<(), OtherArray> {
-        let own = [array.columns, array.rows];
+    pub fn drives(self, scene: &Scene) -> Result<(), OtherArray> {
+        let boards = scene.boards.len().max(1);
+        let array = scene.array.file.is_none().then_some([scene.array.columns, scene.array.rows]);
+        let together = array.map(|[columns, rows]| [columns, rows.saturating_mul(boards as u32)]);
         let fits = match self.shape() {
-            Some(shape) => own == shape,
-            None => array.elements() == self.elements(),
+            Some(shape) => together == Some(shape),
+            None => scene.elements() == self.elements(),
         };
-        if fits { Ok(()) } else { Err(OtherArray { profile: self, array: own }) }
+        let elements = scene.elements();
+        if fits { Ok(()) } else { Err(OtherArray { profile: self, boards, array, elements }) }
     }
 
     /// Delays that it tells apart in a period.

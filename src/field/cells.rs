@@ -2,7 +2,7 @@
 
 use glam::DVec2;
 
-use crate::acoustics::Aperture;
+use crate::acoustics::{Aperture, Face};
 use crate::field::interpolation::Resampling;
 use crate::scene::{ElementModel, Plane};
 use crate::surface::Tank;
@@ -106,8 +106,15 @@ impl Cells {
 /// [`crate::field::plan`]); usually once.
 fn pattern(aperture: &Aperture, plane: &Plane) -> Option<f64> {
     let (x_axis, y_axis) = plane.axes()?;
-    let sagging = (plane.size.x * x_axis.z.abs() + plane.size.y * y_axis.z.abs()) / 2.0;
-    let height = (plane.centre.z - sagging).max(aperture.wavelength());
+    let height = |face: &Face| {
+        let [x, y] = [x_axis, y_axis].map(|axis| face.pose.local_direction(axis).z.abs());
+        face.pose.local(plane.centre).z - (plane.size.x * x + plane.size.y * y) / 2.0
+    };
+    let least = aperture.wavelength();
+    let heights = aperture.faces.iter().map(height).filter(|&height| height > least);
+    let clear = heights.fold(f64::INFINITY, f64::min);
+    let is_clear = aperture.faces.iter().all(|face| face.layout.is_flat() && height(face) > least);
+    let height = if is_clear { clear } else { least };
     let radius = if aperture.element.model == ElementModel::Piston { aperture.element.radius } else { 0.0 };
     Some((1f64.hypot(radius / height) / HIGHEST).max(1.0))
 }

@@ -23,13 +23,14 @@ pub mod stages;
 pub mod summit;
 pub mod transfer;
 
+use std::borrow::Cow;
 use std::io::Read;
 
 use glam::DVec3;
 use num_complex::Complex32;
 use rayon::prelude::*;
 
-use crate::acoustics::Aperture;
+use crate::acoustics::{Aperture, Pose};
 use crate::drive::Drive;
 use crate::scene::Plane;
 use crate::table::{Table, TableError};
@@ -122,6 +123,17 @@ impl Samples {
         self.columns[index % self.columns.len()] + self.rows[index / self.columns.len()]
     }
 
+    /// The same in the coordinates of a board.
+    pub fn seen_from(&self, pose: &Pose) -> Cow<'_, Self> {
+        if *pose == Pose::HOME {
+            return Cow::Borrowed(self);
+        }
+        Cow::Owned(Self {
+            columns: self.columns.iter().map(|&point| pose.local(point)).collect(),
+            rows: self.rows.iter().map(|&offset| pose.local_direction(offset)).collect(),
+        })
+    }
+
     /// A box that holds every sample: its smallest and its largest corner.
     fn bounds(&self) -> (DVec3, DVec3) {
         let range = |points: &[DVec3]| {
@@ -154,9 +166,10 @@ impl Evaluator {
         samples: &Samples,
     ) -> Result<Vec<Complex32>, GpuError> {
         let is_in_reach = !samples.is_empty() && plan::f32_error(aperture, samples) <= plan::EXACT;
-        let in_f32 = match (self, Sources::new(aperture, drive, samples).filter(|_| is_in_reach)) {
-            (Self::Gpu(gpu), Some(sources)) if sources.beside_rims(samples).is_empty() => {
-                Some(gpu.pressure(&sources, samples)?)
+        let sources = Sources::of_faces(aperture, drive, samples).filter(|_| is_in_reach);
+        let in_f32 = match (self, sources) {
+            (Self::Gpu(gpu), Some(faces)) if faces.iter().all(Sources::has_no_sample_beside_rims) => {
+                Some(gpu.pressure(&faces)?)
             }
             (Self::Cpu | Self::Gpu(_), Some(_)) => Some(on_cpu(aperture, drive, samples, false)),
             (Self::Reference, _) | (_, None) => None,
@@ -182,10 +195,12 @@ fn is_exact(aperture: &Aperture, drive: &Drive, samples: &Samples, field: &[Comp
 fn on_cpu(aperture: &Aperture, drive: &Drive, samples: &Samples, double: bool) -> Vec<Complex32> {
     let in_f64 =
         |samples: &Samples| reference::pressure(aperture, drive, samples).into_iter().map(sound::narrow);
-    match Sources::new(aperture, drive, samples) {
-        Some(sources) if !double => {
-            let mut field = cpu::pressure(&sources, samples);
-            let beside = sources.beside_rims(samples);
+    match Sources::of_faces(aperture, drive, samples) {
+        Some(faces) if !double => {
+            let mut field = cpu::pressure(&faces, samples.len());
+            let mut beside: Vec<_> = faces.iter().flat_map(Sources::beside_rims).collect();
+            beside.sort_unstable();
+            beside.dedup();
             let points = beside.iter().map(|&index| samples.point(index)).collect();
             for (&index, p) in beside.iter().zip(in_f64(&Samples::at(points))) {
                 field[index] = p;

@@ -14,7 +14,8 @@ use std::ops::Range;
 use glam::{DVec2, DVec3};
 use num_complex::Complex32;
 
-use crate::acoustics::Aperture;
+use crate::acoustics::element::NEAREST;
+use crate::acoustics::{Aperture, Face};
 use crate::field::interpolation::Resampling;
 use crate::field::{Samples, Wave};
 use crate::scene::{ElementModel, Plane};
@@ -100,8 +101,9 @@ pub struct Grid {
     /// Half-width (samples) and shape of the window.
     pub half_width: usize,
     pub beta: f64,
-    /// For sample columns and sample rows: how they repeat from element to element.
-    pub shared: [Option<Shared>; 2],
+    /// For every board and image of the aperture that is heard: its number there, and for sample columns and sample rows how they repeat
+    /// from element to element.
+    pub heard: Vec<(usize, [Option<Shared>; 2])>,
 }
 
 impl Grid {
@@ -120,7 +122,7 @@ impl Grid {
     }
 }
 
-/// A sample axis that runs along the array with a step that divides the pitch.
+/// A sample axis that runs along a board with a step that divides the pitch.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Shared {
     /// 0: along the array's rows, from column to column; 1: the other way.
@@ -144,7 +146,10 @@ impl Plan {
             && (0.0..=1.0).contains(&plane.tolerance);
         let corners = corners(plane).filter(|_| is_plane)?;
         let too_much = promised(plane.tolerance) < f32_error(aperture, &corners);
-        let double = too_much || Wave::new(aperture, &corners).is_none();
+        let has_wave = |face: &Face| {
+            Wave::new(&aperture.element, &face.layout, &corners.seen_from(&face.pose)).is_some()
+        };
+        let double = too_much || !aperture.faces.iter().all(has_wave);
         let every = Self { plane: plane.clone(), grid: None, double, reason: String::new() };
         let direct = |reason: &str| every.direct(reason);
         if plane.tolerance == 0.0 {
@@ -192,14 +197,21 @@ fn corners(plane: &Plane) -> Option<Samples> {
 /// An estimate of the f32 evaluators' error relative to the peak: the rounding of the longest path that they see and of places,
 /// which mostly averages out over the elements. Where it does not, the measured error tells.
 pub fn f32_error(aperture: &Aperture, samples: &Samples) -> f64 {
-    let (low, high) = samples.bounds();
-    let (first, last) = aperture.corners();
-    let across = (high.truncate() - first).abs().max((low.truncate() - last).abs()).length();
-    let aside = high.truncate().abs().max(low.truncate().abs()).length();
-    let z = low.z.max(0.0);
-    let turns = (across.hypot(z) - z + aside * across / across.hypot(z)) / aperture.wavelength();
     let averaging = if aperture.positions.len() > 1 { 0.1 } else { 0.5 };
-    (averaging * F32_TURN_ERROR * (turns + 1.0)).max(F32_ERROR)
+    let of_face = |face: &Face| {
+        let (low, high) = samples.seen_from(&face.pose).bounds();
+        let (first, last) = face.layout.bounds();
+        let (across, z) = if face.layout.is_flat() {
+            let across = (high - first).truncate().abs().max((low - last).truncate().abs());
+            (across.length(), low.z.max(0.0))
+        } else {
+            ((high - first).abs().max((low - last).abs()).length(), 0.0)
+        };
+        let aside = high.truncate().abs().max(low.truncate().abs()).length();
+        let turns = (across.hypot(z) - z + aside * across / across.hypot(z)) / aperture.wavelength();
+        (averaging * F32_TURN_ERROR * (turns + 1.0)).max(F32_ERROR)
+    };
+    aperture.faces.iter().map(of_face).fold(0.0, f64::max)
 }
 
 /// What every layout of samples on this plane is measured against.
@@ -210,15 +222,46 @@ struct View {
     half: DVec2,
     tolerance: f64,
     costs: Costs,
-    elements: usize,
     pitch: f64,
     wavelength: f64,
-    /// Opposite corners of the array.
-    corners: [DVec3; 2],
+    faces: Vec<Seen>,
+    /// What no sample may be near to or behind, where the plane is not all behind it.
+    walls: Vec<Wall>,
     /// m, by which an element that is a disk itself reaches beyond its centre.
     disk: f64,
     /// m, the radius that a far field's directivity is of.
     pattern: f64,
+}
+
+/// The plane as a board sees it that is heard on it.
+struct Seen {
+    /// Its number in the aperture.
+    number: usize,
+    centre: DVec3,
+    axes: [DVec3; 2],
+    elements: usize,
+    /// Opposite corners of the board.
+    corners: [DVec2; 2],
+    is_flat: bool,
+    is_lattice: bool,
+}
+
+/// The plane in which elements stand: m from there to the middle of the map's plane, and by how much that grows per m along its axes.
+struct Wall {
+    height: f64,
+    slopes: [f64; 2],
+}
+
+impl Wall {
+    /// How far below its row the lowest sample of a row and its margin may lie, m.
+    fn sagging(&self, half: DVec2, margin: DVec2) -> f64 {
+        (half.x + margin.x) * self.slopes[0].abs() + margin.y * self.slopes[1].abs()
+    }
+
+    /// Whether all of a plane lies behind.
+    fn is_passed(&self, half: DVec2) -> bool {
+        self.height + half.x * self.slopes[0].abs() + half.y * self.slopes[1].abs() < -NEAREST
+    }
 }
 
 /// A choice of samples.
@@ -230,24 +273,61 @@ struct Layout {
     covered: Range<f64>,
     /// Cycles per wavelength.
     highest: DVec2,
-    shared: [Option<Shared>; 2],
+    /// Of every face.
+    shared: Vec<[Option<Shared>; 2]>,
 }
 
 impl View {
     fn new(aperture: &Aperture, plane: &Plane, costs: Costs) -> Option<Self> {
+        /// Of the tolerance, what may be missing of a series of reflections.
+        const CUT: f64 = 0.05;
         let (x_axis, y_axis) = plane.axes()?;
-        let (first, last) = aperture.corners();
-        let element = &aperture.element;
+        let (element, half) = (&aperture.element, plane.size / 2.0);
+        let (mut faces, mut walls) = (Vec::new(), Vec::new());
+        for (number, face) in aperture.faces.iter().enumerate() {
+            if face.rest < CUT * plane.tolerance {
+                break;
+            }
+            let centre = face.pose.local(plane.centre);
+            let axes = [x_axis, y_axis].map(|axis| face.pose.local_direction(axis));
+            let wall = |at: DVec3, normal: DVec3| Wall {
+                height: normal.dot(centre - at),
+                slopes: axes.map(|axis| normal.dot(axis)),
+            };
+            let layout = &face.layout;
+            let own: Vec<_> = if layout.is_flat() {
+                vec![wall(DVec3::ZERO, DVec3::Z)]
+            } else {
+                layout.positions.iter().zip(&layout.normals).map(|(&at, &normal)| wall(at, normal)).collect()
+            };
+            // The last one stands for boards of which none is heard.
+            let is_only = faces.is_empty() && number + 1 == aperture.faces.len();
+            let before = walls.len();
+            walls.extend(own.into_iter().filter(|wall| is_only || !wall.is_passed(half)));
+            if walls.len() == before {
+                continue;
+            }
+            let (first, last) = face.corners();
+            faces.push(Seen {
+                number,
+                centre,
+                axes,
+                elements: layout.positions.len(),
+                corners: [first, last],
+                is_flat: layout.is_flat(),
+                is_lattice: layout.columns.is_some(),
+            });
+        }
         Some(Self {
             centre: plane.centre,
             axes: [x_axis, y_axis],
-            half: plane.size / 2.0,
+            half,
             tolerance: plane.tolerance,
             costs,
-            elements: aperture.positions.len(),
             pitch: aperture.pitch,
             wavelength: aperture.wavelength(),
-            corners: [first.extend(0.0), last.extend(0.0)],
+            faces,
+            walls,
             disk: if element.model == ElementModel::ExactPiston { element.radius } else { 0.0 },
             pattern: if element.model == ElementModel::Piston { element.radius } else { 0.0 },
         })
@@ -272,16 +352,23 @@ impl View {
             highest = DVec2::from([0, 1].map(|axis| self.highest_frequency(axis, &covered, margin, beta)));
             step = cycles_per_sample * self.wavelength / highest;
         }
-        let mut shared = [None; 2];
+        let mut shared = vec![[None; 2]; self.faces.len()];
         if sharing {
             for axis in [0, 1] {
-                if let Some((element_axis, sign)) = self.along_array(axis) {
-                    let samples = (self.pitch / step[axis]).ceil();
-                    step[axis] = self.pitch / samples;
-                    shared[axis] = Some(Shared { element_axis, samples: (sign * samples) as isize });
+                let along: Vec<_> = self.faces.iter().map(|face| face.along(axis)).collect();
+                if along.iter().all(Option::is_none) {
+                    continue;
+                }
+                let samples = (self.pitch / step[axis]).ceil();
+                step[axis] = self.pitch / samples;
+                for (shared, along) in shared.iter_mut().zip(along) {
+                    shared[axis] = along.map(|(element_axis, sign)| Shared {
+                        element_axis,
+                        samples: (sign * samples) as isize,
+                    });
                 }
             }
-            if shared == [None; 2] {
+            if shared.iter().all(|shared| *shared == [None; 2]) {
                 return None;
             }
         }
@@ -289,29 +376,21 @@ impl View {
         Some(Layout { half_width, beta, step, covered, highest, shared })
     }
 
-    /// The array's axis along which an axis of the plane runs, and whether forwards (1) or backwards (-1).
-    fn along_array(&self, axis: usize) -> Option<(usize, f64)> {
-        let along = self.axes[axis];
-        [0, 1].into_iter().find(|&i| (along[i].abs() - 1.0).abs() < ALIGNED).map(|i| (i, along[i].signum()))
-    }
-
-    /// How far below its row the lowest sample of a row and its margin may lie.
-    fn sagging(&self, margin: DVec2) -> f64 {
-        let [x_axis, y_axis] = self.axes;
-        (self.half.x + margin.x) * x_axis.z.abs() + margin.y * y_axis.z.abs()
-    }
-
-    /// Between which places along the second axis samples, margin included, stay a wavelength away from the array's plane.
+    /// Between which places along the second axis samples, margin included, stay a wavelength away from what elements stand in.
     fn covered(&self, margin: DVec2) -> Option<Range<f64>> {
-        let lowest = self.wavelength + self.sagging(margin) - self.centre.z;
-        let (slope, half) = (self.axes[1].z, self.half.y);
-        let covered = if slope.abs() < ALIGNED {
-            if lowest > 0.0 { half..half } else { -half..half }
-        } else if slope > 0.0 {
-            (lowest / slope).max(-half)..half
-        } else {
-            -half..(lowest / slope).min(half)
-        };
+        let half = self.half.y;
+        let covered = self.walls.iter().fold(-half..half, |covered, wall| {
+            let lowest = self.wavelength + wall.sagging(self.half, margin) - wall.height;
+            let slope = wall.slopes[1];
+            let Range { start, end } = covered;
+            if slope.abs() < ALIGNED {
+                if lowest > 0.0 { end..end } else { start..end }
+            } else if slope > 0.0 {
+                (lowest / slope).max(start)..end
+            } else {
+                start..(lowest / slope).min(end)
+            }
+        });
         (covered.start < covered.end).then_some(covered)
     }
 
@@ -322,22 +401,30 @@ impl View {
     /// than what of the evanescent field, which falls by e^{-2πz√(f²-1)/λ}, comes so far. A directivity 2 J1(ka sinθ)/(ka sinθ)
     /// turns by ka as sinθ does from 0 to 1, and so adds a/z cos³θ. That matters where elements are wider than they are far away.
     fn highest_frequency(&self, axis: usize, covered: &Range<f64>, margin: DVec2, beta: f64) -> f64 {
-        let along = self.axes[axis];
-        let slope = self.axes[1].z;
-        let height = self.centre.z + (covered.start * slope).min(covered.end * slope) - self.sagging(margin);
+        let height = |wall: &Wall| {
+            let slope = wall.slopes[1];
+            let row = (covered.start * slope).min(covered.end * slope);
+            wall.height + row - wall.sagging(self.half, margin)
+        };
+        let height = self.walls.iter().map(height).fold(f64::INFINITY, f64::min);
         let evanescent = beta / (TAU * height / self.wavelength);
         let pattern = self.pattern / height;
         // sinθ + a/z cos³θ ≤ √(1 + a²/z²)
         let most = 1f64.hypot(evanescent.max(pattern));
-        if along.z.abs() > 1e-9 {
-            return most;
-        }
-        let [low, high] = self.corners;
-        let reach = [low, high, DVec3::new(low.x, high.y, 0.0)].map(|corner| corner.dot(along).abs());
-        let array = reach.into_iter().fold(0.0, f64::max) + self.disk;
-        let longest = self.centre.dot(along).abs() + self.half[axis] + margin[axis] + array;
         let blur = (BLUR * (beta * self.wavelength / height).sqrt()).max(pattern);
-        (longest / longest.hypot(height) + blur).min(most)
+        let of_face = |face: &Seen| {
+            let along = face.axes[axis];
+            if along.z.abs() > 1e-9 || !face.is_flat {
+                return most;
+            }
+            let [low, high] = face.corners;
+            let reach =
+                [low, high, DVec2::new(low.x, high.y)].map(|corner| corner.dot(along.truncate()).abs());
+            let array = reach.into_iter().fold(0.0, f64::max) + self.disk;
+            let longest = face.centre.dot(along).abs() + self.half[axis] + margin[axis] + array;
+            (longest / longest.hypot(height) + blur).min(most)
+        };
+        self.faces.iter().map(of_face).fold(0.0, f64::max)
     }
 
     fn sample_counts(&self, layout: &Layout) -> [usize; 2] {
@@ -352,15 +439,19 @@ impl View {
     }
 
     fn work(&self, layout: &Layout) -> f64 {
-        let pairs = self.samples(layout) * self.elements as f64;
+        let samples = self.samples(layout);
         let taps = USUAL_PIXELS * (2 * layout.half_width) as f64;
-        let is_kept = pairs * size_of::<Complex32>() as f64 <= TABLE_CEILING as f64;
-        let pair = match layout.shared {
-            [None, None] if is_kept => self.costs.kept_pair,
-            [None, None] => 1.0,
-            _ => self.costs.shared_pair,
+        let of_face = |(face, shared): (&Seen, &[Option<Shared>; 2])| {
+            let pairs = samples * face.elements as f64;
+            let is_kept = pairs * size_of::<Complex32>() as f64 <= TABLE_CEILING as f64;
+            let pair = match shared {
+                [None, None] if is_kept => self.costs.kept_pair,
+                [None, None] => 1.0,
+                _ => self.costs.shared_pair,
+            };
+            pair * pairs
         };
-        pair * pairs + self.costs.tap * taps
+        self.faces.iter().zip(&layout.shared).map(of_face).sum::<f64>() + self.costs.tap * taps
     }
 
     fn grid(&self, layout: &Layout) -> Grid {
@@ -380,7 +471,16 @@ impl View {
             highest: layout.highest / self.wavelength,
             half_width: layout.half_width,
             beta: layout.beta,
-            shared: layout.shared,
+            heard: self.faces.iter().map(|face| face.number).zip(layout.shared.iter().copied()).collect(),
         }
+    }
+}
+
+impl Seen {
+    /// The board's axis along which an axis of the plane runs, and whether forwards (1) or backwards (-1).
+    fn along(&self, axis: usize) -> Option<(usize, f64)> {
+        let along = self.axes[axis];
+        let found = [0, 1].into_iter().find(|&i| (along[i].abs() - 1.0).abs() < ALIGNED);
+        found.filter(|_| self.is_lattice).map(|i| (i, along[i].signum()))
     }
 }

@@ -1,9 +1,10 @@
 //! The field in f64 by the transfer itself: what the fast evaluators are held to.
 
+use glam::DVec3;
 use num_complex::Complex64;
 use rayon::prelude::*;
 
-use crate::acoustics::Aperture;
+use crate::acoustics::{Aperture, Face};
 use crate::drive::Drive;
 use crate::field::Samples;
 use crate::gauge::Gauge;
@@ -12,13 +13,26 @@ use crate::gauge::Gauge;
 pub fn pressure(aperture: &Aperture, drive: &Drive, samples: &Samples) -> Vec<Complex64> {
     let excitation = drive.excitation(&aperture.driven);
     let counter = Gauge::current().count(samples.len());
+    let of_face = |face: &Face, point: DVec3| {
+        let local = face.pose.local(point);
+        let columns = face.among(&aperture.driven);
+        let from = |(&n, u): (&usize, &Complex64)| {
+            let n = n - face.first;
+            let offset = local - face.layout.positions[n];
+            let wave = match face.layout.is_flat() {
+                true => aperture.element.transfer(offset),
+                false => aperture.element.towards(offset, face.layout.normal(n)),
+            };
+            wave * u
+        };
+        let pairs = aperture.driven[columns.clone()].iter().zip(&excitation[columns]);
+        let sum: Complex64 = pairs.filter(|(_, u)| **u != Complex64::ZERO).map(from).sum();
+        sum * face.gain
+    };
     let at = |index: usize| {
         counter.add();
         let point = samples.point(index);
-        let from = |(&n, u): (&usize, &Complex64)| {
-            aperture.element.transfer(point - aperture.positions[n].extend(0.0)) * u
-        };
-        aperture.driven.iter().zip(&excitation).filter(|(_, u)| **u != Complex64::ZERO).map(from).sum()
+        aperture.faces.iter().map(|face| of_face(face, point)).sum()
     };
     (0..samples.len()).into_par_iter().map(at).collect()
 }

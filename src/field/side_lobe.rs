@@ -24,7 +24,7 @@ use std::f64::consts::SQRT_2;
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 
-use crate::acoustics::Aperture;
+use crate::acoustics::{Aperture, Face, Pose};
 use crate::drive::Drive;
 use crate::field::summit::Lattice;
 use crate::field::{FieldError, Quantity, Request, Stages};
@@ -80,7 +80,9 @@ pub fn loudest(
     drives: &[Drive],
     foci: &[DVec3],
 ) -> Result<SideLobe, NoSideLobe> {
-    let lobes: Vec<_> = foci.iter().map(|&focus| Lobe::of(aperture, focus)).collect();
+    let boards = sides(aperture);
+    let walls = aperture.walls();
+    let lobes: Vec<_> = foci.iter().map(|&focus| Lobe { focus, boards: &boards }).collect();
     let is_rectangle = plane.size.is_finite() && plane.size.min_element() > 0.0;
     let (x_axis, y_axis) = plane.axes().filter(|_| is_rectangle).ok_or(FieldError::NoPlane)?;
     if !lobes.iter().any(|lobe| lobe.contains(nearest(plane, [x_axis, y_axis], lobe.focus))) {
@@ -93,10 +95,14 @@ pub fn loudest(
         return Err(NoSideLobe::Silent);
     }
     let at = |place: DVec2| plane.centre + x_axis * place.x + y_axis * place.y;
-    // Nearer to the array than a wavelength it is the elements themselves that are loud.
+    // Nearer to a board than a wavelength it is the elements themselves that are loud.
+    let is_clear = |point: DVec3| {
+        let heights = || walls.iter().map(|(at, normal)| normal.dot(point - at));
+        heights().all(|height| height.abs() > aperture.wavelength()) && heights().any(|height| height > 0.0)
+    };
     let counts = |place: DVec2| {
         let point = at(place);
-        point.z > aperture.wavelength() && !lobes.iter().any(|lobe| lobe.contains(point))
+        is_clear(point) && !lobes.iter().any(|lobe| lobe.contains(point))
     };
     let pressures = |places: &[DVec2]| {
         let points: Vec<_> = places.iter().map(|&place| at(place)).collect();
@@ -148,41 +154,60 @@ fn nearest(plane: &Plane, axes: [DVec3; 2], point: DVec3) -> DVec3 {
     plane.centre + along(axes[0], plane.size.x) + along(axes[1], plane.size.y)
 }
 
-/// The main lobe of a focus.
-struct Lobe {
-    focus: DVec3,
+/// A board with the sides of the box around its driven elements.
+struct Sides {
+    pose: Pose,
     /// m, by which paths may differ along a side.
     reach: f64,
-    /// Middle of the driven elements.
+    /// Middle of the driven elements, in the board's coordinates.
     middle: DVec3,
     /// From there to the middles of two edges.
     halves: [DVec3; 2],
 }
 
-impl Lobe {
-    fn of(aperture: &Aperture, focus: DVec3) -> Self {
-        let (low, high) = aperture.extent();
+fn sides(aperture: &Aperture) -> Vec<Sides> {
+    let of_board = |board: &Face| {
+        let (low, high) = aperture.extent(board)?;
         let half = (high - low + aperture.pitch) / 2.0;
-        Self {
-            focus,
+        let middle = (low + high) / 2.0;
+        Some(Sides {
+            pose: board.pose,
             reach: REACH * aperture.wavelength(),
-            middle: ((low + high) / 2.0).extend(0.0),
+            middle,
             halves: [DVec3::X * half.x, DVec3::Y * half.y],
-        }
-    }
+        })
+    };
+    aperture.boards().filter_map(of_board).collect()
+}
 
-    fn contains(&self, point: DVec3) -> bool {
-        // The paths to a point behind the array are those to one before it.
-        point.z > 0.0 && self.halves.iter().all(|&half| self.spread(point, half) < self.reach)
+impl Sides {
+    /// Whether a point is in the main lobe of a focus.
+    fn hold(&self, point: DVec3, focus: DVec3) -> bool {
+        let [point, focus] = [point, focus].map(|place| self.pose.local(place));
+        // The paths to a point behind the board are those to one before it.
+        point.z > 0.0 && self.halves.iter().all(|&half| self.spread([point, focus], half) < self.reach)
     }
 
     /// By how much paths to a point differ along a side, less what they differ on the way to the focus; m.
-    fn spread(&self, point: DVec3, half: DVec3) -> f64 {
+    fn spread(&self, [point, focus]: [DVec3; 2], half: DVec3) -> f64 {
         let (least, most) = (-PARTS..=PARTS)
             .map(|part| self.middle + half * (f64::from(part) / f64::from(PARTS)))
-            .map(|from| from.distance(point) - from.distance(self.focus))
+            .map(|from| from.distance(point) - from.distance(focus))
             .fold((f64::MAX, f64::MIN), |(least, most), path| (least.min(path), most.max(path)));
         most - least
+    }
+}
+
+/// The main lobe of a focus: where those of all boards meet that send sound there.
+struct Lobe<'a> {
+    focus: DVec3,
+    boards: &'a [Sides],
+}
+
+impl Lobe<'_> {
+    fn contains(&self, point: DVec3) -> bool {
+        let mut sending = self.boards.iter().filter(|board| board.pose.local(self.focus).z > 0.0).peekable();
+        sending.peek().is_some() && sending.all(|board| board.hold(point, self.focus))
     }
 }
 
@@ -234,7 +259,8 @@ mod tests {
                 for z in [0.08, 0.2, 0.4] {
                     let focus = DVec3::new(x, y, z);
                     let (aperture, pressure) = focused(columns, rows, focus);
-                    let lobe = Lobe::of(&aperture, focus);
+                    let boards = sides(&aperture);
+                    let lobe = Lobe { focus, boards: &boards };
                     let beam = focus.normalize_or(DVec3::Z);
                     let x_side = DVec3::X.reject_from_normalized(beam).normalize_or(DVec3::X);
                     let y_side = beam.cross(x_side);

@@ -49,8 +49,9 @@ pub fn part_on_cpu(
     double: bool,
 ) -> Vec<Complex32> {
     let Some(direction) = direction(part, axes) else { return on_cpu(aperture, drive, samples, double) };
-    let near = NEAR * aperture.wavelength();
-    let is_near = |&index: &usize| double || samples.point(index).z < near;
+    let (near, walls) = (NEAR * aperture.wavelength(), aperture.walls());
+    let is_beside = |point: DVec3| walls.iter().any(|(at, normal)| normal.dot(point - at).abs() < near);
+    let is_near = |&index: &usize| double || is_beside(samples.point(index));
     let in_f64: Vec<_> = (0..samples.len()).filter(is_near).collect();
     let mut slopes = vec![Complex32::ZERO; samples.len()];
     if in_f64.len() < samples.len() {
@@ -71,11 +72,12 @@ pub fn part_on_cpu(
 /// Slopes along a direction at points, from pressures in f64.
 fn slopes_in_f64(aperture: &Aperture, drive: &Drive, direction: DVec3, points: &[DVec3]) -> Vec<Complex32> {
     let hair = HAIR * aperture.wavelength();
-    let excitation = drive.excitation(&aperture.driven);
+    let (excitation, walls) = (drive.excitation(&aperture.driven), aperture.walls());
     let counter = Gauge::current().count(points.len().div_ceil(RUN));
     let of_run = |points: &[DVec3]| {
         counter.add();
-        let around: Vec<_> = points.iter().flat_map(|&point| beside(point, direction, hair)).collect();
+        let around: Vec<_> =
+            points.iter().flat_map(|&point| beside(point, direction, hair, &walls)).collect();
         let pressures = aperture.transfer(&around).pressure(&excitation);
         let slope = |pair: &[Complex64; 2]| narrow((pair[0] - pair[1]) / (2.0 * hair));
         pressures.as_chunks::<2>().0.iter().map(slope).collect::<Vec<_>>()
@@ -83,12 +85,16 @@ fn slopes_in_f64(aperture: &Aperture, drive: &Drive, direction: DVec3, points: &
     points.par_chunks(RUN).flat_map_iter(of_run).collect()
 }
 
-/// Neighbours of a point on both sides. Both are in front of the array, beyond which there is no sound, or both behind it.
-fn beside(point: DVec3, direction: DVec3, hair: f64) -> [DVec3; 2] {
-    let reach = hair * direction.z.abs();
-    let z =
-        if point.z < -NEAREST { point.z.min(-NEAREST - 2.0 * reach) } else { point.z.max(NEAREST + reach) };
-    let point = point.with_z(z);
+/// Neighbours of a point on both sides. Both are in front of a board, beyond which it is not heard, or both behind it.
+fn beside(mut point: DVec3, direction: DVec3, hair: f64, walls: &[(DVec3, DVec3)]) -> [DVec3; 2] {
+    for (at, normal) in walls {
+        let (height, reach) = (normal.dot(point - at), hair * normal.dot(direction).abs());
+        let clear =
+            if height < -NEAREST { height.min(-NEAREST - 2.0 * reach) } else { height.max(NEAREST + reach) };
+        if clear != height {
+            point += normal * (clear - height);
+        }
+    }
     [point + direction * hair, point - direction * hair]
 }
 
@@ -109,12 +115,14 @@ pub struct Around {
     axes: [DVec3; 3],
     /// m, from a point to its neighbours.
     hair: f64,
+    /// [`Aperture::walls`].
+    walls: Vec<(DVec3, DVec3)>,
 }
 
 impl Around {
     /// For these parts of the sound, along the plane's axes and its normal.
-    pub fn new(parts: u8, axes: [DVec3; 3], wavelength: f64) -> Self {
-        Self { parts, axes, hair: HAIR * wavelength }
+    pub fn new(parts: u8, axes: [DVec3; 3], aperture: &Aperture) -> Self {
+        Self { parts, axes, hair: HAIR * aperture.wavelength(), walls: aperture.walls() }
     }
 
     /// As many points for each as [`Around::sounds`] takes pressures.
@@ -124,7 +132,7 @@ impl Around {
             for part in Part::of(self.parts) {
                 match direction(part, self.axes) {
                     None => around.push(point),
-                    Some(direction) => around.extend(beside(point, direction, self.hair)),
+                    Some(direction) => around.extend(beside(point, direction, self.hair, &self.walls)),
                 }
             }
         }

@@ -3,17 +3,19 @@
 //! Phase is counted in turns and reduced by `t - round(t)`: shading languages promise nothing for the sine of a large
 //! angle. Sine, cosine and directivity are polynomials of our own, so that both evaluators mean the same thing.
 //!
-//! All elements lie in z = 0, so a distance is r = z + ρ²/(r + z), and e^{-jkz} is common to all elements: it is applied
-//! once per sample with a phase reduced in f64, and f32 sees the small second part alone. That keeps far planes as
-//! exact as near ones.
+//! Every board is seen in its own coordinates. The elements of a flat one lie in z = 0, so a distance is r = z + ρ²/(r + z), and
+//! e^{-jkz} is common to all elements: it is applied once per sample with a phase reduced in f64, and f32 sees the small second
+//! part alone. That keeps far planes as exact as near ones. Those of a curved one have heights h and radiate in directions of their own:
+//! r = |z| + (ρ² + h² - 2zh)/(r + |z|).
 
+use std::borrow::Cow;
 use std::f64::consts::{PI, TAU};
 
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 
-use crate::acoustics::Aperture;
 use crate::acoustics::element::{self, NEAREST, SMALLEST_DISK};
+use crate::acoustics::{Aperture, Element, Face, Layout};
 use crate::drive::Drive;
 use crate::field::{Samples, polynomial};
 use crate::scene::ElementModel;
@@ -31,13 +33,17 @@ const MOST_TURNS: f64 = 65_536.0;
 pub const MOST_NODES: usize = 64;
 const NODE_ERROR: f64 = 1e-7;
 
-/// The sounding elements and the constants of their waves.
+/// The sounding elements of a board and the constants of their waves, in the board's coordinates.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Sources {
+pub struct Sources<'a> {
     pub wave: Wave,
     /// x (m), y (m), phase (turns, the quarter turn of the transfer's j included), amplitude (Pa·m, what is lost up to
     /// the nearest distance taken off).
     pub elements: Vec<[f32; 4]>,
+    /// z (m) and the direction of radiation; none of a flat board.
+    pub tilts: Vec<[f32; 4]>,
+    /// Where the sound is wanted.
+    pub samples: Cow<'a, Samples>,
 }
 
 /// The constants of the wave that every element sends to some samples.
@@ -56,6 +62,8 @@ pub struct Wave {
     pub decay_scale: [f32; 2],
     /// Present for the exact piston.
     pub piston: Option<Piston>,
+    /// Whether all elements lie in z = 0 and radiate along z.
+    pub is_flat: bool,
 }
 
 /// Coefficients for s in [-1, 1], lowest first, padded with zeros up to the room that there is.
@@ -82,17 +90,35 @@ pub struct Piston {
     pub nodes: Vec<[f32; 2]>,
 }
 
-impl Sources {
-    /// What a drive makes of the array; silent elements are left out. `None` where [`Wave::new`] gives none.
-    pub fn new(aperture: &Aperture, drive: &Drive, samples: &Samples) -> Option<Self> {
-        let wave = Wave::new(aperture, samples)?;
-        Some(Self { elements: wave.elements(aperture, drive), wave })
+impl<'a> Sources<'a> {
+    /// What a drive makes of every board and image; silent elements are left out. `None` where [`Wave::new`] gives none.
+    pub fn of_faces(aperture: &Aperture, drive: &Drive, samples: &'a Samples) -> Option<Vec<Self>> {
+        let of_face = |face: &Face| {
+            let samples = samples.seen_from(&face.pose);
+            let wave = Wave::new(&aperture.element, &face.layout, &samples)?;
+            let sounding = sounding(aperture, face, drive);
+            let mut elements = wave.elements(face, &sounding, drive);
+            elements.iter_mut().for_each(|[.., amplitude]| *amplitude *= face.gain as f32);
+            Some(Self {
+                elements,
+                tilts: tilts(&face.layout, sounding.iter().map(|n| n - face.first)),
+                wave,
+                samples,
+            })
+        };
+        aperture.faces.iter().map(of_face).collect()
+    }
+
+    /// Whether there are no [`Sources::beside_rims`].
+    pub fn has_no_sample_beside_rims(&self) -> bool {
+        self.beside_rims().is_empty()
     }
 
     /// The samples that f32 leaves to f64 near exact pistons: so near to a rim that [`MOST_NODES`] are too few, or so low that f32 takes
     /// another height for theirs. None of them is a fifth of a radius or more away from the array.
-    pub fn beside_rims(&self, samples: &Samples) -> Vec<usize> {
+    pub fn beside_rims(&self) -> Vec<usize> {
         let Some(piston) = &self.wave.piston else { return Vec::new() };
+        let samples = &self.samples;
         let radius = f64::from(piston.radius);
         let ka = TAU * self.wave.exact_turns_per_metre * radius;
         let is_beside =
@@ -115,18 +141,34 @@ impl Sources {
     }
 }
 
+/// The elements of a board that a drive lets sound, as the array numbers them.
+pub fn sounding(aperture: &Aperture, face: &Face, drive: &Drive) -> Vec<usize> {
+    let driven = &aperture.driven[face.among(&aperture.driven)];
+    driven.iter().copied().filter(|&n| drive.amplitudes[n] != 0.0).collect()
+}
+
+/// As [`Sources::tilts`], of these elements of a board.
+pub fn tilts(layout: &Layout, elements: impl Iterator<Item = usize>) -> Vec<[f32; 4]> {
+    let tilt = |n: usize| {
+        let (z, normal) = (layout.positions[n].z, layout.normals[n]);
+        [z, normal.x, normal.y, normal.z].map(|value| value as f32)
+    };
+    if layout.is_flat() { Vec::new() } else { elements.map(tilt).collect() }
+}
+
 impl Wave {
-    /// `None` for elements and absorption beyond f32's polynomials: a radius above about three and a half wavelengths, or more than
-    /// about 38 dB between the nearest and the farthest distance; for ways beyond its range; and for an exact piston that is no disk.
-    pub fn new(aperture: &Aperture, samples: &Samples) -> Option<Self> {
-        let element = &aperture.element;
-        if element.model == ElementModel::ExactPiston && element.radius < SMALLEST_DISK {
+    /// Of elements that stand so, at samples in their coordinates. `None` for elements and absorption beyond f32's polynomials: a radius
+    /// above about three and a half wavelengths, or more than about 38 dB between the nearest and the farthest distance; for ways
+    /// beyond its range; and for an exact piston that is no disk, or on a curved board.
+    pub fn new(element: &Element, layout: &Layout, samples: &Samples) -> Option<Self> {
+        let is_disk = element.radius >= SMALLEST_DISK && layout.is_flat();
+        if element.model == ElementModel::ExactPiston && !is_disk {
             return None;
         }
         let turns_per_metre = element.wavenumber / TAU;
         let sought = |s: f64| element.directivity(((s + 1.0) / 2.0).max(0.0).sqrt());
         let directivity = Polynomial::fit(FEW_DIRECTIVITY, sought, |_| POLYNOMIAL_ERROR)?;
-        let (near, far) = distances(aperture, samples);
+        let (near, far) = distances(layout, samples);
         if (far - near) * turns_per_metre > MOST_TURNS {
             return None;
         }
@@ -141,14 +183,17 @@ impl Wave {
             directivity,
             decay,
             decay_scale: [(1.0 / half) as f32, (-middle / half) as f32],
-            piston: (element.model == ElementModel::ExactPiston).then(|| piston(aperture, samples)),
+            piston: (element.model == ElementModel::ExactPiston).then(|| piston(element, samples)),
+            is_flat: layout.is_flat(),
         })
     }
 
-    /// What a drive makes of the array, as in [`Sources::elements`]; silent elements are left out.
-    pub fn elements(&self, aperture: &Aperture, drive: &Drive) -> Vec<[f32; 4]> {
-        let sounding = aperture.driven.iter().filter(|&&n| drive.amplitudes[n] != 0.0);
-        sounding.map(|&n| self.element(aperture.positions[n], drive.amplitudes[n], drive.phases[n])).collect()
+    /// What a drive makes of some elements of a board, which the array numbers, as in [`Sources::elements`], whatever reflects it.
+    pub fn elements(&self, face: &Face, sounding: &[usize], drive: &Drive) -> Vec<[f32; 4]> {
+        let element = |&n: &usize| {
+            self.element(face.layout.positions[n - face.first], drive.amplitudes[n], drive.phases[n])
+        };
+        sounding.iter().map(element).collect()
     }
 
     /// The factor from the amplitudes of another wave's elements to those of this one's, which lie at other distances.
@@ -157,7 +202,7 @@ impl Wave {
     }
 
     /// An element at a position (m) with an amplitude and a phase (rad), as in [`Sources::elements`].
-    pub fn element(&self, position: DVec2, amplitude: f64, phase: f64) -> [f32; 4] {
+    pub fn element(&self, position: DVec3, amplitude: f64, phase: f64) -> [f32; 4] {
         let turns = phase / TAU + 0.25;
         let amplitude = self.strength * amplitude;
         [position.x as f32, position.y as f32, (turns - turns.round()) as f32, amplitude as f32]
@@ -196,18 +241,18 @@ impl<const MOST: usize> Polynomial<MOST> {
 }
 
 /// Bounds of every distance (m) between an element and a sample.
-fn distances(aperture: &Aperture, samples: &Samples) -> (f64, f64) {
+fn distances(layout: &Layout, samples: &Samples) -> (f64, f64) {
     let (low, high) = samples.bounds();
-    let (first, last) = aperture.corners();
-    let far = (high - first.extend(0.0)).abs().max((low - last.extend(0.0)).abs()).length();
-    let near = low.z.max(0.0);
+    let (first, last) = layout.bounds();
+    let far = (high - first).abs().max((low - last).abs()).length();
+    let near = if layout.is_flat() { low.z.max(0.0) } else { 0.0 };
     // A single point straight above a single element still needs a range to scale by.
     (near, far.max(near + 0.01))
 }
 
 /// As many nodes as the sample nearest to a rim needs, if there is room for them.
-fn piston(aperture: &Aperture, samples: &Samples) -> Piston {
-    let (a, k) = (aperture.element.radius, aperture.element.wavenumber);
+fn piston(element: &Element, samples: &Samples) -> Piston {
+    let (a, k) = (element.radius, element.wavenumber);
     let z = samples.bounds().0.z.max(NEAREST);
     let count = element::piston_nodes(k * a, 1.0, z / a, NODE_ERROR).min(MOST_NODES);
     let node = |i: usize| {
@@ -229,7 +274,8 @@ mod tests {
     }
 
     fn wave(aperture: &Aperture) -> Option<Wave> {
-        Wave::new(aperture, &Samples::on_plane(&Plane::default(), 4, 4)?)
+        let samples = Samples::on_plane(&Plane::default(), 4, 4)?;
+        Wave::new(&aperture.element, &aperture.faces[0].layout, &samples)
     }
 
     #[test]
@@ -257,7 +303,7 @@ mod tests {
         // 37 dB between the nearest distance and the farthest.
         let mut aperture = aperture(3.66);
         let samples = Samples::on_plane(&Plane::default(), 4, 4).unwrap();
-        let (near, far) = distances(&aperture, &samples);
+        let (near, far) = distances(&aperture.faces[0].layout, &samples);
         aperture.element.attenuation = 4.26 / (far - near);
         let wave = wave(&aperture).unwrap();
         for i in 0..=1000 {
@@ -274,7 +320,7 @@ mod tests {
         let mut aperture = aperture(3.66);
         aperture.element.model = ElementModel::ExactPiston;
         let (at, a) = (aperture.positions[40], aperture.element.radius);
-        let above = |rho: f64, z: f64| (at + DVec2::new(0.6, 0.8) * rho).extend(z);
+        let above = |rho: f64, z: f64| at + DVec3::new(0.6 * rho, 0.8 * rho, z);
         let points = vec![
             above(a, 0.0),
             above(0.5 * a, 0.0),
@@ -286,7 +332,7 @@ mod tests {
         let samples = Samples::at(points);
         let drive = Drive { amplitudes: vec![1.0; 256], phases: vec![0.0; 256] };
         let beside =
-            |aperture: &Aperture| Sources::new(aperture, &drive, &samples).unwrap().beside_rims(&samples);
+            |aperture: &Aperture| Sources::of_faces(aperture, &drive, &samples).unwrap()[0].beside_rims();
         assert_eq!(beside(&aperture), [0, 1, 2, 4]);
         aperture.element.model = ElementModel::Piston;
         assert_eq!(beside(&aperture), [0; 0]);
@@ -301,10 +347,10 @@ mod tests {
             ..Plane::default()
         };
         let samples = Samples::on_plane(&plane, 9, 7).unwrap();
-        let (near, far) = distances(&aperture, &samples);
+        let (near, far) = distances(&aperture.faces[0].layout, &samples);
         for index in 0..samples.len() {
             for position in &aperture.positions {
-                let distance = samples.point(index).distance(position.extend(0.0));
+                let distance = samples.point(index).distance(*position);
                 assert!((near..=far).contains(&distance), "{distance} is not in {near} to {far}");
             }
         }

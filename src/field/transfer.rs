@@ -4,19 +4,21 @@
 //! the sample `n · shared.samples` before it. One longer line of samples then serves all elements along that axis: the
 //! table of a parallel plane is a hundred to a thousand times smaller, is made in no time, and stays in the caches.
 
+use std::f64::consts::TAU;
+
 use glam::DVec3;
 use num_complex::{Complex32, Complex64};
 use rayon::prelude::*;
 
-use crate::acoustics::Aperture;
+use crate::acoustics::{Element, Face};
+use crate::field::Samples;
 use crate::field::cpu::{self, LANES, OVERHANG, Points, Split, Term};
-use crate::field::plan::Grid;
+use crate::field::plan::Shared;
 use crate::field::slope::{shifted, stencil};
-use crate::field::sources::Wave;
-use crate::field::{Samples, plan};
+use crate::field::sources::{self, Wave};
 use crate::memory;
 
-/// Where in the table the transfer of an element to a sample stands.
+/// Where in the table the transfer of an element of a board to a sample stands.
 ///
 /// Sample number p, row by row, is `p % line` on line `p / line`; line `l` of the element (column, row) starts at
 /// `base + l · line_stride + column · element_strides[0] + row · element_strides[1]`.
@@ -35,38 +37,42 @@ pub struct Layout {
 }
 
 impl Layout {
-    pub fn new(aperture: &Aperture, grid: &Grid) -> Self {
-        let counts = [aperture.columns, aperture.positions.len() / aperture.columns];
-        let Samples { columns, rows } = &grid.samples;
-        if grid.shared == [None; 2] {
+    /// Of a board's elements, at samples in its coordinates that repeat from element to element as `shared` says.
+    pub fn new(board: &Face, samples: &Samples, shared: [Option<Shared>; 2]) -> Self {
+        let count = board.layout.positions.len();
+        // Elements that stand in no rows are one row.
+        let along = board.layout.columns.unwrap_or(count);
+        let counts = [along, count / along];
+        let Samples { columns, rows } = samples;
+        if shared == [None; 2] {
             // Blocks of neighbouring samples, all elements after each other: read from end to end.
             return Self {
                 line: LANES,
-                line_stride: LANES * aperture.positions.len(),
+                line_stride: LANES * count,
                 base: 0,
                 element_strides: [LANES as isize, (LANES * counts[0]) as isize],
                 distinct: counts,
-                points: grid.samples.clone(),
+                points: samples.clone(),
                 run: LANES,
             };
         }
         let extended =
-            [(0, columns), (1, rows)].map(|(axis, places)| Extended::new(grid, axis, places, &counts));
+            [(0, columns), (1, rows)].map(|(axis, places)| Extended::new(shared[axis], places, &counts));
         let [columns, rows] = &extended;
         let mut distinct = counts;
-        for shared in grid.shared.into_iter().flatten() {
+        for shared in shared.into_iter().flatten() {
             distinct[shared.element_axis] = 1;
         }
         let run = columns.places.len();
         let line_stride = run * distinct[0] * distinct[1];
         let mut element_strides = [run as isize, (run * distinct[0]) as isize];
-        for (shared, stride) in grid.shared.iter().zip([1, line_stride as isize]) {
+        for (shared, stride) in shared.iter().zip([1, line_stride as isize]) {
             if let Some(shared) = shared {
                 element_strides[shared.element_axis] = -shared.samples * stride;
             }
         }
         Self {
-            line: grid.samples.columns.len(),
+            line: samples.columns.len(),
             line_stride,
             base: columns.before + rows.before * line_stride,
             element_strides,
@@ -85,36 +91,42 @@ impl Layout {
         self.len() == 0
     }
 
-    /// Whether the table may be kept, and memory holds it.
-    pub fn fits(&self, most_bytes: usize) -> bool {
+    /// Whether these tables may be kept together, and memory holds them.
+    pub fn fit(layouts: &[Self], most_bytes: usize) -> bool {
         /// Bytes that need no question.
         const SMALL: usize = 32 << 20;
-        let bytes = self.len().saturating_mul(size_of::<Complex32>());
+        let values = layouts.iter().map(Self::len).fold(0, usize::saturating_add);
+        let bytes = values.saturating_mul(size_of::<Complex32>());
         bytes <= most_bytes && (bytes <= SMALL || memory::holds(bytes))
     }
 
-    /// The elements whose waves the table holds, at full drive.
-    pub fn elements(&self, aperture: &Aperture, wave: &Wave) -> Vec<[f32; 4]> {
-        let number = |i: usize| i / self.distinct[0] * aperture.columns + i % self.distinct[0];
-        (0..self.distinct[0] * self.distinct[1])
-            .map(|i| wave.element(aperture.positions[number(i)], 1.0, 0.0))
-            .collect()
+    /// The elements whose waves the table holds, at full drive, with their tilts.
+    pub fn elements(&self, board: &Face, wave: &Wave) -> (Vec<[f32; 4]>, Vec<[f32; 4]>) {
+        let along = board.layout.columns.unwrap_or(self.distinct[0]);
+        let numbers = || {
+            (0..self.distinct[0] * self.distinct[1])
+                .map(|i| i / self.distinct[0] * along + i % self.distinct[0])
+        };
+        let elements = numbers().map(|n| wave.element(board.layout.positions[n], 1.0, 0.0)).collect();
+        (elements, sources::tilts(&board.layout, numbers()))
     }
 
-    /// The elements that sound in any of some excitations (one value per element of the array): where their runs for the
+    /// The elements of a board that sound in any of some excitations (one value per element of the array): where their runs for the
     /// first line start, and u.
-    pub fn terms<const D: usize>(&self, aperture: &Aperture, excitations: [&[Complex64]; D]) -> Vec<Term<D>> {
+    pub fn terms<const D: usize>(&self, board: &Face, excitations: [&[Complex64]; D]) -> Vec<Term<D>> {
+        let along = board.layout.columns.unwrap_or(board.layout.positions.len());
         let start = |n: usize| {
-            let place = [n % aperture.columns, n / aperture.columns];
+            let place = [n % along, n / along];
             let offset = [0, 1].map(|axis| place[axis] as isize * self.element_strides[axis]);
             self.base.wrapping_add_signed(offset[0] + offset[1])
         };
         let term = |n: usize| {
-            let u = excitations.map(|excitation| excitation[n]);
+            let u = excitations.map(|excitation| board.gain * excitation[n]);
             let sounds = u.iter().any(|u| *u != Complex64::ZERO);
-            sounds.then(|| Term { start: start(n), re: u.map(|u| u.re as f32), im: u.map(|u| u.im as f32) })
+            let start = start(n - board.first);
+            sounds.then(|| Term { start, re: u.map(|u| u.re as f32), im: u.map(|u| u.im as f32) })
         };
-        (0..aperture.positions.len()).filter_map(term).collect()
+        board.elements().filter_map(term).collect()
     }
 }
 
@@ -126,8 +138,8 @@ struct Extended {
 }
 
 impl Extended {
-    fn new(grid: &Grid, axis: usize, places: &[DVec3], counts: &[usize; 2]) -> Self {
-        let Some(plan::Shared { element_axis, samples }) = grid.shared[axis] else {
+    fn new(shared: Option<Shared>, places: &[DVec3], counts: &[usize; 2]) -> Self {
+        let Some(Shared { element_axis, samples }) = shared else {
             return Self { places: places.to_vec(), before: 0 };
         };
         let more = samples.unsigned_abs() * (counts[element_axis] - 1);
@@ -138,7 +150,7 @@ impl Extended {
     }
 }
 
-/// The table itself.
+/// The table of one board.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Transfer {
     pub layout: Layout,
@@ -147,12 +159,12 @@ pub struct Transfer {
 
 impl Transfer {
     /// Evaluates the waves of all distinct elements, in the memory of `old`.
-    pub fn new(aperture: &Aperture, wave: &Wave, layout: Layout, old: Option<Self>) -> Self {
+    pub fn new(board: &Face, wave: &Wave, layout: Layout, old: Option<Self>) -> Self {
         let mut table = old.map_or_else(Split::default, |old| old.table);
         for part in [&mut table.re, &mut table.im] {
             part.resize(layout.len() + OVERHANG, 0.0);
         }
-        let elements = layout.elements(aperture, wave);
+        let (elements, tilts) = layout.elements(board, wave);
         let row = layout.run * elements.len();
         let whole = layout.len();
         let parts = (table.re[..whole].par_chunks_mut(row), table.im[..whole].par_chunks_mut(row));
@@ -161,7 +173,7 @@ impl Transfer {
                 let first = index * layout.run + start;
                 let count = LANES.min(layout.run - start).min(layout.points.len() - first);
                 let points = Points::new(wave, count, |lane| layout.points.point(first + lane));
-                cpu::single_waves(wave, &elements, &points, |element, (wave_re, wave_im)| {
+                cpu::single_waves(wave, (&elements, &tilts), &points, |element, (wave_re, wave_im)| {
                     let run = element * layout.run + start..element * layout.run + start + count;
                     re[run.clone()].copy_from_slice(&wave_re[..count]);
                     im[run].copy_from_slice(&wave_im[..count]);
@@ -171,23 +183,25 @@ impl Transfer {
         Self { layout, table }
     }
 
-    /// The table of the pressure at a plan's samples, or of its slope along a direction, in the memory of `old`. `None` where f32
-    /// declines.
+    /// The table of the pressure at samples, or of its slope along a direction, in the memory of `old`. `None` where f32 declines.
     pub fn of_part(
-        aperture: &Aperture,
-        grid: &Grid,
+        (element, board): (&Element, &Face),
+        samples: &Samples,
+        shared: [Option<Shared>; 2],
         direction: Option<DVec3>,
         old: Option<Self>,
     ) -> Option<Self> {
         let Some(direction) = direction else {
-            let wave = Wave::new(aperture, &grid.samples)?;
-            return Some(Self::new(aperture, &wave, Layout::new(aperture, grid), old));
+            let samples = samples.seen_from(&board.pose);
+            let wave = Wave::new(element, &board.layout, &samples)?;
+            return Some(Self::new(board, &wave, Layout::new(board, &samples, shared), old));
         };
         let (mut slope, mut one) = (None::<Self>, old);
-        for (shift, weight) in stencil(aperture.wavelength()) {
-            let grid = Grid { samples: shifted(&grid.samples, direction * shift), ..grid.clone() };
-            let wave = Wave::new(aperture, &grid.samples)?;
-            let table = Self::new(aperture, &wave, Layout::new(aperture, &grid), one.take());
+        for (shift, weight) in stencil(TAU / element.wavenumber) {
+            let shifted = shifted(samples, direction * shift);
+            let samples = shifted.seen_from(&board.pose);
+            let wave = Wave::new(element, &board.layout, &samples)?;
+            let table = Self::new(board, &wave, Layout::new(board, &samples, shared), one.take());
             match &mut slope {
                 None => slope = Some(table.times(weight as f32)),
                 Some(slope) => {
@@ -212,34 +226,27 @@ impl Transfer {
         pairs.for_each(|(value, other)| *value += factor * other);
     }
 
-    /// Complex pressure (Pa, peak) at the `samples` of the plan for each of several drives (u of every element of the array):
-    /// a product of matrices, in which what is read of the table serves several drives.
-    pub fn superpose(
-        &self,
-        aperture: &Aperture,
-        excitations: &[Vec<Complex64>],
-        samples: usize,
-    ) -> Vec<Vec<Complex32>> {
-        let mut fields = vec![vec![Complex32::ZERO; samples]; excitations.len()];
+    /// Adds what a board sends to `fields`, the complex pressure (Pa, peak) at the samples of the plan for each of several drives (u
+    /// of every element of the array): a product of matrices, in which what is read of the table serves several drives.
+    pub fn superpose(&self, board: &Face, excitations: &[Vec<Complex64>], fields: &mut [Vec<Complex32>]) {
         let (together, alone) = excitations.as_chunks::<{ cpu::DRIVES }>();
         let (fields_together, fields_alone) = fields.as_chunks_mut::<{ cpu::DRIVES }>();
         for (excitations, fields) in together.iter().zip(fields_together) {
-            self.superpose_together(aperture, excitations, fields);
+            self.superpose_together(board, excitations, fields);
         }
         for (excitation, field) in alone.as_chunks::<1>().0.iter().zip(fields_alone.as_chunks_mut::<1>().0) {
-            self.superpose_together(aperture, excitation, field);
+            self.superpose_together(board, excitation, field);
         }
-        fields
     }
 
     fn superpose_together<const D: usize>(
         &self,
-        aperture: &Aperture,
+        board: &Face,
         excitations: &[Vec<Complex64>; D],
         fields: &mut [Vec<Complex32>; D],
     ) {
         let Layout { line, line_stride, .. } = self.layout;
-        let terms = self.layout.terms(aperture, excitations.each_ref().map(Vec::as_slice));
+        let terms = self.layout.terms(board, excitations.each_ref().map(Vec::as_slice));
         let count = fields[0].len().div_ceil(line);
         let mut lines = fields.each_mut().map(|field| field.chunks_mut(line));
         let lines: Vec<_> =

@@ -8,7 +8,7 @@ use crate::acoustics::Aperture;
 use crate::field::colouring::phase_index;
 use crate::picture::{ColourMap, Picture, PictureError, register_font};
 use crate::rounding::{at_most, percent_at_least};
-use crate::scene::{Focus, Plane, Sampling, Scene, outline};
+use crate::scene::{Focus, Plane, Sampling, Scene, outline, space};
 use crate::solver::{self, Problem, Solution};
 
 /// Width and height of a sheet for which the measures below are meant; other sizes scale them.
@@ -337,31 +337,28 @@ impl Panels<'_, '_> {
         colour: impl Fn(usize) -> [u8; 4],
     ) -> Result<Plot, PictureError> {
         let Self { page, root, scene, solution } = self;
-        let aperture = Aperture::new(scene);
-        let array = &scene.array;
-        let size = DVec2::new(f64::from(array.columns), f64::from(array.rows)) * array.pitch;
-        let plot = page.plot(cell, size);
-        page.chart(root, plot, title, (-size * 500.0, size * 500.0), ("x / mm", "y / mm"))?;
-        let radius = array.element_radius.min(array.pitch * 0.5);
+        let chart = space::Chart::new(scene);
+        let plot = page.plot(cell, chart.size);
+        let half = chart.size * 500.0;
+        page.chart(root, plot, title, (-half, half), ("x / mm", "y / mm"))?;
+        let radius = scene.array.element_radius.min(chart.cell * 0.5);
         let (width, height) = (plot.size.0 as usize, plot.size.1 as usize);
-        let mut rgb = Vec::with_capacity(width * height * 3);
-        for y in 0..height {
-            for x in 0..width {
-                let part =
-                    DVec2::new((x as f64 + 0.5) / width as f64, 1.0 - (y as f64 + 0.5) / height as f64);
-                let cell = part * DVec2::new(f64::from(array.columns), f64::from(array.rows));
-                let n = (cell.y as usize).min(array.rows as usize - 1) * array.columns as usize
-                    + (cell.x as usize).min(array.columns as usize - 1);
-                let at = (part - 0.5) * size;
-                let within = at.distance(aperture.positions[n]) <= radius;
-                let driven = solution.drive.amplitudes[n] > 0.0;
-                let [r, g, b, _] = if within && driven {
-                    colour(n)
-                } else {
-                    let [r, g, b] = if within { [214, 214, 218] } else { EMPTY };
-                    [r, g, b, 255]
-                };
-                rgb.extend([r, g, b]);
+        let pixel = DVec2::new(width as f64, height as f64) / chart.size;
+        let mut rgb = EMPTY.repeat(width * height);
+        for (n, place) in chart.places.iter().enumerate() {
+            let driven = solution.drive.amplitudes[n] > 0.0;
+            let [r, g, b, _] = if driven { colour(n) } else { [214, 214, 218, 255] };
+            let (low, high) = ((place - radius) * pixel, (place + radius) * pixel);
+            let along =
+                |low: f64, high: f64, count: usize| low.max(0.0) as usize..(high.ceil() as usize).min(count);
+            for row in along(low.y, high.y, height) {
+                for column in along(low.x, high.x, width) {
+                    let at = (DVec2::new(column as f64, row as f64) + 0.5) / pixel;
+                    if at.distance(*place) <= radius {
+                        let first = 3 * ((height - 1 - row) * width + column);
+                        rgb[first..first + 3].copy_from_slice(&[r, g, b]);
+                    }
+                }
             }
         }
         root.draw(&bitmap(plot.corner, (width, height), rgb)?)?;

@@ -5,9 +5,10 @@ use std::f64::consts::TAU;
 use glam::DVec3;
 
 use crate::scene::range::{count, direction, finite, length, point, refuse, within};
+use crate::scene::space::Front;
 use crate::scene::{
     Area, Array, ElementModel, Keyframe, Liquid, Listener, Medium, Modulation, Motion, MotionPath, Plane,
-    Pressures, Sampling, Scene, Shape, Solver, Target, Tempo, Zone,
+    Pressures, Sampling, Scene, Shape, Solver, Target, Tempo, Zone, space,
 };
 
 pub use crate::scene::range::{Key, KeyError};
@@ -49,6 +50,7 @@ const LEVEL: f64 = 1e-9;
 pub fn check(scene: &Scene) -> Result<(), KeyError> {
     medium(&scene.medium).map_err(|e| e.under(&["medium".into()]))?;
     array(&scene.array).and_then(|()| disk(scene)).map_err(|e| e.under(&["array".into()]))?;
+    off(scene).map_err(|e| e.under(&["array".into()]))?;
     if scene.targets.len() > MOST_TARGETS {
         let message =
             format!("{} are more than the {MOST_TARGETS} that a scene may have", scene.targets.len());
@@ -62,16 +64,19 @@ pub fn check(scene: &Scene) -> Result<(), KeyError> {
         let message = format!("{} are more than the {MOST_ZONES} that a scene may have", scene.quiet.len());
         return refuse("quiet", message);
     }
+    let front = scene.front();
     for (index, zone) in scene.quiet.iter().enumerate() {
-        self::zone(zone).map_err(|e| e.under(&["quiet".into(), index.into()]))?;
+        self::zone(zone, &front).map_err(|e| e.under(&["quiet".into(), index.into()]))?;
     }
     solver(&scene.solver).map_err(|e| e.under(&["solver".into()]))?;
     plane(&scene.plane).map_err(|e| e.under(&["plane".into()]))?;
     aim(scene).map_err(|e| e.under(&["solver".into()]))?;
     liquid(&scene.liquid).map_err(|e| e.under(&["liquid".into()]))?;
+    space::check(scene)?;
     modulation(&scene.modulation).map_err(|e| e.under(&["modulation".into()]))?;
     motion(&scene.motion).map_err(|e| e.under(&["motion".into()]))?;
-    scene.listener.as_ref().map_or(Ok(()), |it| listener(it).map_err(|e| e.under(&["listener".into()])))
+    let audible = |it| listener(it, &front).map_err(|e| e.under(&["listener".into()]));
+    scene.listener.as_ref().map_or(Ok(()), audible)
 }
 
 fn medium(medium: &Medium) -> Result<(), KeyError> {
@@ -104,8 +109,17 @@ fn array(array: &Array) -> Result<(), KeyError> {
     length("element_radius", array.element_radius)?;
     within("frequency", array.frequency, 1e3, 1e6, "Hz")?;
     within("strength", array.strength, 1e-9, 1e6, "Pa·m")?;
+    within("reflectivity", array.reflectivity, -1.0, 1.0, "(0: none, 1: rigid)")
+}
+
+/// Elements that are off are there, and others are on.
+fn off(scene: &Scene) -> Result<(), KeyError> {
+    let (array, elements) = (&scene.array, scene.elements());
+    if array.lacks_elements() {
+        return Ok(());
+    }
     for (position, &element) in array.off.iter().enumerate() {
-        if element as u64 >= elements {
+        if element >= elements {
             return Err(KeyError::new(
                 [Key::from("off"), Key::from(position)],
                 format!("the elements are numbered 0 to {}", elements - 1),
@@ -113,7 +127,7 @@ fn array(array: &Array) -> Result<(), KeyError> {
         }
     }
     let off: std::collections::BTreeSet<_> = array.off.iter().collect();
-    if off.len() as u64 == elements {
+    if off.len() == elements {
         return refuse("off", "every element is off: nothing is left to drive");
     }
     Ok(())
@@ -219,7 +233,7 @@ fn pressures(target: &Target) -> Result<(), KeyError> {
     Ok(())
 }
 
-fn zone(zone: &Zone) -> Result<(), KeyError> {
+fn zone(zone: &Zone, front: &Front) -> Result<(), KeyError> {
     point("at", zone.at)?;
     match zone.area {
         Area::Circle { radius } => length("radius", radius)?,
@@ -235,11 +249,10 @@ fn zone(zone: &Zone) -> Result<(), KeyError> {
     direction("normal", zone.normal)?;
     finite("angle", zone.angle)?;
     within("weight", zone.weight, 1e-6, 1e6, "(1: as much as the rest of the plane)")?;
-    if zone.lowest() > 0.0 {
-        return Ok(());
+    match front.outside(|up| Some(zone.lowest(up))) {
+        None => Ok(()),
+        Some(_) => refuse("at", format!("the zone reaches {}", front.behind())),
     }
-    let message = "the zone reaches on or behind the array, which stands in z = 0 and radiates towards +z";
-    refuse("at", message)
 }
 
 fn solver(solver: &Solver) -> Result<(), KeyError> {
@@ -257,10 +270,18 @@ pub fn search(seconds: f64) -> Result<(), KeyError> {
     within("search", seconds, 0.0, LONGEST_SEARCH, "s")
 }
 
-/// A liquid's surface is level.
+/// A liquid's surface is level, and the only board looks at it.
 fn aim(scene: &Scene) -> Result<(), KeyError> {
+    if !scene.aims_at_depression() {
+        return Ok(());
+    }
+    if !scene.is_home() || !scene.mirrors().is_empty() {
+        let message =
+            "a depression is drawn by one board in rows and columns in z = 0, whose sound nothing reflects";
+        return refuse("target", message);
+    }
     let normal = scene.plane.axes().map_or(DVec3::Z, |(x, y)| x.cross(y));
-    if !scene.aims_at_depression() || normal.truncate().length() < LEVEL {
+    if normal.truncate().length() < LEVEL {
         return Ok(());
     }
     let message = "a depression is drawn on the scene's plane, which has to be parallel to the array: `plane.x_axis` and \
@@ -424,14 +445,10 @@ fn no_steps(own: &Motion) -> Result<(), KeyError> {
 ///
 /// # Errors
 /// A point behind the array or beyond all scenes.
-pub fn listener(listener: &Listener) -> Result<(), KeyError> {
+pub fn listener(listener: &Listener, front: &Front) -> Result<(), KeyError> {
     point("at", listener.at)?;
-    if listener.at.z > 0.0 {
+    if front.contains(listener.at) {
         return Ok(());
     }
-    refuse(
-        "at",
-        "behind the array, which stands in z = 0 and radiates towards +z only, no sound is modelled: give a point \
-         with z > 0",
-    )
+    refuse("at", format!("{}, where no sound is modelled: give a point in front", front.behind()))
 }

@@ -13,7 +13,9 @@ use crate::scene::motion::MotionTable;
 use crate::scene::strict::Strict;
 use crate::scene::target::TargetTable;
 use crate::scene::zone::ZoneTable;
-use crate::scene::{Array, Liquid, Listener, Medium, Modulation, Plane, Scene, Solver, Target, motion};
+use crate::scene::{
+    Array, Board, Liquid, Listener, Medium, Modulation, Plane, Reflector, Scene, Solver, Target, motion,
+};
 use crate::source;
 
 /// The version of the file format that this program reads and writes.
@@ -83,7 +85,7 @@ pub fn parse_targets(text: &str) -> Option<Vec<Target>> {
 
 fn checked(scene: Scene) -> Result<Scene, KeyError> {
     check(&scene)?;
-    if !scene.lacks_pixels() {
+    if !scene.is_incomplete() {
         targets_in_motion(&scene)?;
     }
     Ok(scene)
@@ -107,6 +109,10 @@ struct SceneTable {
     #[serde(default)]
     array: Array,
     #[serde(default)]
+    board: Vec<Board>,
+    #[serde(default)]
+    reflector: Vec<Reflector>,
+    #[serde(default)]
     target: Vec<TargetTable>,
     #[serde(default)]
     quiet: Vec<ZoneTable>,
@@ -129,6 +135,8 @@ impl SceneTable {
             format,
             medium,
             array,
+            board: boards,
+            reflector: reflectors,
             target,
             quiet,
             solver,
@@ -156,6 +164,8 @@ impl SceneTable {
             format,
             medium,
             array,
+            boards,
+            reflectors,
             targets,
             quiet,
             solver,

@@ -20,6 +20,16 @@ pub struct Liquid {
     pub gravity: f64,
     /// m; waves feel the bottom, a depression at rest does not.
     pub depth: f64,
+    /// Whether the surface sends sound back towards the array.
+    #[serde(skip_serializing_if = "is_false")]
+    pub reflects: bool,
+}
+
+/// Of the pressure's amplitude: sound from air that meets water, (Z - 1)/(Z + 1) with impedances 1.48 MPa·s/m and 413 Pa·s/m.
+pub const REFLECTION: f64 = 0.9994;
+
+fn is_false(value: &bool) -> bool {
+    !value
 }
 
 impl Default for Liquid {
@@ -31,6 +41,7 @@ impl Default for Liquid {
             viscosity: None,
             gravity: 9.80665,
             depth: 0.05,
+            reflects: false,
         }
     }
 }

@@ -18,6 +18,7 @@ pub mod pixels;
 mod range;
 pub mod rewrite;
 mod run;
+pub mod space;
 pub mod strict;
 mod stroke;
 pub mod target;
@@ -32,6 +33,7 @@ pub use liquid::{Liquid, LiquidName};
 pub use modulation::{Envelope, Modulation};
 pub use motion::{Easing, Keyframe, Motion, MotionPath, Tempo};
 pub use pixels::{Dab, Grey, Pixels};
+pub use space::{Board, Elements, Placed, Reflector};
 pub use target::{Sampling, Shape, Target};
 pub use zone::{Area, Zone};
 
@@ -41,6 +43,11 @@ pub struct Scene {
     pub format: u32,
     pub medium: Medium,
     pub array: Array,
+    /// The array above, as often as there are boards; elements count board after board. Without any it stands in z = 0.
+    #[serde(rename = "board", skip_serializing_if = "Vec::is_empty")]
+    pub boards: Vec<Board>,
+    #[serde(rename = "reflector", skip_serializing_if = "Vec::is_empty")]
+    pub reflectors: Vec<Reflector>,
     #[serde(rename = "target")]
     pub targets: Vec<Target>,
     /// Where it is to be quiet, beside the rest of the plane.
@@ -61,6 +68,8 @@ impl Default for Scene {
             format: file::FORMAT,
             medium: Medium::default(),
             array: Array::default(),
+            boards: Vec::new(),
+            reflectors: Vec::new(),
             targets: Vec::new(),
             quiet: Vec::new(),
             solver: Solver::default(),
@@ -77,6 +86,11 @@ impl Scene {
     /// Whether a liquid's depression is to have the shape that is drawn.
     pub fn aims_at_depression(&self) -> bool {
         self.solver.target == Aim::Depression && self.solver.method == Method::Best
+    }
+
+    /// Whether files that it names are yet to be loaded, without which it has no foci.
+    pub fn is_incomplete(&self) -> bool {
+        self.lacks_pixels() || self.array.lacks_elements()
     }
 
     /// Whether pictures that are shown are yet to be loaded.
@@ -178,7 +192,7 @@ impl Medium {
     }
 }
 
-/// A rectangular array of equal elements in z = 0, centred on the origin, radiating towards +z.
+/// An array of equal elements, in rows and columns or as a table places them, radiating towards its own +z.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Array {
@@ -195,6 +209,15 @@ pub struct Array {
     pub element: ElementModel,
     /// Elements that are not driven.
     pub off: Vec<usize>,
+    /// A table of elements instead of rows, columns and pitch, relative to the scene file.
+    #[serde(rename = "elements", skip_serializing_if = "Option::is_none")]
+    pub file: Option<String>,
+    /// What that table holds.
+    #[serde(skip)]
+    pub placed: Elements,
+    /// Of the array's own face, for the pressure's amplitude: what is reflected towards it is sent back.
+    #[serde(skip_serializing_if = "is_zero")]
+    pub reflectivity: f64,
 }
 
 impl Default for Array {
@@ -208,14 +231,17 @@ impl Default for Array {
             strength: 3.4,
             element: ElementModel::Piston,
             off: Vec::new(),
+            file: None,
+            placed: Elements::default(),
+            reflectivity: 0.0,
         }
     }
 }
 
 impl Array {
-    /// Number of elements, driven or not.
+    /// Number of elements of one board, driven or not.
     pub fn elements(&self) -> usize {
-        self.rows as usize * self.columns as usize
+        self.placed.get().map_or(self.rows as usize * self.columns as usize, <[Placed]>::len)
     }
 }
 

@@ -79,6 +79,7 @@ pub(crate) fn foci_of_targets(
     spread(&mut divisions, wavelength / PER_WAVELENGTH, most);
     let (mut divisions, mut areas) = (divisions.into_iter(), areas.into_iter().peekable());
     let mut all = Vec::new();
+    let front = scene.front();
     for &(index, target) in shown {
         let mut foci = Vec::new();
         if let Some((_, patches)) = areas.next_if(|(area, _)| *area == index) {
@@ -95,12 +96,9 @@ pub(crate) fn foci_of_targets(
                 part: if is_stroke { Part::Stroke } else { Part::Point },
             }));
         }
-        if let Some(behind) = foci.iter().find(|focus| focus.position.z <= 0.0) {
+        if let Some(behind) = foci.iter().find(|focus| !front.contains(focus.position)) {
             let [x, y, z] = behind.position.to_array();
-            let message = format!(
-                "the focal point ({x}, {y}, {z}) lies on or behind the array, which stands in z = 0 and radiates \
-                 towards +z"
-            );
+            let message = format!("the focal point ({x}, {y}, {z}) lies {}", front.behind());
             return Err(KeyError::new([Key::from("target"), Key::from(index)], message));
         }
         all.push(foci);

@@ -5,7 +5,7 @@ use std::path::Path;
 
 use toml_edit::{ArrayOfTables, DocumentMut, Item, Table, TableLike};
 
-use crate::scene::{Pixels, Scene, Shape, file};
+use crate::scene::{Elements, Pixels, Scene, Shape, file};
 
 /// Tables that stand as often as there are things of their kind.
 const REPEATED: [&str; 2] = ["target", "quiet"];
@@ -24,9 +24,10 @@ pub fn rewrite(text: &str, scene: &Scene) -> String {
     rewritten(Keys::Changed).or_else(|| rewritten(Keys::All)).unwrap_or_else(|| file::write(scene))
 }
 
-/// The scene as its file holds it: without the pixels of pictures.
+/// The scene as its file holds it: without the pixels of pictures and the elements of tables.
 fn as_written(scene: &Scene) -> Scene {
     let mut scene = scene.clone();
+    scene.array.placed = Elements::default();
     for target in &mut scene.targets {
         if let Shape::Picture { pixels, .. } = &mut target.shape {
             *pixels = Pixels::default();

@@ -93,15 +93,15 @@ impl Zone {
             .collect()
     }
 
-    /// m: the smallest z of the box around it, or of the circle.
-    pub(crate) fn lowest(&self) -> f64 {
+    /// The place of the box around it, or of the circle, that is lowest along a direction.
+    pub(crate) fn lowest(&self, up: DVec3) -> DVec3 {
         let turn = self.turn();
-        let (x, y) = ((turn * DVec3::X).z, (turn * DVec3::Y).z);
+        let (x, y) = ((turn * DVec3::X).dot(up), (turn * DVec3::Y).dot(up));
         let down = match self.area {
             Area::Circle { radius } | Area::Polygon { radius, .. } => radius * x.hypot(y),
             Area::Rectangle { width, height } => (width * x.abs() + height * y.abs()) / 2.0,
         };
-        self.at.z - down
+        self.at - up * down
     }
 
     fn turn(&self) -> DQuat {
@@ -208,7 +208,10 @@ mod tests {
             let reach = zone.area.half().length();
             for point in &points {
                 assert!((*point - AT).dot(zone.normal).abs() < 1e-12, "{zone:?}: {point}");
-                assert!(point.distance(AT) <= reach && point.z >= zone.lowest() - 1e-12, "{zone:?}: {point}");
+                assert!(
+                    point.distance(AT) <= reach && point.z >= zone.lowest(DVec3::Z).z - 1e-12,
+                    "{zone:?}: {point}"
+                );
             }
             let nearest = points[1..].iter().map(|point| point.distance(points[0])).fold(1.0, f64::min);
             assert!(nearest > SPACING * 0.999, "{nearest}");

@@ -378,7 +378,7 @@ fn focus(problem: &Problem<'_>) -> Result<Excitation, SolveError> {
         return Err(SolveError::SeveralFoci(problem.foci.len()));
     }
     let Aperture { element, positions, driven, .. } = problem.aperture;
-    let distance = |&n: &usize| problem.foci[0].position.distance(positions[n].extend(0.0));
+    let distance = |&n: &usize| problem.foci[0].position.distance(positions[n]);
     let values =
         driven.iter().map(|n| Complex64::from_polar(1.0, element.wavenumber * distance(n))).collect();
     Ok(Excitation { values, iterations: 0, residual: None, weights: None })

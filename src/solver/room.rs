@@ -40,7 +40,7 @@ pub fn of_limits(scene: &Scene, foci: usize) -> Result<Room, SolveError> {
 }
 
 fn reserve(scene: &Scene, foci: usize, threads: usize, tables: &Tables) -> Result<Room, SolveError> {
-    let elements = scene.array.elements();
+    let elements = scene.elements();
     let numbers = threads * foci * (elements * tables.of_elements + foci * tables.of_foci);
     let bytes = numbers * size_of::<Complex64>();
     memory::reserve(bytes).ok_or(SolveError::TooLarge { elements, foci, mebibytes: bytes >> 20 })

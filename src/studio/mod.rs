@@ -2,8 +2,10 @@
 //! figures in words, and files that are written whole.
 
 pub mod animate;
+pub mod arrays;
 pub mod bring_up;
 pub mod convention;
+pub mod elements;
 pub mod evaluator;
 pub mod figure;
 pub mod link;
@@ -13,6 +15,7 @@ pub mod motion;
 pub mod opening;
 pub mod output;
 pub mod paintings;
+pub mod presets;
 pub mod probe;
 pub mod reach;
 pub mod still;

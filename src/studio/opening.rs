@@ -1,21 +1,22 @@
-//! Scenes as they are opened: the file, and the pictures that it names.
+//! Scenes as they are opened: the file, and the pictures and tables that it names.
 
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 
 use crate::picture::grey;
-use crate::scene::check::{Key, KeyError};
+use crate::scene::check::{Key, KeyError, check};
 use crate::scene::file::{self, FileError};
-use crate::scene::{Grey, Pixels, Scene, Shape, Target};
+use crate::scene::{Array, Elements, Grey, Pixels, Scene, Shape, Target};
 use crate::source;
+use crate::studio::{arrays, elements};
 
-/// Bytes of a picture's file, at most.
+/// Bytes of a picture's or a table's file, at most.
 const MOST_BYTES: u64 = 64 << 20;
 
-/// The scene of a file, with its pictures.
+/// The scene of a file, with its pictures and its table of elements.
 ///
 /// # Errors
-/// Those of [`file::read`], and a picture that cannot be read.
+/// Those of [`file::read`], and a picture or a table that cannot be read.
 pub fn open(path: &Path) -> Result<Scene, FileError> {
     parse(&file::read_text(path)?, path)
 }
@@ -31,16 +32,45 @@ pub fn parse(text: &str, path: &Path) -> Result<Scene, FileError> {
     Ok(scene)
 }
 
-/// Loads the pictures that a scene names, relative to a folder, and checks the scene again if there are any.
+/// Loads the pictures and the table of elements that a scene names, relative to a folder, and checks the scene again if there are
+/// any.
 ///
 /// # Errors
-/// A picture that is not there, unreadable or black, and what [`file::targets_in_motion`] refuses.
+/// A picture that is not there, unreadable or black, a table that is not there or makes no sense, and what [`check()`] and
+/// [`file::targets_in_motion`] refuse.
 pub fn load(scene: &mut Scene, folder: &Path) -> Result<(), KeyError> {
-    if !scene.targets.iter().any(Target::lacks_pixels) {
+    if !scene.targets.iter().any(Target::lacks_pixels) && !scene.array.lacks_elements() {
         return Ok(());
     }
     load_targets(&mut scene.targets, folder)?;
-    file::targets_in_motion(scene)
+    load_elements(&mut scene.array, folder)?;
+    check(scene)?;
+    if scene.lacks_pixels() { Ok(()) } else { file::targets_in_motion(scene) }
+}
+
+/// Loads the table of elements that an array names, if it names one.
+///
+/// # Errors
+/// A table that is not there or makes no sense.
+pub fn load_elements(array: &mut Array, folder: &Path) -> Result<(), KeyError> {
+    if let Some(name) = array.file.as_ref().filter(|_| array.lacks_elements()) {
+        array.placed = placed(name, folder)
+            .map_err(|message| KeyError::new([Key::from("array"), Key::from("elements")], message))?;
+    }
+    Ok(())
+}
+
+/// The elements of a table: a file in a folder, or one of [`arrays`].
+fn placed(name: &str, folder: &Path) -> Result<Elements, String> {
+    if let Some(preset) = name.strip_prefix(arrays::PRESET) {
+        let table = arrays::table(preset)?;
+        let read = elements::read(table.as_bytes()).map_err(|error| error.to_string());
+        return read.map(|placed| Elements::new(placed, None));
+    }
+    let path = folder.join(name);
+    let bytes = source::read(&path, MOST_BYTES).map_err(|error| format!("{}: {error}", path.display()))?;
+    let placed = elements::read(&bytes).map_err(|error| format!("{}:{error}", path.display()))?;
+    Ok(Elements::new(placed, Some(path)))
 }
 
 /// Loads the pictures among targets.

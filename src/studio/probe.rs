@@ -60,7 +60,7 @@ pub fn values(
     }
     let constants = Constants::new(air, aperture.element.wavenumber, moment);
     let drives = if declaration.has_mean { drives } else { &drives[..1] };
-    let around = Around::new(declaration.parts, axes, aperture.wavelength());
+    let around = Around::new(declaration.parts, axes, aperture);
     let transfer = aperture.transfer(&around.points(points));
     let excitations: Vec<_> = drives.iter().map(|drive| drive.excitation(&aperture.driven)).collect();
     let means = around.means(&transfer, &excitations, (quantity, &constants));

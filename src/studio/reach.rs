@@ -10,7 +10,7 @@ use std::f64::consts::FRAC_PI_2;
 use glam::DVec3;
 use num_complex::Complex64;
 
-use crate::acoustics::Aperture;
+use crate::acoustics::{Aperture, Face};
 use crate::scene::{Scene, Target, outline};
 
 /// Of the pressure that a single focus at the best distance has.
@@ -37,8 +37,41 @@ pub fn warnings(scene: &Scene) -> Vec<String> {
         return Vec::new();
     }
     let (best, distance) = best(&aperture);
-    let shown = scene.targets.iter().enumerate().filter(|(_, target)| target.visible).take(MOST_TARGETS);
-    shown.filter_map(|(index, target)| warning(&aperture, index, target, (best, distance))).collect()
+    let shown = || scene.targets.iter().enumerate().filter(|(_, target)| target.visible).take(MOST_TARGETS);
+    let mut warnings: Vec<_> =
+        shown().filter_map(|(index, target)| warning(&aperture, index, target, (best, distance))).collect();
+    let places: Vec<_> = shown().map(|(_, target)| outline::centre(&target.shape)).collect();
+    warnings.extend(turned_away(&aperture, &places));
+    warnings.extend(cut_short(&aperture));
+    warnings
+}
+
+/// Boards that send nothing to any target.
+fn turned_away(aperture: &Aperture, places: &[DVec3]) -> Vec<String> {
+    if aperture.boards().count() < 2 || places.is_empty() {
+        return Vec::new();
+    }
+    let hears = |board: &Face, place: DVec3| {
+        let mut elements = board.elements();
+        elements.any(|n| aperture.normals[n].dot(place - aperture.positions[n]) > 0.0)
+    };
+    let away =
+        aperture.boards().enumerate().filter(|(_, board)| !places.iter().any(|&place| hears(board, place)));
+    away.map(|(index, _)| format!("Board {} faces away from every target: it sends nothing there", index + 1))
+        .collect()
+}
+
+/// A series of reflections that is still loud where it is cut.
+fn cut_short(aperture: &Aperture) -> Option<String> {
+    /// Of the boards' own sound.
+    const LOUD: f64 = 1e-9;
+    let last = aperture.faces.last().filter(|face| aperture.is_series_cut() && face.rest > LOUD)?;
+    Some(format!(
+        "The reflections between the array's face and what it faces converge slowly: what is left out after {} of them is up to {:.1e} of the \
+         direct sound",
+        aperture.faces.len(),
+        last.rest
+    ))
 }
 
 fn warning(
@@ -88,30 +121,38 @@ fn single_focus(aperture: &Aperture, at: DVec3) -> f64 {
 /// The largest directivity of any element towards a point.
 fn straightest(aperture: &Aperture, at: DVec3) -> f64 {
     let directivity = |&n: &usize| {
-        let offset = at - aperture.positions[n].extend(0.0);
-        aperture.element.directivity(offset.truncate().length() / offset.length()).abs()
+        let offset = at - aperture.positions[n];
+        let height = offset.dot(aperture.normals[n]);
+        let across = (offset - aperture.normals[n] * height).length();
+        if height > 0.0 { aperture.element.directivity(across / offset.length()).abs() } else { 0.0 }
     };
     aperture.driven.iter().map(directivity).fold(0.0, f64::max)
 }
 
 /// The most that a single focus in front of the middle of the array has (Pa), and at which distance (m).
 fn best(aperture: &Aperture) -> (f64, f64) {
-    let (low, high) = aperture.extent();
-    let side = (high - low).max_element().max(aperture.pitch);
-    let middle = ((low + high) / 2.0).extend(0.0);
+    let Some((board, (low, high))) =
+        aperture.boards().find_map(|board| Some((board, aperture.extent(board)?)))
+    else {
+        return (0.0, 0.0);
+    };
+    let side = (high - low).truncate().max_element().max(aperture.pitch);
+    let middle = (low + high) / 2.0;
     let distance = |i: u32| {
         let part = f64::from(i) / f64::from(DISTANCES - 1);
         (side * NEAREST * (FARTHEST / NEAREST).powf(part)).max(aperture.wavelength())
     };
-    let loudness = |i: u32| (single_focus(aperture, middle + DVec3::Z * distance(i)), distance(i));
+    let loudness =
+        |i: u32| (single_focus(aperture, board.pose.world(middle + DVec3::Z * distance(i))), distance(i));
     (0..DISTANCES).map(loudness).fold((0.0, 0.0), |best, it| if it.0 > best.0 { it } else { best })
 }
 
 /// The largest |P| beside a single focus, of that at the focus, on the circles through it about the array's middle along
 /// both of the array's axes. `None` where there is no grating lobe, or none beside the main lobe.
 fn grating_lobe(aperture: &Aperture, at: DVec3) -> Option<f64> {
-    let (low, high) = aperture.extent();
-    let middle = ((low + high) / 2.0).extend(0.0);
+    aperture.lattice()?;
+    let (low, high) = aperture.extent(&aperture.faces[0])?;
+    let middle = (low + high) / 2.0;
     let away = at - middle;
     let sine = away.truncate().length() / away.length();
     if aperture.pitch * (1.0 + sine) <= aperture.wavelength() {

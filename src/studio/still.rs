@@ -289,7 +289,10 @@ pub fn render(solved: &Solved, stages: &mut Stages, look: &Look) -> anyhow::Resu
 fn drive(solved: &Solved, look: &Look, page: (usize, usize), how: String) -> anyhow::Result<Rendered> {
     let Solved { name, scene, solution } = solved;
     let values = solution.drive.phases.iter().chain(&solution.excitation).map(|&value| value as f32);
-    let shape = vec![2, u64::from(scene.array.rows), u64::from(scene.array.columns)];
+    let shape = match (&scene.array.file, scene.boards.len()) {
+        (None, 0 | 1) => vec![2, u64::from(scene.array.rows), u64::from(scene.array.columns)],
+        (_, boards) => vec![2, boards.max(1) as u64, scene.array.elements() as u64],
+    };
     Ok(Rendered {
         picture: sheet::drive(scene, solution, name, page)?,
         numbers: look.numbers.then(|| (shape, values.collect())),

@@ -125,6 +125,7 @@ impl Action {
                 Export::Numbers,
                 Export::Drive,
                 Export::Profile,
+                Export::Elements,
                 Export::Motion(Kind::Gif),
             ]
             .map(A::Export),
@@ -165,6 +166,7 @@ impl Action {
             Self::Export(Export::Numbers) => "Map's numbers as NPY…",
             Self::Export(Export::Drive) => "Drive as CSV…",
             Self::Export(Export::Profile) => "Line profile as CSV…",
+            Self::Export(Export::Elements) => "Elements as CSV…",
             Self::Export(Export::Motion(_)) => "Motion…",
             Self::Tool(tool) => tool.name(),
             Self::SmallerBrush => "Smaller brush",

@@ -1,12 +1,14 @@
-//! The array on the canvas: its edge, and its elements in the colours of their phases.
+//! The array's boards on the canvas: their edges, and their elements in the colours of their phases.
 
 use std::f64::consts::TAU;
+use std::ops::Range;
 
-use egui::{Color32, CornerRadius, Painter, Rect, Shape, Stroke, pos2};
-use glam::{DVec2, DVec3};
+use egui::{Color32, Painter, Shape, Stroke};
+use glam::{DMat3, DVec2, DVec3};
 
 use crate::field::Quantity;
 use crate::picture::ColourMap;
+use crate::scene::{Board, Placed, Scene};
 use crate::studio::map;
 use crate::ui::theme;
 use crate::ui::view::{Axes, Lens, array_size};
@@ -21,17 +23,102 @@ const MOST: usize = 1024;
 pub fn paint(editor: &Editor, shown: &Shown, painter: &Painter, lens: &Lens) {
     let axes = editor.view.axes(editor.scene());
     let sound = shown.sound.as_ref().filter(|sound| sound.aperture.positions.len() <= MOST);
-    // Seen edge on, it is a bar.
-    let is_upright = axes.x.cross(axes.y).z.abs() < 1e-3;
-    if is_upright {
-        bar(editor, sound, &axes, painter, lens);
-        return;
+    let view = Seen { editor, axes: &axes, painter, lens };
+    let placed = editor.scene().array.places();
+    for (number, board) in editor.scene().standing().iter().enumerate() {
+        let elements = number * placed.len()..(number + 1) * placed.len();
+        let sound = sound.filter(|sound| sound.aperture.positions.len() >= elements.end);
+        view.board(board, &placed, sound.map(|sound| (sound, elements)));
     }
-    outline(editor, &axes, painter, lens);
-    let lies_flat = axes.x.cross(axes.y).z.abs() > 1.0 - 1e-9;
-    if let (true, true, Some(sound)) = (editor.view.elements, lies_flat, sound) {
-        discs(sound, &axes, painter, lens);
+}
+
+/// A view that boards are drawn in.
+struct Seen<'a> {
+    editor: &'a Editor,
+    axes: &'a Axes,
+    painter: &'a Painter,
+    lens: &'a Lens,
+}
+
+impl Seen<'_> {
+    fn board(&self, board: &Board, placed: &[Placed], sound: Option<(&Sound, Range<usize>)>) {
+        let facing = self.axes.x.cross(self.axes.y).dot(board.normal.normalize_or_zero()).abs();
+        let is_flat = placed.iter().all(|it| it.normal == DVec3::Z);
+        // Seen edge on, it is a bar.
+        if facing < 1e-3 && is_flat {
+            self.bar(board, sound);
+            return;
+        }
+        self.outline(board, placed);
+        let Some((sound, elements)) = sound else { return };
+        if self.editor.view.elements && (facing > 1.0 - 1e-9 || !is_flat) {
+            self.discs(sound, elements);
+        }
     }
+
+    fn outline(&self, board: &Board, placed: &[Placed]) {
+        let (low, high) = edges(self.editor.scene(), placed);
+        let corner = |x: f64, y: f64| self.lens.screen(self.axes.flat(board.world(DVec3::new(x, y, 0.0))));
+        let closed = [
+            corner(low.x, low.y),
+            corner(high.x, low.y),
+            corner(high.x, high.y),
+            corner(low.x, high.y),
+            corner(low.x, low.y),
+        ];
+        let stroke = Stroke::new(1.0, theme::line(self.editor.view.is_light, 70));
+        self.painter.extend(Shape::dashed_line(&closed, stroke, 6.0, 4.0));
+    }
+
+    fn discs(&self, sound: &Sound, elements: Range<usize>) {
+        let radius = (sound.aperture.element.radius / self.lens.window.scale) as f32;
+        for element in elements {
+            let at = self.lens.screen(self.axes.flat(sound.aperture.positions[element]));
+            let colour = colour(sound, element);
+            let edge = Stroke::new(1.0, colour.gamma_multiply(0.7));
+            self.painter.circle(at, radius, colour.gamma_multiply(0.3), edge);
+        }
+    }
+
+    /// The row of elements nearest to a cut across the board, behind the line from which they radiate.
+    fn bar(&self, board: &Board, sound: Option<(&Sound, Range<usize>)>) {
+        let scene = self.editor.scene();
+        let half = array_size(&scene.array) / 2.0;
+        let turn = board.axes().unwrap_or(DMat3::IDENTITY);
+        let across = self.axes.x.cross(self.axes.y);
+        let along = across.cross(turn.z_axis).normalize_or_zero();
+        let reach = half.x * along.dot(turn.x_axis).abs() + half.y * along.dot(turn.y_axis).abs();
+        // On the screen: where things are along the board, and its back.
+        let at = |place: DVec3| self.lens.screen(self.axes.flat(place));
+        let back = at(board.at - turn.z_axis) - at(board.at);
+        let back = back.normalized() * THICK;
+        let strip = |from: DVec3, to: DVec3, colour: Color32| {
+            let (from, to) = (at(from), at(to));
+            let points = vec![from, to, to + back, from + back];
+            self.painter.add(Shape::convex_polygon(points, colour, Stroke::NONE));
+        };
+        strip(board.at - along * reach, board.at + along * reach, Color32::from_gray(60));
+        let Some((sound, elements)) = sound else { return };
+        let radius = sound.aperture.element.radius;
+        let height = |element: usize| self.axes.height(sound.aperture.positions[element]).abs();
+        let nearest = elements.clone().map(height).fold(f64::INFINITY, f64::min);
+        for element in elements.filter(|&element| height(element) <= nearest + 1e-6) {
+            let place = sound.aperture.positions[element];
+            strip(place - along * radius, place + along * radius, colour(sound, element));
+        }
+    }
+}
+
+/// Opposite corners of a board, m.
+fn edges(scene: &Scene, placed: &[Placed]) -> (DVec2, DVec2) {
+    if scene.array.file.is_none() {
+        let half = array_size(&scene.array) / 2.0;
+        return (-half, half);
+    }
+    let grow =
+        |(low, high): (DVec2, DVec2), it: &Placed| (low.min(it.at.truncate()), high.max(it.at.truncate()));
+    let (low, high) = placed.iter().fold((DVec2::MAX, DVec2::MIN), grow);
+    (low - scene.array.element_radius, high + scene.array.element_radius)
 }
 
 /// Colour of an element: its phase where it sounds.
@@ -43,55 +130,4 @@ fn colour(sound: &Sound, element: usize) -> Color32 {
     let part = (phase / TAU + 0.5).rem_euclid(1.0);
     let [r, g, b, _] = table[((part * table.len() as f64) as usize).min(table.len() - 1)];
     Color32::from_rgb(r, g, b)
-}
-
-fn outline(editor: &Editor, axes: &Axes, painter: &Painter, lens: &Lens) {
-    let half = (array_size(&editor.scene().array) / 2.0).extend(0.0);
-    let corner = |x: f64, y: f64| lens.screen(axes.flat(half * DVec3::new(x, y, 0.0)));
-    let closed =
-        [corner(-1.0, -1.0), corner(1.0, -1.0), corner(1.0, 1.0), corner(-1.0, 1.0), corner(-1.0, -1.0)];
-    let stroke = Stroke::new(1.0, theme::line(editor.view.is_light, 70));
-    painter.extend(Shape::dashed_line(&closed, stroke, 6.0, 4.0));
-}
-
-fn discs(sound: &Sound, axes: &Axes, painter: &Painter, lens: &Lens) {
-    let radius = (sound.aperture.element.radius / lens.window.scale) as f32;
-    for (element, position) in sound.aperture.positions.iter().enumerate() {
-        let at = lens.screen(axes.flat(position.extend(0.0)));
-        let colour = colour(sound, element);
-        painter.circle(at, radius, colour.gamma_multiply(0.3), Stroke::new(1.0, colour.gamma_multiply(0.7)));
-    }
-}
-
-/// The row of elements nearest to an upright cut, behind the line from which they radiate.
-fn bar(editor: &Editor, sound: Option<&Sound>, axes: &Axes, painter: &Painter, lens: &Lens) {
-    let array = &editor.scene().array;
-    let half = array_size(array) / 2.0;
-    let reach = half.x * axes.x.x.abs() + half.y * axes.x.y.abs();
-    let origin = axes.flat(DVec3::ZERO);
-    let strip = |from: f64, to: f64| {
-        let y = lens.screen(origin).y;
-        let x = |u: f64| lens.screen(DVec2::new(u, origin.y)).x;
-        let (y, below) = if axes.y.z >= 0.0 { (y, y + THICK) } else { (y - THICK, y) };
-        Rect::from_min_max(pos2(x(from), y), pos2(x(to), below))
-    };
-    painter.rect_filled(
-        strip(origin.x - reach, origin.x + reach),
-        CornerRadius::ZERO,
-        Color32::from_gray(60),
-    );
-    let Some(sound) = sound else { return };
-    let radius = sound.aperture.element.radius;
-    let height = |position: &DVec2| axes.height(position.extend(0.0)).abs();
-    let nearest = sound.aperture.positions.iter().map(height).fold(f64::INFINITY, f64::min);
-    for (element, position) in sound.aperture.positions.iter().enumerate() {
-        if height(position) <= nearest + 1e-6 {
-            let at = axes.flat(position.extend(0.0)).x;
-            painter.rect_filled(
-                strip(at - radius, at + radius),
-                CornerRadius::same(1),
-                colour(sound, element),
-            );
-        }
-    }
 }

@@ -72,7 +72,7 @@ use view::View;
 pub use arrangement::Layout;
 pub use dialog::Dialog;
 pub use dialog::figure::{FigureForm, Preview};
-pub use dialog::file::{Asking, Entry, Folder, IMPORTED, Purpose};
+pub use dialog::file::{Asking, ELEMENTS, Entry, Folder, IMPORTED, Purpose};
 pub use dialog::film::FilmForm;
 pub use dialog::import::Import;
 pub use map::{Map, Texture};
@@ -197,6 +197,8 @@ pub enum Command {
     Overwrite(PathBuf),
     /// Reads a drawing and asks where it is to stand.
     Import(PathBuf),
+    /// Makes a table of elements the array.
+    TakeElements(PathBuf),
     Export(Export, PathBuf),
     /// Forgets the files that were open last.
     ForgetRecent,
@@ -247,6 +249,8 @@ pub enum Export {
     Drive,
     /// The values along the line that is shown.
     Profile,
+    /// Places and directions of the elements.
+    Elements,
     /// Every frame of the motion, as [`Editor::film`] says, of what is on the screen.
     Motion(Kind),
 }

@@ -327,6 +327,7 @@ impl View {
         match self.cut {
             _ if of_plane => (axes.flat(plane.centre), plane.size),
             Cut::Free => (DVec2::ZERO, plane.size),
+            Cut::Xy | Cut::Xz | Cut::Yz | Cut::Own if !scene.is_home() => around(scene, &axes),
             Cut::Xy | Cut::Own => (DVec2::ZERO, array_size(&scene.array) * 1.2),
             Cut::Xz | Cut::Yz => {
                 let side = array_size(&scene.array).max_element() * 1.2;
@@ -398,6 +399,18 @@ impl View {
         let is_wanted = self.contours && declaration.has_mean && !self.is_shaded();
         is_wanted.then(|| 10f64.powf(self.contour_level / declaration.decibels))
     }
+}
+
+/// Centre and size of what holds all boards and targets, with some room.
+fn around(scene: &Scene, axes: &Axes) -> (DVec2, DVec2) {
+    let placed = scene.array.places();
+    let boards = scene.standing();
+    let elements = boards.iter().flat_map(|board| placed.iter().map(|it| board.world(it.at)));
+    let targets = scene.targets.iter().map(|target| outline::centre(&target.shape));
+    let flat = elements.chain(targets).map(|place| axes.flat(place));
+    let (low, high) =
+        flat.fold((DVec2::MAX, DVec2::MIN), |(low, high), place| (low.min(place), high.max(place)));
+    ((low + high) / 2.0, (high - low + 4.0 * scene.array.element_radius) * 1.1)
 }
 
 /// m, over all elements.

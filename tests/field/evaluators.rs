@@ -34,15 +34,15 @@ fn uneven(elements: usize, off: &[usize]) -> Drive {
 fn assert_evaluators_agree(name: &str, scene: &Scene, drive: &Drive, samples: &Samples, gpu: Option<&Gpu>) {
     const AGREEMENT: f64 = 2e-5;
     let aperture = Aperture::new(scene);
-    let sources = Sources::new(&aperture, drive, samples).unwrap();
+    let sources = Sources::of_faces(&aperture, drive, samples).unwrap();
     let reference = reference::pressure(&aperture, drive, samples);
     for isa in Isa::available() {
-        let error = error(&cpu::pressure_with(isa, &sources, samples), &reference);
+        let error = error(&cpu::pressure_with(isa, &sources, samples.len()), &reference);
         println!("{name}: CPU {} {error:.2e}", isa.name());
         assert!(error < AGREEMENT, "{name}: CPU {} is {error:.1e} of the peak off", isa.name());
     }
     if let Some(gpu) = gpu {
-        let error = error(&gpu.pressure(&sources, samples).unwrap(), &reference);
+        let error = error(&gpu.pressure(&sources).unwrap(), &reference);
         println!("{name}: GPU {error:.2e}");
         assert!(error < AGREEMENT, "{name}: the GPU is {error:.1e} of the peak off");
     }
@@ -139,12 +139,12 @@ fn small_buffers_are_filled_one_after_the_other() {
     let samples = Samples::on_plane(&scene.plane, 301, 43).unwrap();
     let drive = uneven(256, &[]);
     let aperture = Aperture::new(&scene);
-    let sources = Sources::new(&aperture, &drive, &samples).unwrap();
+    let sources = Sources::of_faces(&aperture, &drive, &samples).unwrap();
     let reference = reference::pressure(&aperture, &drive, &samples);
     // Room for some rows, and for a part of one.
     for bytes in [20_000, 2000] {
         let Some(gpu) = gpu() else { return };
-        let error = error(&gpu.with_small_buffers(bytes).pressure(&sources, &samples).unwrap(), &reference);
+        let error = error(&gpu.with_small_buffers(bytes).pressure(&sources).unwrap(), &reference);
         assert!(error < 2e-5, "{bytes} bytes: {error:.1e}");
     }
 }
@@ -153,9 +153,9 @@ fn small_buffers_are_filled_one_after_the_other() {
 fn nothing_sounds_behind_the_array() {
     let samples = Samples::at(vec![dvec3(0.0, 0.0, -0.02), dvec3(0.01, 0.0, -2e-5), dvec3(0.0, 0.0, 0.02)]);
     let scene = Scene::default();
-    let sources = Sources::new(&Aperture::new(&scene), &uneven(256, &[]), &samples).unwrap();
-    let mut fields = vec![cpu::pressure(&sources, &samples)];
-    fields.extend(gpu().map(|gpu| gpu.pressure(&sources, &samples).unwrap()));
+    let sources = Sources::of_faces(&Aperture::new(&scene), &uneven(256, &[]), &samples).unwrap();
+    let mut fields = vec![cpu::pressure(&sources, samples.len())];
+    fields.extend(gpu().map(|gpu| gpu.pressure(&sources).unwrap()));
     for field in fields {
         assert_eq!(field[..2], [Complex32::ZERO; 2]);
         assert!(field[2].norm() > 0.0);

@@ -14,6 +14,7 @@ mod quantities;
 #[path = "../requirement/mod.rs"]
 mod requirement;
 mod side_lobe;
+mod space;
 mod stages;
 mod texels;
 mod transfer;

@@ -34,15 +34,17 @@ fn a_table_of_any_layout_gives_the_field_of_every_drive() {
         let plan = Plan::new(&aperture, &plane, Costs::CPU).unwrap();
         let grid = plan.grid.unwrap();
         // Both without and with sharing, whichever of them the plan preferred.
-        let layout = Layout::new(&aperture, &grid);
-        let wave = Wave::new(&aperture, &grid.samples).unwrap();
-        assert!(grid.shared.iter().flatten().count() <= shared, "{name}");
-        let transfer = Transfer::new(&aperture, &wave, layout, None);
+        let ([board], [(0, repeats)]) = (&aperture.faces[..], &grid.heard[..]) else { panic!("{name}") };
+        let layout = Layout::new(board, &grid.samples, *repeats);
+        let wave = Wave::new(&aperture.element, &board.layout, &grid.samples).unwrap();
+        assert!(repeats.iter().flatten().count() <= shared, "{name}");
+        let transfer = Transfer::new(board, &wave, layout, None);
         let excitation = |drive: &Drive| drive.excitation(&aperture.driven);
         let excitations: Vec<_> = drives.iter().map(excitation).collect();
-        let terms = transfer.layout.terms(&aperture, [&excitations[1][..]]);
+        let terms = transfer.layout.terms(board, [&excitations[1][..]]);
         assert_eq!(terms.len(), 34, "silent elements are left out");
-        let fields = transfer.superpose(&aperture, &excitations, grid.samples.len());
+        let mut fields = vec![vec![Complex32::ZERO; grid.samples.len()]; drives.len()];
+        transfer.superpose(board, &excitations, &mut fields);
         for (drive, field) in drives.iter().zip(&fields) {
             let expected = reference::pressure(&aperture, drive, &grid.samples);
             let peak = expected.iter().map(|p| p.norm()).fold(0.0, f64::max);

@@ -207,11 +207,11 @@ fn drive(class: Class, scene: &Scene, dice: &mut Dice) -> Drive {
     let phases = aperture.positions.iter().enumerate().map(|(n, at)| match class {
         Nulls => {
             // The elements of one half against those of the other, seen from the plane's centre.
-            let own = wave * focus.distance(at.extend(0.0));
+            let own = wave * focus.distance(*at);
             own + if n % 2 == 0 { 0.0 } else { PI }
         }
         _ if n == 0 || dice.of(0.001) => dice.between(-PI, PI),
-        _ => wave * focus.distance(at.extend(0.0)),
+        _ => wave * focus.distance(*at),
     });
     let mut phases: Vec<f64> = phases.map(|phase| (phase / TAU).fract() * TAU).collect();
     if dice.of(0.4) && class != Nulls {

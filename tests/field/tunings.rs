@@ -98,8 +98,8 @@ fn no_pass_has_more_workgroups_than_adapters_allow() {
         let gpu = gpu.with_tuning(tuning);
         let aperture = Aperture::new(&scene);
         let samples = Samples::on_plane(&scene.plane, 4096, 4096).unwrap();
-        let sources = Sources::new(&aperture, &drive, &samples).unwrap();
-        let field = gpu.pressure(&sources, &samples).unwrap();
+        let sources = Sources::of_faces(&aperture, &drive, &samples).unwrap();
+        let field = gpu.pressure(&sources).unwrap();
         assert_eq!(field.len(), samples.len());
         let chosen = [0, 1 << 23, samples.len() - 1];
         let points = Samples::at(chosen.map(|index| samples.point(index)).to_vec());

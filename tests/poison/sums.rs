@@ -132,7 +132,7 @@ fn problems_have_foci_and_targets_that_are_numbers() {
     let hard = [
         vec![focus(DVec3::Z, 1e-6), focus(DVec3::Z * 2.0, 1e9)],
         vec![focus(DVec3::Z * 0.1, 1.0); 3],
-        vec![focus(aperture.positions[0].extend(1e-9), 1.0), focus(DVec3::Z, 1.0)],
+        vec![focus(aperture.positions[0] + DVec3::Z * 1e-9, 1.0), focus(DVec3::Z, 1.0)],
         (0..30).map(|i| focus(DVec3::new(0.001 * f64::from(i), 0.0, 0.1), 1.0)).collect(),
     ];
     for foci in hard {

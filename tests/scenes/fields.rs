@@ -296,10 +296,10 @@ fn elements_and_points_change_places(solved: &Solved, dice: &mut Dice) {
     let element =
         |dice: &mut Dice| aperture.positions[dice.whole(0, aperture.positions.len() as u32 - 1) as usize];
     let (n, m) = (element(dice), element(dice));
-    let up = dice.magnitude(1e-4, 40.0 * oracle.wavelength().max(1e-4));
-    let there = aperture.element.transfer((m - n).extend(up));
-    let back = aperture.element.transfer((n - m).extend(up));
-    let distance = n.distance(m) + up;
+    let up = DVec3::Z * dice.magnitude(1e-4, 40.0 * oracle.wavelength().max(1e-4));
+    let there = aperture.element.transfer(m - n + up);
+    let back = aperture.element.transfer(n - m + up);
+    let distance = n.distance(m) + up.z;
     within(
         "reciprocity",
         (there - back).norm(),
@@ -307,7 +307,7 @@ fn elements_and_points_change_places(solved: &Solved, dice: &mut Dice) {
     );
     if scene.array.element == ElementModel::Point {
         // At the same distance in any other direction.
-        let distance = (m - n).extend(up).length();
+        let distance = m - n + up.length();
         let aside = DVec3::new(dice.between(-1.0, 1.0), dice.between(-1.0, 1.0), dice.between(0.1, 1.0));
         let elsewhere = aperture.element.transfer(aside.normalize_or(DVec3::Z) * distance);
         let most = rounding(oracle, distance) * there.norm() + f64::MIN_POSITIVE;

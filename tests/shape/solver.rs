@@ -57,7 +57,7 @@ fn surroundings(quiet: f64) -> Surroundings {
 pub fn heard(aperture: &Aperture, at: DVec3, u: &[Complex64]) -> f64 {
     let element = &aperture.element;
     let wave = |(&n, u): (&usize, &Complex64)| {
-        let away = at - aperture.positions[n].extend(0.0);
+        let away = at - aperture.positions[n];
         let (r, x) =
             (away.length(), element.wavenumber * element.radius * away.truncate().length() / away.length());
         let directivity = if x < 1e-6 { 1.0 } else { 2.0 * libm::j1(x) / x };

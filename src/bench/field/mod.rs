@@ -165,7 +165,7 @@ fn scene(group: &Group, tolerance: f64) -> Scene {
 /// A focus on the plane, a little away from its centre.
 fn drive(aperture: &Aperture, shift: f64) -> Drive {
     let focus = DVec3::new(0.02 + shift, -0.01, 0.1);
-    let phase = |position: &DVec2| aperture.element.wavenumber * focus.distance(position.extend(0.0));
+    let phase = |position: &DVec3| aperture.element.wavenumber * focus.distance(*position);
     let phases: Vec<_> = aperture.positions.iter().map(phase).collect();
     Drive { amplitudes: vec![1.0; phases.len()], phases }
 }

@@ -85,7 +85,7 @@ fn scene(args: &BoardArgs, files: &mut Files) -> anyhow::Result<Scene> {
         return Ok(scene);
     };
     let scene = read_scene(path, None, files)?;
-    args.profile.drives(&scene.array).with_context(|| path.display().to_string())?;
+    args.profile.drives(&scene).with_context(|| path.display().to_string())?;
     Ok(scene)
 }
 

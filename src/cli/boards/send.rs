@@ -29,7 +29,7 @@ const REPORT: Duration = Duration::from_secs(1);
 pub fn run(args: &SendArgs) -> anyhow::Result<()> {
     let mut scene = read_scene(&args.scene, args.method, &mut Files::new())?;
     let name = args.scene.display().to_string();
-    args.profile.drives(&scene.array).with_context(|| name.clone())?;
+    args.profile.drives(&scene).with_context(|| name.clone())?;
     let calibration = calibration(args)?;
     let interrupted = interrupt::watch()?;
     let settings = Settings { port: args.port.clone(), profile: args.profile, baud: args.baud };

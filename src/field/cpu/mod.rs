@@ -7,7 +7,6 @@ mod waves;
 use num_complex::Complex32;
 use rayon::prelude::*;
 
-use crate::field::Samples;
 use crate::field::sources::{FEW_DECAY, FEW_DIRECTIVITY, Sources, Wave};
 use crate::simd::Isa;
 use waves::{ExactPiston, FarField, Sum};
@@ -16,45 +15,54 @@ pub use places::{Law, places};
 pub use sums::{DRIVES, Lines, OVERHANG, ROWS, Rows, Split, Term, superpose, weighted_sums};
 pub use waves::{LANES, Points};
 
-/// Complex pressure (Pa, peak) at every sample.
-pub fn pressure(sources: &Sources, samples: &Samples) -> Vec<Complex32> {
-    pressure_with(Isa::best(), sources, samples)
+/// Complex pressure (Pa, peak) of all boards together at every one of `count` samples.
+pub fn pressure(faces: &[Sources<'_>], count: usize) -> Vec<Complex32> {
+    pressure_with(Isa::best(), faces, count)
 }
 
 /// Like [`pressure`], with one of the sets in [`Isa::available`].
-pub fn pressure_with(isa: Isa, sources: &Sources, samples: &Samples) -> Vec<Complex32> {
-    let mut field = vec![Complex32::ZERO; samples.len()];
+pub fn pressure_with(isa: Isa, faces: &[Sources<'_>], count: usize) -> Vec<Complex32> {
+    let mut field = vec![Complex32::ZERO; count];
     field.par_chunks_mut(LANES).enumerate().for_each(|(index, chunk)| {
-        let points = Points::new(&sources.wave, chunk.len(), |lane| samples.point(index * LANES + lane));
-        let sum = block(isa, &sources.wave, &sources.elements, &points);
-        for (p, (re, im)) in chunk.iter_mut().zip(sum.re.iter().zip(&sum.im)) {
-            *p = Complex32::new(*re, *im);
+        for Sources { wave, elements, tilts, samples } in faces {
+            let points = Points::new(wave, chunk.len(), |lane| samples.point(index * LANES + lane));
+            let sum = block(isa, wave, (elements, tilts), &points);
+            for (p, (re, im)) in chunk.iter_mut().zip(sum.re.iter().zip(&sum.im)) {
+                *p += Complex32::new(*re, *im);
+            }
         }
     });
     field
 }
 
-/// The waves of single elements at a block of points: hands `take` the element's number and real and imaginary parts
-/// of the complex pressures (Pa, peak).
+/// The waves of single elements of a board, with their tilts, at a block of points: hands `take` the element's number and real and
+/// imaginary parts of the complex pressures (Pa, peak).
 pub fn single_waves(
     wave: &Wave,
-    elements: &[[f32; 4]],
+    (elements, tilts): (&[[f32; 4]], &[[f32; 4]]),
     points: &Points,
     mut take: impl FnMut(usize, (&[f32; LANES], &[f32; LANES])),
 ) {
     for (number, element) in elements.chunks_exact(1).enumerate() {
-        let sum = block(Isa::best(), wave, element, points);
+        let tilt = if wave.is_flat { &[][..] } else { &tilts[number..=number] };
+        let sum = block(Isa::best(), wave, (element, tilt), points);
         take(number, (&sum.re, &sum.im));
     }
 }
 
 /// A block by the common case, the general one (sharp directivity, strong absorption), or the exact piston.
-fn block(isa: Isa, wave: &Wave, elements: &[[f32; 4]], points: &Points) -> Sum {
+fn block(isa: Isa, wave: &Wave, (elements, tilts): (&[[f32; 4]], &[[f32; 4]]), points: &Points) -> Sum {
     let common = wave.directivity.terms <= FEW_DIRECTIVITY && wave.decay.terms <= FEW_DECAY;
-    let sum = match (&wave.piston, common) {
-        (None, true) => isa.run(FarField::<FEW_DIRECTIVITY, FEW_DECAY> { wave, elements, points }),
-        (None, false) => isa.run(FarField::<24, 16> { wave, elements, points }),
-        (Some(piston), _) => isa.run(ExactPiston { piston, wave, elements, points }),
+    let sum = match (&wave.piston, common, wave.is_flat) {
+        (None, true, true) => {
+            isa.run(FarField::<FEW_DIRECTIVITY, FEW_DECAY, true> { wave, elements, tilts, points })
+        }
+        (None, false, true) => isa.run(FarField::<24, 16, true> { wave, elements, tilts, points }),
+        (None, true, false) => {
+            isa.run(FarField::<FEW_DIRECTIVITY, FEW_DECAY, false> { wave, elements, tilts, points })
+        }
+        (None, false, false) => isa.run(FarField::<24, 16, false> { wave, elements, tilts, points }),
+        (Some(piston), _, _) => isa.run(ExactPiston { piston, wave, elements, points }),
     };
     sum.onward(points)
 }

@@ -25,8 +25,8 @@ pub struct Term<const D: usize> {
 /// Drives that are superposed together: what is read of the table serves them all.
 pub const DRIVES: usize = 4;
 
-/// Adds up runs of `table`, one per term, with the term's excitations: sum_i = Σ u · table(start + first + i), for one drive or
-/// [`DRIVES`], whose sums are of one length.
+/// Adds up runs of `table`, one per term, with the term's excitations, and adds that to `sums`: Σ u · table(start + first + i), for one
+/// drive or [`DRIVES`], whose sums are of one length.
 ///
 /// The table must have [`OVERHANG`] values more than the runs reach.
 pub fn superpose<const D: usize>(
@@ -95,7 +95,7 @@ impl<const D: usize> Superposition<'_, D> {
         }
         for (sum, (re, im)) in sums.iter_mut().zip(re.iter().zip(&im)) {
             for (to, (re, im)) in sum[start..].iter_mut().zip(re.iter().zip(im)) {
-                *to = Complex32::new(*re, *im);
+                *to += Complex32::new(*re, *im);
             }
         }
     }

@@ -15,6 +15,8 @@ use crate::simd::{Instructions, Kernel, fused};
 pub const LANES: usize = 64;
 /// Adding and taking away this rounds an f32 of less than 2²² to the nearest whole number.
 const ROUNDER: f32 = 12_582_912.0;
+/// m², of the nearest distance from an element of a curved board.
+const NEAREST_SQUARED: f32 = (NEAREST * NEAREST) as f32;
 
 /// The places of one block.
 #[derive(Debug)]
@@ -22,7 +24,7 @@ pub struct Points {
     x: [f32; LANES],
     y: [f32; LANES],
     z: [f32; LANES],
-    /// e^{-jkz}, or 0 behind the array.
+    /// e^{-jk|z|}, or 0 behind a flat board.
     onward_re: [f32; LANES],
     onward_im: [f32; LANES],
 }
@@ -35,14 +37,14 @@ impl Points {
         let mut last = (f64::NAN, (0.0, 0.0));
         for lane in 0..LANES {
             let point = point(lane.min(count - 1));
-            let z = point.z.max(NEAREST);
+            let z = if wave.is_flat { point.z.max(NEAREST) } else { point.z };
             points.x[lane] = point.x as f32;
             points.y[lane] = point.y as f32;
             points.z[lane] = z as f32;
-            if point.z >= -NEAREST {
+            if point.z >= -NEAREST || !wave.is_flat {
                 // Neighbours often have the same height.
                 if z != last.0 {
-                    let (sin, cos) = (-std::f32::consts::TAU * wave.turns(z)).sin_cos();
+                    let (sin, cos) = (-std::f32::consts::TAU * wave.turns(z.abs())).sin_cos();
                     last = (z, (cos, sin));
                 }
                 (points.onward_re[lane], points.onward_im[lane]) = last.1;
@@ -72,27 +74,29 @@ impl Sum {
     }
 }
 
-/// S · D(θ)/r · e^{-αr} · e^{j(φ - k(r - z))} summed over the elements (`Sources::elements`), with D of `D` terms and the
-/// decay of `A`; [`Sum::onward`] adds the rest.
-pub(super) struct FarField<'a, const D: usize, const A: usize> {
+/// S · D(θ)/r · e^{-αr} · e^{j(φ - k(r - |z|))} summed over the elements (`Sources::elements`) of a flat board or of a curved one, with
+/// D of `D` terms and the decay of `A`; [`Sum::onward`] adds the rest.
+pub(super) struct FarField<'a, const D: usize, const A: usize, const FLAT: bool> {
     pub(super) wave: &'a Wave,
     pub(super) elements: &'a [[f32; 4]],
+    /// As many, but of a flat board.
+    pub(super) tilts: &'a [[f32; 4]],
     pub(super) points: &'a Points,
 }
 
-impl<const D: usize, const A: usize> Kernel for FarField<'_, D, A> {
+impl<const D: usize, const A: usize, const FLAT: bool> Kernel for FarField<'_, D, A, FLAT> {
     type Output = Sum;
 
     #[inline(always)]
     fn run<I: Instructions>(self) -> Sum {
-        far_field::<I, D, A>(self.wave, self.elements, self.points)
+        far_field::<I, D, A, FLAT>(self.wave, (self.elements, self.tilts), self.points)
     }
 }
 
 #[inline(always)]
-fn far_field<I: Instructions, const D: usize, const A: usize>(
+fn far_field<I: Instructions, const D: usize, const A: usize, const FLAT: bool>(
     wave: &Wave,
-    elements: &[[f32; 4]],
+    (elements, tilts): (&[[f32; 4]], &[[f32; 4]]),
     points: &Points,
 ) -> Sum {
     let directivity: [f32; D] = first(&wave.directivity.coefficients);
@@ -100,21 +104,32 @@ fn far_field<I: Instructions, const D: usize, const A: usize>(
     let [decay_slope, decay_offset] = wave.decay_scale;
     let half_turns_per_metre = 2.0 * wave.turns_per_metre;
     let mut sum = Sum::ZERO;
-    for &[x, y, phase, strength] in elements {
+    for (n, &[x, y, phase, strength]) in elements.iter().enumerate() {
         let phase = 2.0 * phase;
+        let [height, towards_x, towards_y, towards_z] = if FLAT { [0.0, 0.0, 0.0, 1.0] } else { tilts[n] };
         // Stage by stage over all lanes: neighbouring instructions then do not wait for each other.
+        // r² - z², which is ρ² of a flat board, and r².
         let mut rho2 = [0.0; LANES];
         let mut r2 = [0.0; LANES];
+        // Before the element's plane.
+        let mut ahead = [0.0; LANES];
         for lane in 0..LANES {
             let (dx, dy, z) = (points.x[lane] - x, points.y[lane] - y, points.z[lane]);
             rho2[lane] = fused::<I>(dx, dx, dy * dy);
-            r2[lane] = fused::<I>(z, z, rho2[lane]);
+            if FLAT {
+                r2[lane] = fused::<I>(z, z, rho2[lane]);
+            } else {
+                let dz = z - height;
+                r2[lane] = fused::<I>(dz, dz, rho2[lane]).max(NEAREST_SQUARED);
+                rho2[lane] = fused::<I>(height, fused::<I>(-2.0, z, height), rho2[lane]);
+                ahead[lane] = fused::<I>(dx, towards_x, fused::<I>(dy, towards_y, dz * towards_z));
+            }
         }
         let rough = I::rough_inverse_roots(&r2);
         let mut beyond = [0.0; LANES];
         let mut amplitude = [0.0; LANES];
         for lane in 0..LANES {
-            let z = points.z[lane];
+            let z = if FLAT { points.z[lane] } else { points.z[lane].abs() };
             // Newton's step for 1/r.
             let minus_half = -0.5 * rough[lane];
             let inverse = minus_half * fused::<I>(r2[lane] * rough[lane], rough[lane], -3.0);
@@ -123,8 +138,9 @@ fn far_field<I: Instructions, const D: usize, const A: usize>(
             let d = r - z;
             beyond[lane] = fused::<I>(fused::<I>(d, r + z, -rho2[lane]), minus_half, d);
             // 2 sin²θ - 1 = 1 - 2 cos²θ.
-            let cos = SQRT_2 * z * inverse;
+            let cos = SQRT_2 * if FLAT { z } else { ahead[lane] } * inverse;
             let s = fused::<I>(-cos, cos, 1.0);
+            let strength = if FLAT || ahead[lane] >= -NEAREST as f32 { strength } else { 0.0 };
             let decayed = horner::<I, A>(&decay, fused::<I>(r, decay_slope, decay_offset));
             amplitude[lane] = strength * inverse * horner::<I, D>(&directivity, s) * decayed;
         }

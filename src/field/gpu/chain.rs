@@ -11,7 +11,7 @@ use crate::field::colouring::Colouring;
 use crate::field::gpu::forming::Forming;
 use crate::field::gpu::gathering::{Gathered, Gathering, Probe};
 use crate::field::gpu::painting::{Painting, Source, Texture};
-use crate::field::gpu::program::{MOST_GROUPS, Program};
+use crate::field::gpu::program::{MOST_GROUPS, Program, Waves};
 use crate::field::gpu::reading::Reading;
 use crate::field::gpu::resampling::{self, Lines};
 use crate::field::gpu::superposition::{Elements, Superposition};
@@ -19,7 +19,7 @@ use crate::field::gpu::{Gpu, GpuError, Step};
 use crate::field::interpolation::Resampling;
 use crate::field::quantity::{Constants, PRESSURE, Part, Quantity};
 use crate::field::slope::{shifted, stencil};
-use crate::field::{Samples, Sources, Wave};
+use crate::field::{Samples, Sources, Wave, sources};
 
 /// Figures that may be on their way at once: one arrives while the next is made.
 const ON_THEIR_WAY: usize = 3;
@@ -45,6 +45,8 @@ pub struct Shape<'a> {
 #[derive(Debug)]
 pub struct Interpolated<'a> {
     pub rows: Range<usize>,
+    /// The boards and images that are heard there.
+    pub heard: Vec<usize>,
     pub samples: &'a Samples,
     /// For every part of the sound, across and up.
     pub weights: Vec<[&'a Resampling; 2]>,
@@ -55,8 +57,10 @@ pub struct Interpolated<'a> {
 pub struct Chain {
     /// Of the first superposition; the others differ from it by a gain.
     wave: Wave,
-    elements: Elements,
-    superpositions: Vec<Superposition>,
+    /// Of the boards that are heard, with their numbers in the aperture.
+    boards: Vec<(usize, Elements)>,
+    /// With the place of their board.
+    superpositions: Vec<(usize, Superposition)>,
     /// What superpositions add to.
     sums: Vec<wgpu::Buffer>,
     across: Vec<Step>,
@@ -91,13 +95,12 @@ impl Chain {
         let (parts, pixels) = (declaration.parts, width * height);
         let bytes = |values: usize| Some((values * 8) as u64).filter(|&bytes| bytes <= gpu.buffer_limit);
         bytes(pixels.div_ceil(2))?;
-        let elements = Elements::with_room(gpu, shape.aperture.positions.len());
-        let mut making =
-            Making { gpu, shape, wave: None, elements, superpositions: Vec::new(), sums: Vec::new() };
+        let (boards, superpositions) = (Vec::new(), Vec::new());
+        let mut making = Making { gpu, shape, wave: None, boards, superpositions, sums: Vec::new() };
         let mut across = Vec::new();
         let mut forming = Forming::new(gpu, shape.quantity, pixels);
         let mut gathering = Gathering::new(gpu, parts, shape.probes.len());
-        if let Some(Interpolated { rows, samples, weights }) = &shape.interpolated {
+        if let Some(Interpolated { rows, heard, samples, weights }) = &shape.interpolated {
             let (columns, lines) = (samples.columns.len(), samples.rows.len());
             bytes(samples.len())?;
             let wide = gpu.storage("wide", bytes(lines * width * weights.len())?);
@@ -106,7 +109,7 @@ impl Chain {
                 let normal = part == Part::Normal;
                 let sampled = match &mut sampled[usize::from(normal)] {
                     Some(sampled) => sampled.clone(),
-                    none => none.insert(making.sample(samples, normal)?).clone(),
+                    none => none.insert(making.sample(samples, heard, normal)?).clone(),
                 };
                 let lines = Lines {
                     count: lines,
@@ -148,7 +151,8 @@ impl Chain {
                 return None;
             }
             let sums = gpu.storage("sums", bytes(places.len())?);
-            making.add(places, &sums, 1.0)?;
+            let all: Vec<_> = (0..shape.aperture.faces.len()).collect();
+            making.add(places, &all, &sums, 1.0)?;
             making.sums.push(sums.clone());
             let first = row * width;
             forming.take(gpu, &sums, [width, places.rows.len()], first);
@@ -159,10 +163,10 @@ impl Chain {
             let probes: Vec<_> = shape.probes.iter().enumerate().filter_map(probe).collect();
             gathering.add(gpu, [&sums, &forming.peak], [1, 0], &probes);
         }
-        let Making { wave, elements, superpositions, sums, .. } = making;
+        let Making { wave, boards, superpositions, sums, .. } = making;
         Some(Self {
             wave: wave?,
-            elements,
+            boards,
             superpositions,
             sums,
             across,
@@ -185,15 +189,15 @@ impl Chain {
         encoder.clear_buffer(&self.forming.peak, 0, None);
         let mut steps: Vec<&Step> = Vec::new();
         if let Some((aperture, drive)) = drive {
-            let sounding = self.wave.elements(aperture, drive);
-            self.elements.write(gpu, &sounding);
-            for superposition in &mut self.superpositions {
-                superposition.set(gpu, sounding.len() as u32);
+            let counts: Vec<_> =
+                self.boards.iter().map(|board| self.write(gpu, board, aperture, drive)).collect();
+            for (board, superposition) in &mut self.superpositions {
+                superposition.set(gpu, counts[*board]);
             }
             for sum in &self.sums {
                 encoder.clear_buffer(sum, 0, None);
             }
-            steps.extend(self.superpositions.iter().flat_map(Superposition::steps));
+            steps.extend(self.superpositions.iter().flat_map(|(_, superposition)| superposition.steps()));
             steps.extend(&self.across);
         }
         steps.extend(self.forming.steps.iter().chain(&self.gathering.steps));
@@ -232,6 +236,21 @@ impl Chain {
             encoder.copy_buffer_to_buffer(&clock.resolved, 0, gathered, gathered.size() - 16, 16);
         }
         gpu.submit(encoder);
+    }
+
+    /// Writes the elements of a board that sound, and says how many they are.
+    fn write(
+        &self,
+        gpu: &Gpu,
+        (number, elements): &(usize, Elements),
+        aperture: &Aperture,
+        drive: &Drive,
+    ) -> u32 {
+        let face = &aperture.faces[*number];
+        let sounding = sources::sounding(aperture, face, drive);
+        let tilts = sources::tilts(&face.layout, sounding.iter().map(|n| n - face.first));
+        elements.write(gpu, &self.wave.elements(face, &sounding, drive), &tilts);
+        sounding.len() as u32
     }
 
     /// The map in colours, and whether it was painted anew.
@@ -305,41 +324,65 @@ struct Making<'a> {
     gpu: &'a Gpu,
     shape: &'a Shape<'a>,
     wave: Option<Wave>,
-    elements: Elements,
-    superpositions: Vec<Superposition>,
+    boards: Vec<(usize, Elements)>,
+    superpositions: Vec<(usize, Superposition)>,
     sums: Vec<wgpu::Buffer>,
 }
 
 impl Making<'_> {
-    /// The pressure at the samples, or its slope along the normal, as a buffer that superpositions fill.
-    fn sample(&mut self, samples: &Samples, normal: bool) -> Option<wgpu::Buffer> {
+    /// The pressure that some boards make at the samples, or its slope along the normal, as a buffer that superpositions fill.
+    fn sample(&mut self, samples: &Samples, heard: &[usize], normal: bool) -> Option<wgpu::Buffer> {
         let out = self.gpu.storage("samples", (samples.len() * 8) as u64);
         self.sums.push(out.clone());
         if !normal {
-            return self.add(samples, &out, 1.0).map(|()| out);
+            return self.add(samples, heard, &out, 1.0).map(|()| out);
         }
         for (shift, weight) in stencil(self.shape.aperture.wavelength()) {
-            self.add(&shifted(samples, self.shape.normal * shift), &out, weight)?;
+            self.add(&shifted(samples, self.shape.normal * shift), heard, &out, weight)?;
         }
         Some(out)
     }
 
+    fn add(&mut self, samples: &Samples, heard: &[usize], out: &wgpu::Buffer, gain: f64) -> Option<()> {
+        heard.iter().try_for_each(|&number| self.add_face(samples, number, out, gain))
+    }
+
     /// `None` where f32 is not right.
-    fn add(&mut self, samples: &Samples, out: &wgpu::Buffer, gain: f64) -> Option<()> {
+    fn add_face(&mut self, samples: &Samples, number: usize, out: &wgpu::Buffer, gain: f64) -> Option<()> {
         let aperture = self.shape.aperture;
-        let wave = Wave::new(aperture, samples)?;
+        let face = &aperture.faces[number];
+        let samples = samples.seen_from(&face.pose);
+        let wave = Wave::new(&aperture.element, &face.layout, &samples)?;
+        let every: Vec<_> = face.elements().collect();
         let everything = Drive {
             amplitudes: vec![1.0; aperture.positions.len()],
             phases: vec![0.0; aperture.positions.len()],
         };
-        let sources = Sources { elements: wave.elements(aperture, &everything), wave: wave.clone() };
-        if !sources.beside_rims(samples).is_empty() {
+        let elements = wave.elements(face, &every, &everything);
+        let sources = Sources { elements, tilts: Vec::new(), wave, samples };
+        if !sources.has_no_sample_beside_rims() {
             return None;
         }
-        let gain = gain * self.wave.as_ref().map_or(1.0, |first| wave.gain_over(first));
-        self.superpositions.push(Superposition::new(self.gpu, &wave, &self.elements, samples, out, gain));
+        let Sources { wave, samples, .. } = sources;
+        // An image plays what its board plays.
+        let board = aperture.boards().position(|board| board.first == face.first)?;
+        let gain = gain * face.gain * self.wave.as_ref().map_or(1.0, |first| wave.gain_over(first));
+        let place = self.board(board, &wave);
+        let elements = &self.boards[place].1;
+        let superposition = Superposition::new(self.gpu, &wave, elements, &samples, out, gain);
+        self.superpositions.push((place, superposition));
         self.wave.get_or_insert(wave);
         Some(())
+    }
+
+    /// The place of a board's elements.
+    fn board(&mut self, number: usize, wave: &Wave) -> usize {
+        let known = self.boards.iter().position(|(known, _)| *known == number);
+        known.unwrap_or_else(|| {
+            let room = self.shape.aperture.faces[number].layout.positions.len();
+            self.boards.push((number, Elements::with_room(self.gpu, room, Waves::of(wave))));
+            self.boards.len() - 1
+        })
     }
 }
 

@@ -21,8 +21,8 @@ use std::sync::{Arc, Mutex};
 use num_complex::Complex32;
 use wgpu::BufferUsages;
 
+use crate::field::Sources;
 use crate::field::quantity::{Constants, Quantity, Sound};
-use crate::field::{Samples, Sources};
 use program::Program;
 use tuning::Tuning;
 
@@ -160,12 +160,12 @@ impl Gpu {
         self.device.destroy();
     }
 
-    /// Complex pressure (Pa, peak) at every sample. Waits for it.
+    /// Complex pressure (Pa, peak) of all boards together at every sample. Waits for it.
     ///
     /// # Errors
     /// The device was lost or has not enough memory.
-    pub fn pressure(&self, sources: &Sources, samples: &Samples) -> Result<Vec<Complex32>, GpuError> {
-        superposition::pressure(self, sources, samples)
+    pub fn pressure(&self, faces: &[Sources<'_>]) -> Result<Vec<Complex32>, GpuError> {
+        superposition::pressure(self, faces)
     }
 
     /// The value of every sound. Waits for it.

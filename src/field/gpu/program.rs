@@ -12,7 +12,7 @@ use crate::field::sources::{COSINE, MOST_NODES, SINE};
 pub const WORKGROUP: u32 = 64;
 /// Workgroups of a dispatch along an axis, at most: what every adapter allows.
 pub const MOST_GROUPS: u32 = 65_535;
-/// Elements that fit a uniform buffer of 16 KiB, which every adapter has.
+/// Vectors of elements that fit a uniform buffer of 16 KiB, which every adapter has.
 pub const UNIFORM_ELEMENTS: usize = 1024;
 
 /// The same struct as in `shaders/params.wgsl`.
@@ -114,11 +114,34 @@ pub enum Program {
     Picture(Scale),
 }
 
-/// The field's program comes in eight forms.
+/// Whose waves a field program adds up.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Waves {
+    /// The far field of elements on a flat board.
+    Piston,
+    /// The whole field of elements on a flat board.
+    ExactPiston,
+    /// The far field of elements on a curved board: two vectors each.
+    Curved,
+}
+
+impl Waves {
+    const ALL: [Self; 3] = [Self::Piston, Self::ExactPiston, Self::Curved];
+
+    /// Vectors that describe an element.
+    pub fn vectors(self) -> usize {
+        match self {
+            Self::Piston | Self::ExactPiston => 1,
+            Self::Curved => 2,
+        }
+    }
+}
+
+/// The field's program comes in twelve forms.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct FieldProgram {
-    pub exact_piston: bool,
-    /// More than [`UNIFORM_ELEMENTS`].
+    pub waves: Waves,
+    /// More than [`UNIFORM_ELEMENTS`] vectors.
     pub many_elements: bool,
     /// More than the first eight of the directivity or four of the decay.
     pub many_terms: bool,
@@ -126,19 +149,17 @@ pub struct FieldProgram {
 
 impl FieldProgram {
     /// All of them.
-    pub fn all() -> [Self; 8] {
-        std::array::from_fn(|form| Self {
-            exact_piston: form & 1 != 0,
-            many_elements: form & 2 != 0,
-            many_terms: form & 4 != 0,
-        })
+    pub fn all() -> impl Iterator<Item = Self> {
+        let of_form =
+            |form: u32, waves| Self { waves, many_elements: form & 1 != 0, many_terms: form & 2 != 0 };
+        (0..4).flat_map(move |form| Waves::ALL.map(|waves| of_form(form, waves)))
     }
 
     fn source(self, tuning: &Tuning) -> String {
-        let element = if self.exact_piston {
-            include_str!("../../../shaders/exact_piston.wgsl")
-        } else {
-            include_str!("../../../shaders/piston.wgsl")
+        let element = match self.waves {
+            Waves::Piston => include_str!("../../../shaders/piston.wgsl"),
+            Waves::ExactPiston => include_str!("../../../shaders/exact_piston.wgsl"),
+            Waves::Curved => include_str!("../../../shaders/curved.wgsl"),
         };
         let elements = if self.many_elements {
             include_str!("../../../shaders/elements_storage.wgsl")
@@ -146,8 +167,11 @@ impl FieldProgram {
             include_str!("../../../shaders/elements_uniform.wgsl")
         };
         let forms = format!(
-            "const MANY_TERMS: bool = {};\nconst EIGHT_SAMPLES: bool = {};",
-            self.many_terms, tuning.eight_samples
+            "const MANY_TERMS: bool = {};\nconst EIGHT_SAMPLES: bool = {};\nconst IS_FLAT: bool = {};\nconst VECTORS: u32 = {}u;",
+            self.many_terms,
+            tuning.eight_samples,
+            self.waves != Waves::Curved,
+            self.waves.vectors()
         );
         let params = include_str!("../../../shaders/params.wgsl");
         let phase = include_str!("../../../shaders/phase.wgsl");
@@ -324,7 +348,7 @@ mod tests {
     #[test]
     fn structs_are_laid_out_as_in_rust() {
         let module = |program: Program, tuning: &Tuning| module("", &program.source(tuning));
-        let field = module(Program::Field(FieldProgram::all()[0]), &Tuning::SOFTWARE);
+        let field = module(Program::Field(FieldProgram::all().next().unwrap()), &Tuning::SOFTWARE);
         assert_same_layout!(
             &field,
             Params {

@@ -9,31 +9,52 @@ use bytemuck::Zeroable;
 use num_complex::Complex32;
 use wgpu::BufferUsages;
 
-use crate::field::gpu::program::{FieldProgram, MOST_GROUPS, Params, Program, UNIFORM_ELEMENTS, WORKGROUP};
+use crate::field::gpu::program::{
+    FieldProgram, MOST_GROUPS, Params, Program, UNIFORM_ELEMENTS, WORKGROUP, Waves,
+};
 use crate::field::gpu::{Gpu, GpuError, Reading, Step};
 use crate::field::sources::MOST_NODES;
 use crate::field::{Samples, Sources, Wave};
 
-/// The elements that sound, as programs read them: for all superpositions of a map.
+/// The elements of a board that sound, as programs read them: for all superpositions of a map.
 #[derive(Debug)]
 pub(super) struct Elements {
     buffer: wgpu::Buffer,
     room: usize,
+    waves: Waves,
 }
 
 impl Elements {
     /// Room for so many.
-    pub(super) fn with_room(gpu: &Gpu, room: usize) -> Self {
-        let (length, usage) = match room {
+    pub(super) fn with_room(gpu: &Gpu, room: usize, waves: Waves) -> Self {
+        let vectors = room * waves.vectors();
+        let (length, usage) = match vectors {
             0..=UNIFORM_ELEMENTS => (UNIFORM_ELEMENTS, BufferUsages::UNIFORM),
-            _ => (room, BufferUsages::STORAGE),
+            _ => (vectors, BufferUsages::STORAGE),
         };
         let buffer = gpu.buffer("elements", (length * 16) as u64, usage | BufferUsages::COPY_DST);
-        Self { buffer, room }
+        Self { buffer, room, waves }
     }
 
-    pub(super) fn write(&self, gpu: &Gpu, elements: &[[f32; 4]]) {
-        gpu.queue.write_buffer(&self.buffer, 0, bytemuck::cast_slice(elements));
+    /// With the tilts of a curved board.
+    pub(super) fn write(&self, gpu: &Gpu, elements: &[[f32; 4]], tilts: &[[f32; 4]]) {
+        if tilts.is_empty() {
+            gpu.queue.write_buffer(&self.buffer, 0, bytemuck::cast_slice(elements));
+        } else {
+            let both: Vec<_> =
+                elements.iter().zip(tilts).flat_map(|(element, tilt)| [*element, *tilt]).collect();
+            gpu.queue.write_buffer(&self.buffer, 0, bytemuck::cast_slice(&both));
+        }
+    }
+}
+
+impl Waves {
+    pub(super) fn of(wave: &Wave) -> Self {
+        match (wave.is_flat, &wave.piston) {
+            (false, _) => Self::Curved,
+            (true, None) => Self::Piston,
+            (true, Some(_)) => Self::ExactPiston,
+        }
     }
 }
 
@@ -62,8 +83,8 @@ impl Superposition {
         gain: f64,
     ) -> Self {
         let program = FieldProgram {
-            exact_piston: wave.piston.is_some(),
-            many_elements: elements.room > UNIFORM_ELEMENTS,
+            waves: elements.waves,
+            many_elements: elements.room * elements.waves.vectors() > UNIFORM_ELEMENTS,
             many_terms: wave.directivity.terms > 8 || wave.decay.terms > 4,
         };
         let wide = |points: &[glam::DVec3]| -> Vec<[f32; 4]> {
@@ -122,13 +143,27 @@ impl Superposition {
     }
 }
 
-/// The field of sources at samples, in pieces that fit a buffer.
-pub(super) fn pressure(gpu: &Gpu, sources: &Sources, samples: &Samples) -> Result<Vec<Complex32>, GpuError> {
+/// The field of all boards at their samples, in pieces that fit a buffer.
+pub(super) fn pressure(gpu: &Gpu, faces: &[Sources<'_>]) -> Result<Vec<Complex32>, GpuError> {
+    let mut sum = Vec::new();
+    for face in faces {
+        let field = of_face(gpu, face)?;
+        if sum.is_empty() {
+            sum = field;
+        } else {
+            sum.iter_mut().zip(field).for_each(|(sum, p)| *sum += p);
+        }
+    }
+    Ok(sum)
+}
+
+fn of_face(gpu: &Gpu, sources: &Sources<'_>) -> Result<Vec<Complex32>, GpuError> {
+    let samples = &sources.samples;
     if samples.is_empty() {
         return Ok(Vec::new());
     }
-    let elements = Elements::with_room(gpu, sources.elements.len().max(1));
-    elements.write(gpu, &sources.elements);
+    let elements = Elements::with_room(gpu, sources.elements.len().max(1), Waves::of(&sources.wave));
+    elements.write(gpu, &sources.elements, &sources.tilts);
     let most = (gpu.buffer_limit / 8) as usize;
     let (mut field, columns) = (Vec::with_capacity(samples.len()), samples.columns.len());
     let rows_together = (most / columns).max(1).min(samples.rows.len());

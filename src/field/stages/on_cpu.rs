@@ -425,7 +425,7 @@ fn in_f64(job: &Job<'_>, raster: &Raster, values: &mut [f32], work: &mut Work) -
     const TOGETHER: usize = 32;
     let (quantity, constants) = (job.request.quantity, job.request.constants());
     let aperture = &job.key.setting.aperture;
-    let around = Around::new(job.key.parts, job.site.axes, aperture.wavelength());
+    let around = Around::new(job.key.parts, job.site.axes, aperture);
     let pixels = raster.pixels();
     work.superposition += 1;
     work.forming += 1;

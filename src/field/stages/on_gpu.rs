@@ -74,7 +74,8 @@ impl OnGpu {
             let grid = job.site.plan.grid.as_ref().zip(weights.as_ref());
             let interpolated = grid.map(|(grid, weights)| {
                 let weights = Part::of(job.key.parts).map(|part| weights.of(part)).collect();
-                Interpolated { rows: raster.interpolated.clone(), samples: &grid.samples, weights }
+                let heard = grid.heard.iter().map(|(number, _)| *number).collect();
+                Interpolated { rows: raster.interpolated.clone(), heard, samples: &grid.samples, weights }
             });
             let direct = raster.direct().map(|rows| (rows.start, raster.pixel_rows(rows)));
             let shape = Shape {

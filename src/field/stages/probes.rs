@@ -77,7 +77,7 @@ impl Probes {
                 }
             }
         }
-        let around = Around::new(key.parts, site.axes, key.setting.aperture.wavelength());
+        let around = Around::new(key.parts, site.axes, &key.setting.aperture);
         let transfer = key.setting.aperture.transfer(&around.points(&points));
         Self { places, around, transfer }
     }
@@ -169,8 +169,8 @@ fn beside_elements(
 ) -> impl Iterator<Item = usize> {
     let (plane, aperture) = (&key.setting.plane, &key.setting.aperture);
     let half = plane.size / 2.0;
-    let nearest = |at: &DVec2| {
-        let from_centre = at.extend(0.0) - plane.centre;
+    let nearest = |at: &DVec3| {
+        let from_centre = *at - plane.centre;
         let place = DVec2::new(from_centre.dot(x), from_centre.dot(y)).clamp(-half, half);
         (from_centre.distance(x * place.x + y * place.y), place)
     };

@@ -10,7 +10,7 @@ use crate::drive::Drive;
 use crate::field::GpuError;
 use crate::field::quantity::{Constants, Quantity};
 use crate::field::stages::depression::Depression;
-use crate::scene::{Liquid, Plane, Scene};
+use crate::scene::{Liquid, Plane, Reflector, Scene};
 
 /// Pixels that a map may have.
 pub const MOST_PIXELS: usize = 1 << 26;
@@ -32,6 +32,8 @@ pub struct Request {
     pub part: f64,
     /// Whose surface the plane is.
     pub liquid: Liquid,
+    /// What reflects sound in the scene, the images of which are in the aperture.
+    pub mirrors: Vec<Reflector>,
     /// A surface of that liquid in motion, instead of the one at rest under the drives: its depth (m) in every cell of
     /// [`crate::field::Stages::surface`].
     pub depth: Option<Vec<f64>>,
@@ -52,6 +54,7 @@ impl Request {
             moment: 0.0,
             part: if is_slow { scene.modulation.mean_square() } else { 1.0 },
             liquid: scene.liquid.clone(),
+            mirrors: scene.mirrors(),
             depth: None,
             size,
         }
@@ -66,12 +69,26 @@ impl Request {
         let of_liquid = self.quantity.declaration().of_liquid;
         let of_moment = self.quantity == Quantity::Instantaneous;
         Ok(Self {
+            aperture: self.incident(),
+            mirrors: Vec::new(),
             drives: self.counted(),
             moment: if of_moment { self.moment } else { 0.0 },
             liquid: if of_liquid { self.liquid.clone() } else { Liquid::default() },
             depth: self.depth.clone().filter(|_| of_liquid),
             ..self.clone()
         })
+    }
+
+    /// What is heard of the aperture: where the plane is pressed and is a reflector itself, what meets it, since its formula counts on
+    /// that being doubled there.
+    fn incident(&self) -> Aperture {
+        let axes = self.plane.axes().filter(|_| self.quantity.declaration().is_slow);
+        let lies_in =
+            |mirror: &&Reflector| axes.is_some_and(|(x, y)| mirror.lies_in(self.plane.centre, x.cross(y)));
+        match self.mirrors.iter().find(lies_in) {
+            Some(mirror) => self.aperture.incident_on(mirror),
+            None => self.aperture.clone(),
+        }
     }
 
     pub(super) fn constants(&self) -> Constants<f64> {

@@ -2,8 +2,10 @@
 
 use std::ops::Range;
 
+use glam::DVec3;
 use num_complex::Complex32;
 
+use crate::acoustics::Aperture;
 use crate::drive::Drive;
 use crate::field::Wave;
 use crate::field::plan::{Grid, TABLE_CEILING};
@@ -31,11 +33,11 @@ impl Samples {
     }
 }
 
-/// Sums over the elements at the samples of a plan, from tables where there is room for them.
+/// Sums over the elements at the samples of a plan, from tables where there is room for them: one per board that is heard.
 #[derive(Debug, Default)]
 pub(super) struct Superposition {
-    pressure: Kept<Setting, Option<Transfer>>,
-    normal: Kept<Setting, Option<Transfer>>,
+    pressure: Kept<Setting, Vec<Transfer>>,
+    normal: Kept<Setting, Vec<Transfer>>,
 }
 
 impl Superposition {
@@ -70,19 +72,44 @@ impl Superposition {
             Part::Pressure | Part::AlongX | Part::AlongY => (&mut self.pressure, None),
             Part::Normal => (&mut self.normal, Some(job.site.axes[2])),
         };
-        let table = kept.update(setting, |table| {
-            let layout = Layout::new(&setting.aperture, grid);
-            let is_possible =
-                layout.fits(TABLE_CEILING) && Wave::new(&setting.aperture, &grid.samples).is_some();
-            work.transfer += u64::from(is_possible);
-            let old = table.take().filter(|_| is_possible);
-            if is_possible {
-                *table = Transfer::of_part(&setting.aperture, grid, direction, old);
+        let tables = kept.update(setting, |tables| {
+            let old = std::mem::take(tables);
+            if fit(&setting.aperture, grid) {
+                work.transfer += 1;
+                *tables = made(&setting.aperture, grid, direction, old);
             }
         });
-        let Some(table) = table else { return played.iter().enumerate().map(each).collect() };
-        table.superpose(aperture, &job.excitations[drives], grid.samples.len())
+        if tables.is_empty() {
+            return played.iter().enumerate().map(each).collect();
+        }
+        let mut fields = vec![vec![Complex32::ZERO; grid.samples.len()]; played.len()];
+        for (table, (number, _)) in tables.iter().zip(&grid.heard) {
+            table.superpose(&aperture.faces[*number], &job.excitations[drives.clone()], &mut fields);
+        }
+        fields
     }
+}
+
+/// Whether the tables of all boards may be kept.
+fn fit(aperture: &Aperture, grid: &Grid) -> bool {
+    let layouts = grid.heard.iter().map(|&(number, shared)| {
+        let face = &aperture.faces[number];
+        let samples = grid.samples.seen_from(&face.pose);
+        Wave::new(&aperture.element, &face.layout, &samples)?;
+        Some(Layout::new(face, &samples, shared))
+    });
+    let layouts: Option<Vec<_>> = layouts.collect();
+    layouts.is_some_and(|layouts| Layout::fit(&layouts, TABLE_CEILING))
+}
+
+/// The tables of all boards, in the memory of others; none where f32 declines.
+fn made(aperture: &Aperture, grid: &Grid, direction: Option<DVec3>, old: Vec<Transfer>) -> Vec<Transfer> {
+    let mut old = old.into_iter();
+    let table = |&(number, shared): &(usize, _)| {
+        let board = (&aperture.element, &aperture.faces[number]);
+        Transfer::of_part(board, &grid.samples, shared, direction, old.next())
+    };
+    grid.heard.iter().map(table).collect::<Option<_>>().unwrap_or_default()
 }
 
 /// The samples of every drive that the parts are made of.

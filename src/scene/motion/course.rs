@@ -55,8 +55,9 @@ impl Course {
     }
 
     /// The place with the smallest z.
-    pub fn lowest(&self) -> Option<DVec3> {
-        self.tracks.iter().map(Track::lowest).min_by(|a, b| a.z.total_cmp(&b.z))
+    pub fn lowest(&self, up: DVec3) -> Option<DVec3> {
+        let places = self.tracks.iter().map(|track| track.lowest(up));
+        places.min_by(|a, b| a.dot(up).total_cmp(&b.dot(up)))
     }
 }
 
@@ -234,7 +235,7 @@ mod tests {
     #[test]
     fn the_lowest_place_of_a_circle_is_found_between_its_vertices() {
         let ring = Target { normal: DVec3::X, ..Target::new(Shape::Circle { at: AT, radius: 0.02 }) };
-        let lowest = course(&[ring]).lowest().unwrap();
+        let lowest = course(&[ring]).lowest(DVec3::Z).unwrap();
         assert!(lowest.distance(AT - DVec3::Z * 0.02) < 1e-12, "{lowest}");
     }
 }

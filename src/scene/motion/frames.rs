@@ -10,6 +10,7 @@ use crate::scene::motion::limits::{
     behind, check_group, check_memory, check_steps, check_turns, key, refuse, steps,
 };
 use crate::scene::run::Vertex;
+use crate::scene::space::Front;
 use crate::scene::{Focus, MotionPath, Scene, Shape, Target, outline};
 
 /// Frames of a cycle, or the one that a scene without motion has.
@@ -84,7 +85,7 @@ impl<'a> Score<'a> {
         score.steps = (0..steps(scene)).map(|step| score.parts(step)).collect::<Result<_, _>>()?;
         if let Some(cycle) = &cycle {
             score.check_size(cycle)?;
-            score.check_heights()?;
+            score.check_heights(&scene.front())?;
         }
         Ok(score)
     }
@@ -190,24 +191,25 @@ impl<'a> Score<'a> {
             .map_err(|message| KeyError::new(key(leader, "frames"), message))
     }
 
-    fn check_heights(&self) -> Result<(), KeyError> {
+    fn check_heights(&self, front: &Front) -> Result<(), KeyError> {
         for (index, (group, way)) in self.ways.iter().enumerate() {
             let round = match way {
                 Way::Offset(round) => round,
                 Way::Run(course) => {
-                    if let Some(place) = course.lowest().filter(|place| place.z <= 0.0) {
-                        let message = format!("the outline goes to {}", behind(place));
+                    if let Some(place) = front.outside(|up| course.lowest(up)) {
+                        let message = format!("the outline goes to {}", behind(place, front));
                         return refuse(group.target, "path", message);
                     }
                     continue;
                 }
             };
             let moved = self.steps.iter().flatten().filter(|part| part.way == Some(index));
-            let foci = moved.flat_map(|part| &part.foci).map(|focus| focus.position);
-            let Some(lowest) = foci.min_by(|a, b| a.z.total_cmp(&b.z)) else { continue };
-            let at = |frame: u64| lowest + round.at(self.part(group, frame, 0)).at;
-            if let Some(frame) = (0..self.frames).find(|&frame| at(frame).z <= 0.0) {
-                let (number, count, place) = (frame + 1, self.frames, behind(at(frame)));
+            let foci: Vec<_> = moved.flat_map(|part| &part.foci).map(|focus| focus.position).collect();
+            let lowest =
+                front.lowest(|up| foci.iter().copied().min_by(|a, b| a.dot(up).total_cmp(&b.dot(up))));
+            let outside = |frame: u64| front.outside_moved(&lowest, round.at(self.part(group, frame, 0)).at);
+            if let Some((frame, place)) = (0..self.frames).find_map(|frame| Some((frame, outside(frame)?))) {
+                let (number, count, place) = (frame + 1, self.frames, behind(place, front));
                 let message =
                     format!("in frame {number} of {count} the motion takes a focal point to {place}");
                 let is_keyed = group.motion.path == MotionPath::Keyframes;

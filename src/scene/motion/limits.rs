@@ -4,6 +4,7 @@ use glam::DVec3;
 
 use crate::scene::check::{Key, KeyError, RATES};
 use crate::scene::motion::cycle::Group;
+use crate::scene::space::Front;
 use crate::scene::{Focus, MotionPath, Scene, Tempo};
 
 /// Bytes that the drives and foci of all frames may take.
@@ -106,7 +107,7 @@ pub fn check_group(group: &Group<'_>, runs: bool, frames: u64) -> Result<(), Key
 /// Drives and foci of all frames fit into [`MOST_BYTES`].
 pub fn check_memory(scene: &Scene, frames: u64, foci: usize) -> Result<(), String> {
     const FLOAT: usize = size_of::<f64>();
-    let elements = scene.array.elements();
+    let elements = scene.elements();
     // Phase and amplitude of an element, and the complex number that they are made from or that a mean is made from; a focus
     // as it is asked for and as it was found, its pressure and its weight; what the lists of all these take themselves.
     let of_focus = 2 * size_of::<Focus>() + 4 * FLOAT;
@@ -125,9 +126,9 @@ pub fn check_memory(scene: &Scene, frames: u64, foci: usize) -> Result<(), Strin
 }
 
 /// A place where no focus can be, in words.
-pub fn behind(place: DVec3) -> String {
+pub fn behind(place: DVec3, front: &Front) -> String {
     let [x, y, z] = place.to_array();
-    format!("({x:.4}, {y:.4}, {z:.4}), on or behind the array, which stands in z = 0 and radiates towards +z")
+    format!("({x:.4}, {y:.4}, {z:.4}), {}", front.behind())
 }
 
 /// A key of the scene's motion, or of a target's own.

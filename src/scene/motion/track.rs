@@ -62,16 +62,16 @@ impl Track {
         }
     }
 
-    /// The place with the smallest z.
-    pub fn lowest(&self) -> DVec3 {
+    /// The place that is lowest along a direction.
+    pub fn lowest(&self, up: DVec3) -> DVec3 {
         match self {
             Self::Circle { centre, x, y } => {
-                let down = f64::atan2(-y.z, -x.z);
+                let down = f64::atan2(-y.dot(up), -x.dot(up));
                 centre.at + *x * down.cos() + *y * down.sin()
             }
             Self::Polyline { vertices, .. } => {
                 let places = vertices.iter().map(|vertex| vertex.at);
-                places.min_by(|a, b| a.z.total_cmp(&b.z)).unwrap_or(DVec3::ZERO)
+                places.min_by(|a, b| a.dot(up).total_cmp(&b.dot(up))).unwrap_or(DVec3::ZERO)
             }
         }
     }

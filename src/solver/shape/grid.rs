@@ -117,8 +117,11 @@ impl Layout {
 }
 
 /// Elements along x and y.
+///
+/// # Panics
+/// An aperture that is no lattice.
 fn elements(aperture: &Aperture) -> [usize; 2] {
-    [aperture.columns, aperture.positions.len() / aperture.columns]
+    aperture.lattice().expect("grids are laid out for lattices alone")
 }
 
 /// The map from the driven elements to samples, and back.
@@ -183,9 +186,9 @@ fn fields<T: Real>(aperture: &Aperture, layout: &Layout, scale: f64) -> Vec<Wave
     });
     let metres = |steps: &u64| *steps as f64 * aperture.pitch / (2 * layout.grids) as f64;
     // One element at every distance along y, one point at every distance along x.
-    let places: Vec<_> = distances[1].iter().map(|steps| DVec2::new(0.0, metres(steps))).collect();
+    let places: Vec<_> = distances[1].iter().map(|steps| DVec3::Y * metres(steps)).collect();
     let lines = places.len();
-    let column = Aperture { driven: (0..lines).collect(), positions: places, columns: 1, ..aperture.clone() };
+    let column = aperture.with_elements(places);
     let points: Vec<_> =
         distances[0].iter().map(|steps| DVec3::new(metres(steps), 0.0, layout.height)).collect();
     let transfer = column.transfer(&points);

@@ -37,7 +37,7 @@ impl Area {
     pub fn new(problem: &Problem<'_>, plane: &Plane, finer: bool) -> Option<Self> {
         let (x, y) = plane.axes()?;
         let aperture = problem.aperture;
-        let is_parallel = x.cross(y).truncate().length() < 1e-9;
+        let is_parallel = x.cross(y).truncate().length() < 1e-9 && aperture.lattice().is_some();
         if is_parallel && plane.centre.z <= 0.0 {
             return None;
         }
@@ -45,7 +45,7 @@ impl Area {
             let height = plane.centre.z;
             let farthest =
                 problem.foci.iter().fold(DVec2::ZERO, |far, focus| far.max(focus.position.truncate().abs()));
-            let corner = aperture.corners().0.abs();
+            let corner = aperture.reach();
             // Of a drawing far from the axis side lobes lie farther out, on the side away from it nearer.
             let reach = (slope(aperture) * height + 0.6 * farthest).max(corner);
             let coarse = (aperture.pitch / spacing(aperture, height)).ceil().clamp(1.0, 16.0) as usize;
@@ -62,18 +62,21 @@ impl Area {
         let normal = x.cross(y);
         let on_plane = middle - normal * normal.dot(middle - plane.centre);
         let drawn = problem.foci.iter().map(|focus| focus.position.distance(middle)).fold(0.0, f64::max);
-        let distance = on_plane.length().max(aperture.corners().0.length());
+        let away = aperture.boards().map(|board| board.pose.local(on_plane).length());
+        let distance = away.fold(f64::INFINITY, f64::min).max(aperture.reach().length());
         let half = slope(aperture) * distance + 0.6 * drawn;
         let most = (MOST_VALUES / aperture.driven.len().max(1)).clamp(64, MOST_SAMPLES) as f64;
         let along = (2.0 * half / spacing(aperture, distance)).min(most.sqrt() - 1.0).ceil().max(1.0);
         let step = 2.0 * half / along;
         // What is next to an element is loud whatever the others do.
-        let nearest = problem.foci.iter().map(|focus| focus.position.z).fold(f64::INFINITY, f64::min);
+        let heights = problem.foci.iter().map(|focus| aperture.height(focus.position));
+        let nearest = heights.fold(f64::INFINITY, f64::min);
         let lowest = (2.0 * aperture.wavelength()).min(0.5 * nearest).max(0.0);
         let along = along as i64;
         let point = |i: i64, j: i64| on_plane + x * (i as f64 * step - half) + y * (j as f64 * step - half);
         let points = (0..=along).flat_map(|j| (0..=along).map(move |i| point(i, j)));
-        let points: Vec<_> = points.filter(|point| point.z > lowest && point.is_finite()).collect();
+        let points: Vec<_> =
+            points.filter(|&point| aperture.height(point) > lowest && point.is_finite()).collect();
         (!points.is_empty()).then_some(Self::Points { points, spacing: step })
     }
 }
@@ -86,7 +89,7 @@ fn slope(aperture: &Aperture) -> f64 {
 
 /// Spacing (m) of samples between which no side lobe hides at a distance (m): half a fringe of the outermost elements.
 fn spacing(aperture: &Aperture, distance: f64) -> f64 {
-    let (corner, wavelength) = (aperture.corners().0.abs().max_element(), aperture.wavelength());
+    let (corner, wavelength) = (aperture.reach().max_element(), aperture.wavelength());
     let sines = 2.0 * corner / corner.hypot(distance);
     (0.51 * wavelength / sines.max(1e-6)).max(0.31 * wavelength)
 }

@@ -98,6 +98,7 @@ impl<'a> Drawn<'a> {
 
     /// Samples of a plane parallel to the array.
     fn layout(&self, aperture: &Aperture, spacing: f64) -> Option<Layout> {
+        aperture.lattice()?;
         let height = self.height()?;
         let far = |cover: &Cover| {
             let half = cover.half + self.margin();
@@ -106,7 +107,7 @@ impl<'a> Drawn<'a> {
         };
         let discs = self.discs.iter().map(|focus| focus.position.truncate().abs() + self.margin());
         // Of what is larger, the array fills a part at most.
-        let most = 2.0 * (height + aperture.corners().0.length());
+        let most = 2.0 * (height + aperture.reach().length());
         let reach = self.covers.iter().map(far).chain(discs).fold(DVec2::ZERO, DVec2::max);
         let reach = reach.min(DVec2::splat(most));
         let grids = (aperture.pitch / spacing).ceil().clamp(1.0, 16.0) as usize;
@@ -160,7 +161,8 @@ impl<'a> Drawn<'a> {
         let area: f64 = sizes.map(DVec2::element_product).sum();
         let spacing = spacing.max((area / most as f64).sqrt());
         let points = self.covers.iter().flat_map(|cover| around(cover, cover.half + self.margin(), spacing));
-        let points: Vec<_> = points.filter(|point| point.z > 0.0 && point.is_finite()).collect();
+        let points: Vec<_> =
+            points.filter(|&point| aperture.height(point) > 0.0 && point.is_finite()).collect();
         let mut table = Table::new(aperture.driven.len());
         aperture.transfer(&points).rows().for_each(|row| table.push(row, scale));
         let wanted = points.iter().map(|&point| (self.at(point, spacing), 1.0)).collect();

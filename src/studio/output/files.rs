@@ -99,7 +99,7 @@ impl Files {
                 self.reads(path)?;
             }
         }
-        Ok(())
+        scene.array.placed.from.as_deref().map_or(Ok(()), |path| self.reads(path))
     }
 
     /// Notes a file that is to be written.

@@ -12,6 +12,8 @@ use crate::ui::{Command, Dialog, Editor, Export, Shown, theme};
 
 /// Extensions of files that hold drawings.
 pub const IMPORTED: &[&str] = &["svg", "png", "jpg", "jpeg", "bmp"];
+/// Endings of tables of elements.
+pub const ELEMENTS: &[&str] = &["csv", "pat"];
 /// Points of the screen: the list of files, and what stands around it.
 const LIST: f32 = 260.0;
 const AROUND: f32 = 230.0;
@@ -23,6 +25,8 @@ pub enum Purpose {
     SaveAs,
     /// A drawing that becomes targets.
     Import,
+    /// A table of elements that becomes the array.
+    Elements,
     Export(Export),
 }
 
@@ -31,12 +35,14 @@ impl Purpose {
         match self {
             Self::Open => "Open a scene",
             Self::SaveAs => "Save the scene as",
+            Self::Elements => "Take a table of elements (CSV, or PAT of OpenMPD)",
             Self::Import => "Import a drawing (SVG) or a picture of strokes (PNG, JPEG, BMP)",
             Self::Export(Export::Figure(_)) => "Export the figure",
             Self::Export(Export::Map) => "Export the map as PNG",
             Self::Export(Export::Sheet) => "Export the sheet as PNG",
             Self::Export(Export::Numbers) => "Export the map's numbers as NPY",
             Self::Export(Export::Drive) => "Export the drive as CSV",
+            Self::Export(Export::Elements) => "Export the elements as CSV",
             Self::Export(Export::Profile) => "Export the line profile as CSV",
             Self::Export(Export::Motion(_)) => "Export the motion",
         }
@@ -47,25 +53,26 @@ impl Purpose {
         match self {
             Self::Open | Self::SaveAs => &["toml"],
             Self::Import => IMPORTED,
+            Self::Elements => ELEMENTS,
             Self::Export(Export::Figure(Format::Pdf)) => &["pdf"],
             Self::Export(Export::Figure(Format::Svg)) => &["svg"],
             Self::Export(Export::Figure(Format::Png) | Export::Map | Export::Sheet) => &["png"],
             Self::Export(Export::Numbers) => &["npy"],
-            Self::Export(Export::Drive | Export::Profile) => &["csv"],
+            Self::Export(Export::Drive | Export::Profile | Export::Elements) => &["csv"],
             Self::Export(Export::Motion(kind)) => kind.endings(),
         }
     }
 
     /// Whether the file is there already.
     pub fn reads(self) -> bool {
-        matches!(self, Self::Open | Self::Import)
+        matches!(self, Self::Open | Self::Import | Self::Elements)
     }
 
     fn verb(self) -> &'static str {
         match self {
             Self::Open => "Open",
             Self::SaveAs => "Save",
-            Self::Import => "Read",
+            Self::Import | Self::Elements => "Read",
             Self::Export(_) => "Export",
         }
     }
@@ -75,6 +82,7 @@ impl Purpose {
             Self::Open => Command::Open(path),
             Self::SaveAs => Command::SaveAs(path),
             Self::Import => Command::Import(path),
+            Self::Elements => Command::TakeElements(path),
             Self::Export(export) => Command::Export(export, path),
         }
     }

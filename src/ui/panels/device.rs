@@ -304,7 +304,7 @@ fn played(editor: &mut Editor, board: &BoardShown, ui: &mut Ui) {
             fact(ui, ("As played", tip), part);
         }),
         None => {
-            let (array, elements) = (editor.scene().array.elements(), editor.board.profile.elements());
+            let (array, elements) = (editor.scene().elements(), editor.board.profile.elements());
             if array != elements {
                 ui.label(
                     RichText::new(format!("The scene's array has {array} elements, the board {elements}."))

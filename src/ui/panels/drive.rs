@@ -65,12 +65,11 @@ fn strip(ui: &mut Ui, table: &[[u8; 4]; 256], labels: [&str; 3]) {
 }
 
 fn map(editor: &Editor, sound: &Sound, ui: &mut Ui, name: &str, colour: impl Fn(usize) -> [u8; 4]) {
-    let array = &editor.scene().array;
     // Until the scene is solved again, the drive may be that of another array.
-    if sound.drive().phases.len() != array.elements() {
+    if sound.drive().phases.len() != editor.scene().elements() {
         return;
     }
-    let (response, under) = element_map::show(ui, name, array, Sense::hover(), |n| {
+    let (response, under) = element_map::show(ui, name, editor.scene(), Sense::hover(), |n| {
         let [r, g, b, _] = colour(n);
         (sound.drive().amplitudes[n] > 0.0).then(|| Color32::from_rgb(r, g, b))
     });

@@ -6,7 +6,7 @@ use glam::DVec3;
 use crate::acoustics::Air;
 use crate::scene::{ElementModel, Listener, Target};
 use crate::studio::probe;
-use crate::ui::panels::{MM, PLAIN, Unit, choice, count, fact, form, given, heading, number, target};
+use crate::ui::panels::{MM, PLAIN, Unit, boards, choice, count, fact, form, given, heading, number, target};
 use crate::ui::{Editor, Shown, clipboard, edit, element_map, group, theme};
 
 pub fn show(editor: &mut Editor, shown: &Shown, ui: &mut Ui) {
@@ -15,6 +15,8 @@ pub fn show(editor: &mut Editor, shown: &Shown, ui: &mut Ui) {
     plane(editor, shown, ui);
     ui.collapsing("Listener", |ui| listener(editor, shown, ui));
     ui.collapsing("Array", |ui| array(editor, ui));
+    ui.collapsing("Boards", |ui| boards::show(editor, ui));
+    ui.collapsing("Reflectors", |ui| boards::reflectors(editor, ui));
     ui.collapsing("Air", |ui| air(editor, ui));
 }
 
@@ -238,18 +240,21 @@ fn plane(editor: &mut Editor, shown: &Shown, ui: &mut Ui) {
 }
 
 fn array(editor: &mut Editor, ui: &mut Ui) {
+    let boards = editor.scene().boards.len().max(1);
     let array = &mut editor.document.scene.array;
     form(ui, "array", |ui| {
-        let before = array.columns;
-        count(ui, ("Columns", "Elements along x"), &mut array.columns, 1..=128);
-        count(ui, ("Rows", "Elements along y"), &mut array.rows, 1..=128);
-        if before != array.columns {
-            // Numbers count row by row: they would name other elements now.
-            array.off.clear();
+        if array.file.is_none() {
+            let before = array.columns;
+            count(ui, ("Columns", "Elements along x"), &mut array.columns, 1..=128);
+            count(ui, ("Rows", "Elements along y"), &mut array.rows, 1..=128);
+            if before != array.columns {
+                // Numbers count row by row: they would name other elements now.
+                array.off.clear();
+            }
+            let elements = array.elements() * boards;
+            array.off.retain(|&element| element < elements);
+            number(ui, ("Pitch", "Distance between neighbouring elements"), &mut array.pitch, MM, 1e-4..=0.2);
         }
-        let elements = array.elements();
-        array.off.retain(|&element| element < elements);
-        number(ui, ("Pitch", "Distance between neighbouring elements"), &mut array.pitch, MM, 1e-4..=0.2);
         number(ui, ("Element radius", "Of the radiating surface"), &mut array.element_radius, MM, 1e-5..=0.1);
         let khz = Unit { per: 1e-3, suffix: " kHz", decimals: 2, speed: 0.1 };
         number(ui, ("Frequency", "Of the carrier"), &mut array.frequency, khz, 1e3..=1e6);
@@ -272,18 +277,20 @@ fn array(editor: &mut Editor, ui: &mut Ui) {
             ],
         );
     });
+    boards::known(editor, ui);
     ui.label("Click or drag to switch elements on and off:");
     switches(editor, ui);
 }
 
 /// The array as a map of switches. A drag gives every element what it gave the first.
 fn switches(editor: &mut Editor, ui: &mut Ui) {
-    let array = &mut editor.document.scene.array;
-    let off: std::collections::HashSet<_> = array.off.iter().copied().collect();
+    let off: std::collections::HashSet<_> = editor.scene().array.off.iter().copied().collect();
     let (response, under) =
-        element_map::show(ui, "Elements that play", array, Sense::click_and_drag(), |n| {
+        element_map::show(ui, "Elements that play", editor.scene(), Sense::click_and_drag(), |n| {
             (!off.contains(&n)).then_some(theme::ACCENT)
         });
+    let elements = editor.scene().elements();
+    let array = &mut editor.document.scene.array;
     let id = response.id.with("switching");
     let pressed = response.is_pointer_button_down_on() && ui.input(|input| input.pointer.primary_pressed());
     if let (true, Some(n)) = (pressed, under) {
@@ -293,14 +300,14 @@ fn switches(editor: &mut Editor, ui: &mut Ui) {
     if let (true, Some(n), Some(to_off)) = (response.is_pointer_button_down_on(), under, switching) {
         array.off.retain(|&element| element != n);
         // One has to play.
-        if to_off && array.off.len() + 1 < array.elements() {
+        if to_off && array.off.len() + 1 < elements {
             array.off.push(n);
             array.off.sort_unstable();
         }
     }
     ui.horizontal(|ui| {
         let off = array.off.len();
-        ui.label(format!("{} of {} elements on", array.elements() - off, array.elements()));
+        ui.label(format!("{} of {elements} elements on", elements - off));
         if ui.add_enabled(off > 0, egui::Button::new("All on")).clicked() {
             array.off.clear();
         }

@@ -1,0 +1,207 @@
+//! Boards as radiators, each in its own coordinates: where it stands, its elements, and its images in reflectors.
+
+use std::ops::Range;
+use std::sync::Arc;
+
+use glam::{DMat3, DVec2, DVec3};
+
+use crate::scene::{Board, Reflector};
+
+/// Where a board stands and which way it faces.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Pose {
+    /// m, of its centre.
+    at: DVec3,
+    /// Unit vectors along its axes; those of an image are left-handed.
+    axes: DMat3,
+}
+
+impl Pose {
+    /// In z = 0, centred on the origin, facing +z.
+    pub const HOME: Self = Self { at: DVec3::ZERO, axes: DMat3::IDENTITY };
+
+    pub fn of(board: &Board) -> Self {
+        Self { at: board.at, axes: board.axes().unwrap_or(DMat3::IDENTITY) }
+    }
+
+    /// A point of the scene in the board's coordinates.
+    pub fn local(&self, point: DVec3) -> DVec3 {
+        if *self == Self::HOME { point } else { self.axes.transpose() * (point - self.at) }
+    }
+
+    /// A direction of the scene in the board's coordinates.
+    pub fn local_direction(&self, direction: DVec3) -> DVec3 {
+        if *self == Self::HOME { direction } else { self.axes.transpose() * direction }
+    }
+
+    /// A point of the board in the scene's coordinates.
+    pub fn world(&self, place: DVec3) -> DVec3 {
+        if *self == Self::HOME { place } else { self.at + self.axes * place }
+    }
+
+    /// A direction of the board in the scene's coordinates.
+    pub fn world_direction(&self, direction: DVec3) -> DVec3 {
+        if *self == Self::HOME { direction } else { self.axes * direction }
+    }
+
+    /// Where something stands that stands so in the coordinates of this pose.
+    pub(super) fn after(&self, own: &Self) -> Self {
+        if *own == Self::HOME {
+            return *self;
+        }
+        Self { at: self.world(own.at), axes: self.axes * own.axes }
+    }
+
+    fn moved(self, by: DVec3) -> Self {
+        Self { at: self.at + by, ..self }
+    }
+
+    /// x' = x - 2n (n·x - d), and every direction likewise.
+    fn mirrored(self, mirror: &Reflector) -> Self {
+        let normal = mirror.normal.normalize_or_zero();
+        let turned = |direction: DVec3| direction - normal * (2.0 * normal.dot(direction));
+        let DMat3 { x_axis, y_axis, z_axis } = self.axes;
+        Self {
+            at: self.at - normal * (2.0 * mirror.height(self.at)),
+            axes: DMat3::from_cols(turned(x_axis), turned(y_axis), turned(z_axis)),
+        }
+    }
+}
+
+/// The elements of a board in its own coordinates.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Layout {
+    /// m, centres.
+    pub positions: Vec<DVec3>,
+    /// The directions in which they radiate; none where all stand in z = 0 and radiate along z.
+    pub normals: Vec<DVec3>,
+    /// Elements along x, where they stand in z = 0 in whole rows; element n = row · columns + column, column 0 at smallest x, row 0 at
+    /// smallest y.
+    pub columns: Option<usize>,
+}
+
+impl Layout {
+    /// Whether all elements stand in z = 0 and radiate along z.
+    pub fn is_flat(&self) -> bool {
+        self.normals.is_empty()
+    }
+
+    /// The direction in which an element radiates.
+    pub fn normal(&self, element: usize) -> DVec3 {
+        self.normals.get(element).copied().unwrap_or(DVec3::Z)
+    }
+
+    /// The box around the centres of its elements, m.
+    pub fn bounds(&self) -> (DVec3, DVec3) {
+        let places = self.positions.iter();
+        places.fold((DVec3::MAX, DVec3::MIN), |(low, high), at| (low.min(*at), high.max(*at)))
+    }
+
+    /// The same elements in the coordinates in which they are flat, if there are such, or in which their mean direction is z;
+    /// with the pose from there.
+    pub(super) fn level(self) -> (Self, Pose) {
+        let count = self.positions.len() as f64;
+        let centre = self.positions.iter().sum::<DVec3>() / count;
+        let mean = (0..self.positions.len()).map(|n| self.normal(n)).sum::<DVec3>() / count;
+        // Elements that face each other have no direction in common.
+        let up = mean.try_normalize().filter(|_| mean.length() > 0.1).unwrap_or(DVec3::Z);
+        let (mut pose, mut level) = (Pose::HOME, self);
+        if up != DVec3::Z || level.positions.iter().any(|at| at.z != 0.0) {
+            let x = up.any_orthonormal_vector();
+            pose = Pose { at: centre, axes: DMat3::from_cols(x, up.cross(x), up) };
+            level.positions.iter_mut().for_each(|at| *at = pose.local(*at));
+            level.normals.iter_mut().for_each(|normal| *normal = pose.local_direction(*normal));
+        }
+        let is_level = |at: &DVec3| at.z.abs() < FLAT;
+        let is_straight = |normal: &DVec3| normal.truncate().length() < FLAT && normal.z > 0.0;
+        if level.positions.iter().all(is_level) && level.normals.iter().all(is_straight) {
+            level.positions.iter_mut().for_each(|at| at.z = 0.0);
+            level.normals.clear();
+        }
+        (level, pose)
+    }
+}
+
+/// m, and a sine: what rounding leaves of flat boards in files.
+const FLAT: f64 = 1e-12;
+
+/// A board, or its image in a reflector.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Face {
+    pub pose: Pose,
+    pub layout: Arc<Layout>,
+    /// The number of its first element among those of the array.
+    pub first: usize,
+    /// On the drive of its elements: 1, or of an image the coefficient of what reflects it.
+    pub gain: f64,
+    /// Of the sound of the board itself, what it and all that follow add at most.
+    pub rest: f64,
+}
+
+impl Face {
+    pub(super) fn board(pose: Pose, layout: Arc<Layout>, first: usize) -> Self {
+        Self { pose, layout, first, gain: 1.0, rest: f64::INFINITY }
+    }
+
+    /// Its elements among those of the array.
+    pub fn elements(&self) -> Range<usize> {
+        self.first..self.first + self.layout.positions.len()
+    }
+
+    /// Its elements among some of the array's, in rising order; their places there.
+    pub fn among(&self, elements: &[usize]) -> Range<usize> {
+        let Range { start, end } = self.elements();
+        elements.partition_point(|&n| n < start)..elements.partition_point(|&n| n < end)
+    }
+
+    /// Whether it is the board itself.
+    pub fn is_direct(&self) -> bool {
+        self.rest == f64::INFINITY
+    }
+
+    /// Opposite corners of the box around its elements' centres, across the direction of radiation; m.
+    pub fn corners(&self) -> (DVec2, DVec2) {
+        let (low, high) = self.layout.bounds();
+        (low.truncate(), high.truncate())
+    }
+}
+
+/// Reflections to and fro between an array's face and a reflector, at most.
+pub(super) const MOST_REFLECTIONS: i32 = 2000;
+/// Of the sound of the boards themselves, what is left out of such a series.
+const SILENCE: f64 = 1e-13;
+
+/// The images of boards in reflectors, the loudest first. A reflector makes one image of each board; where the board's face, which reflects
+/// a part `reflectivity`, is parallel to it, the series of those that face each other: with R the reflector's coefficient and h
+/// its distance, boards at -2mh with (reflectivity R)^m, and their images with another R.
+pub(super) fn images(
+    boards: &[Face],
+    mirrors: &[Reflector],
+    standing: &[Board],
+    reflectivity: f64,
+) -> Vec<Face> {
+    let mut images = Vec::new();
+    for mirror in mirrors.iter().filter(|mirror| mirror.coefficient != 0.0) {
+        for (face, board) in boards.iter().zip(standing) {
+            let own = if mirror.faces(board) { reflectivity } else { 0.0 };
+            let (both, up) = (own * mirror.coefficient, mirror.normal.normalize_or_zero());
+            // What all that follow add is a geometric series, weakened by their distances.
+            let rest = |gain: f64, times: i32| (gain / (1.0 - both.abs()) / f64::from(2 * times + 1)).abs();
+            for times in 0..=MOST_REFLECTIONS {
+                let gain = both.powi(times);
+                if times > 0 && rest(gain, times) < SILENCE {
+                    break;
+                }
+                let pose = face.pose.moved(up * (2.0 * f64::from(times) * mirror.height(board.at)));
+                let image =
+                    |pose: Pose, gain: f64| Face { pose, gain, rest: rest(gain, times), ..face.clone() };
+                if times > 0 {
+                    images.push(image(pose, gain));
+                }
+                images.push(image(pose.mirrored(mirror), gain * mirror.coefficient));
+            }
+        }
+    }
+    images.sort_by(|a, b| b.rest.total_cmp(&a.rest));
+    images
+}

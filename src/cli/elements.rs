@@ -1,0 +1,18 @@
+//! `sonoglyph elements`: where the elements of a scene stand.
+
+use crate::cli::{ElementsArgs, read_scene};
+use crate::studio::elements;
+use crate::studio::output::{self, Files};
+
+pub fn run(args: &ElementsArgs) -> anyhow::Result<()> {
+    let mut files = Files::new();
+    let scene = read_scene(&args.scene, None, &mut files)?;
+    if let Some(path) = &args.output {
+        files.writes(path)?;
+    }
+    let text = elements::of_scene(&scene);
+    match &args.output {
+        Some(path) => output::write(path, text.as_bytes()),
+        None => output::print(format_args!("{text}")),
+    }
+}

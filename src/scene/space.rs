@@ -1,0 +1,500 @@
+//! Where boards and reflectors stand, and elements that stand in no rows and columns.
+
+use std::path::PathBuf;
+use std::sync::Arc;
+
+use glam::{DMat3, DQuat, DVec2, DVec3};
+use serde::{Deserialize, Serialize};
+
+use crate::scene::check::{Key, KeyError, MOST_ELEMENTS};
+use crate::scene::range::{direction, point, refuse, within};
+use crate::scene::{Array, Scene};
+
+/// Boards and reflectors that a scene may have.
+const MOST_BOARDS: usize = 64;
+const MOST_REFLECTORS: usize = 16;
+/// m by which boards may overlap, and reflectors reach into them: what rounding leaves.
+const SLACK: f64 = 1e-6;
+/// Sine of the angle at which two planes still count as parallel.
+pub(crate) const PARALLEL: f64 = 1e-9;
+
+/// The array of the scene at a place, facing somewhere.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Board {
+    /// m, its centre.
+    pub at: DVec3,
+    /// The direction in which it radiates.
+    pub normal: DVec3,
+    /// The direction of growing columns; made orthogonal to `normal` by [`Board::axes`].
+    pub x_axis: DVec3,
+}
+
+impl Default for Board {
+    fn default() -> Self {
+        Self { at: DVec3::ZERO, normal: DVec3::Z, x_axis: DVec3::X }
+    }
+}
+
+impl Board {
+    /// Unit vectors along growing columns, growing rows and the direction of radiation: the columns of a rotation. `None` where the given
+    /// ones are zero or parallel.
+    pub fn axes(&self) -> Option<DMat3> {
+        let normal = self.normal.try_normalize()?;
+        let x = self.x_axis.try_normalize()?;
+        let x = x - normal * normal.dot(x);
+        let x = x.try_normalize().filter(|_| x.length() > PARALLEL)?;
+        Some(DMat3::from_cols(x, normal.cross(x), normal))
+    }
+
+    /// A place on the board (m, about its centre) in the scene's coordinates.
+    pub fn world(&self, place: DVec3) -> DVec3 {
+        self.at + self.axes().unwrap_or(DMat3::IDENTITY) * place
+    }
+}
+
+/// Where sound goes: in front of some board, or of some element of a curved one.
+#[derive(Clone, Debug)]
+pub struct Front(Vec<(DVec3, DVec3)>);
+
+impl Front {
+    pub fn contains(&self, place: DVec3) -> bool {
+        self.0.iter().any(|(at, normal)| normal.dot(place - at) > 0.0)
+    }
+
+    /// A place of something that no board has all in front of it; `lowest` finds its lowest place along a direction.
+    pub fn outside(&self, lowest: impl FnMut(DVec3) -> Option<DVec3>) -> Option<DVec3> {
+        self.outside_moved(&self.lowest(lowest), DVec3::ZERO)
+    }
+
+    /// The lowest place of something along the direction in which each of the boards radiates.
+    pub fn lowest(&self, lowest: impl FnMut(DVec3) -> Option<DVec3>) -> Vec<DVec3> {
+        self.0.iter().map(|(_, normal)| *normal).filter_map(lowest).collect()
+    }
+
+    /// As [`Front::outside`], of something whose lowest places are known and that is moved.
+    pub fn outside_moved(&self, lowest: &[DVec3], by: DVec3) -> Option<DVec3> {
+        let is_in_front =
+            |((at, normal), place): (&(DVec3, DVec3), &DVec3)| normal.dot(*place + by - at) > 0.0;
+        let first = lowest.first()? + by;
+        (!self.0.iter().zip(lowest).any(is_in_front)).then_some(first)
+    }
+
+    /// What is not in front of anything, in words.
+    pub fn behind(&self) -> &'static str {
+        match &self.0[..] {
+            [face] if *face == (DVec3::ZERO, DVec3::Z) => {
+                "on or behind the array, which stands in z = 0 and radiates towards +z"
+            }
+            [_] => "on or behind the array",
+            _ => "on or behind every board of the array",
+        }
+    }
+}
+
+/// An infinite plane that reflects sound on one of its sides.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Reflector {
+    /// m, any point of the plane.
+    pub point: DVec3,
+    /// Towards the sound.
+    pub normal: DVec3,
+    /// Of the pressure's amplitude: 1 rigid, -1 soft.
+    pub coefficient: f64,
+}
+
+impl Default for Reflector {
+    fn default() -> Self {
+        Self { point: DVec3::new(0.0, 0.0, 0.2), normal: DVec3::NEG_Z, coefficient: 1.0 }
+    }
+}
+
+impl Reflector {
+    /// m, positive on the side of the sound.
+    pub fn height(&self, place: DVec3) -> f64 {
+        self.normal.normalize_or_zero().dot(place - self.point)
+    }
+}
+
+/// Elements of an array that stand anywhere, once they are loaded. A scene file holds the name of their table alone.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Elements {
+    placed: Option<Arc<[Placed]>>,
+    /// The file that they were loaded from.
+    pub from: Option<PathBuf>,
+}
+
+/// An element of such an array, in the array's own coordinates.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Placed {
+    /// m
+    pub at: DVec3,
+    /// Unit vector: the direction in which it radiates.
+    pub normal: DVec3,
+}
+
+impl Elements {
+    pub fn new(placed: Vec<Placed>, from: Option<PathBuf>) -> Self {
+        Self { placed: Some(placed.into()), from }
+    }
+
+    pub fn get(&self) -> Option<&[Placed]> {
+        self.placed.as_deref()
+    }
+}
+
+impl Array {
+    /// Whether its elements are yet to be loaded.
+    pub fn lacks_elements(&self) -> bool {
+        self.file.is_some() && self.placed.get().is_none()
+    }
+
+    /// The places of its elements in its own coordinates (m) and the directions in which they radiate.
+    pub fn places(&self) -> Vec<Placed> {
+        if let Some(placed) = self.placed.get() {
+            return placed.to_vec();
+        }
+        let last = DVec3::new(f64::from(self.columns - 1), f64::from(self.rows - 1), 0.0);
+        let at = |row: u32, column: u32| {
+            (DVec3::new(f64::from(column), f64::from(row), 0.0) - last / 2.0) * self.pitch
+        };
+        let of_row = |row: u32| (0..self.columns).map(move |column| (row, column));
+        let places = (0..self.rows).flat_map(of_row);
+        places.map(|(row, column)| Placed { at: at(row, column), normal: DVec3::Z }).collect()
+    }
+}
+
+impl Scene {
+    /// Elements of all boards, driven or not.
+    pub fn elements(&self) -> usize {
+        self.array.elements() * self.boards.len().max(1)
+    }
+
+    /// Where the array stands: the boards of the scene, or the one that goes without saying.
+    pub fn standing(&self) -> Vec<Board> {
+        if self.boards.is_empty() { vec![Board::default()] } else { self.boards.clone() }
+    }
+
+    /// Whether the array is one flat board in rows and columns, in z = 0 about the origin, that radiates towards +z.
+    pub fn is_home(&self) -> bool {
+        (self.boards.is_empty() || self.boards == [Board::default()]) && self.array.file.is_none()
+    }
+
+    /// Where the boards radiate to.
+    pub fn front(&self) -> Front {
+        let mut faces: Vec<(DVec3, DVec3)> = Vec::new();
+        let placed = if self.array.file.is_some() { self.array.places() } else { Vec::new() };
+        for board in self.standing() {
+            let axes = board.axes().unwrap_or(DMat3::IDENTITY);
+            if self.array.file.is_none() {
+                faces.push((board.at, axes.z_axis));
+            }
+            for it in &placed {
+                let face = (board.at + axes * it.at, axes * it.normal);
+                // Of a flat board one element says it all.
+                if faces.last().is_none_or(|last| last.1 != face.1 || last.1.dot(face.0 - last.0) != 0.0) {
+                    faces.push(face);
+                }
+            }
+        }
+        Front(faces)
+    }
+
+    /// Everything that reflects: the reflectors, and the liquid's surface as the last.
+    pub fn mirrors(&self) -> Vec<Reflector> {
+        let surface = self.liquid.reflects.then(|| self.surface());
+        self.reflectors.iter().cloned().chain(surface).collect()
+    }
+
+    /// The liquid's surface, which is the scene's plane, as a reflector.
+    pub fn surface(&self) -> Reflector {
+        let (point, up) = (self.plane.centre, self.plane.axes().map_or(DVec3::Z, |(x, y)| x.cross(y)));
+        let first = self.boards.first().map_or(DVec3::ZERO, |board| board.at);
+        let normal = if up.dot(first - point) < 0.0 { -up } else { up };
+        Reflector { point, normal, coefficient: crate::scene::liquid::REFLECTION }
+    }
+}
+
+/// The elements of all boards seen from the front, boards side by side: where charts draw them.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Chart {
+    /// m, of every element, from the lower left corner.
+    pub places: Vec<DVec2>,
+    /// m
+    pub size: DVec2,
+    /// m, the room of an element.
+    pub cell: f64,
+}
+
+impl Chart {
+    pub fn new(scene: &Scene) -> Self {
+        let array = &scene.array;
+        let placed = array.places();
+        let mean = placed.iter().map(|it| it.normal).sum::<DVec3>() / placed.len() as f64;
+        let up = if mean.length() > FACING { mean.normalize() } else { DVec3::Z };
+        let turn = DQuat::from_rotation_arc(up, DVec3::Z);
+        let cell = if array.file.is_some() { 2.0 * array.element_radius } else { array.pitch };
+        let flat: Vec<_> = placed.iter().map(|it| (turn * it.at).truncate()).collect();
+        let grow = |(low, high): (DVec2, DVec2), at: &DVec2| (low.min(*at), high.max(*at));
+        let (low, high) = flat.iter().fold((DVec2::MAX, DVec2::MIN), grow);
+        let one = high - low + cell;
+        // Elements that face each other lie beside each other.
+        let is_back = |it: &Placed| it.normal.dot(up) < -FACING;
+        let sides = if placed.iter().any(is_back) { 2 } else { 1 };
+        let step = one.x + cell / 2.0;
+        let boards = scene.boards.len().max(1);
+        let place = |board: usize, (it, at): (&Placed, &DVec2)| {
+            let column = sides * board + usize::from(is_back(it));
+            at - low + cell / 2.0 + DVec2::X * step * column as f64
+        };
+        let of_board = |board: usize| placed.iter().zip(&flat).map(move |pair| place(board, pair));
+        let places = (0..boards).flat_map(of_board).collect();
+        let columns = (sides * boards) as f64;
+        Self { places, size: DVec2::new(one.x + step * (columns - 1.0), one.y), cell }
+    }
+
+    /// The element at a place.
+    pub fn element(&self, at: DVec2) -> Option<usize> {
+        let distances = self.places.iter().map(|place| place.distance_squared(at)).enumerate();
+        let (nearest, distance) = distances.min_by(|a, b| a.1.total_cmp(&b.1))?;
+        (distance.sqrt() <= 0.75 * self.cell).then_some(nearest)
+    }
+}
+
+/// Cosine beyond which two elements face each other rather than the same side.
+const FACING: f64 = 0.2;
+
+/// Checks boards and reflectors, one by one and together.
+pub(crate) fn check(scene: &Scene) -> Result<(), KeyError> {
+    limit("board", scene.boards.len(), MOST_BOARDS)?;
+    limit("reflector", scene.reflectors.len(), MOST_REFLECTORS)?;
+    for (index, board) in scene.boards.iter().enumerate() {
+        self::board(board).map_err(|e| e.under(&["board".into(), index.into()]))?;
+    }
+    for (index, reflector) in scene.reflectors.iter().enumerate() {
+        self::reflector(reflector).map_err(|e| e.under(&["reflector".into(), index.into()]))?;
+    }
+    let all = scene.elements() as u64;
+    if all > MOST_ELEMENTS {
+        let (boards, each) = (scene.boards.len(), scene.array.elements());
+        let message =
+            format!("{boards} boards of {each} elements have {all}, and {MOST_ELEMENTS} in all are the most");
+        return refuse("board", message);
+    }
+    if scene.liquid.reflects
+        && scene.plane.axes().is_none_or(|(x, y)| x.cross(y).truncate().length() > PARALLEL)
+    {
+        let message = "the liquid's surface is the scene's plane, which has to be level for that: `plane.x_axis` and \
+                       `plane.y_axis` are not; draw other planes with a [[reflector]] in the place of the surface";
+        return Err(KeyError::new([Key::from("liquid"), Key::from("reflects")], message));
+    }
+    if scene.array.lacks_elements() {
+        return Ok(());
+    }
+    apart(scene)?;
+    clear_of_reflectors(scene)?;
+    converges(scene)
+}
+
+fn limit(key: &'static str, count: usize, most: usize) -> Result<(), KeyError> {
+    if count <= most {
+        Ok(())
+    } else {
+        refuse(key, format!("{count} are more than the {most} that a scene may have"))
+    }
+}
+
+fn board(board: &Board) -> Result<(), KeyError> {
+    point("at", board.at)?;
+    direction("normal", board.normal)?;
+    direction("x_axis", board.x_axis)?;
+    if board.axes().is_none() {
+        return refuse(
+            "x_axis",
+            "runs along `normal`: growing columns run across the direction of radiation",
+        );
+    }
+    Ok(())
+}
+
+fn reflector(reflector: &Reflector) -> Result<(), KeyError> {
+    point("point", reflector.point)?;
+    direction("normal", reflector.normal)?;
+    within("coefficient", reflector.coefficient, -1.0, 1.0, "(1: rigid, 0: none, -1: soft)")
+}
+
+/// Boards do not overlap.
+fn apart(scene: &Scene) -> Result<(), KeyError> {
+    if scene.boards.len() < 2 {
+        return Ok(());
+    }
+    let (low, high) = bounds(scene);
+    let slabs: Vec<_> = scene.boards.iter().map(|board| Slab::new(board, low, high)).collect();
+    for (index, slab) in slabs.iter().enumerate() {
+        if let Some(other) = slabs[..index].iter().position(|other| slab.meets(other)) {
+            let message = format!("the board overlaps board {}", other + 1);
+            return Err(KeyError::new([Key::from("board"), Key::from(index), Key::from("at")], message));
+        }
+    }
+    Ok(())
+}
+
+/// The box around the centres of the array's elements, in its own coordinates, m.
+fn bounds(scene: &Scene) -> (DVec3, DVec3) {
+    let placed = scene.array.places();
+    let places = placed.iter().map(|it| it.at);
+    places.fold((DVec3::MAX, DVec3::MIN), |(low, high), at| (low.min(at), high.max(at)))
+}
+
+/// A board as a box.
+struct Slab {
+    middle: DVec3,
+    axes: [DVec3; 3],
+    half: DVec3,
+}
+
+impl Slab {
+    fn new(board: &Board, low: DVec3, high: DVec3) -> Self {
+        let axes = board.axes().unwrap_or(DMat3::IDENTITY);
+        Self {
+            middle: board.world((low + high) / 2.0),
+            axes: [axes.x_axis, axes.y_axis, axes.z_axis],
+            half: (high - low) / 2.0,
+        }
+    }
+
+    /// Whether two boxes have a place in common: none of the directions in which they may be apart tells them apart.
+    fn meets(&self, other: &Self) -> bool {
+        let across = self.axes.iter().flat_map(|a| other.axes.iter().map(move |b| a.cross(*b)));
+        let directions = self.axes.into_iter().chain(other.axes).chain(across);
+        directions.filter_map(DVec3::try_normalize).all(|direction| {
+            let between = direction.dot(other.middle - self.middle).abs();
+            between < self.reach(direction) + other.reach(direction) + SLACK
+        })
+    }
+
+    fn reach(&self, direction: DVec3) -> f64 {
+        (0..3).map(|i| self.half[i] * self.axes[i].dot(direction).abs()).sum()
+    }
+}
+
+/// Every element lies on the side of the sound of every reflector.
+fn clear_of_reflectors(scene: &Scene) -> Result<(), KeyError> {
+    let mirrors = scene.mirrors();
+    if mirrors.is_empty() {
+        return Ok(());
+    }
+    let placed = scene.array.places();
+    for (number, board) in scene.standing().iter().enumerate() {
+        let places: Vec<_> = placed.iter().map(|it| board.world(it.at)).collect();
+        for (index, mirror) in mirrors.iter().enumerate() {
+            let heights = places.iter().map(|&place| mirror.height(place));
+            let (least, most) =
+                heights.fold((f64::MAX, f64::MIN), |(least, most), it| (least.min(it), most.max(it)));
+            if least > SLACK {
+                continue;
+            }
+            let how = match most {
+                _ if most <= -SLACK => "lies behind it: its normal points towards the sound",
+                _ if most <= SLACK => "lies in it: `array.reflectivity` is that of the array's own face",
+                _ => "is cut by it",
+            };
+            let message = format!("board {} {how}", number + 1);
+            let key = match scene.reflectors.get(index) {
+                Some(_) => vec![Key::from("reflector"), Key::from(index), Key::from("point")],
+                None => vec![Key::from("liquid"), Key::from("reflects")],
+            };
+            return Err(KeyError::new(key, message));
+        }
+    }
+    Ok(())
+}
+
+/// What is sent to and fro between the array's face and a parallel reflector fades.
+fn converges(scene: &Scene) -> Result<(), KeyError> {
+    /// Of what is left after going to and fro once.
+    const MOST: f64 = 1.0 - 1e-9;
+    let own = scene.array.reflectivity;
+    for mirror in scene.mirrors() {
+        let is_between = scene.standing().iter().any(|board| mirror.faces(board));
+        if is_between && (own * mirror.coefficient).abs() > MOST {
+            let message = "the series of reflections between the array's face and a reflector that is as perfect does not \
+                           converge: give one of them less than 1";
+            return Err(KeyError::new([Key::from("array"), Key::from("reflectivity")], message));
+        }
+    }
+    Ok(())
+}
+
+impl Reflector {
+    /// Whether it is the plane through a point (m) across a unit vector.
+    pub fn lies_in(&self, point: DVec3, normal: DVec3) -> bool {
+        let is_parallel = self.normal.normalize_or_zero().cross(normal).length() < PARALLEL;
+        is_parallel && self.height(point).abs() < PARALLEL
+    }
+
+    /// Whether a board's face is parallel to it and looks at it, so that sound goes to and fro between them.
+    pub fn faces(&self, board: &Board) -> bool {
+        let (own, its) = (self.normal.normalize_or_zero(), board.normal.normalize_or_zero());
+        own.cross(its).length() < PARALLEL && own.dot(its) < 0.0
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::path::Path;
+
+    use super::*;
+    use crate::scene::file;
+
+    fn refused(text: &str) -> String {
+        file::parse(&format!("format = 1\n{text}"), Path::new("a.toml")).unwrap_err().to_string()
+    }
+
+    #[test]
+    fn what_cannot_stand_is_refused_where_it_is_written() {
+        for (text, start, what) in [
+            ("[[board]]\n[[board]]\nat = [0.1, 0, 0]", "a.toml:4: board[2].at = ", "overlaps board 1"),
+            ("[[board]]\n[[board]]\nnormal = [1, 0, 0]\nx_axis = [0, 1, 0]", "a.toml:3: board[2].at", "overlaps"),
+            ("[[board]]\nnormal = [0, 0, 0]", "a.toml:3: board[1].normal", "must be a direction"),
+            ("[[board]]\nnormal = [2, 0, 0]", "a.toml:2: board[1].x_axis", "runs along `normal`"),
+            ("[[reflector]]\npoint = [0, 0, -0.1]", "a.toml:3: reflector[1].point", "board 1 lies behind it"),
+            ("[[reflector]]\npoint = [0, 0, 0]\nnormal = [1, 0, 0]", "a.toml:3: reflector[1]", "is cut by it"),
+            ("[[reflector]]\npoint = [0, 0, 0]\nnormal = [0, 0, 1]", "a.toml:3: reflector[1]", "lies in it"),
+            ("[[reflector]]\ncoefficient = 1.5", "a.toml:3: reflector[1].coefficient = 1.5", "from -1 to 1"),
+            ("[array]\nreflectivity = 2", "a.toml:3: array.reflectivity = 2", "from -1 to 1"),
+            ("[array]\nreflectivity = -1\n[[reflector]]", "a.toml:3: array.reflectivity = -1", "not converge"),
+            ("[liquid]\nreflects = true\n[plane]\ny_axis = [0, 0, 1]", "a.toml:3: liquid.reflects", "level"),
+            ("[array]\nrows = 200\ncolumns = 200\n[[board]]\n[[board]]\nat = [9, 0, 0]", "a.toml:", "80000"),
+            ("[array]\noff = [600]\n[[board]]\n[[board]]\nat = [9, 0, 0]", "a.toml:3: array.off[1]", "0 to 511"),
+            ("[[board]]\n[[board]]\nat = [0, 0, 1]\n[[target]]\nat = [0, 0, -1]", "a.toml:6: target", "every board"),
+        ] {
+            let error = refused(text);
+            assert!(error.starts_with(start) && error.contains(what), "{text}: {error}");
+        }
+    }
+
+    #[test]
+    fn boards_that_stand_side_by_side_do_not_overlap() {
+        let text = "format = 1\n[[board]]\n[[board]]\nat = [0.168, 0, 0]\n[[board]]\nat = [0, 0, 0.001]\n";
+        assert!(file::parse(text, Path::new("a.toml")).is_ok());
+        let scene = file::parse(&text.replace("0.001", "0.2"), Path::new("a.toml")).unwrap();
+        assert_eq!(scene.elements(), 768);
+        let again = file::parse(&file::write(&scene), Path::new("b.toml")).unwrap();
+        assert_eq!(again, scene);
+    }
+
+    #[test]
+    fn charts_give_every_element_a_place_of_its_own() {
+        let boards = vec![Board::default(), Board { at: DVec3::Z, ..Board::default() }];
+        let scene = Scene { boards, ..Scene::default() };
+        let chart = Chart::new(&scene);
+        assert_eq!(chart.places.len(), 512);
+        for (n, place) in chart.places.iter().enumerate() {
+            assert_eq!(chart.element(*place), Some(n));
+            assert!(place.cmpgt(DVec2::ZERO).all() && place.cmplt(chart.size).all());
+        }
+        assert_eq!(chart.element(DVec2::splat(-0.02)), None);
+    }
+}

@@ -1,0 +1,25 @@
+//! Tables of published arrays whose elements stand in no rows and columns.
+
+/// What names one of them in place of a file.
+pub const PRESET: &str = "preset:";
+
+macro_rules! tables {
+    ($($name:literal),* $(,)?) => {
+        const TABLES: &[(&str, &str)] =
+            &[$(($name, include_str!(concat!("../../assets/arrays/", $name, ".csv")))),*];
+    };
+}
+
+tables!("tinylev-72", "biglev-72", "autd3-249", "bowl-64", "hexagon-91", "spiral-64");
+
+/// The table of a published array that a scene names.
+///
+/// # Errors
+/// The names that there are, where this is none of them.
+pub fn table(name: &str) -> Result<&'static str, String> {
+    let found = TABLES.iter().find(|(known, _)| *known == name).map(|(_, text)| *text);
+    found.ok_or_else(|| {
+        let names: Vec<_> = TABLES.iter().map(|(known, _)| *known).collect();
+        format!("no preset of that name: {}", names.join(", "))
+    })
+}

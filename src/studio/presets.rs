@@ -1,0 +1,50 @@
+//! Published arrays, as scenes without targets.
+
+use std::path::Path;
+
+use crate::scene::{Array, Board};
+use crate::studio::opening;
+
+/// A published array.
+#[derive(Clone, Copy, Debug)]
+pub struct Known {
+    pub title: &'static str,
+    /// A scene file, whose first line names the source.
+    text: &'static str,
+}
+
+macro_rules! known {
+    ($($title:literal: $name:literal),* $(,)?) => {
+        /// All of them.
+        pub const KNOWN: &[Known] = &[$(Known {
+            title: $title,
+            text: include_str!(concat!("../../assets/arrays/", $name, ".toml")),
+        }),*];
+    };
+}
+
+known! {
+    "SonicSurface, 16 x 16": "sonicsurface",
+    "Two SonicSurfaces face to face": "two-sonicsurfaces",
+    "Ultraino, 8 x 8": "ultraino-8",
+    "Ultraino, 16 x 16": "ultraino-16",
+    "TinyLev, 2 x 36": "tinylev-72",
+    "BigLev, 2 x 36": "biglev-72",
+    "AUTD3, 249": "autd3-249",
+    "Bowl of 64": "bowl-64",
+    "Hexagon of 91": "hexagon-91",
+    "Spiral of 64": "spiral-64",
+}
+
+impl Known {
+    /// Where its geometry is published.
+    pub fn source(&self) -> &'static str {
+        self.text.lines().next().map_or("", |line| line.trim_start_matches("# "))
+    }
+
+    /// The array, loaded, and its boards.
+    pub fn array(&self) -> Option<(Array, Vec<Board>)> {
+        let scene = opening::parse(self.text, Path::new(self.title)).ok()?;
+        Some((scene.array, scene.boards))
+    }
+}

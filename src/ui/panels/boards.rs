@@ -1,0 +1,172 @@
+//! Where the array stands: its boards, known arrays, and what reflects.
+
+use std::f64::consts::FRAC_PI_2;
+
+use egui::Ui;
+use glam::{DQuat, DVec3};
+
+use crate::scene::{Board, Elements, Reflector, Scene};
+use crate::studio::presets::KNOWN;
+use crate::ui::{Dialog, Editor, Purpose};
+use crate::ui::panels::{PLAIN, choice, coordinates, form, number};
+
+/// mm; nothing of a scene lies lower.
+const LOWEST: f64 = -2000.0;
+/// Directions that boards and reflectors usually face.
+const DIRECTIONS: [(DVec3, &str); 6] = [
+    (DVec3::Z, "up, +z"),
+    (DVec3::NEG_Z, "down, -z"),
+    (DVec3::X, "right, +x"),
+    (DVec3::NEG_X, "left, -x"),
+    (DVec3::Y, "back, +y"),
+    (DVec3::NEG_Y, "front, -y"),
+];
+/// rad, of one press of a button.
+const TURN: f64 = FRAC_PI_2 / 6.0;
+
+/// A menu of published arrays, and a table of one's own.
+pub fn known(editor: &mut Editor, ui: &mut Ui) {
+    ui.horizontal(|ui| {
+        published(editor, ui);
+        let tip = "Elements that stand and face anywhere, from CSV or a PAT file of OpenMPD";
+        if ui.button("From a table…").on_hover_text(tip).clicked() {
+            editor.dialog = Some(Dialog::path(Purpose::Elements, &editor.document));
+        }
+    });
+    if let Some(file) = &editor.scene().array.file {
+        ui.label(format!("Elements of {file}"));
+        if ui.button("Rows and columns again").clicked() {
+            let array = &mut editor.document.scene.array;
+            (array.file, array.placed) = (None, Elements::default());
+            keep_off(&mut editor.document.scene);
+        }
+    }
+}
+
+fn published(editor: &mut Editor, ui: &mut Ui) {
+    ui.menu_button("Known arrays", |ui| {
+        for known in KNOWN {
+            if ui.button(known.title).on_hover_text(known.source()).clicked()
+                && let Some((array, boards)) = known.array()
+            {
+                let scene = &mut editor.document.scene;
+                (scene.array, scene.boards) = (array, boards);
+            }
+        }
+    })
+    .response
+    .on_hover_text("Takes rows, columns, places and strength of a published array");
+}
+
+pub fn show(editor: &mut Editor, ui: &mut Ui) {
+    let scene = &mut editor.document.scene;
+    let mut removed = None;
+    for (index, board) in scene.boards.iter_mut().enumerate() {
+        let name = format!("Board {}", index + 1);
+        form(ui, &name, |ui| {
+            place(ui, &name, &mut board.at);
+            if facing(ui, &mut board.normal) {
+                board.x_axis = board.normal.any_orthonormal_vector();
+            }
+        });
+        ui.horizontal(|ui| {
+            ui.label("Turn");
+            for (axis, sign) in [(DVec3::X, "x"), (DVec3::Y, "y"), (DVec3::Z, "z")] {
+                let tip = format!("By 15° about {sign}; with Shift the other way");
+                if ui.small_button(sign).on_hover_text(tip).clicked() {
+                    let turn = if ui.input(|input| input.modifiers.shift) { -TURN } else { TURN };
+                    let turn = DQuat::from_axis_angle(axis, turn);
+                    (board.normal, board.x_axis) = (turn * board.normal, turn * board.x_axis);
+                }
+            }
+            if ui.small_button("Remove").clicked() {
+                removed = Some(index);
+            }
+        });
+    }
+    if let Some(index) = removed {
+        scene.boards.remove(index);
+        keep_off(scene);
+    }
+    ui.horizontal(|ui| {
+        if ui.button("Add board").on_hover_text("The same array once more").clicked() {
+            add(scene, |last| Board { at: last.at + DVec3::X * 0.2, ..last });
+        }
+        let tip = "The same array face to face with the last board, 20 cm away";
+        if ui.button("Add opposite").on_hover_text(tip).clicked() {
+            add(scene, |last| Board {
+                at: last.at + last.normal.normalize_or(DVec3::Z) * 0.2,
+                normal: -last.normal,
+                x_axis: last.x_axis,
+            });
+        }
+    });
+}
+
+/// Adds a board that follows from the last one.
+fn add(scene: &mut Scene, next: impl FnOnce(Board) -> Board) {
+    if scene.boards.is_empty() {
+        scene.boards.push(Board::default());
+    }
+    let last = scene.boards.last().cloned().unwrap_or_default();
+    scene.boards.push(next(last));
+}
+
+/// Elements that are off are those of boards that are there.
+fn keep_off(scene: &mut Scene) {
+    let elements = scene.elements();
+    scene.array.off.retain(|&element| element < elements);
+}
+
+/// What reflects sound.
+pub fn reflectors(editor: &mut Editor, ui: &mut Ui) {
+    let scene = &mut editor.document.scene;
+    let tip = "The liquid's surface, which is the scene's plane, sends sound back: draws the standing wave before it";
+    ui.checkbox(&mut scene.liquid.reflects, "Liquid's surface").on_hover_text(tip);
+    form(ui, "reflectivity", |ui| {
+        let tip = "Of the array's own face: 1 sends back all that comes from a parallel reflector";
+        number(ui, ("Array's face", tip), &mut scene.array.reflectivity, PLAIN, -1.0..=1.0);
+    });
+    let mut removed = None;
+    for (index, reflector) in scene.reflectors.iter_mut().enumerate() {
+        let name = format!("Reflector {}", index + 1);
+        form(ui, &name, |ui| {
+            place(ui, &name, &mut reflector.point);
+            facing(ui, &mut reflector.normal);
+            let tip = "Of the pressure's amplitude: 1 rigid, -1 soft";
+            number(ui, ("Coefficient", tip), &mut reflector.coefficient, PLAIN, -1.0..=1.0);
+        });
+        if ui.small_button("Remove").clicked() {
+            removed = Some(index);
+        }
+    }
+    if let Some(index) = removed {
+        scene.reflectors.remove(index);
+    }
+    if ui.button("Add reflector").on_hover_text("An infinite plane").clicked() {
+        scene.reflectors.push(Reflector::default());
+    }
+}
+
+fn place(ui: &mut Ui, name: &str, at: &mut DVec3) {
+    ui.label(name).on_hover_text("x, y and z of its place");
+    ui.horizontal(|ui| coordinates(ui, name, at, LOWEST));
+    ui.end_row();
+}
+
+/// What something faces; says whether that changed.
+fn facing(ui: &mut Ui, normal: &mut DVec3) -> bool {
+    let before = normal.normalize_or(DVec3::Z);
+    let mut towards = before;
+    let own = format!("({:.2}, {:.2}, {:.2})", before.x, before.y, before.z);
+    let mut choices = DIRECTIONS.to_vec();
+    if !DIRECTIONS.iter().any(|(direction, _)| *direction == before) {
+        choices.push((before, &own));
+    }
+    choice(ui, ("Faces", "The direction in which sound goes"), &mut towards, &choices);
+    if towards == before {
+        return false;
+    }
+    *normal = towards;
+    true
+}
