@@ -48,6 +48,7 @@ fn go_on(next: Next) -> anyhow::Result<()> {
 
 #[cfg(feature = "window")]
 fn open(scene: Option<&Path>, renderer: Renderer) -> anyhow::Result<()> {
+    return_freed_memory();
     sonoglyph::app::run(scene, renderer)
 }
 
@@ -62,5 +63,24 @@ fn open(scene: Option<&Path>, _: Renderer) -> anyhow::Result<()> {
 fn quiet_drivers() {
     if std::env::var_os("XDG_RUNTIME_DIR").is_none() {
         unsafe { std::env::set_var("NODEVICE_SELECT", "1") };
+    }
+}
+
+/// What is dropped goes back to the system. Left alone, glibc gives threads heaps of their own and raises the size from which a
+/// buffer has its own pages to the largest one freed so far, up to 32 MiB; smaller ones then leave holes in all these heaps.
+#[cfg(feature = "window")]
+fn return_freed_memory() {
+    #[cfg(all(target_os = "linux", target_env = "gnu"))]
+    {
+        use libc::{M_ARENA_MAX, M_MMAP_THRESHOLD, M_TRIM_THRESHOLD, mallopt};
+
+        /// Bytes: the pixels of a usual map stay below and cost no new pages in every frame of a drag.
+        const LARGE: i32 = 2 << 20;
+        #[expect(unsafe_code, reason = "numbers of the allocator, which it sets under a lock of its own")]
+        unsafe {
+            mallopt(M_ARENA_MAX, 1);
+            mallopt(M_MMAP_THRESHOLD, LARGE);
+            mallopt(M_TRIM_THRESHOLD, 2 * LARGE);
+        }
     }
 }
