@@ -78,6 +78,9 @@ fn known() -> BTreeMap<String, Table> {
         density = 998.0
         surface_tension = 0.07
         viscosity = 0.001
+        refractive_index = 1.33
+        light = "reflected"
+        screen = 0.1
         [listener]
         at = [0, 0, 1]
         [solver]
@@ -280,6 +283,7 @@ fn quantities_are_documented_with_their_units() {
             Unit::Metre => "m",
             Unit::WattPerSquareMetre => "W/m²",
             Unit::MetrePerSecond => "m/s",
+            Unit::Undisturbed => "×",
         };
         let value = &said[&name];
         assert!(value.split([' ', ',']).any(|word| word == unit), "{name} in {unit}: {value}");
