@@ -9,9 +9,12 @@ use crate::field::stages::kept::Kept;
 use crate::surface::caustic;
 use crate::surface::{Light, Rays};
 
-/// Steps of a cell at most and at least from ray to ray, where pixels are not in between.
-const COARSEST: f64 = 3.5;
-const FINEST: f64 = 16.0;
+/// From ray to ray, in cells: at most, where pixels are coarse and light is bent much, and at least for brightness alone.
+const COARSEST: f64 = 1.0 / 1.5;
+const COARSE: f64 = 1.0 / 3.5;
+const FINEST: f64 = 1.0 / 16.0;
+/// By how much brightness may change from patch to patch, if that takes no patches below a pixel.
+const JUMP: f64 = 0.05;
 /// Pixels that light may land beside where it would between rays.
 const ASTRAY: f64 = 0.25;
 /// What third differences from cell to cell miss of a square's shortest wave.
@@ -118,14 +121,15 @@ fn lattice(cells: &Cells, depth: &[f64], size: DVec2, pixel: DVec2, throw: f64) 
             }
         }
     }
-    let bend = MISSED * bend * per_cell;
+    let bend = (MISSED * bend * per_cell).max(f64::MIN_POSITIVE);
     let finest_pixel = pixel.min_element();
-    let wanted = finest_pixel.clamp(cells.step / FINEST, cells.step / COARSEST);
-    // Between rays light goes straight, which is off by an eighth of the second difference. In halvings, so that a little
-    // more sound makes no other lattice.
-    let straight = cells.step * (8.0 * ASTRAY * finest_pixel / bend.max(f64::MIN_POSITIVE)).sqrt();
-    let halvings = (wanted / straight).log2().max(0.0);
-    let step = wanted / 2f64.powf((2.0 * halvings).ceil() / 2.0);
+    let least = finest_pixel.clamp(FINEST * cells.step, COARSE * cells.step);
+    let even = (JUMP * cells.step * cells.step / bend).clamp(least, COARSEST * cells.step);
+    // Between rays light goes straight, which is off by an eighth of the second difference.
+    let straight = cells.step * (8.0 * ASTRAY * finest_pixel / bend).sqrt();
+    // A little more sound makes no other lattice.
+    let stepped = |step: f64| cells.step * 2f64.powf((2.0 * (step / cells.step).log2()).floor() / 2.0);
+    let step = if straight < least { stepped(straight) } else { stepped(even.min(straight)).max(least) };
     let halves = [0, 1].map(|axis| {
         let beyond = |place: f64| place.abs() - size[axis] / 2.0;
         let reaching = cells.places(axis).zip(&reach[axis]).map(|(place, reach)| {

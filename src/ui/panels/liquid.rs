@@ -50,7 +50,7 @@ pub fn show(editor: &mut Editor, shown: &Shown, ui: &mut Ui) {
 
 /// The screen on which light falls that the surface bends.
 fn caustic(editor: &mut Editor, shown: &Shown, ui: &mut Ui) {
-    heading(ui, "Caustic");
+    heading(ui, "Light on a screen");
     let liquid = &mut editor.document.scene.liquid;
     let named = crate::scene::Liquid { name: liquid.name, ..crate::scene::Liquid::default() };
     form(ui, "caustic", |ui| {
