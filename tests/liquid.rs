@@ -280,18 +280,37 @@ fn a_caustic_has_the_numbers_that_its_picture_shows() {
     let caustic = ["--quantity", "caustic", "--backend", "cpu"];
     let still = ["render", "a.toml", "-o", "a.png", "--size", "80", "--data", "a.npy"];
     let (said, _) = succeed(at, &[&still[..], &caustic].concat());
-    assert!(said.contains("× undisturbed") && said.contains("n = 1.333") && said.contains("water 100 mm"), "{said}");
+    assert!(
+        said.contains("× undisturbed") && said.contains("n = 1.333") && said.contains("water 100 mm"),
+        "{said}"
+    );
     let (header, light) = npy(&at.join("a.npy"));
     assert!(header.contains("(60, 80"), "{header}");
     let mean = light.iter().map(|&value| f64::from(value)).sum::<f64>() / 4800.0;
-    let landed: f64 = said.split(" % of the light").next().unwrap().rsplit(' ').next().unwrap().parse().unwrap();
+    let landed: f64 =
+        said.split(" % of the light").next().unwrap().rsplit(' ').next().unwrap().parse().unwrap();
     assert!((100.0 * mean - landed).abs() < 0.006, "{mean}: {said}");
     // It is dark under the focus, where light is spread.
     let focus = light[50 * 80 + 50];
     assert!(focus < 0.9 && largest(&light).1 > 1.0, "{focus}");
-    succeed(at, &[&["render", "a.toml", "-o", "a.svg", "--figure", "--width-mm", "40"], &caustic[..]].concat());
+    succeed(
+        at,
+        &[&["render", "a.toml", "-o", "a.svg", "--figure", "--width-mm", "40"], &caustic[..]].concat(),
+    );
     assert!(fs::read_to_string(at.join("a.svg")).unwrap().contains("undisturbed"));
-    let waves = ["render", "a.toml", "-o", "a.gif", "--waves", "--seconds", "0.05", "--size", "40", "--data", "w.npy"];
+    let waves = [
+        "render",
+        "a.toml",
+        "-o",
+        "a.gif",
+        "--waves",
+        "--seconds",
+        "0.05",
+        "--size",
+        "40",
+        "--data",
+        "w.npy",
+    ];
     let (said, _) = succeed(at, &[&waves[..], &caustic].concat());
     assert!(said.contains("caustic brightness 0"), "{said}");
     let (header, waves) = npy(&at.join("w.npy"));

@@ -107,7 +107,8 @@ impl Gaussian {
         let count = (2.0 * half / self.pixel() * self.rays).ceil() as usize + 1;
         let step = 2.0 * half / (count - 1) as f64;
         let place = |i: usize| step * i as f64 - half;
-        let slope = |x: f64, y: f64| -2.0 * DEEP * x / (WIDE * WIDE) * (-(x * x + y * y) / (WIDE * WIDE)).exp();
+        let slope =
+            |x: f64, y: f64| -2.0 * DEEP * x / (WIDE * WIDE) * (-(x * x + y * y) / (WIDE * WIDE)).exp();
         let all = |of: &dyn Fn(f64, f64) -> f64| -> Vec<f32> {
             (0..count * count).map(|i| of(place(i % count), place(i / count)) as f32).collect()
         };
@@ -120,7 +121,7 @@ impl Gaussian {
             slopes: slopes.each_ref().map(|slopes| &slopes[..]),
             throw: [self.throw / self.pixel(); 2],
         };
-        let light = caustic::light(&rays, self.pixels, &mut values);
+        let light = caustic::light(&[rays], self.pixels, &mut values);
         (values, light)
     }
 
@@ -160,7 +161,14 @@ fn light_through_a_level_surface_is_undisturbed() {
 #[test]
 fn the_middle_of_a_depression_is_as_dark_or_as_bright_as_its_curvature_says() {
     for a in [0.5, 2.0, 5.0, -0.3, -0.6] {
-        let gaussian = Gaussian { side: 0.004, pixels: 101, reach: 9.0, rays: 1.0, throw: throw(a), ..Gaussian::default() };
+        let gaussian = Gaussian {
+            side: 0.004,
+            pixels: 101,
+            reach: 9.0,
+            rays: 1.0,
+            throw: throw(a),
+            ..Gaussian::default()
+        };
         let (values, light) = gaussian.light();
         let (middle, expected) = (f64::from(values[50 * 101 + 50]), (1.0 + a).powi(-2));
         assert!((middle / expected - 1.0).abs() < 1e-3, "A = {a}: {middle}, not {expected}");
@@ -170,9 +178,8 @@ fn the_middle_of_a_depression_is_as_dark_or_as_bright_as_its_curvature_says() {
 
 #[test]
 fn the_first_caustic_is_where_it_is_to_be() {
-    let crosses = |distance: f64| {
-        Gaussian { throw: (INDEX - 1.0) * distance, ..Gaussian::default() }.light().1.crosses
-    };
+    let crosses =
+        |distance: f64| Gaussian { throw: (INDEX - 1.0) * distance, ..Gaussian::default() }.light().1.crosses;
     let (mut before, mut behind) = (0.01, 0.2);
     assert!(!crosses(before) && crosses(behind));
     while behind - before > 1e-6 {
@@ -185,8 +192,16 @@ fn the_first_caustic_is_where_it_is_to_be() {
 
 #[test]
 fn no_light_is_lost_or_won_however_it_folds() {
-    for (a, columns) in [(0.0, 150), (2.0, 150), (5.0, 150), (40.0, 37), (-1.0, 150), (-3.0, 64), (-40.0, 8)] {
-        let gaussian = Gaussian { side: 0.2, pixels: columns, reach: 0.2, rays: 4.0, throw: throw(a), ..Gaussian::default() };
+    for (a, columns) in [(0.0, 150), (2.0, 150), (5.0, 150), (40.0, 37), (-1.0, 150), (-3.0, 64), (-40.0, 8)]
+    {
+        let gaussian = Gaussian {
+            side: 0.2,
+            pixels: columns,
+            reach: 0.2,
+            rays: 4.0,
+            throw: throw(a),
+            ..Gaussian::default()
+        };
         let (values, light) = gaussian.light();
         let sum: f64 = values.iter().map(|&value| f64::from(value)).sum();
         assert!((light.landed / light.sent - 1.0).abs() < 1e-9, "A = {a}: {light:?}");
@@ -198,7 +213,13 @@ fn no_light_is_lost_or_won_however_it_folds() {
 #[test]
 fn every_pixel_has_the_light_of_the_rays_that_are_counted_there() {
     for a in [1.0, 4.0, -0.8, -4.0] {
-        let gaussian = Gaussian { pixels: 60, rays: 4.0, throw: throw(a), aside: [0.002, -0.001], ..Gaussian::default() };
+        let gaussian = Gaussian {
+            pixels: 60,
+            rays: 4.0,
+            throw: throw(a),
+            aside: [0.002, -0.001],
+            ..Gaussian::default()
+        };
         let (values, expected) = (gaussian.light().0, gaussian.counted(40));
         let off = values.iter().zip(&expected).map(|(&value, expected)| (f64::from(value) - expected).abs());
         let (mean, worst) = (off.clone().sum::<f64>() / 3600.0, off.fold(0.0, f64::max));
@@ -211,7 +232,8 @@ fn every_pixel_has_the_light_of_the_rays_that_are_counted_there() {
 fn a_screen_has_what_a_larger_one_has_there_whoever_draws_it() {
     let whole = Gaussian { throw: throw(4.0), ..Gaussian::default() };
     // Its lower left quarter, but for a row and a column of pixels; as many rays, from as far.
-    let part = Gaussian { side: whole.side * 0.5, pixels: 75, reach: 3.2, aside: [-whole.side * 0.25; 2], ..whole };
+    let part =
+        Gaussian { side: whole.side * 0.5, pixels: 75, reach: 3.2, aside: [-whole.side * 0.25; 2], ..whole };
     let (of_whole, of_part) = (whole.light().0, part.light().0);
     for row in 0..75 {
         for column in 0..75 {

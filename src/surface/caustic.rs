@@ -45,6 +45,10 @@ impl Rays<'_> {
         self.step[0] * self.step[1]
     }
 
+    fn sent(&self) -> f64 {
+        self.patch() * ((self.counts[0] - 1) * (self.counts[1] - 1)) as f64
+    }
+
     fn row(&self, row: usize, landings: &mut Vec<[f64; 2]>) {
         let columns = self.counts[0];
         let [x, y] = self.slopes.map(|slopes| &slopes[row * columns..][..columns]);
@@ -56,40 +60,62 @@ impl Rays<'_> {
         }));
     }
 
-    /// The lowest and the highest landing of every row.
-    fn spans(&self) -> Vec<[f64; 2]> {
-        let row = |(row, slopes): (usize, &[f32])| {
-            let [low, high] = slopes.iter().fold([f32::MAX, f32::MIN], |[low, high], &slope| {
-                [if slope < low { slope } else { low }, if slope > high { slope } else { high }]
-            });
-            let height = self.first[1] + self.step[1] * row as f64;
-            let [a, b] = [low, high].map(|slope| height - self.throw[1] * f64::from(slope));
-            [a.min(b), a.max(b)]
+    fn reach(&self) -> Reach {
+        let columns = self.counts[0];
+        let span = |place: f64, step: f64, throw: f64, slopes: &mut dyn Iterator<Item = f32>| {
+            let landings =
+                (0..).zip(slopes).map(|(i, slope)| place + step * f64::from(i) - throw * f64::from(slope));
+            landings.fold([f64::MAX, f64::MIN], |[low, high], x| [low.min(x), high.max(x)])
         };
-        self.slopes[1].par_chunks(self.counts[0]).enumerate().map(row).collect()
+        let [x, y] = self.slopes;
+        let lines = x
+            .chunks(columns)
+            .map(|x| span(self.first[0], self.step[0], self.throw[0], &mut x.iter().copied()));
+        let rows = y.chunks(columns).enumerate().map(|(row, y)| {
+            span(self.first[1] + self.step[1] * row as f64, 0.0, self.throw[1], &mut y.iter().copied())
+        });
+        let rows: Vec<_> = rows.collect();
+        Reach { whole: [widest(lines), widest(rows.iter().copied())], rows }
     }
 }
 
-/// Lights a screen of pixels, row by row, `columns` in a row: the `values` become 1 where light is undisturbed.
+/// From where to where rays land.
+struct Reach {
+    /// Along a row, and from row to row.
+    whole: [[f64; 2]; 2],
+    /// From row to row, of every row of rays.
+    rows: Vec<[f64; 2]>,
+}
+
+fn widest(spans: impl Iterator<Item = [f64; 2]>) -> [f64; 2] {
+    spans.fold([f64::MAX, f64::MIN], |[low, high], span| [low.min(span[0]), high.max(span[1])])
+}
+
+/// Lights a screen of pixels, row by row, `columns` in a row, by lattices of rays that cover a surface side by side: the `values` become
+/// 1 where light is undisturbed.
 ///
 /// # Panics
 /// No pixels, fewer than two rows or columns of rays, or slopes that are not one per ray.
-pub fn light(rays: &Rays<'_>, columns: usize, values: &mut [f32]) -> Light {
-    let places = rays.counts[0] * rays.counts[1];
-    assert!(rays.counts.iter().all(|&count| count > 1), "no patches: {:?}", rays.counts);
-    assert!(rays.slopes.iter().all(|slopes| slopes.len() == places), "a slope for every ray");
-    let spans = rays.spans();
+pub fn light(lattices: &[Rays<'_>], columns: usize, values: &mut [f32]) -> Light {
+    for rays in lattices {
+        let places = rays.counts[0] * rays.counts[1];
+        assert!(rays.counts.iter().all(|&count| count > 1), "no patches: {:?}", rays.counts);
+        assert!(rays.slopes.iter().all(|slopes| slopes.len() == places), "a slope for every ray");
+    }
+    let reaches: Vec<_> = lattices.par_iter().map(Rays::reach).collect();
     let bands: Vec<_> = values
         .par_chunks_mut(BAND * columns)
         .enumerate()
         .map(|(index, values)| {
             let mut band = Band::new(columns, index * BAND, values.len() / columns);
-            band.light(rays, &spans);
+            for (rays, reach) in lattices.iter().zip(&reaches) {
+                band.light(rays, reach);
+            }
             (band.fill(values), band.crosses)
         })
         .collect();
     Light {
-        sent: rays.patch() * ((rays.counts[0] - 1) * (rays.counts[1] - 1)) as f64,
+        sent: lattices.iter().map(Rays::sent).sum(),
         landed: bands.iter().map(|(landed, _)| landed).sum(),
         crosses: bands.iter().any(|(_, crosses)| *crosses),
     }
@@ -118,11 +144,14 @@ impl Band {
     }
 
     /// Adds the light of all patches that reach these rows.
-    fn light(&mut self, rays: &Rays<'_>, spans: &[[f64; 2]]) {
+    fn light(&mut self, rays: &Rays<'_>, reach: &Reach) {
         let (low, high) = (self.first, self.first + self.rows as f64);
-        let reaches =
-            |pair: &[[f64; 2]]| pair[0][0].min(pair[1][0]) < high && pair[0][1].max(pair[1][1]) > low;
-        let mut reached = spans.windows(2).map(reaches);
+        let meets = |span: [f64; 2], ends: [f64; 2]| span[0] < ends[1] && span[1] > ends[0];
+        if !meets(reach.whole[1], [low, high]) || !meets(reach.whole[0], [0.0, self.columns as f64]) {
+            return;
+        }
+        let reaches = |pair: &[[f64; 2]]| meets(widest(pair.iter().copied()), [low, high]);
+        let mut reached = reach.rows.windows(2).map(reaches);
         let patches = rays.counts[0] - 1;
         let none = vec![[0.0; 2]; patches];
         let (mut below, mut own) = (none.clone(), none.clone());

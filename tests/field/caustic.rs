@@ -29,9 +29,8 @@ fn counted(request: &Request, tank: &Tank, depth: &[f64], rays: usize) -> Vec<f6
     let step = pixel / rays as f64;
     let count = [0, 1].map(|axis| (length[axis] / step[axis]).floor() as usize);
     // From the tank's corner.
-    let place = |axis: usize, i: usize| {
-        length[axis] / 2.0 + (i as f64 + 0.5 - count[axis] as f64 / 2.0) * step[axis]
-    };
+    let place =
+        |axis: usize, i: usize| length[axis] / 2.0 + (i as f64 + 0.5 - count[axis] as f64 / 2.0) * step[axis];
     let wave = |axis: usize, i: usize, mode: usize| {
         let q = PI * mode as f64 / length[axis];
         let (sin, cos) = (q * place(axis, i)).sin_cos();
@@ -57,9 +56,8 @@ fn counted(request: &Request, tank: &Tank, depth: &[f64], rays: usize) -> Vec<f6
         let waves: Vec<_> = (0..tank.counts[1]).map(|mode| wave(1, j, mode)).collect();
         for (i, across) in across.iter().enumerate() {
             let pairs = across.iter().zip(&waves);
-            let (x, y) = pairs.fold((0.0, 0.0), |(x, y), ((value, slope), wave)| {
-                (x + slope * wave.0, y + value * wave.1)
-            });
+            let (x, y) = pairs
+                .fold((0.0, 0.0), |(x, y), ((value, slope), wave)| (x + slope * wave.0, y + value * wave.1));
             let landing = |axis: usize, i: usize, slope: f64| {
                 let from_centre = place(axis, i) - length[axis] / 2.0 - request.liquid.throw() * slope;
                 ((from_centre + request.plane.size[axis] / 2.0) / pixel[axis]).floor()
@@ -86,12 +84,16 @@ fn every_pixel_has_the_light_of_the_rays_that_end_there() {
             let mut stages = Stages::new(evaluator);
             let map = stages.map(&request).unwrap().clone();
             let (tank, dent) = stages.surface(&request).unwrap();
-            let expected = counted(&request, tank, &dent.depth, 12);
+            let expected = counted(&request, tank, &dent.depth, 20);
             let off = map.values.iter().zip(&expected).map(|(&value, it)| (f64::from(value) - it).abs());
             let mean = off.clone().sum::<f64>() / expected.len() as f64;
             let worst = off.fold(0.0, f64::max) / brightest(&map.values);
             assert!(mean < 0.02 && worst < 0.05, "{light:?}: {mean}, {worst} of {}", map.peak);
-            assert!((f64::from(map.peak) - brightest(&map.values)).abs() < 1e-6 && map.peak > 1.2, "{}", map.peak);
+            assert!(
+                (f64::from(map.peak) - brightest(&map.values)).abs() < 1e-6 && map.peak > 1.2,
+                "{}",
+                map.peak
+            );
             // A depression spreads what goes through it, and gathers what it reflects.
             let at_focus = f64::from(map.values[29 * 60 + 40]);
             assert!((light == Light::Through) == (at_focus < 1.0), "{light:?}: {at_focus}");
@@ -172,12 +174,14 @@ fn larger_pixels_have_the_light_of_those_in_them() {
 #[test]
 fn a_screen_may_be_far_away_or_at_the_surface() {
     let mut stages = Stages::new(Evaluator::Cpu);
-    let scene = Scene { plane: Plane { size: DVec2::new(0.06, 0.05), ..Plane::default() }, ..Scene::default() };
+    let scene =
+        Scene { plane: Plane { size: DVec2::new(0.06, 0.05), ..Plane::default() }, ..Scene::default() };
     let drives = three_foci().1;
-    for screen in [1e-9, 1e-3, 1.0, 100.0] {
+    for (screen, tolerance) in [(1e-9, 1e-3), (1e-3, 1.0), (1.0, 1e-5), (100.0, 1e-3)] {
         for light in Light::ALL {
             let mut request = Request::new(&scene, drives.clone(), Quantity::Caustic, (70, 60));
             (request.liquid.screen, request.liquid.light) = (screen, light);
+            request.plane.tolerance = tolerance;
             let map = stages.map(&request).unwrap();
             assert!(map.values.iter().all(|value| value.is_finite() && *value >= 0.0), "{screen}");
             assert!(screen > 1e-6 || map.values.iter().all(|value| (value - 1.0).abs() < 1e-4));

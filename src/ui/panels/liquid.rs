@@ -55,9 +55,16 @@ fn caustic(editor: &mut Editor, shown: &Shown, ui: &mut Ui) {
     let named = crate::scene::Liquid { name: liquid.name, ..crate::scene::Liquid::default() };
     form(ui, "caustic", |ui| {
         let ways = Light::ALL.map(|light| (light, light.name()));
-        let tip = "Through the liquid from below, or reflected from above; along the normal of the level surface";
+        let tip =
+            "Through the liquid from below, or reflected from above; along the normal of the level surface";
         choice(ui, ("Light", tip), &mut liquid.light, &ways);
-        number(ui, ("Screen", "Distance from the level surface to the screen"), &mut liquid.screen, MM, 1e-4..=100.0);
+        number(
+            ui,
+            ("Screen", "Distance from the level surface to the screen"),
+            &mut liquid.screen,
+            MM,
+            1e-4..=100.0,
+        );
         let index = Unit { per: 1.0, suffix: "", decimals: 3, speed: 0.01 };
         let tip = "Of the liquid, for light through it";
         let own = named.refractive_index();
