@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 use sonoglyph::device::profile::{Profile, Strength};
 use sonoglyph::field::Quantity;
 use sonoglyph::field::quantity::Unit;
-use sonoglyph::scene::{Scene, Solver, file};
+use sonoglyph::scene::{Liquid, Scene, Solver, file};
 use toml::{Table, Value};
 
 /// Tables that stand as often as there are things of their kind.
@@ -187,6 +187,8 @@ fn defaults_are_those_of_an_empty_scene() {
         ("solver", "search", search.into()),
         ("solver", "frames", frames.into()),
         ("solver", "target", "pressure".into()),
+        ("liquid", "light", "through".into()),
+        ("liquid", "screen", Liquid::SCREEN.into()),
         ("motion", "angle", 0.0.into()),
         ("motion", "foci", 1.into()),
     ] {
