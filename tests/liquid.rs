@@ -312,7 +312,7 @@ fn a_caustic_has_the_numbers_that_its_picture_shows() {
         "w.npy",
     ];
     let (said, _) = succeed(at, &[&waves[..], &caustic].concat());
-    assert!(said.contains("caustic brightness 0"), "{said}");
+    assert!(said.contains(", brightness 0"), "{said}");
     let (header, waves) = npy(&at.join("w.npy"));
     assert!(header.contains("(20, 30, 40"), "{header}");
     let focus = |frame: usize| waves[frame * 1200 + 25 * 40 + 25];

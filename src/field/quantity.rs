@@ -278,7 +278,7 @@ quantities! {
         wgsl: "c.of_pressure * dot(s.p, s.p) - c.of_gradient * (dot(s.x, s.x) + dot(s.y, s.y))",
         name: "caustic",
         title: "Caustic",
-        words: "caustic brightness",
+        words: "brightness",
         help: "How bright light is on a screen after the pressed surface of a liquid has bent it",
         unit: Unit::Undisturbed,
         norm: Norm::Difference,

@@ -16,7 +16,7 @@ use crate::surface::{Light, Rays};
 const SIDE: usize = 8;
 /// By how much brightness may change from patch to patch, if that takes no patches finer than a pixel or [`FINE`] and [`FINEST`] to a
 /// cell.
-const JUMP: f64 = 0.1;
+const JUMP: f64 = 0.05;
 const FINE: f64 = 3.5;
 const FINEST: f64 = 16.0;
 /// Pixels that light may land beside where it should, between rays; and the rays to a cell that this may take.
