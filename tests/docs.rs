@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 use sonoglyph::device::profile::{Profile, Strength};
 use sonoglyph::field::Quantity;
 use sonoglyph::field::quantity::Unit;
-use sonoglyph::scene::{Scene, Solver, file};
+use sonoglyph::scene::{Liquid, Scene, Solver, file};
 use toml::{Table, Value};
 
 /// Tables that stand as often as there are things of their kind.
@@ -78,6 +78,9 @@ fn known() -> BTreeMap<String, Table> {
         density = 998.0
         surface_tension = 0.07
         viscosity = 0.001
+        refractive_index = 1.33
+        light = "reflected"
+        screen = 0.1
         [listener]
         at = [0, 0, 1]
         [solver]
@@ -184,6 +187,8 @@ fn defaults_are_those_of_an_empty_scene() {
         ("solver", "search", search.into()),
         ("solver", "frames", frames.into()),
         ("solver", "target", "pressure".into()),
+        ("liquid", "light", "through".into()),
+        ("liquid", "screen", Liquid::SCREEN.into()),
         ("motion", "angle", 0.0.into()),
         ("motion", "foci", 1.into()),
     ] {
@@ -280,6 +285,7 @@ fn quantities_are_documented_with_their_units() {
             Unit::Metre => "m",
             Unit::WattPerSquareMetre => "W/m²",
             Unit::MetrePerSecond => "m/s",
+            Unit::Undisturbed => "×",
         };
         let value = &said[&name];
         assert!(value.split([' ', ',']).any(|word| word == unit), "{name} in {unit}: {value}");

@@ -271,3 +271,68 @@ fn what_cannot_be_pressed_or_shown_is_refused() {
     assert!(refuse(folder.path(), &phase).contains("phase has no mean over frames"));
     assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 5, "nothing was written");
 }
+
+/// A still, a figure, a film and waves of the same light.
+#[test]
+fn a_caustic_has_the_numbers_that_its_picture_shows() {
+    let folder = folder_with(&[("a.toml", &format!("{FAINT}[liquid]\nscreen = 0.05\n"))]);
+    let at = folder.path();
+    let caustic = ["--quantity", "caustic", "--backend", "cpu"];
+    let still = ["render", "a.toml", "-o", "a.png", "--size", "80", "--data", "a.npy"];
+    let (said, _) = succeed(at, &[&still[..], &caustic].concat());
+    assert!(
+        said.contains("× undisturbed") && said.contains("n = 1.333") && said.contains("water 100 mm"),
+        "{said}"
+    );
+    let (header, light) = npy(&at.join("a.npy"));
+    assert!(header.contains("(60, 80"), "{header}");
+    let mean = light.iter().map(|&value| f64::from(value)).sum::<f64>() / 4800.0;
+    let landed: f64 =
+        said.split(" % of the light").next().unwrap().rsplit(' ').next().unwrap().parse().unwrap();
+    assert!((100.0 * mean - landed).abs() < 0.006, "{mean}: {said}");
+    // It is dark under the focus, where light is spread.
+    let focus = light[50 * 80 + 50];
+    assert!(focus < 0.9 && largest(&light).1 > 1.0, "{focus}");
+    succeed(
+        at,
+        &[&["render", "a.toml", "-o", "a.svg", "--figure", "--width-mm", "40"], &caustic[..]].concat(),
+    );
+    assert!(fs::read_to_string(at.join("a.svg")).unwrap().contains("undisturbed"));
+    let waves = [
+        "render",
+        "a.toml",
+        "-o",
+        "a.gif",
+        "--waves",
+        "--seconds",
+        "0.05",
+        "--size",
+        "40",
+        "--data",
+        "w.npy",
+    ];
+    let (said, _) = succeed(at, &[&waves[..], &caustic].concat());
+    assert!(said.contains(", brightness 0"), "{said}");
+    let (header, waves) = npy(&at.join("w.npy"));
+    assert!(header.contains("(20, 30, 40"), "{header}");
+    let focus = |frame: usize| waves[frame * 1200 + 25 * 40 + 25];
+    assert!((focus(0) - 1.0).abs() < 0.1 && focus(19) < focus(0) - 0.05, "{} {}", focus(0), focus(19));
+}
+
+#[test]
+fn light_that_makes_no_sense_is_refused_by_name() {
+    for (key, said) in [
+        ("screen = 0.0", "liquid.screen = 0"),
+        ("refractive_index = 0.9", "liquid.refractive_index = 0.9: must be a number from 1 to 4"),
+        ("light = \"sideways\"", "expected `through` or `reflected`"),
+    ] {
+        let folder = folder_with(&[("a.toml", &format!("{FAINT}[liquid]\n{key}\n"))]);
+        let message = refuse(folder.path(), &["render", "a.toml", "-o", "a.png", "--quantity", "caustic"]);
+        assert!(message.contains(said) && message.contains("a.toml:"), "{message}");
+        assert!(!folder.path().join("a.png").exists());
+    }
+    let folder = folder_with(&[("a.toml", FAINT)]);
+    let shaded = ["render", "a.toml", "-o", "a.png", "--quantity", "caustic", "--view", "shaded", "--figure"];
+    let message = refuse(folder.path(), &shaded);
+    assert!(message.contains("--quantity depression"), "{message}");
+}

@@ -49,6 +49,8 @@ pub const EXAMPLES: &[Example] = &[
     example!("water-three-points", "Water: three depressions"),
     example!("water-moving-square", "Water: a moving square"),
     example!("water-up-down-left-right", "Water: up, down, left, right"),
+    example!("caustic-circle", "Caustic: a ring"),
+    example!("caustic-hit", "Caustic: HIT"),
     example!("water-heart", "Water: a heart"),
     example!("water-circle", "Water: a circle"),
     example!("water-line", "Water: a line"),

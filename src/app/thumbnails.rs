@@ -65,8 +65,11 @@ fn draw(index: usize) -> Option<Picture> {
     scene.plane.size.x = scene.plane.size.y * width as f64 / height as f64;
     // A first drive will do: a thumbnail is not measured.
     let solution = solver::solve_on(&scene, None).ok()?;
-    let of_liquid = example.name.starts_with("water");
-    let quantity = if of_liquid { Quantity::Depression } else { Quantity::Rms };
+    let quantity = match example.name.split('-').next() {
+        Some("water") => Quantity::Depression,
+        Some("caustic") => Quantity::Caustic,
+        Some(_) | None => Quantity::Rms,
+    };
     let request = Request::new(&scene, solution.drives(), quantity, PIXELS);
     let drawn = map::draw(&request, ColourMap::Inferno, &mut Stages::new(Evaluator::Cpu), false).ok()?;
     Some(drawn.picture)

@@ -121,6 +121,7 @@ fn measure(evaluator: &'static str, size: usize, tolerance: f64) -> Result<Vec<R
         (FIELD, 1, Quantity::Rms),
         ("radiation pressure", 1, Quantity::Radiation),
         (DENT, 1, Quantity::Depression),
+        ("caustic", 1, Quantity::Caustic),
         ("mean RMS pressure", FRAMES, Quantity::Rms),
         (DENT, FRAMES, Quantity::Depression),
         ("intensity", 1, Quantity::Intensity),

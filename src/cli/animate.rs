@@ -37,7 +37,7 @@ pub fn run(args: &RenderArgs) -> anyhow::Result<()> {
     }
     let quantity = match args.quantity {
         Diagram::Map(quantity) if args.waves && !quantity.declaration().of_liquid => {
-            bail!("--waves are of a liquid's surface: --quantity depression")
+            bail!("--waves are of a liquid's surface: --quantity depression or caustic")
         }
         Diagram::Map(quantity) => quantity,
         Diagram::Drive | Diagram::Sheet => {
@@ -46,7 +46,7 @@ pub fn run(args: &RenderArgs) -> anyhow::Result<()> {
         }
     };
     let is_shaded = args.view == View::Shaded;
-    if is_shaded && !quantity.declaration().of_liquid {
+    if is_shaded && !quantity.declaration().is_surface() {
         bail!("--view shaded is of a liquid's surface: --quantity depression")
     }
     let mut files = Files::new();
@@ -92,7 +92,7 @@ pub fn run(args: &RenderArgs) -> anyhow::Result<()> {
     film.begin = progress::begin;
     if quantity.declaration().of_liquid && !args.waves {
         note(
-            "every frame shows the depression that its sound would press in the end; --waves shows how the surface follows",
+            "every frame shows the surface that its sound would press in the end; --waves shows how the surface follows",
         );
     }
     let shot = film.shoot(&target, &stem(path), &|_| Ok(()))?;

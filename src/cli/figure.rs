@@ -31,7 +31,7 @@ pub struct FigureArgs {
     /// Colours by decibels of the largest value
     #[arg(long, requires = "figure")]
     db: bool,
-    /// Values of the first and the last colour: Pa, m, W/m² or m/s; with --db in dB
+    /// Values of the first and the last colour: Pa, m, W/m², m/s or × undisturbed; with --db in dB
     #[arg(long, value_name = "A,B", requires = "figure", allow_hyphen_values = true, value_parser = parse_range)]
     range: Option<[f64; 2]>,
     /// Lines at these levels, in dB of the largest value: -6, or -3,-6,-12
@@ -103,7 +103,7 @@ impl FigureArgs {
             );
         };
         let is_shaded = args.view == View::Shaded;
-        if is_shaded && !quantity.declaration().of_liquid {
+        if is_shaded && !quantity.declaration().is_surface() {
             bail!("--view shaded is of a liquid's surface: --quantity depression");
         }
         let of_maps = [

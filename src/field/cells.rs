@@ -64,6 +64,31 @@ impl Cells {
         self.len() == 0
     }
 
+    /// More of them beyond every wall, as many as the window reaches, about the same centre.
+    pub fn beyond_walls(&self) -> Self {
+        let counts = self.counts.map(|count| count + 2 * self.half_width);
+        let size = DVec2::from(counts.map(|count| count as f64 * self.step));
+        Self { plane: Plane { size, ..self.plane.clone() }, counts, ..self.clone() }
+    }
+
+    /// Values of the cells as those of [`Cells::beyond_walls`]: walls mirror them, as they mirror a surface of cosines.
+    pub fn mirrored(&self, values: &[f64], part: f64) -> Vec<f32> {
+        let from = |axis: usize| -> Vec<usize> {
+            let (count, reach) = (self.counts[axis], self.half_width);
+            let fold = |i: usize| {
+                let place = (i + (2 * reach.div_ceil(2 * count) * count) - reach) % (2 * count);
+                if place < count { place } else { 2 * count - 1 - place }
+            };
+            (0..count + 2 * reach).map(fold).collect()
+        };
+        let columns = from(0);
+        let row = |row: usize| {
+            let values = &values[row * self.counts[0]..][..self.counts[0]];
+            columns.iter().map(move |&column| (part * values[column]) as f32)
+        };
+        from(1).into_iter().flat_map(row).collect()
+    }
+
     /// The centres of the cells along an axis, in m from the plane's centre.
     pub fn places(&self, axis: usize) -> impl Iterator<Item = f64> {
         let (count, step) = (self.counts[axis], self.step);

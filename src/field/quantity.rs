@@ -42,6 +42,8 @@ pub enum Unit {
     Metre,
     WattPerSquareMetre,
     MetrePerSecond,
+    /// Of light that nothing has bent.
+    Undisturbed,
 }
 
 impl Unit {
@@ -56,6 +58,7 @@ impl Unit {
             Self::WattPerSquareMetre => (1.0, "W/m²"),
             Self::MetrePerSecond if largest >= 1.0 => (1.0, "m/s"),
             Self::MetrePerSecond => (1e3, "mm/s"),
+            Self::Undisturbed => (1.0, "× undisturbed"),
         }
     }
 }
@@ -96,6 +99,8 @@ pub struct Declaration {
     pub is_slow: bool,
     /// The response of the liquid is shown, and not what presses it.
     pub of_liquid: bool,
+    /// And not its surface, but the light that this bends.
+    pub of_light: bool,
 }
 
 /// What a declaration leaves out.
@@ -118,6 +123,7 @@ const USUAL: Declaration = Declaration {
     decibels: 20.0,
     is_slow: false,
     of_liquid: false,
+    of_light: false,
 };
 
 macro_rules! quantities {
@@ -264,9 +270,39 @@ quantities! {
         is_square: true,
         is_root: true,
     }
+    /// Brightness of light on a screen that came through the liquid whose surface the plane is, or was reflected by it; 1 where it is
+    /// undisturbed.
+    Caustic {
+        parts: PRESSURE | ALONG,
+        formula: |s, c| c.of_pressure * s.p.norm_sqr() - c.of_gradient * (s.x.norm_sqr() + s.y.norm_sqr()),
+        wgsl: "c.of_pressure * dot(s.p, s.p) - c.of_gradient * (dot(s.x, s.x) + dot(s.y, s.y))",
+        name: "caustic",
+        title: "Caustic",
+        words: "brightness",
+        help: "How bright light is on a screen after the pressed surface of a liquid has bent it",
+        unit: Unit::Undisturbed,
+        norm: Norm::Difference,
+        is_square: true,
+        decibels: 10.0,
+        is_slow: true,
+        of_liquid: true,
+        of_light: true,
+    }
+}
+
+impl Declaration {
+    /// Whether a liquid's surface itself is shown, which has a relief.
+    pub fn is_surface(&self) -> bool {
+        self.of_liquid && !self.of_light
+    }
 }
 
 impl Quantity {
+    /// The quantity whose formula and response this one is made from: itself but for light.
+    pub fn pressed_by(self) -> Self {
+        if self.declaration().of_light { Self::Depression } else { self }
+    }
+
     /// A value as people read it, with three figures and the unit that suits it.
     pub fn with_unit(self, value: f64) -> String {
         let (factor, unit) = self.declaration().unit.scaled(value.abs());
@@ -416,6 +452,7 @@ mod tests {
             (Quantity::Velocity, 0.5, "500 mm/s"),
             (Quantity::Intensity, 12.3, "12.3 W/m²"),
             (Quantity::Radiation, -3.0, "-3.00 Pa"),
+            (Quantity::Caustic, 2.5, "2.50 × undisturbed"),
         ] {
             assert_eq!(quantity.with_unit(value), words);
         }

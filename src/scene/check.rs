@@ -372,7 +372,9 @@ fn liquid(liquid: &Liquid) -> Result<(), KeyError> {
     within("surface_tension", liquid.surface_tension(), 1e-6, 10.0, "N/m")?;
     within("viscosity", liquid.viscosity(), 0.0, 1e4, "Pa·s")?;
     within("gravity", liquid.gravity, 1e-3, 1e3, "m/s²")?;
-    length("depth", liquid.depth)
+    length("depth", liquid.depth)?;
+    within("refractive_index", liquid.refractive_index(), 1.0, 4.0, "(1: light passes unbent)")?;
+    length("screen", liquid.screen)
 }
 
 fn modulation(modulation: &Modulation) -> Result<(), KeyError> {

@@ -23,6 +23,14 @@ pub struct Liquid {
     /// Whether the surface sends sound back towards the array.
     #[serde(skip_serializing_if = "is_false")]
     pub reflects: bool,
+    /// Of light.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub refractive_index: Option<f64>,
+    #[serde(skip_serializing_if = "Light::is_through")]
+    pub light: Light,
+    /// m, from the surface to the screen on which its light falls.
+    #[serde(skip_serializing_if = "is_default_screen")]
+    pub screen: f64,
 }
 
 /// Of the pressure's amplitude: sound from air that meets water, (Z - 1)/(Z + 1) with impedances 1.48 MPa·s/m and 413 Pa·s/m.
@@ -30,6 +38,37 @@ pub const REFLECTION: f64 = 0.9994;
 
 fn is_false(value: &bool) -> bool {
     !value
+}
+
+/// Which way light goes that makes caustics; it comes along the normal of the level surface.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Light {
+    /// From below through the liquid.
+    #[default]
+    Through,
+    /// From above, back to where it came from.
+    Reflected,
+}
+
+impl Light {
+    pub const ALL: [Self; 2] = [Self::Through, Self::Reflected];
+
+    /// The name in scene files.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Through => "through",
+            Self::Reflected => "reflected",
+        }
+    }
+
+    fn is_through(&self) -> bool {
+        *self == Self::Through
+    }
+}
+
+fn is_default_screen(screen: &f64) -> bool {
+    *screen == Liquid::SCREEN
 }
 
 impl Default for Liquid {
@@ -42,11 +81,17 @@ impl Default for Liquid {
             gravity: 9.80665,
             depth: 0.05,
             reflects: false,
+            refractive_index: None,
+            light: Light::Through,
+            screen: Self::SCREEN,
         }
     }
 }
 
 impl Liquid {
+    /// Default of `screen`.
+    pub const SCREEN: f64 = 0.2;
+
     /// kg/m³
     pub fn density(&self) -> f64 {
         self.density.unwrap_or(self.name.properties().density)
@@ -60,6 +105,25 @@ impl Liquid {
     /// Pa·s
     pub fn viscosity(&self) -> f64 {
         self.viscosity.unwrap_or(self.name.properties().viscosity)
+    }
+
+    pub fn refractive_index(&self) -> f64 {
+        self.refractive_index.unwrap_or(self.name.properties().refractive_index)
+    }
+
+    /// m that light is displaced by on the screen, against a slope of 1 of the surface's depth; slopes are small.
+    pub fn throw(&self) -> f64 {
+        self.screen
+            * match self.light {
+                Light::Through => self.refractive_index() - 1.0,
+                Light::Reflected => -2.0,
+            }
+    }
+
+    /// The same liquid as far as its surface depends on it.
+    pub fn in_the_dark(&self) -> Self {
+        let Self { refractive_index, light, screen, .. } = Self::default();
+        Self { refractive_index, light, screen, ..self.clone() }
     }
 
     /// √(σ/ρg), m: how far a depression reaches beyond what presses it.
@@ -84,6 +148,7 @@ struct Properties {
     density: f64,
     surface_tension: f64,
     viscosity: f64,
+    refractive_index: f64,
 }
 
 impl LiquidName {
@@ -104,16 +169,17 @@ impl LiquidName {
     /// At 20 °C. Water: IAPWS R6-95, R1-76, R12-08. Glycerol and ethanol: CRC Handbook of Chemistry and Physics.
     /// Silicone oil: polydimethylsiloxane of 50 cSt, makers' data sheets. Vegetable oil: sunflower; density and viscosity
     /// from Noureddini, Teoh and Clements, JAOCS 69 (1992), tension from Sahasrabudhe et al., Int. J. Food
-    /// Prop. 20 (2017).
+    /// Prop. 20 (2017). Refractive indices at 589 nm: IAPWS R9-97, CRC Handbook, makers' data sheets, and for sunflower oil
+    /// Codex Alimentarius CXS 210 (1.461 to 1.468 at 40 °C, and 0.0004 more per kelvin below).
     fn properties(self) -> Properties {
-        let (density, surface_tension, viscosity) = match self {
-            Self::Water => (998.2, 0.0728, 1.002e-3),
-            Self::Glycerol => (1261.0, 0.0634, 1.41),
-            Self::SiliconeOil => (960.0, 0.0208, 0.048),
-            Self::VegetableOil => (919.0, 0.0330, 0.065),
-            Self::Ethanol => (789.3, 0.0223, 1.20e-3),
+        let (density, surface_tension, viscosity, refractive_index) = match self {
+            Self::Water => (998.2, 0.0728, 1.002e-3, 1.333),
+            Self::Glycerol => (1261.0, 0.0634, 1.41, 1.474),
+            Self::SiliconeOil => (960.0, 0.0208, 0.048, 1.402),
+            Self::VegetableOil => (919.0, 0.0330, 0.065, 1.472),
+            Self::Ethanol => (789.3, 0.0223, 1.20e-3, 1.361),
         };
-        Properties { density, surface_tension, viscosity }
+        Properties { density, surface_tension, viscosity, refractive_index }
     }
 }
 

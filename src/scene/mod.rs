@@ -29,7 +29,7 @@ use serde::{Deserialize, Serialize};
 
 pub use check::KeyError;
 pub use cover::Cover;
-pub use liquid::{Liquid, LiquidName};
+pub use liquid::{Light, Liquid, LiquidName};
 pub use modulation::{Envelope, Modulation};
 pub use motion::{Easing, Keyframe, Motion, MotionPath, Tempo};
 pub use pixels::{Dab, Grey, Pixels};

@@ -225,7 +225,7 @@ fn title(wish: &Wish) -> Option<String> {
 fn check(quantity: Quantity, wish: &Wish) -> anyhow::Result<()> {
     let declaration = quantity.declaration();
     let words = declaration.words;
-    if wish.is_shaded && !declaration.of_liquid {
+    if wish.is_shaded && !declaration.is_surface() {
         bail!("a surface is shaded: show the depression, not {words}");
     }
     if wish.scale == Scale::Logarithmic && declaration.range != Range::Amount {

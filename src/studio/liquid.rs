@@ -7,9 +7,10 @@ use crate::picture::relief::{self, Relief, Words};
 use crate::picture::sheet::pascals_at_most;
 use crate::picture::{Picture, PictureError};
 use crate::rounding::{at_most, digits, percent_at_least};
-use crate::scene::{Envelope, Plane, Scene};
-use crate::studio::map::{DrawnMap, SILENT};
+use crate::scene::{self, Envelope, Liquid, Plane, Scene};
+use crate::studio::map::{DrawnMap, SILENT, extent};
 use crate::studio::output::warn;
+use crate::surface::Light;
 use crate::surface::dent::{STEEPEST, largest_drive};
 
 /// Columns of the surface that is shaded.
@@ -31,7 +32,13 @@ pub fn describe(scene: &Scene, pressed: &Pressed, largest: f64) -> String {
             newtons(pressed.force),
             area(pressed.size)
         ),
-        Some(depression) => format!("{}: {}", liquid(scene), figures(pressed, depression)),
+        Some(depression) => {
+            let surface = format!("{}: {}", liquid(scene), figures(pressed, depression));
+            match pressed.light {
+                Some(light) => format!("{}\n  {surface}", caustic(scene, light, largest)),
+                None => surface,
+            }
+        }
     };
     let part = scene.modulation.mean_square();
     if part < 1.0 {
@@ -120,6 +127,33 @@ pub fn frame(
     ];
     let warning = beyond_linear_theory(slope);
     relief.page(Words { lines: &lines, warning: warning.as_deref() }, page)
+}
+
+/// Where light goes, up to how bright it gets, and how much of it falls beside the screen.
+fn caustic(scene: &Scene, light: Light, brightest: f64) -> String {
+    let crosses = if light.crosses { "rays cross before it" } else { "no rays cross before it" };
+    format!(
+        "{}: {}, {crosses}, {}",
+        screen(&scene.liquid),
+        extent(Quantity::Caustic, brightest),
+        landed(light)
+    )
+}
+
+/// From where light falls on which screen.
+pub fn screen(liquid: &Liquid) -> String {
+    let distance = metres(liquid.screen);
+    match liquid.light {
+        scene::Light::Through => {
+            format!("light through the liquid (n = {}) on a screen {distance} off", liquid.refractive_index())
+        }
+        scene::Light::Reflected => format!("light reflected by the surface on a screen {distance} off"),
+    }
+}
+
+/// How much light lands on a screen of the plane's size.
+pub fn landed(light: Light) -> String {
+    format!("{:.2} % of the light of its area", 100.0 * light.landed)
 }
 
 fn liquid(scene: &Scene) -> String {

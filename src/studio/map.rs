@@ -68,12 +68,12 @@ pub fn draw(
         let pressed = is_slow.then(|| stages.pressed(request)).transpose()?;
         Ok((stages.map(request)?.clone(), picture, pressed))
     })?;
-    let how = how(stages, &map, start);
+    let how = how(stages, quantity, &map, start);
     Ok(DrawnMap { picture, map, pressed, how })
 }
 
 /// Who took how long for what, for people.
-fn how(stages: &Stages, map: &Map, start: Instant) -> String {
+fn how(stages: &Stages, quantity: Quantity, map: &Map, start: Instant) -> String {
     let cpu = || format!("the CPU evaluator ({})", Isa::best().name());
     let who = match map.by {
         By::Reference => "the f64 reference".to_owned(),
@@ -85,10 +85,11 @@ fn how(stages: &Stages, map: &Map, start: Instant) -> String {
         By::Gpu => stages.gpu().map_or_else(cpu, |gpu| gpu.info().to_string()),
     };
     let milliseconds = start.elapsed().as_secs_f64() * 1e3;
+    let whose = if quantity.declaration().of_light { "the radiation pressure's peak" } else { "the peak" };
     let error = match map.peak {
         0.0 => "silent: nothing as loud as f32 can square".to_owned(),
         _ => format!(
-            "error up to {:.1e} of the peak, estimated from places that were compared with f64",
+            "error up to {:.1e} of {whose}, estimated from places that were compared with f64",
             map.error
         ),
     };

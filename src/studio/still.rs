@@ -163,7 +163,7 @@ impl Look {
     }
 
     fn is_shaded(&self) -> bool {
-        self.shaded && matches!(self.diagram, Diagram::Map(quantity) if quantity.declaration().of_liquid)
+        self.shaded && matches!(self.diagram, Diagram::Map(quantity) if quantity.declaration().is_surface())
     }
 
     /// Width and height of a scene's picture: what was asked for, or the quantity's own default in the plane's shape.

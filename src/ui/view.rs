@@ -390,7 +390,7 @@ impl View {
 
     /// Whether a liquid is shown as light falls on it.
     pub fn is_shaded(&self) -> bool {
-        self.shaded && self.quantity.declaration().of_liquid
+        self.shaded && self.quantity.declaration().is_surface()
     }
 
     /// The part of the largest value at which contour lines are wanted; `None` where there are to be none.

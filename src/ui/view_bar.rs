@@ -21,7 +21,7 @@ pub fn show(editor: &mut Editor, ui: &mut Ui) {
         if editor.view.quantity == Quantity::Instantaneous {
             oscillation(editor, ui);
         }
-        if editor.view.quantity.declaration().of_liquid {
+        if editor.view.quantity.declaration().is_surface() {
             surface(editor, ui);
         }
     });

@@ -30,7 +30,7 @@ fn a_depression_displaces_what_the_force_weighs_and_follows_the_envelope() {
             (pressed, peak, dent)
         };
         let water = Liquid::default();
-        let (Pressed { size, force, depression }, peak, whole) = pressed(1.0, &water);
+        let (Pressed { size, force, depression, light: _ }, peak, whole) = pressed(1.0, &water);
         let full = depression.unwrap();
         assert_eq!(size, scene.plane.size);
         let weight = whole.volume * water.density() * water.gravity;

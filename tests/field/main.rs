@@ -3,6 +3,7 @@
 
 #![expect(clippy::unwrap_used, reason = "a test's helper may panic")]
 
+mod caustic;
 mod depression;
 #[path = "../scenes/dice.rs"]
 mod dice;

@@ -71,6 +71,8 @@ pub fn value(
         Quantity::Velocity => {
             mean(&|Sound { slopes: [_, _, n], .. }| (n.norm() / (rho * omega) / SQRT_2).powi(2)).sqrt()
         }
-        Quantity::Depression => panic!("a depression follows from the pressure on the whole surface"),
+        Quantity::Depression | Quantity::Caustic => {
+            panic!("a depression and its light follow from the pressure on the whole surface")
+        }
     }
 }

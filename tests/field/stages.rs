@@ -3,7 +3,7 @@
 use sonoglyph::drive::Drive;
 use sonoglyph::field::{Colouring, Evaluator, Quantity, Request, Stages, Work};
 use sonoglyph::picture::ColourMap;
-use sonoglyph::scene::Scene;
+use sonoglyph::scene::{Light, Scene};
 
 use crate::{STEP, fast_evaluators, scattered, three_foci};
 
@@ -62,6 +62,8 @@ enum First {
     Liquid,
     /// Capillary lengths are others, and walls stand elsewhere.
     Margin,
+    /// What becomes of the light that the surface bends.
+    Light,
     Picture,
     Nothing,
 }
@@ -69,7 +71,7 @@ enum First {
 /// Where squares are formed.
 fn by_cells(quantity: Quantity) -> bool {
     match quantity {
-        Quantity::Radiation | Quantity::Depression => true,
+        Quantity::Radiation | Quantity::Depression | Quantity::Caustic => true,
         Quantity::Rms
         | Quantity::Phase
         | Quantity::Instantaneous
@@ -79,12 +81,14 @@ fn by_cells(quantity: Quantity) -> bool {
 }
 
 fn expected(quantity: Quantity, on_gpu: bool, first: First) -> Work {
-    let (by_cells, of_liquid) = (by_cells(quantity), quantity == Quantity::Depression);
+    let of_light = quantity == Quantity::Caustic;
+    let (by_cells, of_liquid) = (by_cells(quantity), quantity == Quantity::Depression || of_light);
     let on_gpu = on_gpu && !by_cells;
     // The pressure and its slope along the normal are sums of their own, which a GPU counts as one and keeps no tables for.
     let sums = if quantity == Quantity::Intensity && !on_gpu { 2 } else { 1 };
     let picture = Work { picture: 1, ..Work::default() };
-    let resized = Work { interpolation: 1, forming: u64::from(!by_cells), ..picture };
+    let caustic = u64::from(of_light);
+    let resized = Work { interpolation: 1, forming: u64::from(!by_cells), caustic, ..picture };
     let of_drive = Work { superposition: sums, forming: 1, response: u64::from(of_liquid), ..resized };
     match first {
         First::Plan => Work { plan: 1, transfer: if on_gpu { 0 } else { sums }, ..of_drive },
@@ -96,9 +100,10 @@ fn expected(quantity: Quantity, on_gpu: bool, first: First) -> Work {
         First::Liquid if of_liquid => Work { response: 1, ..resized },
         First::Margin if of_liquid => expected(quantity, on_gpu, First::Plan),
         First::Part if by_cells => resized,
+        First::Light if of_light => resized,
         First::Part => Work { forming: 1, ..picture },
         First::Picture => picture,
-        First::Moment | First::Liquid | First::Margin | First::Nothing => Work::default(),
+        First::Moment | First::Liquid | First::Margin | First::Light | First::Nothing => Work::default(),
     }
 }
 
@@ -115,6 +120,9 @@ fn only_what_depends_on_the_change_runs() {
         ("targets", |s| s.scene.targets.clear(), First::Nothing),
         ("density", |s| s.scene.liquid.density = Some(790.0), First::Margin),
         ("viscosity", |s| s.scene.liquid.viscosity = Some(1.0), First::Liquid),
+        ("refractive index", |s| s.scene.liquid.refractive_index = Some(1.5), First::Light),
+        ("screen", |s| s.scene.liquid.screen = 0.1, First::Light),
+        ("direction of light", |s| s.scene.liquid.light = Light::Reflected, First::Light),
         ("phase", |s| s.drives[0].phases[3] += 0.1, First::Superposition),
         ("amplitude", |s| s.drives[0].amplitudes[255] = 0.5, First::Superposition),
         ("a silent element", |s| s.drives[0].amplitudes[7] = 0.0, First::Superposition),

@@ -6,7 +6,7 @@ use std::process::Command as Program;
 use egui_kittest::kittest::NodeT;
 use sonoglyph::app::Window;
 use sonoglyph::field::Evaluator;
-use sonoglyph::scene::{Envelope, Target};
+use sonoglyph::scene::{Envelope, Light, Target};
 use sonoglyph::studio::probe;
 use sonoglyph::ui::document::Document;
 
@@ -81,6 +81,7 @@ fn every_quantity_has_a_key_and_a_button() {
         (Key::Num5, "Instantaneous", Quantity::Instantaneous),
         (Key::Num6, "Intensity", Quantity::Intensity),
         (Key::Num7, "Velocity", Quantity::Velocity),
+        (Key::Num8, "Caustic", Quantity::Caustic),
     ];
     assert_eq!(all.map(|(.., quantity)| quantity), Quantity::ALL);
     for (name, _, quantity) in all {
@@ -180,4 +181,27 @@ fn force_on_a_plane_near_the_array_is_that_of_the_whole_plane() {
     key(&mut screen, Key::Num3);
     let own = fact(&screen, "Force");
     assert!((own / force - 1.0).abs() < 0.02, "{own} mN, and {force} is printed");
+}
+
+#[test]
+fn a_caustic_follows_the_screen_that_the_panel_sets() {
+    let mut screen = open(scene_at(0.1));
+    screen.get_by_label("Liquid").click();
+    rest(&mut screen);
+    screen.get_by_label("Show the caustic").click();
+    rest(&mut screen);
+    shows(&mut screen, Quantity::Caustic);
+    assert!(screen.query_by_label("Show the caustic").is_none());
+    assert!((fact(&screen, "Light on the screen") - 100.0).abs() < 5.0);
+    let largest = |screen: &Screen| screen.state().shown().map.as_ref().unwrap().largest;
+    let far = largest(&screen);
+    // Light that passes a screen at the surface is not bent yet.
+    screen.state_mut().editor_mut().document.scene.liquid.screen = 1e-5;
+    rest(&mut screen);
+    shows(&mut screen, Quantity::Caustic);
+    let near = largest(&screen);
+    assert!(far > 1.2 && near < 1.01, "{far} far away, {near} at the surface");
+    screen.state_mut().editor_mut().document.scene.liquid.light = Light::Reflected;
+    rest(&mut screen);
+    assert_ne!(largest(&screen), near);
 }

@@ -3,6 +3,7 @@
 //! Every stage keeps its result together with the values that it was made from, and runs again only when they differ.
 //! [`Work`] counts how often each ran.
 
+mod caustic;
 mod depression;
 mod kept;
 mod on_cpu;

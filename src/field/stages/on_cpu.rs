@@ -9,6 +9,7 @@ use rayon::prelude::*;
 use crate::field::interpolation::{Between, Resampling, interpolate};
 use crate::field::quantity::{Constants, Norm, Part, Sound, Sounds};
 use crate::field::slope::{Around, part_on_cpu};
+use crate::field::stages::caustic::Caustic;
 use crate::field::stages::depression::Depression;
 use crate::field::stages::kept::Kept;
 use crate::field::stages::probes::AtProbes;
@@ -44,6 +45,7 @@ pub(super) struct OnCpu {
     cells: Kept<FormedKey, Vec<f64>>,
     tank: Kept<SiteKey, Option<Tank>>,
     response: Kept<(FormedKey, Liquid), Dent>,
+    caustic: Caustic,
     between: Between,
     /// Of the samples of one drive or many.
     pub(super) progress: Gauge,
@@ -309,15 +311,20 @@ impl OnCpu {
         self.fill_cells(job, filled, &key, work);
         let part = job.request.part;
         let declaration = job.request.quantity.declaration();
-        let dent = self.response(job, filled, &key, work);
-        let (shown, part) = match (&job.request.depth, dent) {
-            (Some(depth), Some(_)) => (&depth[..], 1.0),
-            (None, Some(dent)) => (&dent.depth[..], part),
-            (_, None) => (&self.cells.value[..], part),
+        let is_pressed = self.response(job, filled, &key, work).is_some();
+        let (shown, part) = match &job.request.depth {
+            Some(depth) if is_pressed => (&depth[..], 1.0),
+            None if is_pressed => (&self.response.value.depth[..], part),
+            Some(_) | None => (&self.cells.value[..], part),
         };
-        let cells: Vec<_> = shown.iter().map(|&value| (value * part) as f32).collect();
         work.interpolation += 1;
-        interpolate(&cells, filled.cells.counts[0], across, up, &mut self.between, values);
+        if declaration.of_light {
+            work.caustic += 1;
+            self.caustic.cast(job, &filled.cells, (shown, part), values);
+        } else {
+            let cells: Vec<_> = shown.iter().map(|&value| (value * part) as f32).collect();
+            interpolate(&cells, filled.cells.counts[0], across, up, &mut self.between, values);
+        }
         let runs = values.par_chunks_mut(RUN).with_min_len(16);
         let peak = runs.map(|values| finish(values, 1.0, declaration.is_root)).reduce(|| 0.0, f32::max);
         let means = &self.cells.value;
@@ -373,10 +380,10 @@ impl OnCpu {
         }
         let Self { tank, response, cells, .. } = self;
         let tank = tank.update(job.key, |tank| *tank = Some(filled.cells.tank())).as_ref()?;
-        let liquid = &job.request.liquid;
+        let liquid = job.request.liquid.in_the_dark();
         Some(response.update(&(key.clone(), liquid.clone()), |dent| {
             work.response += 1;
-            *dent = tank.dent(liquid, &cells.value);
+            *dent = tank.dent(&liquid, &cells.value);
         }))
     }
 
@@ -401,7 +408,7 @@ impl OnCpu {
         let Some(filled) = &job.site.cells else {
             let area = size.x * size.y / values.len() as f64;
             let sum: f64 = values.iter().map(|&value| f64::from(value)).sum();
-            return Pressed { size, force: sum * area, depression: None };
+            return Pressed { size, force: sum * area, depression: None, light: None };
         };
         let key = FormedKey::new(job, double);
         self.fill_cells(job, filled, &key, work);
@@ -410,7 +417,8 @@ impl OnCpu {
             Some(depth) => Depression::new(&filled.cells, size, depth),
             None => Depression::new(&filled.cells, size, &dent.depth).times(part),
         });
-        Pressed { size, force, depression }
+        let light = job.request.quantity.declaration().of_light.then(|| self.caustic.light());
+        Pressed { size, force, depression, light }
     }
 }
 
@@ -446,7 +454,7 @@ impl FormedKey {
     fn new(job: &Job<'_>, double: bool) -> Self {
         Self {
             site: job.key.clone(),
-            quantity: job.request.quantity,
+            quantity: job.request.quantity.pressed_by(),
             excitations: Arc::clone(job.excitations),
             constants: job.request.constants(),
             double,

@@ -8,9 +8,10 @@ use num_complex::Complex64;
 use crate::acoustics::{Air, Aperture};
 use crate::drive::Drive;
 use crate::field::GpuError;
-use crate::field::quantity::{Constants, Quantity};
+use crate::field::quantity::{Constants, Declaration, Quantity};
 use crate::field::stages::depression::Depression;
 use crate::scene::{Liquid, Plane, Reflector, Scene};
+use crate::surface::Light;
 
 /// Pixels that a map may have.
 pub const MOST_PIXELS: usize = 1 << 26;
@@ -66,14 +67,19 @@ impl Request {
     /// A request that makes no sense.
     pub(super) fn relevant(&self) -> Result<Self, FieldError> {
         self.check()?;
-        let of_liquid = self.quantity.declaration().of_liquid;
+        let Declaration { of_liquid, of_light, .. } = *self.quantity.declaration();
         let of_moment = self.quantity == Quantity::Instantaneous;
+        let liquid = match (of_liquid, of_light) {
+            (_, true) => self.liquid.clone(),
+            (true, false) => self.liquid.in_the_dark(),
+            (false, false) => Liquid::default(),
+        };
         Ok(Self {
             aperture: self.incident(),
             mirrors: Vec::new(),
             drives: self.counted(),
             moment: if of_moment { self.moment } else { 0.0 },
-            liquid: if of_liquid { self.liquid.clone() } else { Liquid::default() },
+            liquid,
             depth: self.depth.clone().filter(|_| of_liquid),
             ..self.clone()
         })
@@ -144,7 +150,8 @@ pub struct Map {
     /// The largest magnitude of a value; of phases and instantaneous pressures the largest |P| (Pa, peak).
     pub peak: f32,
     /// An estimate of the largest deviation of any pixel from the f64 reference, relative to the peak: three times that of 48 pixels
-    /// and more, where rounding is worst; of a depression that of the pressure that makes it. 0 of a silent map.
+    /// and more, where rounding is worst; of a depression, and of the light that it bends, that of the pressure that makes it. 0 of a
+    /// silent map.
     pub error: f64,
     /// Points at which the waves of the elements were added up.
     pub evaluated: usize,
@@ -170,6 +177,8 @@ pub struct Pressed {
     pub force: f64,
     /// Of the surface of a liquid under it.
     pub depression: Option<Depression>,
+    /// On the screen, of the light of the plane's own area as 1.
+    pub light: Option<Light>,
 }
 
 /// Who made a map.

@@ -13,6 +13,8 @@ pub struct Work {
     pub forming: u64,
     /// Answers of a liquid.
     pub response: u64,
+    /// Light on a screen.
+    pub caustic: u64,
     pub picture: u64,
     /// Contour lines.
     pub contours: u64,
@@ -32,6 +34,7 @@ impl Work {
             interpolation: self.interpolation - before.interpolation,
             forming: self.forming - before.forming,
             response: self.response - before.response,
+            caustic: self.caustic - before.caustic,
             picture: self.picture - before.picture,
             contours: self.contours - before.contours,
             read_back: self.read_back - before.read_back,

@@ -261,7 +261,8 @@ impl<'a> Film<'a> {
         let declaration = quantity.declaration();
         match (self.schedule, declaration.range) {
             (Some(_), _) => {
-                format!(", depth {} to {}", quantity.with_unit(low.into()), quantity.with_unit(high.into()))
+                let what = if declaration.is_surface() { "depth" } else { declaration.words };
+                format!(", {what} {} to {}", quantity.with_unit(low.into()), quantity.with_unit(high.into()))
             }
             (None, Range::Cyclic) => String::new(),
             (None, Range::Amount | Range::Signed) => {

@@ -107,7 +107,7 @@ pub(super) fn show(editor: &mut Editor, shown: &Shown, ui: &mut Ui) -> bool {
     });
     if of_liquid {
         let mut waves = form.waves || !moves;
-        let tip = "The liquid follows the sound; otherwise every frame shows the depression at rest";
+        let tip = "The liquid follows the sound; otherwise every frame shows the surface at rest";
         let waves = ui.add_enabled(moves, egui::Checkbox::new(&mut waves, "Waves")).on_hover_text(tip);
         if waves.changed() {
             form.waves = !form.waves;

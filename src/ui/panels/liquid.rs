@@ -5,7 +5,7 @@ use egui::Ui;
 use crate::field::Quantity;
 use crate::picture::sheet::pascals_at_most;
 use crate::rounding::digits;
-use crate::scene::LiquidName;
+use crate::scene::{Light, LiquidName};
 use crate::studio::liquid;
 use crate::ui::panels::{MM, Unit, choice, fact, form, given, heading, number};
 use crate::ui::view::Cut;
@@ -45,6 +45,50 @@ pub fn show(editor: &mut Editor, shown: &Shown, ui: &mut Ui) {
         number(ui, ("Gravity", "9.81 m/s² on earth"), &mut liquid.gravity, gravity, 1e-3..=1e3);
     });
     depression(editor, shown, ui);
+    caustic(editor, shown, ui);
+}
+
+/// The screen on which light falls that the surface bends.
+fn caustic(editor: &mut Editor, shown: &Shown, ui: &mut Ui) {
+    heading(ui, "Light on a screen");
+    let liquid = &mut editor.document.scene.liquid;
+    let named = crate::scene::Liquid { name: liquid.name, ..crate::scene::Liquid::default() };
+    form(ui, "caustic", |ui| {
+        let ways = Light::ALL.map(|light| (light, light.name()));
+        let tip =
+            "Through the liquid from below, or reflected from above; along the normal of the level surface";
+        choice(ui, ("Light", tip), &mut liquid.light, &ways);
+        number(
+            ui,
+            ("Screen", "Distance from the level surface to the screen"),
+            &mut liquid.screen,
+            MM,
+            1e-4..=100.0,
+        );
+        let index = Unit { per: 1.0, suffix: "", decimals: 3, speed: 0.01 };
+        let tip = "Of the liquid, for light through it";
+        let own = named.refractive_index();
+        given(ui, ("Refractive index", tip), &mut liquid.refractive_index, own, index, 1.0..=4.0);
+    });
+    if !editor.view.quantity.declaration().of_light && ui.button("Show the caustic").clicked() {
+        show_surface(editor, Quantity::Caustic);
+    }
+    let Some(light) = shown.pressed.as_ref().and_then(|pressed| pressed.figures.light) else { return };
+    form(ui, "light", |ui| {
+        let tip = "On a screen of the scene plane's size, of the light of the same area of the surface";
+        fact(ui, ("Light on the screen", tip), liquid::landed(light));
+        let tip = "Where rays cross before the screen, lines of light appear";
+        fact(ui, ("Rays cross", tip), if light.crosses { "yes" } else { "no" }.to_owned());
+    });
+}
+
+/// A quantity of the liquid, on a level plane.
+fn show_surface(editor: &mut Editor, quantity: Quantity) {
+    editor.view.quantity = quantity;
+    if matches!(editor.view.cut, Cut::Xz | Cut::Yz) {
+        editor.view.cut = Cut::Xy;
+        editor.view.window = None;
+    }
 }
 
 fn depression(editor: &mut Editor, shown: &Shown, ui: &mut Ui) {
@@ -52,11 +96,7 @@ fn depression(editor: &mut Editor, shown: &Shown, ui: &mut Ui) {
     if !editor.view.quantity.declaration().of_liquid {
         ui.label("The surface is the plane in view, parallel to the array.");
         if ui.button("Show the depression").clicked() {
-            editor.view.quantity = Quantity::Depression;
-            if matches!(editor.view.cut, Cut::Xz | Cut::Yz) {
-                editor.view.cut = Cut::Xy;
-                editor.view.window = None;
-            }
+            show_surface(editor, Quantity::Depression);
         }
     }
     let Some(pressed) = &shown.pressed else { return };

@@ -1,0 +1,222 @@
+//! The light that a liquid's surface casts on a screen of the plane's size: rays between the cells, block by block of cells as close as
+//! the surface there bends light.
+
+use std::collections::BTreeMap;
+
+use glam::DVec2;
+use rayon::prelude::*;
+
+use crate::field::cells::Cells;
+use crate::field::interpolation::Resampling;
+use crate::field::stages::Job;
+use crate::surface::caustic;
+use crate::surface::{Light, Rays};
+
+/// Cells along the side of a block.
+const SIDE: usize = 8;
+/// By how much brightness may change from patch to patch, if that takes no patches finer than a pixel or [`FINE`] and [`FINEST`] to a
+/// cell.
+const JUMP: f64 = 0.05;
+const FINE: f64 = 3.5;
+const FINEST: f64 = 16.0;
+/// Pixels that light may land beside where it should, between rays; and the rays to a cell that this may take.
+const ASTRAY: f64 = 0.15;
+const MOST: f64 = 48.0;
+/// What differences from cell to cell miss of a square's shortest wave: of its third, and at most of its slopes.
+const MISSED: f64 = 1.5;
+const STEEPER: f64 = 2.5;
+
+/// What became of the last light that was cast.
+#[derive(Debug, Default)]
+pub(super) struct Caustic {
+    light: Light,
+}
+
+/// What all blocks have in common.
+struct Surface<'a> {
+    cells: &'a Cells,
+    /// m, with mirrored cells beyond the walls, `reach` of them on every side.
+    depth: Vec<f32>,
+    columns: usize,
+    reach: usize,
+    /// m on the screen for a difference of depth from cell to cell.
+    per_cell: f64,
+    /// m
+    size: DVec2,
+    pixel: DVec2,
+}
+
+/// Neighbouring cells, and rays to each.
+#[derive(Clone, Copy, Debug)]
+struct Block {
+    first: [usize; 2],
+    cells: [usize; 2],
+    /// To a cell, along each axis.
+    rays: usize,
+}
+
+impl Block {
+    /// Rays along an axis.
+    fn count(&self, axis: usize) -> usize {
+        self.cells[axis] * self.rays + 1
+    }
+}
+
+impl Caustic {
+    /// What became of the light, of that of the screen's own area as 1.
+    pub(super) fn light(&self) -> Light {
+        self.light
+    }
+
+    /// The brightness of every pixel under a surface with this depth (m) in every cell, of which a part is there.
+    pub(super) fn cast(
+        &mut self,
+        job: &Job<'_>,
+        cells: &Cells,
+        (depth, part): (&[f64], f64),
+        values: &mut [f32],
+    ) {
+        let request = job.request;
+        let (width, height) = request.size;
+        let around = cells.beyond_walls();
+        let throw = request.liquid.throw();
+        let surface = Surface {
+            cells,
+            depth: cells.mirrored(depth, part),
+            columns: around.counts[0],
+            reach: (around.counts[0] - cells.counts[0]) / 2,
+            per_cell: throw / cells.step,
+            size: request.plane.size,
+            pixel: request.plane.size / DVec2::new(width as f64, height as f64),
+        };
+        let blocks = surface.blocks();
+        let mut windows = BTreeMap::new();
+        for block in &blocks {
+            windows.entry(block.rays).or_insert_with(|| surface.windows(&around, block.rays));
+        }
+        let slopes: Vec<_> =
+            blocks.par_iter().map(|block| surface.slopes(block, &windows[&block.rays])).collect();
+        let rays: Vec<_> =
+            blocks.iter().zip(&slopes).map(|(block, slopes)| surface.rays(block, slopes)).collect();
+        let light = caustic::light(&rays, width, values);
+        let own = values.len() as f64;
+        self.light = Light { sent: light.sent / own, landed: light.landed / own, ..light };
+    }
+}
+
+impl Surface<'_> {
+    /// The blocks from which light may fall on the screen.
+    fn blocks(&self) -> Vec<Block> {
+        let [columns, rows] = self.cells.counts;
+        let starts = (0..rows)
+            .step_by(SIDE)
+            .flat_map(|row| (0..columns).step_by(SIDE).map(move |column| [column, row]))
+            .collect::<Vec<_>>();
+        starts.into_par_iter().filter_map(|first| self.block(first)).collect()
+    }
+
+    fn block(&self, first: [usize; 2]) -> Option<Block> {
+        let step = self.cells.step;
+        let cells = [0, 1].map(|axis| SIDE.min(self.cells.counts[axis] - first[axis]));
+        // With the cells beside them: a window is two cells wide at least on either side.
+        let (mut slope, mut third) = ([0.0f32; 2], 0.0f32);
+        let from = first.map(|first| first + self.reach - 2);
+        for row in from[1]..=from[1] + cells[1] {
+            for column in from[0]..=from[0] + cells[0] {
+                let at = |i: usize| self.depth[row * self.columns + column + i];
+                let up = |i: usize| self.depth[(row + i) * self.columns + column];
+                slope[0] = slope[0].max((at(2) - at(1)).abs());
+                slope[1] = slope[1].max((up(2) - up(1)).abs());
+                third = third.max((at(3) - at(0) - 3.0 * (at(2) - at(1))).abs());
+                third = third.max((up(3) - up(0) - 3.0 * (up(2) - up(1))).abs());
+            }
+        }
+        let per_cell = self.per_cell.abs();
+        for axis in [0, 1] {
+            let [low, high] = [first[axis], first[axis] + cells[axis]].map(|edge| self.place(axis, edge));
+            let beyond = (low - self.size[axis] / 2.0).max(-self.size[axis] / 2.0 - high);
+            if beyond > STEEPER * per_cell * f64::from(slope[axis]) {
+                return None;
+            }
+        }
+        let bend = (MISSED * f64::from(third) * per_cell).max(f64::MIN_POSITIVE);
+        let pixel = self.pixel.min_element();
+        let even = JUMP * step * step / bend;
+        // Between rays light goes straight, which is off by an eighth of the second difference.
+        let straight = step * (8.0 * ASTRAY * pixel / bend).sqrt();
+        let wanted = even.max(pixel.clamp(step / FINEST, step / FINE)).min(straight);
+        Some(Block { first, cells, rays: (step / wanted).ceil().clamp(1.0, MOST) as usize })
+    }
+
+    /// m from the plane's centre to the edge before a cell.
+    fn place(&self, axis: usize, edge: usize) -> f64 {
+        (edge as f64 - self.cells.counts[axis] as f64 / 2.0) * self.cells.step
+    }
+
+    /// The weights of depths and of slopes (per cell) at so many rays of a cell, from the first that any needs.
+    fn windows(&self, around: &Cells, rays: usize) -> [Resampling; 2] {
+        let edge = (self.reach as f64 - around.counts[0] as f64 / 2.0) * around.step;
+        let places = || (0..rays).map(move |ray| edge + ray as f64 / rays as f64 * around.step);
+        [around.resampling(0, places()), around.slopes(0, places())]
+    }
+
+    /// The slopes (per cell) along both axes at the rays of a block, row by row.
+    fn slopes(&self, block: &Block, [depths, slopes]: &[Resampling; 2]) -> [Vec<f32>; 2] {
+        let taps = depths.taps;
+        let wide = block.cells[0] + taps;
+        let (columns, rows) = (block.count(0), block.count(1));
+        // Depths and slopes upwards between the rows of cells, at the columns of cells.
+        let mut between = [vec![0.0f32; wide], vec![0.0f32; wide]];
+        let mut made = [Vec::with_capacity(columns * rows), Vec::with_capacity(columns * rows)];
+        for ray in 0..rows {
+            for (window, line) in [depths, slopes].into_iter().zip(&mut between) {
+                line.fill(0.0);
+                let (start, weights) = window.of(ray % block.rays, 1);
+                let first = block.first[1] + ray / block.rays + start;
+                for (tap, weight) in weights.iter().enumerate() {
+                    let cells = &self.depth[(first + tap) * self.columns + block.first[0]..][..wide];
+                    line.iter_mut().zip(cells).for_each(|(sum, cell)| *sum += weight * cell);
+                }
+            }
+            for ((window, line), made) in [slopes, depths].into_iter().zip(&between).zip(&mut made) {
+                made.extend((0..columns).map(|ray| {
+                    let (start, weights) = window.of(ray % block.rays, 1);
+                    product(&line[ray / block.rays + start..], weights)
+                }));
+            }
+        }
+        made
+    }
+
+    fn rays<'a>(&self, block: &Block, slopes: &'a [Vec<f32>; 2]) -> Rays<'a> {
+        let step = self.cells.step / block.rays as f64;
+        Rays {
+            counts: [block.count(0), block.count(1)],
+            first: [0, 1]
+                .map(|axis| (self.place(axis, block.first[axis]) + self.size[axis] / 2.0) / self.pixel[axis]),
+            step: [0, 1].map(|axis| step / self.pixel[axis]),
+            slopes: slopes.each_ref().map(|slopes| &slopes[..]),
+            throw: [0, 1].map(|axis| self.per_cell / self.pixel[axis]),
+        }
+    }
+}
+
+/// The sum of values times weights, in four lanes.
+fn product(values: &[f32], weights: &[f32]) -> f32 {
+    let (values, weights) = (values.as_chunks::<4>(), weights.as_chunks::<4>());
+    let mut lanes = [0.0f32; 4];
+    for (values, weights) in values.0.iter().zip(weights.0) {
+        for (lane, (value, weight)) in lanes.iter_mut().zip(values.iter().zip(weights)) {
+            *lane += value * weight;
+        }
+    }
+    let rest: f32 = match weights.1 {
+        [] => 0.0,
+        rest => {
+            let from = 4 * weights.0.len();
+            let values = values.0.as_flattened().iter().chain(values.1).skip(from);
+            values.zip(rest).map(|(value, weight)| value * weight).sum()
+        }
+    };
+    lanes.iter().sum::<f32>() + rest
+}
