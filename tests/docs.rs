@@ -89,6 +89,10 @@ fn known() -> BTreeMap<String, Table> {
         points = [[0, 0, 0]]
         angle = 0.5
         keyframes = [{ time = 0.5 }]
+        [modulation]
+        law = "power"
+        tones = [{ depth = 0.5 }]
+        file = "a.wav"
     "#;
     let scene = file::parse(text, Path::new("all.toml")).unwrap();
     let mut tables: Table = toml::from_str(&file::write(&scene)).unwrap();
@@ -184,6 +188,8 @@ fn defaults_are_those_of_an_empty_scene() {
         ("solver", "search", search.into()),
         ("solver", "frames", frames.into()),
         ("solver", "target", "pressure".into()),
+        ("modulation", "law", "amplitude".into()),
+        ("modulation", "file", "".into()),
         ("motion", "angle", 0.0.into()),
         ("motion", "foci", 1.into()),
     ] {

@@ -5,7 +5,7 @@ use std::path::Path;
 
 use toml_edit::{ArrayOfTables, DocumentMut, Item, Table, TableLike};
 
-use crate::scene::{Pixels, Scene, Shape, file};
+use crate::scene::{Pixels, Scene, Shape, Wave, file};
 
 /// Tables that stand as often as there are things of their kind.
 const REPEATED: [&str; 2] = ["target", "quiet"];
@@ -24,7 +24,7 @@ pub fn rewrite(text: &str, scene: &Scene) -> String {
     rewritten(Keys::Changed).or_else(|| rewritten(Keys::All)).unwrap_or_else(|| file::write(scene))
 }
 
-/// The scene as its file holds it: without the pixels of pictures.
+/// The scene as its file holds it: without the pixels of pictures and the samples of a waveform.
 fn as_written(scene: &Scene) -> Scene {
     let mut scene = scene.clone();
     for target in &mut scene.targets {
@@ -32,6 +32,7 @@ fn as_written(scene: &Scene) -> Scene {
             *pixels = Pixels::default();
         }
     }
+    scene.modulation.wave = Wave::default();
     scene
 }
 

@@ -1,4 +1,4 @@
-//! Scenes as they are opened: the file, and the pictures that it names.
+//! Scenes as they are opened: the file, and the pictures and the waveform that it names.
 
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
@@ -6,21 +6,22 @@ use std::path::{Path, PathBuf};
 use crate::picture::grey;
 use crate::scene::check::{Key, KeyError};
 use crate::scene::file::{self, FileError};
-use crate::scene::{Grey, Pixels, Scene, Shape, Target};
+use crate::scene::{Grey, Modulation, Pixels, Scene, Shape, Target};
 use crate::source;
+use crate::studio::waveform;
 
 /// Bytes of a picture's file, at most.
 const MOST_BYTES: u64 = 64 << 20;
 
-/// The scene of a file, with its pictures.
+/// The scene of a file, with its pictures and its waveform.
 ///
 /// # Errors
-/// Those of [`file::read`], and a picture that cannot be read.
+/// Those of [`file::read`], and a picture or a waveform that cannot be read.
 pub fn open(path: &Path) -> Result<Scene, FileError> {
     parse(&file::read_text(path)?, path)
 }
 
-/// Like [`open`], from text; pictures are looked for beside `path`.
+/// Like [`open`], from text; what it names is looked for beside `path`.
 ///
 /// # Errors
 /// As [`open`].
@@ -31,16 +32,31 @@ pub fn parse(text: &str, path: &Path) -> Result<Scene, FileError> {
     Ok(scene)
 }
 
-/// Loads the pictures that a scene names, relative to a folder, and checks the scene again if there are any.
+/// Loads the pictures and the waveform that a scene names, relative to a folder, and checks the scene again if there are pictures.
 ///
 /// # Errors
-/// A picture that is not there, unreadable or black, and what [`file::targets_in_motion`] refuses.
+/// A picture that is not there, unreadable or black, a waveform that [`waveform::read`] refuses, and what
+/// [`file::targets_in_motion`] refuses.
 pub fn load(scene: &mut Scene, folder: &Path) -> Result<(), KeyError> {
+    load_wave(&mut scene.modulation, folder)?;
     if !scene.targets.iter().any(Target::lacks_pixels) {
         return Ok(());
     }
     load_targets(&mut scene.targets, folder)?;
     file::targets_in_motion(scene)
+}
+
+/// Loads the waveform of a modulation, if it names one that is not loaded.
+///
+/// # Errors
+/// Those of [`waveform::read`].
+pub fn load_wave(modulation: &mut Modulation, folder: &Path) -> Result<(), KeyError> {
+    if modulation.lacks_wave() {
+        let read = waveform::read(&folder.join(&modulation.file));
+        let key = [Key::from("modulation"), Key::from("file")];
+        modulation.wave = read.map_err(|message| KeyError::new(key, message))?;
+    }
+    Ok(())
 }
 
 /// Loads the pictures among targets.

@@ -21,7 +21,7 @@ pub struct Placed {
 }
 
 impl Paintings {
-    /// Names the pictures of a scene that goes to `path`. Those that no file holds get one beside it, where nothing stands or
+    /// Names the pictures and the waveform of a scene that goes to `path`. Those that no file holds get one beside it, where nothing stands or
     /// `may_replace` what does; those of a file in another folder get their whole path.
     pub fn place(&self, scene: &Scene, path: &Path, may_replace: impl Fn(&Path) -> bool) -> Placed {
         let mut placed = Placed { scene: scene.clone(), files: Vec::new() };
@@ -52,6 +52,10 @@ impl Paintings {
                 *file = name_from(&path, &place, file);
                 taken.push((place, pixels.clone()));
             }
+        }
+        if let Some(samples) = scene.modulation.wave.get() {
+            let file = &mut placed.scene.modulation.file;
+            *file = name_from(&path, &absolute(&samples.file), file);
         }
         placed
     }

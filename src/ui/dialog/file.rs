@@ -23,6 +23,8 @@ pub enum Purpose {
     SaveAs,
     /// A drawing that becomes targets.
     Import,
+    /// Of the modulation.
+    Waveform,
     Export(Export),
 }
 
@@ -32,6 +34,7 @@ impl Purpose {
             Self::Open => "Open a scene",
             Self::SaveAs => "Save the scene as",
             Self::Import => "Import a drawing (SVG) or a picture of strokes (PNG, JPEG, BMP)",
+            Self::Waveform => "Open a waveform of the modulation (WAV)",
             Self::Export(Export::Figure(_)) => "Export the figure",
             Self::Export(Export::Map) => "Export the map as PNG",
             Self::Export(Export::Sheet) => "Export the sheet as PNG",
@@ -47,6 +50,7 @@ impl Purpose {
         match self {
             Self::Open | Self::SaveAs => &["toml"],
             Self::Import => IMPORTED,
+            Self::Waveform => &["wav"],
             Self::Export(Export::Figure(Format::Pdf)) => &["pdf"],
             Self::Export(Export::Figure(Format::Svg)) => &["svg"],
             Self::Export(Export::Figure(Format::Png) | Export::Map | Export::Sheet) => &["png"],
@@ -58,14 +62,14 @@ impl Purpose {
 
     /// Whether the file is there already.
     pub fn reads(self) -> bool {
-        matches!(self, Self::Open | Self::Import)
+        matches!(self, Self::Open | Self::Import | Self::Waveform)
     }
 
     fn verb(self) -> &'static str {
         match self {
             Self::Open => "Open",
             Self::SaveAs => "Save",
-            Self::Import => "Read",
+            Self::Import | Self::Waveform => "Read",
             Self::Export(_) => "Export",
         }
     }
@@ -75,6 +79,7 @@ impl Purpose {
             Self::Open => Command::Open(path),
             Self::SaveAs => Command::SaveAs(path),
             Self::Import => Command::Import(path),
+            Self::Waveform => Command::Waveform(path),
             Self::Export(export) => Command::Export(export, path),
         }
     }

@@ -1,9 +1,11 @@
 //! The panel on the right: one page each for scene, solver, drive, liquid, motion and device.
 
 mod bring_up;
+pub mod course;
 mod device;
 mod drive;
 mod liquid;
+mod modulation;
 mod motion;
 mod path;
 mod profile;
