@@ -260,7 +260,7 @@ mod tests {
             (
                 &format!("[modulation]\ntones = [{}]", "{ depth = 0 }, ".repeat(17)),
                 3,
-                "modulation.tones: 17 are more than the 16",
+                "17 are more than the 16 that a modulation may have",
             ),
             ("[motion]\nframes = 0", 3, "motion.frames = 0"),
             ("[motion]\nrate = nan", 3, "motion.rate = nan"),

@@ -55,7 +55,8 @@ impl Paintings {
         }
         if let Some(samples) = scene.modulation.wave.get() {
             let file = &mut placed.scene.modulation.file;
-            *file = name_from(&path, &absolute(&samples.file), file);
+            let before = if Path::new(file).is_absolute() { "" } else { &**file };
+            *file = name_from(&path, &absolute(&samples.file), before);
         }
         placed
     }

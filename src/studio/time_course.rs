@@ -20,7 +20,7 @@ const STEPS_PER_FRAME: f64 = 4.0;
 const ONE_LINE: f64 = 1e-6;
 /// Of the mean, the least line that is kept.
 const LEAST: f64 = 1e-9;
-/// How far beyond the band the lines of an envelope with edges are followed, in bands: with those of a motion they meet in it.
+/// How far beyond the band the lines of a square wave or a file are followed, in bands: with those of a motion they meet in it.
 const REACH: f64 = 16.0;
 /// Products of lines that are formed for a point.
 const MOST_PRODUCTS: f64 = 3e7;
@@ -113,9 +113,13 @@ impl Course {
     /// # Errors
     /// More lines than can be told apart.
     pub fn spectrum(&self, of_frames: &[Complex64], band: f64) -> Result<Vec<Line>, String> {
-        let squares: Vec<_> = of_frames.iter().map(|p| Complex64::from(p.norm_sqr())).collect();
-        let harmonics = transformed(squares);
+        let squares: Vec<_> = of_frames.iter().map(Complex64::norm_sqr).collect();
         let cycle = self.cycles_per_second();
+        let period = self.period().filter(|_| cycle > 0.0 && self.modulation.shape == Envelope::Square);
+        if let Some(period) = period.filter(|period| self.edges(*period) * band * period < MOST_PRODUCTS) {
+            return Ok(lines(self.between_edges(&squares, band, period)));
+        }
+        let harmonics = transformed(squares.into_iter().map(Complex64::from).collect());
         let reach = if self.rate > 0.0 { (1.0 + REACH) * band } else { band };
         let envelope = square_terms(&self.modulation, reach);
         let per_term = if cycle > 0.0 { band / cycle + 1.0 } else { 1.0 };
@@ -140,6 +144,44 @@ impl Course {
         let is_in_band = |(frequency, _): &Term| (-ONE_LINE..=band + ONE_LINE).contains(frequency);
         terms.retain(is_in_band);
         Ok(lines(terms))
+    }
+}
+
+impl Course {
+    /// How often frames and a square wave change in a time (s).
+    fn edges(&self, span: f64) -> f64 {
+        span * (self.rate + 2.0 * self.modulation.frequency)
+    }
+
+    /// The terms of frames under a square wave, whose edges meet those of the frames in infinitely many of their lines: with jumps
+    /// at times t in a period T, the coefficient at a frequency is Σ jump e^{-jωt}/(jωT).
+    fn between_edges(&self, squares: &[f64], band: f64, period: f64) -> Vec<Term> {
+        let low = low_square(&self.modulation);
+        let times = |rate: f64| (0..(period * rate).round() as usize).map(move |n| (n as f64 / rate, n));
+        let frames = times(self.rate).map(|(time, n)| (time, Some(n % self.frames)));
+        let swaps = times(2.0 * self.modulation.frequency).map(|(time, _)| (time, None));
+        let mut edges: Vec<(f64, Option<usize>)> = frames.chain(swaps).collect();
+        edges.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let (mut frame, mut is_on) = (self.frames - 1, false);
+        let value = |frame: usize, is_on: bool| squares[frame] * if is_on { 1.0 } else { low };
+        let (mut sum, mut jumps) = (0.0, Vec::new());
+        for (index, (time, next)) in edges.iter().enumerate() {
+            let before = value(frame, is_on);
+            match next {
+                Some(next) => frame = *next,
+                None => is_on = !is_on,
+            }
+            let after = value(frame, is_on);
+            jumps.push((*time, after - before));
+            sum += after * (edges.get(index + 1).map_or(period, |(next, _)| *next) - time);
+        }
+        let term = |n: usize| {
+            let omega = 2.0 * PI * n as f64 / period;
+            let jump = |&(time, jump): &(f64, f64)| Complex64::from_polar(jump, -omega * time);
+            let coefficient = jumps.iter().map(jump).sum::<Complex64>() / Complex64::new(0.0, omega * period);
+            (n as f64 / period, if n == 0 { Complex64::from(sum / period) } else { coefficient })
+        };
+        (0..=(band * period + ONE_LINE) as usize).map(term).collect()
     }
 }
 
@@ -195,12 +237,17 @@ fn swing(tones: &[(f64, f64, f64)]) -> Vec<Term> {
     [(0.0, Complex64::from(middle))].into_iter().chain(tones.iter().flat_map(of_tone)).collect()
 }
 
-/// 1 in the first half of a period, and the square of what is left in the second.
-fn square_wave(modulation: &Modulation, reach: f64) -> Vec<Term> {
-    let low = match modulation.law {
+/// What is left of the power in the second half of a square wave's period.
+fn low_square(modulation: &Modulation) -> f64 {
+    match modulation.law {
         Law::Amplitude => (1.0 - modulation.depth).powi(2),
         Law::Power => 1.0 - modulation.depth,
-    };
+    }
+}
+
+/// 1 in the first half of a period, and the square of what is left in the second.
+fn square_wave(modulation: &Modulation, reach: f64) -> Vec<Term> {
+    let low = low_square(modulation);
     let frequency = modulation.frequency;
     let most = (reach / frequency).floor() as i64;
     let odd = (-most..=most).filter(|n| n % 2 != 0);

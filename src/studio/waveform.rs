@@ -100,8 +100,7 @@ mod tests {
     #[test]
     fn every_width_of_samples_is_read_in_parts_of_full_scale() {
         for bits in [8u16, 16, 24, 32] {
-            let full = (1i64 << (bits - 1)) as i32 as i64;
-            let full = full.abs();
+            let full = 1i64 << (bits - 1);
             let bytes = file(spec(2, bits, SampleFormat::Int), |writer| {
                 for value in [-full, 0, full / 2, full / 2] {
                     writer.write_sample(value as i32).unwrap();

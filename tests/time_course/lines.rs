@@ -143,13 +143,13 @@ fn lines_are_the_integrals_over_a_common_period() {
     let frames: Vec<_> =
         (0..16).map(|i| Complex64::from_polar(1.0 + (f64::from(i * i) * 0.9).sin(), f64::from(i))).collect();
     let tones = vec![tone(150.0, 0.4, 0.3), tone(230.0, 0.35, -1.0), tone(150.0, 0.25, 2.0)];
-    // Edges of an envelope meet those of frames in infinitely many lines, of which the far ones are left out.
+    // The lines of a file and those of frames meet in infinitely many, of which the far ones are left out.
     for (shape, edges, bound) in [
         (Envelope::Off, 1.0, 1e-12),
         (Envelope::Sine, 1.0, 1e-10),
         (Envelope::Tones, 1.0, 1e-10),
-        (Envelope::Square, 400.0, 3e-4),
-        (Envelope::File, 2000.0, 1e-5),
+        (Envelope::Square, 400.0, 1e-10),
+        (Envelope::File, 2000.0, 2e-6),
     ] {
         for law in [Law::Amplitude, Law::Power] {
             let (tones, wave) = (tones.clone(), wave.clone());

@@ -37,7 +37,7 @@ fn course(screen: &Screen) -> Course {
 fn tones_are_edited_one_by_one_and_never_exceed_full_depth() {
     let mut screen = open_on_motion();
     choose(&mut screen, "Amplitude modulation", "tones");
-    choose(&mut screen, "Follows it", "power");
+    choose(&mut screen, "Waveform of", "power");
     let modulation = &scene(&screen).modulation;
     assert_eq!((modulation.shape, modulation.law, modulation.tones.len()), (Envelope::Tones, Law::Power, 2));
     type_in(&mut screen, "Tone 1 frequency", "150");

@@ -37,8 +37,7 @@ pub fn show(editor: &mut Editor, shown: &Shown, ui: &mut Ui) {
             (CoursePlace::Pointer, "pointer"),
             (CoursePlace::Listener, "listener"),
         ];
-        let tip =
-            "Focus: of the selected target, or the first. Pointer: the place on the map where it was last";
+        let tip = "Focus: where the selected target, or the first, stands in the scene. Pointer: where it was last on the map";
         choice(ui, ("Place", tip), &mut editor.course.place, &places);
     });
     let Some(course) = &shown.course else {
@@ -101,7 +100,7 @@ fn plot(id: &str, ui: &mut Ui, curves: Vec<Vec<[f64; 2]>>) {
         .allow_boxed_zoom(false)
         .auto_bounds(Vec2b::TRUE)
         .include_y(0.0)
-        .grid_spacing(16.0..=400.0)
+        .grid_spacing(8.0..=120.0)
         .show_grid(true);
     plot.show(ui, |plot| {
         for curve in curves {

@@ -25,7 +25,7 @@ pub fn show(editor: &mut Editor, ui: &mut Ui) {
         }
         let laws = [(Law::Amplitude, "amplitude"), (Law::Power, "power")];
         let tip = "What has the waveform: the amplitude of the sound, or its square, and with it the radiation pressure";
-        choice(ui, ("Follows it", tip), &mut modulation.law, &laws);
+        choice(ui, ("Waveform of", tip), &mut modulation.law, &laws);
         match modulation.shape {
             Envelope::Off | Envelope::Tones => {}
             Envelope::Sine | Envelope::Square => {
