@@ -92,6 +92,10 @@ fn known() -> BTreeMap<String, Table> {
         points = [[0, 0, 0]]
         angle = 0.5
         keyframes = [{ time = 0.5 }]
+        [modulation]
+        law = "power"
+        tones = [{ depth = 0.5 }]
+        file = "a.wav"
     "#;
     let scene = file::parse(text, Path::new("all.toml")).unwrap();
     let mut tables: Table = toml::from_str(&file::write(&scene)).unwrap();
@@ -189,6 +193,8 @@ fn defaults_are_those_of_an_empty_scene() {
         ("solver", "target", "pressure".into()),
         ("liquid", "light", "through".into()),
         ("liquid", "screen", Liquid::SCREEN.into()),
+        ("modulation", "law", "amplitude".into()),
+        ("modulation", "file", "".into()),
         ("motion", "angle", 0.0.into()),
         ("motion", "foci", 1.into()),
     ] {

@@ -12,13 +12,13 @@ use crate::app::{folders, settings};
 use crate::field::{Colouring, Evaluator, Quantity, Request, Stages};
 use crate::import::{self, Drawing};
 use crate::picture::{export, sheet};
-use crate::scene::{Elements, Scene, check};
+use crate::scene::{Elements, Envelope, Scene, Wave, check};
 use crate::solver::frames;
 use crate::source;
 use crate::studio::animate::{self, Look};
 use crate::studio::paintings::Placed;
 use crate::studio::still::stem;
-use crate::studio::{elements, figure, link, liquid, map, opening, output};
+use crate::studio::{elements, figure, link, liquid, map, opening, output, waveform};
 use crate::ui::document::Document;
 use crate::ui::section::Profile;
 use crate::ui::view::Lens;
@@ -33,6 +33,7 @@ pub(super) enum Outcome {
     Chosen(Purpose, Result<PathBuf, String>),
     Listed(Folder),
     Read(PathBuf, anyhow::Result<Drawing>),
+    Heard(Result<Wave, String>),
     /// The motion was exported, if it was not called off.
     Filmed(PathBuf, anyhow::Result<Option<()>>),
 }
@@ -192,6 +193,20 @@ impl Window {
         });
     }
 
+    /// Reads a waveform, which becomes the modulation's as soon as it is there.
+    pub(super) fn read_waveform(&mut self, path: PathBuf, ctx: &egui::Context) {
+        self.send(ctx, move |_| Outcome::Heard(waveform::read(&path)));
+    }
+
+    fn take_waveform(&mut self, wave: Wave) {
+        let Some(samples) = wave.get() else { return };
+        let folder = self.editor.document.path().and_then(Path::parent);
+        let name = samples.file.strip_prefix(folder.unwrap_or(Path::new(""))).unwrap_or(&samples.file);
+        let modulation = &mut self.editor.document.scene.modulation;
+        modulation.file = name.to_string_lossy().into_owned();
+        (modulation.wave, modulation.shape) = (wave, Envelope::File);
+    }
+
     /// Takes over what the errands brought.
     pub(super) fn collect(&mut self, commands: &mut Vec<Command>) {
         for errand in std::mem::take(&mut self.errands) {
@@ -234,6 +249,8 @@ impl Window {
                 let import = ui::Import::new(name, drawing, &self.editor);
                 self.editor.dialog = Some(Dialog::Import(Box::new(import)));
             }
+            Outcome::Heard(Ok(wave)) => self.take_waveform(wave),
+            Outcome::Heard(Err(error)) => self.refuse("The waveform cannot be read", &anyhow!(error)),
             Outcome::Filmed(path, Ok(Some(()))) => self.tell(&format!("Wrote {}", path.display()), false),
             Outcome::Filmed(path, Ok(None)) => {
                 self.tell(&format!("Called off: {} is not written", path.display()), false);

@@ -10,6 +10,7 @@ use crate::acoustics::Aperture;
 use crate::app::errand::{Errand, State};
 use crate::device;
 use crate::device::calibration::Calibration;
+use crate::device::envelope;
 use crate::device::levels::Levels;
 use crate::device::link::{Content, Event, Link, Settings};
 use crate::device::port;
@@ -240,7 +241,14 @@ impl Board {
         let felt = Modulation { shape: Envelope::Sine, ..Modulation::default() };
         let modulation = if shown.board.plays == Plays::Focus { &felt } else { &editor.scene().modulation };
         if self.modulation.as_ref() != Some(modulation) {
-            link.modulate(modulation.clone());
+            match envelope::playable(link.settings().profile, modulation) {
+                Ok(()) => link.modulate(modulation.clone()),
+                Err(error) if matches!(shown.board.plays, Plays::Scene | Plays::Motion) => {
+                    link.stop();
+                    refuse(shown, error);
+                }
+                Err(_) => {}
+            }
             self.modulation = Some(modulation.clone());
         }
         drop(held);
@@ -265,8 +273,8 @@ impl Board {
         }
         let profile = editor.board.profile;
         let levels = |drive: &Drive| Levels::new(profile, drive, &self.calibration);
-        if let Err(error) = profile.drives(editor.scene()) {
-            refuse(shown, error.to_string());
+        if let Err(error) = plays(profile, editor) {
+            refuse(shown, error);
             self.drives = Some(drives);
             return;
         }
@@ -283,8 +291,8 @@ impl Board {
     fn send_motion(&mut self, editor: &Editor, shown: &mut Shown) {
         let (Some(round), Some(cycle)) = (&shown.round, motion::cycle(editor.scene())) else { return };
         self.awaits_round = false;
-        if let Err(error) = editor.board.profile.drives(editor.scene()) {
-            return refuse(shown, error.to_string());
+        if let Err(error) = plays(editor.board.profile, editor) {
+            return refuse(shown, error);
         }
         let levels = |drive: &Drive| Levels::new(editor.board.profile, drive, &self.calibration);
         let frames: Result<Vec<_>, _> = round.frames.iter().map(|frame| levels(&frame.drive)).collect();
@@ -327,6 +335,12 @@ impl Drop for Board {
     fn drop(&mut self) {
         drop(locked(&self.link).take());
     }
+}
+
+/// Whether a board plays the scene's array and modulation, or why not.
+fn plays(profile: Profile, editor: &Editor) -> Result<(), String> {
+    profile.drives(editor.scene()).map_err(|error| error.to_string())?;
+    envelope::playable(profile, &editor.scene().modulation)
 }
 
 /// What is locked here stays whole when a thread panics.

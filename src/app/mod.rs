@@ -19,6 +19,7 @@ pub mod recovery;
 pub mod settings;
 mod survey;
 mod thumbnails;
+mod time_course;
 mod workshop;
 
 use std::num::NonZeroUsize;
@@ -236,6 +237,7 @@ impl Window {
             Command::Overwrite(path) => self.overwrite(&path, ctx),
             Command::Import(path) => self.import(path, ctx),
             Command::TakeElements(path) => self.take_elements(&path),
+            Command::Waveform(path) => self.read_waveform(path, ctx),
             Command::Export(export, path) => self.export(export, &path, ctx),
             Command::CopyFigure => self.copy_figure(ctx),
             Command::CallOff => self.filming.iter().for_each(|film| film.progress.call_off()),

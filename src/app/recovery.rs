@@ -109,7 +109,7 @@ impl Recovery {
     }
 }
 
-/// What a run left, with those of its pictures that are still there.
+/// What a run left, with those of its pictures and waveforms that are still there.
 fn read(path: &Path) -> Option<(Scene, Paintings)> {
     let mut scene = file::read(path).ok()?;
     let folder = path.parent().unwrap_or(Path::new(""));
@@ -118,6 +118,7 @@ fn read(path: &Path) -> Option<(Scene, Paintings)> {
     for target in &mut scene.targets {
         let _ = opening::load_targets(std::slice::from_mut(target), folder);
     }
+    let _ = opening::load_wave(&mut scene.modulation, folder);
     let mut paintings = Paintings::default();
     paintings.adopt(&mut scene, path);
     Some((scene, paintings))

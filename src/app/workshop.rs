@@ -15,6 +15,7 @@ use crate::app::later::Later;
 use crate::app::mapping::{Look, Mapping};
 use crate::app::posing::{Solved, Source, is_shape, posed, posed_in_motion, solve, sound};
 use crate::app::survey::Survey;
+use crate::app::time_course::TimeCourse;
 use crate::field::{Evaluator, Quantity, Request, Stages, missed};
 use crate::scene::{Method, Scene, check, motion, outline};
 use crate::solver::frames::{self, Sequence};
@@ -70,6 +71,7 @@ pub struct Workshop {
     round: Later<Scene, Result<Arc<Sequence>, String>>,
     pressed: Later<Request, Option<Pressed>>,
     survey: Survey,
+    course: TimeCourse,
     /// What makes it, with what it keeps from one time to the next.
     presser: Arc<Mutex<Stages>>,
     comparison: Option<Comparison>,
@@ -92,6 +94,7 @@ impl Workshop {
             round: Later::default(),
             pressed: Later::default(),
             survey: Survey::default(),
+            course: TimeCourse::default(),
             presser: Arc::new(Mutex::new(Stages::new(Evaluator::Cpu))),
             comparison: None,
             motion: Clock::default(),
@@ -113,6 +116,7 @@ impl Workshop {
             || self.pressed.is_running()
             || self.comparison.as_ref().is_some_and(Comparison::is_busy)
             || self.survey.is_running()
+            || self.course.is_running()
     }
 
     /// Brings everything that is shown up to date.
@@ -134,6 +138,7 @@ impl Workshop {
             self.round.collect(),
             self.pressed.collect(),
             self.survey.collect(),
+            self.course.collect(),
         ];
         if came.contains(&true) {
             // The panels of this frame were drawn without it.
@@ -150,6 +155,7 @@ impl Workshop {
         self.map(editor, shown, lens, ctx);
         self.compare(editor, shown, source.as_ref(), beside, ctx);
         self.survey.update(editor, shown, lens, ctx);
+        self.course.update(editor, shown, ctx);
         shown.warnings = warnings(editor, shown);
         shown.warnings.extend_from_slice(self.reached(ctx));
     }

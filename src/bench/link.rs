@@ -167,7 +167,7 @@ impl Rows {
     fn modulation(&mut self, profile: Profile, frequency: f64, lasts: Duration) -> anyhow::Result<()> {
         let baud = profile.baud();
         let pair = Pair::new(profile, baud)?;
-        pair.link.modulate(Modulation { shape: Envelope::Square, frequency, depth: 1.0 });
+        pair.link.modulate(Modulation { shape: Envelope::Square, frequency, ..Modulation::default() });
         pair.link.show(Content::Still(frame(profile, 1)));
         // Loading both buffers comes first.
         for _ in 0..10 {

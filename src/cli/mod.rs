@@ -15,6 +15,7 @@ mod probe;
 mod progress;
 mod render;
 mod solve;
+mod time_course;
 
 use std::path::{Path, PathBuf};
 
@@ -24,6 +25,7 @@ use crate::bench::{self, Subject};
 pub use crate::cli::arguments::BadArguments;
 use crate::cli::boards::{BoardArgs, CheckArgs, SendArgs};
 use crate::cli::figure::FigureArgs;
+use crate::cli::time_course::TimeArgs;
 use crate::field::Quantity;
 use crate::picture::ColourMap;
 use crate::scene::{Listener, Method, Scene};
@@ -92,6 +94,8 @@ enum Command {
     /// The file has the columns x, y, z in metres; the answer adds re, im (Pa, peak) and rms (Pa). Example:
     ///
     ///   sonoglyph probe hit.toml --points points.csv -o pressures.csv
+    ///
+    ///   sonoglyph probe scene.toml --points points.csv --time --spectrum lines.csv -o course.csv
     #[command(verbatim_doc_comment)]
     Probe(ProbeArgs),
     /// Measure time against error, beside a baseline in the same run
@@ -261,6 +265,8 @@ struct ProbeArgs {
     /// Drive as `solve --csv` writes it, instead of the solver's
     #[arg(long, value_name = "FILE.csv")]
     drive: Option<PathBuf>,
+    #[command(flatten)]
+    time: TimeArgs,
     /// Where to write; standard output otherwise
     #[arg(short, long, value_name = "FILE.csv")]
     output: Option<PathBuf>,
@@ -393,7 +399,7 @@ pub enum Next {
 fn read_scene(path: &Path, method: Option<Method>, files: &mut Files) -> anyhow::Result<Scene> {
     files.reads(path)?;
     let mut scene = opening::open(path)?;
-    files.reads_pictures(&scene)?;
+    files.reads_files_of(&scene)?;
     if let Some(method) = method {
         scene.solver.method = method;
     }

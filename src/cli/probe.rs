@@ -7,7 +7,7 @@ use anyhow::{Context, anyhow};
 use num_complex::Complex64;
 
 use crate::acoustics::Aperture;
-use crate::cli::{ProbeArgs, read_scene};
+use crate::cli::{ProbeArgs, read_scene, time_course};
 use crate::drive::Drive;
 use crate::field::{Evaluator, Samples, reference};
 use crate::solver;
@@ -23,12 +23,13 @@ pub fn run(args: &ProbeArgs) -> anyhow::Result<()> {
     for path in [&args.points].into_iter().chain(&args.drive) {
         files.reads(path)?;
     }
-    if let Some(path) = &args.output {
+    for path in args.output.iter().chain(&args.time.spectrum) {
         files.writes(path)?;
     }
     let samples = read_table(&args.points, Samples::read)?;
     let drives = match &args.drive {
         Some(path) => vec![read_table(path, |csv| Drive::read(csv, scene.elements()))?],
+        None if args.time.time => time_course::drives(&scene, &args.scene.display().to_string())?,
         None => {
             let solution = solver::solve(&scene).with_context(|| args.scene.display().to_string())?;
             solution.warnings.iter().for_each(|warning| warn(warning));
@@ -46,6 +47,16 @@ pub fn run(args: &ProbeArgs) -> anyhow::Result<()> {
             }
         })
     };
+    if args.time.time {
+        return time_course::write(
+            &args.time,
+            &scene,
+            &samples.columns,
+            &drives,
+            pressure,
+            args.output.as_deref(),
+        );
+    }
     let pressures = mean(&drives.iter().map(pressure).collect::<Result<Vec<_>, _>>()?);
     if drives.len() > 1 {
         note(

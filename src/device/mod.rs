@@ -9,6 +9,7 @@
 #[cfg(all(unix, feature = "serial"))]
 pub mod board;
 pub mod calibration;
+pub mod envelope;
 pub mod health;
 pub mod levels;
 #[cfg(feature = "serial")]

@@ -4,11 +4,12 @@ use std::f64::consts::TAU;
 
 use glam::DVec3;
 
+use crate::scene::modulation::{FREQUENCIES, MOST_TONES};
 use crate::scene::range::{count, direction, finite, length, point, refuse, within};
 use crate::scene::space::Front;
 use crate::scene::{
-    Area, Array, ElementModel, Keyframe, Liquid, Listener, Medium, Modulation, Motion, MotionPath, Plane,
-    Pressures, Sampling, Scene, Shape, Solver, Target, Tempo, Zone, space,
+    Area, Array, ElementModel, Envelope, Keyframe, Liquid, Listener, Medium, Modulation, Motion, MotionPath,
+    Plane, Pressures, Sampling, Scene, Shape, Solver, Target, Tempo, Zone, space,
 };
 
 pub use crate::scene::range::{Key, KeyError};
@@ -36,6 +37,8 @@ pub const FACTORS: std::ops::RangeInclusive<f64> = 1e-3..=1e3;
 const MOST_KEYFRAMES: usize = 1024;
 /// Iterations of a method: a thousand times what any of them needs.
 const MOST_ITERATIONS: u64 = 100_000;
+/// Of a sum of numbers that are written in decimals.
+const ROUNDING: f64 = 1e-9;
 /// Drives that take turns: more are no quieter on the average.
 const MOST_TURNS: u64 = 32;
 /// s of search.
@@ -378,8 +381,41 @@ fn liquid(liquid: &Liquid) -> Result<(), KeyError> {
 }
 
 fn modulation(modulation: &Modulation) -> Result<(), KeyError> {
-    within("frequency", modulation.frequency, 1.0, 1000.0, "Hz")?;
-    within("depth", modulation.depth, 0.0, 1.0, "(0: none, 1: full)")
+    let frequency =
+        |frequency| within("frequency", frequency, *FREQUENCIES.start(), *FREQUENCIES.end(), "Hz");
+    let depth = |depth| within("depth", depth, 0.0, 1.0, "(0: none, 1: full)");
+    frequency(modulation.frequency)?;
+    depth(modulation.depth)?;
+    let tones = &modulation.tones;
+    if tones.len() > MOST_TONES {
+        let message = format!("{} are more than the {MOST_TONES} that a modulation may have", tones.len());
+        return refuse("tones", message);
+    }
+    let mut sum = 0.0;
+    for (index, tone) in tones.iter().enumerate() {
+        sum += tone.depth;
+        let fits = || match sum <= 1.0 + ROUNDING {
+            true => Ok(()),
+            false => refuse(
+                "depth",
+                format!("with the tones before it depths add up to {sum}: 1 at most, silence"),
+            ),
+        };
+        frequency(tone.frequency)
+            .and_then(|()| depth(tone.depth))
+            .and_then(|()| finite("phase", tone.phase))
+            .and_then(|()| fits())
+            .map_err(|e| e.under(&["tones".into(), index.into()]))?;
+    }
+    match modulation.shape {
+        Envelope::Tones if tones.is_empty() => {
+            refuse("tones", "`shape = \"tones\"` needs one at least: { frequency = 200, depth = 1 }")
+        }
+        Envelope::File if modulation.file.is_empty() => {
+            refuse("file", "`shape = \"file\"` needs the name of a WAV file")
+        }
+        Envelope::Off | Envelope::Sine | Envelope::Square | Envelope::Tones | Envelope::File => Ok(()),
+    }
 }
 
 fn motion(motion: &Motion) -> Result<(), KeyError> {

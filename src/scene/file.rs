@@ -63,7 +63,7 @@ pub fn from_tables<'de, D: Deserializer<'de>>(tables: D) -> Result<Scene, D::Err
 
 /// The scene as a file.
 pub fn write(scene: &Scene) -> String {
-    inline::keyframes(toml::to_string(scene).expect("a scene is tables of plain values"))
+    inline::lists(toml::to_string(scene).expect("a scene is tables of plain values"))
 }
 
 /// Targets alone as a text that [`parse_targets`] reads again.
@@ -244,6 +244,34 @@ mod tests {
             ("[[target]]\nkind = \"line\"\npoints = 1000000", 4, "target[1].points = 1000000"),
             ("[[target]]\nkind = \"line\"\npoints = 4\nspacing = 0.1", 4, "not both"),
             ("[modulation]\nfrequency = 0", 3, "modulation.frequency = 0"),
+            (
+                "[modulation]\nshape = \"tones\"",
+                2,
+                "modulation.tones: `shape = \"tones\"` needs one at least",
+            ),
+            (
+                "[modulation]\nshape = \"file\"",
+                2,
+                "modulation.file: `shape = \"file\"` needs the name of a WAV",
+            ),
+            ("[modulation]\nlaw = \"sound\"", 3, "unknown variant `sound`"),
+            (
+                "[modulation]\ntones = [{ frequency = 0 }]",
+                3,
+                "modulation.tones[1].frequency = 0: must be a number",
+            ),
+            ("[modulation]\ntones = [{ phase = nan }]", 3, "modulation.tones[1].phase = nan"),
+            ("[modulation]\ntones = [{ pitch = 1 }]", 3, "unknown field `pitch`"),
+            (
+                "[modulation]\ntones = [\n{ depth = 0.7 },\n{ depth = 0.5 },\n]",
+                5,
+                "modulation.tones[2].depth = 0.5: with the tones before it depths add up to 1.2",
+            ),
+            (
+                &format!("[modulation]\ntones = [{}]", "{ depth = 0 }, ".repeat(17)),
+                3,
+                "17 are more than the 16 that a modulation may have",
+            ),
             ("[motion]\nframes = 0", 3, "motion.frames = 0"),
             ("[motion]\nrate = nan", 3, "motion.rate = nan"),
             ("[motion]\nrate = 5\nspeed = 6", 4, "motion.speed = 6: give either `rate` or `speed`"),
@@ -398,6 +426,11 @@ mod tests {
             path = "outline"
             foci = 3
             speed = 7.5
+            [modulation]
+            shape = "tones"
+            law = "power"
+            tones = [{ frequency = 150, depth = 0.5 }, { frequency = 230.5, depth = 0.25, phase = -0.5 }]
+            file = "a.wav"
             [motion]
             path = "keyframes"
             keyframes = [{ time = 0 }, { time = 0.25, at = [0.01, 0, 0], pressure = 0.5, easing = "hold" }]

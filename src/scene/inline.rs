@@ -1,27 +1,30 @@
-//! Keyframes in a scene's text: a list with a line for each, where serde would write a table for each.
+//! Keyframes and tones in a scene's text: a list with a line for each, where serde would write a table for each.
 
 use toml_edit::{Array, DocumentMut, Item, TableLike, Value};
 
-const KEY: &str = "keyframes";
+const KEYFRAMES: &str = "keyframes";
+const TONES: &str = "tones";
 
-/// The text of a scene with its keyframes in line. A text that is no TOML stays as it is.
-pub fn keyframes(text: String) -> String {
-    if !text.contains(KEY) {
+/// The text of a scene with its keyframes and tones in line. A text that is no TOML stays as it is.
+pub fn lists(text: String) -> String {
+    if ![KEYFRAMES, TONES].iter().any(|key| text.contains(key)) {
         return text;
     }
     let Ok(mut document) = text.parse::<DocumentMut>() else { return text };
+    let modulation = document.get_mut("modulation").and_then(Item::as_table_like_mut);
+    modulation.into_iter().for_each(|table| write(table, TONES));
     let own = document.get_mut("motion").and_then(Item::as_table_like_mut);
-    own.into_iter().for_each(write);
+    own.into_iter().for_each(|table| write(table, KEYFRAMES));
     let targets = document.get_mut("target").and_then(Item::as_array_of_tables_mut);
     for target in targets.into_iter().flat_map(|targets| targets.iter_mut()) {
         let own = target.get_mut("motion").and_then(Item::as_table_like_mut);
-        own.into_iter().for_each(write);
+        own.into_iter().for_each(|table| write(table, KEYFRAMES));
     }
     document.to_string()
 }
 
-fn write(motion: &mut dyn TableLike) {
-    let Some(tables) = motion.get(KEY).and_then(Item::as_array_of_tables).cloned() else { return };
+fn write(owner: &mut dyn TableLike, key: &str) {
+    let Some(tables) = owner.get(key).and_then(Item::as_array_of_tables).cloned() else { return };
     let mut list = Array::new();
     for table in tables {
         let mut line = Value::InlineTable(table.into_inline_table());
@@ -30,5 +33,5 @@ fn write(motion: &mut dyn TableLike) {
     }
     list.set_trailing("\n");
     list.set_trailing_comma(true);
-    motion.insert(KEY, Item::Value(Value::Array(list)));
+    owner.insert(key, Item::Value(Value::Array(list)));
 }

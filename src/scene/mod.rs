@@ -22,6 +22,7 @@ pub mod space;
 pub mod strict;
 mod stroke;
 pub mod target;
+pub mod wave;
 pub mod zone;
 
 use glam::{DVec2, DVec3};
@@ -30,11 +31,12 @@ use serde::{Deserialize, Serialize};
 pub use check::KeyError;
 pub use cover::Cover;
 pub use liquid::{Light, Liquid, LiquidName};
-pub use modulation::{Envelope, Modulation};
+pub use modulation::{Envelope, Law, Modulation, Tone};
 pub use motion::{Easing, Keyframe, Motion, MotionPath, Tempo};
 pub use pixels::{Dab, Grey, Pixels};
 pub use space::{Board, Elements, Placed, Reflector};
 pub use target::{Sampling, Shape, Target};
+pub use wave::Wave;
 pub use zone::{Area, Zone};
 
 /// Everything a scene file holds.

@@ -4,44 +4,197 @@ use std::f64::consts::TAU;
 
 use serde::{Deserialize, Serialize};
 
+use crate::scene::Wave;
+
+/// Tones that a modulation may have.
+pub const MOST_TONES: usize = 16;
+/// Hz, of modulations.
+pub const FREQUENCIES: std::ops::RangeInclusive<f64> = 1.0..=1000.0;
+/// Hz: the common frequency of tones is looked for among multiples of this.
+const GRAIN: f64 = 1e-6;
+/// Time steps of an envelope's shortest period that follow it closely.
+const STEPS_PER_PERIOD: f64 = 64.0;
+
 /// The envelope of the drive.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Modulation {
     pub shape: Envelope,
-    /// Hz
+    #[serde(skip_serializing_if = "is_amplitude")]
+    pub law: Law,
+    /// Hz, of a sine and a square wave.
     pub frequency: f64,
-    /// 0: none; 1: down to silence.
+    /// Of a sine, a square wave and a file. 0: none; 1: down to silence.
     pub depth: f64,
+    /// What `shape = "tones"` adds up.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub tones: Vec<Tone>,
+    /// The waveform (WAV) that `shape = "file"` repeats, relative to the scene's file.
+    #[serde(skip_serializing_if = "String::is_empty")]
+    pub file: String,
+    /// Of that file, once it is loaded.
+    #[serde(skip)]
+    pub wave: Wave,
 }
 
 impl Default for Modulation {
     fn default() -> Self {
-        Self { shape: Envelope::Off, frequency: 200.0, depth: 1.0 }
+        Self {
+            shape: Envelope::Off,
+            law: Law::Amplitude,
+            frequency: 200.0,
+            depth: 1.0,
+            tones: Vec::new(),
+            file: String::new(),
+            wave: Wave::default(),
+        }
     }
 }
 
+/// One of the tones that swing together.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Tone {
+    /// Hz
+    pub frequency: f64,
+    /// Its part of the whole swing.
+    pub depth: f64,
+    /// rad, of a sine.
+    #[serde(skip_serializing_if = "is_zero")]
+    pub phase: f64,
+}
+
+impl Default for Tone {
+    fn default() -> Self {
+        Self { frequency: 200.0, depth: 1.0, phase: 0.0 }
+    }
+}
+
+fn is_zero(phase: &f64) -> bool {
+    *phase == 0.0
+}
+
+/// What has the shape.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Law {
+    /// The amplitude of the sound.
+    #[default]
+    Amplitude,
+    /// Its square, and with it the radiation pressure.
+    Power,
+}
+
+fn is_amplitude(law: &Law) -> bool {
+    *law == Law::Amplitude
+}
+
 impl Modulation {
-    /// The factor on the drive's amplitude at a time (s), 1 - depth to 1.
+    /// The factor on the drive's amplitude at a time (s), 0 to 1.
     pub fn envelope(&self, time: f64) -> f64 {
-        let cycles = self.frequency * time;
-        match self.shape {
-            Envelope::Off => 1.0,
-            Envelope::Sine => 1.0 - self.depth * (1.0 - (TAU * cycles.fract()).sin()) / 2.0,
-            Envelope::Square if cycles.rem_euclid(1.0) < 0.5 => 1.0,
-            Envelope::Square => 1.0 - self.depth,
+        let swing = self.swing(time);
+        match self.law {
+            Law::Amplitude => swing,
+            Law::Power => swing.sqrt(),
         }
     }
 
-    /// The mean of its square: the part of the steady sound's radiation pressure that is there on average.
-    pub fn mean_square(&self) -> f64 {
-        let low = 1.0 - self.depth;
-        match self.shape {
+    /// What the shape alone is at a time (s), 1 - depth to 1.
+    pub fn swing(&self, time: f64) -> f64 {
+        let swing = match self.shape {
             Envelope::Off => 1.0,
-            Envelope::Sine => (1.0 - self.depth / 2.0).powi(2) + self.depth.powi(2) / 8.0,
-            Envelope::Square => (1.0 + low * low) / 2.0,
+            Envelope::Sine => 1.0 - self.depth * (1.0 - (TAU * (self.frequency * time).fract()).sin()) / 2.0,
+            Envelope::Square if (self.frequency * time).rem_euclid(1.0) < 0.5 => 1.0,
+            Envelope::Square => 1.0 - self.depth,
+            Envelope::Tones => 1.0 - self.tones.iter().map(|tone| tone.dip(time)).sum::<f64>(),
+            Envelope::File => 1.0 - self.depth * (1.0 - self.wave.at(time)) / 2.0,
+        };
+        swing.clamp(0.0, 1.0)
+    }
+
+    /// The mean of the envelope's square: the part of the steady sound's radiation pressure that is there on average.
+    pub fn mean_square(&self) -> f64 {
+        let [mean, mean_square] = self.means();
+        match self.law {
+            Law::Amplitude => mean_square,
+            Law::Power => mean,
         }
     }
+
+    /// The means of the swing and of its square.
+    fn means(&self) -> [f64; 2] {
+        // The swing is 1 - d/2 + x d/2, and these are the means of x and x².
+        let of = |[mean, mean_square]: [f64; 2]| {
+            let (middle, half) = (1.0 - self.depth / 2.0, self.depth / 2.0);
+            [middle + half * mean, middle.powi(2) + 2.0 * middle * half * mean + half.powi(2) * mean_square]
+        };
+        match self.shape {
+            Envelope::Off => [1.0; 2],
+            Envelope::Sine => of([0.0, 0.5]),
+            Envelope::Square => of([0.0, 1.0]),
+            Envelope::File => of(self.wave.means()),
+            Envelope::Tones => {
+                let middle = 1.0 - self.tones.iter().map(|tone| tone.depth).sum::<f64>() / 2.0;
+                [middle, middle.powi(2) + self.squares_by_frequency().sum::<f64>() / 8.0]
+            }
+        }
+    }
+
+    /// Of every frequency the squared modulus of the sum of depth · e^{j phase} over its tones.
+    fn squares_by_frequency(&self) -> impl Iterator<Item = f64> {
+        let mut tones = self.tones.clone();
+        tones.sort_by(|a, b| a.frequency.total_cmp(&b.frequency));
+        let square = |same: &[Tone]| {
+            let part =
+                |part: fn(f64) -> f64| same.iter().map(|tone| tone.depth * part(tone.phase)).sum::<f64>();
+            part(f64::cos).powi(2) + part(f64::sin).powi(2)
+        };
+        let squares: Vec<_> = tones.chunk_by(|a, b| a.frequency == b.frequency).map(square).collect();
+        squares.into_iter()
+    }
+
+    /// s, after which the envelope repeats itself; `None` where it is steady. Tones are taken for multiples of 1 µHz.
+    pub fn period(&self) -> Option<f64> {
+        match self.shape {
+            Envelope::Off => None,
+            Envelope::Sine | Envelope::Square => Some(1.0 / self.frequency),
+            Envelope::File => self.wave.get().map(|samples| samples.period()),
+            Envelope::Tones => {
+                let grains = |tone: &Tone| (tone.frequency / GRAIN).round() as u64;
+                let common = self.tones.iter().map(grains).reduce(divisor).filter(|common| *common > 0)?;
+                Some(1.0 / (common as f64 * GRAIN))
+            }
+        }
+    }
+
+    /// Hz: time steps of this rate follow the envelope closely; 0 where it is steady.
+    pub fn step_rate(&self) -> f64 {
+        match self.shape {
+            Envelope::Off => 0.0,
+            Envelope::Sine | Envelope::Square => STEPS_PER_PERIOD * self.frequency,
+            Envelope::Tones => {
+                STEPS_PER_PERIOD * self.tones.iter().map(|tone| tone.frequency).fold(0.0, f64::max)
+            }
+            Envelope::File => self.wave.get().map_or(0.0, |samples| samples.rate),
+        }
+    }
+
+    /// Whether a waveform that is named is yet to be loaded.
+    pub fn lacks_wave(&self) -> bool {
+        !self.file.is_empty() && self.wave.get().is_none()
+    }
+}
+
+impl Tone {
+    /// How far it is below its crest at a time (s).
+    fn dip(&self, time: f64) -> f64 {
+        self.depth * (1.0 - (TAU * (self.frequency * time).fract() + self.phase).sin()) / 2.0
+    }
+}
+
+/// The greatest common one.
+fn divisor(a: u64, b: u64) -> u64 {
+    if b == 0 { a } else { divisor(b, a % b) }
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -50,27 +203,92 @@ pub enum Envelope {
     Off,
     Sine,
     Square,
+    /// Several sines.
+    Tones,
+    /// A waveform from a file.
+    File,
+}
+
+impl Envelope {
+    pub const ALL: [Self; 5] = [Self::Off, Self::Sine, Self::Square, Self::Tones, Self::File];
+
+    /// The name in scene files.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Off => "off",
+            Self::Sine => "sine",
+            Self::Square => "square",
+            Self::Tones => "tones",
+            Self::File => "file",
+        }
+    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::scene::wave::Samples;
+
+    fn modulations() -> Vec<Modulation> {
+        let tone = |frequency, depth, phase| Tone { frequency, depth, phase };
+        let values = (0..50).map(|i| (f64::from(i * i) * 0.37).sin() as f32).collect();
+        let wave = Wave::new(Samples { file: "a.wav".into(), rate: 10_000.0, values });
+        let mut all = Vec::new();
+        for shape in Envelope::ALL {
+            for (depth, law) in
+                [0.0, 0.3, 1.0].into_iter().flat_map(|d| [(d, Law::Amplitude), (d, Law::Power)])
+            {
+                let tones = vec![
+                    tone(200.0, 0.5 * depth, 0.4),
+                    tone(400.0, 0.2 * depth, 1.0),
+                    tone(200.0, 0.3 * depth, -2.0),
+                ];
+                let wave = wave.clone();
+                all.push(Modulation { shape, law, depth, tones, wave, ..Modulation::default() });
+            }
+        }
+        all
+    }
 
     #[test]
     fn the_mean_square_is_that_of_the_envelope() {
-        for shape in [Envelope::Off, Envelope::Sine, Envelope::Square] {
-            for depth in [0.0, 0.3, 1.0] {
-                let modulation = Modulation { shape, depth, frequency: 200.0 };
-                const STEPS: u32 = 1000;
-                let at = |i: u32| modulation.envelope((f64::from(i) + 0.5) / f64::from(STEPS) / 200.0);
-                let mean = (0..STEPS).map(|i| at(i).powi(2)).sum::<f64>() / f64::from(STEPS);
-                assert!((mean - modulation.mean_square()).abs() < 1e-12, "{modulation:?}: {mean}");
-                let range =
-                    (0..STEPS).map(at).fold((1.0f64, 0.0f64), |(low, high), m| (low.min(m), high.max(m)));
-                assert!(range.0 >= 1.0 - depth - 1e-12 && range.1 <= 1.0 + 1e-12, "{range:?}");
-            }
+        for modulation in modulations() {
+            const STEPS: u32 = 100_000;
+            let depth = modulation.depth;
+            let at = |i: u32| modulation.envelope((f64::from(i) + 0.5) / f64::from(STEPS) / 200.0);
+            let mean = (0..STEPS).map(|i| at(i).powi(2)).sum::<f64>() / f64::from(STEPS);
+            // The middle of each step is as good as it for sines and squares; of straight pieces it leaves their curvature.
+            let error = if modulation.shape == Envelope::File { 1e-8 } else { 1e-11 };
+            assert!((mean - modulation.mean_square()).abs() < error, "{modulation:?}: {mean}");
+            let range = (0..STEPS).map(at).fold((1.0f64, 0.0f64), |(low, high), m| (low.min(m), high.max(m)));
+            let lowest = if modulation.law == Law::Power { (1.0 - depth).sqrt() } else { 1.0 - depth };
+            assert!(range.0 >= lowest - 1e-7 && range.1 <= 1.0 + 1e-12, "{modulation:?}: {range:?}");
         }
         let full = |shape| Modulation { shape, ..Modulation::default() }.mean_square();
         assert_eq!((full(Envelope::Sine), full(Envelope::Square)), (0.375, 0.5));
+    }
+
+    #[test]
+    fn an_envelope_repeats_itself_after_its_period_and_not_before() {
+        let tone = |frequency| Tone { frequency, depth: 0.3, phase: 0.1 };
+        for (frequencies, period) in [(&[150.0, 200.0][..], 0.02), (&[1.5, 2.5], 2.0), (&[70.0], 1.0 / 70.0)]
+        {
+            let tones = frequencies.iter().copied().map(tone).collect();
+            let modulation = Modulation { shape: Envelope::Tones, tones, ..Modulation::default() };
+            let found = modulation.period().unwrap();
+            assert!((found - period).abs() < 1e-12, "{frequencies:?}: {found} s");
+            assert!((modulation.envelope(0.0123 + found) - modulation.envelope(0.0123)).abs() < 1e-9);
+        }
+        assert_eq!(Modulation::default().period(), None);
+    }
+
+    #[test]
+    fn the_square_of_an_envelope_by_power_is_the_shape() {
+        for modulation in modulations().into_iter().filter(|modulation| modulation.law == Law::Power) {
+            for time in [0.0, 1e-3, 0.00171, 0.0049] {
+                let square = modulation.envelope(time).powi(2);
+                assert!((square - modulation.swing(time)).abs() < 1e-15, "{modulation:?}");
+            }
+        }
     }
 }

@@ -5,10 +5,10 @@ use std::path::Path;
 
 use toml_edit::{ArrayOfTables, DocumentMut, Item, Table, TableLike};
 
-use crate::scene::{Elements, Pixels, Scene, Shape, file};
+use crate::scene::{Elements, Pixels, Scene, Shape, Wave, file};
 
 /// Tables that stand as often as there are things of their kind.
-const REPEATED: [&str; 2] = ["target", "quiet"];
+const REPEATED: [&str; 4] = ["board", "reflector", "target", "quiet"];
 
 /// The text with the scene in it: the same to the byte where it holds the scene already. Where the text is no scene,
 /// or cannot hold this one as it is laid out, the scene is written anew.
@@ -24,7 +24,7 @@ pub fn rewrite(text: &str, scene: &Scene) -> String {
     rewritten(Keys::Changed).or_else(|| rewritten(Keys::All)).unwrap_or_else(|| file::write(scene))
 }
 
-/// The scene as its file holds it: without the pixels of pictures and the elements of tables.
+/// The scene as its file holds it: without the pixels of pictures, the elements of tables and the samples of a waveform.
 fn as_written(scene: &Scene) -> Scene {
     let mut scene = scene.clone();
     scene.array.placed = Elements::default();
@@ -33,6 +33,7 @@ fn as_written(scene: &Scene) -> Scene {
             *pixels = Pixels::default();
         }
     }
+    scene.modulation.wave = Wave::default();
     scene
 }
 

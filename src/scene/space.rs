@@ -456,19 +456,39 @@ mod tests {
     fn what_cannot_stand_is_refused_where_it_is_written() {
         for (text, start, what) in [
             ("[[board]]\n[[board]]\nat = [0.1, 0, 0]", "a.toml:4: board[2].at = ", "overlaps board 1"),
-            ("[[board]]\n[[board]]\nnormal = [1, 0, 0]\nx_axis = [0, 1, 0]", "a.toml:3: board[2].at", "overlaps"),
+            (
+                "[[board]]\n[[board]]\nnormal = [1, 0, 0]\nx_axis = [0, 1, 0]",
+                "a.toml:3: board[2].at",
+                "overlaps",
+            ),
             ("[[board]]\nnormal = [0, 0, 0]", "a.toml:3: board[1].normal", "must be a direction"),
             ("[[board]]\nnormal = [2, 0, 0]", "a.toml:2: board[1].x_axis", "runs along `normal`"),
             ("[[reflector]]\npoint = [0, 0, -0.1]", "a.toml:3: reflector[1].point", "board 1 lies behind it"),
-            ("[[reflector]]\npoint = [0, 0, 0]\nnormal = [1, 0, 0]", "a.toml:3: reflector[1]", "is cut by it"),
+            (
+                "[[reflector]]\npoint = [0, 0, 0]\nnormal = [1, 0, 0]",
+                "a.toml:3: reflector[1]",
+                "is cut by it",
+            ),
             ("[[reflector]]\npoint = [0, 0, 0]\nnormal = [0, 0, 1]", "a.toml:3: reflector[1]", "lies in it"),
             ("[[reflector]]\ncoefficient = 1.5", "a.toml:3: reflector[1].coefficient = 1.5", "from -1 to 1"),
             ("[array]\nreflectivity = 2", "a.toml:3: array.reflectivity = 2", "from -1 to 1"),
-            ("[array]\nreflectivity = -1\n[[reflector]]", "a.toml:3: array.reflectivity = -1", "not converge"),
+            (
+                "[array]\nreflectivity = -1\n[[reflector]]",
+                "a.toml:3: array.reflectivity = -1",
+                "not converge",
+            ),
             ("[liquid]\nreflects = true\n[plane]\ny_axis = [0, 0, 1]", "a.toml:3: liquid.reflects", "level"),
             ("[array]\nrows = 200\ncolumns = 200\n[[board]]\n[[board]]\nat = [9, 0, 0]", "a.toml:", "80000"),
-            ("[array]\noff = [600]\n[[board]]\n[[board]]\nat = [9, 0, 0]", "a.toml:3: array.off[1]", "0 to 511"),
-            ("[[board]]\n[[board]]\nat = [0, 0, 1]\n[[target]]\nat = [0, 0, -1]", "a.toml:6: target", "every board"),
+            (
+                "[array]\noff = [600]\n[[board]]\n[[board]]\nat = [9, 0, 0]",
+                "a.toml:3: array.off[1]",
+                "0 to 511",
+            ),
+            (
+                "[[board]]\n[[board]]\nat = [0, 0, 1]\n[[target]]\nat = [0, 0, -1]",
+                "a.toml:6: target",
+                "every board",
+            ),
         ] {
             let error = refused(text);
             assert!(error.starts_with(start) && error.contains(what), "{text}: {error}");

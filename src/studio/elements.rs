@@ -162,7 +162,10 @@ mod tests {
             ("x,y,z,nx,ny\n", "1: the column `nz` is missing"),
             ("x,y,z,nx,ny,nz\n", "1: there are no elements"),
             ("x,y,z,nx,ny,nz\n0,0,0,0,0,1\n0,0,1,0,0,0\n", "3: nx, ny, nz = 0, 0, 0: must be a direction"),
-            ("x,y,z,nx,ny,nz\n0,0,0,0,0,1\n0,-0,0,0,1,0\n", "3: the element stands in the place of element 0"),
+            (
+                "x,y,z,nx,ny,nz\n0,0,0,0,0,1\n0,-0,0,0,1,0\n",
+                "3: the element stands in the place of element 0",
+            ),
             ("x,y,z,nx,ny,nz\n0,0,1000,0,0,1\n", "2: x, y, z = 0, 0, 1000: must be metres"),
             ("x,y,z,nx,ny,nz\n0,0,one,0,0,1\n", "2: z = `one`: not a finite number"),
             ("0,0,0\n1,2\n", "2: 2 columns: a place has three"),
@@ -176,7 +179,8 @@ mod tests {
 
     #[test]
     fn what_is_written_is_read_again() {
-        let (array, boards) = KNOWN.iter().find(|known| known.title.starts_with("TinyLev")).unwrap().array().unwrap();
+        let (array, boards) =
+            KNOWN.iter().find(|known| known.title.starts_with("TinyLev")).unwrap().array().unwrap();
         let scene = Scene { array, boards, ..Scene::default() };
         let text = of_scene(&scene);
         let placed = Elements::new(read(text.as_bytes()).unwrap(), None);

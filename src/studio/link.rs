@@ -32,6 +32,8 @@ pub enum LinkError {
     Scene(#[from] FileError),
     #[error("a link holds no pictures: the scene has “{}”", echo::value(.0))]
     Picture(String),
+    #[error("a link holds no waveforms: the modulation has “{}”", echo::value(.0))]
+    Wave(String),
 }
 
 /// Whether a text is meant to be a link; it may be a broken one.
@@ -42,12 +44,15 @@ pub fn is_link(text: &str) -> bool {
 /// A link that holds a scene.
 ///
 /// # Errors
-/// A scene with pictures, which are files of their own.
+/// A scene with pictures or a waveform, which are files of their own.
 pub fn write(scene: &Scene) -> Result<String, LinkError> {
     for target in &scene.targets {
         if let Shape::Picture { file, .. } = &target.shape {
             return Err(LinkError::Picture(file.clone()));
         }
+    }
+    if !scene.modulation.file.is_empty() {
+        return Err(LinkError::Wave(scene.modulation.file.clone()));
     }
     let packed = compress_to_vec(file::write(scene).as_bytes(), LEVEL);
     Ok(format!("{SCHEME}#{}", URL_SAFE_NO_PAD.encode(packed)))
@@ -56,7 +61,7 @@ pub fn write(scene: &Scene) -> Result<String, LinkError> {
 /// The text of the scene's file that a link holds.
 ///
 /// # Errors
-/// A link that is broken or too large, and a scene that cannot be read or names pictures.
+/// A link that is broken or too large, and a scene that cannot be read or names files.
 pub fn read(link: &str) -> Result<String, LinkError> {
     let letters =
         link.trim().strip_prefix(SCHEME).and_then(|rest| rest.split_once('#')).map(|(_, letters)| letters);
@@ -98,6 +103,8 @@ mod tests {
             assert!(matches!(read(bad), Err(LinkError::Broken)), "{bad}");
         }
         let link = |text: &[u8]| format!("{SCHEME}#{}", URL_SAFE_NO_PAD.encode(compress_to_vec(text, LEVEL)));
+        let with_wave = link(b"format = 1\n[modulation]\nfile = \"/etc/passwd\"\n");
+        assert!(matches!(read(&with_wave), Err(LinkError::Wave(_))));
         assert!(matches!(read(&link(&vec![b' '; 64 << 20])), Err(LinkError::TooLarge)));
         assert!(matches!(read(&link(b"[array]\npitch = 1e9\n")), Err(LinkError::Scene(_))));
         assert!(matches!(read(&link(&[0xff, 0xfe])), Err(LinkError::Broken)));

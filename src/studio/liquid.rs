@@ -2,12 +2,13 @@
 
 use glam::DVec2;
 
+use crate::echo;
 use crate::field::{Depression, Pressed, Quantity};
 use crate::picture::relief::{self, Relief, Words};
 use crate::picture::sheet::pascals_at_most;
 use crate::picture::{Picture, PictureError};
 use crate::rounding::{at_most, digits, percent_at_least};
-use crate::scene::{self, Envelope, Liquid, Plane, Scene};
+use crate::scene::{self, Envelope, Law, Liquid, Modulation, Plane, Scene};
 use crate::studio::map::{DrawnMap, SILENT, extent};
 use crate::studio::output::warn;
 use crate::surface::Light;
@@ -184,16 +185,23 @@ fn figures(pressed: &Pressed, depression: Depression) -> String {
 
 fn envelope(scene: &Scene) -> String {
     let modulation = &scene.modulation;
-    let shape = match modulation.shape {
-        Envelope::Off => "no",
-        Envelope::Sine => "sine",
-        Envelope::Square => "square",
+    let Modulation { frequency, tones, file, .. } = modulation;
+    let what = match modulation.shape {
+        Envelope::Off => "no modulation".to_owned(),
+        Envelope::Sine | Envelope::Square => {
+            format!("{} modulation at {frequency} Hz", modulation.shape.name())
+        }
+        Envelope::Tones => {
+            let all: Vec<_> = tones.iter().map(|tone| tone.frequency.to_string()).collect();
+            format!("modulation by tones at {} Hz", all.join(", "))
+        }
+        Envelope::File => format!("modulation by “{}”", echo::value(file)),
     };
-    format!(
-        "{shape} modulation at {} Hz leaves {:.1} % of the steady pressure",
-        modulation.frequency,
-        modulation.mean_square() * 100.0
-    )
+    let law = match modulation.law {
+        Law::Amplitude => "",
+        Law::Power => " of the power",
+    };
+    format!("{what}{law} leaves {:.1} % of the steady pressure", modulation.mean_square() * 100.0)
 }
 
 /// A sentence where a surface is too steep for what it was computed with.

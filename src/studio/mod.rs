@@ -20,7 +20,9 @@ pub mod probe;
 pub mod reach;
 pub mod still;
 pub mod swell;
+pub mod time_course;
 pub mod video;
+pub mod waveform;
 pub mod width;
 
 /// The scene that is shown when none is named.

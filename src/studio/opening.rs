@@ -1,4 +1,4 @@
-//! Scenes as they are opened: the file, and the pictures and tables that it names.
+//! Scenes as they are opened: the file, and the pictures, the waveform and the table of elements that it names.
 
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
@@ -6,22 +6,22 @@ use std::path::{Path, PathBuf};
 use crate::picture::grey;
 use crate::scene::check::{Key, KeyError, check};
 use crate::scene::file::{self, FileError};
-use crate::scene::{Array, Elements, Grey, Pixels, Scene, Shape, Target};
+use crate::scene::{Array, Elements, Grey, Modulation, Pixels, Scene, Shape, Target};
 use crate::source;
-use crate::studio::{arrays, elements};
+use crate::studio::{arrays, elements, waveform};
 
 /// Bytes of a picture's or a table's file, at most.
 const MOST_BYTES: u64 = 64 << 20;
 
-/// The scene of a file, with its pictures and its table of elements.
+/// The scene of a file, with its pictures, its waveform and its table of elements.
 ///
 /// # Errors
-/// Those of [`file::read`], and a picture or a table that cannot be read.
+/// Those of [`file::read`], and a picture, a waveform or a table that cannot be read.
 pub fn open(path: &Path) -> Result<Scene, FileError> {
     parse(&file::read_text(path)?, path)
 }
 
-/// Like [`open`], from text; pictures are looked for beside `path`.
+/// Like [`open`], from text; what it names is looked for beside `path`.
 ///
 /// # Errors
 /// As [`open`].
@@ -32,13 +32,14 @@ pub fn parse(text: &str, path: &Path) -> Result<Scene, FileError> {
     Ok(scene)
 }
 
-/// Loads the pictures and the table of elements that a scene names, relative to a folder, and checks the scene again if there are
-/// any.
+/// Loads the pictures, the waveform and the table of elements that a scene names, relative to a folder, and checks the scene again if
+/// there are pictures or a table.
 ///
 /// # Errors
-/// A picture that is not there, unreadable or black, a table that is not there or makes no sense, and what [`check()`] and
-/// [`file::targets_in_motion`] refuse.
+/// A picture that is not there, unreadable or black, a waveform that [`waveform::read`] refuses, a table that is not there or makes no
+/// sense, and what [`check()`] and [`file::targets_in_motion`] refuse.
 pub fn load(scene: &mut Scene, folder: &Path) -> Result<(), KeyError> {
+    load_wave(&mut scene.modulation, folder)?;
     if !scene.targets.iter().any(Target::lacks_pixels) && !scene.array.lacks_elements() {
         return Ok(());
     }
@@ -71,6 +72,19 @@ fn placed(name: &str, folder: &Path) -> Result<Elements, String> {
     let bytes = source::read(&path, MOST_BYTES).map_err(|error| format!("{}: {error}", path.display()))?;
     let placed = elements::read(&bytes).map_err(|error| format!("{}:{error}", path.display()))?;
     Ok(Elements::new(placed, Some(path)))
+}
+
+/// Loads the waveform of a modulation, if it names one that is not loaded.
+///
+/// # Errors
+/// Those of [`waveform::read`].
+pub fn load_wave(modulation: &mut Modulation, folder: &Path) -> Result<(), KeyError> {
+    if modulation.lacks_wave() {
+        let read = waveform::read(&folder.join(&modulation.file));
+        let key = [Key::from("modulation"), Key::from("file")];
+        modulation.wave = read.map_err(|message| KeyError::new(key, message))?;
+    }
+    Ok(())
 }
 
 /// Loads the pictures among targets.

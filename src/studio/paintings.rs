@@ -21,8 +21,8 @@ pub struct Placed {
 }
 
 impl Paintings {
-    /// Names the pictures and the table of elements of a scene that goes to `path`. Those that no file holds get one beside it, where nothing stands or
-    /// `may_replace` what does; those of a file in another folder get their whole path.
+    /// Names the pictures, the waveform and the table of elements of a scene that goes to `path`. Those that no file holds get one beside it,
+    /// where nothing stands or `may_replace` what does; those of a file in another folder get their whole path.
     pub fn place(&self, scene: &Scene, path: &Path, may_replace: impl Fn(&Path) -> bool) -> Placed {
         let mut placed = Placed { scene: scene.clone(), files: Vec::new() };
         let path = absolute(path);
@@ -56,6 +56,11 @@ impl Paintings {
         let array = &mut placed.scene.array;
         if let (Some(name), Some(place)) = (&mut array.file, &array.placed.from) {
             *name = name_from(&path, &absolute(place), name);
+        }
+        if let Some(samples) = scene.modulation.wave.get() {
+            let file = &mut placed.scene.modulation.file;
+            let before = if Path::new(file).is_absolute() { "" } else { &**file };
+            *file = name_from(&path, &absolute(&samples.file), before);
         }
         placed
     }

@@ -63,7 +63,7 @@ pub fn default_sheet(path: Option<&Path>) -> anyhow::Result<()> {
         None => file::parse(EXAMPLE, Path::new("the example scene"))?,
     };
     path.map_or(Ok(()), |path| files.reads(path))?;
-    files.reads_pictures(&scene)?;
+    files.reads_files_of(&scene)?;
     files.writes(&output)?;
     let solved = Solved::new(scene, path.unwrap_or(Path::new("hit.toml")))?;
     let mut stages = Stages::new(evaluator::for_maps(Backend::Auto, true)?);

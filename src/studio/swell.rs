@@ -4,7 +4,7 @@ use anyhow::bail;
 
 use crate::field::{FieldError, Request, Stages};
 use crate::gauge::Gauge;
-use crate::scene::{Envelope, Scene, motion};
+use crate::scene::{Scene, motion};
 use crate::surface::{Rest, Tank, Waves};
 
 /// Pictures of a second that really passes, and how many there may be.
@@ -14,8 +14,6 @@ const MOST_PICTURES: f64 = 5000.0;
 const STILL: f64 = 0.25;
 /// Bytes that the rests of all frames may take.
 const MOST_BYTES: usize = 1 << 30;
-/// Time steps of an envelope's period; the square of the envelope is taken as constant in each.
-const STEPS_PER_PERIOD: f64 = 64.0;
 
 /// When what happens.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -43,10 +41,8 @@ impl Schedule {
                 MOST_PICTURES / PICTURES_PER_SECOND
             );
         }
-        let fastest = match scene.modulation.shape {
-            Envelope::Off => 0.0,
-            Envelope::Sine | Envelope::Square => STEPS_PER_PERIOD * scene.modulation.frequency,
-        };
+        // The square of the envelope is taken as constant in each step.
+        let fastest = scene.modulation.step_rate();
         let frames = cycle.map_or(0.0, |cycle| cycle.frames_per_second());
         let between = seconds / pictures;
         let steps = (between * fastest.max(frames)).ceil().max(1.0);
@@ -123,7 +119,7 @@ mod tests {
 
     use super::*;
     use crate::field::{Evaluator, Quantity};
-    use crate::scene::{LiquidName, Modulation, Plane, Shape, Target};
+    use crate::scene::{Envelope, LiquidName, Modulation, Plane, Shape, Target};
     use crate::solver;
 
     #[test]
@@ -131,7 +127,7 @@ mod tests {
         let mut scene = Scene {
             targets: vec![Target::new(Shape::Point { at: Plane::default().centre })],
             plane: Plane { size: DVec2::splat(0.06), ..Plane::default() },
-            modulation: Modulation { shape: Envelope::Sine, frequency: 300.0, depth: 1.0 },
+            modulation: Modulation { shape: Envelope::Sine, frequency: 300.0, ..Modulation::default() },
             ..Scene::default()
         };
         (scene.liquid.name, scene.liquid.viscosity) = (LiquidName::Glycerol, Some(4.0));

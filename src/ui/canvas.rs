@@ -83,7 +83,11 @@ pub fn interact(editor: &mut Editor, ui: &mut Ui) -> Canvas {
     }
     context::menu(editor, &response, &lens);
     let response = response.on_hover_cursor(cursor);
-    Canvas { lens: editor.lens(rect, is_held), response }
+    let lens = editor.lens(rect, is_held);
+    if let Some(at) = response.hover_pos() {
+        editor.course.pointed = Some(editor.view.axes(editor.scene()).world(lens.flat(at)));
+    }
+    Canvas { lens, response }
 }
 
 pub fn paint(editor: &Editor, shown: &Shown, ui: &Ui, canvas: &Canvas) {

@@ -54,7 +54,7 @@ use std::collections::BTreeSet;
 use std::path::PathBuf;
 
 use egui::{CentralPanel, Color32, Frame, Ui};
-use glam::DVec2;
+use glam::{DVec2, DVec3};
 
 use crate::picture::figure::Format;
 use crate::scene::{Scene, Target};
@@ -76,7 +76,8 @@ pub use dialog::file::{Asking, ELEMENTS, Entry, Folder, IMPORTED, Purpose};
 pub use dialog::film::FilmForm;
 pub use dialog::import::Import;
 pub use map::{Map, Texture};
-pub use shown::{Extremes, MethodRow, Notice, Pressed, Shown, Sound};
+pub use panels::course;
+pub use shown::{Course, Extremes, MethodRow, Notice, Pressed, Shown, Sound};
 
 /// Everything that the user edits, and how it is looked at.
 #[derive(Debug)]
@@ -120,6 +121,7 @@ pub struct Editor {
     pub after_saving: Option<Command>,
     pub playback: Playback,
     pub oscillation: Oscillation,
+    pub course: CourseForm,
     /// What of a motion's path was taken hold of last.
     vertex: Option<way::Vertex>,
     /// The drive as a board with so many phases per period plays it.
@@ -145,6 +147,24 @@ impl Default for Playback {
     fn default() -> Self {
         Self { frame: None, playing: false, slowness: 20.0, part: 0.0, loops: true }
     }
+}
+
+/// Whether and where the pressure is looked at in the course of time.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct CourseForm {
+    pub is_shown: bool,
+    pub place: CoursePlace,
+    /// m: where the pointer was last on the map.
+    pub pointed: Option<DVec3>,
+}
+
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum CoursePlace {
+    /// Of the selected target, or the first.
+    #[default]
+    Focus,
+    Pointer,
+    Listener,
 }
 
 /// Which moment of the sound's period an instantaneous pressure is of.
@@ -202,6 +222,8 @@ pub enum Command {
     Export(Export, PathBuf),
     /// Forgets the files that were open last.
     ForgetRecent,
+    /// Takes a WAV file as the modulation's waveform.
+    Waveform(PathBuf),
     /// Puts a link that holds the scene on the clipboard.
     CopyLink,
     /// Opens the scene that a link holds.
@@ -291,6 +313,7 @@ impl Editor {
             after_saving: None,
             playback: Playback::default(),
             oscillation: Oscillation { playing: true, part: 0.0 },
+            course: CourseForm::default(),
             vertex: None,
             levels: None,
             board: BoardForm::default(),

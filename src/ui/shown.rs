@@ -13,6 +13,7 @@ use crate::scene::{Focus, Method};
 use crate::solver::Solution;
 use crate::solver::frames::Sequence;
 use crate::studio::probe::{self, Reading};
+use crate::studio::time_course::Line;
 use crate::studio::width::Widths;
 use crate::ui::beside;
 use crate::ui::board::BoardShown;
@@ -42,6 +43,8 @@ pub struct Shown {
     pub is_following: bool,
     pub pressed: Option<Pressed>,
     pub extremes: Option<Extremes>,
+    /// At the place of [`crate::ui::CourseForm`], or why there is none.
+    pub course: Option<Result<Course, String>>,
     /// Of the focus that is selected, while the line profile is shown.
     pub widths: Option<Widths>,
     /// Files that were open last, the last one first.
@@ -131,6 +134,29 @@ pub struct Pressed {
     pub figures: field::Pressed,
     /// That the depression is beyond linear theory.
     pub beyond: Option<String>,
+}
+
+/// The pressure at a point in the course of time.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Course {
+    /// m
+    pub at: DVec3,
+    /// Time (s) and |p| (Pa, peak).
+    pub moduli: Vec<[f64; 2]>,
+    /// Of |p|² (Pa²).
+    pub lines: Vec<Line>,
+}
+
+impl Course {
+    /// Of |p|², Pa².
+    pub fn mean(&self) -> f64 {
+        self.lines.first().map_or(0.0, |line| line.amplitude)
+    }
+
+    /// The line beside the mean.
+    pub fn strongest(&self) -> Option<&Line> {
+        self.lines.iter().skip(1).max_by(|a, b| a.amplitude.total_cmp(&b.amplitude))
+    }
 }
 
 /// The loudest place on the screen and its peak side lobe: where (m), and |P| (Pa, peak).

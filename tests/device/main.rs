@@ -138,7 +138,7 @@ fn a_board_that_was_just_switched_on_makes_sense_of_all_that_it_is_told() {
         let first = twin.shown().elements[0];
         assert!(twin.shown().elements.iter().all(|&level| level == first), "{}", profile.name());
         let mut bytes = [stock::silence(profile), stock::frame(&random_levels(profile, 3))].concat();
-        let slow = Modulation { shape: Envelope::Sine, frequency: 1.0, depth: 1.0 };
+        let slow = Modulation { shape: Envelope::Sine, frequency: 1.0, ..Modulation::default() };
         if let Modulated::ByBoard(byte, _) = stock::modulated(profile, &slow, profile.baud()) {
             bytes.push(byte);
         }
@@ -242,7 +242,7 @@ fn calibration_that_makes_no_sense_is_refused_by_line() {
 
 #[test]
 fn modulation_is_done_by_whoever_can() {
-    let modulation = Modulation { shape: Envelope::Sine, frequency: 200.0, depth: 1.0 };
+    let modulation = Modulation { shape: Envelope::Sine, frequency: 200.0, ..Modulation::default() };
     let modulated = |profile: Profile, modulation| stock::modulated(profile, modulation, profile.baud());
     for profile in
         [Profile::SonicSurface, Profile::SonicSurface2, Profile::UltrainoSimpleFpga, Profile::UltrainoMega64]

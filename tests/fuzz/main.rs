@@ -93,6 +93,11 @@ fn stock_boards() {
 }
 
 #[test]
+fn waveforms() {
+    fuzz("waveform", 20000);
+}
+
+#[test]
 fn drawings() {
     fuzz("drawing", 2000);
 }

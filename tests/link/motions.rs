@@ -123,7 +123,7 @@ fn several_native_boards_on_a_line_change_frames_in_the_same_period() {
 #[test]
 fn nothing_of_an_earlier_link_is_left() {
     let first = pair(Profile::Native);
-    first.link.modulate(Modulation { shape: Envelope::Square, frequency: 20.0, depth: 1.0 });
+    first.link.modulate(Modulation { shape: Envelope::Square, frequency: 20.0, ..Modulation::default() });
     first.link.show(Content::Still(numbered(Profile::Native, 3)));
     eventually("a dark half", || first.link.health().in_place && first.is_silent());
     let Pair { link, board, .. } = first;
@@ -167,7 +167,7 @@ fn a_motion_as_long_as_the_store_replaces_another_and_makes_room_for_a_still() {
 fn stock_boards_are_modulated_by_swaps() {
     let pair = pair(Profile::SonicSurface);
     let levels = numbered(Profile::SonicSurface, 5);
-    pair.link.modulate(Modulation { shape: Envelope::Square, frequency: 100.0, depth: 1.0 });
+    pair.link.modulate(Modulation { shape: Envelope::Square, frequency: 100.0, ..Modulation::default() });
     pair.link.show(Content::Still(levels.clone()));
     let dark = Levels::off(Profile::SonicSurface);
     pair.shown_until(&levels);
@@ -194,7 +194,7 @@ fn stock_boards_are_modulated_while_they_move() {
     ] {
         let pair = pair_with(Setup { baud: Some(baud), ..Setup::new(profile) }, Some(baud));
         let frames: Vec<_> = (0..3).map(|n| numbered(profile, n)).collect();
-        pair.link.modulate(Modulation { shape: Envelope::Square, frequency: 100.0, depth: 1.0 });
+        pair.link.modulate(Modulation { shape: Envelope::Square, frequency: 100.0, ..Modulation::default() });
         pair.link.show(Content::Motion { frames: frames.clone(), rate: 25.0 });
         let notice =
             wait_for(&pair.link, |event| matches!(event, Event::Notice(text) if text.contains("100 times")));

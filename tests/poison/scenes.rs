@@ -4,8 +4,8 @@ use glam::{DVec2, DVec3};
 use sonoglyph::field::{Evaluator, FieldError, Quantity, Request, Stages};
 use sonoglyph::scene::check::check;
 use sonoglyph::scene::{
-    Area, ElementModel, Envelope, Keyframe, Listener, Motion, MotionPath, Pressures, Sampling, Scene, Shape,
-    Target, Tempo, Zone, font, motion, outline,
+    Area, ElementModel, Envelope, Keyframe, Law, Listener, Motion, MotionPath, Pressures, Sampling, Scene,
+    Shape, Target, Tempo, Tone, Wave, Zone, font, motion, outline, wave::Samples,
 };
 use sonoglyph::solver::{self, SolveError};
 
@@ -87,6 +87,9 @@ const NUMBERS: &[(&str, Put<f64>)] = &[
     ("liquid.depth", |s, x| s.liquid.depth = x),
     ("modulation.frequency", |s, x| (s.modulation.shape, s.modulation.frequency) = (Envelope::Sine, x)),
     ("modulation.depth", |s, x| (s.modulation.shape, s.modulation.depth) = (Envelope::Sine, x)),
+    ("modulation.tones[1].frequency", |s, x| tone(s, Tone { frequency: x, ..Tone::default() })),
+    ("modulation.tones[1].depth", |s, x| tone(s, Tone { depth: x, ..Tone::default() })),
+    ("modulation.tones[1].phase", |s, x| tone(s, Tone { phase: x, ..Tone::default() })),
     ("motion.size", |s, x| (s.motion.path, s.motion.size, s.motion.frames) = (MotionPath::Circle, x, 3)),
     ("motion.rate", |s, x| s.motion.tempo = Tempo::Rate(x)),
     ("motion.speed", |s, x| s.motion.tempo = Tempo::Speed(x)),
@@ -114,6 +117,10 @@ const NUMBERS: &[(&str, Put<f64>)] = &[
 fn keyed(scene: &mut Scene, keyframe: Keyframe) {
     let keyframes = vec![Keyframe::new(0.0, DVec3::ZERO), keyframe];
     scene.motion = Motion { path: MotionPath::Keyframes, keyframes, frames: 3, ..Motion::default() };
+}
+
+fn tone(scene: &mut Scene, tone: Tone) {
+    (scene.modulation.shape, scene.modulation.tones) = (Envelope::Tones, vec![tone]);
 }
 
 fn small() -> Scene {
@@ -220,8 +227,14 @@ fn outlines_of_unchecked_targets_are_refused_or_finite_and_never_endless() {
 #[test]
 fn envelopes_and_paths_stay_in_their_range() {
     let mut scene = small();
-    for shape in [Envelope::Off, Envelope::Sine, Envelope::Square] {
-        scene.modulation.shape = shape;
+    let samples = Samples { file: "a.wav".into(), rate: 3.0, values: vec![-1.0, 0.3, 1.0] };
+    scene.modulation.wave = Wave::new(samples);
+    scene.modulation.tones =
+        vec![Tone { depth: 0.5, ..Tone::default() }, Tone { depth: 0.5, frequency: 1.5, phase: 9.0 }];
+    for (shape, law) in
+        Envelope::ALL.into_iter().flat_map(|shape| [(shape, Law::Amplitude), (shape, Law::Power)])
+    {
+        (scene.modulation.shape, scene.modulation.law) = (shape, law);
         for time in crate::numbers().filter(|time| time.abs() <= 1e300) {
             assert!((0.0..=1.0).contains(&scene.modulation.envelope(time)), "{shape:?} at {time} s");
         }

@@ -5,7 +5,7 @@ use std::f64::consts::{PI, TAU};
 use glam::{DVec2, DVec3};
 use sonoglyph::acoustics::Air;
 use sonoglyph::scene::{
-    Amplitudes, Array, Easing, ElementModel, Envelope, Keyframe, Liquid, LiquidName, Listener, Medium,
+    Amplitudes, Array, Easing, ElementModel, Envelope, Keyframe, Law, Liquid, LiquidName, Listener, Medium,
     Method, Modulation, Motion, MotionPath, Plane, Pressures, Sampling, Scene, Shape, Solver, Target, Tempo,
 };
 
@@ -101,6 +101,8 @@ fn scene(dice: &mut Dice, number: usize, wide: bool) -> Scene {
         shape: dice.one_of(&[Envelope::Off, Envelope::Sine, Envelope::Square]),
         frequency: dice.magnitude(1.0, 1000.0),
         depth: dice.one_of(&[0.0, 0.3, 1.0]),
+        law: dice.one_of(&[Law::Amplitude, Law::Power]),
+        ..Modulation::default()
     };
     Scene { medium, array, targets, solver, plane, liquid, modulation, motion, listener, ..Scene::default() }
 }

@@ -8,6 +8,7 @@ mod board;
 mod brush;
 mod canvas;
 mod compare;
+mod course;
 mod edits;
 mod figure;
 mod files;
@@ -360,7 +361,11 @@ fn answer(screen: &mut Screen, purpose: Purpose, path: &Path) {
     let text = path.display().to_string();
     screen.state_mut().editor_mut().dialog = Some(Dialog::Path { purpose, text });
     rest(screen);
-    let verb = if purpose == Purpose::Open { "Open" } else { "Save" };
+    let verb = match purpose {
+        Purpose::Open => "Open",
+        Purpose::Import | Purpose::Waveform => "Read",
+        Purpose::SaveAs | Purpose::Export(_) => "Save",
+    };
     screen.get_by_label(verb).click();
     rest(screen);
 }

@@ -83,7 +83,7 @@ impl Task {
         keys.entry("format").or_insert_with(|| file::FORMAT.into());
         let mut scene = file::from_tables(tables)?;
         opening::load(&mut scene, Path::new(""))?;
-        self.files().reads_pictures(&scene)?;
+        self.files().reads_files_of(&scene)?;
         scene.solver.method = self.method.unwrap_or(scene.solver.method);
         let mut solution = solver::solve(&scene)?;
         let limits = self.limits.then(|| limits(&scene, &mut solution)).transpose()?;

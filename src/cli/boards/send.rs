@@ -8,6 +8,7 @@ use anyhow::{Context, bail};
 use crate::cli::boards::SendArgs;
 use crate::cli::{interrupt, progress, read_scene};
 use crate::device::calibration::Calibration;
+use crate::device::envelope;
 use crate::device::health::{Found, Health, State};
 use crate::device::levels::{self, Levels};
 use crate::device::link::{Content, Event, Link, Settings};
@@ -30,6 +31,9 @@ pub fn run(args: &SendArgs) -> anyhow::Result<()> {
     let mut scene = read_scene(&args.scene, args.method, &mut Files::new())?;
     let name = args.scene.display().to_string();
     args.profile.drives(&scene).with_context(|| name.clone())?;
+    if let Err(error) = envelope::playable(args.profile, &scene.modulation) {
+        bail!("{name}: {error}");
+    }
     let calibration = calibration(args)?;
     let interrupted = interrupt::watch()?;
     let settings = Settings { port: args.port.clone(), profile: args.profile, baud: args.baud };

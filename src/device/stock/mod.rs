@@ -71,6 +71,8 @@ pub enum Modulated {
     ByBoard(u8, f64),
     /// The line is too slow; the fastest that it could do (Hz).
     Never(f64),
+    /// More than one frequency is asked for: the sound is steady.
+    OneFrequency,
 }
 
 /// What becomes of a modulation over a line of so many bits per second.
@@ -78,6 +80,7 @@ pub fn modulated(profile: Profile, modulation: &Modulation, baud: u32) -> Modula
     let frequency = modulation.frequency;
     match (modulation.shape, profile) {
         (Envelope::Off, _) => Modulated::Steady,
+        (Envelope::Tones | Envelope::File, _) => Modulated::OneFrequency,
         (_, Profile::SonicSurfaceTactile) => {
             let (byte, frequency) = phase_list::tactile_step(frequency);
             Modulated::ByBoard(byte, frequency)

@@ -87,11 +87,14 @@ impl Files {
         Ok(())
     }
 
-    /// Notes the pictures that a scene has been read with.
+    /// Notes the pictures and the waveform that a scene has been read with.
     ///
     /// # Errors
     /// As [`Self::reads`].
-    pub fn reads_pictures(&mut self, scene: &Scene) -> anyhow::Result<()> {
+    pub fn reads_files_of(&mut self, scene: &Scene) -> anyhow::Result<()> {
+        if let Some(samples) = scene.modulation.wave.get() {
+            self.reads(&samples.file)?;
+        }
         for target in &scene.targets {
             if let Shape::Picture { pixels, .. } = &target.shape
                 && let Some(path) = pixels.get().and_then(|grey| grey.file.as_deref())

@@ -27,6 +27,8 @@ pub enum Purpose {
     Import,
     /// A table of elements that becomes the array.
     Elements,
+    /// Of the modulation.
+    Waveform,
     Export(Export),
 }
 
@@ -37,6 +39,7 @@ impl Purpose {
             Self::SaveAs => "Save the scene as",
             Self::Elements => "Take a table of elements (CSV, or PAT of OpenMPD)",
             Self::Import => "Import a drawing (SVG) or a picture of strokes (PNG, JPEG, BMP)",
+            Self::Waveform => "Open a waveform of the modulation (WAV)",
             Self::Export(Export::Figure(_)) => "Export the figure",
             Self::Export(Export::Map) => "Export the map as PNG",
             Self::Export(Export::Sheet) => "Export the sheet as PNG",
@@ -54,6 +57,7 @@ impl Purpose {
             Self::Open | Self::SaveAs => &["toml"],
             Self::Import => IMPORTED,
             Self::Elements => ELEMENTS,
+            Self::Waveform => &["wav"],
             Self::Export(Export::Figure(Format::Pdf)) => &["pdf"],
             Self::Export(Export::Figure(Format::Svg)) => &["svg"],
             Self::Export(Export::Figure(Format::Png) | Export::Map | Export::Sheet) => &["png"],
@@ -65,14 +69,14 @@ impl Purpose {
 
     /// Whether the file is there already.
     pub fn reads(self) -> bool {
-        matches!(self, Self::Open | Self::Import | Self::Elements)
+        matches!(self, Self::Open | Self::Import | Self::Elements | Self::Waveform)
     }
 
     fn verb(self) -> &'static str {
         match self {
             Self::Open => "Open",
             Self::SaveAs => "Save",
-            Self::Import | Self::Elements => "Read",
+            Self::Import | Self::Elements | Self::Waveform => "Read",
             Self::Export(_) => "Export",
         }
     }
@@ -83,6 +87,7 @@ impl Purpose {
             Self::SaveAs => Command::SaveAs(path),
             Self::Import => Command::Import(path),
             Self::Elements => Command::TakeElements(path),
+            Self::Waveform => Command::Waveform(path),
             Self::Export(export) => Command::Export(export, path),
         }
     }

@@ -7,8 +7,8 @@ use glam::{DQuat, DVec3};
 
 use crate::scene::{Board, Elements, Reflector, Scene};
 use crate::studio::presets::KNOWN;
-use crate::ui::{Dialog, Editor, Purpose};
 use crate::ui::panels::{PLAIN, choice, coordinates, form, number};
+use crate::ui::{Dialog, Editor, Purpose};
 
 /// mm; nothing of a scene lies lower.
 const LOWEST: f64 = -2000.0;

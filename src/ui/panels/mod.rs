@@ -2,9 +2,11 @@
 
 mod boards;
 mod bring_up;
+pub mod course;
 mod device;
 mod drive;
 mod liquid;
+mod modulation;
 mod motion;
 mod path;
 mod profile;

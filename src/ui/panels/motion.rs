@@ -1,17 +1,18 @@
-//! How the targets move, and what the frames of a cycle reach.
+//! How the sound is modulated and the targets move, and what the frames of a cycle reach.
 
 use egui::Ui;
 
 use crate::rounding::at_most;
 use crate::scene::motion;
-use crate::scene::{Envelope, Modulation, MotionPath, Scene};
+use crate::scene::{MotionPath, Scene};
 use crate::solver::frames::Frame;
 use crate::ui::panels::path::{self, Figures};
-use crate::ui::panels::{Unit, choice, fact, form, heading, number};
+use crate::ui::panels::{course, fact, form, heading, modulation};
 use crate::ui::{Editor, Shown};
 
 pub fn show(editor: &mut Editor, shown: &Shown, ui: &mut Ui) {
-    modulation(&mut editor.document.scene.modulation, ui);
+    modulation::show(editor, ui);
+    course::show(editor, shown, ui);
     ui.separator();
     settings(editor, ui);
     if !motion::moves(editor.scene()) {
@@ -71,27 +72,4 @@ fn take_turns(scene: &mut Scene) {
     if steps {
         scene.motion.frames = scene.motion.frames.max(scene.targets.len() as u32);
     }
-}
-
-/// What makes a hand feel the sound.
-fn modulation(modulation: &mut Modulation, ui: &mut Ui) {
-    heading(ui, "Modulation");
-    form(ui, "modulation", |ui| {
-        let shapes = [(Envelope::Off, "off"), (Envelope::Sine, "sine"), (Envelope::Square, "square")];
-        let tip = "Waveform; skin feels modulated sound, not steady sound";
-        choice(ui, ("Amplitude modulation", tip), &mut modulation.shape, &shapes);
-        if modulation.shape != Envelope::Off {
-            let hertz = Unit { per: 1.0, suffix: " Hz", decimals: 1, speed: 1.0 };
-            let tip = "Of the modulation; skin is most sensitive near 200 Hz";
-            number(ui, ("Frequency", tip), &mut modulation.frequency, hertz, 1.0..=1000.0);
-            let percent = Unit { per: 100.0, suffix: " %", decimals: 0, speed: 0.5 };
-            number(
-                ui,
-                ("Modulation depth", "Of the amplitude; 100 % reaches zero"),
-                &mut modulation.depth,
-                percent,
-                0.0..=1.0,
-            );
-        }
-    });
 }

@@ -9,12 +9,13 @@ mod scene;
 mod settings;
 mod stock;
 mod tables;
+mod waveform;
 
 /// Takes any bytes.
 type Target = fn(&[u8]);
 
 /// The targets by their names, which their corpora have too.
-pub const TARGETS: [(&str, Target); 9] = [
+pub const TARGETS: [(&str, Target); 10] = [
     ("scene", scene::run),
     ("points", tables::points),
     ("drive", tables::drive),
@@ -24,6 +25,7 @@ pub const TARGETS: [(&str, Target); 9] = [
     ("drawing", drawing::run),
     ("batch", batch::run),
     ("settings", settings::run),
+    ("waveform", waveform::run),
 ];
 
 /// Runs the target of this name.

@@ -3,6 +3,7 @@
 use std::collections::VecDeque;
 use std::time::Instant;
 
+use crate::device::envelope::Table;
 use crate::device::health::Found;
 use crate::device::link::native::ask::Asker;
 use crate::device::link::native::{ANSWER, Device, SILENT, Session};
@@ -43,7 +44,7 @@ impl<'a> Session<'a> {
             patience: ANSWER,
             ready_at: now,
             generation: u64::MAX,
-            modulation: ([255; 256], 0),
+            modulation: Table::steady(),
             storing: None,
             live: false,
             playing: false,

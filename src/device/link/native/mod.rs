@@ -12,6 +12,7 @@ mod wish;
 use std::collections::VecDeque;
 use std::time::{Duration, Instant};
 
+use crate::device::envelope::Table;
 use crate::device::link::native::ask::Asker;
 use crate::device::link::native::motion::Way;
 use crate::device::link::{LEAD, LinkError, Settings, Shared, Sounding, Wanted};
@@ -107,8 +108,8 @@ struct Session<'a> {
     ready_at: Instant,
     /// The wish that tasks and frames are made from.
     generation: u64,
-    /// Envelope and step of the modulation that the devices have.
-    modulation: ([u8; 256], u32),
+    /// The modulation that the devices have.
+    modulation: Table,
     /// How the motion that is wanted is played, once the player has stopped.
     storing: Option<Way>,
     /// Frames are sent one by one, not uploaded.

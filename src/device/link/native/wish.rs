@@ -1,5 +1,6 @@
 //! From what is wanted to the packets that bring the devices to it.
 
+use crate::device::envelope::Table;
 use crate::device::health::FrameRates;
 use crate::device::levels::Levels;
 use crate::device::link::native::motion::{self, Motion, Way};
@@ -21,6 +22,9 @@ impl Session<'_> {
             return;
         }
         self.generation = wanted.generation;
+        if let (Some(_), Err(why)) = (&wanted.content, Table::new(&wanted.modulation, self.carrier())) {
+            self.shared.notice(&format!("the sound is steady: {why}"));
+        }
         // What an earlier wish has not brought over yet is not wanted any more.
         self.tasks.retain(|task| !serves_one_wish(&task.packet));
         (self.live, self.placed, self.enabling, self.storing) = (false, false, false, None);
@@ -126,25 +130,21 @@ impl Session<'_> {
     }
 
     fn modulate(&mut self, modulation: &Modulation) {
-        let step = (modulation.frequency / self.carrier() * f64::from(1 << 24)).round();
-        let at = |n: usize| modulation.envelope(n as f64 / 256.0 / modulation.frequency);
-        let table: [u8; 256] = std::array::from_fn(|n| (255.0 * at(n)).round() as u8);
-        let constant = table.iter().all(|&value| value == table[0]);
-        let step = if constant { 0 } else { step.min(f64::from(0xFF_FFFF)) as u32 };
-        if self.modulation == (table, step) {
+        let table = Table::new(modulation, self.carrier()).unwrap_or_else(|_| Table::steady());
+        if self.modulation == table {
             return;
         }
         self.tasks.retain(|task| !is_of_modulation(task));
-        self.push_to_all(&Packet::envelope(&table));
-        self.push_to_all(&Packet::rate(step, true));
-        self.modulation = (table, step);
+        self.push_to_all(&Packet::envelope(&table.values));
+        self.push_to_all(&Packet::rate(table.step, true));
+        self.modulation = table;
     }
 
     /// Whether a newer packet of its kind may have gone ahead of it.
     pub(super) fn is_outdated(&self, packet: &Packet) -> bool {
-        let (table, step) = self.modulation;
+        let Table { values, step } = self.modulation;
         let is = |kind| Kind::of_code(packet.code) == Some(kind);
-        (is(Kind::Envelope) && packet.payload != table)
+        (is(Kind::Envelope) && packet.payload != values)
             || (is(Kind::Rate) && packet.arguments[..3] != step.to_le_bytes()[..3])
     }
 

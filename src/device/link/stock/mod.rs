@@ -82,7 +82,9 @@ impl Session<'_> {
         self.shared.note(|figures| figures.health.rates = rates);
         match modulated {
             Modulated::FromHere(frequency) => self.alternate(content, frequency, wanted),
-            Modulated::Steady | Modulated::ByBoard(..) | Modulated::Never(_) => self.steady(content, wanted),
+            Modulated::Steady | Modulated::ByBoard(..) | Modulated::Never(_) | Modulated::OneFrequency => {
+                self.steady(content, wanted)
+            }
         }
     }
 
@@ -121,6 +123,9 @@ impl Session<'_> {
         let name = self.profile.name();
         match modulated {
             Modulated::Steady => None,
+            Modulated::OneFrequency => Some(format!(
+                "{name} is switched on and off at one frequency only: the sound is steady, and hardly felt"
+            )),
             Modulated::ByBoard(_, frequency) => Some(format!(
                 "{name} modulates by itself, at {frequency:.1} Hz; {asked:.1} Hz were asked for"
             )),
@@ -161,7 +166,9 @@ impl Session<'_> {
         let line = self.profile.frames_per_second(self.board.port.baud());
         let played = match modulated {
             Modulated::FromHere(frequency) => self.rhythm(frequency).frames_per_second(*rate),
-            Modulated::Steady | Modulated::ByBoard(..) | Modulated::Never(_) => rate.min(line),
+            Modulated::Steady | Modulated::ByBoard(..) | Modulated::Never(_) | Modulated::OneFrequency => {
+                rate.min(line)
+            }
         };
         Some(FrameRates { asked: *rate, played })
     }

@@ -1,0 +1,136 @@
+//! `sonoglyph probe --time`: the pressure at points in the course of time, and the lines of |p|².
+
+use std::fmt::Write;
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context, bail};
+use clap::Args;
+use glam::DVec3;
+use num_complex::Complex64;
+
+use crate::cli::progress;
+use crate::drive::Drive;
+use crate::scene::{Scene, motion};
+use crate::solver;
+use crate::studio::motion::{SOLVING, follow};
+use crate::studio::output::{self, note, warn};
+use crate::studio::time_course::Course;
+
+/// Rows of a table, and pressures of all frames at all points, at most.
+const MOST_ROWS: f64 = 2e6;
+const MOST_PRESSURES: usize = 1 << 26;
+
+#[derive(Debug, Args)]
+pub struct TimeArgs {
+    /// The pressure in the course of time, under modulation, motion and the frame rate of a board: columns x, y, z (m), time (s),
+    /// re, im (Pa, peak), square (|p|², Pa²)
+    #[arg(long)]
+    pub time: bool,
+    /// s of --time; by default until modulation and motion repeat themselves together
+    #[arg(long, value_name = "S", requires = "time", allow_negative_numbers = true, value_parser = parse_span)]
+    span: Option<f64>,
+    /// Instants per second of --time; by default 32 per period of the modulation and 4 per frame, at least
+    #[arg(long, value_name = "HZ", requires = "time", allow_negative_numbers = true, value_parser = parse_rate)]
+    rate: Option<f64>,
+    /// Also write the lines of |p|²: columns x, y, z (m), frequency (Hz), square (Pa²; amplitude of the cosine, at 0 Hz the mean),
+    /// phase (rad)
+    #[arg(long, value_name = "FILE.csv", requires = "time")]
+    pub spectrum: Option<PathBuf>,
+    /// Highest frequency of --spectrum in Hz
+    #[arg(long, value_name = "HZ", default_value_t = 1000.0, requires = "spectrum", allow_negative_numbers = true, value_parser = parse_rate)]
+    band: f64,
+}
+
+fn parse_span(text: &str) -> Result<f64, String> {
+    const LONGEST: f64 = 3600.0;
+    let span = text.parse::<f64>().ok().filter(|span| *span > 0.0 && *span <= LONGEST);
+    span.ok_or_else(|| format!("give a number of seconds above 0, {LONGEST} at most"))
+}
+
+fn parse_rate(text: &str) -> Result<f64, String> {
+    const FASTEST: f64 = 1e6;
+    let rate = text.parse::<f64>().ok().filter(|rate| *rate > 0.0 && *rate <= FASTEST);
+    rate.ok_or_else(|| format!("give a frequency in Hz above 0, {FASTEST} at most"))
+}
+
+/// The drives that are played one after the other: of all frames of a motion, or those that take turns.
+pub fn drives(scene: &Scene, name: &str) -> anyhow::Result<Vec<Drive>> {
+    if motion::moves(scene) {
+        let sequence = follow(scene, name, &progress::begin(SOLVING))?;
+        return Ok(sequence.frames.into_iter().map(|frame| frame.drive).collect());
+    }
+    let solution = solver::solve(scene).with_context(|| name.to_owned())?;
+    solution.warnings.iter().for_each(|warning| warn(warning));
+    Ok(solution.drives())
+}
+
+/// Writes what `pressure` makes of the frames' drives at points.
+pub fn write(
+    args: &TimeArgs,
+    scene: &Scene,
+    points: &[DVec3],
+    drives: &[Drive],
+    pressure: impl Fn(&Drive) -> anyhow::Result<Vec<Complex64>>,
+    to: Option<&Path>,
+) -> anyhow::Result<()> {
+    let course = Course::new(scene, drives.len());
+    let (span, rate) = (args.span.unwrap_or(course.usual_span()), args.rate.unwrap_or(course.usual_rate()));
+    // A steady sound has one instant.
+    let instants = (span * rate).round().max(1.0);
+    if instants * points.len() as f64 > MOST_ROWS {
+        bail!(
+            "{instants} instants ({span} s at {rate} Hz) at {} points are more than the {MOST_ROWS} rows of a table: take fewer points, \
+             or a smaller --span or --rate",
+            points.len()
+        );
+    }
+    if drives.len().saturating_mul(points.len()) > MOST_PRESSURES {
+        bail!(
+            "{} frames at {} points are more than memory is asked for: take fewer points",
+            drives.len(),
+            points.len()
+        );
+    }
+    tell(&course, args, span);
+    let frames: Vec<Vec<Complex64>> = drives.iter().map(pressure).collect::<Result<_, _>>()?;
+    let (mut table, mut spectrum) =
+        (String::from("x,y,z,time,re,im,square\n"), String::from("x,y,z,frequency,square,phase\n"));
+    for (index, point) in points.iter().enumerate() {
+        let of_frames: Vec<_> = frames.iter().map(|frame| frame[index]).collect();
+        let [x, y, z] = point.to_array();
+        for time in (0..instants as usize).map(|instant| instant as f64 / rate) {
+            let p = course.pressure(&of_frames, time);
+            let _ = writeln!(table, "{x:?},{y:?},{z:?},{time:?},{:?},{:?},{:?}", p.re, p.im, p.norm_sqr());
+        }
+        if args.spectrum.is_some() {
+            for line in course.spectrum(&of_frames, args.band).map_err(anyhow::Error::msg)? {
+                let (frequency, square, phase) = (line.frequency, line.amplitude, line.phase);
+                let _ = writeln!(spectrum, "{x:?},{y:?},{z:?},{frequency:?},{square:?},{phase:?}");
+            }
+        }
+    }
+    if let Some(path) = &args.spectrum {
+        output::write(path, spectrum.as_bytes())?;
+    }
+    match to {
+        Some(path) => output::write(path, table.as_bytes()),
+        None => output::print(format_args!("{table}")),
+    }
+}
+
+/// Says what is seen of the course.
+fn tell(course: &Course, args: &TimeArgs, span: f64) {
+    let rate = course.frames_per_second();
+    if rate > 0.0 {
+        note(&format!("{rate:.3} frames/s, {:.3} cycles/s", course.cycles_per_second()));
+    }
+    match course.period() {
+        _ if span == 0.0 => note("the sound is steady: one instant holds for all"),
+        None if args.span.is_none() && rate > 0.0 => {
+            note(
+                "modulation and motion have no common period: the longer one of the two is written, and its end does not meet its begin",
+            );
+        }
+        Some(_) | None => {}
+    }
+}

@@ -1,0 +1,156 @@
+//! What boards play of a modulation: the native one a table that it goes through at a rate, the others on and off.
+
+use crate::device::profile::Profile;
+use crate::scene::{Envelope, Modulation};
+
+/// Steps of the native board's table.
+pub const STEPS: usize = 256;
+/// Steps of the table that a period of the fastest tone needs.
+const STEPS_PER_PERIOD: f64 = 8.0;
+/// What the native board's step counts in parts of the carrier.
+const FULL: f64 = 16_777_216.0;
+
+/// The native board's table, 255 for full amplitude, and how far it goes on in a period of the carrier, in 2^-24 of the table.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Table {
+    pub values: [u8; STEPS],
+    pub step: u32,
+}
+
+impl Table {
+    /// Of one period of a modulation for a carrier (Hz).
+    ///
+    /// # Errors
+    /// As [`playable`].
+    pub fn new(modulation: &Modulation, carrier: f64) -> Result<Self, String> {
+        fits(modulation)?;
+        let frequency = match modulation.shape {
+            Envelope::Off | Envelope::Sine | Envelope::Square => modulation.frequency,
+            Envelope::Tones | Envelope::File => modulation.period().map_or(modulation.frequency, f64::recip),
+        };
+        let at = |n: usize| modulation.envelope(n as f64 / STEPS as f64 / frequency);
+        let values: [u8; STEPS] = std::array::from_fn(|n| (255.0 * at(n)).round() as u8);
+        let is_constant = values.iter().all(|&value| value == values[0]);
+        let step = (frequency / carrier * FULL).round().min(FULL - 1.0);
+        Ok(Self { values, step: if is_constant { 0 } else { step as u32 } })
+    }
+
+    /// Full amplitude all the time.
+    pub fn steady() -> Self {
+        Self { values: [255; STEPS], step: 0 }
+    }
+}
+
+/// Whether a board plays a modulation.
+///
+/// # Errors
+/// What it can play instead, in words.
+pub fn playable(profile: Profile, modulation: &Modulation) -> Result<(), String> {
+    match profile {
+        Profile::Native | Profile::Natives(_) => {
+            fits(modulation).map_err(|why| format!("{}: {why}", profile.name()))
+        }
+        Profile::UltrainoMega64
+        | Profile::Acoustophoretic512
+        | Profile::SonicSurface
+        | Profile::SonicSurface2
+        | Profile::SonicSurfaceTactile
+        | Profile::UltrainoSimpleFpga => match modulation.shape {
+            Envelope::Off | Envelope::Sine | Envelope::Square => Ok(()),
+            Envelope::Tones | Envelope::File => Err(format!(
+                "{} is switched on and off at one frequency and plays no modulation.shape = \"{}\": take \"square\" or \"sine\", \
+                 and a frequency",
+                profile.name(),
+                modulation.shape.name()
+            )),
+        },
+    }
+}
+
+/// Whether a modulation fits into the native board's table.
+fn fits(modulation: &Modulation) -> Result<(), String> {
+    match modulation.shape {
+        Envelope::Off | Envelope::Sine | Envelope::Square => Ok(()),
+        Envelope::Tones => {
+            let fastest = modulation.tones.iter().map(|tone| tone.frequency).fold(0.0, f64::max);
+            let periods = modulation.period().map_or(0.0, |period| fastest * period);
+            if periods <= STEPS as f64 / STEPS_PER_PERIOD + 1e-6 {
+                return Ok(());
+            }
+            Err(format!(
+                "a modulation is a table of {STEPS} steps that is repeated: all tones have to be multiples of one frequency, and the \
+                 fastest at most {} times that; {fastest} Hz is {periods:.0} times the common frequency of these tones",
+                STEPS as f64 / STEPS_PER_PERIOD
+            ))
+        }
+        Envelope::File => {
+            let count = modulation.wave.get().map_or(0, |samples| samples.values.len());
+            match count {
+                0 => Err("modulation.file is not loaded".to_owned()),
+                1..=STEPS => Ok(()),
+                _ => Err(format!(
+                    "a modulation is a table of {STEPS} steps that is repeated, and modulation.file has {count} samples: a period \
+                     of at most {STEPS} samples is played"
+                )),
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::wave::Samples;
+    use crate::scene::{Law, Tone, Wave};
+
+    fn tones(frequencies: &[f64]) -> Modulation {
+        let depth = 1.0 / frequencies.len() as f64;
+        let tones = frequencies.iter().map(|&frequency| Tone { frequency, depth, phase: 0.3 }).collect();
+        Modulation { shape: Envelope::Tones, tones, ..Modulation::default() }
+    }
+
+    fn file(count: usize, rate: f64) -> Modulation {
+        let values = (0..count).map(|i| (i as f32 * 0.1).sin()).collect();
+        let wave = Wave::new(Samples { file: "a.wav".into(), rate, values });
+        Modulation { shape: Envelope::File, file: "a.wav".to_owned(), wave, ..Modulation::default() }
+    }
+
+    #[test]
+    fn the_table_is_the_envelope_over_its_period_to_half_a_step() {
+        let power = |modulation| Modulation { law: Law::Power, ..modulation };
+        let sine = Modulation { shape: Envelope::Sine, frequency: 180.0, ..Modulation::default() };
+        for modulation in
+            [sine.clone(), power(sine), tones(&[150.0, 200.0]), power(tones(&[30.0, 960.0])), file(100, 20e3)]
+        {
+            let carrier = 40_000.0;
+            let table = Table::new(&modulation, carrier).unwrap();
+            let frequency = f64::from(table.step) * carrier / FULL;
+            let period = modulation.period().unwrap();
+            assert!((frequency * period - 1.0).abs() < 1e-4, "{modulation:?}: {frequency} Hz");
+            for (n, &value) in table.values.iter().enumerate() {
+                let wanted = 255.0 * modulation.envelope(n as f64 / 256.0 * period);
+                assert!((f64::from(value) - wanted).abs() <= 0.5 + 1e-9, "{modulation:?}");
+            }
+        }
+        assert_eq!(Table::new(&Modulation::default(), 40e3), Ok(Table::steady()));
+    }
+
+    #[test]
+    fn what_a_board_cannot_play_is_refused_with_what_it_can() {
+        let refused = |profile, modulation: &Modulation, part: &str| {
+            let error = playable(profile, modulation).unwrap_err();
+            assert!(error.starts_with(profile.name()) && error.contains(part), "{error}");
+        };
+        refused(Profile::Native, &tones(&[1.0, 200.0]), "200 Hz is 200 times the common frequency");
+        refused(Profile::Native, &tones(&[150.0, 200.000_001]), "a table of 256 steps");
+        refused(Profile::Native, &file(257, 8e3), "has 257 samples");
+        assert_eq!(playable(Profile::Native, &tones(&[150.0, 200.0])), Ok(()));
+        assert_eq!(playable(Profile::Native, &file(256, 8e3)), Ok(()));
+        refused(Profile::SonicSurface, &tones(&[200.0]), "\"tones\": take \"square\"");
+        refused(Profile::Acoustophoretic512, &file(10, 8e3), "\"file\"");
+        let sine = Modulation { shape: Envelope::Sine, law: Law::Power, ..Modulation::default() };
+        for profile in [Profile::Native, Profile::SonicSurface] {
+            assert_eq!(playable(profile, &sine), Ok(()));
+        }
+    }
+}

@@ -1,0 +1,324 @@
+//! The sound at a point in the course of time, under the envelope and frame by frame of a motion, and the lines of its spectrum.
+//!
+//! |p|² is the envelope's square times the square of the frame that plays. Both are sums of lines that are known in closed form, so
+//! the lines of the product are those of a sound that goes on for ever: no window, and nothing leaks from line to line.
+
+use std::f64::consts::PI;
+
+use num_complex::Complex64;
+use rustfft::FftPlanner;
+
+use crate::scene::{Envelope, Law, Modulation, Scene, motion};
+
+/// Drives per second that take turns in a scene that stands.
+const TURNS: f64 = 1000.0;
+/// s, of a common period that is looked for.
+const LONGEST: f64 = 10.0;
+/// Time steps of a frame.
+const STEPS_PER_FRAME: f64 = 4.0;
+/// Hz: lines that are nearer to each other are one.
+const ONE_LINE: f64 = 1e-6;
+/// Of the mean, the least line that is kept.
+const LEAST: f64 = 1e-9;
+/// How far beyond the band the lines of a square wave or a file are followed, in bands: with those of a motion they meet in it.
+const REACH: f64 = 16.0;
+/// Products of lines that are formed for a point.
+const MOST_PRODUCTS: f64 = 3e7;
+
+/// A line of the spectrum: amplitude · cos(2π frequency t + phase).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Line {
+    /// Hz
+    pub frequency: f64,
+    /// Of the spectrum's quantity; at 0 Hz its mean.
+    pub amplitude: f64,
+    /// rad, in (-π, π].
+    pub phase: f64,
+}
+
+/// Two lines of a spectrum at frequencies of either sign: coefficient · e^{2πj frequency t}.
+type Term = (f64, Complex64);
+
+/// When which frame plays, and how loud.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Course {
+    modulation: Modulation,
+    frames: usize,
+    /// Frames per second; 0 where one stands.
+    rate: f64,
+}
+
+impl Course {
+    /// Of a scene whose motion, or whose drives that take turns, have so many frames.
+    ///
+    /// # Panics
+    /// No frame.
+    pub fn new(scene: &Scene, frames: usize) -> Self {
+        assert!(frames > 0, "something is played");
+        let rate = match motion::cycle(scene) {
+            _ if frames == 1 => 0.0,
+            Some(cycle) => cycle.frames_per_second(),
+            None => TURNS,
+        };
+        Self { modulation: scene.modulation.clone(), frames, rate }
+    }
+
+    /// Frames per second; 0 where one stands.
+    pub fn frames_per_second(&self) -> f64 {
+        self.rate
+    }
+
+    /// Repetitions of all frames per second; 0 where one stands.
+    pub fn cycles_per_second(&self) -> f64 {
+        self.rate / self.frames as f64
+    }
+
+    /// s, after which envelope and frames repeat themselves together. `None` where the sound is steady or no such time below 10 s
+    /// is found.
+    pub fn period(&self) -> Option<f64> {
+        let cycle = (self.rate > 0.0).then(|| 1.0 / self.cycles_per_second());
+        match (self.modulation.period(), cycle) {
+            (None, other) | (other, None) => other,
+            (Some(envelope), Some(cycle)) => common(envelope, cycle),
+        }
+    }
+
+    /// s, of which a course should be seen: the common period, or else the longer one; 0 where the sound is steady.
+    pub fn usual_span(&self) -> f64 {
+        let cycle = if self.rate > 0.0 { 1.0 / self.cycles_per_second() } else { 0.0 };
+        self.period().unwrap_or_else(|| self.modulation.period().unwrap_or(0.0).max(cycle))
+    }
+
+    /// Instants per second that follow the course closely: four in a frame and 32 in a period of the fastest tone at least.
+    pub fn usual_rate(&self) -> f64 {
+        let least = (self.modulation.step_rate() / 2.0).max(STEPS_PER_FRAME * self.rate).max(1.0);
+        if self.rate > 0.0 { (least / self.rate).ceil() * self.rate } else { least }
+    }
+
+    /// The frame that plays at a time (s); of two, the later.
+    pub fn frame(&self, time: f64) -> usize {
+        /// Of a frame: times are rounded.
+        const ROUNDING: f64 = 1e-9;
+        (time * self.rate + ROUNDING).floor().rem_euclid(self.frames as f64) as usize % self.frames
+    }
+
+    /// The complex pressure (Pa, peak) at a time (s) and a point at which these are the pressures of all frames at full amplitude.
+    pub fn pressure(&self, of_frames: &[Complex64], time: f64) -> Complex64 {
+        of_frames[self.frame(time)] * self.modulation.envelope(time)
+    }
+
+    /// The lines of |p|² (Pa², p the complex peak pressure) up to a frequency (Hz), at a point at which these are the pressures of
+    /// all frames; lines weaker than 1e-9 of the mean are left out.
+    ///
+    /// # Errors
+    /// More lines than can be told apart.
+    pub fn spectrum(&self, of_frames: &[Complex64], band: f64) -> Result<Vec<Line>, String> {
+        let squares: Vec<_> = of_frames.iter().map(Complex64::norm_sqr).collect();
+        let cycle = self.cycles_per_second();
+        let period = self.period().filter(|_| cycle > 0.0 && self.modulation.shape == Envelope::Square);
+        if let Some(period) = period.filter(|period| self.edges(*period) * band * period < MOST_PRODUCTS) {
+            return Ok(lines(self.between_edges(&squares, band, period)));
+        }
+        let harmonics = transformed(squares.into_iter().map(Complex64::from).collect());
+        let reach = if self.rate > 0.0 { (1.0 + REACH) * band } else { band };
+        let envelope = square_terms(&self.modulation, reach);
+        let per_term = if cycle > 0.0 { band / cycle + 1.0 } else { 1.0 };
+        if envelope.len() as f64 * per_term > MOST_PRODUCTS {
+            return Err(format!(
+                "the lines of the envelope and those of the motion meet {:.1e} times up to {band} Hz, more than {MOST_PRODUCTS:.0e}: \
+                 take a narrower band, a shorter file or a faster motion",
+                envelope.len() as f64 * per_term
+            ));
+        }
+        let mut terms: Vec<Term> = Vec::new();
+        for (frequency, coefficient) in envelope {
+            if cycle == 0.0 {
+                terms.push((frequency, coefficient * harmonics[0]));
+                continue;
+            }
+            let [least, most] = [-frequency - ONE_LINE, band - frequency + ONE_LINE].map(|end| end / cycle);
+            for k in least.ceil() as i64..=most.floor() as i64 {
+                terms.push((frequency + k as f64 * cycle, coefficient * held(&harmonics, k)));
+            }
+        }
+        let is_in_band = |(frequency, _): &Term| (-ONE_LINE..=band + ONE_LINE).contains(frequency);
+        terms.retain(is_in_band);
+        Ok(lines(terms))
+    }
+}
+
+impl Course {
+    /// How often frames and a square wave change in a time (s).
+    fn edges(&self, span: f64) -> f64 {
+        span * (self.rate + 2.0 * self.modulation.frequency)
+    }
+
+    /// The terms of frames under a square wave, whose edges meet those of the frames in infinitely many of their lines: with jumps
+    /// at times t in a period T, the coefficient at a frequency is Σ jump e^{-jωt}/(jωT).
+    fn between_edges(&self, squares: &[f64], band: f64, period: f64) -> Vec<Term> {
+        let low = low_square(&self.modulation);
+        let times = |rate: f64| (0..(period * rate).round() as usize).map(move |n| (n as f64 / rate, n));
+        let frames = times(self.rate).map(|(time, n)| (time, Some(n % self.frames)));
+        let swaps = times(2.0 * self.modulation.frequency).map(|(time, _)| (time, None));
+        let mut edges: Vec<(f64, Option<usize>)> = frames.chain(swaps).collect();
+        edges.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let (mut frame, mut is_on) = (self.frames - 1, false);
+        let value = |frame: usize, is_on: bool| squares[frame] * if is_on { 1.0 } else { low };
+        let (mut sum, mut jumps) = (0.0, Vec::new());
+        for (index, (time, next)) in edges.iter().enumerate() {
+            let before = value(frame, is_on);
+            match next {
+                Some(next) => frame = *next,
+                None => is_on = !is_on,
+            }
+            let after = value(frame, is_on);
+            jumps.push((*time, after - before));
+            sum += after * (edges.get(index + 1).map_or(period, |(next, _)| *next) - time);
+        }
+        let term = |n: usize| {
+            let omega = 2.0 * PI * n as f64 / period;
+            let jump = |&(time, jump): &(f64, f64)| Complex64::from_polar(jump, -omega * time);
+            let coefficient = jumps.iter().map(jump).sum::<Complex64>() / Complex64::new(0.0, omega * period);
+            (n as f64 / period, if n == 0 { Complex64::from(sum / period) } else { coefficient })
+        };
+        (0..=(band * period + ONE_LINE) as usize).map(term).collect()
+    }
+}
+
+/// The coefficients of a sequence that is repeated.
+fn transformed(mut values: Vec<Complex64>) -> Vec<Complex64> {
+    let count = values.len();
+    FftPlanner::new().plan_fft_forward(count).process(&mut values);
+    values.iter_mut().for_each(|value| *value /= count as f64);
+    values
+}
+
+/// The coefficient of harmonic k of what holds each of a sequence's values until the next one.
+fn held(transformed: &[Complex64], k: i64) -> Complex64 {
+    let part = k as f64 / transformed.len() as f64;
+    transformed[k.rem_euclid(transformed.len() as i64) as usize]
+        * Complex64::from_polar(sinc(part), -PI * part)
+}
+
+/// sin(πx)/πx
+fn sinc(x: f64) -> f64 {
+    if x == 0.0 { 1.0 } else { (PI * x).sin() / (PI * x) }
+}
+
+/// The terms of the envelope's square; where it has edges or comes from a file, up to a frequency (Hz).
+fn square_terms(modulation: &Modulation, reach: f64) -> Vec<Term> {
+    let terms = match modulation.shape {
+        Envelope::Off => return vec![(0.0, Complex64::ONE)],
+        Envelope::Square => return square_wave(modulation, reach),
+        Envelope::File => return file(modulation, reach),
+        Envelope::Sine => swing(&[(modulation.frequency, modulation.depth, 0.0)]),
+        Envelope::Tones => {
+            let tones = modulation.tones.iter().map(|tone| (tone.frequency, tone.depth, tone.phase));
+            swing(&tones.collect::<Vec<_>>())
+        }
+    };
+    match modulation.law {
+        Law::Power => terms,
+        Law::Amplitude => {
+            let squared =
+                |&(f, c): &Term| terms.iter().map(move |&(g, d)| (f + g, c * d)).collect::<Vec<_>>();
+            terms.iter().flat_map(squared).collect()
+        }
+    }
+}
+
+/// 1 - Σ depth (1 - sin(2π frequency t + phase))/2.
+fn swing(tones: &[(f64, f64, f64)]) -> Vec<Term> {
+    let middle = 1.0 - tones.iter().map(|(_, depth, _)| depth).sum::<f64>() / 2.0;
+    let of_tone = |&(frequency, depth, phase): &(f64, f64, f64)| {
+        let half = Complex64::from_polar(depth / 4.0, phase - PI / 2.0);
+        [(frequency, half), (-frequency, half.conj())]
+    };
+    [(0.0, Complex64::from(middle))].into_iter().chain(tones.iter().flat_map(of_tone)).collect()
+}
+
+/// What is left of the power in the second half of a square wave's period.
+fn low_square(modulation: &Modulation) -> f64 {
+    match modulation.law {
+        Law::Amplitude => (1.0 - modulation.depth).powi(2),
+        Law::Power => 1.0 - modulation.depth,
+    }
+}
+
+/// 1 in the first half of a period, and the square of what is left in the second.
+fn square_wave(modulation: &Modulation, reach: f64) -> Vec<Term> {
+    let low = low_square(modulation);
+    let frequency = modulation.frequency;
+    let most = (reach / frequency).floor() as i64;
+    let odd = (-most..=most).filter(|n| n % 2 != 0);
+    let term = |n: i64| (n as f64 * frequency, Complex64::new(0.0, -(1.0 - low) / (PI * n as f64)));
+    std::iter::once((0.0, Complex64::from((1.0 + low) / 2.0))).chain(odd.map(term)).collect()
+}
+
+/// Straight pieces, or their squares.
+fn file(modulation: &Modulation, reach: f64) -> Vec<Term> {
+    let Some(samples) = modulation.wave.get() else { return vec![(0.0, Complex64::ONE)] };
+    let swing: Vec<f64> =
+        samples.values.iter().map(|&x| 1.0 - modulation.depth * (1.0 - f64::from(x)) / 2.0).collect();
+    let count = swing.len();
+    let transform = |value: &dyn Fn(usize) -> f64| {
+        transformed((0..count).map(|index| Complex64::from(value(index))).collect())
+    };
+    // A piece from a to b is (1 - u)a + ub; its square is (1 - u)a² + ub² - u(1 - u)(b - a)².
+    let (ends, bends) = match modulation.law {
+        Law::Power => (transform(&|i| swing[i]), None),
+        Law::Amplitude => {
+            let rise = |i: usize| swing[(i + 1) % count] - swing[i];
+            (transform(&|i| swing[i].powi(2)), Some(transform(&|i| rise(i).powi(2))))
+        }
+    };
+    let frequency = 1.0 / samples.period();
+    let most = (reach / frequency).floor() as i64;
+    let term = |k: i64| {
+        let (index, part) = (k.rem_euclid(count as i64) as usize, k as f64 / count as f64);
+        let straight = ends[index] * sinc(part).powi(2);
+        let bend = |bends: &Vec<Complex64>| bends[index] * Complex64::from_polar(arch(PI * part), -PI * part);
+        (k as f64 * frequency, straight - bends.as_ref().map_or(Complex64::ZERO, bend))
+    };
+    (-most..=most).map(term).collect()
+}
+
+/// ∫ u(1 - u) cos(2h(u - ½)) du from 0 to 1.
+fn arch(h: f64) -> f64 {
+    /// Where the closed form and the series are equally good.
+    const SMALL: f64 = 0.05;
+    if h.abs() < SMALL {
+        return 1.0 / 6.0 - h.powi(2) / 60.0 + h.powi(4) / 1680.0;
+    }
+    (h.sin() - h * h.cos()) / (2.0 * h.powi(3))
+}
+
+/// Terms at frequencies that are not negative as lines; those at the same frequency are added up.
+fn lines(mut terms: Vec<Term>) -> Vec<Line> {
+    terms.sort_unstable_by(|a, b| a.0.total_cmp(&b.0));
+    let sums = terms.chunk_by(|a, b| b.0 - a.0 < ONE_LINE).map(|same| {
+        let sum: Complex64 = same.iter().map(|(_, coefficient)| coefficient).sum();
+        (if same[0].0 < ONE_LINE { 0.0 } else { same[0].0 }, sum)
+    });
+    let line = |(frequency, sum): Term| {
+        // Its twin at the negative frequency has the other half.
+        let amplitude = if frequency == 0.0 { sum.re } else { 2.0 * sum.norm() };
+        Line { frequency, amplitude, phase: if frequency == 0.0 { 0.0 } else { sum.arg() } }
+    };
+    let lines: Vec<_> = sums.map(line).collect();
+    let mean = lines.first().filter(|line| line.frequency == 0.0).map_or(0.0, |line| line.amplitude);
+    lines.into_iter().filter(|line| line.frequency == 0.0 || line.amplitude > LEAST * mean).collect()
+}
+
+/// s: the shortest time that is a whole number of both periods (s).
+fn common(a: f64, b: f64) -> Option<f64> {
+    /// Relative.
+    const APART: f64 = 1e-9;
+    let (long, short) = (a.max(b), a.min(b));
+    let is_whole = |count: &f64| {
+        let times = count * long / short;
+        (times - times.round()).abs() < APART * times
+    };
+    let most = (LONGEST / long).floor().max(1.0) as u32;
+    (1..=most).map(f64::from).find(is_whole).map(|count| count * long)
+}

@@ -1,0 +1,110 @@
+//! The pressure at a point in the course of time, and the lines of its square.
+
+use egui::{Ui, Vec2b};
+use egui_plot::{Line, Plot, PlotPoints};
+use glam::DVec3;
+
+use crate::studio::time_course;
+use crate::ui::panels::{choice, fact, form, heading};
+use crate::ui::{Course, CoursePlace, Editor, Shown, measure, section, theme};
+
+/// Points of the screen.
+const HEIGHT: f32 = 92.0;
+/// Hz, up to which lines are shown.
+pub const BAND: f64 = 1000.0;
+
+/// Where the course is looked at.
+pub fn place(editor: &Editor, shown: &Shown) -> Option<DVec3> {
+    let at = match editor.course.place {
+        CoursePlace::Focus => section::focus(editor, shown),
+        CoursePlace::Pointer => editor.course.pointed,
+        CoursePlace::Listener => editor.scene().listener.as_ref().map(|listener| listener.at),
+    };
+    at.filter(|at| at.z > 0.0)
+}
+
+pub fn show(editor: &mut Editor, shown: &Shown, ui: &mut Ui) {
+    heading(ui, "At a point");
+    let tip =
+        "Pressure under modulation, motion and the frame rate of the board, and the spectrum of its square";
+    ui.checkbox(&mut editor.course.is_shown, "Course of time and spectrum").on_hover_text(tip);
+    if !editor.course.is_shown {
+        return;
+    }
+    form(ui, "course place", |ui| {
+        let places = [
+            (CoursePlace::Focus, "focus"),
+            (CoursePlace::Pointer, "pointer"),
+            (CoursePlace::Listener, "listener"),
+        ];
+        let tip = "Focus: where the selected target, or the first, stands in the scene. Pointer: where it was last on the map";
+        choice(ui, ("Place", tip), &mut editor.course.place, &places);
+    });
+    let Some(course) = &shown.course else {
+        ui.label(match editor.course.place {
+            CoursePlace::Pointer if editor.course.pointed.is_none() => "Move the pointer over the map.",
+            CoursePlace::Listener if editor.scene().listener.is_none() => {
+                "There is no listener: the Scene panel sets one."
+            }
+            CoursePlace::Focus | CoursePlace::Pointer | CoursePlace::Listener => "Nothing is played there.",
+        });
+        return;
+    };
+    match course {
+        Ok(course) => plots(editor, course, ui),
+        Err(why) => {
+            ui.label(why);
+        }
+    }
+}
+
+fn plots(editor: &Editor, course: &Course, ui: &mut Ui) {
+    let convention = editor.view.convention;
+    form(ui, "course", |ui| {
+        let [x, y, z] = course.at.to_array().map(measure::mm);
+        fact(ui, ("At", "x, y, z"), format!("{x}, {y}, {z} mm"));
+        let tip = "Root of the mean of |p|² over time";
+        fact(ui, ("Mean pressure", tip), convention.pressure(course.mean().max(0.0).sqrt()));
+        if let Some(line) = course.strongest() {
+            let part = 100.0 * line.amplitude / course.mean().max(f64::MIN_POSITIVE);
+            let tip = "Of |p|², beside its mean: amplitude as a part of the mean";
+            fact(ui, ("Strongest line", tip), format!("{part:.1} % at {} Hz", hertz(line.frequency)));
+        }
+    });
+    let largest = course.moduli.iter().fold(0.0f64, |most, [_, p]| most.max(*p));
+    let (name, factor) = if largest * convention.of_peak() < 1000.0 { ("Pa", 1.0) } else { ("kPa", 1e-3) };
+    let factor = factor * convention.of_peak();
+    let times = course.moduli.iter().map(|[time, p]| [time * 1e3, p * factor]).collect::<Vec<_>>();
+    ui.label(format!("|p| / {name} ({}) against time / ms", convention.name()));
+    plot("course of time", ui, vec![times]);
+    ui.label("Lines of |p|² / % of its mean against frequency / Hz");
+    let stem = |line: &time_course::Line| {
+        let part = 100.0 * line.amplitude / course.mean().max(f64::MIN_POSITIVE);
+        vec![[line.frequency, 0.0], [line.frequency, part]]
+    };
+    let stems = course.lines.iter().filter(|line| line.frequency > 0.0).map(stem);
+    plot("spectrum", ui, stems.chain([vec![[0.0, 0.0], [BAND, 0.0]]]).collect());
+}
+
+fn hertz(frequency: f64) -> String {
+    let text = format!("{frequency:.2}");
+    text.trim_end_matches('0').trim_end_matches('.').to_owned()
+}
+
+fn plot(id: &str, ui: &mut Ui, curves: Vec<Vec<[f64; 2]>>) {
+    let plot = Plot::new(id)
+        .height(HEIGHT)
+        .allow_zoom(false)
+        .allow_drag(false)
+        .allow_scroll(false)
+        .allow_boxed_zoom(false)
+        .auto_bounds(Vec2b::TRUE)
+        .include_y(0.0)
+        .grid_spacing(8.0..=120.0)
+        .show_grid(true);
+    plot.show(ui, |plot| {
+        for curve in curves {
+            plot.line(Line::new(id, PlotPoints::from(curve)).color(theme::ACCENT).width(1.5));
+        }
+    });
+}

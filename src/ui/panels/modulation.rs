@@ -1,0 +1,123 @@
+//! What makes a hand feel the sound: waveform, law, tones and a waveform from a file.
+
+use egui::Ui;
+
+use crate::echo;
+use crate::scene::modulation::{FREQUENCIES, MOST_TONES};
+use crate::scene::{Envelope, Law, Modulation, Tone};
+use crate::ui::panels::{DEGREES, Unit, bare_number, caption, choice, fact, form, heading, number, value};
+use crate::ui::{Dialog, Editor, Purpose};
+
+const HERTZ: Unit = Unit { per: 1.0, suffix: " Hz", decimals: 1, speed: 1.0 };
+const PERCENT: Unit = Unit { per: 100.0, suffix: " %", decimals: 0, speed: 0.5 };
+
+pub fn show(editor: &mut Editor, ui: &mut Ui) {
+    heading(ui, "Modulation");
+    let modulation = &mut editor.document.scene.modulation;
+    let mut shape = modulation.shape;
+    let mut asks_for_file = false;
+    form(ui, "modulation", |ui| {
+        let shapes = Envelope::ALL.map(|shape| (shape, shape.name()));
+        let tip = "Waveform; skin feels modulated sound, not steady sound";
+        choice(ui, ("Amplitude modulation", tip), &mut shape, &shapes);
+        if modulation.shape == Envelope::Off {
+            return;
+        }
+        let laws = [(Law::Amplitude, "amplitude"), (Law::Power, "power")];
+        let tip = "What has the waveform: the amplitude of the sound, or its square, and with it the radiation pressure";
+        choice(ui, ("Waveform of", tip), &mut modulation.law, &laws);
+        match modulation.shape {
+            Envelope::Off | Envelope::Tones => {}
+            Envelope::Sine | Envelope::Square => {
+                let tip = "Of the modulation; skin is most sensitive near 200 Hz";
+                number(ui, ("Frequency", tip), &mut modulation.frequency, HERTZ, FREQUENCIES);
+                depth(modulation, ui);
+            }
+            Envelope::File => {
+                depth(modulation, ui);
+                file(modulation, ui);
+                caption(ui, "");
+                let button = value(ui, |ui| ui.button("Choose…")).on_hover_text("Another WAV file");
+                asks_for_file = button.clicked();
+                ui.end_row();
+            }
+        }
+    });
+    if modulation.shape == Envelope::Tones {
+        tones(&mut modulation.tones, ui);
+    }
+    if shape != modulation.shape {
+        asks_for_file = choose(modulation, shape);
+    }
+    if asks_for_file {
+        editor.dialog = Some(Dialog::path(Purpose::Waveform, &editor.document));
+    }
+}
+
+/// Takes another waveform; says whether a file has to be asked for first.
+fn choose(modulation: &mut Modulation, shape: Envelope) -> bool {
+    if shape == Envelope::File && modulation.wave.get().is_none() {
+        return true;
+    }
+    if shape == Envelope::Tones && modulation.tones.is_empty() {
+        let (frequency, depth) = (modulation.frequency, modulation.depth / 2.0);
+        let second = (1.25 * frequency).min(*FREQUENCIES.end());
+        modulation.tones =
+            [frequency, second].map(|frequency| Tone { frequency, depth, phase: 0.0 }).to_vec();
+    }
+    modulation.shape = shape;
+    false
+}
+
+fn depth(modulation: &mut Modulation, ui: &mut Ui) {
+    let tip = match modulation.law {
+        Law::Amplitude => "Of the amplitude; 100 % reaches zero",
+        Law::Power => "Of the power; 100 % reaches zero",
+    };
+    number(ui, ("Modulation depth", tip), &mut modulation.depth, PERCENT, 0.0..=1.0);
+}
+
+fn file(modulation: &Modulation, ui: &mut Ui) {
+    fact(ui, ("Waveform", "WAV file, repeated"), echo::value(&modulation.file).to_string());
+    if let Some(samples) = modulation.wave.get() {
+        let length = format!("{:.3} s at {} Hz", samples.period(), samples.rate);
+        fact(ui, ("Length", "Of a repetition"), length);
+    }
+}
+
+/// A row for each tone; together they have a depth of 100 % at most.
+fn tones(tones: &mut Vec<Tone>, ui: &mut Ui) {
+    let mut removed = None;
+    let all: f64 = tones.iter().map(|tone| tone.depth).sum();
+    let count = tones.len();
+    egui::Grid::new("tones").num_columns(4).spacing([6.0, 5.0]).show(ui, |ui| {
+        for (index, tone) in tones.iter_mut().enumerate() {
+            let number = index + 1;
+            let rest = (1.0 - all + tone.depth).clamp(0.0, 1.0);
+            let field = bare_number(ui, &mut tone.frequency, HERTZ, FREQUENCIES);
+            field.on_hover_text("Frequency").accessible_name(&format!("Tone {number} frequency"));
+            let field = bare_number(ui, &mut tone.depth, PERCENT, 0.0..=rest);
+            field
+                .on_hover_text("Depth; all tones together have 100 % at most")
+                .accessible_name(&format!("Tone {number} depth"));
+            let turn = std::f64::consts::TAU;
+            let field = bare_number(ui, &mut tone.phase, DEGREES, -turn..=turn);
+            field.on_hover_text("Phase of the sine").accessible_name(&format!("Tone {number} phase"));
+            let button = ui.add_enabled(count > 1, egui::Button::new("×"));
+            let button =
+                button.on_hover_text("Remove this tone").accessible_name(&format!("Remove tone {number}"));
+            if button.clicked() {
+                removed = Some(index);
+            }
+            ui.end_row();
+        }
+    });
+    if let Some(index) = removed {
+        tones.remove(index);
+    }
+    let add = ui.add_enabled(count < MOST_TONES, egui::Button::new("Add a tone"));
+    if add.clicked() {
+        let frequency = tones.last().map_or(200.0, |tone| (tone.frequency + 50.0).min(*FREQUENCIES.end()));
+        tones.push(Tone { frequency, depth: (1.0 - all).clamp(0.0, 1.0), phase: 0.0 });
+    }
+}

@@ -1,0 +1,25 @@
+//! Waveforms of modulations (WAV). What is read is bounded, and its envelope stays between silence and full amplitude.
+
+use sonoglyph::scene::wave::{Samples, Wave};
+use sonoglyph::scene::{Envelope, Modulation};
+use sonoglyph::studio::waveform::{self, MOST_SAMPLES};
+
+use super::is_one_line;
+
+pub fn run(bytes: &[u8]) {
+    match waveform::decode(bytes) {
+        Ok((rate, values)) => {
+            assert!(
+                rate > 0.0 && (1..=MOST_SAMPLES).contains(&values.len()),
+                "{} at {rate} Hz",
+                values.len()
+            );
+            assert!(values.iter().all(|value| (-1.0..=1.0).contains(value)));
+            let wave = Wave::new(Samples { file: "a.wav".into(), rate, values });
+            let modulation = Modulation { shape: Envelope::File, wave, ..Modulation::default() };
+            assert!((0.0..=1.0).contains(&modulation.mean_square()));
+            assert!((0..100).all(|n| (0.0..=1.0).contains(&modulation.envelope(f64::from(n) * 1e-3))));
+        }
+        Err(error) => is_one_line(&error),
+    }
+}

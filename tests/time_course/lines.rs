@@ -1,0 +1,259 @@
+//! Lines of |p|²: closed forms, integrals piece by piece, and foci that pass a point.
+
+use std::f64::consts::{PI, TAU};
+
+use glam::DVec3;
+use num_complex::Complex64;
+use sonoglyph::acoustics::Aperture;
+use sonoglyph::scene::wave::{Samples, Wave};
+use sonoglyph::scene::{
+    Envelope, Law, Method, Modulation, Motion, MotionPath, Scene, Shape, Target, Tempo, Tone,
+};
+use sonoglyph::solver::frames;
+use sonoglyph::studio::time_course::{Course, Line};
+
+const BAND: f64 = 1000.0;
+
+fn modulated(modulation: Modulation) -> Scene {
+    Scene { modulation, ..Scene::default() }
+}
+
+/// So many frames that go round at a rate.
+fn moving(rate: f64, frames: u32, modulation: Modulation) -> Scene {
+    let motion = Motion { path: MotionPath::Circle, tempo: Tempo::Rate(rate), frames, ..Motion::default() };
+    Scene { motion, ..modulated(modulation) }
+}
+
+fn sine(law: Law) -> Modulation {
+    Modulation { shape: Envelope::Sine, law, frequency: 200.0, ..Modulation::default() }
+}
+
+fn tone(frequency: f64, depth: f64, phase: f64) -> Tone {
+    Tone { frequency, depth, phase }
+}
+
+fn spectrum(scene: &Scene, of_frames: &[Complex64]) -> Vec<Line> {
+    Course::new(scene, of_frames.len()).spectrum(of_frames, BAND).unwrap()
+}
+
+/// The line at a frequency as a complex amplitude; 0 where there is none.
+fn at(lines: &[Line], frequency: f64) -> Complex64 {
+    let mut same = lines.iter().filter(|line| (line.frequency - frequency).abs() < 1e-3);
+    let found = same.next().map_or(Complex64::ZERO, |line| Complex64::from_polar(line.amplitude, line.phase));
+    assert!(same.next().is_none(), "one line at {frequency} Hz");
+    found
+}
+
+#[test]
+fn a_full_sine_has_the_lines_of_its_closed_form() {
+    // ((1 + sin a)/2)² = 3/8 + sin(a)/2 - cos(2a)/8
+    let p = [Complex64::from_polar(3.0, 0.7)];
+    let lines = spectrum(&modulated(sine(Law::Amplitude)), &p);
+    let expected = [(0.0, 3.0 / 8.0, 0.0), (200.0, 0.5, -PI / 2.0), (400.0, 0.125, PI)];
+    assert_eq!(lines.len(), 3, "{lines:?}");
+    for (frequency, amplitude, phase) in expected {
+        let error = at(&lines, frequency) / 9.0 - Complex64::from_polar(amplitude, phase);
+        assert!(error.norm() < 1e-12, "{frequency} Hz: {error}");
+    }
+    // By power there is nothing at 2f.
+    let lines = spectrum(&modulated(sine(Law::Power)), &p);
+    assert_eq!(lines.len(), 2, "{lines:?}");
+    for (frequency, amplitude, phase) in [(0.0, 0.5, 0.0), (200.0, 0.5, -PI / 2.0)] {
+        let error = at(&lines, frequency) / 9.0 - Complex64::from_polar(amplitude, phase);
+        assert!(error.norm() < 1e-12, "{frequency} Hz: {error}");
+    }
+}
+
+#[test]
+fn a_square_wave_has_odd_harmonics() {
+    let modulation =
+        Modulation { shape: Envelope::Square, frequency: 70.0, depth: 0.5, ..Modulation::default() };
+    let lines = spectrum(&modulated(modulation), &[Complex64::from(2.0)]);
+    assert!((at(&lines, 0.0).re - 4.0 * (1.0 + 0.25) / 2.0).abs() < 1e-12);
+    for n in 1..=14 {
+        let expected = if n % 2 == 1 { 2.0 * 4.0 * 0.75 / (PI * f64::from(n)) } else { 0.0 };
+        assert!((at(&lines, 70.0 * f64::from(n)).norm() - expected).abs() < 1e-12, "harmonic {n}");
+    }
+}
+
+/// The swing of a modulation, written out once more.
+fn swing(modulation: &Modulation, time: f64) -> f64 {
+    let half = |depth: f64, x: f64| 1.0 - depth / 2.0 + depth / 2.0 * x;
+    let turns = modulation.frequency * time;
+    match modulation.shape {
+        Envelope::Off => 1.0,
+        Envelope::Sine => half(modulation.depth, (TAU * turns).sin()),
+        Envelope::Square => half(modulation.depth, if turns - turns.floor() < 0.5 { 1.0 } else { -1.0 }),
+        Envelope::Tones => {
+            let of_tone =
+                |tone: &Tone| half(tone.depth, (TAU * tone.frequency * time + tone.phase).sin()) - 1.0;
+            1.0 + modulation.tones.iter().map(of_tone).sum::<f64>()
+        }
+        Envelope::File => {
+            let samples = modulation.wave.get().unwrap();
+            let place = time * samples.rate;
+            let value = |i: f64| f64::from(samples.values[i as usize % samples.values.len()]);
+            let part = place - place.floor();
+            half(modulation.depth, value(place.floor()) * (1.0 - part) + value(place.floor() + 1.0) * part)
+        }
+    }
+}
+
+/// The complex amplitude at a frequency of what is played for so many seconds: integrated between all edges, which come `edges`
+/// times a second and where frames change, by Gauss's rule with five nodes.
+fn integrated(
+    scene: &Scene,
+    frames: &[Complex64],
+    (rate, edges): (f64, f64),
+    span: f64,
+    frequency: f64,
+) -> Complex64 {
+    const NODES: [(f64, f64); 5] = [
+        (0.0, 0.568_888_888_888_888_9),
+        (0.538_469_310_105_683, 0.478_628_670_499_366_5),
+        (-0.538_469_310_105_683, 0.478_628_670_499_366_5),
+        (0.906_179_845_938_664, 0.236_926_885_056_189_1),
+        (-0.906_179_845_938_664, 0.236_926_885_056_189_1),
+    ];
+    let fine = 8.0 * (BAND + 400.0);
+    let mut ends: Vec<f64> = [rate, edges, fine]
+        .iter()
+        .flat_map(|&rate| (0..=(span * rate + 1e-6) as u64).map(move |i| i as f64 / rate))
+        .chain([span])
+        .collect();
+    ends.sort_by(f64::total_cmp);
+    let mut sum = Complex64::ZERO;
+    for pair in ends.windows(2).filter(|pair| pair[1] - pair[0] > 1e-12) {
+        let (middle, half) = ((pair[0] + pair[1]) / 2.0, (pair[1] - pair[0]) / 2.0);
+        let frame = frames[(middle * rate) as usize % frames.len()].norm_sqr();
+        for (node, weight) in NODES {
+            let time = middle + half * node;
+            let swing = swing(&scene.modulation, time);
+            let square = if scene.modulation.law == Law::Power { swing } else { swing * swing };
+            sum += half * weight * frame * square * Complex64::from_polar(1.0, -TAU * frequency * time);
+        }
+    }
+    sum * if frequency == 0.0 { 1.0 } else { 2.0 } / span
+}
+
+#[test]
+fn lines_are_the_integrals_over_a_common_period() {
+    let values: Vec<f32> = (0..40).map(|i| (f64::from(i * i) * 0.37).sin() as f32).collect();
+    let wave = Wave::new(Samples { file: "a.wav".into(), rate: 2000.0, values });
+    let frames: Vec<_> =
+        (0..16).map(|i| Complex64::from_polar(1.0 + (f64::from(i * i) * 0.9).sin(), f64::from(i))).collect();
+    let tones = vec![tone(150.0, 0.4, 0.3), tone(230.0, 0.35, -1.0), tone(150.0, 0.25, 2.0)];
+    // The lines of a file and those of frames meet in infinitely many, of which the far ones are left out.
+    for (shape, edges, bound) in [
+        (Envelope::Off, 1.0, 1e-12),
+        (Envelope::Sine, 1.0, 1e-10),
+        (Envelope::Tones, 1.0, 1e-10),
+        (Envelope::Square, 400.0, 1e-10),
+        (Envelope::File, 2000.0, 2e-6),
+    ] {
+        for law in [Law::Amplitude, Law::Power] {
+            let (tones, wave) = (tones.clone(), wave.clone());
+            let modulation = Modulation { shape, law, depth: 0.8, tones, wave, ..Modulation::default() };
+            let scene = moving(10.0, 16, modulation);
+            let lines = spectrum(&scene, &frames);
+            let mean = at(&lines, 0.0).re;
+            let exact = |frequency| integrated(&scene, &frames, (160.0, edges), 0.1, frequency);
+            let off =
+                (0..=100).map(|i| 10.0 * f64::from(i)).map(|f| (exact(f) - at(&lines, f)).norm() / mean);
+            let worst = off.fold(0.0, f64::max);
+            assert!(worst < bound, "{shape:?}, {law:?}: {worst:e} of the mean");
+            println!("{shape:?}, {law:?}: {worst:.1e} of the mean");
+            let odd: Vec<_> =
+                lines.iter().filter(|line| (line.frequency / 10.0).fract().abs() > 1e-6).collect();
+            assert!(
+                odd.iter().all(|line| (line.frequency / 10.0).fract() > 1.0 - 1e-6),
+                "{shape:?}: {odd:?}"
+            );
+        }
+    }
+}
+
+#[test]
+fn motions_and_tones_without_a_common_period_have_lines_at_sums_and_differences() {
+    let rate = 7.0 * 2f64.sqrt();
+    let frames: Vec<_> = (0..8).map(|i| Complex64::from(1.0 + f64::from(i % 5))).collect();
+    let scene = moving(rate, 8, sine(Law::Power));
+    let lines = spectrum(&scene, &frames);
+    assert_eq!(Course::new(&scene, 8).period(), None);
+    let alone = spectrum(&moving(rate, 8, Modulation::default()), &frames);
+    for n in 1..=20 {
+        let harmonic = f64::from(n) * rate;
+        let own = at(&alone, harmonic);
+        assert!((at(&lines, harmonic) - own / 2.0).norm() < 1e-9, "harmonic {n}");
+        // sin(a) cos(b) is half a sine at the sum.
+        let beside = at(&lines, 200.0 + harmonic) - own * Complex64::from_polar(0.25, -PI / 2.0);
+        assert!(beside.norm() < 1e-9, "above 200 Hz, harmonic {n}: {beside}");
+    }
+}
+
+/// The lines of what a moving focus makes at a point, relative to their mean.
+fn passing(path: MotionPath, rate: f64, at: DVec3) -> Vec<Line> {
+    let target = Target::new(Shape::Point { at: DVec3::new(0.0, 0.0, 0.1) });
+    let mut scene = Scene {
+        targets: vec![target],
+        motion: Motion { path, tempo: Tempo::Rate(rate), ..Motion::default() },
+        ..Scene::default()
+    };
+    scene.solver.method = Method::Focus;
+    let sequence = frames::follow(&scene).unwrap();
+    let aperture = Aperture::new(&scene);
+    let transfer = aperture.transfer(&[at]);
+    let pressure = |frame: &frames::Frame| transfer.pressure(&frame.drive.excitation(&aperture.driven))[0];
+    let of_frames: Vec<_> = sequence.frames.iter().map(pressure).collect();
+    let mut lines = spectrum(&scene, &of_frames);
+    let mean = lines[0].amplitude;
+    // Frame by frame, as it was played.
+    let own = of_frames.iter().map(Complex64::norm_sqr).sum::<f64>() / of_frames.len() as f64;
+    assert!((mean / own - 1.0).abs() < 1e-12);
+    lines.iter_mut().for_each(|line| line.amplitude /= mean);
+    lines
+}
+
+#[test]
+fn a_focus_that_passes_a_point_so_often_gives_harmonics_of_that() {
+    // Once a cycle, on the circle: every harmonic, and nothing between them.
+    let lines = passing(MotionPath::Circle, 10.0, DVec3::new(0.015, 0.0, 0.1));
+    assert!(lines.iter().all(|line| (line.frequency / 10.0 - (line.frequency / 10.0).round()).abs() < 1e-9));
+    assert!((1..=5).all(|n| at(&lines, 10.0 * f64::from(n)).norm() > 0.2), "{:?}", &lines[..6]);
+    // Twice a cycle, in the middle of a figure-eight: harmonics of 20 Hz, and those of 10 Hz between them vanish.
+    let lines = passing(MotionPath::FigureEight, 10.0, DVec3::new(0.0, 0.0, 0.1));
+    for n in 0..10 {
+        let between = at(&lines, 10.0 + 20.0 * f64::from(n)).norm();
+        assert!(between < 1e-6, "{between} at {} Hz", 10 + 20 * n);
+    }
+    assert!((1..=5).all(|n| at(&lines, 20.0 * f64::from(n)).norm() > 0.1), "{lines:?}");
+    // The board's frame rate: harmonics of the cycle on both sides of it are weaker by the hold of a frame alone.
+    assert!(at(&lines, 640.0).norm() < 1e-9, "64 frames hold: nothing at their rate itself");
+}
+
+#[test]
+fn the_course_is_the_frame_that_plays_times_the_envelope() {
+    let frames: Vec<_> = (0..5).map(|i| Complex64::from_polar(f64::from(i), 0.3)).collect();
+    let scene = moving(8.0, 5, sine(Law::Amplitude));
+    let course = Course::new(&scene, 5);
+    assert_eq!((course.frames_per_second(), course.cycles_per_second()), (40.0, 8.0));
+    assert!((course.period().unwrap() - 0.125).abs() < 1e-12);
+    for instant in 0..1000 {
+        let time = f64::from(instant) / course.usual_rate();
+        let frame = ((time + 1e-9) * 40.0) as usize % 5;
+        let envelope = (1.0 + (TAU * 200.0 * time).sin()) / 2.0;
+        let error = course.pressure(&frames, time) - frames[frame] * envelope;
+        assert!(error.norm() < 1e-9, "{time} s");
+    }
+    assert!(course.usual_rate() >= 32.0 * 200.0 && (course.usual_rate() / 40.0).fract() == 0.0);
+}
+
+#[test]
+fn what_would_take_hours_is_refused() {
+    let values = vec![0.5; 1_000_000];
+    let wave = Wave::new(Samples { file: "a.wav".into(), rate: 48_000.0, values });
+    let modulation = Modulation { shape: Envelope::File, wave, ..Modulation::default() };
+    let scene = moving(0.01, 64, modulation);
+    let error = Course::new(&scene, 64).spectrum(&[Complex64::ONE; 64], BAND).unwrap_err();
+    assert!(error.contains("take a narrower band"), "{error}");
+}
