@@ -2,6 +2,7 @@
 
 use std::f64::consts::{PI, TAU};
 use std::io::Read;
+use std::ops::Range;
 
 use num_complex::Complex64;
 
@@ -113,6 +114,15 @@ impl Drive {
             TAU * if turns <= -0.5 { turns + 1.0 } else { turns }
         };
         Self { amplitudes: self.amplitudes.clone(), phases: self.phases.iter().map(played).collect() }
+    }
+
+    /// That of some elements alone.
+    ///
+    /// # Panics
+    /// Elements that it does not have.
+    pub fn part(&self, elements: Range<usize>) -> Self {
+        let some = |values: &[f64]| values[elements.clone()].to_vec();
+        Self { amplitudes: some(&self.amplitudes), phases: some(&self.phases) }
     }
 
     /// u of each of the `driven` elements.

@@ -391,6 +391,6 @@ mod tests {
         let mut drive = Drive { amplitudes: vec![1.0; 256], phases: vec![0.0; 256] };
         drive.amplitudes[7] = 0.0;
         let samples = Samples::at(vec![DVec3::Z]);
-        assert_eq!(Sources::new(&aperture, &drive, &samples).unwrap().elements.len(), 252);
+        assert_eq!(Sources::of_faces(&aperture, &drive, &samples).unwrap()[0].elements.len(), 252);
     }
 }

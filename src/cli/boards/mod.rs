@@ -44,6 +44,9 @@ pub struct SendArgs {
     /// CSV with the columns element, offset (degrees), gain (0 to 1), off (0 or 1), a row for every element
     #[arg(long, value_name = "FILE.csv")]
     calibration: Option<PathBuf>,
+    /// Play one of the scene's boards alone, counted from 1: of boards that have a port each
+    #[arg(long, value_name = "NUMBER")]
+    board: Option<usize>,
 }
 
 #[derive(Debug, Args)]

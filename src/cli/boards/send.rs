@@ -1,5 +1,6 @@
 //! `sonoglyph send`: a scene to a board.
 
+use std::ops::Range;
 use std::sync::mpsc::{RecvTimeoutError, sync_channel};
 use std::time::{Duration, Instant};
 
@@ -30,7 +31,12 @@ const REPORT: Duration = Duration::from_secs(1);
 pub fn run(args: &SendArgs) -> anyhow::Result<()> {
     let mut scene = read_scene(&args.scene, args.method, &mut Files::new())?;
     let name = args.scene.display().to_string();
-    args.profile.drives(&scene).with_context(|| name.clone())?;
+    let part = part(&scene, args.board)?;
+    let played = match args.board {
+        Some(_) => Scene { boards: Vec::new(), ..scene.clone() },
+        None => scene.clone(),
+    };
+    args.profile.drives(&played).with_context(|| name.clone())?;
     if let Err(error) = envelope::playable(args.profile, &scene.modulation) {
         bail!("{name}: {error}");
     }
@@ -52,7 +58,7 @@ pub fn run(args: &SendArgs) -> anyhow::Result<()> {
     let modulation = scene.modulation.clone();
     // Solving takes as long as it takes, and an interrupt does not wait for it.
     let (sender, made) = sync_channel(1);
-    let make = move || sender.send(content(&scene, &name, &settings, &calibration));
+    let make = move || sender.send(content((&scene, part), &name, &settings, &calibration));
     std::thread::Builder::new().name("solve".to_owned()).spawn(make)?;
     let (content, lasts) = loop {
         match made.recv_timeout(Duration::from_millis(20)) {
@@ -127,6 +133,16 @@ fn over(begun: Option<Instant>, lasts: Option<Duration>) -> bool {
     begun.zip(lasts).is_some_and(|(begun, lasts)| begun.elapsed() >= lasts)
 }
 
+/// The elements that are played, of all boards or of one, counted from 1.
+fn part(scene: &Scene, board: Option<usize>) -> anyhow::Result<Range<usize>> {
+    let (each, boards) = (scene.array.elements(), scene.boards.len().max(1));
+    match board {
+        None => Ok(0..scene.elements()),
+        Some(number) if (1..=boards).contains(&number) => Ok(each * (number - 1)..each * number),
+        Some(number) => bail!("--board {number}: the scene has {boards}, counted from 1"),
+    }
+}
+
 fn calibration(args: &SendArgs) -> anyhow::Result<Calibration> {
     let Some(path) = &args.calibration else { return Ok(Calibration::default()) };
     Calibration::read(path, args.profile.elements()).with_context(|| path.display().to_string())
@@ -143,14 +159,15 @@ fn follow_carrier(scene: &mut Scene, found: Found) {
 
 /// What the board is to play, and how long its cycle takes.
 fn content(
-    scene: &Scene,
+    (scene, part): (&Scene, Range<usize>),
     name: &str,
     settings: &Settings,
     calibration: &Calibration,
 ) -> anyhow::Result<(Content, Duration)> {
     let profile = settings.profile;
-    let levels = |drive: &Drive| Levels::new(profile, drive, calibration);
+    let levels = |drive: &Drive| Levels::new(profile, &drive.part(part.clone()), calibration);
     let tell = |drive: &Drive| {
+        let drive = &drive.part(part.clone());
         // A native board has said its carrier by now, and the scene follows it.
         let frequency = if profile.answers() { profile.carrier() } else { scene.array.frequency };
         levels::notices(profile, drive, calibration, frequency).iter().for_each(|notice| warn(notice));

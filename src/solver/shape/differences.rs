@@ -104,7 +104,7 @@ fn a_field_that_a_drive_makes_is_found_again() {
     // Focused on a ring: what such a drive makes is no field that any start ends at.
     let mut known = Waves::zeros(256);
     for (n, position) in aperture.positions.iter().enumerate() {
-        let away = (position.extend(0.0).distance(DVec3::Z * 0.1) - 0.1) * aperture.element.wavenumber;
+        let away = (position.distance(DVec3::Z * 0.1) - 0.1) * aperture.element.wavenumber;
         let phase = away + 2.0 * (120.0 * position.x).sin() - (90.0 * position.y).cos();
         (known.re[n], known.im[n]) = (phase.cos(), phase.sin());
     }
