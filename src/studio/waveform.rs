@@ -140,7 +140,7 @@ mod tests {
             error(&long)
         );
         let cut = file(spec(1, 16, SampleFormat::Int), |writer| {
-            (0..100).for_each(|i| writer.write_sample(i as i16).unwrap())
+            (0..100).for_each(|i| writer.write_sample(i as i16).unwrap());
         });
         assert!(error(&cut[..cut.len() - 50]).contains("no WAV file"));
     }

@@ -257,7 +257,7 @@ fn modulation_is_done_by_whoever_can() {
     // 1250 / (step + 1): 208.3 Hz is the nearest that the tactile build has.
     let tactile = |modulation| modulated(Profile::SonicSurfaceTactile, modulation);
     assert_eq!(tactile(&modulation), Modulated::ByBoard(0xA5, 1250.0 / 6.0));
-    let slow = Modulation { frequency: 1.0, ..modulation };
+    let slow = Modulation { frequency: 1.0, ..modulation.clone() };
     assert_eq!(tactile(&slow), Modulated::ByBoard(0xBF, 1250.0 / 32.0), "the slowest that it has");
     assert_eq!(modulated(Profile::SonicSurface, &Modulation::default()), Modulated::Steady);
 }

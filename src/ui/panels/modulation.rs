@@ -95,17 +95,17 @@ fn tones(tones: &mut Vec<Tone>, ui: &mut Ui) {
             let number = index + 1;
             let rest = (1.0 - all + tone.depth).clamp(0.0, 1.0);
             let field = bare_number(ui, &mut tone.frequency, HERTZ, FREQUENCIES);
-            field.on_hover_text("Frequency").accessible_name(&format!("Tone {number} frequency"));
+            field.on_hover_text("Frequency").accessible_name(format!("Tone {number} frequency"));
             let field = bare_number(ui, &mut tone.depth, PERCENT, 0.0..=rest);
             field
                 .on_hover_text("Depth; all tones together have 100 % at most")
-                .accessible_name(&format!("Tone {number} depth"));
+                .accessible_name(format!("Tone {number} depth"));
             let turn = std::f64::consts::TAU;
             let field = bare_number(ui, &mut tone.phase, DEGREES, -turn..=turn);
-            field.on_hover_text("Phase of the sine").accessible_name(&format!("Tone {number} phase"));
+            field.on_hover_text("Phase of the sine").accessible_name(format!("Tone {number} phase"));
             let button = ui.add_enabled(count > 1, egui::Button::new("×"));
             let button =
-                button.on_hover_text("Remove this tone").accessible_name(&format!("Remove tone {number}"));
+                button.on_hover_text("Remove this tone").accessible_name(format!("Remove tone {number}"));
             if button.clicked() {
                 removed = Some(index);
             }
