@@ -252,7 +252,8 @@ impl Workshop {
         let Some((posed, _)) = &self.solved else { return &[] };
         let is_known = self.reach.as_ref().is_some_and(|(scene, _)| scene == posed);
         if !is_known && !ctx.input(|input| input.pointer.any_down()) {
-            self.reach = Some((posed.clone(), reach::warnings(posed)));
+            let cut = reach::cut_short(&Aperture::new(posed));
+            self.reach = Some((posed.clone(), reach::warnings(posed).into_iter().chain(cut).collect()));
         }
         self.reach.as_ref().map_or(&[], |(_, warnings)| warnings)
     }

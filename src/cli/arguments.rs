@@ -6,9 +6,11 @@ use std::path::Path;
 
 use clap::CommandFactory;
 use clap::error::Error;
+use glam::DVec3;
 
 use crate::cli::{Cli, Next};
 use crate::echo;
+use crate::scene::{Listener, check};
 use crate::studio::output;
 
 /// Bytes of what is said of arguments, at most.
@@ -81,4 +83,20 @@ fn shown(error: &Error) -> String {
     }
     let text = echo::lines(&text);
     text[..text.floor_char_boundary(MOST)].to_owned()
+}
+
+/// A place, X,Y,Z in metres.
+pub fn parse_listener(text: &str) -> Result<Listener, String> {
+    let numbers: Result<Vec<f64>, _> = text.split(',').map(|number| number.trim().parse()).collect();
+    let Some(&[x, y, z]) = numbers.as_deref().ok() else {
+        return Err("give three numbers in metres: X,Y,Z".to_owned());
+    };
+    Ok(Listener { at: DVec3::new(x, y, z) })
+}
+
+/// A time of search, s.
+pub fn parse_search(text: &str) -> Result<f64, String> {
+    let search = text.trim().parse().map_err(|_| "give a time in seconds".to_owned())?;
+    check::search(search).map_err(|error| error.message)?;
+    Ok(search)
 }

@@ -21,6 +21,7 @@ use std::path::{Path, PathBuf};
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
 
+use crate::acoustics::Aperture;
 use crate::bench::{self, Subject};
 pub use crate::cli::arguments::BadArguments;
 use crate::cli::boards::{BoardArgs, CheckArgs, SendArgs};
@@ -32,7 +33,7 @@ use crate::scene::{Listener, Method, Scene};
 use crate::studio::evaluator::{Backend, Renderer};
 use crate::studio::output::Files;
 use crate::studio::still::{Diagram, Moment, Size};
-use crate::studio::{opening, output};
+use crate::studio::{opening, output, reach};
 
 /// Width of the column of names in answers.
 const COLUMN: usize = 24;
@@ -246,10 +247,10 @@ struct SolveArgs {
     #[arg(long, conflicts_with = "levels")]
     motion: bool,
     /// Search further for so long (s), instead of the scene's time
-    #[arg(long, value_name = "S", conflicts_with = "motion", allow_negative_numbers = true, value_parser = solve::parse_search)]
+    #[arg(long, value_name = "S", conflicts_with = "motion", allow_negative_numbers = true, value_parser = arguments::parse_search)]
     search: Option<f64>,
     /// Say how loud it is for an ear at a point (m), instead of the scene's
-    #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true, value_parser = solve::parse_listener)]
+    #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true, value_parser = arguments::parse_listener)]
     listener: Option<Listener>,
 }
 
@@ -403,5 +404,6 @@ fn read_scene(path: &Path, method: Option<Method>, files: &mut Files) -> anyhow:
     if let Some(method) = method {
         scene.solver.method = method;
     }
+    reach::cut_short(&Aperture::new(&scene)).iter().for_each(|warning| output::warn(warning));
     Ok(scene)
 }

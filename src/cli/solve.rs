@@ -10,7 +10,7 @@ use crate::drive::{Drive, delay_level};
 use crate::field::{Evaluator, NoSideLobe, SideLobe, Stages, side_lobe};
 use crate::picture::sheet::{pascals, pascals_at_most};
 use crate::rounding::{percent, percent_at_least, percent_at_most};
-use crate::scene::{Amplitudes, Focus, Listener, Method, Pressures, Scene, check};
+use crate::scene::{Amplitudes, Focus, Method, Pressures, Scene, check};
 use crate::solver::levels::{self, Reached};
 use crate::solver::{self, Limits, Problem, Solution, SolveError, room};
 use crate::studio::output::{self, Files, say, warn};
@@ -42,20 +42,6 @@ pub fn parse_methods(name: &str) -> Result<Methods, String> {
         return Ok(Methods::All);
     }
     parse_method(name).map(Methods::One).map_err(|error| format!("{error}, all"))
-}
-
-pub fn parse_listener(text: &str) -> Result<Listener, String> {
-    let numbers: Result<Vec<f64>, _> = text.split(',').map(|number| number.trim().parse()).collect();
-    let Some(&[x, y, z]) = numbers.as_deref().ok() else {
-        return Err("give three numbers in metres: X,Y,Z".to_owned());
-    };
-    Ok(Listener { at: DVec3::new(x, y, z) })
-}
-
-pub fn parse_search(text: &str) -> Result<f64, String> {
-    let search = text.trim().parse().map_err(|_| "give a time in seconds".to_owned())?;
-    check::search(search).map_err(|error| error.message)?;
-    Ok(search)
 }
 
 pub(in crate::cli) fn run(args: &SolveArgs) -> anyhow::Result<()> {

@@ -8,7 +8,7 @@ use crate::acoustics::Aperture;
 use crate::field::colouring::phase_index;
 use crate::picture::{ColourMap, Picture, PictureError, register_font};
 use crate::rounding::{at_most, percent_at_least};
-use crate::scene::{Focus, Plane, Sampling, Scene, outline, space};
+use crate::scene::{Focus, Plane, Sampling, Scene, chart, outline};
 use crate::solver::{self, Problem, Solution};
 
 /// Width and height of a sheet for which the measures below are meant; other sizes scale them.
@@ -337,7 +337,7 @@ impl Panels<'_, '_> {
         colour: impl Fn(usize) -> [u8; 4],
     ) -> Result<Plot, PictureError> {
         let Self { page, root, scene, solution } = self;
-        let chart = space::Chart::new(scene);
+        let chart = chart::Chart::new(scene);
         let plot = page.plot(cell, chart.size);
         let half = chart.size * 500.0;
         page.chart(root, plot, title, (-half, half), ("x / mm", "y / mm"))?;

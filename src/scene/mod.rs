@@ -4,6 +4,7 @@
 //! written by [`mod@file`], and by [`mod@rewrite`] into the text of an earlier one; the limits of every number are held
 //! by [`check`], and shapes and letters become focal points in [`outline`], frame by frame in [`motion`].
 
+pub mod chart;
 pub mod check;
 pub mod cover;
 pub mod file;

@@ -42,7 +42,6 @@ pub fn warnings(scene: &Scene) -> Vec<String> {
         shown().filter_map(|(index, target)| warning(&aperture, index, target, (best, distance))).collect();
     let places: Vec<_> = shown().map(|(_, target)| outline::centre(&target.shape)).collect();
     warnings.extend(turned_away(&aperture, &places));
-    warnings.extend(cut_short(&aperture));
     warnings
 }
 
@@ -61,8 +60,8 @@ fn turned_away(aperture: &Aperture, places: &[DVec3]) -> Vec<String> {
         .collect()
 }
 
-/// A series of reflections that is still loud where it is cut.
-fn cut_short(aperture: &Aperture) -> Option<String> {
+/// What to know of a series of reflections that is still loud where it is cut.
+pub fn cut_short(aperture: &Aperture) -> Option<String> {
     /// Of the boards' own sound.
     const LOUD: f64 = 1e-9;
     let last = aperture.faces.last().filter(|face| aperture.is_series_cut() && face.rest > LOUD)?;

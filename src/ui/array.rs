@@ -8,7 +8,7 @@ use glam::{DMat3, DVec2, DVec3};
 
 use crate::field::Quantity;
 use crate::picture::ColourMap;
-use crate::scene::{Board, Placed, Scene};
+use crate::scene::{Board, Placed, Reflector, Scene};
 use crate::studio::map;
 use crate::ui::theme;
 use crate::ui::view::{Axes, Lens, array_size};
@@ -16,6 +16,8 @@ use crate::ui::{Editor, Shown, Sound};
 
 /// Points of the screen: how thick elements are where they are seen from the side.
 const THICK: f32 = 5.0;
+/// From one stroke behind a reflector to the next, and how long they are across it.
+const HATCH: f32 = 7.0;
 const SILENT: Color32 = Color32::from_rgb(110, 116, 128);
 /// Elements that are drawn one by one, at most.
 const MOST: usize = 1024;
@@ -30,6 +32,7 @@ pub fn paint(editor: &Editor, shown: &Shown, painter: &Painter, lens: &Lens) {
         let sound = sound.filter(|sound| sound.aperture.positions.len() >= elements.end);
         view.board(board, &placed, sound.map(|sound| (sound, elements)));
     }
+    editor.scene().mirrors().iter().for_each(|mirror| view.mirror(mirror));
 }
 
 /// A view that boards are drawn in.
@@ -77,6 +80,31 @@ impl Seen<'_> {
             let colour = colour(sound, element);
             let edge = Stroke::new(1.0, colour.gamma_multiply(0.7));
             self.painter.circle(at, radius, colour.gamma_multiply(0.3), edge);
+        }
+    }
+
+    /// The line in which a reflector meets the cut, hatched where no sound is.
+    fn mirror(&self, mirror: &Reflector) {
+        let Self { axes, lens, painter, .. } = self;
+        let normal = mirror.normal.normalize_or_zero();
+        let slope = DVec2::new(normal.dot(axes.x), normal.dot(axes.y));
+        // Seen from the front, it fills the view.
+        if slope.length() < 1e-3 {
+            return;
+        }
+        let middle = lens.window.centre;
+        let nearest = middle - slope * (mirror.height(axes.world(middle)) / slope.length_squared());
+        let along = slope.perp().normalize() * lens.size().length();
+        let ends = [nearest - along, nearest + along].map(|place| lens.screen(place));
+        let stroke = Stroke::new(1.5, theme::line(self.editor.view.is_light, 160));
+        let clipped = painter.with_clip_rect(lens.rect);
+        clipped.line_segment(ends, stroke);
+        let (way, back) = (ends[1] - ends[0], lens.screen(nearest - slope) - lens.screen(nearest));
+        let (step, hatch) = (way.normalized(), (back.normalized() - way.normalized()) * HATCH);
+        let thin = Stroke::new(1.0, theme::line(self.editor.view.is_light, 90));
+        for i in 0..(way.length() / HATCH) as usize {
+            let at = ends[0] + step * (i as f32 * HATCH);
+            clipped.line_segment([at, at + hatch], thin);
         }
     }
 

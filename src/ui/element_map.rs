@@ -4,7 +4,7 @@ use egui::{Color32, Pos2, Response, Sense, Ui, vec2};
 use glam::DVec2;
 
 use crate::scene::Scene;
-use crate::scene::space::Chart;
+use crate::scene::chart::Chart;
 
 /// Points of the screen.
 const LARGEST: f32 = 224.0;

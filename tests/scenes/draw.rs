@@ -160,6 +160,7 @@ fn array(dice: &mut Dice, number: usize, wide: bool) -> Array {
         strength: if wide { dice.magnitude(1e-9, 1e6) } else { dice.between(0.5, 8.0) },
         element,
         off,
+        ..Array::default()
     }
 }
 

@@ -307,7 +307,7 @@ fn elements_and_points_change_places(solved: &Solved, dice: &mut Dice) {
     );
     if scene.array.element == ElementModel::Point {
         // At the same distance in any other direction.
-        let distance = m - n + up.length();
+        let distance = (m - n + up).length();
         let aside = DVec3::new(dice.between(-1.0, 1.0), dice.between(-1.0, 1.0), dice.between(0.1, 1.0));
         let elsewhere = aperture.element.transfer(aside.normalize_or(DVec3::Z) * distance);
         let most = rounding(oracle, distance) * there.norm() + f64::MIN_POSITIVE;

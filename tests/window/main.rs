@@ -363,7 +363,7 @@ fn answer(screen: &mut Screen, purpose: Purpose, path: &Path) {
     rest(screen);
     let verb = match purpose {
         Purpose::Open => "Open",
-        Purpose::Import | Purpose::Waveform => "Read",
+        Purpose::Elements | Purpose::Import | Purpose::Waveform => "Read",
         Purpose::SaveAs | Purpose::Export(_) => "Save",
     };
     screen.get_by_label(verb).click();
