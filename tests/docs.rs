@@ -12,7 +12,7 @@ use sonoglyph::scene::{Liquid, Scene, Solver, file};
 use toml::{Table, Value};
 
 /// Tables that stand as often as there are things of their kind.
-const REPEATED: [&str; 2] = ["target", "quiet"];
+const REPEATED: [&str; 4] = ["target", "quiet", "board", "reflector"];
 
 /// One row of a table in docs/scene.md.
 struct Row {
@@ -29,6 +29,7 @@ impl Row {
         let (head, rest) = match (table.as_str(), key.as_str()) {
             ("target", "spacing") => ("[[target]]\nkind = \"circle\"\nradius = 0.001", ""),
             ("quiet", _) => ("[[quiet]]", ""),
+            ("reflector", _) => ("[[reflector]]", ""),
             ("target", _) => ("[[target]]\nkind = \"circle\"", "\n[solver]\nmethod = \"naive\""),
             _ => (&*format!("[{table}]"), ""),
         };
@@ -100,10 +101,18 @@ fn known() -> BTreeMap<String, Table> {
     let scene = file::parse(text, Path::new("all.toml")).unwrap();
     let mut tables: Table = toml::from_str(&file::write(&scene)).unwrap();
     // These stand where others do not.
-    let fast = "format = 1\n[motion]\nspeed = 6\nfoci = 2\n[solver]\nframes = 2";
+    let fast = "format = 1\n[motion]\nspeed = 6\nfoci = 2\n[solver]\nframes = 2\n[liquid]\nreflects = true\n\
+                [array]\nelements = \"a.csv\"\nreflectivity = 0.5";
     let fast = file::parse(fast, Path::new("fast.toml")).unwrap();
     let fast: Table = toml::from_str(&file::write(&fast)).unwrap();
-    for (table, key) in [("motion", "speed"), ("motion", "foci"), ("solver", "frames")] {
+    for (table, key) in [
+        ("motion", "speed"),
+        ("motion", "foci"),
+        ("solver", "frames"),
+        ("liquid", "reflects"),
+        ("array", "elements"),
+        ("array", "reflectivity"),
+    ] {
         tables[table].as_table_mut().unwrap().insert(key.to_owned(), fast[table][key].clone());
     }
     tables.into_iter().filter_map(|(name, value)| Some((name, value.as_table()?.clone()))).collect()
@@ -129,15 +138,27 @@ fn every_key_of_a_target_and_of_a_zone_is_documented_and_none_else() {
     every_key_of_a_kind_is_documented("quiet", "| kind of zone | keys |");
 }
 
-fn every_key_of_a_kind_is_documented(table: &str, head: &str) {
-    // The message that refuses a key lists those that there are.
+#[test]
+fn every_key_of_a_board_and_of_a_reflector_is_documented_and_none_else() {
+    for table in ["board", "reflector"] {
+        assert_eq!(documented(table), keys_of(table));
+    }
+}
+
+/// The message that refuses a key lists those that there are.
+fn keys_of(table: &str) -> BTreeSet<String> {
     let text = format!("format = 1\n[[{table}]]\nno_such_key = 1\n");
-    let message = file::parse(&text, Path::new("a.toml")).unwrap_err();
-    let message = message.to_string();
+    let message = file::parse(&text, Path::new("a.toml")).unwrap_err().to_string();
     let listed = message.split("expected one of").nth(1).unwrap();
-    let known: BTreeSet<_> = listed.split('`').skip(1).step_by(2).map(str::to_owned).collect();
-    let mut documented: BTreeSet<_> =
-        rows().into_iter().filter(|row| row.table == table).map(|row| row.key).collect();
+    listed.split('`').skip(1).step_by(2).map(str::to_owned).collect()
+}
+
+fn documented(table: &str) -> BTreeSet<String> {
+    rows().into_iter().filter(|row| row.table == table).map(|row| row.key).collect()
+}
+
+fn every_key_of_a_kind_is_documented(table: &str, head: &str) {
+    let (known, mut documented) = (keys_of(table), documented(table));
     let document = document();
     let kinds = document.split(head).nth(1).unwrap().split("\n\n").next().unwrap();
     for line in kinds.lines().filter(|line| line.starts_with("| `")) {
@@ -168,14 +189,14 @@ fn every_key_of_a_kind_is_documented(table: &str, head: &str) {
 #[test]
 fn defaults_are_those_of_an_empty_scene() {
     let mut empty: Table = toml::from_str(&file::write(&Scene::default())).unwrap();
-    let circle = "format = 1\n[[target]]\nkind = \"circle\"\n[[quiet]]\n";
+    let circle = "format = 1\n[[target]]\nkind = \"circle\"\n[[quiet]]\n[[board]]\n[[reflector]]\n";
     let circle = file::parse(circle, Path::new("circle.toml")).unwrap();
     let tables: Table = toml::from_str(&file::write(&circle)).unwrap();
     for table in REPEATED {
         let mut own = tables[table][0].as_table().unwrap().clone();
         // These are written only where they are not this.
         for (key, value) in [("angle", Value::Float(0.0)), ("normal", vec![0, 0, 1].into())] {
-            own.insert(key.to_owned(), value);
+            own.entry(key.to_owned()).or_insert(value);
         }
         empty.insert(table.to_owned(), own.into());
     }
@@ -187,6 +208,8 @@ fn defaults_are_those_of_an_empty_scene() {
         ("target", "fill", false.into()),
         ("target", "name", "".into()),
         ("target", "group", "".into()),
+        ("array", "reflectivity", 0.0.into()),
+        ("liquid", "reflects", false.into()),
         ("solver", "quiet", quiet.into()),
         ("solver", "search", search.into()),
         ("solver", "frames", frames.into()),

@@ -23,13 +23,24 @@ pub fn posed(scene: &Scene) -> Scene {
     Scene {
         medium: scene.medium.clone(),
         array: scene.array.clone(),
+        boards: scene.boards.clone(),
+        reflectors: scene.reflectors.clone(),
         targets: scene.targets.iter().map(at_rest).collect(),
         quiet: scene.quiet.clone(),
         solver: scene.solver.clone(),
-        liquid: if scene.aims_at_depression() { scene.liquid.clone() } else { Liquid::default() },
-        plane: if is_shape(scene) { quiet_plane(&scene.plane) } else { Plane::default() },
+        liquid: if has_surface(scene) { scene.liquid.clone() } else { Liquid::default() },
+        plane: if is_shape(scene) || has_surface(scene) {
+            quiet_plane(&scene.plane)
+        } else {
+            Plane::default()
+        },
         ..Scene::default()
     }
+}
+
+/// Whether the drive depends on where a liquid's surface lies.
+fn has_surface(scene: &Scene) -> bool {
+    scene.aims_at_depression() || scene.liquid.reflects
 }
 
 fn at_rest(target: &Target) -> Target {

@@ -13,9 +13,8 @@ use crate::scene::{
 };
 
 pub use crate::scene::range::{Key, KeyError};
+pub use crate::scene::space::MOST_ELEMENTS;
 
-/// Elements that an array may have: 256 x 256.
-pub const MOST_ELEMENTS: u64 = 65_536;
 /// Focal points that a scene may ask for; the solver's work grows with the cube of this.
 pub const MOST_FOCI: usize = 1024;
 /// Targets that a scene may have, shown at once or one after the other.

@@ -367,7 +367,7 @@ mod tests {
             ("[[quiet]]\nat = [0, 0, -0.1]", 3, "reaches on or behind the array"),
             ("[[quiet]]\nat = [0, 0, 0.01]\nnormal = [1, 0, 0]", 3, "reaches on or behind the array"),
             (&"[[quiet]]\n".repeat(65), 2, "quiet: 65 are more than the 64"),
-            ("[listener]\nat = [0, 0.3, -0.1]", 3, "listener.at = [0, 0.3, -0.1]: behind the array"),
+            ("[listener]\nat = [0, 0.3, -0.1]", 3, "listener.at = [0, 0.3, -0.1]: on or behind the array"),
             ("[listener]\nat = [0, 0, 200]", 3, "listener.at"),
             ("[listener]\nat = [0, 0.3, 0.1, 9]", 3, "listener.at: the list has more values than"),
             ("[array]\nrows = \"8\"", 3, "array.rows: invalid type: string"),

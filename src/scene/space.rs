@@ -6,10 +6,11 @@ use std::sync::Arc;
 use glam::{DMat3, DVec3};
 use serde::{Deserialize, Serialize};
 
-use crate::scene::check::{Key, KeyError, MOST_ELEMENTS};
-use crate::scene::range::{direction, point, refuse, within};
+use crate::scene::range::{Key, KeyError, direction, point, refuse, within};
 use crate::scene::{Array, Scene};
 
+/// Elements that an array may have on all its boards: 256 x 256.
+pub const MOST_ELEMENTS: u64 = 65_536;
 /// Boards and reflectors that a scene may have.
 const MOST_BOARDS: usize = 64;
 const MOST_REFLECTORS: usize = 16;
@@ -59,7 +60,7 @@ pub struct Front(Vec<(DVec3, DVec3)>);
 
 impl Front {
     pub fn contains(&self, place: DVec3) -> bool {
-        self.0.iter().any(|(at, normal)| normal.dot(place - at) > 0.0)
+        self.0.iter().any(|(at, normal)| is_before(normal.dot(place - at)))
     }
 
     /// A place of something that no board has all in front of it; `lowest` finds its lowest place along a direction.
@@ -75,7 +76,7 @@ impl Front {
     /// As [`Front::outside`], of something whose lowest places are known and that is moved.
     pub fn outside_moved(&self, lowest: &[DVec3], by: DVec3) -> Option<DVec3> {
         let is_in_front =
-            |((at, normal), place): (&(DVec3, DVec3), &DVec3)| normal.dot(*place + by - at) > 0.0;
+            |((at, normal), place): (&(DVec3, DVec3), &DVec3)| is_before(normal.dot(*place + by - at));
         let first = lowest.first()? + by;
         (!self.0.iter().zip(lowest).any(is_in_front)).then_some(first)
     }
@@ -90,6 +91,11 @@ impl Front {
             _ => "on or behind every board of the array",
         }
     }
+}
+
+/// Whether something so far (m) in front of a board is before it. What is no number is refused as that, and elsewhere.
+fn is_before(height: f64) -> bool {
+    height > 0.0 || height.is_nan()
 }
 
 /// An infinite plane that reflects sound on one of its sides.
@@ -436,7 +442,7 @@ mod tests {
             ),
             (
                 "[[board]]\n[[board]]\nat = [0, 0, 1]\n[[target]]\nat = [0, 0, -1]",
-                "a.toml:6: target",
+                "a.toml:5: target[1]",
                 "every board",
             ),
         ] {

@@ -7,7 +7,7 @@ use glam::{DQuat, DVec3};
 
 use crate::scene::{Board, Elements, Reflector, Scene};
 use crate::studio::presets::KNOWN;
-use crate::ui::panels::{PLAIN, choice, coordinates, form, number};
+use crate::ui::panels::{PLAIN, caption, choice, coordinates, form, number};
 use crate::ui::{Dialog, Editor, Purpose};
 
 /// mm; nothing of a scene lies lower.
@@ -63,11 +63,13 @@ pub fn show(editor: &mut Editor, ui: &mut Ui) {
     let mut removed = None;
     for (index, board) in scene.boards.iter_mut().enumerate() {
         let name = format!("Board {}", index + 1);
-        form(ui, &name, |ui| {
-            place(ui, &name, &mut board.at);
-            if facing(ui, &mut board.normal) {
-                board.x_axis = board.normal.any_orthonormal_vector();
-            }
+        ui.push_id(&name, |ui| {
+            form(ui, "place", |ui| {
+                place(ui, &name, &mut board.at);
+                if facing(ui, &mut board.normal) {
+                    board.x_axis = board.normal.any_orthonormal_vector();
+                }
+            });
         });
         ui.horizontal(|ui| {
             ui.label("Turn");
@@ -130,11 +132,13 @@ pub fn reflectors(editor: &mut Editor, ui: &mut Ui) {
     let mut removed = None;
     for (index, reflector) in scene.reflectors.iter_mut().enumerate() {
         let name = format!("Reflector {}", index + 1);
-        form(ui, &name, |ui| {
-            place(ui, &name, &mut reflector.point);
-            facing(ui, &mut reflector.normal);
-            let tip = "Of the pressure's amplitude: 1 rigid, -1 soft";
-            number(ui, ("Coefficient", tip), &mut reflector.coefficient, PLAIN, -1.0..=1.0);
+        ui.push_id(&name, |ui| {
+            form(ui, "place", |ui| {
+                place(ui, &name, &mut reflector.point);
+                facing(ui, &mut reflector.normal);
+                let tip = "Of the pressure's amplitude: 1 rigid, -1 soft";
+                number(ui, ("Coefficient", tip), &mut reflector.coefficient, PLAIN, -1.0..=1.0);
+            });
         });
         if ui.small_button("Remove").clicked() {
             removed = Some(index);
@@ -149,7 +153,7 @@ pub fn reflectors(editor: &mut Editor, ui: &mut Ui) {
 }
 
 fn place(ui: &mut Ui, name: &str, at: &mut DVec3) {
-    ui.label(name).on_hover_text("x, y and z of its place");
+    caption(ui, name).on_hover_text("x, y and z of its place");
     ui.horizontal(|ui| coordinates(ui, name, at, LOWEST));
     ui.end_row();
 }
