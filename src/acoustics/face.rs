@@ -166,7 +166,7 @@ impl Face {
     }
 }
 
-/// Reflections to and fro between an array's face and a reflector, at most.
+/// Reflections back and forth between an array's face and a reflector, at most.
 pub(super) const MOST_REFLECTIONS: i32 = 2000;
 /// Of the sound of the boards themselves, what is left out of such a series.
 const SILENCE: f64 = 1e-13;

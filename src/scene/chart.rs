@@ -20,7 +20,7 @@ impl Chart {
         let array = &scene.array;
         let placed = array.places();
         let mean = placed.iter().map(|it| it.normal).sum::<DVec3>() / placed.len() as f64;
-        let up = if mean.length() > FACING { mean.normalize() } else { DVec3::Z };
+        let up = if mean.length() > FACING { mean.normalize_or(DVec3::Z) } else { DVec3::Z };
         let turn = DQuat::from_rotation_arc(up, DVec3::Z);
         let cell = if array.file.is_some() { 2.0 * array.element_radius } else { array.pitch };
         let flat: Vec<_> = placed.iter().map(|it| (turn * it.at).truncate()).collect();

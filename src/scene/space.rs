@@ -368,9 +368,9 @@ fn clear_of_reflectors(scene: &Scene) -> Result<(), KeyError> {
     Ok(())
 }
 
-/// What is sent to and fro between the array's face and a parallel reflector fades.
+/// What is sent back and forth between the array's face and a parallel reflector fades.
 fn converges(scene: &Scene) -> Result<(), KeyError> {
-    /// Of what is left after going to and fro once.
+    /// Of what is left after going back and forth once.
     const MOST: f64 = 1.0 - 1e-9;
     let own = scene.array.reflectivity;
     for mirror in scene.mirrors() {
@@ -391,73 +391,9 @@ impl Reflector {
         is_parallel && self.height(point).abs() < PARALLEL
     }
 
-    /// Whether a board's face is parallel to it and looks at it, so that sound goes to and fro between them.
+    /// Whether a board's face is parallel to it and looks at it, so that sound goes back and forth between them.
     pub fn faces(&self, board: &Board) -> bool {
         let (own, its) = (self.normal.normalize_or_zero(), board.normal.normalize_or_zero());
         own.cross(its).length() < PARALLEL && own.dot(its) < 0.0
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use std::path::Path;
-
-    use crate::scene::file;
-
-    fn refused(text: &str) -> String {
-        file::parse(&format!("format = 1\n{text}"), Path::new("a.toml")).unwrap_err().to_string()
-    }
-
-    #[test]
-    fn what_cannot_stand_is_refused_where_it_is_written() {
-        for (text, start, what) in [
-            ("[[board]]\n[[board]]\nat = [0.1, 0, 0]", "a.toml:4: board[2].at = ", "overlaps board 1"),
-            (
-                "[[board]]\n[[board]]\nnormal = [1, 0, 0]\nx_axis = [0, 1, 0]",
-                "a.toml:3: board[2].at",
-                "overlaps",
-            ),
-            ("[[board]]\nnormal = [0, 0, 0]", "a.toml:3: board[1].normal", "must be a direction"),
-            ("[[board]]\nnormal = [2, 0, 0]", "a.toml:2: board[1].x_axis", "runs along `normal`"),
-            ("[[reflector]]\npoint = [0, 0, -0.1]", "a.toml:3: reflector[1].point", "board 1 lies behind it"),
-            (
-                "[[reflector]]\npoint = [0, 0, 0]\nnormal = [1, 0, 0]",
-                "a.toml:3: reflector[1]",
-                "is cut by it",
-            ),
-            ("[[reflector]]\npoint = [0, 0, 0]\nnormal = [0, 0, 1]", "a.toml:3: reflector[1]", "lies in it"),
-            ("[[reflector]]\ncoefficient = 1.5", "a.toml:3: reflector[1].coefficient = 1.5", "from -1 to 1"),
-            ("[array]\nreflectivity = 2", "a.toml:3: array.reflectivity = 2", "from -1 to 1"),
-            (
-                "[array]\nreflectivity = -1\n[[reflector]]",
-                "a.toml:3: array.reflectivity = -1",
-                "not converge",
-            ),
-            ("[liquid]\nreflects = true\n[plane]\ny_axis = [0, 0, 1]", "a.toml:3: liquid.reflects", "level"),
-            ("[array]\nrows = 200\ncolumns = 200\n[[board]]\n[[board]]\nat = [9, 0, 0]", "a.toml:", "80000"),
-            (
-                "[array]\noff = [600]\n[[board]]\n[[board]]\nat = [9, 0, 0]",
-                "a.toml:3: array.off[1]",
-                "0 to 511",
-            ),
-            (
-                "[[board]]\n[[board]]\nat = [0, 0, 1]\n[[target]]\nat = [0, 0, -1]",
-                "a.toml:5: target[1]",
-                "every board",
-            ),
-        ] {
-            let error = refused(text);
-            assert!(error.starts_with(start) && error.contains(what), "{text}: {error}");
-        }
-    }
-
-    #[test]
-    fn boards_that_stand_side_by_side_do_not_overlap() {
-        let text = "format = 1\n[[board]]\n[[board]]\nat = [0.168, 0, 0]\n[[board]]\nat = [0, 0, 0.001]\n";
-        assert!(file::parse(text, Path::new("a.toml")).is_ok());
-        let scene = file::parse(&text.replace("0.001", "0.2"), Path::new("a.toml")).unwrap();
-        assert_eq!(scene.elements(), 768);
-        let again = file::parse(&file::write(&scene), Path::new("b.toml")).unwrap();
-        assert_eq!(again, scene);
     }
 }

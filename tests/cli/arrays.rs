@@ -1,8 +1,10 @@
-//! Arrays as scene files place them, through the program.
+//! Arrays as scene files place them: what is refused, and what the program makes of the rest.
 
 use std::fs;
+use std::path::Path;
 
 use serde_json::Value;
+use sonoglyph::scene::file;
 
 use crate::{folder_with, refuse, run, succeed};
 
@@ -81,4 +83,45 @@ fn boards_that_face_away_and_slow_series_are_named() {
         let said = String::from_utf8_lossy(&output.stderr).into_owned();
         assert!(output.status.success() && said.contains(words), "{scene}: {said}");
     }
+}
+
+fn refused(text: &str) -> String {
+    file::parse(&format!("format = 1\n{text}"), Path::new("a.toml")).unwrap_err().to_string()
+}
+
+#[test]
+fn what_cannot_stand_is_refused_where_it_is_written() {
+    for (text, start, what) in [
+        ("[[board]]\n[[board]]\nat = [0.1, 0, 0]", "a.toml:4: board[2].at = ", "overlaps board 1"),
+        ("[[board]]\n[[board]]\nnormal = [1, 0, 0]\nx_axis = [0, 1, 0]", "a.toml:3: board[2].at", "overlaps"),
+        ("[[board]]\nnormal = [0, 0, 0]", "a.toml:3: board[1].normal", "must be a direction"),
+        ("[[board]]\nnormal = [2, 0, 0]", "a.toml:2: board[1].x_axis", "runs along `normal`"),
+        ("[[reflector]]\npoint = [0, 0, -0.1]", "a.toml:3: reflector[1].point", "board 1 lies behind it"),
+        ("[[reflector]]\npoint = [0, 0, 0]\nnormal = [1, 0, 0]", "a.toml:3: reflector[1]", "is cut by it"),
+        ("[[reflector]]\npoint = [0, 0, 0]\nnormal = [0, 0, 1]", "a.toml:3: reflector[1]", "lies in it"),
+        ("[[reflector]]\ncoefficient = 1.5", "a.toml:3: reflector[1].coefficient = 1.5", "from -1 to 1"),
+        ("[array]\nreflectivity = 2", "a.toml:3: array.reflectivity = 2", "from -1 to 1"),
+        ("[array]\nreflectivity = -1\n[[reflector]]", "a.toml:3: array.reflectivity = -1", "not converge"),
+        ("[liquid]\nreflects = true\n[plane]\ny_axis = [0, 0, 1]", "a.toml:3: liquid.reflects", "level"),
+        ("[array]\nrows = 200\ncolumns = 200\n[[board]]\n[[board]]\nat = [9, 0, 0]", "a.toml:", "80000"),
+        ("[array]\noff = [600]\n[[board]]\n[[board]]\nat = [9, 0, 0]", "a.toml:3: array.off[1]", "0 to 511"),
+        (
+            "[[board]]\n[[board]]\nat = [0, 0, 1]\n[[target]]\nat = [0, 0, -1]",
+            "a.toml:5: target[1]",
+            "every board",
+        ),
+    ] {
+        let error = refused(text);
+        assert!(error.starts_with(start) && error.contains(what), "{text}: {error}");
+    }
+}
+
+#[test]
+fn boards_that_stand_side_by_side_do_not_overlap() {
+    let text = "format = 1\n[[board]]\n[[board]]\nat = [0.168, 0, 0]\n[[board]]\nat = [0, 0, 0.001]\n";
+    assert!(file::parse(text, Path::new("a.toml")).is_ok());
+    let scene = file::parse(&text.replace("0.001", "0.2"), Path::new("a.toml")).unwrap();
+    assert_eq!(scene.elements(), 768);
+    let again = file::parse(&file::write(&scene), Path::new("b.toml")).unwrap();
+    assert_eq!(again, scene);
 }
