@@ -94,7 +94,7 @@ impl Seen<'_> {
         }
         let middle = lens.window.centre;
         let nearest = middle - slope * (mirror.height(axes.world(middle)) / slope.length_squared());
-        let along = slope.perp().normalize() * lens.size().length();
+        let along = slope.perp().normalize_or_zero() * lens.size().length();
         let ends = [nearest - along, nearest + along].map(|place| lens.screen(place));
         let stroke = Stroke::new(1.5, theme::line(self.editor.view.is_light, 160));
         let clipped = painter.with_clip_rect(lens.rect);

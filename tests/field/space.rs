@@ -56,7 +56,7 @@ fn playing(elements: &[(DVec3, DVec3)], drive: &Drive) -> Vec<Piston> {
 
 /// The image of pistons in a plane, `coefficient` times as loud.
 fn mirrored(pistons: &[Piston], Reflector { point, normal, coefficient }: &Reflector) -> Vec<Piston> {
-    let n = normal.normalize();
+    let n = normal.normalize_or_zero();
     let turned = |v: DVec3| v - 2.0 * n.dot(v) * n;
     let image = |piston: &Piston| Piston {
         at: *point + turned(piston.at - *point),
@@ -75,13 +75,13 @@ fn places(low: DVec3, high: DVec3) -> Vec<DVec3> {
 }
 
 /// All evaluators hear the pistons: f64 to rounding, the others to 2e-5 of the peak.
-fn assert_heard(what: &str, scene: &Scene, drive: &Drive, pistons: &[Piston], points: Vec<DVec3>) {
+fn assert_heard(what: &str, scene: &Scene, drive: &Drive, pistons: &[Piston], points: &[DVec3]) {
     let expected: Vec<_> = points.iter().map(|&point| heard(scene, pistons, point)).collect();
     let peak = expected.iter().map(|p| p.norm()).fold(0.0, f64::max);
     let aperture = Aperture::new(scene);
-    let samples = Samples::at(points.clone());
+    let samples = Samples::at(points.to_vec());
     let in_f64 = reference::pressure(&aperture, drive, &samples);
-    let by_rows = aperture.transfer(&points).pressure(&drive.excitation(&aperture.driven));
+    let by_rows = aperture.transfer(points).pressure(&drive.excitation(&aperture.driven));
     for (index, expected) in expected.iter().enumerate() {
         for p in [in_f64[index], by_rows[index]] {
             assert!(
@@ -109,8 +109,8 @@ fn tilted_boards() -> (Scene, Vec<(DVec3, DVec3)>) {
         (dvec3(-0.1, 0.01, 0.03), dvec3(0.8, 0.1, 0.6), dvec3(0.3, 0.9, 0.2)),
         (dvec3(0.0, 0.0, 0.3), dvec3(0.0, 0.0, -2.0), dvec3(1.0, 0.0, 0.0)),
     ] {
-        let z = normal.normalize();
-        let x = (x_axis - z * z.dot(x_axis)).normalize();
+        let z = normal.normalize_or_zero();
+        let x = (x_axis - z * z.dot(x_axis)).normalize_or_zero();
         elements.extend(grid([7, 5], scene.array.pitch, at, x, z.cross(x)));
         scene.boards.push(Board { at, normal, x_axis });
     }
@@ -124,7 +124,7 @@ fn bowl() -> (Scene, Vec<(DVec3, DVec3)>) {
         let (sin, cos) = (0.15 + 0.014 * i as f64).sin_cos();
         let (y, x) = (2.4 * i as f64).sin_cos();
         let at = middle + 0.12 * dvec3(sin * x, sin * y, -cos);
-        (at, (middle - at).normalize())
+        (at, (middle - at).normalize_or_zero())
     };
     let elements: Vec<_> = (0..60).map(element).collect();
     let mut scene = quiet_air();
@@ -139,10 +139,10 @@ fn boards_and_bowls_are_heard_where_they_stand() {
     let region = || places(dvec3(-0.05, -0.06, 0.08), dvec3(0.05, 0.06, 0.26));
     let (scene, elements) = tilted_boards();
     let drive = scattered(70, STEP);
-    assert_heard("two boards", &scene, &drive, &playing(&elements, &drive), region());
+    assert_heard("two boards", &scene, &drive, &playing(&elements, &drive), &region());
     let (scene, elements) = bowl();
     let drive = scattered(60, STEP);
-    assert_heard("a bowl", &scene, &drive, &playing(&elements, &drive), region());
+    assert_heard("a bowl", &scene, &drive, &playing(&elements, &drive), &region());
     // Twice, face to face.
     let turn = DQuat::from_rotation_x(0.3);
     let opposite = Board { at: dvec3(0.0, 0.02, 0.3), normal: turn * DVec3::NEG_Z, x_axis: DVec3::X };
@@ -151,7 +151,7 @@ fn boards_and_bowls_are_heard_where_they_stand() {
     let elements: Vec<_> = elements.iter().copied().chain(again).collect();
     let scene = Scene { boards: vec![Board::default(), opposite], ..scene };
     let drive = scattered(120, STEP);
-    assert_heard("two bowls", &scene, &drive, &playing(&elements, &drive), region());
+    assert_heard("two bowls", &scene, &drive, &playing(&elements, &drive), &region());
 }
 
 #[test]
@@ -171,7 +171,7 @@ fn reflectors_add_images_and_a_liquid_the_series_of_those_that_face_each_other()
         &scene,
         &drive,
         &pistons,
-        places(dvec3(-0.08, -0.08, 0.02), dvec3(0.08, 0.08, 0.2)),
+        &places(dvec3(-0.08, -0.08, 0.02), dvec3(0.08, 0.08, 0.2)),
     );
 
     scene.reflectors.clear();
@@ -195,7 +195,7 @@ fn reflectors_add_images_and_a_liquid_the_series_of_those_that_face_each_other()
             }
         }
         let region = places(dvec3(-0.08, -0.08, 0.002), dvec3(0.08, 0.08, 0.1));
-        assert_heard(&format!("a liquid, {reflectivity}"), &scene, &drive, &pistons, region);
+        assert_heard(&format!("a liquid, {reflectivity}"), &scene, &drive, &pistons, &region);
     }
 }
 
@@ -203,7 +203,7 @@ fn reflectors_add_images_and_a_liquid_the_series_of_those_that_face_each_other()
 fn a_rigid_wall_has_no_slope_and_a_soft_one_no_sound() {
     let mut scene = quiet_air();
     let wall = Reflector { point: dvec3(0.11, 0.0, 0.02), normal: dvec3(-1.0, 0.2, -0.3), coefficient: 1.0 };
-    let (drive, n) = (scattered(256, STEP), wall.normal.normalize());
+    let (drive, n) = (scattered(256, STEP), wall.normal.normalize_or_zero());
     let at = |point: DVec3| point - n * n.dot(point - wall.point);
     for coefficient in [1.0, -1.0] {
         scene.reflectors = vec![Reflector { coefficient, ..wall.clone() }];
@@ -229,7 +229,7 @@ fn turning_everything_changes_nothing() {
     let drive = scattered(70, STEP);
     let points = places(dvec3(-0.05, -0.06, 0.08), dvec3(0.05, 0.06, 0.26));
     let (turn, shift) = (
-        DMat3::from_quat(DQuat::from_axis_angle(dvec3(0.3, -0.5, 0.8).normalize(), 1.1)),
+        DMat3::from_quat(DQuat::from_axis_angle(dvec3(0.3, -0.5, 0.8).normalize_or_zero(), 1.1)),
         dvec3(0.2, -0.1, 0.05),
     );
     let mut turned = scene.clone();
