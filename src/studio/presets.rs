@@ -48,3 +48,38 @@ impl Known {
         Some((scene.array, scene.boards))
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::acoustics::Aperture;
+    use crate::scene::Scene;
+    use crate::studio::elements;
+
+    #[test]
+    fn what_is_written_is_read_again() {
+        let (array, boards) =
+            KNOWN.iter().find(|known| known.title.starts_with("TinyLev")).unwrap().array().unwrap();
+        let scene = Scene { array, boards, ..Scene::default() };
+        let again = elements::read(elements::of_scene(&scene).as_bytes()).unwrap();
+        let places = scene.array.places();
+        assert_eq!(again.len(), places.len());
+        for (again, it) in again.iter().zip(&places) {
+            assert!(again.at == it.at && again.normal.distance(it.normal) < 1e-15, "{again:?} is not {it:?}");
+        }
+    }
+
+    #[test]
+    fn every_known_array_names_its_source_and_has_room_for_its_elements() {
+        for known in KNOWN {
+            assert!(known.source().len() > 20, "{}", known.title);
+            let (array, boards) = known.array().unwrap_or_else(|| panic!("{}", known.title));
+            let scene = Scene { array, boards, ..Scene::default() };
+            let Aperture { positions, .. } = Aperture::new(&scene);
+            for (n, place) in positions.iter().enumerate() {
+                let nearest = positions[..n].iter().map(|other| other.distance(*place)).fold(1.0, f64::min);
+                assert!(nearest >= 2.0 * scene.array.element_radius - 1e-6, "{}: {nearest}", known.title);
+            }
+        }
+    }
+}
