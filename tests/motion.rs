@@ -2,12 +2,18 @@
 
 #![expect(clippy::unwrap_used, reason = "a test's helper may panic")]
 
+mod process;
+#[path = "process/refusal.rs"]
+mod refusal;
+
 use std::fs;
 use std::path::Path;
-use std::process::{Command, Output};
 
 use serde_json::Value;
 use tempfile::TempDir;
+
+use crate::process::{run, succeed};
+use crate::refusal::refuse;
 
 /// Two foci that run along a square, with an element that is off.
 const SQUARE: &str = "format = 1\n[array]\noff = [3]\n[[target]]\nat = [-0.02, 0, 0.1]\n[[target]]\nat = [0.02, 0, 0.1]\n\
@@ -21,27 +27,6 @@ const KEYFRAMES: &str = "format = 1\n[[target]]\nat = [0, 0, 0.1]\n[target.motio
                          frames = 8\nkeyframes = [{ time = 0 }, { time = 0.25, at = [0.02, 0, 0], easing = \"smooth\" },\n\
                          { time = 0.75, at = [0, 0.01, 0.02], pressure = 0.5, easing = \"hold\" }]\n\
                          [[target]]\nat = [-0.04, 0, 0.1]\n";
-
-fn run(folder: &Path, args: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_sonoglyph")).args(args).current_dir(folder).output().unwrap()
-}
-
-fn succeed(folder: &Path, args: &[&str]) -> String {
-    let output = run(folder, args);
-    assert!(output.status.success(), "{args:?}: {}", String::from_utf8_lossy(&output.stderr));
-    String::from_utf8(output.stdout).unwrap()
-}
-
-fn refuse(folder: &Path, args: &[&str]) -> String {
-    let listing = || fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()).collect::<Vec<_>>();
-    let before = listing();
-    let output = run(folder, args);
-    let message = String::from_utf8(output.stderr).unwrap();
-    assert_eq!(output.status.code(), Some(2), "{args:?}: {message}");
-    assert!(!message.contains("panicked"), "{args:?}: {message}");
-    assert_eq!(listing(), before, "{args:?} left something behind");
-    message
-}
 
 fn folder_with(files: &[(&str, &str)]) -> TempDir {
     let folder = tempfile::tempdir().unwrap();

@@ -12,7 +12,7 @@ use crate::app::{folders, settings};
 use crate::field::{Colouring, Evaluator, Quantity, Request, Stages};
 use crate::import::{self, Drawing};
 use crate::picture::{export, sheet};
-use crate::scene::{Elements, Envelope, Scene, Wave, check};
+use crate::scene::{Array, Elements, Envelope, Scene, Wave, check};
 use crate::solver::frames;
 use crate::source;
 use crate::studio::animate::{self, Look};
@@ -34,6 +34,8 @@ pub(super) enum Outcome {
     Listed(Folder),
     Read(PathBuf, anyhow::Result<Drawing>),
     Heard(Result<Wave, String>),
+    /// An array whose elements were read.
+    Placed(Result<Box<Array>, String>),
     /// The motion was exported, if it was not called off.
     Filmed(PathBuf, anyhow::Result<Option<()>>),
 }
@@ -251,6 +253,8 @@ impl Window {
             }
             Outcome::Heard(Ok(wave)) => self.take_waveform(wave),
             Outcome::Heard(Err(error)) => self.refuse("The waveform cannot be read", &anyhow!(error)),
+            Outcome::Placed(Ok(array)) => self.editor.document.scene.array = *array,
+            Outcome::Placed(Err(error)) => self.refuse("The table holds no array", &anyhow!(error)),
             Outcome::Filmed(path, Ok(Some(()))) => self.tell(&format!("Wrote {}", path.display()), false),
             Outcome::Filmed(path, Ok(None)) => {
                 self.tell(&format!("Called off: {} is not written", path.display()), false);
@@ -377,16 +381,15 @@ impl Window {
         Ok(sound.drive().write(&sound.aperture).into_bytes())
     }
 
-    /// Makes a table of elements the array.
-    pub(super) fn take_elements(&mut self, path: &Path) {
-        let mut array = self.editor.scene().array.clone();
-        array.file = Some(path.to_string_lossy().into_owned());
-        array.placed = Elements::default();
-        array.off.clear();
-        match opening::load_elements(&mut array, Path::new("")) {
-            Ok(()) => self.editor.document.scene.array = array,
-            Err(error) => self.refuse("The table holds no array", &anyhow!("{}", error.message)),
-        }
+    /// Reads a table of elements, which becomes the array as soon as it is there.
+    pub(super) fn read_elements(&mut self, path: &Path, ctx: &egui::Context) {
+        let file = Some(path.to_string_lossy().into_owned());
+        let array = self.editor.scene().array.clone();
+        let mut array = Array { file, placed: Elements::default(), off: Vec::new(), ..array };
+        self.send(ctx, move |_| {
+            let read = opening::load_elements(&mut array, Path::new(""));
+            Outcome::Placed(read.map(|()| Box::new(array)).map_err(|error| error.message))
+        });
     }
 
     fn profile_csv(&self) -> anyhow::Result<Vec<u8>> {

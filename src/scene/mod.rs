@@ -11,6 +11,7 @@ pub mod file;
 pub mod font;
 mod inline;
 pub mod liquid;
+mod loaded;
 mod location;
 pub mod modulation;
 pub mod motion;

@@ -1,9 +1,10 @@
 //! The pixels of a picture that is a target: plain numbers, loaded from the picture's file by whoever opens a scene, or painted.
 
 use std::path::PathBuf;
-use std::sync::Arc;
 
 use glam::DVec2;
+
+use crate::scene::loaded::Loaded;
 
 /// Less than any grey level of 8 bits but black.
 const DARK: f32 = 0.5 / LEVELS;
@@ -39,15 +40,15 @@ pub struct Dab {
 }
 
 /// The pixels of a picture target, once they are loaded. A scene file holds the picture's name alone.
-#[derive(Clone, Debug, Default)]
-pub struct Pixels(Option<Arc<Grey>>);
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Pixels(Loaded<Grey>);
 
 impl Pixels {
     /// # Panics
     /// Other than a brightness per pixel.
     pub fn new(grey: Grey) -> Self {
         assert_eq!(grey.brightness.len(), grey.width * grey.height, "a brightness per pixel");
-        Self(Some(Arc::new(grey)))
+        Self(Loaded::new(grey))
     }
 
     /// To be painted on.
@@ -56,7 +57,7 @@ impl Pixels {
     }
 
     pub fn get(&self) -> Option<&Grey> {
-        self.0.as_deref()
+        self.0.get()
     }
 
     /// Height over width; 1 until they are loaded.
@@ -77,7 +78,7 @@ impl Pixels {
 
     /// Gives every pixel of which a part lies under a dab what follows from its brightness and that part.
     fn change(&mut self, dab: &Dab, change: impl Fn(f32, f32) -> f32) -> bool {
-        let Some(grey) = self.0.as_deref().filter(|_| dab.radius > 0.0) else { return false };
+        let Some(grey) = self.0.get().filter(|_| dab.radius > 0.0) else { return false };
         let radius = dab.radius.max(THINNEST);
         let mut changed: Option<Grey> = None;
         for (index, distance) in near([grey.width, grey.height], [dab.from, dab.to], radius) {
@@ -88,7 +89,7 @@ impl Pixels {
             }
         }
         let Some(changed) = changed else { return false };
-        self.0 = Some(Arc::new(changed));
+        self.0 = Loaded::new(changed);
         true
     }
 }
@@ -124,17 +125,6 @@ pub(crate) fn near(
 /// How much of a pixel lies within `radius` of a line that is so far from its middle; in pixels.
 pub(crate) fn overlap(distance: f64, radius: f64) -> f64 {
     ((distance + 0.5).min(radius) - (distance - 0.5).max(-radius)).clamp(0.0, 1.0)
-}
-
-impl PartialEq for Pixels {
-    fn eq(&self, other: &Self) -> bool {
-        match (&self.0, &other.0) {
-            (None, None) => true,
-            // Scenes are compared in every frame, and their pictures are mostly the same one.
-            (Some(own), Some(others)) => Arc::ptr_eq(own, others) || own == others,
-            (Some(_), None) | (None, Some(_)) => false,
-        }
-    }
 }
 
 #[cfg(test)]

@@ -1,11 +1,11 @@
 //! Where boards and reflectors stand, and elements that stand in no rows and columns.
 
 use std::path::PathBuf;
-use std::sync::Arc;
 
 use glam::{DMat3, DVec3};
 use serde::{Deserialize, Serialize};
 
+use crate::scene::loaded::Loaded;
 use crate::scene::range::{Key, KeyError, direction, point, refuse, within};
 use crate::scene::{Array, Scene};
 
@@ -126,7 +126,7 @@ impl Reflector {
 /// Elements of an array that stand anywhere, once they are loaded. A scene file holds the name of their table alone.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Elements {
-    placed: Option<Arc<[Placed]>>,
+    placed: Loaded<[Placed]>,
     /// The file that they were loaded from.
     pub from: Option<PathBuf>,
 }
@@ -142,11 +142,11 @@ pub struct Placed {
 
 impl Elements {
     pub fn new(placed: Vec<Placed>, from: Option<PathBuf>) -> Self {
-        Self { placed: Some(placed.into()), from }
+        Self { placed: Loaded::new(placed), from }
     }
 
     pub fn get(&self) -> Option<&[Placed]> {
-        self.placed.as_deref()
+        self.placed.get()
     }
 }
 

@@ -1,7 +1,8 @@
 //! The samples of a waveform that is an envelope: plain numbers, loaded from the waveform's file by whoever opens a scene.
 
 use std::path::PathBuf;
-use std::sync::Arc;
+
+use crate::scene::loaded::Loaded;
 
 /// A waveform that is repeated, straight from sample to sample and from the last to the first.
 #[derive(Clone, Debug, PartialEq)]
@@ -32,11 +33,11 @@ impl Samples {
 }
 
 /// A waveform, once it is loaded. A scene file holds its file's name alone.
-#[derive(Clone, Debug, Default)]
-pub struct Wave(Option<Arc<Loaded>>);
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Wave(Loaded<Measured>);
 
 #[derive(Debug, PartialEq)]
-struct Loaded {
+struct Measured {
     samples: Samples,
     mean: f64,
     mean_square: f64,
@@ -55,11 +56,11 @@ impl Wave {
             (sum + 0.5 * (a + b), squares + (a * a + a * b + b * b) / 3.0)
         });
         let (mean, mean_square) = (sum / count as f64, squares / count as f64);
-        Self(Some(Arc::new(Loaded { samples, mean, mean_square })))
+        Self(Loaded::new(Measured { samples, mean, mean_square }))
     }
 
     pub fn get(&self) -> Option<&Samples> {
-        self.0.as_deref().map(|loaded| &loaded.samples)
+        self.0.get().map(|loaded| &loaded.samples)
     }
 
     /// The value at a time (s), -1 to 1; 1 until it is loaded.
@@ -69,18 +70,7 @@ impl Wave {
 
     /// The means of value and square.
     pub fn means(&self) -> [f64; 2] {
-        self.0.as_deref().map_or([1.0; 2], |loaded| [loaded.mean, loaded.mean_square])
-    }
-}
-
-impl PartialEq for Wave {
-    fn eq(&self, other: &Self) -> bool {
-        match (&self.0, &other.0) {
-            (None, None) => true,
-            // Scenes are compared in every frame, and their waveforms are mostly the same one.
-            (Some(own), Some(others)) => Arc::ptr_eq(own, others) || own == others,
-            (Some(_), None) | (None, Some(_)) => false,
-        }
+        self.0.get().map_or([1.0; 2], |loaded| [loaded.mean, loaded.mean_square])
     }
 }
 

@@ -6,7 +6,9 @@ use std::path::Path;
 use serde_json::Value;
 use sonoglyph::scene::file;
 
-use crate::{folder_with, refuse, run, succeed};
+use crate::folder_with;
+use crate::process::{run, succeed};
+use crate::refusal::refuse;
 
 const CURVED: &str = "format = 1\n[array]\nelements = \"e.csv\"\n[[target]]\nat = [0.0, 0.0, 0.1]\n";
 const ELEMENTS: &str = "x,y,z,nx,ny,nz\n0,0,0,0,0,2\n0.03,0,0.01,-0.3,0,1\n-0.03,0,0.01,0.3,0,1\n";

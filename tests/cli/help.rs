@@ -1,6 +1,7 @@
 //! What the help shows.
 
-use crate::{folder_with, succeed};
+use crate::folder_with;
+use crate::process::succeed;
 
 #[test]
 fn help_names_every_quantity_and_who_draws_the_window() {

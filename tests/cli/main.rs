@@ -4,50 +4,29 @@
 
 mod arrays;
 mod help;
+#[path = "../process/mod.rs"]
+mod process;
+#[path = "../process/refusal.rs"]
+mod refusal;
 #[path = "../requirement/mod.rs"]
 mod requirement;
 
 use std::f64::consts::{SQRT_2, TAU};
 use std::fs;
-use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
+use std::path::Path;
+use std::process::Command;
 
 use num_complex::Complex64;
 use serde_json::Value;
 use tempfile::TempDir;
 
+use crate::process::{run, succeed};
+use crate::refusal::refuse;
+
 fn program(folder: &Path, args: &[&str]) -> Command {
     let mut command = Command::new(env!("CARGO_BIN_EXE_sonoglyph"));
     command.args(args).current_dir(folder);
     command
-}
-
-fn run(folder: &Path, args: &[&str]) -> Output {
-    program(folder, args).output().unwrap()
-}
-
-fn succeed(folder: &Path, args: &[&str]) -> String {
-    let output = run(folder, args);
-    assert!(output.status.success(), "{args:?}: {}", String::from_utf8_lossy(&output.stderr));
-    String::from_utf8(output.stdout).unwrap()
-}
-
-/// Runs a command that must fail as bad input does, and returns its message.
-fn refuse(folder: &Path, args: &[&str]) -> String {
-    let before = listing(folder);
-    let output = run(folder, args);
-    let message = String::from_utf8(output.stderr).unwrap();
-    assert_eq!(output.status.code(), Some(2), "{args:?}: {message}");
-    assert!(!message.contains("panicked"), "{args:?}: {message}");
-    assert!(!message.trim().is_empty(), "{args:?}");
-    assert_eq!(listing(folder), before, "{args:?} left something behind");
-    message
-}
-
-fn listing(folder: &Path) -> Vec<PathBuf> {
-    let mut names: Vec<_> = fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()).collect();
-    names.sort();
-    names
 }
 
 fn example(name: &str) -> String {
@@ -332,7 +311,7 @@ fn every_backend_renders_the_same_numbers() {
 fn render_fills_a_folder_and_draws_every_quantity() {
     let folder = folder_with(&[("a.toml", POINT), ("b.toml", POINT)]);
     succeed(folder.path(), &["render", "a.toml", "b.toml", "-o", "out/", "--size", "32"]);
-    assert_eq!(listing(&folder.path().join("out")).len(), 2);
+    assert_eq!(fs::read_dir(folder.path().join("out")).unwrap().count(), 2);
     for (quantity, size) in [("phase", (32, 32)), ("drive", (400, 210)), ("sheet", (400, 390))] {
         let width = size.0.to_string();
         succeed(

@@ -4,4 +4,6 @@
 
 mod areas;
 mod command;
+#[path = "../process/mod.rs"]
+mod process;
 mod solver;

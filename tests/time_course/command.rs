@@ -1,33 +1,14 @@
 //! `probe --time`, and scenes whose modulation is named in a file.
 
 use std::fs;
-use std::path::Path;
-use std::process::{Command, Output};
 
 use tempfile::TempDir;
 
+use crate::process::{run, succeed};
+use crate::refusal::refuse;
+
 const POINTS: &str = "x,y,z\n0.015,0,0.1\n0,0,0.12\n";
 const SCENE: &str = "format = 1\n[[target]]\nat = [0, 0, 0.1]\n[solver]\nmethod = \"focus\"\n";
-
-fn run(folder: &Path, args: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_sonoglyph")).args(args).current_dir(folder).output().unwrap()
-}
-
-fn succeed(folder: &Path, args: &[&str]) -> String {
-    let output = run(folder, args);
-    assert!(output.status.success(), "{args:?}: {}", String::from_utf8_lossy(&output.stderr));
-    String::from_utf8(output.stdout).unwrap()
-}
-
-fn refuse(folder: &Path, args: &[&str]) -> String {
-    let count = || fs::read_dir(folder).unwrap().count();
-    let before = count();
-    let output = run(folder, args);
-    let message = String::from_utf8(output.stderr).unwrap();
-    assert_eq!(output.status.code(), Some(2), "{args:?}: {message}");
-    assert_eq!(count(), before, "{args:?} leaves nothing behind");
-    message
-}
 
 fn folder_with(scene: &str) -> TempDir {
     let folder = tempfile::tempdir().unwrap();

@@ -4,3 +4,7 @@
 
 mod command;
 mod lines;
+#[path = "../process/mod.rs"]
+mod process;
+#[path = "../process/refusal.rs"]
+mod refusal;

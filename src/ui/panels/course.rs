@@ -1,11 +1,11 @@
 //! The pressure at a point in the course of time, and the lines of its square.
 
-use egui::{Ui, Vec2b};
-use egui_plot::{Line, Plot, PlotPoints};
+use egui::Ui;
+use egui_plot::{Line, PlotPoints};
 use glam::DVec3;
 
 use crate::studio::time_course;
-use crate::ui::panels::{choice, fact, form, heading};
+use crate::ui::panels::{choice, fact, form, heading, still_plot};
 use crate::ui::{Course, CoursePlace, Editor, Shown, measure, section, theme};
 
 /// Points of the screen.
@@ -92,16 +92,7 @@ fn hertz(frequency: f64) -> String {
 }
 
 fn plot(id: &str, ui: &mut Ui, curves: Vec<Vec<[f64; 2]>>) {
-    let plot = Plot::new(id)
-        .height(HEIGHT)
-        .allow_zoom(false)
-        .allow_drag(false)
-        .allow_scroll(false)
-        .allow_boxed_zoom(false)
-        .auto_bounds(Vec2b::TRUE)
-        .include_y(0.0)
-        .grid_spacing(8.0..=120.0)
-        .show_grid(true);
+    let plot = still_plot(id, HEIGHT).grid_spacing(8.0..=120.0);
     plot.show(ui, |plot| {
         for curve in curves {
             plot.line(Line::new(id, PlotPoints::from(curve)).color(theme::ACCENT).width(1.5));

@@ -16,7 +16,8 @@ mod target;
 
 use std::ops::RangeInclusive;
 
-use egui::{Align, Label, Layout, Response, ScrollArea, Ui};
+use egui::{Align, Label, Layout, Response, ScrollArea, Ui, Vec2b};
+use egui_plot::Plot;
 use glam::DVec3;
 
 pub use target::{point, sampling};
@@ -196,6 +197,19 @@ fn given(
         }
     });
     ui.end_row();
+}
+
+/// A plot from 0 upwards that shows all there is and follows no pointer, so high in points.
+fn still_plot(id: &str, height: f32) -> Plot<'_> {
+    Plot::new(id)
+        .height(height)
+        .allow_zoom(false)
+        .allow_drag(false)
+        .allow_scroll(false)
+        .allow_boxed_zoom(false)
+        .auto_bounds(Vec2b::TRUE)
+        .include_y(0.0)
+        .show_grid(true)
 }
 
 /// What would be written as -0.00 is 0.

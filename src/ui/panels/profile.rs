@@ -1,10 +1,10 @@
 //! The pressure along the strokes of a shape, from their first end to their last.
 
-use egui::{Ui, Vec2b};
-use egui_plot::{HLine, Line, Plot, PlotPoints};
+use egui::Ui;
+use egui_plot::{HLine, Line, PlotPoints};
 
 use crate::scene::Part;
-use crate::ui::panels::heading;
+use crate::ui::panels::{heading, still_plot};
 use crate::ui::{Sound, theme};
 
 /// Places (mm) along all strokes, one after the other, and the pressure there over its target's mean; a curve for each stroke.
@@ -42,17 +42,7 @@ pub fn show(sound: &Sound, ui: &mut Ui) {
     }
     heading(ui, "Pressure along the strokes")
         .on_hover_text("Relative to its mean, against the way along the strokes in mm");
-    let plot = Plot::new("profile")
-        .height(HEIGHT)
-        .allow_zoom(false)
-        .allow_drag(false)
-        .allow_scroll(false)
-        .allow_boxed_zoom(false)
-        .auto_bounds(Vec2b::TRUE)
-        .include_y(0.0)
-        .include_y(1.2)
-        .grid_spacing(16.0..=400.0)
-        .show_grid(true);
+    let plot = still_plot("profile", HEIGHT).include_y(1.2).grid_spacing(16.0..=400.0);
     plot.show(ui, |plot| {
         plot.hline(HLine::new("mean", 1.0).color(theme::CHOSEN.gamma_multiply(0.4)));
         for curve in curves {
