@@ -2,6 +2,7 @@
 //! where the light goes that it bends.
 
 pub mod caustic;
+mod coverage;
 pub mod dent;
 pub mod dispersion;
 pub mod waves;

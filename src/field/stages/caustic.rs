@@ -9,6 +9,7 @@ use rayon::prelude::*;
 use crate::field::cells::Cells;
 use crate::field::interpolation::Resampling;
 use crate::field::stages::Job;
+use crate::simd::{Instructions, Isa, Kernel, fused};
 use crate::surface::caustic;
 use crate::surface::{Light, Rays};
 
@@ -161,30 +162,10 @@ impl Surface<'_> {
     }
 
     /// The slopes (per cell) along both axes at the rays of a block, row by row.
-    fn slopes(&self, block: &Block, [depths, slopes]: &[Resampling; 2]) -> [Vec<f32>; 2] {
-        let taps = depths.taps;
-        let wide = block.cells[0] + taps;
-        let (columns, rows) = (block.count(0), block.count(1));
-        // Depths and slopes upwards between the rows of cells, at the columns of cells.
-        let mut between = [vec![0.0f32; wide], vec![0.0f32; wide]];
-        let mut made = [Vec::with_capacity(columns * rows), Vec::with_capacity(columns * rows)];
-        for ray in 0..rows {
-            for (window, line) in [depths, slopes].into_iter().zip(&mut between) {
-                line.fill(0.0);
-                let (start, weights) = window.of(ray % block.rays, 1);
-                let first = block.first[1] + ray / block.rays + start;
-                for (tap, weight) in weights.iter().enumerate() {
-                    let cells = &self.depth[(first + tap) * self.columns + block.first[0]..][..wide];
-                    line.iter_mut().zip(cells).for_each(|(sum, cell)| *sum += weight * cell);
-                }
-            }
-            for ((window, line), made) in [slopes, depths].into_iter().zip(&between).zip(&mut made) {
-                made.extend((0..columns).map(|ray| {
-                    let (start, weights) = window.of(ray % block.rays, 1);
-                    product(&line[ray / block.rays + start..], weights)
-                }));
-            }
-        }
+    fn slopes(&self, block: &Block, windows: &[Resampling; 2]) -> [Vec<f32>; 2] {
+        let count = block.count(0) * block.count(1);
+        let mut made = [vec![0.0f32; count], vec![0.0f32; count]];
+        Isa::best().run(Slopes { surface: self, block, windows, made: &mut made });
         made
     }
 
@@ -201,22 +182,55 @@ impl Surface<'_> {
     }
 }
 
-/// The sum of values times weights, in four lanes.
-fn product(values: &[f32], weights: &[f32]) -> f32 {
-    let (values, weights) = (values.as_chunks::<4>(), weights.as_chunks::<4>());
-    let mut lanes = [0.0f32; 4];
-    for (values, weights) in values.0.iter().zip(weights.0) {
-        for (lane, (value, weight)) in lanes.iter_mut().zip(values.iter().zip(weights)) {
-            *lane += value * weight;
+/// Interpolates between the cells of a block, with the weights of depths and of slopes.
+struct Slopes<'a> {
+    surface: &'a Surface<'a>,
+    block: &'a Block,
+    windows: &'a [Resampling; 2],
+    /// Along both axes, row by row.
+    made: &'a mut [Vec<f32>; 2],
+}
+
+impl Kernel for Slopes<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<I: Instructions>(self) {
+        /// The cells of a block and one more, whose first ray is the last of the block, as registers have it.
+        const LANES: usize = 16;
+        let Self { surface, block: Block { first, cells, rays }, windows: [depths, slopes], made } = self;
+        let taps = depths.taps;
+        // With what weights reach beside them.
+        let wide = (LANES + 1 + taps).next_multiple_of(LANES);
+        let mut between = [vec![0.0f32; wide], vec![0.0f32; wide]];
+        let columns = cells[0] * rays + 1;
+        for row in 0..=cells[1] * rays {
+            // Depths and slopes upwards between the rows of cells, at the columns of cells.
+            for (window, line) in [depths, slopes].into_iter().zip(&mut between) {
+                line.fill(0.0);
+                let (start, weights) = window.of(row % rays, 1);
+                let from = (first[1] + row / rays + start) * surface.columns + first[0];
+                for (tap, weight) in weights.iter().enumerate() {
+                    let cells = &surface.depth[from + tap * surface.columns..];
+                    let cells = &cells[..wide.min(cells.len())];
+                    for (sum, cell) in line.iter_mut().zip(cells) {
+                        *sum = fused::<I>(*weight, *cell, *sum);
+                    }
+                }
+            }
+            for ((window, line), made) in [slopes, depths].into_iter().zip(&between).zip(&mut *made) {
+                let made = &mut made[row * columns..][..columns];
+                for ray in 0..*rays {
+                    let (start, weights) = window.of(ray, 1);
+                    let mut sums = [0.0f32; LANES];
+                    for (weight, line) in weights.iter().zip(line[start..].windows(LANES)) {
+                        for (sum, value) in sums.iter_mut().zip(line) {
+                            *sum = fused::<I>(*weight, *value, *sum);
+                        }
+                    }
+                    made[ray..].iter_mut().step_by(*rays).zip(sums).for_each(|(to, sum)| *to = sum);
+                }
+            }
         }
     }
-    let rest: f32 = match weights.1 {
-        [] => 0.0,
-        rest => {
-            let from = 4 * weights.0.len();
-            let values = values.0.as_flattened().iter().chain(values.1).skip(from);
-            values.zip(rest).map(|(value, weight)| value * weight).sum()
-        }
-    };
-    lanes.iter().sum::<f32>() + rest
 }
