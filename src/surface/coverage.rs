@@ -179,7 +179,8 @@ impl Coverage {
         let wide: [f64; LANES] = lanes(|i| right[i] - left[i]);
         let per_wide: [f64; LANES] = lanes(|i| 0.5 / larger(wide[i], f64::MIN_POSITIVE));
         let reached: [f64; LANES] = lanes(|i| smaller(right[i], columns) - first[i]);
-        let reached = largest(&reached) + 1.0;
+        // What lies before the first column counts there.
+        let reached = larger(largest(&reached), 0.0) + 1.0;
         let piece = Piece { left, right, wide, per_wide };
         let (mut so_far, mut before) = (piece.beyond(&first), [0.0; LANES]);
         let mut along = 0.0;
