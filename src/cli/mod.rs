@@ -16,6 +16,7 @@ mod progress;
 mod render;
 mod solve;
 mod time_course;
+mod volume;
 
 use std::path::{Path, PathBuf};
 
@@ -27,6 +28,7 @@ pub use crate::cli::arguments::BadArguments;
 use crate::cli::boards::{BoardArgs, CheckArgs, SendArgs};
 use crate::cli::figure::FigureArgs;
 use crate::cli::time_course::TimeArgs;
+use crate::cli::volume::VolumeArgs;
 use crate::field::Quantity;
 use crate::picture::ColourMap;
 use crate::scene::{Listener, Method, Scene};
@@ -69,6 +71,8 @@ enum Command {
     ///   sonoglyph render hit.toml -o hit.png --data hit.npy --backend reference
     ///
     ///   sonoglyph render hit.toml -o hit.pdf --figure --contours -6 --targets --scale-bar
+    ///
+    ///   sonoglyph render hit.toml -o hit.vti --volume 64,64,64
     ///
     ///   sonoglyph render assets/scenes/water-moving-square.toml --motion -o square.gif
     ///
@@ -223,6 +227,8 @@ struct RenderArgs {
     verbose: bool,
     #[command(flatten)]
     figure: FigureArgs,
+    #[command(flatten)]
+    volume: VolumeArgs,
 }
 
 #[derive(Debug, Args)]
@@ -360,7 +366,10 @@ pub fn run() -> anyhow::Result<Next> {
     };
     let done = match cli {
         Cli { command: Some(Command::Render(args)), .. } if args.motion || args.waves => animate::run(&args),
-        Cli { command: Some(Command::Render(args)), .. } => render::run(&args),
+        Cli { command: Some(Command::Render(args)), .. } => match args.volume.volume {
+            Some(counts) => volume::run(&args, counts),
+            None => render::run(&args),
+        },
         Cli { command: Some(Command::Solve(args)), .. } if args.motion => motion::run(&args),
         Cli { command: Some(Command::Solve(args)), .. } => solve::run(&args),
         Cli { command: Some(Command::Probe(args)), .. } => probe::run(&args),

@@ -22,6 +22,7 @@ pub mod still;
 pub mod swell;
 pub mod time_course;
 pub mod video;
+pub mod volume;
 pub mod waveform;
 pub mod width;
 
