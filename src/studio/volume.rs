@@ -47,7 +47,9 @@ impl Format {
 pub fn block_of(scene: &Scene, aperture: &Aperture, foci: &[Focus]) -> Block {
     /// Of its longest side, the least that a side is.
     const FLATTEST: f64 = 0.5;
-    const BEYOND: f64 = 0.25;
+    const BEYOND: f64 = 0.3;
+    /// Of the way from a board to what it sounds on, what is left out: the near field tells little, and hides much.
+    const NEAR: f64 = 0.15;
     let (x, y) = scene.plane.axes().unwrap_or((DVec3::X, DVec3::Y));
     let half = (x * scene.plane.size.x).abs() / 2.0 + (y * scene.plane.size.y).abs() / 2.0;
     let (mut low, mut high) = (scene.plane.centre - half, scene.plane.centre + half);
@@ -61,9 +63,11 @@ pub fn block_of(scene: &Scene, aperture: &Aperture, foci: &[Focus]) -> Block {
         let axis = normal.abs().max_position();
         let places = aperture.positions[board.elements()].iter().map(|at| at[axis]);
         if normal[axis] > 0.0 {
-            low[axis] = low[axis].min(places.fold(f64::INFINITY, f64::min) + wavelength);
+            let first = places.fold(f64::INFINITY, f64::min) + wavelength;
+            low[axis] = low[axis].min(first + NEAR * (low[axis] - first));
         } else {
-            high[axis] = high[axis].max(places.fold(f64::NEG_INFINITY, f64::max) - wavelength);
+            let last = places.fold(f64::NEG_INFINITY, f64::max) - wavelength;
+            high[axis] = high[axis].max(last - NEAR * (last - high[axis]));
             is_closed_above |= axis == 2;
         }
     }

@@ -17,10 +17,15 @@ pub const MOST_BRICKS: u32 = 4096;
 pub const HALVINGS: u32 = 5;
 /// Steps of the lattice from one place to the next along a ray: towards a surface, and towards the largest value.
 pub const SURFACE_STRIDE: f32 = 0.8;
-pub const PROJECTION_STRIDE: f32 = 0.5;
+pub const PROJECTION_STRIDE: f32 = 0.8;
+/// Steps beyond a brick's face at which the next brick is looked up, and those that a ray goes on at least.
+pub const NUDGE: f32 = 1e-3;
+pub const LEAST: f32 = 1e-2;
 /// Of the largest value, what is opaque in a projection, and the least opacity of a slice.
 pub const OPAQUE: f32 = 0.6;
 pub const FAINT: f32 = 0.4;
+/// Difference of two neighbours, of 255, from which on a pixel has more rays.
+const CONTRAST: u8 = 10;
 /// Opacity from which on nothing behind is seen.
 pub const SOLID: f32 = 0.995;
 
@@ -29,19 +34,35 @@ pub fn picture(shot: &Shot, volume: &Volume, table: &[[u8; 4]; 256], is_smooth: 
     let table = table.map(|[r, g, b, _]| Vec3::new(f32::from(r), f32::from(g), f32::from(b)) / 255.0);
     let (width, height) = shot.size;
     let painter = Painter { shot, params: &shot.params, volume, table: &table };
-    let rays = if is_smooth { &SMOOTH[..] } else { &[[0.0, 0.0]][..] };
     let mut rgba = vec![0; width * height * 4];
-    let of_row = |(y, row): (usize, &mut [u8])| {
-        for (x, pixel) in row.as_chunks_mut::<4>().0.iter_mut().enumerate() {
-            let middle = Vec2::new(x as f32 + 0.5, y as f32 + 0.5);
-            let tile = y / TILE * shot.params.tiles as usize + x / TILE;
-            let sum: Vec3 = rays.iter().map(|&ray| painter.colour(middle + Vec2::from(ray), tile)).sum();
-            let [r, g, b] = (sum * (255.0 / rays.len() as f32) + 0.5).to_array().map(|c| c as u8);
-            *pixel = [r, g, b, 255];
-        }
+    let rows = |rgba: &mut Vec<u8>, paint: &(dyn Fn(usize, usize) -> Option<[u8; 4]> + Sync)| {
+        let each = |(y, row): (usize, &mut [u8])| {
+            for (x, pixel) in row.as_chunks_mut::<4>().0.iter_mut().enumerate() {
+                if let Some(colour) = paint(x, y) {
+                    *pixel = colour;
+                }
+            }
+        };
+        rgba.par_chunks_mut((width * 4).max(1)).enumerate().for_each(each);
     };
-    rgba.par_chunks_mut((width * 4).max(1)).enumerate().for_each(of_row);
+    rows(&mut rgba, &|x, y| Some(painter.pixel(x, y, &[[0.0, 0.0]])));
+    if is_smooth {
+        // Where neighbours are alike, more rays would see the same.
+        let first = rgba.clone();
+        rows(&mut rgba, &|x, y| is_edge(&first, width, height, x, y).then(|| painter.pixel(x, y, &SMOOTH)));
+    }
     rgba
+}
+
+/// Whether a pixel differs from one beside it.
+fn is_edge(rgba: &[u8], width: usize, height: usize, x: usize, y: usize) -> bool {
+    let pixel = |x: usize, y: usize| &rgba[(y * width + x) * 4..][..3];
+    let own = pixel(x, y);
+    let differs = |other: &[u8]| own.iter().zip(other).any(|(a, b)| a.abs_diff(*b) > CONTRAST);
+    (x > 0 && differs(pixel(x - 1, y)))
+        || (x + 1 < width && differs(pixel(x + 1, y)))
+        || (y > 0 && differs(pixel(x, y - 1)))
+        || (y + 1 < height && differs(pixel(x, y + 1)))
 }
 
 struct Painter<'a> {
@@ -56,6 +77,20 @@ struct Painter<'a> {
 struct Ray {
     start: Vec3,
     direction: Vec3,
+}
+
+/// A ray in steps of the lattice.
+#[derive(Clone, Copy)]
+struct Grid {
+    start: Vec3,
+    direction: Vec3,
+    /// 1 over the direction, and where that has no part along an axis 0, with the faces across it out of reach.
+    inverse: Vec3,
+    never: Vec3,
+    /// The faces of a brick towards which it runs: 0 or the brick's side.
+    ahead: Vec3,
+    /// Depth of one step along the axis that it runs along most.
+    step: f32,
 }
 
 /// What a ray has met, the nearest first.
@@ -98,6 +133,15 @@ impl Met {
 }
 
 impl Painter<'_> {
+    /// The mean of some rays through a pixel.
+    fn pixel(&self, x: usize, y: usize, rays: &[[f32; 2]]) -> [u8; 4] {
+        let middle = Vec2::new(x as f32 + 0.5, y as f32 + 0.5);
+        let tile = y / TILE * self.params.tiles as usize + x / TILE;
+        let sum: Vec3 = rays.iter().map(|&ray| self.colour(middle + Vec2::from(ray), tile)).sum();
+        let [r, g, b] = (sum * (255.0 / rays.len() as f32) + 0.5).to_array().map(|c| c as u8);
+        [r, g, b, 255]
+    }
+
     fn colour(&self, at: Vec2, tile: usize) -> Vec3 {
         let params = self.params;
         let offset = at - Vec2::new(params.width, params.height) / 2.0;
@@ -107,10 +151,15 @@ impl Painter<'_> {
             direction: Vec3::from(params.forward) + across * params.spread,
         };
         let mut met = Met::default();
+        // The nearest that shines through.
+        let (mut shining, mut shine) = (f32::MAX, Vec4::ZERO);
         let tiles = &self.shot.tiles;
         for &number in &tiles[tiles[tile] as usize..tiles[tile + 1] as usize] {
-            if let Some((depth, colour)) = self.meet(&self.shot.things[number as usize], at, ray) {
-                met.add(depth, colour);
+            let thing = &self.shot.things[number as usize];
+            let Some((depth, colour)) = self.meet(thing, at, ray) else { continue };
+            met.add(depth, colour);
+            if thing.place[3] as u32 <= DOT && thing.second[0] > 0.0 && depth < shining {
+                (shining, shine) = (depth, colour.truncate().extend(colour.w * thing.second[0]));
             }
         }
         if let Some((near, far)) = self.inside(ray) {
@@ -126,7 +175,8 @@ impl Painter<'_> {
         }
         let height = (at.y / params.height).clamp(0.0, 1.0);
         let ground = Vec4::from(params.top).lerp(Vec4::from(params.bottom), height);
-        met.over(ground.truncate())
+        let colour = met.over(ground.truncate());
+        if shining > met.solid() { colour.lerp(shine.truncate(), shine.w) } else { colour }
     }
 
     /// Where a ray runs through the clipped box.
@@ -208,19 +258,27 @@ impl Painter<'_> {
     }
 
     /// The same ray in steps of the lattice.
-    fn in_steps(&self, ray: Ray) -> Ray {
-        Ray { start: self.place(ray.start), direction: ray.direction * Vec3::from(self.params.per_metre) }
+    fn in_steps(&self, ray: Ray) -> Grid {
+        let direction = ray.direction * Vec3::from(self.params.per_metre);
+        let is_along = direction.abs().cmpgt(Vec3::splat(1e-20));
+        Grid {
+            start: self.place(ray.start),
+            direction,
+            inverse: Vec3::select(is_along, direction.recip(), Vec3::ZERO),
+            never: Vec3::select(is_along, Vec3::ZERO, Vec3::MAX),
+            ahead: Vec3::select(direction.cmpgt(Vec3::ZERO), Vec3::splat(BRICK as f32), Vec3::ZERO),
+            step: 1.0 / direction.abs().max_element(),
+        }
     }
 
     /// The largest value in the brick that a ray is in a little beyond a depth, and how far it stays there.
-    fn brick(&self, ray: Ray, depth: f32, nudge: f32) -> (f32, f32) {
+    fn brick(&self, grid: &Grid, depth: f32) -> (f32, f32) {
         let bricks = UVec3::from(self.params.bricks);
-        let place = ray.start + ray.direction * (depth + nudge);
-        let brick = (place / BRICK as f32).floor().clamp(Vec3::ZERO, (bricks - UVec3::ONE).as_vec3());
-        let number = brick.x + bricks.x as f32 * (brick.y + bricks.y as f32 * brick.z);
-        let ahead = Vec3::select(ray.direction.cmpgt(Vec3::ZERO), Vec3::ONE, Vec3::ZERO);
-        let exits = ((brick + ahead) * BRICK as f32 - ray.start) / ray.direction;
-        let exits = Vec3::select(ray.direction.abs().cmpgt(Vec3::splat(1e-20)), exits, Vec3::splat(f32::MAX));
+        let place = grid.start + grid.direction * (depth + NUDGE * grid.step);
+        let brick = (place * (1.0 / BRICK as f32)).floor().clamp(Vec3::ZERO, (bricks - UVec3::ONE).as_vec3());
+        let cell = brick.as_uvec3();
+        let number = cell.x + bricks.x * (cell.y + bricks.y * cell.z);
+        let exits = (brick * BRICK as f32 + grid.ahead - grid.start) * grid.inverse + grid.never;
         (self.volume.bricks[number as usize], exits.min_element())
     }
 
@@ -228,7 +286,7 @@ impl Painter<'_> {
     fn surface(&self, ray: Ray, near: f32, far: f32) -> Option<(f32, Vec4)> {
         let level = self.params.level;
         let grid = self.in_steps(ray);
-        let step = 1.0 / grid.direction.abs().max_element();
+        let step = grid.step;
         let at = |depth: f32| self.volume.at(grid.start + grid.direction * depth);
         let value = at(near);
         if near < far && value >= level {
@@ -239,8 +297,8 @@ impl Painter<'_> {
             if depth >= far {
                 return None;
             }
-            let (largest, exit) = self.brick(grid, depth, 1e-3 * step);
-            let end = exit.max(depth + 1e-2 * step).min(far);
+            let (largest, exit) = self.brick(&grid, depth);
+            let end = exit.max(depth + LEAST * step).min(far);
             if largest >= level {
                 let mut before = depth;
                 for i in 1..=MOST_STEPS {
@@ -260,7 +318,7 @@ impl Painter<'_> {
     }
 
     /// The shaded surface between two depths.
-    fn hit(&self, ray: Ray, grid: Ray, (mut outside, mut inside): (f32, f32)) -> (f32, Vec4) {
+    fn hit(&self, ray: Ray, grid: Grid, (mut outside, mut inside): (f32, f32)) -> (f32, Vec4) {
         for _ in 0..HALVINGS {
             let middle = 0.5 * (outside + inside);
             if self.volume.at(grid.start + grid.direction * middle) >= self.params.level {
@@ -271,7 +329,7 @@ impl Painter<'_> {
         }
         let slope =
             self.volume.slope(grid.start + grid.direction * inside) * Vec3::from(self.params.per_metre);
-        let colour = self.lit(self.tint(self.params.surface_colour), slope, ray.direction);
+        let colour = self.lit(Vec4::from(self.params.surface).truncate(), slope, ray.direction);
         (inside, colour.extend(1.0))
     }
 
@@ -301,15 +359,15 @@ impl Painter<'_> {
     /// The largest value along a ray.
     fn projection(&self, ray: Ray, near: f32, far: f32) -> Option<(f32, Vec4)> {
         let grid = self.in_steps(ray);
-        let step = 1.0 / grid.direction.abs().max_element();
+        let step = grid.step;
         let (mut largest, mut place) = (0.0f32, near);
         let mut depth = near;
         for _ in 0..MOST_BRICKS {
             if depth >= far {
                 break;
             }
-            let (most, exit) = self.brick(grid, depth, 1e-3 * step);
-            let end = exit.max(depth + 1e-2 * step).min(far);
+            let (most, exit) = self.brick(&grid, depth);
+            let end = exit.max(depth + LEAST * step).min(far);
             if most > largest {
                 for i in 0..MOST_STEPS {
                     let here = depth + i as f32 * PROJECTION_STRIDE * step;

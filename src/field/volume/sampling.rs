@@ -17,6 +17,9 @@ pub const BRICK: u32 = 8;
 const COARSE: Fineness = Fineness { per_wavelength: 4.0, most: 1 << 19 };
 const FINE: Fineness = Fineness { per_wavelength: 8.0, most: 1 << 22 };
 
+/// Of the sound, what may be missing of a series of reflections.
+const LEFT_OUT: f64 = 1e-3;
+
 /// How many points there are.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Fineness {
@@ -73,12 +76,11 @@ impl Volume {
         let part = place - cell.as_vec3();
         let (row, layer) = (counts.x as usize, (counts.x * counts.y) as usize);
         let corner = cell.x as usize + cell.y as usize * row + cell.z as usize * layer;
-        let along = |at: usize| {
-            let (a, b) = (self.values[at], self.values[at + 1]);
-            a + (b - a) * part.x
-        };
+        // One look whether a layer's four are there serves them all.
         let across = |at: usize| {
-            let (a, b) = (along(at), along(at + row));
+            let four = &self.values[at..][..row + 2];
+            let (a, b) = (four[0], four[row]);
+            let (a, b) = (a + (four[1] - a) * part.x, b + (four[row + 1] - b) * part.x);
             a + (b - a) * part.y
         };
         let (a, b) = (across(corner), across(corner + layer));
@@ -174,6 +176,7 @@ fn values(
     let heard: Option<Vec<_>> = aperture
         .faces
         .iter()
+        .take_while(|face| face.rest >= LEFT_OUT)
         .map(|face| {
             let (wave, shared) = heard(face)?;
             let of_drive = |drive: &Drive| elements(aperture, face, &wave, drive);

@@ -27,10 +27,10 @@ pub enum Body {
 /// Something with a place in space; colours are r, g, b and opacity, 0 to 1.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Item {
-    /// Between two points (m), so many pixels wide.
-    Line { ends: [DVec3; 2], width: f64, colour: Vec4 },
-    /// A ball of a radius in pixels.
-    Dot { at: DVec3, radius: f64, colour: Vec4 },
+    /// Between two points (m), so many pixels wide; behind what hides it, this part of it still shines through.
+    Line { ends: [DVec3; 2], width: f64, colour: Vec4, shine: f32 },
+    /// A ball of a radius in pixels, likewise.
+    Dot { at: DVec3, radius: f64, colour: Vec4, shine: f32 },
     /// A flat disc of a radius in m.
     Disc { centre: DVec3, normal: DVec3, radius: f64, colour: Vec4 },
     /// A rectangle with half sides.
@@ -46,6 +46,8 @@ pub struct Scenery {
     pub body: Body,
     /// Where the field is seen.
     pub clip: Block,
+    /// r, g, b of the surface.
+    pub surface: Vec3,
     /// Colours from nothing to the peak.
     pub table: [[u8; 4]; 256],
     /// r, g, b at the top and at the bottom of the picture, behind everything.
@@ -60,7 +62,7 @@ pub struct Thing {
     pub place: [f32; 4],
     /// A line's end and half width; a dot's radius; a disc's normal and radius; the first half side of a rectangle over its square.
     pub first: [f32; 4],
-    /// The second half side likewise; of a slice its opacity.
+    /// The second half side likewise; of a slice its opacity. What shines through of lines and dots.
     pub second: [f32; 4],
     pub colour: [f32; 4],
 }
@@ -93,11 +95,12 @@ pub struct ShotParams {
     pub tiles: u32,
     /// Steps per m.
     pub per_metre: [f32; 3],
-    pub surface_colour: f32,
+    pub more: f32,
     pub counts: [u32; 3],
     pub columns: u32,
     pub bricks: [u32; 3],
     pub rows: u32,
+    pub surface: [f32; 4],
     pub top: [f32; 4],
     pub bottom: [f32; 4],
 }
@@ -147,11 +150,12 @@ impl Shot {
             first: of(lattice.first),
             tiles: across as u32,
             per_metre: lattice.step.recip().as_vec3().to_array(),
-            surface_colour: 0.35 + 0.65 * level / volume.peak.max(f32::MIN_POSITIVE),
+            more: 0.0,
             counts: lattice.counts.to_array(),
             columns: size.0 as u32,
             bricks: volume.brick_counts().to_array(),
             rows: size.1 as u32,
+            surface: scenery.surface.extend(1.0).to_array(),
             top: scenery.ground[0].extend(1.0).to_array(),
             bottom: scenery.ground[1].extend(1.0).to_array(),
         };
@@ -173,25 +177,25 @@ fn place(item: &Item, projection: &Projection, middle: DVec3) -> Option<(Thing, 
         (if projection.spread > 0.0 { 1.0 / depth } else { depth }) as f32
     };
     let (thing, bounds) = match *item {
-        Item::Line { ends, width, colour } => {
+        Item::Line { ends, width, colour, shine } => {
             let [a, b] = projection.in_front(ends)?;
             let ((a, near), (b, far)) = (projection.screen(a)?, projection.screen(b)?);
             let half = width / 2.0;
             let thing = Thing {
                 place: [a.x as f32, a.y as f32, even(near), LINE as f32],
                 first: [b.x as f32, b.y as f32, even(far), half as f32],
-                second: [0.0; 4],
+                second: [shine, 0.0, 0.0, 0.0],
                 colour: colour.to_array(),
             };
             let more = DVec2::splat(half + 1.0);
             (thing, [a.min(b) - more, a.max(b) + more])
         }
-        Item::Dot { at, radius, colour } => {
+        Item::Dot { at, radius, colour, shine } => {
             let (at, depth) = projection.screen(at)?;
             let thing = Thing {
                 place: [at.x as f32, at.y as f32, even(depth), DOT as f32],
                 first: [radius as f32, 0.0, 0.0, 0.0],
-                second: [0.0; 4],
+                second: [shine, 0.0, 0.0, 0.0],
                 colour: colour.to_array(),
             };
             let more = DVec2::splat(radius + 1.0);
@@ -291,12 +295,18 @@ mod tests {
         let clip = Block { centre: DVec3::new(0.0, 0.0, 0.1), size: DVec3::splat(0.1) };
         let colour = Vec4::ONE;
         let items = vec![
-            Item::Dot { at: clip.centre, radius: 3.0, colour },
-            Item::Line { ends: [clip.low(), clip.high()], width: 1.0, colour },
-            Item::Dot { at: DVec3::new(9.0, 0.0, 0.0), radius: 3.0, colour },
+            Item::Dot { at: clip.centre, radius: 3.0, colour, shine: 0.0 },
+            Item::Line { ends: [clip.low(), clip.high()], width: 1.0, colour, shine: 0.0 },
+            Item::Dot { at: DVec3::new(9.0, 0.0, 0.0), radius: 3.0, colour, shine: 0.0 },
         ];
-        let scenery =
-            Scenery { items, body: Body::Projection, clip, table: [[0; 4]; 256], ground: [Vec3::ZERO; 2] };
+        let scenery = Scenery {
+            items,
+            body: Body::Projection,
+            clip,
+            surface: Vec3::ONE,
+            table: [[0; 4]; 256],
+            ground: [Vec3::ZERO; 2],
+        };
         let lattice = Lattice::covering(&clip, DVec3::splat(0.01));
         let volume = Volume::of(lattice, vec![0.0; lattice.len()]);
         let camera = Camera::of(&clip, [0.0, 0.0], 1.0, false);
