@@ -94,3 +94,50 @@ fn what_has_no_volume_is_refused() {
         assert!(refused.contains(message), "{args:?}: {refused}");
     }
 }
+
+#[test]
+fn space_is_drawn_from_named_and_given_directions() {
+    let folder = folder_with(&[("s.toml", POINT)]);
+    let draw = |args: &[&str], name: &str| {
+        let all = [&["render", "s.toml", "--view", "3d", "--size", "160x128", "-o", name], args].concat();
+        let said = succeed(folder.path(), &all);
+        let picture = image::open(folder.path().join(name)).unwrap().to_rgb8();
+        assert_eq!((picture.width(), picture.height()), (160, 128));
+        (said, picture)
+    };
+    let (said, iso) = draw(&["--backend", "cpu"], "iso.png");
+    assert!(said.contains("Surface at −6.0 dB of the peak"), "{said}");
+    let colours: std::collections::HashSet<_> = iso.pixels().map(|pixel| pixel.0).collect();
+    assert!(colours.len() > 200, "{}", colours.len());
+    let (_, same) = draw(&["--camera", "iso", "--iso", "-6", "--backend", "cpu"], "same.png");
+    assert_eq!(iso, same);
+    for args in [
+        &["--camera", "top"][..],
+        &["--camera", "-40,15", "--parallel"],
+        &["--projection", "--light"],
+        &["--slice", "z=0.1,x=0.01", "--iso", "-3"],
+        &["--box", "0.05,0.05,0.05,0.01,0.02,0.1"],
+    ] {
+        assert_ne!(draw(args, "other.png").1, iso, "{args:?}");
+    }
+}
+
+#[test]
+fn what_is_no_view_of_space_is_refused() {
+    let folder = folder_with(&[("s.toml", POINT)]);
+    for (args, message) in [
+        (&["--camera", "top"][..], "--camera is of space: add --view 3d"),
+        (&["--view", "3d", "--camera", "below"], "give iso, top, front, side"),
+        (&["--view", "3d", "--iso", "3"], "from -60 to -0.1"),
+        (&["--view", "3d", "--iso", "-3", "--projection"], "cannot be used with"),
+        (&["--view", "3d", "--slice", "w=1"], "an axis and a place in metres"),
+        (&["--view", "3d", "--quantity", "phase"], "shows the RMS pressure"),
+        (&["--view", "3d", "--motion"], "is a still picture"),
+        (&["--view", "3d", "--size", "100000"], "are the most"),
+        (&["--box", "1,1,1,0,0,0"], "--box is of --volume and of --view 3d"),
+        (&["--light"], "add --figure or --view 3d"),
+    ] {
+        let refused = refuse(folder.path(), &[&["render", "s.toml", "-o", "p.png"], args].concat());
+        assert!(refused.contains(message), "{args:?}: {refused}");
+    }
+}

@@ -133,6 +133,11 @@ impl Gpu {
         &self.info
     }
 
+    /// Whether pictures of space are drawn sooner here than by the CPU.
+    pub fn draws_space(&self) -> bool {
+        self.tuning.draws_space
+    }
+
     /// The device itself, for what draws with it.
     pub fn device(&self) -> &wgpu::Device {
         &self.device
