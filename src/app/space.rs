@@ -15,6 +15,7 @@ use crate::field::volume::sampling::Fineness;
 use crate::field::volume::scenery::Shot;
 use crate::field::volume::{Block, Camera, Scenery, Volume, march};
 use crate::field::{Gpu, GpuError};
+use crate::picture::Picture;
 use crate::studio::space;
 use crate::ui::space::{SpaceShown, Stage};
 use crate::ui::{Editor, Shown, Texture};
@@ -78,6 +79,17 @@ impl Spacing {
     pub fn collect(&mut self) -> bool {
         let came = [self.pictures.collect(), self.fields.collect()];
         came.contains(&true)
+    }
+
+    /// The picture on the screen, as fine as it gets.
+    pub fn picture(&self) -> Option<Picture> {
+        let (wanted, _) = self.drawn.as_ref()?;
+        let volume = match &self.fine {
+            Some((of, volume)) if *of == wanted.sounding => Arc::clone(volume),
+            Some(_) | None => wanted.sounding.volume(false),
+        };
+        let (width, height) = wanted.size;
+        Some(Picture { width, height, rgba: wanted.draw(&volume, true) })
     }
 
     /// Nothing of space is looked at.

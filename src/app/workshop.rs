@@ -88,7 +88,7 @@ pub struct Workshop {
     /// What makes it, with what it keeps from one time to the next.
     presser: Arc<Mutex<Stages>>,
     comparison: Option<Comparison>,
-    spacing: Spacing,
+    pub spacing: Spacing,
     motion: Clock,
     /// When the board began to play the motion (s on the window's clock), and how the playback stood.
     board: Option<(f64, Playback)>,

@@ -335,6 +335,11 @@ impl Action {
                     && !motion::moves(editor.scene()),
                 "Nothing moves: choose a path in the Motion panel",
             ),
+            (
+                is_one_of(&[Self::Export(Export::Numbers), Self::Export(Export::Profile), Self::Profile])
+                    && editor.space.is_on,
+                "Leave the 3D view: this is of the map",
+            ),
             (self == Self::Stop && shown.board.plays == Plays::Nothing, "The board is silent"),
         ];
         lacks.iter().find(|(is_lacking, _)| *is_lacking).map_or(Ok(()), |(_, what)| Err(what))

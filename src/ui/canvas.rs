@@ -45,6 +45,7 @@ impl Canvas {
 
 /// Makes room for the canvas and lets the pointer act on it.
 pub fn interact(editor: &mut Editor, ui: &mut Ui) -> Canvas {
+    editor.space.leave();
     let outer = ui.available_rect_before_wrap();
     let min = outer.min + vec2(LEFT, ABOVE);
     let right = if editor.is_comparing() { BESIDE } else { RIGHT };

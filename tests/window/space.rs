@@ -154,6 +154,18 @@ fn a_target_is_chosen_by_a_click_and_dragged_along_an_axis_or_a_plane_in_one_ste
 }
 
 #[test]
+fn who_takes_a_tool_to_draw_gets_to_the_map() {
+    let mut screen = open();
+    key(&mut screen, Key::C);
+    key(&mut screen, Key::F3);
+    assert_eq!(screen.state().editor().tool, Tool::Select, "nothing is drawn in space");
+    assert!(screen.state().shown().space.is_some());
+    key(&mut screen, Key::C);
+    assert!(!screen.state().editor().space.is_on && screen.state().shown().map.is_some());
+    assert_eq!(screen.state().editor().tool, Tool::Circle);
+}
+
+#[test]
 fn escape_takes_a_drag_in_space_back() {
     let mut screen = open_in_space();
     let (from, to) = (place(&screen, AT), place(&screen, AT + DVec3::X * 0.03));

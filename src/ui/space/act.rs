@@ -9,6 +9,7 @@ use crate::field::volume::Camera;
 use crate::scene::{Target, outline};
 use crate::ui::space::handle::{self, Handle};
 use crate::ui::space::{Held, Stage};
+use crate::ui::tool::Tool;
 use crate::ui::{Editor, Shown, canvas, edit, group};
 
 /// Points of the screen within which an outline is meant.
@@ -22,6 +23,16 @@ const THINNEST: f64 = 0.02;
 
 /// Makes room for the view and lets the pointer act on it.
 pub fn interact(editor: &mut Editor, shown: &Shown, ui: &mut Ui) -> Stage {
+    // Targets are drawn on the map: who takes a tool for that gets there.
+    if editor.tool != Tool::Select {
+        if editor.space.was_on {
+            editor.space.is_on = false;
+        } else {
+            editor.tool = Tool::Select;
+        }
+        ui.ctx().request_repaint();
+    }
+    editor.space.was_on = true;
     let outer = ui.available_rect_before_wrap();
     let max = (outer.max - vec2(canvas::RIGHT, 8.0)).max(outer.min + vec2(60.0, 60.0));
     let rect = Rect::from_min_max((outer.min + vec2(8.0, 8.0)).round(), max.round());
@@ -51,7 +62,7 @@ pub fn interact(editor: &mut Editor, shown: &Shown, ui: &mut Ui) -> Stage {
     hold(editor, ui, &response, &stage(editor));
     let mut stage = stage(editor);
     let is_looking = stage.camera != before.camera;
-    stage.is_moving = is_looking || (is_down && editor.space.is_held());
+    stage.is_moving = is_looking || editor.playback.playing || (is_down && editor.space.is_held());
     if let Some(at) = response.hover_pos().filter(|_| !is_down) {
         stage.over = handle::at(&stage, &editor.space, chosen(editor), at);
     }

@@ -70,6 +70,8 @@ pub struct SpaceView {
     pub clip: [DVec3; 2],
     framed: Option<Framed>,
     held: Option<Held>,
+    /// It was there on the last frame, too.
+    was_on: bool,
 }
 
 impl Default for SpaceView {
@@ -87,6 +89,7 @@ impl Default for SpaceView {
             clip: [DVec3::ZERO, DVec3::ONE],
             framed: None,
             held: None,
+            was_on: false,
         }
     }
 }
@@ -181,6 +184,11 @@ impl SpaceView {
     /// All of the box from a standard view.
     pub fn look_from(&mut self, standard: Standard) {
         (self.camera, self.direction) = (None, standard.direction());
+    }
+
+    /// Another view is looked at.
+    pub fn leave(&mut self) {
+        (self.was_on, self.held) = (false, None);
     }
 
     /// Whether the pointer holds something.
