@@ -57,10 +57,12 @@ impl Words {
             }
             // On a rim of the ground's colour, whatever is behind.
             let ground = if self.is_light { RGBColor(244, 245, 248) } else { RGBColor(16, 16, 20) };
-            let rim = scale.ceil() as i32;
+            let rim = (1.5 * scale).ceil() as i32;
             for (at, text) in &self.labels {
-                for (x, y) in [(-rim, 0), (rim, 0), (0, -rim), (0, rim), (0, 0)] {
-                    let colour = if (x, y) == (0, 0) { ink.mix(0.72) } else { ground.mix(0.8) };
+                let around =
+                    (0..9).map(|i| ((i % 3 - 1) * rim, (i / 3 - 1) * rim)).filter(|by| *by != (0, 0));
+                for (x, y) in around.chain([(0, 0)]) {
+                    let colour = if (x, y) == (0, 0) { ink.mix(0.85) } else { ground.mix(0.9) };
                     let style = font(13.0).color(&colour).pos(middle(HPos::Center, VPos::Center));
                     root.draw_text(text, &style, (at.x as i32 + x, at.y as i32 + y))?;
                 }

@@ -233,6 +233,15 @@ impl Items<'_> {
     }
 }
 
+/// What a view of everything shows: the box, and the boards.
+pub fn whole(block: &Block, aperture: &Aperture) -> Block {
+    let rim = DVec3::splat(RIM * aperture.pitch);
+    let places = aperture.boards().flat_map(|board| &aperture.positions[board.elements()]);
+    let grown = |(low, high): (DVec3, DVec3), at: &DVec3| (low.min(*at - rim), high.max(*at + rim));
+    let (low, high) = places.fold((block.low(), block.high()), grown);
+    Block::between(low, high)
+}
+
 /// The twelve edges of a box, those along x first, then along y and z.
 pub fn edges(block: &Block) -> [[DVec3; 2]; 12] {
     let half = block.size / 2.0;

@@ -99,7 +99,8 @@ pub fn draw(
     let sampled = start.elapsed();
     let sound = (&request.aperture, &request.drives[0]);
     let scenery = space::scenery(scene, sound, &solution.foci, (&block, &block), &look);
-    let camera = Camera::of(&block, wish.direction, width as f64 / height as f64, wish.is_perspective);
+    let whole = space::whole(&block, &request.aperture);
+    let camera = Camera::of(&whole, wish.direction, width as f64 / height as f64, wish.is_perspective);
     let shot = Shot::new(&scenery, &volume, &camera, (width, height));
     let start = Instant::now();
     let (rgba, who) = picture((&shot, &scenery), &volume, evaluator, is_gpu_asked_for)?;

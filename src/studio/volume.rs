@@ -47,6 +47,8 @@ impl Format {
 pub fn block_of(scene: &Scene, aperture: &Aperture, foci: &[Focus]) -> Block {
     /// Of its longest side, the least that a side is.
     const FLATTEST: f64 = 0.5;
+    /// Of a mirror's normal, what runs along an axis where it counts as across it.
+    const UPRIGHT: f64 = 0.999;
     const BEYOND: f64 = 0.3;
     /// Of the way from a board to what it sounds on, what is left out: the near field tells little, and hides much.
     const NEAR: f64 = 0.15;
@@ -69,6 +71,21 @@ pub fn block_of(scene: &Scene, aperture: &Aperture, foci: &[Focus]) -> Block {
             let last = places.fold(f64::NEG_INFINITY, f64::max) - wavelength;
             high[axis] = high[axis].max(last - NEAR * (last - high[axis]));
             is_closed_above |= axis == 2;
+        }
+    }
+    // Behind what reflects there is no sound.
+    for mirror in scene.mirrors() {
+        let normal = mirror.normal.normalize_or_zero();
+        let axis = normal.abs().max_position();
+        let place = mirror.point[axis];
+        if normal[axis] < -UPRIGHT
+            && place > low[axis]
+            && place <= high[axis] + BEYOND * (high[axis] - low[axis])
+        {
+            high[axis] = place;
+            is_closed_above |= axis == 2;
+        } else if normal[axis] > UPRIGHT && (low[axis]..high[axis]).contains(&place) {
+            low[axis] = place;
         }
     }
     if !is_closed_above {

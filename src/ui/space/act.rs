@@ -42,11 +42,13 @@ pub fn interact(editor: &mut Editor, shown: &Shown, ui: &mut Ui) -> Stage {
         .widget_info(|| egui::WidgetInfo::labeled(egui::Role::Canvas, true, "Canvas: the scene in space"));
     let is_down = ui.input(|input| input.pointer.any_down());
     let scene = editor.document.scene.clone();
-    let block = editor.space.frame(&scene, shown, is_down || ui.ctx().text_edit_focused());
+    // The frame in which it is let go counts, too.
+    let is_held = is_down || editor.space.is_held() || ui.ctx().text_edit_focused();
+    let [block, whole] = editor.space.frame(&scene, shown, is_held);
     let aspect = f64::from(rect.width() / rect.height());
     let camera = |editor: &Editor| {
         let space = &editor.space;
-        let home = || Camera::of(&block, space.direction, aspect, space.is_perspective);
+        let home = || Camera::of(&whole, space.direction, aspect, space.is_perspective);
         space.camera.map_or_else(home, |camera| Camera { is_perspective: space.is_perspective, ..camera })
     };
     let stage = |editor: &Editor| Stage {
@@ -127,7 +129,12 @@ fn hold(editor: &mut Editor, ui: &Ui, response: &Response, stage: &Stage) {
     let modifiers = ui.input(|input| input.modifiers);
     if let Some(at) = response.interact_pointer_pos() {
         if pressed && editor.space.held.is_none() {
-            editor.space.held = Some(take(editor, stage, at, modifiers));
+            let held = take(editor, stage, at, modifiers);
+            if let Held::Targets { .. } = held {
+                // The box may grow with what is dragged; what is seen stays where it is.
+                editor.space.camera = Some(stage.camera);
+            }
+            editor.space.held = Some(held);
         }
         drag(editor, stage, at, modifiers);
     }

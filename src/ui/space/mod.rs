@@ -11,8 +11,8 @@ use glam::{DVec2, DVec3};
 use crate::field::volume::camera::{Projection, Standard};
 use crate::field::volume::scenery::Body;
 use crate::field::volume::{Block, Camera};
-use crate::scene::{Array, Board, Plane, Target};
-use crate::studio::space::{Look, surface_part};
+use crate::scene::{Array, Board, Plane, Scene, Target};
+use crate::studio::space::{Look, surface_part, whole};
 use crate::studio::volume::block_of;
 use crate::ui::{Editor, Shown, Texture};
 use handle::Handle;
@@ -98,6 +98,8 @@ impl Default for SpaceView {
 #[derive(Clone, Debug, PartialEq)]
 struct Framed {
     block: Block,
+    /// The boards as well.
+    whole: Block,
     plane: Plane,
     array: Array,
     boards: Vec<Board>,
@@ -233,34 +235,33 @@ impl SpaceView {
         }
     }
 
-    /// The box of a scene. It is kept while targets move within it, so that nothing slides away under the pointer.
-    fn frame(&mut self, editor_scene: &crate::scene::Scene, shown: &Shown, is_held: bool) -> Block {
+    /// The box of a scene, and what is around all of it. It is kept while targets move within it, so that nothing slides away under the pointer.
+    fn frame(&mut self, scene: &Scene, shown: &Shown, is_held: bool) -> [Block; 2] {
         /// How many times as large as needed it stays.
         const MOST_FREE: f64 = 3.0;
-        let scene = editor_scene;
         let Some(sound) = &shown.sound else {
-            let size = DVec3::splat(0.2);
-            return self
-                .framed
-                .as_ref()
-                .map_or(Block { centre: DVec3::Z * 0.1, size }, |framed| framed.block);
+            let usual = Block { centre: DVec3::Z * 0.1, size: DVec3::splat(0.2) };
+            return self.framed.as_ref().map_or([usual; 2], |framed| [framed.block, framed.whole]);
         };
+        let block = block_of(scene, &sound.aperture, &sound.foci);
         let fresh = Framed {
-            block: block_of(scene, &sound.aperture, &sound.foci),
+            block,
+            whole: whole(&block, &sound.aperture),
             plane: scene.plane.clone(),
             array: scene.array.clone(),
             boards: scene.boards.clone(),
         };
         if let Some(framed) = &self.framed {
-            let is_same = Framed { block: fresh.block, ..framed.clone() } == fresh;
+            let is_same = Framed { block, whole: fresh.whole, ..framed.clone() } == fresh;
             let (own, wanted) = (framed.block, fresh.block);
             let holds =
                 own.low().cmple(wanted.low() + 1e-9).all() && own.high().cmpge(wanted.high() - 1e-9).all();
             let is_close = own.size.element_product() <= MOST_FREE * wanted.size.element_product();
             if is_held || (is_same && holds && is_close) {
-                return own;
+                return [own, framed.whole];
             }
         }
-        self.framed.insert(fresh).block
+        let framed = self.framed.insert(fresh);
+        [framed.block, framed.whole]
     }
 }

@@ -55,12 +55,14 @@ pub fn paint(editor: &Editor, shown: &Shown, ui: &Ui, stage: &Stage) {
 fn axes(editor: &Editor, painter: &Painter, stage: &Stage) {
     let font = FontId::proportional(12.0);
     let ink = theme::line(editor.view.is_light, 190);
-    let rim = theme::line(!editor.view.is_light, 170);
+    let ground = theme::ground(editor.view.is_light).gamma_multiply(0.7);
     for label in labels::labels(&stage.block, &stage.projection(), 1.0) {
         let at = stage.rect.min + vec2(label.at.x as f32, label.at.y as f32);
-        for (by, colour) in [(vec2(-1.0, 0.0), rim), (vec2(1.0, 0.0), rim), (vec2(0.0, 0.0), ink)] {
-            painter.text(at + by, Align2::CENTER_CENTER, &label.text, font.clone(), colour);
-        }
+        // Whatever is behind.
+        let galley = painter.layout_no_wrap(label.text, font.clone(), ink);
+        let rect = Align2::CENTER_CENTER.anchor_size(at, galley.size());
+        painter.rect_filled(rect.expand2(vec2(3.0, 0.0)), 3.0, ground);
+        painter.galley(rect.min, galley, ink);
     }
 }
 
