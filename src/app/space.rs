@@ -54,6 +54,15 @@ impl Wanted {
     }
 }
 
+/// A picture from a thread.
+#[derive(Debug)]
+struct Drawing {
+    volume: Arc<Volume>,
+    rgba: Vec<u8>,
+    /// ms for the field and for the picture.
+    milliseconds: [f64; 2],
+}
+
 /// A field, and what it is of.
 type Kept = Option<(Sounding, Arc<Volume>)>;
 
@@ -61,8 +70,7 @@ type Kept = Option<(Sounding, Arc<Volume>)>;
 pub struct Spacing {
     coarse: Kept,
     fine: Kept,
-    /// With what it took: ms for the field and for the picture.
-    pictures: Later<Wanted, (Arc<Volume>, Vec<u8>, [f64; 2])>,
+    pictures: Later<Wanted, Drawing>,
     fields: Later<Sounding, Arc<Volume>>,
     /// What is on the screen, and whether it is coarse.
     drawn: Option<(Wanted, bool)>,
@@ -142,7 +150,7 @@ impl Spacing {
         if self.drawn.as_ref().is_some_and(|(drawn, is_coarse)| !is_coarse && *drawn == best) {
             return Ok(());
         }
-        if let Some((volume, rgba, milliseconds)) = self.pictures.get(&best) {
+        if let Some(Drawing { volume, rgba, milliseconds }) = self.pictures.get(&best) {
             put(shown, rgba, best.size, stage, ctx);
             tell(shown, volume, false, *milliseconds);
             self.fine = Some((sounding, Arc::clone(volume)));
@@ -166,7 +174,8 @@ impl Spacing {
                 let volume = known.unwrap_or_else(|| wanted.sounding.volume(false));
                 let sampled = start.elapsed().as_secs_f64() * 1e3;
                 let rgba = wanted.draw(&volume, true);
-                (volume, rgba, [sampled, start.elapsed().as_secs_f64() * 1e3 - sampled])
+                let drawn = start.elapsed().as_secs_f64() * 1e3 - sampled;
+                Drawing { volume, rgba, milliseconds: [sampled, drawn] }
             });
         }
         Ok(())

@@ -82,7 +82,7 @@ enum Command {
     ///
     ///   sonoglyph render assets/scenes/water-moving-square.toml --quantity depression --view shaded --waves -o waves.mp4
     #[command(verbatim_doc_comment)]
-    Render(RenderArgs),
+    Render(Box<RenderArgs>),
     /// Find the drive of a scene and say how good it is
     ///
     /// Examples:

@@ -67,6 +67,18 @@ fn sampled_pressures_are_those_of_the_f64_reference() {
     }
 }
 
+#[test]
+fn boxes_of_any_size_have_as_many_points_as_a_drag_has_time_for() {
+    let aperture = Aperture::new(&Scene::default());
+    let drives = [scattered(&aperture, 0.5)];
+    for size in [DVec3::splat(10.0), DVec3::new(0.0001, 10.0, 0.3), DVec3::splat(1e-4), DVec3::splat(0.4)] {
+        let block = Block { centre: DVec3::new(0.0, 0.0, 0.2), size };
+        let volume = Volume::new(&aperture, &drives, &block, Fineness::of(true));
+        assert!(volume.lattice.counts.min_element() >= 2 && volume.values.len() < 1 << 21, "{size}");
+        assert!(volume.values.iter().all(|value| value.is_finite()));
+    }
+}
+
 /// A field that falls off as a Gaussian with these widths (m) about a point, whose surfaces of equal value are ellipsoids.
 fn gaussian(block: &Block, centre: DVec3, widths: DVec3, step: f64) -> Volume {
     let lattice = Lattice::covering(block, DVec3::splat(step));

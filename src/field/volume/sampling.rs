@@ -14,17 +14,23 @@ use crate::field::{Evaluator, Samples, Sources, Wave, cpu};
 /// Cells along the side of a brick, whose largest value is known.
 pub const BRICK: u32 = 8;
 /// Samples per wavelength, and points in all, of a volume that is dragged and of one at rest.
-const COARSE: Fineness = Fineness { per_wavelength: 4.0, most: 1 << 19 };
-const FINE: Fineness = Fineness { per_wavelength: 8.0, most: 1 << 22 };
+const COARSE: Fineness = Fineness { per_wavelength: 4.0, least: 1 << 17, most: 1 << 19, pairs: 3e8 };
+const FINE: Fineness = Fineness { per_wavelength: 8.0, least: 1 << 18, most: 1 << 22, pairs: 1e10 };
 
 /// Of the sound, what may be missing of a series of reflections.
 const LEFT_OUT: f64 = 1e-3;
+
+/// Of a step, what rounding leaves.
+const SLACK: f64 = 1e-9;
 
 /// How many points there are.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Fineness {
     pub per_wavelength: f64,
+    pub least: usize,
     pub most: usize,
+    /// Points times elements, unless that leaves fewer than the least.
+    pub pairs: f64,
 }
 
 impl Fineness {
@@ -49,7 +55,7 @@ pub struct Volume {
 impl Volume {
     /// What drives that take turns make in a box: the root of the mean square.
     pub fn new(aperture: &Aperture, drives: &[Drive], block: &Block, fineness: Fineness) -> Self {
-        let lattice = lattice(aperture, block, fineness);
+        let lattice = lattice(aperture, drives.len(), block, fineness);
         let excitations: Vec<_> = drives.iter().map(|drive| excitation(aperture, drive)).collect();
         let values = values(aperture, drives, &excitations, &lattice);
         Self::of(lattice, values)
@@ -100,14 +106,38 @@ impl Volume {
 }
 
 /// Points that boards in rows and columns share as far as they can, so that one table serves all elements.
-fn lattice(aperture: &Aperture, block: &Block, fineness: Fineness) -> Lattice {
+fn lattice(aperture: &Aperture, drives: usize, block: &Block, fineness: Fineness) -> Lattice {
+    /// How much longer a pair takes without a table.
+    const ALONE: f64 = 10.0;
+    /// More points than wanted that are worth a table.
+    const WORTH: f64 = 2.0;
+    let pairs = |face: &Face| {
+        let times = if along(face, 1).is_some() { 1.0 } else { ALONE };
+        times * face.layout.positions.len() as f64
+    };
+    let pairs = drives.max(1) as f64 * heard(aperture).map(pairs).sum::<f64>();
+    let most = (fineness.pairs / pairs.max(1.0)).clamp(fineness.least as f64, fineness.most as f64);
     let volume = block.size.element_product();
-    let wanted =
-        (aperture.wavelength() / fineness.per_wavelength).max((volume / fineness.most as f64).cbrt());
-    let across = aperture.pitch / (aperture.pitch / wanted - 1e-9).ceil().max(1.0);
-    let is_shared = aperture.faces.iter().any(|face| along(face, 1).is_some());
-    let across = if is_shared { across } else { wanted };
+    let wanted = (aperture.wavelength() / fineness.per_wavelength).max((volume / most).cbrt());
+    let shared = heard(aperture).any(|face| along(face, 1).is_some()).then(|| {
+        let in_pitch = (aperture.pitch / wanted - SLACK).ceil().max(1.0);
+        let is_too_fine = (in_pitch * wanted / aperture.pitch).powi(2) > WORTH && in_pitch > 1.0;
+        aperture.pitch / if is_too_fine { in_pitch - 1.0 } else { in_pitch }
+    });
+    // Where a pitch is less than a step, no table is shared.
+    let across = shared.filter(|across| WORTH * across * across >= wanted * wanted).unwrap_or(wanted);
     Lattice::covering(block, DVec3::new(across, across, wanted))
+}
+
+/// The boards and images that are loud enough to be seen.
+fn heard(aperture: &Aperture) -> impl Iterator<Item = &Face> {
+    aperture.faces.iter().take_while(|face| face.rest >= LEFT_OUT)
+}
+
+/// Steps in a pitch, if these are whole.
+fn in_pitch(aperture: &Aperture, lattice: &Lattice) -> Option<isize> {
+    let steps = aperture.pitch / lattice.step.x;
+    ((steps - steps.round()).abs() < SLACK && steps > 0.5).then(|| steps.round() as isize)
 }
 
 /// How horizontal samples run along a flat board in rows and columns, at so many samples in a pitch.
@@ -151,39 +181,34 @@ fn corners(lattice: &Lattice) -> Samples {
     Samples { columns: xs, rows: yz.map(|(y, z)| DVec3::new(0.0, y, z)).to_vec() }
 }
 
+/// Sounding elements and their tilts, as [`Sources`] has them.
+type Elements = (Vec<[f32; 4]>, Vec<[f32; 4]>);
+
 /// What of a face serves every layer.
 struct Heard<'a> {
     face: &'a Face,
     wave: Wave,
     shared: Option<[Option<Shared>; 2]>,
     /// Of every drive, where no table is shared: sounding elements and their tilts.
-    elements: Vec<(Vec<[f32; 4]>, Vec<[f32; 4]>)>,
+    elements: Vec<Elements>,
 }
 
-fn values(
-    aperture: &Aperture,
+fn values<'a>(
+    aperture: &'a Aperture,
     drives: &[Drive],
     excitations: &[Vec<Complex64>],
     lattice: &Lattice,
 ) -> Vec<f32> {
     let corners = corners(lattice);
-    let heard = |face: &'_ Face| {
+    let in_pitch = in_pitch(aperture, lattice);
+    let of_face = |face: &'a Face| {
         let wave = Wave::new(&aperture.element, &face.layout, &corners.seen_from(&face.pose))?;
-        let samples = (aperture.pitch / lattice.step.x).round() as isize;
-        let shared = along(face, samples);
-        Some((wave, shared))
+        let shared = in_pitch.and_then(|samples| along(face, samples));
+        let of_drive = |drive: &Drive| elements(aperture, face, &wave, drive);
+        let elements = if shared.is_some() { Vec::new() } else { drives.iter().map(of_drive).collect() };
+        Some(Heard { face, wave, shared, elements })
     };
-    let heard: Option<Vec<_>> = aperture
-        .faces
-        .iter()
-        .take_while(|face| face.rest >= LEFT_OUT)
-        .map(|face| {
-            let (wave, shared) = heard(face)?;
-            let of_drive = |drive: &Drive| elements(aperture, face, &wave, drive);
-            let elements = if shared.is_some() { Vec::new() } else { drives.iter().map(of_drive).collect() };
-            Some(Heard { face, wave, shared, elements })
-        })
-        .collect();
+    let heard: Option<Vec<_>> = heard(aperture).map(of_face).collect();
     let of_layer = lattice.counts.x as usize * lattice.counts.y as usize;
     let mut values = vec![0.0; lattice.len()];
     let fill = |(z, values): (usize, &mut [f32])| {
@@ -211,7 +236,7 @@ fn values(
 }
 
 /// The sounding elements of a face, and their tilts.
-fn elements(aperture: &Aperture, face: &Face, wave: &Wave, drive: &Drive) -> (Vec<[f32; 4]>, Vec<[f32; 4]>) {
+fn elements(aperture: &Aperture, face: &Face, wave: &Wave, drive: &Drive) -> Elements {
     let sounding = crate::field::sources::sounding(aperture, face, drive);
     let mut elements = wave.elements(face, &sounding, drive);
     elements.iter_mut().for_each(|[.., amplitude]| *amplitude *= face.gain as f32);

@@ -187,7 +187,7 @@ fn drag(editor: &mut Editor, stage: &Stage, at: Pos2, modifiers: egui::Modifiers
     match editor.space.held.clone() {
         Some(Held::Targets { handle, from, before }) => {
             let Some(to) = handle::dragged(handle, ray, from) else { return };
-            let mut by = to - from;
+            let mut by = freed(handle, to - from);
             // A click that trembles is no move.
             if by.length() < 2.0 * stage.per_point(from) {
                 by = DVec3::ZERO;
@@ -217,12 +217,16 @@ fn drag(editor: &mut Editor, stage: &Stage, at: Pos2, modifiers: egui::Modifiers
 
 /// The move that brings a place to the grid along the axes that the handle moves it along.
 fn snapped(handle: Handle, centre: DVec3, by: DVec3, grid: f64) -> DVec3 {
-    let on_grid = ((centre + by) / grid).round() * grid - centre;
+    freed(handle, ((centre + by) / grid).round() * grid - centre)
+}
+
+/// What of a move a handle makes: nothing across its axis or along its plane's, whatever rounding leaves.
+fn freed(handle: Handle, by: DVec3) -> DVec3 {
     let is_free = |axis: usize| match handle {
         Handle::Axis(own) | Handle::Slice(own) | Handle::Face(own, _) => axis == own,
         Handle::Plane(own) => axis != own,
     };
-    DVec3::from_array([0, 1, 2].map(|axis| if is_free(axis) { on_grid[axis] } else { 0.0 }))
+    DVec3::from_array([0, 1, 2].map(|axis| if is_free(axis) { by[axis] } else { 0.0 }))
 }
 
 /// Moves a slice, or a face of the clipped box.
