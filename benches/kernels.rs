@@ -2,18 +2,25 @@
 //! take turns with them. `sonoglyph bench field` measures whole maps.
 
 use std::hint::black_box;
+use std::sync::Arc;
 
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
+use glam::DVec3;
 use num_complex::{Complex32, Complex64};
 use sonoglyph::acoustics::Aperture;
-use sonoglyph::field::gpu::adapter;
+use sonoglyph::drive::Drive;
+use sonoglyph::field::gpu::{SpacePainting, adapter};
 use sonoglyph::field::interpolation::{Between, interpolate};
 use sonoglyph::field::plan::Costs;
 use sonoglyph::field::transfer::{Layout, Transfer};
+use sonoglyph::field::volume::sampling::Fineness;
+use sonoglyph::field::volume::scenery::{Body, Shot};
+use sonoglyph::field::volume::{Block, Camera, Volume, march};
 use sonoglyph::field::{Plan, Samples, Sources, Wave, cpu, reference};
 use sonoglyph::scene::{ElementModel, Scene, Shape, Target};
 use sonoglyph::simd::Isa;
 use sonoglyph::solver;
+use sonoglyph::studio::space::{Look, scenery};
 
 fn kernels(criterion: &mut Criterion) {
     let gpu = adapter::open_best(true).ok();
@@ -89,5 +96,66 @@ fn stages(criterion: &mut Criterion) {
     group.finish();
 }
 
-criterion_group!(benches, kernels, stages);
+/// Space: a cube of 10 cm about a focus, coarse as while it is dragged and fine as at rest, on 512 x 512 pixels and as few as are drawn soon.
+fn space(criterion: &mut Criterion) {
+    let mut scene = Scene::default();
+    scene.targets = vec![Target::new(Shape::Point { at: scene.plane.centre })];
+    let block = Block { centre: scene.plane.centre, size: DVec3::splat(0.1) };
+    let aperture = Aperture::new(&scene);
+    let drives = solver::solve(&scene).expect("one point can be solved").drives();
+    let field = |drives: &[Drive], is_dragged: bool| {
+        Arc::new(Volume::new(&aperture, drives, &block, Fineness::of(is_dragged)))
+    };
+    let scenery = |body: Body| {
+        let look = Look { body, ..Look::default() };
+        scenery(&scene, (&aperture, &drives[0]), &[], (&block, &block), &look)
+    };
+    let camera = Camera::of(&block, [0.6, 0.36], 1.0, true);
+    let shot =
+        |volume: &Volume, body: Body, side: usize| Shot::new(&scenery(body), volume, &camera, (side, side));
+    let mut group = criterion.benchmark_group("space");
+    group.sample_size(20);
+    let (coarse, fine) = (field(&drives, true), field(&drives, false));
+    group.bench_function("drag frame", |bencher| {
+        let mut moved = scene.clone();
+        let mut step = 0.0;
+        bencher.iter(|| {
+            step = (step + 1e-4) % 0.02;
+            moved.targets = vec![Target::new(Shape::Point { at: scene.plane.centre + DVec3::X * step })];
+            let drives = solver::solve(&moved).expect("one point can be solved").drives();
+            let volume = field(&drives, true);
+            let body = Body::Surface(0.5);
+            march::picture(&shot(&volume, body, 257), &volume, &scenery(body).table, false)
+        });
+    });
+    for (name, is_dragged) in [("coarse", true), ("fine", false)] {
+        group.bench_function(BenchmarkId::new("volume", name), |bencher| {
+            bencher.iter(|| field(black_box(&drives), is_dragged));
+        });
+    }
+    let gpu = adapter::open_best(true).ok();
+    for (name, body) in [("surface", Body::Surface(0.5)), ("projection", Body::Projection)] {
+        for (what, volume, side, is_smooth) in [
+            ("soon, coarse", &coarse, 257, false),
+            ("soon, fine", &fine, 257, false),
+            ("at rest", &fine, 512, true),
+        ] {
+            let (shot, scenery) = (shot(volume, body, side), scenery(body));
+            group.bench_function(BenchmarkId::new(name, what), |bencher| {
+                bencher.iter(|| march::picture(black_box(&shot), volume, &scenery.table, is_smooth));
+            });
+            let Some(gpu) = &gpu else { continue };
+            let mut painting = SpacePainting::default();
+            group.bench_function(BenchmarkId::new(format!("{name}, {}", gpu.info().name), what), |bencher| {
+                bencher.iter(|| {
+                    painting.paint(gpu, (&shot, &scenery), volume, is_smooth).expect("a GPU that draws");
+                    gpu.wait()
+                });
+            });
+        }
+    }
+    group.finish();
+}
+
+criterion_group!(benches, kernels, stages, space);
 criterion_main!(benches);

@@ -368,7 +368,11 @@ impl Window {
     }
 
     fn map_png(&mut self) -> anyhow::Result<Vec<u8>> {
-        Ok(export::png(&self.workshop.mapping.picture().context("there is no map")?)?)
+        let picture = match self.editor.space.is_on {
+            true => self.workshop.spacing.picture(),
+            false => self.workshop.mapping.picture(),
+        };
+        Ok(export::png(&picture.context("there is no picture")?)?)
     }
 
     fn numbers_npy(&mut self) -> anyhow::Result<Vec<u8>> {

@@ -137,6 +137,16 @@ impl Mapping {
         self.stages.gpu()
     }
 
+    /// What draws the window, if that is the device which computes the field.
+    pub fn screen(&self) -> Option<&RenderState> {
+        self.screen.as_ref()
+    }
+
+    /// The GPU fails: the CPU goes on.
+    pub fn lose_gpu(&mut self, error: GpuError) {
+        self.give_up_gpu(error);
+    }
+
     /// How often each stage of the field has run.
     pub fn work(&self) -> Work {
         self.stages.work()
@@ -430,7 +440,11 @@ pub fn in_egui(before: Option<Texture>, image: ColorImage, ctx: &Context) -> Tex
 }
 
 /// The name by which egui draws a picture that lies on its device.
-fn register(screen: &RenderState, registered: &mut Option<(OnGpu, TextureId)>, texture: OnGpu) -> TextureId {
+pub fn register(
+    screen: &RenderState,
+    registered: &mut Option<(OnGpu, TextureId)>,
+    texture: OnGpu,
+) -> TextureId {
     let filter = wgpu::FilterMode::Linear;
     let id = match registered.take() {
         Some((known, id)) if known == texture => id,

@@ -17,6 +17,7 @@ mod mapping;
 mod posing;
 pub mod recovery;
 pub mod settings;
+mod space;
 mod survey;
 mod thumbnails;
 mod time_course;
@@ -42,7 +43,7 @@ use link::Board;
 use recovery::Recovery;
 use settings::{Memory, Settings};
 use thumbnails::Thumbnails;
-use workshop::Workshop;
+use workshop::{Seen, Workshop};
 
 pub use desktop::run;
 
@@ -407,11 +408,18 @@ impl Window {
         let before = self.editor.seen();
         let Self { editor, shown, workshop, board, .. } = self;
         let mut commands = ui::show(editor, shown, ui, |editor, shown, ui| {
+            if editor.space.is_on {
+                let stage = ui::space::interact(editor, shown, ui);
+                workshop.update(editor, shown, &Seen::Space(&stage), ui.ctx());
+                board.update(editor, shown, ui.ctx());
+                ui::space::paint(editor, shown, ui, &stage);
+                return;
+            }
             let (mut own, mut other) = compare::halves(editor, ui);
             let canvas = canvas::interact(editor, &mut own);
             let second = other.as_mut().and_then(|ui| compare::interact(editor, &canvas, ui));
             let beside = second.as_ref().map(|second| &second.lens);
-            workshop.update(editor, shown, &canvas.lens, beside, ui.ctx());
+            workshop.update(editor, shown, &Seen::Map { lens: &canvas.lens, beside }, ui.ctx());
             board.update(editor, shown, ui.ctx());
             canvas::paint(editor, shown, &own, &canvas);
             match (&mut other, &second) {

@@ -14,6 +14,7 @@ use crate::app::comparison::{self, Comparison};
 use crate::app::later::Later;
 use crate::app::mapping::{Look, Mapping};
 use crate::app::posing::{Solved, Source, is_shape, posed, posed_in_motion, solve, sound};
+use crate::app::space::Spacing;
 use crate::app::survey::Survey;
 use crate::app::time_course::TimeCourse;
 use crate::field::{Evaluator, Quantity, Request, Stages, missed};
@@ -23,6 +24,7 @@ use crate::solver::{self, Problem, Solution};
 use crate::studio::liquid;
 use crate::studio::reach;
 use crate::ui::board::Plays;
+use crate::ui::space::Stage;
 use crate::ui::view::Lens;
 use crate::ui::{Editor, MethodRow, Notice, Panel, Playback, Pressed, Shown, Sound};
 
@@ -57,6 +59,17 @@ impl Clock {
     }
 }
 
+/// What is looked at.
+#[derive(Clone, Copy, Debug)]
+pub enum Seen<'a> {
+    /// A map, and what it is compared with.
+    Map {
+        lens: &'a Lens,
+        beside: Option<&'a Lens>,
+    },
+    Space(&'a Stage),
+}
+
 #[derive(Debug)]
 pub struct Workshop {
     pub mapping: Mapping,
@@ -75,6 +88,7 @@ pub struct Workshop {
     /// What makes it, with what it keeps from one time to the next.
     presser: Arc<Mutex<Stages>>,
     comparison: Option<Comparison>,
+    pub spacing: Spacing,
     motion: Clock,
     /// When the board began to play the motion (s on the window's clock), and how the playback stood.
     board: Option<(f64, Playback)>,
@@ -97,6 +111,7 @@ impl Workshop {
             course: TimeCourse::default(),
             presser: Arc::new(Mutex::new(Stages::new(Evaluator::Cpu))),
             comparison: None,
+            spacing: Spacing::default(),
             motion: Clock::default(),
             board: None,
             oscillation: Clock::default(),
@@ -117,18 +132,11 @@ impl Workshop {
             || self.comparison.as_ref().is_some_and(Comparison::is_busy)
             || self.survey.is_running()
             || self.course.is_running()
+            || self.spacing.is_running()
     }
 
     /// Brings everything that is shown up to date.
-    /// `beside` is the window on what the map is compared with.
-    pub fn update(
-        &mut self,
-        editor: &mut Editor,
-        shown: &mut Shown,
-        lens: &Lens,
-        beside: Option<&Lens>,
-        ctx: &Context,
-    ) {
+    pub fn update(&mut self, editor: &mut Editor, shown: &mut Shown, seen: &Seen<'_>, ctx: &Context) {
         shown.problem = None;
         shown.pending = None;
         let came = [
@@ -139,6 +147,7 @@ impl Workshop {
             self.pressed.collect(),
             self.survey.collect(),
             self.course.collect(),
+            self.spacing.collect(),
         ];
         if came.contains(&true) {
             // The panels of this frame were drawn without it.
@@ -152,9 +161,20 @@ impl Workshop {
         let source = self.source(editor, shown);
         shown.sound = source.as_ref().map(|source| sound(editor.scene(), editor.levels, source));
         self.press(editor, shown, ctx);
-        self.map(editor, shown, lens, ctx);
-        self.compare(editor, shown, source.as_ref(), beside, ctx);
-        self.survey.update(editor, shown, lens, ctx);
+        match *seen {
+            Seen::Map { lens, beside } => {
+                self.spacing.rest(shown);
+                self.map(editor, shown, lens, ctx);
+                self.compare(editor, shown, source.as_ref(), beside, ctx);
+                self.survey.update(editor, shown, lens, ctx);
+            }
+            Seen::Space(stage) => {
+                if let Err(error) = self.spacing.update(editor, shown, stage, &self.mapping, ctx) {
+                    self.mapping.lose_gpu(error);
+                    ctx.request_repaint();
+                }
+            }
+        }
         self.course.update(editor, shown, ctx);
         shown.warnings = warnings(editor, shown);
         shown.warnings.extend_from_slice(self.reached(ctx));

@@ -21,7 +21,7 @@ use crate::studio::{liquid, map};
 pub struct FigureArgs {
     /// Draw a figure for a paper, with axes and a colour bar: PNG, SVG or PDF by the ending
     #[arg(long, conflicts_with_all = ["size", "motion", "waves"])]
-    figure: bool,
+    pub figure: bool,
     /// Width of the figure in mm [default: 85, a column]
     #[arg(long, value_name = "W", requires = "figure", value_parser = parse_width)]
     width_mm: Option<f64>,
@@ -49,9 +49,9 @@ pub struct FigureArgs {
     /// A line above the map
     #[arg(long, value_name = "T", requires = "figure")]
     title: Option<String>,
-    /// Colours for a light ground: white where there is no sound
-    #[arg(long, requires = "figure")]
-    light: bool,
+    /// Colours for a light ground: white where there is no sound; of --view 3d too
+    #[arg(long)]
+    pub light: bool,
     /// State pressures as peak amplitudes instead of RMS
     #[arg(long, requires = "figure")]
     peak: bool,
@@ -95,6 +95,9 @@ impl FigureArgs {
     pub(in crate::cli) fn wish(args: &RenderArgs) -> anyhow::Result<Option<(Quantity, Wish)>> {
         let figure = &args.figure;
         if !figure.figure {
+            if figure.light {
+                bail!("--light is of figures and of space: add --figure or --view 3d");
+            }
             return Ok(None);
         }
         let Diagram::Map(quantity) = args.quantity else {

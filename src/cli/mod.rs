@@ -15,7 +15,9 @@ mod probe;
 mod progress;
 mod render;
 mod solve;
+mod space;
 mod time_course;
+mod volume;
 
 use std::path::{Path, PathBuf};
 
@@ -26,7 +28,9 @@ use crate::bench::{self, Subject};
 pub use crate::cli::arguments::BadArguments;
 use crate::cli::boards::{BoardArgs, CheckArgs, SendArgs};
 use crate::cli::figure::FigureArgs;
+use crate::cli::space::SpaceArgs;
 use crate::cli::time_course::TimeArgs;
+use crate::cli::volume::VolumeArgs;
 use crate::field::Quantity;
 use crate::picture::ColourMap;
 use crate::scene::{Listener, Method, Scene};
@@ -70,11 +74,15 @@ enum Command {
     ///
     ///   sonoglyph render hit.toml -o hit.pdf --figure --contours -6 --targets --scale-bar
     ///
+    ///   sonoglyph render hit.toml -o hit.vti --volume 64,64,64
+    ///
+    ///   sonoglyph render hit.toml -o hit.png --view 3d --camera iso --iso -6
+    ///
     ///   sonoglyph render assets/scenes/water-moving-square.toml --motion -o square.gif
     ///
     ///   sonoglyph render assets/scenes/water-moving-square.toml --quantity depression --view shaded --waves -o waves.mp4
     #[command(verbatim_doc_comment)]
-    Render(RenderArgs),
+    Render(Box<RenderArgs>),
     /// Find the drive of a scene and say how good it is
     ///
     /// Examples:
@@ -173,7 +181,7 @@ struct RenderArgs {
     /// Pixels: W, or WxH; W alone keeps the plane's shape [default: 512, pages 1600, films of shaded surfaces 800]
     #[arg(long, value_name = "W[xH]", value_parser = render::parse_size)]
     size: Option<Size>,
-    /// How a surface depression is shown
+    /// How a surface depression is shown, or all of space
     #[arg(long, value_enum, default_value_t = View::Flat)]
     view: View,
     #[arg(long, value_parser = parse_method, help = method_help("Solver method, instead of the scene's"))]
@@ -223,6 +231,10 @@ struct RenderArgs {
     verbose: bool,
     #[command(flatten)]
     figure: FigureArgs,
+    #[command(flatten)]
+    volume: VolumeArgs,
+    #[command(flatten)]
+    space: SpaceArgs,
 }
 
 #[derive(Debug, Args)]
@@ -331,6 +343,9 @@ enum View {
     Flat,
     /// The surface seen at an angle
     Shaded,
+    /// Space: the field's surface or projection, boards, targets and the scene's plane
+    #[value(name = "3d")]
+    Space,
 }
 
 /// What an option says, and every method by its full name.
@@ -358,9 +373,16 @@ pub fn run() -> anyhow::Result<Next> {
         Ok(cli) => cli,
         Err(error) => return arguments::answer(&error),
     };
+    if let Some(Command::Render(args)) = &cli.command {
+        space::refuse(args)?;
+    }
     let done = match cli {
         Cli { command: Some(Command::Render(args)), .. } if args.motion || args.waves => animate::run(&args),
-        Cli { command: Some(Command::Render(args)), .. } => render::run(&args),
+        Cli { command: Some(Command::Render(args)), .. } => match (args.volume.volume, args.view) {
+            (Some(counts), _) => volume::run(&args, counts),
+            (None, View::Space) => space::run(&args),
+            (None, View::Flat | View::Shaded) => render::run(&args),
+        },
         Cli { command: Some(Command::Solve(args)), .. } if args.motion => motion::run(&args),
         Cli { command: Some(Command::Solve(args)), .. } => solve::run(&args),
         Cli { command: Some(Command::Probe(args)), .. } => probe::run(&args),

@@ -57,6 +57,9 @@ pub fn look(args: &RenderArgs) -> Look {
 }
 
 pub fn run(args: &RenderArgs) -> anyhow::Result<()> {
+    if args.volume.block.is_some() {
+        bail!("--box is of --volume and of --view 3d");
+    }
     let outputs = outputs(&args.scenes, &args.output)?;
     if args.data.is_some() && args.scenes.len() > 1 {
         bail!("--data takes the numbers of one scene, and {} are given", args.scenes.len());
@@ -123,7 +126,7 @@ pub fn run(args: &RenderArgs) -> anyhow::Result<()> {
 }
 
 /// One output per scene: the file itself, or files in a folder.
-fn outputs(scenes: &[PathBuf], output: &Path) -> anyhow::Result<Vec<PathBuf>> {
+pub(in crate::cli) fn outputs(scenes: &[PathBuf], output: &Path) -> anyhow::Result<Vec<PathBuf>> {
     let named_as_folder = output.as_os_str().to_string_lossy().ends_with(std::path::is_separator);
     if scenes.len() == 1 && !output.is_dir() && !named_as_folder {
         return Ok(vec![output.to_owned()]);
@@ -143,7 +146,7 @@ fn outputs(scenes: &[PathBuf], output: &Path) -> anyhow::Result<Vec<PathBuf>> {
 }
 
 /// Makes the folder that outputs go to, unless a single file was named: its folder must be there.
-fn make_folder(args: &RenderArgs, outputs: &[PathBuf]) -> anyhow::Result<()> {
+pub(in crate::cli) fn make_folder(args: &RenderArgs, outputs: &[PathBuf]) -> anyhow::Result<()> {
     if outputs.len() == 1 && outputs[0] == args.output {
         return Ok(());
     }

@@ -9,6 +9,8 @@ pub mod figure;
 pub mod grey;
 pub mod relief;
 pub mod sheet;
+pub mod space;
+pub mod vti;
 
 use std::sync::Once;
 

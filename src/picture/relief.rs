@@ -356,7 +356,7 @@ fn letter(picture: &mut Picture, words: Words<'_>, unit: f64) -> Result<(), Pict
 }
 
 /// Lets something draw on the colours of a picture.
-fn on_picture(
+pub(in crate::picture) fn on_picture(
     picture: &mut Picture,
     draw: impl FnOnce(&DrawingArea<BitMapBackend<'_>, plotters::coord::Shift>) -> Result<(), PictureError>,
 ) -> Result<(), PictureError> {

@@ -18,10 +18,13 @@ pub mod paintings;
 pub mod presets;
 pub mod probe;
 pub mod reach;
+pub mod space;
 pub mod still;
 pub mod swell;
 pub mod time_course;
 pub mod video;
+pub mod view_3d;
+pub mod volume;
 pub mod waveform;
 pub mod width;
 

@@ -43,6 +43,7 @@ pub enum Action {
     LargerBrush,
     Quantity(Quantity),
     ShowEverything,
+    Space,
     Targets,
     Profile,
     ShowPanel(Panel),
@@ -133,7 +134,7 @@ impl Action {
         all.extend(Tool::ALL.map(A::Tool));
         all.extend([A::SmallerBrush, A::LargerBrush]);
         all.extend(Quantity::ALL.map(A::Quantity));
-        all.extend([A::ShowEverything, A::Targets, A::Profile]);
+        all.extend([A::ShowEverything, A::Space, A::Targets, A::Profile]);
         all.extend(Panel::ALL.map(A::ShowPanel));
         all.extend([A::TogglePanel, A::Present, A::Larger, A::Smaller, A::UsualScale, A::SwitchTheme]);
         all.extend([A::Send, A::PlayMotion, A::Stop, A::Palette, A::Help]);
@@ -173,6 +174,7 @@ impl Action {
             Self::LargerBrush => "Larger brush",
             Self::Quantity(quantity) => return format!("Show: {}", quantity.declaration().title),
             Self::ShowEverything => "Fit the view",
+            Self::Space => "3D view",
             Self::Targets => "Show targets",
             Self::Profile => "Line profile",
             Self::ShowPanel(panel) => return format!("{} panel", panel.name()),
@@ -215,6 +217,7 @@ impl Action {
             Self::Tool(_) | Self::SmallerBrush | Self::LargerBrush => Group::Tools,
             Self::Quantity(_)
             | Self::ShowEverything
+            | Self::Space
             | Self::Targets
             | Self::Profile
             | Self::ShowPanel(_)
@@ -253,6 +256,7 @@ impl Action {
             Self::LargerBrush => vec![plain(Key::CloseBracket)],
             Self::Quantity(quantity) => digit(quantity).map(plain).into_iter().collect(),
             Self::ShowEverything => vec![plain(Key::Num0)],
+            Self::Space => vec![plain(Key::F3)],
             Self::Targets => vec![plain(Key::M)],
             Self::Profile => vec![plain(Key::X)],
             Self::TogglePanel => vec![plain(Key::F9)],
@@ -331,6 +335,11 @@ impl Action {
                     && !motion::moves(editor.scene()),
                 "Nothing moves: choose a path in the Motion panel",
             ),
+            (
+                is_one_of(&[Self::Export(Export::Numbers), Self::Export(Export::Profile), Self::Profile])
+                    && editor.space.is_on,
+                "Leave the 3D view: this is of the map",
+            ),
             (self == Self::Stop && shown.board.plays == Plays::Nothing, "The board is silent"),
         ];
         lacks.iter().find(|(is_lacking, _)| *is_lacking).map_or(Ok(()), |(_, what)| Err(what))
@@ -376,6 +385,7 @@ impl Action {
             Self::LargerBrush => editor.brush.scale(brush::STEP),
             Self::Quantity(quantity) => editor.view.quantity = quantity,
             Self::ShowEverything => editor.fit(),
+            Self::Space => editor.space.is_on = !editor.space.is_on,
             Self::Targets => editor.view.marks = !editor.view.marks,
             Self::Profile => editor.view.section = !editor.view.section,
             Self::ShowPanel(panel) => (editor.panel, editor.layout.is_drawn_out) = (panel, true),

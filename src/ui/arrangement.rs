@@ -67,7 +67,7 @@ pub(super) fn around(
         let timeline = Side::bottom("timeline").resizable(false).frame(frame);
         timeline.show(ui, |ui| timeline::show(editor, shown, ui));
     }
-    if is_high && editor.view.section {
+    if is_high && editor.view.section && !editor.space.is_on {
         let section = Side::bottom("section")
             .frame(clear)
             .default_size(editor.layout.section)

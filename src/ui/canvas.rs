@@ -45,6 +45,7 @@ impl Canvas {
 
 /// Makes room for the canvas and lets the pointer act on it.
 pub fn interact(editor: &mut Editor, ui: &mut Ui) -> Canvas {
+    editor.space.leave();
     let outer = ui.available_rect_before_wrap();
     let min = outer.min + vec2(LEFT, ABOVE);
     let right = if editor.is_comparing() { BESIDE } else { RIGHT };
@@ -103,7 +104,7 @@ pub fn paint(editor: &Editor, shown: &Shown, ui: &Ui, canvas: &Canvas) {
     }
     if editor.view.is_shaded() {
         shaded(shown, ui, &painter, lens);
-        words(editor, shown, &painter, lens);
+        words(editor, shown, &painter, lens.rect);
         return;
     }
     if editor.view.grid || editor.snaps {
@@ -128,7 +129,7 @@ pub fn paint(editor: &Editor, shown: &Shown, ui: &Ui, canvas: &Canvas) {
     if let Some(map) = shown.map.as_ref().filter(|_| !editor.is_comparing()) {
         legend::paint(editor, map, ui, lens);
     }
-    words(editor, shown, &painter, lens);
+    words(editor, shown, &painter, lens.rect);
     if let Some(at) = canvas.response.hover_pos().filter(|_| editor.dialog.is_none()) {
         if !editor.is_comparing() {
             probe(editor, shown, &painter, lens, at);
@@ -195,8 +196,8 @@ fn shaded(shown: &Shown, ui: &Ui, painter: &Painter, lens: &Lens) {
 }
 
 /// What stands between the user and a picture.
-fn words(editor: &Editor, shown: &Shown, painter: &Painter, lens: &Lens) {
-    let middle = lens.rect.center();
+pub fn words(editor: &Editor, shown: &Shown, painter: &Painter, rect: Rect) {
+    let middle = rect.center();
     if editor.scene().targets.is_empty() && !editor.is_in_gesture() {
         let text = "Nothing to focus on yet.\nPick a tool on the left and draw, or open an example.";
         marks::chip(painter, middle, Align2::CENTER_CENTER, text, 15.0, Color32::WHITE);
@@ -211,8 +212,8 @@ fn words(editor: &Editor, shown: &Shown, painter: &Painter, lens: &Lens) {
             None => return,
         },
     };
-    let at = lens.rect.center_top() + vec2(0.0, 44.0);
-    wrapped_chip(painter, at, lens.rect.width() - 40.0, &text, colour);
+    let at = rect.center_top() + vec2(0.0, 44.0);
+    wrapped_chip(painter, at, rect.width() - 40.0, &text, colour);
 }
 
 fn wrapped_chip(painter: &Painter, top: Pos2, width: f32, text: &str, colour: Color32) {

@@ -113,7 +113,8 @@ fn escape(editor: &mut Editor, ctx: &Context) {
         action::present(editor, ctx, false);
         return;
     }
-    if editor.gesture.take().is_some() {
+    let is_edit_in_space = editor.space.let_go();
+    if editor.gesture.take().is_some() || is_edit_in_space {
         editor.document.revert();
     }
     editor.selection.clear();

@@ -77,6 +77,7 @@ impl Editor {
     pub fn fit(&mut self) {
         self.view.window = None;
         self.fitted = None;
+        self.space.go_home();
     }
 
     /// What of the cut is on this rectangle of the screen; `is_held` while something is dragged or typed.

@@ -158,6 +158,7 @@ fn file(editor: &mut Editor, shown: &Shown, ui: &mut Ui, commands: &mut Vec<Comm
 fn view(editor: &mut Editor, shown: &Shown, ui: &mut Ui, commands: &mut Vec<Command>) {
     let actions = [
         Action::ShowEverything,
+        Action::Space,
         Action::Targets,
         Action::Profile,
         Action::TogglePanel,

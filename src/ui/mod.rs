@@ -39,6 +39,7 @@ mod path_marks;
 pub mod section;
 mod segments;
 mod shown;
+pub mod space;
 mod status;
 pub mod theme;
 mod ticks;
@@ -65,6 +66,7 @@ use document::Document;
 use gesture::Gesture;
 use guides::Guide;
 use looking::Fitted;
+use space::SpaceView;
 use tool::Tool;
 use typing::Typing;
 use view::View;
@@ -87,6 +89,8 @@ pub struct Editor {
     pub selection: BTreeSet<usize>,
     pub view: View,
     fitted: Option<Fitted>,
+    /// How space is looked at.
+    pub space: SpaceView,
     /// What the map is compared with.
     pub compare: Option<beside::Compare>,
     pub tool: Tool,
@@ -282,6 +286,7 @@ impl Editor {
         Self {
             view: View::of(&document.scene),
             fitted: None,
+            space: SpaceView::default(),
             compare: None,
             document,
             selection: BTreeSet::new(),
@@ -325,6 +330,7 @@ impl Editor {
         let View { cut, heights, free, window, line, full, .. } = View::of(&document.scene);
         self.view = View { cut, heights, free, window, line, full, ..self.view.clone() };
         self.fitted = None;
+        self.space.camera = None;
         self.document = document;
         self.forget_places();
         self.playback = Playback::default();
@@ -346,6 +352,7 @@ impl Editor {
         self.vertex = None;
         self.typing = None;
         self.gesture = None;
+        self.space.let_go();
     }
 
     pub fn scene(&self) -> &Scene {
@@ -373,7 +380,7 @@ impl Editor {
 
     /// Whether an edit is under way that is to be one step of the history.
     pub fn is_in_gesture(&self) -> bool {
-        self.gesture.is_some() || self.typing.is_some()
+        self.gesture.is_some() || self.typing.is_some() || self.space.is_held()
     }
 }
 

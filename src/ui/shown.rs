@@ -18,12 +18,15 @@ use crate::studio::width::Widths;
 use crate::ui::beside;
 use crate::ui::board::BoardShown;
 use crate::ui::map::{Map, Texture};
+use crate::ui::space::SpaceShown;
 use crate::ui::{Editor, Folder, Preview};
 
 /// What was made from the scene and is there to be shown.
 #[derive(Debug, Default)]
 pub struct Shown {
     pub map: Option<Map>,
+    /// The scene in space, while that is looked at.
+    pub space: Option<SpaceShown>,
     /// What it is compared with.
     pub beside: Option<beside::Beside>,
     /// Of the scene at rest.

@@ -5,6 +5,7 @@ use egui::{Align, Button, Label, Layout, Popup, PopupCloseBehavior, RichText, Ui
 use crate::echo;
 use crate::field::promised;
 use crate::ui::panels::{fact, form};
+use crate::ui::space::SpaceShown;
 use crate::ui::{Editor, Map, Shown, theme};
 
 /// Points of the screen, of what opens.
@@ -14,8 +15,10 @@ pub fn bar(editor: &Editor, shown: &Shown, ui: &mut Ui) {
     ui.horizontal(|ui| {
         // With and without a map: another height would move the map under the pointer.
         ui.set_min_height(ui.spacing().interact_size.y);
-        if let Some(map) = &shown.map {
-            details(editor, shown, map, ui);
+        match (&shown.space, &shown.map) {
+            (Some(picture), _) => space(picture, ui),
+            (None, Some(map)) => details(editor, shown, map, ui),
+            (None, None) => {}
         }
         warnings(shown, ui);
         if let Some(notice) = &shown.notice {
@@ -25,6 +28,16 @@ pub fn bar(editor: &Editor, shown: &Shown, ui: &mut Ui) {
             ui.add(Label::new(RichText::new(text).color(colour)).truncate());
         }
     });
+}
+
+/// How the picture of space was made.
+fn space(picture: &SpaceShown, ui: &mut Ui) {
+    let [field, drawing] = picture.milliseconds;
+    let state = if picture.is_coarse { "coarse" } else { "fine" };
+    let tip = "Time for the pressures in the box and for the picture; coarse while something moves. Pressures between points are \
+               interpolated: for looking at, not for measuring";
+    let text = RichText::new(format!("{state}: field {field:.0} ms, picture {drawing:.0} ms"));
+    ui.add(Label::new(text.color(ui.visuals().weak_text_color()))).on_hover_text(tip);
 }
 
 /// How right the map is, and how it was made.

@@ -9,13 +9,27 @@ use crate::ui::number::{self, Look};
 use crate::ui::panels::{DEGREES, MM, Unit};
 use crate::ui::tool::Tool;
 use crate::ui::view::{Cut, FreePlane};
-use crate::ui::{Editor, beside, brush, panels, segments};
+use crate::ui::{Editor, beside, brush, panels, segments, space};
 
 /// m: how far the slider moves a plane.
 const FARTHEST: f64 = 0.3;
 
 pub fn show(editor: &mut Editor, ui: &mut Ui) {
+    if editor.space.is_on {
+        ui.horizontal_wrapped(|ui| {
+            dimensions(editor, ui);
+            space::bar(editor, ui);
+            convention(editor, ui);
+        });
+        ui.horizontal_wrapped(|ui| {
+            space::places(editor, ui);
+            let tip = "Focal points and outlines (M)";
+            icon::toggle(ui, Icon::Targets, "Show targets", tip, &mut editor.view.marks);
+        });
+        return;
+    }
     ui.horizontal_wrapped(|ui| {
+        dimensions(editor, ui);
         quantities(editor, ui);
         convention(editor, ui);
         if editor.view.quantity == Quantity::Instantaneous {
@@ -34,6 +48,15 @@ pub fn show(editor: &mut Editor, ui: &mut Ui) {
             brush(editor, ui);
         }
     });
+}
+
+/// A map of a plane, or all of space.
+fn dimensions(editor: &mut Editor, ui: &mut Ui) {
+    let choices = [
+        (false, "Map", "The field on a plane, on which targets are drawn".to_owned()),
+        (true, "3D", "The scene in space: turn it, and drag targets along axes and planes (F3)".to_owned()),
+    ];
+    segments::show(ui, "View", &mut editor.space.is_on, &choices);
 }
 
 /// What the brush paints or the eraser wipes.

@@ -10,6 +10,7 @@ mod process;
 mod refusal;
 #[path = "../requirement/mod.rs"]
 mod requirement;
+mod volume;
 
 use std::f64::consts::{SQRT_2, TAU};
 use std::fs;

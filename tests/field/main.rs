@@ -21,6 +21,7 @@ mod texels;
 mod transfer;
 mod truth;
 mod tunings;
+mod volume;
 
 use glam::{DVec2, DVec3, dvec3};
 use sonoglyph::drive::Drive;

@@ -21,6 +21,7 @@ mod requirement;
 mod robust;
 mod shape;
 mod shell;
+mod space;
 mod view;
 
 use std::path::Path;

@@ -11,6 +11,7 @@ mod painting;
 pub mod program;
 mod reading;
 mod resampling;
+mod space;
 mod superposition;
 pub mod tuning;
 
@@ -31,6 +32,7 @@ pub use chain::{Chain, Shape};
 pub use gathering::Gathered;
 pub use painting::Texture;
 pub use reading::Reading;
+pub use space::SpacePainting;
 
 /// Bytes of a buffer, at most.
 const LARGEST_BUFFER: u64 = 1 << 27;
@@ -129,6 +131,11 @@ impl Gpu {
 
     pub fn info(&self) -> &AdapterInfo {
         &self.info
+    }
+
+    /// Whether pictures of space are drawn sooner here than by the CPU.
+    pub fn draws_space(&self) -> bool {
+        self.tuning.draws_space
     }
 
     /// The device itself, for what draws with it.

@@ -6,7 +6,7 @@ use crate::field::colouring::{Colouring, SMALLEST, Scale};
 use crate::field::gpu::program::{PictureParams, Program, WORKGROUP};
 use crate::field::gpu::{Gpu, Step};
 
-/// A picture on the GPU, r, g, b, a in 8 bits each, row 0 at the smallest y.
+/// A picture on the GPU, r, g, b, a in 8 bits each; of a map row 0 is at the smallest y, of space at the top.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Texture {
     view: wgpu::TextureView,
@@ -15,6 +15,10 @@ pub struct Texture {
 }
 
 impl Texture {
+    pub(super) fn new(view: wgpu::TextureView, size: (usize, usize)) -> Self {
+        Self { view, size }
+    }
+
     pub fn view(&self) -> &wgpu::TextureView {
         &self.view
     }
@@ -96,7 +100,12 @@ impl Painting {
 }
 
 /// A texture of colours that programs read or write, and others may copy or draw.
-fn texture(gpu: &Gpu, label: &str, (width, height): (usize, usize), usage: TextureUsages) -> wgpu::Texture {
+pub(super) fn texture(
+    gpu: &Gpu,
+    label: &str,
+    (width, height): (usize, usize),
+    usage: TextureUsages,
+) -> wgpu::Texture {
     gpu.count(|traffic| traffic.allocations += 1);
     gpu.device.create_texture(&wgpu::TextureDescriptor {
         label: Some(label),

@@ -7,6 +7,8 @@ use crate::field::colouring::{SMALLEST, Scale};
 use crate::field::gpu::tuning::Tuning;
 use crate::field::quantity::{Norm, PRESSURE, Part, Quantity};
 use crate::field::sources::{COSINE, MOST_NODES, SINE};
+use crate::field::volume::sampling::BRICK;
+use crate::field::volume::{march, scenery};
 
 /// Invocations in a workgroup.
 pub const WORKGROUP: u32 = 64;
@@ -112,6 +114,16 @@ pub enum Program {
     Gather,
     /// From values to colours.
     Picture(Scale),
+    /// Space, ray by ray; with smooth edges or quickly.
+    Volume(Seen, bool),
+}
+
+/// What is seen of the field in a box, slices of it aside.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Seen {
+    Nothing,
+    Surface,
+    Projection,
 }
 
 /// Whose waves a field program adds up.
@@ -187,6 +199,9 @@ impl Program {
         all.extend(Quantity::ALL.map(Self::Form));
         all.extend(Quantity::ALL.map(Self::FormDirect));
         all.extend([Scale::Linear, Scale::Logarithmic].map(Self::Picture));
+        for seen in [Seen::Nothing, Seen::Surface, Seen::Projection] {
+            all.extend([false, true].map(|is_smooth| Self::Volume(seen, is_smooth)));
+        }
         all
     }
 
@@ -210,9 +225,49 @@ impl Program {
                 let law = format!("const LOGARITHMIC: bool = {};", scale == Scale::Logarithmic);
                 [&law, include_str!("../../../shaders/picture.wgsl")].join("\n")
             }
+            Self::Volume(seen, is_smooth) => {
+                [&space(seen, is_smooth), include_str!("../../../shaders/volume.wgsl")].join("\n")
+            }
         };
         [constants(), source].join("\n")
     }
+}
+
+/// What `shaders/volume.wgsl` and its twin on the CPU must agree on.
+fn space(seen: Seen, is_smooth: bool) -> String {
+    let rays = if is_smooth { &march::SMOOTH[..] } else { &[[0.0; 2]][..] };
+    let ray: Vec<_> = rays.iter().map(|[x, y]| format!("vec2f({x:?}, {y:?})")).collect();
+    let count = |name: &str, value: u32| format!("const {name}: u32 = {value}u;\n");
+    let number = |name: &str, value: f32| format!("const {name}: f32 = {value:?};\n");
+    [
+        count("TILE", scenery::TILE as u32),
+        count("MOST_MET", scenery::MOST_MET as u32),
+        count("LINE", scenery::LINE),
+        count("DOT", scenery::DOT),
+        count("DISC", scenery::DISC),
+        count("PANEL", scenery::PANEL),
+        count("MOST_STEPS", march::MOST_STEPS),
+        count("MOST_BRICKS", march::MOST_BRICKS),
+        count("HALVINGS", march::HALVINGS),
+        count("RAYS", rays.len() as u32),
+        number("BRICK", BRICK as f32),
+        number("SURFACE_STRIDE", march::SURFACE_STRIDE),
+        number("PROJECTION_STRIDE", march::PROJECTION_STRIDE),
+        number("NUDGE", march::NUDGE),
+        number("LEAST", march::LEAST),
+        number("OPAQUE", march::OPAQUE),
+        number("FAINT", march::FAINT),
+        number("SOLID", march::SOLID),
+        format!(
+            "var<private> RAY: array<vec2f, {}> = array<vec2f, {}>({});\n",
+            rays.len(),
+            rays.len(),
+            ray.join(", ")
+        ),
+        format!("const HAS_BODY: bool = {};\n", seen != Seen::Nothing),
+        format!("const IS_SURFACE: bool = {};\n", seen == Seen::Surface),
+    ]
+    .concat()
 }
 
 fn blocks(tuning: &Tuning, parts: u8) -> String {
@@ -283,6 +338,7 @@ mod tests {
     use naga::{Module, TypeInner};
 
     use super::*;
+    use crate::field::volume::scenery::{ShotParams, Thing};
 
     /// Parses and validates with no capability beyond the portable ones.
     fn module(name: &str, source: &str) -> Module {
@@ -382,6 +438,36 @@ mod tests {
         assert_same_layout!(
             &module(Program::Picture(Scale::Linear), &Tuning::SOFTWARE),
             PictureParams { width, zero, spread, full }
+        );
+        let space = module(Program::Volume(Seen::Surface, true), &Tuning::SOFTWARE);
+        assert_same_layout!(&space, Thing { place, first, second, colour });
+        assert_same_layout!(
+            &space,
+            ShotParams {
+                eye,
+                aside,
+                right,
+                spread,
+                up,
+                level,
+                forward,
+                per_peak,
+                low,
+                width,
+                high,
+                height,
+                first,
+                tiles,
+                per_metre,
+                more,
+                counts,
+                columns,
+                bricks,
+                rows,
+                surface,
+                top,
+                bottom
+            }
         );
         assert_same_layout!(
             &module(Program::Across, &Tuning::SOFTWARE),

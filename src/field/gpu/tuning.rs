@@ -12,16 +12,28 @@ pub struct Tuning {
     pub large_blocks: bool,
     /// Rounds of loops in one invocation, at most.
     pub most_rounds: u32,
+    /// Pictures of space are drawn here: what plays GPU takes longer for them than the CPU itself.
+    pub draws_space: bool,
     /// Samples times elements in one submission, so that no driver thinks that the device hangs.
     pub most_pairs: u64,
 }
 
 impl Tuning {
     /// llvmpipe leaves a shader's loops after 65 535 rounds of them in all, and says nothing.
-    pub const SOFTWARE: Self =
-        Self { eight_samples: true, large_blocks: true, most_rounds: 1 << 15, most_pairs: 1 << 31 };
-    pub const INTEGRATED: Self =
-        Self { eight_samples: false, large_blocks: false, most_rounds: 1 << 20, most_pairs: 1 << 33 };
+    pub const SOFTWARE: Self = Self {
+        eight_samples: true,
+        large_blocks: true,
+        most_rounds: 1 << 15,
+        draws_space: false,
+        most_pairs: 1 << 31,
+    };
+    pub const INTEGRATED: Self = Self {
+        eight_samples: false,
+        large_blocks: false,
+        most_rounds: 1 << 20,
+        draws_space: true,
+        most_pairs: 1 << 33,
+    };
     pub const DISCRETE: Self = Self { most_pairs: 1 << 36, ..Self::INTEGRATED };
 
     pub fn of(kind: Kind) -> Self {

@@ -1,0 +1,316 @@
+//! The RMS pressure at a lattice of points in space, in f32 and as fast as it goes, for pictures.
+
+use glam::{DVec3, UVec3, Vec3};
+use num_complex::{Complex32, Complex64};
+use rayon::prelude::*;
+
+use crate::acoustics::{Aperture, Face};
+use crate::drive::Drive;
+use crate::field::plan::Shared;
+use crate::field::transfer::{Layout, Transfer};
+use crate::field::volume::{Block, Lattice};
+use crate::field::{Evaluator, Samples, Sources, Wave, cpu};
+
+/// Cells along the side of a brick, whose largest value is known.
+pub const BRICK: u32 = 8;
+/// Samples per wavelength, and points in all, of a volume that is dragged and of one at rest.
+const COARSE: Fineness = Fineness { per_wavelength: 4.0, least: 1 << 17, most: 1 << 19, pairs: 3e8 };
+const FINE: Fineness = Fineness { per_wavelength: 8.0, least: 1 << 18, most: 1 << 22, pairs: 1e10 };
+
+/// Of the sound, what may be missing of a series of reflections.
+const LEFT_OUT: f64 = 1e-3;
+
+/// Of a step, what rounding leaves.
+const SLACK: f64 = 1e-9;
+
+/// How many points there are.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Fineness {
+    pub per_wavelength: f64,
+    pub least: usize,
+    pub most: usize,
+    /// Points times elements, unless that leaves fewer than the least.
+    pub pairs: f64,
+}
+
+impl Fineness {
+    /// Of something that is dragged, or at rest.
+    pub fn of(is_dragged: bool) -> Self {
+        if is_dragged { COARSE } else { FINE }
+    }
+}
+
+/// A field in a box.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Volume {
+    pub lattice: Lattice,
+    /// RMS pressure, Pa.
+    pub values: Vec<f32>,
+    /// The largest of them.
+    pub peak: f32,
+    /// The largest value of every brick of [`BRICK`]³ cells.
+    pub bricks: Vec<f32>,
+}
+
+impl Volume {
+    /// What drives that take turns make in a box: the root of the mean square.
+    pub fn new(aperture: &Aperture, drives: &[Drive], block: &Block, fineness: Fineness) -> Self {
+        let lattice = lattice(aperture, drives.len(), block, fineness);
+        let excitations: Vec<_> = drives.iter().map(|drive| excitation(aperture, drive)).collect();
+        let values = values(aperture, drives, &excitations, &lattice);
+        Self::of(lattice, values)
+    }
+
+    /// Of values that are there.
+    pub fn of(lattice: Lattice, values: Vec<f32>) -> Self {
+        let bricks = bricks(&lattice, &values);
+        let peak = bricks.iter().copied().fold(0.0, f32::max);
+        Self { lattice, values, peak, bricks }
+    }
+
+    /// Bricks along the axes.
+    pub fn brick_counts(&self) -> UVec3 {
+        brick_counts(&self.lattice)
+    }
+
+    /// The value at a place in steps from the first point, interpolated linearly; beyond the lattice that of its rim.
+    #[inline]
+    pub fn at(&self, place: Vec3) -> f32 {
+        let counts = self.lattice.counts;
+        let place = place.clamp(Vec3::ZERO, (counts - UVec3::ONE).as_vec3());
+        let cell = place.as_uvec3().min(counts.saturating_sub(UVec3::splat(2)));
+        let part = place - cell.as_vec3();
+        let (row, layer) = (counts.x as usize, (counts.x * counts.y) as usize);
+        let corner = cell.x as usize + cell.y as usize * row + cell.z as usize * layer;
+        // One look whether a layer's four are there serves them all.
+        let across = |at: usize| {
+            let four = &self.values[at..][..row + 2];
+            let (a, b) = (four[0], four[row]);
+            let (a, b) = (a + (four[1] - a) * part.x, b + (four[row + 1] - b) * part.x);
+            a + (b - a) * part.y
+        };
+        let (a, b) = (across(corner), across(corner + layer));
+        a + (b - a) * part.z
+    }
+
+    /// By how much the value grows per step along the axes, from the neighbours on either side.
+    pub fn slope(&self, place: Vec3) -> Vec3 {
+        let along = |step: Vec3| 0.5 * (self.at(place + step) - self.at(place - step));
+        Vec3::new(along(Vec3::X), along(Vec3::Y), along(Vec3::Z))
+    }
+
+    /// The value at a point (m); beyond the lattice that of its rim.
+    pub fn value(&self, point: DVec3) -> f32 {
+        self.at(((point - self.lattice.first) / self.lattice.step).as_vec3())
+    }
+}
+
+/// Points that boards in rows and columns share as far as they can, so that one table serves all elements.
+fn lattice(aperture: &Aperture, drives: usize, block: &Block, fineness: Fineness) -> Lattice {
+    /// How much longer a pair takes without a table.
+    const ALONE: f64 = 10.0;
+    /// More points than wanted that are worth a table.
+    const WORTH: f64 = 2.0;
+    let pairs = |face: &Face| {
+        let times = if along(face, 1).is_some() { 1.0 } else { ALONE };
+        times * face.layout.positions.len() as f64
+    };
+    let pairs = drives.max(1) as f64 * heard(aperture).map(pairs).sum::<f64>();
+    let most = (fineness.pairs / pairs.max(1.0)).clamp(fineness.least as f64, fineness.most as f64);
+    let volume = block.size.element_product();
+    let wanted = (aperture.wavelength() / fineness.per_wavelength).max((volume / most).cbrt());
+    let shared = heard(aperture).any(|face| along(face, 1).is_some()).then(|| {
+        let in_pitch = (aperture.pitch / wanted - SLACK).ceil().max(1.0);
+        let is_too_fine = (in_pitch * wanted / aperture.pitch).powi(2) > WORTH && in_pitch > 1.0;
+        aperture.pitch / if is_too_fine { in_pitch - 1.0 } else { in_pitch }
+    });
+    // Where a pitch is less than a step, no table is shared.
+    let across = shared.filter(|across| WORTH * across * across >= wanted * wanted).unwrap_or(wanted);
+    Lattice::covering(block, DVec3::new(across, across, wanted))
+}
+
+/// The boards and images that are loud enough to be seen.
+fn heard(aperture: &Aperture) -> impl Iterator<Item = &Face> {
+    aperture.faces.iter().take_while(|face| face.rest >= LEFT_OUT)
+}
+
+/// Steps in a pitch, if these are whole.
+fn in_pitch(aperture: &Aperture, lattice: &Lattice) -> Option<isize> {
+    let steps = aperture.pitch / lattice.step.x;
+    ((steps - steps.round()).abs() < SLACK && steps > 0.5).then(|| steps.round() as isize)
+}
+
+/// How horizontal samples run along a flat board in rows and columns, at so many samples in a pitch.
+fn along(face: &Face, samples: isize) -> Option<[Option<Shared>; 2]> {
+    const ALIGNED: f64 = 1e-12;
+    face.layout.columns?;
+    let shared = |axis: DVec3| {
+        let own = face.pose.local_direction(axis);
+        let element_axis = own.truncate().abs().max_position();
+        let sign = own[element_axis].signum() as isize;
+        let is_along = (own[element_axis].abs() - 1.0).abs() < ALIGNED;
+        is_along.then_some(Shared { element_axis, samples: sign * samples })
+    };
+    Some([Some(shared(DVec3::X)?), Some(shared(DVec3::Y)?)])
+}
+
+fn excitation(aperture: &Aperture, drive: &Drive) -> Vec<Complex64> {
+    let mut excitation = vec![Complex64::ZERO; aperture.positions.len()];
+    for (&n, u) in aperture.driven.iter().zip(drive.excitation(&aperture.driven)) {
+        excitation[n] = u;
+    }
+    excitation
+}
+
+/// The points of a layer.
+fn layer(lattice: &Lattice, z: usize) -> Samples {
+    let Lattice { first, step, counts } = *lattice;
+    let height = first.z + step.z * z as f64;
+    Samples {
+        columns: (0..counts.x).map(|i| DVec3::new(first.x + step.x * f64::from(i), 0.0, height)).collect(),
+        rows: (0..counts.y).map(|j| DVec3::new(0.0, first.y + step.y * f64::from(j), 0.0)).collect(),
+    }
+}
+
+/// The box's corners, which say how far sound comes.
+fn corners(lattice: &Lattice) -> Samples {
+    let (low, high) =
+        (lattice.first, lattice.first + lattice.step * (lattice.counts - UVec3::ONE).as_dvec3());
+    let xs = [low.x, high.x].map(|x| DVec3::new(x, 0.0, 0.0)).to_vec();
+    let yz = [(low.y, low.z), (high.y, low.z), (low.y, high.z), (high.y, high.z)];
+    Samples { columns: xs, rows: yz.map(|(y, z)| DVec3::new(0.0, y, z)).to_vec() }
+}
+
+/// Sounding elements and their tilts, as [`Sources`] has them.
+type Elements = (Vec<[f32; 4]>, Vec<[f32; 4]>);
+
+/// What of a face serves every layer.
+struct Heard<'a> {
+    face: &'a Face,
+    wave: Wave,
+    shared: Option<[Option<Shared>; 2]>,
+    /// Of every drive, where no table is shared: sounding elements and their tilts.
+    elements: Vec<Elements>,
+}
+
+fn values<'a>(
+    aperture: &'a Aperture,
+    drives: &[Drive],
+    excitations: &[Vec<Complex64>],
+    lattice: &Lattice,
+) -> Vec<f32> {
+    let corners = corners(lattice);
+    let in_pitch = in_pitch(aperture, lattice);
+    let of_face = |face: &'a Face| {
+        let wave = Wave::new(&aperture.element, &face.layout, &corners.seen_from(&face.pose))?;
+        let shared = in_pitch.and_then(|samples| along(face, samples));
+        let of_drive = |drive: &Drive| elements(aperture, face, &wave, drive);
+        let elements = if shared.is_some() { Vec::new() } else { drives.iter().map(of_drive).collect() };
+        Some(Heard { face, wave, shared, elements })
+    };
+    let heard: Option<Vec<_>> = heard(aperture).map(of_face).collect();
+    let of_layer = lattice.counts.x as usize * lattice.counts.y as usize;
+    let mut values = vec![0.0; lattice.len()];
+    let fill = |(z, values): (usize, &mut [f32])| {
+        let samples = layer(lattice, z);
+        let mut fields = vec![vec![Complex32::ZERO; of_layer]; drives.len()];
+        match &heard {
+            Some(heard) => heard.iter().for_each(|heard| heard.add(excitations, &samples, &mut fields)),
+            None => {
+                // What f32 has no room for.
+                for (drive, field) in drives.iter().zip(&mut fields) {
+                    if let Ok(exact) = Evaluator::Reference.pressure(aperture, drive, &samples) {
+                        *field = exact;
+                    }
+                }
+            }
+        }
+        let factor = 0.5 / drives.len().max(1) as f32;
+        for (i, value) in values.iter_mut().enumerate() {
+            let square: f32 = fields.iter().map(|field| field[i].norm_sqr()).sum();
+            *value = (factor * square).sqrt();
+        }
+    };
+    values.par_chunks_mut(of_layer).enumerate().for_each(fill);
+    values
+}
+
+/// The sounding elements of a face, and their tilts.
+fn elements(aperture: &Aperture, face: &Face, wave: &Wave, drive: &Drive) -> Elements {
+    let sounding = crate::field::sources::sounding(aperture, face, drive);
+    let mut elements = wave.elements(face, &sounding, drive);
+    elements.iter_mut().for_each(|[.., amplitude]| *amplitude *= face.gain as f32);
+    (elements, crate::field::sources::tilts(&face.layout, sounding.iter().map(|n| n - face.first)))
+}
+
+impl Heard<'_> {
+    /// Adds what the face sends to the points of a layer.
+    fn add(&self, excitations: &[Vec<Complex64>], samples: &Samples, fields: &mut [Vec<Complex32>]) {
+        let Self { face, wave, shared, elements } = self;
+        let own = samples.seen_from(&face.pose);
+        if let Some(shared) = shared {
+            let table = Transfer::new(face, wave, Layout::new(face, &own, *shared), None);
+            table.superpose(face, excitations, fields);
+            return;
+        }
+        for ((elements, tilts), field) in elements.iter().zip(fields) {
+            let (elements, tilts) = (elements.clone(), tilts.clone());
+            let sources = Sources { wave: wave.clone(), elements, tilts, samples: own.clone() };
+            for (sum, p) in field.iter_mut().zip(cpu::pressure(&[sources], samples.len())) {
+                *sum += p;
+            }
+        }
+    }
+}
+
+fn brick_counts(lattice: &Lattice) -> UVec3 {
+    let cells = lattice.counts - UVec3::ONE;
+    (cells + UVec3::splat(BRICK - 1)) / BRICK
+}
+
+/// The largest value of every brick, faces included, x fastest.
+fn bricks(lattice: &Lattice, values: &[f32]) -> Vec<f32> {
+    let (counts, bricks) = (lattice.counts, brick_counts(lattice));
+    let (row, layer) = (counts.x as usize, (counts.x * counts.y) as usize);
+    let of_brick = |index: u32| {
+        let (x, y, z) = (index % bricks.x, index / bricks.x % bricks.y, index / bricks.x / bricks.y);
+        let first = UVec3::new(x, y, z) * BRICK;
+        let last = (first + BRICK).min(counts - UVec3::ONE);
+        let mut largest = 0.0f32;
+        for z in first.z..=last.z {
+            for y in first.y..=last.y {
+                let start = z as usize * layer + y as usize * row;
+                let run = &values[start + first.x as usize..=start + last.x as usize];
+                largest = run.iter().fold(largest, |largest, value| largest.max(*value));
+            }
+        }
+        largest
+    };
+    (0..bricks.element_product()).into_par_iter().with_min_len(64).map(of_brick).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn values_between_points_are_linear_and_bricks_hold_the_largest_of_their_points() {
+        let lattice =
+            Lattice { first: DVec3::ZERO, step: DVec3::new(1e-3, 2e-3, 5e-4), counts: UVec3::new(20, 9, 11) };
+        let at = |point: DVec3| 3.0 + 1e3 * point.x - 400.0 * point.y + 2e3 * point.z;
+        let point = |i: usize| {
+            let place = UVec3::new(i as u32 % 20, i as u32 / 20 % 9, i as u32 / 180);
+            lattice.first + lattice.step * place.as_dvec3()
+        };
+        let values: Vec<_> = (0..lattice.len()).map(|i| at(point(i)) as f32).collect();
+        let volume = Volume::of(lattice, values.clone());
+        for place in [DVec3::new(3.3e-3, 7.1e-3, 4.9e-3), DVec3::new(18.9e-3, 0.2e-3, 0.0), point(1979)] {
+            assert!((f64::from(volume.value(place)) - at(place)).abs() < 1e-4, "{place}");
+        }
+        let slope = volume.slope(Vec3::new(4.5, 3.5, 6.5));
+        assert!(slope.distance(Vec3::new(1.0, -0.8, 1.0)) < 1e-4, "{slope}");
+        assert_eq!(volume.brick_counts(), UVec3::new(3, 1, 2));
+        assert_eq!(volume.bricks[0], values[8 + 8 * 180]);
+        assert_eq!(volume.peak, values.iter().copied().fold(0.0, f32::max));
+    }
+}

@@ -1,0 +1,306 @@
+//! A scene in space: what stands there, from where it is seen, and what is written beside it.
+
+use std::f64::consts::TAU;
+
+use glam::{DVec2, DVec3, Vec3, Vec4};
+
+use crate::acoustics::{Aperture, Face};
+use crate::drive::Drive;
+use crate::field::volume::camera::Projection;
+use crate::field::volume::scenery::{Body, Item};
+use crate::field::volume::{Block, Scenery};
+use crate::picture::ColourMap;
+use crate::scene::{Focus, Scene, outline};
+
+/// What of a scene is shown in space, and how.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Look {
+    pub body: Body,
+    /// m: where slices across x, y and z lie.
+    pub slices: [Option<f64>; 3],
+    pub has_plane: bool,
+    pub has_targets: bool,
+    pub has_elements: bool,
+    pub has_box: bool,
+    pub colours: ColourMap,
+    pub is_light: bool,
+    /// Pixels of a point of the screen: how large lines and dots are.
+    pub scale: f64,
+}
+
+impl Default for Look {
+    fn default() -> Self {
+        Self {
+            body: Body::Surface(surface_part(-6.0)),
+            slices: [None; 3],
+            has_plane: true,
+            has_targets: true,
+            has_elements: true,
+            has_box: true,
+            colours: ColourMap::Inferno,
+            is_light: false,
+            scale: 1.0,
+        }
+    }
+}
+
+/// The part of the peak that is so many dB above it.
+pub fn surface_part(decibels: f64) -> f32 {
+    10f64.powf(decibels / 20.0) as f32
+}
+
+/// Elements that are drawn one by one, at most.
+const MOST_ELEMENTS: usize = 16_384;
+/// How far the rim of a board reaches beyond its outermost elements, in pitches.
+const RIM: f64 = 0.6;
+const WATER: Vec3 = Vec3::new(0.16, 0.45, 0.85);
+const WALL: Vec3 = Vec3::new(0.55, 0.6, 0.68);
+const SILENT: Vec3 = Vec3::new(0.33, 0.35, 0.39);
+
+/// Everything that stands in a scene's space.
+pub fn scenery(
+    scene: &Scene,
+    (aperture, drive): (&Aperture, &Drive),
+    foci: &[Focus],
+    (block, clip): (&Block, &Block),
+    look: &Look,
+) -> Scenery {
+    let mut items = Items { items: Vec::new(), look };
+    if look.has_elements {
+        for board in aperture.boards() {
+            items.board(aperture, board, drive);
+        }
+    }
+    for mirror in &scene.reflectors {
+        items.plane_in(block, mirror.point, mirror.normal.normalize_or_zero(), WALL, 0.16);
+    }
+    if let (true, Some((x, y))) = (scene.liquid.reflects, scene.plane.axes()) {
+        let half = [x * (scene.plane.size.x / 2.0), y * (scene.plane.size.y / 2.0)];
+        items.panel(scene.plane.centre, half, WATER.extend(0.28));
+    }
+    if look.has_plane
+        && let Some((x, y)) = scene.plane.axes()
+    {
+        let half = [x * (scene.plane.size.x / 2.0), y * (scene.plane.size.y / 2.0)];
+        items.slice(scene.plane.centre, half);
+    }
+    for (axis, place) in look.slices.iter().enumerate() {
+        if let Some(place) = place {
+            items.slice_across(clip, axis, *place);
+        }
+    }
+    if look.has_targets {
+        items.targets(scene, foci);
+    }
+    if look.has_box {
+        let colour = items.ink(0.34);
+        for [a, b] in edges(block) {
+            items.line([a, b], 1.0, colour, 0.0);
+        }
+        if clip != block {
+            let colour = items.ink(0.7);
+            for [a, b] in edges(clip) {
+                items.line([a, b], 1.2, colour, 0.0);
+            }
+        }
+    }
+    let ground = if look.is_light {
+        [Vec3::ONE, Vec3::new(0.925, 0.935, 0.95)]
+    } else {
+        [Vec3::new(0.085, 0.09, 0.115), Vec3::new(0.035, 0.035, 0.047)]
+    };
+    let table = look.colours.on(look.is_light);
+    let [r, g, b, _] = table[if look.is_light { 112 } else { 172 }];
+    let surface = Vec3::new(f32::from(r), f32::from(g), f32::from(b)) / 255.0;
+    Scenery { items: items.items, body: look.body, clip: *clip, surface, table, ground }
+}
+
+struct Items<'a> {
+    items: Vec<Item>,
+    look: &'a Look,
+}
+
+impl Items<'_> {
+    /// What lines are drawn in.
+    fn ink(&self, alpha: f32) -> Vec4 {
+        let ink = if self.look.is_light { Vec3::splat(0.08) } else { Vec3::ONE };
+        ink.extend(alpha)
+    }
+
+    fn line(&mut self, ends: [DVec3; 2], width: f64, colour: Vec4, shine: f32) {
+        self.items.push(Item::Line { ends, width: width * self.look.scale, colour, shine });
+    }
+
+    fn frame(&mut self, centre: DVec3, [a, b]: [DVec3; 2], colour: Vec4) {
+        let corners = [centre - a - b, centre + a - b, centre + a + b, centre - a + b];
+        for i in 0..4 {
+            self.line([corners[i], corners[(i + 1) % 4]], 1.2, colour, 0.0);
+        }
+    }
+
+    fn panel(&mut self, centre: DVec3, half: [DVec3; 2], colour: Vec4) {
+        self.items.push(Item::Panel { centre, half, colour });
+        self.frame(centre, half, colour.truncate().extend(0.7));
+    }
+
+    fn slice(&mut self, centre: DVec3, half: [DVec3; 2]) {
+        self.items.push(Item::Slice { centre, half, opacity: 0.94 });
+        let ink = self.ink(0.5);
+        self.frame(centre, half, ink);
+    }
+
+    /// A slice of the box across an axis.
+    fn slice_across(&mut self, clip: &Block, axis: usize, place: f64) {
+        let half = clip.size / 2.0;
+        let (a, b) = [(DVec3::Y, DVec3::Z), (DVec3::X, DVec3::Z), (DVec3::X, DVec3::Y)][axis];
+        let mut centre = clip.centre;
+        centre[axis] = place;
+        self.slice(centre, [a * half, b * half]);
+    }
+
+    /// As much of an endless plane as is near to the box.
+    fn plane_in(&mut self, block: &Block, point: DVec3, normal: DVec3, colour: Vec3, alpha: f32) {
+        if normal == DVec3::ZERO {
+            return;
+        }
+        let centre = block.centre - normal * normal.dot(block.centre - point);
+        let across = if normal.x.abs() < 0.9 { DVec3::X } else { DVec3::Y };
+        let a = (across - normal * normal.dot(across)).normalize_or_zero();
+        let b = normal.cross(a);
+        let reach = |axis: DVec3| axis * (axis.abs().dot(block.size) / 2.0 * 1.04);
+        self.panel(centre, [reach(a), reach(b)], colour.extend(alpha));
+    }
+
+    fn board(&mut self, aperture: &Aperture, board: &Face, drive: &Drive) {
+        let radius = aperture.element.radius;
+        if board.layout.is_flat() {
+            let (low, high) = board.corners();
+            let (middle, half) = ((low + high) / 2.0, (high - low) / 2.0 + RIM * aperture.pitch);
+            let [x, y, normal] = [DVec3::X, DVec3::Y, DVec3::Z].map(|axis| board.pose.world_direction(axis));
+            // A little behind its elements.
+            let centre = board.pose.world(middle.extend(0.0)) - normal * (0.1 * radius);
+            let plate = if self.look.is_light { Vec3::splat(0.62) } else { Vec3::splat(0.16) };
+            self.items.push(Item::Panel {
+                centre,
+                half: [x * half.x, y * half.y],
+                colour: plate.extend(0.72),
+            });
+            let ink = self.ink(0.4);
+            self.frame(centre, [x * half.x, y * half.y], ink);
+        }
+        if board.layout.positions.len() > MOST_ELEMENTS {
+            return;
+        }
+        let table = ColourMap::Cyclic.table();
+        let is_driven: std::collections::HashSet<_> = aperture.driven.iter().collect();
+        for n in board.elements() {
+            let loud = drive.amplitudes.get(n).copied().unwrap_or(0.0).clamp(0.0, 1.0) as f32;
+            let phase = drive.phases.get(n).copied().unwrap_or(0.0);
+            let [r, g, b, _] = table[((phase / TAU + 0.5).rem_euclid(1.0) * 255.0).round() as usize];
+            let tint = Vec3::new(f32::from(r), f32::from(g), f32::from(b)) / 255.0;
+            let colour = if is_driven.contains(&n) { SILENT.lerp(tint, loud.sqrt()) } else { SILENT };
+            self.items.push(Item::Disc {
+                centre: aperture.positions[n],
+                normal: aperture.normals[n],
+                radius,
+                colour: colour.extend(1.0),
+            });
+        }
+    }
+
+    fn targets(&mut self, scene: &Scene, foci: &[Focus]) {
+        /// Of what lies inside a surface.
+        const SHINE: f32 = 0.55;
+        let (ink, edge) =
+            (self.ink(0.92), if self.look.is_light { Vec3::ONE } else { Vec3::ZERO }.extend(0.5));
+        for target in scene.targets.iter().filter(|target| target.visible) {
+            for stroke in outline::strokes(target).unwrap_or_default() {
+                for ends in stroke.windows(2) {
+                    self.line([ends[0], ends[1]], 1.7, ink, SHINE);
+                }
+            }
+        }
+        for focus in foci.iter().filter(|focus| focus.is_separate()) {
+            let dot = |radius: f64, colour: Vec4, shine: f32| Item::Dot {
+                at: focus.position,
+                radius: radius * self.look.scale,
+                colour,
+                shine,
+            };
+            let both = [dot(4.4, edge, 0.0), dot(3.2, ink, SHINE)];
+            self.items.extend(both);
+        }
+    }
+}
+
+/// What a view of everything shows: the box, and the boards.
+pub fn whole(block: &Block, aperture: &Aperture) -> Block {
+    let rim = DVec3::splat(RIM * aperture.pitch);
+    let places = aperture.boards().flat_map(|board| &aperture.positions[board.elements()]);
+    let grown = |(low, high): (DVec3, DVec3), at: &DVec3| (low.min(*at - rim), high.max(*at + rim));
+    let (low, high) = places.fold((block.low(), block.high()), grown);
+    Block::between(low, high)
+}
+
+/// The twelve edges of a box, those along x first, then along y and z.
+pub fn edges(block: &Block) -> [[DVec3; 2]; 12] {
+    let half = block.size / 2.0;
+    std::array::from_fn(|i| {
+        let (axis, corner) = (i / 4, i % 4);
+        let sign = |bit: usize| if corner & bit == 0 { -1.0 } else { 1.0 };
+        let others = [sign(1), sign(2)];
+        let mut place = DVec3::ZERO;
+        place[(axis + 1) % 3] = others[0];
+        place[(axis + 2) % 3] = others[1];
+        let end = |along: f64| {
+            let mut end = place;
+            end[axis] = along;
+            block.centre + end * half
+        };
+        [end(-1.0), end(1.0)]
+    })
+}
+
+/// Words beside an axis of the box.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Label {
+    /// Pixels, its middle.
+    pub at: DVec2,
+    pub text: String,
+}
+
+/// The scales of the box: along one edge of each axis the coordinates of both ends in mm, and in the middle the axis' name.
+pub fn labels(block: &Block, projection: &Projection, scale: f64) -> Vec<Label> {
+    /// Points of the screen between an edge and its words.
+    const OFF: f64 = 16.0;
+    const LEAST: f64 = 46.0;
+    let Some((middle, _)) = projection.screen(block.centre) else { return Vec::new() };
+    let mut labels = Vec::new();
+    for (axis, name) in ["x / mm", "y / mm", "z / mm"].into_iter().enumerate() {
+        let seen = |edge: &[DVec3; 2]| {
+            let ends = edge.map(|end| projection.screen(end));
+            let [Some((a, near)), Some((b, far))] = ends else { return None };
+            Some(([a, b], near + far))
+        };
+        let all: Vec<_> = edges(block)[4 * axis..4 * axis + 4].iter().filter_map(seen).collect();
+        // The lowest one, and of upright axes the one at the left; of several the nearest.
+        let rank = |([a, b], depth): &([DVec2; 2], f64)| {
+            let place = (*a + *b) / 2.0;
+            let aside = if axis == 2 { -place.x } else { place.y };
+            (aside / scale).round() - 1e-3 * depth
+        };
+        let Some(([a, b], _)) = all.into_iter().max_by(|a, b| rank(a).total_cmp(&rank(b))) else { continue };
+        if a.distance(b) < LEAST * scale {
+            continue;
+        }
+        let along = (b - a).normalize_or_zero();
+        let outward = along.perp() * along.perp().dot((a + b) / 2.0 - middle).signum();
+        let off = outward * OFF * scale;
+        let ends = [block.low()[axis], block.high()[axis]].map(|place| format!("{:.0}", place * 1e3));
+        let [low, high] = ends.map(|text| if text == "-0" { "0".to_owned() } else { text.replace('-', "−") });
+        labels.push(Label { at: a + off + along * 8.0 * scale, text: low });
+        labels.push(Label { at: b + off - along * 8.0 * scale, text: high });
+        labels.push(Label { at: (a + b) / 2.0 + off * 1.35, text: name.to_owned() });
+    }
+    labels
+}

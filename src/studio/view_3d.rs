@@ -1,0 +1,177 @@
+//! One picture of a scene in space, with words: what `render --view 3d` writes.
+
+use std::sync::Arc;
+use std::time::Instant;
+
+use anyhow::bail;
+use glam::DVec2;
+
+use crate::field::gpu::SpacePainting;
+use crate::field::volume::camera::Standard;
+use crate::field::volume::sampling::Fineness;
+use crate::field::volume::scenery::{Body, Shot};
+use crate::field::volume::{Block, Camera, Scenery, Volume, march};
+use crate::field::{Evaluator, Quantity, Request};
+use crate::memory;
+use crate::picture::Picture;
+use crate::picture::space::{Bar, Words};
+use crate::studio::evaluator::Backend;
+use crate::studio::output::note;
+use crate::studio::space::{self, Look};
+use crate::studio::still::{self, Diagram, Size, Solved};
+use crate::studio::volume::block_of;
+
+/// Pixels of a picture for which nobody has asked for more, and the most.
+pub const USUAL: usize = 900;
+const MOST_PIXELS: usize = 1 << 25;
+/// The height at which a point of the screen is a pixel.
+const HEIGHT: f64 = 760.0;
+
+/// What a picture in space is asked for by.
+#[derive(Clone, Debug)]
+pub struct Wish {
+    pub look: Look,
+    /// Azimuth and elevation, rad.
+    pub direction: [f64; 2],
+    pub is_perspective: bool,
+    /// Instead of the scene's own box.
+    pub block: Option<Block>,
+    pub size: Option<Size>,
+}
+
+impl Default for Wish {
+    fn default() -> Self {
+        Self {
+            look: Look::default(),
+            direction: Standard::Iso.direction(),
+            is_perspective: true,
+            block: None,
+            size: None,
+        }
+    }
+}
+
+impl Wish {
+    /// # Errors
+    /// More pixels than a picture may have.
+    pub fn pixels(&self) -> anyhow::Result<(usize, usize)> {
+        let Size { width, height } = self.size.unwrap_or(Size { width: USUAL, height: None });
+        let height = height.unwrap_or((width * 4).div_ceil(5));
+        let pixels = width.saturating_mul(height);
+        if pixels > MOST_PIXELS || !memory::holds(pixels.saturating_mul(16)) {
+            bail!(
+                "{width} x {height} pixels in space: {MOST_PIXELS} are the most, and memory must hold them"
+            );
+        }
+        Ok((width, height))
+    }
+}
+
+/// A picture, and how it was made.
+#[derive(Debug)]
+pub struct Drawn {
+    pub picture: Picture,
+    /// What it shows, in words.
+    pub what: String,
+    pub how: String,
+}
+
+/// Draws a scene in space. A GPU that fails is replaced by the CPU, with a word, if it was not asked for by name.
+///
+/// # Errors
+/// Too many pixels, a moment that the motion does not have, a GPU that was asked for and fails, or words that cannot be set.
+pub fn draw(
+    solved: &Solved,
+    look: &still::Look,
+    wish: &Wish,
+    evaluator: &Evaluator,
+) -> anyhow::Result<Drawn> {
+    let Solved { name, scene, solution } = solved;
+    let (width, height) = wish.pixels()?;
+    let drives = still::Look { diagram: Diagram::Map(Quantity::Rms), ..look.clone() }.drives(solved)?;
+    let request = Request::new(scene, drives, Quantity::Rms, (1, 1));
+    let block = wish.block.unwrap_or_else(|| block_of(scene, &request.aperture, &solution.foci));
+    let scale = (height as f64 / HEIGHT).clamp(0.5, 8.0);
+    let is_gpu_asked_for = look.backend == Backend::Gpu;
+    let look = Look { scale, ..wish.look.clone() };
+    let start = Instant::now();
+    let volume = Arc::new(Volume::new(&request.aperture, &request.drives, &block, Fineness::of(false)));
+    let sampled = start.elapsed();
+    let sound = (&request.aperture, &request.drives[0]);
+    let scenery = space::scenery(scene, sound, &solution.foci, (&block, &block), &look);
+    let whole = space::whole(&block, &request.aperture);
+    let camera = Camera::of(&whole, wish.direction, width as f64 / height as f64, wish.is_perspective);
+    let shot = Shot::new(&scenery, &volume, &camera, (width, height));
+    let start = Instant::now();
+    let (rgba, who) = picture((&shot, &scenery), &volume, evaluator, is_gpu_asked_for)?;
+    let how = format!(
+        "{} points in {:.1} ms, {width} x {height} pixels by {who} in {:.1} ms",
+        volume.values.len(),
+        sampled.as_secs_f64() * 1e3,
+        start.elapsed().as_secs_f64() * 1e3
+    );
+    let mut picture = Picture { width, height, rgba };
+    let what = describe(look.body, &volume);
+    let projection = camera.projection(DVec2::new(width as f64, height as f64));
+    let labels = if look.has_box { space::labels(&block, &projection, scale) } else { Vec::new() };
+    let words = Words {
+        lines: vec![name.clone(), what.clone()],
+        labels: labels.into_iter().map(|label| (label.at, label.text)).collect(),
+        bar: (volume.peak > 0.0).then(|| bar(&look, volume.peak.into())),
+        is_light: look.is_light,
+        scale,
+    };
+    words.write(&mut picture)?;
+    Ok(Drawn { picture, what, how })
+}
+
+/// The colours of a picture, and who drew it.
+fn picture(
+    of: (&Shot, &Scenery),
+    volume: &Arc<Volume>,
+    evaluator: &Evaluator,
+    is_gpu_asked_for: bool,
+) -> anyhow::Result<(Vec<u8>, String)> {
+    if let Evaluator::Gpu(gpu) = evaluator {
+        let mut painting = SpacePainting::default();
+        match painting.paint(gpu, of, volume, true).and_then(|_| painting.read(gpu)) {
+            Ok(rgba) => return Ok((rgba, gpu.info().name.clone())),
+            Err(error) if is_gpu_asked_for => return Err(error.into()),
+            Err(error) => note(&format!("{error}; the CPU draws")),
+        }
+    }
+    Ok((march::picture(of.0, volume, &of.1.table, true), "the CPU".to_owned()))
+}
+
+/// What the field of a picture is, in words.
+pub fn describe(body: Body, volume: &Volume) -> String {
+    let peak = f64::from(volume.peak);
+    if peak <= 0.0 {
+        return "no sound in the box".to_owned();
+    }
+    let words = |value: f64| format!("{} RMS", Quantity::Rms.with_unit(value));
+    match body {
+        Body::Surface(part) => format!(
+            "Surface at −{:.1} dB of the peak: {}; peak {}",
+            -Quantity::Rms.decibels(part.into()),
+            words(f64::from(part) * peak),
+            words(peak)
+        ),
+        Body::Projection => format!("Largest RMS pressure along every line of sight; peak {}", words(peak)),
+        Body::Hidden => format!("RMS pressure; peak {}", words(peak)),
+    }
+}
+
+/// The colours of slices and projections.
+fn bar(look: &Look, peak: f64) -> Bar {
+    let (factor, unit) = Quantity::Rms.declaration().unit.scaled(peak);
+    let ticks = [0.0, 0.25, 0.5, 0.75, 1.0].map(|part: f64| {
+        let value = part * peak * factor;
+        (part, if factor < 1.0 { format!("{value:.2}") } else { format!("{value:.0}") })
+    });
+    let mark = match look.body {
+        Body::Surface(part) => Some(part.into()),
+        Body::Hidden | Body::Projection => None,
+    };
+    Bar { table: look.colours.on(look.is_light), ticks: ticks.to_vec(), mark, title: format!("{unit} RMS") }
+}

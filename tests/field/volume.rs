@@ -1,0 +1,243 @@
+//! Volumes and their pictures: sampled values against f64, surfaces against closed forms, and the GPU's pictures against the CPU's.
+
+use std::sync::Arc;
+
+use glam::{DVec2, DVec3, UVec3, Vec3, Vec4};
+use sonoglyph::acoustics::Aperture;
+use sonoglyph::drive::Drive;
+use sonoglyph::field::gpu::SpacePainting;
+use sonoglyph::field::volume::sampling::{BRICK, Fineness};
+use sonoglyph::field::volume::scenery::{Body, Item, Shot};
+use sonoglyph::field::volume::{Block, Camera, Lattice, Scenery, Volume, march};
+use sonoglyph::field::{Samples, reference};
+use sonoglyph::picture::ColourMap;
+use sonoglyph::scene::{Board, Reflector, Scene};
+
+use crate::gpu;
+
+/// Drives of no order, so that nothing cancels by itself.
+fn scattered(aperture: &Aperture, seed: f64) -> Drive {
+    let count = aperture.positions.len();
+    let part = |i: usize| ((i as f64 + seed) * 0.618_034).fract();
+    Drive {
+        amplitudes: (0..count).map(|i| 0.3 + 0.7 * part(3 * i)).collect(),
+        phases: (0..count).map(|i| 6.28 * part(i)).collect(),
+    }
+}
+
+fn scenes() -> Vec<(&'static str, Scene)> {
+    let with_boards = |boards: Vec<Board>| Scene { boards, ..Scene::default() };
+    let board = |at: DVec3, normal: DVec3, x_axis: DVec3| Board { at, normal, x_axis };
+    let up = board(DVec3::ZERO, DVec3::Z, DVec3::X);
+    let mirror = Reflector { point: DVec3::new(0.0, 0.0, 0.21), ..Reflector::default() };
+    let mut masked = Scene::default();
+    masked.array.off = (0..40).collect();
+    vec![
+        ("one board", Scene::default()),
+        ("elements that are off", masked),
+        ("facing boards", with_boards(vec![up.clone(), board(DVec3::Z * 0.2, DVec3::NEG_Z, DVec3::Y)])),
+        ("a board from aside", with_boards(vec![board(DVec3::new(-0.2, 0.0, 0.1), DVec3::X, DVec3::Y)])),
+        ("a tilted board", with_boards(vec![board(DVec3::ZERO, DVec3::new(0.2, 0.1, 1.0), DVec3::X)])),
+        ("a reflector", Scene { reflectors: vec![mirror], ..Scene::default() }),
+    ]
+}
+
+#[test]
+fn sampled_pressures_are_those_of_the_f64_reference() {
+    let block = Block { centre: DVec3::new(0.004, -0.003, 0.1), size: DVec3::new(0.07, 0.05, 0.06) };
+    for (name, scene) in scenes() {
+        let aperture = Aperture::new(&scene);
+        let drives = [scattered(&aperture, 0.2), scattered(&aperture, 7.9)];
+        for is_dragged in [true, false] {
+            let volume = Volume::new(&aperture, &drives, &block, Fineness::of(is_dragged));
+            let Lattice { first, step, counts } = volume.lattice;
+            let point = |i: usize| {
+                let (x, y) = (counts.x as usize, counts.y as usize);
+                first + step * UVec3::new((i % x) as u32, (i / x % y) as u32, (i / x / y) as u32).as_dvec3()
+            };
+            let chosen: Vec<_> = (0..volume.values.len()).step_by(volume.values.len() / 150).collect();
+            let samples = Samples::at(chosen.iter().map(|&i| point(i)).collect());
+            let fields = drives.each_ref().map(|drive| reference::pressure(&aperture, drive, &samples));
+            for (k, &i) in chosen.iter().enumerate() {
+                let square: f64 = fields.iter().map(|field| field[k].norm_sqr()).sum();
+                let off = ((square / 4.0).sqrt() - f64::from(volume.values[i])).abs();
+                assert!(off < 2e-5 * f64::from(volume.peak), "{name}: {off} at {}", point(i));
+            }
+        }
+    }
+}
+
+#[test]
+fn boxes_of_any_size_have_as_many_points_as_a_drag_has_time_for() {
+    let aperture = Aperture::new(&Scene::default());
+    let drives = [scattered(&aperture, 0.5)];
+    for size in [DVec3::splat(10.0), DVec3::new(0.0001, 10.0, 0.3), DVec3::splat(1e-4), DVec3::splat(0.4)] {
+        let block = Block { centre: DVec3::new(0.0, 0.0, 0.2), size };
+        let volume = Volume::new(&aperture, &drives, &block, Fineness::of(true));
+        assert!(volume.lattice.counts.min_element() >= 2 && volume.values.len() < 1 << 21, "{size}");
+        assert!(volume.values.iter().all(|value| value.is_finite()));
+    }
+}
+
+/// A field that falls off as a Gaussian with these widths (m) about a point, whose surfaces of equal value are ellipsoids.
+fn gaussian(block: &Block, centre: DVec3, widths: DVec3, step: f64) -> Volume {
+    let lattice = Lattice::covering(block, DVec3::splat(step));
+    let UVec3 { x, y, .. } = lattice.counts;
+    let value = |i: usize| {
+        let i = i as u32;
+        let place = lattice.first + lattice.step * UVec3::new(i % x, i / x % y, i / x / y).as_dvec3();
+        (1000.0 * (-0.5 * ((place - centre) / widths).length_squared()).exp()) as f32
+    };
+    Volume::of(lattice, (0..lattice.len()).map(value).collect())
+}
+
+fn scenery(clip: Block, body: Body) -> Scenery {
+    let ground = [Vec3::splat(0.05), Vec3::splat(0.02)];
+    Scenery {
+        items: Vec::new(),
+        body,
+        clip,
+        surface: Vec3::new(0.9, 0.4, 0.15),
+        table: ColourMap::Inferno.table(),
+        ground,
+    }
+}
+
+const BLOCK: Block = Block { centre: DVec3::new(0.01, 0.0, 0.1), size: DVec3::new(0.06, 0.05, 0.08) };
+const CENTRE: DVec3 = DVec3::new(0.012, -0.004, 0.103);
+const WIDTHS: DVec3 = DVec3::new(0.004, 0.005, 0.011);
+
+/// Whether a ray meets the ellipsoid on which the Gaussian is this part of its peak; `None` where it nearly touches it.
+fn meets(start: DVec3, direction: DVec3, part: f64) -> Option<bool> {
+    let radius = (-2.0 * part.ln()).sqrt();
+    let (start, direction) = ((start - CENTRE) / WIDTHS, direction / WIDTHS);
+    let nearest = start - direction * (start.dot(direction) / direction.length_squared());
+    let distance = nearest.length() / radius;
+    ((distance - 1.0).abs() > 0.03).then_some(distance < 1.0)
+}
+
+#[test]
+fn the_surface_of_a_gaussian_is_its_ellipsoid_from_every_side() {
+    let volume = gaussian(&BLOCK, CENTRE, WIDTHS, 0.001);
+    let size = (90, 80);
+    for part in [0.5, 0.2] {
+        for direction in [[0.6, 0.36], [0.0, 0.0], [2.0, 1.57], [4.0, -0.7]] {
+            for is_perspective in [true, false] {
+                let camera = Camera::of(&BLOCK, direction, 90.0 / 80.0, is_perspective);
+                let scenery = scenery(BLOCK, Body::Surface(part as f32));
+                let shot = Shot::new(&scenery, &volume, &camera, size);
+                let rgba = march::picture(&shot, &volume, &scenery.table, false);
+                let projection = camera.projection(DVec2::new(90.0, 80.0));
+                let mut met = 0;
+                for (i, pixel) in rgba.as_chunks::<4>().0.iter().enumerate() {
+                    let at = DVec2::new((i % 90) as f64 + 0.5, (i / 90) as f64 + 0.5);
+                    let (start, towards) = projection.ray(at);
+                    let is_seen = pixel[0] > 60;
+                    if let Some(expected) = meets(start, towards, part) {
+                        assert_eq!(is_seen, expected, "{part} {direction:?} {is_perspective} at {at}");
+                    }
+                    met += usize::from(is_seen);
+                }
+                assert!(met > 30, "{met} pixels");
+            }
+        }
+    }
+}
+
+#[test]
+fn a_projection_has_the_colour_of_the_largest_value_along_the_ray() {
+    let volume = gaussian(&BLOCK, CENTRE, WIDTHS, 0.001);
+    let scenery = scenery(BLOCK, Body::Projection);
+    let camera = Camera::of(&BLOCK, [0.0, 0.0], 1.0, false);
+    let shot = Shot::new(&scenery, &volume, &camera, (80, 80));
+    let rgba = march::picture(&shot, &volume, &scenery.table, false);
+    let projection = camera.projection(DVec2::splat(80.0));
+    let mut seen = 0;
+    for (i, pixel) in rgba.as_chunks::<4>().0.iter().enumerate() {
+        let (start, _) = projection.ray(DVec2::new((i % 80) as f64 + 0.5, (i / 80) as f64 + 0.5));
+        let off = (start - CENTRE) / WIDTHS;
+        let part = (-0.5 * (off.x * off.x + off.z * off.z)).exp();
+        // What is opaque is the table's colour.
+        if part > 0.65 {
+            let step = (part * 1000.0 / f64::from(volume.peak) * 255.0).round() as usize;
+            let is_near = |expected: &[u8; 4]| (0..3).all(|c| pixel[c].abs_diff(expected[c]) <= 2);
+            let near = &scenery.table[step.saturating_sub(5)..=(step + 2).min(255)];
+            assert!(near.iter().any(is_near), "{pixel:?} {near:?} at {start}");
+            seen += 1;
+        }
+    }
+    assert!(seen > 40, "{seen}");
+}
+
+#[test]
+fn what_clips_the_box_clips_the_field_and_shows_what_it_cuts() {
+    let volume = gaussian(&BLOCK, CENTRE, WIDTHS, 0.001);
+    // The front half is cut away at the Gaussian's middle: the cut shows the peak.
+    let clip = Block::between(DVec3::new(-0.02, CENTRE.y, 0.06), BLOCK.high());
+    let camera = Camera { target: CENTRE, ..Camera::of(&BLOCK, [0.0, 0.0], 1.0, false) };
+    let scenery = scenery(clip, Body::Surface(0.5));
+    let shot = Shot::new(&scenery, &volume, &camera, (81, 81));
+    let rgba = march::picture(&shot, &volume, &scenery.table, false);
+    let middle = &rgba[(40 * 81 + 40) * 4..][..3];
+    let peak = scenery.table[255];
+    assert!((0..3).all(|c| middle[c].abs_diff(peak[c]) < 10), "{middle:?} {peak:?}");
+}
+
+/// A scene with everything in it.
+fn everything(clip: Block, body: Body) -> Scenery {
+    let colour = Vec4::new(0.2, 0.7, 0.9, 0.8);
+    let mut items = vec![
+        Item::Dot { at: CENTRE, radius: 5.0, colour, shine: 0.5 },
+        Item::Panel {
+            centre: BLOCK.centre,
+            half: [DVec3::X * 0.04, DVec3::new(0.0, 0.02, 0.02)],
+            colour: Vec4::new(0.1, 0.3, 0.9, 0.3),
+        },
+        Item::Slice { centre: CENTRE, half: [DVec3::X * 0.03, DVec3::Y * 0.025], opacity: 0.9 },
+        Item::Line { ends: [BLOCK.low(), BLOCK.high()], width: 2.0, colour, shine: 0.0 },
+    ];
+    for i in 0..60 {
+        let at = DVec3::new(f64::from(i % 10) * 0.006 - 0.02, f64::from(i / 10) * 0.006 - 0.02, 0.055);
+        items.push(Item::Disc {
+            centre: at,
+            normal: DVec3::Z,
+            radius: 0.0025,
+            colour: Vec4::new(0.9, 0.5, 0.3, 1.0),
+        });
+    }
+    Scenery { items, ..scenery(clip, body) }
+}
+
+#[test]
+fn the_gpu_draws_what_the_cpu_draws() {
+    let Some(gpu) = gpu() else { return };
+    let volume = Arc::new(gaussian(&BLOCK, CENTRE, WIDTHS, 0.0013));
+    let mut painting = SpacePainting::default();
+    let clip = Block::between(BLOCK.low() + DVec3::new(0.01, 0.0, 0.0), BLOCK.high());
+    for body in [Body::Surface(0.5), Body::Projection, Body::Hidden] {
+        for (is_smooth, is_perspective) in [(true, true), (false, true), (false, false)] {
+            let scenery = everything(clip, body);
+            let size = (133, 101);
+            let camera = Camera::of(&BLOCK, [0.7, 0.4], 1.3, is_perspective);
+            let shot = Shot::new(&scenery, &volume, &camera, size);
+            let cpu = march::picture(&shot, &volume, &scenery.table, is_smooth);
+            painting.paint(&gpu, (&shot, &scenery), &volume, is_smooth).unwrap();
+            let gpu = painting.read(&gpu).unwrap();
+            assert_eq!(gpu.len(), cpu.len());
+            let far = cpu.iter().zip(&gpu).filter(|(a, b)| a.abs_diff(**b) > 3).count();
+            // Rays that graze an edge may see either side of it.
+            assert!(far * 250 < cpu.len(), "{body:?} {is_smooth} {is_perspective}: {far} of {}", cpu.len());
+            assert!(cpu.as_chunks::<4>().0.iter().filter(|pixel| pixel[0] > 100).count() > 300);
+        }
+    }
+}
+
+#[test]
+fn a_volume_finds_its_largest_value_in_the_brick_that_holds_it() {
+    let volume = gaussian(&BLOCK, CENTRE, WIDTHS, 0.001);
+    let place = ((CENTRE - volume.lattice.first) / volume.lattice.step).as_uvec3() / BRICK;
+    let counts = volume.brick_counts();
+    let number = place.x + counts.x * (place.y + counts.y * place.z);
+    assert_eq!(volume.bricks[number as usize], volume.peak);
+    assert!((volume.value(CENTRE) - 1000.0).abs() < 20.0);
+}
