@@ -74,6 +74,7 @@ pub fn check(scene: &Scene) -> Result<(), KeyError> {
     plane(&scene.plane).map_err(|e| e.under(&["plane".into()]))?;
     aim(scene).map_err(|e| e.under(&["solver".into()]))?;
     liquid(&scene.liquid).map_err(|e| e.under(&["liquid".into()]))?;
+    scene.bead.check().map_err(|e| e.under(&["bead".into()]))?;
     space::check(scene)?;
     modulation(&scene.modulation).map_err(|e| e.under(&["modulation".into()]))?;
     motion(&scene.motion).map_err(|e| e.under(&["motion".into()]))?;

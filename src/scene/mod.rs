@@ -4,6 +4,7 @@
 //! written by [`mod@file`], and by [`mod@rewrite`] into the text of an earlier one; the limits of every number are held
 //! by [`check`], and shapes and letters become focal points in [`outline`], frame by frame in [`motion`].
 
+mod bead;
 pub mod chart;
 pub mod check;
 pub mod cover;
@@ -30,6 +31,7 @@ pub mod zone;
 use glam::{DVec2, DVec3};
 use serde::{Deserialize, Serialize};
 
+pub use bead::{Bead, Material};
 pub use check::KeyError;
 pub use cover::Cover;
 pub use liquid::{Light, Liquid, LiquidName};
@@ -60,6 +62,8 @@ pub struct Scene {
     pub solver: Solver,
     pub plane: Plane,
     pub liquid: Liquid,
+    #[serde(skip_serializing_if = "Bead::is_default")]
+    pub bead: Bead,
     pub modulation: Modulation,
     pub motion: Motion,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -79,6 +83,7 @@ impl Default for Scene {
             solver: Solver::default(),
             plane: Plane::default(),
             liquid: Liquid::default(),
+            bead: Bead::default(),
             modulation: Modulation::default(),
             motion: Motion::default(),
             listener: None,
