@@ -15,9 +15,9 @@ const SMALL: f64 = 4.0;
 #[inline(always)]
 pub(super) fn directivity<I: Instructions>(largest: f64, w: &[f64; LANES]) -> [[f64; LANES]; 4] {
     let [e3, e4] = if largest <= 16.0 {
-        [horner::<I, FEW_TERMS>(&series(3), w), horner::<I, FEW_TERMS>(&series(4), w)]
+        [horner::<I, FEW_TERMS>(&const { series(3) }, w), horner::<I, FEW_TERMS>(&const { series(4) }, w)]
     } else if largest <= 100.0 {
-        [horner::<I, MANY_TERMS>(&series(3), w), horner::<I, MANY_TERMS>(&series(4), w)]
+        [horner::<I, MANY_TERMS>(&const { series(3) }, w), horner::<I, MANY_TERMS>(&const { series(4) }, w)]
     } else {
         let each = w.map(third_and_fourth);
         [lanes(|l| each[l][0]), lanes(|l| each[l][1])]
@@ -28,15 +28,19 @@ pub(super) fn directivity<I: Instructions>(largest: f64, w: &[f64; LANES]) -> [[
 }
 
 /// Eₙ = Σ (-w/4)ᵐ/(2ⁿ m! (n+m)!).
-#[inline(always)]
-fn series<const TERMS: usize>(n: usize) -> [f64; TERMS] {
-    let mut term = 1.0;
-    (1..=n).for_each(|i| term /= 2.0 * i as f64);
-    std::array::from_fn(|m| {
-        let this = term;
+const fn series<const TERMS: usize>(n: usize) -> [f64; TERMS] {
+    let (mut term, mut i) = (1.0, 1);
+    while i <= n {
+        term /= 2.0 * i as f64;
+        i += 1;
+    }
+    let (mut terms, mut m) = ([0.0; TERMS], 0);
+    while m < TERMS {
+        terms[m] = term;
         term *= -0.25 / ((m + 1) * (n + m + 1)) as f64;
-        this
-    })
+        m += 1;
+    }
+    terms
 }
 
 /// E₃ and E₄ of any w.

@@ -17,6 +17,59 @@ use crate::simd::{Instructions, Isa, Kernel, lanes, total};
 
 type Lanes = [f64; LANES];
 
+/// An array with an expression for each axis, written out: of what closures make over arrays there is no vector code.
+macro_rules! axes {
+    ($axis:ident => $value:expr) => {
+        [axes!($axis = 0, $value), axes!($axis = 1, $value), axes!($axis = 2, $value)]
+    };
+    ($axis:ident = $number:literal, $value:expr) => {{
+        const $axis: usize = $number;
+        $value
+    }};
+}
+
+/// The same for each pair of axes, in the order of `PAIRS`.
+macro_rules! pairs {
+    ($i:ident, $j:ident => $value:expr) => {
+        [
+            pairs!($i = 0, $j = 0, $value),
+            pairs!($i = 0, $j = 1, $value),
+            pairs!($i = 0, $j = 2, $value),
+            pairs!($i = 1, $j = 1, $value),
+            pairs!($i = 1, $j = 2, $value),
+            pairs!($i = 2, $j = 2, $value),
+        ]
+    };
+    ($i:ident = $first:literal, $j:ident = $second:literal, $value:expr) => {{
+        const $i: usize = $first;
+        const $j: usize = $second;
+        $value
+    }};
+}
+
+/// A statement for each of the third derivatives, in the order of `TRIPLES`.
+macro_rules! triples {
+    ($at:ident, $i:ident, $j:ident, $k:ident => $body:expr) => {
+        triples!($at = 0, $i, $j, $k, $body);
+        triples!($at = 1, $i, $j, $k, $body);
+        triples!($at = 2, $i, $j, $k, $body);
+        triples!($at = 3, $i, $j, $k, $body);
+        triples!($at = 4, $i, $j, $k, $body);
+        triples!($at = 5, $i, $j, $k, $body);
+        triples!($at = 6, $i, $j, $k, $body);
+        triples!($at = 7, $i, $j, $k, $body);
+        triples!($at = 8, $i, $j, $k, $body);
+        triples!($at = 9, $i, $j, $k, $body);
+    };
+    ($at:ident = $number:literal, $i:ident, $j:ident, $k:ident, $body:expr) => {{
+        const $at: usize = $number;
+        const $i: usize = TRIPLES[$number][0];
+        const $j: usize = TRIPLES[$number][1];
+        const $k: usize = TRIPLES[$number][2];
+        $body
+    }};
+}
+
 /// What sounds, in the scene's coordinates.
 #[derive(Clone, Debug)]
 pub struct Emitters {
@@ -165,26 +218,16 @@ impl<const ORDER: usize> Kernel for Sum<'_, ORDER> {
         let Self { emitters, point, pattern, attenuation } = self;
         let wavenumber = emitters.element.wavenumber;
         let (sine, cosine) = (sine_series(), cosine_series());
-        let blocks = |values: &[Vec<f64>; 3], block: usize| {
-            [0, 1, 2].map(|axis| {
-                let values: &Lanes = &values[axis].as_chunks().0[block];
-                *values
-            })
-        };
-        let mut sums = [[[0.0; LANES]; 2]; COUNT];
+        let mut sums = [[[0.0; LANES]; COUNT]; 2];
         for block in 0..emitters.places[0].len() / LANES {
-            let (places, n) = (blocks(&emitters.places, block), blocks(&emitters.normals, block));
-            let played = [0, 1].map(|part| {
-                let values: &Lanes = &emitters.played[part].as_chunks().0[block];
-                *values
-            });
-            let mut d = [0, 1, 2].map(|axis| lanes::<LANES>(|i| point[axis] - places[axis][i]));
+            let places = axes!(A => block_of(&emitters.places[A], block));
+            let n = axes!(A => *block_of(&emitters.normals[A], block));
+            let played = [*block_of(&emitters.played[0], block), *block_of(&emitters.played[1], block)];
+            let d = axes!(A => lanes::<LANES>(|i| point[A] - places[A][i]));
             let h = dot(&d, &n);
             let heard = lanes::<LANES>(|i| if h[i] >= -NEAREST { 1.0 } else { 0.0 });
             let up = lanes::<LANES>(|i| (NEAREST - h[i]).max(0.0));
-            for axis in 0..3 {
-                d[axis] = lanes(|i| d[axis][i] + up[i] * n[axis][i]);
-            }
+            let d = axes!(A => lanes::<LANES>(|i| d[A][i] + up[i] * n[A][i]));
             let h = lanes::<LANES>(|i| h[i] + up[i]);
             let q = dot(&d, &d);
             let r = lanes::<LANES>(|i| q[i].sqrt());
@@ -218,15 +261,16 @@ impl<const ORDER: usize> Kernel for Sum<'_, ORDER> {
                 lanes(|i| -(x[i] * (x2[i] - 3.0 * y2[i] + 15.0) + 6.0 * (x2[i] - y2[i]) + 15.0) * i3[i]),
                 lanes(|i| -y[i] * (3.0 * x2[i] - y2[i] + 12.0 * x[i] + 15.0) * i3[i]),
             ];
-            let [g1, g2, g3] = [g1, g2, g3].map(|ratio| times(&wave, &ratio));
+            let g = [wave, times(&wave, &g1), times(&wave, &g2), times(&wave, &g3)];
             let pattern = match pattern {
                 Pattern::Even => Directivity::EVEN,
                 Pattern::Piston { ka2 } => Directivity::piston::<I>(ka2, &h, &inverse),
             };
-            let p = pattern.product(&[wave, g1, g2, g3]);
-            add::<ORDER>(&mut sums, &p, &d, &n);
+            let vectors = Vectors::new(&d, &n);
+            add::<ORDER>(&mut sums[0], &pattern.product([&g[0][0], &g[1][0], &g[2][0], &g[3][0]]), &vectors);
+            add::<ORDER>(&mut sums[1], &pattern.product([&g[0][1], &g[1][1], &g[2][1], &g[3][1]]), &vectors);
         }
-        Derivatives(sums.map(|[re, im]| Complex64::new(total(&re), total(&im))))
+        Derivatives(std::array::from_fn(|at| Complex64::new(total(&sums[0][at]), total(&sums[1][at]))))
     }
 }
 
@@ -241,7 +285,7 @@ fn times(a: &[Lanes; 2], b: &[Lanes; 2]) -> [Lanes; 2] {
     [lanes(|i| a[0][i] * b[0][i] - a[1][i] * b[1][i]), lanes(|i| a[0][i] * b[1][i] + a[1][i] * b[0][i])]
 }
 
-/// D(w) with w = (ka)² (1 - h²/2Q), and its derivatives by Q and by h.
+/// A function of Q and h with its derivatives by both: D(w) with w = (ka)² (1 - h²/2Q).
 struct Directivity {
     value: Lanes,
     q: Lanes,
@@ -255,19 +299,8 @@ struct Directivity {
     qhh: Lanes,
 }
 
-/// The wave's derivatives by Q and by h, real and imaginary parts.
-struct Wave {
-    value: [Lanes; 2],
-    q: [Lanes; 2],
-    qq: [Lanes; 2],
-    qqq: [Lanes; 2],
-    h: [Lanes; 2],
-    hh: [Lanes; 2],
-    hhh: [Lanes; 2],
-    qh: [Lanes; 2],
-    qqh: [Lanes; 2],
-    qhh: [Lanes; 2],
-}
+/// The real or the imaginary part of a wave, as a function of Q and h, with its derivatives.
+type Wave = Directivity;
 
 impl Directivity {
     const NONE: Lanes = [0.0; LANES];
@@ -321,79 +354,83 @@ impl Directivity {
         }
     }
 
-    /// With the derivatives by Q of a wave that is the same in all directions.
+    /// The product with a part of a wave that is the same in all directions, of which the derivatives by Q are given.
     #[inline(always)]
-    fn product(&self, g: &[[Lanes; 2]; 4]) -> Wave {
-        let sum = |factors: [&Lanes; 4]| -> [Lanes; 2] {
-            [0, 1].map(|part| {
-                lanes(|l| {
-                    factors[0][l] * g[0][part][l]
-                        + factors[1][l] * g[1][part][l]
-                        + factors[2][l] * g[2][part][l]
-                        + factors[3][l] * g[3][part][l]
-                })
-            })
-        };
-        let multiple = |factor: f64, of: &Lanes| lanes::<LANES>(|l| factor * of[l]);
-        let none = &Self::NONE;
+    fn product(&self, [g0, g1, g2, g3]: [&Lanes; 4]) -> Wave {
+        let (d, own) = (&self.value, self);
         Wave {
-            value: sum([&self.value, none, none, none]),
-            q: sum([&self.q, &self.value, none, none]),
-            qq: sum([&self.qq, &multiple(2.0, &self.q), &self.value, none]),
-            qqq: sum([&self.qqq, &multiple(3.0, &self.qq), &multiple(3.0, &self.q), &self.value]),
-            h: sum([&self.h, none, none, none]),
-            hh: sum([&self.hh, none, none, none]),
-            hhh: sum([&self.hhh, none, none, none]),
-            qh: sum([&self.qh, &self.h, none, none]),
-            qqh: sum([&self.qqh, &multiple(2.0, &self.qh), &self.h, none]),
-            qhh: sum([&self.qhh, &self.hh, none, none]),
+            value: lanes(|l| d[l] * g0[l]),
+            q: lanes(|l| own.q[l] * g0[l] + d[l] * g1[l]),
+            qq: lanes(|l| own.qq[l] * g0[l] + 2.0 * own.q[l] * g1[l] + d[l] * g2[l]),
+            qqq: lanes(|l| own.qqq[l] * g0[l] + 3.0 * (own.qq[l] * g1[l] + own.q[l] * g2[l]) + d[l] * g3[l]),
+            h: lanes(|l| own.h[l] * g0[l]),
+            hh: lanes(|l| own.hh[l] * g0[l]),
+            hhh: lanes(|l| own.hhh[l] * g0[l]),
+            qh: lanes(|l| own.qh[l] * g0[l] + own.h[l] * g1[l]),
+            qqh: lanes(|l| own.qqh[l] * g0[l] + 2.0 * own.qh[l] * g1[l] + own.h[l] * g2[l]),
+            qhh: lanes(|l| own.qhh[l] * g0[l] + own.hh[l] * g1[l]),
         }
     }
 }
 
-/// Adds the derivatives along the scene's axes.
-#[inline(always)]
-fn add<const ORDER: usize>(sums: &mut [[Lanes; 2]; COUNT], p: &Wave, d: &[Lanes; 3], n: &[Lanes; 3]) {
-    let delta = |i: usize, j: usize| if i == j { 1.0 } else { 0.0 };
-    let dd = PAIRS.map(|[i, j]| lanes::<LANES>(|l| d[i][l] * d[j][l]));
-    let dn = PAIRS.map(|[i, j]| lanes::<LANES>(|l| d[i][l] * n[j][l] + d[j][l] * n[i][l]));
-    let nn = PAIRS.map(|[i, j]| lanes::<LANES>(|l| n[i][l] * n[j][l]));
-    for part in 0..2 {
-        let [value, q, qq, qqq] = [&p.value, &p.q, &p.qq, &p.qqq].map(|of| &of[part]);
-        let [h, hh, hhh] = [&p.h, &p.hh, &p.hhh].map(|of| &of[part]);
-        let [qh, qqh, qhh] = [&p.qh, &p.qqh, &p.qhh].map(|of| &of[part]);
-        let mut add = |at: usize, values: Lanes| {
-            let sum = &mut sums[at][part];
-            *sum = lanes(|l| sum[l] + values[l]);
-        };
-        add(0, *value);
-        for i in 0..3 {
-            add(1 + i, lanes(|l| q[l] * d[i][l] + h[l] * n[i][l]));
-        }
-        for (at, [i, j]) in PAIRS.into_iter().enumerate() {
-            let trace = delta(i, j);
-            add(
-                4 + at,
-                lanes(|l| qq[l] * dd[at][l] + qh[l] * dn[at][l] + hh[l] * nn[at][l] + trace * q[l]),
-            );
-        }
-        if ORDER < 3 {
-            continue;
-        }
-        for (at, [i, j, k]) in TRIPLES.into_iter().enumerate() {
-            let ij = SECOND[i][j] - 4;
-            let traces = [delta(j, k), delta(i, k), delta(i, j)];
-            let third = lanes::<LANES>(|l| {
-                qqq[l] * dd[ij][l] * d[k][l]
-                    + qqh[l] * (dd[ij][l] * n[k][l] + dn[ij][l] * d[k][l])
-                    + qhh[l] * (dn[ij][l] * n[k][l] + nn[ij][l] * d[k][l])
-                    + hhh[l] * nn[ij][l] * n[k][l]
-            });
-            let traced = lanes::<LANES>(|l| {
-                qq[l] * (traces[0] * d[i][l] + traces[1] * d[j][l] + traces[2] * d[k][l])
-                    + qh[l] * (traces[0] * n[i][l] + traces[1] * n[j][l] + traces[2] * n[k][l])
-            });
-            add(10 + at, lanes(|l| third[l] + traced[l]));
+/// The ways d and the normals n of elements, and the symmetric products of two of them.
+struct Vectors<'a> {
+    d: &'a [Lanes; 3],
+    n: &'a [Lanes; 3],
+    dd: [Lanes; 6],
+    dn: [Lanes; 6],
+    nn: [Lanes; 6],
+}
+
+impl<'a> Vectors<'a> {
+    #[inline(always)]
+    fn new(d: &'a [Lanes; 3], n: &'a [Lanes; 3]) -> Self {
+        Self {
+            d,
+            n,
+            dd: pairs!(I, J => lanes::<LANES>(|l| d[I][l] * d[J][l])),
+            dn: pairs!(I, J => lanes::<LANES>(|l| d[I][l] * n[J][l] + d[J][l] * n[I][l])),
+            nn: pairs!(I, J => lanes::<LANES>(|l| n[I][l] * n[J][l])),
         }
     }
+}
+
+const fn delta(i: usize, j: usize) -> f64 {
+    if i == j { 1.0 } else { 0.0 }
+}
+
+/// Adds a part of the wave's derivatives along the scene's axes.
+#[inline(always)]
+fn add<const ORDER: usize>(sums: &mut [Lanes; COUNT], p: &Wave, vectors: &Vectors<'_>) {
+    let Vectors { d, n, dd, dn, nn } = vectors;
+    sums[0] = lanes(|l| sums[0][l] + p.value[l]);
+    axes!(I => sums[1 + I] = lanes(|l| sums[1 + I][l] + p.q[l] * d[I][l] + p.h[l] * n[I][l]));
+    pairs!(I, J => {
+        const AT: usize = SECOND[I][J] - 4;
+        sums[4 + AT] = lanes(|l| {
+            sums[4 + AT][l]
+                + (p.qq[l] * dd[AT][l] + p.qh[l] * dn[AT][l])
+                + (p.hh[l] * nn[AT][l] + delta(I, J) * p.q[l])
+        });
+    });
+    if ORDER < 3 {
+        return;
+    }
+    triples!(AT, I, J, K => {
+        const IJ: usize = SECOND[I][J] - 4;
+        let wave = lanes::<LANES>(|l| {
+            (p.qqq[l] * dd[IJ][l] + p.qqh[l] * dn[IJ][l] + p.qhh[l] * nn[IJ][l]) * d[K][l]
+                + (p.qqh[l] * dd[IJ][l] + p.qhh[l] * dn[IJ][l] + p.hhh[l] * nn[IJ][l]) * n[K][l]
+        });
+        let along = lanes::<LANES>(|l| delta(J, K) * d[I][l] + delta(I, K) * d[J][l] + delta(I, J) * d[K][l]);
+        let across = lanes::<LANES>(|l| delta(J, K) * n[I][l] + delta(I, K) * n[J][l] + delta(I, J) * n[K][l]);
+        sums[10 + AT] =
+            lanes(|l| sums[10 + AT][l] + wave[l] + (p.qq[l] * along[l] + p.qh[l] * across[l]));
+    });
+}
+
+/// Eight values of many.
+#[inline(always)]
+fn block_of(values: &[f64], block: usize) -> &Lanes {
+    &values.as_chunks().0[block]
 }
