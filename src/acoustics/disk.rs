@@ -30,7 +30,7 @@ pub(super) fn nodes(ka: f64, rho: f64, z: f64) -> impl Iterator<Item = Node> {
         let tau = growth.min((2.0 * DIGITS / speed).cbrt().min(2.0));
         (DIGITS + speed * tau.sinh()) / (2.0 * tau)
     };
-    let radial = turns(ellipse, ka / 2.0) ;
+    let radial = turns(ellipse, ka / 2.0);
     let radial = RADIAL.into_iter().find(|&n| n as f64 >= radial).unwrap_or(128);
     let excess = ((rho - 1.0).powi(2) + z * z) / (2.0 * rho.max(1e-9));
     let strip = (1.0 + excess).acosh();

@@ -185,7 +185,10 @@ fn row<I: Instructions, const TERMS: usize, const FLAT: bool>(
 
 /// The polynomial's value in every lane.
 #[inline(always)]
-pub(super) fn horner<I: Instructions, const N: usize>(coefficients: &[f64; N], x: &[f64; LANES]) -> [f64; LANES] {
+pub(super) fn horner<I: Instructions, const N: usize>(
+    coefficients: &[f64; N],
+    x: &[f64; LANES],
+) -> [f64; LANES] {
     let mut sum = [coefficients[N - 1]; LANES];
     for i in (0..N - 1).rev() {
         sum = lanes(|lane| fused64::<I>(sum[lane], x[lane], coefficients[i]));

@@ -43,7 +43,8 @@ impl Sphere {
         let volume = 4.0 / 3.0 * PI * radius.powi(3);
         let (k, ka) = (wavenumber, wavenumber * radius);
         let (cube, sixth) = (ka.powi(3), ka.powi(6));
-        let first = Complex64::new(2.0 / 3.0 * cube * monopole, -2.0 / 9.0 * sixth * monopole * (monopole + dipole));
+        let first =
+            Complex64::new(2.0 / 3.0 * cube * monopole, -2.0 / 9.0 * sixth * monopole * (monopole + dipole));
         let second = Complex64::new(-cube * dipole, -sixth / 6.0 * dipole * dipole);
         let angular = k * air.sound_speed;
         Self {

@@ -29,7 +29,8 @@ fn standing(k: f64, z: f64, pressure: f64) -> Derivatives {
 
 #[test]
 fn a_standing_wave_has_its_closed_form() {
-    for (radius, material) in [(0.0005, Material::Eps), (0.0001, Material::Water), (0.0003, Material::Silica)] {
+    for (radius, material) in [(0.0005, Material::Eps), (0.0001, Material::Water), (0.0003, Material::Silica)]
+    {
         let (sphere, air, k) = sphere(radius, material);
         let energy = 2000f64.powi(2) / (4.0 * air.density * air.sound_speed.powi(2));
         let contrast = sphere.monopole / 3.0 + sphere.dipole / 2.0;
@@ -55,7 +56,8 @@ fn a_travelling_wave_pushes_along_with_what_it_scatters() {
     let (sphere, air, k) = sphere(0.0004, Material::Eps);
     let (f1, f2) = (sphere.monopole, sphere.dipole);
     let flow = 1500f64.powi(2) / (2.0 * air.density * air.sound_speed.powi(2));
-    let expected = 4.0 * PI / 9.0 * 0.0004f64.powi(2) * sphere.ka.powi(4) * flow * (f1 * f1 + f1 * f2 + 0.75 * f2 * f2);
+    let expected =
+        4.0 * PI / 9.0 * 0.0004f64.powi(2) * sphere.ka.powi(4) * flow * (f1 * f1 + f1 * f2 + 0.75 * f2 * f2);
     let way = DVec3::new(0.48, -0.6, 0.64);
     let sound = Derivatives::of(|orders| {
         let slope = |axis: usize| (-Complex64::I * k * way[axis]).powu(orders[axis]);

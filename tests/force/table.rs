@@ -27,8 +27,16 @@ fn the_four_traps_have_the_values_of_converged_differences() {
     let traps: [(&str, Box<dyn Fn(DVec3) -> f64>, [f64; 5]); 4] = [
         ("focus", Box::new(|_| 0.0), [4493.3114, 0.997_631_42, -0.386_480_67, -0.386_480_67, 0.004_503_56]),
         ("twin", Box::new(twin), [0.0, -0.008_555_28, 0.467_933_25, 0.266_864_72, 0.015_135_25]),
-        ("vortex", Box::new(|place| place.y.atan2(place.x)), [0.0, -0.010_649_48, 0.431_553_26, 0.431_553_26, 0.017_653_31]),
-        ("bottle", Box::new(bottle(&scene)), [1290.1402, 0.100_419_90, 0.013_847_41, 0.013_847_41, 0.004_366_96]),
+        (
+            "vortex",
+            Box::new(|place| place.y.atan2(place.x)),
+            [0.0, -0.010_649_48, 0.431_553_26, 0.431_553_26, 0.017_653_31],
+        ),
+        (
+            "bottle",
+            Box::new(bottle(&scene)),
+            [1290.1402, 0.100_419_90, 0.013_847_41, 0.013_847_41, 0.004_366_96],
+        ),
     ];
     for (name, signature, [pressure, force, kx, ky, kz]) in traps {
         let drive = focused(&aperture, AT, signature);
@@ -87,7 +95,10 @@ fn a_standing_trap_holds_and_says_how_far() {
     // A quarter of a wavelength to the crest, and a little less on the side of the weight.
     let [down, up] = [hold.escapes[4].distance, hold.escapes[5].distance];
     let quarter = aperture.wavelength() / 4.0;
-    assert!((down / quarter - 1.0).abs() < 0.15 && (up / quarter - 1.0).abs() < 0.15 && down < up, "{hold:?}");
+    assert!(
+        (down / quarter - 1.0).abs() < 0.15 && (up / quarter - 1.0).abs() < 0.15 && down < up,
+        "{hold:?}"
+    );
     for (way, escape) in WAYS.into_iter().zip(hold.escapes) {
         let at = |part: f64| levitation.net(hold.rest + way * escape.distance * part).dot(way);
         assert!(at(0.9) < 0.0 && at(1.01) > 0.0, "{way}: {escape:?}");
@@ -98,5 +109,8 @@ fn a_standing_trap_holds_and_says_how_far() {
     quiet.array.strength /= 2.0;
     let half = Levitation::new(&quiet, &Aperture::new(&quiet), &[drive]);
     let beside = AT + dvec3(0.001, 0.0005, 0.0007);
-    assert!((half.force(beside) * 4.0 - levitation.force(beside)).length() < 1e-12 * levitation.force(beside).length());
+    assert!(
+        (half.force(beside) * 4.0 - levitation.force(beside)).length()
+            < 1e-12 * levitation.force(beside).length()
+    );
 }

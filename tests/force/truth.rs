@@ -35,7 +35,8 @@ fn scene(number: usize) -> (Scene, Drive, Dice) {
     }
     if dice.of(0.5) {
         let coefficient = dice.between(-1.0, 1.0);
-        scene.reflectors = vec![Reflector { point: turn * DVec3::Y * 0.15, normal: turn * DVec3::NEG_Y, coefficient }];
+        scene.reflectors =
+            vec![Reflector { point: turn * DVec3::Y * 0.15, normal: turn * DVec3::NEG_Y, coefficient }];
     }
     if dice.of(0.3) {
         // A bowl.
@@ -95,7 +96,8 @@ fn heard(scene: &Scene, drive: &Drive, point: DVec3) -> Complex64 {
                 };
                 let directivity = if s < 1e-4 { 1.0 - s * s / 8.0 } else { 2.0 * libm::j1(s) / s };
                 let decay = (-air.attenuation * r).exp();
-                let wave = Complex64::I * Complex64::cis(-k * r) * (scene.array.strength * directivity * decay / r);
+                let wave =
+                    Complex64::I * Complex64::cis(-k * r) * (scene.array.strength * directivity * decay / r);
                 sum += gain * u * wave;
             };
             let (at, normal) = (board.at + axes * at, axes * normal);
@@ -142,17 +144,17 @@ fn forces_are_those_of_the_pressures_around() {
         let (rho, c, a) = (air.density, air.sound_speed, scene.bead.radius);
         let kappa = 1.0 / (rho * c * c);
         let own = 1.0 / (scene.bead.density() * scene.bead.sound_speed().powi(2));
-        let (f1, f2) = (
-            1.0 - own / kappa,
-            2.0 * (scene.bead.density() - rho) / (2.0 * scene.bead.density() + rho),
-        );
+        let (f1, f2) =
+            (1.0 - own / kappa, 2.0 * (scene.bead.density() - rho) / (2.0 * scene.bead.density() + rho));
         let volume = 4.0 / 3.0 * PI * a.powi(3);
         let potential = |at: DVec3| {
             let squares: f64 = slopes(at).iter().map(|slope| slope.norm_sqr()).sum();
-            volume * (f1 * kappa / 4.0 * p(at).norm_sqr() - 3.0 * f2 / (8.0 * rho * (k * c).powi(2)) * squares)
+            volume
+                * (f1 * kappa / 4.0 * p(at).norm_sqr() - 3.0 * f2 / (8.0 * rho * (k * c).powi(2)) * squares)
         };
         let ka = k * a;
-        let first = Complex64::new(2.0 / 3.0 * ka.powi(3) * f1, -2.0 / 9.0 * ka.powi(6) * (f1 * f1 + f1 * f2));
+        let first =
+            Complex64::new(2.0 / 3.0 * ka.powi(3) * f1, -2.0 / 9.0 * ka.powi(6) * (f1 * f1 + f1 * f2));
         let second = Complex64::new(-ka.powi(3) * f2, -ka.powi(6) / 6.0 * f2 * f2);
         let (first, second) = (-PI * kappa / k.powi(3) * first, -PI * kappa / k.powi(5) * second);
         let force = |at: DVec3| {
@@ -165,7 +167,9 @@ fn forces_are_those_of_the_pressures_around() {
             DVec3::from_array([0, 1, 2].map(along))
         };
         let forces = levitation.forces(point);
-        let scale = volume * kappa * p(point).norm_sqr().max(slopes(point).iter().map(|s| s.norm_sqr()).sum::<f64>() / (k * k));
+        let scale = volume
+            * kappa
+            * p(point).norm_sqr().max(slopes(point).iter().map(|s| s.norm_sqr()).sum::<f64>() / (k * k));
         let off = (forces.gorkov - potential(point)).abs() / scale;
         assert!(off < 1e-7, "{number}: U off by {off:e}");
         let off = (forces.force - force(point)).length() / (scale * k);
@@ -202,9 +206,8 @@ fn derivatives_are_those_of_the_transfer() {
         let k = aperture.element.wavenumber;
         let step = 1.5e-4;
         for i in 0..3 {
-            let beside: Vec<Derivatives> = (-4..=4)
-                .map(|n| emitters.derivatives(point + AXES[i] * (step * f64::from(n))))
-                .collect();
+            let beside: Vec<Derivatives> =
+                (-4..=4).map(|n| emitters.derivatives(point + AXES[i] * (step * f64::from(n)))).collect();
             let along = |of: &dyn Fn(&Derivatives) -> Complex64| {
                 slope(step, |h| of(&beside[((h / step).round() + 4.0) as usize]))
             };
