@@ -320,6 +320,7 @@ fn quantities_are_documented_with_their_units() {
             Unit::Metre => "m",
             Unit::WattPerSquareMetre => "W/m²",
             Unit::MetrePerSecond => "m/s",
+            Unit::Joule => "J",
             Unit::Undisturbed => "×",
         };
         let value = &said[&name];

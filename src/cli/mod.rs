@@ -193,7 +193,8 @@ struct RenderArgs {
     colours: ColourMap,
     /// Write the numbers too: NPY, float32, (H, W), row 0 at the smallest y
     ///
-    /// Pressures in Pa, phase in rad, depression in m (positive down), intensity in W/m², velocity in m/s. For --waves the
+    /// Pressures in Pa, phase in rad, depression in m (positive down), intensity in W/m², velocity in m/s,
+    /// potential in J. For --waves the
     /// shape is (frames, H, W), and FILE.times.npy has the time of every frame in s. For `drive` it is (2, rows, columns):
     /// phase in rad, amplitude before it is made uniform.
     #[arg(long, value_name = "FILE.npy")]

@@ -5,6 +5,7 @@ mod hold;
 mod modes;
 
 use glam::{DMat3, DVec3};
+use rayon::prelude::*;
 
 use crate::acoustics::{Air, Aperture, Derivatives, Emitters};
 use crate::drive::Drive;
@@ -78,6 +79,24 @@ impl Levitation {
     /// N, of sound and weight.
     pub fn net(&self, point: DVec3) -> DVec3 {
         self.force(point) - DVec3::Z * self.load
+    }
+
+    /// N, of the sound alone, at many points: arrows on a plane. On all cores.
+    pub fn forces_at(&self, points: &[DVec3]) -> Vec<DVec3> {
+        points.par_iter().map(|&point| self.force(point)).collect()
+    }
+
+    /// The force of the sound (N) along x, y and z through a point, each at `count` places from -`reach` to `reach` (m): the component along
+    /// the axis.
+    pub fn curves(&self, at: DVec3, reach: f64, count: usize) -> [Vec<[f64; 2]>; 3] {
+        let step = 2.0 * reach / count.saturating_sub(1).max(1) as f64;
+        [DVec3::X, DVec3::Y, DVec3::Z].map(|axis| {
+            let along = |i: usize| {
+                let place = step * i as f64 - reach;
+                [place, self.force(at + axis * place).dot(axis)]
+            };
+            (0..count).into_par_iter().map(along).collect()
+        })
     }
 
     /// The sound of each drive at a point.
