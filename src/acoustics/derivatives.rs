@@ -66,6 +66,26 @@ impl Derivatives {
         self.0[THIRD[SECOND[i][j] - 4][k]]
     }
 
+    /// Those along a direction.
+    pub fn along(&self, v: [f64; 3]) -> Along {
+        let sum = |of: &dyn Fn(usize) -> Complex64| (0..3).map(|j| of(j) * v[j]).sum::<Complex64>();
+        let slopes = [0, 1, 2].map(|i| sum(&|j| self.second(i, j)));
+        let seconds = [0, 1, 2].map(|i| sum(&|j| sum(&|k| self.third(i, j, k))));
+        Along {
+            pressure: self.pressure(),
+            own: [0, 1, 2].map(|i| self.slope(i)),
+            first: sum(&|j| self.slope(j)),
+            slopes,
+            second: sum(&|i| slopes[i]),
+            seconds,
+        }
+    }
+
+    /// Σ conj(g) d over all of them.
+    pub fn product(&self, other: &Self) -> Complex64 {
+        self.0.iter().zip(&other.0).map(|(own, other)| own.conj() * other).sum()
+    }
+
     /// Of the product of two fields, by Leibniz's rule.
     pub(super) fn times(&self, other: &Self) -> Self {
         let (a, b) = (self, other);
@@ -101,5 +121,37 @@ impl Mul<Complex64> for Derivatives {
 
     fn mul(self, factor: Complex64) -> Self {
         Self(self.0.map(|own| own * factor))
+    }
+}
+
+/// Derivatives of the pressure along a direction v.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Along {
+    pub pressure: Complex64,
+    /// ∂ᵢp
+    pub own: [Complex64; 3],
+    /// ∂ᵥp, ∂ᵢ∂ᵥp
+    pub first: Complex64,
+    pub slopes: [Complex64; 3],
+    /// ∂ᵥ²p, ∂ᵢ∂ᵥ²p
+    pub second: Complex64,
+    pub seconds: [Complex64; 3],
+}
+
+impl Along {
+    /// From factors of these to factors of the derivatives along the axes.
+    pub fn spread(&self, v: [f64; 3]) -> Derivatives {
+        let mut all = Derivatives::default();
+        all.0[0] = self.pressure;
+        for i in 0..3 {
+            all.0[1 + i] += self.own[i] + self.first * v[i];
+            for j in 0..3 {
+                all.0[SECOND[i][j]] += self.slopes[i] * v[j] + self.second * (v[i] * v[j]);
+                for k in 0..3 {
+                    all.0[THIRD[SECOND[i][j] - 4][k]] += self.seconds[i] * (v[j] * v[k]);
+                }
+            }
+        }
+        all
     }
 }

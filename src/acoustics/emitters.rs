@@ -100,6 +100,23 @@ impl Emitters {
         emitters
     }
 
+    /// Of every driven element alone at full drive: the derivatives at a point, to be weighted with what is played and added up.
+    pub fn columns(aperture: &Aperture, point: DVec3) -> Vec<Derivatives> {
+        let mut columns = vec![Derivatives::default(); aperture.driven.len()];
+        for face in &aperture.faces {
+            for column in face.among(&aperture.driven) {
+                let n = aperture.driven[column] - face.first;
+                let normal = face.pose.world_direction(face.layout.normal(n));
+                let mut alone = Self::none(aperture.element);
+                let played = Complex64::I * (aperture.element.strength * face.gain);
+                alone.push(face.pose.world(face.layout.positions[n]), normal, played);
+                alone.pad();
+                columns[column] += alone.derivatives(point);
+            }
+        }
+        columns
+    }
+
     fn none(element: Element) -> Self {
         Self { element, places: Default::default(), normals: Default::default(), played: Default::default() }
     }

@@ -21,7 +21,7 @@ use crate::scene::{Placed, Reflector, Scene};
 pub use air::Air;
 use row::Elements;
 
-pub use derivatives::Derivatives;
+pub use derivatives::{Along, Derivatives};
 pub use element::Element;
 pub use emitters::Emitters;
 pub use face::{Face, Layout, Pose};

@@ -5,7 +5,7 @@ use std::f64::consts::PI;
 use glam::{DMat3, DVec3};
 use num_complex::Complex64;
 
-use crate::acoustics::{Air, Derivatives};
+use crate::acoustics::{Air, Along, Derivatives};
 use crate::scene::Bead;
 
 /// ka up to which the forces are those of a small sphere.
@@ -105,6 +105,43 @@ impl Sphere {
             -(a * outer + b * (0..3).map(inner).sum::<Complex64>()).re
         };
         DMat3::from_cols_array_2d(&[0, 1, 2].map(|s| [0, 1, 2].map(|q| at(q, s))))
+    }
+
+    /// The stiffness along a direction, N/m, and what it changes by: Re Σ conj(g) δ over all derivatives of the sound.
+    pub fn stiffness_along(&self, sound: &Derivatives, direction: DVec3) -> (f64, Derivatives) {
+        let v = direction.to_array();
+        let [a, b] = self.coupling;
+        let along = sound.along(v);
+        let mut slope = Along::default();
+        // -Re{A (p_v p_v* + p p_vv*) + B Σ (p_iv p_iv* + p_i p_ivv*)}
+        let mut value = -(a * (along.first.norm_sqr() + sound.pressure() * along.second.conj())).re;
+        slope.first -= 2.0 * a.re * along.first;
+        slope.pressure -= a.conj() * along.second;
+        slope.second -= a * sound.pressure();
+        for i in 0..3 {
+            value -= (b * (along.slopes[i].norm_sqr() + sound.slope(i) * along.seconds[i].conj())).re;
+            slope.slopes[i] -= 2.0 * b.re * along.slopes[i];
+            slope.own[i] -= b.conj() * along.seconds[i];
+            slope.seconds[i] -= b * sound.slope(i);
+        }
+        (value, slope.spread(v))
+    }
+
+    /// A component of the force, N, and what it changes by, likewise.
+    pub fn force_along(&self, sound: &Derivatives, direction: DVec3) -> (f64, Derivatives) {
+        let v = direction.to_array();
+        let [a, b] = self.coupling;
+        let along = sound.along(v);
+        let mut slope = Along::default();
+        let mut value = (a * sound.pressure() * along.first.conj()).re;
+        slope.pressure += a.conj() * along.first;
+        slope.first += a * sound.pressure();
+        for i in 0..3 {
+            value += (b * sound.slope(i) * along.slopes[i].conj()).re;
+            slope.own[i] += b.conj() * along.slopes[i];
+            slope.slopes[i] += b * sound.slope(i);
+        }
+        (value, slope.spread(v))
     }
 
     /// What to know of forces on a bead that is not small.

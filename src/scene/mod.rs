@@ -25,6 +25,7 @@ pub mod space;
 pub mod strict;
 mod stroke;
 pub mod target;
+mod trap;
 pub mod wave;
 pub mod zone;
 
@@ -40,6 +41,7 @@ pub use motion::{Easing, Keyframe, Motion, MotionPath, Tempo};
 pub use pixels::{Dab, Grey, Pixels};
 pub use space::{Board, Elements, Placed, Reflector};
 pub use target::{Sampling, Shape, Target};
+pub use trap::{Lobe, Trap};
 pub use wave::Wave;
 pub use zone::{Area, Zone};
 
@@ -133,6 +135,8 @@ pub enum Part {
     Stroke,
     /// A sample of an area: of the scene's target with this number.
     Area(usize),
+    /// A lobe of a trap: of the scene's target with this number.
+    Trap(usize),
 }
 
 impl Focus {
@@ -143,7 +147,10 @@ impl Focus {
 
     /// Whether it is a focal point of its own rather than a sample of a stroke or an area.
     pub fn is_separate(&self) -> bool {
-        self.part == Part::Point
+        match self.part {
+            Part::Point | Part::Trap(_) => true,
+            Part::Stroke | Part::Area(_) => false,
+        }
     }
 
     /// Whether it is a sample of an area.

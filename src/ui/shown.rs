@@ -113,7 +113,13 @@ impl Sound {
     /// The values of a map at points of its plane, in f64; none where these follow from more than the points.
     pub fn values(&self, map: &Map, points: &[DVec3]) -> Vec<f64> {
         let axes = [map.axes.x, map.axes.y, map.axes.x.cross(map.axes.y)];
-        probe::values((&self.aperture, &self.air, &self.bead), &self.drives, (map.quantity, map.phase), axes, points)
+        probe::values(
+            (&self.aperture, &self.air, &self.bead),
+            &self.drives,
+            (map.quantity, map.phase),
+            axes,
+            points,
+        )
     }
 
     pub fn value(&self, map: &Map, point: DVec3) -> Option<f64> {

@@ -106,7 +106,8 @@ impl Probes {
             let off = expected.iter().zip(sounds).map(|(expected, got)| expected.less(got));
             // From |P|²/(ρc²) to the potential of that; what slopes add to it is as much at most.
             let [of_pressure, of_gradient] = constants.of_potential;
-            let potential = (of_pressure / constants.of_pressure).abs().max((of_gradient / constants.of_gradient).abs());
+            let potential =
+                (of_pressure / constants.of_pressure).abs().max((of_gradient / constants.of_gradient).abs());
             let square = |sound: &Sound<f64>| constants.of_pressure * sound.p.norm_sqr();
             let norm = |off: Sound<f64>| match declaration.norm {
                 Norm::Value => Some(quantity.exact_value((declaration.exact)(off, &constants))),
