@@ -412,7 +412,8 @@ pub fn warnings(aperture: &Aperture, foci: &[Focus]) -> Vec<String> {
     let mut warnings = Vec::new();
     let resolution_at = aperture.resolution();
     let (mut coincident, mut close, mut closest) = (0, 0, (f64::INFINITY, 0.0));
-    let separate: Vec<_> = foci.iter().filter(|focus| focus.is_separate()).collect();
+    // Lobes of a trap stand as close as it takes.
+    let separate: Vec<_> = foci.iter().filter(|focus| focus.part == Part::Point).collect();
     for (i, focus) in separate.iter().enumerate() {
         for other in &separate[..i] {
             let distance = focus.position.distance(other.position);

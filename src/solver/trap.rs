@@ -8,7 +8,7 @@ use num_complex::Complex64;
 
 use crate::acoustics::{Air, Aperture, Derivatives, Emitters, Transfer};
 use crate::force::{Sphere, modes};
-use crate::scene::{Bead, Focus, Part, Scene, Shape, Trap};
+use crate::scene::{Focus, Part, Scene, Shape, Trap};
 use crate::solver::descent::{Descent, Function};
 use crate::solver::{Excitation, Problem, iteration};
 
@@ -303,11 +303,10 @@ impl Function for Stiffness<'_> {
     }
 }
 
-/// The stiffness of a bead of the default kind; for tests of derivatives.
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::{Board, Target};
+    use crate::scene::{Bead, Board, Target};
     use crate::solver;
 
     #[test]

@@ -31,3 +31,30 @@ fn probe_answers_with_the_force_on_a_bead() {
     let refused = refuse(folder.path(), &["probe", "b.toml", "--points", "points.csv"]);
     assert!(refused.contains("b.toml:3: bead.radius = 0.2: must be a number from"), "{refused}");
 }
+
+#[test]
+fn solve_says_whether_a_trap_holds() {
+    let text = "format = 1\n[bead]\nradius = 0.0003\n[[board]]\n[[board]]\nat = [0, 0, 0.2]\nnormal = [0, 0, -1]\n\
+                [[target]]\nkind = \"trap\"\ntrap = \"standing\"\n";
+    let stroke = format!("{text}[[target]]\nkind = \"circle\"\n");
+    let turns = text.replace("\"standing\"", "\"vortex\"\ncharge = 0");
+    let folder = folder_with(&[("a.toml", text), ("stroke.toml", &stroke), ("turns.toml", &turns)]);
+    let said = succeed(folder.path(), &["solve", "a.toml"]);
+    assert!(said.contains("trap, target 1") && said.contains("holds: rests"), "{said}");
+    let json: serde_json::Value =
+        serde_json::from_str(&succeed(folder.path(), &["solve", "a.toml", "--json"])).unwrap();
+    let trap = &json["traps"][0];
+    assert_eq!((&trap["holds"], &trap["position"][2]), (&true.into(), &0.1.into()));
+    assert!(trap["lift"].as_f64().unwrap() > 10.0 && trap["escape"].as_array().unwrap().len() == 6, "{trap}");
+    assert!(trap["stiffness"][0]["stiffness"].as_f64().unwrap() > 1e-4, "{trap}");
+    let refused = refuse(folder.path(), &["solve", "stroke.toml"]);
+    assert!(
+        refused.contains("stroke.toml:10: target[1].trap = \"standing\": traps stand beside points"),
+        "{refused}"
+    );
+    let refused = refuse(folder.path(), &["solve", "turns.toml"]);
+    assert!(
+        refused.contains("turns.toml:11: target[1].charge = 0: must be a whole number from -8 to 8"),
+        "{refused}"
+    );
+}

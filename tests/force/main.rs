@@ -6,6 +6,7 @@
 mod dice;
 mod forms;
 mod table;
+mod traps;
 mod truth;
 
 use std::f64::consts::{PI, TAU};
