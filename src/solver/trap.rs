@@ -15,6 +15,8 @@ use crate::solver::{Excitation, Problem, iteration};
 /// Steps of the descent without and with further time.
 const STEPS: usize = 60;
 const MOST_STEPS: usize = 5000;
+/// Steps while some trap pushes its bead away.
+const PATIENCE: usize = 400;
 /// Weighted Gerchberg-Saxton's steps on lobes.
 const ITERATIONS: usize = 60;
 /// How hard the least of several stiffnesses counts as the least of all.
@@ -180,14 +182,23 @@ fn stiffen(problem: &Problem<'_>, traps: &Traps, start: Vec<Complex64>, time: Du
     let (mut best, mut value) = (start.clone(), weakest(&start));
     let mut descent = Descent::new(phases, &mut function);
     let mut steps = 0;
-    while steps < if begun.elapsed() < time { MOST_STEPS } else { STEPS } && descent.step(&mut function) {
+    loop {
+        let most = match value {
+            _ if begun.elapsed() < time => MOST_STEPS,
+            value if value <= 0.0 => PATIENCE,
+            _ => STEPS,
+        };
+        let goes_on = steps < most && descent.step(&mut function);
         steps += 1;
-        if steps % 10 == 0 || steps == STEPS {
+        if steps % 10 == 0 || !goes_on {
             let u: Vec<_> = descent.x.iter().map(|phase| Complex64::cis(*phase)).collect();
             let own = weakest(&u);
             if own > value && function.keeps_foci(problem, &u) {
                 (best, value) = (u, own);
             }
+        }
+        if !goes_on {
+            break;
         }
     }
     Excitation { values: best, iterations: steps as u32, residual: None, weights: None }
@@ -306,8 +317,7 @@ impl Function for Stiffness<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::{Bead, Board, Target};
-    use crate::solver;
+    use crate::scene::{Bead, Board, Target, outline};
 
     #[test]
     fn the_gradient_is_that_of_the_value() {
@@ -320,8 +330,8 @@ mod tests {
         scene.targets = vec![trap(-0.02, Trap::Twin), trap(0.02, Trap::Vortex)];
         scene.targets.push(Target::new(Shape::Point { at: DVec3::new(0.0, 0.03, 0.11) }));
         let aperture = Aperture::new(&scene);
-        let foci = crate::scene::outline::foci(&scene).unwrap();
-        let problem = solver::Problem::of_scene(&scene, &aperture, foci);
+        let foci = outline::foci(&scene).unwrap();
+        let problem = Problem::of_scene(&scene, &aperture, foci);
         let traps = problem.traps.as_ref().unwrap();
         let start = signature(&problem, traps);
         let mut function = Stiffness::new(&problem, traps, &start);

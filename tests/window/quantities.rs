@@ -82,6 +82,7 @@ fn every_quantity_has_a_key_and_a_button() {
         (Key::Num6, "Intensity", Quantity::Intensity),
         (Key::Num7, "Velocity", Quantity::Velocity),
         (Key::Num8, "Caustic", Quantity::Caustic),
+        (Key::Num9, "Potential", Quantity::Gorkov),
     ];
     assert_eq!(all.map(|(.., quantity)| quantity), Quantity::ALL);
     for (name, _, quantity) in all {
