@@ -27,9 +27,9 @@ pub fn modes(matrix: &DMat3) -> [Mode; 3] {
             for row in &mut a {
                 (row[p], row[q]) = (c * row[p] - s * row[q], s * row[p] + c * row[q]);
             }
-            for k in 0..3 {
-                (a[p][k], a[q][k]) = (c * a[p][k] - s * a[q][k], s * a[p][k] + c * a[q][k]);
-            }
+            let (above, below) = (a[p], a[q]);
+            a[p] = [0, 1, 2].map(|k: usize| c * above[k] - s * below[k]);
+            a[q] = [0, 1, 2].map(|k: usize| s * above[k] + c * below[k]);
             for row in &mut vectors {
                 (row[p], row[q]) = (c * row[p] - s * row[q], s * row[p] + c * row[q]);
             }

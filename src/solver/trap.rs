@@ -157,13 +157,13 @@ fn by_lobes(problem: &Problem<'_>, traps: &Traps) -> Vec<Complex64> {
 
 /// The drive of traps: from their signature to where the weakest is stiffer, never below it.
 pub fn best(problem: &Problem<'_>, traps: &Traps, time: Duration) -> Excitation {
-    stiffen(problem, traps, signature(problem, traps), time)
+    stiffen(problem, traps, &signature(problem, traps), time)
 }
 
 /// The same from another drive, of a frame before.
 pub fn best_from(problem: &Problem<'_>, traps: &Traps, before: &[Complex64]) -> Excitation {
-    let from = before.iter().map(|u| iteration::phase(*u)).collect();
-    let onward = stiffen(problem, traps, from, Duration::ZERO);
+    let from: Vec<_> = before.iter().map(|u| iteration::phase(*u)).collect();
+    let onward = stiffen(problem, traps, &from, Duration::ZERO);
     let anew = best(problem, traps, Duration::ZERO);
     let weakest = |it: &Excitation| least(&traps.weakest(problem.aperture, &it.values));
     // Going on keeps phases from jumping, and is given up where it is worth less.
@@ -174,12 +174,12 @@ fn least(values: &[f64]) -> f64 {
     values.iter().copied().fold(f64::INFINITY, f64::min)
 }
 
-fn stiffen(problem: &Problem<'_>, traps: &Traps, start: Vec<Complex64>, time: Duration) -> Excitation {
+fn stiffen(problem: &Problem<'_>, traps: &Traps, start: &[Complex64], time: Duration) -> Excitation {
     let begun = Instant::now();
     let weakest = |u: &[Complex64]| least(&traps.weakest(problem.aperture, u));
-    let mut function = Stiffness::new(problem, traps, &start);
+    let mut function = Stiffness::new(problem, traps, start);
     let phases: Vec<_> = start.iter().map(|u| u.arg()).collect();
-    let (mut best, mut value) = (start.clone(), weakest(&start));
+    let (mut best, mut value) = (start.to_vec(), weakest(start));
     let mut descent = Descent::new(phases, &mut function);
     let mut steps = 0;
     loop {

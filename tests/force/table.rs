@@ -24,19 +24,16 @@ fn twin(place: DVec3) -> f64 {
 fn the_four_traps_have_the_values_of_converged_differences() {
     let scene = still_air();
     let aperture = Aperture::new(&scene);
-    let traps: [(&str, Box<dyn Fn(DVec3) -> f64>, [f64; 5]); 4] = [
-        ("focus", Box::new(|_| 0.0), [4493.3114, 0.997_631_42, -0.386_480_67, -0.386_480_67, 0.004_503_56]),
-        ("twin", Box::new(twin), [0.0, -0.008_555_28, 0.467_933_25, 0.266_864_72, 0.015_135_25]),
+    let bottle = bottle(&scene);
+    let traps: [(&str, &dyn Fn(DVec3) -> f64, [f64; 5]); 4] = [
+        ("focus", &|_| 0.0, [4493.3114, 0.997_631_42, -0.386_480_67, -0.386_480_67, 0.004_503_56]),
+        ("twin", &twin, [0.0, -0.008_555_28, 0.467_933_25, 0.266_864_72, 0.015_135_25]),
         (
             "vortex",
-            Box::new(|place| place.y.atan2(place.x)),
+            &|place| place.y.atan2(place.x),
             [0.0, -0.010_649_48, 0.431_553_26, 0.431_553_26, 0.017_653_31],
         ),
-        (
-            "bottle",
-            Box::new(bottle(&scene)),
-            [1290.1402, 0.100_419_90, 0.013_847_41, 0.013_847_41, 0.004_366_96],
-        ),
+        ("bottle", &bottle, [1290.1402, 0.100_419_90, 0.013_847_41, 0.013_847_41, 0.004_366_96]),
     ];
     for (name, signature, [pressure, force, kx, ky, kz]) in traps {
         let drive = focused(&aperture, AT, signature);
@@ -85,7 +82,7 @@ fn a_standing_trap_holds_and_says_how_far() {
     scene.bead.radius = 0.0002;
     let aperture = Aperture::new(&scene);
     let drive = focused(&aperture, AT, |place| if place.z > 0.1 { PI } else { 0.0 });
-    let levitation = Levitation::new(&scene, &aperture, &[drive.clone()]);
+    let levitation = Levitation::new(&scene, &aperture, std::slice::from_ref(&drive));
     let hold = levitation.hold(AT);
     assert!(hold.holds() && hold.lift > 10.0, "{hold:?}");
     // It sags by the weight over the stiffness, and comes to rest where nothing is left.

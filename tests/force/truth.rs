@@ -160,7 +160,7 @@ fn forces_are_those_of_the_pressures_around() {
         let force = |at: DVec3| {
             let (pressure, own) = (p(at), slopes(at));
             let along = |q: usize| {
-                let bent = slopes_of(step, |at| slopes(at), at, AXES[q]);
+                let bent = slopes_of(step, slopes, at, AXES[q]);
                 let inner: Complex64 = (0..3).map(|i| own[i] * bent[i].conj()).sum();
                 (first.conj() * pressure * own[q].conj() + second.conj() * inner).re
             };
@@ -205,9 +205,9 @@ fn derivatives_are_those_of_the_transfer() {
         assert!((all.pressure() - p).norm() < 1e-10 * scale, "{number}: {} for {p}", all.pressure());
         let k = aperture.element.wavenumber;
         let step = 1.5e-4;
-        for i in 0..3 {
+        for (i, axis) in AXES.into_iter().enumerate() {
             let beside: Vec<Derivatives> =
-                (-4..=4).map(|n| emitters.derivatives(point + AXES[i] * (step * f64::from(n)))).collect();
+                (-4..=4).map(|n| emitters.derivatives(point + axis * (step * f64::from(n)))).collect();
             let along = |of: &dyn Fn(&Derivatives) -> Complex64| {
                 slope(step, |h| of(&beside[((h / step).round() + 4.0) as usize]))
             };
