@@ -11,6 +11,9 @@ use crate::{focused, still_air};
 
 const AT: DVec3 = dvec3(0.0, 0.0, 0.1);
 
+/// A trap: its signature, and |p| (Pa), the force upwards (µN) and the stiffnesses along x, y and z (mN/m).
+type Known<'a> = (&'a str, &'a dyn Fn(DVec3) -> f64, [f64; 5]);
+
 fn bottle(scene: &Scene) -> impl Fn(DVec3) -> f64 {
     let radius = scene.array.pitch * (scene.elements() as f64 / TAU).sqrt();
     move |place| if place.length() > radius { PI } else { 0.0 }
@@ -25,7 +28,7 @@ fn the_four_traps_have_the_values_of_converged_differences() {
     let scene = still_air();
     let aperture = Aperture::new(&scene);
     let bottle = bottle(&scene);
-    let traps: [(&str, &dyn Fn(DVec3) -> f64, [f64; 5]); 4] = [
+    let traps: [Known<'_>; 4] = [
         ("focus", &|_| 0.0, [4493.3114, 0.997_631_42, -0.386_480_67, -0.386_480_67, 0.004_503_56]),
         ("twin", &twin, [0.0, -0.008_555_28, 0.467_933_25, 0.266_864_72, 0.015_135_25]),
         (
