@@ -11,6 +11,8 @@ struct FormParams {
     factor: f32,
     // e^(jωt) of an instantaneous pressure.
     turn: vec2f,
+    // Of a bead's potential: of the square of the pressure, and less those of its slopes.
+    of_potential: vec2f,
 }
 
 @group(0) @binding(3) var<uniform> c: FormParams;

@@ -11,6 +11,7 @@ pub mod device;
 pub mod drive;
 pub mod echo;
 pub mod field;
+pub mod force;
 pub mod gauge;
 #[cfg(feature = "window")]
 pub mod import;

@@ -18,6 +18,7 @@ const LAYERS: &[(&str, &[&str])] = &[
     ("simd", &[]),
     ("acoustics", &["glam", "num_complex", "libm"]),
     ("drive", &["num_complex"]),
+    ("force", &["glam", "num_complex", "rayon"]),
     ("surface", &["num_complex", "rayon", "rustdct"]),
     ("solver", &["faer", "glam", "num_complex", "rayon", "thiserror"]),
     ("field", &["bytemuck", "glam", "num_complex", "rayon", "thiserror"]),

@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 use sonoglyph::device::profile::{Profile, Strength};
 use sonoglyph::field::Quantity;
 use sonoglyph::field::quantity::Unit;
-use sonoglyph::scene::{Liquid, Scene, Solver, file};
+use sonoglyph::scene::{Bead, Liquid, Scene, Solver, file};
 use toml::{Table, Value};
 
 /// Tables that stand as often as there are things of their kind.
@@ -82,6 +82,9 @@ fn known() -> BTreeMap<String, Table> {
         refractive_index = 1.33
         light = "reflected"
         screen = 0.1
+        [bead]
+        density = 30.0
+        sound_speed = 900.0
         [listener]
         at = [0, 0, 1]
         [solver]
@@ -200,6 +203,9 @@ fn defaults_are_those_of_an_empty_scene() {
         }
         empty.insert(table.to_owned(), own.into());
     }
+    let bead = Bead::default();
+    let own = [("material", Value::from(bead.material.name())), ("radius", bead.radius.into())];
+    empty.insert("bead".to_owned(), Table::from_iter(own.map(|(key, value)| (key.to_owned(), value))).into());
     // And so are these; `kind` is what made it a circle.
     let Solver { quiet, search, frames, .. } = Scene::default().solver;
     for (table, key, value) in [
@@ -314,6 +320,7 @@ fn quantities_are_documented_with_their_units() {
             Unit::Metre => "m",
             Unit::WattPerSquareMetre => "W/m²",
             Unit::MetrePerSecond => "m/s",
+            Unit::Joule => "J",
             Unit::Undisturbed => "×",
         };
         let value = &said[&name];

@@ -10,6 +10,7 @@ use std::sync::LazyLock;
 use glam::DVec3;
 use num_complex::Complex64;
 
+use crate::acoustics::disk;
 use crate::scene::ElementModel;
 
 /// m. A far field has no end at its element: a height above the array never counts as less, which keeps every value finite. A point
@@ -118,26 +119,8 @@ fn by_panels(near: f64, rate: f64, integrand: impl Fn(f64) -> Complex64) -> Comp
     sum
 }
 
-/// Places in [-1, 1] and weights of Gauss's rule: Newton's steps to the roots of Legendre's polynomial.
-static GAUSS: LazyLock<[(f64, f64); PANEL]> = LazyLock::new(|| {
-    let legendre = |x: f64| {
-        let (mut before, mut this) = (1.0, x);
-        for n in 1..PANEL {
-            let n = n as f64;
-            (before, this) = (this, ((2.0 * n + 1.0) * x * this - n * before) / (n + 1.0));
-        }
-        (this, PANEL as f64 * (x * this - before) / (x * x - 1.0))
-    };
-    std::array::from_fn(|i| {
-        let mut x = (PI * (i as f64 + 0.75) / (PANEL as f64 + 0.5)).cos();
-        for _ in 0..6 {
-            let (value, slope) = legendre(x);
-            x -= value / slope;
-        }
-        let slope = legendre(x).1;
-        (x, 2.0 / ((1.0 - x * x) * slope * slope))
-    })
-});
+/// Gauss's rule for a panel.
+static GAUSS: LazyLock<Vec<(f64, f64)>> = LazyLock::new(|| disk::legendre(PANEL));
 
 /// Midpoint nodes with which the piston's integral has a relative error of about `error`.
 ///

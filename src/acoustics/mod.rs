@@ -1,7 +1,11 @@
 //! From elements to points: the array's geometry, the air, and the transfer between them, in f64.
 
 pub mod air;
+mod bessel;
+mod derivatives;
+mod disk;
 pub mod element;
+mod emitters;
 mod face;
 mod jacobian;
 mod row;
@@ -17,7 +21,9 @@ use crate::scene::{Placed, Reflector, Scene};
 pub use air::Air;
 use row::Elements;
 
+pub use derivatives::{Along, Derivatives};
 pub use element::Element;
+pub use emitters::Emitters;
 pub use face::{Face, Layout, Pose};
 pub use jacobian::PhaseJacobian;
 pub use transfer::{Phasors, Sums, Transfer};

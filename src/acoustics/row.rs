@@ -11,9 +11,9 @@ use crate::scene::ElementModel;
 use crate::simd::{Instructions, Isa, Kernel, fused64, lanes};
 
 /// Elements that are worked on together.
-const LANES: usize = 8;
+pub(super) const LANES: usize = 8;
 /// Adding and taking away this rounds an f64 of less than 2⁵¹ to the nearest whole number.
-const ROUNDER: f64 = 6_755_399_441_055_744.0;
+pub(super) const ROUNDER: f64 = 6_755_399_441_055_744.0;
 /// Terms of the directivity's series for a ka of up to 4, and of up to 10: 1e-14 off.
 const FEW_TERMS: usize = 14;
 const MANY_TERMS: usize = 26;
@@ -185,7 +185,10 @@ fn row<I: Instructions, const TERMS: usize, const FLAT: bool>(
 
 /// The polynomial's value in every lane.
 #[inline(always)]
-fn horner<I: Instructions, const N: usize>(coefficients: &[f64; N], x: &[f64; LANES]) -> [f64; LANES] {
+pub(super) fn horner<I: Instructions, const N: usize>(
+    coefficients: &[f64; N],
+    x: &[f64; LANES],
+) -> [f64; LANES] {
     let mut sum = [coefficients[N - 1]; LANES];
     for i in (0..N - 1).rev() {
         sum = lanes(|lane| fused64::<I>(sum[lane], x[lane], coefficients[i]));
@@ -214,7 +217,7 @@ fn decay_series() -> [f64; DECAY_TERMS] {
 }
 
 /// sin(πf)/f in f².
-fn sine_series() -> [f64; 10] {
+pub(super) fn sine_series() -> [f64; 10] {
     let mut term = PI;
     std::array::from_fn(|n| {
         let this = term;
@@ -224,7 +227,7 @@ fn sine_series() -> [f64; 10] {
 }
 
 /// cos(πf) in f².
-fn cosine_series() -> [f64; 11] {
+pub(super) fn cosine_series() -> [f64; 11] {
     let mut term = 1.0;
     std::array::from_fn(|n| {
         let this = term;

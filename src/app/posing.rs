@@ -91,5 +91,5 @@ pub fn sound(scene: &Scene, levels: Option<u32>, source: &Source) -> Sound {
         }
     }
     let air = Air::new(&scene.medium, scene.array.frequency);
-    Sound { aperture, air, drives, foci: foci.to_vec(), readings }
+    Sound { aperture, air, bead: scene.bead.clone(), drives, foci: foci.to_vec(), readings }
 }

@@ -1,13 +1,16 @@
 //! A solution as the object that other programs read.
 
+use glam::DVec3;
 use num_complex::Complex64;
 use rayon::prelude::*;
 use serde_json::{Value, json};
 
 use crate::acoustics::Aperture;
 use crate::drive::Drive;
+use crate::force::{Escape, Hold, Mode, Outcome, WAYS};
 use crate::scene::Focus;
 use crate::solver::{Limits, Solution};
+use crate::studio::levitation::{self, Held};
 use crate::studio::width;
 
 /// Separate foci whose widths are found; one takes about as long as a hundred superpositions at a point.
@@ -74,6 +77,29 @@ pub fn add_widths(value: &mut Value, aperture: &Aperture, solution: &Solution) {
         })
     };
     value["quality"]["widths"] = first.par_iter().map(widths).collect::<Vec<_>>().into();
+}
+
+/// What becomes of a bead in a trap: lengths in m, stiffnesses in N/m, forces in N; null for ways out beyond a wavelength.
+pub fn trap(held: &Held) -> Value {
+    let Hold { at, rest, modes, lift, escapes, outcome } = &held.hold;
+    let way = |(way, escape): (&DVec3, &Escape)| {
+        json!({
+            "direction": way.to_array(),
+            "distance": escape.distance.is_finite().then_some(escape.distance),
+            "force": escape.force,
+        })
+    };
+    let mode = |mode: &Mode| json!({ "stiffness": mode.stiffness, "direction": mode.direction.to_array() });
+    json!({
+        "target": held.target,
+        "position": at.to_array(),
+        "holds": *outcome == Outcome::Holds,
+        "verdict": levitation::verdict(&held.hold),
+        "rest": rest.to_array(),
+        "stiffness": modes.iter().map(mode).collect::<Vec<_>>(),
+        "lift": lift,
+        "escape": WAYS.iter().zip(escapes).map(way).collect::<Vec<_>>(),
+    })
 }
 
 /// Adds the figures of a shape.

@@ -100,9 +100,12 @@ enum Command {
     Solve(SolveArgs),
     /// Compute the complex pressure at points from a CSV file
     ///
-    /// The file has the columns x, y, z in metres; the answer adds re, im (Pa, peak) and rms (Pa). Example:
+    /// The file has the columns x, y, z in metres; the answer adds re, im (Pa, peak) and rms (Pa), or with --quantity force what
+    /// the scene's bead feels there: gorkov (J), fx, fy, fz (N), and the stiffness kxx to kzz (N/m). Examples:
     ///
     ///   sonoglyph probe hit.toml --points points.csv -o pressures.csv
+    ///
+    ///   sonoglyph probe levitator.toml --points points.csv --quantity force
     ///
     ///   sonoglyph probe scene.toml --points points.csv --time --spectrum lines.csv -o course.csv
     #[command(verbatim_doc_comment)]
@@ -198,7 +201,8 @@ struct RenderArgs {
     colours: ColourMap,
     /// Write the numbers too: NPY, float32, (H, W), row 0 at the smallest y
     ///
-    /// Pressures in Pa, phase in rad, depression in m (positive down), intensity in W/m², velocity in m/s. For --waves the
+    /// Pressures in Pa, phase in rad, depression in m (positive down), intensity in W/m², velocity in m/s,
+    /// potential in J. For --waves the
     /// shape is (frames, H, W), and FILE.times.npy has the time of every frame in s. For `drive` it is (2, rows, columns):
     /// phase in rad, amplitude before it is made uniform.
     #[arg(long, value_name = "FILE.npy")]
@@ -278,11 +282,25 @@ struct ProbeArgs {
     /// Drive as `solve --csv` writes it, instead of the solver's
     #[arg(long, value_name = "FILE.csv")]
     drive: Option<PathBuf>,
+    /// What to compute
+    ///
+    /// `force`: Gor'kov's potential, the radiation force on the scene's `[bead]` without its weight, and the symmetric part of the
+    /// stiffness -dF/dx, in f64 from closed derivatives; several drives have their mean.
+    #[arg(long, value_enum, default_value_t = Probed::Pressure, conflicts_with = "time")]
+    quantity: Probed,
     #[command(flatten)]
     time: TimeArgs,
     /// Where to write; standard output otherwise
     #[arg(short, long, value_name = "FILE.csv")]
     output: Option<PathBuf>,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum Probed {
+    /// Complex peak and RMS pressure
+    Pressure,
+    /// Force of the sound on the scene's bead
+    Force,
 }
 
 #[derive(Debug, Args)]

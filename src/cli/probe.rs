@@ -1,18 +1,21 @@
-//! `sonoglyph probe`: the complex pressure at points from a CSV file.
+//! `sonoglyph probe`: the complex pressure, or the force on a bead, at points from a CSV file.
 
 use std::fs::File;
 use std::path::Path;
 
-use anyhow::{Context, anyhow};
+use anyhow::{Context, anyhow, bail};
+use glam::DVec3;
 use num_complex::Complex64;
+use rayon::prelude::*;
 
 use crate::acoustics::Aperture;
-use crate::cli::{ProbeArgs, read_scene, time_course};
+use crate::cli::{ProbeArgs, Probed, read_scene, time_course};
 use crate::drive::Drive;
 use crate::field::{Evaluator, Samples, reference};
+use crate::force::Levitation;
 use crate::solver;
 use crate::source;
-use crate::studio::evaluator;
+use crate::studio::evaluator::{self, Backend};
 use crate::studio::output::{self, Files, note, warn};
 use crate::studio::probe::Reading;
 use crate::table::TableError;
@@ -36,8 +39,11 @@ pub fn run(args: &ProbeArgs) -> anyhow::Result<()> {
             solution.drives()
         }
     };
-    let evaluator = evaluator::for_points(args.backend.backend)?;
     let aperture = Aperture::new(&scene);
+    if args.quantity == Probed::Force {
+        return forces(args, &Levitation::new(&scene, &aperture, &drives), &samples.columns);
+    }
+    let evaluator = evaluator::for_points(args.backend.backend)?;
     let pressure = |drive: &Drive| -> anyhow::Result<Vec<Complex64>> {
         Ok(match evaluator {
             Evaluator::Reference => reference::pressure(&aperture, drive, &samples),
@@ -68,6 +74,30 @@ pub fn run(args: &ProbeArgs) -> anyhow::Result<()> {
         let rms = Reading { position: point, pressure: p }.rms();
         text.push_str(&format!("{:?},{:?},{:?},{:?},{:?},{rms:?}\n", point.x, point.y, point.z, p.re, p.im));
     }
+    write(args, &text)
+}
+
+/// A row per point: where it is, the potential (J), the force (N) and the symmetric part of the stiffness (N/m).
+fn forces(args: &ProbeArgs, levitation: &Levitation, points: &[DVec3]) -> anyhow::Result<()> {
+    match args.backend.backend {
+        Backend::Auto | Backend::Reference => {}
+        Backend::Cpu | Backend::Gpu => bail!("forces are computed in f64: leave --backend out"),
+    }
+    levitation.sphere.warning().iter().for_each(|warning| warn(warning));
+    let mut text = String::from("x,y,z,gorkov,fx,fy,fz,kxx,kxy,kxz,kyy,kyz,kzz\n");
+    let all: Vec<_> = points.par_iter().map(|&point| levitation.forces(point)).collect();
+    for (point, forces) in points.iter().zip(all) {
+        let (force, k) = (forces.force, forces.symmetric());
+        let stiffness = [k.x_axis.x, k.x_axis.y, k.x_axis.z, k.y_axis.y, k.y_axis.z, k.z_axis.z];
+        let row = [point.x, point.y, point.z, forces.gorkov, force.x, force.y, force.z];
+        let row: Vec<_> = row.into_iter().chain(stiffness).map(|value| format!("{value:?}")).collect();
+        text.push_str(&row.join(","));
+        text.push('\n');
+    }
+    write(args, &text)
+}
+
+fn write(args: &ProbeArgs, text: &str) -> anyhow::Result<()> {
     match &args.output {
         Some(path) => output::write(path, text.as_bytes()),
         None => output::print(format_args!("{text}")),

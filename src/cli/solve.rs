@@ -13,6 +13,7 @@ use crate::rounding::{percent, percent_at_least, percent_at_most};
 use crate::scene::{Amplitudes, Focus, Method, Pressures, Scene, check};
 use crate::solver::levels::{self, Reached};
 use crate::solver::{self, Limits, Problem, Solution, SolveError, room};
+use crate::studio::levitation::{self, Held};
 use crate::studio::output::{self, Files, say, warn};
 use crate::studio::probe::{self, Reading};
 
@@ -89,14 +90,22 @@ pub(in crate::cli) fn run(args: &SolveArgs) -> anyhow::Result<()> {
         let drive = played.as_ref().map_or(&findings.solution.drive, |played| &played.refined.0);
         output::write(path, drive.write(&aperture).as_bytes())?;
     }
+    let held = levitation::held(&scene, &aperture, &findings.solution.drives());
+    held.iter().take(1).for_each(|_| levitation::warning(&scene).iter().for_each(|warning| warn(warning)));
     if args.json {
         let mut value = findings.json(&aperture);
         if let Some(played) = &played {
             value["played"] = played.json();
         }
+        if !held.is_empty() {
+            value["traps"] = held.iter().map(json::trap).collect();
+        }
         say!("{}", serde_json::to_string_pretty(&value)?)?;
     } else {
         findings.print(&scene)?;
+        for Held { target, hold } in &held {
+            say!("{:<COLUMN$}{}", format!("trap, target {}", target + 1), levitation::verdict(hold))?;
+        }
         if let Some(played) = &played {
             played.print(scene.solver.pressures, findings.solution.quality.is_silent())?;
         }

@@ -42,6 +42,7 @@ pub enum Unit {
     Metre,
     WattPerSquareMetre,
     MetrePerSecond,
+    Joule,
     /// Of light that nothing has bent.
     Undisturbed,
 }
@@ -58,6 +59,9 @@ impl Unit {
             Self::WattPerSquareMetre => (1.0, "W/m²"),
             Self::MetrePerSecond if largest >= 1.0 => (1.0, "m/s"),
             Self::MetrePerSecond => (1e3, "mm/s"),
+            Self::Joule if largest >= 1e-9 => (1e9, "nJ"),
+            Self::Joule if largest >= 1e-12 => (1e12, "pJ"),
+            Self::Joule => (1e15, "fJ"),
             Self::Undisturbed => (1.0, "× undisturbed"),
         }
     }
@@ -288,6 +292,24 @@ quantities! {
         of_liquid: true,
         of_light: true,
     }
+    /// Gor'kov's potential of the scene's bead, J: a|P|² - b|∇P|².
+    Gorkov {
+        parts: PRESSURE | ALONG | NORMAL,
+        formula: |s, c| {
+            let slopes = s.x.norm_sqr() + s.y.norm_sqr() + s.n.norm_sqr();
+            c.of_potential[0] * s.p.norm_sqr() - c.of_potential[1] * slopes
+        },
+        wgsl: "c.of_potential.x * dot(s.p, s.p) - c.of_potential.y * (dot(s.x, s.x) + dot(s.y, s.y) + dot(s.n, s.n))",
+        name: "gorkov",
+        title: "Potential",
+        words: "Gor'kov potential",
+        help: "Potential of the scene's bead: it is driven from high to low",
+        unit: Unit::Joule,
+        range: Range::Signed,
+        norm: Norm::Difference,
+        is_square: true,
+        decibels: 10.0,
+    }
 }
 
 impl Declaration {
@@ -403,12 +425,12 @@ mod tests {
 
     use super::*;
     use crate::acoustics::Air;
-    use crate::scene::Medium;
+    use crate::scene::{Bead, Medium};
 
     fn constants() -> (Air, Constants, f64) {
         let air = Air::new(&Medium::default(), 40e3);
         let wavenumber = TAU * 40e3 / air.sound_speed;
-        (air, Constants::new(&air, wavenumber, 0.0).narrow(), wavenumber)
+        (air, Constants::new(&air, &Bead::default(), wavenumber, 0.0).narrow(), wavenumber)
     }
 
     /// A plane wave of 100 Pa at an angle to the normal, in the plane's first direction.
@@ -452,6 +474,7 @@ mod tests {
             (Quantity::Velocity, 0.5, "500 mm/s"),
             (Quantity::Intensity, 12.3, "12.3 W/m²"),
             (Quantity::Radiation, -3.0, "-3.00 Pa"),
+            (Quantity::Gorkov, -2.34e-10, "-234 pJ"),
             (Quantity::Caustic, 2.5, "2.50 × undisturbed"),
         ] {
             assert_eq!(quantity.with_unit(value), words);

@@ -3,6 +3,8 @@
 use num_complex::{Complex, Complex32, Complex64};
 
 use crate::acoustics::Air;
+use crate::force::Sphere;
+use crate::scene::Bead;
 
 /// The sound of one drive at a point: complex peak amplitudes, in f32 on maps and in f64 where these are judged.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -67,7 +69,7 @@ pub const PRESSURE: u8 = Part::Pressure.bit();
 pub const ALONG: u8 = Part::AlongX.bit() | Part::AlongY.bit();
 pub const NORMAL: u8 = Part::Normal.bit();
 
-/// What formulae need to know of the air and of the moment.
+/// What formulae need to know of the air, of a bead in it, and of the moment.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Constants<T = f32> {
     /// 1/(ρc²), 1/Pa
@@ -76,18 +78,21 @@ pub struct Constants<T = f32> {
     pub of_gradient: T,
     /// 1/(ρω), m²/(Pa·s): |v| of |∇p|.
     pub of_velocity: T,
+    /// Of a bead's potential: of |p|² (m³/Pa) and, to be taken off, of |∇p|² (m⁵/Pa).
+    pub of_potential: [T; 2],
     /// e^{jωt} of an instantaneous pressure.
     pub turn: Complex<T>,
 }
 
 impl Constants<f64> {
-    /// In this air, for a wavenumber (1/m), at the moment ωt (rad).
-    pub fn new(air: &Air, wavenumber: f64, moment: f64) -> Self {
+    /// In this air and for this bead, for a wavenumber (1/m), at the moment ωt (rad).
+    pub fn new(air: &Air, bead: &Bead, wavenumber: f64, moment: f64) -> Self {
         let angular = wavenumber * air.sound_speed;
         Self {
             of_pressure: 1.0 / (air.density * air.sound_speed.powi(2)),
             of_gradient: 1.0 / (air.density * angular * angular),
             of_velocity: 1.0 / (air.density * angular),
+            of_potential: Sphere::new(bead, air, wavenumber).potential_coefficients(),
             turn: Complex64::cis(moment),
         }
     }
@@ -98,6 +103,7 @@ impl Constants<f64> {
             of_pressure: self.of_pressure as f32,
             of_gradient: self.of_gradient as f32,
             of_velocity: self.of_velocity as f32,
+            of_potential: self.of_potential.map(|value| value as f32),
             turn: narrow(self.turn),
         }
     }

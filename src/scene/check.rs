@@ -9,7 +9,7 @@ use crate::scene::range::{count, direction, finite, length, point, refuse, withi
 use crate::scene::space::Front;
 use crate::scene::{
     Area, Array, ElementModel, Envelope, Keyframe, Liquid, Listener, Medium, Modulation, Motion, MotionPath,
-    Plane, Pressures, Sampling, Scene, Shape, Solver, Target, Tempo, Zone, space,
+    Plane, Pressures, Sampling, Scene, Shape, Solver, Target, Tempo, Trap, Zone, space,
 };
 
 pub use crate::scene::range::{Key, KeyError};
@@ -74,6 +74,7 @@ pub fn check(scene: &Scene) -> Result<(), KeyError> {
     plane(&scene.plane).map_err(|e| e.under(&["plane".into()]))?;
     aim(scene).map_err(|e| e.under(&["solver".into()]))?;
     liquid(&scene.liquid).map_err(|e| e.under(&["liquid".into()]))?;
+    scene.bead.check().map_err(|e| e.under(&["bead".into()]))?;
     space::check(scene)?;
     modulation(&scene.modulation).map_err(|e| e.under(&["modulation".into()]))?;
     motion(&scene.motion).map_err(|e| e.under(&["motion".into()]))?;
@@ -208,7 +209,9 @@ fn fill(shape: &Shape) -> Result<(), KeyError> {
         Shape::Text { .. } => {
             refuse("fill", "letters are strokes: give `stroke`, their width in metres, instead")
         }
-        Shape::Point { .. } | Shape::Picture { .. } => refuse("fill", "only closed shapes are filled"),
+        Shape::Point { .. } | Shape::Trap { .. } | Shape::Picture { .. } => {
+            refuse("fill", "only closed shapes are filled")
+        }
     }
 }
 
@@ -294,6 +297,10 @@ fn aim(scene: &Scene) -> Result<(), KeyError> {
 fn shape(shape: &Shape) -> Result<(), KeyError> {
     match shape {
         Shape::Point { at } => point("at", *at),
+        Shape::Trap { at, charge, .. } => {
+            point("at", *at)?;
+            Trap::check(*charge)
+        }
         Shape::Line { from, to } => {
             point("from", *from)?;
             point("to", *to)?;

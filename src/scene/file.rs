@@ -14,7 +14,7 @@ use crate::scene::strict::Strict;
 use crate::scene::target::TargetTable;
 use crate::scene::zone::ZoneTable;
 use crate::scene::{
-    Array, Board, Liquid, Listener, Medium, Modulation, Plane, Reflector, Scene, Solver, Target, motion,
+    Array, Bead, Board, Liquid, Listener, Medium, Modulation, Plane, Reflector, Scene, Solver, Target, motion,
 };
 use crate::source;
 
@@ -123,6 +123,8 @@ struct SceneTable {
     #[serde(default)]
     liquid: Liquid,
     #[serde(default)]
+    bead: Bead,
+    #[serde(default)]
     modulation: Modulation,
     #[serde(default)]
     motion: MotionTable,
@@ -142,6 +144,7 @@ impl SceneTable {
             solver,
             plane,
             liquid,
+            bead,
             modulation,
             motion,
             listener,
@@ -171,6 +174,7 @@ impl SceneTable {
             solver,
             plane,
             liquid,
+            bead,
             modulation,
             motion,
             listener,

@@ -4,6 +4,7 @@
 //! written by [`mod@file`], and by [`mod@rewrite`] into the text of an earlier one; the limits of every number are held
 //! by [`check`], and shapes and letters become focal points in [`outline`], frame by frame in [`motion`].
 
+mod bead;
 pub mod chart;
 pub mod check;
 pub mod cover;
@@ -24,12 +25,14 @@ pub mod space;
 pub mod strict;
 mod stroke;
 pub mod target;
+mod trap;
 pub mod wave;
 pub mod zone;
 
 use glam::{DVec2, DVec3};
 use serde::{Deserialize, Serialize};
 
+pub use bead::{Bead, Material};
 pub use check::KeyError;
 pub use cover::Cover;
 pub use liquid::{Light, Liquid, LiquidName};
@@ -38,6 +41,7 @@ pub use motion::{Easing, Keyframe, Motion, MotionPath, Tempo};
 pub use pixels::{Dab, Grey, Pixels};
 pub use space::{Board, Elements, Placed, Reflector};
 pub use target::{Sampling, Shape, Target};
+pub use trap::{Lobe, Trap};
 pub use wave::Wave;
 pub use zone::{Area, Zone};
 
@@ -60,6 +64,8 @@ pub struct Scene {
     pub solver: Solver,
     pub plane: Plane,
     pub liquid: Liquid,
+    #[serde(skip_serializing_if = "Bead::is_default")]
+    pub bead: Bead,
     pub modulation: Modulation,
     pub motion: Motion,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -79,6 +85,7 @@ impl Default for Scene {
             solver: Solver::default(),
             plane: Plane::default(),
             liquid: Liquid::default(),
+            bead: Bead::default(),
             modulation: Modulation::default(),
             motion: Motion::default(),
             listener: None,
@@ -128,6 +135,8 @@ pub enum Part {
     Stroke,
     /// A sample of an area: of the scene's target with this number.
     Area(usize),
+    /// A lobe of a trap: of the scene's target with this number.
+    Trap(usize),
 }
 
 impl Focus {
@@ -138,7 +147,10 @@ impl Focus {
 
     /// Whether it is a focal point of its own rather than a sample of a stroke or an area.
     pub fn is_separate(&self) -> bool {
-        self.part == Part::Point
+        match self.part {
+            Part::Point | Part::Trap(_) => true,
+            Part::Stroke | Part::Area(_) => false,
+        }
     }
 
     /// Whether it is a sample of an area.

@@ -88,6 +88,14 @@ pub(crate) fn foci_of_targets(
                 target: target.pressure * patch.brightness.sqrt(),
                 part: Part::Area(index),
             }));
+        } else if let Shape::Trap { at, trap, charge } = target.shape {
+            divisions.next();
+            let turn = target.turn();
+            foci.extend(trap.lobes(charge, wavelength).into_iter().map(|lobe| Focus {
+                position: at + turn * lobe.at,
+                target: target.pressure,
+                part: Part::Trap(index),
+            }));
         } else if let Some(division) = divisions.next() {
             let is_stroke = target.sampling == Sampling::Continuous;
             foci.extend(division.points().into_iter().map(|point| Focus {
@@ -103,7 +111,27 @@ pub(crate) fn foci_of_targets(
         }
         all.push(foci);
     }
+    traps_beside_points(scene, &all)?;
     Ok(all)
+}
+
+/// Traps are solved with separate foci, and with nothing else.
+fn traps_beside_points(scene: &Scene, foci: &[Vec<Focus>]) -> Result<(), KeyError> {
+    let of_trap = |focus: &Focus| match focus.part {
+        Part::Trap(index) => Some(index),
+        Part::Point | Part::Stroke | Part::Area(_) => None,
+    };
+    let Some(index) = foci.iter().flatten().find_map(of_trap) else { return Ok(()) };
+    let is_alone = foci.iter().flatten().all(Focus::is_separate)
+        && scene.quiet.is_empty()
+        && scene.solver.frames == 1
+        && !scene.aims_at_depression();
+    if is_alone {
+        return Ok(());
+    }
+    let message = "traps stand beside points and separate focal points alone: give strokes `points` or `spacing`, and leave out \
+                   areas, `[[quiet]]`, `solver.frames` and `solver.target`";
+    Err(KeyError::new([Key::from("target"), Key::from(index), Key::from("trap")], message))
 }
 
 /// A depression is drawn where the liquid is.

@@ -22,7 +22,7 @@ pub fn strokes(target: &Target) -> Result<Vec<Vec<DVec3>>, KeyError> {
     let flat = |outline: Vec<DVec2>| vec![outline.iter().map(placed).collect()];
     let turned = |vertex: &DVec3| centre + DQuat::from_rotation_z(target.angle) * (*vertex - centre);
     Ok(match &target.shape {
-        Shape::Point { at } => vec![vec![*at]],
+        Shape::Point { at } | Shape::Trap { at, .. } => vec![vec![*at]],
         Shape::Line { from, to } => vec![[*from, *to].iter().map(turned).collect()],
         Shape::Path { .. } => vec![path(target).iter().map(|vertex| vertex.at).collect()],
         Shape::Circle { radius, .. } => flat(ring(*radius, CIRCLE_VERTICES, 0.0)),
@@ -66,6 +66,7 @@ pub(crate) fn path(target: &Target) -> Vec<Vertex> {
 pub fn centre(shape: &Shape) -> DVec3 {
     match shape {
         Shape::Point { at }
+        | Shape::Trap { at, .. }
         | Shape::Circle { at, .. }
         | Shape::Rectangle { at, .. }
         | Shape::Triangle { at, .. }

@@ -4,10 +4,10 @@ use glam::{DQuat, DVec3};
 use serde::ser::SerializeMap;
 use serde::{Deserialize, Serialize, Serializer};
 
-use crate::scene::Motion;
 use crate::scene::check::{Key, KeyError};
 use crate::scene::motion::MotionTable;
 use crate::scene::pixels::Pixels;
+use crate::scene::{Motion, Trap};
 
 /// A shape that becomes focal points.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -47,7 +47,7 @@ pub struct Target {
 impl Target {
     /// A target of this shape with everything else at its default.
     pub fn new(shape: Shape) -> Self {
-        let is_whole = matches!(shape, Shape::Point { .. } | Shape::Picture { .. });
+        let is_whole = matches!(shape, Shape::Point { .. } | Shape::Trap { .. } | Shape::Picture { .. });
         let sampling = if is_whole { Sampling::Whole } else { Sampling::default() };
         Self {
             shape,
@@ -128,6 +128,13 @@ pub enum Shape {
         at: DVec3,
         height: f64,
     },
+    /// A place at which a bead is to be held.
+    Trap {
+        at: DVec3,
+        trap: Trap,
+        /// Turns of a vortex's phase about its axis.
+        charge: i32,
+    },
     /// Its brightness is the wanted |p|².
     Picture {
         /// As the scene file has it: relative to the scene's folder, or absolute.
@@ -142,7 +149,7 @@ pub enum Shape {
 /// How a shape is played: its outline as one stroke or as separate focal points, or an area.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum Sampling {
-    /// A point target is its one focal point, a picture all of its area.
+    /// A point target is its one focal point, a trap its lobes, a picture all of its area.
     Whole,
     /// A curve that is to be evenly loud, with as many samples as the wavelength asks for.
     #[default]
@@ -201,6 +208,8 @@ pub(crate) struct TargetTable {
     closed: Option<bool>,
     text: Option<String>,
     file: Option<String>,
+    trap: Option<Trap>,
+    charge: Option<i32>,
     pressure: Option<f64>,
     pressures: Option<Vec<f64>>,
     spacing: Option<f64>,
@@ -231,6 +240,7 @@ enum Kind {
     Path,
     Text,
     Picture,
+    Trap,
 }
 
 impl TargetTable {
@@ -271,6 +281,11 @@ impl TargetTable {
                 at: table.at.take().unwrap_or(at),
                 height: table.height.take().unwrap_or(0.04),
             },
+            Kind::Trap => Shape::Trap {
+                at: table.at.take().unwrap_or(at),
+                trap: table.trap.take().unwrap_or_default(),
+                charge: table.charge.take().unwrap_or(1),
+            },
             Kind::Picture => Shape::Picture {
                 file: table.file.take().ok_or_else(|| no_file(index))?,
                 at: table.at.take().unwrap_or(at),
@@ -289,7 +304,7 @@ impl TargetTable {
         if table.kind != Kind::Point {
             target.angle = table.angle.take().unwrap_or(target.angle);
         }
-        if !matches!(table.kind, Kind::Point | Kind::Picture) {
+        if !matches!(table.kind, Kind::Point | Kind::Trap | Kind::Picture) {
             target.sampling = table.sampling(index)?.unwrap_or(target.sampling);
         }
         if table.kind == Kind::Path {
@@ -344,6 +359,8 @@ impl TargetTable {
             closed,
             text,
             file,
+            trap,
+            charge,
             pressure: _,
             pressures,
             spacing,
@@ -371,6 +388,8 @@ impl TargetTable {
             ("closed", closed.is_some()),
             ("text", text.is_some()),
             ("file", file.is_some()),
+            ("trap", trap.is_some()),
+            ("charge", charge.is_some()),
             ("pressures", pressures.is_some()),
             ("spacing", spacing.is_some()),
             ("points", points.is_some()),
@@ -401,6 +420,7 @@ impl Kind {
             Self::Path => "path",
             Self::Text => "text",
             Self::Picture => "picture",
+            Self::Trap => "trap",
         }
     }
 }

@@ -16,6 +16,7 @@ pub mod room;
 pub mod shape;
 mod starts;
 pub mod steps;
+pub mod trap;
 
 use std::time::{Duration, Instant};
 
@@ -28,6 +29,7 @@ use crate::scene::{Amplitudes, Focus, KeyError, Method, Part, Pressures, Scene, 
 pub use inverse::rank_and_condition;
 pub use quality::{Limits, Quality, bound};
 pub use shape::{AreaFigures, Figures, Search, Stage, Surroundings};
+pub use trap::Traps;
 
 /// What a method gets to see.
 #[derive(Clone, Debug)]
@@ -38,6 +40,8 @@ pub struct Problem<'a> {
     pub transfer: Transfer,
     /// What is to be quiet, where the foci are samples of a shape.
     pub surroundings: Option<Surroundings>,
+    /// What foci are lobes of: where there are traps, one way of solving them is every method's.
+    pub traps: Option<Traps>,
     /// Drives that take turns, 1 or more; only a shape's can be several.
     pub drives: usize,
 }
@@ -56,7 +60,14 @@ impl<'a> Problem<'a> {
             assert!(target.is_finite() && *target > 0.0, "no target: {target}");
         }
         let points: Vec<_> = foci.iter().map(|focus| focus.position).collect();
-        Self { aperture, transfer: aperture.transfer(&points), foci, surroundings: None, drives: 1 }
+        Self {
+            aperture,
+            transfer: aperture.transfer(&points),
+            foci,
+            surroundings: None,
+            traps: None,
+            drives: 1,
+        }
     }
 
     /// Foci of a scene: what is not drawn is to be quiet where it has continuous strokes, quiet zones or drives that take turns.
@@ -67,7 +78,8 @@ impl<'a> Problem<'a> {
             || scene.aims_at_depression()
             || foci.iter().any(|focus| !focus.is_separate());
         let surroundings = is_shape.then(|| Surroundings::new(scene, &foci));
-        Self { surroundings, drives, ..Self::new(aperture, foci) }
+        let traps = Traps::of_scene(scene, aperture, &foci);
+        Self { surroundings, traps, drives, ..Self::new(aperture, foci) }
     }
 
     /// The foci are samples of a shape and separate foci, and what is around them is to be quiet: `best` then is
@@ -210,11 +222,15 @@ pub fn solve(scene: &Scene) -> Result<Solution, SolveError> {
     let time = Duration::try_from_secs_f64(scene.solver.search).unwrap_or_default();
     let excitation = match (scene.solver.method, &problem.surroundings) {
         (Method::Best, Some(surroundings)) => shape::best_within(&problem, surroundings, time),
-        (Method::Best, None) => {
+        (Method::Best, None) if problem.traps.is_none() => {
             let found = excite(&problem, Method::Best, scene.solver.iterations)?;
             iteration::search_on(&problem, found, time)
         }
         (method, _) => excite(&problem, method, scene.solver.iterations)?,
+    };
+    let excitation = match &problem.traps {
+        Some(traps) if !time.is_zero() => trap::best(&problem, traps, time),
+        Some(_) | None => excitation,
     };
     let seconds = start.elapsed().as_secs_f64();
     let mut solution = solution(scene, &problem, &excitation, seconds);
@@ -338,6 +354,9 @@ fn too_much(problem: &Problem<'_>, quality: &Quality) -> String {
 /// # Errors
 /// `focus` with several foci.
 pub fn excite(problem: &Problem<'_>, method: Method, iterations: u32) -> Result<Excitation, SolveError> {
+    if let Some(traps) = &problem.traps {
+        return Ok(trap::best(problem, traps, Duration::ZERO));
+    }
     let or = |default: u32| if iterations == 0 { default } else { iterations };
     Ok(match method {
         Method::Focus => focus(problem)?,
@@ -360,6 +379,9 @@ pub fn excite(problem: &Problem<'_>, method: Method, iterations: u32) -> Result<
 pub fn excite_from(problem: &Problem<'_>, before: &Excitation) -> Excitation {
     /// Over many frames the weights follow all the same.
     const ITERATIONS: u32 = 1;
+    if let Some(traps) = &problem.traps {
+        return trap::best_from(problem, traps, &before.values);
+    }
     match &problem.surroundings {
         Some(surroundings) => shape::best_from(problem, surroundings, &before.values),
         None => iteration::best_from(problem, before, ITERATIONS),
@@ -390,7 +412,8 @@ pub fn warnings(aperture: &Aperture, foci: &[Focus]) -> Vec<String> {
     let mut warnings = Vec::new();
     let resolution_at = aperture.resolution();
     let (mut coincident, mut close, mut closest) = (0, 0, (f64::INFINITY, 0.0));
-    let separate: Vec<_> = foci.iter().filter(|focus| focus.is_separate()).collect();
+    // Lobes of a trap stand as close as it takes.
+    let separate: Vec<_> = foci.iter().filter(|focus| focus.part == Part::Point).collect();
     for (i, focus) in separate.iter().enumerate() {
         for other in &separate[..i] {
             let distance = focus.position.distance(other.position);

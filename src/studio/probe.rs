@@ -10,6 +10,7 @@ use crate::drive::Drive;
 use crate::field::Quantity;
 use crate::field::quantity::Constants;
 use crate::field::slope::Around;
+use crate::scene::Bead;
 
 /// Pa, RMS: 0 dB.
 const REFERENCE: f64 = 20e-6;
@@ -48,7 +49,7 @@ pub fn reading(aperture: &Aperture, drives: &[Drive], position: DVec3) -> Readin
 /// pressure. Empty where values follow from more than the points; of drives that take turns, their mean, or where there is none the
 /// first's.
 pub fn values(
-    (aperture, air): (&Aperture, &Air),
+    (aperture, air, bead): (&Aperture, &Air, &Bead),
     drives: &[Drive],
     (quantity, moment): (Quantity, f64),
     axes: [DVec3; 3],
@@ -58,7 +59,7 @@ pub fn values(
     if declaration.of_liquid {
         return Vec::new();
     }
-    let constants = Constants::new(air, aperture.element.wavenumber, moment);
+    let constants = Constants::new(air, bead, aperture.element.wavenumber, moment);
     let drives = if declaration.has_mean { drives } else { &drives[..1] };
     let around = Around::new(declaration.parts, axes, aperture);
     let transfer = aperture.transfer(&around.points(points));
@@ -141,7 +142,7 @@ mod tests {
             assert_eq!((*read, read.position), (reading(&aperture, &drives, point), point));
             let value = |quantity, moment| {
                 let axes = [DVec3::X, DVec3::Y, DVec3::Z];
-                values((&aperture, &air), &drives, (quantity, moment), axes, &[point])[0]
+                values((&aperture, &air, &Bead::default()), &drives, (quantity, moment), axes, &[point])[0]
             };
             assert!((value(Quantity::Rms, 0.7) - read.rms()).abs() < 1e-6 * read.rms());
             // The wave's crest passes when its phase and ωt make a whole turn.

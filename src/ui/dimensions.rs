@@ -8,7 +8,7 @@ use crate::ui::view::Axes;
 /// Size of a target in mm, or where a point is on the cut.
 pub fn of(target: &Target, axes: &Axes) -> String {
     match &target.shape {
-        Shape::Point { at } => {
+        Shape::Point { at } | Shape::Trap { at, .. } => {
             let at = axes.flat(*at);
             format!("{}, {} mm", mm(at.x), mm(at.y))
         }

@@ -16,6 +16,7 @@ const BESIDE: f64 = 0.01;
 pub fn translate(shape: &mut Shape, by: DVec3) {
     match shape {
         Shape::Point { at }
+        | Shape::Trap { at, .. }
         | Shape::Circle { at, .. }
         | Shape::Rectangle { at, .. }
         | Shape::Triangle { at, .. }
@@ -108,6 +109,7 @@ pub fn name(target: &Target) -> String {
 pub fn kind(target: &Target) -> String {
     match &target.shape {
         Shape::Point { .. } => "Point".to_owned(),
+        Shape::Trap { trap, .. } => format!("Trap, {}", trap.name()),
         Shape::Line { .. } => "Line".to_owned(),
         Shape::Circle { .. } => "Circle".to_owned(),
         Shape::Rectangle { .. } => "Rectangle".to_owned(),

@@ -21,7 +21,7 @@ pub fn handles(target: &Target) -> Vec<DVec3> {
         places.iter().map(|place| at + target.turn() * place.extend(0.0)).collect()
     };
     match &target.shape {
-        Shape::Point { .. } => Vec::new(),
+        Shape::Point { .. } | Shape::Trap { .. } => Vec::new(),
         Shape::Line { .. } => outline::strokes(target).unwrap_or_default().concat(),
         Shape::Circle { at, radius } => flat(*at, &[DVec2::X * *radius]),
         Shape::Rectangle { at, width, height } => {
@@ -62,7 +62,7 @@ pub fn pulled(target: &Target, handle: usize, to: DVec3) -> Target {
     let radius = from_centre.length().max(SMALLEST);
     let ends = handles(target);
     match &mut pulled.shape {
-        Shape::Point { .. } => {}
+        Shape::Point { .. } | Shape::Trap { .. } => {}
         Shape::Line { from, to: end } => {
             if let [a, b] = ends[..] {
                 let (other, moves) = if handle == 0 { (b, &mut *from) } else { (a, &mut *end) };

@@ -9,7 +9,7 @@ use glam::DVec3;
 use crate::acoustics::{Air, Aperture};
 use crate::drive::Drive;
 use crate::field::{self, Quantity};
-use crate::scene::{Focus, Method};
+use crate::scene::{Bead, Focus, Method};
 use crate::solver::Solution;
 use crate::solver::frames::Sequence;
 use crate::studio::probe::{self, Reading};
@@ -99,6 +99,7 @@ pub struct Notice {
 pub struct Sound {
     pub aperture: Aperture,
     pub air: Air,
+    pub bead: Bead,
     /// Those that take turns, one at least.
     pub drives: Vec<Drive>,
     pub foci: Vec<Focus>,
@@ -115,7 +116,13 @@ impl Sound {
     /// The values of a map at points of its plane, in f64; none where these follow from more than the points.
     pub fn values(&self, map: &Map, points: &[DVec3]) -> Vec<f64> {
         let axes = [map.axes.x, map.axes.y, map.axes.x.cross(map.axes.y)];
-        probe::values((&self.aperture, &self.air), &self.drives, (map.quantity, map.phase), axes, points)
+        probe::values(
+            (&self.aperture, &self.air, &self.bead),
+            &self.drives,
+            (map.quantity, map.phase),
+            axes,
+            points,
+        )
     }
 
     pub fn value(&self, map: &Map, point: DVec3) -> Option<f64> {

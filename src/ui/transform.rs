@@ -116,7 +116,7 @@ fn scaled(target: &Target, axes: &Axes, about: DVec2, factor: f64) -> Target {
     };
     let larger = |size: &mut f64| *size = (*size * factor).max(SMALLEST);
     match &mut target.shape {
-        Shape::Point { at } => place(at),
+        Shape::Point { at } | Shape::Trap { at, .. } => place(at),
         Shape::Line { from, to } => [from, to].into_iter().for_each(place),
         Shape::Path { vertices, .. } => vertices.iter_mut().for_each(place),
         Shape::Circle { at, radius } | Shape::Polygon { at, radius, .. } => {
@@ -162,7 +162,8 @@ fn turned(target: &Target, axes: &Axes, about: DVec2, angle: f64) -> Target {
             turned.angle = 0.0;
         }
         Shape::Point { at } => *at = about + turn * (*at - about),
-        Shape::Circle { at, .. }
+        Shape::Trap { at, .. }
+        | Shape::Circle { at, .. }
         | Shape::Rectangle { at, .. }
         | Shape::Triangle { at, .. }
         | Shape::Polygon { at, .. }

@@ -3,6 +3,7 @@
 #![expect(clippy::unwrap_used, reason = "a test's helper may panic")]
 
 mod arrays;
+mod force;
 mod help;
 #[path = "../process/mod.rs"]
 mod process;

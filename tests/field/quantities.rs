@@ -35,6 +35,7 @@ fn a_formula_is_the_same_in_wgsl_and_in_rust() {
             of_pressure: 1.0 + number(),
             of_gradient: 1.0 + number(),
             of_velocity: 1.0 + number(),
+            of_potential: [1.0 + number(), 1.0 + number()],
             turn: Complex32::cis(4.0 * number()),
         };
         for quantity in Quantity::ALL {

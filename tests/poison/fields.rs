@@ -12,7 +12,7 @@ use sonoglyph::field::{
     self, Colouring, Evaluator, FieldError, NoSideLobe, Plan, Quantity, Request, Samples, Scale, Stages,
     colouring, contour, polynomial, side_lobe,
 };
-use sonoglyph::scene::{Plane, Scene};
+use sonoglyph::scene::{Bead, Plane, Scene};
 use sonoglyph::studio::probe;
 
 use crate::{POISON, SIZES, numbers, panics};
@@ -101,13 +101,13 @@ fn formulae_take_any_number() {
                     Sound { p: Complex32::ONE, x: Complex32::I, y: Complex32::I, n: Complex32::ONE };
                 *sound.part_mut(part) = Complex32::new(poison as f32, poison as f32);
                 let is_read = quantity.declaration().parts & 1 << part as u8 != 0;
-                let value = quantity.of(sound, &Constants::new(&air, 733.0, 0.0).narrow());
+                let value = quantity.of(sound, &Constants::new(&air, &Bead::default(), 733.0, 0.0).narrow());
                 assert!(
                     value.is_finite() || (is_read && (poison.is_nan() || poison.abs() >= 1e10)),
                     "{quantity:?} of {sound:?}"
                 );
             }
-            quantity.of(Sound::default(), &Constants::new(&air, poison, poison).narrow());
+            quantity.of(Sound::default(), &Constants::new(&air, &Bead::default(), poison, poison).narrow());
             assert!(!quantity.with_unit(poison).is_empty() && !quantity.decibels(poison).is_nan());
         }
     }

@@ -61,6 +61,7 @@ pub struct FormParams {
     pub of_velocity: f32,
     pub factor: f32,
     pub turn: [f32; 2],
+    pub of_potential: [f32; 2],
 }
 
 /// The same struct as in `shaders/direct.wgsl`.
@@ -425,7 +426,7 @@ mod tests {
         );
         assert_same_layout!(
             &module(Program::Form(Quantity::Rms), &Tuning::SOFTWARE),
-            FormParams { of_pressure, of_gradient, of_velocity, factor, turn }
+            FormParams { of_pressure, of_gradient, of_velocity, factor, turn, of_potential }
         );
         assert_same_layout!(
             &module(Program::FormDirect(Quantity::Rms), &Tuning::SOFTWARE),

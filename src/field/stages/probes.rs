@@ -4,7 +4,7 @@ use glam::{DVec2, DVec3};
 use num_complex::Complex64;
 
 use crate::acoustics::Transfer;
-use crate::field::quantity::{Norm, Sound};
+use crate::field::quantity::{Norm, Quantity, Sound};
 use crate::field::slope::Around;
 use crate::field::stages::request::Request;
 use crate::field::stages::site::{Site, SiteKey};
@@ -104,6 +104,10 @@ impl Probes {
         if let ([excitation], Some(sounds)) = (excitations, &got.sounds) {
             let expected = self.sounds(excitation);
             let off = expected.iter().zip(sounds).map(|(expected, got)| expected.less(got));
+            // From |P|²/(ρc²) to the potential of that; what slopes add to it is as much at most.
+            let [of_pressure, of_gradient] = constants.of_potential;
+            let potential =
+                (of_pressure / constants.of_pressure).abs().max((of_gradient / constants.of_gradient).abs());
             let square = |sound: &Sound<f64>| constants.of_pressure * sound.p.norm_sqr();
             let norm = |off: Sound<f64>| match declaration.norm {
                 Norm::Value => Some(quantity.exact_value((declaration.exact)(off, &constants))),
@@ -111,8 +115,10 @@ impl Probes {
                 // Of squares, 2 a δa at the loudest place: by chance it may be less at the probes.
                 Norm::Difference if declaration.is_square => {
                     let loudest = expected.iter().map(square).fold(0.0, f64::max);
-                    let slopes = constants.of_gradient * (off.x.norm_sqr() + off.y.norm_sqr());
-                    Some(request.part * 2.0 * (loudest * (square(&off) + slopes)).sqrt())
+                    let along = off.x.norm_sqr() + off.y.norm_sqr();
+                    let slopes = constants.of_gradient * (along + off.n.norm_sqr());
+                    let unit = if quantity == Quantity::Gorkov { potential } else { 1.0 };
+                    Some(unit * request.part * 2.0 * (loudest * (square(&off) + slopes)).sqrt())
                 }
                 Norm::Difference => None,
             };

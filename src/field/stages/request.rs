@@ -10,7 +10,7 @@ use crate::drive::Drive;
 use crate::field::GpuError;
 use crate::field::quantity::{Constants, Declaration, Quantity};
 use crate::field::stages::depression::Depression;
-use crate::scene::{Liquid, Plane, Reflector, Scene};
+use crate::scene::{Bead, Liquid, Plane, Reflector, Scene};
 use crate::surface::Light;
 
 /// Pixels that a map may have.
@@ -33,6 +33,8 @@ pub struct Request {
     pub part: f64,
     /// Whose surface the plane is.
     pub liquid: Liquid,
+    /// What a potential is of.
+    pub bead: Bead,
     /// What reflects sound in the scene, the images of which are in the aperture.
     pub mirrors: Vec<Reflector>,
     /// A surface of that liquid in motion, instead of the one at rest under the drives: its depth (m) in every cell of
@@ -55,6 +57,7 @@ impl Request {
             moment: 0.0,
             part: if is_slow { scene.modulation.mean_square() } else { 1.0 },
             liquid: scene.liquid.clone(),
+            bead: scene.bead.clone(),
             mirrors: scene.mirrors(),
             depth: None,
             size,
@@ -68,6 +71,7 @@ impl Request {
     pub(super) fn relevant(&self) -> Result<Self, FieldError> {
         self.check()?;
         let Declaration { of_liquid, of_light, .. } = *self.quantity.declaration();
+        let of_bead = self.quantity == Quantity::Gorkov;
         let of_moment = self.quantity == Quantity::Instantaneous;
         let liquid = match (of_liquid, of_light) {
             (_, true) => self.liquid.clone(),
@@ -80,6 +84,7 @@ impl Request {
             drives: self.counted(),
             moment: if of_moment { self.moment } else { 0.0 },
             liquid,
+            bead: if of_bead { self.bead.clone() } else { Bead::default() },
             depth: self.depth.clone().filter(|_| of_liquid),
             ..self.clone()
         })
@@ -98,7 +103,7 @@ impl Request {
     }
 
     pub(super) fn constants(&self) -> Constants<f64> {
-        Constants::new(&self.air, self.aperture.element.wavenumber, self.moment)
+        Constants::new(&self.air, &self.bead, self.aperture.element.wavenumber, self.moment)
     }
 
     /// u of every element of the array, 0 for those that are off, for every drive that counts.

@@ -72,6 +72,7 @@ fn own_motion(target: &mut Target, figures: Option<Figures>, ui: &mut Ui) {
 fn shape(target: &mut Target, ui: &mut Ui) {
     match &mut target.shape {
         Shape::Point { at } => point(ui, "At", at),
+        Shape::Trap { at, trap: _, charge: _ } => point(ui, "At", at),
         Shape::Line { from, to } => {
             point(ui, "From", from);
             point(ui, "To", to);
@@ -189,7 +190,7 @@ fn areas(shape: &Shape) -> &'static [Choice] {
         | Shape::Polygon { .. }
         | Shape::Path { closed: true, .. } => &AREAS,
         Shape::Line { .. } | Shape::Path { closed: false, .. } | Shape::Text { .. } => &AREAS[..1],
-        Shape::Point { .. } | Shape::Picture { .. } => &[],
+        Shape::Point { .. } | Shape::Trap { .. } | Shape::Picture { .. } => &[],
     }
 }
 

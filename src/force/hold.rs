@@ -1,0 +1,158 @@
+//! Whether a bead stays where it is wanted: where it comes to rest, how stiffly, and how far away it is still brought back.
+
+use glam::DVec3;
+
+use crate::force::{Levitation, Mode, modes};
+
+/// The ways on which a bead may leave: along the scene's axes.
+pub const WAYS: [DVec3; 6] = [DVec3::NEG_X, DVec3::X, DVec3::NEG_Y, DVec3::Y, DVec3::NEG_Z, DVec3::Z];
+/// Wavelengths from where it is wanted within which a bead is looked for.
+const REACH: f64 = 1.0;
+/// Steps in a wavelength along a way.
+const STEPS: usize = 24;
+/// Halvings of the step on which a way turns.
+const HALVINGS: usize = 10;
+/// Newton's steps, at most, and the wavelengths that one goes at most and at least.
+const ROUNDS: usize = 60;
+const LONGEST: f64 = 1.0 / 12.0;
+const SHORTEST: f64 = 1e-9;
+
+/// What becomes of a bead that is put to a place.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Hold {
+    /// m, where it is put.
+    pub at: DVec3,
+    /// m, where it comes to rest, and otherwise where it is put.
+    pub rest: DVec3,
+    /// Of the force at `rest`, the weakest first.
+    pub modes: [Mode; 3],
+    /// The largest force upwards on the vertical through `at`, within a wavelength, over the weight less buoyancy.
+    pub lift: f64,
+    /// From `rest` along [`WAYS`]; nothing where it does not come to rest.
+    pub escapes: [Escape; 6],
+    pub outcome: Outcome,
+}
+
+/// How a bead is held back on a way along which it is moved.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Escape {
+    /// m, to where force and weight together no longer drive it back; infinite beyond a wavelength.
+    pub distance: f64,
+    /// N, the most that drives it back on the way there.
+    pub force: f64,
+}
+
+/// Whether it holds, and why not.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Outcome {
+    Holds,
+    /// The force nowhere carries the weight.
+    TooHeavy,
+    /// It is pushed away along the weakest of the modes.
+    Unstable,
+    /// The forces lead it more than a wavelength away.
+    Leaves,
+}
+
+impl Hold {
+    pub fn holds(&self) -> bool {
+        self.outcome == Outcome::Holds
+    }
+
+    /// m, how far below where it is wanted it comes to rest.
+    pub fn sag(&self) -> f64 {
+        self.at.z - self.rest.z
+    }
+
+    /// The least of the ways out.
+    pub fn nearest_escape(&self) -> (DVec3, Escape) {
+        let ways = WAYS.into_iter().zip(self.escapes);
+        ways.min_by(|(_, a), (_, b)| a.distance.total_cmp(&b.distance)).unwrap_or_default()
+    }
+}
+
+impl Levitation {
+    /// What becomes of a bead that is put to a place, m.
+    pub fn hold(&self, at: DVec3) -> Hold {
+        let rest = self.rest(at);
+        let place = rest.unwrap_or(at);
+        let modes = modes(&self.forces(place).symmetric());
+        let lift = self.lift(at);
+        let outcome = match rest {
+            Some(_) if modes[0].stiffness > 0.0 => Outcome::Holds,
+            _ if lift < 1.0 => Outcome::TooHeavy,
+            _ if modes[0].stiffness <= 0.0 => Outcome::Unstable,
+            _ => Outcome::Leaves,
+        };
+        let escapes = match outcome {
+            Outcome::Holds => WAYS.map(|way| self.escape(place, way)),
+            Outcome::TooHeavy | Outcome::Unstable | Outcome::Leaves => [Escape::default(); 6],
+        };
+        Hold { at, rest: place, modes, lift, escapes, outcome }
+    }
+
+    /// Where forces and weight cancel near a place, going where they drive the bead: Newton's steps, with the size of each stiffness.
+    fn rest(&self, at: DVec3) -> Option<DVec3> {
+        let mut place = at;
+        for _ in 0..ROUNDS {
+            let forces = self.forces(place);
+            let net = forces.force - DVec3::Z * self.load;
+            let modes = modes(&forces.symmetric());
+            let stiffest = modes.iter().map(|mode| mode.stiffness.abs()).fold(f64::MIN_POSITIVE, f64::max);
+            let along = |mode: &Mode| {
+                mode.direction * (mode.direction.dot(net) / mode.stiffness.abs().max(1e-6 * stiffest))
+            };
+            let step: DVec3 = modes.iter().map(along).sum();
+            if !step.is_finite() {
+                return None;
+            }
+            if step.length() < SHORTEST * self.wavelength {
+                return Some(place);
+            }
+            place += step.clamp_length_max(LONGEST * self.wavelength);
+            if place.distance(at) > REACH * self.wavelength {
+                return None;
+            }
+        }
+        None
+    }
+
+    fn lift(&self, at: DVec3) -> f64 {
+        let step = 2.0 * REACH * self.wavelength / STEPS as f64;
+        let up = |i: usize| self.force(at + DVec3::Z * (step * (i as f64 - STEPS as f64 / 2.0))).z;
+        let most = (0..=STEPS).map(up).fold(f64::NEG_INFINITY, f64::max);
+        if self.load > 0.0 { most / self.load } else { f64::INFINITY }
+    }
+
+    fn escape(&self, rest: DVec3, way: DVec3) -> Escape {
+        let back = |distance: f64| -self.net(rest + way * distance).dot(way);
+        let step = REACH * self.wavelength / STEPS as f64;
+        let (mut force, mut before): (f64, _) = (0.0, [0.0; 2]);
+        for i in 1..=STEPS {
+            let here = back(step * i as f64);
+            if here <= 0.0 {
+                force = force.max(crest(before[0], before[1], here));
+                let (mut near, mut far) = (step * (i - 1) as f64, step * i as f64);
+                for _ in 0..HALVINGS {
+                    let middle = f64::midpoint(near, far);
+                    let here = back(middle);
+                    if here > 0.0 { near = middle } else { far = middle }
+                }
+                return Escape { distance: near, force };
+            }
+            force = force.max(crest(before[0], before[1], here));
+            before = [before[1], here];
+        }
+        Escape { distance: f64::INFINITY, force }
+    }
+}
+
+/// The largest value of a curve through three that stand at equal distances.
+fn crest(before: f64, middle: f64, after: f64) -> f64 {
+    let (rise, bend) = (0.5 * (after - before), before - 2.0 * middle + after);
+    if middle >= before && middle >= after && bend < 0.0 {
+        middle - rise * rise / (2.0 * bend)
+    } else {
+        middle.max(after)
+    }
+}

@@ -1,0 +1,106 @@
+//! What sound does to a small bead: the potential, the radiation force and its stiffness, and whether a trap holds.
+
+mod bead;
+mod hold;
+mod modes;
+
+use glam::{DMat3, DVec3};
+use rayon::prelude::*;
+
+use crate::acoustics::{Air, Aperture, Derivatives, Emitters};
+use crate::drive::Drive;
+use crate::scene::Scene;
+
+pub use bead::Sphere;
+pub use hold::{Escape, Hold, Outcome, WAYS};
+pub use modes::{Mode, modes};
+
+/// What a bead feels at a point.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Forces {
+    /// J, Gor'kov's potential.
+    pub gorkov: f64,
+    /// N, of the sound alone.
+    pub force: DVec3,
+    /// N/m: -∂Fᵢ/∂xⱼ in row i and column j.
+    pub stiffness: DMat3,
+}
+
+impl Forces {
+    /// The symmetric part of the stiffness, which alone does work: what scattering adds turns the bead about the trap.
+    pub fn symmetric(&self) -> DMat3 {
+        (self.stiffness + self.stiffness.transpose()) * 0.5
+    }
+}
+
+/// A bead in the sound of drives that take turns, and under its weight.
+#[derive(Clone, Debug)]
+pub struct Levitation {
+    pub sphere: Sphere,
+    drives: Vec<Emitters>,
+    /// N, weight less buoyancy, towards -z.
+    pub load: f64,
+    /// m
+    pub wavelength: f64,
+}
+
+impl Levitation {
+    /// The scene's bead; it feels the mean of the drives, whose turns are fast.
+    pub fn new(scene: &Scene, aperture: &Aperture, drives: &[Drive]) -> Self {
+        let sounds = drives.iter().map(|drive| Emitters::new(aperture, &drive.excitation(&aperture.driven)));
+        let air = Air::new(&scene.medium, scene.array.frequency);
+        let sphere = Sphere::new(&scene.bead, &air, aperture.element.wavenumber);
+        Self {
+            load: sphere.load(scene.liquid.gravity),
+            sphere,
+            drives: sounds.collect(),
+            wavelength: aperture.wavelength(),
+        }
+    }
+
+    /// Potential, force and stiffness at a point, m.
+    pub fn forces(&self, point: DVec3) -> Forces {
+        let mut mean = Forces { gorkov: 0.0, force: DVec3::ZERO, stiffness: DMat3::ZERO };
+        for sound in self.drives.iter().map(|drive| drive.derivatives(point)) {
+            let part = 1.0 / self.drives.len() as f64;
+            mean.gorkov += part * self.sphere.potential(&sound);
+            mean.force += part * self.sphere.force(&sound);
+            mean.stiffness += part * self.sphere.stiffness(&sound);
+        }
+        mean
+    }
+
+    /// N, of the sound alone: the same force in less time.
+    pub fn force(&self, point: DVec3) -> DVec3 {
+        let of = |drive: &Emitters| self.sphere.force(&drive.to_second_order(point));
+        self.drives.iter().map(of).sum::<DVec3>() / self.drives.len() as f64
+    }
+
+    /// N, of sound and weight.
+    pub fn net(&self, point: DVec3) -> DVec3 {
+        self.force(point) - DVec3::Z * self.load
+    }
+
+    /// N, of the sound alone, at many points: arrows on a plane. On all cores.
+    pub fn forces_at(&self, points: &[DVec3]) -> Vec<DVec3> {
+        points.par_iter().map(|&point| self.force(point)).collect()
+    }
+
+    /// The force of the sound (N) along x, y and z through a point, each at `count` places from -`reach` to `reach` (m): the component along
+    /// the axis.
+    pub fn curves(&self, at: DVec3, reach: f64, count: usize) -> [Vec<[f64; 2]>; 3] {
+        let step = 2.0 * reach / count.saturating_sub(1).max(1) as f64;
+        [DVec3::X, DVec3::Y, DVec3::Z].map(|axis| {
+            let along = |i: usize| {
+                let place = step * i as f64 - reach;
+                [place, self.force(at + axis * place).dot(axis)]
+            };
+            (0..count).into_par_iter().map(along).collect()
+        })
+    }
+
+    /// The sound of each drive at a point.
+    pub fn sounds(&self, point: DVec3) -> impl Iterator<Item = Derivatives> {
+        self.drives.iter().map(move |drive| drive.derivatives(point))
+    }
+}

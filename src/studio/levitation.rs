@@ -1,0 +1,99 @@
+//! What becomes of beads in a scene's traps, in figures and in words.
+
+use std::f64::consts::TAU;
+
+use glam::DVec3;
+
+use crate::acoustics::{Air, Aperture};
+use crate::drive::Drive;
+use crate::force::{Hold, Levitation, Outcome, Sphere};
+use crate::rounding;
+use crate::scene::{Scene, Shape, Target};
+
+/// A trap of a scene, and what becomes of a bead that is put there.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Held {
+    /// Among the scene's targets.
+    pub target: usize,
+    pub hold: Hold,
+}
+
+/// Of all traps that are shown, where the scene puts them.
+pub fn held(scene: &Scene, aperture: &Aperture, drives: &[Drive]) -> Vec<Held> {
+    let trap = |(target, it): (usize, &Target)| {
+        let Shape::Trap { at, .. } = it.shape else { return None };
+        it.visible.then_some((target, at))
+    };
+    let traps: Vec<_> = scene.targets.iter().enumerate().filter_map(trap).collect();
+    if traps.is_empty() {
+        return Vec::new();
+    }
+    let levitation = Levitation::new(scene, aperture, drives);
+    traps.into_iter().map(|(target, at)| Held { target, hold: levitation.hold(at) }).collect()
+}
+
+/// What to know of forces on the scene's bead.
+pub fn warning(scene: &Scene) -> Option<String> {
+    let air = Air::new(&scene.medium, scene.array.frequency);
+    Sphere::new(&scene.bead, &air, TAU / scene.wavelength()).warning()
+}
+
+/// The verdict, a sentence without its full stop.
+pub fn verdict(hold: &Hold) -> String {
+    let weakest = hold.modes[0];
+    match hold.outcome {
+        Outcome::Holds => {
+            let (way, escape) = hold.nearest_escape();
+            let out = match escape.distance.is_finite() {
+                true => format!("let go {} mm along {}", millimetres(escape.distance), axis(way)),
+                false => "let go nowhere within a wavelength".to_owned(),
+            };
+            format!(
+                "holds: rests {} mm below its place, weakest stiffness {} along {}, {out}, lift {:.1} times the weight",
+                millimetres(hold.sag()),
+                stiffness(weakest.stiffness),
+                line(weakest.direction),
+                hold.lift
+            )
+        }
+        Outcome::TooHeavy => {
+            format!(
+                "does not hold: the sound carries {} of the weight",
+                rounding::percent(hold.lift.max(0.0))
+            )
+        }
+        Outcome::Unstable => format!(
+            "does not hold: it is pushed away along {} ({})",
+            line(weakest.direction),
+            stiffness(weakest.stiffness)
+        ),
+        Outcome::Leaves => "does not hold: force and weight lead it more than a wavelength away".to_owned(),
+    }
+}
+
+/// A stiffness with three figures, in mN/m or µN/m.
+fn stiffness(value: f64) -> String {
+    let (factor, unit) = if value.abs() >= 1e-4 { (1e3, "mN/m") } else { (1e6, "µN/m") };
+    format!("{:.3} {unit}", value * factor)
+}
+
+fn millimetres(length: f64) -> String {
+    format!("{:.2}", length * 1e3)
+}
+
+/// A direction by the axis that it is, or by its parts.
+fn axis(direction: DVec3) -> String {
+    let parts = direction.to_array();
+    let main = (0..3).find(|&i| parts[i].abs() > 0.99);
+    match main {
+        Some(i) if parts[i] < 0.0 => ["-x", "-y", "-z"][i].to_owned(),
+        Some(i) => ["x", "y", "z"][i].to_owned(),
+        None => format!("({:.2}, {:.2}, {:.2})", parts[0], parts[1], parts[2]),
+    }
+}
+
+/// The same of a line, whose two directions are one.
+fn line(direction: DVec3) -> String {
+    let largest = [0, 1, 2].map(|i| direction[i]).into_iter().max_by(|a, b| a.abs().total_cmp(&b.abs()));
+    axis(direction * largest.unwrap_or(1.0).signum())
+}
