@@ -8,6 +8,7 @@ mod figure;
 mod files;
 mod folders;
 mod later;
+mod levitation;
 #[cfg(feature = "serial")]
 mod link;
 #[cfg(not(feature = "serial"))]

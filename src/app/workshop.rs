@@ -12,6 +12,7 @@ use egui::Context;
 use crate::acoustics::Aperture;
 use crate::app::comparison::{self, Comparison};
 use crate::app::later::Later;
+use crate::app::levitation::Levitating;
 use crate::app::mapping::{Look, Mapping};
 use crate::app::posing::{Solved, Source, is_shape, posed, posed_in_motion, solve, sound};
 use crate::app::space::Spacing;
@@ -85,6 +86,7 @@ pub struct Workshop {
     pressed: Later<Request, Option<Pressed>>,
     survey: Survey,
     course: TimeCourse,
+    levitating: Levitating,
     /// What makes it, with what it keeps from one time to the next.
     presser: Arc<Mutex<Stages>>,
     comparison: Option<Comparison>,
@@ -109,6 +111,7 @@ impl Workshop {
             pressed: Later::default(),
             survey: Survey::default(),
             course: TimeCourse::default(),
+            levitating: Levitating::default(),
             presser: Arc::new(Mutex::new(Stages::new(Evaluator::Cpu))),
             comparison: None,
             spacing: Spacing::default(),
@@ -132,6 +135,7 @@ impl Workshop {
             || self.comparison.as_ref().is_some_and(Comparison::is_busy)
             || self.survey.is_running()
             || self.course.is_running()
+            || self.levitating.is_running()
             || self.spacing.is_running()
     }
 
@@ -147,6 +151,7 @@ impl Workshop {
             self.pressed.collect(),
             self.survey.collect(),
             self.course.collect(),
+            self.levitating.collect(),
             self.spacing.collect(),
         ];
         if came.contains(&true) {
@@ -176,6 +181,11 @@ impl Workshop {
             }
         }
         self.course.update(editor, shown, ctx);
+        let lens = match *seen {
+            Seen::Map { lens, .. } => Some(lens),
+            Seen::Space(_) => None,
+        };
+        self.levitating.update(editor, shown, lens, ctx);
         shown.warnings = warnings(editor, shown);
         shown.warnings.extend_from_slice(self.reached(ctx));
     }

@@ -55,6 +55,17 @@ impl Trap {
         }
     }
 
+    /// What it is called beside others.
+    pub fn title(self) -> &'static str {
+        match self {
+            Self::Focus => "focus that holds",
+            Self::Twin => "twin trap",
+            Self::Vortex => "vortex",
+            Self::Bottle => "bottle",
+            Self::Standing => "standing wave",
+        }
+    }
+
     /// What is added to the focus phase (rad) of an element that stands at a place (m) about the trap, in its axes; half of the
     /// elements stand within `radius` (m) of the axis.
     pub fn signature(self, charge: i32, place: DVec3, radius: f64) -> f64 {

@@ -12,8 +12,8 @@ use crate::studio::probe;
 use crate::ui::tool::Tool;
 use crate::ui::view::{Lens, View};
 use crate::ui::{
-    Editor, Map, Shown, Sound, context, cursor, gesture, guides, legend, marks, measure, path_marks, theme,
-    ticks,
+    Editor, Map, Shown, Sound, arrows, context, cursor, gesture, guides, legend, marks, measure, path_marks,
+    theme, ticks,
 };
 
 /// Points of the screen around the plot.
@@ -86,7 +86,7 @@ pub fn interact(editor: &mut Editor, ui: &mut Ui) -> Canvas {
     let response = response.on_hover_cursor(cursor);
     let lens = editor.lens(rect, is_held);
     if let Some(at) = response.hover_pos() {
-        editor.course.pointed = Some(editor.view.axes(editor.scene()).world(lens.flat(at)));
+        editor.pointed = Some(editor.view.axes(editor.scene()).world(lens.flat(at)));
     }
     Canvas { lens, response }
 }
@@ -109,6 +109,9 @@ pub fn paint(editor: &Editor, shown: &Shown, ui: &Ui, canvas: &Canvas) {
     }
     if editor.view.grid || editor.snaps {
         guides::grid(editor.grid, editor.view.is_light, &painter, lens);
+    }
+    if let Some(arrows) = &shown.arrows {
+        arrows::paint(editor, arrows, &painter, lens);
     }
     if editor.view.marks {
         marks::paint(editor, shown, &painter, lens, canvas.response.hover_pos());

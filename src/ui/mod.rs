@@ -4,6 +4,7 @@
 pub mod action;
 mod arrangement;
 mod array;
+pub mod arrows;
 pub mod beside;
 pub mod board;
 pub mod bring_up;
@@ -78,8 +79,8 @@ pub use dialog::file::{Asking, ELEMENTS, Entry, Folder, IMPORTED, Purpose};
 pub use dialog::film::FilmForm;
 pub use dialog::import::Import;
 pub use map::{Map, Texture};
-pub use panels::course;
-pub use shown::{Course, Extremes, MethodRow, Notice, Pressed, Shown, Sound};
+pub use panels::{bead, course};
+pub use shown::{Arrows, Course, Extremes, Levitated, MethodRow, Notice, Pressed, Shown, Sound};
 
 /// Everything that the user edits, and how it is looked at.
 #[derive(Debug)]
@@ -126,6 +127,9 @@ pub struct Editor {
     pub playback: Playback,
     pub oscillation: Oscillation,
     pub course: CourseForm,
+    pub bead: BeadForm,
+    /// m: where the pointer was last on the map.
+    pub pointed: Option<DVec3>,
     /// What of a motion's path was taken hold of last.
     vertex: Option<way::Vertex>,
     /// The drive as a board with so many phases per period plays it.
@@ -158,8 +162,6 @@ impl Default for Playback {
 pub struct CourseForm {
     pub is_shown: bool,
     pub place: CoursePlace,
-    /// m: where the pointer was last on the map.
-    pub pointed: Option<DVec3>,
 }
 
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -169,6 +171,22 @@ pub enum CoursePlace {
     Focus,
     Pointer,
     Listener,
+}
+
+/// What is shown of the forces on the scene's bead, and where it is put.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct BeadForm {
+    pub is_shown: bool,
+    pub place: BeadPlace,
+    pub arrows: bool,
+}
+
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum BeadPlace {
+    /// Where the selected target is, or the first.
+    #[default]
+    Focus,
+    Pointer,
 }
 
 /// Which moment of the sound's period an instantaneous pressure is of.
@@ -319,6 +337,8 @@ impl Editor {
             playback: Playback::default(),
             oscillation: Oscillation { playing: true, part: 0.0 },
             course: CourseForm::default(),
+            bead: BeadForm::default(),
+            pointed: None,
             vertex: None,
             levels: None,
             board: BoardForm::default(),

@@ -9,6 +9,7 @@ use glam::DVec3;
 use crate::acoustics::{Air, Aperture};
 use crate::drive::Drive;
 use crate::field::{self, Quantity};
+use crate::force::{Forces, Hold};
 use crate::scene::{Bead, Focus, Method};
 use crate::solver::Solution;
 use crate::solver::frames::Sequence;
@@ -48,6 +49,9 @@ pub struct Shown {
     pub extremes: Option<Extremes>,
     /// At the place of [`crate::ui::CourseForm`], or why there is none.
     pub course: Option<Result<Course, String>>,
+    /// What the sound does to the bead where it is put.
+    pub levitated: Option<Levitated>,
+    pub arrows: Option<Arrows>,
     /// Of the focus that is selected, while the line profile is shown.
     pub widths: Option<Widths>,
     /// Files that were open last, the last one first.
@@ -167,6 +171,27 @@ impl Course {
     pub fn strongest(&self) -> Option<&Line> {
         self.lines.iter().skip(1).max_by(|a, b| a.amplitude.total_cmp(&b.amplitude))
     }
+}
+
+/// What the sound does to the scene's bead at a point.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Levitated {
+    pub hold: Hold,
+    /// Where it is put.
+    pub forces: Forces,
+    /// N, weight less buoyancy.
+    pub load: f64,
+    /// m from there along x, y and z, and the force (N) along the same axis.
+    pub curves: [Vec<[f64; 2]>; 3],
+    /// What to know of such a bead.
+    pub warning: Option<String>,
+}
+
+/// Forces of the sound (N) on the scene's bead at places (m) of the cut.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Arrows {
+    pub places: Vec<DVec3>,
+    pub forces: Vec<DVec3>,
 }
 
 /// The loudest place on the screen and its peak side lobe: where (m), and |P| (Pa, peak).

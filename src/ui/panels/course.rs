@@ -17,7 +17,7 @@ pub const BAND: f64 = 1000.0;
 pub fn place(editor: &Editor, shown: &Shown) -> Option<DVec3> {
     let at = match editor.course.place {
         CoursePlace::Focus => section::focus(editor, shown),
-        CoursePlace::Pointer => editor.course.pointed,
+        CoursePlace::Pointer => editor.pointed,
         CoursePlace::Listener => editor.scene().listener.as_ref().map(|listener| listener.at),
     };
     at.filter(|at| at.z > 0.0)
@@ -42,7 +42,7 @@ pub fn show(editor: &mut Editor, shown: &Shown, ui: &mut Ui) {
     });
     let Some(course) = &shown.course else {
         ui.label(match editor.course.place {
-            CoursePlace::Pointer if editor.course.pointed.is_none() => "Move the pointer over the map.",
+            CoursePlace::Pointer if editor.pointed.is_none() => "Move the pointer over the map.",
             CoursePlace::Listener if editor.scene().listener.is_none() => {
                 "There is no listener: the Scene panel sets one."
             }

@@ -1,5 +1,6 @@
 //! The panel on the right: one page each for scene, solver, drive, liquid, motion and device.
 
+pub mod bead;
 mod boards;
 mod bring_up;
 pub mod course;

@@ -6,7 +6,9 @@ use glam::DVec3;
 use crate::acoustics::Air;
 use crate::scene::{ElementModel, Listener, Target};
 use crate::studio::probe;
-use crate::ui::panels::{MM, PLAIN, Unit, boards, choice, count, fact, form, given, heading, number, target};
+use crate::ui::panels::{
+    MM, PLAIN, Unit, bead, boards, choice, count, fact, form, given, heading, number, target,
+};
 use crate::ui::{Editor, Shown, clipboard, edit, element_map, group, theme};
 
 pub fn show(editor: &mut Editor, shown: &Shown, ui: &mut Ui) {
@@ -17,6 +19,7 @@ pub fn show(editor: &mut Editor, shown: &Shown, ui: &mut Ui) {
     ui.collapsing("Array", |ui| array(editor, ui));
     ui.collapsing("Boards", |ui| boards::show(editor, ui));
     ui.collapsing("Reflectors", |ui| boards::reflectors(editor, ui));
+    ui.collapsing("Bead", |ui| bead::show(editor, shown, ui));
     ui.collapsing("Air", |ui| air(editor, ui));
 }
 

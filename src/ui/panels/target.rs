@@ -4,11 +4,12 @@ use egui::{RichText, TextEdit, Ui};
 use glam::DVec3;
 
 use crate::scene::check::{MOST_FOCI, MOST_LETTERS};
-use crate::scene::{MotionPath, Pressures, Sampling, Scene, Shape, Target, font};
+use crate::scene::{MotionPath, Pressures, Sampling, Scene, Shape, Target, Trap, font};
 use crate::ui::edit;
 use crate::ui::panels::path::{self, Figures};
 use crate::ui::panels::{
-    DEGREES, MM, PLAIN, Unit, bare_count, bare_number, caption, coordinates, count, form, number, value,
+    DEGREES, MM, PLAIN, Unit, bare_count, bare_number, caption, choice, coordinates, count, form, number,
+    value,
 };
 use crate::ui::theme;
 
@@ -29,6 +30,7 @@ pub fn show(scene: &mut Scene, index: usize, ui: &mut Ui) {
         let kind = edit::kind(target);
         label(ui, ("Name", "What the target is called in lists and warnings"), &kind, &mut target.name);
         shape(target, ui);
+        holding(target, ui);
         if target.sampling == Sampling::Fill && matches!(target.shape, Shape::Path { closed: false, .. }) {
             target.sampling = Sampling::Continuous;
         }
@@ -71,8 +73,7 @@ fn own_motion(target: &mut Target, figures: Option<Figures>, ui: &mut Ui) {
 
 fn shape(target: &mut Target, ui: &mut Ui) {
     match &mut target.shape {
-        Shape::Point { at } => point(ui, "At", at),
-        Shape::Trap { at, trap: _, charge: _ } => point(ui, "At", at),
+        Shape::Point { at } | Shape::Trap { at, .. } => point(ui, "At", at),
         Shape::Line { from, to } => {
             point(ui, "From", from);
             point(ui, "To", to);
@@ -121,6 +122,37 @@ fn shape(target: &mut Target, ui: &mut Ui) {
             number(ui, ("Width", "Of the picture"), width, MM, LENGTH);
         }
     }
+}
+
+/// What of a bead a point holds.
+fn holding(target: &mut Target, ui: &mut Ui) {
+    let (at, mut kind, mut charge) = match target.shape {
+        Shape::Point { at } => (at, None, 1),
+        Shape::Trap { at, trap, charge } => (at, Some(trap), charge),
+        Shape::Line { .. }
+        | Shape::Circle { .. }
+        | Shape::Rectangle { .. }
+        | Shape::Triangle { .. }
+        | Shape::Polygon { .. }
+        | Shape::Path { .. }
+        | Shape::Text { .. }
+        | Shape::Picture { .. } => return,
+    };
+    let traps = Trap::ALL.map(|trap| (Some(trap), trap.title()));
+    let choices: Vec<_> = std::iter::once((None, "focus only")).chain(traps).collect();
+    choice(ui, ("Trap", "What the sound is to be like so that it holds a bead"), &mut kind, &choices);
+    if kind == Some(Trap::Vortex) {
+        let mut turns = f64::from(charge);
+        let most = f64::from(Trap::MOST_TURNS);
+        let whole = Unit { per: 1.0, suffix: "", decimals: 0, speed: 0.1 };
+        number(ui, ("Turns", "Of the phase, once around the axis"), &mut turns, whole, -most..=most);
+        let turns = turns.round() as i32;
+        charge = if turns == 0 { -charge.signum() } else { turns };
+    }
+    target.shape = match kind {
+        None => Shape::Point { at },
+        Some(trap) => Shape::Trap { at, trap, charge },
+    };
 }
 
 /// Only letters that the stroke font has, and never no letter at all; what it lacks is said.
