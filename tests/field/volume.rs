@@ -21,7 +21,7 @@ fn scattered(aperture: &Aperture, seed: f64) -> Drive {
     let part = |i: usize| ((i as f64 + seed) * 0.618_034).fract();
     Drive {
         amplitudes: (0..count).map(|i| 0.3 + 0.7 * part(3 * i)).collect(),
-        phases: (0..count).map(|i| 6.28 * part(i)).collect(),
+        phases: (0..count).map(|i| std::f64::consts::TAU * part(i)).collect(),
     }
 }
 
