@@ -6,26 +6,37 @@ use crate::process::succeed;
 use crate::refusal::refuse;
 use crate::{POINT, folder_with};
 
+/// Either side of a place along each axis, and the place.
+const POINTS: &str = "x,y,z\n0.01199,0.021,0.101\n0.01201,0.021,0.101\n0.012,0.02099,0.101\n0.012,0.02101,0.101\n\
+                      0.012,0.021,0.10099\n0.012,0.021,0.10101\n0.012,0.021,0.101\n";
+
 #[test]
 fn probe_answers_with_the_force_on_a_bead() {
     let scene = POINT.replace("format = 1", "format = 1\n[bead]\nradius = 0.0002");
-    let folder =
-        folder_with(&[("a.toml", &scene), ("points.csv", "x,y,z\n0.012,0.021,0.101\n0.012,0.021,0.10101\n")]);
+    let folder = folder_with(&[("a.toml", &scene), ("points.csv", POINTS)]);
     let args = ["probe", "a.toml", "--points", "points.csv", "--quantity", "force"];
     let answer = succeed(folder.path(), &args);
     assert_eq!(answer.lines().next(), Some("x,y,z,gorkov,fx,fy,fz,kxx,kxy,kxz,kyy,kyz,kzz"));
     let rows: Vec<Vec<f64>> =
         answer.lines().skip(1).map(|line| line.split(',').map(|v| v.parse().unwrap()).collect()).collect();
-    let slope = |column: usize| (rows[1][column] - rows[0][column]) / 1e-5;
-    let near = |column: usize, other: f64| {
-        let own = f64::midpoint(rows[0][column], rows[1][column]);
-        assert!((own / other - 1.0).abs() < 1e-3, "{column}: {own} {other}");
+    // From the first row to another, on either side.
+    let slope = |axis: usize, column: usize| {
+        (rows[2 * axis + 1][column] - rows[2 * axis][column])
+            / (rows[2 * axis + 1][axis] - rows[2 * axis][axis])
     };
-    // K is what the force changes by; a force without scattering is the potential's slope.
-    near(9, -slope(4));
-    near(11, -slope(5));
-    near(12, -slope(6));
-    assert!((rows[0][6] / -slope(3) - 1.0).abs() < 0.1, "{rows:?}");
+    let near = |column: usize, other: f64| {
+        let own = rows[6][column];
+        assert!((own - other).abs() < 1e-3 * rows[6][12].abs(), "{column}: {own} {other}");
+    };
+    // K is the symmetric part of what the force changes by.
+    near(7, -slope(0, 4));
+    near(8, -(slope(1, 4) + slope(0, 5)) / 2.0);
+    near(9, -(slope(2, 4) + slope(0, 6)) / 2.0);
+    near(10, -slope(1, 5));
+    near(11, -(slope(2, 5) + slope(1, 6)) / 2.0);
+    near(12, -slope(2, 6));
+    // A force without scattering is the potential's slope.
+    assert!((rows[6][4] / -slope(0, 3) - 1.0).abs() < 0.1, "{rows:?}");
     assert!(refuse(folder.path(), &[&args[..], &["--backend", "cpu"]].concat()).contains("f64"));
     fs::write(folder.path().join("b.toml"), "format = 1\n[bead]\nradius = 0.2\n").unwrap();
     let refused = refuse(folder.path(), &["probe", "b.toml", "--points", "points.csv"]);

@@ -254,7 +254,9 @@ fn contours_run_where_the_value_is_that_part_of_its_largest() {
         let mut stages = Stages::new(evaluator);
         for quantity in Quantity::ALL.into_iter().filter(|quantity| quantity.declaration().has_mean) {
             let request = Request::new(&scene, drives.clone(), quantity, (60, 50));
-            let lines = stages.contours(&request, 0.4).unwrap().to_vec();
+            // A potential is far from 0 where it is low.
+            let part = if quantity == Quantity::Gorkov { -0.4 } else { 0.4 };
+            let lines = stages.contours(&request, part).unwrap().to_vec();
             assert!(!lines.is_empty(), "{quantity:?}");
             let Map { values, peak, .. } = stages.map(&request).unwrap();
             for [x, y] in lines.into_iter().flatten() {
@@ -264,7 +266,7 @@ fn contours_run_where_the_value_is_that_part_of_its_largest() {
                 let first = row as usize * 60 + column as usize;
                 let along = |at: usize| values[at] * (1.0 - right) + values[at + 1] * right;
                 let value = along(first) * (1.0 - up) + along(first + 60) * up;
-                assert!((value / peak - 0.4).abs() < 0.02, "{quantity:?}: {value} of {peak}");
+                assert!((value / peak - part).abs() < 0.02, "{quantity:?}: {value} of {peak}");
             }
         }
     }

@@ -131,7 +131,8 @@ fn quantity(scene: &Scene, dice: &mut Dice) -> Quantity {
     let is_near = lowest < 1e-3 * Aperture::new(scene).wavelength();
     let quantities: Vec<_> = Quantity::ALL
         .into_iter()
-        .filter(|quantity| !quantity.declaration().of_liquid)
+        // `quantities` holds potentials to their tolerance.
+        .filter(|quantity| !quantity.declaration().of_liquid && *quantity != Quantity::Gorkov)
         .filter(|quantity| !is_near || quantity.declaration().parts == PRESSURE)
         .collect();
     if dice.of(0.4) { Quantity::Instantaneous } else { dice.one_of(&quantities) }

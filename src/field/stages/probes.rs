@@ -126,11 +126,18 @@ impl Probes {
                 return norms.into_iter().fold(0.0, f64::max);
             }
         }
+        // A potential is large where slopes are, too.
+        let energy = |sound: &Sound<f64>| {
+            let is_solid = quantity == Quantity::Gorkov;
+            let squares = sound.x.norm_sqr() + sound.y.norm_sqr() + sound.n.norm_sqr();
+            let slopes = if is_solid { squares } else { 0.0 };
+            constants.of_pressure * sound.p.norm_sqr() + constants.of_gradient * slopes
+        };
         let mut means = vec![Mean::default(); self.places.len()];
         for excitation in excitations {
             for (mean, sound) in means.iter_mut().zip(self.sounds(excitation)) {
                 mean.value += (declaration.exact)(sound, &constants) / excitations.len() as f64;
-                mean.square += constants.of_pressure * sound.p.norm_sqr() / excitations.len() as f64;
+                mean.square += energy(&sound) / excitations.len() as f64;
             }
         }
         let part = if declaration.of_liquid { 1.0 } else { request.part };
@@ -157,7 +164,7 @@ impl Probes {
 struct Mean {
     /// Of the formula.
     value: f64,
-    /// Of |P|²/(ρc²), Pa.
+    /// Of |P|²/(ρc²), Pa; of a potential with |∇P|²/(ρω²).
     square: f64,
 }
 
