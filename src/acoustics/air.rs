@@ -45,6 +45,14 @@ impl Air {
     }
 }
 
+/// Viscosity of air, Pa·s, by Sutherland's law with the constants of the U.S. Standard Atmosphere, 1976.
+pub fn viscosity(medium: &Medium) -> f64 {
+    const OF_ROOT: f64 = 1.458e-6;
+    const SUTHERLAND: f64 = 110.4;
+    let kelvin = medium.kelvin();
+    OF_ROOT * kelvin.powf(1.5) / (kelvin + SUTHERLAND)
+}
+
 /// Atmospheric absorption in dB/m by ISO 9613-1, equations (3) to (5) and (B.1) to (B.3).
 ///
 /// `frequency` in Hz, `temperature` in °C, relative `humidity` in %, `pressure` in Pa.

@@ -18,7 +18,7 @@ use glam::{DVec2, DVec3};
 
 use crate::scene::{Placed, Reflector, Scene};
 
-pub use air::Air;
+pub use air::{Air, viscosity};
 use row::Elements;
 
 pub use derivatives::{Along, Derivatives};

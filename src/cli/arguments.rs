@@ -86,12 +86,28 @@ fn shown(error: &Error) -> String {
 }
 
 /// A place, X,Y,Z in metres.
-pub fn parse_listener(text: &str) -> Result<Listener, String> {
+pub fn parse_place(text: &str) -> Result<DVec3, String> {
+    /// m; what lies beyond is a slip of the unit.
+    const FARTHEST: f64 = 1e6;
     let numbers: Result<Vec<f64>, _> = text.split(',').map(|number| number.trim().parse()).collect();
-    let Some(&[x, y, z]) = numbers.as_deref().ok() else {
-        return Err("give three numbers in metres: X,Y,Z".to_owned());
-    };
-    Ok(Listener { at: DVec3::new(x, y, z) })
+    match numbers.as_deref().ok() {
+        Some(&[x, y, z]) if [x, y, z].iter().all(|length| length.abs() <= FARTHEST) => {
+            Ok(DVec3::new(x, y, z))
+        }
+        Some(_) | None => Err("give three numbers in metres: X,Y,Z".to_owned()),
+    }
+}
+
+/// The place of an ear.
+pub fn parse_listener(text: &str) -> Result<Listener, String> {
+    parse_place(text).map(|at| Listener { at })
+}
+
+/// A time of flight, s.
+pub fn parse_flight(text: &str) -> Result<f64, String> {
+    const LONGEST: f64 = 600.0;
+    let seconds = text.trim().parse::<f64>().ok().filter(|seconds| *seconds > 0.0 && *seconds <= LONGEST);
+    seconds.ok_or_else(|| format!("give a number of seconds above 0, {LONGEST} at most"))
 }
 
 /// A time of search, s.

@@ -9,6 +9,7 @@ mod elements;
 mod figure;
 mod interrupt;
 mod json;
+mod levitate;
 mod motion;
 mod names;
 mod probe;
@@ -22,6 +23,7 @@ mod volume;
 use std::path::{Path, PathBuf};
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
+use glam::DVec3;
 
 use crate::acoustics::Aperture;
 use crate::bench::{self, Subject};
@@ -134,6 +136,18 @@ enum Command {
     ///   sonoglyph elements levitator.toml -o levitator.csv
     #[command(verbatim_doc_comment)]
     Elements(ElementsArgs),
+    /// Release a bead in the sound of a scene, or carry it along the scene's motion
+    ///
+    /// The scene's bead flies under the radiation force, its weight and the drag of the air, until its time is over or it is more than a
+    /// wavelength away from where it is wanted. Examples:
+    ///
+    ///   sonoglyph levitate assets/scenes/twin-trap.toml
+    ///
+    ///   sonoglyph levitate trap.toml --from 0,0.002,0.1 --seconds 0.5 -o flight.csv
+    ///
+    ///   sonoglyph levitate moving-trap.toml --fastest
+    #[command(verbatim_doc_comment)]
+    Levitate(LevitateArgs),
     /// List the adapters and evaluators found, and which would be used
     Devices,
     /// List the serial ports, and the boards that can be driven
@@ -407,6 +421,7 @@ pub fn run() -> anyhow::Result<Next> {
         Cli { command: Some(Command::Batch(args)), .. } => batch::run(&args),
         Cli { command: Some(Command::Bench(args)), .. } => return Ok(Next::Bench(args.into())),
         Cli { command: Some(Command::Elements(args)), .. } => elements::run(&args),
+        Cli { command: Some(Command::Levitate(args)), .. } => levitate::run(&args),
         Cli { command: Some(Command::Devices), .. } => devices::run(),
         Cli { command: Some(Command::Ports), .. } => boards::ports(),
         Cli { command: Some(Command::Send(args)), .. } => boards::send(&args),
@@ -417,7 +432,6 @@ pub fn run() -> anyhow::Result<Next> {
     done.map(|()| Next::Exit)
 }
 
-/// What is left to do when the command line has been read.
 #[derive(Debug, Args)]
 struct ElementsArgs {
     /// Scene file
@@ -427,6 +441,31 @@ struct ElementsArgs {
     output: Option<PathBuf>,
 }
 
+#[derive(Debug, Args)]
+struct LevitateArgs {
+    /// Scene file
+    scene: PathBuf,
+    /// Number of the trap, from 1 on; by default the first, or the first focus
+    #[arg(long, value_name = "N")]
+    target: Option<usize>,
+    /// Where the bead is released (m); by default where the first frame holds it
+    #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true, value_parser = arguments::parse_place)]
+    from: Option<DVec3>,
+    /// s that it is followed; by default 1, or two rounds of a motion
+    #[arg(long, value_name = "S", allow_negative_numbers = true, value_parser = arguments::parse_flight)]
+    seconds: Option<f64>,
+    /// Also find how fast the motion may be so that the bead is not lost
+    #[arg(long)]
+    fastest: bool,
+    /// Where the flight goes: columns time (s), x, y, z (m), vx, vy, vz (m/s), and where the bead is wanted
+    #[arg(short, long, value_name = "FILE.csv")]
+    output: Option<PathBuf>,
+    /// The answer as JSON
+    #[arg(long)]
+    json: bool,
+}
+
+/// What is left to do when the command line has been read.
 #[derive(Debug)]
 pub enum Next {
     Exit,

@@ -73,6 +73,11 @@ impl Sphere {
         self.coupling
     }
 
+    /// kg that is set in motion when it moves: a sphere takes half of its volume of air along.
+    pub fn inertia(&self) -> f64 {
+        self.mass + 0.5 * self.displaced
+    }
+
     /// N, weight less the buoyancy of the air, at this gravity (m/s²).
     pub fn load(&self, gravity: f64) -> f64 {
         (self.mass - self.displaced) * gravity

@@ -1,6 +1,7 @@
 //! What sound does to a small bead: the potential, the radiation force and its stiffness, and whether a trap holds.
 
 mod bead;
+mod flight;
 mod hold;
 mod modes;
 
@@ -12,6 +13,7 @@ use crate::drive::Drive;
 use crate::scene::Scene;
 
 pub use bead::Sphere;
+pub use flight::{Carriage, Drag, Flight, Moment};
 pub use hold::{Escape, Hold, Outcome, WAYS};
 pub use modes::{Mode, modes};
 

@@ -8,6 +8,7 @@ pub mod convention;
 pub mod elements;
 pub mod evaluator;
 pub mod figure;
+pub mod flight;
 pub mod levitation;
 pub mod link;
 pub mod liquid;

@@ -183,9 +183,9 @@ pub struct BeadForm {
 
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum BeadPlace {
-    /// Where the selected target is, or the first.
+    /// The selected one, or else the first trap or focus.
     #[default]
-    Focus,
+    Target,
     Pointer,
 }
 

@@ -4,6 +4,7 @@
 #![expect(clippy::unwrap_used, reason = "a test's helper may panic")]
 
 #[cfg(all(unix, feature = "serial"))]
+mod bead;
 mod board;
 mod brush;
 mod canvas;

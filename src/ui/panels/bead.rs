@@ -5,7 +5,7 @@ use egui_plot::{Line, PlotPoints};
 use glam::DVec3;
 
 use crate::force::Outcome;
-use crate::scene::{Bead, Material};
+use crate::scene::{Bead, Material, Shape};
 use crate::studio::levitation;
 use crate::ui::panels::{MM, Unit, choice, fact, form, given, number, still_plot};
 use crate::ui::{BeadPlace, Editor, Levitated, Shown, measure, section, theme};
@@ -19,10 +19,30 @@ const COLOURS: [Color32; 3] =
 /// Where the bead is put, m.
 pub fn place(editor: &Editor, shown: &Shown) -> Option<DVec3> {
     let at = match editor.bead.place {
-        BeadPlace::Focus => section::focus(editor, shown),
+        BeadPlace::Target if editor.selection.is_empty() => {
+            trap(editor).or_else(|| section::focus(editor, shown))
+        }
+        BeadPlace::Target => section::focus(editor, shown),
         BeadPlace::Pointer => editor.pointed,
     };
     at.filter(|at| !editor.scene().is_home() || at.z > 0.0)
+}
+
+/// Of the first trap that is played: its lobes are no places for beads.
+fn trap(editor: &Editor) -> Option<DVec3> {
+    let mut targets = editor.scene().targets.iter().filter(|target| target.visible);
+    targets.find_map(|target| match target.shape {
+        Shape::Trap { at, .. } => Some(at),
+        Shape::Point { .. }
+        | Shape::Line { .. }
+        | Shape::Circle { .. }
+        | Shape::Rectangle { .. }
+        | Shape::Triangle { .. }
+        | Shape::Polygon { .. }
+        | Shape::Path { .. }
+        | Shape::Text { .. }
+        | Shape::Picture { .. } => None,
+    })
 }
 
 pub fn show(editor: &mut Editor, shown: &Shown, ui: &mut Ui) {
@@ -36,15 +56,15 @@ pub fn show(editor: &mut Editor, shown: &Shown, ui: &mut Ui) {
         return;
     }
     form(ui, "bead place", |ui| {
-        let places = [(BeadPlace::Focus, "target"), (BeadPlace::Pointer, "pointer")];
-        let tip = "Target: the selected one, or the first focus. Pointer: where it was last on the map";
+        let places = [(BeadPlace::Target, "target"), (BeadPlace::Pointer, "pointer")];
+        let tip = "Target: the selected one, or else the first trap or focus. Pointer: where it was last on the map";
         choice(ui, ("Place", tip), &mut editor.bead.place, &places);
     });
     match &shown.levitated {
         Some(levitated) => figures(levitated, ui),
         None => drop(ui.label(match editor.bead.place {
             BeadPlace::Pointer => "Move the pointer over the map.",
-            BeadPlace::Focus => "Nothing is played there.",
+            BeadPlace::Target => "Nothing is played there.",
         })),
     }
 }

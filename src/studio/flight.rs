@@ -1,0 +1,115 @@
+//! A scene's bead released in its traps, or carried along its motion.
+
+use anyhow::{anyhow, bail};
+use glam::DVec3;
+
+use crate::acoustics::{Air, Aperture, viscosity};
+use crate::force::{Carriage, Drag, Flight, Levitation};
+use crate::gauge::Gauge;
+use crate::scene::{Focus, Part, Scene, motion};
+use crate::solver;
+use crate::studio::motion::follow;
+
+/// Rounds of the motion that are flown to see whether a bead stays.
+const ROUNDS: f64 = 2.0;
+/// How many times faster or slower than the scene's, at most, a motion is tried, and the halvings of that range.
+const FASTEST: f64 = 1024.0;
+const HALVINGS: usize = 6;
+
+/// The fields of a scene, one after the other, and where one of its targets is in each.
+#[derive(Debug)]
+pub struct Course {
+    fields: Vec<Levitation>,
+    wanted: Vec<DVec3>,
+    /// s of a field as the scene has it; infinite where nothing moves.
+    pub span: f64,
+    drag: Drag,
+}
+
+impl Course {
+    /// Of the target with this number, or of the first trap, or else the first focus.
+    ///
+    /// # Errors
+    /// A scene that cannot be solved, or a target that is not there in every frame.
+    pub fn new(scene: &Scene, name: &str, target: Option<usize>, progress: &Gauge) -> anyhow::Result<Self> {
+        let aperture = Aperture::new(scene);
+        let (drives, foci, span): (Vec<_>, Vec<_>, _) = if motion::moves(scene) {
+            let cycle = motion::cycle(scene).ok_or_else(|| anyhow!("{name}: nothing moves"))?;
+            let frames = follow(scene, name, progress)?.frames;
+            let (drives, foci) = frames.into_iter().map(|frame| (vec![frame.drive], frame.foci)).unzip();
+            (drives, foci, cycle.frames_per_second().recip())
+        } else {
+            let solution = solver::solve(scene).map_err(|error| anyhow!("{name}: {error}"))?;
+            (vec![solution.drives()], vec![solution.foci], f64::INFINITY)
+        };
+        let wanted = foci.iter().map(|foci| place(foci, target));
+        let Some(wanted) = wanted.collect::<Option<Vec<_>>>() else {
+            bail!("{name}: target {} is no trap of every frame", target.map_or(1, |target| target + 1));
+        };
+        let fields: Vec<_> = drives.iter().map(|drives| Levitation::new(scene, &aperture, drives)).collect();
+        let air = Air::new(&scene.medium, scene.array.frequency);
+        let drag = Drag::new(&fields[0].sphere, viscosity(&scene.medium), air.density);
+        Ok(Self { fields, wanted, span, drag })
+    }
+
+    pub fn moves(&self) -> bool {
+        self.span.is_finite()
+    }
+
+    /// Where a bead rests in the first field, or else where it is wanted; m.
+    pub fn start(&self) -> DVec3 {
+        self.fields[0].hold(self.wanted[0]).rest
+    }
+
+    /// s of a round; infinite where nothing moves.
+    pub fn round(&self) -> f64 {
+        self.span * self.fields.len() as f64
+    }
+
+    /// Releases a bead at a place (m) while the motion is played so many times as fast.
+    pub fn fly(&self, from: DVec3, seconds: f64, faster: f64, progress: &Gauge) -> Flight {
+        let Self { fields, wanted, span, drag } = self;
+        Carriage { fields, wanted, span: span / faster, drag: *drag }.fly(from, seconds, progress)
+    }
+
+    /// How many times as fast the motion may be so that a bead that rests where the first frame holds it stays for two rounds, and the
+    /// least of those tried at which it is lost; nothing where it is lost at any speed, and infinite where it stays at all.
+    pub fn fastest(&self) -> Option<[f64; 2]> {
+        let start = self.start();
+        let stays =
+            |faster: f64| !self.fly(start, ROUNDS * self.round() / faster, faster, &Gauge::default()).is_lost;
+        let (mut stayed, mut lost) = if stays(1.0) {
+            let Some(lost) = powers().find(|&faster| !stays(faster)) else {
+                return Some([FASTEST, f64::INFINITY]);
+            };
+            (lost / 2.0, lost)
+        } else {
+            let stayed = powers().map(f64::recip).find(|&faster| stays(faster))?;
+            (stayed, 2.0 * stayed)
+        };
+        for _ in 0..HALVINGS {
+            let middle = (stayed * lost).sqrt();
+            *(if stays(middle) { &mut stayed } else { &mut lost }) = middle;
+        }
+        Some([stayed, lost])
+    }
+}
+
+/// 2, 4, 8 … up to the fastest.
+fn powers() -> impl Iterator<Item = f64> {
+    (1..).map(|power| f64::from(power).exp2()).take_while(|&faster| faster <= FASTEST)
+}
+
+/// The centre of a trap's lobes, or the first focus; m.
+fn place(foci: &[Focus], target: Option<usize>) -> Option<DVec3> {
+    let of = |focus: &Focus| match focus.part {
+        Part::Trap(index) => Some(index),
+        Part::Point | Part::Stroke | Part::Area(_) => None,
+    };
+    let Some(index) = target.or_else(|| foci.iter().find_map(of)) else {
+        return foci.first().map(|focus| focus.position);
+    };
+    let own: Vec<_> =
+        foci.iter().filter(|focus| of(focus) == Some(index)).map(|focus| focus.position).collect();
+    (!own.is_empty()).then(|| own.iter().sum::<DVec3>() / own.len() as f64)
+}

@@ -1,0 +1,96 @@
+//! A bead in the window: points that become traps, whether these hold it, and arrows of the force over the map.
+
+use egui::accesskit::Role;
+use sonoglyph::force::{Levitation, Outcome};
+use sonoglyph::scene::{Material, Target, Trap};
+use sonoglyph::ui::{Levitated, Panel};
+
+use super::*;
+
+const AT: DVec3 = DVec3::new(0.004, -0.003, 0.1);
+
+/// The window on a twin trap, with the figures of the bead in it.
+fn open_on_trap() -> Screen {
+    let mut screen = open();
+    let editor = screen.state_mut().editor_mut();
+    editor.document.scene.targets = vec![Target::new(Shape::Point { at: AT })];
+    editor.document.settle();
+    editor.panel = Panel::Scene;
+    editor.selection = [0].into();
+    rest(&mut screen);
+    choose(&mut screen, "Trap", "twin trap");
+    screen.state_mut().editor_mut().document.settle();
+    // So that the page has room.
+    screen.state_mut().editor_mut().selection.clear();
+    rest(&mut screen);
+    screen.get_by_label("Bead").click();
+    rest(&mut screen);
+    screen.get_by_label("Force at a point").click();
+    rest(&mut screen);
+    screen
+}
+
+fn choose(screen: &mut Screen, name: &str, entry: &str) {
+    screen.get_by_role_and_label(Role::ComboBox, name).click();
+    rest(screen);
+    screen.get_by_label(entry).click();
+    rest(screen);
+}
+
+fn levitated(screen: &Screen) -> Levitated {
+    screen.state().shown().levitated.clone().expect("something is known of the bead")
+}
+
+/// The same of the scene on the screen, by the library.
+fn levitation(screen: &Screen) -> Levitation {
+    let sound = screen.state().shown().sound.as_ref().unwrap();
+    Levitation::new(&scene(screen), &sound.aperture, &sound.drives)
+}
+
+#[test]
+fn a_point_becomes_a_trap_that_holds_a_light_bead_and_no_heavy_one() {
+    let mut screen = open_on_trap();
+    assert_eq!(scene(&screen).targets[0].shape, Shape::Trap { at: AT, trap: Trap::Twin, charge: 1 });
+    let found = levitated(&screen);
+    assert_eq!((found.hold.at, found.hold.outcome), (AT, Outcome::Holds));
+    assert_eq!(found.hold, levitation(&screen).hold(AT));
+    assert!(found.hold.sag() > 0.0 && found.load > 0.0);
+    assert!(screen.query_by_label_contains("It holds: rests").is_some());
+    for (axis, curve) in found.curves.iter().enumerate() {
+        let middle = curve[curve.len() / 2];
+        assert!(
+            middle[0].abs() < 1e-12 && (middle[1] - found.forces.force[axis]).abs() < 1e-15,
+            "{middle:?}"
+        );
+    }
+
+    choose(&mut screen, "Material", "fused silica");
+    assert_eq!(scene(&screen).bead.material, Material::Silica);
+    assert_eq!(levitated(&screen).hold.outcome, Outcome::TooHeavy);
+    assert!(screen.query_by_label_contains("It does not hold: the sound carries").is_some());
+    press(&mut screen, Modifiers::COMMAND, Key::Z);
+    assert_eq!(levitated(&screen).hold.outcome, Outcome::Holds, "one step back");
+
+    screen.get_by_label("Force at a point").click();
+    rest(&mut screen);
+    assert_eq!(screen.state().shown().levitated, None, "computed on demand");
+}
+
+#[test]
+fn arrows_are_the_forces_on_the_cut() {
+    let mut screen = open_on_trap();
+    assert_eq!(screen.state().shown().arrows, None, "computed on demand");
+    screen.get_by_label("Arrows on the map").click();
+    rest(&mut screen);
+    let arrows = screen.state().shown().arrows.clone().unwrap();
+    assert!(arrows.places.len() > 100 && arrows.places.len() == arrows.forces.len());
+    let height = scene(&screen).plane.centre.z;
+    assert!(arrows.places.iter().all(|place| (place.z - height).abs() < 1e-12));
+    assert_eq!(arrows.forces, levitation(&screen).forces_at(&arrows.places));
+    // They stay while the Scene page is left, and go with the map.
+    screen.state_mut().editor_mut().panel = Panel::Solver;
+    rest(&mut screen);
+    assert!(screen.state().shown().arrows.is_some() && screen.state().shown().levitated.is_none());
+    key(&mut screen, Key::F3);
+    assert_eq!(screen.state().shown().arrows, None);
+}
