@@ -82,7 +82,7 @@ impl Material {
         }
     }
 
-    /// Density (kg/m³) and sound speed (m/s). EPS: 29 kg/m³ as AcousTools has it, after Marzo et al., Nat. Commun. 6:8661 (2015), and
+    /// Density (kg/m³) and sound speed (m/s). EPS: 29 kg/m³ as AcousTools has it, after Marzo et al., Nature Communications 6:8661 (2015), and
     /// the sound speed of levitate; others take 25 to 30 kg/m³ and 900 to 2350 m/s. Water: IAPWS R6-95. Ethanol and silica: CRC Handbook of
     /// Chemistry and Physics. In air a sound speed matters to 1e-3: beads hardly yield.
     fn properties(self) -> (f64, f64) {

@@ -101,16 +101,22 @@ fn planes() -> [(&'static str, Plane); 5] {
 
 /// Who is to make a map: whoever is asked, where f32 keeps the tolerance and the quantity is formed at the pixels.
 fn maker(asked: By, quantity: Quantity, tolerance: f64, is_near: bool) -> Option<By> {
+    let by_cells = matches!(quantity, Quantity::Radiation | Quantity::Gorkov);
     let by_pressure = quantity.declaration().parts == PRESSURE;
     match asked {
         By::Gpu if by_pressure => Some(By::Gpu),
         // Finer slopes by differences are left to f64, and those beside the array are not the GPU's.
-        By::Gpu if quantity != Quantity::Radiation && tolerance > 5e-4 && !is_near => Some(By::Gpu),
+        By::Gpu if !by_cells && tolerance > 5e-4 && !is_near => Some(By::Gpu),
         By::Cpu if by_pressure => Some(By::Cpu),
-        By::Cpu if tolerance > 5e-4 && !is_near => Some(By::Cpu),
+        By::Cpu if tolerance > finest(quantity) && !is_near => Some(By::Cpu),
         By::Reference => Some(By::Reference),
         By::Cpu | By::CpuInF64 | By::Gpu => None,
     }
+}
+
+/// The tolerance from which slopes are left to f64: of potentials, whose terms nearly cancel, it is coarser.
+fn finest(quantity: Quantity) -> f64 {
+    if quantity == Quantity::Gorkov { 5e-3 } else { 5e-4 }
 }
 
 #[test]
@@ -235,7 +241,7 @@ fn means_of_several_drives_keep_the_tolerance() {
                 let largest = map.values.iter().fold(0.0f32, |most, value| most.max(value.abs()));
                 assert!((map.peak - largest).abs() <= 1e-6 * largest, "{name}: {} {largest}", map.peak);
                 // Squares at cells are few, so that the CPU makes them; and slopes of fine tolerances in f64.
-                let is_double = tolerance < 5e-4 && quantity.declaration().parts & NORMAL != 0;
+                let is_double = tolerance < finest(quantity) && quantity.declaration().parts & NORMAL != 0;
                 let maker = match asked {
                     By::Reference => By::Reference,
                     By::Cpu | By::CpuInF64 | By::Gpu if is_double => By::CpuInF64,

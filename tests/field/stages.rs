@@ -92,6 +92,8 @@ fn expected(quantity: Quantity, on_gpu: bool, first: First) -> Work {
     let resized = Work { interpolation: 1, forming: u64::from(!by_cells), caustic, ..picture };
     let of_drive = Work { superposition: sums, forming: 1, response: u64::from(of_liquid), ..resized };
     match first {
+        // Of f64 there are no tables.
+        First::Plan if quantity == Quantity::Gorkov => Work { plan: 1, ..of_drive },
         First::Plan => Work { plan: 1, transfer: if on_gpu { 0 } else { sums }, ..of_drive },
         First::Superposition => of_drive,
         // The passes of a GPU are made for their pixels.

@@ -16,6 +16,8 @@ const FINEST: f64 = 1e-6;
 /// Of what would just do, what finer samples may be off; and the finest, that interpolation in f32 keeps.
 const FINER: f64 = 0.4;
 const FINEST_SAMPLES: f64 = 2e-7;
+/// The finest tolerance of samples with which f32 differences will do for squares of pressure and slopes that nearly cancel.
+const FINEST_OF_POTENTIALS: f64 = 1e-3;
 /// Of the tolerance, what the sound may be off where errors are differences of squares.
 const SHARE: f64 = 0.4;
 /// Capillary lengths from the plane to the walls: what lies beyond changes the depression by e^-14 of itself.
@@ -170,7 +172,9 @@ impl Site {
         let values = cells.len() * key.parts.count_ones() as usize;
         let mut plan =
             Plan::new(aperture, &cells.plane, costs.for_values(values)).ok_or(FieldError::NoPlane)?;
-        plan.double |= key.parts & NORMAL != 0 && cells.plane.tolerance < FINEST_IN_F32;
+        let both = PRESSURE | NORMAL;
+        let finest = if key.parts & both == both { FINEST_OF_POTENTIALS } else { FINEST_IN_F32 };
+        plan.double |= key.parts & NORMAL != 0 && cells.plane.tolerance < finest;
         let grid = plan.grid.as_ref().ok_or(FieldError::TooNear)?;
         let half = cells.plane.size.y / 2.0;
         if grid.covered.start > cells.step - half || grid.covered.end < half - cells.step {
