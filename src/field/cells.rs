@@ -60,6 +60,11 @@ impl Cells {
         self.counts[0] * self.counts[1]
     }
 
+    /// m from a place to the farthest cell that it is interpolated from, and a cell.
+    pub fn reach(&self) -> f64 {
+        (self.half_width + 1) as f64 * self.step
+    }
+
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }

@@ -43,6 +43,7 @@ pub enum Unit {
     WattPerSquareMetre,
     MetrePerSecond,
     Joule,
+    Newton,
     /// Of light that nothing has bent.
     Undisturbed,
 }
@@ -62,6 +63,8 @@ impl Unit {
             Self::Joule if largest >= 1e-9 => (1e9, "nJ"),
             Self::Joule if largest >= 1e-12 => (1e12, "pJ"),
             Self::Joule => (1e15, "fJ"),
+            Self::Newton if largest >= 1e-6 => (1e6, "µN"),
+            Self::Newton => (1e9, "nN"),
             Self::Undisturbed => (1.0, "× undisturbed"),
         }
     }
@@ -105,6 +108,8 @@ pub struct Declaration {
     pub of_liquid: bool,
     /// And not its surface, but the light that this bends.
     pub of_light: bool,
+    /// It is the length of a vector whose components are made in f64, not by the formula.
+    pub is_vector: bool,
 }
 
 /// What a declaration leaves out.
@@ -128,6 +133,7 @@ const USUAL: Declaration = Declaration {
     is_slow: false,
     of_liquid: false,
     of_light: false,
+    is_vector: false,
 };
 
 macro_rules! quantities {
@@ -309,6 +315,19 @@ quantities! {
         norm: Norm::Difference,
         is_square: true,
         decibels: 10.0,
+    }
+    /// The radiation force on the scene's bead (N), its length: [`crate::force`].
+    Force {
+        parts: PRESSURE,
+        formula: |_s, _c| 0.0,
+        wgsl: "0.0",
+        name: "force",
+        title: "Force",
+        words: "radiation force",
+        help: "Force of the sound on the scene's bead, without its weight",
+        unit: Unit::Newton,
+        decibels: 10.0,
+        is_vector: true,
     }
 }
 

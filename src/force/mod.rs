@@ -10,7 +10,7 @@ use rayon::prelude::*;
 
 use crate::acoustics::{Air, Aperture, Derivatives, Emitters};
 use crate::drive::Drive;
-use crate::scene::Scene;
+use crate::scene::{Bead, Scene};
 
 pub use bead::Sphere;
 pub use flight::{Carriage, Drag, Flight, Moment};
@@ -49,11 +49,16 @@ pub struct Levitation {
 impl Levitation {
     /// The scene's bead; it feels the mean of the drives, whose turns are fast.
     pub fn new(scene: &Scene, aperture: &Aperture, drives: &[Drive]) -> Self {
-        let sounds = drives.iter().map(|drive| Emitters::new(aperture, &drive.excitation(&aperture.driven)));
         let air = Air::new(&scene.medium, scene.array.frequency);
-        let sphere = Sphere::new(&scene.bead, &air, aperture.element.wavenumber);
+        Self::in_air(aperture, (&air, &scene.bead), drives, scene.liquid.gravity)
+    }
+
+    /// Any bead in any air, under this gravity (m/s²).
+    pub fn in_air(aperture: &Aperture, (air, bead): (&Air, &Bead), drives: &[Drive], gravity: f64) -> Self {
+        let sounds = drives.iter().map(|drive| Emitters::new(aperture, &drive.excitation(&aperture.driven)));
+        let sphere = Sphere::new(bead, air, aperture.element.wavenumber);
         Self {
-            load: sphere.load(scene.liquid.gravity),
+            load: sphere.load(gravity),
             sphere,
             drives: sounds.collect(),
             wavelength: aperture.wavelength(),

@@ -10,6 +10,7 @@ use crate::drive::Drive;
 use crate::field::Quantity;
 use crate::field::quantity::Constants;
 use crate::field::slope::Around;
+use crate::force::Levitation;
 use crate::scene::Bead;
 
 /// Pa, RMS: 0 dB.
@@ -58,6 +59,10 @@ pub fn values(
     let declaration = quantity.declaration();
     if declaration.of_liquid {
         return Vec::new();
+    }
+    if declaration.is_vector {
+        let levitation = Levitation::in_air(aperture, (air, bead), drives, 0.0);
+        return levitation.forces_at(points).into_iter().map(DVec3::length).collect();
     }
     let constants = Constants::new(air, bead, aperture.element.wavenumber, moment);
     let drives = if declaration.has_mean { drives } else { &drives[..1] };

@@ -9,6 +9,7 @@ mod depression;
 mod dice;
 mod drag;
 mod evaluators;
+mod force;
 mod model;
 mod plan;
 mod quantities;

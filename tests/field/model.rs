@@ -80,8 +80,8 @@ pub fn value(
             let squares: f64 = slopes.iter().map(|slope| slope.norm_sqr()).sum();
             volume * (f1 * kappa * p.norm_sqr() / 4.0 - 3.0 * f2 * squares / (8.0 * rho * omega * omega))
         }),
-        Quantity::Depression | Quantity::Caustic => {
-            panic!("a depression and its light follow from the pressure on the whole surface")
+        Quantity::Depression | Quantity::Caustic | Quantity::Force => {
+            panic!("{quantity:?} follows from more than the sound at a point")
         }
     }
 }

@@ -71,7 +71,11 @@ enum First {
 /// Where squares are formed.
 fn by_cells(quantity: Quantity) -> bool {
     match quantity {
-        Quantity::Radiation | Quantity::Depression | Quantity::Caustic | Quantity::Gorkov => true,
+        Quantity::Radiation
+        | Quantity::Depression
+        | Quantity::Caustic
+        | Quantity::Gorkov
+        | Quantity::Force => true,
         Quantity::Rms
         | Quantity::Phase
         | Quantity::Instantaneous
@@ -86,7 +90,12 @@ fn expected(quantity: Quantity, on_gpu: bool, first: First) -> Work {
     let on_gpu = on_gpu && !by_cells;
     // The pressure and its slope along the normal are sums of their own, which a GPU counts as one and keeps no tables for.
     let is_solid = matches!(quantity, Quantity::Intensity | Quantity::Gorkov);
-    let sums = if is_solid && !on_gpu { 2 } else { 1 };
+    // Forces are sums of their own, in f64.
+    let sums = match () {
+        () if quantity == Quantity::Force => 0,
+        () if is_solid && !on_gpu => 2,
+        () => 1,
+    };
     let picture = Work { picture: 1, ..Work::default() };
     let caustic = u64::from(of_light);
     let resized = Work { interpolation: 1, forming: u64::from(!by_cells), caustic, ..picture };

@@ -132,7 +132,11 @@ fn quantity(scene: &Scene, dice: &mut Dice) -> Quantity {
     let quantities: Vec<_> = Quantity::ALL
         .into_iter()
         // `quantities` holds potentials to their tolerance.
-        .filter(|quantity| !quantity.declaration().of_liquid && *quantity != Quantity::Gorkov)
+        .filter(|quantity| {
+            !quantity.declaration().of_liquid
+                && *quantity != Quantity::Gorkov
+                && !quantity.declaration().is_vector
+        })
         .filter(|quantity| !is_near || quantity.declaration().parts == PRESSURE)
         .collect();
     if dice.of(0.4) { Quantity::Instantaneous } else { dice.one_of(&quantities) }

@@ -4,6 +4,7 @@
 
 #[path = "../scenes/dice.rs"]
 mod dice;
+mod flight;
 mod forms;
 mod table;
 mod traps;

@@ -5,6 +5,7 @@
 
 mod caustic;
 mod depression;
+mod force;
 mod kept;
 mod on_cpu;
 mod on_gpu;
@@ -25,6 +26,7 @@ use crate::field::plan::{Costs, promised};
 use crate::field::{Colouring, Evaluator, Gpu};
 use crate::gauge::Gauge;
 use crate::surface::{Dent, Tank};
+use force::OfBead;
 use kept::Kept;
 use on_cpu::{Made, OnCpu};
 use on_gpu::{OnGpu, Progress};
@@ -61,6 +63,7 @@ pub struct Stages {
     exact: bool,
     gpu: Option<OnGpu>,
     cpu: OnCpu,
+    of_bead: OfBead,
     ground: Ground,
     /// Under what of the request it depends on.
     map: Kept<Request, Map>,
@@ -165,6 +168,7 @@ impl Stages {
             exact: matches!(evaluator, Evaluator::Reference),
             gpu: if let Evaluator::Gpu(gpu) = evaluator { Some(OnGpu::new(*gpu)) } else { None },
             cpu: OnCpu::default(),
+            of_bead: OfBead::default(),
             ground: Ground::default(),
             map: Kept::default(),
             declined: None,
@@ -187,6 +191,7 @@ impl Stages {
         self.colours.key = None;
         self.contours.key = None;
         self.cpu.forget();
+        self.of_bead.forget();
         if let Some(gpu) = &mut self.gpu {
             gpu.forget();
         }
@@ -229,11 +234,16 @@ impl Stages {
     /// Whether the map of a relevant request is there.
     fn advance(&mut self, request: &Request, wait: bool) -> Result<bool, FieldError> {
         let costs = self.costs();
-        let Self { gpu, cpu, ground, map, declined, work, exact, .. } = self;
+        let Self { gpu, cpu, of_bead, ground, map, declined, work, exact, .. } = self;
         if map.is_of(request) {
             return Ok(true);
         }
         map.key = None;
+        if request.quantity.declaration().is_vector {
+            map.value = of_bead.map(request, *exact, &cpu.progress, work)?;
+            map.key = Some(request.clone());
+            return Ok(true);
+        }
         let job = ground.job(request, *exact, costs, work)?;
         let progress = match gpu {
             Some(gpu) if declined.as_ref() != Some(request) => gpu.map(&job, wait, work)?,
@@ -267,6 +277,7 @@ impl Stages {
         let Self { gpu, ground, declined, work, exact, .. } = self;
         if let Some(gpu) = gpu
             && declined.as_ref() != Some(&request)
+            && !request.quantity.declaration().is_vector
         {
             let job = ground.job(&request, *exact, costs, work)?;
             if let Some(texture) = gpu.picture(&job, colouring, work)? {
@@ -289,7 +300,9 @@ impl Stages {
         if map.is_of(&request) {
             return Ok(Some((map.value.without_values(), None)));
         }
-        let Some(gpu) = gpu.as_mut().filter(|_| declined.as_ref() != Some(&request)) else { return Ok(None) };
+        let is_vector = request.quantity.declaration().is_vector;
+        let declines = is_vector || declined.as_ref() == Some(&request);
+        let Some(gpu) = gpu.as_mut().filter(|_| !declines) else { return Ok(None) };
         let job = ground.job(&request, *exact, costs, work)?;
         let figures = gpu.figures(&job, work)?;
         // The next picture of it is the CPU's.

@@ -71,7 +71,7 @@ impl Request {
     pub(super) fn relevant(&self) -> Result<Self, FieldError> {
         self.check()?;
         let Declaration { of_liquid, of_light, .. } = *self.quantity.declaration();
-        let of_bead = self.quantity == Quantity::Gorkov;
+        let of_bead = matches!(self.quantity, Quantity::Gorkov | Quantity::Force);
         let of_moment = self.quantity == Quantity::Instantaneous;
         let liquid = match (of_liquid, of_light) {
             (_, true) => self.liquid.clone(),

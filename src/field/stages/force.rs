@@ -1,0 +1,206 @@
+//! The radiation force on a bead over a plane: in f64 at cells, its components from there at the pixels, and where the plane is near to the
+//! array pixel by pixel.
+
+use std::ops::Range;
+
+use glam::DVec3;
+use rayon::prelude::*;
+
+use crate::field::Plan;
+use crate::field::cells::Cells;
+use crate::field::interpolation::{Between, interpolate};
+use crate::field::plan::{Costs, promised};
+use crate::field::stages::kept::Kept;
+use crate::field::stages::request::{By, FieldError, Map, Request, Setting};
+use crate::field::stages::work::Work;
+use crate::force::Levitation;
+use crate::gauge::Gauge;
+
+/// Places that are judged, and what the largest error of all is more than that of those at most.
+const PROBES: usize = 48;
+const MARGIN: f64 = 3.0;
+/// Places that a thread takes at a time.
+const RUN: usize = 32;
+
+/// What the last map was made from.
+#[derive(Debug, Default)]
+pub(super) struct OfBead {
+    site: Kept<Setting, Option<Site>>,
+    /// The force (N) at its cells, under a request of no size for all of it; 0 in rows that no pixel is made from.
+    components: Kept<Request, [Vec<f32>; 3]>,
+    between: Between,
+}
+
+/// Where the force is known: in cells far enough from the array.
+#[derive(Debug)]
+struct Site {
+    cells: Cells,
+    /// m along the plane's second axis, where cells are filled, and where pixels may be interpolated from them.
+    clear: Range<f64>,
+    covered: Range<f64>,
+}
+
+impl Site {
+    /// `None` where the plane is near to the array all over.
+    fn new(Setting { aperture, plane }: &Setting) -> Option<Self> {
+        let cells = Cells::new(aperture, plane, 0.0, plane.tolerance)?;
+        let clear = Plan::new(aperture, &cells.plane, Costs::CPU)?.grid?.covered;
+        let half = cells.plane.size.y / 2.0;
+        let reach = cells.reach();
+        let start = if clear.start > -half { clear.start + reach } else { clear.start };
+        let end = if clear.end < half { clear.end - reach } else { clear.end };
+        Some(Self { cells, clear, covered: start..end })
+    }
+}
+
+/// A plane, and what is played to which bead.
+struct Scenery<'a> {
+    request: &'a Request,
+    levitation: Levitation,
+    axes: [DVec3; 2],
+}
+
+impl OfBead {
+    /// The length of the force (N) at every pixel; with `exact` each for itself.
+    ///
+    /// # Errors
+    /// An invalid plane.
+    pub(super) fn map(
+        &mut self,
+        request: &Request,
+        exact: bool,
+        progress: &Gauge,
+        work: &mut Work,
+    ) -> Result<Map, FieldError> {
+        let (x, y) = request.plane.axes().ok_or(FieldError::NoPlane)?;
+        let Request { aperture, air, bead, drives, .. } = request;
+        let levitation = Levitation::in_air(aperture, (air, bead), drives, 0.0);
+        let scenery = Scenery { request, levitation, axes: [x, y] };
+        let tolerance = request.plane.tolerance;
+        if !exact && tolerance > 0.0 {
+            let setting = Setting::new(aperture, request.plane.clone());
+            let site = self.site.update(&setting, |site| {
+                work.plan += 1;
+                *site = Site::new(&setting);
+            });
+            if let Some(site) = site {
+                let key = Request { size: (0, 0), part: 1.0, ..request.clone() };
+                let components = self.components.update(&key, |components| {
+                    work.forming += 1;
+                    *components = scenery.components(site, progress);
+                });
+                work.interpolation += 1;
+                let map = scenery.interpolated(site, components, &mut self.between);
+                if map.error <= promised(tolerance) {
+                    return Ok(map);
+                }
+            }
+        }
+        work.forming += 1;
+        Ok(scenery.direct(progress))
+    }
+
+    pub(super) fn forget(&mut self) {
+        *self = Self::default();
+    }
+}
+
+impl Scenery<'_> {
+    /// m from the plane's centre, of a pixel's row or column.
+    fn along(&self, axis: usize, index: usize) -> f64 {
+        let (width, height) = self.request.size;
+        self.request.plane.size[axis] * ((index as f64 + 0.5) / [width, height][axis] as f64 - 0.5)
+    }
+
+    fn point(&self, x: f64, y: f64) -> DVec3 {
+        self.request.plane.centre + self.axes[0] * x + self.axes[1] * y
+    }
+
+    fn pixel(&self, pixel: usize) -> DVec3 {
+        let width = self.request.size.0;
+        self.point(self.along(0, pixel % width), self.along(1, pixel / width))
+    }
+
+    /// The force at the cells that are clear of the array.
+    fn components(&self, Site { cells, clear, .. }: &Site, progress: &Gauge) -> [Vec<f32>; 3] {
+        let [columns, rows] = [0, 1].map(|axis| cells.places(axis).collect::<Vec<_>>());
+        let place = |i: usize| [columns[i % columns.len()], rows[i / columns.len()]];
+        let places: Vec<_> = (0..cells.len()).filter(|&i| clear.contains(&place(i)[1])).collect();
+        let points: Vec<_> = places.iter().map(|&i| self.point(place(i)[0], place(i)[1])).collect();
+        let forces = self.forces(&points, progress);
+        [0, 1, 2].map(|axis| {
+            let mut values = vec![0.0; cells.len()];
+            places.iter().zip(&forces).for_each(|(&place, force)| values[place] = force[axis] as f32);
+            values
+        })
+    }
+
+    fn interpolated(&self, site: &Site, components: &[Vec<f32>; 3], between: &mut Between) -> Map {
+        let Site { cells, covered, .. } = site;
+        let (width, height) = self.request.size;
+        let across = cells.resampling(0, (0..width).map(|i| self.along(0, i)));
+        let up = cells.resampling(1, (0..height).map(|j| self.along(1, j)));
+        let mut values = vec![0.0f32; width * height];
+        let mut component = values.clone();
+        for own in components {
+            interpolate(own, cells.counts[0], &across, &up, between, &mut component);
+            values.iter_mut().zip(&component).for_each(|(sum, own)| *sum += own * own);
+        }
+        let part = self.request.part;
+        values.iter_mut().for_each(|value| *value = part as f32 * value.sqrt());
+        let near = (0..height).filter(|&row| !covered.contains(&self.along(1, row)));
+        let near: Vec<_> = near.flat_map(|row| row * width..(row + 1) * width).collect();
+        let points: Vec<_> = near.iter().map(|&pixel| self.pixel(pixel)).collect();
+        for (&pixel, force) in near.iter().zip(self.forces(&points, &Gauge::default())) {
+            values[pixel] = (part * force.length()) as f32;
+        }
+        let step = cells.step * 1e3;
+        let how = format!(
+            "forces in f64 at {} x {} cells of {step:.2} mm, and at {} pixels",
+            cells.counts[0],
+            cells.counts[1],
+            near.len()
+        );
+        let peak = values.iter().fold(0.0f32, |most, value| most.max(*value));
+        let error = self.error(&values, peak);
+        let evaluated = cells.len() + near.len();
+        Map { width, height, values, peak, error, evaluated, by: By::CpuInF64, how }
+    }
+
+    fn direct(&self, progress: &Gauge) -> Map {
+        let (width, height) = self.request.size;
+        let points: Vec<_> = (0..width * height).map(|pixel| self.pixel(pixel)).collect();
+        let length = |force: &DVec3| (self.request.part * force.length()) as f32;
+        let values: Vec<_> = self.forces(&points, progress).iter().map(length).collect();
+        let peak = values.iter().fold(0.0f32, |most, value| most.max(*value));
+        let how = "forces in f64 at every pixel".to_owned();
+        Map { width, height, evaluated: values.len(), values, peak, error: 0.0, by: By::Reference, how }
+    }
+
+    /// An estimate of the largest deviation of all pixels, relative to the peak.
+    fn error(&self, values: &[f32], peak: f32) -> f64 {
+        const GOLDEN: f64 = 0.618_033_988_749_894_8;
+        let last = values.len() - 1;
+        let width = self.request.size.0;
+        let spread = (1..=PROBES).map(|i| ((i as f64 * GOLDEN).fract() * values.len() as f64) as usize);
+        let pixels: Vec<_> = spread.chain([0, width - 1, last + 1 - width, last]).collect();
+        let points: Vec<_> = pixels.iter().map(|&pixel| self.pixel(pixel)).collect();
+        let forces = self.forces(&points, &Gauge::default());
+        let off = pixels
+            .iter()
+            .zip(forces)
+            .map(|(&pixel, force)| (self.request.part * force.length() - f64::from(values[pixel])).abs());
+        let most = off.fold(0.0, f64::max);
+        if most == 0.0 { 0.0 } else { MARGIN * most / f64::from(peak) }
+    }
+
+    fn forces(&self, points: &[DVec3], progress: &Gauge) -> Vec<DVec3> {
+        let done = progress.count(points.len().div_ceil(RUN));
+        let of_run = |points: &[DVec3]| -> Vec<DVec3> {
+            let forces = points.iter().map(|&point| self.levitation.force(point)).collect();
+            done.add();
+            forces
+        };
+        points.par_chunks(RUN).flat_map_iter(of_run).collect()
+    }
+}

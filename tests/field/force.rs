@@ -1,0 +1,61 @@
+//! Maps of the radiation force, against the force at every pixel.
+
+use glam::{DVec3, dvec3};
+use sonoglyph::acoustics::Aperture;
+use sonoglyph::drive::Drive;
+use sonoglyph::field::{By, Evaluator, Quantity, Request, Samples, Stages};
+use sonoglyph::force::Levitation;
+use sonoglyph::scene::{Material, Plane, Scene};
+
+use crate::three_foci;
+
+const SIZE: (usize, usize) = (90, 70);
+
+/// N, at every pixel of a plane.
+fn forces(scene: &Scene, drives: &[Drive], plane: &Plane) -> Vec<f64> {
+    let levitation = Levitation::new(scene, &Aperture::new(scene), drives);
+    let pixels = Samples::on_plane(plane, SIZE.0, SIZE.1).unwrap();
+    let points: Vec<_> = (0..pixels.len()).map(|i| pixels.point(i)).collect();
+    levitation.forces_at(&points).into_iter().map(DVec3::length).collect()
+}
+
+#[test]
+fn a_force_map_keeps_its_tolerance_on_any_plane() {
+    let (mut scene, drives) = three_foci();
+    scene.bead.material = Material::Water;
+    let level = scene.plane.clone();
+    let upright = Plane { y_axis: DVec3::Z, centre: dvec3(0.0, 0.002, 0.1), ..level.clone() };
+    let low = Plane { centre: dvec3(0.0, 0.0, 0.004), ..level.clone() };
+    let tilted = Plane { x_axis: dvec3(1.0, 0.2, 0.4), y_axis: dvec3(0.0, 1.0, -0.5), ..level.clone() };
+    for (name, plane, drives, is_direct) in [
+        ("level", level.clone(), &drives[..1], false),
+        ("level, of drives that take turns", level, &drives[..], false),
+        ("upright", upright, &drives[..1], false),
+        ("tilted", tilted, &drives[..1], false),
+        ("near", low, &drives[..1], true),
+    ] {
+        let expected = forces(&scene, drives, &plane);
+        let peak = expected.iter().copied().fold(0.0, f64::max);
+        for tolerance in [1e-2, 1e-3, 1e-4] {
+            let plane = Plane { tolerance, ..plane.clone() };
+            let request = Request { plane, ..Request::new(&scene, drives.to_vec(), Quantity::Force, SIZE) };
+            let map = Stages::new(Evaluator::Cpu).map(&request).unwrap().clone();
+            let off = map.values.iter().zip(&expected).map(|(&value, it)| (f64::from(value) - it).abs());
+            let off = off.fold(0.0, f64::max) / peak;
+            println!("{name} {tolerance:e}: {off:.1e}, measured {:.1e}, {}", map.error, map.how);
+            assert!(off < tolerance && map.error <= tolerance, "{name} {tolerance:e}: {off:e}, {}", map.how);
+            assert_eq!(map.by == By::Reference, is_direct, "{name}: {}", map.how);
+        }
+    }
+}
+
+#[test]
+fn the_envelope_and_the_reference_have_their_part_in_it() {
+    let (scene, drives) = three_foci();
+    let request = Request::new(&scene, drives[..1].to_vec(), Quantity::Force, SIZE);
+    let mut stages = Stages::new(Evaluator::Reference);
+    let map = stages.map(&request).unwrap().clone();
+    assert_eq!((map.by, map.error), (By::Reference, 0.0));
+    let half = stages.map(&Request { part: 0.5, ..request }).unwrap();
+    assert!((half.peak / map.peak - 0.5).abs() < 1e-6);
+}
