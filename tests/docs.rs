@@ -321,6 +321,7 @@ fn quantities_are_documented_with_their_units() {
             Unit::WattPerSquareMetre => "W/m²",
             Unit::MetrePerSecond => "m/s",
             Unit::Joule => "J",
+            Unit::Newton => "N",
             Unit::Undisturbed => "×",
         };
         let value = &said[&name];

@@ -45,6 +45,7 @@ pub const EXAMPLES: &[Example] = &[
     example!("triangle", "A triangle"),
     example!("two-boards", "Two boards face to face"),
     example!("standing-wave", "A standing wave over a liquid"),
+    example!("levitated-beads", "Two levitated beads"),
     example!("water-two-points", "Water: two depressions"),
     example!("water-three-points", "Water: three depressions"),
     example!("water-moving-square", "Water: a moving square"),

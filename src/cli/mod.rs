@@ -141,7 +141,7 @@ enum Command {
     /// The scene's bead flies under the radiation force, its weight and the drag of the air, until its time is over or it is more than a
     /// wavelength away from where it is wanted. Examples:
     ///
-    ///   sonoglyph levitate assets/scenes/twin-trap.toml
+    ///   sonoglyph levitate assets/scenes/levitated-beads.toml
     ///
     ///   sonoglyph levitate trap.toml --from 0,0.002,0.1 --seconds 0.5 -o flight.csv
     ///

@@ -85,21 +85,20 @@ impl Carriage<'_> {
             let (field, wanted) = (&self.fields[index], self.wanted[index]);
             let end = (self.span * (turn + 1) as f64).min(seconds);
             let steps = ((end - time) / longest).ceil().max(1.0);
-            let step = (end - time) / steps;
-            for _ in 0..steps as usize {
+            let (start, step) = (time, (end - time) / steps);
+            for done in 1..=steps as usize {
                 (at, velocity) = self.advance(field, at, velocity, step);
-                time += step;
+                time = start + (end - start) * (done as f64 / steps);
                 flight.moments.push(Moment { time, at, velocity, wanted });
                 let away = at.distance(wanted);
                 flight.farthest = flight.farthest.max(away);
-                // A place that is no number is not near.
-                if !(away <= LOST * field.wavelength) {
+                // A place that is no number is nowhere.
+                if away.is_nan() || away > LOST * field.wavelength {
                     flight.is_lost = true;
                     break;
                 }
                 progress.tell((1e3 * time / seconds) as usize, 1000);
             }
-            time = if flight.is_lost { time } else { end };
             turn += 1;
         }
         flight

@@ -6,10 +6,9 @@ use std::ops::Range;
 use glam::DVec3;
 use rayon::prelude::*;
 
-use crate::field::Plan;
 use crate::field::cells::Cells;
 use crate::field::interpolation::{Between, interpolate};
-use crate::field::plan::{Costs, promised};
+use crate::field::plan::promised;
 use crate::field::stages::kept::Kept;
 use crate::field::stages::request::{By, FieldError, Map, Request, Setting};
 use crate::field::stages::work::Work;
@@ -19,6 +18,8 @@ use crate::gauge::Gauge;
 /// Places that are judged, and what the largest error of all is more than that of those at most.
 const PROBES: usize = 48;
 const MARGIN: f64 = 3.0;
+/// Wavelengths in front of the boards, from where on sound has hardly more than one cycle per wavelength.
+const CLEARANCE: f64 = 0.75;
 /// Places that a thread takes at a time.
 const RUN: usize = 32;
 
@@ -35,8 +36,9 @@ pub(super) struct OfBead {
 #[derive(Debug)]
 struct Site {
     cells: Cells,
-    /// m along the plane's second axis, where cells are filled, and where pixels may be interpolated from them.
-    clear: Range<f64>,
+    /// Rows of cells that are filled.
+    clear: Range<usize>,
+    /// m along the plane's second axis, where pixels may be interpolated from them.
     covered: Range<f64>,
 }
 
@@ -44,12 +46,21 @@ impl Site {
     /// `None` where the plane is near to the array all over.
     fn new(Setting { aperture, plane }: &Setting) -> Option<Self> {
         let cells = Cells::new(aperture, plane, 0.0, plane.tolerance)?;
-        let clear = Plan::new(aperture, &cells.plane, Costs::CPU)?.grid?.covered;
-        let half = cells.plane.size.y / 2.0;
-        let reach = cells.reach();
-        let start = if clear.start > -half { clear.start + reach } else { clear.start };
-        let end = if clear.end < half { clear.end - reach } else { clear.end };
-        Some(Self { cells, clear, covered: start..end })
+        let ((x, y), half) = (plane.axes()?, cells.plane.size / 2.0);
+        let (walls, clearance) = (aperture.walls(), CLEARANCE * aperture.wavelength());
+        // Walls are level, so that the ends of a row tell.
+        let is_clear = |row: &f64| {
+            let ends = [-half.x, half.x].map(|end| plane.centre + x * end + y * *row);
+            let is_clear =
+                |end: &DVec3| walls.iter().all(|(at, normal)| (*end - *at).dot(*normal) > clearance);
+            ends.iter().all(is_clear)
+        };
+        let rows: Vec<_> = cells.places(1).collect();
+        let (first, last) = (rows.iter().position(is_clear)?, rows.iter().rposition(is_clear)?);
+        let (clear, reach) = (rows[first]..rows[last], cells.reach());
+        let start = if first == 0 { -half.y } else { clear.start + reach };
+        let end = if last + 1 == rows.len() { half.y } else { clear.end - reach };
+        Some(Self { cells, clear: first..last + 1, covered: start..end })
     }
 }
 
@@ -124,13 +135,16 @@ impl Scenery<'_> {
     /// The force at the cells that are clear of the array.
     fn components(&self, Site { cells, clear, .. }: &Site, progress: &Gauge) -> [Vec<f32>; 3] {
         let [columns, rows] = [0, 1].map(|axis| cells.places(axis).collect::<Vec<_>>());
-        let place = |i: usize| [columns[i % columns.len()], rows[i / columns.len()]];
-        let places: Vec<_> = (0..cells.len()).filter(|&i| clear.contains(&place(i)[1])).collect();
-        let points: Vec<_> = places.iter().map(|&i| self.point(place(i)[0], place(i)[1])).collect();
+        let places = clear.start * columns.len()..clear.end * columns.len();
+        let point = |i: usize| self.point(columns[i % columns.len()], rows[i / columns.len()]);
+        let points: Vec<_> = places.clone().map(point).collect();
         let forces = self.forces(&points, progress);
         [0, 1, 2].map(|axis| {
             let mut values = vec![0.0; cells.len()];
-            places.iter().zip(&forces).for_each(|(&place, force)| values[place] = force[axis] as f32);
+            values[places.clone()]
+                .iter_mut()
+                .zip(&forces)
+                .for_each(|(value, force)| *value = force[axis] as f32);
             values
         })
     }
