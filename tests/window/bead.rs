@@ -47,7 +47,7 @@ fn levitated(screen: &Screen) -> Levitated {
 /// The same of the scene on the screen, by the library.
 fn levitation(screen: &Screen) -> Levitation {
     let sound = screen.state().shown().sound.as_ref().unwrap();
-    Levitation::new(&scene(screen), &sound.aperture, &sound.drives)
+    Levitation::new(scene(screen), &sound.aperture, &sound.drives)
 }
 
 #[test]
