@@ -22,6 +22,7 @@ pub mod sources;
 pub mod stages;
 pub mod summit;
 pub mod transfer;
+mod unit;
 pub mod volume;
 
 use std::borrow::Cow;
