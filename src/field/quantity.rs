@@ -285,7 +285,7 @@ quantities! {
         formula: |_s, _c| 0.0,
         wgsl: "0.0",
         name: "force",
-        title: "Force",
+        title: "Bead force",
         words: "radiation force",
         help: "Force of the sound on the scene's bead, without its weight",
         unit: Unit::Newton,

@@ -17,13 +17,6 @@ fn open_on_motion() -> Screen {
     screen
 }
 
-fn choose(screen: &mut Screen, name: &str, entry: &str) {
-    screen.get_by_role_and_label(Role::ComboBox, name).click();
-    rest(screen);
-    screen.get_by_label(entry).click();
-    rest(screen);
-}
-
 fn press_button(screen: &mut Screen, name: &str) {
     screen.get_by_role_and_label(Role::Button, name).click();
     rest(screen);
@@ -36,8 +29,8 @@ fn course(screen: &Screen) -> Course {
 #[test]
 fn tones_are_edited_one_by_one_and_never_exceed_full_depth() {
     let mut screen = open_on_motion();
-    choose(&mut screen, "Amplitude modulation", "tones");
-    choose(&mut screen, "Waveform of", "power");
+    pick(&mut screen, "Amplitude modulation", "tones");
+    pick(&mut screen, "Waveform of", "power");
     let modulation = &scene(&screen).modulation;
     assert_eq!((modulation.shape, modulation.law, modulation.tones.len()), (Envelope::Tones, Law::Power, 2));
     type_in(&mut screen, "Tone 1 frequency", "150");
@@ -61,7 +54,7 @@ fn tones_are_edited_one_by_one_and_never_exceed_full_depth() {
 fn the_course_at_a_focus_has_the_lines_of_the_modulation() {
     let mut screen = open_on_motion();
     assert_eq!(screen.state().shown().course, None, "computed on demand");
-    choose(&mut screen, "Amplitude modulation", "sine");
+    pick(&mut screen, "Amplitude modulation", "sine");
     screen.get_by_label("Course of time and spectrum").click();
     rest(&mut screen);
     let found = course(&screen);
@@ -78,7 +71,7 @@ fn the_course_at_a_focus_has_the_lines_of_the_modulation() {
     assert!(screen.query_by_label_contains("133.3 % at 200 Hz").is_some());
 
     // The listener, who is not there, and then is.
-    choose(&mut screen, "Place", "listener");
+    pick(&mut screen, "Place", "listener");
     assert!(screen.query_by_label_contains("There is no listener").is_some());
     let ear = DVec3::new(0.1, -0.3, 0.3);
     screen.state_mut().editor_mut().document.scene.listener = Some(Listener { at: ear });
@@ -86,7 +79,7 @@ fn the_course_at_a_focus_has_the_lines_of_the_modulation() {
     assert_eq!(course(&screen).at, ear);
 
     // Where the pointer was last on the map.
-    choose(&mut screen, "Place", "pointer");
+    pick(&mut screen, "Place", "pointer");
     assert_eq!(screen.state().editor().course.place, CoursePlace::Pointer);
     let place = at(&screen, 20.0, -10.0);
     screen.hover_at(place);
@@ -102,7 +95,7 @@ fn a_moving_focus_is_heard_in_harmonics_of_its_cycle() {
     screen.state_mut().editor_mut().document.scene.motion = motion;
     screen.get_by_label("Course of time and spectrum").click();
     rest(&mut screen);
-    choose(&mut screen, "Place", "pointer");
+    pick(&mut screen, "Place", "pointer");
     let place = at(&screen, 15.0, 0.0);
     screen.hover_at(place);
     rest(&mut screen);
@@ -118,7 +111,7 @@ fn a_moving_focus_is_heard_in_harmonics_of_its_cycle() {
 fn a_waveform_is_asked_for_and_taken() {
     let folder = tempfile::tempdir().unwrap();
     let mut screen = open_on_motion();
-    choose(&mut screen, "Amplitude modulation", "file");
+    pick(&mut screen, "Amplitude modulation", "file");
     let editor = screen.state().editor();
     assert!(matches!(editor.dialog, Some(Dialog::Path { purpose: Purpose::Waveform, .. })));
     assert_eq!(scene(&screen).modulation.shape, Envelope::Off, "not before there is one");
@@ -136,7 +129,7 @@ fn a_waveform_is_asked_for_and_taken() {
     bytes.extend([0u8, 0x40, 0, 0xC0]);
     std::fs::write(&path, bytes).unwrap();
     rest(&mut screen);
-    choose(&mut screen, "Amplitude modulation", "file");
+    pick(&mut screen, "Amplitude modulation", "file");
     answer(&mut screen, Purpose::Waveform, &path);
     rest(&mut screen);
     let modulation = &scene(&screen).modulation;

@@ -145,20 +145,12 @@ fn a_stroke_is_drawn_as_a_line_without_a_dot_for_each_sample() {
     assert_eq!(circles(&mut screen), 9);
 }
 
-/// Chooses an entry of a box that opens.
-fn choose(screen: &mut Screen, name: &str, entry: &str) {
-    screen.get_by_role_and_label(egui::accesskit::Role::ComboBox, name).click();
-    rest(screen);
-    screen.get_by_label(entry).click();
-    rest(screen);
-}
-
 #[test]
 fn modulation_and_listener_can_be_given() {
     let mut screen = open_with(&[point(0.0)]);
     screen.get_by_label("Motion").click();
     rest(&mut screen);
-    choose(&mut screen, "Amplitude modulation", "sine");
+    pick(&mut screen, "Amplitude modulation", "sine");
     assert_eq!(scene(&screen).modulation.shape, Envelope::Sine);
     type_in(&mut screen, "Frequency", "150");
     type_in(&mut screen, "Modulation depth", "80");
@@ -179,7 +171,7 @@ fn paths_through_points_and_steps_can_be_made_by_hand() {
     let mut screen = open_with(&[point(-0.02), point(0.02)]);
     screen.get_by_label("Motion").click();
     rest(&mut screen);
-    choose(&mut screen, "Path", "points");
+    pick(&mut screen, "Path", "points");
     assert_eq!(scene(&screen).motion.points.len(), 3);
     screen.get_by_label("Add a point after 1").click();
     rest(&mut screen);
@@ -190,12 +182,12 @@ fn paths_through_points_and_steps_can_be_made_by_hand() {
     assert!(points.len() == 3 && (points[1].y - 0.007).abs() < 1e-12, "{points:?}");
     assert!(screen.state().shown().problem.is_none() && screen.state().shown().round.is_some());
 
-    choose(&mut screen, "Path", "steps");
+    pick(&mut screen, "Path", "steps");
     let steps: Vec<_> = scene(&screen).targets.iter().map(|target| target.step).collect();
     assert_eq!(steps, [Some(0), Some(1)]);
     let round = screen.state().shown().round.as_ref().unwrap();
     assert!(round.frames.iter().all(|frame| frame.foci.len() == 1), "they take turns");
-    choose(&mut screen, "Path", "none");
+    pick(&mut screen, "Path", "none");
     assert!(scene(&screen).targets.iter().all(|target| target.step.is_none()));
     assert_eq!(scene(&screen).motion.path, MotionPath::None);
 }
@@ -205,7 +197,7 @@ fn foci_run_along_the_drawing_at_a_speed_or_a_rate_that_is_kept() {
     let mut screen = open_with(&[Shape::Rectangle { at: AT, width: 0.04, height: 0.06 }, point(0.0)]);
     screen.get_by_label("Motion").click();
     rest(&mut screen);
-    choose(&mut screen, "Path", "outline");
+    pick(&mut screen, "Path", "outline");
     assert_eq!(scene(&screen).motion.tempo, Tempo::Speed(6.0), "200 mm at 6 m/s: 30 times a second");
     assert!(screen.query_by_label_contains("1920 per second").is_some());
     type_in(&mut screen, "Running foci", "2");
@@ -221,7 +213,7 @@ fn foci_run_along_the_drawing_at_a_speed_or_a_rate_that_is_kept() {
     screen.get_by_role_and_label(egui::accesskit::Role::Button, "Play").click();
     screen.run_steps(3);
     assert_eq!(screen.state().shown().sound.as_ref().unwrap().foci.len(), 3, "a frame is shown");
-    choose(&mut screen, "Path", "none");
+    pick(&mut screen, "Path", "none");
     assert!(screen.state().shown().problem.is_none() && screen.state().shown().round.is_none());
 }
 
@@ -232,7 +224,7 @@ fn a_target_gets_a_motion_of_its_own_and_the_scene_at_rest_is_not_solved_for_it(
     screen.get_by_label("Own motion").click();
     rest(&mut screen);
     assert_eq!(scene(&screen).targets[0].motion.as_ref().unwrap().path, MotionPath::None);
-    choose(&mut screen, "Path", "circle");
+    pick(&mut screen, "Path", "circle");
     type_in(&mut screen, "Rate", "10");
     type_in(&mut screen, "Frames", "6");
     screen.get_by_label("Motion").click();
@@ -243,7 +235,7 @@ fn a_target_gets_a_motion_of_its_own_and_the_scene_at_rest_is_not_solved_for_it(
     assert!(round.frames.len() == 6 && places(1).all(|at| at == AT + DVec3::X * 0.02));
     assert!(places(0).all(|at| (at.distance(AT - DVec3::X * 0.02) - 0.015).abs() < 1e-12));
     // The scene's own is the cycle, and this one makes whole rounds in it.
-    choose(&mut screen, "Path", "line");
+    pick(&mut screen, "Path", "line");
     screen.get_by_label("Scene").click();
     rest(&mut screen);
     assert!(screen.query_by_label("2 times a cycle: 10.00 Hz").is_some());

@@ -68,6 +68,14 @@ fn rest(screen: &mut Screen) {
     screen.run_steps(3);
 }
 
+/// Chooses an entry of a list.
+fn pick(screen: &mut Screen, name: &str, entry: &str) {
+    screen.get_by_role_and_label(egui::accesskit::Role::ComboBox, name).click();
+    rest(screen);
+    screen.get_by_label(entry).click();
+    rest(screen);
+}
+
 fn scene(screen: &Screen) -> &Scene {
     &screen.state().editor().document.scene
 }

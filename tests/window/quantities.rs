@@ -95,7 +95,7 @@ fn every_quantity_has_a_key_and_a_button() {
         rest(&mut screen);
         shows(&mut screen, quantity);
     }
-    screen.get_by_label("Force").click();
+    screen.get_by_label("Bead force").click();
     rest(&mut screen);
     shows(&mut screen, Quantity::Force);
 }

@@ -8,16 +8,15 @@ use rayon::prelude::*;
 
 use crate::field::cells::Cells;
 use crate::field::interpolation::{Between, interpolate};
-use crate::field::plan::promised;
+use crate::field::plan::{Costs, Plan, promised};
 use crate::field::stages::kept::Kept;
+use crate::field::stages::probes::{MARGIN, corners, spread};
 use crate::field::stages::request::{By, FieldError, Map, Request, Setting};
 use crate::field::stages::work::Work;
 use crate::force::Levitation;
 use crate::gauge::Gauge;
+use crate::scene::Plane;
 
-/// Places that are judged, and what the largest error of all is more than that of those at most.
-const PROBES: usize = 48;
-const MARGIN: f64 = 3.0;
 /// Wavelengths in front of the boards, from where on sound has hardly more than one cycle per wavelength.
 const CLEARANCE: f64 = 0.75;
 /// Places that a thread takes at a time.
@@ -43,7 +42,7 @@ struct Site {
 }
 
 impl Site {
-    /// `None` where the plane is near to the array all over.
+    /// `None` where the plane is near to the array all over, or every pixel is wanted for itself.
     fn new(Setting { aperture, plane }: &Setting) -> Option<Self> {
         let cells = Cells::new(aperture, plane, 0.0, plane.tolerance)?;
         let ((x, y), half) = (plane.axes()?, cells.plane.size / 2.0);
@@ -87,24 +86,24 @@ impl OfBead {
         let Request { aperture, air, bead, drives, .. } = request;
         let levitation = Levitation::in_air(aperture, (air, bead), drives, 0.0);
         let scenery = Scenery { request, levitation, axes: [x, y] };
-        let tolerance = request.plane.tolerance;
-        if !exact && tolerance > 0.0 {
-            let setting = Setting::new(aperture, request.plane.clone());
-            let site = self.site.update(&setting, |site| {
-                work.plan += 1;
-                *site = Site::new(&setting);
+        let tolerance = if exact { 0.0 } else { request.plane.tolerance };
+        let setting = Setting::new(aperture, Plane { tolerance, ..request.plane.clone() });
+        let site = self.site.try_update(&setting, |site| {
+            work.plan += 1;
+            Plan::new(aperture, &setting.plane, Costs::CPU).ok_or(FieldError::NoPlane)?;
+            *site = Site::new(&setting);
+            Ok::<_, FieldError>(())
+        })?;
+        if let Some(site) = site {
+            let key = Request { size: (0, 0), part: 1.0, ..request.clone() };
+            let components = self.components.update(&key, |components| {
+                work.forming += 1;
+                *components = scenery.components(site, progress);
             });
-            if let Some(site) = site {
-                let key = Request { size: (0, 0), part: 1.0, ..request.clone() };
-                let components = self.components.update(&key, |components| {
-                    work.forming += 1;
-                    *components = scenery.components(site, progress);
-                });
-                work.interpolation += 1;
-                let map = scenery.interpolated(site, components, &mut self.between);
-                if map.error <= promised(tolerance) {
-                    return Ok(map);
-                }
+            work.interpolation += 1;
+            let map = scenery.interpolated(site, components, &mut self.between);
+            if map.error <= promised(tolerance) {
+                return Ok(map);
             }
         }
         work.forming += 1;
@@ -193,11 +192,7 @@ impl Scenery<'_> {
 
     /// An estimate of the largest deviation of all pixels, relative to the peak.
     fn error(&self, values: &[f32], peak: f32) -> f64 {
-        const GOLDEN: f64 = 0.618_033_988_749_894_8;
-        let last = values.len() - 1;
-        let width = self.request.size.0;
-        let spread = (1..=PROBES).map(|i| ((i as f64 * GOLDEN).fract() * values.len() as f64) as usize);
-        let pixels: Vec<_> = spread.chain([0, width - 1, last + 1 - width, last]).collect();
+        let pixels: Vec<_> = spread(values.len()).chain(corners(self.request.size)).collect();
         let points: Vec<_> = pixels.iter().map(|&pixel| self.pixel(pixel)).collect();
         let forces = self.forces(&points, &Gauge::default());
         let off = pixels

@@ -20,7 +20,7 @@ const FAINTEST: f64 = 1e-18;
 /// Squares relative to the largest, below which what is measured says nothing of the loud places.
 const FAINT: f64 = 0.01;
 /// The largest error of all pixels is less than this times the largest of the probes.
-const MARGIN: f64 = 3.0;
+pub(super) const MARGIN: f64 = 3.0;
 
 /// Pixels, or cells of a liquid, with their f64 transfer from every element.
 #[derive(Debug)]
@@ -169,7 +169,7 @@ struct Mean {
 }
 
 /// The farthest ways.
-fn corners((width, height): (usize, usize)) -> [usize; 4] {
+pub(super) fn corners((width, height): (usize, usize)) -> [usize; 4] {
     let last = (height - 1) * width;
     [0, width - 1, last, last + width - 1]
 }
@@ -203,7 +203,7 @@ fn beside_elements(
 }
 
 /// So many places of a raster, spread by the golden ratio.
-fn spread(places: usize) -> impl Iterator<Item = usize> {
+pub(super) fn spread(places: usize) -> impl Iterator<Item = usize> {
     const GOLDEN: f64 = 0.618_033_988_749_894_8;
     (1..=SPREAD).map(move |i| ((i as f64 * GOLDEN).fract() * places as f64) as usize)
 }
