@@ -217,12 +217,7 @@ fn what_is_drawn_says_its_size_beside_the_pointer() {
     let mut screen = open_with(&[point(0.0, 0.07)]);
     key(&mut screen, Key::C);
     let (from, to) = (at(&screen, 0.0, 0.0), at(&screen, 0.0, 20.0));
-    screen.hover_at(from);
-    screen.step();
-    screen.drag_at(from);
-    screen.step();
-    screen.hover_at(to);
-    rest(&mut screen);
+    drag_and_hold(&mut screen, from, to);
     let texts: Vec<String> = texts(&screen).into_iter().map(|(text, _)| text).collect();
     assert!(texts.iter().any(|text| text.starts_with("Ø 40.") || text.starts_with("Ø 39.9")), "{texts:?}");
     screen.drop_at(to);

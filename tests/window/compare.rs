@@ -92,15 +92,7 @@ fn another_plane_goes_with_the_zoom_and_both_maps_read_the_pointer_out() {
     let second = beside(&screen).map.as_ref().unwrap();
     assert_eq!(second.axes.y, DVec3::Z);
     let right = screen.get_by_label("Second map").rect();
-    screen.hover_at(right.center());
-    screen.step();
-    let (unit, source) = (egui::MouseWheelUnit::Point, egui::MouseWheelSource::Wheel);
-    let (delta, phase) = (vec2(0.0, 120.0), egui::TouchPhase::Move);
-    screen.event(Event::MouseWheel { unit, delta, modifiers: Modifiers::NONE, phase, source });
-    for _ in 0..30 {
-        screen.step();
-    }
-    rest(&mut screen);
+    turn_wheel(&mut screen, right.center());
     let (own, other) = (screen.state().shown().map.as_ref().unwrap(), beside(&screen).map.as_ref().unwrap());
     assert_eq!(own.window.scale, other.window.scale);
     assert_eq!(own.window.centre.x, other.window.centre.x);

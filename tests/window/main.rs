@@ -68,6 +68,29 @@ fn rest(screen: &mut Screen) {
     screen.run_steps(3);
 }
 
+/// Turns the wheel over a place, nearer to what is there.
+fn turn_wheel(screen: &mut Screen, at: Pos2) {
+    screen.hover_at(at);
+    screen.step();
+    let (unit, source) = (egui::MouseWheelUnit::Point, egui::MouseWheelSource::Wheel);
+    let (delta, phase) = (vec2(0.0, 120.0), egui::TouchPhase::Move);
+    screen.event(Event::MouseWheel { unit, delta, modifiers: Modifiers::NONE, phase, source });
+    for _ in 0..30 {
+        screen.step();
+    }
+    rest(screen);
+}
+
+/// Drags what is at a place to another, and does not let go.
+fn drag_and_hold(screen: &mut Screen, from: Pos2, to: Pos2) {
+    screen.hover_at(from);
+    screen.step();
+    screen.drag_at(from);
+    screen.step();
+    screen.hover_at(to);
+    rest(screen);
+}
+
 /// Chooses an entry of a list.
 fn pick(screen: &mut Screen, name: &str, entry: &str) {
     screen.get_by_role_and_label(egui::accesskit::Role::ComboBox, name).click();

@@ -110,15 +110,7 @@ fn dragging_turns_shift_and_the_middle_button_pan_the_wheel_zooms_and_home_bring
     assert!(panned.target != turned.target && panned.azimuth == turned.azimuth);
 
     let middle = screen.get_by_label(CANVAS).rect().center();
-    screen.hover_at(middle);
-    screen.step();
-    let (unit, source) = (egui::MouseWheelUnit::Point, egui::MouseWheelSource::Wheel);
-    let (delta, phase) = (vec2(0.0, 120.0), egui::TouchPhase::Move);
-    screen.event(Event::MouseWheel { unit, delta, modifiers: Modifiers::NONE, phase, source });
-    for _ in 0..30 {
-        screen.step();
-    }
-    rest(&mut screen);
+    turn_wheel(&mut screen, middle);
     assert!(stage(&screen).camera.span < 0.9 * panned.span);
 
     screen.get_by_label("Home").click();
@@ -181,12 +173,7 @@ fn who_takes_a_tool_to_draw_gets_to_the_map() {
 fn escape_takes_a_drag_in_space_back() {
     let mut screen = open_in_space();
     let (from, to) = (place(&screen, AT), place(&screen, AT + DVec3::X * 0.03));
-    screen.hover_at(from);
-    screen.step();
-    screen.drag_at(from);
-    screen.step();
-    screen.hover_at(to);
-    rest(&mut screen);
+    drag_and_hold(&mut screen, from, to);
     assert!(centre(&screen).distance(AT) > 0.01);
     key(&mut screen, Key::Escape);
     assert_eq!(centre(&screen), AT);

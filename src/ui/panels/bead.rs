@@ -31,17 +31,9 @@ pub fn place(editor: &Editor, shown: &Shown) -> Option<DVec3> {
 /// Of the first trap that is played: its lobes are no places for beads.
 fn trap(editor: &Editor) -> Option<DVec3> {
     let mut targets = editor.scene().targets.iter().filter(|target| target.visible);
-    targets.find_map(|target| match target.shape {
-        Shape::Trap { at, .. } => Some(at),
-        Shape::Point { .. }
-        | Shape::Line { .. }
-        | Shape::Circle { .. }
-        | Shape::Rectangle { .. }
-        | Shape::Triangle { .. }
-        | Shape::Polygon { .. }
-        | Shape::Path { .. }
-        | Shape::Text { .. }
-        | Shape::Picture { .. } => None,
+    targets.find_map(|target| {
+        let Shape::Trap { at, .. } = target.shape else { return None };
+        Some(at)
     })
 }
 
