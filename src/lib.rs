@@ -5,8 +5,11 @@
 pub mod acoustics;
 #[cfg(feature = "window")]
 pub mod app;
+#[cfg(feature = "cli")]
 pub mod bench;
+#[cfg(feature = "cli")]
 pub mod cli;
+#[cfg(any(feature = "cli", feature = "window"))]
 pub mod device;
 pub mod drive;
 pub mod echo;
@@ -25,6 +28,7 @@ pub mod scene;
 pub mod simd;
 pub mod solver;
 pub mod source;
+#[cfg(any(feature = "cli", feature = "window"))]
 pub mod studio;
 pub mod surface;
 pub mod table;

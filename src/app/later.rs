@@ -67,7 +67,7 @@ impl<K: Clone + PartialEq + Send + 'static, V: Send + 'static> Later<K, V> {
 
 #[cfg(test)]
 mod tests {
-    use std::time::{Duration, Instant};
+    use web_time::{Duration, Instant};
 
     use super::*;
 

@@ -1,7 +1,7 @@
 //! The map on the screen: what it is made from, and the stages that make it again when that differs.
 
 use std::f64::consts::TAU;
-use std::time::Instant;
+use web_time::Instant;
 
 use eframe::egui_wgpu::RenderState;
 use eframe::wgpu;

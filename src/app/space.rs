@@ -1,7 +1,7 @@
 //! The 3D view's picture: soon and coarse while something moves, fine once it rests.
 
 use std::sync::Arc;
-use std::time::Instant;
+use web_time::Instant;
 
 use eframe::egui_wgpu::RenderState;
 use egui::{ColorImage, Context, TextureId, TextureOptions};

@@ -4,7 +4,7 @@
 //! beside, and what was there before stays on the screen meanwhile.
 
 use std::sync::{Arc, Mutex, PoisonError};
-use std::time::{Duration, Instant};
+use web_time::{Duration, Instant};
 
 use eframe::egui_wgpu::RenderState;
 use egui::Context;

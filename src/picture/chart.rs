@@ -4,7 +4,8 @@ use plotters::coord::Shift;
 use plotters::drawing::DrawingAreaErrorKind;
 use plotters::prelude::*;
 
-use crate::picture::{Picture, PictureError, register_font};
+use crate::picture::lettering::Lettered;
+use crate::picture::{Picture, PictureError};
 
 const SIZE: (u32, u32) = (1200, 800);
 /// Where a page scales the chart down, letters are to stay readable.
@@ -75,7 +76,7 @@ impl Chart {
     pub fn draw(&self) -> Result<Picture, PictureError> {
         let (width, height) = SIZE;
         let mut rgb = vec![255; (width * height * 3) as usize];
-        self.draw_on(BitMapBackend::with_buffer(&mut rgb, SIZE), &self.title)?;
+        self.draw_on(Lettered::on(&mut rgb, SIZE), &self.title)?;
         let rgba = rgb.as_chunks::<3>().0.iter().flat_map(|&[r, g, b]| [r, g, b, 255]).collect();
         Ok(Picture { width: width as usize, height: height as usize, rgba })
     }
@@ -91,7 +92,6 @@ impl Chart {
     }
 
     fn draw_on<B: DrawingBackend>(&self, backend: B, title: &str) -> Result<(), PictureError> {
-        register_font();
         let root = backend.into_drawing_area();
         root.fill(&WHITE)?;
         let (plot, legend) = root.split_horizontally(root.dim_in_pixel().0 - LEGEND);

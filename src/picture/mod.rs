@@ -2,17 +2,17 @@
 //! to the numbers of targets.
 
 pub mod animation;
+#[cfg(feature = "cli")]
 pub mod chart;
 pub mod colour;
 pub mod export;
 pub mod figure;
 pub mod grey;
+mod lettering;
 pub mod relief;
 pub mod sheet;
 pub mod space;
 pub mod vti;
-
-use std::sync::Once;
 
 use plotters::drawing::DrawingAreaErrorKind;
 
@@ -64,15 +64,4 @@ impl Picture {
         let at = (y * self.width + x) * 4;
         [self.rgba[at], self.rgba[at + 1], self.rgba[at + 2], self.rgba[at + 3]]
     }
-}
-
-/// Makes the font in assets/ the one that plots are lettered with.
-fn register_font() {
-    static ONCE: Once = Once::new();
-    ONCE.call_once(|| {
-        let font = include_bytes!("../../assets/fonts/Inter-Regular.otf");
-        if plotters::style::register_font("sans-serif", plotters::style::FontStyle::Normal, font).is_err() {
-            unreachable!("the font in assets/ is a font");
-        }
-    });
 }

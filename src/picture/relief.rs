@@ -6,7 +6,8 @@ use glam::{DVec2, Vec3, Vec4};
 use plotters::prelude::*;
 use rayon::prelude::*;
 
-use crate::picture::{Picture, PictureError, register_font};
+use crate::picture::lettering::Lettered;
+use crate::picture::{Picture, PictureError};
 
 /// Width and height of the page for which the measures below are meant.
 const PAGE: (f64, f64) = (1600.0, 1000.0);
@@ -358,14 +359,13 @@ fn letter(picture: &mut Picture, words: Words<'_>, unit: f64) -> Result<(), Pict
 /// Lets something draw on the colours of a picture.
 pub(in crate::picture) fn on_picture(
     picture: &mut Picture,
-    draw: impl FnOnce(&DrawingArea<BitMapBackend<'_>, plotters::coord::Shift>) -> Result<(), PictureError>,
+    draw: impl FnOnce(&DrawingArea<Lettered<'_>, plotters::coord::Shift>) -> Result<(), PictureError>,
 ) -> Result<(), PictureError> {
-    register_font();
     let mut rgb: Vec<u8> =
         picture.rgba.chunks_exact(4).flat_map(|pixel| [pixel[0], pixel[1], pixel[2]]).collect();
     {
         let extent = (picture.width as u32, picture.height as u32);
-        let root = BitMapBackend::with_buffer(&mut rgb, extent).into_drawing_area();
+        let root = Lettered::on(&mut rgb, extent).into_drawing_area();
         draw(&root)?;
         root.present()?;
     }

@@ -6,7 +6,8 @@ use plotters::prelude::*;
 
 use crate::acoustics::Aperture;
 use crate::field::colouring::phase_index;
-use crate::picture::{ColourMap, Picture, PictureError, register_font};
+use crate::picture::lettering::Lettered;
+use crate::picture::{ColourMap, Picture, PictureError};
 use crate::rounding::{at_most, percent_at_least};
 use crate::scene::{Focus, Plane, Sampling, Scene, chart, outline};
 use crate::solver::{self, Problem, Solution};
@@ -136,8 +137,8 @@ fn pascals_by(pressure: f64, rounded: impl Fn(f64, usize) -> String) -> String {
     format!("{} {unit}", rounded(value, decimals))
 }
 
-type Root<'a> = DrawingArea<BitMapBackend<'a>, plotters::coord::Shift>;
-type Chart<'a, 'b> = ChartContext<'a, BitMapBackend<'b>, Cartesian2d<RangedCoordf64, RangedCoordf64>>;
+type Root<'a> = DrawingArea<Lettered<'a>, plotters::coord::Shift>;
+type Chart<'a, 'b> = ChartContext<'a, Lettered<'b>, Cartesian2d<RangedCoordf64, RangedCoordf64>>;
 
 /// A page in pixels, and the scale from the nominal measures to them.
 struct Page {
@@ -172,11 +173,9 @@ impl Page {
         summary: &str,
         panels: impl FnOnce(&Root<'_>) -> Result<(), PictureError>,
     ) -> Result<Picture, PictureError> {
-        register_font();
         let mut rgb = vec![255; self.width * self.height * 3];
         {
-            let root = BitMapBackend::with_buffer(&mut rgb, (self.width as u32, self.height as u32))
-                .into_drawing_area();
+            let root = Lettered::on(&mut rgb, (self.width as u32, self.height as u32)).into_drawing_area();
             root.fill(&WHITE)?;
             let left = self.px(COLUMNS[0]);
             root.draw(&Text::new(title.to_owned(), (left, self.px(40.0)), self.font(44.0)))?;

@@ -4,7 +4,7 @@
 //! first, on all cores. How a frame is found depends on its neighbours and on nothing else, so that any number of threads gives the
 //! same drives.
 
-use std::time::Instant;
+use web_time::Instant;
 
 use num_complex::Complex64;
 use rayon::prelude::*;

@@ -2,7 +2,7 @@
 //! kin, greedy search, and the combination that is best on measured sets.
 
 use std::f64::consts::TAU;
-use std::time::{Duration, Instant};
+use web_time::{Duration, Instant};
 
 use faer::linalg::solvers::{Llt, Solve};
 use faer::{Mat, Side};

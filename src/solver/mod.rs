@@ -18,7 +18,7 @@ mod starts;
 pub mod steps;
 pub mod trap;
 
-use std::time::{Duration, Instant};
+use web_time::{Duration, Instant};
 
 use num_complex::Complex64;
 

@@ -1,7 +1,7 @@
 //! Traps, alone and beside separate foci: a first drive by signature or by lobes with prescribed phases, and from there phases that make
 //! the weakest trap stiffer.
 
-use std::time::{Duration, Instant};
+use web_time::{Duration, Instant};
 
 use glam::DVec3;
 use num_complex::Complex64;

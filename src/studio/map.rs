@@ -1,6 +1,6 @@
 //! One map: a quantity on a plane by the chosen evaluator, and its colours.
 
-use std::time::Instant;
+use web_time::Instant;
 
 use crate::field::quantity::{Norm, Range};
 use crate::field::{By, Colouring, FieldError, Map, Pressed, Quantity, Request, Stages};

@@ -1,7 +1,7 @@
 //! One picture of a scene in space, with words: what `render --view 3d` writes.
 
 use std::sync::Arc;
-use std::time::Instant;
+use web_time::Instant;
 
 use anyhow::bail;
 use glam::DVec2;

@@ -59,6 +59,7 @@ impl std::fmt::Display for AdapterInfo {
 }
 
 /// Every adapter that a driver offers, the best first.
+#[cfg(not(target_arch = "wasm32"))]
 pub fn adapters() -> Vec<AdapterInfo> {
     found(&instance()).iter().map(|(info, _)| info.clone()).collect()
 }
@@ -67,6 +68,7 @@ pub fn adapters() -> Vec<AdapterInfo> {
 ///
 /// # Errors
 /// There is none, or it does not work.
+#[cfg(not(target_arch = "wasm32"))]
 pub fn open_best(software: bool) -> Result<Gpu, GpuError> {
     best(software).and_then(|(_, adapter)| Gpu::open(&adapter))
 }
@@ -75,6 +77,7 @@ pub fn open_best(software: bool) -> Result<Gpu, GpuError> {
 ///
 /// # Errors
 /// There is none.
+#[cfg(not(target_arch = "wasm32"))]
 pub fn best(software: bool) -> Result<(wgpu::Instance, wgpu::Adapter), GpuError> {
     let instance = instance();
     let found = found(&instance);
@@ -86,10 +89,12 @@ pub fn best(software: bool) -> Result<(wgpu::Instance, wgpu::Adapter), GpuError>
     }
 }
 
+#[cfg(not(target_arch = "wasm32"))]
 fn instance() -> wgpu::Instance {
     wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle_from_env())
 }
 
+#[cfg(not(target_arch = "wasm32"))]
 fn found(instance: &wgpu::Instance) -> Vec<(AdapterInfo, wgpu::Adapter)> {
     let adapters = pollster::block_on(instance.enumerate_adapters(BACKENDS));
     let mut found: Vec<_> =

@@ -97,6 +97,7 @@ impl Gpu {
     ///
     /// # Errors
     /// The driver refuses a device.
+    #[cfg(not(target_arch = "wasm32"))]
     pub fn open(adapter: &wgpu::Adapter) -> Result<Self, GpuError> {
         let refused = |e: wgpu::RequestDeviceError| GpuError::Refused(e.to_string());
         let (device, queue) =

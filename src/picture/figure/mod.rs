@@ -5,7 +5,7 @@
 //! angle is such a raster with bars for lengths and depths.
 
 pub mod axes;
-mod font;
+pub(in crate::picture) mod font;
 mod layout;
 mod pdf;
 mod raster;
@@ -17,6 +17,7 @@ use crate::picture::PictureError;
 
 pub use axes::{round_step, steps};
 pub use layout::{Axis, Bar, Content, Format, Paper};
+pub(in crate::picture) use raster::letters;
 
 /// A colour, r, g, b.
 type Ink = [u8; 3];
@@ -25,7 +26,7 @@ const BLACK: Ink = [20, 20, 22];
 
 /// Where a text stands relative to its place.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Anchor {
+pub(in crate::picture) enum Anchor {
     Start,
     Middle,
     End,

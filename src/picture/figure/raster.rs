@@ -102,7 +102,7 @@ fn line(points: &[[f64; 2]], is_closed: bool) -> Option<Path> {
 }
 
 /// The outlines of a text in ems, its anchor at the origin.
-fn letters(text: &str, anchor: Anchor) -> Option<Path> {
+pub(in crate::picture) fn letters(text: &str, anchor: Anchor) -> Option<Path> {
     let width = font::width(text, 1.0);
     let mut x = match anchor {
         Anchor::Start => 0.0,

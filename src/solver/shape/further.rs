@@ -1,6 +1,6 @@
 //! A search that goes on after its schedule, from one further start after the other.
 
-use std::time::{Duration, Instant};
+use web_time::{Duration, Instant};
 
 use crate::solver::shape::{FINE, OTHER_STEPS, Search, Start, Surroundings, value};
 use crate::solver::{Excitation, Problem};
