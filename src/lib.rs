@@ -25,6 +25,8 @@ pub mod picture;
 mod requirement;
 pub mod rounding;
 pub mod scene;
+#[cfg(target_arch = "wasm32")]
+pub mod shelf;
 pub mod simd;
 pub mod solver;
 pub mod source;

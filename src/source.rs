@@ -1,16 +1,20 @@
-//! Files that are read: regular ones, up to a bound. A pipe or a device is refused before it is waited for.
+//! Files that are read: regular ones, up to a bound. A pipe or a device is refused before it is waited for. In a browser they lie
+//! on the page's shelf.
 
+#[cfg(not(target_arch = "wasm32"))]
 use std::fs::File;
 use std::io::{self, ErrorKind, Read};
 use std::path::Path;
 
 /// What a caller of the program has opened for it, and what may be a pipe.
+#[cfg(not(target_arch = "wasm32"))]
 const HANDED_OVER: [&str; 3] = ["/dev/stdin", "/dev/fd", "/proc/self/fd"];
 
 /// Opens a regular file, or a pipe that the caller has handed over (`/dev/stdin`, `<(…)` of a shell).
 ///
 /// # Errors
 /// What the system says; a folder, a device, or a pipe without a writer.
+#[cfg(not(target_arch = "wasm32"))]
 pub fn open(path: &Path) -> io::Result<File> {
     open_any(path).map_err(|error| match error.kind() {
         ErrorKind::NotFound => io::Error::new(ErrorKind::NotFound, "no such file"),
@@ -18,12 +22,38 @@ pub fn open(path: &Path) -> io::Result<File> {
     })
 }
 
+#[cfg(not(target_arch = "wasm32"))]
 fn open_any(path: &Path) -> io::Result<File> {
     if HANDED_OVER.iter().any(|own| path.starts_with(own)) {
         let file = File::open(path)?;
         return if is_terminal_or_pipe(&file)? { Ok(file) } else { regular(file) };
     }
     regular(open_at_once(path)?)
+}
+
+/// Opens a file of the page.
+///
+/// # Errors
+/// There is none.
+#[cfg(target_arch = "wasm32")]
+pub fn open(path: &Path) -> io::Result<io::Cursor<Vec<u8>>> {
+    crate::shelf::read(path).map(io::Cursor::new)
+}
+
+/// Whether there is a file, or a folder.
+pub fn exists(path: &Path) -> bool {
+    #[cfg(target_arch = "wasm32")]
+    return crate::shelf::has(path);
+    #[cfg(not(target_arch = "wasm32"))]
+    path.exists()
+}
+
+/// Removes a file, if there is one that can be.
+pub fn remove(path: &Path) {
+    #[cfg(target_arch = "wasm32")]
+    crate::shelf::remove(path);
+    #[cfg(not(target_arch = "wasm32"))]
+    let _ = std::fs::remove_file(path);
 }
 
 /// All that a file holds, up to `most` bytes.
@@ -51,6 +81,7 @@ pub fn read_text(path: &Path, most: u64) -> io::Result<String> {
     String::from_utf8(read(path, most)?).map_err(no_text)
 }
 
+#[cfg(not(target_arch = "wasm32"))]
 fn regular(file: File) -> io::Result<File> {
     let there = file.metadata()?;
     if there.is_dir() {
@@ -70,7 +101,7 @@ fn open_at_once(path: &Path) -> io::Result<File> {
     Ok(rustix::fs::open(path, how, Mode::empty())?.into())
 }
 
-#[cfg(not(unix))]
+#[cfg(all(not(unix), not(target_arch = "wasm32")))]
 fn open_at_once(path: &Path) -> io::Result<File> {
     File::open(path)
 }
@@ -82,7 +113,7 @@ fn is_terminal_or_pipe(file: &File) -> io::Result<bool> {
     Ok(file.is_terminal() || file.metadata()?.file_type().is_fifo())
 }
 
-#[cfg(not(unix))]
+#[cfg(all(not(unix), not(target_arch = "wasm32")))]
 fn is_terminal_or_pipe(_: &File) -> io::Result<bool> {
     Ok(false)
 }

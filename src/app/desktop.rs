@@ -1,28 +1,22 @@
 //! The window on the desktop: who draws it, and again by OpenGL where its device is lost.
 
-use std::cell::RefCell;
 use std::path::{Path, PathBuf};
-use std::rc::Rc;
 
 use eframe::egui_wgpu::{WgpuSetup, WgpuSetupExisting};
 use eframe::{egui, wgpu};
 
 use crate::app::recovery::Recovery;
 use crate::app::settings::{Memory, Settings};
-use crate::app::{Window, example, linked};
+use crate::app::{Legacy, TITLE, Window, example, linked};
+use crate::field::GpuError;
 use crate::field::gpu::{adapter, device_descriptor};
-use crate::field::{Evaluator, Gpu, GpuError};
 use crate::studio::evaluator::Renderer;
 use crate::studio::output::note;
 use crate::studio::{link, still};
 use crate::ui::document::Document;
 use crate::ui::{Editor, Notice};
 
-pub(super) const TITLE: &str = "Sonoglyph";
 const SMALLEST: [f32; 2] = [200.0, 150.0];
-
-/// What a window leaves to the next, which another renderer draws.
-pub(super) type Legacy = Rc<RefCell<Option<(Editor, Notice)>>>;
 
 /// Opens the window on the scene of a file or a link, or on an example. Where there is no display, the scene's sheet is written.
 ///
@@ -125,17 +119,6 @@ fn show(editor: Editor, said: Said, setup: Option<WgpuSetup>, legacy: &Legacy) -
         Ok(Box::new(window))
     });
     eframe::run_native(TITLE, options, make).map_err(|error| in_words(&error))
-}
-
-/// Who computes the field: the device that draws the window, if wgpu draws it, else the CPU.
-pub(super) fn evaluator(context: &eframe::CreationContext<'_>) -> Evaluator {
-    match &context.wgpu_render_state {
-        Some(state) => {
-            let (device, queue) = (state.device.clone(), state.queue.clone());
-            Evaluator::Gpu(Box::new(Gpu::on(&state.adapter, device, queue)))
-        }
-        None => Evaluator::Cpu,
-    }
 }
 
 /// The display that the environment names, Wayland's before X11's, as winit chooses.

@@ -3,9 +3,10 @@
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 use std::sync::mpsc::{Receiver, TryRecvError, sync_channel};
-use std::thread;
 
 use egui::Context;
+
+use crate::app::beside;
 
 /// Steps in which progress is counted.
 const STEPS: f32 = 1000.0;
@@ -66,8 +67,33 @@ impl<T: Send + 'static> Errand<T> {
             drop(sender);
             ctx.request_repaint();
         };
-        thread::Builder::new().name("errand".to_owned()).spawn(run)?;
+        beside::run("errand", run)?;
         Ok(Self { progress, receiver })
+    }
+
+    /// Waits for what others do.
+    ///
+    /// # Errors
+    /// As [`Self::start`].
+    #[cfg(not(target_arch = "wasm32"))]
+    pub fn wait(ctx: &Context, work: impl Future<Output = T> + Send + 'static) -> std::io::Result<Self> {
+        Self::start(ctx, move |_| pollster::block_on(work))
+    }
+
+    /// Waits for what others do.
+    ///
+    /// # Errors
+    /// None.
+    #[cfg(target_arch = "wasm32")]
+    pub fn wait(ctx: &Context, work: impl Future<Output = T> + 'static) -> std::io::Result<Self> {
+        let (sender, receiver) = sync_channel(1);
+        let ctx = ctx.clone();
+        wasm_bindgen_futures::spawn_local(async move {
+            // The receiver may be gone.
+            let _ = sender.send(work.await);
+            ctx.request_repaint();
+        });
+        Ok(Self { progress: Progress::default(), receiver })
     }
 
     pub fn state(&self) -> State<T> {
@@ -81,6 +107,8 @@ impl<T: Send + 'static> Errand<T> {
 
 #[cfg(test)]
 mod tests {
+    use std::thread;
+
     use super::*;
 
     fn wait<T: Send + 'static>(errand: &Errand<T>) -> State<T> {

@@ -8,6 +8,8 @@ use eframe::egui;
 
 use crate::app::Window;
 use crate::app::errand::{Errand, Progress, State};
+#[cfg(target_arch = "wasm32")]
+use crate::app::page;
 use crate::app::{folders, settings};
 use crate::field::{Colouring, Evaluator, Quantity, Request, Stages};
 use crate::import::{self, Drawing};
@@ -16,8 +18,8 @@ use crate::scene::{Array, Elements, Envelope, Scene, Wave, check};
 use crate::solver::frames;
 use crate::source;
 use crate::studio::animate::{self, Look};
+use crate::studio::opening::stem;
 use crate::studio::paintings::Placed;
-use crate::studio::still::stem;
 use crate::studio::{elements, figure, link, liquid, map, opening, output, waveform};
 use crate::ui::document::Document;
 use crate::ui::section::Profile;
@@ -49,7 +51,8 @@ pub(super) struct Film {
 }
 
 /// Asks the desktop for a file.
-fn ask_desktop(
+#[cfg(not(target_arch = "wasm32"))]
+fn ask_for_file(
     purpose: Purpose,
     document: &Document,
 ) -> impl Future<Output = Option<PathBuf>> + Send + use<> {
@@ -70,6 +73,12 @@ fn ask_desktop(
         };
         file.map(|file| file.path().to_owned())
     }
+}
+
+/// Asks the browser for a file. What is written has a name alone.
+#[cfg(target_arch = "wasm32")]
+fn ask_for_file(purpose: Purpose, _: &Document) -> impl Future<Output = Option<PathBuf>> + use<> {
+    async move { if purpose.reads() { page::pick(purpose.extensions()).await } else { None } }
 }
 
 /// The drawing in a file.
@@ -93,7 +102,7 @@ impl Window {
             }
             Err(error) => {
                 // What is not there any more need not be offered again.
-                self.shown.recent.retain(|recent| recent != path || recent.exists());
+                self.shown.recent.retain(|recent| recent != path || source::exists(recent));
                 self.refuse("The scene cannot be opened", &anyhow!(error));
             }
         }
@@ -117,10 +126,13 @@ impl Window {
         }
     }
 
-    /// Asks the desktop for a file while the window goes on.
+    /// Asks the desktop or the browser for a file while the window goes on.
     pub(super) fn browse(&mut self, purpose: Purpose, text: String, ctx: &egui::Context) {
-        let chosen = ask_desktop(purpose, &self.editor.document);
-        self.send(ctx, move |_| Outcome::Chosen(purpose, pollster::block_on(chosen).ok_or(text)));
+        let chosen = ask_for_file(purpose, &self.editor.document);
+        match Errand::wait(ctx, async move { Outcome::Chosen(purpose, chosen.await.ok_or(text)) }) {
+            Ok(errand) => self.errands.push(errand),
+            Err(error) => self.refuse("No thread can be started", &error.into()),
+        }
     }
 
     /// Lists a folder, or again the one that was shown last: at first the scene's.
@@ -128,8 +140,8 @@ impl Window {
         let own = || self.editor.document.path().and_then(Path::parent).map(Path::to_owned);
         let last = || self.shown.folder.as_ref().map(|folder| folder.path.clone());
         let recent = || self.shown.recent.first().and_then(|path| path.parent()).map(Path::to_owned);
-        let here = || std::env::current_dir().ok();
-        let folder = folder.or_else(last).or_else(own).or_else(here).or_else(recent).or_else(folders::home);
+        let folder =
+            folder.or_else(last).or_else(own).or_else(folders::here).or_else(recent).or_else(folders::home);
         self.send(ctx, move |_| Outcome::Listed(folders::list(&folder.unwrap_or_default())));
     }
 
@@ -171,7 +183,7 @@ impl Window {
             [&typed, &path].into_iter().try_for_each(|path| output::refuse_stream(path))
         {
             self.refuse("That is no file to write to", &error);
-        } else if path.exists() && self.editor.document.path() != Some(path.as_path()) {
+        } else if source::exists(&path) && self.editor.document.path() != Some(path.as_path()) {
             let text = text.to_owned();
             self.editor.dialog = Some(Dialog::Replace { purpose, text, path });
         } else {
@@ -232,7 +244,7 @@ impl Window {
         match outcome {
             Outcome::Chosen(purpose, Ok(path)) => {
                 let whole = purpose.with_ending(path.clone());
-                if whole != path && whole.exists() {
+                if whole != path && source::exists(&whole) {
                     // The desktop has asked about the name without its ending.
                     let text = whole.display().to_string();
                     self.editor.dialog = Some(Dialog::Replace { purpose, text, path: whole });
@@ -241,7 +253,7 @@ impl Window {
                 }
             }
             Outcome::Chosen(purpose, Err(text)) => {
-                let why = "The desktop gave no file: choose one here".to_owned();
+                let why = "No file came from there: choose one here".to_owned();
                 self.editor.asking.problem = Some((text.clone(), why));
                 self.editor.dialog = Some(Dialog::Path { purpose, text });
             }

@@ -6,7 +6,13 @@ use std::path::{Path, PathBuf};
 use crate::ui::{Entry, Folder};
 
 /// Files and folders that are listed.
+#[cfg(not(target_arch = "wasm32"))]
 const MOST: usize = 5000;
+
+/// Where questions for files begin.
+pub(super) fn here() -> Option<PathBuf> {
+    if cfg!(target_arch = "wasm32") { Some(PathBuf::from("/")) } else { std::env::current_dir().ok() }
+}
 
 /// The user's own folder.
 pub(super) fn home() -> Option<PathBuf> {
@@ -40,6 +46,14 @@ pub(super) fn list(folder: &Path) -> Folder {
     }
 }
 
+/// A page has files of its own alone, in one folder.
+#[cfg(target_arch = "wasm32")]
+fn entries(folder: &Path) -> std::io::Result<Vec<Entry>> {
+    let entry = |name| Entry { name, is_folder: false };
+    Ok(crate::shelf::names(folder).into_iter().map(entry).collect())
+}
+
+#[cfg(not(target_arch = "wasm32"))]
 fn entries(folder: &Path) -> std::io::Result<Vec<Entry>> {
     let mut entries = Vec::new();
     for entry in std::fs::read_dir(folder)?.flatten().take(MOST) {

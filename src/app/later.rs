@@ -1,9 +1,10 @@
 //! Work that takes too long for a frame, done on a thread beside it.
 
 use std::sync::mpsc::{Receiver, TryRecvError, sync_channel};
-use std::thread;
 
 use egui::Context;
+
+use crate::app::beside;
 
 /// A value that is made elsewhere, with what it was made from. Of several wishes only the latest is fulfilled.
 #[derive(Debug)]
@@ -34,8 +35,8 @@ impl<K: Clone + PartialEq + Send + 'static, V: Send + 'static> Later<K, V> {
             let _ = sender.send(work(&own));
             ctx.request_repaint();
         };
-        match thread::Builder::new().name("later".to_owned()).spawn(make) {
-            Ok(_) => self.running = Some((key.clone(), receiver)),
+        match beside::run("later", make) {
+            Ok(()) => self.running = Some((key.clone(), receiver)),
             Err(_) => self.failed = Some(key.clone()),
         }
     }
@@ -67,7 +68,8 @@ impl<K: Clone + PartialEq + Send + 'static, V: Send + 'static> Later<K, V> {
 
 #[cfg(test)]
 mod tests {
-    use web_time::{Duration, Instant};
+    use std::thread;
+    use std::time::{Duration, Instant};
 
     use super::*;
 

@@ -18,6 +18,7 @@ use crate::device::profile::Profile;
 use crate::drive::Drive;
 use crate::scene::{Envelope, Modulation, motion};
 use crate::solver::{self, Problem, Solution};
+use crate::source;
 use crate::studio::bring_up::{Report, Verdict, focus_scene, survey_line};
 use crate::studio::output::{self, note};
 use crate::ui::board::{BoardCommand, BoardShown, Plays, PortShown};
@@ -148,7 +149,7 @@ impl Board {
         let Some(run) = &editor.board.bring_up else { return };
         let path = PathBuf::from(run.file.trim());
         let own = editor.board.calibration().is_some_and(|own| own == path);
-        let written = match path.exists() && !own {
+        let written = match source::exists(&path) && !own {
             true => Err(anyhow::anyhow!("{}: there is a file of this name already", path.display())),
             false => output::save(&path, text.as_bytes()),
         };

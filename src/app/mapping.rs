@@ -3,10 +3,9 @@
 use std::f64::consts::TAU;
 use web_time::Instant;
 
-use eframe::egui_wgpu::RenderState;
-use eframe::wgpu;
 use egui::{Color32, ColorImage, Context, TextureId, TextureOptions};
 
+use crate::app::screen::Screen;
 use crate::drive::Drive;
 use crate::field::contour::Line;
 use crate::field::gpu::Texture as OnGpu;
@@ -86,7 +85,7 @@ pub struct Done {
 pub struct Mapping {
     stages: Stages,
     /// What draws the window, if that is the device which computes the field.
-    screen: Option<RenderState>,
+    screen: Option<Screen>,
     /// The picture on that device which egui knows, and by what name.
     registered: Option<(OnGpu, TextureId)>,
     drawn: Option<Drawn>,
@@ -114,7 +113,7 @@ impl std::fmt::Debug for Mapping {
 
 impl Mapping {
     /// With a `screen`, pictures stay on its device, which is that of the evaluator.
-    pub fn new(evaluator: Evaluator, screen: Option<RenderState>) -> Self {
+    pub fn new(evaluator: Evaluator, screen: Option<Screen>) -> Self {
         Self {
             stages: Stages::new(evaluator),
             screen,
@@ -138,7 +137,7 @@ impl Mapping {
     }
 
     /// What draws the window, if that is the device which computes the field.
-    pub fn screen(&self) -> Option<&RenderState> {
+    pub fn screen(&self) -> Option<&Screen> {
         self.screen.as_ref()
     }
 
@@ -159,10 +158,7 @@ impl Mapping {
 
     /// One that stands beside it, by the same device.
     pub fn twin(&self) -> Self {
-        let gpu = self.screen.as_ref().filter(|_| self.gpu().is_some()).map(|screen| {
-            let (device, queue) = (screen.device.clone(), screen.queue.clone());
-            Evaluator::Gpu(Box::new(Gpu::on(&screen.adapter, device, queue)))
-        });
+        let gpu = self.screen.as_ref().filter(|_| self.gpu().is_some()).map(Screen::evaluator);
         Self::new(gpu.unwrap_or(Evaluator::Cpu), self.screen.clone())
     }
 
@@ -256,7 +252,7 @@ impl Mapping {
             let Self { stages, screen, registered, .. } = self;
             match (stages.picture(request, &wanted.colouring)?, screen) {
                 (Painted::OnGpu(texture), Some(screen)) => {
-                    Texture::OnGpu(register(screen, registered, texture))
+                    Texture::OnGpu(screen.register(registered, texture))
                 }
                 (Painted::OnGpu(_), None) => {
                     let colours = stages.colours(request, &wanted.colouring)?;
@@ -437,24 +433,4 @@ pub fn in_egui(before: Option<Texture>, image: ColorImage, ctx: &Context) -> Tex
         }
         Some(Texture::OnGpu(_)) | None => Texture::InEgui(ctx.load_texture("map", image, options)),
     }
-}
-
-/// The name by which egui draws a picture that lies on its device.
-pub fn register(
-    screen: &RenderState,
-    registered: &mut Option<(OnGpu, TextureId)>,
-    texture: OnGpu,
-) -> TextureId {
-    let filter = wgpu::FilterMode::Linear;
-    let id = match registered.take() {
-        Some((known, id)) if known == texture => id,
-        Some((_, id)) => {
-            let mut renderer = screen.renderer.write();
-            renderer.update_egui_texture_from_wgpu_texture(&screen.device, texture.view(), filter, id);
-            id
-        }
-        None => screen.renderer.write().register_native_texture(&screen.device, texture.view(), filter),
-    };
-    *registered = Some((texture, id));
-    id
 }

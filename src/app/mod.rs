@@ -1,6 +1,8 @@
 //! The window: the editor of [`crate::ui`], what is made from its scene, and its files.
 
+mod beside;
 mod comparison;
+#[cfg(not(target_arch = "wasm32"))]
 mod desktop;
 mod errand;
 mod examples;
@@ -15,8 +17,12 @@ mod link;
 #[path = "no_link.rs"]
 mod link;
 mod mapping;
+#[cfg(target_arch = "wasm32")]
+pub mod page;
 mod posing;
 pub mod recovery;
+#[cfg_attr(target_arch = "wasm32", path = "no_screen.rs")]
+mod screen;
 pub mod settings;
 mod space;
 mod survey;
@@ -24,8 +30,10 @@ mod thumbnails;
 mod time_course;
 mod workshop;
 
+use std::cell::RefCell;
 use std::num::NonZeroUsize;
-use std::path::{Path, PathBuf};
+use std::path::Path;
+use std::rc::Rc;
 
 use eframe::egui;
 
@@ -35,17 +43,18 @@ use crate::scene::Scene;
 use crate::studio::link as link_text;
 use crate::ui::document::Document;
 use crate::ui::{self, Command, Dialog, Editor, Notice, Purpose, Shown, canvas, compare, legend, theme};
-use desktop::{Legacy, TITLE};
 use errand::Errand;
 use examples::EXAMPLES;
 use figure::Previews;
 use files::{Film, Outcome};
 use link::Board;
 use recovery::Recovery;
+use screen::Screen;
 use settings::{Memory, Settings};
 use thumbnails::Thumbnails;
 use workshop::{Seen, Workshop};
 
+#[cfg(not(target_arch = "wasm32"))]
 pub use desktop::run;
 
 /// An example scene as a document without a file.
@@ -54,6 +63,7 @@ fn example(index: usize) -> anyhow::Result<Document> {
     Ok(Document::parse(example.text.to_owned(), example.name)?)
 }
 
+const TITLE: &str = "Sonoglyph";
 /// Layouts of a frame, at most: after the third, what egui asked for in the first and the second is over.
 const PASSES: usize = 3;
 /// The scene of a link as a document without a file.
@@ -62,6 +72,9 @@ fn linked(link: &str) -> anyhow::Result<Document> {
     document.was_never_saved();
     Ok(document)
 }
+
+/// What a window leaves to the next, which another renderer draws.
+type Legacy = Rc<RefCell<Option<(Editor, Notice)>>>;
 
 /// The program's state.
 #[derive(Debug)]
@@ -97,16 +110,12 @@ impl Window {
 
     /// In the window that eframe has made, by the device that draws it, if wgpu does.
     pub fn of(context: &eframe::CreationContext<'_>, editor: Editor) -> Self {
-        let screen = context.wgpu_render_state.clone();
-        Self::with(&context.egui_ctx, editor, desktop::evaluator(context), screen)
+        let screen = Screen::of(context);
+        let evaluator = screen.as_ref().map_or(Evaluator::Cpu, Screen::evaluator);
+        Self::with(&context.egui_ctx, editor, evaluator, screen)
     }
 
-    fn with(
-        ctx: &egui::Context,
-        editor: Editor,
-        evaluator: Evaluator,
-        screen: Option<eframe::egui_wgpu::RenderState>,
-    ) -> Self {
+    fn with(ctx: &egui::Context, editor: Editor, evaluator: Evaluator, screen: Option<Screen>) -> Self {
         theme::install(ctx);
         ctx.options_mut(|options| options.max_passes = NonZeroUsize::MIN.saturating_add(PASSES - 1));
         let workshop = Workshop::new(evaluator, screen);
@@ -137,6 +146,7 @@ impl Window {
     }
 
     /// If the device that draws the window is lost, its editor goes there, and the window closes.
+    #[cfg(not(target_arch = "wasm32"))]
     fn leave_to(&mut self, legacy: Legacy) {
         self.legacy = Some(legacy);
     }
@@ -248,6 +258,9 @@ impl Window {
             Command::Browse(purpose, text) => self.browse(purpose, text, ctx),
             Command::CopyLink => match link_text::write(self.editor.scene()) {
                 Ok(link) => {
+                    #[cfg(target_arch = "wasm32")]
+                    let link =
+                        page::address().map_or_else(|| link.clone(), |page| link_text::of_page(&link, &page));
                     self.tell(&format!("A link of {} letters is on the clipboard", link.len()), false);
                     ctx.copy_text(link);
                 }
@@ -315,16 +328,12 @@ impl Window {
 
     /// Files dropped on the window, and its close button.
     fn hear_outside(&mut self, ctx: &egui::Context, commands: &mut Vec<Command>) {
-        let dropped: Option<PathBuf> =
-            ctx.input(|input| input.raw.dropped_files.first().map(|file| file.path().to_owned()));
-        if let Some(path) = dropped {
-            let extension = path.extension().unwrap_or_default().to_string_lossy().to_lowercase();
-            let command = match extension.as_str() {
-                drawing if ui::IMPORTED.contains(&drawing) => Command::Import(path),
-                table if ui::ELEMENTS.contains(&table) => Command::TakeElements(path),
-                _ => Command::Open(path),
-            };
-            self.editor.ask(command, commands);
+        if let Some(file) = ctx.input(|input| input.raw.dropped_files.first().cloned()) {
+            self.receive(file, ctx, commands);
+        }
+        #[cfg(target_arch = "wasm32")]
+        if let Some(link) = page::new_link() {
+            self.editor.ask(Command::OpenLink(link), commands);
         }
         let closes = ctx.input(|input| input.viewport().close_requested());
         if closes && !self.may_close && self.editor.document.is_unsaved() {
@@ -332,6 +341,26 @@ impl Window {
             self.editor.dialog = Some(Dialog::Unsaved(Command::Close));
         } else if closes {
             self.forget_unsaved();
+        }
+    }
+
+    /// A file that was dropped.
+    #[cfg(not(target_arch = "wasm32"))]
+    fn receive(&mut self, file: egui::DroppedFileHandle, _: &egui::Context, commands: &mut Vec<Command>) {
+        self.editor.ask(Purpose::of_dropped(file.path()).command(file.path().to_owned()), commands);
+    }
+
+    /// The same, once the browser has read it.
+    #[cfg(target_arch = "wasm32")]
+    fn receive(&mut self, file: egui::DroppedFileHandle, ctx: &egui::Context, _: &mut Vec<Command>) {
+        let purpose = Purpose::of_dropped(file.path());
+        let read = async move {
+            let bytes = file.bytes_async().await?;
+            Ok(page::take(file.path(), bytes))
+        };
+        match Errand::wait(ctx, async move { Outcome::Chosen(purpose, read.await) }) {
+            Ok(errand) => self.errands.push(errand),
+            Err(error) => self.refuse("The file cannot be read", &error.into()),
         }
     }
 
@@ -442,6 +471,8 @@ impl Window {
         self.keep(&ctx);
         self.keep_settings(&ctx);
         self.settle(&ctx, before != self.editor.seen());
+        #[cfg(target_arch = "wasm32")]
+        page::count_frame();
     }
 
     /// Lays the window out again before it is painted, where an event or a change asks for that: panels come before the map whose

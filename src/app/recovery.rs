@@ -4,6 +4,7 @@ use std::fs::{File, TryLockError};
 use std::path::{Path, PathBuf};
 
 use crate::scene::{Scene, file};
+use crate::source;
 use crate::studio::paintings::Paintings;
 use crate::studio::{opening, output};
 
@@ -103,7 +104,7 @@ impl Recovery {
 
     /// All is well: there is nothing to recover.
     pub fn forget(&mut self) {
-        let _ = std::fs::remove_file(&self.path);
+        source::remove(&self.path);
         self.paintings.remove();
         self.kept = None;
     }

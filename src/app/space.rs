@@ -3,12 +3,12 @@
 use std::sync::Arc;
 use web_time::Instant;
 
-use eframe::egui_wgpu::RenderState;
 use egui::{ColorImage, Context, TextureId, TextureOptions};
 
 use crate::acoustics::Aperture;
 use crate::app::later::Later;
-use crate::app::mapping::{Mapping, register};
+use crate::app::mapping::Mapping;
+use crate::app::screen::Screen;
 use crate::drive::Drive;
 use crate::field::gpu::{SpacePainting, Texture as OnGpu};
 use crate::field::volume::sampling::Fineness;
@@ -199,7 +199,7 @@ impl Spacing {
     /// A GPU draws every picture in full; what is fine once all rests is the field.
     fn by_gpu(
         &mut self,
-        (gpu, screen): (&Gpu, &RenderState),
+        (gpu, screen): (&Gpu, &Screen),
         wanted: Wanted,
         (stage, is_still): (&Stage, bool),
         shown: &mut Shown,
@@ -220,7 +220,7 @@ impl Spacing {
         let sampled = start.elapsed().as_secs_f64() * 1e3;
         let shot = Shot::new(&wanted.scenery, &volume, &wanted.camera, wanted.size);
         let painted = self.painting.paint(gpu, (&shot, &wanted.scenery), &volume, true)?;
-        let texture = Texture::OnGpu(register(screen, &mut self.registered, painted));
+        let texture = Texture::OnGpu(screen.register(&mut self.registered, painted));
         let taken = start.elapsed().as_secs_f64() * 1e3 - sampled;
         shown.space = Some(blank(texture, stage));
         tell(shown, &volume, !is_fine, [sampled, taken]);

@@ -6,7 +6,6 @@
 use std::sync::{Arc, Mutex, PoisonError};
 use web_time::{Duration, Instant};
 
-use eframe::egui_wgpu::RenderState;
 use egui::Context;
 
 use crate::acoustics::Aperture;
@@ -15,6 +14,7 @@ use crate::app::later::Later;
 use crate::app::levitation::Levitating;
 use crate::app::mapping::{Look, Mapping};
 use crate::app::posing::{Solved, Source, is_shape, posed, posed_in_motion, solve, sound};
+use crate::app::screen::Screen;
 use crate::app::space::Spacing;
 use crate::app::survey::Survey;
 use crate::app::time_course::TimeCourse;
@@ -98,7 +98,7 @@ pub struct Workshop {
 }
 
 impl Workshop {
-    pub fn new(evaluator: Evaluator, screen: Option<RenderState>) -> Self {
+    pub fn new(evaluator: Evaluator, screen: Option<Screen>) -> Self {
         Self {
             mapping: Mapping::new(evaluator, screen),
             solved: None,

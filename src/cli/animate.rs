@@ -10,8 +10,9 @@ use crate::solver::frames;
 use crate::studio::animate::{self, Film, RATES, Target, times_of};
 use crate::studio::evaluator::{self, Backend};
 use crate::studio::motion::SOLVING;
+use crate::studio::opening::stem;
 use crate::studio::output::{Files, note, say, warn};
-use crate::studio::still::{Diagram, Size, stem};
+use crate::studio::still::{Diagram, Size};
 use crate::studio::swell::Schedule;
 use crate::studio::{liquid, map, motion};
 

@@ -10,8 +10,9 @@ use crate::cli::figure::{FigureArgs, write as write_figure};
 use crate::cli::{RenderArgs, View, progress, read_scene};
 use crate::echo;
 use crate::field::{Evaluator, Stages};
+use crate::studio::opening::stem;
 use crate::studio::output::{self, Files, say};
-use crate::studio::still::{self, Diagram, LARGEST_SIDE, Look, Moment, Size, Solved, stem};
+use crate::studio::still::{self, Diagram, LARGEST_SIDE, Look, Moment, Size, Solved};
 use crate::studio::{evaluator, figure};
 
 /// `W` or `WxH`.

@@ -11,8 +11,9 @@ use crate::field::Stages;
 use crate::field::volume::{Block, MOST_POINTS_ALONG};
 use crate::studio::evaluator;
 use crate::studio::output::{Files, say, warn};
+use crate::studio::space::SIDES;
 use crate::studio::still::{Diagram, Solved};
-use crate::studio::volume::{self, SIDES, Wish};
+use crate::studio::volume::{self, Wish};
 
 /// m; a centre beyond is a slip of the unit.
 const FARTHEST: f64 = 100.0;

@@ -1,7 +1,8 @@
 //! Which evaluator a command uses.
 
-use crate::field::gpu::adapter;
-use crate::field::{Evaluator, FieldError, GpuError, Stages};
+use crate::field::{Evaluator, FieldError, Stages};
+#[cfg(not(target_arch = "wasm32"))]
+use crate::field::{GpuError, gpu::adapter};
 use crate::studio::output::note;
 
 /// Who is to compute the field.
@@ -30,6 +31,7 @@ pub enum Renderer {
 ///
 /// # Errors
 /// A GPU that was asked for by name and cannot be had.
+#[cfg(not(target_arch = "wasm32"))]
 pub fn for_maps(backend: Backend, is_verbose: bool) -> Result<Evaluator, GpuError> {
     Ok(match backend {
         Backend::Reference => Evaluator::Reference,
@@ -51,6 +53,7 @@ pub fn for_maps(backend: Backend, is_verbose: bool) -> Result<Evaluator, GpuErro
 ///
 /// # Errors
 /// As [`for_maps`].
+#[cfg(not(target_arch = "wasm32"))]
 pub fn for_points(backend: Backend) -> Result<Evaluator, GpuError> {
     match backend {
         Backend::Auto => Ok(Evaluator::Reference),

@@ -1,5 +1,5 @@
 //! A scene as a link: its file's text, compressed (deflate) and written in letters that an address may have (base64url),
-//! behind `sonoglyph:#`.
+//! behind `sonoglyph:#` or the address of a page that opens it.
 
 use std::path::Path;
 
@@ -13,8 +13,9 @@ use crate::echo;
 use crate::scene::file::{self, FileError, LONGEST};
 use crate::scene::{Scene, Shape};
 
-/// What a link begins with.
+/// What a link begins with that belongs to no page, and what the addresses of pages do.
 const SCHEME: &str = "sonoglyph:";
+const PAGES: [&str; 2] = ["https://", "http://"];
 /// Deflate's smallest output; a scene takes a millisecond.
 const LEVEL: u8 = 9;
 /// What messages call the text of a link.
@@ -23,7 +24,7 @@ const NAME: &str = "link";
 #[derive(Debug, Error)]
 pub enum LinkError {
     #[error(
-        "this is not a whole Sonoglyph link: it begins with “sonoglyph:#” and holds letters, digits, - and _"
+        "this is not a whole Sonoglyph link: it begins with “sonoglyph:#”, or with a page and #, and holds letters, digits, - and _"
     )]
     Broken,
     #[error("the scene in this link is larger than {} MiB", LONGEST >> 20)]
@@ -38,7 +39,18 @@ pub enum LinkError {
 
 /// Whether a text is meant to be a link; it may be a broken one.
 pub fn is_link(text: &str) -> bool {
-    text.trim_start().starts_with(SCHEME)
+    let text = text.trim_start();
+    text.starts_with(SCHEME) || (PAGES.iter().any(|page| text.starts_with(page)) && text.contains('#'))
+}
+
+/// The link that stands behind the address of a page.
+pub fn of_letters(letters: &str) -> String {
+    format!("{SCHEME}#{letters}")
+}
+
+/// The link as the address of a page that opens it.
+pub fn of_page(link: &str, page: &str) -> String {
+    link.replacen(SCHEME, page, 1)
 }
 
 /// A link that holds a scene.
@@ -55,7 +67,7 @@ pub fn write(scene: &Scene) -> Result<String, LinkError> {
         return Err(LinkError::Wave(scene.modulation.file.clone()));
     }
     let packed = compress_to_vec(file::write(scene).as_bytes(), LEVEL);
-    Ok(format!("{SCHEME}#{}", URL_SAFE_NO_PAD.encode(packed)))
+    Ok(of_letters(&URL_SAFE_NO_PAD.encode(packed)))
 }
 
 /// The text of the scene's file that a link holds.
@@ -63,8 +75,8 @@ pub fn write(scene: &Scene) -> Result<String, LinkError> {
 /// # Errors
 /// A link that is broken or too large, and a scene that cannot be read or names files.
 pub fn read(link: &str) -> Result<String, LinkError> {
-    let letters =
-        link.trim().strip_prefix(SCHEME).and_then(|rest| rest.split_once('#')).map(|(_, letters)| letters);
+    let letters = Some(link.trim()).filter(|link| is_link(link)).and_then(|link| link.split_once('#'));
+    let letters = letters.map(|(_, letters)| letters);
     // Mail programs break long lines.
     let letters: String = letters.ok_or(LinkError::Broken)?.chars().filter(|c| !c.is_whitespace()).collect();
     let packed = URL_SAFE_NO_PAD.decode(letters.trim_end_matches('=')).map_err(|_| LinkError::Broken)?;
@@ -92,8 +104,12 @@ mod tests {
         assert!(link.len() < 1500, "{} letters", link.len());
         let broken = link.as_bytes().chunks(70).map(|line| std::str::from_utf8(line).unwrap());
         let mailed = format!(" {}\n", broken.collect::<Vec<_>>().join("\n"));
-        let read = file::parse(&read(&mailed).unwrap(), Path::new(NAME)).unwrap();
-        assert_eq!(read, scene);
+        let page = of_page(&link, "https://example.org/sonoglyph/");
+        assert!(page.starts_with("https://example.org/sonoglyph/#"), "{page}");
+        for link in [mailed, page] {
+            let read = file::parse(&read(&link).unwrap(), Path::new(NAME)).unwrap();
+            assert_eq!(read, scene);
+        }
     }
 
     #[test]

@@ -21,11 +21,15 @@ pub mod presets;
 pub mod probe;
 pub mod reach;
 pub mod space;
+#[cfg(not(target_arch = "wasm32"))]
 pub mod still;
 pub mod swell;
 pub mod time_course;
+#[cfg_attr(target_arch = "wasm32", path = "no_video.rs")]
 pub mod video;
+#[cfg(not(target_arch = "wasm32"))]
 pub mod view_3d;
+#[cfg(not(target_arch = "wasm32"))]
 pub mod volume;
 pub mod waveform;
 pub mod width;

@@ -13,6 +13,11 @@ use crate::studio::{arrays, elements, waveform};
 /// Bytes of a picture's or a table's file, at most.
 const MOST_BYTES: u64 = 64 << 20;
 
+/// The name of a file without folder and extension.
+pub fn stem(path: &Path) -> String {
+    path.file_stem().unwrap_or(path.as_os_str()).to_string_lossy().into_owned()
+}
+
 /// The scene of a file, with its pictures, its waveform and its table of elements.
 ///
 /// # Errors

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 
 use crate::picture::grey;
 use crate::scene::{Grey, Pixels, Scene, Shape, Target};
+use crate::source;
 
 /// What a scene's paintings are called: `<scene>-painting.png`, `<scene>-painting-2.png` and so on.
 const SUFFIX: &str = "-painting";
@@ -43,7 +44,7 @@ impl Paintings {
                 let place = holder.or(same).unwrap_or_else(|| {
                     let is_free = |place: &PathBuf| {
                         !taken.iter().any(|(other, _)| other == place)
-                            && (!place.exists() || may_replace(place))
+                            && (!source::exists(place) || may_replace(place))
                     };
                     let place = numbered(&path).find(is_free).unwrap_or_default();
                     placed.files.push((place.clone(), pixels.clone()));
@@ -70,7 +71,7 @@ impl Paintings {
         let own = pixels.get()?.file.as_deref().map(absolute);
         let is_as_loaded = |own: &PathBuf| self.at(own).is_none_or(|there| there == pixels);
         let written = |(place, there): &&(PathBuf, Pixels)| {
-            there == pixels && is_painting_of(path, place) && place.is_file()
+            there == pixels && is_painting_of(path, place) && source::exists(place)
         };
         own.filter(is_as_loaded).or_else(|| self.0.iter().find(written).map(|(place, _)| place.clone()))
     }
@@ -117,7 +118,7 @@ impl Paintings {
     /// Removes all files that were written, as far as the system lets it.
     pub fn remove(&mut self) {
         for (place, _) in self.0.drain(..) {
-            let _ = std::fs::remove_file(place);
+            source::remove(&place);
         }
     }
 }

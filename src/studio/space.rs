@@ -12,6 +12,9 @@ use crate::field::volume::{Block, Scenery};
 use crate::picture::ColourMap;
 use crate::scene::{Focus, Scene, outline};
 
+/// m, sides of a box.
+pub const SIDES: [f64; 2] = [1e-4, 10.0];
+
 /// What of a scene is shown in space, and how.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Look {
@@ -42,6 +45,65 @@ impl Default for Look {
             scale: 1.0,
         }
     }
+}
+
+/// The box of a scene: its targets and its plane, most of the way to the boards, and a quarter more beyond where no board ends it.
+pub fn block_of(scene: &Scene, aperture: &Aperture, foci: &[Focus]) -> Block {
+    /// Of its longest side, the least that a side is.
+    const FLATTEST: f64 = 0.5;
+    /// Of a mirror's normal, what runs along an axis where it counts as across it.
+    const UPRIGHT: f64 = 0.999;
+    const BEYOND: f64 = 0.3;
+    /// Of the way from a board to what it sounds on, what is left out: the near field tells little, and hides much.
+    const NEAR: f64 = 0.15;
+    let (x, y) = scene.plane.axes().unwrap_or((DVec3::X, DVec3::Y));
+    let half = (x * scene.plane.size.x).abs() / 2.0 + (y * scene.plane.size.y).abs() / 2.0;
+    let (mut low, mut high) = (scene.plane.centre - half, scene.plane.centre + half);
+    for focus in foci {
+        (low, high) = (low.min(focus.position), high.max(focus.position));
+    }
+    let wavelength = aperture.wavelength();
+    let mut is_closed_above = false;
+    for board in aperture.boards() {
+        let normal = board.pose.world_direction(DVec3::Z);
+        let axis = normal.abs().max_position();
+        let places = aperture.positions[board.elements()].iter().map(|at| at[axis]);
+        if normal[axis] > 0.0 {
+            let first = places.fold(f64::INFINITY, f64::min) + wavelength;
+            low[axis] = low[axis].min(first + NEAR * (low[axis] - first));
+        } else {
+            let last = places.fold(f64::NEG_INFINITY, f64::max) - wavelength;
+            high[axis] = high[axis].max(last - NEAR * (last - high[axis]));
+            is_closed_above |= axis == 2;
+        }
+    }
+    // Behind what reflects there is no sound.
+    for mirror in scene.mirrors() {
+        let normal = mirror.normal.normalize_or_zero();
+        let axis = normal.abs().max_position();
+        let place = mirror.point[axis];
+        if normal[axis] < -UPRIGHT
+            && place > low[axis]
+            && place <= high[axis] + BEYOND * (high[axis] - low[axis])
+        {
+            high[axis] = place;
+            is_closed_above |= axis == 2;
+        } else if normal[axis] > UPRIGHT && (low[axis]..high[axis]).contains(&place) {
+            low[axis] = place;
+        }
+    }
+    if !is_closed_above {
+        high.z += BEYOND * (high.z - low.z);
+    }
+    let least = FLATTEST * (high - low).max_element();
+    let centre = (low + high) / 2.0;
+    // A vertical plane has no depth, which is as wide as it is then.
+    for axis in 0..2 {
+        let side = (high[axis] - low[axis]).max(least);
+        (low[axis], high[axis]) = (centre[axis] - side / 2.0, centre[axis] + side / 2.0);
+    }
+    let side = (high - low).clamp(DVec3::splat(SIDES[0]), DVec3::splat(SIDES[1]));
+    Block { centre: (low + high) / 2.0, size: side }
 }
 
 /// The part of the peak that is so many dB above it.

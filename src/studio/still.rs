@@ -16,6 +16,7 @@ use crate::solver::{self, Solution};
 use crate::studio::evaluator::{self, Backend};
 use crate::studio::map;
 use crate::studio::motion::{SOLVING, follow};
+use crate::studio::opening::stem;
 use crate::studio::output::{self, Files, say, warn};
 use crate::studio::{EXAMPLE, liquid, opening};
 
@@ -83,11 +84,6 @@ pub fn default_sheet(path: Option<&Path>) -> anyhow::Result<()> {
     say!(
         "`sonoglyph render SCENE -o FILE.png` draws other scenes and quantities, and `sonoglyph --help` lists the rest."
     )
-}
-
-/// The name of a file without folder and extension.
-pub fn stem(path: &Path) -> String {
-    path.file_stem().unwrap_or(path.as_os_str()).to_string_lossy().into_owned()
 }
 
 /// A scene with its drive.

@@ -17,9 +17,9 @@ use crate::picture::Picture;
 use crate::picture::space::{Bar, Words};
 use crate::studio::evaluator::Backend;
 use crate::studio::output::note;
+use crate::studio::space::block_of;
 use crate::studio::space::{self, Look};
 use crate::studio::still::{self, Diagram, Size, Solved};
-use crate::studio::volume::block_of;
 
 /// Pixels of a picture for which nobody has asked for more, and the most.
 pub const USUAL: usize = 900;

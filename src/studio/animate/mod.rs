@@ -20,9 +20,9 @@ use crate::scene::{Scene, motion};
 use crate::studio::evaluator::or_by_cpu;
 use crate::studio::liquid::{self, Moment};
 use crate::studio::map;
-use crate::studio::output;
 #[cfg(feature = "window")]
-use crate::studio::still::stem;
+use crate::studio::opening::stem;
+use crate::studio::output;
 use crate::studio::swell::{Schedule, Swell};
 use crate::studio::video::Video;
 use target::Encoding;

@@ -7,7 +7,8 @@ use anyhow::bail;
 
 use crate::echo;
 use crate::scene::{Scene, Shape};
-use crate::studio::output::{check_writable, folder_of, followed};
+use crate::studio::output::check_writable;
+use crate::studio::output::disk::{folder_of, followed};
 
 /// What is read and what is to be written so far.
 #[derive(Debug, Default)]

@@ -33,6 +33,16 @@ pub enum Purpose {
 }
 
 impl Purpose {
+    /// Of a file that was dropped on the window.
+    pub fn of_dropped(path: &Path) -> Self {
+        let ending = path.extension().unwrap_or_default().to_string_lossy().to_lowercase();
+        match ending.as_str() {
+            drawing if IMPORTED.contains(&drawing) => Self::Import,
+            table if ELEMENTS.contains(&table) => Self::Elements,
+            _ => Self::Open,
+        }
+    }
+
     pub fn title(self) -> &'static str {
         match self {
             Self::Open => "Open a scene",

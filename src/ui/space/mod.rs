@@ -12,8 +12,8 @@ use crate::field::volume::camera::{Projection, Standard};
 use crate::field::volume::scenery::Body;
 use crate::field::volume::{Block, Camera};
 use crate::scene::{Array, Board, Plane, Scene, Target};
+use crate::studio::space::block_of;
 use crate::studio::space::{Look, surface_part, whole};
-use crate::studio::volume::block_of;
 use crate::ui::{Editor, Shown, Texture};
 use handle::Handle;
 

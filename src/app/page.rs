@@ -1,0 +1,205 @@
+//! The window as a page of a browser: drawn by WebGL, with files that come from the user and go to the user, and what is to outlive
+//! the page in the browser's storage.
+
+use std::io;
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicU32, Ordering};
+
+use base64::Engine;
+use base64::engine::general_purpose::STANDARD;
+use futures_channel::oneshot;
+use js_sys::{Array, Uint8Array};
+use wasm_bindgen::JsCast;
+use wasm_bindgen::prelude::{Closure, JsValue, wasm_bindgen};
+use web_sys::{Blob, Event, HtmlAnchorElement, HtmlCanvasElement, HtmlInputElement, Storage, Url, window};
+
+use crate::app::recovery::Recovery;
+use crate::app::settings::Memory;
+use crate::app::{Window, example, linked};
+use crate::shelf;
+use crate::studio::link;
+use crate::ui::document::Document;
+use crate::ui::{Editor, Notice};
+
+/// The folder of what a run keeps for the next one: it is never handed to the user.
+const KEPT: &str = "/kept";
+/// What names in the browser's storage begin with.
+const PREFIX: &str = "sonoglyph:";
+/// Bytes of a file of the user's that the storage, which has some 5 MB, still knows after the page is loaded again.
+const SMALL: usize = 1 << 18;
+
+static FRAMES: AtomicU32 = AtomicU32::new(0);
+
+/// Frames drawn so far.
+#[wasm_bindgen]
+pub fn frames() -> u32 {
+    FRAMES.load(Ordering::Relaxed)
+}
+
+pub(super) fn count_frame() {
+    FRAMES.fetch_add(1, Ordering::Relaxed);
+}
+
+/// Opens the window on a canvas, with the scene of the address (`#…`) or an example. Pages side by side have numbers of their own,
+/// from 1, so that each keeps what is unsaved for itself.
+///
+/// # Errors
+/// A browser without WebGL 2.
+#[wasm_bindgen]
+pub async fn start(canvas: HtmlCanvasElement, number: u32) -> Result<(), JsValue> {
+    console_error_panic_hook::set_once();
+    fill_shelf();
+    shelf::keep_by(Box::new(keep));
+    let (document, word) = first();
+    let state = Path::new(KEPT).join(number.to_string());
+    let make: eframe::AppCreator<'static> = Box::new(move |context| {
+        let mut window = Window::of(context, Editor::new(document));
+        let (memory, settings, problem) = Memory::at(Path::new(KEPT));
+        window.remember(Some(memory), &settings, problem, &context.egui_ctx);
+        window.recover(Recovery::at(&state));
+        if let Some(text) = word {
+            window.shown.notice = Some(Notice { text, is_error: true });
+        }
+        follow_address(&context.egui_ctx);
+        Ok(Box::new(window))
+    });
+    let options = eframe::WebOptions { dithering: false, ..Default::default() };
+    let runner = eframe::WebRunner::new();
+    runner.start(canvas, options, make).await
+}
+
+/// The scene of the address, or the first example and why it is not that.
+fn first() -> (Document, Option<String>) {
+    let own = || example(0).unwrap_or_else(|_| Document::new(crate::scene::Scene::default(), "untitled"));
+    match fragment().map(|link| linked(&link)) {
+        Some(Ok(document)) => (document, None),
+        Some(Err(error)) => (own(), Some(format!("The link cannot be opened: {error:#}"))),
+        None => (own(), None),
+    }
+}
+
+/// The scene in the page's address, as a link.
+fn fragment() -> Option<String> {
+    let fragment = window()?.location().hash().ok()?;
+    fragment.strip_prefix('#').filter(|letters| !letters.is_empty()).map(link::of_letters)
+}
+
+/// The page's address without what stands behind it.
+pub(super) fn address() -> Option<String> {
+    let location = window()?.location();
+    Some(format!("{}{}", location.origin().ok()?, location.pathname().ok()?))
+}
+
+/// A link that is clicked while the page is open changes only the address: the scene is opened as if it were pasted.
+fn follow_address(ctx: &egui::Context) {
+    let ctx = ctx.clone();
+    let hear = Closure::<dyn FnMut()>::new(move || {
+        if let Some(link) = fragment() {
+            PENDING.with(|pending| pending.replace(Some(link)));
+            ctx.request_repaint();
+        }
+    });
+    if let Some(window) = window() {
+        // Without it a link takes effect when the page is loaded again.
+        let _ = window.add_event_listener_with_callback("hashchange", hear.as_ref().unchecked_ref());
+        hear.forget();
+    }
+}
+
+thread_local! {
+    static PENDING: std::cell::RefCell<Option<String>> = const { std::cell::RefCell::new(None) };
+}
+
+/// The link that the address has changed to.
+pub(super) fn new_link() -> Option<String> {
+    PENDING.with(std::cell::RefCell::take)
+}
+
+fn storage() -> Option<Storage> {
+    window()?.local_storage().ok()?
+}
+
+/// What the storage holds lies on the shelf.
+fn fill_shelf() {
+    let Some(storage) = storage() else { return };
+    for index in 0..storage.length().unwrap_or(0) {
+        let Some(key) = storage.key(index).ok().flatten() else { continue };
+        let Some(path) = key.strip_prefix(PREFIX) else { continue };
+        let text = storage.get_item(&key).ok().flatten();
+        if let Some(bytes) = text.and_then(|text| STANDARD.decode(text).ok()) {
+            shelf::lay(Path::new(path), bytes);
+        }
+    }
+}
+
+fn key(path: &Path) -> String {
+    format!("{PREFIX}{}", path.display())
+}
+
+/// Stores a file or forgets it, and hands it to the user if it is the user's.
+fn keep(path: &Path, bytes: Option<&[u8]>) -> io::Result<()> {
+    let Some(bytes) = bytes else {
+        let _ = storage().map(|storage| storage.remove_item(&key(path)));
+        return Ok(());
+    };
+    if path.starts_with(KEPT) {
+        let full = || io::Error::other("the browser's storage is full or switched off");
+        let stored = storage().map(|storage| storage.set_item(&key(path), &STANDARD.encode(bytes)));
+        return stored.and_then(Result::ok).ok_or_else(full);
+    }
+    remember(path, bytes);
+    download(path, bytes).map_err(|_| io::Error::other("the browser takes no file"))
+}
+
+/// A small file is known again after the page was loaded anew.
+fn remember(path: &Path, bytes: &[u8]) {
+    if bytes.len() <= SMALL {
+        // A full storage costs no more than that.
+        let _ = storage().map(|storage| storage.set_item(&key(path), &STANDARD.encode(bytes)));
+    }
+}
+
+/// Saves a file where the browser puts downloads.
+fn download(path: &Path, bytes: &[u8]) -> Result<(), JsValue> {
+    let document = window().and_then(|window| window.document()).ok_or(JsValue::NULL)?;
+    let parts = Array::of1(&Uint8Array::from(bytes));
+    let url = Url::create_object_url_with_blob(&Blob::new_with_u8_array_sequence(&parts)?)?;
+    let anchor: HtmlAnchorElement = document.create_element("a")?.dyn_into()?;
+    anchor.set_href(&url);
+    anchor.set_download(&path.file_name().unwrap_or_default().to_string_lossy());
+    anchor.click();
+    // The browser takes the bytes after this; they go with the page, or when they have been taken.
+    let forget = Closure::once_into_js(move || Url::revoke_object_url(&url));
+    let window = window().ok_or(JsValue::NULL)?;
+    window.set_timeout_with_callback_and_timeout_and_arguments_0(forget.unchecked_ref(), 60_000).map(drop)
+}
+
+/// Lays a file of the user's on the shelf.
+pub(super) fn take(name: &Path, bytes: Vec<u8>) -> PathBuf {
+    let path = Path::new("/").join(name);
+    remember(&path, &bytes);
+    shelf::lay(&path, bytes);
+    path
+}
+
+/// Asks for a file by the browser's own dialog; where on the shelf it lies then. `None` where none was chosen.
+pub(super) async fn pick(extensions: &[&str]) -> Option<PathBuf> {
+    let input: HtmlInputElement = window()?.document()?.create_element("input").ok()?.dyn_into().ok()?;
+    input.set_type("file");
+    let endings: Vec<_> = extensions.iter().map(|ending| format!(".{ending}")).collect();
+    input.set_accept(&endings.join(","));
+    let (sender, chosen) = oneshot::channel();
+    let mut sender = Some(sender);
+    let hear = Closure::<dyn FnMut(Event)>::new(move |_| {
+        // Nobody waits any more after the first event.
+        let _ = sender.take().map(|sender| sender.send(()));
+    });
+    for event in ["change", "cancel"] {
+        input.add_event_listener_with_callback(event, hear.as_ref().unchecked_ref()).ok()?;
+    }
+    input.click();
+    chosen.await.ok()?;
+    let file = input.files()?.get(0)?;
+    let bytes = wasm_bindgen_futures::JsFuture::from(file.array_buffer()).await.ok()?;
+    Some(take(Path::new(&file.name()), Uint8Array::new(&bytes).to_vec()))
+}
