@@ -5,12 +5,13 @@ use std::io::Read;
 use std::ops::Range;
 
 use num_complex::Complex64;
+use serde::{Deserialize, Serialize};
 
 use crate::acoustics::Aperture;
 use crate::table::{Table, TableError};
 
 /// One value per element of the array, in its numbering; u_n = amplitude · e^{j phase}.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Drive {
     /// 0 to 1; 0 for elements that are off.
     pub amplitudes: Vec<f64>,

@@ -1,10 +1,13 @@
 //! Work that takes too long for a frame, done on a thread beside it.
 
+use std::borrow::Borrow;
 use std::sync::mpsc::{Receiver, TryRecvError, sync_channel};
 
 use egui::Context;
 
 use crate::app::beside;
+use crate::app::job::Job;
+use crate::scene::Scene;
 
 /// A value that is made elsewhere, with what it was made from. Of several wishes only the latest is fulfilled.
 #[derive(Debug)]
@@ -24,8 +27,7 @@ impl<K, V> Default for Later<K, V> {
 impl<K: Clone + PartialEq + Send + 'static, V: Send + 'static> Later<K, V> {
     /// Sees to it that the value for `key` is there or being made. One thing is made at a time; ask again every frame.
     pub fn ask(&mut self, key: &K, ctx: &Context, work: impl FnOnce(&K) -> V + Send + 'static) {
-        let is_there = |own: &Option<K>| own.as_ref() == Some(key);
-        if self.running.is_some() || self.get(key).is_some() || is_there(&self.failed) {
+        if self.is_refused(key) {
             return;
         }
         let (sender, receiver) = sync_channel(1);
@@ -39,6 +41,31 @@ impl<K: Clone + PartialEq + Send + 'static, V: Send + 'static> Later<K, V> {
             Ok(()) => self.running = Some((key.clone(), receiver)),
             Err(_) => self.failed = Some(key.clone()),
         }
+    }
+
+    /// The same for a job on a scene.
+    pub fn ask_for<J: Job<Made = V>>(&mut self, key: &K, ctx: &Context)
+    where
+        K: Borrow<Scene>,
+    {
+        #[cfg(not(target_arch = "wasm32"))]
+        self.ask(key, ctx, |key| J::make(key.borrow()));
+        #[cfg(target_arch = "wasm32")]
+        if !self.is_refused(key) {
+            let (sender, receiver) = sync_channel(1);
+            let ctx = ctx.clone();
+            crate::app::worker::ask::<J>(key.borrow(), move |made| {
+                // The receiver may be gone.
+                let _ = sender.send(made);
+                ctx.request_repaint();
+            });
+            self.running = Some((key.clone(), receiver));
+        }
+    }
+
+    /// Whether something else is under way, or this is there or has failed.
+    fn is_refused(&self, key: &K) -> bool {
+        self.running.is_some() || self.get(key).is_some() || self.failed.as_ref() == Some(key)
     }
 
     /// Takes over what has been made and says whether anything was. Call it every frame.

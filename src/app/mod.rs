@@ -9,6 +9,7 @@ mod examples;
 mod figure;
 mod files;
 mod folders;
+mod job;
 mod later;
 mod levitation;
 #[cfg(feature = "serial")]
@@ -28,6 +29,8 @@ mod space;
 mod survey;
 mod thumbnails;
 mod time_course;
+#[cfg(target_arch = "wasm32")]
+mod worker;
 mod workshop;
 
 use std::cell::RefCell;
@@ -423,6 +426,12 @@ impl Window {
 impl eframe::App for Window {
     fn ui(&mut self, ui: &mut egui::Ui, _frame: &mut eframe::Frame) {
         self.frame(ui);
+    }
+
+    /// For what asks the page what it shows.
+    #[cfg(target_arch = "wasm32")]
+    fn as_any_mut(&mut self) -> Option<&mut dyn std::any::Any> {
+        Some(self)
     }
 
     /// The ground of all panels, which have none of their own.

@@ -1,6 +1,7 @@
 //! The window as a page of a browser: drawn by WebGL, with files that come from the user and go to the user, and what is to outlive
 //! the page in the browser's storage.
 
+use std::cell::RefCell;
 use std::io;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU32, Ordering};
@@ -16,9 +17,11 @@ use web_sys::{Blob, Event, HtmlAnchorElement, HtmlCanvasElement, HtmlInputElemen
 use crate::app::recovery::Recovery;
 use crate::app::settings::Memory;
 use crate::app::{Window, example, linked};
+use crate::scene::{Scene, file};
 use crate::shelf;
 use crate::studio::link;
 use crate::ui::document::Document;
+use crate::ui::view::Lens;
 use crate::ui::{Editor, Notice};
 
 /// The folder of what a run keeps for the next one: it is never handed to the user.
@@ -29,6 +32,12 @@ const PREFIX: &str = "sonoglyph:";
 const SMALL: usize = 1 << 18;
 
 static FRAMES: AtomicU32 = AtomicU32::new(0);
+
+thread_local! {
+    static RUNNER: RefCell<Option<eframe::WebRunner>> = const { RefCell::new(None) };
+    /// The link that the address has changed to.
+    static NEW_LINK: RefCell<Option<String>> = const { RefCell::new(None) };
+}
 
 /// Frames drawn so far.
 #[wasm_bindgen]
@@ -65,12 +74,45 @@ pub async fn start(canvas: HtmlCanvasElement, number: u32) -> Result<(), JsValue
     });
     let options = eframe::WebOptions { dithering: false, ..Default::default() };
     let runner = eframe::WebRunner::new();
+    RUNNER.with_borrow_mut(|own| *own = Some(runner.clone()));
     runner.start(canvas, options, make).await
+}
+
+/// What the page shows, as JSON: `scene` (a scene file whose plane is the part that is seen), `size` (pixels), `rect` (points of
+/// the page: left, top, width, height), `quantity`, `largest` (SI), `evaluator`, `how`, `problem`, `busy` and, in ms, `mapping` and
+/// `solving`.
+#[wasm_bindgen]
+pub fn shown() -> Option<String> {
+    let runner = RUNNER.with_borrow(Clone::clone)?;
+    let window = runner.app_mut::<Window>()?;
+    let (scene, shown) = (window.editor.scene(), &window.shown);
+    let seen = shown.map.as_ref().map(|map| {
+        let lens = Lens { rect: map.rect, window: map.window };
+        let plane = window.editor.view.plane(scene, &lens);
+        let rect = [map.rect.left(), map.rect.top(), map.rect.width(), map.rect.height()];
+        (plane, rect, map)
+    });
+    let plane = seen.as_ref().map_or_else(|| scene.plane.clone(), |(plane, ..)| plane.clone());
+    let scene = file::write(&Scene { plane, ..scene.clone() });
+    let said = serde_json::json!({
+        "scene": scene,
+        "size": seen.as_ref().map(|(_, _, map)| [map.width, map.height]),
+        "rect": seen.as_ref().map(|(_, rect, _)| rect),
+        "quantity": seen.as_ref().map(|(_, _, map)| map.quantity.declaration().name),
+        "largest": seen.as_ref().map(|(_, _, map)| map.largest),
+        "how": seen.as_ref().map(|(_, _, map)| map.how.clone()),
+        "evaluator": shown.evaluator,
+        "problem": shown.problem,
+        "busy": window.is_busy(),
+        "mapping": shown.mapping,
+        "solving": shown.solving,
+    });
+    Some(said.to_string())
 }
 
 /// The scene of the address, or the first example and why it is not that.
 fn first() -> (Document, Option<String>) {
-    let own = || example(0).unwrap_or_else(|_| Document::new(crate::scene::Scene::default(), "untitled"));
+    let own = || example(0).unwrap_or_else(|_| Document::new(Scene::default(), "untitled"));
     match fragment().map(|link| linked(&link)) {
         Some(Ok(document)) => (document, None),
         Some(Err(error)) => (own(), Some(format!("The link cannot be opened: {error:#}"))),
@@ -95,7 +137,7 @@ fn follow_address(ctx: &egui::Context) {
     let ctx = ctx.clone();
     let hear = Closure::<dyn FnMut()>::new(move || {
         if let Some(link) = fragment() {
-            PENDING.with(|pending| pending.replace(Some(link)));
+            NEW_LINK.replace(Some(link));
             ctx.request_repaint();
         }
     });
@@ -106,13 +148,9 @@ fn follow_address(ctx: &egui::Context) {
     }
 }
 
-thread_local! {
-    static PENDING: std::cell::RefCell<Option<String>> = const { std::cell::RefCell::new(None) };
-}
-
 /// The link that the address has changed to.
 pub(super) fn new_link() -> Option<String> {
-    PENDING.with(std::cell::RefCell::take)
+    NEW_LINK.take()
 }
 
 fn storage() -> Option<Storage> {

@@ -10,17 +10,18 @@ use egui::Context;
 
 use crate::acoustics::Aperture;
 use crate::app::comparison::{self, Comparison};
+use crate::app::job::{CompareMethods, Follow, Solve};
 use crate::app::later::Later;
 use crate::app::levitation::Levitating;
 use crate::app::mapping::{Look, Mapping};
-use crate::app::posing::{Solved, Source, is_shape, posed, posed_in_motion, solve, sound};
+use crate::app::posing::{Solved, Source, is_shape, posed, posed_in_motion, sound};
 use crate::app::screen::Screen;
 use crate::app::space::Spacing;
 use crate::app::survey::Survey;
 use crate::app::time_course::TimeCourse;
 use crate::field::{Evaluator, Quantity, Request, Stages, missed};
-use crate::scene::{Method, Scene, check, motion, outline};
-use crate::solver::frames::{self, Sequence};
+use crate::scene::{Scene, check, motion, outline};
+use crate::solver::frames::Sequence;
 use crate::solver::{self, Problem, Solution};
 use crate::studio::liquid;
 use crate::studio::reach;
@@ -243,7 +244,7 @@ impl Workshop {
             let outcome = match amount(&posed) {
                 Err(problem) => Err(problem),
                 Ok(amount) if amount > if is_shape(&posed) { AT_ONCE_OF_SHAPES } else { AT_ONCE } => {
-                    self.solving.ask(&posed, ctx, solve);
+                    self.solving.ask_for::<Solve>(&posed, ctx);
                     match self.solving.get(&posed) {
                         Some(solved) => solved.clone(),
                         None => {
@@ -266,7 +267,7 @@ impl Workshop {
             && is_idle
         {
             // What a frame has time for is not the best that there is.
-            self.solving.ask(&posed, ctx, solve);
+            self.solving.ask_for::<Solve>(&posed, ctx);
             if let Some(Ok(better)) = self.solving.get(&posed) {
                 let better = Solution::clone(better).turned_to(found);
                 self.take(posed, Ok(Arc::new(better)), 0.0, shown);
@@ -310,7 +311,7 @@ impl Workshop {
             shown.certified = self.bound.get(scene).map(|&bound| solution.certified(bound));
         }
         if let Some(wanted) = &self.wants_methods {
-            self.methods.ask(wanted, ctx, all_methods);
+            self.methods.ask_for::<CompareMethods>(wanted, ctx);
             if let Some(rows) = self.methods.get(wanted) {
                 shown.methods = rows.clone();
                 self.wants_methods = None;
@@ -343,9 +344,7 @@ impl Workshop {
             shown.problem = Some(error.to_string());
             return;
         }
-        self.round.ask(&moving, ctx, |scene| {
-            frames::follow(scene).map(Arc::new).map_err(|error| error.to_string())
-        });
+        self.round.ask_for::<Follow>(&moving, ctx);
         match self.round.get(&moving) {
             Some(Ok(round)) => shown.round = Some(round.clone()),
             Some(Err(problem)) => shown.problem = Some(problem.clone()),
@@ -467,15 +466,6 @@ fn amount(scene: &Scene) -> Result<usize, String> {
     check::check(scene).map_err(|error| error.to_string())?;
     let foci = outline::foci(scene).map_err(|error| error.to_string())?;
     Ok(foci.len() * scene.elements())
-}
-
-fn all_methods(scene: &Scene) -> Vec<MethodRow> {
-    let row = |method| {
-        let mut scene = scene.clone();
-        scene.solver.method = method;
-        MethodRow { method, solution: solve(&scene) }
-    };
-    Method::ALL.map(row).to_vec()
 }
 
 fn pressed(stages: &mut Stages, request: &Request) -> Option<Pressed> {

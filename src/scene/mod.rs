@@ -116,7 +116,7 @@ impl Scene {
 }
 
 /// A point at which sound is wanted.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Focus {
     /// m
     pub position: DVec3,
@@ -127,7 +127,7 @@ pub struct Focus {
 }
 
 /// What a focus is a part of.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Part {
     /// A focal point of its own.
     Point,

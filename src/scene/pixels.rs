@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use glam::DVec2;
+use serde::{Deserialize, Serialize};
 
 use crate::scene::loaded::Loaded;
 
@@ -14,7 +15,7 @@ const LEVELS: f32 = 255.0;
 const THINNEST: f64 = 0.5;
 
 /// Grey values of a picture.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Grey {
     /// The file that they were loaded from; `None` if they were painted since.
     pub file: Option<PathBuf>,

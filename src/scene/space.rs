@@ -132,7 +132,7 @@ pub struct Elements {
 }
 
 /// An element of such an array, in the array's own coordinates.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Placed {
     /// m
     pub at: DVec3,

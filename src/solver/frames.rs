@@ -4,6 +4,7 @@
 //! first, on all cores. How a frame is found depends on its neighbours and on nothing else, so that any number of threads gives the
 //! same drives.
 
+use serde::{Deserialize, Serialize};
 use web_time::Instant;
 
 use num_complex::Complex64;
@@ -26,7 +27,7 @@ const KEPT: f64 = 0.96;
 const KEPT_OF_SHAPE: f64 = 0.85;
 
 /// All frames of a cycle, or all drives that take turns in a scene that stands.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Sequence {
     pub frames: Vec<Frame>,
     pub steps: PhaseSteps,
@@ -35,7 +36,7 @@ pub struct Sequence {
 }
 
 /// What is played for a part of a cycle.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Frame {
     pub foci: Vec<Focus>,
     /// Uniform amplitude on every element that is not off, unless the scene asks otherwise.

@@ -18,6 +18,7 @@ mod starts;
 pub mod steps;
 pub mod trap;
 
+use serde::{Deserialize, Serialize};
 use web_time::{Duration, Instant};
 
 use num_complex::Complex64;
@@ -107,7 +108,7 @@ pub struct Excitation {
 }
 
 /// A drive and what it does at the foci.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Solution {
     pub method: Method,
     /// What is played: uniform amplitude on every element that is not off, unless the scene asks otherwise.

@@ -2,12 +2,13 @@
 
 use faer::{Mat, Side};
 use num_complex::Complex64;
+use serde::{Deserialize, Serialize};
 
 use crate::acoustics::Transfer;
 use crate::solver::{Excitation, Problem, inverse, iteration};
 
 /// Figures of a solution. Pressures in Pa (peak), of the drive that will be played.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Quality {
     pub mean_pressure: f64,
     pub min_pressure: f64,

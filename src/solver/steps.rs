@@ -1,9 +1,11 @@
 //! How far the phases of a motion go from frame to frame.
 
+use serde::{Deserialize, Serialize};
+
 use std::f64::consts::TAU;
 
 /// How far phases go from one frame to the next, from the last to the first included; rad.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct PhaseSteps {
     /// Of any driven element.
     pub largest: f64,

@@ -6,6 +6,7 @@ use anyhow::bail;
 
 use crate::picture::Picture;
 
+pub const IS_WRITTEN: bool = false;
 /// Pixels per side that levels of H.264 have room for.
 pub const LARGEST_SIDE: usize = 8192;
 

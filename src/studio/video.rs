@@ -13,6 +13,8 @@ use crate::picture::Picture;
 
 /// The program, as it is looked for on PATH.
 const PROGRAM: &str = "ffmpeg";
+/// Whether there are videos: a page of a browser has no programs beside it.
+pub const IS_WRITTEN: bool = true;
 /// Pixels per side that levels of H.264 have room for.
 pub const LARGEST_SIDE: usize = 8192;
 /// What ffmpeg says last is told in an error: lines, of so many bytes in all.

@@ -9,7 +9,7 @@ use crate::studio::animate::Kind;
 use crate::ui::board::{BoardCommand, Plays};
 use crate::ui::brush;
 use crate::ui::tool::Tool;
-use crate::ui::{Command, Dialog, Editor, Export, Panel, Purpose, Shown, clipboard, group, way};
+use crate::ui::{Command, Dialog, Editor, Export, IN_PAGE, Panel, Purpose, Shown, clipboard, group, way};
 
 /// What a step of the window's scale multiplies it by, and its bounds.
 const SCALE_STEP: f32 = 1.25;
@@ -138,6 +138,8 @@ impl Action {
         all.extend(Panel::ALL.map(A::ShowPanel));
         all.extend([A::TogglePanel, A::Present, A::Larger, A::Smaller, A::UsualScale, A::SwitchTheme]);
         all.extend([A::Send, A::PlayMotion, A::Stop, A::Palette, A::Help]);
+        // A page ends as the browser ends it.
+        all.retain(|action| !(IN_PAGE && *action == A::Quit));
         all
     }
 

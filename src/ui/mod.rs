@@ -82,6 +82,9 @@ pub use map::{Map, Texture};
 pub use panels::{bead, course};
 pub use shown::{Arrows, Course, Extremes, Levitated, MethodRow, Notice, Pressed, Shown, Sound};
 
+/// Whether the window is a page of a browser.
+pub const IN_PAGE: bool = cfg!(target_arch = "wasm32");
+
 /// Everything that the user edits, and how it is looked at.
 #[derive(Debug)]
 pub struct Editor {

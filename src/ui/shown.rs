@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use glam::DVec3;
+use serde::{Deserialize, Serialize};
 
 use crate::acoustics::{Air, Aperture};
 use crate::drive::Drive;
@@ -135,7 +136,7 @@ impl Sound {
 }
 
 /// A method in the comparison.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct MethodRow {
     pub method: Method,
     /// Or why there is none.

@@ -4,6 +4,7 @@ use std::f64::consts::TAU;
 
 use glam::DVec3;
 use num_complex::Complex64;
+use serde::{Deserialize, Serialize};
 
 use crate::acoustics::Aperture;
 use crate::scene::{Cover, Focus, Part, Plane};
@@ -17,7 +18,7 @@ use crate::solver::shape::{Surroundings, strongest, wanted};
 const CHUNK: usize = 256;
 
 /// Figures of a drive; they do not depend on its scale.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Figures {
     /// Least over mean of |p|/wanted along the strokes and at the foci, 0 to 1.
     pub evenness: f64,
@@ -35,7 +36,7 @@ pub struct Figures {
 }
 
 /// Figures of areas, over them and the 3.7 wavelengths around them: of |p|², or of a liquid's depression where that is wanted.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct AreaFigures {
     /// Mean where it is wanted over the mean around that.
     pub contrast: f64,

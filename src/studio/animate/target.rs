@@ -26,6 +26,11 @@ pub enum Kind {
 impl Kind {
     pub const ALL: [Self; 4] = [Self::Gif, Self::Apng, Self::Mp4, Self::Webm];
 
+    /// Those that can be written here.
+    pub fn writable() -> impl Iterator<Item = Self> {
+        Self::ALL.into_iter().filter(|kind| video::IS_WRITTEN || matches!(kind, Self::Gif | Self::Apng))
+    }
+
     /// Of a file's name, the usual one first.
     pub fn endings(self) -> &'static [&'static str] {
         match self {

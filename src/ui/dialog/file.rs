@@ -8,7 +8,7 @@ use crate::echo;
 use crate::picture::figure::Format;
 use crate::ui::dialog::{answer, is_entered};
 use crate::ui::document::Document;
-use crate::ui::{Command, Dialog, Editor, Export, Shown, theme};
+use crate::ui::{Command, Dialog, Editor, Export, IN_PAGE, Shown, theme};
 
 /// Extensions of files that hold drawings.
 pub const IMPORTED: &[&str] = &["svg", "png", "jpg", "jpeg", "bmp"];
@@ -184,8 +184,16 @@ pub(super) fn show(
     let wanted = !text.trim().is_empty();
     let (mut stays, mut browses) = (true, false);
     let asked = answer(ui, (purpose.verb(), wanted), |ui| {
-        let tip = "Ask the desktop for a file in its own dialog";
-        browses = ui.button("Desktop dialog…").on_hover_text(tip).clicked();
+        browses = match (IN_PAGE, purpose.reads()) {
+            (false, _) => {
+                let tip = "Ask the desktop for a file in its own dialog";
+                ui.button("Desktop dialog…").on_hover_text(tip).clicked()
+            }
+            (true, true) => {
+                ui.button("From this computer…").on_hover_text("Take a file into the page").clicked()
+            }
+            (true, false) => false,
+        };
         stays = !ui.button("Cancel").clicked() && !browses;
     });
     if browses {
@@ -215,7 +223,13 @@ fn list(
         commands.push(Command::List(Some(to)));
     };
     ui.add_space(4.0);
-    ui.horizontal(|ui| {
+    if IN_PAGE {
+        ui.weak(match purpose.reads() {
+            true => "What this page has opened or saved before; files can be dropped on it, too",
+            false => "It becomes a download, and the page keeps a copy",
+        });
+    }
+    let row = |ui: &mut Ui| {
         let up = folder.path.parent();
         if ui.add_enabled(up.is_some(), Button::new("Up")).on_hover_text("To the folder above").clicked()
             && let Some(up) = up
@@ -243,7 +257,10 @@ fn list(
         });
         let path = folder.path.display().to_string();
         ui.add(egui::Label::new(RichText::new(path).strong()).truncate());
-    });
+    };
+    if !IN_PAGE {
+        ui.horizontal(row);
+    }
     if let Some(problem) = &folder.problem {
         ui.label(RichText::new(echo::message(problem)).color(theme::error(ui.visuals())));
     }

@@ -70,7 +70,7 @@ pub(super) fn show(editor: &mut Editor, shown: &Shown, ui: &mut Ui) -> bool {
         ui.label("Format");
         let combo = ComboBox::from_id_salt("kind").selected_text(form.kind.name());
         combo.show_ui(ui, |ui| {
-            for kind in Kind::ALL {
+            for kind in Kind::writable() {
                 ui.selectable_value(&mut form.kind, kind, kind.name());
             }
         });

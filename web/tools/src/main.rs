@@ -17,7 +17,9 @@ fn main() -> ExitCode {
     let done = match arguments[..] {
         ["bind", program, folder] => bind(Path::new(program), Path::new(folder)),
         ["pack", folder] => pack::pack(Path::new(folder)),
-        ["serve", folder, port] => port.parse().context("PORT").and_then(|port| serve::serve(Path::new(folder), port)),
+        ["serve", folder, port] => {
+            port.parse().context("PORT").and_then(|port| serve::serve(Path::new(folder), port))
+        }
         _ => Err(anyhow::anyhow!(USAGE)),
     };
     match done {
@@ -34,5 +36,7 @@ fn bind(program: &Path, folder: &Path) -> anyhow::Result<()> {
     if !program.is_file() {
         bail!("{}: no such file", program.display());
     }
-    Bindgen::new().input_path(program).out_name("sonoglyph").web(true)?.typescript(false).generate(folder)
+    let mut bindgen = Bindgen::new();
+    bindgen.input_path(program).out_name("sonoglyph").web(true)?.typescript(false);
+    bindgen.omit_default_module_path(false).generate(folder)
 }

@@ -29,9 +29,9 @@ fn answer(folder: &Path, request: Request) -> std::io::Result<()> {
         let file = File::open(format!("{}.{ending}", path.display())).ok()?;
         accepted.contains(name).then_some((name, file))
     });
-    let Some((encoding, file)) = packed.map(|(name, file)| (Some(name), file)).or_else(|| {
-        Some((None, File::open(&path).ok()?))
-    }) else {
+    let Some((encoding, file)) =
+        packed.map(|(name, file)| (Some(name), file)).or_else(|| Some((None, File::open(&path).ok()?)))
+    else {
         return request.respond(Response::empty(404));
     };
     let mut response = Response::from_file(file);

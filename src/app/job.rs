@@ -1,0 +1,55 @@
+//! What is made from a scene alone and takes long: on a thread, or in a browser by a worker, another copy of this program beside
+//! the page.
+
+use std::sync::Arc;
+
+use serde::Serialize;
+use serde::de::DeserializeOwned;
+
+use crate::app::posing::{self, Solved};
+use crate::scene::{Method, Scene};
+use crate::solver::frames::{self, Sequence};
+use crate::ui::MethodRow;
+
+/// A kind of work.
+pub trait Job {
+    type Made: Serialize + DeserializeOwned + Send + 'static;
+
+    fn make(scene: &Scene) -> Self::Made;
+}
+
+/// The drive of the scene at rest, in full.
+pub struct Solve;
+/// Those of all frames of its motion.
+pub struct Follow;
+/// Those of all methods.
+pub struct CompareMethods;
+
+impl Job for Solve {
+    type Made = Solved;
+
+    fn make(scene: &Scene) -> Solved {
+        posing::solve(scene)
+    }
+}
+
+impl Job for Follow {
+    type Made = Result<Arc<Sequence>, String>;
+
+    fn make(scene: &Scene) -> Self::Made {
+        frames::follow(scene).map(Arc::new).map_err(|error| error.to_string())
+    }
+}
+
+impl Job for CompareMethods {
+    type Made = Vec<MethodRow>;
+
+    fn make(scene: &Scene) -> Vec<MethodRow> {
+        let row = |method| {
+            let mut scene = scene.clone();
+            scene.solver.method = method;
+            MethodRow { method, solution: posing::solve(&scene) }
+        };
+        Method::ALL.map(row).to_vec()
+    }
+}

@@ -1,0 +1,125 @@
+//! The worker of a page: another copy of the program in a thread of the browser's. Scenes go there and what was made of them comes
+//! back, both as bytes, since the two share no memory.
+
+use std::any::type_name;
+use std::cell::RefCell;
+use std::collections::VecDeque;
+use std::path::Path;
+
+use js_sys::{Array, Uint8Array};
+use serde::{Deserialize, Serialize};
+use wasm_bindgen::JsCast;
+use wasm_bindgen::prelude::{Closure, JsValue, wasm_bindgen};
+use web_sys::{MessageEvent, Worker, WorkerOptions, WorkerType};
+
+use crate::app::job::{CompareMethods, Follow, Job, Solve};
+use crate::scene::{Elements, Grey, Pixels, Placed, Scene, Shape, file};
+
+const SCRIPT: &str = "./worker.js";
+
+/// Takes the bytes of an answer.
+type Answered = Box<dyn FnOnce(&[u8])>;
+
+thread_local! {
+    static CREW: RefCell<Option<Worker>> = const { RefCell::new(None) };
+    /// Who waits for an answer, in the order of the questions.
+    static WAITING: RefCell<VecDeque<Answered>> = const { RefCell::new(VecDeque::new()) };
+}
+
+/// A scene with what it was loaded with.
+#[derive(Serialize, Deserialize)]
+struct Parcel {
+    text: String,
+    /// Of pictures, in their order.
+    pixels: Vec<Option<Grey>>,
+    elements: Option<Vec<Placed>>,
+}
+
+impl Parcel {
+    fn of(scene: &Scene) -> Self {
+        let pixels = scene.targets.iter().filter_map(|target| match &target.shape {
+            Shape::Picture { pixels, .. } => Some(pixels.get().cloned()),
+            _ => None,
+        });
+        let elements = scene.array.placed.get().map(<[_]>::to_vec);
+        Self { text: file::write(scene), pixels: pixels.collect(), elements }
+    }
+
+    fn scene(self) -> Option<Scene> {
+        let mut scene = file::parse(&self.text, Path::new("")).ok()?;
+        let mut pixels = self.pixels.into_iter();
+        for target in &mut scene.targets {
+            if let Shape::Picture { pixels: own, .. } = &mut target.shape {
+                *own = pixels.next()?.map_or_else(Pixels::default, Pixels::new);
+            }
+        }
+        if let Some(elements) = self.elements {
+            scene.array.placed = Elements::new(elements, None);
+        }
+        Some(scene)
+    }
+}
+
+/// Sends a scene to the worker, which is started first if there is none. Where there can be none, `answered` is dropped.
+pub fn ask<J: Job>(scene: &Scene, answered: impl FnOnce(J::Made) + 'static) {
+    let Some(task) = postcard::to_allocvec(&Parcel::of(scene)).ok() else { return };
+    let decode = move |bytes: &[u8]| {
+        // What cannot be read is no answer.
+        let _ = postcard::from_bytes(bytes).map(answered);
+    };
+    let sent = CREW.with_borrow_mut(|crew| {
+        let worker = match crew {
+            Some(worker) => worker,
+            None => crew.insert(start()?),
+        };
+        let message = Array::of2(&type_name::<J>().into(), &Uint8Array::from(task.as_slice()));
+        worker.post_message(&message)
+    });
+    if sent.is_ok() {
+        WAITING.with_borrow_mut(|waiting| waiting.push_back(Box::new(decode)));
+    }
+}
+
+fn start() -> Result<Worker, JsValue> {
+    let options = WorkerOptions::new();
+    options.set_type(WorkerType::Module);
+    let worker = Worker::new_with_options(SCRIPT, &options)?;
+    let hear = Closure::<dyn FnMut(MessageEvent)>::new(|event: MessageEvent| {
+        let bytes = event.data().dyn_into::<Uint8Array>().map(|bytes| bytes.to_vec());
+        let answered = WAITING.with_borrow_mut(VecDeque::pop_front);
+        if let (Some(answered), Ok(bytes)) = (answered, bytes) {
+            answered(&bytes);
+        }
+    });
+    // A worker that panicked is replaced by the next question; whoever waits is told by being dropped.
+    let fail = Closure::<dyn FnMut()>::new(|| {
+        CREW.take().iter().for_each(Worker::terminate);
+        WAITING.with_borrow_mut(VecDeque::clear);
+    });
+    worker.set_onmessage(Some(hear.as_ref().unchecked_ref()));
+    worker.set_onerror(Some(fail.as_ref().unchecked_ref()));
+    hear.forget();
+    fail.forget();
+    // It compiles nothing again.
+    worker.post_message(&wasm_bindgen::module())?;
+    Ok(worker)
+}
+
+/// What the worker does with a question.
+///
+/// # Errors
+/// What is no question of this program's.
+#[wasm_bindgen]
+pub fn work(name: &str, task: &[u8]) -> Result<Vec<u8>, JsValue> {
+    let parcel: Parcel = postcard::from_bytes(task).map_err(|error| JsValue::from(error.to_string()))?;
+    let scene = parcel.scene().ok_or("a scene that is none")?;
+    // The page and its worker are one program, so names of types serve.
+    let made = if name == type_name::<Solve>() {
+        postcard::to_allocvec(&Solve::make(&scene))
+    } else if name == type_name::<Follow>() {
+        postcard::to_allocvec(&Follow::make(&scene))
+    } else {
+        postcard::to_allocvec(&CompareMethods::make(&scene))
+    };
+    made.map_err(|error| JsValue::from(error.to_string()))
+}

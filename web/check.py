@@ -1,0 +1,281 @@
+#!/usr/bin/env python3
+"""Uses the page as its users do: in headless Chromium, by pointer and keys; what it shows is compared with the command line."""
+
+import base64
+import contextlib
+import io
+import json
+import subprocess
+import sys
+import tempfile
+import time
+import tomllib
+import zlib
+from pathlib import Path
+
+import numpy as np
+from PIL import Image
+from selenium import webdriver
+from selenium.webdriver import ActionChains, Keys
+from selenium.webdriver.chrome.service import Service
+
+SERVER, FOLDER, PROGRAM = sys.argv[1:4]
+SCENES = Path("assets/scenes")
+SIZE = (1280, 800)
+#: Parts of the largest value.
+TOLERANCE = 2e-5
+#: The same where a search ends that rounding leads elsewhere.
+SOLVED = 2e-2
+CHECKED = []
+
+
+def checked(what):
+    print(f"   {what}", flush=True)
+    CHECKED.append(what)
+
+
+def until(condition, what, seconds=60):
+    end = time.monotonic() + seconds
+    while time.monotonic() < end:
+        with contextlib.suppress(TypeError, KeyError):
+            if found := condition():
+                return found
+        time.sleep(0.05)
+    raise AssertionError(f"after {seconds} s still not: {what}")
+
+
+@contextlib.contextmanager
+def server():
+    with subprocess.Popen([SERVER, "serve", FOLDER, "0"], stdout=subprocess.PIPE, text=True) as process:
+        try:
+            yield process.stdout.readline().strip()
+        finally:
+            process.kill()
+
+
+class Page:
+    """A headless browser and the page in it."""
+
+    def __init__(self, address, downloads, profile):
+        self.address, self.downloads = address, Path(downloads)
+        options = webdriver.ChromeOptions()
+        width, height = SIZE
+        for flag in ["headless=new", "no-sandbox", "disable-quic", "no-first-run", "disable-background-networking",
+                     "disable-component-update", "disable-sync", "enable-unsafe-swiftshader", f"window-size={width},{height}",
+                     "force-device-scale-factor=1", f"user-data-dir={profile}"]:
+            options.add_argument(f"--{flag}")
+        options.set_capability("goog:loggingPrefs", {"browser": "ALL"})
+        self.driver = webdriver.Chrome(options=options, service=Service("/usr/bin/chromedriver"))
+        self.driver.execute_cdp_cmd("Browser.setDownloadBehavior", {"behavior": "allow", "downloadPath": str(downloads)})
+
+    def open(self, fragment=""):
+        """Loads the page anew; seconds until its first picture."""
+        self.driver.get("about:blank")
+        self.driver.get(self.address + fragment)
+        until(lambda: self.shown()["size"], "a map")
+        self.rest()
+        return self.driver.execute_script("return window.sonoglyph.firstPicture") / 1e3
+
+    def script(self, script, *arguments):
+        return self.driver.execute_script(script, *arguments)
+
+    def shown(self):
+        text = self.script("return window.sonoglyph?.shown()")
+        return json.loads(text) if text else None
+
+    def frames(self):
+        return self.script("return window.sonoglyph.frames()")
+
+    def rest(self, seconds=60):
+        """Waits until nothing is made and nothing is drawn any more."""
+        def still():
+            before = self.frames()
+            if self.shown()["busy"]:
+                return False
+            time.sleep(0.4)
+            return self.frames() == before
+        until(still, "rest", seconds)
+
+    def place(self, across, up):
+        """A point of the map, in parts of its sides from its lower left corner."""
+        left, top, width, height = self.shown()["rect"]
+        return left + across * width, top + (1 - up) * height
+
+    def point(self, *places, press=False):
+        """Goes from place to place; held down on the way, or with a click at the end."""
+        pointer = ActionChains(self.driver, duration=60)
+        for index, (x, y) in enumerate(places):
+            pointer.w3c_actions.pointer_action.move_to_location(round(x), round(y))
+            if press and index == 0:
+                pointer.w3c_actions.pointer_action.pointer_down()
+        if not press:
+            pointer.w3c_actions.pointer_action.click()
+        else:
+            pointer.w3c_actions.pointer_action.pointer_up()
+        pointer.perform()
+        self.rest()
+
+    def type(self, *keys, slowly=True):
+        for key in keys:
+            chain = ActionChains(self.driver)
+            if isinstance(key, tuple):
+                *held, last = key
+                for own in held:
+                    chain.key_down(own)
+                chain.send_keys(last)
+                for own in held:
+                    chain.key_up(own)
+            else:
+                chain.send_keys(key)
+            chain.perform()
+            if slowly:
+                time.sleep(0.15)
+        self.rest()
+
+    def run(self, action):
+        """Runs an action by its name."""
+        self.type((Keys.CONTROL, "p"), action, Keys.ENTER)
+
+    def download(self, act):
+        """The file that something downloads."""
+        before = set(self.downloads.iterdir())
+        act()
+        def whole():
+            new = set(self.downloads.iterdir()) - before
+            return [path for path in new if not path.name.endswith((".crdownload", ".tmp")) and not path.name.startswith(".")]
+        found = until(whole, "a download")
+        time.sleep(0.2)
+        return found[0]
+
+    def numbers(self):
+        """The values of the map, as the page exports them."""
+        def export():
+            self.run("numbers as npy")
+            self.type(Keys.ENTER)
+        path = self.download(export)
+        values = np.load(path)
+        path.unlink()
+        return values
+
+    def screenshot(self):
+        return np.asarray(Image.open(io.BytesIO(self.driver.get_screenshot_as_png())).convert("RGB")).astype(float)
+
+    def log(self):
+        return [entry["message"] for entry in self.driver.get_log("browser") if entry["level"] == "SEVERE"]
+
+
+def rendered(page, folder):
+    """What the command line makes of what the page shows."""
+    shown = page.shown()
+    scene, data = Path(folder) / "shown.toml", Path(folder) / "shown.npy"
+    scene.write_text(shown["scene"])
+    width, height = shown["size"]
+    subprocess.run([PROGRAM, "render", scene, "--quantity", shown["quantity"], "--size", f"{width}x{height}", "--data", data,
+                    "-o", Path(folder) / "shown.png", "--backend", "cpu"], check=True, capture_output=True)
+    return np.load(data)
+
+
+def compare(page, folder, what):
+    mine, theirs = page.numbers(), rendered(page, folder)
+    assert mine.shape == theirs.shape, (mine.shape, theirs.shape)
+    error = np.abs(mine - theirs).max() / np.abs(theirs).max()
+    checked(f"{what}: {mine.shape[1]} x {mine.shape[0]} values, {error:.1e} of the peak from the command line's")
+    return error
+
+
+def link(scene):
+    """The fragment of an address that holds a scene."""
+    packer = zlib.compressobj(9, zlib.DEFLATED, -15)
+    packed = packer.compress(scene.encode()) + packer.flush()
+    return "#" + base64.urlsafe_b64encode(packed).decode().rstrip("=")
+
+
+def of_file(name):
+    return link((SCENES / f"{name}.toml").read_text())
+
+
+def targets(page):
+    return tomllib.loads(page.shown()["scene"])["target"]
+
+
+def picture_is_the_maps(page, folder):
+    """How alike what is on the screen and the command line's picture are, 0 to 1."""
+    left, top, width, height = (round(side) for side in page.shown()["rect"])
+    rendered(page, folder)
+    wanted = np.asarray(Image.open(Path(folder) / "shown.png").convert("RGB")).astype(float)
+    seen = page.screenshot()[top:top + height, left:left + width]
+    assert seen.shape == wanted.shape, (seen.shape, wanted.shape)
+    return np.corrcoef(seen.ravel(), wanted.ravel())[0, 1]
+
+
+def somebody_uses_it(page, folder):
+    seconds = page.open()
+    checked(f"loads: the first picture after {seconds:.2f} s")
+    assert [target["text"] for target in targets(page)] == ["HIT"]
+    assert compare(page, folder, "HIT") < SOLVED
+    likeness = picture_is_the_maps(page, folder)
+    checked(f"HIT on the screen: {likeness:.3f} alike the command line's picture")
+    assert likeness > 0.9
+
+    before = page.frames()
+    time.sleep(3)
+    assert page.frames() == before, "frames are drawn while nothing happens"
+    checked("left alone for 3 s: 0 frames")
+
+    for name in ["focus-centre", "five-points", "two-boards", "water-two-points"]:
+        page.open(of_file(name))
+        if name.startswith("water"):
+            page.run("show: depression")
+        assert compare(page, folder, name) < TOLERANCE
+    page.open(of_file("focus-centre"))
+    page.run("show: phase")
+    assert page.shown()["quantity"] == "phase"
+    page.run("show: pressure")
+
+    before = targets(page)[0]["at"]
+    page.point(page.place(0.5, 0.5), page.place(0.6, 0.55), page.place(0.7, 0.65), press=True)
+    after = targets(page)[0]["at"]
+    assert after[0] - before[0] > 0.01 and after[1] - before[1] > 0.005, (before, after)
+    assert compare(page, folder, "a focus dragged aside") < TOLERANCE
+
+    page.type("t")
+    page.point(page.place(0.3, 0.4))
+    page.type("H", Keys.ENTER)
+    assert [target["text"] for target in targets(page) if target["kind"] == "text"] == ["H"]
+    checked("a letter is typed")
+
+    page.type((Keys.CONTROL, "s"))
+    saved = page.download(lambda: page.type(Keys.ENTER))
+    wanted = targets(page)
+    assert tomllib.loads(saved.read_text())["target"] == wanted
+    page.open(of_file("star"))
+    page.type((Keys.CONTROL, "o"))
+    page.type(saved.name, Keys.ENTER)
+    assert targets(page) == wanted, (targets(page), wanted)
+    checked("saved as a download, and opened again after the page was loaded anew")
+
+    page.script("location.hash = arguments[0]", of_file("five-points"))
+    until(lambda: len(targets(page)) == 5, "the scene of a link")
+    page.rest()
+    checked("a link opens in the page that is there")
+    assert not page.log(), page.log()
+
+
+def main():
+    with server() as address, tempfile.TemporaryDirectory() as folder:
+        downloads, profile = Path(folder) / "downloads", Path(folder) / "profile"
+        downloads.mkdir()
+        page = Page(address, downloads, profile)
+        try:
+            somebody_uses_it(page, folder)
+        except BaseException:
+            page.driver.save_screenshot("target/web/failed.png")
+            print("the page when it failed: target/web/failed.png", *page.log(), sep="\n", file=sys.stderr)
+            raise
+        finally:
+            page.driver.quit()
+    print(f"web/check: {len(CHECKED)} checks passed in headless Chromium")
+
+
+if __name__ == "__main__":
+    main()
