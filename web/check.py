@@ -24,8 +24,8 @@ SCENES = Path("assets/scenes")
 SIZE = (1280, 800)
 #: Parts of the largest value.
 TOLERANCE = 2e-5
-#: The same where a search ends that rounding leads elsewhere.
-SOLVED = 2e-2
+#: Of a scene for the sum below: m/s.
+SPEED = 343.0
 CHECKED = []
 
 
@@ -68,8 +68,10 @@ class Page:
         self.driver = webdriver.Chrome(options=options, service=Service("/usr/bin/chromedriver"))
         self.driver.execute_cdp_cmd("Browser.setDownloadBehavior", {"behavior": "allow", "downloadPath": str(downloads)})
 
-    def open(self, fragment=""):
-        """Loads the page anew; seconds until its first picture."""
+    def open(self, fragment="", forget=True):
+        """Loads the page anew, without what was unsaved; seconds until its first picture."""
+        if forget and self.script("return !!window.sonoglyph"):
+            self.script("Object.keys(localStorage).filter(key => key.includes('recovery')).forEach(key => localStorage.removeItem(key))")
         self.driver.get("about:blank")
         self.driver.get(self.address + fragment)
         until(lambda: self.shown()["size"], "a map")
@@ -93,7 +95,8 @@ class Page:
             if self.shown()["busy"]:
                 return False
             time.sleep(0.4)
-            return self.frames() == before
+            # A cursor that blinks where text is asked for is no unrest.
+            return self.frames() - before <= 1
         until(still, "rest", seconds)
 
     def place(self, across, up):
@@ -183,6 +186,39 @@ def compare(page, folder, what):
     return error
 
 
+def bessel(x):
+    """J1(x) by its series; x is at most 4 here."""
+    term = total = x / 2
+    for n in range(1, 30):
+        term = -term * (x / 2) ** 2 / (n * (n + 1))
+        total = total + term
+    return total
+
+
+def summed(page, folder):
+    """The error of some of the map's values against a plain sum over the elements, as a part of the largest."""
+    def export():
+        page.run("drive as csv")
+        page.type(Keys.ENTER)
+    elements = np.genfromtxt(page.download(export), delimiter=",", names=True)
+    mine, plane = page.numbers(), tomllib.loads(page.shown()["scene"])["plane"]
+    height, width = mine.shape
+    rows, columns = np.arange(3, height, 17), np.arange(5, width, 19)
+    size, centre = plane["size"], plane["centre"]
+    x = centre[0] + ((columns + 0.5) / width - 0.5) * size[0]
+    y = centre[1] + ((rows + 0.5) / height - 0.5) * size[1]
+    wavenumber = 2 * np.pi * 40000.0 / SPEED
+    total = np.zeros((len(rows), len(columns)), complex)
+    for element in elements:
+        across = np.hypot(x[None, :] - element["x"], y[:, None] - element["y"])
+        distance = np.hypot(across, centre[2])
+        argument = np.maximum(wavenumber * 0.005 * across / distance, 1e-12)
+        wave = 3.4 * 2 * bessel(argument) / argument / distance * np.exp(-1j * wavenumber * distance)
+        total += element["amplitude"] * np.exp(1j * element["phase"]) * wave
+    wanted = np.abs(total) / np.sqrt(2)
+    return np.abs(mine[np.ix_(rows, columns)] - wanted).max() / mine.max()
+
+
 def link(scene):
     """The fragment of an address that holds a scene."""
     packer = zlib.compressobj(9, zlib.DEFLATED, -15)
@@ -205,14 +241,22 @@ def picture_is_the_maps(page, folder):
     wanted = np.asarray(Image.open(Path(folder) / "shown.png").convert("RGB")).astype(float)
     seen = page.screenshot()[top:top + height, left:left + width]
     assert seen.shape == wanted.shape, (seen.shape, wanted.shape)
-    return np.corrcoef(seen.ravel(), wanted.ravel())[0, 1]
+    # Hints of the first start stand below.
+    upper = slice(0, height // 2)
+    return np.corrcoef(seen[upper].ravel(), wanted[upper].ravel())[0, 1]
 
 
 def somebody_uses_it(page, folder):
     seconds = page.open()
     checked(f"loads: the first picture after {seconds:.2f} s")
     assert [target["text"] for target in targets(page)] == ["HIT"]
-    assert compare(page, folder, "HIT") < SOLVED
+    # Where a search ends, rounding leads it elsewhere than on the command line; so the page's own drive is summed.
+    page.open(link((SCENES / "hit.toml").read_text() + f"tolerance = 1e-5\n[medium]\nsound_speed = {SPEED}\nabsorption = 0.0\n"))
+    error = summed(page, folder)
+    checked(f"HIT: {error:.1e} of the peak from a plain sum over the elements")
+    assert error < TOLERANCE, error
+    page.open()
+    page.run("light or dark")
     likeness = picture_is_the_maps(page, folder)
     checked(f"HIT on the screen: {likeness:.3f} alike the command line's picture")
     assert likeness > 0.9

@@ -16,7 +16,7 @@ use web_sys::{Blob, Event, HtmlAnchorElement, HtmlCanvasElement, HtmlInputElemen
 
 use crate::app::recovery::Recovery;
 use crate::app::settings::Memory;
-use crate::app::{Window, example, linked};
+use crate::app::{Window, example};
 use crate::scene::{Scene, file};
 use crate::shelf;
 use crate::studio::link;
@@ -113,7 +113,9 @@ pub fn shown() -> Option<String> {
 /// The scene of the address, or the first example and why it is not that.
 fn first() -> (Document, Option<String>) {
     let own = || example(0).unwrap_or_else(|_| Document::new(Scene::default(), "untitled"));
-    match fragment().map(|link| linked(&link)) {
+    // The address keeps it: it is asked for by nobody who closes the page.
+    let of_link = |link: String| anyhow::Ok(Document::parse(link::read(&link)?, "linked scene")?);
+    match fragment().map(of_link) {
         Some(Ok(document)) => (document, None),
         Some(Err(error)) => (own(), Some(format!("The link cannot be opened: {error:#}"))),
         None => (own(), None),

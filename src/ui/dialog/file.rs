@@ -179,7 +179,13 @@ pub(super) fn show(
     if let Some((_, problem)) = editor.asking.problem.as_ref().filter(|(of, _)| of == text) {
         ui.label(RichText::new(echo::message(problem)).color(theme::error(ui.visuals())));
     }
-    let chosen = shown.folder.as_ref().is_some_and(|folder| list(purpose, text, folder, shown, ui, commands));
+    // What a page writes is a download: it has no folder to go to.
+    let is_listed = purpose.reads() || !IN_PAGE;
+    if !is_listed {
+        ui.weak("It becomes a download, and the page keeps a copy");
+    }
+    let folder = shown.folder.as_ref().filter(|_| is_listed);
+    let chosen = folder.is_some_and(|folder| list(purpose, text, folder, shown, ui, commands));
     ui.add_space(8.0);
     let wanted = !text.trim().is_empty();
     let (mut stays, mut browses) = (true, false);
@@ -224,10 +230,7 @@ fn list(
     };
     ui.add_space(4.0);
     if IN_PAGE {
-        ui.weak(match purpose.reads() {
-            true => "What this page has opened or saved before; files can be dropped on it, too",
-            false => "It becomes a download, and the page keeps a copy",
-        });
+        ui.weak("What this page has opened or saved before; files can be dropped on it, too");
     }
     let row = |ui: &mut Ui| {
         let up = folder.path.parent();
