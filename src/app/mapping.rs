@@ -306,7 +306,6 @@ impl Mapping {
                     Painted::OnCpu(colours) => by_cpu(colours),
                 },
             }
-            }
         };
         *map = Some(Map {
             texture,
