@@ -25,14 +25,14 @@ import numpy as np
 SCENES = Path(__file__).parent.parent / "assets" / "scenes"
 #: Scenes, what is shown of them, and what is within a map's own tolerance of f64 only: the liquid's cells.
 MAPS = [("hit", "rms"), ("five-points", "rms"), ("heart", "rms"), ("water-heart", "depression"), ("two-boards", "rms")]
-DRAGS = [("focus-centre", "rms"), ("five-points", "rms"), ("five-points", "phase"), ("hit", "rms"), ("water-heart", "depression"),
+DRAGS = [("focus-centre", "rms"), ("five-points", "rms"), ("five-points", "phase"), ("hit", "rms"), ("water-circle", "depression"),
          ("two-boards", "rms")]
 #: Parts of the peak.
 TOLERANCE = 2e-5
 SIZE, EXACT_SIZE = 512, 96
 FRAMES = 40
 #: s
-PATIENCE = 420
+PATIENCE = int(__import__("os").environ.get("PATIENCE", "420"))
 
 CHROMIUM = ["chromium", "--headless", "--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run",
             "--disable-background-networking", "--disable-component-update", "--disable-sync", "--enable-unsafe-webgpu",
@@ -108,6 +108,9 @@ class Handler(http.server.BaseHTTPRequestHandler):
             self.server.values[name] = np.frombuffer(body, "<f4")
         elif what == "answer":
             self.server.answers[name] = json.loads(body)
+        elif what == "problem":
+            print(f"the page: {body.decode()}", flush=True)
+            self.server.end.set()
         elif what == "end":
             self.server.browser = body.decode()
             self.server.end.set()

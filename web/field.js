@@ -2,6 +2,7 @@
 import init, { Field } from "./sonoglyph.js";
 
 const SIZE = 512;
+const PROGRAM = "sonoglyph_bg.wasm";
 const element = name => document.getElementById(name);
 const fields = new Map();
 
@@ -74,10 +75,15 @@ async function work() {
   await fetch("/end", { method: "POST", body: navigator.userAgent });
 }
 
-await init();
 if (location.search === "?jobs") {
-  await work();
+  try {
+    await init({ module_or_path: PROGRAM });
+    await work();
+  } catch (error) {
+    await fetch("/problem", { method: "POST", body: error?.message ?? String(error) });
+  }
 } else {
+  await init({ module_or_path: PROGRAM });
   element("wish").addEventListener("submit", draw);
   await draw();
 }
