@@ -18,6 +18,8 @@ enum Set {
     Avx512,
     #[cfg(target_arch = "aarch64")]
     Neon,
+    #[cfg(all(target_arch = "wasm32", target_feature = "simd128"))]
+    Simd128,
 }
 
 /// What the sets differ in.
@@ -39,8 +41,12 @@ pub trait Kernel {
 }
 
 impl Isa {
-    /// Every set that this machine has, the best last.
+    /// Every set that this machine has, the best last. A browser has what its page was built for, or refuses the page.
     pub fn available() -> Vec<Self> {
+        #[cfg_attr(
+            not(any(target_arch = "x86_64", target_arch = "aarch64", target_feature = "simd128")),
+            expect(unused_mut, reason = "other targets have one set")
+        )]
         let mut sets = vec![Self(Set::Baseline)];
         #[cfg(target_arch = "x86_64")]
         {
@@ -53,6 +59,8 @@ impl Isa {
         }
         #[cfg(target_arch = "aarch64")]
         sets.push(Self(Set::Neon));
+        #[cfg(all(target_arch = "wasm32", target_feature = "simd128"))]
+        sets.push(Self(Set::Simd128));
         sets
     }
 
@@ -71,6 +79,8 @@ impl Isa {
             Set::Avx512 => "AVX-512",
             #[cfg(target_arch = "aarch64")]
             Set::Neon => "NEON",
+            #[cfg(all(target_arch = "wasm32", target_feature = "simd128"))]
+            Set::Simd128 => "SIMD128",
         }
     }
 
@@ -84,6 +94,8 @@ impl Isa {
             Set::Avx512 => wide::avx512(kernel),
             #[cfg(target_arch = "aarch64")]
             Set::Neon => kernel.run::<neon::Neon>(),
+            #[cfg(all(target_arch = "wasm32", target_feature = "simd128"))]
+            Set::Simd128 => kernel.run::<wasm::Simd128>(),
         }
     }
 }
@@ -98,6 +110,12 @@ pub fn fused<I: Instructions>(a: f32, b: f32, c: f32) -> f32 {
 #[inline(always)]
 pub fn fused64<I: Instructions>(a: f64, b: f64, c: f64) -> f64 {
     if I::FMA { a.mul_add(b, c) } else { a * b + c }
+}
+
+/// The larger of two, and `b` where `a` is NaN: one instruction of every set, which `f32::max` is not, and a call in a browser.
+#[inline(always)]
+pub fn larger(a: f32, b: f32) -> f32 {
+    if a > b { a } else { b }
 }
 
 /// One value for every lane. A loop of one expression becomes vector code whatever stands around it; loops of several may
@@ -267,6 +285,25 @@ mod neon {
                 *root = 1.0 / x.sqrt();
             }
             roots
+        }
+    }
+}
+
+/// The set of browsers. Fused products would be of relaxed SIMD, which not every browser has, and which may differ from one to the next.
+#[cfg(all(target_arch = "wasm32", target_feature = "simd128"))]
+mod wasm {
+    use crate::simd::Instructions;
+
+    pub(super) struct Simd128;
+
+    impl Instructions for Simd128 {
+        const FMA: bool = false;
+        const WIDTH: usize = 4;
+
+        /// A guess from the bits and two of Newton's steps are no sooner.
+        #[inline(always)]
+        fn rough_inverse_roots<const N: usize>(x: &[f32; N]) -> [f32; N] {
+            x.map(|x| 1.0 / x.sqrt())
         }
     }
 }

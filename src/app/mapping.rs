@@ -18,7 +18,7 @@ use crate::picture::Picture;
 use crate::picture::relief::{Place, Relief};
 use crate::scene::Scene;
 use crate::ui::theme;
-use crate::ui::view::{Lens, View};
+use crate::ui::view::{Axes, Cut, Lens, View};
 use crate::ui::{Map, Sound, Texture};
 
 /// Pixels of a map, at most.
@@ -51,6 +51,22 @@ struct Drawn {
     picture: Option<Picture>,
     lacks_figures: bool,
     lacks_contours: bool,
+}
+
+/// A picture whose values are on their way from a GPU, and where it is to stand.
+#[derive(Debug)]
+struct Awaited {
+    wanted: Wanted,
+    frame: Frame,
+    asked: Instant,
+}
+
+/// Where a picture stands.
+#[derive(Clone, Copy, Debug)]
+struct Frame {
+    cut: Cut,
+    axes: Axes,
+    lens: Lens,
 }
 
 /// What a map is to show.
@@ -89,6 +105,8 @@ pub struct Mapping {
     /// The picture on that device which egui knows, and by what name.
     registered: Option<(OnGpu, TextureId)>,
     drawn: Option<Drawn>,
+    /// Of a GPU whose pictures do not stay on the screen's device.
+    awaited: Option<Box<Awaited>>,
     /// Why the GPU does not compute any more, until the window has said so.
     given_up: Option<GpuError>,
     has_lost_screen: bool,
@@ -119,6 +137,7 @@ impl Mapping {
             screen,
             registered: None,
             drawn: None,
+            awaited: None,
             given_up: None,
             has_lost_screen: false,
             veil: None,
@@ -158,7 +177,7 @@ impl Mapping {
 
     /// One that stands beside it, by the same device.
     pub fn twin(&self) -> Self {
-        let gpu = self.screen.as_ref().filter(|_| self.gpu().is_some()).map(Screen::evaluator);
+        let gpu = self.gpu().map(|gpu| Evaluator::Gpu(Box::new(gpu.twin())));
         Self::new(gpu.unwrap_or(Evaluator::Cpu), self.screen.clone())
     }
 
@@ -198,18 +217,20 @@ impl Mapping {
             done.gave_up = Some(format!("{error}; the CPU computes the field from now on"));
         }
         let Some(wanted) = wanted(look, ctx) else {
-            (*map, self.drawn) = (None, None);
+            (*map, self.drawn, self.awaited) = (None, None, None);
             return done;
         };
         let is_drawn = self.drawn.as_ref().is_some_and(|drawn| drawn.wanted == wanted);
-        let start = Instant::now();
+        let frame = Frame { cut: look.view.cut, axes: look.view.axes(look.scene), lens: *look.lens };
         let made = if is_drawn {
+            self.awaited = None;
             self.complete(map, &mut done)
+        } else if self.stages.gpu().is_some() && self.screen.is_none() {
+            self.await_values(wanted, frame, map, &mut done, ctx)
         } else {
-            self.make(wanted, look, map, &mut done, ctx)
+            self.make(wanted, (frame, Instant::now()), map, &mut done, ctx)
         };
         match made {
-            Ok(()) if !is_drawn => done.milliseconds = Some(start.elapsed().as_secs_f64() * 1e3),
             Ok(()) => {}
             Err(FieldError::Gpu(error)) => {
                 self.give_up_gpu(error);
@@ -217,17 +238,44 @@ impl Mapping {
             }
             Err(error) => done.problem = Some(error.to_string()),
         }
-        if self.drawn.as_ref().is_some_and(|drawn| drawn.lacks_figures || drawn.lacks_contours) {
+        let is_under_way = self.drawn.as_ref().is_some_and(|drawn| drawn.lacks_figures || drawn.lacks_contours);
+        if is_under_way || self.awaited.is_some() {
             ctx.request_repaint();
         }
         done
+    }
+
+    /// Makes the picture of values that come back from a GPU, once they are there, and never waits; the one before stays until then.
+    /// What was asked for first comes first: in a drag, which wants another picture in every frame, none would come otherwise.
+    fn await_values(
+        &mut self,
+        wanted: Wanted,
+        frame: Frame,
+        map: &mut Option<Map>,
+        done: &mut Done,
+        ctx: &Context,
+    ) -> Result<(), FieldError> {
+        let (before, asked) = match self.awaited.take() {
+            Some(this) if this.wanted == wanted => (None, this.asked),
+            before => (before, Instant::now()),
+        };
+        let this = Box::new(Awaited { wanted, frame, asked });
+        for awaited in before.into_iter().chain([this]) {
+            if self.stages.poll(&awaited.wanted.request)?.is_none() {
+                self.awaited = Some(awaited);
+                break;
+            }
+            let Awaited { wanted, frame, asked } = *awaited;
+            self.make(wanted, (frame, asked), map, done, ctx)?;
+        }
+        Ok(())
     }
 
     /// Makes the picture anew.
     fn make(
         &mut self,
         wanted: Wanted,
-        look: &Look<'_>,
+        (frame, start): (Frame, Instant),
         map: &mut Option<Map>,
         done: &mut Done,
         ctx: &Context,
@@ -250,23 +298,21 @@ impl Mapping {
             in_egui(old, image, ctx)
         } else {
             let Self { stages, screen, registered, .. } = self;
-            match (stages.picture(request, &wanted.colouring)?, screen) {
-                (Painted::OnGpu(texture), Some(screen)) => {
-                    Texture::OnGpu(screen.register(registered, texture))
-                }
-                (Painted::OnGpu(_), None) => {
-                    let colours = stages.colours(request, &wanted.colouring)?;
-                    in_egui(old, image([width, height], colours), ctx)
-                }
-                (Painted::OnCpu(colours), _) => in_egui(old, image([width, height], colours), ctx),
+            let by_cpu = |colours: &[_]| in_egui(old, image([width, height], colours), ctx);
+            match screen {
+                None => by_cpu(stages.colours(request, &wanted.colouring)?),
+                Some(screen) => match stages.picture(request, &wanted.colouring)? {
+                    Painted::OnGpu(texture) => Texture::OnGpu(screen.register(registered, texture)),
+                    Painted::OnCpu(colours) => by_cpu(colours),
+                },
             }
         };
         *map = Some(Map {
             texture,
-            cut: look.view.cut,
-            axes: look.view.axes(look.scene),
-            window: look.lens.window,
-            rect: look.lens.rect,
+            cut: frame.cut,
+            axes: frame.axes,
+            window: frame.lens.window,
+            rect: frame.lens.rect,
             veil: None,
             full: wanted.colouring.full.map(f64::from),
             low: wanted.colouring.low.map(f64::from),
@@ -284,7 +330,9 @@ impl Mapping {
         });
         let lacks_contours = wanted.contour.is_some();
         self.drawn = Some(Drawn { wanted, picture: relief, lacks_figures: true, lacks_contours });
-        self.complete(map, done)
+        self.complete(map, done)?;
+        done.milliseconds = Some(start.elapsed().as_secs_f64() * 1e3);
+        Ok(())
     }
 
     /// Adds what was not there yet.
@@ -334,7 +382,7 @@ impl Mapping {
         self.has_lost_screen = self.screen.is_some() && matches!(error, GpuError::Lost(_));
         self.stages = Stages::new(Evaluator::Cpu);
         self.given_up = Some(error);
-        self.drawn = None;
+        (self.drawn, self.awaited) = (None, None);
     }
 
     /// The map on the screen as a picture. Waits for a GPU.

@@ -35,6 +35,7 @@ use rayon::prelude::*;
 use crate::acoustics::{Aperture, Pose};
 use crate::drive::Drive;
 use crate::scene::Plane;
+use crate::simd::larger;
 use crate::table::{Table, TableError};
 
 pub use colouring::{Colouring, Scale};
@@ -221,7 +222,7 @@ pub fn peak(field: &[Complex32]) -> f32 {
         let mut largest = [0.0f32; LANES];
         for run in runs {
             for (largest, p) in largest.iter_mut().zip(run) {
-                *largest = largest.max(p.norm_sqr());
+                *largest = larger(p.norm_sqr(), *largest);
             }
         }
         rest.iter().map(|p| p.norm_sqr()).chain(largest).fold(0.0, f32::max)

@@ -2,6 +2,8 @@
 
 use std::f64::consts::TAU;
 
+use crate::field::quantity::Range;
+
 /// A table of colours.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum ColourMap {
@@ -39,6 +41,15 @@ impl ColourMap {
     pub fn title(self) -> String {
         let (first, rest) = self.name().split_at(1);
         first.to_uppercase() + rest
+    }
+
+    /// Itself for amounts; other ranges have their own.
+    pub fn suited_to(self, range: Range) -> Self {
+        match range {
+            Range::Amount => self,
+            Range::Signed => Self::Diverging,
+            Range::Cyclic => Self::Cyclic,
+        }
     }
 
     /// r, g, b, a of 256 steps.

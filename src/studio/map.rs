@@ -2,7 +2,7 @@
 
 use web_time::Instant;
 
-use crate::field::quantity::{Norm, Range};
+use crate::field::quantity::Norm;
 use crate::field::{By, Colouring, FieldError, Map, Pressed, Quantity, Request, Stages};
 use crate::picture::{ColourMap, Picture};
 use crate::simd::Isa;
@@ -24,11 +24,7 @@ pub struct DrawnMap {
 
 /// The colours of a quantity: the chosen ones for amounts, others have their own.
 pub fn colours(quantity: Quantity, of_amounts: ColourMap) -> ColourMap {
-    match quantity.declaration().range {
-        Range::Amount => of_amounts,
-        Range::Signed => ColourMap::Diverging,
-        Range::Cyclic => ColourMap::Cyclic,
-    }
+    of_amounts.suited_to(quantity.declaration().range)
 }
 
 /// How far the values of a map go, in words; `peak` as the map has it.

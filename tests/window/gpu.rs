@@ -103,6 +103,65 @@ fn the_picture_on_the_device_is_the_one_that_the_cpu_makes() {
     }
 }
 
+/// The window as a page has it: the GPU computes, and another device draws.
+fn open_beside(evaluator: Evaluator) -> Screen {
+    let builder = Harness::builder().with_size(vec2(900.0, 600.0));
+    let mut screen = builder.build_eframe(|context| {
+        Window::new(&context.egui_ctx, Document::parse(ONE_FOCUS.to_owned(), "one").unwrap(), evaluator)
+    });
+    rest(&mut screen);
+    screen
+}
+
+/// Steps until nothing of the map is under way.
+fn arrive(screen: &mut Screen) {
+    let mut before = screen.state().work();
+    eventually("the values have come", || {
+        screen.run_steps(3);
+        std::mem::replace(&mut before, screen.state().work()) == before
+    });
+    rest(screen);
+}
+
+#[test]
+fn maps_of_a_gpu_that_draws_no_window_arrive_in_a_drag_and_no_frame_waits_for_one() {
+    let Some(gpu) = found("gpu", adapter::open_best(true)) else { return };
+    let mut by_gpu = open_beside(Evaluator::Gpu(Box::new(gpu)));
+    let mut by_cpu = open_beside(Evaluator::Cpu);
+    arrive(&mut by_gpu);
+    let (from, to) = (at(&by_gpu, 0.0, 0.0), at(&by_gpu, 30.0, 20.0));
+    let (mut arrived, mut left) = (0, 0);
+    for screen in [&mut by_gpu, &mut by_cpu] {
+        screen.hover_at(from);
+        screen.step();
+        screen.drag_at(from);
+        screen.step();
+        let mut before = screen.state().work();
+        for frame in 1..=60 {
+            screen.hover_at(from + (to - from) * (frame as f32 / 60.0));
+            screen.step();
+            assert!(screen.state().shown().map.is_some(), "frame {frame}: the picture before stays");
+            let work = screen.state().work();
+            let has_come = work.since(before).read_back > 0;
+            (arrived, left) = (arrived + u32::from(has_come), left + u32::from(!has_come));
+            before = work;
+        }
+        screen.drop_at(to);
+    }
+    // None comes back from the CPU.
+    left -= 60;
+    assert!(arrived > 3 && left > 3, "{arrived} maps came, and {left} frames were drawn without");
+    arrive(&mut by_gpu);
+    rest(&mut by_cpu);
+    assert!(by_gpu.state().gpu().is_some());
+    let [(_, a), (_, b)] = [&mut by_gpu, &mut by_cpu].map(|screen| screen.state_mut().numbers().unwrap());
+    let peak = b.iter().copied().fold(0.0, f32::max);
+    let off = a.iter().zip(&b).map(|(a, b)| (a - b).abs()).fold(0.0, f32::max);
+    assert!(a.len() == b.len() && off < 2e-3 * peak, "the last picture is that of the last place: {off} of {peak}");
+    let map = by_gpu.state().shown().map.as_ref().unwrap();
+    assert!((map.largest / f64::from(peak) - 1.0).abs() < 1e-3 && map.error < 1e-3, "{map:?}");
+}
+
 #[test]
 fn a_lost_device_leaves_the_window_to_another() {
     let Some(mut screen) = open_on(true) else { return };

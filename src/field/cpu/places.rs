@@ -2,7 +2,7 @@
 
 use std::f32::consts::LN_2;
 
-use crate::simd::{Instructions, Isa, Kernel};
+use crate::simd::{Instructions, Isa, Kernel, larger};
 
 /// The last place.
 const LAST: f32 = 255.0;
@@ -49,7 +49,7 @@ impl Kernel for Places<'_> {
                 let per_octave = LAST / -floor.log2();
                 let least = 0.5 * floor;
                 each(numbers, places, |number| {
-                    rounded(LAST + per_octave * log2((number * per_unit).max(least)))
+                    rounded(LAST + per_octave * log2(larger(number * per_unit, least)))
                 });
             }
         }

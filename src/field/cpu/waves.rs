@@ -9,7 +9,7 @@ use glam::DVec3;
 
 use crate::acoustics::element::NEAREST;
 use crate::field::sources::{COSINE, Piston, SINE, Wave};
-use crate::simd::{Instructions, Kernel, fused};
+use crate::simd::{Instructions, Kernel, fused, larger};
 
 /// Points computed together.
 pub const LANES: usize = 64;
@@ -120,7 +120,7 @@ fn far_field<I: Instructions, const D: usize, const A: usize, const FLAT: bool>(
                 r2[lane] = fused::<I>(z, z, rho2[lane]);
             } else {
                 let dz = z - height;
-                r2[lane] = fused::<I>(dz, dz, rho2[lane]).max(NEAREST_SQUARED);
+                r2[lane] = larger(fused::<I>(dz, dz, rho2[lane]), NEAREST_SQUARED);
                 rho2[lane] = fused::<I>(height, fused::<I>(-2.0, z, height), rho2[lane]);
                 ahead[lane] = fused::<I>(dx, towards_x, fused::<I>(dy, towards_y, dz * towards_z));
             }
@@ -199,7 +199,7 @@ fn exact_piston<I: Instructions>(
                 let rim2 = fused::<I>(rho, four_a_sin2, beyond * beyond);
                 let inverse = 1.0 / (fused::<I>(z, z, rim2).sqrt() + z);
                 // Small enough for a sinc of 1, large enough to divide by.
-                let h = (rim2 * inverse * wave.turns_per_metre).max(1e-6);
+                let h = larger(rim2 * inverse * wave.turns_per_metre, 1e-6);
                 // The common sign of sine and cosine is squared away.
                 let Turn { cos, sin, .. } = turn::<I>(h, 1.0, 0.0);
                 let weight = fused::<I>(-rho, cos_psi, *radius) * inverse * sin / (std::f32::consts::PI * h);

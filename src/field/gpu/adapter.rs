@@ -6,11 +6,16 @@ use crate::field::gpu::{Gpu, GpuError};
 pub const BACKENDS: wgpu::Backends =
     wgpu::Backends::VULKAN.union(wgpu::Backends::METAL).union(wgpu::Backends::DX12);
 
+#[cfg(not(target_arch = "wasm32"))]
+const NONE: &str = "no graphics driver offers one";
+#[cfg(target_arch = "wasm32")]
+const NONE: &str = "the browser offers none by WebGPU";
+
 /// What a user wants to know of an adapter.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct AdapterInfo {
     pub name: String,
-    /// Vulkan, Metal or Dx12.
+    /// Vulkan, Metal, Dx12 or BrowserWebGpu.
     pub backend: String,
     pub driver: String,
     pub kind: Kind,
@@ -30,8 +35,10 @@ pub enum Kind {
 impl AdapterInfo {
     pub(super) fn new(adapter: &wgpu::Adapter) -> Self {
         let info = adapter.get_info();
+        // A browser may keep it to itself.
+        let name = if info.name.is_empty() { "WebGPU".to_owned() } else { info.name };
         Self {
-            name: info.name,
+            name,
             backend: format!("{:?}", info.backend),
             driver: format!("{} {}", info.driver, info.driver_info).trim().to_owned(),
             kind: match info.device_type {
@@ -61,7 +68,7 @@ impl std::fmt::Display for AdapterInfo {
 /// Every adapter that a driver offers, the best first.
 #[cfg(not(target_arch = "wasm32"))]
 pub fn adapters() -> Vec<AdapterInfo> {
-    found(&instance()).iter().map(|(info, _)| info.clone()).collect()
+    pollster::block_on(found(&instance())).iter().map(|(info, _)| info.clone()).collect()
 }
 
 /// Opens the best adapter that is not software, or, if `software` is welcome, the best of all.
@@ -70,7 +77,16 @@ pub fn adapters() -> Vec<AdapterInfo> {
 /// There is none, or it does not work.
 #[cfg(not(target_arch = "wasm32"))]
 pub fn open_best(software: bool) -> Result<Gpu, GpuError> {
-    best(software).and_then(|(_, adapter)| Gpu::open(&adapter))
+    pollster::block_on(open(software))
+}
+
+/// The same where nothing may wait: a browser answers between two tasks of the page.
+///
+/// # Errors
+/// As [`best`].
+pub async fn open(software: bool) -> Result<Gpu, GpuError> {
+    let (_, adapter) = find(software).await?;
+    Gpu::open(&adapter).await
 }
 
 /// The best adapter that is not software, or, if `software` is welcome, the best of all, with the instance that found it.
@@ -79,26 +95,43 @@ pub fn open_best(software: bool) -> Result<Gpu, GpuError> {
 /// There is none.
 #[cfg(not(target_arch = "wasm32"))]
 pub fn best(software: bool) -> Result<(wgpu::Instance, wgpu::Adapter), GpuError> {
+    pollster::block_on(find(software))
+}
+
+async fn find(software: bool) -> Result<(wgpu::Instance, wgpu::Adapter), GpuError> {
     let instance = instance();
-    let found = found(&instance);
+    let found = found(&instance).await;
     let usable = found.iter().find(|(info, _)| software || info.kind != Kind::Software);
     match (usable, found.first()) {
         (Some((_, adapter)), _) => Ok((instance, adapter.clone())),
         (None, Some((info, _))) => Err(GpuError::NoAdapter(format!("there is only {}", info.name))),
-        (None, None) => Err(GpuError::NoAdapter("no graphics driver offers one".to_owned())),
+        (None, None) => Err(GpuError::NoAdapter(NONE.to_owned())),
     }
 }
 
-#[cfg(not(target_arch = "wasm32"))]
 fn instance() -> wgpu::Instance {
     wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle_from_env())
 }
 
-#[cfg(not(target_arch = "wasm32"))]
-fn found(instance: &wgpu::Instance) -> Vec<(AdapterInfo, wgpu::Adapter)> {
-    let adapters = pollster::block_on(instance.enumerate_adapters(BACKENDS));
-    let mut found: Vec<_> =
-        adapters.into_iter().map(|adapter| (AdapterInfo::new(&adapter), adapter)).collect();
+async fn found(instance: &wgpu::Instance) -> Vec<(AdapterInfo, wgpu::Adapter)> {
+    let mut found: Vec<_> = offered(instance)
+        .await
+        .into_iter()
+        .map(|adapter| (AdapterInfo::new(&adapter), adapter))
+        .collect();
     found.sort_by_key(|(info, _)| info.kind);
     found
+}
+
+#[cfg(not(target_arch = "wasm32"))]
+async fn offered(instance: &wgpu::Instance) -> Vec<wgpu::Adapter> {
+    instance.enumerate_adapters(BACKENDS).await
+}
+
+/// A browser offers one adapter at a time, and has a faster one only for who asks for it.
+#[cfg(target_arch = "wasm32")]
+async fn offered(instance: &wgpu::Instance) -> Vec<wgpu::Adapter> {
+    let power_preference = wgpu::PowerPreference::HighPerformance;
+    let options = wgpu::RequestAdapterOptions { power_preference, ..Default::default() };
+    instance.request_adapter(&options).await.into_iter().collect()
 }

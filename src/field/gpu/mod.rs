@@ -97,14 +97,27 @@ impl Gpu {
     ///
     /// # Errors
     /// The driver refuses a device.
-    #[cfg(not(target_arch = "wasm32"))]
-    pub fn open(adapter: &wgpu::Adapter) -> Result<Self, GpuError> {
+    pub async fn open(adapter: &wgpu::Adapter) -> Result<Self, GpuError> {
         let refused = |e: wgpu::RequestDeviceError| GpuError::Refused(e.to_string());
-        let (device, queue) =
-            pollster::block_on(adapter.request_device(&device_descriptor(adapter))).map_err(refused)?;
+        let (device, queue) = adapter.request_device(&device_descriptor(adapter)).await.map_err(refused)?;
         let gpu = Self::on(adapter, device, queue);
         gpu.check()?;
         Ok(gpu)
+    }
+
+    /// Another one on the same device, with pipelines of its own.
+    pub fn twin(&self) -> Self {
+        Self {
+            device: self.device.clone(),
+            queue: self.queue.clone(),
+            info: self.info.clone(),
+            tuning: self.tuning,
+            buffer_limit: self.buffer_limit,
+            tick: self.tick,
+            pipelines: RefCell::default(),
+            traffic: Cell::default(),
+            failure: Arc::clone(&self.failure),
+        }
     }
 
     /// A device that is open already, and draws a window too.
@@ -261,11 +274,21 @@ impl Gpu {
     ///
     /// # Errors
     /// The device was lost, or does not answer.
+    #[cfg(not(target_arch = "wasm32"))]
     pub fn wait(&self) -> Result<(), GpuError> {
         /// How long one submission may take.
         const TIMEOUT: std::time::Duration = std::time::Duration::from_secs(120);
         let wait = wgpu::PollType::Wait { submission_index: None, timeout: Some(TIMEOUT) };
         self.device.poll(wait).map(|_| ()).map_err(|e| GpuError::Lost(e.to_string()))
+    }
+
+    /// What a browser's device has done it tells between two tasks of the page: whoever wants it polls.
+    ///
+    /// # Errors
+    /// Always.
+    #[cfg(target_arch = "wasm32")]
+    pub fn wait(&self) -> Result<(), GpuError> {
+        Err(GpuError::Refused("a page cannot wait for its GPU".to_owned()))
     }
 
     /// The failure that the driver has reported meanwhile.

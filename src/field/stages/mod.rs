@@ -212,7 +212,7 @@ impl Stages {
         if self.gpu.is_some() { Costs::GPU } else { Costs::CPU }
     }
 
-    /// Brings the map up to date. Waits for the GPU, if one makes it.
+    /// Brings the map up to date. Waits for the GPU, if one makes it, which is refused in a browser.
     ///
     /// # Errors
     /// A request that makes no sense, a plane that the quantity is not defined on, or a GPU that failed.
@@ -238,8 +238,8 @@ impl Stages {
         if map.is_of(request) {
             return Ok(true);
         }
-        map.key = None;
         if request.quantity.declaration().is_vector {
+            map.key = None;
             map.value = of_bead.map(request, *exact, &cpu.progress, work)?;
             map.key = Some(request.clone());
             return Ok(true);
@@ -250,9 +250,11 @@ impl Stages {
             Some(_) | None => Progress::Declined,
         };
         map.value = match progress {
+            // The map before stays until then.
             Progress::UnderWay => return Ok(false),
             Progress::Made(made) => made,
             Progress::Declined => {
+                map.key = None;
                 let values = std::mem::take(&mut map.value.values);
                 let mut made = job.by_cpu(cpu, *exact, values, work)?;
                 while ground.refine(request, *exact, costs, made.error, work) {

@@ -20,6 +20,7 @@ use crate::field::stages::{Job, Work};
 use crate::field::{self, Raster};
 use crate::gauge::Gauge;
 use crate::scene::Liquid;
+use crate::simd::larger;
 use crate::surface::{Dent, Tank};
 
 /// Drives whose samples are there at the same time.
@@ -470,18 +471,18 @@ fn at(values: &[f32], places: &[usize]) -> Vec<f32> {
 /// From sums of the formula to values in place, and the largest magnitude.
 fn finish(values: &mut [f32], factor: f32, is_root: bool) -> f32 {
     const LANES: usize = 16;
-    let value = |sum: f32| if is_root { (factor * sum.max(0.0)).sqrt() } else { factor * sum };
+    let value = |sum: f32| if is_root { (factor * larger(sum, 0.0)).sqrt() } else { factor * sum };
     let mut largest = [0.0f32; LANES];
     let (runs, rest) = values.as_chunks_mut::<LANES>();
     for run in runs {
         for (sum, largest) in run.iter_mut().zip(&mut largest) {
             *sum = value(*sum);
-            *largest = largest.max(sum.abs());
+            *largest = larger(sum.abs(), *largest);
         }
     }
     for sum in rest {
         *sum = value(*sum);
-        largest[0] = largest[0].max(sum.abs());
+        largest[0] = larger(sum.abs(), largest[0]);
     }
     largest.into_iter().fold(0.0, f32::max)
 }

@@ -1,0 +1,3 @@
+//! What the library shows to the JavaScript of a page.
+
+pub mod field;
