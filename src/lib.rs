@@ -36,5 +36,5 @@ pub mod surface;
 pub mod table;
 #[cfg(feature = "window")]
 pub mod ui;
-#[cfg(all(target_arch = "wasm32", feature = "web"))]
+#[cfg(all(target_arch = "wasm32", feature = "window"))]
 pub mod web;

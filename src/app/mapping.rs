@@ -238,7 +238,8 @@ impl Mapping {
             }
             Err(error) => done.problem = Some(error.to_string()),
         }
-        let is_under_way = self.drawn.as_ref().is_some_and(|drawn| drawn.lacks_figures || drawn.lacks_contours);
+        let is_under_way =
+            self.drawn.as_ref().is_some_and(|drawn| drawn.lacks_figures || drawn.lacks_contours);
         if is_under_way || self.awaited.is_some() {
             ctx.request_repaint();
         }

@@ -112,6 +112,7 @@ impl Window {
     }
 
     /// In the window that eframe has made, by the device that draws it, if wgpu does.
+    #[cfg(not(target_arch = "wasm32"))]
     pub fn of(context: &eframe::CreationContext<'_>, editor: Editor) -> Self {
         let screen = Screen::of(context);
         let evaluator = screen.as_ref().map_or(Evaluator::Cpu, Screen::evaluator);

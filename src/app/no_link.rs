@@ -6,7 +6,7 @@ use crate::ui::board::{BoardCommand, BoardShown};
 use crate::ui::{Editor, Shown};
 
 #[derive(Debug, Default)]
-pub struct Board;
+pub struct Board {}
 
 impl Board {
     pub fn shown() -> BoardShown {

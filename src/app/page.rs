@@ -17,12 +17,14 @@ use web_sys::{Blob, Event, HtmlAnchorElement, HtmlCanvasElement, HtmlInputElemen
 use crate::app::recovery::Recovery;
 use crate::app::settings::Memory;
 use crate::app::{Window, example};
+use crate::field::Evaluator;
+use crate::field::gpu::adapter;
 use crate::scene::{Scene, file};
 use crate::shelf;
 use crate::studio::link;
+use crate::ui::Notice;
 use crate::ui::document::Document;
 use crate::ui::view::Lens;
-use crate::ui::{Editor, Notice};
 
 /// The folder of what a run keeps for the next one: it is never handed to the user.
 const KEPT: &str = "/kept";
@@ -61,8 +63,9 @@ pub async fn start(canvas: HtmlCanvasElement, number: u32) -> Result<(), JsValue
     shelf::keep_by(Box::new(keep));
     let (document, word) = first();
     let state = Path::new(KEPT).join(number.to_string());
+    let evaluator = evaluator().await;
     let make: eframe::AppCreator<'static> = Box::new(move |context| {
-        let mut window = Window::of(context, Editor::new(document));
+        let mut window = Window::new(&context.egui_ctx, document, evaluator);
         let (memory, settings, problem) = Memory::at(Path::new(KEPT));
         window.remember(Some(memory), &settings, problem, &context.egui_ctx);
         window.recover(Recovery::at(&state));
@@ -108,6 +111,17 @@ pub fn shown() -> Option<String> {
         "solving": shown.solving,
     });
     Some(said.to_string())
+}
+
+/// The browser's GPU if it is one, else the CPU: a program that plays GPU takes ten times as long. With `?gpu=any` in the address
+/// that is taken, too, and with `?gpu=none` no GPU is.
+async fn evaluator() -> Evaluator {
+    let wish = window().and_then(|window| window.location().search().ok()).unwrap_or_default();
+    let opened = match wish.as_str() {
+        "?gpu=none" => return Evaluator::Cpu,
+        wish => adapter::open(wish == "?gpu=any").await,
+    };
+    opened.map_or(Evaluator::Cpu, |gpu| Evaluator::Gpu(Box::new(gpu)))
 }
 
 /// The scene of the address, or the first example and why it is not that.

@@ -157,7 +157,10 @@ fn maps_of_a_gpu_that_draws_no_window_arrive_in_a_drag_and_no_frame_waits_for_on
     let [(_, a), (_, b)] = [&mut by_gpu, &mut by_cpu].map(|screen| screen.state_mut().numbers().unwrap());
     let peak = b.iter().copied().fold(0.0, f32::max);
     let off = a.iter().zip(&b).map(|(a, b)| (a - b).abs()).fold(0.0, f32::max);
-    assert!(a.len() == b.len() && off < 2e-3 * peak, "the last picture is that of the last place: {off} of {peak}");
+    assert!(
+        a.len() == b.len() && off < 2e-3 * peak,
+        "the last picture is that of the last place: {off} of {peak}"
+    );
     let map = by_gpu.state().shown().map.as_ref().unwrap();
     assert!((map.largest / f64::from(peak) - 1.0).abs() < 1e-3 && map.error < 1e-3, "{map:?}");
 }

@@ -114,11 +114,8 @@ fn instance() -> wgpu::Instance {
 }
 
 async fn found(instance: &wgpu::Instance) -> Vec<(AdapterInfo, wgpu::Adapter)> {
-    let mut found: Vec<_> = offered(instance)
-        .await
-        .into_iter()
-        .map(|adapter| (AdapterInfo::new(&adapter), adapter))
-        .collect();
+    let mut found: Vec<_> =
+        offered(instance).await.into_iter().map(|adapter| (AdapterInfo::new(&adapter), adapter)).collect();
     found.sort_by_key(|(info, _)| info.kind);
     found
 }
