@@ -56,13 +56,13 @@ def server():
 class Page:
     """A headless browser and the page in it."""
 
-    def __init__(self, address, downloads, profile):
+    def __init__(self, address, downloads, profile, flags=()):
         self.address, self.downloads = address, Path(downloads)
         options = webdriver.ChromeOptions()
         width, height = SIZE
         for flag in ["headless=new", "no-sandbox", "disable-quic", "no-first-run", "disable-background-networking",
                      "disable-component-update", "disable-sync", "enable-unsafe-swiftshader", f"window-size={width},{height}",
-                     "force-device-scale-factor=1", f"user-data-dir={profile}"]:
+                     "force-device-scale-factor=1", f"user-data-dir={profile}", *flags]:
             options.add_argument(f"--{flag}")
         options.set_capability("goog:loggingPrefs", {"browser": "ALL"})
         self.driver = webdriver.Chrome(options=options, service=Service("/usr/bin/chromedriver"))
@@ -173,8 +173,10 @@ def rendered(page, folder):
     scene, data = Path(folder) / "shown.toml", Path(folder) / "shown.npy"
     scene.write_text(shown["scene"])
     width, height = shown["size"]
+    # The two choose their samples each in its way, within the tolerance of the map.
+    backend = "gpu" if shown["evaluator"] == "WebGPU" else "cpu"
     subprocess.run([PROGRAM, "render", scene, "--quantity", shown["quantity"], "--size", f"{width}x{height}", "--data", data,
-                    "-o", Path(folder) / "shown.png", "--backend", "cpu"], check=True, capture_output=True)
+                    "-o", Path(folder) / "shown.png", "--backend", backend], check=True, capture_output=True)
     return np.load(data)
 
 
@@ -298,26 +300,70 @@ def somebody_uses_it(page, folder):
     assert targets(page) == wanted, (targets(page), wanted)
     checked("saved as a download, and opened again after the page was loaded anew")
 
+    page.point(page.place(0.2, 0.8))
+    page.type("p")
+    page.point(page.place(0.25, 0.75))
+    wanted = targets(page)
+    stored = "return Object.keys(localStorage).some(key => key.includes('recovery'))"
+    until(lambda: page.script(stored), "what is unsaved in the storage")
+    page.open(forget=False)
+    page.type(Keys.ENTER)
+    assert targets(page) == wanted, (targets(page), wanted)
+    checked("a page that was closed offers what was unsaved")
+    page.open()
+
     page.script("location.hash = arguments[0]", of_file("five-points"))
     until(lambda: len(targets(page)) == 5, "the scene of a link")
     page.rest()
     checked("a link opens in the page that is there")
     assert not page.log(), page.log()
 
+    frames_beside_work(page)
+    assert not page.log(), page.log()
+
+
+def frames_beside_work(page):
+    """The page goes on drawing while its worker solves."""
+    page.driver.get("about:blank")
+    page.driver.get(page.address + of_file("heart-and-hit"))
+    until(lambda: page.shown()["busy"], "work")
+    before = page.frames()
+    while page.shown()["busy"]:
+        ActionChains(page.driver, duration=20).move_by_offset(3, 0).move_by_offset(-3, 0).perform()
+    drawn = page.frames() - before
+    assert drawn > 5, drawn
+    checked(f"{drawn} frames drawn while a heart around HIT was solved")
+
+
+def by_its_gpu(page, folder):
+    """What WebGPU computes, here by a program that plays GPU, which the page takes only when it is asked to."""
+    page.open(of_file("five-points"))
+    assert page.shown()["evaluator"].startswith("CPU, SIMD128"), page.shown()["evaluator"]
+    page.address += "?gpu=any"
+    for name in ["five-points", "two-boards"]:
+        page.open(of_file(name))
+        assert page.shown()["evaluator"] == "WebGPU", page.shown()["evaluator"]
+        assert compare(page, folder, f"{name} by {page.shown()['evaluator']}") < TOLERANCE
+    page.point(page.place(0.5, 0.5), page.place(0.55, 0.6), page.place(0.6, 0.7), press=True)
+    assert compare(page, folder, "after a drag by WebGPU") < TOLERANCE
+    assert page.shown()["evaluator"] == "WebGPU", page.shown()["evaluator"]
+    assert not page.log(), page.log()
+
 
 def main():
     with server() as address, tempfile.TemporaryDirectory() as folder:
-        downloads, profile = Path(folder) / "downloads", Path(folder) / "profile"
+        downloads = Path(folder) / "downloads"
         downloads.mkdir()
-        page = Page(address, downloads, profile)
-        try:
-            somebody_uses_it(page, folder)
-        except BaseException:
-            page.driver.save_screenshot("target/web/failed.png")
-            print("the page when it failed: target/web/failed.png", *page.log(), sep="\n", file=sys.stderr)
-            raise
-        finally:
-            page.driver.quit()
+        for number, (use, flags) in enumerate([(somebody_uses_it, []), (by_its_gpu, ["enable-unsafe-webgpu"])]):
+            page = Page(address, downloads, Path(folder) / f"profile-{number}", flags)
+            try:
+                use(page, folder)
+            except BaseException:
+                page.driver.save_screenshot("target/web/failed.png")
+                print("the page when it failed: target/web/failed.png", *page.log(), sep="\n", file=sys.stderr)
+                raise
+            finally:
+                page.driver.quit()
     print(f"web/check: {len(CHECKED)} checks passed in headless Chromium")
 
 

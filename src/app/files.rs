@@ -81,6 +81,11 @@ fn ask_for_file(purpose: Purpose, _: &Document) -> impl Future<Output = Option<P
     async move { if purpose.reads() { page::pick(purpose.extensions()).await } else { None } }
 }
 
+/// Whether nothing is written over: a browser gives downloads names that are free.
+fn becomes_download(purpose: Purpose) -> bool {
+    ui::IN_PAGE && matches!(purpose, Purpose::Export(_))
+}
+
 /// The drawing in a file.
 fn read_drawing(path: &Path) -> anyhow::Result<Drawing> {
     let bytes = source::read(path, import::MOST_BYTES as u64)
@@ -183,7 +188,10 @@ impl Window {
             [&typed, &path].into_iter().try_for_each(|path| output::refuse_stream(path))
         {
             self.refuse("That is no file to write to", &error);
-        } else if source::exists(&path) && self.editor.document.path() != Some(path.as_path()) {
+        } else if !becomes_download(purpose)
+            && source::exists(&path)
+            && self.editor.document.path() != Some(path.as_path())
+        {
             let text = text.to_owned();
             self.editor.dialog = Some(Dialog::Replace { purpose, text, path });
         } else {
