@@ -160,6 +160,12 @@ impl Mapping {
         self.screen.as_ref()
     }
 
+    /// From now on another evaluator makes the maps; they go through the CPU to the screen.
+    pub fn compute_by(&mut self, evaluator: Evaluator) {
+        self.stages = Stages::new(evaluator);
+        (self.drawn, self.awaited, self.veil) = (None, None, None);
+    }
+
     /// The GPU fails: the CPU goes on.
     pub fn lose_gpu(&mut self, error: GpuError) {
         self.give_up_gpu(error);
@@ -184,6 +190,11 @@ impl Mapping {
     /// Whether nothing of the map is still to come.
     pub fn is_complete(&self) -> bool {
         self.drawn.as_ref().is_some_and(|drawn| !drawn.lacks_figures)
+    }
+
+    /// Whether the values of a picture are on their way.
+    pub fn is_awaiting(&self) -> bool {
+        self.awaited.is_some() || self.veil.as_ref().is_some_and(|veil| veil.mapping.is_awaiting())
     }
 
     /// What the map on the screen is made from.
@@ -381,9 +392,8 @@ impl Mapping {
 
     fn give_up_gpu(&mut self, error: GpuError) {
         self.has_lost_screen = self.screen.is_some() && matches!(error, GpuError::Lost(_));
-        self.stages = Stages::new(Evaluator::Cpu);
         self.given_up = Some(error);
-        (self.drawn, self.awaited) = (None, None);
+        self.compute_by(Evaluator::Cpu);
     }
 
     /// The map on the screen as a picture. Waits for a GPU.

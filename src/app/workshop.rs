@@ -128,7 +128,8 @@ impl Workshop {
 
     /// Whether something is being made on a thread.
     pub fn is_busy(&self) -> bool {
-        self.solving.is_running()
+        self.mapping.is_awaiting()
+            || self.solving.is_running()
             || self.round.is_running()
             || self.methods.is_running()
             || self.bound.is_running()
