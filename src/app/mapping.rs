@@ -160,12 +160,6 @@ impl Mapping {
         self.screen.as_ref()
     }
 
-    /// From now on another evaluator makes the maps; they go through the CPU to the screen.
-    pub fn compute_by(&mut self, evaluator: Evaluator) {
-        self.stages = Stages::new(evaluator);
-        (self.drawn, self.awaited, self.veil) = (None, None, None);
-    }
-
     /// The GPU fails: the CPU goes on.
     pub fn lose_gpu(&mut self, error: GpuError) {
         self.give_up_gpu(error);
@@ -392,8 +386,9 @@ impl Mapping {
 
     fn give_up_gpu(&mut self, error: GpuError) {
         self.has_lost_screen = self.screen.is_some() && matches!(error, GpuError::Lost(_));
+        self.stages = Stages::new(Evaluator::Cpu);
         self.given_up = Some(error);
-        self.compute_by(Evaluator::Cpu);
+        (self.drawn, self.awaited) = (None, None);
     }
 
     /// The map on the screen as a picture. Waits for a GPU.

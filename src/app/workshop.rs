@@ -126,7 +126,7 @@ impl Workshop {
         self.wants_methods = Some(posed(scene));
     }
 
-    /// Whether something is being made on a thread.
+    /// Whether something is being made on a thread, or is on its way from a GPU.
     pub fn is_busy(&self) -> bool {
         self.mapping.is_awaiting()
             || self.solving.is_running()
