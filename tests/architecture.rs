@@ -47,6 +47,7 @@ const LAYERS: &[(&str, &[&str])] = &[
             "ttf_parser",
         ],
     ),
+    ("web", &["console_error_panic_hook", "js_sys", "wasm_bindgen", "wasm_bindgen_futures", "web_time"]),
     ("import", &["glam", "image", "thiserror", "usvg"]),
     ("device", &["cobs", "crc", "rustix", "serialport", "thiserror"]),
     (

@@ -51,7 +51,7 @@ impl Comparison {
     }
 
     pub fn is_busy(&self) -> bool {
-        self.solving.is_running() || self.following.is_running()
+        self.mapping.is_awaiting() || self.solving.is_running() || self.following.is_running()
     }
 
     /// Brings what stands beside the map up to date; `source` is what the map is of, and `own` has made it.

@@ -186,6 +186,11 @@ impl Mapping {
         self.drawn.as_ref().is_some_and(|drawn| !drawn.lacks_figures)
     }
 
+    /// Whether the values of a picture are on their way.
+    pub fn is_awaiting(&self) -> bool {
+        self.awaited.is_some() || self.veil.as_ref().is_some_and(|veil| veil.mapping.is_awaiting())
+    }
+
     /// What the map on the screen is made from.
     pub fn request(&self) -> Option<&Request> {
         self.drawn.as_ref().map(|drawn| &drawn.wanted.request)

@@ -126,9 +126,10 @@ impl Workshop {
         self.wants_methods = Some(posed(scene));
     }
 
-    /// Whether something is being made on a thread.
+    /// Whether something is being made on a thread, or is on its way from a GPU.
     pub fn is_busy(&self) -> bool {
-        self.solving.is_running()
+        self.mapping.is_awaiting()
+            || self.solving.is_running()
             || self.round.is_running()
             || self.methods.is_running()
             || self.bound.is_running()
