@@ -48,7 +48,21 @@ const LAYERS: &[(&str, &[&str])] = &[
         ],
     ),
     ("import", &["glam", "image", "thiserror", "usvg"]),
-    ("device", &["cobs", "crc", "rustix", "serialport", "thiserror"]),
+    (
+        "device",
+        &[
+            "cobs",
+            "crc",
+            "js_sys",
+            "pollster",
+            "rustix",
+            "serialport",
+            "thiserror",
+            "wasm_bindgen",
+            "wasm_bindgen_futures",
+            "web_time",
+        ],
+    ),
     (
         "studio",
         &[

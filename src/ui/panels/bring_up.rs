@@ -5,14 +5,14 @@ use egui::{RichText, Ui};
 use crate::device::health::{Health, State};
 use crate::device::profile::Profile;
 use crate::studio::bring_up::{Finding, Verdict};
-use crate::ui::board::{BoardCommand, BoardShown, Plays};
+use crate::ui::board::{BoardCommand, BoardShown, Plays, Ports};
 use crate::ui::bring_up::{BringUp, Step};
 use crate::ui::panels::heading;
 use crate::ui::{Editor, theme};
 
 /// The steps, once they were begun; before, a button for them.
 pub fn show(editor: &mut Editor, board: &BoardShown, ui: &mut Ui, ask: &mut impl FnMut(BoardCommand)) {
-    let Some(mut run) = editor.board.bring_up.take() else { return begin(editor, ui, ask) };
+    let Some(mut run) = editor.board.bring_up.take() else { return begin(editor, board, ui, ask) };
     heading(ui, &format!("Bring-up, step {}", run.step.title()));
     let profile = editor.board.profile;
     let was = run.step;
@@ -21,7 +21,7 @@ pub fn show(editor: &mut Editor, board: &BoardShown, ui: &mut Ui, ask: &mut impl
         Step::Elements => elements(editor, &mut run, board, ui, ask),
         Step::Focus => focus(&mut run, profile, ui, ask),
         Step::EmergencyStop => emergency_stop(&mut run, board, ui, ask),
-        Step::Done => done(editor, &mut run, ui, ask),
+        Step::Done => done(editor, &mut run, board.ports_from, ui, ask),
     }
     if was != run.step {
         enter(run.step, ask);
@@ -39,11 +39,11 @@ pub fn show(editor: &mut Editor, board: &BoardShown, ui: &mut Ui, ask: &mut impl
     editor.board.bring_up = (!ends).then_some(run);
 }
 
-fn begin(editor: &mut Editor, ui: &mut Ui, ask: &mut impl FnMut(BoardCommand)) {
+fn begin(editor: &mut Editor, board: &BoardShown, ui: &mut Ui, ask: &mut impl FnMut(BoardCommand)) {
     let named = !editor.board.port().is_empty();
     let button = ui.add_enabled(named, egui::Button::new("Bring up a board"));
     let tip = "Tests the line, every element, a focus and the emergency stop, step by step";
-    if button.on_hover_text(tip).on_disabled_hover_text("Name a port first").clicked() {
+    if button.on_hover_text(tip).on_disabled_hover_text(board.ports_from.first()).clicked() {
         editor.board.bring_up = Some(Box::default());
         ask(BoardCommand::Survey);
     }
@@ -184,7 +184,13 @@ fn emergency_stop(run: &mut BringUp, board: &BoardShown, ui: &mut Ui, ask: &mut 
     });
 }
 
-fn done(editor: &mut Editor, run: &mut BringUp, ui: &mut Ui, ask: &mut impl FnMut(BoardCommand)) {
+fn done(
+    editor: &mut Editor,
+    run: &mut BringUp,
+    ports: Ports,
+    ui: &mut Ui,
+    ask: &mut impl FnMut(BoardCommand),
+) {
     ui.label(match run.report.failed() {
         0 => "The board passed.".to_owned(),
         failed => format!("{failed} of the steps failed."),
@@ -198,9 +204,17 @@ fn done(editor: &mut Editor, run: &mut BringUp, ui: &mut Ui, ask: &mut impl FnMu
     }
     ui.horizontal(|ui| {
         let label = ui.label("Calibration");
-        ui.add(egui::TextEdit::singleline(&mut run.file).desired_width(150.0)).labelled_by(label.id);
+        let name = match ports {
+            Ports::Computer => {
+                let field = egui::TextEdit::singleline(&mut run.file).desired_width(150.0);
+                ui.add(field).labelled_by(label.id);
+                "Save"
+            }
+            // It is kept as long as the page is.
+            Ports::Browser | Ports::Nowhere => "Use",
+        };
         let tip = "Leaves the silent elements out from the next connection on";
-        if ui.button("Save").on_hover_text(tip).clicked() {
+        if ui.button(name).on_hover_text(tip).clicked() {
             let text = run.calibration.to_csv(editor.board.profile.elements());
             ask(BoardCommand::SaveCalibration(text));
         }

@@ -5,7 +5,7 @@ use egui::{RichText, Ui};
 use crate::device::health::{Health, State};
 use crate::device::profile::Profile;
 use crate::scene::motion;
-use crate::ui::board::{BoardCommand, BoardShown, Plays};
+use crate::ui::board::{BoardCommand, BoardShown, Plays, Ports};
 use crate::ui::panels::{bring_up, caption, choice, count, fact, form, heading};
 use crate::ui::{Command, Editor, Shown, theme};
 
@@ -54,13 +54,11 @@ fn connection(editor: &mut Editor, board: &BoardShown, ui: &mut Ui, ask: &mut im
             port(editor, board, ui, ask);
             let tip = "Bits per second, of board and adapter";
             choice(ui, ("Bit rate", tip), &mut editor.board.baud, &BAUDS);
-            let tip =
-                "CSV with the columns element, offset (degrees), gain (0 to 1), off (0 or 1); may be empty";
-            let label = caption(ui, "Calibration").on_hover_text(tip);
-            ui.add(egui::TextEdit::singleline(&mut editor.board.calibration).hint_text("CSV file"))
-                .labelled_by(label.id)
-                .on_hover_text(tip);
-            ui.end_row();
+            match board.ports_from {
+                Ports::Computer => calibration(editor, ui),
+                // A page has no files of that kind.
+                Ports::Browser | Ports::Nowhere => {}
+            }
         });
     });
     let profile = editor.board.profile;
@@ -86,7 +84,7 @@ fn connection(editor: &mut Editor, board: &BoardShown, ui: &mut Ui, ask: &mut im
             let button = ui.add_enabled(named, egui::Button::new("Connect"));
             let button = button
                 .on_hover_text("Opens the port and silences the board")
-                .on_disabled_hover_text("Name a port first");
+                .on_disabled_hover_text(board.ports_from.first());
             if button.clicked() {
                 ask(BoardCommand::Connect);
             }
@@ -99,7 +97,16 @@ fn connection(editor: &mut Editor, board: &BoardShown, ui: &mut Ui, ask: &mut im
     });
 }
 
-/// Ports to choose from, and a field for any other.
+fn calibration(editor: &mut Editor, ui: &mut Ui) {
+    let tip = "CSV with the columns element, offset (degrees), gain (0 to 1), off (0 or 1); may be empty";
+    let label = caption(ui, "Calibration").on_hover_text(tip);
+    ui.add(egui::TextEdit::singleline(&mut editor.board.calibration).hint_text("CSV file"))
+        .labelled_by(label.id)
+        .on_hover_text(tip);
+    ui.end_row();
+}
+
+/// Ports to choose from, and where they can be typed a field for any other.
 fn port(editor: &mut Editor, board: &BoardShown, ui: &mut Ui, ask: &mut impl FnMut(BoardCommand)) {
     let tip = "Serial port of the board";
     let label = caption(ui, "Port").on_hover_text(tip);
@@ -108,26 +115,54 @@ fn port(editor: &mut Editor, board: &BoardShown, ui: &mut Ui, ask: &mut impl FnM
         ui.end_row();
         return;
     }
-    ui.horizontal(|ui| {
-        let field = egui::TextEdit::singleline(&mut editor.board.port).desired_width(150.0);
-        ui.add(field.hint_text("/dev/ttyUSB0")).labelled_by(label.id).on_hover_text(tip);
-        let menu = ui.menu_button("Ports", |ui| {
-            if board.ports.is_empty() {
-                ui.label("No serial ports found");
+    match board.ports_from {
+        Ports::Computer => ui.horizontal(|ui| {
+            let field = egui::TextEdit::singleline(&mut editor.board.port).desired_width(150.0);
+            ui.add(field.hint_text("/dev/ttyUSB0")).labelled_by(label.id).on_hover_text(tip);
+            listed(editor, board, "Ports", "Serial ports of this computer", ui, ask);
+        }),
+        Ports::Browser => ui.horizontal(|ui| {
+            let chosen = editor.board.port.trim();
+            if !board.ports.is_empty() {
+                let name = if chosen.is_empty() { "Ports" } else { chosen }.to_owned();
+                listed(editor, board, &name, "Serial ports that this page may use", ui, ask);
             }
-            for port in &board.ports {
-                if ui.button(&port.label).clicked() {
-                    editor.board.port.clone_from(&port.name);
-                    editor.board.profile = port.profile.unwrap_or(editor.board.profile);
-                    ui.close();
-                }
+            let tip = "The browser asks which port this page may use";
+            if ui.button("Choose a port…").on_hover_text(tip).clicked() {
+                ask(BoardCommand::ChoosePort);
             }
-        });
-        if menu.response.on_hover_text("Serial ports of this computer").clicked() {
-            ask(BoardCommand::ListPorts);
+        }),
+        Ports::Nowhere => ui.horizontal(|ui| {
+            ui.weak("This browser has no serial ports for pages; Chrome and Edge on a computer have.");
+        }),
+    };
+    ui.end_row();
+}
+
+/// A menu of the ports that there are.
+fn listed(
+    editor: &mut Editor,
+    board: &BoardShown,
+    name: &str,
+    tip: &str,
+    ui: &mut Ui,
+    ask: &mut impl FnMut(BoardCommand),
+) {
+    let menu = ui.menu_button(name, |ui| {
+        if board.ports.is_empty() {
+            ui.label("No serial ports found");
+        }
+        for port in &board.ports {
+            if ui.button(&port.label).clicked() {
+                editor.board.port.clone_from(&port.name);
+                editor.board.profile = port.profile.unwrap_or(editor.board.profile);
+                ui.close();
+            }
         }
     });
-    ui.end_row();
+    if menu.response.on_hover_text(tip).clicked() {
+        ask(BoardCommand::ListPorts);
+    }
 }
 
 fn state(board: &BoardShown, profile: Profile, ui: &mut Ui) {
