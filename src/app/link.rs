@@ -37,8 +37,6 @@ pub struct Board {
     link: Arc<Mutex<Option<Link>>>,
     hears_signals: bool,
     calibration: Calibration,
-    /// Made here, where there are no files.
-    own_calibration: Option<Calibration>,
     /// Those that take turns, as sent.
     drives: Option<Vec<Drive>>,
     modulation: Option<Modulation>,
@@ -101,7 +99,7 @@ impl Board {
 
     /// A task of its own: slow lines take seconds.
     fn survey(&mut self, editor: &mut Editor, shown: &mut Shown, ctx: &Context) {
-        if let Err(error) = self.begin_with_own(editor) {
+        if let Err(error) = begin_with_own(editor) {
             editor.board.bring_up = None;
             return refuse(shown, error);
         }
@@ -121,23 +119,6 @@ impl Board {
             Ok(_) => self.survey = Some(receiver),
             Err(error) => refuse(shown, error.to_string()),
         }
-    }
-
-    /// Silent elements are added to the calibration that is in use.
-    fn begin_with_own(&self, editor: &mut Editor) -> Result<(), String> {
-        let (own, file) = match (editor.board.calibration(), &self.own_calibration) {
-            (Some(path), _) => {
-                let own = Calibration::read(&path, editor.board.profile.elements())
-                    .map_err(|error| format!("{}: {error}", path.display()))?;
-                (own, editor.board.calibration.clone())
-            }
-            (None, Some(own)) => (own.clone(), String::new()),
-            (None, None) => return Ok(()),
-        };
-        if let Some(run) = &mut editor.board.bring_up {
-            (run.calibration, run.file) = (own, file);
-        }
-        Ok(())
     }
 
     fn list_ports(&mut self, ctx: &Context) {
@@ -171,15 +152,6 @@ impl Board {
 
     fn save_calibration(&mut self, text: &str, editor: &mut Editor, shown: &mut Shown) {
         let Some(run) = &editor.board.bring_up else { return };
-        match shown.board.ports_from {
-            Ports::Computer => {}
-            Ports::Browser | Ports::Nowhere => {
-                self.own_calibration = Some(run.calibration.clone());
-                let text = "Silent elements are left out from the next connection on, until the page is left";
-                shown.notice = Some(Notice { text: text.to_owned(), is_error: false });
-                return;
-            }
-        }
         let path = PathBuf::from(run.file.trim());
         let own = editor.board.calibration().is_some_and(|own| own == path);
         let written = match source::exists(&path) && !own {
@@ -207,7 +179,7 @@ impl Board {
         let calibration = match form.calibration() {
             Some(path) => Calibration::read(&path, form.profile.elements())
                 .map_err(|error| format!("{}: {error}", path.display())),
-            None => Ok(self.own_calibration.clone().unwrap_or_default()),
+            None => Ok(Calibration::default()),
         };
         let opened = calibration.and_then(|calibration| {
             let port = Path::new(form.port()).to_owned();
@@ -430,6 +402,17 @@ fn hear(event: Event, profile: Profile, shown: &mut Shown) {
     let old = messages.len().saturating_sub(KEPT);
     messages.drain(..old);
     shown.notice = Some(Notice { text, is_error });
+}
+
+/// Silent elements are added to the calibration that is in use.
+fn begin_with_own(editor: &mut Editor) -> Result<(), String> {
+    let Some(path) = editor.board.calibration() else { return Ok(()) };
+    let own = Calibration::read(&path, editor.board.profile.elements())
+        .map_err(|error| format!("{}: {error}", path.display()))?;
+    if let Some(run) = &mut editor.board.bring_up {
+        (run.calibration, run.file) = (own, editor.board.calibration.clone());
+    }
+    Ok(())
 }
 
 /// What is found at a port; what is not found is a finding, too.

@@ -5,7 +5,7 @@ use egui::{RichText, Ui};
 use crate::device::health::{Health, State};
 use crate::device::profile::Profile;
 use crate::studio::bring_up::{Finding, Verdict};
-use crate::ui::board::{BoardCommand, BoardShown, Plays, Ports};
+use crate::ui::board::{BoardCommand, BoardShown, Plays};
 use crate::ui::bring_up::{BringUp, Step};
 use crate::ui::panels::heading;
 use crate::ui::{Editor, theme};
@@ -21,7 +21,7 @@ pub fn show(editor: &mut Editor, board: &BoardShown, ui: &mut Ui, ask: &mut impl
         Step::Elements => elements(editor, &mut run, board, ui, ask),
         Step::Focus => focus(&mut run, profile, ui, ask),
         Step::EmergencyStop => emergency_stop(&mut run, board, ui, ask),
-        Step::Done => done(editor, &mut run, board.ports_from, ui, ask),
+        Step::Done => done(editor, &mut run, ui, ask),
     }
     if was != run.step {
         enter(run.step, ask);
@@ -184,13 +184,7 @@ fn emergency_stop(run: &mut BringUp, board: &BoardShown, ui: &mut Ui, ask: &mut 
     });
 }
 
-fn done(
-    editor: &mut Editor,
-    run: &mut BringUp,
-    ports: Ports,
-    ui: &mut Ui,
-    ask: &mut impl FnMut(BoardCommand),
-) {
+fn done(editor: &mut Editor, run: &mut BringUp, ui: &mut Ui, ask: &mut impl FnMut(BoardCommand)) {
     ui.label(match run.report.failed() {
         0 => "The board passed.".to_owned(),
         failed => format!("{failed} of the steps failed."),
@@ -204,17 +198,9 @@ fn done(
     }
     ui.horizontal(|ui| {
         let label = ui.label("Calibration");
-        let name = match ports {
-            Ports::Computer => {
-                let field = egui::TextEdit::singleline(&mut run.file).desired_width(150.0);
-                ui.add(field).labelled_by(label.id);
-                "Save"
-            }
-            // It is kept as long as the page is.
-            Ports::Browser | Ports::Nowhere => "Use",
-        };
+        ui.add(egui::TextEdit::singleline(&mut run.file).desired_width(150.0)).labelled_by(label.id);
         let tip = "Leaves the silent elements out from the next connection on";
-        if ui.button(name).on_hover_text(tip).clicked() {
+        if ui.button("Save").on_hover_text(tip).clicked() {
             let text = run.calibration.to_csv(editor.board.profile.elements());
             ask(BoardCommand::SaveCalibration(text));
         }

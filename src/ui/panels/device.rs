@@ -54,10 +54,9 @@ fn connection(editor: &mut Editor, board: &BoardShown, ui: &mut Ui, ask: &mut im
             port(editor, board, ui, ask);
             let tip = "Bits per second, of board and adapter";
             choice(ui, ("Bit rate", tip), &mut editor.board.baud, &BAUDS);
-            match board.ports_from {
-                Ports::Computer => calibration(editor, ui),
-                // A page has no files of that kind.
-                Ports::Browser | Ports::Nowhere => {}
+            // A page has the files that it has written, and no others to name.
+            if board.ports_from == Ports::Computer || !editor.board.calibration.is_empty() {
+                calibration(editor, ui);
             }
         });
     });
