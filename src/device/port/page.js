@@ -13,6 +13,8 @@ const names = new WeakMap();
 const endings = new WeakMap();
 // Those that are open.
 const lines = new Set();
+// The program in this page has a fault, and may not go on.
+let has_failed = false;
 
 const hex = (number) => number.toString(16).padStart(4, "0");
 
@@ -75,6 +77,7 @@ export class Line {
 
   async begin(baudRate) {
     await this.port.open({ baudRate, bufferSize: BUFFER });
+    this.baudRate = baudRate;
     this.is_closing = false;
     this.writer = this.port.writable.getWriter();
     this.listening = this.listen();
@@ -131,10 +134,16 @@ export class Line {
     await this.writer.write(own);
   }
 
-  // A port's bit rate is set when it is opened.
+  // A port's bit rate is set when it is opened. One that it cannot have leaves it as it was.
   async set_baud(baudRate) {
+    const before = this.baudRate;
     await this.close();
-    await this.begin(baudRate);
+    try {
+      await this.begin(baudRate);
+    } catch (error) {
+      await this.begin(before);
+      throw error;
+    }
   }
 
   async close() {
@@ -169,6 +178,7 @@ export class Line {
 }
 
 export async function open(name, baudRate) {
+  if (has_failed) throw new Error("this page has failed and has to be loaded again");
   const port = (await granted()).get(name);
   if (!port) return null;
   await endings.get(port);
@@ -179,18 +189,20 @@ export async function open(name, baudRate) {
 }
 
 // Nothing is written after it: what is left of the program may not make a board sound again.
-function fall_silent() {
+function fall_silent(why) {
   for (const line of lines) {
     if (!line.last || line.error) continue;
     line.writer?.write(line.last).catch(() => {});
-    line.fail(new Error("the page was left"));
+    line.fail(new Error(why));
   }
 }
 
 function fall_silent_after(error) {
-  if (error instanceof WebAssembly.RuntimeError) fall_silent();
+  if (!(error instanceof WebAssembly.RuntimeError)) return;
+  has_failed = true;
+  fall_silent("this page has failed");
 }
 
-globalThis.addEventListener?.("pagehide", fall_silent);
+globalThis.addEventListener?.("pagehide", () => fall_silent("the page was left"));
 globalThis.addEventListener?.("error", (event) => fall_silent_after(event.error));
 globalThis.addEventListener?.("unhandledrejection", (event) => fall_silent_after(event.reason));

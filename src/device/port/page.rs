@@ -3,7 +3,7 @@
 use std::io;
 use std::path::{Path, PathBuf};
 
-use js_sys::{Error, JsString, Promise, Uint8Array};
+use js_sys::{Array, Promise, Reflect, Uint8Array};
 use wasm_bindgen::prelude::wasm_bindgen;
 use wasm_bindgen::{JsCast, JsValue};
 use wasm_bindgen_futures::JsFuture;
@@ -61,7 +61,7 @@ pub async fn available() -> io::Result<Vec<Listed>> {
         let path = PathBuf::from(name.as_string()?);
         Some(Listed { path, what: None, profile: None })
     };
-    Ok(js_sys::Array::from(&names).iter().filter_map(listed).collect())
+    Ok(Array::from(&names).iter().filter_map(listed).collect())
 }
 
 /// Lets the user choose a port that this page may use from then on, which has to follow a click. `None`: they chose none.
@@ -140,8 +140,7 @@ impl Drop for Wire {
 
 /// Why a port could not be opened. A browser tells few reasons apart.
 fn refused(path: String, baud: u32, error: &JsValue) -> PortError {
-    let name = error.dyn_ref::<Error>().map(|error| String::from(error.name()));
-    match name.as_deref() {
+    match property(error, "name").as_deref() {
         Some("InvalidStateError") => PortError::Busy(path),
         Some("SecurityError") => PortError::NoPermission(path),
         Some("TypeError" | "RangeError" | "NotSupportedError") => {
@@ -153,7 +152,10 @@ fn refused(path: String, baud: u32, error: &JsValue) -> PortError {
 
 /// In the browser's words.
 fn io_error(error: &JsValue) -> io::Error {
-    let words = error.dyn_ref::<Error>().map(|error| error.message());
-    let words = words.or_else(|| error.dyn_ref::<JsString>().cloned());
-    io::Error::other(words.map_or_else(|| format!("{error:?}"), String::from))
+    io::Error::other(property(error, "message").unwrap_or_else(|| format!("{error:?}")))
+}
+
+/// A text that an error holds.
+fn property(error: &JsValue, name: &str) -> Option<String> {
+    Reflect::get(error, &name.into()).ok()?.as_string()
 }

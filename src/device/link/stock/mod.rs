@@ -134,7 +134,8 @@ impl Session<'_> {
                 self.board.port.baud()
             )),
             Modulated::FromHere(frequency) => Some(format!(
-                "{name} has no modulation: it is switched on and off {frequency} times a second from here{}",
+                "{name} has no modulation: it is switched on and off {frequency} times a second from here{}{}",
+                if cfg!(target_arch = "wasm32") { ", as evenly as the timers of this page" } else { "" },
                 self.motion_in_words(frequency, content)
             )),
         }
