@@ -348,3 +348,70 @@ fn played(editor: &mut Editor, board: &BoardShown, ui: &mut Ui) {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use std::cell::RefCell;
+    use std::rc::Rc;
+
+    use egui_kittest::Harness;
+    use egui_kittest::kittest::{NodeT, Queryable};
+
+    use super::*;
+    use crate::scene::Scene;
+    use crate::ui::board::PortShown;
+    use crate::ui::document::Document;
+
+    type Asked = Rc<RefCell<Vec<Command>>>;
+
+    /// The panel where ports come from there, with one that is called `names`, and what it asks for.
+    fn panel(ports_from: Ports, names: &[&str]) -> (Harness<'static, Editor>, Asked) {
+        let mut shown = Shown::default();
+        shown.board.ports_from = ports_from;
+        let port =
+            |name: &&str| PortShown { name: (*name).to_owned(), label: (*name).to_owned(), profile: None };
+        shown.board.ports = names.iter().map(port).collect();
+        let asked = Asked::default();
+        let theirs = Rc::clone(&asked);
+        let draw = move |ui: &mut Ui, editor: &mut Editor| show(editor, &shown, ui, &mut theirs.borrow_mut());
+        let editor = Editor::new(Document::new(Scene::default(), "scene"));
+        (Harness::new_ui_state(draw, editor), asked)
+    }
+
+    #[test]
+    fn a_page_has_the_ports_that_its_user_chooses_in_the_browser() {
+        let (mut panel, asked) = panel(Ports::Browser, &["USB 0403:6010"]);
+        assert!(
+            panel.query_by_label("Calibration").is_none()
+                && panel.get_by_label("Connect").accesskit_node().is_disabled()
+        );
+        panel.get_by_label("Choose a port…").click();
+        panel.run_steps(2);
+        assert_eq!(asked.take(), [Command::Board(BoardCommand::ChoosePort)]);
+        panel.get_by_label("Ports").click();
+        panel.run_steps(2);
+        panel.get_by_label("USB 0403:6010").click();
+        panel.run_steps(2);
+        assert_eq!(
+            (asked.take(), panel.state().board.port.as_str()),
+            (vec![Command::Board(BoardCommand::ListPorts)], "USB 0403:6010")
+        );
+        panel.get_by_label("Connect").click();
+        panel.run_steps(2);
+        assert_eq!(asked.take(), [Command::Board(BoardCommand::Connect)]);
+        // What its bring-up has saved is there as long as the page.
+        panel.state_mut().board.calibration = "calibration.csv".to_owned();
+        panel.run_steps(2);
+        assert!(panel.query_by_label("Calibration").is_some());
+    }
+
+    #[test]
+    fn where_a_browser_has_no_ports_a_virtual_board_is_left() {
+        let (mut panel, asked) = panel(Ports::Nowhere, &[]);
+        assert!(panel.query_by_label("Choose a port…").is_none() && panel.query_by_label("Ports").is_none());
+        assert!(panel.query_by_label_contains("This browser has no serial ports").is_some());
+        panel.get_by_label("Try without a board").click();
+        panel.run_steps(2);
+        assert_eq!(asked.take(), [Command::Board(BoardCommand::TryWithout)]);
+    }
+}
