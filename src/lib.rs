@@ -9,7 +9,7 @@ pub mod app;
 pub mod bench;
 #[cfg(feature = "cli")]
 pub mod cli;
-#[cfg(any(feature = "cli", feature = "window"))]
+#[cfg(any(feature = "cli", feature = "serial", feature = "window"))]
 pub mod device;
 pub mod drive;
 pub mod echo;

@@ -49,7 +49,21 @@ const LAYERS: &[(&str, &[&str])] = &[
     ),
     ("web", &["console_error_panic_hook", "js_sys", "wasm_bindgen", "wasm_bindgen_futures", "web_time"]),
     ("import", &["glam", "image", "thiserror", "usvg"]),
-    ("device", &["cobs", "crc", "rustix", "serialport", "thiserror"]),
+    (
+        "device",
+        &[
+            "cobs",
+            "crc",
+            "js_sys",
+            "pollster",
+            "rustix",
+            "serialport",
+            "thiserror",
+            "wasm_bindgen",
+            "wasm_bindgen_futures",
+            "web_time",
+        ],
+    ),
     (
         "studio",
         &[

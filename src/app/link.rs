@@ -1,27 +1,27 @@
 //! The board at the other end of the window: one link, what was sent over it last, and what the panel shows of it.
 
 use std::path::{Path, PathBuf};
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::sync::mpsc::{Receiver, TryRecvError, sync_channel};
+use std::sync::{Arc, Mutex, MutexGuard};
 use std::time::Duration;
 
 use eframe::egui::Context;
 
 use crate::acoustics::Aperture;
-use crate::app::errand::{Errand, State};
-use crate::device;
 use crate::device::calibration::Calibration;
 use crate::device::envelope;
 use crate::device::levels::Levels;
 use crate::device::link::{Content, Event, Link, Settings};
 use crate::device::port;
 use crate::device::profile::Profile;
+use crate::device::task::{self, Task};
 use crate::drive::Drive;
 use crate::scene::{Envelope, Modulation, motion};
 use crate::solver::{self, Problem, Solution};
 use crate::source;
 use crate::studio::bring_up::{Report, Verdict, focus_scene, survey_line};
 use crate::studio::output::{self, note};
-use crate::ui::board::{BoardCommand, BoardShown, Plays, PortShown};
+use crate::ui::board::{BoardCommand, BoardShown, Plays, PortShown, Ports};
 use crate::ui::bring_up::Surveyed;
 use crate::ui::{Editor, Notice, Panel, Shown};
 
@@ -43,46 +43,30 @@ pub struct Board {
     /// A motion is wanted and its frames are not there yet.
     awaits_round: bool,
     compared: Option<(Arc<Solution>, Profile)>,
-    survey: Option<Errand<Surveyed>>,
-    /// A virtual board of our own; it outlives the link to it.
-    twin: Option<Twin>,
-}
-
-#[cfg(unix)]
-type Twin = device::board::Board;
-/// There are no pseudo-terminals.
-#[cfg(not(unix))]
-type Twin = std::convert::Infallible;
-
-/// A virtual board and its port.
-#[cfg(unix)]
-fn twin(profile: Profile) -> Result<(Twin, String), String> {
-    let setup = device::board::Setup::new(profile);
-    let twin = Twin::start(setup, Box::new(|_| {})).map_err(|error| error.to_string())?;
-    let port = twin.path().display().to_string();
-    Ok((twin, port))
-}
-
-#[cfg(not(unix))]
-fn twin(_: Profile) -> Result<(Twin, String), String> {
-    Err("Virtual boards need pseudo-terminals, which this system has not".to_owned())
+    survey: Option<Receiver<Surveyed>>,
+    /// Ports are listed once at the beginning, and then when they are asked for.
+    has_listed: bool,
+    ports: Option<Receiver<Vec<PortShown>>>,
+    /// What came of choosing a port, or why nothing can.
+    choice: Option<Receiver<Result<Option<String>, String>>>,
 }
 
 impl Board {
     /// What the panel shows before the first connection.
     pub fn shown() -> BoardShown {
-        BoardShown { ports: ports(), ..BoardShown::default() }
+        BoardShown { ports_from: ports_from(), ..BoardShown::default() }
     }
 
     pub fn execute(&mut self, command: &BoardCommand, editor: &mut Editor, shown: &mut Shown, ctx: &Context) {
         let profile = editor.board.profile;
         match command {
-            BoardCommand::ListPorts => shown.board.ports = ports(),
+            BoardCommand::ListPorts => self.list_ports(ctx),
+            BoardCommand::ChoosePort => self.choose_port(ctx),
             BoardCommand::Connect => self.connect(editor, shown, ctx),
             BoardCommand::Disconnect => {
                 *locked(&self.link) = None;
                 (shown.board.health, shown.board.found, shown.board.plays) = (None, None, Plays::Nothing);
-                (self.twin, editor.board.virtual_port) = (None, None);
+                editor.board.virtual_port = None;
             }
             BoardCommand::TryWithout => self.try_without(editor, shown, ctx),
             BoardCommand::Send => (self.drives, shown.board.plays) = (None, Plays::Scene),
@@ -113,7 +97,7 @@ impl Board {
         }
     }
 
-    /// On a thread of its own: slow lines take seconds.
+    /// A task of its own: slow lines take seconds.
     fn survey(&mut self, editor: &mut Editor, shown: &mut Shown, ctx: &Context) {
         if let Err(error) = begin_with_own(editor) {
             editor.board.bring_up = None;
@@ -123,10 +107,31 @@ impl Board {
         (shown.board.health, shown.board.found, shown.board.plays) = (None, None, Plays::Nothing);
         shown.board.surveyed = None;
         let (port, profile) = (editor.board.port().to_owned(), editor.board.profile);
-        match Errand::start(ctx, move |_| surveyed(&port, profile)) {
-            Ok(errand) => self.survey = Some(errand),
+        let (sender, receiver) = sync_channel(1);
+        let ctx = ctx.clone();
+        let task = Task::start("survey", move || async move {
+            // The receiver may be gone.
+            let _ = sender.send(surveyed(&port, profile).await);
+            drop(sender);
+            ctx.request_repaint();
+        });
+        match task {
+            Ok(_) => self.survey = Some(receiver),
             Err(error) => refuse(shown, error.to_string()),
         }
+    }
+
+    fn list_ports(&mut self, ctx: &Context) {
+        self.ports = Some(ask(ctx, async {
+            port::available().await.unwrap_or_default().iter().map(shown_port).collect()
+        }));
+    }
+
+    fn choose_port(&mut self, ctx: &Context) {
+        self.choice = Some(ask(ctx, async {
+            let port = chosen().await.map_err(|error| error.to_string())?;
+            Ok(port.map(|port| port.display().to_string()))
+        }));
     }
 
     fn focus(&mut self, editor: &Editor, shown: &mut Shown) {
@@ -197,16 +202,10 @@ impl Board {
 
     /// Connects to a virtual board in this program.
     fn try_without(&mut self, editor: &mut Editor, shown: &mut Shown, ctx: &Context) {
-        match twin(editor.board.profile) {
-            Ok((twin, port)) => {
-                editor.board.virtual_port = Some(port);
-                self.connect(editor, shown, ctx);
-                self.twin = Some(twin);
-                if shown.board.health.is_none() {
-                    (self.twin, editor.board.virtual_port) = (None, None);
-                }
-            }
-            Err(error) => refuse(shown, error),
+        editor.board.virtual_port = Some(port::virtual_board(editor.board.profile).display().to_string());
+        self.connect(editor, shown, ctx);
+        if shown.board.health.is_none() {
+            editor.board.virtual_port = None;
         }
     }
 
@@ -221,10 +220,24 @@ impl Board {
     }
 
     /// Sends what has changed, and brings what the panel shows up to date.
-    pub fn update(&mut self, editor: &Editor, shown: &mut Shown, ctx: &Context) {
+    pub fn update(&mut self, editor: &mut Editor, shown: &mut Shown, ctx: &Context) {
         self.compare(editor, shown);
-        if let Some(State::Done(surveyed)) = self.survey.as_ref().map(Errand::state) {
-            (self.survey, shown.board.surveyed) = (None, Some(surveyed));
+        if !std::mem::replace(&mut self.has_listed, true) {
+            self.list_ports(ctx);
+        }
+        if let Some(surveyed) = received(&mut self.survey) {
+            shown.board.surveyed = Some(surveyed);
+        }
+        if let Some(ports) = received(&mut self.ports) {
+            shown.board.ports = ports;
+        }
+        match received(&mut self.choice) {
+            Some(Ok(Some(port))) => {
+                editor.board.port = port;
+                self.list_ports(ctx);
+            }
+            Some(Err(error)) => refuse(shown, error),
+            Some(Ok(None)) | None => {}
         }
         let shared = Arc::clone(&self.link);
         let held = locked(&shared);
@@ -344,9 +357,8 @@ fn plays(profile: Profile, editor: &Editor) -> Result<(), String> {
     envelope::playable(profile, &editor.scene().modulation)
 }
 
-/// What is locked here stays whole when a thread panics.
 fn locked(link: &Mutex<Option<Link>>) -> MutexGuard<'_, Option<Link>> {
-    link.lock().unwrap_or_else(PoisonError::into_inner)
+    task::locked(link)
 }
 
 #[cfg(unix)]
@@ -404,9 +416,10 @@ fn begin_with_own(editor: &mut Editor) -> Result<(), String> {
 }
 
 /// What is found at a port; what is not found is a finding, too.
-fn surveyed(port: &str, profile: Profile) -> Surveyed {
+async fn surveyed(port: &str, profile: Profile) -> Surveyed {
     let mut report = Report::default();
-    let baud = survey_line(Path::new(port), profile, &mut |verdict, what| report.note(verdict, what));
+    let tell = &mut |verdict, what| report.note(verdict, what);
+    let baud = survey_line(Path::new(port), profile, tell).await;
     let baud = baud.unwrap_or_else(|error| {
         report.note(Verdict::Failed, format!("{error:#}"));
         None
@@ -420,11 +433,49 @@ fn refuse(shown: &mut Shown, text: String) {
     shown.notice = Some(Notice { text, is_error: true });
 }
 
-fn ports() -> Vec<PortShown> {
-    let shown = |port: port::Listed| PortShown {
-        name: port.path.display().to_string(),
-        label: port.to_string(),
-        profile: port.profile,
-    };
-    port::available().unwrap_or_default().into_iter().map(shown).collect()
+/// What takes a moment only, and longer in a page.
+fn ask<T: 'static>(ctx: &Context, work: impl Future<Output = T> + 'static) -> Receiver<T> {
+    let (sender, receiver) = sync_channel(1);
+    let ctx = ctx.clone();
+    task::run(async move {
+        // The receiver may be gone.
+        let _ = sender.send(work.await);
+        ctx.request_repaint();
+    });
+    receiver
+}
+
+/// What a task has sent, once.
+fn received<T>(receiver: &mut Option<Receiver<T>>) -> Option<T> {
+    let value = receiver.as_ref()?.try_recv();
+    // A task that ended without a word sends nothing any more.
+    if !matches!(value, Err(TryRecvError::Empty)) {
+        *receiver = None;
+    }
+    value.ok()
+}
+
+fn shown_port(port: &port::Listed) -> PortShown {
+    PortShown { name: port.path.display().to_string(), label: port.to_string(), profile: port.profile }
+}
+
+#[cfg(not(target_arch = "wasm32"))]
+fn ports_from() -> Ports {
+    Ports::Computer
+}
+
+#[cfg(target_arch = "wasm32")]
+fn ports_from() -> Ports {
+    if port::is_there() { Ports::Browser } else { Ports::Nowhere }
+}
+
+/// Paths are typed.
+#[cfg(not(target_arch = "wasm32"))]
+async fn chosen() -> std::io::Result<Option<PathBuf>> {
+    Ok(None)
+}
+
+#[cfg(target_arch = "wasm32")]
+async fn chosen() -> std::io::Result<Option<PathBuf>> {
+    port::choose().await
 }

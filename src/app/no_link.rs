@@ -16,5 +16,5 @@ impl Board {
 
     pub fn execute(&mut self, _: &BoardCommand, _: &mut Editor, _: &mut Shown, _: &Context) {}
 
-    pub fn update(&mut self, _: &Editor, _: &mut Shown, _: &Context) {}
+    pub fn update(&mut self, _: &mut Editor, _: &mut Shown, _: &Context) {}
 }

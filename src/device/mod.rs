@@ -2,11 +2,11 @@
 //!
 //! A drive becomes [`levels::Levels`] (what an element is told, or that it is off), a frame of bytes or packets, and goes over a
 //! [`link`] to a board. Every board has a twin here that understands the same bytes: a type in [`stock`], or
-//! [`native::model::Model`]; [`board`] puts it at the other end of a pseudo-terminal.
+//! [`native::model::Model`]; [`board`] puts it at the other end of a line.
 //!
 //! How another board is added stands in `docs/adding-a-board.md`.
 
-#[cfg(all(unix, feature = "serial"))]
+#[cfg(feature = "serial")]
 pub mod board;
 pub mod calibration;
 pub mod envelope;
@@ -22,3 +22,5 @@ pub mod port;
 pub mod profile;
 pub mod statistics;
 pub mod stock;
+#[cfg(feature = "serial")]
+pub mod task;

@@ -1,6 +1,6 @@
 //! When a serial line is free again. A port takes bytes sooner than it can send them, so the sender counts them itself.
 
-use std::time::{Duration, Instant};
+use web_time::{Duration, Instant};
 
 /// How long anything takes at most.
 const LONGEST: Duration = Duration::from_secs(86_400);

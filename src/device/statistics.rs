@@ -1,7 +1,8 @@
 //! Figures of a link: how much, how fast, how evenly.
 
 use std::collections::VecDeque;
-use std::time::{Duration, Instant};
+
+use web_time::{Duration, Instant};
 
 /// Over how long rates are taken.
 const SPAN: Duration = Duration::from_secs(1);

@@ -74,7 +74,7 @@ impl Report {
 /// # Errors
 /// A port that is not there, or a native board that does not answer.
 #[cfg(feature = "serial")]
-pub fn survey_line(
+pub async fn survey_line(
     port: &Path,
     profile: Profile,
     tell: &mut dyn FnMut(Verdict, String),
@@ -87,7 +87,8 @@ pub fn survey_line(
     let fastest = survey(port, &mut |found| match found {
         Discovery::Board(info, status) => introduce(&info, &status, tell),
         Discovery::Rate(trial) => tell(verdict(&trial), in_words(&trial)),
-    })?;
+    })
+    .await?;
     match fastest {
         Some(baud) => tell(Verdict::Passed, format!("fastest bit rate without loss: {baud} (--baud {baud})")),
         None => tell(

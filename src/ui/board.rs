@@ -56,10 +56,35 @@ impl BoardForm {
     }
 }
 
+/// Where the ports are that a board may be at.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Ports {
+    /// This computer's, which have names to type.
+    #[default]
+    Computer,
+    /// Those that the user lets this page have, in a window of the browser's own.
+    Browser,
+    /// This browser has none for pages.
+    Nowhere,
+}
+
+impl Ports {
+    /// What has to be done before one can be opened.
+    pub fn first(self) -> &'static str {
+        match self {
+            Self::Computer => "Name a port first",
+            Self::Browser => "Choose a port first",
+            Self::Nowhere => "This browser has no serial ports for pages",
+        }
+    }
+}
+
 /// What the Device panel asks for.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum BoardCommand {
     ListPorts,
+    /// The browser lets the user choose one.
+    ChoosePort,
     Connect,
     Disconnect,
     /// Starts a virtual board of the chosen kind and connects to it.
@@ -89,6 +114,7 @@ impl BoardCommand {
         match self {
             Self::Send | Self::PlayMotion | Self::One | Self::Checkerboard | Self::Focus => true,
             Self::ListPorts
+            | Self::ChoosePort
             | Self::Connect
             | Self::Disconnect
             | Self::TryWithout
@@ -126,6 +152,7 @@ pub struct PortShown {
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct BoardShown {
     pub ports: Vec<PortShown>,
+    pub ports_from: Ports,
     /// Why there are no boards at all in this program.
     pub unavailable: Option<String>,
     /// Of the bring-up; nothing while it is under way.

@@ -16,6 +16,7 @@ use sonoglyph::device::link::{Content, Event, Link, Settings};
 use sonoglyph::device::port::{Port, PortError};
 use sonoglyph::device::profile::Profile;
 use sonoglyph::device::stock;
+use sonoglyph::device::task::finish;
 
 /// Nothing here waits for longer, however slow the machine is.
 const PATIENCE: Duration = Duration::from_secs(20);
@@ -306,14 +307,14 @@ fn a_port_has_any_bit_rate_and_one_program_at_a_time() {
     let bytes = stock::silence(Profile::SonicSurface);
     for baud in [1200, 115_200, 250_000, 333_333, 3_000_000, 12_000_000] {
         let (board, _shown) = board(Setup { baud: Some(baud), ..Setup::new(Profile::SonicSurface) });
-        let mut port = Port::open(board.path(), 57_600).unwrap();
-        assert!(matches!(Port::open(board.path(), baud), Err(PortError::Busy(_))));
-        port.set_baud(baud).unwrap();
-        port.write(&bytes[..10]).unwrap();
+        let mut port = finish(Port::open(board.path(), 57_600)).unwrap();
+        assert!(matches!(finish(Port::open(board.path(), baud)), Err(PortError::Busy(_))));
+        finish(port.set_baud(baud)).unwrap();
+        finish(port.write(&bytes[..10])).unwrap();
         eventually("bytes", || board.report().bytes == 10);
         drop(port);
-        let mut port = Port::open(board.path(), baud).unwrap();
-        port.write(&bytes[..10]).unwrap();
+        let mut port = finish(Port::open(board.path(), baud)).unwrap();
+        finish(port.write(&bytes[..10])).unwrap();
         eventually("more bytes", || board.report().bytes == 20);
         assert_eq!(board.report().wrong_baud, 0, "{baud} baud");
     }
@@ -322,19 +323,22 @@ fn a_port_has_any_bit_rate_and_one_program_at_a_time() {
 #[test]
 fn a_port_says_whether_its_line_is_stuck_or_gone() {
     let (board, _shown) = board(Setup::new(Profile::Native));
-    let mut port = Port::open(board.path(), Profile::Native.baud()).unwrap();
-    assert!(port.read(Duration::ZERO).unwrap().is_empty() && port.read(Duration::from_millis(1)).is_ok());
+    let mut port = finish(Port::open(board.path(), Profile::Native.baud())).unwrap();
+    assert!(
+        finish(port.read(Duration::ZERO)).unwrap().is_empty()
+            && finish(port.read(Duration::from_millis(1))).is_ok()
+    );
     board.stall(true);
     // More than any line holds: the rest of it must not be waited for.
     let (sender, written) = sync_channel(1);
-    let write = move || drop(sender.send((port.write(&[0; 1 << 20]), port)));
+    let write = move || drop(sender.send((finish(port.write(&[0; 1 << 20])), port)));
     std::thread::Builder::new().name("writer".to_owned()).spawn(write).unwrap();
     let (written, mut port) = written.recv_timeout(PATIENCE).unwrap();
     assert!(matches!(written, Err(PortError::Stalled(_))));
     board.unplug(true);
-    eventually("the loss", || matches!(port.read(Duration::ZERO), Err(PortError::Lost { .. })));
-    assert!(matches!(port.write(&[0]), Err(PortError::Lost { .. })));
-    assert!(matches!(Port::open(board.path(), 1200), Err(PortError::Missing(_))));
+    eventually("the loss", || matches!(finish(port.read(Duration::ZERO)), Err(PortError::Lost { .. })));
+    assert!(matches!(finish(port.write(&[0])), Err(PortError::Lost { .. })));
+    assert!(matches!(finish(Port::open(board.path(), 1200)), Err(PortError::Missing(_))));
 }
 
 #[test]

@@ -225,6 +225,30 @@ fn a_virtual_board_is_chosen_as_a_port_and_remembered_and_claims_no_more_than_it
     );
 }
 
+#[test]
+fn a_board_is_tried_without_one() {
+    for profile in [Profile::Native, Profile::SonicSurface] {
+        let mut screen = Harness::builder()
+            .with_size(vec2(1280.0, 800.0))
+            .build_eframe(|context| Window::with_example(&context.egui_ctx));
+        let editor = screen.state_mut().editor_mut();
+        editor.panel = Panel::Device;
+        (editor.was_warned, editor.board.profile) = (true, profile);
+        screen.run_steps(4);
+        press(&mut screen, "Try without a board");
+        press(&mut screen, "Single element");
+        until(&mut screen, "the element", |screen| {
+            screen.state().shown().board.health.as_ref().is_some_and(|health| health.in_place)
+        });
+        assert!(screen.query_by_label("virtual board").is_some());
+        screen.get_by_label("Disconnect").click();
+        screen.run_steps(4);
+        assert!(
+            screen.query_by_label("virtual board").is_none() && screen.query_by_label("Connect").is_some()
+        );
+    }
+}
+
 /// Clicks on a button as soon as it is there and can be.
 fn press(screen: &mut Screen, name: &str) {
     until(screen, name, |screen| {

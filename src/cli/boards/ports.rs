@@ -4,10 +4,11 @@ use comfy_table::Table;
 
 use crate::device::port;
 use crate::device::profile::{Profile, Strength};
+use crate::device::task::finish;
 use crate::studio::output::say;
 
 pub fn run() -> anyhow::Result<()> {
-    let ports = port::available()?;
+    let ports = finish(port::available())?;
     if ports.is_empty() {
         say!(
             "There is no serial port. A board's appears when it is plugged in; `sonoglyph board` emulates a board."

@@ -1,6 +1,6 @@
 //! What can go wrong on a line, and makes a virtual board worth testing against.
 
-use std::time::Duration;
+use web_time::Duration;
 
 /// Per byte on its way to the board, 0 to 1.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

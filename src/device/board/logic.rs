@@ -1,7 +1,8 @@
 //! What a board does with bytes: answers, and plays.
 
 use std::f64::consts::{PI, TAU};
-use std::time::{Duration, Instant};
+
+use web_time::{Duration, Instant};
 
 use crate::device::levels::Level;
 use crate::device::levels::Levels;
@@ -194,6 +195,7 @@ impl Native {
         self.models.iter_mut().filter_map(answer).flatten().collect()
     }
 
+    #[cfg(unix)]
     pub fn press(&mut self, pressed: bool) {
         self.models.iter_mut().for_each(|model| model.press(pressed));
     }

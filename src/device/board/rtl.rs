@@ -6,7 +6,8 @@ use std::collections::VecDeque;
 use std::io::{self, BufReader, BufWriter, Read, Write};
 use std::path::Path;
 use std::process::{Child, ChildStdin, ChildStdout, Command, Stdio};
-use std::time::Instant;
+
+use web_time::Instant;
 
 use crate::device::board::logic::{Heeded, Playing, Shown, committed};
 use crate::device::native::model::{CHANNELS, Pulse};

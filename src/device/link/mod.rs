@@ -1,4 +1,4 @@
-//! The line to a board, on a thread of its own: what is wanted goes in as a value, and the thread brings the board to it.
+//! The line to a board: what is wanted goes in as a value, and a task of its own (`device::task`) brings the board to it.
 //!
 //! The newest wish wins; what came before it and was not sent yet is never sent. A board that was unplugged is made silent when it
 //! comes back, and then plays what is wanted by then.
@@ -11,21 +11,23 @@ pub use native::survey;
 use std::io;
 use std::path::PathBuf;
 use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
-use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
-use std::thread::{self, JoinHandle};
-use std::time::{Duration, Instant};
+use std::sync::{Arc, Mutex};
+
+use web_time::{Duration, Instant};
 
 use crate::device::health::{Found, Health, State};
 use crate::device::levels::Levels;
 use crate::device::port::{Port, PortError};
 use crate::device::profile::Profile;
 use crate::device::statistics::{Durations, Rate};
+use crate::device::task::{self, Task, Watched, locked};
 use crate::scene::Modulation;
 
 /// How long after a loss the port is tried again.
 const RETRY: Duration = Duration::from_millis(250);
-/// The line is kept busy for so long ahead: more delays a new frame, less leaves gaps when the computer is busy.
-const LEAD: Duration = Duration::from_millis(3);
+/// The line is kept busy for so long ahead: more delays a new frame, less leaves gaps when the computer is busy. A page is busy with
+/// its own frames.
+const LEAD: Duration = Duration::from_millis(if cfg!(target_arch = "wasm32") { 12 } else { 3 });
 /// Unread messages that are kept; more are dropped.
 const MESSAGES: usize = 256;
 
@@ -101,10 +103,9 @@ struct Wanted {
     closing: bool,
 }
 
-/// What the thread and its owner both see.
+/// What the task and its owner both see.
 struct Shared {
-    wanted: Mutex<Wanted>,
-    changed: Condvar,
+    wanted: Watched<Wanted>,
     figures: Mutex<Figures>,
     events: SyncSender<Event>,
     notify: Box<dyn Fn() + Send + Sync>,
@@ -125,7 +126,7 @@ pub struct Link {
     settings: Settings,
     shared: Arc<Shared>,
     events: Receiver<Event>,
-    thread: Option<JoinHandle<()>>,
+    task: Option<Task>,
 }
 
 impl std::fmt::Debug for Link {
@@ -134,13 +135,8 @@ impl std::fmt::Debug for Link {
     }
 }
 
-/// What is locked here stays whole when a thread panics.
-fn locked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
-    mutex.lock().unwrap_or_else(PoisonError::into_inner)
-}
-
 impl Link {
-    /// Begins to look for the board. `notify` is called on the link's thread when there is something new to see.
+    /// Begins to look for the board. `notify` is called by the link's task when there is something new to see.
     ///
     /// # Errors
     /// No thread to be had.
@@ -154,16 +150,14 @@ impl Link {
             closing: false,
         };
         let shared = Arc::new(Shared {
-            wanted: Mutex::new(wanted),
-            changed: Condvar::new(),
+            wanted: Watched::new(wanted),
             figures: Mutex::default(),
             events: sender,
             notify,
         });
         let (theirs, its) = (Arc::clone(&shared), settings.clone());
-        let thread =
-            thread::Builder::new().name("link".to_owned()).spawn(move || keep_connected(&its, &theirs))?;
-        Ok(Self { settings, shared, events, thread: Some(thread) })
+        let task = Task::start("link", move || keep_connected(its, theirs))?;
+        Ok(Self { settings, shared, events, task: Some(task) })
     }
 
     pub fn settings(&self) -> &Settings {
@@ -187,13 +181,13 @@ impl Link {
     }
 
     fn want(&self, change: impl FnOnce(&mut Wanted)) {
-        let mut wanted = locked(&self.shared.wanted);
+        let mut wanted = self.shared.wanted.lock();
         change(&mut wanted);
         wanted.generation += 1;
         wanted.since = Instant::now();
         self.shared.note(|figures| figures.health.in_place = false);
         drop(wanted);
-        self.shared.changed.notify_all();
+        self.shared.wanted.ring();
     }
 
     /// The next message, if there is one.
@@ -202,6 +196,7 @@ impl Link {
     }
 
     /// The next message, if one comes in time.
+    #[cfg(not(target_arch = "wasm32"))]
     pub fn event_within(&self, timeout: Duration) -> Option<Event> {
         self.events.recv_timeout(timeout).ok()
     }
@@ -221,6 +216,7 @@ impl Link {
 
 impl Link {
     /// Lets the board go, silent if it can be told; how it fared to the end.
+    #[cfg(not(target_arch = "wasm32"))]
     pub fn close(mut self) -> Health {
         self.end();
         self.health()
@@ -228,10 +224,7 @@ impl Link {
 
     fn end(&mut self) {
         self.want(|wanted| wanted.closing = true);
-        if let Some(thread) = self.thread.take() {
-            // A link that panicked has said so, and made its board silent while it unwound.
-            let _ = thread.join();
-        }
+        self.task.take().into_iter().for_each(Task::join);
     }
 }
 
@@ -243,14 +236,13 @@ impl Drop for Link {
 
 impl Shared {
     fn wanted(&self) -> Wanted {
-        locked(&self.wanted).clone()
+        self.wanted.lock().clone()
     }
 
     /// Waits until something else than `generation` is wanted, for `timeout` at most.
-    fn wait(&self, generation: u64, timeout: Duration) {
-        let wanted = locked(&self.wanted);
-        let same = |wanted: &mut Wanted| wanted.generation == generation && !wanted.closing;
-        drop(self.changed.wait_timeout_while(wanted, timeout, same).unwrap_or_else(PoisonError::into_inner));
+    async fn wait(&self, generation: u64, timeout: Duration) {
+        let is_so = |wanted: &Wanted| wanted.generation == generation && !wanted.closing;
+        self.wanted.wait_while(timeout, is_so).await;
     }
 
     fn tell(&self, event: Event) {
@@ -295,10 +287,10 @@ impl Shared {
     }
 }
 
-/// The thread: one session after another, until the link is closed.
-fn keep_connected(settings: &Settings, shared: &Shared) {
+/// The task: one session after another, until the link is closed.
+async fn keep_connected(settings: Settings, shared: Arc<Shared>) {
     let mut said = String::new();
-    while let Err(error) = session(settings, shared) {
+    while let Err(error) = session(&settings, &shared).await {
         let why = error.to_string();
         // The same reason is given once, however often the port is tried.
         if locked(&shared.figures).health.state == State::Ready || said != why {
@@ -307,7 +299,7 @@ fn keep_connected(settings: &Settings, shared: &Shared) {
         }
         let until = Instant::now() + RETRY;
         while Instant::now() < until && !shared.wanted().closing {
-            shared.wait(shared.wanted().generation, until.saturating_duration_since(Instant::now()));
+            shared.wait(shared.wanted().generation, until.saturating_duration_since(Instant::now())).await;
         }
         if shared.wanted().closing {
             return;
@@ -316,10 +308,10 @@ fn keep_connected(settings: &Settings, shared: &Shared) {
 }
 
 /// Until the link is closed, or the board is lost.
-fn session(settings: &Settings, shared: &Shared) -> Result<(), LinkError> {
+async fn session(settings: &Settings, shared: &Shared) -> Result<(), LinkError> {
     match settings.profile.answers() {
-        true => native::run(settings, shared),
-        false => stock::run(settings, shared),
+        true => native::run(settings, shared).await,
+        false => stock::run(settings, shared).await,
     }
 }
 
@@ -330,13 +322,20 @@ struct Sounding<'a> {
     shared: &'a Shared,
 }
 
+impl<'a> Sounding<'a> {
+    fn new(mut port: Port, silence: Vec<u8>, shared: &'a Shared) -> Self {
+        port.leave_behind(&silence);
+        Self { port, silence, shared }
+    }
+}
+
 impl Drop for Sounding<'_> {
     fn drop(&mut self) {
         // A port that is gone cannot be told; the native board's watchdog notices.
-        let silenced = self.port.write(&self.silence).is_ok();
+        let silenced = self.port.leave(&self.silence);
         self.shared.note(|figures| figures.health.silenced = silenced);
         if silenced {
-            thread::sleep(self.port.backlog() + LEAD);
+            task::linger(self.port.backlog() + LEAD);
         }
     }
 }

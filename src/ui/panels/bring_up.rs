@@ -12,7 +12,7 @@ use crate::ui::{Editor, theme};
 
 /// The steps, once they were begun; before, a button for them.
 pub fn show(editor: &mut Editor, board: &BoardShown, ui: &mut Ui, ask: &mut impl FnMut(BoardCommand)) {
-    let Some(mut run) = editor.board.bring_up.take() else { return begin(editor, ui, ask) };
+    let Some(mut run) = editor.board.bring_up.take() else { return begin(editor, board, ui, ask) };
     heading(ui, &format!("Bring-up, step {}", run.step.title()));
     let profile = editor.board.profile;
     let was = run.step;
@@ -39,11 +39,11 @@ pub fn show(editor: &mut Editor, board: &BoardShown, ui: &mut Ui, ask: &mut impl
     editor.board.bring_up = (!ends).then_some(run);
 }
 
-fn begin(editor: &mut Editor, ui: &mut Ui, ask: &mut impl FnMut(BoardCommand)) {
+fn begin(editor: &mut Editor, board: &BoardShown, ui: &mut Ui, ask: &mut impl FnMut(BoardCommand)) {
     let named = !editor.board.port().is_empty();
     let button = ui.add_enabled(named, egui::Button::new("Bring up a board"));
     let tip = "Tests the line, every element, a focus and the emergency stop, step by step";
-    if button.on_hover_text(tip).on_disabled_hover_text("Name a port first").clicked() {
+    if button.on_hover_text(tip).on_disabled_hover_text(board.ports_from.first()).clicked() {
         editor.board.bring_up = Some(Box::default());
         ask(BoardCommand::Survey);
     }

@@ -5,7 +5,7 @@ use egui::{RichText, Ui};
 use crate::device::health::{Health, State};
 use crate::device::profile::Profile;
 use crate::scene::motion;
-use crate::ui::board::{BoardCommand, BoardShown, Plays};
+use crate::ui::board::{BoardCommand, BoardShown, Plays, Ports};
 use crate::ui::panels::{bring_up, caption, choice, count, fact, form, heading};
 use crate::ui::{Command, Editor, Shown, theme};
 
@@ -54,13 +54,10 @@ fn connection(editor: &mut Editor, board: &BoardShown, ui: &mut Ui, ask: &mut im
             port(editor, board, ui, ask);
             let tip = "Bits per second, of board and adapter";
             choice(ui, ("Bit rate", tip), &mut editor.board.baud, &BAUDS);
-            let tip =
-                "CSV with the columns element, offset (degrees), gain (0 to 1), off (0 or 1); may be empty";
-            let label = caption(ui, "Calibration").on_hover_text(tip);
-            ui.add(egui::TextEdit::singleline(&mut editor.board.calibration).hint_text("CSV file"))
-                .labelled_by(label.id)
-                .on_hover_text(tip);
-            ui.end_row();
+            // A page has the files that it has written, and no others to name.
+            if board.ports_from == Ports::Computer || !editor.board.calibration.is_empty() {
+                calibration(editor, ui);
+            }
         });
     });
     let profile = editor.board.profile;
@@ -86,7 +83,7 @@ fn connection(editor: &mut Editor, board: &BoardShown, ui: &mut Ui, ask: &mut im
             let button = ui.add_enabled(named, egui::Button::new("Connect"));
             let button = button
                 .on_hover_text("Opens the port and silences the board")
-                .on_disabled_hover_text("Name a port first");
+                .on_disabled_hover_text(board.ports_from.first());
             if button.clicked() {
                 ask(BoardCommand::Connect);
             }
@@ -99,7 +96,16 @@ fn connection(editor: &mut Editor, board: &BoardShown, ui: &mut Ui, ask: &mut im
     });
 }
 
-/// Ports to choose from, and a field for any other.
+fn calibration(editor: &mut Editor, ui: &mut Ui) {
+    let tip = "CSV with the columns element, offset (degrees), gain (0 to 1), off (0 or 1); may be empty";
+    let label = caption(ui, "Calibration").on_hover_text(tip);
+    ui.add(egui::TextEdit::singleline(&mut editor.board.calibration).hint_text("CSV file"))
+        .labelled_by(label.id)
+        .on_hover_text(tip);
+    ui.end_row();
+}
+
+/// Ports to choose from, and where they can be typed a field for any other.
 fn port(editor: &mut Editor, board: &BoardShown, ui: &mut Ui, ask: &mut impl FnMut(BoardCommand)) {
     let tip = "Serial port of the board";
     let label = caption(ui, "Port").on_hover_text(tip);
@@ -108,26 +114,54 @@ fn port(editor: &mut Editor, board: &BoardShown, ui: &mut Ui, ask: &mut impl FnM
         ui.end_row();
         return;
     }
-    ui.horizontal(|ui| {
-        let field = egui::TextEdit::singleline(&mut editor.board.port).desired_width(150.0);
-        ui.add(field.hint_text("/dev/ttyUSB0")).labelled_by(label.id).on_hover_text(tip);
-        let menu = ui.menu_button("Ports", |ui| {
-            if board.ports.is_empty() {
-                ui.label("No serial ports found");
+    match board.ports_from {
+        Ports::Computer => ui.horizontal(|ui| {
+            let field = egui::TextEdit::singleline(&mut editor.board.port).desired_width(150.0);
+            ui.add(field.hint_text("/dev/ttyUSB0")).labelled_by(label.id).on_hover_text(tip);
+            listed(editor, board, "Ports", "Serial ports of this computer", ui, ask);
+        }),
+        Ports::Browser => ui.horizontal(|ui| {
+            let chosen = editor.board.port.trim();
+            if !board.ports.is_empty() {
+                let name = if chosen.is_empty() { "Ports" } else { chosen }.to_owned();
+                listed(editor, board, &name, "Serial ports that this page may use", ui, ask);
             }
-            for port in &board.ports {
-                if ui.button(&port.label).clicked() {
-                    editor.board.port.clone_from(&port.name);
-                    editor.board.profile = port.profile.unwrap_or(editor.board.profile);
-                    ui.close();
-                }
+            let tip = "The browser asks which port this page may use";
+            if ui.button("Choose a port…").on_hover_text(tip).clicked() {
+                ask(BoardCommand::ChoosePort);
             }
-        });
-        if menu.response.on_hover_text("Serial ports of this computer").clicked() {
-            ask(BoardCommand::ListPorts);
+        }),
+        Ports::Nowhere => ui.horizontal(|ui| {
+            ui.weak("This browser has no serial ports for pages; Chrome and Edge on a computer have.");
+        }),
+    };
+    ui.end_row();
+}
+
+/// A menu of the ports that there are.
+fn listed(
+    editor: &mut Editor,
+    board: &BoardShown,
+    name: &str,
+    tip: &str,
+    ui: &mut Ui,
+    ask: &mut impl FnMut(BoardCommand),
+) {
+    let menu = ui.menu_button(name, |ui| {
+        if board.ports.is_empty() {
+            ui.label("No serial ports found");
+        }
+        for port in &board.ports {
+            if ui.button(&port.label).clicked() {
+                editor.board.port.clone_from(&port.name);
+                editor.board.profile = port.profile.unwrap_or(editor.board.profile);
+                ui.close();
+            }
         }
     });
-    ui.end_row();
+    if menu.response.on_hover_text(tip).clicked() {
+        ask(BoardCommand::ListPorts);
+    }
 }
 
 fn state(board: &BoardShown, profile: Profile, ui: &mut Ui) {
@@ -312,5 +346,72 @@ fn played(editor: &mut Editor, board: &BoardShown, ui: &mut Ui) {
                 );
             }
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::cell::RefCell;
+    use std::rc::Rc;
+
+    use egui_kittest::Harness;
+    use egui_kittest::kittest::{NodeT, Queryable};
+
+    use super::*;
+    use crate::scene::Scene;
+    use crate::ui::board::PortShown;
+    use crate::ui::document::Document;
+
+    type Asked = Rc<RefCell<Vec<Command>>>;
+
+    /// The panel where ports come from there, with one that is called `names`, and what it asks for.
+    fn panel(ports_from: Ports, names: &[&str]) -> (Harness<'static, Editor>, Asked) {
+        let mut shown = Shown::default();
+        shown.board.ports_from = ports_from;
+        let port =
+            |name: &&str| PortShown { name: (*name).to_owned(), label: (*name).to_owned(), profile: None };
+        shown.board.ports = names.iter().map(port).collect();
+        let asked = Asked::default();
+        let theirs = Rc::clone(&asked);
+        let draw = move |ui: &mut Ui, editor: &mut Editor| show(editor, &shown, ui, &mut theirs.borrow_mut());
+        let editor = Editor::new(Document::new(Scene::default(), "scene"));
+        (Harness::new_ui_state(draw, editor), asked)
+    }
+
+    #[test]
+    fn a_page_has_the_ports_that_its_user_chooses_in_the_browser() {
+        let (mut panel, asked) = panel(Ports::Browser, &["USB 0403:6010"]);
+        assert!(
+            panel.query_by_label("Calibration").is_none()
+                && panel.get_by_label("Connect").accesskit_node().is_disabled()
+        );
+        panel.get_by_label("Choose a port…").click();
+        panel.run_steps(2);
+        assert_eq!(asked.take(), [Command::Board(BoardCommand::ChoosePort)]);
+        panel.get_by_label("Ports").click();
+        panel.run_steps(2);
+        panel.get_by_label("USB 0403:6010").click();
+        panel.run_steps(2);
+        assert_eq!(
+            (asked.take(), panel.state().board.port.as_str()),
+            (vec![Command::Board(BoardCommand::ListPorts)], "USB 0403:6010")
+        );
+        panel.get_by_label("Connect").click();
+        panel.run_steps(2);
+        assert_eq!(asked.take(), [Command::Board(BoardCommand::Connect)]);
+        // What its bring-up has saved is there as long as the page.
+        panel.state_mut().board.calibration = "calibration.csv".to_owned();
+        panel.run_steps(2);
+        assert!(panel.query_by_label("Calibration").is_some());
+    }
+
+    #[test]
+    fn where_a_browser_has_no_ports_a_virtual_board_is_left() {
+        let (mut panel, asked) = panel(Ports::Nowhere, &[]);
+        assert!(panel.query_by_label("Choose a port…").is_none() && panel.query_by_label("Ports").is_none());
+        assert!(panel.query_by_label_contains("This browser has no serial ports").is_some());
+        panel.get_by_label("Try without a board").click();
+        panel.run_steps(2);
+        assert_eq!(asked.take(), [Command::Board(BoardCommand::TryWithout)]);
     }
 }

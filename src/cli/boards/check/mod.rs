@@ -15,6 +15,7 @@ use crate::device::health::{Found, Health, State};
 use crate::device::levels::Levels;
 use crate::device::link::{Content, Event, Link, Settings};
 use crate::device::profile::Profile;
+use crate::device::task::finish;
 use crate::scene::{Envelope, Modulation};
 use crate::solver;
 use crate::studio::bring_up::{HEIGHT, Report, Verdict, focus_scene, survey_line};
@@ -83,11 +84,11 @@ impl Check {
     /// Who answers, and what the line carries; the bit rate to go on with.
     fn line(&mut self, args: &CheckArgs) -> anyhow::Result<Option<u32>> {
         let mut said = Ok(());
-        let fastest = survey_line(&args.port, self.profile, &mut |verdict, what| {
+        let fastest = finish(survey_line(&args.port, self.profile, &mut |verdict, what| {
             if said.is_ok() {
                 said = self.note(verdict, what);
             }
-        })?;
+        }))?;
         said?;
         Ok(args.baud.or(fastest))
     }

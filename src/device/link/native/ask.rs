@@ -1,6 +1,6 @@
 //! One question and its answer, where there is no session yet.
 
-use std::time::{Duration, Instant};
+use web_time::{Duration, Instant};
 
 use crate::device::link::LinkError;
 use crate::device::native::packet::{Kind, Outcome, Packet, REPLY, Reply, Splitter};
@@ -31,15 +31,15 @@ impl Asker {
     ///
     /// # Errors
     /// A port that is gone or stuck.
-    pub fn ask(&mut self, port: &mut Port, packet: &Packet) -> Result<Option<Reply>, PortError> {
+    pub async fn ask(&mut self, port: &mut Port, packet: &Packet) -> Result<Option<Reply>, PortError> {
         const LOOK: Duration = Duration::from_millis(5);
         self.seq = self.seq.wrapping_add(1);
-        port.write(&packet.clone().numbered(self.seq).to_line())?;
+        port.write(&packet.clone().numbered(self.seq).to_line()).await?;
         let until = Instant::now() + port.backlog() + ANSWER;
         while Instant::now() < until {
             // Any answer of its kind will do: that of an earlier attempt may come late.
             let is_it = |reply: &Reply| (reply.code, reply.address) == (packet.code + REPLY, packet.address);
-            if let Some(reply) = self.replies(port, LOOK)?.into_iter().find(is_it) {
+            if let Some(reply) = self.replies(port, LOOK).await?.into_iter().find(is_it) {
                 return Ok(Some(reply));
             }
         }
@@ -50,9 +50,9 @@ impl Asker {
     ///
     /// # Errors
     /// A port that is gone, a device that refuses or does not answer.
-    pub fn order(&mut self, port: &mut Port, packet: &Packet) -> Result<Reply, LinkError> {
+    pub async fn order(&mut self, port: &mut Port, packet: &Packet) -> Result<Reply, LinkError> {
         for _ in 0..ATTEMPTS {
-            match self.ask(port, packet)? {
+            match self.ask(port, packet).await? {
                 Some(reply) if reply.outcome == Outcome::Ok => return Ok(reply),
                 Some(_) => {
                     return Err(LinkError::Refused(
@@ -69,8 +69,8 @@ impl Asker {
     ///
     /// # Errors
     /// A port that is gone.
-    pub fn replies(&mut self, port: &mut Port, timeout: Duration) -> Result<Vec<Reply>, PortError> {
-        let bytes = port.read(timeout)?;
+    pub async fn replies(&mut self, port: &mut Port, timeout: Duration) -> Result<Vec<Reply>, PortError> {
+        let bytes = port.read(timeout).await?;
         self.heard |= !bytes.is_empty();
         let parts = bytes.into_iter().filter_map(|byte| self.splitter.push(byte));
         let replies: Vec<_> = parts.filter_map(|part| Reply::of_line(&part).ok()).collect();
@@ -84,13 +84,13 @@ impl Asker {
     ///
     /// # Errors
     /// As [`Self::order`]; a device that goes on sounding.
-    pub fn reset(&mut self, port: &mut Port, address: u8) -> Result<Reply, LinkError> {
+    pub async fn reset(&mut self, port: &mut Port, address: u8) -> Result<Reply, LinkError> {
         /// A muted device is silent within this: its ramp takes 6.4 ms, and RESET is refused until it has ended.
         const FADED: Duration = Duration::from_millis(300);
-        self.order(port, &Packet::mute().to(address))?;
+        self.order(port, &Packet::mute().to(address)).await?;
         let until = Instant::now() + FADED;
         loop {
-            match self.ask(port, &Packet::reset().to(address))? {
+            match self.ask(port, &Packet::reset().to(address)).await? {
                 Some(reply) if reply.outcome == Outcome::Ok => return Ok(reply),
                 Some(reply) if reply.outcome != Outcome::State => break,
                 Some(_) | None if Instant::now() > until => break,

@@ -1,7 +1,8 @@
 //! Finding native devices, bringing them to a known state, and agreeing on a bit rate.
 
 use std::collections::VecDeque;
-use std::time::Instant;
+
+use web_time::Instant;
 
 use crate::device::envelope::Table;
 use crate::device::health::Found;
@@ -18,15 +19,15 @@ const VERSION: u8 = 2;
 
 impl<'a> Session<'a> {
     /// Finds the devices, silences them, and takes from them what an earlier program may have left.
-    pub fn connect(settings: &Settings, shared: &'a Shared) -> Result<Self, LinkError> {
-        let port = Port::open(&settings.port, Profile::Native.baud())?;
+    pub async fn connect(settings: &Settings, shared: &'a Shared) -> Result<Self, LinkError> {
+        let port = Port::open(&settings.port, Profile::Native.baud()).await?;
         let name = port.name().to_owned();
         // A delimiter first, to end what the line may have left there.
         let silence = [vec![0], Packet::mute().to(BROADCAST).to_line()].concat();
-        let mut board = Sounding { port, silence, shared };
+        let mut board = Sounding::new(port, silence, shared);
         let mut asker = Asker::new();
         let closing = || shared.wanted().closing;
-        let info = introduce(&mut board.port, &mut asker, 0, &closing)?;
+        let info = introduce(&mut board.port, &mut asker, 0, &closing).await?;
         let now = Instant::now();
         let mut session = Self {
             board,
@@ -55,10 +56,10 @@ impl<'a> Session<'a> {
             ended: None,
         };
         for address in session.addresses() {
-            introduce(&mut session.board.port, &mut session.asker, address, &closing)?;
-            session.reset(address)?;
+            introduce(&mut session.board.port, &mut session.asker, address, &closing).await?;
+            session.reset(address).await?;
         }
-        session.change_baud(settings.baud())?;
+        session.change_baud(settings.baud()).await?;
         let found = Found {
             baud: settings.baud(),
             carrier: Some(session.carrier()),
@@ -71,8 +72,8 @@ impl<'a> Session<'a> {
     }
 
     /// Device `address` in the state of power-up.
-    fn reset(&mut self, address: u8) -> Result<(), LinkError> {
-        let reply = self.asker.reset(&mut self.board.port, address)?;
+    async fn reset(&mut self, address: u8) -> Result<(), LinkError> {
+        let reply = self.asker.reset(&mut self.board.port, address).await?;
         if let (Body::Status(status), Some(device)) = (reply.body, self.devices.get_mut(usize::from(address)))
         {
             *device = Device { slot: status.slot, periods: status.periods, enabled: false };
@@ -87,19 +88,19 @@ impl<'a> Session<'a> {
         Ok(())
     }
 
-    fn change_baud(&mut self, baud: u32) -> Result<(), LinkError> {
+    async fn change_baud(&mut self, baud: u32) -> Result<(), LinkError> {
         if baud == self.board.port.baud() {
             return Ok(());
         }
         let packet = agreeable(&self.info, baud)?;
         // On a shared line all change at once; what was lost is told by the silence afterwards.
         match self.devices.len() {
-            1 => drop(self.asker.order(&mut self.board.port, &packet)?),
-            _ => drop(self.board.port.write(&packet.to(BROADCAST).to_line())?),
+            1 => drop(self.asker.order(&mut self.board.port, &packet).await?),
+            _ => drop(self.board.port.write(&packet.to(BROADCAST).to_line()).await?),
         }
-        self.board.port.set_baud(baud)?;
+        self.board.port.set_baud(baud).await?;
         for address in self.addresses() {
-            self.asker.order(&mut self.board.port, &Packet::status().to(address))?;
+            self.asker.order(&mut self.board.port, &Packet::status().to(address)).await?;
         }
         Ok(())
     }
@@ -109,7 +110,7 @@ impl<'a> Session<'a> {
 ///
 /// # Errors
 /// No answer, or one of another board or of another version.
-pub fn introduce(
+pub async fn introduce(
     port: &mut Port,
     asker: &mut Asker,
     address: u8,
@@ -117,8 +118,8 @@ pub fn introduce(
 ) -> Result<Info, LinkError> {
     let until = Instant::now() + SILENT;
     while Instant::now() < until && !closing() {
-        port.write(&[0])?;
-        let reply = asker.ask(port, &Packet::info().to(address))?;
+        port.write(&[0]).await?;
+        let reply = asker.ask(port, &Packet::info().to(address)).await?;
         if let Some(Reply { body: Body::Info(info), .. }) = reply {
             return expected(info);
         }

@@ -10,7 +10,8 @@ pub mod survey;
 mod wish;
 
 use std::collections::VecDeque;
-use std::time::{Duration, Instant};
+
+use web_time::{Duration, Instant};
 
 use crate::device::envelope::Table;
 use crate::device::link::native::ask::Asker;
@@ -35,16 +36,16 @@ const ATTEMPTS: u32 = 12;
 /// Which frame of which wish.
 type Key = (u64, usize);
 
-pub fn run(settings: &Settings, shared: &Shared) -> Result<(), LinkError> {
-    let mut session = Session::connect(settings, shared)?;
+pub async fn run(settings: &Settings, shared: &Shared) -> Result<(), LinkError> {
+    let mut session = Session::connect(settings, shared).await?;
     loop {
         let wanted = shared.wanted();
         if wanted.closing {
             return Ok(());
         }
         session.follow(&wanted);
-        session.send_what_fits(&wanted)?;
-        session.listen(&wanted)?;
+        session.send_what_fits(&wanted).await?;
+        session.listen(&wanted).await?;
     }
 }
 
@@ -147,10 +148,10 @@ impl Session<'_> {
         self.devices.iter().all(|device| device.enabled)
     }
 
-    fn send_what_fits(&mut self, wanted: &Wanted) -> Result<(), LinkError> {
+    async fn send_what_fits(&mut self, wanted: &Wanted) -> Result<(), LinkError> {
         while self.on_the_way.len() < WINDOW && self.board.port.backlog() < LEAD {
             let Some((packet, purpose)) = self.next_packet(wanted) else { break };
-            self.send(packet, purpose, wanted)?;
+            self.send(packet, purpose, wanted).await?;
         }
         Ok(())
     }
@@ -177,7 +178,7 @@ impl Session<'_> {
         self.seq % self.devices.len() as u8
     }
 
-    fn send(&mut self, packet: Packet, purpose: Purpose, wanted: &Wanted) -> Result<(), LinkError> {
+    async fn send(&mut self, packet: Packet, purpose: Purpose, wanted: &Wanted) -> Result<(), LinkError> {
         self.seq = self.seq.wrapping_add(1);
         let (address, seq, code) = (packet.address, self.seq, packet.code);
         let mut line = packet.numbered(seq).to_line();
@@ -185,7 +186,7 @@ impl Session<'_> {
             // Ends what noise may have begun while the line was idle.
             line.insert(0, 0);
         }
-        let gone = self.board.port.write(&line)?;
+        let gone = self.board.port.write(&line).await?;
         self.shared.note_bytes(line.len());
         self.written_at = Instant::now();
         if let Purpose::Frame(key) = purpose {
@@ -201,15 +202,15 @@ impl Session<'_> {
     }
 
     /// Waits for answers, or for something to do.
-    fn listen(&mut self, wanted: &Wanted) -> Result<(), LinkError> {
+    async fn listen(&mut self, wanted: &Wanted) -> Result<(), LinkError> {
         if self.on_the_way.is_empty() {
             let next = wanted.content.as_deref().filter(|_| self.live);
             let next = next.map_or(Duration::MAX, |content| content.next_in(wanted.since.elapsed()));
             let alive = KEEP_ALIVE.saturating_sub(self.written_at.elapsed());
-            self.shared.wait(wanted.generation, next.min(alive));
+            self.shared.wait(wanted.generation, next.min(alive)).await;
             return Ok(());
         }
-        for reply in self.asker.replies(&mut self.board.port, Duration::from_millis(1))? {
+        for reply in self.asker.replies(&mut self.board.port, Duration::from_millis(1)).await? {
             self.answered(&reply, wanted)?;
         }
         let now = Instant::now();

@@ -2,7 +2,8 @@
 
 use std::collections::VecDeque;
 use std::path::Path;
-use std::time::{Duration, Instant};
+
+use web_time::{Duration, Instant};
 
 use crate::device::link::native::ask::Asker;
 use crate::device::link::native::{ANSWER, WINDOW, connect};
@@ -12,6 +13,7 @@ use crate::device::native::packet::{Body, Info, Kind, Outcome, Packet, REPLY, St
 use crate::device::port::Port;
 use crate::device::profile::Profile;
 use crate::device::statistics::Durations;
+use crate::device::task;
 
 /// Bit rates that adapters have, slowest first.
 pub const RATES: [u32; 7] = [115_200, 230_400, 460_800, 921_600, 1_000_000, 2_000_000, 3_000_000];
@@ -67,38 +69,43 @@ impl Trial {
 ///
 /// # Errors
 /// A port that is not there, or no native device that answers.
-pub fn survey(path: &Path, tell: &mut dyn FnMut(Discovery)) -> Result<Option<u32>, LinkError> {
-    let mut port = Port::open(path, Profile::Native.baud())?;
+pub async fn survey(path: &Path, tell: &mut dyn FnMut(Discovery)) -> Result<Option<u32>, LinkError> {
+    let mut port = Port::open(path, Profile::Native.baud()).await?;
     let mut asker = Asker::new();
-    let info = connect::introduce(&mut port, &mut asker, 0, &|| false)?;
-    if let Body::Status(status) = asker.reset(&mut port, 0)?.body {
+    let info = connect::introduce(&mut port, &mut asker, 0, &|| false).await?;
+    if let Body::Status(status) = asker.reset(&mut port, 0).await?.body {
         tell(Discovery::Board(info, status));
     }
     let mut fastest = None;
     for baud in RATES {
-        let trial = Trial { baud, outcome: at_rate(&mut port, &mut asker, &info, baud)? };
+        let trial = Trial { baud, outcome: at_rate(&mut port, &mut asker, &info, baud).await? };
         match trial.is_clean() {
             true => fastest = Some(baud),
-            false => come_back(&mut port, &mut asker, &info)?,
+            false => come_back(&mut port, &mut asker, &info).await?,
         }
         tell(Discovery::Rate(trial));
     }
-    come_back(&mut port, &mut asker, &info)?;
-    asker.reset(&mut port, 0)?;
+    come_back(&mut port, &mut asker, &info).await?;
+    asker.reset(&mut port, 0).await?;
     Ok(fastest)
 }
 
 /// One rate: agreed upon, tried, and what it left in the store read back.
-fn at_rate(port: &mut Port, asker: &mut Asker, info: &Info, baud: u32) -> Result<TrialOutcome, LinkError> {
+async fn at_rate(
+    port: &mut Port,
+    asker: &mut Asker,
+    info: &Info,
+    baud: u32,
+) -> Result<TrialOutcome, LinkError> {
     let packet = match connect::agreeable(info, baud) {
         Ok(packet) => packet,
         Err(error) => return Ok(TrialOutcome::Impossible(error.to_string())),
     };
-    asker.order(port, &packet)?;
-    if let Err(error) = port.set_baud(baud) {
+    asker.order(port, &packet).await?;
+    if let Err(error) = port.set_baud(baud).await {
         return Ok(TrialOutcome::Impossible(error.to_string()));
     }
-    Burst::new(info).run(port, asker).map(TrialOutcome::Tried)
+    Burst::new(info).run(port, asker).await.map(TrialOutcome::Tried)
 }
 
 /// Frames into slots that do not play, as fast as answers allow.
@@ -132,24 +139,24 @@ impl Burst {
         1 + (number % u32::from(self.slots.max(1))) as u8
     }
 
-    fn run(mut self, port: &mut Port, asker: &mut Asker) -> Result<Figures, LinkError> {
+    async fn run(mut self, port: &mut Port, asker: &mut Asker) -> Result<Figures, LinkError> {
         let begun = Instant::now();
         let mut written: Vec<u32> = Vec::new();
         // A line that carries nothing is not tried for longer.
         while begun.elapsed() < TRIAL && self.figures.lost < 2 * WINDOW as u32 {
             while self.on_the_way.len() < WINDOW && port.backlog() < LEAD {
-                self.send(port)?;
+                self.send(port).await?;
             }
-            self.hear(port, asker, &mut written)?;
+            self.hear(port, asker, &mut written).await?;
         }
         while !self.on_the_way.is_empty() {
-            self.hear(port, asker, &mut written)?;
+            self.hear(port, asker, &mut written).await?;
         }
         let seconds = begun.elapsed().as_secs_f64();
         self.figures.frames_per_second = f64::from(self.figures.sent - self.figures.lost) / seconds;
         self.figures.round_trip = self.round_trips.spread().map_or(Duration::ZERO, |spread| spread.median);
         for &number in written.iter().rev().take(WINDOW) {
-            let digest = asker.ask(port, &Packet::digest(Table::Slot(self.slot(number))))?;
+            let digest = asker.ask(port, &Packet::digest(Table::Slot(self.slot(number)))).await?;
             let told = digest.and_then(|reply| match reply.body {
                 Body::Digest(digest) => Some(digest.crc),
                 Body::Info(_) | Body::Status(_) => None,
@@ -160,18 +167,23 @@ impl Burst {
         Ok(self.figures)
     }
 
-    fn send(&mut self, port: &mut Port) -> Result<(), LinkError> {
+    async fn send(&mut self, port: &mut Port) -> Result<(), LinkError> {
         let number = self.figures.sent;
         let seq = number as u8;
         let packet = Packet::frame(self.slot(number), &pattern(number), false).numbered(seq);
-        let gone = port.write(&packet.to_line())?;
+        let gone = port.write(&packet.to_line()).await?;
         self.figures.sent += 1;
         self.on_the_way.push_back(Frame { seq, number, gone });
         Ok(())
     }
 
-    fn hear(&mut self, port: &mut Port, asker: &mut Asker, written: &mut Vec<u32>) -> Result<(), LinkError> {
-        for reply in asker.replies(port, Duration::from_millis(1))? {
+    async fn hear(
+        &mut self,
+        port: &mut Port,
+        asker: &mut Asker,
+        written: &mut Vec<u32>,
+    ) -> Result<(), LinkError> {
+        for reply in asker.replies(port, Duration::from_millis(1)).await? {
             let place = self.on_the_way.iter().position(|frame| frame.seq == reply.seq);
             let Some(place) = place.filter(|_| reply.code == Kind::Frame.code() + REPLY) else { continue };
             // What was sent before it and has no answer was lost.
@@ -201,12 +213,12 @@ fn pattern(number: u32) -> [[u8; 2]; 256] {
 }
 
 /// Back at the rate of power-up: by agreement, or else by waiting for it.
-fn come_back(port: &mut Port, asker: &mut Asker, info: &Info) -> Result<(), LinkError> {
+async fn come_back(port: &mut Port, asker: &mut Asker, info: &Info) -> Result<(), LinkError> {
     let usual = Profile::Native.baud();
-    let agreed = asker.ask(port, &connect::agreeable(info, usual)?)?;
-    port.set_baud(usual)?;
+    let agreed = asker.ask(port, &connect::agreeable(info, usual)?).await?;
+    port.set_baud(usual).await?;
     if agreed.is_none() {
-        std::thread::sleep(FALLBACK);
+        task::sleep(FALLBACK).await;
     }
-    asker.order(port, &Packet::status()).map(drop)
+    asker.order(port, &Packet::status()).await.map(drop)
 }

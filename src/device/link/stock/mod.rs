@@ -2,7 +2,7 @@
 
 mod rhythm;
 
-use std::time::{Duration, Instant};
+use web_time::{Duration, Instant};
 
 use crate::device::health::{Found, FrameRates};
 use crate::device::levels::Levels;
@@ -11,17 +11,16 @@ use crate::device::link::{Content, Event, LEAD, LinkError, Settings, Shared, Sou
 use crate::device::port::Port;
 use crate::device::profile::Profile;
 use crate::device::stock::{self, Modulated};
+use crate::device::task;
 
 /// A frame that does not change is sent again after this, in case a byte was damaged on its way.
 const REFRESH: Duration = Duration::from_millis(250);
-/// So long before a swap the thread stops sleeping and looks at the clock.
-const WATCHFUL: Duration = Duration::from_micros(300);
 
-pub fn run(settings: &Settings, shared: &Shared) -> Result<(), LinkError> {
-    let port = Port::open(&settings.port, settings.baud())?;
+pub async fn run(settings: &Settings, shared: &Shared) -> Result<(), LinkError> {
+    let port = Port::open(&settings.port, settings.baud()).await?;
     let silence = stock::silence(settings.profile);
     let mut session = Session {
-        board: Sounding { port, silence: silence.clone(), shared },
+        board: Sounding::new(port, silence.clone(), shared),
         shared,
         profile: settings.profile,
         sent: None,
@@ -30,8 +29,8 @@ pub fn run(settings: &Settings, shared: &Shared) -> Result<(), LinkError> {
         told: None,
         told_rates: None,
     };
-    session.write(&silence)?;
-    std::thread::sleep(session.board.port.backlog());
+    session.write(&silence).await?;
+    task::sleep(session.board.port.backlog()).await;
     session.ready_at = Instant::now();
     let found = Found { baud: settings.baud(), carrier: None, slots: 0, phase_bits: None };
     shared.tell(Event::Ready(found));
@@ -43,7 +42,7 @@ pub fn run(settings: &Settings, shared: &Shared) -> Result<(), LinkError> {
         if wanted.closing {
             return Ok(());
         }
-        session.follow(&wanted)?;
+        session.follow(&wanted).await?;
     }
 }
 
@@ -61,16 +60,16 @@ struct Session<'a> {
 }
 
 impl Session<'_> {
-    fn write(&mut self, bytes: &[u8]) -> Result<Instant, LinkError> {
-        let gone = self.board.port.write(bytes)?;
+    async fn write(&mut self, bytes: &[u8]) -> Result<Instant, LinkError> {
+        let gone = self.board.port.write(bytes).await?;
         self.shared.note_bytes(bytes.len());
         Ok(gone)
     }
 
-    fn follow(&mut self, wanted: &Wanted) -> Result<(), LinkError> {
-        let Some(content) = &wanted.content else { return self.fall_silent(wanted) };
+    async fn follow(&mut self, wanted: &Wanted) -> Result<(), LinkError> {
+        let Some(content) = &wanted.content else { return self.fall_silent(wanted).await };
         let modulated = stock::modulated(self.profile, &wanted.modulation, self.board.port.baud());
-        self.tell_modulation(modulated, content, wanted)?;
+        self.tell_modulation(modulated, content, wanted).await?;
         let rates = self.rates(modulated, content);
         if std::mem::replace(&mut self.told_rates, rates) != rates
             && let (Some(rates), false) = (rates, matches!(modulated, Modulated::FromHere(_)))
@@ -81,25 +80,25 @@ impl Session<'_> {
         }
         self.shared.note(|figures| figures.health.rates = rates);
         match modulated {
-            Modulated::FromHere(frequency) => self.alternate(content, frequency, wanted),
+            Modulated::FromHere(frequency) => self.alternate(content, frequency, wanted).await,
             Modulated::Steady | Modulated::ByBoard(..) | Modulated::Never(_) | Modulated::OneFrequency => {
-                self.steady(content, wanted)
+                self.steady(content, wanted).await
             }
         }
     }
 
-    fn fall_silent(&mut self, wanted: &Wanted) -> Result<(), LinkError> {
+    async fn fall_silent(&mut self, wanted: &Wanted) -> Result<(), LinkError> {
         let key = (wanted.generation, 0);
         if self.sent != Some(key) {
-            self.write(&stock::silence(self.profile))?;
+            self.write(&stock::silence(self.profile)).await?;
             self.shared.note(|figures| figures.health.rates = None);
             self.sent = Some(key);
         }
-        self.shared.wait(wanted.generation, REFRESH);
-        self.look()
+        self.shared.wait(wanted.generation, REFRESH).await;
+        self.look().await
     }
 
-    fn tell_modulation(
+    async fn tell_modulation(
         &mut self,
         modulated: Modulated,
         content: &Content,
@@ -112,7 +111,7 @@ impl Session<'_> {
         }
         self.told = told;
         if let Modulated::ByBoard(byte, _) = modulated {
-            self.write(&[byte])?;
+            self.write(&[byte]).await?;
         }
         text.iter().for_each(|text| self.shared.notice(text));
         Ok(())
@@ -135,7 +134,8 @@ impl Session<'_> {
                 self.board.port.baud()
             )),
             Modulated::FromHere(frequency) => Some(format!(
-                "{name} has no modulation: it is switched on and off {frequency} times a second from here{}",
+                "{name} has no modulation: it is switched on and off {frequency} times a second from here{}{}",
+                if cfg!(target_arch = "wasm32") { ", as evenly as the timers of this page" } else { "" },
                 self.motion_in_words(frequency, content)
             )),
         }
@@ -183,11 +183,11 @@ impl Session<'_> {
     }
 
     /// One look at what is due, and then a wait until something else may be.
-    fn steady(&mut self, content: &Content, wanted: &Wanted) -> Result<(), LinkError> {
+    async fn steady(&mut self, content: &Content, wanted: &Wanted) -> Result<(), LinkError> {
         let backlog = self.board.port.backlog();
         if backlog > LEAD {
             // What is newest then is sent.
-            std::thread::sleep(backlog - LEAD);
+            task::sleep(backlog - LEAD).await;
             return Ok(());
         }
         let elapsed = wanted.since.elapsed();
@@ -196,7 +196,7 @@ impl Session<'_> {
         let due = self.sent_at + REFRESH;
         if self.sent != Some(key) || Instant::now() >= due {
             let fresh = self.sent.is_none_or(|(generation, _)| generation != wanted.generation);
-            let gone = self.write(&stock::frame(levels))?;
+            let gone = self.write(&stock::frame(levels)).await?;
             self.shared.note_frame();
             self.shared.note(|figures| figures.health.in_place = true);
             if fresh && wanted.since > self.ready_at {
@@ -207,22 +207,27 @@ impl Session<'_> {
             return Ok(());
         }
         let refresh = due.saturating_duration_since(Instant::now());
-        self.shared.wait(wanted.generation, content.next_in(elapsed).min(refresh));
-        self.look()
+        self.shared.wait(wanted.generation, content.next_in(elapsed).min(refresh)).await;
+        self.look().await
     }
 
     /// Whether the port is still there. What a board says is an echo at most.
-    fn look(&mut self) -> Result<(), LinkError> {
-        self.board.port.read(Duration::ZERO)?;
+    async fn look(&mut self) -> Result<(), LinkError> {
+        self.board.port.read(Duration::ZERO).await?;
         Ok(())
     }
 
     /// Exchanges sound and darkness until something else is wanted. Frames are loaded in the dark, where it is left too, so that what
     /// comes next lengthens a pause and nothing else.
-    fn alternate(&mut self, content: &Content, frequency: f64, wanted: &Wanted) -> Result<(), LinkError> {
+    async fn alternate(
+        &mut self,
+        content: &Content,
+        frequency: f64,
+        wanted: &Wanted,
+    ) -> Result<(), LinkError> {
         let rhythm = self.rhythm(frequency);
         let dark = Levels::off(self.profile);
-        let dark_from = self.write(&stock::frame(&dark))?;
+        let dark_from = self.write(&stock::frame(&dark)).await?;
         self.sent = Some((wanted.generation, 0));
         self.shared.note(|figures| figures.swaps.clear());
         let mut pulses = Pulses { rhythm, hidden: None, since_load: 0, loaded_at: dark_from, shown: None };
@@ -230,23 +235,23 @@ impl Session<'_> {
         loop {
             let (number, levels) = content.at(due.saturating_duration_since(wanted.since));
             if pulses.needs(number) {
-                let ready = self.load(levels)?;
+                let ready = self.load(levels).await?;
                 self.shared.note_frame();
                 pulses.loaded(number);
                 due = rhythm.next_pulse(due, ready + rhythm.show);
             }
-            if !self.wait_until(due - rhythm.show, wanted) {
+            if !self.wait_until(due - rhythm.show, wanted).await {
                 return Ok(());
             }
-            self.show(levels, &mut pulses)?;
+            self.show(levels, &mut pulses).await?;
             self.shared.note(|figures| figures.health.in_place = true);
             let dark_at = due + rhythm.half;
-            let dark_is_hidden = self.stream(content, dark_at, &mut pulses, wanted)?;
+            let dark_is_hidden = self.stream(content, dark_at, &mut pulses, wanted).await?;
             if !dark_is_hidden {
-                self.load(&dark)?;
+                self.load(&dark).await?;
             }
-            let goes_on = self.wait_until(dark_at - rhythm.show, wanted);
-            self.show(&dark, &mut pulses)?;
+            let goes_on = self.wait_until(dark_at - rhythm.show, wanted).await;
+            self.show(&dark, &mut pulses).await?;
             if !goes_on {
                 return Ok(());
             }
@@ -255,7 +260,7 @@ impl Session<'_> {
     }
 
     /// Plays the frames that are due while it sounds, as far as there is time. Says whether the hidden buffer is still dark.
-    fn stream(
+    async fn stream(
         &mut self,
         content: &Content,
         dark_at: Instant,
@@ -272,12 +277,12 @@ impl Session<'_> {
             }
             if pulses.hidden == Some(number) {
                 let next = now.checked_add(content.next_in(elapsed)).unwrap_or(dark_at);
-                if !pulses.rhythm.streams(next, dark_at) || !self.wait_until(next, wanted) {
+                if !pulses.rhythm.streams(next, dark_at) || !self.wait_until(next, wanted).await {
                     return Ok(dark_is_hidden);
                 }
                 continue;
             }
-            self.write(&stock::frame(levels))?;
+            self.write(&stock::frame(levels)).await?;
             self.shared.note_frame();
             pulses.loaded(number);
             dark_is_hidden = stock::swap(self.profile).is_none();
@@ -285,20 +290,20 @@ impl Session<'_> {
     }
 
     /// Puts a frame into the hidden buffer, if there is one, and says when it is there.
-    fn load(&mut self, levels: &Levels) -> Result<Instant, LinkError> {
+    async fn load(&mut self, levels: &Levels) -> Result<Instant, LinkError> {
         match stock::swap(self.profile) {
-            Some(_) => self.write(&stock::load(levels)),
+            Some(_) => self.write(&stock::load(levels)).await,
             None => Ok(Instant::now() + self.board.port.backlog()),
         }
     }
 
     /// Shows what the hidden buffer holds, which are these levels.
-    fn show(&mut self, levels: &Levels, pulses: &mut Pulses) -> Result<(), LinkError> {
+    async fn show(&mut self, levels: &Levels, pulses: &mut Pulses) -> Result<(), LinkError> {
         match stock::swap(self.profile) {
-            Some(swap) => self.write(&[swap])?,
-            None => self.write(&stock::frame(levels))?,
+            Some(swap) => self.write(&[swap]).await?,
+            None => self.write(&stock::frame(levels)).await?,
         };
-        self.look()?;
+        self.look().await?;
         let now = Instant::now();
         if let Some(lasted) = pulses.shown.replace(now).map(|before| now - before)
             && lasted < 2 * pulses.rhythm.half
@@ -309,13 +314,13 @@ impl Session<'_> {
     }
 
     /// Whether it is still wanted then: waits less exactly than the clock is read.
-    fn wait_until(&self, due: Instant, wanted: &Wanted) -> bool {
+    async fn wait_until(&self, due: Instant, wanted: &Wanted) -> bool {
         let rest = due.saturating_duration_since(Instant::now());
-        self.shared.wait(wanted.generation, rest.saturating_sub(WATCHFUL));
+        self.shared.wait(wanted.generation, rest.saturating_sub(task::WATCHFUL)).await;
         let now = self.shared.wanted();
         let goes_on = now.generation == wanted.generation && !now.closing;
-        while goes_on && Instant::now() < due {
-            std::hint::spin_loop();
+        if goes_on {
+            task::watch(due);
         }
         goes_on
     }

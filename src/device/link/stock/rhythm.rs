@@ -1,6 +1,6 @@
 //! When a board that cannot modulate is switched on and off from here, and what a new frame costs.
 
-use std::time::{Duration, Instant};
+use web_time::{Duration, Instant};
 
 /// Hz; a half period has to end.
 const SLOWEST: f64 = 0.01;

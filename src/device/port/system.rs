@@ -1,79 +1,41 @@
-//! Serial ports: which there are, and one that is open.
+//! The serial ports of this computer. They block.
 
-use std::fmt;
 use std::fs::File;
 use std::io::{self, IsTerminal, Read, Write};
 use std::path::{Path, PathBuf};
-use std::time::{Duration, Instant};
 
 #[cfg(windows)]
 use serialport::COMPort as Serial;
 #[cfg(unix)]
 use serialport::TTYPort as Serial;
 use serialport::{SerialPort, SerialPortInfo, SerialPortType};
+use web_time::Duration;
 
 #[cfg(unix)]
 use crate::device::board;
-use crate::device::pace::Pace;
+use crate::device::port::{Listed, PortError, WRITE_TIMEOUT};
+#[cfg(unix)]
 use crate::device::profile::Profile;
 use crate::echo;
 
-/// After this a port that takes nothing is given up.
-const WRITE_TIMEOUT: Duration = Duration::from_millis(500);
 /// A receiver still reads a line whose rate is wrong by one part in so many.
 const BAUD_TOLERANCE: u32 = 40;
 /// Where Linux lists its terminals.
 const LINUX_PORTS: &str = "/sys/class/tty";
 
-#[derive(Debug, thiserror::Error)]
-pub enum PortError {
-    #[error("there is no port {0}; `sonoglyph ports` lists those there are")]
-    Missing(String),
-    #[error("{0} may not be opened by you; on Debian, members of the group dialout may")]
-    NoPermission(String),
-    #[error("{0} is in use by another program")]
-    Busy(String),
-    #[error("{0} is not a serial port")]
-    NotSerial(String),
-    #[error("{path}: {baud} baud is not possible here: {error}")]
-    Baud { path: String, baud: u32, error: io::Error },
-    #[error("{path} was lost: {error}")]
-    Lost { path: String, error: io::Error },
-    #[error("{0} takes no bytes: nothing drains it")]
-    Stalled(String),
-}
-
-/// An open port, and what it has still to send.
+/// An open port.
 #[derive(Debug)]
-pub struct Port {
+pub struct Wire {
     serial: Serial,
     name: String,
-    baud: u32,
-    pace: Pace,
-}
-
-/// A port to choose.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Listed {
-    pub path: PathBuf,
-    /// What the system says of the adapter, or that it is a virtual board.
-    pub what: Option<String>,
-    /// Of a virtual board.
-    pub profile: Option<Profile>,
-}
-
-impl fmt::Display for Listed {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{}", self.path.display())?;
-        self.what.as_ref().map_or(Ok(()), |what| write!(f, " ({what})"))
-    }
 }
 
 /// Ports that look like serial ones, in order, and then the virtual boards that run here.
 ///
 /// # Errors
 /// A system that does not say.
-pub fn available() -> io::Result<Vec<Listed>> {
+#[expect(clippy::unused_async, reason = "a page waits")]
+pub async fn available() -> io::Result<Vec<Listed>> {
     let mut ports = serial_ports()?;
     ports.extend(virtual_boards());
     Ok(ports)
@@ -124,12 +86,9 @@ fn in_words(kind: SerialPortType) -> Option<String> {
     }
 }
 
-impl Port {
-    /// 8 data bits, no parity, one stop bit.
-    ///
-    /// # Errors
-    /// A port that is not there, not allowed, not serial, in use, or cannot have this bit rate.
-    pub fn open(path: &Path, baud: u32) -> Result<Self, PortError> {
+#[expect(clippy::unused_async, reason = "a page waits")]
+impl Wire {
+    pub async fn open(path: &Path, baud: u32) -> Result<Self, PortError> {
         let name = path.display().to_string();
         let file = std::fs::metadata(path);
         if file.as_ref().is_ok_and(|file| file.is_file() || file.is_dir()) {
@@ -140,48 +99,29 @@ impl Port {
             .map_err(|error| refused(path, baud, error))?;
         never_block(&serial).map_err(|error| PortError::Lost { path: name.clone(), error })?;
         check_rate(&serial, baud).map_err(|error| PortError::Baud { path: name.clone(), baud, error })?;
-        Ok(Self { serial, name, baud, pace: Pace::new(f64::from(baud), Instant::now()) })
+        Ok(Self { serial, name })
     }
 
-    pub fn name(&self) -> &str {
-        &self.name
-    }
-
-    pub fn baud(&self) -> u32 {
-        self.baud
-    }
-
-    /// Changes the bit rate when all has been sent.
-    ///
-    /// # Errors
-    /// A bit rate that this port cannot have.
-    pub fn set_baud(&mut self, baud: u32) -> Result<(), PortError> {
+    /// When all has been sent.
+    pub async fn set_baud(&mut self, baud: u32) -> Result<(), PortError> {
         let set = self.serial.flush().and_then(|()| Ok(self.serial.set_baud_rate(baud)?));
         let set = set.and_then(|()| check_rate(&self.serial, baud));
-        set.map_err(|error| PortError::Baud { path: self.name.clone(), baud, error })?;
-        self.baud = baud;
-        self.pace = Pace::new(f64::from(baud), Instant::now());
-        Ok(())
+        set.map_err(|error| PortError::Baud { path: self.name.clone(), baud, error })
     }
 
-    /// Hands bytes over, and says when the last of them will have left.
-    ///
-    /// # Errors
-    /// A port that is gone, or takes nothing for [`WRITE_TIMEOUT`].
-    pub fn write(&mut self, bytes: &[u8]) -> Result<Instant, PortError> {
+    pub async fn write(&mut self, bytes: &[u8]) -> Result<(), PortError> {
+        self.hand_over(bytes)
+    }
+
+    fn hand_over(&mut self, bytes: &[u8]) -> Result<(), PortError> {
         let written = self.wait_at_most(WRITE_TIMEOUT).and_then(|()| self.serial.write_all(bytes));
         written.map_err(|error| match waited_in_vain(&error) {
             true => PortError::Stalled(self.name.clone()),
             false => self.lost(error),
-        })?;
-        Ok(self.pace.sent(bytes.len(), Instant::now()))
+        })
     }
 
-    /// What has arrived, after waiting for it for at most `timeout`; nothing if nothing came.
-    ///
-    /// # Errors
-    /// A port that is gone.
-    pub fn read(&mut self, timeout: Duration) -> Result<Vec<u8>, PortError> {
+    pub async fn read(&mut self, timeout: Duration) -> Result<Vec<u8>, PortError> {
         let mut bytes = [0; 1024];
         let read = self.wait_at_most(timeout).and_then(|()| self.serial.read(&mut bytes));
         match read {
@@ -192,21 +132,19 @@ impl Port {
         }
     }
 
+    /// The system sends them when this program has ended.
+    pub fn leave(&mut self, last: &[u8]) -> bool {
+        self.hand_over(last).is_ok()
+    }
+
+    /// A thread that unwinds lets its port go, so nothing is left to others.
+    pub fn leave_behind(&mut self, _: &[u8]) {}
+
     /// serialport has one timeout for reads and writes.
     fn wait_at_most(&mut self, timeout: Duration) -> io::Result<()> {
         // Windows does not say what a timeout of 0 is.
         let least = Duration::from_millis(if cfg!(windows) { 1 } else { 0 });
         Ok(self.serial.set_timeout(timeout.max(least))?)
-    }
-
-    /// How long the line is still busy.
-    pub fn backlog(&self) -> Duration {
-        self.pace.backlog(Instant::now())
-    }
-
-    /// How long `bytes` take on the line.
-    pub fn time_of(&self, bytes: usize) -> Duration {
-        self.pace.time_of(bytes)
     }
 
     fn lost(&self, error: io::Error) -> PortError {

@@ -1,0 +1,113 @@
+//! A virtual board in the program's own memory: what is written to it arrives as fast as its line would carry it.
+
+use std::collections::VecDeque;
+
+use web_time::{Duration, Instant};
+
+use crate::device::board::logic::{Heeded, Native, Playing, Shown, Stock};
+use crate::device::native::model::Model;
+use crate::device::pace::Pace;
+use crate::device::profile::Profile;
+
+/// Relative difference of bit rates beyond which bytes are not read right.
+const BAUD_TOLERANCE: f64 = 0.04;
+/// Of the native device.
+const PHASE_BITS: u8 = 7;
+
+#[derive(Debug)]
+enum Logic {
+    /// It reads any bit rate.
+    Stock(Box<Stock>),
+    Native(Box<Native>),
+}
+
+/// A board and the line to it.
+#[derive(Debug)]
+pub struct VirtualBoard {
+    logic: Logic,
+    baud: f64,
+    pace: Pace,
+    /// Bytes on the line, and when each arrives.
+    coming: VecDeque<(Instant, u8)>,
+    answers: Vec<u8>,
+    shown: Vec<Shown>,
+}
+
+impl VirtualBoard {
+    pub fn new(profile: Profile, baud: u32) -> Self {
+        let now = Instant::now();
+        let native = || Native::new(&Model::new(PHASE_BITS), profile.devices(), now);
+        let logic = match profile.answers() {
+            true => Logic::Native(Box::new(native())),
+            false => Logic::Stock(Box::new(Stock::new(profile))),
+        };
+        let baud = f64::from(baud);
+        let (coming, answers, shown) = (VecDeque::new(), Vec::new(), Vec::new());
+        Self { logic, baud, pace: Pace::new(baud, now), coming, answers, shown }
+    }
+
+    /// The other end's bit rate, from the next byte on.
+    pub fn set_baud(&mut self, baud: u32) {
+        self.run();
+        self.baud = f64::from(baud);
+        self.pace = Pace::new(self.baud, Instant::now());
+    }
+
+    pub fn write(&mut self, bytes: &[u8]) {
+        let now = Instant::now();
+        for &byte in bytes {
+            self.coming.push_back((self.pace.sent(1, now), byte));
+        }
+        self.run();
+    }
+
+    /// What it has answered since it was asked last.
+    pub fn read(&mut self) -> Vec<u8> {
+        self.run();
+        std::mem::take(&mut self.answers)
+    }
+
+    /// The frames it has shown since it was asked last.
+    pub fn frames(&mut self) -> Vec<Shown> {
+        self.run();
+        std::mem::take(&mut self.shown)
+    }
+
+    pub fn playing(&mut self) -> Playing {
+        self.run();
+        match &self.logic {
+            Logic::Stock(stock) => stock.playing(),
+            Logic::Native(native) => native.playing(),
+        }
+    }
+
+    /// When the next byte arrives, or a moment from now.
+    pub fn next_in(&self) -> Duration {
+        const MOMENT: Duration = Duration::from_micros(500);
+        let next = self.coming.front().map(|(at, _)| at.saturating_duration_since(Instant::now()));
+        next.unwrap_or(MOMENT).min(MOMENT)
+    }
+
+    /// Up to now.
+    fn run(&mut self) {
+        let now = Instant::now();
+        let mut heeded = Heeded::default();
+        while let Some((at, byte)) = self.coming.pop_front_if(|(at, _)| *at <= now) {
+            match &mut self.logic {
+                Logic::Stock(stock) => stock.hear(byte, at, &mut heeded),
+                Logic::Native(native) => {
+                    let unread = (self.baud / native.baud() - 1.0).abs() > BAUD_TOLERANCE;
+                    native.hear(byte, unread, at, &mut heeded);
+                }
+            }
+        }
+        if let Logic::Native(native) = &mut self.logic {
+            native.run_until(now);
+        }
+        self.answers.append(&mut heeded.answer);
+        // Who does not ask for frames keeps no more than the latest of them.
+        const KEPT: usize = 1024;
+        self.shown.append(&mut heeded.shown);
+        self.shown.drain(..self.shown.len().saturating_sub(KEPT));
+    }
+}

@@ -1,0 +1,270 @@
+//! Serial ports: which there are, and one that is open. `system` has those of the computer, `page` those that a browser lets a page
+//! have; a virtual board in memory is a port, too.
+//!
+//! Operations are `async` for the page's sake: on a computer they block.
+
+#[cfg(not(target_arch = "wasm32"))]
+mod system;
+#[cfg(not(target_arch = "wasm32"))]
+use crate::device::port::system as here;
+
+#[cfg(target_arch = "wasm32")]
+mod page;
+#[cfg(target_arch = "wasm32")]
+use crate::device::port::page as here;
+
+use std::fmt;
+use std::io;
+use std::path::{Path, PathBuf};
+
+use web_time::{Duration, Instant};
+
+use crate::device::board::memory::VirtualBoard;
+use crate::device::pace::Pace;
+use crate::device::profile::Profile;
+use crate::device::task;
+
+#[cfg(target_arch = "wasm32")]
+pub use crate::device::port::page::{available, choose, is_there};
+#[cfg(not(target_arch = "wasm32"))]
+pub use crate::device::port::system::available;
+
+/// After this a port that takes nothing is given up.
+const WRITE_TIMEOUT: Duration = Duration::from_millis(500);
+/// Ports of this name and a profile's are virtual boards in this program.
+const VIRTUAL: &str = "virtual:";
+
+#[derive(Debug, thiserror::Error)]
+pub enum PortError {
+    #[cfg_attr(
+        not(target_arch = "wasm32"),
+        error("there is no port {0}; `sonoglyph ports` lists those there are")
+    )]
+    #[cfg_attr(target_arch = "wasm32", error("there is no port {0} that this page may use"))]
+    Missing(String),
+    #[cfg_attr(
+        not(target_arch = "wasm32"),
+        error("{0} may not be opened by you; on Debian, members of the group dialout may")
+    )]
+    #[cfg_attr(target_arch = "wasm32", error("the browser does not let this page open {0}"))]
+    NoPermission(String),
+    #[error("{0} is in use by another program")]
+    Busy(String),
+    #[cfg(target_arch = "wasm32")]
+    #[error("{path} could not be opened: {error}; another program or page may have it")]
+    Unopened { path: String, error: io::Error },
+    #[error("{0} is not a serial port")]
+    NotSerial(String),
+    #[error("{path}: {baud} baud is not possible here: {error}")]
+    Baud { path: String, baud: u32, error: io::Error },
+    #[error("{path} was lost: {error}")]
+    Lost { path: String, error: io::Error },
+    #[error("{0} takes no bytes: nothing drains it")]
+    Stalled(String),
+}
+
+/// A port to choose.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Listed {
+    pub path: PathBuf,
+    /// What the system says of the adapter, or that it is a virtual board.
+    pub what: Option<String>,
+    /// Of a virtual board.
+    pub profile: Option<Profile>,
+}
+
+impl fmt::Display for Listed {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}", self.path.display())?;
+        self.what.as_ref().map_or(Ok(()), |what| write!(f, " ({what})"))
+    }
+}
+
+/// The port of a virtual board in this program, which is made when the port is opened and goes when it is let go.
+pub fn virtual_board(profile: Profile) -> PathBuf {
+    format!("{VIRTUAL}{}", profile.name()).into()
+}
+
+fn as_virtual_board(path: &Path) -> Option<Profile> {
+    Profile::of_name(path.to_str()?.strip_prefix(VIRTUAL)?)
+}
+
+/// An open port, and what it has still to send.
+#[derive(Debug)]
+pub struct Port {
+    line: Line,
+    name: String,
+    baud: u32,
+    pace: Pace,
+}
+
+#[derive(Debug)]
+enum Line {
+    Wire(here::Wire),
+    Virtual(Box<VirtualBoard>),
+}
+
+impl Port {
+    /// 8 data bits, no parity, one stop bit.
+    ///
+    /// # Errors
+    /// A port that is not there, not allowed, not serial, in use, or cannot have this bit rate.
+    pub async fn open(path: &Path, baud: u32) -> Result<Self, PortError> {
+        let line = match as_virtual_board(path) {
+            Some(profile) => Line::Virtual(Box::new(VirtualBoard::new(profile, baud))),
+            None => Line::Wire(here::Wire::open(path, baud).await?),
+        };
+        let pace = Pace::new(f64::from(baud), Instant::now());
+        Ok(Self { line, name: path.display().to_string(), baud, pace })
+    }
+
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
+    pub fn baud(&self) -> u32 {
+        self.baud
+    }
+
+    /// Changes the bit rate when all has been sent.
+    ///
+    /// # Errors
+    /// A bit rate that this port cannot have.
+    pub async fn set_baud(&mut self, baud: u32) -> Result<(), PortError> {
+        task::sleep(self.backlog()).await;
+        match &mut self.line {
+            Line::Wire(wire) => wire.set_baud(baud).await?,
+            Line::Virtual(board) => board.set_baud(baud),
+        }
+        self.baud = baud;
+        self.pace = Pace::new(f64::from(baud), Instant::now());
+        Ok(())
+    }
+
+    /// Hands bytes over, and says when the last of them will have left.
+    ///
+    /// # Errors
+    /// A port that is gone, or takes nothing for [`WRITE_TIMEOUT`].
+    pub async fn write(&mut self, bytes: &[u8]) -> Result<Instant, PortError> {
+        match &mut self.line {
+            Line::Wire(wire) => wire.write(bytes).await?,
+            Line::Virtual(board) => board.write(bytes),
+        }
+        Ok(self.pace.sent(bytes.len(), Instant::now()))
+    }
+
+    /// What has arrived, after waiting for it for at most `timeout`; nothing if nothing came.
+    ///
+    /// # Errors
+    /// A port that is gone.
+    pub async fn read(&mut self, timeout: Duration) -> Result<Vec<u8>, PortError> {
+        match &mut self.line {
+            Line::Wire(wire) => wire.read(timeout).await,
+            Line::Virtual(board) => Ok(answer_within(board, timeout).await),
+        }
+    }
+
+    /// Hands over the last bytes, where nothing can be waited for. Whether the port took them.
+    pub fn leave(&mut self, last: &[u8]) -> bool {
+        let taken = match &mut self.line {
+            Line::Wire(wire) => wire.leave(last),
+            Line::Virtual(board) => {
+                board.write(last);
+                true
+            }
+        };
+        if taken {
+            self.pace.sent(last.len(), Instant::now());
+        }
+        taken
+    }
+
+    /// Bytes that go out if the program ends where nothing of it can run any more: a page that is left.
+    pub fn leave_behind(&mut self, last: &[u8]) {
+        match &mut self.line {
+            Line::Wire(wire) => wire.leave_behind(last),
+            Line::Virtual(_) => {}
+        }
+    }
+
+    /// How long the line is still busy.
+    pub fn backlog(&self) -> Duration {
+        self.pace.backlog(Instant::now())
+    }
+
+    /// How long `bytes` take on the line.
+    pub fn time_of(&self, bytes: usize) -> Duration {
+        self.pace.time_of(bytes)
+    }
+}
+
+async fn answer_within(board: &mut VirtualBoard, timeout: Duration) -> Vec<u8> {
+    let until = Instant::now() + timeout;
+    loop {
+        let answer = board.read();
+        let rest = until.saturating_duration_since(Instant::now());
+        if !answer.is_empty() || rest.is_zero() {
+            return answer;
+        }
+        task::sleep(board.next_in().min(rest)).await;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::device::board::Playing;
+    use crate::device::levels::Levels;
+    use crate::device::native::packet::{Body, Packet, Reply, Splitter};
+    use crate::device::stock;
+    use crate::device::task::finish;
+
+    const PATIENCE: Duration = Duration::from_secs(5);
+
+    #[test]
+    fn every_profile_has_a_virtual_board_of_its_own_name() {
+        for profile in Profile::choices() {
+            assert_eq!(as_virtual_board(&virtual_board(profile)), Some(profile));
+        }
+        assert!(
+            ["virtual:abacus", "native", "/dev/ttyUSB0"]
+                .iter()
+                .all(|path| as_virtual_board(path.as_ref()).is_none())
+        );
+    }
+
+    #[test]
+    fn a_virtual_board_shows_what_its_line_has_carried() {
+        let profile = Profile::SonicSurface;
+        let levels = Levels::checkerboard(profile, 16);
+        let mut port = finish(Port::open(&virtual_board(profile), 10_000)).unwrap();
+        let gone = finish(port.write(&stock::frame(&levels))).unwrap();
+        let Line::Virtual(board) = &mut port.line else { panic!("not virtual") };
+        assert!(board.frames().is_empty(), "258 bytes take 0.26 s");
+        finish(task::sleep(gone.saturating_duration_since(Instant::now()) + Duration::from_millis(1)));
+        let shown = board.frames();
+        assert_eq!(shown.len(), 1);
+        assert_eq!(shown[0].levels, levels);
+        assert!(matches!(board.playing(), Playing::Levels(playing) if playing == levels));
+    }
+
+    #[test]
+    fn a_native_virtual_board_answers_at_its_own_bit_rate_only() {
+        let ask = |baud: u32, timeout: Duration| {
+            let mut port = finish(Port::open(&virtual_board(Profile::Native), baud)).unwrap();
+            finish(port.write(&Packet::info().numbered(7).to_line())).unwrap();
+            let (mut splitter, mut replies) = (Splitter::default(), Vec::new());
+            let until = Instant::now() + timeout;
+            while replies.is_empty() && Instant::now() < until {
+                let bytes = finish(port.read(Duration::from_millis(5))).unwrap();
+                let parts = bytes.into_iter().filter_map(|byte| splitter.push(byte));
+                replies.extend(parts.filter_map(|part| Reply::of_line(&part).ok()));
+            }
+            replies
+        };
+        let own = ask(Profile::Native.baud(), PATIENCE);
+        assert!(matches!(own[..], [Reply { seq: 7, body: Body::Info(info), .. }] if info.channels == 256));
+        let wrong = ask(Profile::Native.baud() / 2, Duration::from_millis(200));
+        assert!(wrong.iter().all(|reply| !matches!(reply.body, Body::Info(_))), "{wrong:?}");
+    }
+}

@@ -1,0 +1,166 @@
+//! The link and a virtual board as JavaScript has them: what the test of Web Serial is made of.
+
+use std::path::{Path, PathBuf};
+
+use sonoglyph::device::board::memory::VirtualBoard;
+use sonoglyph::device::calibration::Calibration;
+use sonoglyph::device::health::State;
+use sonoglyph::device::levels::Levels;
+use sonoglyph::device::link::survey::{self, Discovery};
+use sonoglyph::device::link::{Content, Event, Link, Settings};
+use sonoglyph::device::port;
+use sonoglyph::device::profile::Profile;
+use sonoglyph::drive::Drive;
+use sonoglyph::scene::{Scene, file};
+use sonoglyph::solver;
+use wasm_bindgen::prelude::{JsError, wasm_bindgen};
+
+#[wasm_bindgen(start)]
+fn start() {
+    console_error_panic_hook::set_once();
+}
+
+fn profile(name: &str) -> Result<Profile, JsError> {
+    Profile::of_name(name).ok_or_else(|| JsError::new(&format!("{name} is no profile")))
+}
+
+/// Amplitude and phase (rad) of every element in turn.
+fn in_turn(drive: &Drive) -> Vec<f64> {
+    drive.amplitudes.iter().zip(&drive.phases).flat_map(|(&amplitude, &phase)| [amplitude, phase]).collect()
+}
+
+/// The board behind the stand-in for a port.
+#[derive(Debug)]
+#[wasm_bindgen]
+pub struct Board(VirtualBoard);
+
+#[wasm_bindgen]
+impl Board {
+    #[wasm_bindgen(constructor)]
+    pub fn new(name: &str) -> Result<Self, JsError> {
+        let profile = profile(name)?;
+        Ok(Self(VirtualBoard::new(profile, profile.baud())))
+    }
+
+    pub fn set_baud(&mut self, baud: u32) {
+        self.0.set_baud(baud);
+    }
+
+    pub fn write(&mut self, bytes: &[u8]) {
+        self.0.write(bytes);
+    }
+
+    pub fn read(&mut self) -> Vec<u8> {
+        self.0.read()
+    }
+
+    /// Frames that it has shown since it was asked last.
+    pub fn frames(&mut self) -> usize {
+        self.0.frames().len()
+    }
+
+    pub fn playing(&mut self) -> Vec<f64> {
+        in_turn(&self.0.playing().drive())
+    }
+}
+
+/// A scene, and the link that it goes over.
+#[derive(Debug)]
+#[wasm_bindgen]
+pub struct Sender {
+    link: Link,
+    scene: Scene,
+    profile: Profile,
+}
+
+#[wasm_bindgen]
+impl Sender {
+    #[wasm_bindgen(constructor)]
+    pub fn new(port: &str, name: &str, baud: Option<u32>, scene: &str) -> Result<Self, JsError> {
+        let profile = profile(name)?;
+        let scene = file::parse(scene, Path::new("scene.toml"))?;
+        let settings = Settings { port: PathBuf::from(port), profile, baud };
+        Ok(Self { link: Link::open(settings, Box::new(|| {}))?, scene, profile })
+    }
+
+    /// What the link tells next, in words.
+    pub fn event(&self) -> Option<String> {
+        self.link.event().map(|event| match event {
+            Event::Ready(found) => format!("ready at {}", found.baud),
+            Event::Lost(why) => format!("lost: {why}"),
+            Event::Notice(text) => text,
+        })
+    }
+
+    /// Solves the scene and sends it, as `sonoglyph send` does; how every element is to sound.
+    pub fn show(&self) -> Result<Vec<f64>, JsError> {
+        let solution = solver::solve(&self.scene)?;
+        let levels = Levels::new(self.profile, &solution.drive, &Calibration::default())?;
+        self.link.modulate(self.scene.modulation.clone());
+        self.link.show(Content::Still(levels.clone()));
+        Ok(in_turn(&levels.drive()))
+    }
+
+    /// One element alone.
+    pub fn one(&self, element: usize) {
+        self.link.show(Content::Still(Levels::one(self.profile, element)));
+    }
+
+    pub fn stop(&self) {
+        self.link.stop();
+    }
+
+    pub fn is_ready(&self) -> bool {
+        self.link.health().state == State::Ready
+    }
+
+    pub fn is_in_place(&self) -> bool {
+        self.link.health().in_place
+    }
+
+    /// Frames, retransmissions, losses; then medians and jitters (ms) of the way to the board and back, of the way from a wish to its
+    /// last byte, and of half periods of a modulation by swaps.
+    pub fn figures(&self) -> Vec<f64> {
+        let health = self.link.health();
+        let spread = [health.round_trip, health.latency, health.swaps].into_iter().flat_map(|spread| {
+            let spread = spread.unwrap_or_default();
+            [spread.median, spread.jitter].map(|time| 1e3 * time.as_secs_f64())
+        });
+        [health.frames as f64, health.refused as f64, health.found as f64].into_iter().chain(spread).collect()
+    }
+}
+
+/// The name of the port that the user chooses.
+#[wasm_bindgen]
+pub async fn choose() -> Result<Option<String>, JsError> {
+    Ok(port::choose().await?.map(|path| path.display().to_string()))
+}
+
+/// Names of the ports that this page may use.
+#[wasm_bindgen]
+pub async fn ports() -> Result<Vec<String>, JsError> {
+    Ok(port::available().await?.iter().map(ToString::to_string).collect())
+}
+
+/// Who answers at a port, and how frames fare at each bit rate, a line each.
+#[wasm_bindgen]
+pub async fn survey(port: &str) -> Result<Vec<String>, JsError> {
+    let mut found = Vec::new();
+    let tell = &mut |discovery| {
+        found.push(match discovery {
+            Discovery::Board(info, _) => format!("protocol {}, {} channels", info.protocol, info.channels),
+            Discovery::Rate(trial) => {
+                let is_clean = if trial.is_clean() { "clean" } else { "not clean" };
+                format!("{}: {:?}, {is_clean}", trial.baud, trial.outcome)
+            }
+        });
+    };
+    survey::survey(Path::new(port), tell).await?;
+    Ok(found)
+}
+
+/// Fails as a program fails that has a fault.
+#[wasm_bindgen]
+pub fn fail() {
+    panic!("on purpose");
+}
