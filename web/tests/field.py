@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """The field of the page against the command line's, in headless browsers, and how long a drag takes there.
 
-    web/check-field.py FOLDER SONOGLYPH [--browser chromium|firefox]... [--evaluator cpu|any-gpu]... [--no-times]
+    web/tests/field.py FOLDER SONOGLYPH [--browser chromium|firefox]... [--evaluator cpu|any-gpu]... [--no-times]
 
 FOLDER is the page as `web/build` makes it. What is compared is the map of one drive: that of the command line by the same kind of
 evaluator, in the scene's own tolerance, and that of the f64 reference, without one. Exit 0 if no map is off by more than 2e-5 of
@@ -22,7 +22,7 @@ from pathlib import Path
 
 import numpy as np
 
-SCENES = Path(__file__).parent.parent / "assets" / "scenes"
+SCENES = Path(__file__).parent.parent.parent / "assets" / "scenes"
 #: Scenes, what is shown of them, and what is within a map's own tolerance of f64 only: the liquid's cells.
 MAPS = [("hit", "rms"), ("five-points", "rms"), ("heart", "rms"), ("water-heart", "depression"), ("two-boards", "rms")]
 DRAGS = [("focus-centre", "rms"), ("five-points", "rms"), ("five-points", "phase"), ("hit", "rms"), ("water-circle", "depression"),

@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
-"""The link over Web Serial, in a real browser: python3 web/serial_test.py SONOGLYPH-WEB SONOGLYPH
+"""The link over Web Serial, in a real browser: web/tests/serial.py FOLDER SONOGLYPH
 
-It builds web/serial (the link and a virtual board as a page's program), runs web/serial_test.js in a headless Chromium with
-web/stand-in.js in the place of `navigator.serial`, and compares what the page writes to the port with what `sonoglyph send` writes to a
+FOLDER is the page as `web/build` makes it. web/tests/serial.js runs in a headless Chromium with
+web/tests/stand-in.js in the place of `navigator.serial`, and compares what the page writes to the port with what `sonoglyph send` writes to a
 virtual board for the same scene. Compared are, for a stock board, all bytes; frames that are sent again while nothing changes, how often
 is a matter of time, count once. For a native board, all packets in order, decoded by gateware/doc/client.py, which was written from
 protocol.md alone: type, address, arguments and payload. Left out are the packets' numbers, and the questions INFO and STATUS, which keep
@@ -24,9 +24,8 @@ import threading
 import time
 import tty
 
-ROOT = pathlib.Path(__file__).resolve().parent.parent
+ROOT = pathlib.Path(__file__).resolve().parent.parent.parent
 PROFILES = ["native", "sonicsurface"]
-TARGET = ROOT / "target" / "web"
 PATIENCE = 240.0
 SCENE = """format = 1
 [[target]]
@@ -54,15 +53,11 @@ def client():
     return module
 
 
-def make(tools, folder):
+def make(site, folder):
     """Everything that the browser loads, in one folder."""
-    manifest = ROOT / "web" / "serial" / "Cargo.toml"
-    subprocess.run(["cargo", "build", "--locked", "--quiet", "--target", "wasm32-unknown-unknown", "--manifest-path", manifest,
-                    "--target-dir", TARGET], check=True)
-    program = TARGET / "wasm32-unknown-unknown" / "debug" / "sonoglyph_serial_test.wasm"
-    subprocess.run([tools, "bind", program, folder], check=True)
-    for name in ["serial_test.html", "serial_test.js", "stand-in.js"]:
-        shutil.copy(ROOT / "web" / name, folder)
+    shutil.copytree(site, folder, dirs_exist_ok=True)
+    for name in ["serial.html", "serial.js", "stand-in.js"]:
+        shutil.copy(ROOT / "web" / "tests" / name, folder)
 
 
 def in_browser(folder, tasks):
@@ -94,7 +89,7 @@ def in_browser(folder, tasks):
     server = http.server.ThreadingHTTPServer(("127.0.0.1", 0), Handler)
     threading.Thread(target=server.serve_forever, daemon=True).start()
     with tempfile.TemporaryDirectory() as profile:
-        address = f"http://localhost:{server.server_port}/serial_test.html"
+        address = f"http://localhost:{server.server_port}/serial.html"
         options = ["--headless", "--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run", "--disable-background-networking",
                    "--disable-component-update", "--disable-sync", "--enable-logging=stderr", f"--user-data-dir={profile}"]
         with open(folder / "browser.log", "w") as log:
@@ -250,7 +245,7 @@ def judge(found, commands, decode):
     return report
 
 
-def check(tools, sonoglyph):
+def check(site, sonoglyph):
     """Whether everything holds."""
     tasks = []
     for profile in PROFILES:
@@ -264,7 +259,7 @@ def check(tools, sonoglyph):
     tasks.append({"name": "swaps", "part": "swaps", "scene": SCENE.format(shape="square")})
     with tempfile.TemporaryDirectory() as name:
         folder = pathlib.Path(name)
-        make(tools, folder)
+        make(site, folder)
         commands = {profile: by_command(sonoglyph, profile, folder) for profile in PROFILES}
         found = in_browser(folder, tasks)
     report = judge(found, commands, client().cobs_decode)

@@ -1,24 +1,19 @@
-//! The link and a virtual board as JavaScript has them: what the test of Web Serial is made of.
+//! The link to a board for the JavaScript of a page, and a virtual board to stand behind a port.
 
 use std::path::{Path, PathBuf};
 
-use sonoglyph::device::board::memory::VirtualBoard;
-use sonoglyph::device::calibration::Calibration;
-use sonoglyph::device::health::State;
-use sonoglyph::device::levels::Levels;
-use sonoglyph::device::link::survey::{self, Discovery};
-use sonoglyph::device::link::{Content, Event, Link, Settings};
-use sonoglyph::device::port;
-use sonoglyph::device::profile::Profile;
-use sonoglyph::drive::Drive;
-use sonoglyph::scene::{Scene, file};
-use sonoglyph::solver;
+use crate::device::board::memory::VirtualBoard;
+use crate::device::calibration::Calibration;
+use crate::device::health::State;
+use crate::device::levels::Levels;
+use crate::device::link::survey::{self, Discovery};
+use crate::device::link::{Content, Event, Link, Settings};
+use crate::device::port;
+use crate::device::profile::Profile;
+use crate::drive::Drive;
+use crate::scene::{Scene, file};
+use crate::solver;
 use wasm_bindgen::prelude::{JsError, wasm_bindgen};
-
-#[wasm_bindgen(start)]
-fn start() {
-    console_error_panic_hook::set_once();
-}
 
 fn profile(name: &str) -> Result<Profile, JsError> {
     Profile::of_name(name).ok_or_else(|| JsError::new(&format!("{name} is no profile")))
@@ -29,15 +24,20 @@ fn in_turn(drive: &Drive) -> Vec<f64> {
     drive.amplitudes.iter().zip(&drive.phases).flat_map(|(&amplitude, &phase)| [amplitude, phase]).collect()
 }
 
-/// The board behind the stand-in for a port.
+/// A virtual board: what is written to it, and what it answers.
 #[derive(Debug)]
 #[wasm_bindgen]
 pub struct Board(VirtualBoard);
 
 #[wasm_bindgen]
 impl Board {
+    /// A board of a profile, at its usual bit rate.
+    ///
+    /// # Errors
+    /// There is no such profile.
     #[wasm_bindgen(constructor)]
     pub fn new(name: &str) -> Result<Self, JsError> {
+        console_error_panic_hook::set_once();
         let profile = profile(name)?;
         Ok(Self(VirtualBoard::new(profile, profile.baud())))
     }
@@ -59,6 +59,7 @@ impl Board {
         self.0.frames().len()
     }
 
+    /// Amplitude and phase (rad) of every element in turn.
     pub fn playing(&mut self) -> Vec<f64> {
         in_turn(&self.0.playing().drive())
     }
@@ -75,6 +76,10 @@ pub struct Sender {
 
 #[wasm_bindgen]
 impl Sender {
+    /// Begins to look for a board of a profile at a port, for a scene file.
+    ///
+    /// # Errors
+    /// There is no such profile, or the scene cannot be read.
     #[wasm_bindgen(constructor)]
     pub fn new(port: &str, name: &str, baud: Option<u32>, scene: &str) -> Result<Self, JsError> {
         let profile = profile(name)?;
@@ -92,7 +97,10 @@ impl Sender {
         })
     }
 
-    /// Solves the scene and sends it, as `sonoglyph send` does; how every element is to sound.
+    /// Solves the scene and sends it, as `sonoglyph send` does; how every element is to sound: amplitude and phase (rad) in turn.
+    ///
+    /// # Errors
+    /// A scene that cannot be solved, or that the board does not play.
     pub fn show(&self) -> Result<Vec<f64>, JsError> {
         let solution = solver::solve(&self.scene)?;
         let levels = Levels::new(self.profile, &solution.drive, &Calibration::default())?;
@@ -130,19 +138,28 @@ impl Sender {
     }
 }
 
-/// The name of the port that the user chooses.
+/// The name of the port that the user chooses, which has to follow a click.
+///
+/// # Errors
+/// A browser that lets a page have none.
 #[wasm_bindgen]
 pub async fn choose() -> Result<Option<String>, JsError> {
     Ok(port::choose().await?.map(|path| path.display().to_string()))
 }
 
 /// Names of the ports that this page may use.
+///
+/// # Errors
+/// A browser that does not say.
 #[wasm_bindgen]
 pub async fn ports() -> Result<Vec<String>, JsError> {
     Ok(port::available().await?.iter().map(ToString::to_string).collect())
 }
 
 /// Who answers at a port, and how frames fare at each bit rate, a line each.
+///
+/// # Errors
+/// A port that cannot be opened, or nobody answers.
 #[wasm_bindgen]
 pub async fn survey(port: &str) -> Result<Vec<String>, JsError> {
     let mut found = Vec::new();
@@ -159,7 +176,7 @@ pub async fn survey(port: &str) -> Result<Vec<String>, JsError> {
     Ok(found)
 }
 
-/// Fails as a program fails that has a fault.
+/// Fails as a program fails that has a fault: for tests of what a page does then.
 #[wasm_bindgen]
 pub fn fail() {
     panic!("on purpose");

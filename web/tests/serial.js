@@ -1,4 +1,4 @@
-// The test of Web Serial in a browser; serial_test.py serves it and judges what it finds. The page with a link stands in a frame, so
+// The test of Web Serial in a browser; serial.py serves it and judges what it finds. The page with a link stands in a frame, so
 // that it can be left; this page around it has the board and the stand-in for the port, and what was written to it.
 
 import init, * as program from "./sonoglyph.js";
