@@ -37,6 +37,8 @@ use std::cell::RefCell;
 use std::num::NonZeroUsize;
 use std::path::Path;
 use std::rc::Rc;
+#[cfg(target_arch = "wasm32")]
+use std::sync::Arc;
 
 use eframe::egui;
 
@@ -333,7 +335,7 @@ impl Window {
     /// Files dropped on the window, and its close button.
     fn hear_outside(&mut self, ctx: &egui::Context, commands: &mut Vec<Command>) {
         if let Some(file) = ctx.input(|input| input.raw.dropped_files.first().cloned()) {
-            self.receive(file, ctx, commands);
+            self.receive(&file, ctx, commands);
         }
         #[cfg(target_arch = "wasm32")]
         if let Some(link) = page::new_link() {
@@ -350,14 +352,15 @@ impl Window {
 
     /// A file that was dropped.
     #[cfg(not(target_arch = "wasm32"))]
-    fn receive(&mut self, file: egui::DroppedFileHandle, _: &egui::Context, commands: &mut Vec<Command>) {
+    fn receive(&mut self, file: &egui::DroppedFileHandle, _: &egui::Context, commands: &mut Vec<Command>) {
         self.editor.ask(Purpose::of_dropped(file.path()).command(file.path().to_owned()), commands);
     }
 
     /// The same, once the browser has read it.
     #[cfg(target_arch = "wasm32")]
-    fn receive(&mut self, file: egui::DroppedFileHandle, ctx: &egui::Context, _: &mut Vec<Command>) {
+    fn receive(&mut self, file: &egui::DroppedFileHandle, ctx: &egui::Context, _: &mut Vec<Command>) {
         let purpose = Purpose::of_dropped(file.path());
+        let file = Arc::clone(file);
         let read = async move {
             let bytes = file.bytes_async().await?;
             Ok(page::take(file.path(), bytes))

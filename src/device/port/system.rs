@@ -34,7 +34,6 @@ pub struct Wire {
 ///
 /// # Errors
 /// A system that does not say.
-#[expect(clippy::unused_async, reason = "a page waits")]
 pub async fn available() -> io::Result<Vec<Listed>> {
     let mut ports = serial_ports()?;
     ports.extend(virtual_boards());
@@ -86,7 +85,6 @@ fn in_words(kind: SerialPortType) -> Option<String> {
     }
 }
 
-#[expect(clippy::unused_async, reason = "a page waits")]
 impl Wire {
     pub async fn open(path: &Path, baud: u32) -> Result<Self, PortError> {
         let name = path.display().to_string();
