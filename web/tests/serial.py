@@ -5,7 +5,7 @@ FOLDER is the page as `web/build` makes it. web/tests/serial.js runs in a headle
 web/tests/stand-in.js in the place of `navigator.serial`, and compares what the page writes to the port with what `sonoglyph send` writes to a
 virtual board for the same scene. Compared are, for a stock board, all bytes; frames that are sent again while nothing changes, how often
 is a matter of time, count once. For a native board, all packets in order, decoded by gateware/doc/client.py, which was written from
-protocol.md alone: type, address, arguments and payload. Left out are the packets' numbers, STOP before there is any sound, and the questions INFO and STATUS, which keep
+protocol.md alone: type, address, arguments and payload. Left out are the packets' numbers, MUTE before there is any sound, and the questions INFO and STATUS, which keep
 the line alive as often as time passes. It ends with 0 if everything holds, and says what was compared.
 """
 
@@ -36,7 +36,7 @@ shape = "{shape}"
 """
 SPEEDS = {230400: termios.B230400, 2000000: termios.B2000000}
 BAUDS = {"native": 2000000, "sonicsurface": 230400}
-INFO, STATUS, STOP, FRAME = 0x01, 0x02, 0x04, 0x10
+INFO, STATUS, MUTE, PHASES = 0x01, 0x02, 0x04, 0x10
 # The last byte of a stock frame.
 SWAP = b"\xfd"
 
@@ -152,10 +152,10 @@ def packets(data, decode):
     return found, questions
 
 
-def without_stops(found):
-    """Packets but for STOP before the first frame: how often a link that has a wish without sound yet says so is a matter of time."""
-    first = next((n for n, (kind, *_) in enumerate(found) if kind == FRAME), len(found))
-    return [packet for n, packet in enumerate(found) if packet[0] != STOP or n > first]
+def without_mutes(found):
+    """Packets but for MUTE before the first frame: how often a link that has a wish without sound yet says so is a matter of time."""
+    first = next((n for n, (kind, *_) in enumerate(found) if kind == PHASES), len(found))
+    return [packet for n, packet in enumerate(found) if packet[0] != MUTE or n > first]
 
 
 def frames(data):
@@ -199,7 +199,7 @@ def judge_still(report, profile, page, command, decode):
                  f"{profile}: the port that the user chooses is listed, and none before: {steps['chosen']}")
     if profile == "native":
         (ours, asked), (theirs, asked_too) = packets(own, decode), packets(command, decode)
-        ours, theirs = without_stops(ours), without_stops(theirs)
+        ours, theirs = without_mutes(ours), without_mutes(theirs)
         report.state(ours == theirs and len(ours) > 5,
                      f"native: {len(ours)} packets of page and `send` are equal, in order (questions: {asked} and {asked_too})")
         if ours != theirs:
