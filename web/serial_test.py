@@ -57,7 +57,9 @@ def client():
 def make(tools, folder):
     """Everything that the browser loads, in one folder."""
     manifest = ROOT / "web" / "serial" / "Cargo.toml"
-    subprocess.run(["cargo", "build", "--locked", "--quiet", "--target", "wasm32-unknown-unknown", "--manifest-path", manifest,
+    # The versions are those of the program itself.
+    shutil.copy(ROOT / "Cargo.lock", manifest.parent)
+    subprocess.run(["cargo", "build", "--quiet", "--target", "wasm32-unknown-unknown", "--manifest-path", manifest,
                     "--target-dir", TARGET], check=True)
     program = TARGET / "wasm32-unknown-unknown" / "debug" / "sonoglyph_serial_test.wasm"
     subprocess.run([tools, "bind", program, folder], check=True)
@@ -231,6 +233,7 @@ def judge(found, commands, decode):
         if part := sound.get(f"loss {profile}"):
             lost = [event for event in part["told"] if event.startswith("lost")]
             report.state(part["is_played"] and any("takes no bytes" in event for event in lost), f"{profile}: unplugged and plugged in it plays on; told: {lost}")
+            report.state(part["again"].startswith("ready"), f"{profile}: a link follows on another without a loss: {part['again']}")
         for how in ["address", "removed", "failed"]:
             if part := sound.get(f"left {profile} {how}"):
                 report.state(part["is_silent"], f"{profile}: silent when the page is left ({how}), by {len(part['last']) // 2} bytes")
