@@ -34,7 +34,6 @@ pub struct Wire {
 ///
 /// # Errors
 /// A system that does not say.
-#[expect(clippy::unused_async, reason = "a page waits")]
 pub async fn available() -> io::Result<Vec<Listed>> {
     let mut ports = serial_ports()?;
     ports.extend(virtual_boards());
