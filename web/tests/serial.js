@@ -147,9 +147,14 @@ async function loss({ profile, scene, baud }) {
   page.port.is_stuck = false;
   await until("the board once more", () => (hear(), sender.is_ready()));
   hear();
+  // The next link waits for the end of this one.
   sender.free();
+  const next = new page.program.Sender(await page.program.choose(), profile, baud, scene);
+  await until("the next link", () => next.is_ready());
+  const again = next.event();
+  next.free();
   await until("the end", () => !page.port.writable);
-  return { told, is_played };
+  return { told, again, is_played };
 }
 
 async function left({ profile, scene, baud }, how) {

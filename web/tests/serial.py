@@ -233,6 +233,7 @@ def judge(found, commands, decode):
         if part := sound.get(f"loss {profile}"):
             lost = [event for event in part["told"] if event.startswith("lost")]
             report.state(part["is_played"] and any("takes no bytes" in event for event in lost), f"{profile}: unplugged and plugged in it plays on; told: {lost}")
+            report.state(part["again"].startswith("ready"), f"{profile}: a link follows on another without a loss: {part['again']}")
         for how in ["address", "removed", "failed"]:
             if part := sound.get(f"left {profile} {how}"):
                 report.state(part["is_silent"], f"{profile}: silent when the page is left ({how}), by {len(part['last']) // 2} bytes")

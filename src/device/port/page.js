@@ -4,6 +4,8 @@
 const BUFFER = 8192;
 // ms that a line is given to send what it still has.
 const PATIENCE = 1000;
+// ms between two looks at it.
+const MOMENT = 10;
 
 const serial = () => globalThis.navigator?.serial;
 
@@ -85,20 +87,21 @@ export class Line {
 
   async listen() {
     // A byte that came spoiled ends a stream, and the port has a new one. A port that is gone has none.
-    while (this.port.readable && !this.is_closing) {
-      this.reader = this.port.readable.getReader();
+    for (let stream = null; this.port.readable && this.port.readable !== stream && !this.is_closing; ) {
+      stream = this.port.readable;
+      this.reader = stream.getReader();
       try {
         for (let part = await this.reader.read(); !part.done; part = await this.reader.read()) {
           this.arrived.push(part.value);
           this.ring();
         }
       } catch (error) {
-        if (!this.port.readable) this.fail(error);
+        this.spoiled = error;
       } finally {
         this.reader.releaseLock();
       }
     }
-    if (!this.is_closing) this.fail(new Error("the port was closed"));
+    if (!this.is_closing) this.fail(this.spoiled ?? new Error("the port was closed"));
   }
 
   fail(error) {
@@ -111,8 +114,9 @@ export class Line {
     this.wake = undefined;
   }
 
-  // Until something has arrived, or nothing can any more.
+  // Until something has arrived, or nothing can any more, or this is asked again.
   arrives() {
+    this.ring();
     return new Promise((resolve) => {
       this.wake = resolve;
       if (this.arrived.length > 0 || this.error) this.ring();
@@ -177,11 +181,20 @@ export class Line {
   }
 }
 
+// One line of this page ends before the next begins.
+async function ending(port) {
+  const is_open = () => [...lines].some((line) => line.port === port);
+  for (let waits = 0; is_open() && waits < PATIENCE / MOMENT; waits += 1) {
+    await new Promise((resolve) => setTimeout(resolve, MOMENT));
+  }
+  await within(2 * PATIENCE, endings.get(port) ?? Promise.resolve());
+}
+
 export async function open(name, baudRate) {
   if (has_failed) throw new Error("this page has failed and has to be loaded again");
   const port = (await granted()).get(name);
   if (!port) return null;
-  await endings.get(port);
+  await ending(port);
   const line = new Line(port);
   await line.begin(baudRate);
   lines.add(line);
