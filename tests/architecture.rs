@@ -47,7 +47,6 @@ const LAYERS: &[(&str, &[&str])] = &[
             "ttf_parser",
         ],
     ),
-    ("web", &["console_error_panic_hook", "js_sys", "wasm_bindgen", "wasm_bindgen_futures", "web_time"]),
     ("import", &["glam", "image", "thiserror", "usvg"]),
     (
         "device",
@@ -64,6 +63,7 @@ const LAYERS: &[(&str, &[&str])] = &[
             "web_time",
         ],
     ),
+    ("web", &["console_error_panic_hook", "js_sys", "wasm_bindgen", "wasm_bindgen_futures", "web_time"]),
     (
         "studio",
         &[

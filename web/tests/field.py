@@ -97,7 +97,7 @@ class Handler(http.server.BaseHTTPRequestHandler):
             return self.reply(json.dumps(self.server.jobs).encode(), "application/json")
         own = Path(__file__).parent / name
         path = own if own.name in ("field.html", "field.js") else self.server.page / name
-        if "/" in name or not path.is_file():
+        if ".." in path.parts or not path.is_file():
             return self.reply(status=404)
         return self.reply(path.read_bytes(), self.KINDS.get(path.suffix, "application/octet-stream"))
 
