@@ -131,6 +131,37 @@ impl Window {
         }
     }
 
+    /// A file that was dropped.
+    #[cfg(not(target_arch = "wasm32"))]
+    pub(super) fn receive(
+        &mut self,
+        file: &egui::DroppedFileHandle,
+        _: &egui::Context,
+        commands: &mut Vec<Command>,
+    ) {
+        self.editor.ask(Purpose::of_dropped(file.path()).command(file.path().to_owned()), commands);
+    }
+
+    /// The same, once the browser has read it.
+    #[cfg(target_arch = "wasm32")]
+    pub(super) fn receive(
+        &mut self,
+        file: &egui::DroppedFileHandle,
+        ctx: &egui::Context,
+        _: &mut Vec<Command>,
+    ) {
+        let purpose = Purpose::of_dropped(file.path());
+        let file = Arc::clone(file);
+        let read = async move {
+            let bytes = file.bytes_async().await?;
+            Ok(page::take(file.path(), bytes))
+        };
+        match Errand::wait(ctx, async move { Outcome::Chosen(purpose, read.await) }) {
+            Ok(errand) => self.errands.push(errand),
+            Err(error) => self.refuse("The file cannot be read", &error.into()),
+        }
+    }
+
     /// Asks the desktop or the browser for a file while the window goes on.
     pub(super) fn browse(&mut self, purpose: Purpose, text: String, ctx: &egui::Context) {
         let chosen = ask_for_file(purpose, &self.editor.document);

@@ -37,8 +37,6 @@ use std::cell::RefCell;
 use std::num::NonZeroUsize;
 use std::path::Path;
 use std::rc::Rc;
-#[cfg(target_arch = "wasm32")]
-use std::sync::Arc;
 
 use eframe::egui;
 
@@ -347,27 +345,6 @@ impl Window {
             self.editor.dialog = Some(Dialog::Unsaved(Command::Close));
         } else if closes {
             self.forget_unsaved();
-        }
-    }
-
-    /// A file that was dropped.
-    #[cfg(not(target_arch = "wasm32"))]
-    fn receive(&mut self, file: &egui::DroppedFileHandle, _: &egui::Context, commands: &mut Vec<Command>) {
-        self.editor.ask(Purpose::of_dropped(file.path()).command(file.path().to_owned()), commands);
-    }
-
-    /// The same, once the browser has read it.
-    #[cfg(target_arch = "wasm32")]
-    fn receive(&mut self, file: &egui::DroppedFileHandle, ctx: &egui::Context, _: &mut Vec<Command>) {
-        let purpose = Purpose::of_dropped(file.path());
-        let file = Arc::clone(file);
-        let read = async move {
-            let bytes = file.bytes_async().await?;
-            Ok(page::take(file.path(), bytes))
-        };
-        match Errand::wait(ctx, async move { Outcome::Chosen(purpose, read.await) }) {
-            Ok(errand) => self.errands.push(errand),
-            Err(error) => self.refuse("The file cannot be read", &error.into()),
         }
     }
 

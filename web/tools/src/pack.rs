@@ -2,7 +2,7 @@
 
 use std::fs;
 use std::io::Write;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use anyhow::Context;
 use brotli::enc::BrotliEncoderParams;
@@ -18,9 +18,7 @@ const BEST: i32 = 11;
 /// Writes a `.gz` and a `.br` beside each, and says how large they are.
 pub fn pack(folder: &Path) -> anyhow::Result<()> {
     let mut sums = [0; 3];
-    let mut files: Vec<_> = fs::read_dir(folder)?.flatten().map(|entry| entry.path()).collect();
-    files.sort();
-    for path in files {
+    for path in files(folder)? {
         let ending = path.extension().unwrap_or_default().to_string_lossy().into_owned();
         if !PACKED.contains(&ending.as_str()) {
             continue;
@@ -36,6 +34,17 @@ pub fn pack(folder: &Path) -> anyhow::Result<()> {
     }
     println!("{}", line("together", sums));
     Ok(())
+}
+
+/// All of a folder and what is in it, in order.
+fn files(folder: &Path) -> anyhow::Result<Vec<PathBuf>> {
+    let mut entries: Vec<_> = fs::read_dir(folder)?.flatten().map(|entry| entry.path()).collect();
+    entries.sort();
+    let mut all = Vec::new();
+    for path in entries {
+        if path.is_dir() { all.extend(files(&path)?) } else { all.push(path) }
+    }
+    Ok(all)
 }
 
 fn line(name: &str, sizes: [usize; 3]) -> String {
