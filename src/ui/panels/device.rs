@@ -373,9 +373,16 @@ mod tests {
         shown.board.ports = names.iter().map(port).collect();
         let asked = Asked::default();
         let theirs = Rc::clone(&asked);
-        let draw = move |ui: &mut Ui, editor: &mut Editor| show(editor, &shown, ui, &mut theirs.borrow_mut());
+        let mut has_fonts = false;
+        let draw = move |ui: &mut Ui, editor: &mut Editor| match std::mem::replace(&mut has_fonts, true) {
+            true => show(editor, &shown, ui, &mut theirs.borrow_mut()),
+            // They are there from the next frame on.
+            false => theme::install(ui.ctx()),
+        };
         let editor = Editor::new(Document::new(Scene::default(), "scene"));
-        (Harness::new_ui_state(draw, editor), asked)
+        let mut panel = Harness::new_ui_state(draw, editor);
+        panel.run_steps(4);
+        (panel, asked)
     }
 
     #[test]
