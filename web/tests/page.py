@@ -27,6 +27,8 @@ TOLERANCE = 2e-5
 #: Of a scene for the sum below: m/s.
 SPEED = 343.0
 CHECKED = []
+#: On the Device page: buttons, in points from the upper left corner. The second moves down for the port that was chosen.
+CHOOSE, CONNECT = (1110, 219), (970, 339)
 
 
 def checked(what):
@@ -104,7 +106,7 @@ class Page:
         left, top, width, height = self.shown()["rect"]
         return left + across * width, top + (1 - up) * height
 
-    def point(self, *places, press=False):
+    def point(self, *places, press=False, settle=True):
         """Goes from place to place; held down on the way, or with a click at the end."""
         pointer = ActionChains(self.driver, duration=60)
         for index, (x, y) in enumerate(places):
@@ -116,9 +118,10 @@ class Page:
         else:
             pointer.w3c_actions.pointer_action.pointer_up()
         pointer.perform()
-        self.rest()
+        if settle:
+            self.rest()
 
-    def type(self, *keys, slowly=True):
+    def type(self, *keys, settle=True):
         for key in keys:
             chain = ActionChains(self.driver)
             if isinstance(key, tuple):
@@ -131,9 +134,9 @@ class Page:
             else:
                 chain.send_keys(key)
             chain.perform()
-            if slowly:
-                time.sleep(0.15)
-        self.rest()
+            time.sleep(0.15)
+        if settle:
+            self.rest()
 
     def run(self, action):
         """Runs an action by its name."""
@@ -319,6 +322,7 @@ def somebody_uses_it(page, folder):
     assert not page.log(), page.log()
 
     frames_beside_work(page)
+    streams_to_a_board(page)
     assert not page.log(), page.log()
 
 
@@ -333,6 +337,33 @@ def frames_beside_work(page):
     drawn = page.frames() - before
     assert drawn > 5, drawn
     checked(f"{drawn} frames drawn while a heart around HIT was solved")
+
+
+def streams_to_a_board(page):
+    """The Device page: a port by the browser's chooser, for which a stand-in answers as a native board would; then live."""
+    stand_in = Path(__file__).with_name("stand-in.js").read_text().replace("export class", "class")
+    source = {"source": f"{{ {stand_in}\n window.standIn = new StandIn().install(); }}"}
+    page.driver.execute_cdp_cmd("Page.addScriptToEvaluateOnNewDocument", source)
+    page.open(of_file("focus-centre"))
+    page.driver.execute_async_script("""
+        const done = arguments[0];
+        import("./sonoglyph.js").then(program => { window.standIn.port.board = window.board = new program.Board("native"); done(); });
+    """)
+    page.run("device panel")
+    for place in [CHOOSE, CONNECT]:
+        page.point(place, settle=False)
+        time.sleep(1.5)
+    page.type((Keys.CONTROL, "p"), "send to the board", Keys.ENTER, Keys.ENTER, settle=False)
+    # Amplitude and phase in turn; the envelope lets it sound half of the time.
+    sounding = "return board.playing().filter((value, n) => n % 2 === 0 && value > 0).length"
+    until(lambda: page.script(sounding) == 256, "256 elements that sound")
+    time.sleep(0.5)
+    page.script("board.frames()")
+    page.point(page.place(0.5, 0.5), page.place(0.6, 0.55), page.place(0.7, 0.65), press=True, settle=False)
+    moved = until(lambda: page.script("return board.frames()"), "frames of a drag")
+    page.type((Keys.CONTROL, "p"), "stop the board", Keys.ENTER, settle=False)
+    until(lambda: all(page.script(sounding) == 0 for _ in range(20)), "silence")
+    checked(f"a board at a port sounds with 256 elements, follows a drag and falls silent ({moved} frames at least)")
 
 
 def by_its_gpu(page, folder):

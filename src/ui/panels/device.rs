@@ -115,26 +115,32 @@ fn port(editor: &mut Editor, board: &BoardShown, ui: &mut Ui, ask: &mut impl FnM
         return;
     }
     match board.ports_from {
-        Ports::Computer => ui.horizontal(|ui| {
-            let field = egui::TextEdit::singleline(&mut editor.board.port).desired_width(150.0);
-            ui.add(field.hint_text("/dev/ttyUSB0")).labelled_by(label.id).on_hover_text(tip);
-            listed(editor, board, "Ports", "Serial ports of this computer", ui, ask);
-        }),
-        Ports::Browser => ui.horizontal(|ui| {
+        Ports::Computer => {
+            ui.horizontal(|ui| {
+                let field = egui::TextEdit::singleline(&mut editor.board.port).desired_width(150.0);
+                ui.add(field.hint_text("/dev/ttyUSB0")).labelled_by(label.id).on_hover_text(tip);
+                listed(editor, board, "Ports", "Serial ports of this computer", ui, ask);
+            });
+        }
+        Ports::Browser => {
             let chosen = editor.board.port.trim();
             if !board.ports.is_empty() {
                 let name = if chosen.is_empty() { "Ports" } else { chosen }.to_owned();
-                listed(editor, board, &name, "Serial ports that this page may use", ui, ask);
+                ui.horizontal(|ui| {
+                    listed(editor, board, &name, "Serial ports that this page may use", ui, ask);
+                });
+                ui.end_row();
+                ui.label("");
             }
             let tip = "The browser asks which port this page may use";
             if ui.button("Choose a port…").on_hover_text(tip).clicked() {
                 ask(BoardCommand::ChoosePort);
             }
-        }),
-        Ports::Nowhere => ui.horizontal(|ui| {
+        }
+        Ports::Nowhere => {
             ui.weak("This browser has no serial ports for pages; Chrome and Edge on a computer have.");
-        }),
-    };
+        }
+    }
     ui.end_row();
 }
 
