@@ -9,7 +9,7 @@ pub mod app;
 pub mod bench;
 #[cfg(feature = "cli")]
 pub mod cli;
-#[cfg(any(feature = "cli", feature = "serial", feature = "window"))]
+#[cfg(feature = "studio")]
 pub mod device;
 pub mod drive;
 pub mod echo;
@@ -30,7 +30,7 @@ pub mod shelf;
 pub mod simd;
 pub mod solver;
 pub mod source;
-#[cfg(any(feature = "cli", feature = "window"))]
+#[cfg(feature = "studio")]
 pub mod studio;
 pub mod surface;
 pub mod table;

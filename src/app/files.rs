@@ -13,7 +13,7 @@ use crate::app::page;
 use crate::app::{folders, settings};
 use crate::field::{Colouring, Evaluator, Quantity, Request, Stages};
 use crate::import::{self, Drawing};
-use crate::picture::{export, sheet};
+use crate::picture::{export, numbers, sheet};
 use crate::scene::{Array, Elements, Envelope, Scene, Wave, check};
 use crate::solver::frames;
 use crate::source;
@@ -428,7 +428,7 @@ impl Window {
 
     fn numbers_npy(&mut self) -> anyhow::Result<Vec<u8>> {
         let (shape, values) = self.workshop.mapping.numbers().context("there is no map")?;
-        Ok(export::npy(&shape, &values)?)
+        Ok(numbers::npy(&shape, &values)?)
     }
 
     fn drive_csv(&self) -> anyhow::Result<Vec<u8>> {

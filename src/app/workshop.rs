@@ -285,7 +285,8 @@ impl Workshop {
         let is_known = self.reach.as_ref().is_some_and(|(scene, _)| scene == posed);
         if !is_known && !ctx.input(|input| input.pointer.any_down()) {
             let cut = reach::cut_short(&Aperture::new(posed));
-            self.reach = Some((posed.clone(), reach::warnings(posed).into_iter().chain(cut).collect()));
+            let warnings = reach::of_targets(posed).into_iter().chain(cut);
+            self.reach = Some((posed.clone(), warnings.map(|warning| warning.to_string()).collect()));
         }
         self.reach.as_ref().map_or(&[], |(_, warnings)| warnings)
     }
@@ -477,7 +478,8 @@ fn pressed(stages: &mut Stages, request: &Request) -> Option<Pressed> {
 
 /// What to know before trusting what is seen.
 fn warnings(editor: &Editor, shown: &Shown) -> Vec<String> {
-    let mut warnings = shown.solution.as_ref().map_or_else(Vec::new, |solution| solution.warnings.clone());
+    let of_solution = shown.solution.iter().flat_map(|solution| &solution.warnings);
+    let mut warnings: Vec<_> = of_solution.map(ToString::to_string).collect();
     if let Some(beyond) = shown.pressed.as_ref().and_then(|pressed| pressed.beyond.clone()) {
         warnings.insert(0, beyond);
     }

@@ -7,8 +7,8 @@ use clap::Args;
 
 use crate::cli::{RenderArgs, View};
 use crate::field::{Quantity, Request, Scale, Stages, missed};
-use crate::picture::export;
 use crate::picture::figure::Paper;
+use crate::picture::numbers;
 use crate::studio::convention::Convention;
 use crate::studio::evaluator::Backend;
 use crate::studio::figure::{self, DENSITIES, WIDTHS, Wish};
@@ -166,7 +166,7 @@ pub(in crate::cli) fn write(
     let bytes = drawn.figure.write(format)?;
     if let Some(data) = data {
         let shape = [drawn.map.height as u64, drawn.map.width as u64];
-        output::write(data, &export::npy(&shape, &drawn.map.values)?)?;
+        output::write(data, &numbers::npy(&shape, &drawn.map.values)?)?;
     }
     output::write(output, &bytes)?;
     let [width, height] = drawn.figure.size();

@@ -483,6 +483,6 @@ fn read_scene(path: &Path, method: Option<Method>, files: &mut Files) -> anyhow:
     if let Some(method) = method {
         scene.solver.method = method;
     }
-    reach::cut_short(&Aperture::new(&scene)).iter().for_each(|warning| output::warn(warning));
+    reach::cut_short(&Aperture::new(&scene)).iter().for_each(|warning| output::warn(&warning.to_string()));
     Ok(scene)
 }

@@ -35,7 +35,7 @@ pub fn run(args: &ProbeArgs) -> anyhow::Result<()> {
         None if args.time.time => time_course::drives(&scene, &args.scene.display().to_string())?,
         None => {
             let solution = solver::solve(&scene).with_context(|| args.scene.display().to_string())?;
-            solution.warnings.iter().for_each(|warning| warn(warning));
+            solution.warnings.iter().for_each(|warning| warn(&warning.to_string()));
             solution.drives()
         }
     };

@@ -16,6 +16,7 @@ use crate::solver::{self, Limits, Problem, Solution, SolveError, room};
 use crate::studio::levitation::{self, Held};
 use crate::studio::output::{self, Files, say, warn};
 use crate::studio::probe::{self, Reading};
+use crate::studio::reach;
 
 /// What is said in place of figures that compare pressures at the foci, and the rows that do.
 const SILENT: &str = "no sound reaches the foci";
@@ -84,7 +85,7 @@ pub(in crate::cli) fn run(args: &SolveArgs) -> anyhow::Result<()> {
     solution.judge(&scene, &problem);
     let findings = Findings::new(&scene, &problem, Limits::new(&problem), &mut stages(), solution);
     drop(room);
-    findings.warnings().iter().for_each(|warning| warn(warning));
+    findings.warnings.iter().for_each(|warning| warn(warning));
     let played = args.levels.map(|levels| Played::new(&problem, &findings.solution, levels));
     if let Some(path) = &args.csv {
         let drive = played.as_ref().map_or(&findings.solution.drive, |played| &played.refined.0);
@@ -125,7 +126,7 @@ struct Findings {
     side_lobe: Result<SideLobe, NoSideLobe>,
     heard: Option<Reading>,
     /// What the user should know of all that, a sentence each.
-    notices: Vec<String>,
+    warnings: Vec<String>,
 }
 
 impl Findings {
@@ -142,20 +143,22 @@ impl Findings {
         let side_lobe = side_lobe::loudest(stages, aperture, &scene.plane, &solution.drives(), &points);
         let heard =
             scene.listener.as_ref().map(|listener| probe::reading(aperture, &solution.drives(), listener.at));
-        let mut notices: Vec<_> = limits.warning(problem).into_iter().collect();
+        let mut warnings: Vec<_> = solution
+            .warnings
+            .iter()
+            .cloned()
+            .chain(limits.warning(problem))
+            .map(|warning| warning.to_string())
+            .collect();
         if scene.solver.pressures == Pressures::Pascal && limits.bound < 1.0 {
-            notices.push(format!(
+            warnings.push(format!(
                 "no drive of this array brings every focus to more than {} of what is asked",
                 percent_at_most(limits.bound, 2)
             ));
         }
-        notices.extend(heard.and_then(|heard| heard.warning()));
-        notices.extend(crate::studio::reach::warnings(scene));
-        Self { solution, limits, side_lobe, heard, notices }
-    }
-
-    fn warnings(&self) -> Vec<&String> {
-        self.solution.warnings.iter().chain(&self.notices).collect()
+        warnings.extend(heard.and_then(|heard| heard.warning()));
+        warnings.extend(reach::of_targets(scene).iter().map(ToString::to_string));
+        Self { solution, limits, side_lobe, heard, warnings }
     }
 }
 
@@ -265,14 +268,14 @@ fn compare(
 /// Every warning once, with the methods it is about where it is not about all.
 fn report_warnings(findings: &[Findings]) {
     let mut said = Vec::new();
-    for warning in findings.iter().flat_map(Findings::warnings) {
+    for warning in findings.iter().flat_map(|one| &one.warnings) {
         if said.contains(&warning) {
             continue;
         }
         said.push(warning);
         let concerned: Vec<_> = findings
             .iter()
-            .filter(|other| other.warnings().contains(&warning))
+            .filter(|other| other.warnings.contains(warning))
             .map(|other| other.solution.method.name())
             .collect();
         if concerned.len() == findings.len() {

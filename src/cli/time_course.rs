@@ -60,7 +60,7 @@ pub fn drives(scene: &Scene, name: &str) -> anyhow::Result<Vec<Drive>> {
         return Ok(sequence.frames.into_iter().map(|frame| frame.drive).collect());
     }
     let solution = solver::solve(scene).with_context(|| name.to_owned())?;
-    solution.warnings.iter().for_each(|warning| warn(warning));
+    solution.warnings.iter().for_each(|warning| warn(&warning.to_string()));
     Ok(solution.drives())
 }
 

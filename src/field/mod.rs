@@ -8,7 +8,9 @@ pub mod cells;
 pub mod colouring;
 pub mod contour;
 pub mod cpu;
+#[cfg_attr(not(feature = "gpu"), path = "no_gpu.rs")]
 pub mod gpu;
+mod gpu_report;
 pub mod interpolation;
 pub mod plan;
 pub mod polynomial;
@@ -39,7 +41,8 @@ use crate::simd::larger;
 use crate::table::{Table, TableError};
 
 pub use colouring::{Colouring, Scale};
-pub use gpu::{Gpu, GpuError};
+pub use gpu::Gpu;
+pub use gpu_report::{GpuError, Traffic};
 pub use plan::{Plan, missed, promised};
 pub use quantity::Quantity;
 pub use raster::Raster;

@@ -1,10 +1,6 @@
-//! Pictures and numbers as the bytes of files: PNG and NPY.
+//! Pictures as the bytes of PNG files.
 
-use std::fmt;
-use std::io::{self, Cursor, Write};
-
-use image::{ExtendedColorType, ImageEncoder};
-use npyz::WriterBuilder;
+use png::{BitDepth, ColorType, Compression, EncodingError, Filter};
 
 use crate::picture::Picture;
 
@@ -15,58 +11,19 @@ use crate::picture::Picture;
 ///
 /// # Panics
 /// A picture with other than four bytes per pixel.
-pub fn png(picture: &Picture) -> Result<Vec<u8>, image::ImageError> {
+pub fn png(picture: &Picture) -> Result<Vec<u8>, EncodingError> {
     let rgb: Vec<u8> =
         picture.rgba.chunks_exact(4).flat_map(|pixel| [pixel[0], pixel[1], pixel[2]]).collect();
     let mut bytes = Vec::new();
-    image::codecs::png::PngEncoder::new(Cursor::new(&mut bytes)).write_image(
-        &rgb,
-        picture.width as u32,
-        picture.height as u32,
-        ExtendedColorType::Rgb8,
-    )?;
+    let mut encoder = png::Encoder::new(&mut bytes, picture.width as u32, picture.height as u32);
+    encoder.set_color(ColorType::Rgb);
+    encoder.set_depth(BitDepth::Eight);
+    encoder.set_compression(Compression::Fast);
+    encoder.set_filter(Filter::Adaptive);
+    let mut writer = encoder.write_header()?;
+    writer.write_image_data(&rgb)?;
+    writer.finish()?;
     Ok(bytes)
-}
-
-/// An NPY file of float32 in C order, which `numpy.load` opens.
-///
-/// # Errors
-/// The shape does not hold as many numbers as there are.
-pub fn npy(shape: &[u64], values: &[f32]) -> io::Result<Vec<u8>> {
-    let mut bytes = Vec::new();
-    let mut numbers = Numbers::new(&mut bytes, shape)?;
-    numbers.add(values)?;
-    numbers.finish()?;
-    Ok(bytes)
-}
-
-/// An NPY file of float32 that is written piece by piece.
-pub struct Numbers<W: Write>(npyz::NpyWriter<f32, W>);
-
-impl<W: Write> Numbers<W> {
-    /// # Errors
-    /// What the file says.
-    pub fn new(file: W, shape: &[u64]) -> io::Result<Self> {
-        Ok(Self(npyz::WriteOptions::new().default_dtype().shape(shape).writer(file).begin_nd()?))
-    }
-
-    /// # Errors
-    /// What the file says.
-    pub fn add(&mut self, values: &[f32]) -> io::Result<()> {
-        self.0.extend(values.iter().copied())
-    }
-
-    /// # Errors
-    /// The shape does not hold as many numbers as came.
-    pub fn finish(self) -> io::Result<()> {
-        self.0.finish()
-    }
-}
-
-impl<W: Write> fmt::Debug for Numbers<W> {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.debug_struct("Numbers").finish_non_exhaustive()
-    }
 }
 
 #[cfg(test)]
@@ -81,16 +38,5 @@ mod tests {
         assert_eq!((image.width(), image.height()), (2, 2));
         assert_eq!(image.get_pixel(0, 0).0, [7, 8, 9]);
         assert_eq!(image.get_pixel(1, 1).0, [4, 5, 6]);
-    }
-
-    #[test]
-    fn an_npy_is_little_endian_float32_in_c_order() {
-        let bytes = npy(&[2, 3], &[1.0, 2.0, 3.0, 4.0, 5.0, 6.0]).unwrap();
-        assert_eq!(&bytes[..6], b"\x93NUMPY");
-        let header = String::from_utf8_lossy(&bytes[10..bytes.len() - 24]).into_owned();
-        for part in ["'descr': '<f4'", "'fortran_order': False", "'shape': (2, 3"] {
-            assert!(header.contains(part), "{header}");
-        }
-        assert_eq!(&bytes[bytes.len() - 4..], 6.0f32.to_le_bytes());
     }
 }

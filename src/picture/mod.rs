@@ -1,20 +1,28 @@
 //! From numbers to what a person looks at: colour maps, PNG and NPY, sheets with axes, animations and charts; and from pictures
 //! to the numbers of targets.
 
+#[cfg(feature = "studio")]
 pub mod animation;
 #[cfg(feature = "cli")]
 pub mod chart;
 pub mod colour;
 pub mod export;
+#[cfg(feature = "studio")]
 pub mod figure;
+#[cfg(feature = "studio")]
 pub mod grey;
+#[cfg(feature = "studio")]
 mod lettering;
+#[cfg(feature = "studio")]
+pub mod numbers;
+#[cfg(feature = "studio")]
 pub mod relief;
+#[cfg(feature = "studio")]
 pub mod sheet;
+#[cfg(feature = "studio")]
 pub mod space;
+#[cfg(feature = "studio")]
 pub mod vti;
-
-use plotters::drawing::DrawingAreaErrorKind;
 
 pub use colour::ColourMap;
 
@@ -23,8 +31,9 @@ pub use colour::ColourMap;
 #[error("the picture could not be drawn: {0}")]
 pub struct PictureError(String);
 
-impl<E: std::error::Error + Send + Sync> From<DrawingAreaErrorKind<E>> for PictureError {
-    fn from(error: DrawingAreaErrorKind<E>) -> Self {
+#[cfg(feature = "studio")]
+impl<E: std::error::Error + Send + Sync> From<plotters::drawing::DrawingAreaErrorKind<E>> for PictureError {
+    fn from(error: plotters::drawing::DrawingAreaErrorKind<E>) -> Self {
         Self(error.to_string())
     }
 }

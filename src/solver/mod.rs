@@ -17,6 +17,7 @@ pub mod shape;
 mod starts;
 pub mod steps;
 pub mod trap;
+pub mod warning;
 
 use serde::{Deserialize, Serialize};
 use web_time::{Duration, Instant};
@@ -31,6 +32,7 @@ pub use inverse::rank_and_condition;
 pub use quality::{Limits, Quality, bound};
 pub use shape::{AreaFigures, Figures, Search, Stage, Surroundings};
 pub use trap::Traps;
+pub use warning::Warning;
 
 /// What a method gets to see.
 #[derive(Clone, Debug)]
@@ -129,8 +131,8 @@ pub struct Solution {
     pub iterations: u32,
     /// Time that the method took, transfer included, quality not.
     pub seconds: f64,
-    /// What the user should know before trusting the result, a sentence each.
-    pub warnings: Vec<String>,
+    /// What the user should know before trusting the result.
+    pub warnings: Vec<Warning>,
 }
 
 impl Solution {
@@ -167,10 +169,7 @@ impl Solution {
         self.figures = Some(figures);
         let is_stroked = self.foci.iter().any(|focus| focus.part == Part::Stroke);
         if self.method == Method::Best && is_stroked && figures.side_lobe > ASTRAY {
-            self.warnings.push(format!(
-                "elsewhere on the plane it is {:.1} times as loud as along the strokes: the drawing is out of the array's reach",
-                figures.side_lobe
-            ));
+            self.warnings.push(Warning::OutOfReach(figures.side_lobe));
         }
     }
 
@@ -280,9 +279,10 @@ fn solution(scene: &Scene, problem: &Problem<'_>, excitation: &Excitation, secon
     let (elements, driven) = (aperture.positions.len(), &aperture.driven);
     let mut drives = values.chunks(driven.len()).map(|values| Drive::of(elements, driven, values));
     let quality = Quality::new(problem, excitation, &pressures);
-    let mut warnings = warnings(aperture, &problem.foci);
+    let mut warnings = warning::of_foci(aperture, &problem.foci);
     if needed > 1.0 {
-        warnings.push(too_much(problem, &quality));
+        let asked = problem.targets().iter().sum::<f64>() / problem.foci.len() as f64;
+        warnings.push(Warning::TooLoud { asked, brought: quality.mean_pressure });
     }
     Solution {
         method: scene.solver.method,
@@ -340,16 +340,6 @@ fn needed(problem: &Problem<'_>, pressures: &[Complex64]) -> f64 {
     if along > 0.0 { along / power } else { f64::INFINITY }
 }
 
-fn too_much(problem: &Problem<'_>, quality: &Quality) -> String {
-    let asked = problem.targets().iter().sum::<f64>() / problem.foci.len() as f64;
-    format!(
-        "the foci are to get {asked:.1} Pa (mean, peak), and full drive brings them {:.1} Pa, {:.1} % of it: full drive is \
-         played",
-        quality.mean_pressure,
-        100.0 * quality.mean_pressure / asked
-    )
-}
-
 /// The excitation that a method finds; `iterations` 0 takes the method's own default.
 ///
 /// # Errors
@@ -405,45 +395,4 @@ fn focus(problem: &Problem<'_>) -> Result<Excitation, SolveError> {
     let values =
         driven.iter().map(|n| Complex64::from_polar(1.0, element.wavenumber * distance(n))).collect();
     Ok(Excitation { values, iterations: 0, residual: None, weights: None })
-}
-
-/// What the user should know of foci in front of an array, a sentence each. Samples of continuous strokes may stand as close as
-/// they like.
-pub fn warnings(aperture: &Aperture, foci: &[Focus]) -> Vec<String> {
-    let mut warnings = Vec::new();
-    let resolution_at = aperture.resolution();
-    let (mut coincident, mut close, mut closest) = (0, 0, (f64::INFINITY, 0.0));
-    // Lobes of a trap stand as close as it takes.
-    let separate: Vec<_> = foci.iter().filter(|focus| focus.part == Part::Point).collect();
-    for (i, focus) in separate.iter().enumerate() {
-        for other in &separate[..i] {
-            let distance = focus.position.distance(other.position);
-            let resolution = resolution_at((focus.position + other.position) / 2.0);
-            coincident += usize::from(distance < 1e-9);
-            close += usize::from(distance < resolution);
-            if distance < closest.0 {
-                closest = (distance, resolution);
-            }
-        }
-    }
-    if coincident > 0 {
-        warnings.push(format!("{coincident} pairs of foci coincide: they get the same pressure"));
-    }
-    if close > coincident {
-        warnings.push(format!(
-            "{} pairs of foci are closer than the array resolves: the closest stand {:.2} mm apart, and λ/(2 NA) is \
-             {:.2} mm there; they blur into one, and inverse methods waste power on them",
-            close - coincident,
-            closest.0 * 1e3,
-            closest.1 * 1e3
-        ));
-    }
-    let elements = aperture.driven.len();
-    if separate.len() > elements {
-        warnings.push(format!(
-            "{} foci are more than the {elements} driven elements can set: the pressures are a compromise",
-            separate.len()
-        ));
-    }
-    warnings
 }

@@ -5,7 +5,7 @@ use num_complex::Complex64;
 use serde::{Deserialize, Serialize};
 
 use crate::acoustics::Transfer;
-use crate::solver::{Excitation, Problem, inverse, iteration};
+use crate::solver::{Excitation, Problem, Warning, inverse, iteration};
 
 /// Figures of a solution. Pressures in Pa (peak), of the drive that will be played.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -74,20 +74,16 @@ impl Limits {
         Self { bound: bound(problem), rank, condition }
     }
 
-    /// What the user should know of these foci, in words.
-    pub fn warning(&self, problem: &Problem<'_>) -> Option<String> {
+    /// What the user should know of these foci.
+    pub fn warning(&self, problem: &Problem<'_>) -> Option<Warning> {
         let Transfer { points, elements, .. } = problem.transfer;
         // Neighbouring samples of a stroke are to depend on each other.
         if problem.foci.iter().any(|focus| !focus.is_separate()) {
             return None;
         }
         // That more foci than elements are dependent, every solution says.
-        (points <= elements && self.rank < points).then(|| {
-            format!(
-                "the {points} foci have only {} independent directions (condition {:.1e}): the rest is a compromise",
-                self.rank, self.condition
-            )
-        })
+        let Self { rank, condition, .. } = *self;
+        (points <= elements && rank < points).then_some(Warning::Dependent { foci: points, rank, condition })
     }
 }
 

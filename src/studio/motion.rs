@@ -4,8 +4,8 @@ use crate::acoustics::Aperture;
 use crate::gauge::Gauge;
 use crate::picture::sheet::pascals;
 use crate::scene::{Pressures, Scene, motion};
-use crate::solver;
 use crate::solver::frames::{self, Frame, Sequence};
+use crate::solver::warning;
 use crate::studio::output::{note, warn};
 
 /// What finding all drives is called while it goes on.
@@ -21,7 +21,7 @@ pub fn follow(scene: &Scene, name: &str, progress: &Gauge) -> anyhow::Result<Seq
     }
     let sequence =
         frames::follow_with(scene, progress).map_err(|error| anyhow::anyhow!("{name}: {error}"))?;
-    for warning in solver::warnings(&Aperture::new(scene), &sequence.frames[0].foci) {
+    for warning in warning::of_foci(&Aperture::new(scene), &sequence.frames[0].foci) {
         warn(&format!("in the first frame, {warning}"));
     }
     if scene.solver.pressures == Pressures::Pascal {

@@ -30,8 +30,42 @@ const QUARTER: i32 = 60;
 /// Widths of the main lobe within which it is no other.
 const MAIN_LOBE: f64 = 2.5;
 
-/// What to know of targets that the array does not reach, a sentence each.
-pub fn warnings(scene: &Scene) -> Vec<String> {
+/// What to know of a target, or of what the array sends there.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum Warning {
+    /// The largest directivity of an element towards it.
+    #[error(
+        "{name} is beyond the steering range: even the nearest elements radiate only {:.0} % of their pressure on axis towards it",
+        100.0 * .directivity
+    )]
+    Aside { name: String, directivity: f64 },
+    /// A single focus there over one at the best distance, and that distance, m.
+    #[error(
+        "{name} is too far away: a single focus there reaches {:.1} % of the pressure that it reaches {:.0} mm in front of the array",
+        100.0 * .pressure,
+        .best * 1e3
+    )]
+    Far { name: String, pressure: f64, best: f64 },
+    /// The pitch in wavelengths, and the lobe over the focus.
+    #[error(
+        "{name} is beyond the steering range: the elements stand {pitch:.2} wavelengths apart, and a grating lobe beside it has \
+         {:.0} % of its pressure",
+        100.0 * .lobe
+    )]
+    GratingLobe { name: String, pitch: f64, lobe: f64 },
+    /// The board's number, from 1.
+    #[error("Board {0} faces away from every target: it sends nothing there")]
+    TurnedAway(usize),
+    /// Of a series of reflections that is cut: what is left out, of the direct sound.
+    #[error(
+        "The reflections between the array's face and what it faces converge slowly: what is left out after {faces} of them is up to \
+         {rest:.1e} of the direct sound"
+    )]
+    CutShort { faces: usize, rest: f64 },
+}
+
+/// What to know of a scene's targets that the array does not reach.
+pub fn of_targets(scene: &Scene) -> Vec<Warning> {
     let aperture = Aperture::new(scene);
     if aperture.driven.is_empty() {
         return Vec::new();
@@ -46,7 +80,7 @@ pub fn warnings(scene: &Scene) -> Vec<String> {
 }
 
 /// Boards that send nothing to any target.
-fn turned_away(aperture: &Aperture, places: &[DVec3]) -> Vec<String> {
+fn turned_away(aperture: &Aperture, places: &[DVec3]) -> Vec<Warning> {
     if aperture.boards().count() < 2 || places.is_empty() {
         return Vec::new();
     }
@@ -56,21 +90,15 @@ fn turned_away(aperture: &Aperture, places: &[DVec3]) -> Vec<String> {
     };
     let away =
         aperture.boards().enumerate().filter(|(_, board)| !places.iter().any(|&place| hears(board, place)));
-    away.map(|(index, _)| format!("Board {} faces away from every target: it sends nothing there", index + 1))
-        .collect()
+    away.map(|(index, _)| Warning::TurnedAway(index + 1)).collect()
 }
 
 /// What to know of a series of reflections that is still loud where it is cut.
-pub fn cut_short(aperture: &Aperture) -> Option<String> {
+pub fn cut_short(aperture: &Aperture) -> Option<Warning> {
     /// Of the boards' own sound.
     const LOUD: f64 = 1e-9;
     let last = aperture.faces.last().filter(|face| aperture.is_series_cut() && face.rest > LOUD)?;
-    Some(format!(
-        "The reflections between the array's face and what it faces converge slowly: what is left out after {} of them is up to {:.1e} of the \
-         direct sound",
-        aperture.faces.len(),
-        last.rest
-    ))
+    Some(Warning::CutShort { faces: aperture.faces.len(), rest: last.rest })
 }
 
 fn warning(
@@ -78,7 +106,7 @@ fn warning(
     index: usize,
     target: &Target,
     (best, distance): (f64, f64),
-) -> Option<String> {
+) -> Option<Warning> {
     let at = outline::centre(&target.shape);
     if at.z <= 0.0 {
         return None;
@@ -87,29 +115,16 @@ fn warning(
         "" => format!("Target {}", index + 1),
         name => format!("Target {} ({name})", index + 1),
     };
-    let part = straightest(aperture, at);
-    if part < SIDEWAYS {
-        return Some(format!(
-            "{name} is beyond the steering range: even the nearest elements radiate only {:.0} % of their pressure on axis towards it",
-            100.0 * part
-        ));
+    let directivity = straightest(aperture, at);
+    if directivity < SIDEWAYS {
+        return Some(Warning::Aside { name, directivity });
     }
     let loud = single_focus(aperture, at);
     if loud < WEAK * best {
-        return Some(format!(
-            "{name} is too far away: a single focus there reaches {:.1} % of the pressure that it reaches {:.0} mm in front of \
-             the array",
-            100.0 * loud / best,
-            distance * 1e3
-        ));
+        return Some(Warning::Far { name, pressure: loud / best, best: distance });
     }
     let lobe = grating_lobe(aperture, at).filter(|lobe| *lobe > LOUD_LOBE)?;
-    Some(format!(
-        "{name} is beyond the steering range: the elements stand {:.2} wavelengths apart, and a grating lobe beside it has {:.0} % \
-         of its pressure",
-        aperture.pitch / aperture.wavelength(),
-        100.0 * lobe
-    ))
+    Some(Warning::GratingLobe { name, pitch: aperture.pitch / aperture.wavelength(), lobe })
 }
 
 /// |P| (Pa) of a single focus.
@@ -188,7 +203,8 @@ mod tests {
     use crate::scene::Shape;
 
     fn said(at: DVec3) -> Vec<String> {
-        warnings(&Scene { targets: vec![Target::new(Shape::Point { at })], ..Scene::default() })
+        let scene = Scene { targets: vec![Target::new(Shape::Point { at })], ..Scene::default() };
+        of_targets(&scene).iter().map(ToString::to_string).collect()
     }
 
     #[test]
@@ -209,6 +225,6 @@ mod tests {
     fn hidden_targets_are_not_named() {
         let mut target = Target::new(Shape::Point { at: DVec3::Z * 5.0 });
         target.visible = false;
-        assert!(warnings(&Scene { targets: vec![target], ..Scene::default() }).is_empty());
+        assert!(of_targets(&Scene { targets: vec![target], ..Scene::default() }).is_empty());
     }
 }

@@ -10,7 +10,7 @@ use crate::field::stages::MOST_PIXELS;
 use crate::field::{Quantity, Request, Stages, missed};
 use crate::gauge::Gauge;
 use crate::memory;
-use crate::picture::{ColourMap, Picture, export, relief, sheet};
+use crate::picture::{ColourMap, Picture, export, numbers, relief, sheet};
 use crate::scene::{Scene, file, motion};
 use crate::solver::{self, Solution};
 use crate::studio::evaluator::{self, Backend};
@@ -229,7 +229,7 @@ impl Rendered {
             export::png(&self.picture).with_context(|| format!("{}: cannot encode", output.display()))?;
         // The numbers first: a picture that is there is complete.
         if let (Some(data), Some((shape, values))) = (data, &self.numbers) {
-            output::write(data, &export::npy(shape, values)?)?;
+            output::write(data, &numbers::npy(shape, values)?)?;
         }
         output::write(output, &png)
     }

@@ -8,7 +8,7 @@ use glam::{DVec3, UVec3};
 
 use crate::field::volume::{Block, Lattice, MOST_POINTS, MOST_POINTS_ALONG};
 use crate::field::{Quantity, Request, Stages, missed};
-use crate::picture::export::Numbers;
+use crate::picture::numbers::Numbers;
 use crate::picture::vti::ImageData;
 use crate::studio::evaluator::{Backend, or_by_cpu};
 use crate::studio::space::block_of;

@@ -4,7 +4,7 @@ use glam::DVec2;
 use sonoglyph::picture::animation::{Animation, AnimationError, Colours, Format, Pace};
 use sonoglyph::picture::chart::{Chart, Level, Series};
 use sonoglyph::picture::relief::{self, Relief, Words};
-use sonoglyph::picture::{ColourMap, Picture, export, sheet};
+use sonoglyph::picture::{ColourMap, Picture, export, numbers, sheet};
 use sonoglyph::scene::Plane;
 
 use crate::{POISON, SIZES, panics};
@@ -17,11 +17,11 @@ fn pictures_have_four_bytes_a_pixel() {
     assert!(panics(|| export::png(&Picture { width: 3, height: 3, rgba: vec![0; 8] })));
     for shape in [&[2u64, 2][..], &[0], &[u64::MAX, 3]] {
         assert!(
-            panics(|| export::npy(shape, &[1.0; 5]).is_err()) || export::npy(shape, &[1.0; 5]).is_err(),
+            panics(|| numbers::npy(shape, &[1.0; 5]).is_err()) || numbers::npy(shape, &[1.0; 5]).is_err(),
             "{shape:?}"
         );
     }
-    let bytes = export::npy(&[2], &[f32::NAN, f32::INFINITY]).unwrap();
+    let bytes = numbers::npy(&[2], &[f32::NAN, f32::INFINITY]).unwrap();
     assert!(bytes.ends_with(&f32::INFINITY.to_le_bytes()), "numbers are written as they are");
 }
 

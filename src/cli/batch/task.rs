@@ -12,7 +12,7 @@ use crate::cli::json;
 use crate::drive::Drive;
 use crate::echo;
 use crate::field::{Map, Quantity, Request, Samples, Stages};
-use crate::picture::export;
+use crate::picture::numbers;
 use crate::scene::{Method, Scene, file};
 use crate::solver::{self, Limits, Problem, Solution, SolveError, room};
 use crate::studio::output::Files;
@@ -89,7 +89,8 @@ impl Task {
         let limits = self.limits.then(|| limits(&scene, &mut solution)).transpose()?;
         let mut answer = json::solution(&solution, limits.as_ref());
         if !solution.warnings.is_empty() {
-            answer["warnings"] = json!(solution.warnings);
+            let warnings: Vec<_> = solution.warnings.iter().map(ToString::to_string).collect();
+            answer["warnings"] = json!(warnings);
         }
         if self.field || self.data.is_some() {
             json::add_widths(&mut answer, &Aperture::new(&scene), &solution);
@@ -122,7 +123,7 @@ impl Task {
             let path = folder.join(format!("{number}.npy"));
             self.files().spares(&path)?;
             let _writing = self.writing.read().unwrap_or_else(PoisonError::into_inner);
-            output::write(&path, &export::npy(&[height as u64, width as u64], rms)?)?;
+            output::write(&path, &numbers::npy(&[height as u64, width as u64], rms)?)?;
             statistics["file"] = json!(path);
         }
         Ok(statistics)

@@ -174,7 +174,7 @@ fn content(
     };
     let Some(cycle) = motion::cycle(scene) else {
         let solution = solver::solve(scene).map_err(|error| anyhow::anyhow!("{name}: {error}"))?;
-        solution.warnings.iter().for_each(|warning| warn(warning));
+        solution.warnings.iter().for_each(|warning| warn(&warning.to_string()));
         tell(&solution.drive);
         let frames = solution.drives().iter().map(levels).collect::<Result<_, _>>()?;
         return Ok((Content::in_turn(frames, profile.turns_per_second(settings.baud())), GLANCE));

@@ -1,6 +1,7 @@
 //! Which adapters there are, and which of them is worth using.
 
-use crate::field::gpu::{Gpu, GpuError};
+use crate::field::GpuError;
+use crate::field::gpu::Gpu;
 
 /// Interfaces that compute; a driver offers the same adapter through OpenGL too, without half of its limits.
 pub const BACKENDS: wgpu::Backends =

@@ -15,11 +15,11 @@ use crate::field::gpu::program::{MOST_GROUPS, Program, Waves};
 use crate::field::gpu::reading::Reading;
 use crate::field::gpu::resampling::{self, Lines};
 use crate::field::gpu::superposition::{Elements, Superposition};
-use crate::field::gpu::{Gpu, GpuError, Step};
+use crate::field::gpu::{Gpu, Step};
 use crate::field::interpolation::Resampling;
 use crate::field::quantity::{Constants, PRESSURE, Part, Quantity};
 use crate::field::slope::{shifted, stencil};
-use crate::field::{Samples, Sources, Wave, sources};
+use crate::field::{GpuError, Samples, Sources, Wave, sources};
 
 /// Figures that may be on their way at once: one arrives while the next is made.
 const ON_THEIR_WAY: usize = 3;

@@ -22,8 +22,8 @@ use std::sync::{Arc, Mutex};
 use num_complex::Complex32;
 use wgpu::BufferUsages;
 
-use crate::field::Sources;
 use crate::field::quantity::{Constants, Quantity, Sound};
+use crate::field::{GpuError, Sources, Traffic};
 use program::Program;
 use tuning::Tuning;
 
@@ -36,26 +36,6 @@ pub use space::SpacePainting;
 
 /// Bytes of a buffer, at most.
 const LARGEST_BUFFER: u64 = 1 << 27;
-
-/// Why the GPU did not do its work.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-pub enum GpuError {
-    #[error("no usable GPU adapter: {0}")]
-    NoAdapter(String),
-    #[error("the GPU refused the work: {0}")]
-    Refused(String),
-    #[error("the GPU was lost: {0}")]
-    Lost(String),
-}
-
-/// What went back and forth.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Traffic {
-    /// Bytes that came back.
-    pub read_back: u64,
-    /// Buffers, textures and bind groups that were made.
-    pub allocations: u64,
-}
 
 /// A device with its pipelines, which are made when first needed.
 #[derive(Debug)]

@@ -4,7 +4,8 @@ use std::sync::{Arc, OnceLock};
 
 use wgpu::BufferUsages;
 
-use crate::field::gpu::{Gpu, GpuError};
+use crate::field::GpuError;
+use crate::field::gpu::Gpu;
 
 /// Memory that the CPU can read, and what was copied there last.
 #[derive(Debug)]

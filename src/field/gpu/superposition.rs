@@ -12,9 +12,9 @@ use wgpu::BufferUsages;
 use crate::field::gpu::program::{
     FieldProgram, MOST_GROUPS, Params, Program, UNIFORM_ELEMENTS, WORKGROUP, Waves,
 };
-use crate::field::gpu::{Gpu, GpuError, Reading, Step};
+use crate::field::gpu::{Gpu, Reading, Step};
 use crate::field::sources::MOST_NODES;
-use crate::field::{Samples, Sources, Wave};
+use crate::field::{GpuError, Samples, Sources, Wave};
 
 /// The elements of a board that sound, as programs read them: for all superpositions of a map.
 #[derive(Debug)]

@@ -8,6 +8,7 @@ mod depression;
 mod force;
 mod kept;
 mod on_cpu;
+#[cfg_attr(not(feature = "gpu"), path = "no_gpu.rs")]
 mod on_gpu;
 mod probes;
 mod request;

@@ -14,7 +14,7 @@ use crate::field::{Colouring, Request, Stages};
 use crate::gauge::Gauge;
 use crate::picture::Picture;
 use crate::picture::animation::{Animation, Colours, Format, Pace};
-use crate::picture::export::{self, Numbers};
+use crate::picture::numbers::{self, Numbers};
 use crate::picture::relief::{self, Relief};
 use crate::scene::{Scene, motion};
 use crate::studio::evaluator::or_by_cpu;
@@ -249,7 +249,7 @@ impl<'a> Film<'a> {
             })?;
             let rate = self.schedule.map_or(self.frames_per_second(), Schedule::rate);
             let times: Vec<_> = (1..=count).map(|frame| (frame as f64 / rate) as f32).collect();
-            output::write(&times_of(&path), &export::npy(&[count as u64], &times)?)?;
+            output::write(&times_of(&path), &numbers::npy(&[count as u64], &times)?)?;
         } else {
             self.each(|film, _, request| measure(film, request, &mut |_| Ok(())))?;
         }

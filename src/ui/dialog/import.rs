@@ -5,7 +5,7 @@ use egui::{Color32, Rect, RichText, Sense, Shape, Stroke, Ui, pos2, vec2};
 use crate::acoustics::Aperture;
 use crate::import::{Drawing, Placement};
 use crate::scene::{Focus, Sampling, Scene, Target, outline};
-use crate::solver;
+use crate::solver::warning::{self, Warning};
 use crate::ui::dialog::answer;
 use crate::ui::panels::{self, MM};
 use crate::ui::{Editor, theme};
@@ -33,7 +33,7 @@ struct Made {
     of: Placement,
     targets: Result<Vec<Target>, String>,
     foci: Vec<Focus>,
-    warnings: Vec<String>,
+    warnings: Vec<Warning>,
 }
 
 impl Import {
@@ -67,7 +67,8 @@ impl Import {
                 ui.label(RichText::new(problem).color(theme::error(ui.visuals())));
             }
         }
-        for warning in made.warnings.iter().chain(&self.drawing.remarks) {
+        let warnings = made.warnings.iter().map(ToString::to_string);
+        for warning in warnings.chain(self.drawing.remarks.iter().cloned()) {
             ui.label(RichText::new(warning).color(theme::warning(ui.visuals())));
         }
         ui.add_space(8.0);
@@ -99,7 +100,7 @@ impl Import {
             let all = outline::foci(&with_them).map_err(|error| error.message)?;
             let alone = Scene { targets: targets.clone(), ..scene.clone() };
             foci = outline::foci(&alone).map_err(|error| error.message)?;
-            warnings = solver::warnings(&Aperture::new(scene), &all);
+            warnings = warning::of_foci(&Aperture::new(scene), &all);
             Ok(targets)
         });
         self.made = Some(Made { of, targets, foci, warnings });

@@ -1,0 +1,21 @@
+//! What is heard of a GPU: why it did not do its work, and what went back and forth.
+
+/// Why the GPU did not do its work.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum GpuError {
+    #[error("no usable GPU adapter: {0}")]
+    NoAdapter(String),
+    #[error("the GPU refused the work: {0}")]
+    Refused(String),
+    #[error("the GPU was lost: {0}")]
+    Lost(String),
+}
+
+/// What went back and forth.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Traffic {
+    /// Bytes that came back.
+    pub read_back: u64,
+    /// Buffers, textures and bind groups that were made.
+    pub allocations: u64,
+}

@@ -1,0 +1,51 @@
+//! The stages on the GPU of a library that is built without one.
+
+use crate::field::gpu::{Gpu, Texture};
+use crate::field::stages::{Job, Map, Work};
+use crate::field::{Colouring, GpuError};
+
+#[derive(Debug)]
+pub(super) struct OnGpu(Gpu);
+
+/// How far the GPU is with a map.
+#[expect(dead_code, reason = "what there is with a GPU")]
+pub(super) enum Progress {
+    Declined,
+    UnderWay,
+    Made(Map),
+}
+
+impl OnGpu {
+    pub(super) fn new(gpu: Gpu) -> Self {
+        match gpu {}
+    }
+
+    pub(super) fn gpu(&self) -> &Gpu {
+        match self.0 {}
+    }
+
+    pub(super) fn forget(&mut self) {
+        match self.0 {}
+    }
+
+    pub(super) fn map(&mut self, _: &Job<'_>, _: bool, _: &mut Work) -> Result<Progress, GpuError> {
+        match self.0 {}
+    }
+
+    pub(super) fn picture(
+        &mut self,
+        _: &Job<'_>,
+        _: &Colouring,
+        _: &mut Work,
+    ) -> Result<Option<Texture>, GpuError> {
+        match self.0 {}
+    }
+
+    pub(super) fn figures(
+        &mut self,
+        _: &Job<'_>,
+        _: &mut Work,
+    ) -> Result<Option<(Map, Option<f64>)>, GpuError> {
+        match self.0 {}
+    }
+}

@@ -1,0 +1,74 @@
+//! What a user should know before trusting a solution.
+
+use serde::{Deserialize, Serialize};
+
+use crate::acoustics::Aperture;
+use crate::scene::{Focus, Part};
+
+/// One of them; as text it is a sentence without its full stop.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, thiserror::Error)]
+pub enum Warning {
+    #[error("{0} pairs of foci coincide: they get the same pressure")]
+    Coincident(usize),
+    /// Distance of the closest pair and what the array resolves there, m.
+    #[error(
+        "{pairs} pairs of foci are closer than the array resolves: the closest stand {:.2} mm apart, and λ/(2 NA) is \
+         {:.2} mm there; they blur into one, and inverse methods waste power on them",
+        .distance * 1e3,
+        .resolution * 1e3
+    )]
+    Unresolved { pairs: usize, distance: f64, resolution: f64 },
+    #[error(
+        "{foci} foci are more than the {elements} driven elements can set: the pressures are a compromise"
+    )]
+    MoreFociThanElements { foci: usize, elements: usize },
+    /// Mean over the foci, Pa (peak).
+    #[error(
+        "the foci are to get {asked:.1} Pa (mean, peak), and full drive brings them {brought:.1} Pa, {:.1} % of it: full drive is \
+         played",
+        100.0 * .brought / .asked
+    )]
+    TooLoud { asked: f64, brought: f64 },
+    /// Peak side lobe over the mean along the strokes.
+    #[error(
+        "elsewhere on the plane it is {0:.1} times as loud as along the strokes: the drawing is out of the array's reach"
+    )]
+    OutOfReach(f64),
+    /// Of separate foci, no more than there are elements.
+    #[error(
+        "the {foci} foci have only {rank} independent directions (condition {condition:.1e}): the rest is a compromise"
+    )]
+    Dependent { foci: usize, rank: usize, condition: f64 },
+}
+
+/// What is to be known of foci in front of an array. Samples of continuous strokes may stand as close as they like.
+pub fn of_foci(aperture: &Aperture, foci: &[Focus]) -> Vec<Warning> {
+    let mut warnings = Vec::new();
+    let resolution_at = aperture.resolution();
+    let (mut coincident, mut close, mut closest) = (0, 0, (f64::INFINITY, 0.0));
+    // Lobes of a trap stand as close as it takes.
+    let separate: Vec<_> = foci.iter().filter(|focus| focus.part == Part::Point).collect();
+    for (i, focus) in separate.iter().enumerate() {
+        for other in &separate[..i] {
+            let distance = focus.position.distance(other.position);
+            let resolution = resolution_at((focus.position + other.position) / 2.0);
+            coincident += usize::from(distance < 1e-9);
+            close += usize::from(distance < resolution);
+            if distance < closest.0 {
+                closest = (distance, resolution);
+            }
+        }
+    }
+    if coincident > 0 {
+        warnings.push(Warning::Coincident(coincident));
+    }
+    if close > coincident {
+        let (distance, resolution) = closest;
+        warnings.push(Warning::Unresolved { pairs: close - coincident, distance, resolution });
+    }
+    let (foci, elements) = (separate.len(), aperture.driven.len());
+    if foci > elements {
+        warnings.push(Warning::MoreFociThanElements { foci, elements });
+    }
+    warnings
+}
