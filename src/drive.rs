@@ -1,4 +1,13 @@
 //! What the elements are driven with: amplitude and phase, and the levels that a board understands.
+//!
+//! ```
+//! use sonoglyph::drive::{Drive, delay_level};
+//!
+//! let drive = Drive { amplitudes: vec![1.0; 2], phases: vec![0.0, 1.6] };
+//! // The nearest of 4 phases, and the delay that makes it.
+//! assert!((drive.at_levels(4).phases[1] - std::f64::consts::FRAC_PI_2).abs() < 1e-12);
+//! assert_eq!(delay_level(drive.phases[1], 4), 3);
+//! ```
 
 use std::f64::consts::{PI, TAU};
 use std::io::Read;

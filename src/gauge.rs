@@ -28,6 +28,15 @@ thread_local! {
     static CURRENT: RefCell<Gauge> = RefCell::default();
 }
 
+/// The gauge of the step around, which is put back even where a panic ends the step within.
+struct Before(Gauge);
+
+impl Drop for Before {
+    fn drop(&mut self) {
+        CURRENT.set(std::mem::take(&mut self.0));
+    }
+}
+
 impl Gauge {
     pub fn new(hear: impl Fn(f64) + Send + Sync + 'static) -> Self {
         Self(Some(Told { hear: Arc::new(hear), part: 0.0..1.0 }))
@@ -40,10 +49,8 @@ impl Gauge {
 
     /// Does work, of all of which this is the gauge.
     pub fn lead<T>(&self, work: impl FnOnce() -> T) -> T {
-        let before = CURRENT.replace(self.clone());
-        let done = work();
-        CURRENT.set(before);
-        done
+        let _before = Before(CURRENT.replace(self.clone()));
+        work()
     }
 
     /// The gauge of some of `of` equal parts.

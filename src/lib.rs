@@ -1,40 +1,80 @@
 //! Sonoglyph: ultrasound focal points, shapes and letters for a phased array, and the field they make.
 //!
 //! The flow is `Scene` → solver → `Drive` → field → picture; `ARCHITECTURE.md` tells it in one page.
+//!
+//! ```
+//! use glam::dvec3;
+//! use sonoglyph::field::{Evaluator, Quantity, Request, Stages};
+//! use sonoglyph::scene::{Scene, Shape, Target};
+//!
+//! // Two focal points, 10 cm in front of 16 x 16 elements at 40 kHz; lengths in m.
+//! let at = |x| Target::new(Shape::Point { at: dvec3(x, 0.0, 0.1) });
+//! let scene = Scene { targets: vec![at(-0.02), at(0.02)], ..Scene::default() };
+//!
+//! let solution = sonoglyph::solver::solve(&scene)?;
+//! assert_eq!(solution.drive.phases.len(), 256);
+//! assert!(solution.warnings.is_empty() && solution.quality.min_pressure > 1000.0);
+//!
+//! // RMS pressure (Pa) on the scene's plane, row by row from the smallest y.
+//! let mut stages = Stages::new(Evaluator::Cpu);
+//! let map = stages.map(&Request::new(&scene, solution.drives(), Quantity::Rms, (200, 100)))?;
+//! assert_eq!(map.values.len(), 200 * 100);
+//! assert!(map.error <= scene.plane.tolerance);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! # Features
+//! Without any there is the library of [`scene`], [`acoustics`], [`solver`], [`drive`], [`field`], [`force`], [`surface`] and the
+//! colours and PNG files of [`picture`]. `gpu` adds a second evaluator of the field, `studio` what programs do with a scene (files
+//! that it names, figures, films, boards), `cli`, `window` and `serial` (the default) the program itself, which is no
+//! part of the interface.
 
 pub mod acoustics;
 #[cfg(feature = "window")]
+#[doc(hidden)]
 pub mod app;
 #[cfg(feature = "cli")]
+#[doc(hidden)]
 pub mod bench;
 #[cfg(feature = "cli")]
+#[doc(hidden)]
 pub mod cli;
 #[cfg(feature = "studio")]
 pub mod device;
 pub mod drive;
+#[doc(hidden)]
 pub mod echo;
 pub mod field;
 pub mod force;
 pub mod gauge;
 #[cfg(feature = "window")]
+#[doc(hidden)]
 pub mod import;
+#[doc(hidden)]
 pub mod memory;
 pub mod picture;
 #[cfg(test)]
 #[path = "../tests/requirement/mod.rs"]
 mod requirement;
+#[doc(hidden)]
 pub mod rounding;
 pub mod scene;
 #[cfg(target_arch = "wasm32")]
+#[doc(hidden)]
 pub mod shelf;
+#[doc(hidden)]
 pub mod simd;
 pub mod solver;
+#[doc(hidden)]
 pub mod source;
 #[cfg(feature = "studio")]
 pub mod studio;
 pub mod surface;
+#[doc(hidden)]
 pub mod table;
 #[cfg(feature = "window")]
+#[doc(hidden)]
 pub mod ui;
 #[cfg(all(target_arch = "wasm32", feature = "window"))]
+#[doc(hidden)]
 pub mod web;

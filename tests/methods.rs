@@ -228,7 +228,10 @@ fn as_many_foci_as_elements_may_still_be_too_many() {
     assert_eq!(limits(PLACES), (4, None));
     let [a, b, c, _] = PLACES;
     let (rank, warning) = limits([a, b, c, a]);
-    assert!(rank == 3 && warning.is_some_and(|text| text.to_string().contains("4 foci have only 3")), "rank {rank}");
+    assert!(
+        rank == 3 && warning.is_some_and(|text| text.to_string().contains("4 foci have only 3")),
+        "rank {rank}"
+    );
 }
 
 #[test]

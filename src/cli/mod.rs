@@ -8,7 +8,6 @@ mod devices;
 mod elements;
 mod figure;
 mod interrupt;
-mod json;
 mod levitate;
 mod motion;
 mod names;

@@ -5,7 +5,7 @@ use glam::DVec3;
 use serde_json::{Value, json};
 
 use crate::acoustics::Aperture;
-use crate::cli::{COLUMN, SolveArgs, json, parse_method, read_scene};
+use crate::cli::{COLUMN, SolveArgs, parse_method, read_scene};
 use crate::drive::{Drive, delay_level};
 use crate::field::{Evaluator, NoSideLobe, SideLobe, Stages, side_lobe};
 use crate::picture::sheet::{pascals, pascals_at_most};
@@ -13,6 +13,7 @@ use crate::rounding::{percent, percent_at_least, percent_at_most};
 use crate::scene::{Amplitudes, Focus, Method, Pressures, Scene, check};
 use crate::solver::levels::{self, Reached};
 use crate::solver::{self, Limits, Problem, Solution, SolveError, room};
+use crate::studio::json;
 use crate::studio::levitation::{self, Held};
 use crate::studio::output::{self, Files, say, warn};
 use crate::studio::probe::{self, Reading};

@@ -1,4 +1,21 @@
 //! What sound does to a small bead: the potential, the radiation force and its stiffness, and whether a trap holds.
+//!
+//! ```
+//! use glam::dvec3;
+//! use sonoglyph::acoustics::Aperture;
+//! use sonoglyph::force::Levitation;
+//! use sonoglyph::scene::{Scene, Shape, Target, Trap};
+//!
+//! let at = dvec3(0.0, 0.0, 0.1);
+//! let trap = Target::new(Shape::Trap { at, trap: Trap::Twin, charge: 1 });
+//! let scene = Scene { targets: vec![trap], ..Scene::default() };
+//! let solution = sonoglyph::solver::solve(&scene)?;
+//! let bead = Levitation::new(&scene, &Aperture::new(&scene), &solution.drives());
+//! // N/m: whichever way the bead is pushed, it is pushed back.
+//! let stiffness = bead.forces(at).symmetric();
+//! assert!((0..3).all(|axis| stiffness.col(axis)[axis] > 0.0));
+//! # Ok::<(), sonoglyph::solver::SolveError>(())
+//! ```
 
 mod bead;
 mod flight;

@@ -9,6 +9,7 @@ pub mod elements;
 pub mod evaluator;
 pub mod figure;
 pub mod flight;
+pub mod json;
 pub mod levitation;
 pub mod link;
 pub mod liquid;

@@ -4,6 +4,7 @@ use std::f64::consts::FRAC_1_SQRT_2;
 
 use glam::DVec3;
 use num_complex::Complex64;
+use rayon::prelude::*;
 
 use crate::acoustics::{Air, Aperture};
 use crate::drive::Drive;
@@ -32,13 +33,15 @@ pub struct Reading {
 /// # Panics
 /// No drive.
 pub fn readings(aperture: &Aperture, drives: &[Drive], points: &[DVec3]) -> Vec<Reading> {
-    let transfer = aperture.transfer(points);
+    /// Points whose transfer from some hundred elements stays in a cache.
+    const RUN: usize = 64;
     let played: Vec<_> = drives.iter().flat_map(|drive| drive.excitation(&aperture.driven)).collect();
-    points
-        .iter()
-        .zip(transfer.in_turn(&played))
-        .map(|(&position, pressure)| Reading { position, pressure })
-        .collect()
+    let read = |points: &[DVec3]| {
+        let pressures = aperture.transfer(points).in_turn(&played);
+        let at = |(&position, pressure)| Reading { position, pressure };
+        points.iter().zip(pressures).map(at).collect::<Vec<_>>()
+    };
+    points.par_chunks(RUN).flat_map_iter(read).collect()
 }
 
 /// The same at one point.

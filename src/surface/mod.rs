@@ -1,5 +1,15 @@
 //! What a steady or changing pressure does to the surface of a liquid: its depression at rest, waves, and
 //! where the light goes that it bends.
+//!
+//! ```
+//! use sonoglyph::scene::Liquid;
+//! use sonoglyph::surface::Tank;
+//!
+//! // 1 Pa everywhere presses water down by p/(ρg), about 0.1 mm.
+//! let tank = Tank::new([32, 32], [1e-3, 1e-3]);
+//! let dent = tank.dent(&Liquid::default(), &[1.0; 32 * 32]);
+//! assert!((dent.depth[0] - 1.0 / (998.2 * 9.80665)).abs() < 1e-9);
+//! ```
 
 pub mod caustic;
 mod coverage;

@@ -8,7 +8,6 @@ use serde_json::{Value, json};
 
 use crate::acoustics::Aperture;
 use crate::cli::batch::lines::Line;
-use crate::cli::json;
 use crate::drive::Drive;
 use crate::echo;
 use crate::field::{Map, Quantity, Request, Samples, Stages};
@@ -16,7 +15,7 @@ use crate::picture::numbers;
 use crate::scene::{Method, Scene, file};
 use crate::solver::{self, Limits, Problem, Solution, SolveError, room};
 use crate::studio::output::Files;
-use crate::studio::{opening, output};
+use crate::studio::{json, opening, output};
 
 /// Pixels that a field may have along y.
 const MOST_ROWS: usize = 1 << 14;

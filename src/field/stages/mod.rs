@@ -222,6 +222,16 @@ impl Stages {
         Ok(&self.map.value)
     }
 
+    /// The map itself, for callers that keep it: asked for again it is made again, from what the stages before it keep.
+    ///
+    /// # Errors
+    /// As [`Stages::map`].
+    pub fn take_map(&mut self, request: &Request) -> Result<Map, FieldError> {
+        self.map(request)?;
+        self.map.key = None;
+        Ok(std::mem::take(&mut self.map.value))
+    }
+
     /// The map, if it is there; starts on it otherwise and never waits for a GPU. Call it again, as a frame or a timer of a
     /// browser does.
     ///

@@ -1,0 +1,76 @@
+"""Ultrasound focal points, shapes and letters for a phased array, and the field they make.
+
+    import sonoglyph as sg
+
+    scene = sg.Scene(targets=[sg.Text("HIT", at=(0, 0, 0.1), height=0.04)])
+    solution = scene.solve()
+    pressure = solution.field("rms", (512, 512))    # Pa, float32, shape (512, 512), row 0 at the smallest y
+
+Everything is in SI units: metres, seconds, hertz, pascals, radians. Long work lets other threads run, hears Ctrl-C and tells its
+progress (0 to 1) to a function given as `progress`.
+"""
+
+from ._native import FieldError, GpuError, Map, Motion, Scene, SceneError, Solution, evaluators
+from .bench import bench
+from .tables import (
+    Array,
+    Bead,
+    Board,
+    Circle,
+    Keyframe,
+    Line,
+    Liquid,
+    Listener,
+    Medium,
+    Modulation,
+    MotionPath,
+    Path,
+    Picture,
+    Plane,
+    Point,
+    Polygon,
+    Quiet,
+    Rectangle,
+    Reflector,
+    Solver,
+    Text,
+    Tone,
+    Trap,
+    Triangle,
+)
+
+__all__ = [
+    "Array",
+    "Bead",
+    "Board",
+    "Circle",
+    "FieldError",
+    "GpuError",
+    "Keyframe",
+    "Line",
+    "Liquid",
+    "Listener",
+    "Map",
+    "Medium",
+    "Modulation",
+    "Motion",
+    "MotionPath",
+    "Path",
+    "Picture",
+    "Plane",
+    "Point",
+    "Polygon",
+    "Quiet",
+    "Rectangle",
+    "Reflector",
+    "Scene",
+    "SceneError",
+    "Solution",
+    "Solver",
+    "Text",
+    "Tone",
+    "Trap",
+    "Triangle",
+    "bench",
+    "evaluators",
+]

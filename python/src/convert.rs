@@ -1,0 +1,99 @@
+//! Python values as plain ones and back: what a scene file may hold.
+
+use pyo3::exceptions::PyTypeError;
+use pyo3::prelude::*;
+use pyo3::types::{PyBool, PyDict, PyFloat, PyInt, PyList, PyMapping, PyString};
+use serde_json::{Map, Number, Value};
+
+/// Tables deeper than this are none of a scene.
+const DEEPEST: usize = 16;
+
+/// A value of a scene: numbers, texts, sequences (NumPy's too), mappings, paths and the package's own classes. What is `None` is left
+/// out of tables.
+///
+/// # Errors
+/// Anything else, named by its key.
+pub fn plain(value: &Bound<'_, PyAny>) -> PyResult<Value> {
+    value_at(value, "", 0)
+}
+
+fn value_at(value: &Bound<'_, PyAny>, key: &str, depth: usize) -> PyResult<Value> {
+    let refused = |what: &str| {
+        let place = if key.is_empty() { String::new() } else { format!("{key}: ") };
+        PyTypeError::new_err(format!("{place}{what}"))
+    };
+    if depth > DEEPEST {
+        return Err(refused("nested too deeply"));
+    }
+    if value.is_none() {
+        return Ok(Value::Null);
+    }
+    if value.is_instance_of::<PyBool>() {
+        return Ok(value.extract::<bool>()?.into());
+    }
+    if value.is_instance_of::<PyInt>() {
+        let number = value.extract::<i64>().map_err(|_| refused("the number is too large"))?;
+        return Ok(number.into());
+    }
+    if value.is_instance_of::<PyFloat>() {
+        let number = Number::from_f64(value.extract()?);
+        return number.map(Value::Number).ok_or_else(|| refused("must be a finite number"));
+    }
+    if value.is_instance_of::<PyString>() {
+        return Ok(value.extract::<String>()?.into());
+    }
+    // The package's own classes.
+    if let Ok(table) = value.call_method0("_table") {
+        return value_at(&table, key, depth + 1);
+    }
+    if let Ok(path) = value.call_method0("__fspath__") {
+        return Ok(path.extract::<String>()?.into());
+    }
+    // NumPy's arrays and scalars.
+    if let Ok(list) = value.call_method0("tolist") {
+        return value_at(&list, key, depth + 1);
+    }
+    if let Ok(table) = value.cast::<PyMapping>() {
+        let mut entries = Map::new();
+        for item in table.items()?.iter() {
+            let (name, value): (String, Bound<'_, PyAny>) =
+                item.extract().map_err(|_| refused("the keys of a table are texts"))?;
+            let inner = if key.is_empty() { name.clone() } else { format!("{key}.{name}") };
+            let value = value_at(&value, &inner, depth + 1)?;
+            if !value.is_null() {
+                entries.insert(name, value);
+            }
+        }
+        return Ok(Value::Object(entries));
+    }
+    let Ok(items) = value.try_iter() else {
+        return Err(refused(&format!("a scene holds no {}", value.get_type().name()?)));
+    };
+    let items =
+        items.enumerate().map(|(index, item)| value_at(&item?, &format!("{key}[{}]", index + 1), depth + 1));
+    Ok(Value::Array(items.collect::<PyResult<_>>()?))
+}
+
+/// The same as dictionaries, lists, texts and numbers.
+pub fn python<'py>(py: Python<'py>, value: &Value) -> PyResult<Bound<'py, PyAny>> {
+    Ok(match value {
+        Value::Null => py.None().into_bound(py),
+        Value::Bool(value) => PyBool::new(py, *value).to_owned().into_any(),
+        Value::Number(number) => match number.as_i64() {
+            Some(whole) => whole.into_pyobject(py)?.into_any(),
+            None => number.as_f64().unwrap_or(f64::NAN).into_pyobject(py)?.into_any(),
+        },
+        Value::String(text) => PyString::new(py, text).into_any(),
+        Value::Array(values) => {
+            let values = values.iter().map(|value| python(py, value)).collect::<PyResult<Vec<_>>>()?;
+            PyList::new(py, values)?.into_any()
+        }
+        Value::Object(entries) => {
+            let table = PyDict::new(py);
+            for (name, value) in entries {
+                table.set_item(name, python(py, value)?)?;
+            }
+            table.into_any()
+        }
+    })
+}

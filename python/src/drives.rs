@@ -1,0 +1,66 @@
+//! What a caller means by a drive: a solution, a motion, or numbers for every element.
+
+use num_complex::Complex64;
+use numpy::{AllowTypeChange, PyArrayLike2, PyArrayMethods, PyUntypedArray, PyUntypedArrayMethods};
+use pyo3::exceptions::PyValueError;
+use pyo3::prelude::*;
+use sonoglyph::drive::Drive;
+
+use crate::motion::Motion;
+use crate::solution::Solution;
+
+/// Drives that take turns: of a solution, of all frames of a motion, or phases (rad) or excitations (complex, of modulus 1 at most),
+/// shape (elements,) or (drives, elements).
+///
+/// # Errors
+/// Another shape, or numbers that are not finite.
+pub fn of(argument: &Bound<'_, PyAny>, elements: usize) -> PyResult<Vec<Drive>> {
+    let drives = match (argument.cast::<Solution>(), argument.cast::<Motion>()) {
+        (Ok(solution), _) => solution.get().solution.drives(),
+        (_, Ok(motion)) => motion.get().drives(),
+        (Err(_), Err(_)) => of_numbers(argument)?,
+    };
+    match drives.iter().find(|drive| drive.phases.len() != elements) {
+        None => Ok(drives),
+        Some(other) => Err(PyValueError::new_err(format!(
+            "drive: it is of {} elements, and the scene has {elements}",
+            other.phases.len()
+        ))),
+    }
+}
+
+fn of_numbers(argument: &Bound<'_, PyAny>) -> PyResult<Vec<Drive>> {
+    let py = argument.py();
+    let numpy = py.import("numpy")?;
+    let array = numpy.call_method1("atleast_2d", (argument,))?;
+    let kind: String = array.cast::<PyUntypedArray>()?.dtype().getattr("kind")?.extract()?;
+    let drives: Vec<Drive> = if kind == "c" {
+        let array: PyArrayLike2<'_, Complex64, AllowTypeChange> = array.extract()?;
+        let row = |row: &[Complex64]| Drive {
+            amplitudes: row.iter().map(|u| u.norm()).collect(),
+            phases: row.iter().map(|u| u.arg()).collect(),
+        };
+        rows(&array.to_vec()?, array.shape()).map(row).collect()
+    } else {
+        let array: PyArrayLike2<'_, f64, AllowTypeChange> = array.extract()?;
+        let row = |row: &[f64]| Drive { amplitudes: vec![1.0; row.len()], phases: row.to_vec() };
+        rows(&array.to_vec()?, array.shape()).map(row).collect()
+    };
+    let is_played = |drive: &Drive| {
+        drive.phases.iter().all(|phase| phase.is_finite())
+            && drive.amplitudes.iter().all(|amplitude| (0.0..=1.0 + 1e-12).contains(amplitude))
+    };
+    if drives.is_empty() || !drives.iter().all(is_played) {
+        let what = "drive: phases must be finite, and excitations of modulus 1 at most";
+        return Err(PyValueError::new_err(what));
+    }
+    let clamped = |mut drive: Drive| {
+        drive.amplitudes.iter_mut().for_each(|amplitude| *amplitude = amplitude.min(1.0));
+        drive
+    };
+    Ok(drives.into_iter().map(clamped).collect())
+}
+
+fn rows<'a, T>(values: &'a [T], shape: &[usize]) -> std::slice::ChunksExact<'a, T> {
+    values.chunks_exact(shape.get(1).copied().unwrap_or(1).max(1))
+}

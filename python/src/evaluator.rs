@@ -1,0 +1,92 @@
+//! Evaluators of the field by name, kept between calls with what they have planned and tabulated.
+
+use std::sync::{Mutex, MutexGuard, PoisonError};
+
+use pyo3::exceptions::PyValueError;
+use pyo3::prelude::*;
+use sonoglyph::field::gpu::adapter;
+use sonoglyph::field::{self, Evaluator, Stages};
+use sonoglyph::simd::Isa;
+use sonoglyph::studio::evaluator::Backend;
+
+use crate::error;
+
+/// Those that nobody uses now; one of each backend per thread at most.
+static IDLE: Mutex<Vec<(Backend, Stages)>> = Mutex::new(Vec::new());
+/// Idle ones that are kept.
+const KEPT: usize = 8;
+
+fn idle() -> MutexGuard<'static, Vec<(Backend, Stages)>> {
+    IDLE.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// # Errors
+/// Another name than those of the command line's `--backend`.
+pub fn named(name: &str) -> PyResult<Backend> {
+    match name {
+        "auto" => Ok(Backend::Auto),
+        "gpu" => Ok(Backend::Gpu),
+        "cpu" => Ok(Backend::Cpu),
+        "reference" => Ok(Backend::Reference),
+        other => {
+            Err(PyValueError::new_err(format!("evaluator = {other:?}: must be auto, gpu, cpu or reference")))
+        }
+    }
+}
+
+/// Does something with an evaluator. One that fails is not kept; where no GPU was asked for by name, the CPU does it then.
+///
+/// # Errors
+/// There is no such GPU, or those of the work.
+pub fn with<T>(backend: Backend, work: impl Fn(&mut Stages) -> Result<T, field::FieldError>) -> PyResult<T> {
+    let mut stages = match take(backend) {
+        Some(stages) => stages,
+        None => open(backend)?,
+    };
+    match work(&mut stages) {
+        Ok(made) => {
+            give_back(backend, stages);
+            Ok(made)
+        }
+        Err(field::FieldError::Gpu(_)) if backend == Backend::Auto => {
+            let mut stages = Stages::new(Evaluator::Cpu);
+            let made = work(&mut stages).map_err(|error| error::of_field(&error))?;
+            give_back(backend, stages);
+            Ok(made)
+        }
+        Err(error) => Err(error::of_field(&error)),
+    }
+}
+
+fn take(backend: Backend) -> Option<Stages> {
+    let mut idle = idle();
+    let at = idle.iter().rposition(|(kept, _)| *kept == backend)?;
+    Some(idle.remove(at).1)
+}
+
+fn give_back(backend: Backend, stages: Stages) {
+    let mut idle = idle();
+    idle.push((backend, stages));
+    if idle.len() > KEPT {
+        idle.remove(0);
+    }
+}
+
+fn open(backend: Backend) -> PyResult<Stages> {
+    let gpu = |software| adapter::open_best(software).map(|gpu| Evaluator::Gpu(Box::new(gpu)));
+    Ok(Stages::new(match backend {
+        Backend::Reference => Evaluator::Reference,
+        Backend::Cpu => Evaluator::Cpu,
+        Backend::Gpu => gpu(true).map_err(|error| error::of_gpu(&error))?,
+        Backend::Auto => gpu(false).unwrap_or(Evaluator::Cpu),
+    }))
+}
+
+/// Names, and what each runs on.
+pub fn available() -> Vec<(&'static str, String)> {
+    let gpus = adapter::adapters();
+    let gpu = gpus.first().map(|best| ("gpu", best.to_string()));
+    let cpu = ("cpu", Isa::best().name().to_owned());
+    let reference = ("reference", "f64, every pixel".to_owned());
+    gpu.into_iter().chain([cpu, reference]).collect()
+}

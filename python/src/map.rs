@@ -1,0 +1,148 @@
+//! A quantity on the scene's plane.
+
+use numpy::{IntoPyArray, PyArray2, PyArrayMethods};
+use pyo3::exceptions::PyValueError;
+use pyo3::prelude::*;
+use pyo3::types::PyBytes;
+use sonoglyph::field::{self, Colouring, Quantity};
+use sonoglyph::picture::{ColourMap, Picture, export};
+use sonoglyph::scene::Plane;
+use sonoglyph::studio::map;
+
+/// # Errors
+/// Another name than those of the command line's `--quantity` for maps.
+pub fn quantity(name: &str) -> PyResult<Quantity> {
+    let wanted = if name == "dent" { "depression" } else { name };
+    let known = |quantity: &Quantity| quantity.declaration().name == wanted;
+    Quantity::ALL.into_iter().find(known).ok_or_else(|| {
+        let names: Vec<_> = Quantity::ALL.iter().map(|quantity| quantity.declaration().name).collect();
+        PyValueError::new_err(format!("quantity = {name:?}: must be one of {}", names.join(", ")))
+    })
+}
+
+fn colours(name: &str) -> PyResult<ColourMap> {
+    let known = |map: &ColourMap| map.name() == name;
+    ColourMap::OF_AMOUNTS.into_iter().find(known).ok_or_else(|| {
+        let names: Vec<_> = ColourMap::OF_AMOUNTS.iter().map(|map| map.name()).collect();
+        PyValueError::new_err(format!("colours = {name:?}: must be one of {}", names.join(", ")))
+    })
+}
+
+/// The values of a quantity on a plane, with what is known of them.
+///
+/// `numpy.asarray(map)` is `map.values`.
+#[pyclass(frozen, module = "sonoglyph")]
+#[derive(Debug)]
+pub struct Map {
+    values: Py<PyArray2<f32>>,
+    quantity: Quantity,
+    plane: Plane,
+    peak: f32,
+    error: f64,
+    how: String,
+}
+
+impl Map {
+    /// The numbers stay where they are.
+    pub fn new(py: Python<'_>, quantity: Quantity, plane: Plane, made: field::Map) -> PyResult<Self> {
+        let field::Map { width, height, values, peak, error, how, .. } = made;
+        let values = values.into_pyarray(py).reshape([height, width])?.unbind();
+        Ok(Self { values, quantity, plane, peak, error, how })
+    }
+
+    pub fn into_values(self, py: Python<'_>) -> PyResult<Bound<'_, PyArray2<f32>>> {
+        Ok(self.values.into_bound(py))
+    }
+}
+
+#[pymethods]
+impl Map {
+    /// float32, shape (height, width), row 0 at the smallest y; in `unit`.
+    #[getter]
+    fn values(&self, py: Python<'_>) -> Py<PyArray2<f32>> {
+        self.values.clone_ref(py)
+    }
+
+    /// The quantity's name.
+    #[getter]
+    fn quantity(&self) -> &'static str {
+        self.quantity.declaration().name
+    }
+
+    /// What the values are measured in.
+    #[getter]
+    fn unit(&self) -> &'static str {
+        self.quantity.declaration().unit.symbol()
+    }
+
+    /// What the error is relative to, in `unit`: the largest value; of a phase the largest |p|, Pa (peak).
+    #[getter]
+    fn peak(&self) -> f32 {
+        self.peak
+    }
+
+    /// Estimate of the largest error relative to `peak`, from places that were compared with f64.
+    #[getter]
+    fn error(&self) -> f64 {
+        self.error
+    }
+
+    /// How the values were made, in words.
+    #[getter]
+    fn how(&self) -> &str {
+        &self.how
+    }
+
+    /// (left, right, bottom, top) in m along the plane's own axes, about its centre: matplotlib's `extent`, with `origin="lower"`.
+    #[getter]
+    fn extent(&self) -> (f64, f64, f64, f64) {
+        let half = self.plane.size / 2.0;
+        (-half.x, half.x, -half.y, half.y)
+    }
+
+    /// The map in colours, as the bytes of a PNG file.
+    #[pyo3(signature = (colours="inferno"))]
+    pub fn png<'py>(&self, py: Python<'py>, colours: &str) -> PyResult<Bound<'py, PyBytes>> {
+        let colours = self::colours(colours)?;
+        let values = self.values.bind(py).try_readonly()?;
+        let (shape, values) = (values.as_array().dim(), values.to_vec()?);
+        let bytes = py.detach(|| {
+            let colouring = Colouring::new(self.quantity, map::colours(self.quantity, colours).table());
+            let mut rgba = Vec::new();
+            colouring.colours(&values, self.peak, &mut rgba);
+            export::png(&Picture::from_field_order(shape.1, shape.0, rgba.as_flattened()))
+        });
+        Ok(PyBytes::new(py, &bytes.map_err(|error| PyValueError::new_err(error.to_string()))?))
+    }
+
+    fn _repr_png_<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyBytes>> {
+        self.png(py, "inferno")
+    }
+
+    #[pyo3(signature = (dtype=None, copy=None))]
+    fn __array__<'py>(
+        &self,
+        py: Python<'py>,
+        dtype: Option<&Bound<'py, PyAny>>,
+        copy: Option<bool>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let values = self.values.bind(py).as_any();
+        match (dtype, copy) {
+            (Some(dtype), _) => values.call_method1("astype", (dtype,)),
+            (None, Some(true)) => values.call_method0("copy"),
+            (None, Some(false) | None) => Ok(values.clone()),
+        }
+    }
+
+    fn __repr__(&self, py: Python<'_>) -> PyResult<String> {
+        let shape = self.values.bind(py).dims();
+        Ok(format!(
+            "<sonoglyph.Map of {}: {} x {} pixels, {}, error up to {:.1e} of the peak>",
+            self.quantity.declaration().words,
+            shape[1],
+            shape[0],
+            map::extent(self.quantity, self.peak.into()),
+            self.error,
+        ))
+    }
+}

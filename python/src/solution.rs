@@ -1,0 +1,198 @@
+//! A drive with what it does at the foci.
+
+use std::sync::{Arc, OnceLock};
+
+use numpy::{Complex64 as Complex, IntoPyArray, PyArray1, PyArray2, PyArrayMethods};
+use pyo3::exceptions::PyValueError;
+use pyo3::prelude::*;
+use pyo3::types::PyBytes;
+use serde_json::Value;
+use sonoglyph::acoustics::Aperture;
+use sonoglyph::solver::{self, Limits, Problem, room};
+use sonoglyph::studio::json;
+
+use crate::convert;
+use crate::error;
+use crate::map::Map;
+use crate::scene::{Pixels, Scene};
+
+/// What `Scene.solve` finds: the drive, and its figures.
+///
+/// As a `drive` of other calls it is played as it is; where the scene asks for several drives (`solver.frames`), all take turns.
+#[pyclass(frozen, module = "sonoglyph")]
+#[derive(Debug)]
+pub struct Solution {
+    pub solution: Arc<solver::Solution>,
+    pub scene: Py<Scene>,
+    /// Made when first asked for: the limits of foci and array take as long as the solution itself.
+    quality: OnceLock<Value>,
+}
+
+impl Solution {
+    pub fn new(solution: Arc<solver::Solution>, scene: Py<Scene>) -> Self {
+        Self { solution, scene, quality: OnceLock::new() }
+    }
+
+    fn judged(&self) -> PyResult<Value> {
+        let scene = &self.scene.get().scene;
+        let mut solution = (*self.solution).clone();
+        let _room = room::of_limits(scene, solution.foci.len()).map_err(|error| error::of_solving(&error))?;
+        let aperture = Aperture::new(scene);
+        let problem = Problem::of_scene(scene, &aperture, solution.foci.clone());
+        solution.judge(scene, &problem);
+        Ok(json::solution(&solution, Some(&Limits::new(&problem)))["quality"].take())
+    }
+}
+
+#[pymethods]
+impl Solution {
+    /// Phases, rad, in (-π, π]; float64, shape (elements,).
+    #[getter]
+    fn phases<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        PyArray1::from_slice(py, &self.solution.drive.phases)
+    }
+
+    /// Amplitudes, 0 to 1; float64, shape (elements,).
+    #[getter]
+    fn amplitudes<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        PyArray1::from_slice(py, &self.solution.drive.amplitudes)
+    }
+
+    /// u = amplitude · exp(j phase) of all drives that take turns; complex128, shape (drives, elements).
+    #[getter]
+    fn excitations<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<Complex>>> {
+        let drives = self.solution.drives();
+        let polar = |(&amplitude, &phase): (&f64, &f64)| Complex::from_polar(amplitude, phase);
+        let all: Vec<_> =
+            drives.iter().flat_map(|drive| drive.amplitudes.iter().zip(&drive.phases).map(polar)).collect();
+        let elements = all.len() / drives.len();
+        all.into_pyarray(py).reshape([drives.len(), elements])
+    }
+
+    /// Focal points, m; float64, shape (foci, 3).
+    #[getter]
+    fn foci<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        let foci = &self.solution.foci;
+        let places: Vec<_> = foci.iter().flat_map(|focus| focus.position.to_array()).collect();
+        places.into_pyarray(py).reshape([foci.len(), 3])
+    }
+
+    /// Wanted pressures: ratios, or Pa (peak) with `solver.pressures = "pascal"`; float64, shape (foci,).
+    #[getter]
+    fn targets<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        self.solution.foci.iter().map(|focus| focus.target).collect::<Vec<_>>().into_pyarray(py)
+    }
+
+    /// Complex pressures at the focal points, Pa (peak); complex128, shape (foci,).
+    #[getter]
+    fn pressures<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<Complex>> {
+        PyArray1::from_slice(py, &self.solution.pressures)
+    }
+
+    /// The figures that `sonoglyph solve --json` writes under `quality`, as a dictionary: pressures in Pa (peak), the rest fractions.
+    #[getter]
+    fn quality<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        if self.quality.get().is_none() {
+            // Another thread may have been as fast.
+            let _ = self.quality.set(py.detach(|| self.judged())?);
+        }
+        convert::python(py, self.quality.get().unwrap_or(&Value::Null))
+    }
+
+    /// The method's name.
+    #[getter]
+    fn method(&self) -> &'static str {
+        self.solution.method.name()
+    }
+
+    #[getter]
+    fn iterations(&self) -> u32 {
+        self.solution.iterations
+    }
+
+    /// Time that the method took, s.
+    #[getter]
+    fn seconds(&self) -> f64 {
+        self.solution.seconds
+    }
+
+    /// What to know before trusting the drive, a sentence each.
+    #[getter]
+    fn warnings(&self) -> Vec<String> {
+        self.solution.warnings.iter().map(ToString::to_string).collect()
+    }
+
+    /// The scene that was solved.
+    #[getter]
+    fn scene(&self, py: Python<'_>) -> Py<Scene> {
+        self.scene.clone_ref(py)
+    }
+
+    /// `Scene.map` of this drive.
+    #[pyo3(signature = (quantity="rms", size=None, *, evaluator="auto", tolerance=None, progress=None))]
+    fn map(
+        slf: &Bound<'_, Self>,
+        quantity: &str,
+        size: Option<Pixels>,
+        evaluator: &str,
+        tolerance: Option<f64>,
+        progress: Option<&Bound<'_, PyAny>>,
+    ) -> PyResult<Map> {
+        let scene = slf.get().scene.bind(slf.py());
+        Scene::map(scene, quantity, size, Some(slf.as_any()), evaluator, tolerance, progress)
+    }
+
+    /// `Scene.field` of this drive.
+    #[pyo3(signature = (quantity="rms", size=None, *, evaluator="auto", tolerance=None, progress=None))]
+    fn field<'py>(
+        slf: &Bound<'py, Self>,
+        quantity: &str,
+        size: Option<Pixels>,
+        evaluator: &str,
+        tolerance: Option<f64>,
+        progress: Option<&Bound<'_, PyAny>>,
+    ) -> PyResult<Bound<'py, PyArray2<f32>>> {
+        Self::map(slf, quantity, size, evaluator, tolerance, progress)?.into_values(slf.py())
+    }
+
+    fn __repr__(&self) -> String {
+        let quality = &self.solution.quality;
+        let warnings = match self.solution.warnings.len() {
+            0 => String::new(),
+            1 => ", 1 warning".to_owned(),
+            count => format!(", {count} warnings"),
+        };
+        format!(
+            "<sonoglyph.Solution by {}: {} foci, mean {:.0} Pa, least {:.0} Pa (peak), {} elements, {:.1} ms{warnings}>",
+            self.solution.method.name(),
+            self.solution.foci.len(),
+            quality.mean_pressure,
+            quality.min_pressure,
+            self.solution.drive.phases.len(),
+            self.solution.seconds * 1e3,
+        )
+    }
+
+    /// What a notebook shows: the RMS pressure on the scene's plane.
+    fn _repr_png_<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyBytes>> {
+        let map = Self::map(slf, "rms", Some(Pixels::Width(360)), "auto", None, None)?;
+        map.png(slf.py(), "inferno")
+    }
+
+    fn __reduce__<'py>(
+        slf: &Bound<'py, Self>,
+    ) -> PyResult<(Bound<'py, PyAny>, (Py<Scene>, Bound<'py, PyBytes>))> {
+        let this = slf.get();
+        let packed = postcard::to_allocvec(&*this.solution);
+        let packed = packed.map_err(|error| PyValueError::new_err(error.to_string()))?;
+        let build = slf.get_type().getattr("_of_bytes")?;
+        Ok((build, (this.scene.clone_ref(slf.py()), PyBytes::new(slf.py(), &packed))))
+    }
+
+    #[staticmethod]
+    fn _of_bytes(scene: Py<Scene>, bytes: &[u8]) -> PyResult<Self> {
+        let solution = postcard::from_bytes(bytes);
+        let solution = solution.map_err(|error| PyValueError::new_err(error.to_string()))?;
+        Ok(Self::new(Arc::new(solution), scene))
+    }
+}

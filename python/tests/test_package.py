@@ -1,0 +1,385 @@
+"""The package beside the command line (bit for bit), beside plain NumPy models, and at its edges."""
+
+import ast
+import dataclasses
+import json
+import os
+import pathlib
+import pickle
+import re
+import signal
+import struct
+import subprocess
+import threading
+import time
+
+import numpy as np
+import pytest
+import sonoglyph as sg
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+SCENES = ROOT / "assets" / "scenes"
+FIVE = [(0.03 * x, 0.03 * y, 0.1) for x, y in ((0, 0), (1, 1), (-1, 1), (1, -1), (-1, -1))]
+
+
+def program():
+    """The command line, as the checks have built it."""
+    named = os.environ.get("SONOGLYPH", ROOT / "target" / "debug" / "sonoglyph")
+    assert pathlib.Path(named).exists(), f"{named}: build the command line, or name it in SONOGLYPH"
+    return str(named)
+
+
+def run(*arguments):
+    return subprocess.run([program(), *map(str, arguments)], check=True, capture_output=True, text=True).stdout
+
+
+def five(**tables):
+    return sg.Scene(targets=[sg.Point(at) for at in FIVE], **tables)
+
+
+# --- beside the command line
+
+
+@pytest.mark.parametrize("name", ["hit", "five-points", "two-boards", "water-circle"])
+def test_drives_are_those_of_the_command_line_to_the_last_bit(name):
+    path = SCENES / f"{name}.toml"
+    assert path.exists()
+    told = json.loads(run("solve", path, "--json"))
+    solution = sg.Scene.load(path).solve()
+    assert np.array_equal(solution.phases, told["phases"])
+    assert np.array_equal(solution.amplitudes, told["amplitudes"])
+    mine, theirs = dict(solution.quality), dict(told["quality"])
+    theirs.pop("widths", None)
+    assert mine == theirs
+    assert np.array_equal(solution.foci, [focus["position"] for focus in told["foci"]])
+
+
+@pytest.mark.parametrize(
+    ("name", "quantity"),
+    [("hit", "rms"), ("five-points", "phase"), ("five-points", "intensity"), ("two-boards", "rms"), ("water-circle", "depression")],
+)
+@pytest.mark.parametrize("evaluator", ["cpu", "reference"])
+def test_maps_are_those_of_the_command_line_to_the_last_bit(name, quantity, evaluator, tmp_path):
+    path = SCENES / f"{name}.toml"
+    data, size = tmp_path / "map.npy", (97, 64)
+    wanted = ["--quantity", quantity, "--size", "97x64", "--backend", evaluator]
+    run("render", path, "-o", tmp_path / "map.png", "--data", data, *wanted)
+    made = sg.Scene.load(path).field(quantity, size, evaluator=evaluator)
+    assert made.dtype == np.float32 and made.shape == (64, 97)
+    assert np.array_equal(made, np.load(data))
+
+
+def test_frames_are_those_of_the_command_line(tmp_path):
+    scene = five(motion=sg.MotionPath(path="circle", size=0.01, frames=6, rate=2))
+    path = tmp_path / "scene.toml"
+    scene.save(path)
+    told = json.loads(run("solve", path, "--motion", "--json"))
+    frames = scene.frames()
+    assert len(frames) == 6 and frames.rate == 12 and np.allclose(frames.times, np.arange(6) / 12)
+    assert np.array_equal(frames.phases, [frame["phases"] for frame in told["frames"]])
+
+
+# --- beside plain models
+
+
+def transfer(points, positions, scene):
+    """Far field of baffled pistons, in f64: S·2 J1(x)/x·e^(-αr)·j e^(-jkr)/r."""
+    table = scene.to_dict()
+    array, medium = table["array"], table["medium"]
+    k = 2 * np.pi / scene.wavelength
+    offset = points[:, None] - positions[None]
+    r = np.linalg.norm(offset, axis=2)
+    x = k * array["element_radius"] * np.hypot(offset[..., 0], offset[..., 1]) / r
+    # 2 J1(x)/x by its integral: (2/π) ∫ cos(x cos θ) sin²θ dθ over half a turn.
+    nodes, weights = np.polynomial.legendre.leggauss(40)
+    theta = np.pi * (nodes + 1) / 2
+    pattern = np.tensordot(np.cos(x[..., None] * np.cos(theta)), weights * np.sin(theta) ** 2, 1) * (np.pi / 2) * (2 / np.pi)
+    decay = np.exp(-medium["absorption"] * np.log(10) / 20 * r)
+    return array["strength"] * pattern * decay * 1j * np.exp(-1j * k * r) / r
+
+
+def plain():
+    return five(medium=sg.Medium(sound_speed=343.0, density=1.2, absorption=1.3), plane=sg.Plane(tolerance=1e-4))
+
+
+def test_pressures_are_those_of_a_plain_model():
+    scene = plain()
+    random = np.random.default_rng(1)
+    points = random.uniform([-0.1, -0.1, 0.05], [0.1, 0.1, 0.3], (3, 7, 3))
+    u = np.exp(2j * np.pi * random.random(256)) * random.random(256)
+    model = transfer(points.reshape(-1, 3), scene.positions, scene) @ u
+    made = scene.pressure(points, u)
+    assert made.shape == (3, 7) and made.dtype == np.complex128
+    assert np.abs(made.ravel() - model).max() < 1e-11 * np.abs(model).max()
+    assert np.abs(scene.transfer(points) @ u - model).max() < 1e-11 * np.abs(model).max()
+    half = np.pi / 2 + 0.0
+    assert np.allclose(scene.pressure(points, np.full(256, half)), scene.pressure(points, np.full(256, 1j)))
+
+
+def test_maps_keep_their_tolerance_beside_a_plain_model():
+    scene, (w, h) = plain(), (60, 40)
+    solution = scene.solve()
+    x, y = ((np.arange(n) + 0.5) / n - 0.5 for n in (w, h))
+    points = np.stack(np.broadcast_arrays(0.2 * x[None], 0.2 * y[:, None], 0.1), axis=-1).reshape(-1, 3)
+    u = solution.amplitudes * np.exp(1j * solution.phases)
+    model = np.abs(transfer(points, scene.positions, scene) @ u).reshape(h, w) / np.sqrt(2)
+    for evaluator in ("cpu", "reference"):
+        made = scene.map("rms", (w, h), solution, evaluator=evaluator)
+        error = np.abs(made.values - model).max() / model.max()
+        assert error < 1e-4 and made.error < 1e-4, (evaluator, error)
+        assert made.peak == made.values.max() and made.unit == "Pa"
+    assert np.array_equal(solution.excitations[0], u)
+
+
+def test_volumes_are_maps_layer_by_layer():
+    scene = plain()
+    solution = scene.solve()
+    corners = ((-0.05, -0.04, 0.06), (0.05, 0.04, 0.12))
+    volume = scene.volume((10, 8, 3), "rms", corners, solution)
+    assert volume.shape == (3, 8, 10) and volume.dtype == np.float32
+    x, y, z = (np.linspace(a, b, 2 * n + 1)[1::2] for a, b, n in zip(*corners, (10, 8, 3)))
+    points = np.stack(np.meshgrid(z, y, x, indexing="ij")[::-1], axis=-1)
+    exact = np.abs(scene.pressure(points, solution)) / np.sqrt(2)
+    assert np.abs(volume - exact).max() < 1.1e-4 * exact.max()
+
+
+def test_forces_are_slopes_of_the_potential():
+    scene = sg.Scene(targets=[sg.Trap((0, 0, 0.1))])
+    solution = scene.solve()
+    at, step = np.array([0.0004, -0.0003, 0.1002]), 2e-6
+    found = scene.force(at, solution)
+    assert found["gorkov"].shape == () and found["force"].shape == (3,) and found["stiffness"].shape == (3, 3)
+    around = at + step * np.concatenate([np.eye(3), -np.eye(3)])
+    there = scene.force(around, solution)
+    stiffness = -(there["force"][:3] - there["force"][3:]).T / (2 * step)
+    assert np.abs(stiffness - found["stiffness"]).max() < 1e-3 * np.abs(stiffness).max()
+
+
+def test_drives_that_take_turns_have_a_mean():
+    scene = plain()
+    a, b = np.random.default_rng(2).uniform(-3, 3, (2, 256))
+    both = scene.field("rms", (32, 32), np.stack([a, b]), evaluator="reference").astype(float)
+    single = [scene.field("rms", (32, 32), drive, evaluator="reference").astype(float) for drive in (a, b)]
+    assert np.allclose(both, np.sqrt((single[0] ** 2 + single[1] ** 2) / 2), rtol=1e-5)
+
+
+# --- scenes
+
+
+def test_classes_dictionaries_and_files_are_one_scene(tmp_path):
+    classes = sg.Scene(
+        targets=[sg.Circle((0, 0, 0.1), 0.02, pressure=2), sg.Line((0, 0, 0.1), np.array([0.01, 0, 0.1]), points=3)],
+        array=sg.Array(rows=8, columns=np.int64(10), off=[3, 4]),
+        boards=[sg.Board(), sg.Board(at=(0, 0, 0.3), normal=(0, 0, -1))],
+        liquid=sg.Liquid(name="glycerol"),
+    )
+    tables = sg.Scene.from_dict(
+        {
+            "target": [
+                {"kind": "circle", "at": [0, 0, 0.1], "radius": 0.02, "pressure": 2.0},
+                {"kind": "line", "from": [0, 0, 0.1], "to": [0.01, 0, 0.1], "points": 3},
+            ],
+            "array": {"rows": 8, "columns": 10, "off": [3, 4]},
+            "board": [{}, {"at": [0, 0, 0.3], "normal": [0, 0, -1]}],
+            "liquid": {"name": "glycerol"},
+        }
+    )
+    path = tmp_path / "scene.toml"
+    classes.save(path)
+    assert classes == tables == sg.Scene.load(path) == sg.Scene.loads(classes.dumps())
+    assert classes == sg.Scene.from_dict(classes.to_dict()) == pickle.loads(pickle.dumps(classes))
+    other = classes.replace(array={"rows": 9}, targets=[sg.Point((0, 0, 0.1))])
+    table = other.to_dict()
+    assert (table["array"]["rows"], table["array"]["columns"], len(table["target"])) == (9, 10, 1)
+    assert other != classes and classes.to_dict()["array"]["rows"] == 8
+    assert classes.positions.shape == classes.normals.shape == (160, 3)
+
+
+def test_files_that_a_scene_names_are_found_beside_it(tmp_path):
+    (tmp_path / "elements.csv").write_text("x,y,z,nx,ny,nz\n0,0,0,0,0,1\n0.01,0,0,0,0,1\n")
+    (tmp_path / "scene.toml").write_text('format = 1\n[array]\nelements = "elements.csv"\n[[target]]\nat = [0, 0, 0.1]\n')
+    loaded = sg.Scene.load(tmp_path / "scene.toml")
+    assert loaded.positions.shape == (2, 3)
+    assert pickle.loads(pickle.dumps(loaded)) == loaded
+    assert sg.Scene.loads(loaded.dumps(), folder=tmp_path) == loaded
+    with pytest.raises(sg.SceneError, match="elements.csv"):
+        sg.Scene.loads(loaded.dumps())
+
+
+def test_solutions_survive_pickling():
+    solution = five().solve()
+    again = pickle.loads(pickle.dumps(solution))
+    assert np.array_equal(again.phases, solution.phases) and again.quality == solution.quality
+    assert again.scene == solution.scene
+
+
+def test_classes_have_the_keys_of_the_scene_file():
+    document = (ROOT / "docs" / "scene.md").read_text()
+    tables = {
+        "medium": sg.Medium, "array": sg.Array, "board": sg.Board, "reflector": sg.Reflector, "solver": sg.Solver,
+        "plane": sg.Plane, "liquid": sg.Liquid, "bead": sg.Bead, "modulation": sg.Modulation, "motion": sg.MotionPath,
+        "listener": sg.Listener, "quiet": sg.Quiet,
+    }  # fmt: skip
+    def keys(table):
+        return {field.name.rstrip("_") for field in dataclasses.fields(table)}
+    for name, table in tables.items():
+        documented = set(re.findall(rf"^\| `{name}\.(\w+)` \|", document, re.MULTILINE))
+        kinds = {"radius", "width", "height", "sides"} if name == "quiet" else set()
+        assert keys(table) == documented | kinds, name
+    kinds = dict(re.findall(r"^\| `(\w+)` \| (`.*) \|$", document.split("## Quiet zones")[0], re.MULTILINE))
+    targets = [sg.Point, sg.Line, sg.Circle, sg.Rectangle, sg.Triangle, sg.Polygon, sg.Path, sg.Text, sg.Picture, sg.Trap]
+    assert {target.kind for target in targets} == set(kinds)
+    common = set(re.findall(r"^\| `target\.(\w+)` \|", document, re.MULTILINE)) - {"kind"}
+    assert set().union(*(keys(target) for target in targets)) == common | {
+        key for listed in kinds.values() for key in re.findall(r"`(\w+)`", listed)
+    }
+    for target in targets:
+        assert set(re.findall(r"`(\w+)`", kinds[target.kind])) <= keys(target), target
+
+
+# --- edges
+
+
+@pytest.mark.parametrize(
+    ("make", "key", "said"),
+    [
+        (lambda: sg.Scene(array=sg.Array(pitch=-1)), "array.pitch", "array.pitch = -1"),
+        (lambda: sg.Scene(targets=[sg.Point((0, 0, -1))]), "target[1]", "target[1]"),
+        (lambda: sg.Scene(array={"colour": 3}), "array.colour", "colour"),
+        (lambda: sg.Scene(colour=3), "colour", "colour"),
+        (lambda: sg.Scene.loads("format = 1\n[array]\nrows = 0\n"), "array.rows", "array.rows = 0"),
+        (lambda: sg.Scene().solve(), "target", "no target"),
+        (lambda: five().solve("focus"), "solver.method", "focus"),
+        (lambda: five().solve(search=-1), "solver.search", "solver.search"),
+    ],
+)
+def test_scenes_that_make_no_sense_name_the_key(make, key, said):
+    with pytest.raises(sg.SceneError, match=re.escape(said)) as raised:
+        make()
+    assert raised.value.key == key
+    assert isinstance(raised.value, ValueError)
+
+
+@pytest.mark.parametrize(
+    ("call", "kind", "said"),
+    [
+        (lambda s: s.field("sound"), ValueError, "rms"),
+        (lambda s: s.field(size=(0, 3)), sg.FieldError, "0 x 3"),
+        (lambda s: s.field(evaluator="best"), ValueError, "reference"),
+        (lambda s: s.field(tolerance=-1.0), sg.FieldError, "tolerance"),
+        (lambda s: s.field(drive=np.zeros(7)), ValueError, "7 elements"),
+        (lambda s: s.field(drive=np.full(256, np.nan)), ValueError, "finite"),
+        (lambda s: s.field(drive=np.full(256, 2 + 0j)), ValueError, "modulus 1"),
+        (lambda s: s.field(drive=np.zeros((0, 256))), ValueError, "drive"),
+        (lambda s: s.solve("fastest"), ValueError, "gspat"),
+        (lambda s: s.pressure([1, 2]), ValueError, r"\.\.\., 3"),
+        (lambda s: s.pressure([[np.nan, 0, 0]]), ValueError, "metres"),
+        (lambda s: s.volume((0, 1, 1)), ValueError, "counts"),
+        (lambda s: s.volume((2, 2, 2), "depression"), ValueError, "no volume"),
+        (lambda s: s.volume((2, 2, 2), box=((0, 0, 0), (0, 1, 1))), ValueError, "corners"),
+        (lambda s: s.map().png("pink"), ValueError, "viridis"),
+        (lambda s: sg.Scene(array={"rows": object()}), TypeError, "array.rows"),
+        (lambda s: sg.Scene(array={"pitch": float("nan")}), TypeError, "finite"),
+        (lambda s: sg.Scene.load("nowhere.toml"), FileNotFoundError, "nowhere.toml"),
+        (lambda s: s.save(ROOT / "nowhere" / "scene.toml"), OSError, "nowhere"),
+    ],
+)
+def test_bad_arguments_are_refused_with_what_would_be_right(call, kind, said):
+    with pytest.raises(kind, match=said):
+        call(five())
+
+
+def test_numbers_are_not_copied_on_their_way_out():
+    values = five().field(size=(64, 64))
+    assert values.flags.c_contiguous and values.flags.writeable and not values.flags.owndata
+    # A view of one owner: Rust's memory, which lives as long as the array.
+    owner = values
+    while isinstance(owner, np.ndarray) and owner.base is not None:
+        owner = owner.base
+    assert "PySliceContainer" in type(owner).__name__
+    kept = values.copy()
+    five().field("phase", size=(64, 64))
+    assert np.array_equal(values, kept)
+    made = five().map(size=(64, 64))
+    assert np.shares_memory(np.asarray(made), made.values)
+
+
+def test_pictures_of_notebooks_are_pictures():
+    scene = five()
+    for shown in (scene, scene.solve(), scene.map("phase", 64)):
+        png = shown._repr_png_()
+        assert png[:8] == b"\x89PNG\r\n\x1a\n"
+        assert struct.unpack(">II", png[16:24])[0] in (64, 360)
+    assert sg.Scene()._repr_png_() is None
+    assert "5 targets" in repr(scene) and "best" in repr(scene.solve()) and "RMS" in repr(scene.map("rms", 16))
+
+
+def test_ctrl_c_ends_long_work_and_other_threads_run_meanwhile():
+    scene = five()
+    ticks = []
+    timer = threading.Timer(0.3, os.kill, (os.getpid(), signal.SIGINT))
+    ticking = threading.Thread(target=lambda: [ticks.append(time.sleep(0.01)) for _ in range(20)])
+    timer.start()
+    ticking.start()
+    with pytest.raises(KeyboardInterrupt):
+        scene.solve(search=3600)
+    ticking.join()
+    assert len(ticks) == 20
+    assert scene.solve().phases.shape == (256,), "the next call is as ever"
+
+
+def test_progress_is_told_and_what_it_raises_is_raised():
+    scene = five(plane=sg.Plane(tolerance=0)).replace(array=sg.Array(rows=64, columns=64))
+    drive, told = np.zeros(4096), []
+    scene.field(size=(600, 600), drive=drive, evaluator="reference", progress=told.append)
+    assert told and all(0 <= part <= 1 for part in told) and told == sorted(told)
+
+    def stop(part):
+        raise LookupError(part)
+
+    with pytest.raises(LookupError):
+        scene.field(size=(900, 900), drive=drive, evaluator="reference", progress=stop)
+    assert scene.field(size=(8, 8), drive=drive).shape == (8, 8)
+
+
+def test_many_threads_get_the_same():
+    scene = five()
+    drives = np.random.default_rng(3).uniform(-3, 3, (8, 256))
+    alone = [scene.field(size=(40, 40), drive=drive) for drive in drives]
+    made = [None] * 8
+
+    def work(index):
+        for _ in range(5):
+            made[index] = scene.field(size=(40, 40), drive=drives[index])
+
+    threads = [threading.Thread(target=work, args=(index,)) for index in range(8)]
+    [thread.start() for thread in threads]
+    [thread.join() for thread in threads]
+    assert all(np.array_equal(a, b) for a, b in zip(alone, made))
+
+
+def test_evaluators_are_named_and_used():
+    names = [name for name, _ in sg.evaluators()]
+    assert names[-2:] == ["cpu", "reference"]
+    if "gpu" in names:
+        by_gpu, by_cpu = (five().map(size=100, evaluator=name) for name in ("gpu", "cpu"))
+        assert np.abs(by_gpu.values - by_cpu.values).max() < 2e-3 * by_cpu.peak
+    else:
+        assert "gpu" not in os.environ.get("SONOGLYPH_REQUIRE", "")
+        with pytest.raises(sg.GpuError):
+            five().map(size=100, evaluator="gpu")
+
+
+def test_a_bench_has_times_and_errors():
+    rows = sg.bench(sizes=(64,), repeats=2)
+    assert [row["work"] for row in rows] == ["solve", "map"]
+    assert all(row["seconds"] > 0 for row in rows) and 0 < rows[1]["error"] < 1e-3
+
+
+def test_stubs_name_what_there_is():
+    tree = ast.parse((pathlib.Path(sg.__file__).parent / "_native.pyi").read_text())
+    for node in tree.body:
+        if isinstance(node, ast.ClassDef) and not node.name.startswith("_"):
+            members = {item.name for item in node.body if isinstance(item, ast.FunctionDef)}
+            there = {name for name in vars(getattr(sg, node.name)) if not name.startswith("_")}
+            assert {name for name in members if not name.startswith("_")} == there, node.name
