@@ -5,6 +5,7 @@ use std::fmt;
 use std::ops::Range;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
+use std::time::Duration;
 
 /// Hears which part of a step is done, 0 to 1, on any thread; the default listens to nothing.
 #[derive(Clone, Default)]
@@ -60,6 +61,14 @@ impl Gauge {
             let place = |part: usize| start + (end - start) * part as f64 / of.max(1) as f64;
             Told { hear: Arc::clone(&told.hear), part: place(parts.start)..place(parts.end) }
         }))
+    }
+
+    /// Whether some of a time that a step may take is left; tells how much is over.
+    pub fn lasts(&self, over: Duration, of: Duration) -> bool {
+        if !of.is_zero() {
+            self.tell(over.min(of).as_millis() as usize, of.as_millis() as usize);
+        }
+        over < of
     }
 
     /// `done` of so many parts are done.

@@ -68,6 +68,7 @@ pub mod solver;
 #[doc(hidden)]
 pub mod source;
 #[cfg(feature = "studio")]
+#[doc(hidden)]
 pub mod studio;
 pub mod surface;
 #[doc(hidden)]

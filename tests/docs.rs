@@ -4,6 +4,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
+use std::process::Command;
 
 use sonoglyph::device::profile::{Profile, Strength};
 use sonoglyph::field::Quantity;
@@ -354,4 +355,38 @@ fn links_between_documents_lead_somewhere() {
             assert!(is_there, "{}: {link}", document.display());
         }
     }
+}
+
+#[test]
+fn the_interface_is_the_one_that_is_listed() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let mut cargo = Command::new(env!("CARGO"));
+    cargo.args([
+        "rustdoc",
+        "--locked",
+        "--quiet",
+        "--lib",
+        "--",
+        "-Zunstable-options",
+        "--output-format",
+        "json",
+    ]);
+    // JSON is what rustdoc writes for tools, and not yet promised to stay.
+    let run = cargo.current_dir(root).env("RUSTDOC", root.join("tests/rustdoc")).output().unwrap();
+    assert!(run.status.success(), "{}", String::from_utf8_lossy(&run.stderr));
+    let json = public_api::Builder::from_rustdoc_json(root.join("target/doc/sonoglyph.json"));
+    let json = json.omit_auto_derived_impls(true).omit_auto_trait_impls(true).omit_blanket_impls(true);
+    let items: String = json.build().unwrap().items().map(|item| format!("{item}\n")).collect();
+    let (listed, now) = (root.join("docs/interface.txt"), root.join("target/interface.txt"));
+    std::fs::write(&now, &items).unwrap();
+    let before = std::fs::read_to_string(&listed).unwrap_or_default();
+    let (before, after): (BTreeSet<_>, BTreeSet<_>) = (before.lines().collect(), items.lines().collect());
+    let (gone, new): (Vec<_>, Vec<_>) =
+        (before.difference(&after).collect(), after.difference(&before).collect());
+    assert!(
+        gone.is_empty() && new.is_empty(),
+        "the library's interface has changed; if it is to, copy {} to {}\ngone: {gone:#?}\nnew: {new:#?}",
+        now.display(),
+        listed.display()
+    );
 }

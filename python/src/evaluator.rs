@@ -1,5 +1,6 @@
 //! Evaluators of the field by name, kept between calls with what they have planned and tabulated.
 
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use pyo3::exceptions::PyValueError;
@@ -73,12 +74,17 @@ fn give_back(backend: Backend, stages: Stages) {
 }
 
 fn open(backend: Backend) -> PyResult<Stages> {
+    /// Whether there is a GPU that is not software: looking for one takes a second.
+    static HAS_GPU: AtomicBool = AtomicBool::new(true);
     let gpu = |software| adapter::open_best(software).map(|gpu| Evaluator::Gpu(Box::new(gpu)));
     Ok(Stages::new(match backend {
         Backend::Reference => Evaluator::Reference,
-        Backend::Cpu => Evaluator::Cpu,
         Backend::Gpu => gpu(true).map_err(|error| error::of_gpu(&error))?,
-        Backend::Auto => gpu(false).unwrap_or(Evaluator::Cpu),
+        Backend::Auto if HAS_GPU.load(Ordering::Relaxed) => gpu(false).unwrap_or_else(|_| {
+            HAS_GPU.store(false, Ordering::Relaxed);
+            Evaluator::Cpu
+        }),
+        Backend::Cpu | Backend::Auto => Evaluator::Cpu,
     }))
 }
 

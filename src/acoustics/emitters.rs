@@ -10,7 +10,7 @@ use num_complex::Complex64;
 
 use crate::acoustics::derivatives::{COUNT, Derivatives, PAIRS, SECOND, TRIPLES};
 use crate::acoustics::element::{NEAREST, SMALLEST_DISK};
-use crate::acoustics::row::{LANES, ROUNDER, cosine_series, horner, sine_series};
+use crate::acoustics::row::{COSINE, LANES, ROUNDER, SINE, horner};
 use crate::acoustics::{Aperture, Element, bessel, disk};
 use crate::scene::ElementModel;
 use crate::simd::{Instructions, Isa, Kernel, lanes, total};
@@ -234,7 +234,6 @@ impl<const ORDER: usize> Kernel for Sum<'_, ORDER> {
     fn run<I: Instructions>(self) -> Derivatives {
         let Self { emitters, point, pattern, attenuation } = self;
         let wavenumber = emitters.element.wavenumber;
-        let (sine, cosine) = (sine_series(), cosine_series());
         let mut sums = [[[0.0; LANES]; COUNT]; 2];
         for block in 0..emitters.places[0].len() / LANES {
             let places = axes!(A => block_of(&emitters.places[A], block));
@@ -260,7 +259,7 @@ impl<const ORDER: usize> Kernel for Sum<'_, ORDER> {
             let f2 = lanes::<LANES>(|i| f[i] * f[i]);
             let size = lanes::<LANES>(|i| heard[i] * decayed[i] * r[i] * inverse[i]);
             let size = lanes::<LANES>(|i| f64::from_bits(size[i].to_bits() ^ (rounded[i].to_bits() << 63)));
-            let (c, s) = (horner::<I, 11>(&cosine, &f2), horner::<I, 10>(&sine, &f2));
+            let (c, s) = (horner::<I, 9>(&COSINE, &f2), horner::<I, 9>(&SINE, &f2));
             let turn = [lanes::<LANES>(|i| size[i] * c[i]), lanes::<LANES>(|i| size[i] * f[i] * s[i])];
             let wave = times(&turn, &played);
             // Derivatives of e^{-γr}/r by Q over its value, γ = α + jk: (1/r d/dr)ⁿ.

@@ -265,7 +265,7 @@ mod tests {
                 "modulation.tones[1].frequency = 0: must be a number",
             ),
             ("[modulation]\ntones = [{ phase = nan }]", 3, "modulation.tones[1].phase = nan"),
-            ("[modulation]\ntones = [{ pitch = 1 }]", 3, "unknown field `pitch`"),
+            ("[modulation]\ntones = [{ pitch = 1 }]", 3, "modulation.tones[1].pitch: unknown field `pitch`"),
             (
                 "[modulation]\ntones = [\n{ depth = 0.7 },\n{ depth = 0.5 },\n]",
                 5,

@@ -89,7 +89,7 @@ fn span_of(path: &[Key], text: &str) -> Option<Range<usize>> {
     Some(value.span())
 }
 
-/// The key of the value that stands there, as [`KeyError::key`] writes it.
+/// The key that stands there, or whose value does, as [`KeyError::key`] writes it.
 fn key_at(span: &Range<usize>, text: &str) -> Option<String> {
     let document = DeTable::parse(text).ok()?;
     let key = of_table(document.get_ref(), span)?;
@@ -98,7 +98,9 @@ fn key_at(span: &Range<usize>, text: &str) -> Option<String> {
 
 fn of_table(table: &DeTable<'_>, span: &Range<usize>) -> Option<String> {
     let entry = |(name, value): (&toml::Spanned<std::borrow::Cow<'_, str>>, &toml::Spanned<DeValue<'_>>)| {
-        of_value(value, span).map(|rest| format!(".{}{rest}", echo::value(name.get_ref())))
+        let is_it = || (name.span() == *span).then(String::new);
+        let rest = of_value(value, span).or_else(is_it)?;
+        Some(format!(".{}{rest}", echo::value(name.get_ref())))
     };
     table.iter().find_map(entry)
 }

@@ -9,6 +9,7 @@ use faer::{Mat, Side};
 use num_complex::Complex64;
 
 use crate::acoustics::{PhaseJacobian, Phasors, Sums, Transfer};
+use crate::gauge::Gauge;
 use crate::solver::{Excitation, Problem, starts};
 
 /// Phases that the greedy search tries for every element.
@@ -146,7 +147,8 @@ pub fn search_on(problem: &Problem<'_>, excitation: Excitation, time: Duration) 
         return excitation;
     }
     let mut further = Further::new(problem, ITERATIONS);
-    let batches = (0..).take_while(|_| start.elapsed() < time);
+    let gauge = Gauge::current();
+    let batches = (0..).take_while(|_| gauge.lasts(start.elapsed(), time));
     batches.fold(excitation, |best, batch| further.stronger(best, batch))
 }
 

@@ -8,6 +8,7 @@ use num_complex::Complex64;
 
 use crate::acoustics::{Air, Aperture, Derivatives, Emitters, Transfer};
 use crate::force::{Sphere, modes};
+use crate::gauge::Gauge;
 use crate::scene::{Focus, Part, Scene, Shape, Trap};
 use crate::solver::descent::{Descent, Function};
 use crate::solver::{Excitation, Problem, iteration};
@@ -175,7 +176,7 @@ fn least(values: &[f64]) -> f64 {
 }
 
 fn stiffen(problem: &Problem<'_>, traps: &Traps, start: &[Complex64], time: Duration) -> Excitation {
-    let begun = Instant::now();
+    let (begun, gauge) = (Instant::now(), Gauge::current());
     let weakest = |u: &[Complex64]| least(&traps.weakest(problem.aperture, u));
     let mut function = Stiffness::new(problem, traps, start);
     let phases: Vec<_> = start.iter().map(|u| u.arg()).collect();
@@ -184,7 +185,7 @@ fn stiffen(problem: &Problem<'_>, traps: &Traps, start: &[Complex64], time: Dura
     let mut steps = 0;
     loop {
         let most = match value {
-            _ if begun.elapsed() < time => MOST_STEPS,
+            _ if gauge.lasts(begun.elapsed(), time) => MOST_STEPS,
             value if value <= 0.0 => PATIENCE,
             _ => STEPS,
         };

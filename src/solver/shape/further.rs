@@ -2,6 +2,7 @@
 
 use web_time::{Duration, Instant};
 
+use crate::gauge::Gauge;
 use crate::solver::shape::{FINE, OTHER_STEPS, Search, Start, Surroundings, value};
 use crate::solver::{Excitation, Problem};
 
@@ -11,13 +12,14 @@ const CALLS: usize = 8;
 /// The drive at the end of a [`Search`] that tries further starts until this time is over, one at least where there is time.
 pub fn best_within(problem: &Problem<'_>, surroundings: &Surroundings, time: Duration) -> Excitation {
     let start = Instant::now();
+    let gauge = Gauge::current();
     let mut search = Search::new(problem, surroundings);
     let mut best = None;
     while let Some(better) = search.advance() {
         best = Some(better);
     }
     let mut number = Start::ALL.len();
-    while best.is_some() && start.elapsed() < time {
+    while best.is_some() && gauge.lasts(start.elapsed(), time) {
         search.further(number);
         best = Some(search.give());
         number += problem.drives;
