@@ -9,6 +9,8 @@ pub mod app;
 pub mod bench;
 #[cfg(feature = "cli")]
 pub mod cli;
+#[cfg(all(any(feature = "cli", feature = "window"), not(target_arch = "wasm32")))]
+pub mod control;
 #[cfg(any(feature = "cli", feature = "serial", feature = "window"))]
 pub mod device;
 pub mod drive;

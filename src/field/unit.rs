@@ -17,6 +17,20 @@ pub enum Unit {
 }
 
 impl Unit {
+    /// In which values are computed and written.
+    pub fn symbol(self) -> &'static str {
+        match self {
+            Self::Pascal => "Pa",
+            Self::Radian => "rad",
+            Self::Metre => "m",
+            Self::WattPerSquareMetre => "W/m²",
+            Self::MetrePerSecond => "m/s",
+            Self::Joule => "J",
+            Self::Newton => "N",
+            Self::Undisturbed => "",
+        }
+    }
+
     /// The factor to the unit that suits values up to `largest`, and its symbol.
     pub fn scaled(self, largest: f64) -> (f64, &'static str) {
         match self {
