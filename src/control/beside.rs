@@ -1,8 +1,8 @@
 //! What takes too long to wait for: the newest of it is solved on a thread, and what was asked for before it is left out.
 
 use std::io;
-use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
 use std::sync::Arc;
+use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
 
 use web_time::Duration;
 

@@ -135,7 +135,8 @@ impl Board {
         if self.played.as_ref().is_some_and(|(played, at)| played.is(&play) && *at == rate) {
             return Ok(());
         }
-        let levels = |drive: &Drive| Levels::new(profile, drive, &self.calibration).map_err(|error| error.to_string());
+        let levels =
+            |drive: &Drive| Levels::new(profile, drive, &self.calibration).map_err(|error| error.to_string());
         let content = match &play {
             Play::Still(solution) => {
                 let frames: Result<_, _> = solution.drives().iter().map(levels).collect();

@@ -97,7 +97,8 @@ impl Gate {
 /// Whether a page comes from a server of this machine. One from a file has the origin `null`, as strangers' frames can have.
 fn is_of_this_machine(origin: &str) -> bool {
     let Some((_, host)) = origin.split_once("://") else { return false };
-    let host = host.strip_prefix("[::1]").map_or(host, |rest| if rest.is_empty() { "localhost" } else { rest });
+    let host =
+        host.strip_prefix("[::1]").map_or(host, |rest| if rest.is_empty() { "localhost" } else { rest });
     let (name, port) = match (origin.contains("[::1]"), host.split_once(':')) {
         (true, Some(("", port))) => ("localhost", port),
         (_, Some((name, port))) => (name, port),
@@ -119,7 +120,13 @@ mod tests {
 
     #[test]
     fn only_pages_of_this_machine_need_no_token() {
-        for own in ["http://localhost", "http://localhost:8000", "https://127.0.0.1:1", "http://[::1]", "http://[::1]:80"] {
+        for own in [
+            "http://localhost",
+            "http://localhost:8000",
+            "https://127.0.0.1:1",
+            "http://[::1]",
+            "http://[::1]:80",
+        ] {
             assert!(is_of_this_machine(own), "{own}");
         }
         for other in [

@@ -126,7 +126,9 @@ fn scene_of(mut tables: Value) -> Result<crate::scene::Scene, EditError> {
 /// A target with a `kind` takes the place of the one that was there; otherwise some of its keys change.
 fn of_target(number: &str, keys: Value, edits: &mut Vec<Edit>) -> Result<(), EditError> {
     let of_number = number.parse::<Number>();
-    let Ok(index) = of_number else { return wrong(&format!("targets: {} is no number", echo::value(number))) };
+    let Ok(index) = of_number else {
+        return wrong(&format!("targets: {} is no number", echo::value(number)));
+    };
     let mut keys: Map<String, Value> = read_as("targets", keys)?;
     if keys.contains_key("kind") {
         edits.push(Edit::Replace(index, Box::new(table::target(keys, index.saturating_sub(1))?)));

@@ -34,7 +34,8 @@ impl Maps {
     /// # Errors
     /// A scene without a drive, and a map that the field refuses.
     pub fn draw(&self, wish: MapWish, report: &Report) -> Result<Drawn, String> {
-        let (Some(solution), Some(scene)) = (&report.solution, report.wish.as_ref().map(|wish| &wish.scene)) else {
+        let (Some(solution), Some(scene)) = (&report.solution, report.wish.as_ref().map(|wish| &wish.scene))
+        else {
             return Err(report.problem.clone().unwrap_or_else(|| "nothing is solved yet".to_owned()));
         };
         if solution.drive.phases.len() != scene.elements() {

@@ -1,11 +1,11 @@
 //! What other programs say, over OSC, WebSocket and Ultraino's words, as edits of a scene, and what they are told.
 
+mod beside;
 #[cfg(feature = "serial")]
 pub mod board;
 #[cfg(not(feature = "serial"))]
 #[path = "no_board.rs"]
 pub mod board;
-mod beside;
 pub mod counts;
 pub mod desk;
 pub mod edit;

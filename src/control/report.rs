@@ -84,7 +84,8 @@ impl Report {
                 value
             })
             .collect();
-        let focus = |(at, pressure): &(DVec3, f64)| json!({ "position": at.to_array(), "pressure": pressure });
+        let focus =
+            |(at, pressure): &(DVec3, f64)| json!({ "position": at.to_array(), "pressure": pressure });
         let foci: Vec<_> = self.foci().iter().take(MOST).map(focus).collect();
         json!({ "state": {
             "change": self.generation,

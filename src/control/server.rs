@@ -90,7 +90,8 @@ impl Server {
             websocket: websocket.as_ref().map(TcpListener::local_addr).transpose()?,
             ultraino: ultraino.as_ref().map(UdpSocket::local_addr).transpose()?,
         };
-        let mut server = Self { desk: Arc::clone(&desk), gate: Arc::clone(&gate), addresses, threads: Vec::new() };
+        let mut server =
+            Self { desk: Arc::clone(&desk), gate: Arc::clone(&gate), addresses, threads: Vec::new() };
         if let Some(socket) = osc {
             server.threads.push(udp::osc(socket, Arc::clone(&desk), Arc::clone(&gate))?);
         }

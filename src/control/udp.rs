@@ -54,7 +54,10 @@ impl Post {
                 // A port that nobody reads any more answers so on some systems.
                 let is_usual = matches!(
                     error.kind(),
-                    ErrorKind::WouldBlock | ErrorKind::TimedOut | ErrorKind::Interrupted | ErrorKind::ConnectionReset
+                    ErrorKind::WouldBlock
+                        | ErrorKind::TimedOut
+                        | ErrorKind::Interrupted
+                        | ErrorKind::ConnectionReset
                 );
                 if !is_usual {
                     std::thread::sleep(LOOK);

@@ -45,7 +45,12 @@ impl Draft {
     /// Whether it is `commit`.
     fn word(&mut self, line: &str) -> Result<bool, String> {
         let parts: Vec<_> = line.split_ascii_whitespace().collect();
-        let wrong = || format!("{}: the words are clear, create N, place I X Y Z, delete I, commit and update", echo::value(line));
+        let wrong = || {
+            format!(
+                "{}: the words are clear, create N, place I X Y Z, delete I, commit and update",
+                echo::value(line)
+            )
+        };
         let word = parts.first().map(|word| word.to_ascii_lowercase()).ok_or_else(wrong)?;
         let edits = match (word.as_str(), &parts[1..]) {
             ("clear", []) => {

@@ -216,7 +216,8 @@ impl Connection<'_> {
                 }
                 Ok(Packet::Ping(_) | Packet::Pong(_) | Packet::Frame(_)) => {}
                 Ok(Packet::Close(_)) | Err(Error::ConnectionClosed) => return self.socket.flush(),
-                Err(Error::Io(error)) if matches!(error.kind(), ErrorKind::WouldBlock | ErrorKind::TimedOut) => {}
+                Err(Error::Io(error))
+                    if matches!(error.kind(), ErrorKind::WouldBlock | ErrorKind::TimedOut) => {}
                 Err(error) => {
                     if matches!(error, Error::Capacity(_) | Error::Protocol(_) | Error::Utf8(_)) {
                         self.desk.counts.malformed.add();
