@@ -29,6 +29,7 @@ struct Open {
     generation: u64,
     /// What others last wished of the board.
     wished: (bool, bool),
+    stops: u64,
     burst: Option<Instant>,
 }
 
@@ -46,7 +47,7 @@ impl Serving {
                 let addresses = server.addresses().lines();
                 shown.serving = Some(ServingShown { addresses, ..ServingShown::default() });
                 let wished = wished(&server.desk().wish().0);
-                self.0 = Some(Open { server, base, generation: 0, wished, burst: None });
+                self.0 = Some(Open { server, base, generation: 0, wished, stops: 0, burst: None });
             }
             Err(error) => shown.notice = Some(Notice { text: error.to_string(), is_error: true }),
         }
@@ -67,13 +68,16 @@ impl Serving {
             editor.take(merged(&open.base, &wish.scene, editor.scene()));
         }
         let asks = wished(&wish);
-        if generation != open.generation && asks != open.wished {
-            editor.asked_by_others.push(Command::Board(match asks {
-                (false, _) => BoardCommand::Stop,
-                (true, true) if motion::moves(editor.scene()) => BoardCommand::PlayMotion,
-                (true, _) => BoardCommand::Send,
-            }));
+        let is_new = generation != open.generation && asks != open.wished;
+        if wish.stops != open.stops || (is_new && !wish.sends) {
+            editor.asked_by_others.push(Command::Board(BoardCommand::Stop));
         }
+        if is_new && wish.sends {
+            let moves = wish.moves && motion::moves(editor.scene());
+            let command = if moves { BoardCommand::PlayMotion } else { BoardCommand::Send };
+            editor.asked_by_others.push(Command::Board(command));
+        }
+        open.stops = wish.stops;
         open.generation = generation;
         let sends = matches!(shown.board.plays, Plays::Scene | Plays::Motion);
         // What was just asked for is not played yet.
@@ -83,7 +87,7 @@ impl Serving {
             true => Arc::clone(&wish.scene),
             false => Arc::new(editor.scene().clone()),
         };
-        let own = Wish { scene: Arc::clone(&open.base), moves: wish.moves, sends };
+        let own = Wish { scene: Arc::clone(&open.base), sends, ..wish.clone() };
         // Where others were quicker, the next frame sees to it.
         if own != wish
             && let Some(generation) = desk.put(generation, own)
@@ -101,7 +105,7 @@ impl Serving {
         desk.tell(Report {
             serial: 0,
             generation: open.generation,
-            wish: Some(Wish { scene: Arc::clone(&open.base), moves: open.wished.1, sends }),
+            wish: Some(Wish { moves: open.wished.1, sends, ..Wish::new(Arc::clone(&open.base)) }),
             solution: shown.solution.clone(),
             problem: shown.problem.clone(),
             is_solving: shown.pending.is_some(),

@@ -20,11 +20,17 @@ pub enum Work {
     Motion(Scene),
 }
 
-/// What came of it.
+/// What came of a scene.
 #[derive(Debug)]
-pub enum Done {
-    Still(Scene, Result<Solution, String>),
-    Motion(Scene, Result<Sequence, String>),
+pub struct Done {
+    pub scene: Scene,
+    pub found: Found,
+}
+
+#[derive(Debug)]
+pub enum Found {
+    Still(Result<Arc<Solution>, String>),
+    Motion(Result<Arc<Sequence>, String>),
 }
 
 #[derive(Debug, Default)]
@@ -94,12 +100,12 @@ fn work(held: &Watched<Held>, done: &SyncSender<Done>) {
         drop(now);
         let result = match next {
             Work::Still(scene) => {
-                let solved = solver::solve(&scene).map_err(|error| error.to_string());
-                Done::Still(scene, solved)
+                let solved = solver::solve(&scene).map(Arc::new).map_err(|error| error.to_string());
+                Done { scene, found: Found::Still(solved) }
             }
             Work::Motion(scene) => {
-                let followed = frames::follow(&scene).map_err(|error| error.to_string());
-                Done::Motion(scene, followed)
+                let followed = frames::follow(&scene).map(Arc::new).map_err(|error| error.to_string());
+                Done { scene, found: Found::Motion(followed) }
             }
         };
         // Nobody waits for it any more where that fails.

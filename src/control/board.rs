@@ -41,6 +41,8 @@ pub struct Board {
     /// What it was told last, and at how many frames per second.
     played: Option<(Play, f64)>,
     modulation: Option<Modulation>,
+    /// The emergency stop holds it silent.
+    is_stopped: bool,
 }
 
 impl Board {
@@ -55,7 +57,8 @@ impl Board {
     ) -> anyhow::Result<Option<Self>> {
         note(&settings.profile.bandwidth(settings.baud()));
         let link = Link::open(settings, Box::new(|| {}))?;
-        let mut board = Self { link, calibration, carrier: None, played: None, modulation: None };
+        let mut board =
+            Self { link, calibration, carrier: None, played: None, modulation: None, is_stopped: false };
         loop {
             match board.link.event_within(Duration::from_millis(20)) {
                 Some(Event::Ready(found)) => {
@@ -97,9 +100,10 @@ impl Board {
         self.carrier
     }
 
-    /// Whether its emergency stop was pressed since it last began to play.
-    pub fn was_stopped(&self) -> bool {
-        self.link.health().stopped
+    /// Whether its emergency stop was pressed since this was asked last.
+    pub fn was_stopped(&mut self) -> bool {
+        let is_stopped = self.link.health().stopped;
+        !std::mem::replace(&mut self.is_stopped, is_stopped) && is_stopped
     }
 
     pub fn stop(&mut self) {

@@ -50,12 +50,14 @@ pub struct Wish {
     pub moves: bool,
     /// The board plays the scene.
     pub sends: bool,
+    /// How often silence was asked for, whatever sounded.
+    pub stops: u64,
 }
 
 impl Wish {
     /// At rest in nothing: motions run, and nothing sounds.
     pub fn new(scene: Arc<Scene>) -> Self {
-        Self { scene, moves: true, sends: false }
+        Self { scene, moves: true, sends: false, stops: 0 }
     }
 
     /// What it is after a change.
@@ -63,13 +65,13 @@ impl Wish {
     /// # Errors
     /// An edit that makes no sense, or a scene that [`check()`] or [`file::targets_in_motion`] refuses.
     pub fn after(&self, change: &[Edit]) -> Result<Self, EditError> {
-        let Self { mut moves, mut sends, .. } = *self;
+        let Self { mut moves, mut sends, mut stops, .. } = *self;
         let mut edited = None;
         for edit in change {
             match edit {
                 Edit::Motion(on) => moves = *on,
                 Edit::Send(on) => sends = *on,
-                Edit::Stop => sends = false,
+                Edit::Stop => (sends, stops) = (false, stops + 1),
                 Edit::Scene(scene) => edited = Some((**scene).clone()),
                 Edit::At(..)
                 | Edit::Pressure(..)
@@ -91,7 +93,7 @@ impl Wish {
                 Arc::new(scene)
             }
         };
-        Ok(Self { scene, moves, sends })
+        Ok(Self { scene, moves, sends, stops })
     }
 }
 

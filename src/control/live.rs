@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use web_time::{Duration, Instant};
 
-use crate::control::beside::{Beside, Done, Work};
+use crate::control::beside::{Beside, Done, Found, Work};
 use crate::control::board::{Board, Play};
 use crate::control::desk::Desk;
 use crate::control::edit::{Edit, Wish};
@@ -103,10 +103,10 @@ impl Live {
 
     fn collect(&mut self) {
         match self.beside.collect() {
-            Some(Done::Still(scene, found)) => {
+            Some(Done { scene, found: Found::Still(found) }) => {
                 let found = found.map(|found| match &self.last {
-                    Some(last) => Arc::new(found.turned_to(last)),
-                    None => Arc::new(found),
+                    Some(last) => Arc::new(Arc::unwrap_or_clone(found).turned_to(last)),
+                    None => found,
                 });
                 let is_current = self.solved.as_ref().is_none_or(|(solved, _)| *solved == scene);
                 // A first drive is better than none, though the scene has changed meanwhile.
@@ -114,7 +114,7 @@ impl Live {
                     self.take(scene, found);
                 }
             }
-            Some(Done::Motion(scene, found)) => self.frames = Some((scene, found.map(Arc::new))),
+            Some(Done { scene, found: Found::Motion(found) }) => self.frames = Some((scene, found)),
             None => {}
         }
     }

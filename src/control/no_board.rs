@@ -28,7 +28,7 @@ impl Board {
         match self.0 {}
     }
 
-    pub fn was_stopped(&self) -> bool {
+    pub fn was_stopped(&mut self) -> bool {
         match self.0 {}
     }
 

@@ -54,12 +54,13 @@ impl Serving {
         let server = Some(Server::start(all, Arc::clone(&desk)).unwrap());
         let over = Arc::new(AtomicBool::new(false));
         let (its, its_desk) = (Arc::clone(&over), Arc::clone(&desk));
-        let live = std::thread::spawn(move || {
+        let run = move || {
             let mut live = Live::new(its_desk, None).unwrap();
             while !its.load(Ordering::Relaxed) {
                 live.turn();
             }
-        });
+        };
+        let live = std::thread::Builder::new().name("live".to_owned()).spawn(run).unwrap();
         Self { server, desk, over, live: Some(live) }
     }
 
