@@ -100,11 +100,7 @@ impl Wish {
 fn apply(edit: &Edit, scene: &mut Scene) -> Result<(), EditError> {
     let targets = &mut scene.targets;
     match edit {
-        Edit::At(number, at) => {
-            let shape = &mut target(targets, *number)?.shape;
-            let by = *at - shape.centre();
-            shape.translate(by);
-        }
+        Edit::At(number, at) => target(targets, *number)?.shape.move_to(*at),
         Edit::Pressure(number, pressure) => target(targets, *number)?.pressure = *pressure,
         Edit::Angle(number, angle) => {
             let target = target(targets, *number)?;

@@ -134,24 +134,25 @@ fn of_target(number: &str, keys: Value, edits: &mut Vec<Edit>) -> Result<(), Edi
         edits.push(Edit::Replace(index, Box::new(table::target(keys, index.saturating_sub(1))?)));
         return Ok(());
     }
+    let called = |key: &str| format!("targets.{index}.{key}");
     if let Some(at) = keys.remove("at") {
-        edits.push(Edit::At(index, DVec3::from_array(read_as("at", at)?)));
+        edits.push(Edit::At(index, DVec3::from_array(read_as(&called("at"), at)?)));
     }
     if let Some(pressure) = keys.remove("pressure") {
-        edits.push(Edit::Pressure(index, read_as("pressure", pressure)?));
+        edits.push(Edit::Pressure(index, read_as(&called("pressure"), pressure)?));
     }
     if let Some(angle) = keys.remove("angle") {
-        edits.push(Edit::Angle(index, read_as("angle", angle)?));
+        edits.push(Edit::Angle(index, read_as(&called("angle"), angle)?));
     }
     if let Some(text) = keys.remove("text") {
-        edits.push(Edit::Text(index, read_as("text", text)?));
+        edits.push(Edit::Text(index, read_as(&called("text"), text)?));
     }
     if let Some(visible) = keys.remove("visible") {
-        edits.push(Edit::Visible(index, read_as("visible", visible)?));
+        edits.push(Edit::Visible(index, read_as(&called("visible"), visible)?));
     }
     match keys.keys().next() {
         Some(key) => wrong(&format!(
-            "targets: {}.{}: at, pressure, angle, text and visible can be set alone; with `kind` the whole target",
+            "targets.{}.{}: at, pressure, angle, text and visible can be set alone; with `kind` the whole target",
             index,
             echo::value(key)
         )),

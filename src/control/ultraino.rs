@@ -66,7 +66,8 @@ impl Draft {
                 vec![point; count]
             }
             ("place", [index, x, y, z]) => {
-                let real = |text: &str| text.parse::<f64>().map_err(|_| wrong());
+                let real =
+                    |text: &str| text.parse().ok().filter(|value: &f64| value.is_finite()).ok_or_else(wrong);
                 let (x, y, z) = (real(x)?, real(y)?, real(z)?);
                 vec![Edit::At(number(index).ok_or_else(wrong)?, DVec3::new(x, -z, y))]
             }

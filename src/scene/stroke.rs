@@ -84,6 +84,21 @@ impl Shape {
         centre(self)
     }
 
+    /// Puts its centre there (m).
+    pub fn move_to(&mut self, place: DVec3) {
+        match self {
+            Self::Point { at }
+            | Self::Trap { at, .. }
+            | Self::Circle { at, .. }
+            | Self::Rectangle { at, .. }
+            | Self::Triangle { at, .. }
+            | Self::Polygon { at, .. }
+            | Self::Text { at, .. }
+            | Self::Picture { at, .. } => *at = place,
+            Self::Line { .. } | Self::Path { .. } => self.translate(place - self.centre()),
+        }
+    }
+
     /// Moves it (m).
     pub fn translate(&mut self, by: DVec3) {
         match self {

@@ -64,6 +64,14 @@ fn awkward() -> Vec<Vec<u8>> {
 /// One of the corpus changed, or bytes without sense.
 fn packet(corpus: &[Vec<u8>], words: &[Vec<u8>], seed: u64) -> Vec<u8> {
     match seed % 8 {
+        1..=3 => {
+            // One bit is another.
+            let mixed = seed.wrapping_mul(0x9E37_79B9_7F4A_7C15) >> 24;
+            let mut bytes = corpus[(mixed % corpus.len() as u64) as usize].clone();
+            let place = (mixed >> 8) as usize % bytes.len();
+            bytes[place] ^= 1 << (mixed >> 5 & 7);
+            bytes
+        }
         0 => mutated(&[vec![b'\xa5'; (seed / 8 % 600) as usize]], words, &mut Dice(seed)),
         _ => mutated(corpus, words, &mut Dice(seed)),
     }

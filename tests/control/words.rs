@@ -92,7 +92,7 @@ fn of_a_flood_of_moves_the_newest_wins() {
     let serving = Serving::local(TWO);
     let osc = serving.udp("osc");
     for step in 0..=200u8 {
-        osc.osc("target/1/at", &floats([f32::from(step) * 1e-4, 0.0, 0.1]));
+        osc.osc("target/1/at", &floats([f32::from(step) / 10_000.0, 0.0, 0.1]));
     }
     serving.has_foci_of(&TWO.replace("-0.02", "0.02"));
 }
@@ -185,7 +185,7 @@ fn json_that_asks_for_what_cannot_be_is_answered_and_changes_nothing() {
         (r#"{"targets": {"3": {"at": [0, 0, 0.1]}}}"#, "target 3: the scene has 2"),
         (r#"{"targets": {"1": {"at": [0, 0, 0.1], "radius": 1}}}"#, "can be set alone"),
         (r#"{"targets": {"1": {"kind": "circle", "sides": 4}}}"#, "no such key"),
-        (r#"{"targets": {"1": {"at": [0, 0]}}}"#, "targets: "),
+        (r#"{"targets": {"1": {"at": [0, 0]}}}"#, "targets.1.at: invalid length 2"),
         (r#"{"add": [{"kind": "picture", "file": "/etc/a.png"}]}"#, "may not name files: /etc/a.png"),
         (r#"{"scene": {"target": [{"kind": "picture", "file": "/etc/a.png"}]}}"#, "may not name files"),
         (r#"{"scene": {"modulation": {"file": "/etc/a.wav"}}}"#, "may not name files"),

@@ -69,7 +69,7 @@ fn what_others_move_is_seen_solved_and_undone_as_one_step() {
     // What the user did before is a step of its own.
     screen.state_mut().editor_mut().document.scene.targets[1].pressure = 2.0;
     for step in 1..=40u8 {
-        place(&socket, 1, [0.001 * f32::from(step), 0.01, 0.1]);
+        place(&socket, 1, [f32::from(step) / 1000.0, 0.01, 0.1]);
         screen.step();
     }
     until(&mut screen, "the last place", |screen| stands(screen, 1, [0.04, 0.01, 0.1]));
