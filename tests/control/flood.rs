@@ -16,7 +16,7 @@ use crate::mutation::{Dice, mutated};
 use crate::{PATIENCE, Serving, TWO, floats, message, scene};
 
 /// Packets in this process; `SONOGLYPH_MUTATIONS=10` takes ten times as many.
-const PACKETS: u64 = 100_000;
+const PACKETS: u64 = 1_000_000;
 /// Bytes that may come all the same.
 const ALLOWED: usize = 16 << 20;
 

@@ -190,7 +190,7 @@ fn json_that_asks_for_what_cannot_be_is_answered_and_changes_nothing() {
         (r#"{"scene": {"target": [{"kind": "picture", "file": "/etc/a.png"}]}}"#, "may not name files"),
         (r#"{"scene": {"modulation": {"file": "/etc/a.wav"}}}"#, "may not name files"),
         (r#"{"scene": {"array": {"elements": "/etc/passwd"}}}"#, "may not name files"),
-        (r#"{"scene": {"array": {"elements": "preset:nothing"}}}"#, "nothing"),
+        (r#"{"scene": {"array": {"elements": "preset:nothing"}}}"#, "no preset of that name"),
         (r#"{"modulation": {"file": "/etc/a.wav"}}"#, "may not name files"),
         (r#"{"plane": {"size": [0, 1]}}"#, "plane.size"),
         (r#"{"plane": {"size": [0.1, 0.1, 0.1]}}"#, "plane: "),
@@ -207,5 +207,5 @@ fn json_that_asks_for_what_cannot_be_is_answered_and_changes_nothing() {
     assert_eq!(web.heard()["error"], "messages are JSON, and text");
     assert_eq!(serving.desk.generation(), 1);
     // A published array is no file.
-    assert_eq!(web.ask(r#"{"scene": {"array": {"elements": "preset:tinylev"}}, "id": 1}"#)["done"], 2);
+    assert_eq!(web.ask(r#"{"scene": {"array": {"elements": "preset:tinylev-72"}}, "id": 1}"#)["done"], 2);
 }
