@@ -39,6 +39,9 @@ pub mod bench;
 #[cfg(feature = "cli")]
 #[doc(hidden)]
 pub mod cli;
+#[cfg(all(feature = "control", not(target_arch = "wasm32")))]
+#[doc(hidden)]
+pub mod control;
 #[cfg(feature = "studio")]
 pub mod device;
 pub mod drive;

@@ -83,6 +83,20 @@ const LAYERS: &[(&str, &[&str])] = &[
             "web_time",
         ],
     ),
+    (
+        "control",
+        &[
+            "anyhow",
+            "getrandom",
+            "glam",
+            "rosc",
+            "serde",
+            "serde_json",
+            "thiserror",
+            "tungstenite",
+            "web_time",
+        ],
+    ),
     ("ui", &["egui", "egui_plot", "glam", "serde"]),
     (
         "app",

@@ -7,13 +7,14 @@ use egui::Context;
 
 use crate::app::later::Later;
 use crate::app::mapping::{Look, Mapping, image, in_egui};
-use crate::app::posing::{Solved, Source, posed, posed_in_motion, solve, sound};
+use crate::app::posing::{Solved, Source, solve, sound};
 use crate::drive::Drive;
 use crate::field::quantity::Range;
 use crate::field::{Colouring, Request};
 use crate::picture::ColourMap;
 use crate::scene::{Method, Scene};
 use crate::solver::frames::{self, Sequence};
+use crate::studio::posing::{posed, posed_in_motion};
 use crate::ui::beside::{Beside, Compare, Difference, With};
 use crate::ui::view::Lens;
 use crate::ui::{Editor, Map, Shown};

@@ -24,6 +24,8 @@ mod posing;
 pub mod recovery;
 #[cfg_attr(target_arch = "wasm32", path = "no_screen.rs")]
 mod screen;
+#[cfg_attr(target_arch = "wasm32", path = "no_serving.rs")]
+mod serving;
 pub mod settings;
 mod space;
 mod survey;
@@ -53,6 +55,7 @@ use files::{Film, Outcome};
 use link::Board;
 use recovery::Recovery;
 use screen::Screen;
+use serving::Serving;
 use settings::{Memory, Settings};
 use thumbnails::Thumbnails;
 use workshop::{Seen, Workshop};
@@ -86,6 +89,7 @@ pub struct Window {
     shown: Shown,
     workshop: Workshop,
     board: Board,
+    serving: Serving,
     /// The window may close without another question.
     may_close: bool,
     /// Something was done that the window's own system or the next frame answers.
@@ -134,6 +138,7 @@ impl Window {
             shown,
             workshop,
             board: Board::default(),
+            serving: Serving::default(),
             may_close: false,
             owes_frame: false,
             title: String::new(),
@@ -281,6 +286,10 @@ impl Window {
                 let Self { board, editor, shown, .. } = self;
                 board.execute(&command, editor, shown, ctx);
             }
+            Command::Serve(on) => {
+                let Self { serving, editor, shown, .. } = self;
+                serving.switch(on, editor, shown, ctx);
+            }
             Command::CompareMethods => self.workshop.compare_methods(self.editor.scene()),
             Command::Recover(scene) => {
                 let mut document = Document::new(*scene, "recovered");
@@ -426,6 +435,7 @@ impl Window {
     pub fn frame(&mut self, ui: &mut egui::Ui) {
         let ctx = ui.ctx().clone();
         let before = self.editor.seen();
+        self.serving.exchange(&mut self.editor, &self.shown, &ctx);
         let Self { editor, shown, workshop, board, .. } = self;
         let mut commands = ui::show(editor, shown, ui, |editor, shown, ui| {
             if editor.space.is_on {
@@ -453,7 +463,9 @@ impl Window {
         self.thumbnails.collect(&mut self.shown, &ctx);
         commands.into_iter().for_each(|command| self.execute(command, &ctx));
         let is_held = ctx.input(|input| input.pointer.any_down());
-        if !is_held && !self.editor.is_in_gesture() && !ctx.text_edit_focused() {
+        self.serving.tell(&self.editor, &mut self.shown);
+        let is_in_burst = self.serving.is_in_burst(&ctx);
+        if !is_held && !is_in_burst && !self.editor.is_in_gesture() && !ctx.text_edit_focused() {
             self.editor.document.settle();
         }
         self.preview_figure(&ctx);

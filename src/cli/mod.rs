@@ -27,6 +27,7 @@ use glam::DVec3;
 use crate::acoustics::Aperture;
 use crate::bench::{self, Subject};
 pub use crate::cli::arguments::BadArguments;
+use crate::cli::boards::serve::{self, ServeArgs};
 use crate::cli::boards::{BoardArgs, CheckArgs, SendArgs};
 use crate::cli::figure::FigureArgs;
 use crate::cli::space::SpaceArgs;
@@ -161,6 +162,16 @@ enum Command {
     ///   sonoglyph send assets/scenes/water-moving-square.toml --port /dev/ttyUSB0 --profile native --baud 3000000 --seconds 20
     #[command(verbatim_doc_comment)]
     Send(SendArgs),
+    /// Let other programs edit a scene over OSC and WebSocket, and play it on a board
+    ///
+    /// What is sent and heard is described in docs/control.md. Only programs of this machine are listened to, unless --listen
+    /// says otherwise. Nothing sounds until a program says so; Ctrl-C silences the board. Examples:
+    ///
+    ///   sonoglyph serve hit.toml --osc 9000 --port /dev/ttyUSB0 --profile sonicsurface
+    ///
+    ///   sonoglyph serve --websocket 9001 --listen 0.0.0.0 --token correct-horse
+    #[command(verbatim_doc_comment)]
+    Serve(ServeArgs),
     /// Bring a board up: connection, capacity of the line, every element, a focus, the emergency stop
     ///
     /// Ends with exit status 0 if all steps passed, and leaves the board silent. Examples:
@@ -424,6 +435,7 @@ pub fn run() -> anyhow::Result<Next> {
         Cli { command: Some(Command::Devices), .. } => devices::run(),
         Cli { command: Some(Command::Ports), .. } => boards::ports(),
         Cli { command: Some(Command::Send(args)), .. } => boards::send(&args),
+        Cli { command: Some(Command::Serve(args)), .. } => serve::run(&args),
         Cli { command: Some(Command::Check(args)), .. } => boards::check(&args),
         Cli { command: Some(Command::Board(args)), .. } => boards::board(&args),
         Cli { command: None, scene, renderer } => return Ok(Next::Window(scene, renderer)),

@@ -22,5 +22,5 @@ pub mod port;
 pub mod profile;
 pub mod statistics;
 pub mod stock;
-#[cfg(feature = "serial")]
+#[cfg(any(feature = "serial", not(target_arch = "wasm32")))]
 pub mod task;

@@ -17,7 +17,7 @@ pub enum Unit {
 }
 
 impl Unit {
-    /// Of the values themselves.
+    /// In which values are computed and written.
     pub fn symbol(self) -> &'static str {
         match self {
             Self::Pascal => "Pa",

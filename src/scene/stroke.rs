@@ -78,6 +78,47 @@ pub fn centre(shape: &Shape) -> DVec3 {
     }
 }
 
+impl Shape {
+    /// The point about which it turns, and which an edit of its place sets; m.
+    pub fn centre(&self) -> DVec3 {
+        centre(self)
+    }
+
+    /// Puts its centre there (m).
+    pub fn move_to(&mut self, place: DVec3) {
+        match self {
+            Self::Point { at }
+            | Self::Trap { at, .. }
+            | Self::Circle { at, .. }
+            | Self::Rectangle { at, .. }
+            | Self::Triangle { at, .. }
+            | Self::Polygon { at, .. }
+            | Self::Text { at, .. }
+            | Self::Picture { at, .. } => *at = place,
+            Self::Line { .. } | Self::Path { .. } => self.translate(place - self.centre()),
+        }
+    }
+
+    /// Moves it (m).
+    pub fn translate(&mut self, by: DVec3) {
+        match self {
+            Self::Point { at }
+            | Self::Trap { at, .. }
+            | Self::Circle { at, .. }
+            | Self::Rectangle { at, .. }
+            | Self::Triangle { at, .. }
+            | Self::Polygon { at, .. }
+            | Self::Text { at, .. }
+            | Self::Picture { at, .. } => *at += by,
+            Self::Line { from, to } => {
+                *from += by;
+                *to += by;
+            }
+            Self::Path { vertices, .. } => vertices.iter_mut().for_each(|vertex| *vertex += by),
+        }
+    }
+}
+
 /// A closed regular polygon about the origin, first vertex at `start`.
 fn ring(radius: f64, vertices: usize, start: f64) -> Vec<DVec2> {
     let vertex = |i: usize| DVec2::from_angle(start + TAU * (i % vertices) as f64 / vertices as f64) * radius;

@@ -18,6 +18,7 @@ pub mod motion;
 pub mod opening;
 pub mod output;
 pub mod paintings;
+pub mod posing;
 pub mod presets;
 pub mod probe;
 pub mod reach;

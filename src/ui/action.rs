@@ -56,6 +56,7 @@ pub enum Action {
     Send,
     PlayMotion,
     Stop,
+    Serve,
     Palette,
     Help,
 }
@@ -137,9 +138,9 @@ impl Action {
         all.extend([A::ShowEverything, A::Space, A::Targets, A::Profile]);
         all.extend(Panel::ALL.map(A::ShowPanel));
         all.extend([A::TogglePanel, A::Present, A::Larger, A::Smaller, A::UsualScale, A::SwitchTheme]);
-        all.extend([A::Send, A::PlayMotion, A::Stop, A::Palette, A::Help]);
-        // A page ends as the browser ends it.
-        all.retain(|action| !(IN_PAGE && *action == A::Quit));
+        all.extend([A::Send, A::PlayMotion, A::Stop, A::Serve, A::Palette, A::Help]);
+        // A page ends as the browser ends it, and has no sockets.
+        all.retain(|action| !(IN_PAGE && [A::Quit, A::Serve].contains(action)));
         all
     }
 
@@ -189,6 +190,7 @@ impl Action {
             Self::Send => "Send to the board",
             Self::PlayMotion => "Play the motion on the board",
             Self::Stop => "Stop the board",
+            Self::Serve => "Serve other programs",
             Self::Palette => "All commands…",
             Self::Help => "Keys and tools",
         };
@@ -229,7 +231,7 @@ impl Action {
             | Self::Smaller
             | Self::UsualScale
             | Self::SwitchTheme => Group::View,
-            Self::Send | Self::PlayMotion | Self::Stop => Group::Board,
+            Self::Send | Self::PlayMotion | Self::Stop | Self::Serve => Group::Board,
             Self::Palette | Self::Help => Group::Help,
         }
     }
@@ -275,7 +277,8 @@ impl Action {
             | Self::SwitchTheme
             | Self::Send
             | Self::PlayMotion
-            | Self::Stop => Vec::new(),
+            | Self::Stop
+            | Self::Serve => Vec::new(),
         }
     }
 
@@ -403,6 +406,7 @@ impl Action {
             Self::Send => commands.push(Command::Board(BoardCommand::Send)),
             Self::PlayMotion => commands.push(Command::Board(BoardCommand::PlayMotion)),
             Self::Stop => commands.push(Command::Board(BoardCommand::Stop)),
+            Self::Serve => commands.push(Command::Serve(shown.serving.is_none())),
             Self::Palette => editor.dialog = Some(Dialog::Palette { text: String::new(), chosen: 0 }),
             Self::Help => editor.dialog = Some(Dialog::Help),
         }

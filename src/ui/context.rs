@@ -74,7 +74,7 @@ fn paste(editor: &mut Editor) {
     let mut pasted: Vec<Target> = editor.copied.clone();
     let Some([low, high]) = edit::bounds(&pasted, &axes) else { return };
     let by: DVec2 = editor.asked - (low + high) / 2.0;
-    pasted.iter_mut().for_each(|target| edit::translate(&mut target.shape, axes.x * by.x + axes.y * by.y));
+    pasted.iter_mut().for_each(|target| target.shape.translate(axes.x * by.x + axes.y * by.y));
     let first = editor.scene().targets.len();
     editor.document.scene.targets.extend(pasted);
     group::part(&mut editor.document.scene.targets, first);

@@ -92,7 +92,7 @@ fn nudge(editor: &mut Editor, by: DVec2) {
     let axes = editor.view.axes(editor.scene());
     for &index in &editor.selection {
         if let Some(target) = editor.document.scene.targets.get_mut(index) {
-            edit::translate(&mut target.shape, axes.x * by.x + axes.y * by.y);
+            target.shape.translate(axes.x * by.x + axes.y * by.y);
         }
     }
 }

@@ -12,25 +12,6 @@ use crate::ui::view::Axes;
 /// m: where a copy stands beside what it is a copy of.
 const BESIDE: f64 = 0.01;
 
-/// Moves a shape (m).
-pub fn translate(shape: &mut Shape, by: DVec3) {
-    match shape {
-        Shape::Point { at }
-        | Shape::Trap { at, .. }
-        | Shape::Circle { at, .. }
-        | Shape::Rectangle { at, .. }
-        | Shape::Triangle { at, .. }
-        | Shape::Polygon { at, .. }
-        | Shape::Text { at, .. }
-        | Shape::Picture { at, .. } => *at += by,
-        Shape::Line { from, to } => {
-            *from += by;
-            *to += by;
-        }
-        Shape::Path { vertices, .. } => vertices.iter_mut().for_each(|vertex| *vertex += by),
-    }
-}
-
 pub fn delete(scene: &mut Scene, selection: &mut BTreeSet<usize>) {
     let mut index = 0;
     scene.targets.retain(|_| {
@@ -69,7 +50,7 @@ pub fn paste(scene: &mut Scene, selection: &mut BTreeSet<usize>, axes: &Axes, te
     };
     let by = (axes.x - axes.y) * BESIDE;
     for target in &mut targets {
-        translate(&mut target.shape, by);
+        target.shape.translate(by);
         // Without turns there are no steps.
         target.step = target.step.filter(|_| scene.motion.path == MotionPath::Steps);
     }
@@ -96,7 +77,7 @@ pub fn duplicate(scene: &mut Scene, selection: &mut BTreeSet<usize>, axes: &Axes
     copy_in_place(scene, selection);
     let by = (axes.x - axes.y) * BESIDE;
     for &index in selection.iter() {
-        translate(&mut scene.targets[index].shape, by);
+        scene.targets[index].shape.translate(by);
     }
 }
 
@@ -180,7 +161,7 @@ pub fn align(scene: &mut Scene, selection: &BTreeSet<usize>, axes: &Axes, align:
             Align::Middle => DVec2::new(0.0, (low.y + high.y) / 2.0),
             Align::Bottom => DVec2::new(0.0, low.y),
         };
-        translate(&mut scene.targets[index].shape, axes.x * by.x + axes.y * by.y);
+        scene.targets[index].shape.translate(axes.x * by.x + axes.y * by.y);
     }
 }
 
@@ -198,7 +179,7 @@ pub fn distribute(scene: &mut Scene, selection: &BTreeSet<usize>, axes: &Axes, i
     let direction = if is_upwards { axes.y } else { axes.x };
     let mut place = first[0];
     for (index, [low, high]) in spans {
-        translate(&mut scene.targets[index].shape, direction * (place - low));
+        scene.targets[index].shape.translate(direction * (place - low));
         place += high - low + gap;
     }
 }

@@ -398,7 +398,7 @@ fn follow(
     for (index, target) in before {
         let mut moved = target.clone();
         if by != DVec2::ZERO {
-            edit::translate(&mut moved.shape, axes.x * by.x + axes.y * by.y);
+            moved.shape.translate(axes.x * by.x + axes.y * by.y);
         }
         if let Some(target) = editor.document.scene.targets.get_mut(*index) {
             *target = moved;

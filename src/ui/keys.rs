@@ -7,7 +7,6 @@ use crate::ui::action::{self, Action};
 use crate::ui::board::{BoardCommand, Plays};
 use crate::ui::clipboard;
 use crate::ui::cursor;
-use crate::ui::edit;
 use crate::ui::tool::Tool;
 use crate::ui::typing;
 use crate::ui::{Command, Editor, Notice, Shown};
@@ -166,7 +165,7 @@ fn nudge(editor: &mut Editor, key: Key, far: bool) {
     let by = direction * if far { FAR_NUDGE } else { NUDGE };
     for &index in &editor.selection {
         if let Some(target) = editor.document.scene.targets.get_mut(index) {
-            edit::translate(&mut target.shape, by);
+            target.shape.translate(by);
         }
     }
 }

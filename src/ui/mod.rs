@@ -80,7 +80,9 @@ pub use dialog::film::FilmForm;
 pub use dialog::import::Import;
 pub use map::{Map, Texture};
 pub use panels::{bead, course};
-pub use shown::{Arrows, Course, Extremes, Levitated, MethodRow, Notice, Pressed, Shown, Sound};
+pub use shown::{
+    Arrows, Course, Extremes, Levitated, MethodRow, Notice, Pressed, ServingShown, Shown, Sound,
+};
 
 /// Whether the window is a page of a browser.
 pub const IN_PAGE: bool = cfg!(target_arch = "wasm32");
@@ -138,6 +140,8 @@ pub struct Editor {
     /// The drive as a board with so many phases per period plays it.
     pub levels: Option<u32>,
     pub board: BoardForm,
+    /// What other programs ask for, which the user may have to agree to first.
+    pub asked_by_others: Vec<Command>,
 }
 
 /// Which frame of the motion is shown.
@@ -265,6 +269,8 @@ pub enum Command {
     CopyFigure,
     CompareMethods,
     Board(BoardCommand),
+    /// Whether other programs may edit the scene.
+    Serve(bool),
     /// Asks the desktop for what is on its clipboard.
     Paste,
     /// Goes on with what the last run left.
@@ -345,6 +351,7 @@ impl Editor {
             vertex: None,
             levels: None,
             board: BoardForm::default(),
+            asked_by_others: Vec::new(),
         }
     }
 
@@ -357,6 +364,15 @@ impl Editor {
         self.document = document;
         self.forget_places();
         self.playback = Playback::default();
+    }
+
+    /// The scene as others have made it of this one.
+    pub fn take(&mut self, scene: Scene) {
+        let kind = |target: &Target| std::mem::discriminant(&target.shape);
+        if !self.scene().targets.iter().map(kind).eq(scene.targets.iter().map(kind)) {
+            self.forget_places();
+        }
+        self.document.scene = scene;
     }
 
     pub fn undo(&mut self) {
@@ -432,6 +448,7 @@ pub fn show(
         // A range in pascals does not fit metres.
         editor.view.forget_range();
     }
+    commands.append(&mut editor.asked_by_others);
     dialog::warn_of_loudness(editor, &mut commands);
     commands
 }

@@ -52,7 +52,7 @@ fn moved(editor: &Editor, painter: &Painter, axes: &Axes, lens: &Lens) {
         let Some(group) = cycle.groups.iter().find(|group| group.target == own) else { continue };
         let offset = group.motion.offset(way::part_of(&cycle, group, frame));
         let mut there = target.clone();
-        edit::translate(&mut there.shape, offset);
+        there.shape.translate(offset);
         for stroke in edit::outline_on(&there, axes).into_iter().filter(|stroke| stroke.len() > 1) {
             let stroke: Vec<_> = stroke.into_iter().map(|uv| lens.screen(uv)).collect();
             painter.add(Shape::line(stroke, Stroke::new(1.6, theme::line(editor.view.is_light, 200))));

@@ -71,6 +71,8 @@ pub struct Shown {
     /// ms that the GPU took for the map, where it can be timed.
     pub on_gpu: Option<f64>,
     pub board: BoardShown,
+    /// While other programs are listened to.
+    pub serving: Option<ServingShown>,
     /// What was just done, or could not be.
     pub notice: Option<Notice>,
     /// What is being written meanwhile, and the part of it that is done.
@@ -90,6 +92,15 @@ impl Shown {
             (_, sound) => sound.iter().flat_map(|sound| sound.drives.clone()).collect(),
         }
     }
+}
+
+/// Where other programs are listened to, and how much they have said.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct ServingShown {
+    pub addresses: Vec<String>,
+    pub packets: u64,
+    pub changes: u64,
+    pub refused: u64,
 }
 
 /// A word on what was done.

@@ -20,9 +20,10 @@ fn help_names_every_quantity_and_who_draws_the_window() {
 fn help_shows_every_command_with_an_example() {
     let folder = folder_with(&[]);
     let help = succeed(folder.path(), &["--help"]);
-    for command in
-        ["render", "solve", "probe", "batch", "devices", "bench", "ports", "send", "board", "elements"]
-    {
+    for command in [
+        "render", "solve", "probe", "batch", "devices", "bench", "ports", "send", "serve", "board",
+        "elements",
+    ] {
         assert!(help.contains(command), "{help}");
         let own = succeed(folder.path(), &[command, "--help"]);
         assert!(

@@ -108,6 +108,21 @@ fn batch_lines() {
 }
 
 #[test]
+fn osc_packets() {
+    fuzz("osc", 20000);
+}
+
+#[test]
+fn words_of_ultraino() {
+    fuzz("ultraino", 20000);
+}
+
+#[test]
+fn json_messages() {
+    fuzz("json", 10000);
+}
+
+#[test]
 fn settings() {
     fuzz("settings", 10000);
 }

@@ -20,6 +20,7 @@ mod reach;
 #[path = "../requirement/mod.rs"]
 mod requirement;
 mod robust;
+mod serving;
 mod shape;
 mod shell;
 mod space;

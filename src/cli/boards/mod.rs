@@ -1,4 +1,4 @@
-//! Boards on the command line: `ports`, `check`, `send` and `board`, and what a program without serial links says instead.
+//! Boards on the command line: `ports`, `check`, `send`, `serve` and `board`, and what a program without serial links says instead.
 
 #[cfg(all(unix, feature = "serial"))]
 mod board;
@@ -8,6 +8,7 @@ mod check;
 mod ports;
 #[cfg(feature = "serial")]
 mod send;
+pub mod serve;
 
 use std::path::PathBuf;
 

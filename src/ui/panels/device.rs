@@ -6,7 +6,7 @@ use crate::device::health::{Health, State};
 use crate::device::profile::Profile;
 use crate::scene::motion;
 use crate::ui::board::{BoardCommand, BoardShown, Plays, Ports};
-use crate::ui::panels::{bring_up, caption, choice, count, fact, form, heading};
+use crate::ui::panels::{bring_up, caption, choice, count, fact, form, heading, others};
 use crate::ui::{Command, Editor, Shown, theme};
 
 /// Bits per second that the most usual adapters have.
@@ -26,6 +26,7 @@ pub fn show(editor: &mut Editor, shown: &Shown, ui: &mut Ui, commands: &mut Vec<
     if let Some(why) = &board.unavailable {
         heading(ui, "Board");
         ui.label(why);
+        others::show(shown, ui, commands);
         return;
     }
     let mut ask = |command| commands.push(Command::Board(command));
@@ -42,6 +43,7 @@ pub fn show(editor: &mut Editor, shown: &Shown, ui: &mut Ui, commands: &mut Vec<
     }
     ui.separator();
     played(editor, board, ui);
+    others::show(shown, ui, commands);
 }
 
 fn connection(editor: &mut Editor, board: &BoardShown, ui: &mut Ui, ask: &mut impl FnMut(BoardCommand)) {

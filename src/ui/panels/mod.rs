@@ -9,6 +9,7 @@ mod drive;
 mod liquid;
 mod modulation;
 mod motion;
+mod others;
 mod path;
 mod profile;
 mod scene;

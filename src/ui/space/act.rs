@@ -10,7 +10,7 @@ use crate::scene::{Target, outline};
 use crate::ui::space::handle::{self, Handle};
 use crate::ui::space::{Held, Stage};
 use crate::ui::tool::Tool;
-use crate::ui::{Editor, Shown, canvas, edit, group};
+use crate::ui::{Editor, Shown, canvas, group};
 
 /// Points of the screen within which an outline is meant.
 const REACH: f32 = 10.0;
@@ -199,7 +199,7 @@ fn drag(editor: &mut Editor, stage: &Stage, at: Pos2, modifiers: egui::Modifiers
             for (index, target) in before {
                 let mut moved: Target = target;
                 if by != DVec3::ZERO {
-                    edit::translate(&mut moved.shape, by);
+                    moved.shape.translate(by);
                 }
                 if let Some(target) = editor.document.scene.targets.get_mut(index) {
                     *target = moved;

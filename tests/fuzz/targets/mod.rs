@@ -3,6 +3,7 @@
 //! `tests/fuzz/main.rs` runs them on the corpus and on mutations of it, and `fuzz/` under libFuzzer.
 
 mod batch;
+mod control;
 mod drawing;
 mod native;
 mod scene;
@@ -15,7 +16,7 @@ mod waveform;
 type Target = fn(&[u8]);
 
 /// The targets by their names, which their corpora have too.
-pub const TARGETS: [(&str, Target); 10] = [
+pub const TARGETS: [(&str, Target); 13] = [
     ("scene", scene::run),
     ("points", tables::points),
     ("drive", tables::drive),
@@ -26,6 +27,9 @@ pub const TARGETS: [(&str, Target); 10] = [
     ("batch", batch::run),
     ("settings", settings::run),
     ("waveform", waveform::run),
+    ("osc", control::osc),
+    ("ultraino", control::ultraino),
+    ("json", control::json),
 ];
 
 /// Runs the target of this name.

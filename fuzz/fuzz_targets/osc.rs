@@ -1,0 +1,8 @@
+//! OSC packets that other programs send.
+
+#![no_main]
+
+#[path = "../../tests/fuzz/targets/mod.rs"]
+mod targets;
+
+libfuzzer_sys::fuzz_target!(|bytes: &[u8]| targets::run("osc", bytes));

@@ -1,0 +1,8 @@
+//! Words of Ultraino, packets with | between them.
+
+#![no_main]
+
+#[path = "../../tests/fuzz/targets/mod.rs"]
+mod targets;
+
+libfuzzer_sys::fuzz_target!(|bytes: &[u8]| targets::run("ultraino", bytes));

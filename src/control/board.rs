@@ -1,0 +1,175 @@
+//! The board that plays what other programs ask for.
+
+use std::sync::Arc;
+
+use web_time::Duration;
+
+use crate::control::report::BoardReport;
+use crate::device::calibration::Calibration;
+use crate::device::envelope;
+use crate::device::health::{Found, Health};
+use crate::device::levels::{self, Levels};
+use crate::device::link::{Content, Event, Link, Settings};
+use crate::drive::Drive;
+use crate::scene::{Modulation, Scene, motion};
+use crate::solver::Solution;
+use crate::solver::frames::Sequence;
+use crate::studio::output::{note, warn};
+
+/// What a board is to play.
+#[derive(Clone, Debug)]
+pub enum Play {
+    Still(Arc<Solution>),
+    Motion(Arc<Sequence>),
+}
+
+impl Play {
+    fn is(&self, other: &Self) -> bool {
+        match (self, other) {
+            (Self::Still(a), Self::Still(b)) => Arc::ptr_eq(a, b),
+            (Self::Motion(a), Self::Motion(b)) => Arc::ptr_eq(a, b),
+            (Self::Still(_), Self::Motion(_)) | (Self::Motion(_), Self::Still(_)) => false,
+        }
+    }
+}
+
+#[derive(Debug)]
+pub struct Board {
+    link: Link,
+    calibration: Calibration,
+    carrier: Option<f64>,
+    /// What it was told last, and at how many frames per second.
+    played: Option<(Play, f64)>,
+    modulation: Option<Modulation>,
+    /// The emergency stop holds it silent.
+    is_stopped: bool,
+}
+
+impl Board {
+    /// The board at a port, once it is there; `None` if that is waited for no longer.
+    ///
+    /// # Errors
+    /// A board that is not there.
+    pub fn open(
+        settings: Settings,
+        calibration: Calibration,
+        is_over: impl Fn() -> bool,
+    ) -> anyhow::Result<Option<Self>> {
+        note(&settings.profile.bandwidth(settings.baud()));
+        let link = Link::open(settings, Box::new(|| {}))?;
+        let mut board =
+            Self { link, calibration, carrier: None, played: None, modulation: None, is_stopped: false };
+        loop {
+            match board.link.event_within(Duration::from_millis(20)) {
+                Some(Event::Ready(found)) => {
+                    board.found(found);
+                    return Ok(Some(board));
+                }
+                Some(Event::Lost(why)) => anyhow::bail!(why),
+                Some(Event::Notice(text)) => note(&text),
+                None if is_over() => return Ok(None),
+                None => {}
+            }
+        }
+    }
+
+    /// Hears what the link has to say.
+    pub fn attend(&mut self) {
+        while let Some(event) = self.link.event() {
+            match event {
+                Event::Ready(found) => {
+                    note("the board is back");
+                    self.found(found);
+                }
+                Event::Lost(why) => warn(&format!("{why}; looking for it")),
+                Event::Notice(text) => note(&text),
+            }
+        }
+    }
+
+    fn found(&mut self, found: Found) {
+        if let Some(carrier) = found.carrier
+            && self.carrier.replace(carrier) != Some(carrier)
+        {
+            note(&format!("the board's carrier is {carrier} Hz; scenes are solved for it"));
+        }
+    }
+
+    /// Hz, that scenes are solved for, if the board says what it plays.
+    pub fn carrier(&self) -> Option<f64> {
+        self.carrier
+    }
+
+    /// Whether its emergency stop was pressed since this was asked last.
+    pub fn was_stopped(&mut self) -> bool {
+        let is_stopped = self.link.health().stopped;
+        !std::mem::replace(&mut self.is_stopped, is_stopped) && is_stopped
+    }
+
+    pub fn stop(&mut self) {
+        if self.played.take().is_some() {
+            self.link.stop();
+        }
+    }
+
+    /// From now on it plays this.
+    ///
+    /// # Errors
+    /// What this board cannot play: it is silent then.
+    pub fn play(&mut self, scene: &Scene, play: Play) -> Result<(), String> {
+        let made = self.prepare(scene, play);
+        if made.is_err() {
+            self.stop();
+        }
+        made
+    }
+
+    fn prepare(&mut self, scene: &Scene, play: Play) -> Result<(), String> {
+        let (profile, baud) = (self.link.settings().profile, self.link.settings().baud());
+        profile.drives(scene).map_err(|error| error.to_string())?;
+        envelope::playable(profile, &scene.modulation)?;
+        if self.modulation.as_ref() != Some(&scene.modulation) {
+            self.modulation = Some(scene.modulation.clone());
+            self.link.modulate(scene.modulation.clone());
+        }
+        let rate = match &play {
+            Play::Still(_) => profile.turns_per_second(baud),
+            Play::Motion(_) => motion::cycle(scene).map_or(0.0, |cycle| cycle.frames_per_second()),
+        };
+        if self.played.as_ref().is_some_and(|(played, at)| played.is(&play) && *at == rate) {
+            return Ok(());
+        }
+        let levels =
+            |drive: &Drive| Levels::new(profile, drive, &self.calibration).map_err(|error| error.to_string());
+        let content = match &play {
+            Play::Still(solution) => {
+                let frames: Result<_, _> = solution.drives().iter().map(levels).collect();
+                Content::in_turn(frames?, rate)
+            }
+            Play::Motion(sequence) => {
+                let frames: Result<_, _> = sequence.frames.iter().map(|frame| levels(&frame.drive)).collect();
+                Content::Motion { frames: frames?, rate }
+            }
+        };
+        if self.played.is_none() {
+            let frequency = self.carrier.unwrap_or(scene.array.frequency);
+            if let Play::Still(solution) = &play {
+                let notices = levels::notices(profile, &solution.drive, &self.calibration, frequency);
+                notices.iter().for_each(|notice| warn(notice));
+            }
+        }
+        self.link.show(content);
+        self.played = Some((play, rate));
+        Ok(())
+    }
+
+    pub fn report(&self) -> BoardReport {
+        let Settings { port, profile, .. } = self.link.settings();
+        BoardReport { port: port.display().to_string(), profile: profile.name(), health: self.link.health() }
+    }
+
+    /// Lets it go, silent if it can be told.
+    pub fn close(self) -> Health {
+        self.link.close()
+    }
+}

@@ -1,0 +1,109 @@
+//! Where everybody who edits a scene meets: changes are made to it at once, so nothing queues up and the newest wins.
+
+use std::sync::{Arc, Mutex};
+
+use web_time::Duration;
+
+use crate::control::counts::Counts;
+use crate::control::edit::{Edit, Wish};
+use crate::control::refusal::EditError;
+use crate::control::report::Report;
+use crate::device::task::{Watched, finish, locked};
+use crate::scene::Scene;
+
+pub struct Desk {
+    held: Watched<Held>,
+    report: Mutex<Arc<Report>>,
+    pub counts: Counts,
+    /// Called after every change.
+    notify: Box<dyn Fn() + Send + Sync>,
+}
+
+#[derive(Debug)]
+struct Held {
+    wish: Wish,
+    /// How often the wish has changed.
+    generation: u64,
+    closing: bool,
+}
+
+impl std::fmt::Debug for Desk {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Desk").field("held", &self.held).finish_non_exhaustive()
+    }
+}
+
+impl Desk {
+    /// `notify` is called by whoever makes a change, after it.
+    pub fn new(scene: Arc<Scene>, notify: Box<dyn Fn() + Send + Sync>) -> Self {
+        let held = Held { wish: Wish::new(scene), generation: 1, closing: false };
+        Self { held: Watched::new(held), report: Mutex::default(), counts: Counts::default(), notify }
+    }
+
+    /// Makes a change, and says how many there have been.
+    ///
+    /// # Errors
+    /// Those of [`Wish::after`]; nothing is changed then.
+    pub fn change(&self, change: &[Edit]) -> Result<u64, EditError> {
+        let mut held = self.held.lock();
+        let made = held.wish.after(change);
+        let made = made.inspect_err(|_| self.counts.refused.add())?;
+        (held.wish, held.generation) = (made, held.generation + 1);
+        let generation = held.generation;
+        drop(held);
+        self.counts.changes.add();
+        self.held.ring();
+        (self.notify)();
+        Ok(generation)
+    }
+
+    /// Puts what the user edits in place of what was there `before`, unless others have changed that since.
+    pub fn put(&self, before: u64, wish: Wish) -> Option<u64> {
+        let mut held = self.held.lock();
+        if held.generation != before {
+            return None;
+        }
+        (held.wish, held.generation) = (wish, before + 1);
+        drop(held);
+        self.held.ring();
+        Some(before + 1)
+    }
+
+    /// What is asked for, and how often that has changed.
+    pub fn wish(&self) -> (Wish, u64) {
+        let held = self.held.lock();
+        (held.wish.clone(), held.generation)
+    }
+
+    /// How often what is asked for has changed.
+    pub fn generation(&self) -> u64 {
+        self.held.lock().generation
+    }
+
+    /// Waits until something else is asked for than `generation`, for `timeout` at most.
+    pub fn wait(&self, generation: u64, timeout: Duration) {
+        let is_so = |held: &Held| held.generation == generation && !held.closing;
+        finish(self.held.wait_while(timeout, is_so));
+    }
+
+    pub fn report(&self) -> Arc<Report> {
+        Arc::clone(&locked(&self.report))
+    }
+
+    /// Passes on what is played now.
+    pub fn tell(&self, report: Report) {
+        let mut last = locked(&self.report);
+        let serial = last.serial + u64::from(report.tells_more_than(&last));
+        *last = Arc::new(Report { serial, ..report });
+    }
+
+    /// From now on nobody is listened to.
+    pub fn close(&self) {
+        self.held.lock().closing = true;
+        self.held.ring();
+    }
+
+    pub fn is_closing(&self) -> bool {
+        self.held.lock().closing
+    }
+}

@@ -1,0 +1,179 @@
+//! What other programs may do to a scene, as plain data, and how it is done: wholly, or not at all.
+
+use std::path::Path;
+use std::sync::Arc;
+
+use glam::DVec3;
+use serde_json::{Map, Value};
+
+use crate::control::refusal::{EditError, Number};
+use crate::control::table::{self, Table};
+use crate::echo;
+use crate::scene::check::check;
+use crate::scene::{Scene, Shape, Target, file};
+use crate::studio::{arrays, opening};
+
+/// One change of a scene, or of what becomes of it.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Edit {
+    /// The target's centre goes there (m).
+    At(Number, DVec3),
+    /// As `pressure` in a scene's file.
+    Pressure(Number, f64),
+    /// rad
+    Angle(Number, f64),
+    Text(Number, String),
+    Visible(Number, bool),
+    /// Another target in its place.
+    Replace(Number, Box<Target>),
+    Add(Box<Target>),
+    Remove(Number),
+    /// No target is left.
+    Clear,
+    /// Some keys of a table, as in a scene's file.
+    Table(Table, Map<String, Value>),
+    /// Another scene, whole.
+    Scene(Box<Scene>),
+    /// Whether what moves does, or stands as the scene puts it.
+    Motion(bool),
+    /// Whether the board plays the scene.
+    Send(bool),
+    /// The board falls silent.
+    Stop,
+}
+
+/// What other programs and the user ask for together.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Wish {
+    pub scene: Arc<Scene>,
+    /// What moves does.
+    pub moves: bool,
+    /// The board plays the scene.
+    pub sends: bool,
+    /// How often silence was asked for, whatever sounded.
+    pub stops: u64,
+}
+
+impl Wish {
+    /// At rest in nothing: motions run, and nothing sounds.
+    pub fn new(scene: Arc<Scene>) -> Self {
+        Self { scene, moves: true, sends: false, stops: 0 }
+    }
+
+    /// What it is after a change.
+    ///
+    /// # Errors
+    /// An edit that makes no sense, or a scene that [`check()`] or [`file::targets_in_motion`] refuses.
+    pub fn after(&self, change: &[Edit]) -> Result<Self, EditError> {
+        let Self { mut moves, mut sends, mut stops, .. } = *self;
+        let mut edited = None;
+        for edit in change {
+            match edit {
+                Edit::Motion(on) => moves = *on,
+                Edit::Send(on) => sends = *on,
+                Edit::Stop => (sends, stops) = (false, stops + 1),
+                Edit::Scene(scene) => edited = Some((**scene).clone()),
+                Edit::At(..)
+                | Edit::Pressure(..)
+                | Edit::Angle(..)
+                | Edit::Text(..)
+                | Edit::Visible(..)
+                | Edit::Replace(..)
+                | Edit::Add(_)
+                | Edit::Remove(_)
+                | Edit::Clear
+                | Edit::Table(..) => apply(edit, edited.get_or_insert_with(|| (*self.scene).clone()))?,
+            }
+        }
+        let scene = match edited {
+            None => Arc::clone(&self.scene),
+            Some(scene) => {
+                check(&scene)?;
+                file::targets_in_motion(&scene)?;
+                Arc::new(scene)
+            }
+        };
+        Ok(Self { scene, moves, sends, stops })
+    }
+}
+
+fn apply(edit: &Edit, scene: &mut Scene) -> Result<(), EditError> {
+    let targets = &mut scene.targets;
+    match edit {
+        Edit::At(number, at) => target(targets, *number)?.shape.move_to(*at),
+        Edit::Pressure(number, pressure) => target(targets, *number)?.pressure = *pressure,
+        Edit::Angle(number, angle) => {
+            let target = target(targets, *number)?;
+            if matches!(target.shape, Shape::Point { .. }) {
+                return Err(EditError::NoAngle(*number));
+            }
+            target.angle = *angle;
+        }
+        Edit::Text(number, letters) => match &mut target(targets, *number)?.shape {
+            Shape::Text { text, .. } => text.clone_from(letters),
+            Shape::Point { .. }
+            | Shape::Line { .. }
+            | Shape::Circle { .. }
+            | Shape::Rectangle { .. }
+            | Shape::Triangle { .. }
+            | Shape::Polygon { .. }
+            | Shape::Path { .. }
+            | Shape::Trap { .. }
+            | Shape::Picture { .. } => return Err(EditError::NoText(*number)),
+        },
+        Edit::Visible(number, visible) => target(targets, *number)?.visible = *visible,
+        Edit::Replace(number, other) => {
+            refuse_file_of(other)?;
+            *target(targets, *number)? = (**other).clone();
+        }
+        Edit::Add(other) => {
+            refuse_file_of(other)?;
+            targets.push((**other).clone());
+        }
+        Edit::Remove(number) => {
+            target(targets, *number)?;
+            targets.remove(number - 1);
+        }
+        Edit::Clear => targets.clear(),
+        Edit::Table(table, keys) => table::patch(scene, *table, keys)?,
+        Edit::Scene(_) | Edit::Motion(_) | Edit::Send(_) | Edit::Stop => {}
+    }
+    Ok(())
+}
+
+fn target(targets: &mut [Target], number: Number) -> Result<&mut Target, EditError> {
+    let count = targets.len();
+    let index = number.checked_sub(1);
+    index.and_then(|index| targets.get_mut(index)).ok_or(EditError::NoTarget { number, count })
+}
+
+/// Refuses a target that names a file of this machine.
+fn refuse_file_of(target: &Target) -> Result<(), EditError> {
+    match &target.shape {
+        Shape::Picture { file, .. } => Err(EditError::NamesFile(echo::value(file))),
+        Shape::Point { .. }
+        | Shape::Line { .. }
+        | Shape::Circle { .. }
+        | Shape::Rectangle { .. }
+        | Shape::Triangle { .. }
+        | Shape::Polygon { .. }
+        | Shape::Path { .. }
+        | Shape::Text { .. }
+        | Shape::Trap { .. } => Ok(()),
+    }
+}
+
+/// A scene from elsewhere, whole: with the elements of a published array, if it names one, and with no file of this machine.
+///
+/// # Errors
+/// A scene that names pictures, a waveform or a table of elements, and what [`opening::load`] refuses.
+pub fn admitted(mut scene: Scene) -> Result<Scene, EditError> {
+    scene.targets.iter().try_for_each(refuse_file_of)?;
+    let table = scene.array.file.iter().filter(|name| !name.starts_with(arrays::PRESET));
+    let wave = Some(&scene.modulation.file).filter(|name| !name.is_empty());
+    if let Some(name) = table.chain(wave).next() {
+        return Err(EditError::NamesFile(echo::value(name)));
+    }
+    opening::load(&mut scene, Path::new(""))?;
+    Ok(scene)
+}

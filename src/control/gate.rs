@@ -1,0 +1,167 @@
+//! Who may speak: programs of this machine, and from elsewhere who knows the token.
+//!
+//! A page in a browser of this machine reaches loopback, too, whoever wrote it. Its browser says where it comes from (`Origin`), so
+//! pages from elsewhere need the token as well: a stranger's page is not to drive the array.
+
+use std::collections::VecDeque;
+use std::io;
+use std::net::{IpAddr, SocketAddr};
+use std::sync::Mutex;
+
+use crate::device::task::locked;
+
+/// Senders by UDP that are remembered; of more, those that were silent for longest have to give the token again.
+const MOST_SENDERS: usize = 64;
+/// Letters of a token.
+const LENGTHS: std::ops::RangeInclusive<usize> = 8..=128;
+/// Bytes of a random one.
+const RANDOM: usize = 16;
+
+#[derive(Debug)]
+pub struct Gate {
+    token: Option<String>,
+    /// Whether programs of this machine are the only ones that reach the server.
+    is_local: bool,
+    senders: Mutex<VecDeque<SocketAddr>>,
+}
+
+impl Gate {
+    /// For a server that listens there. Where other machines reach it, there is a token, if need be a random one.
+    ///
+    /// # Errors
+    /// A token that could be guessed or cannot be written in an address, and a system without random numbers.
+    pub fn new(listen: IpAddr, token: Option<String>) -> io::Result<Self> {
+        let is_local = listen.is_loopback();
+        let is_letter = |c: char| c.is_ascii_alphanumeric() || "-_.~".contains(c);
+        let token = match token {
+            Some(token) if LENGTHS.contains(&token.len()) && token.chars().all(is_letter) => Some(token),
+            Some(_) => {
+                let (least, most) = (LENGTHS.start(), LENGTHS.end());
+                let text = format!("the token must have {least} to {most} letters, digits, -, _, . or ~");
+                return Err(io::Error::new(io::ErrorKind::InvalidInput, text));
+            }
+            None if is_local => None,
+            None => Some(random()?),
+        };
+        Ok(Self { token, is_local, senders: Mutex::default() })
+    }
+
+    pub fn token(&self) -> Option<&str> {
+        self.token.as_deref()
+    }
+
+    /// Whether it is the token; takes as long whatever differs.
+    pub fn fits(&self, token: &str) -> bool {
+        let Some(own) = &self.token else { return false };
+        let differ = own.bytes().zip(token.bytes()).fold(0, |differ, (a, b)| differ | (a ^ b));
+        own.len() == token.len() && differ == 0
+    }
+
+    /// Whether a connection has to give the token, from a page of this origin or from no page.
+    pub fn asks(&self, origin: Option<&str>) -> bool {
+        !self.is_local || origin.is_some_and(|origin| !is_of_this_machine(origin))
+    }
+
+    /// Whether a sender by UDP may speak.
+    pub fn knows(&self, sender: SocketAddr) -> bool {
+        if self.is_local {
+            return true;
+        }
+        let mut senders = locked(&self.senders);
+        let Some(place) = senders.iter().position(|known| *known == sender) else { return false };
+        // The one that spoke last stands last.
+        senders.remove(place);
+        senders.push_back(sender);
+        true
+    }
+
+    /// Whether a program of this machine, or one beside a known sender, may speak that cannot say a token.
+    pub fn knows_host(&self, host: IpAddr) -> bool {
+        host.is_loopback() || locked(&self.senders).iter().any(|known| known.ip() == host)
+    }
+
+    /// Remembers a sender that gives the token.
+    pub fn admit(&self, sender: SocketAddr, token: &str) -> bool {
+        let fits = self.fits(token);
+        if fits && !self.knows(sender) {
+            let mut senders = locked(&self.senders);
+            if senders.len() >= MOST_SENDERS {
+                senders.pop_front();
+            }
+            senders.push_back(sender);
+        }
+        fits
+    }
+}
+
+/// Whether a page comes from a server of this machine. One from a file has the origin `null`, as strangers' frames can have.
+fn is_of_this_machine(origin: &str) -> bool {
+    let Some((_, host)) = origin.split_once("://") else { return false };
+    let host =
+        host.strip_prefix("[::1]").map_or(host, |rest| if rest.is_empty() { "localhost" } else { rest });
+    let (name, port) = match (origin.contains("[::1]"), host.split_once(':')) {
+        (true, Some(("", port))) => ("localhost", port),
+        (_, Some((name, port))) => (name, port),
+        (_, None) => (host, "0"),
+    };
+    ["localhost", "127.0.0.1"].contains(&name) && port.parse::<u16>().is_ok()
+}
+
+/// As many letters as two for each random byte.
+fn random() -> io::Result<String> {
+    let mut bytes = [0; RANDOM];
+    getrandom::fill(&mut bytes).map_err(|error| io::Error::other(error.to_string()))?;
+    Ok(bytes.iter().map(|byte| format!("{byte:02x}")).collect())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn only_pages_of_this_machine_need_no_token() {
+        for own in [
+            "http://localhost",
+            "http://localhost:8000",
+            "https://127.0.0.1:1",
+            "http://[::1]",
+            "http://[::1]:80",
+        ] {
+            assert!(is_of_this_machine(own), "{own}");
+        }
+        for other in [
+            "null",
+            "",
+            "http://localhost.example.org",
+            "http://127.0.0.1.example.org:80",
+            "http://example.org/localhost",
+            "http://localhost:80@example.org",
+            "http://user@localhost",
+            "http://[::1].example.org",
+            "http://[::1]example.org:80",
+            "http://[::2]",
+            "http://x[::1]:80",
+            "http://",
+        ] {
+            assert!(!is_of_this_machine(other), "{other}");
+        }
+    }
+
+    #[test]
+    fn senders_that_are_silent_for_longest_are_forgotten_first() {
+        let gate = Gate::new([0, 0, 0, 0].into(), None).unwrap();
+        let token = gate.token().unwrap().to_owned();
+        assert_eq!(token.len(), 2 * RANDOM);
+        let sender = |port: u16| SocketAddr::from(([192, 0, 2, 1], port));
+        assert!(!gate.knows(sender(1)) && !gate.admit(sender(1), "guess") && !gate.knows(sender(1)));
+        assert!(gate.admit(sender(1), &token) && gate.admit(sender(2), &token));
+        for port in 3..=MOST_SENDERS as u16 + 1 {
+            assert!(gate.knows(sender(1)) && gate.admit(sender(port), &token));
+        }
+        assert!(gate.knows(sender(1)) && !gate.knows(sender(2)) && gate.knows_host(sender(9).ip()));
+        assert!(!gate.knows_host([192, 0, 2, 2].into()));
+        for bad in ["short", "with space in it", "ümlaut-ümlaut"] {
+            assert!(Gate::new([127, 0, 0, 1].into(), Some(bad.to_owned())).is_err(), "{bad}");
+        }
+    }
+}

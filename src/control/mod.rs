@@ -1,0 +1,24 @@
+//! What other programs say, over OSC, WebSocket and Ultraino's words, as edits of a scene, and what they are told.
+
+mod beside;
+#[cfg(feature = "serial")]
+pub mod board;
+#[cfg(not(feature = "serial"))]
+#[path = "no_board.rs"]
+pub mod board;
+pub mod counts;
+pub mod desk;
+pub mod edit;
+pub mod gate;
+pub mod json;
+mod limiter;
+pub mod live;
+mod maps;
+pub mod osc;
+pub mod refusal;
+pub mod report;
+pub mod server;
+pub mod table;
+mod udp;
+pub mod ultraino;
+mod websocket;

@@ -1,0 +1,50 @@
+//! In place of a board, where the program was built without serial ports: there is none.
+
+use std::convert::Infallible;
+use std::sync::Arc;
+
+use crate::control::report::BoardReport;
+use crate::device::health::Health;
+use crate::scene::Scene;
+use crate::solver::Solution;
+use crate::solver::frames::Sequence;
+
+/// What a board would be to play.
+#[derive(Clone, Debug)]
+pub enum Play {
+    Still(Arc<Solution>),
+    Motion(Arc<Sequence>),
+}
+
+#[derive(Debug)]
+pub struct Board(Infallible);
+
+impl Board {
+    pub fn attend(&mut self) {
+        match self.0 {}
+    }
+
+    pub fn carrier(&self) -> Option<f64> {
+        match self.0 {}
+    }
+
+    pub fn was_stopped(&mut self) -> bool {
+        match self.0 {}
+    }
+
+    pub fn stop(&mut self) {
+        match self.0 {}
+    }
+
+    pub fn play(&mut self, _: &Scene, _: Play) -> Result<(), String> {
+        match self.0 {}
+    }
+
+    pub fn report(&self) -> BoardReport {
+        match self.0 {}
+    }
+
+    pub fn close(self) -> Health {
+        match self.0 {}
+    }
+}

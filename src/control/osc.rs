@@ -1,0 +1,230 @@
+//! OSC 1.0: packets as words, and answers as packets. Time tags count as now; a bundle is one change.
+
+use glam::DVec3;
+use rosc::{OscBundle, OscMessage, OscPacket, OscTime, OscType};
+use serde_json::{Map, Value, json};
+
+use crate::control::edit::Edit;
+use crate::control::refusal::Number;
+use crate::control::report::Report;
+use crate::control::table::{self, Table};
+use crate::echo;
+
+/// Bytes of a packet, at most.
+pub const LONGEST: usize = 16 << 10;
+/// Bundles in a packet, and brackets of arrays, at most: the decoder descends into each.
+const MOST_NESTED: usize = 32;
+/// What every address begins with.
+const ROOT: &str = "/sonoglyph/";
+/// Foci in an answer, at most: it fits into one packet.
+const MOST_FOCI: usize = 128;
+
+/// What a message says.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Word {
+    Edit(Edit),
+    Token(String),
+    State,
+}
+
+/// The words of a packet, in its order.
+///
+/// # Errors
+/// Bytes that are no OSC, an address that is unknown, and arguments that do not belong to it.
+pub fn words(bytes: &[u8]) -> Result<Vec<Word>, String> {
+    if bytes.len() > LONGEST {
+        return Err(format!("a packet of more than {LONGEST} bytes"));
+    }
+    let bundles = bytes.chunks(4).collect::<Vec<_>>();
+    let bundles = bundles.windows(2).filter(|pair| pair == &[b"#bun", b"dle\0"]).count();
+    let brackets = bytes.iter().filter(|&&byte| byte == b'[').count();
+    if bundles.max(brackets) > MOST_NESTED {
+        return Err(format!("more than {MOST_NESTED} bundles or arrays in a packet"));
+    }
+    let packet = match rosc::decoder::decode_udp(bytes) {
+        Ok(([], packet)) => packet,
+        Ok(_) => return Err("the packet is longer than its message, or holds a broken one".to_owned()),
+        Err(error) => match without_tags(bytes) {
+            Some(message) => OscPacket::Message(message),
+            None => return Err(format!("no OSC: {}", echo::message(&error.to_string()))),
+        },
+    };
+    let mut words = Vec::new();
+    collect(packet, &mut words)?;
+    Ok(words)
+}
+
+/// Old senders leave the type tags out where there are no arguments.
+fn without_tags(bytes: &[u8]) -> Option<OscMessage> {
+    let addr = std::str::from_utf8(bytes).ok()?.trim_end_matches('\0');
+    let is_address = addr.starts_with('/') && !addr.contains('\0') && bytes.len() == (addr.len() / 4 + 1) * 4;
+    is_address.then(|| OscMessage { addr: addr.to_owned(), args: Vec::new() })
+}
+
+fn collect(packet: OscPacket, words: &mut Vec<Word>) -> Result<(), String> {
+    match packet {
+        OscPacket::Message(message) => words.push(word(&message)?),
+        OscPacket::Bundle(bundle) => bundle.content.into_iter().try_for_each(|part| collect(part, words))?,
+    }
+    Ok(())
+}
+
+fn word(message: &OscMessage) -> Result<Word, String> {
+    let OscMessage { addr, args } = message;
+    let what = || echo::value(addr);
+    let Some(path) = addr.strip_prefix(ROOT) else {
+        return Err(format!("{}: addresses begin with {ROOT}", what()));
+    };
+    let parts: Vec<_> = path.split('/').collect();
+    let word = match (&parts[..], &args[..]) {
+        (["target", "add"], args) => added(args).map(Word::Edit),
+        (["target", number, key], args) => {
+            let number = number.parse().map_err(|_| format!("{}: targets are numbered from 1", what()))?;
+            of_target(number, key, args).map(Word::Edit)
+        }
+        (["clear"], []) => Some(Word::Edit(Edit::Clear)),
+        (["motion"], [on]) => truth(on).map(Edit::Motion).map(Word::Edit),
+        (["send"], []) => Some(Word::Edit(Edit::Send(true))),
+        (["send"], [on]) => truth(on).map(Edit::Send).map(Word::Edit),
+        // Whatever comes with it: this is not to fail.
+        (["stop"], _) => Some(Word::Edit(Edit::Stop)),
+        (["state"], []) => Some(Word::State),
+        (["token"], [OscType::String(token)]) => Some(Word::Token(token.clone())),
+        ([table, key], args) => match Table::of_name(table) {
+            Some(table) => value(args).map(|value| {
+                let keys = Map::from_iter([((*key).to_owned(), value)]);
+                Word::Edit(Edit::Table(table, keys))
+            }),
+            None => return Err(format!("{}: there is no such address", what())),
+        },
+        (["clear" | "motion" | "send" | "state" | "token"], _) => None,
+        (_, _) => return Err(format!("{}: there is no such address", what())),
+    };
+    word.ok_or_else(|| format!("{}: other arguments belong to it", what()))
+}
+
+fn of_target(number: Number, key: &str, args: &[OscType]) -> Option<Edit> {
+    match (key, args) {
+        ("at", [x, y, z]) => Some(Edit::At(number, DVec3::new(real(x)?, real(y)?, real(z)?))),
+        ("pressure", [pressure]) => Some(Edit::Pressure(number, real(pressure)?)),
+        ("angle", [angle]) => Some(Edit::Angle(number, real(angle)?)),
+        ("visible", [on]) => Some(Edit::Visible(number, truth(on)?)),
+        ("text", [OscType::String(text)]) => Some(Edit::Text(number, text.clone())),
+        ("remove", []) => Some(Edit::Remove(number)),
+        (_, _) => None,
+    }
+}
+
+/// Kind, place, and then names of further keys with their values: `"circle" x y z "radius" 0.02`.
+fn added(args: &[OscType]) -> Option<Edit> {
+    let [OscType::String(kind), rest @ ..] = args else { return None };
+    let count = rest.iter().take_while(|arg| real(arg).is_some()).count();
+    let (numbers, mut rest) = rest.split_at(count);
+    let numbers: Vec<_> = numbers.iter().filter_map(real).collect();
+    let mut keys = Map::from_iter([("kind".to_owned(), json!(kind))]);
+    match (kind.as_str(), &numbers[..]) {
+        (_, []) => {}
+        ("line", [from @ .., _, _, _]) if from.len() == 3 => {
+            keys.insert("from".to_owned(), json!(from));
+            keys.insert("to".to_owned(), json!(numbers[3..]));
+        }
+        ("path", all) if all.len().is_multiple_of(3) => {
+            keys.insert("vertices".to_owned(), all.chunks(3).map(|at| json!(at)).collect());
+        }
+        (_, [_, _, _]) => {
+            keys.insert("at".to_owned(), json!(numbers));
+        }
+        (_, _) => return None,
+    }
+    while let [OscType::String(key), more @ ..] = rest {
+        let count = more.iter().take_while(|arg| real(arg).is_some()).count().max(1);
+        let (values, after) = more.split_at_checked(count)?;
+        keys.insert(key.clone(), value(values)?);
+        rest = after;
+    }
+    if !rest.is_empty() {
+        return None;
+    }
+    table::target(keys, 0).ok().map(|target| Edit::Add(Box::new(target)))
+}
+
+/// One argument as itself, several numbers as a list.
+fn value(args: &[OscType]) -> Option<Value> {
+    match args {
+        [OscType::String(text)] => Some(json!(text)),
+        [OscType::Bool(on)] => Some(json!(on)),
+        [OscType::Int(whole)] => Some(json!(whole)),
+        [OscType::Long(whole)] => Some(json!(whole)),
+        [number] => Some(json!(real(number)?)),
+        [] => None,
+        numbers => numbers.iter().map(real).collect::<Option<Vec<_>>>().map(|list| json!(list)),
+    }
+}
+
+/// A number of any kind. What is not finite is refused where its key is.
+fn real(arg: &OscType) -> Option<f64> {
+    match *arg {
+        // As the decimals that were meant: 0.1 and not 0.10000000149.
+        OscType::Float(value) => value.to_string().parse().ok(),
+        OscType::Double(value) => Some(value),
+        OscType::Int(value) => Some(value.into()),
+        OscType::Long(value) => Some(value as f64),
+        OscType::String(_)
+        | OscType::Blob(_)
+        | OscType::Time(_)
+        | OscType::Char(_)
+        | OscType::Color(_)
+        | OscType::Midi(_)
+        | OscType::Bool(_)
+        | OscType::Array(_)
+        | OscType::Nil
+        | OscType::Inf => None,
+    }
+}
+
+/// T and F, or a number that is 0 or not.
+fn truth(arg: &OscType) -> Option<bool> {
+    match arg {
+        OscType::Bool(on) => Some(*on),
+        number => real(number).map(|number| number != 0.0),
+    }
+}
+
+/// A message about what was refused.
+pub fn error(text: &str) -> Vec<u8> {
+    encoded(&message("error", vec![OscType::String(echo::message(text))]))
+}
+
+/// What is played, as one bundle.
+pub fn state(report: &Report) -> Vec<u8> {
+    let float = |value: f64| OscType::Float(value as f32);
+    let count = |count: usize| OscType::Int(i32::try_from(count).unwrap_or(i32::MAX));
+    let text = |text: Option<String>| OscType::String(text.unwrap_or_default());
+    let foci = report.foci();
+    let head = vec![
+        count(report.wish.as_ref().map_or(0, |wish| wish.scene.targets.len())),
+        count(foci.len()),
+        OscType::Bool(report.wish.as_ref().is_some_and(|wish| wish.sends)),
+        OscType::Bool(report.wish.as_ref().is_some_and(|wish| wish.moves)),
+        text(report.board.as_ref().map(|board| board.words())),
+        text(report.problem.as_deref().map(echo::message)),
+    ];
+    let focus = |(index, (at, pressure)): (usize, &(DVec3, f64))| {
+        let args = [at.x, at.y, at.z, *pressure].map(float).to_vec();
+        message(&format!("focus/{}", index + 1), args)
+    };
+    let foci = foci.iter().take(MOST_FOCI).enumerate().map(focus);
+    let content = std::iter::once(message("state", head)).chain(foci).collect();
+    // The time tag that means at once.
+    let timetag = OscTime { seconds: 0, fractional: 1 };
+    encoded(&OscPacket::Bundle(OscBundle { timetag, content }))
+}
+
+fn message(path: &str, args: Vec<OscType>) -> OscPacket {
+    OscPacket::Message(OscMessage { addr: format!("{ROOT}{path}"), args })
+}
+
+/// Empty for what OSC cannot hold, which is not sent.
+fn encoded(packet: &OscPacket) -> Vec<u8> {
+    rosc::encoder::encode(packet).unwrap_or_default()
+}

@@ -1,0 +1,25 @@
+//! Why an edit is refused.
+
+use thiserror::Error;
+
+use crate::scene::KeyError;
+
+/// A place in the list of targets, counted from 1 as the window and messages count them.
+pub type Number = usize;
+
+/// Why an edit is refused. Nothing of its change was done.
+#[derive(Debug, Error)]
+pub enum EditError {
+    #[error("target {number}: the scene has {count}, counted from 1")]
+    NoTarget { number: Number, count: usize },
+    #[error("target {0}: only a text has letters")]
+    NoText(Number),
+    #[error("target {0}: a point has no angle")]
+    NoAngle(Number),
+    #[error("other programs may not name files: {0}")]
+    NamesFile(String),
+    #[error("{0}")]
+    Value(String),
+    #[error(transparent)]
+    Scene(#[from] KeyError),
+}

@@ -1,0 +1,111 @@
+//! Some keys of a scene's table, set as its file would set them.
+
+use serde::de::DeserializeOwned;
+use serde::{Deserialize, Serialize};
+use serde_json::{Map, Value};
+
+use crate::control::refusal::EditError;
+use crate::echo;
+use crate::scene::motion::MotionTable;
+use crate::scene::strict::Strict;
+use crate::scene::target::TargetTable;
+use crate::scene::{Scene, Target};
+
+/// Tables of which other programs may set some keys. Array and boards change with the whole scene only.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Table {
+    Medium,
+    Solver,
+    Plane,
+    Liquid,
+    Modulation,
+    Motion,
+}
+
+impl Table {
+    pub const ALL: [Self; 6] =
+        [Self::Medium, Self::Solver, Self::Plane, Self::Liquid, Self::Modulation, Self::Motion];
+
+    /// As a scene's file calls it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Medium => "medium",
+            Self::Solver => "solver",
+            Self::Plane => "plane",
+            Self::Liquid => "liquid",
+            Self::Modulation => "modulation",
+            Self::Motion => "motion",
+        }
+    }
+
+    pub fn of_name(name: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|table| table.name() == name)
+    }
+}
+
+/// Sets some keys of a table. What the numbers are is checked with the whole scene.
+///
+/// # Errors
+/// A key that the table does not have, a value of another kind, and the name of a file.
+pub fn patch(scene: &mut Scene, table: Table, keys: &Map<String, Value>) -> Result<(), EditError> {
+    match table {
+        Table::Medium => scene.medium = patched(table, &scene.medium, keys)?,
+        Table::Solver => scene.solver = patched(table, &scene.solver, keys)?,
+        Table::Plane => scene.plane = patched(table, &scene.plane, keys)?,
+        Table::Liquid => scene.liquid = patched(table, &scene.liquid, keys)?,
+        Table::Modulation => {
+            if let Some(file) = keys.get("file") {
+                return Err(EditError::NamesFile(echo::value(&file.to_string())));
+            }
+            let wave = scene.modulation.wave.clone();
+            scene.modulation = patched(table, &scene.modulation, keys)?;
+            scene.modulation.wave = wave;
+        }
+        Table::Motion => {
+            let mut now = as_keys(&scene.motion);
+            // Of the two, the one that is given follows from the other.
+            if keys.contains_key("speed") || keys.contains_key("rate") {
+                now.remove("speed");
+                now.remove("rate");
+            }
+            let motion: MotionTable = read(table.name(), merged(now, keys))?;
+            scene.motion = motion.into_motion().map_err(|error| error.under(&[table.name().into()]))?;
+        }
+    }
+    Ok(())
+}
+
+/// A target as the table of a scene's file has it; `index` counts from 0 where it is going to stand.
+///
+/// # Errors
+/// A key that its kind does not have, and a value of another kind.
+pub fn target(keys: Map<String, Value>, index: usize) -> Result<Target, EditError> {
+    let table: TargetTable = read("target", keys)?;
+    Ok(table.into_target(index)?)
+}
+
+fn patched<T: Serialize + DeserializeOwned>(
+    table: Table,
+    now: &T,
+    keys: &Map<String, Value>,
+) -> Result<T, EditError> {
+    read(table.name(), merged(as_keys(now), keys))
+}
+
+/// A checked table holds finite numbers only, so nothing is lost.
+fn as_keys<T: Serialize>(table: &T) -> Map<String, Value> {
+    match serde_json::to_value(table) {
+        Ok(Value::Object(keys)) => keys,
+        Ok(_) | Err(_) => Map::new(),
+    }
+}
+
+fn merged(mut now: Map<String, Value>, keys: &Map<String, Value>) -> Map<String, Value> {
+    now.extend(keys.iter().map(|(key, value)| (key.clone(), value.clone())));
+    now
+}
+
+fn read<T: for<'de> Deserialize<'de>>(name: &str, keys: Map<String, Value>) -> Result<T, EditError> {
+    T::deserialize(Strict(Value::Object(keys)))
+        .map_err(|error| EditError::Value(format!("{name}: {}", echo::message(&error.to_string()))))
+}

@@ -1,0 +1,212 @@
+//! The sockets of OSC and of Ultraino's words: a thread each, which decodes, changes and answers.
+
+use std::collections::VecDeque;
+use std::io::{self, ErrorKind};
+use std::net::{SocketAddr, UdpSocket};
+use std::sync::Arc;
+use std::thread::JoinHandle;
+use std::time::{Duration, Instant};
+
+use crate::control::desk::Desk;
+use crate::control::edit::Edit;
+use crate::control::gate::Gate;
+use crate::control::limiter::Limiter;
+use crate::control::osc::{self, Word};
+use crate::control::ultraino::{self, Draft};
+
+/// How often a thread looks whether it is to end.
+const LOOK: Duration = Duration::from_millis(50);
+/// The same while somebody waits for an answer.
+const SOON: Duration = Duration::from_millis(1);
+/// Answers per second: errors, states, and words to who has not given the token.
+const ERRORS: f64 = 50.0;
+const STATES: f64 = 200.0;
+const REBUFFS: f64 = 5.0;
+/// A state is answered when what was asked for before it is solved, or after this.
+const PATIENCE: Duration = Duration::from_millis(100);
+/// Who may wait for a state at once.
+const MOST_WAITING: usize = 64;
+
+/// A socket, what it speaks to, and how often it answers.
+struct Post {
+    socket: UdpSocket,
+    desk: Arc<Desk>,
+    gate: Arc<Gate>,
+    errors: Limiter,
+    rebuffs: Limiter,
+}
+
+impl Post {
+    fn new(socket: UdpSocket, desk: Arc<Desk>, gate: Arc<Gate>) -> io::Result<Self> {
+        socket.set_read_timeout(Some(LOOK))?;
+        let (errors, rebuffs) = (Limiter::new(ERRORS), Limiter::new(REBUFFS));
+        Ok(Self { socket, desk, gate, errors, rebuffs })
+    }
+
+    /// The next packet, if one comes in time; `None` in place of it after an error that is no timeout.
+    fn next(&self, bytes: &mut [u8]) -> Option<(usize, SocketAddr)> {
+        match self.socket.recv_from(bytes) {
+            Ok(packet) => {
+                self.desk.counts.packets.add();
+                Some(packet)
+            }
+            Err(error) => {
+                // A port that nobody reads any more answers so on some systems.
+                let is_usual = matches!(
+                    error.kind(),
+                    ErrorKind::WouldBlock
+                        | ErrorKind::TimedOut
+                        | ErrorKind::Interrupted
+                        | ErrorKind::ConnectionReset
+                );
+                if !is_usual {
+                    std::thread::sleep(LOOK);
+                }
+                None
+            }
+        }
+    }
+
+    fn answer(&self, to: SocketAddr, bytes: &[u8], may: bool) {
+        if may && !bytes.is_empty() && self.socket.send_to(bytes, to).is_ok() {
+            self.desk.counts.answers.add();
+        } else {
+            self.desk.counts.unanswered.add();
+        }
+    }
+
+    fn refuse(&mut self, to: SocketAddr, bytes: &[u8]) {
+        let may = self.errors.takes(Instant::now());
+        self.answer(to, bytes, may);
+    }
+
+    /// An answer to a stranger, whose address may be another's.
+    fn rebuff(&mut self, to: SocketAddr, bytes: &[u8]) {
+        self.desk.counts.strangers.add();
+        let may = self.rebuffs.takes(Instant::now());
+        self.answer(to, bytes, may);
+    }
+}
+
+/// Listens for OSC until the desk closes.
+///
+/// # Errors
+/// A system without another thread.
+pub fn osc(socket: UdpSocket, desk: Arc<Desk>, gate: Arc<Gate>) -> io::Result<JoinHandle<()>> {
+    let mut post = Post::new(socket, desk, gate)?;
+    let listen = move || {
+        let mut bytes = vec![0; osc::LONGEST + 1];
+        let mut waiting = Waiting { states: Limiter::new(STATES), who: VecDeque::new() };
+        while !post.desk.is_closing() {
+            if let Some((length, from)) = post.next(&mut bytes) {
+                hear_osc(&mut post, &bytes[..length], from, &mut waiting);
+            }
+            waiting.serve(&post);
+        }
+    };
+    std::thread::Builder::new().name("osc".to_owned()).spawn(listen)
+}
+
+/// Who asked for the state, after which change, and when.
+struct Waiting {
+    states: Limiter,
+    who: VecDeque<(SocketAddr, u64, Instant)>,
+}
+
+impl Waiting {
+    fn add(&mut self, who: SocketAddr, post: &Post) {
+        if self.who.len() >= MOST_WAITING || !self.states.takes(Instant::now()) {
+            return post.desk.counts.unanswered.add();
+        }
+        if self.who.is_empty() {
+            // If it fails, the answer comes a little later.
+            let _ = post.socket.set_read_timeout(Some(SOON));
+        }
+        self.who.push_back((who, post.desk.generation(), Instant::now()));
+    }
+
+    fn serve(&mut self, post: &Post) {
+        if self.who.is_empty() {
+            return;
+        }
+        let report = post.desk.report();
+        self.who.retain(|&(who, generation, since)| {
+            let is_due = report.generation >= generation || since.elapsed() > PATIENCE;
+            if is_due {
+                post.answer(who, &osc::state(&report), true);
+            }
+            !is_due
+        });
+        if self.who.is_empty() {
+            let _ = post.socket.set_read_timeout(Some(LOOK));
+        }
+    }
+}
+
+fn hear_osc(post: &mut Post, bytes: &[u8], from: SocketAddr, waiting: &mut Waiting) {
+    let words = match osc::words(bytes) {
+        Ok(words) => words,
+        Err(_) if !post.gate.knows(from) => return post.rebuff(from, &osc::error(NO_TOKEN)),
+        Err(text) => {
+            post.desk.counts.malformed.add();
+            return post.refuse(from, &osc::error(&text));
+        }
+    };
+    let mut edits: Vec<Edit> = Vec::new();
+    let mut wants_state = false;
+    for word in words {
+        match word {
+            Word::Token(token) => {
+                if post.gate.token().is_some() && !post.gate.admit(from, &token) {
+                    return post.rebuff(from, &osc::error("this is not the token"));
+                }
+            }
+            Word::Edit(edit) => edits.push(edit),
+            Word::State => wants_state = true,
+        }
+    }
+    if !post.gate.knows(from) {
+        return post.rebuff(from, &osc::error(NO_TOKEN));
+    }
+    if !edits.is_empty()
+        && let Err(error) = post.desk.change(&edits)
+    {
+        post.refuse(from, &osc::error(&error.to_string()));
+    }
+    if wants_state {
+        waiting.add(from, post);
+    }
+}
+
+const NO_TOKEN: &str = "give the token first: /sonoglyph/token";
+
+/// Listens for Ultraino's words until the desk closes.
+///
+/// # Errors
+/// A system without another thread.
+pub fn ultraino(socket: UdpSocket, desk: Arc<Desk>, gate: Arc<Gate>) -> io::Result<JoinHandle<()>> {
+    let mut post = Post::new(socket, desk, gate)?;
+    let listen = move || {
+        let mut bytes = vec![0; ultraino::LONGEST + 1];
+        let mut draft = Draft::default();
+        while !post.desk.is_closing() {
+            let Some((length, from)) = post.next(&mut bytes) else { continue };
+            if !post.gate.knows_host(from.ip()) {
+                post.rebuff(from, b"ERR the token is missing");
+                continue;
+            }
+            let refusal = match draft.take(&bytes[..length]) {
+                Ok(None) => None,
+                Ok(Some(edits)) => post.desk.change(&edits).err().map(|error| error.to_string()),
+                Err(text) => {
+                    post.desk.counts.malformed.add();
+                    Some(text)
+                }
+            };
+            if let Some(text) = refusal {
+                post.refuse(from, format!("ERR {}", crate::echo::message(&text)).as_bytes());
+            }
+        }
+    };
+    std::thread::Builder::new().name("ultraino".to_owned()).spawn(listen)
+}

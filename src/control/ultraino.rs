@@ -1,0 +1,102 @@
+//! The words of Ultraino's remote control: text over UDP, a word per packet or line. Points are counted from 0; y points upwards.
+
+use glam::DVec3;
+
+use crate::control::edit::Edit;
+use crate::echo;
+use crate::scene::{Shape, Target};
+
+/// Where Ultraino listens.
+pub const PORT: u16 = 8085;
+/// Bytes of a packet, at most: as many as Ultraino reads.
+pub const LONGEST: usize = 1024;
+/// Edits that may wait for a `commit`.
+const MOST: usize = 4096;
+/// Points that one `create` may make.
+const MOST_POINTS: usize = 1024;
+/// m: where a new point stands until it is placed.
+const NEW: DVec3 = DVec3::new(0.0, 0.0, 0.1);
+
+/// What was said since the last `commit`, which is when it is done: nothing of a pattern sounds before it is whole.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Draft(Vec<Edit>);
+
+impl Draft {
+    /// Takes the words of a packet. A `commit` among them gives the change that they all are, which is then played.
+    ///
+    /// # Errors
+    /// Bytes that are no words of Ultraino; nothing of them is kept.
+    pub fn take(&mut self, bytes: &[u8]) -> Result<Option<Vec<Edit>>, String> {
+        if bytes.len() > LONGEST {
+            return Err(format!("a packet of more than {LONGEST} bytes"));
+        }
+        let text = std::str::from_utf8(bytes).map_err(|_| "no text".to_owned())?;
+        let (mut draft, mut done) = (self.clone(), None);
+        for line in text.trim_matches('\0').lines().filter(|line| !line.trim().is_empty()) {
+            if draft.word(line)? {
+                let edits = std::mem::take(&mut draft.0);
+                done.get_or_insert_with(Vec::new).extend(edits.into_iter().chain([Edit::Send(true)]));
+            }
+        }
+        *self = draft;
+        Ok(done)
+    }
+
+    /// Whether it is `commit`.
+    fn word(&mut self, line: &str) -> Result<bool, String> {
+        let parts: Vec<_> = line.split_ascii_whitespace().collect();
+        let wrong = || {
+            format!(
+                "{}: the words are clear, create N, place I X Y Z, delete I, commit and update",
+                echo::value(line)
+            )
+        };
+        let word = parts.first().map(|word| word.to_ascii_lowercase()).ok_or_else(wrong)?;
+        let edits = match (word.as_str(), &parts[1..]) {
+            ("clear", []) => {
+                self.0.clear();
+                vec![Edit::Clear]
+            }
+            ("create", [count]) => {
+                let count: usize = count.parse().map_err(|_| wrong())?;
+                if count > MOST_POINTS {
+                    return Err(format!("create {count}: {MOST_POINTS} points at most"));
+                }
+                let point = Edit::Add(Box::new(Target::new(Shape::Point { at: NEW })));
+                vec![point; count]
+            }
+            ("place", [index, x, y, z]) => {
+                let real =
+                    |text: &str| text.parse().ok().filter(|value: &f64| value.is_finite()).ok_or_else(wrong);
+                let (x, y, z) = (real(x)?, real(y)?, real(z)?);
+                vec![Edit::At(number(index).ok_or_else(wrong)?, DVec3::new(x, -z, y))]
+            }
+            ("delete", [index]) => vec![Edit::Remove(number(index).ok_or_else(wrong)?)],
+            ("commit", []) => return Ok(true),
+            // Its pictures are drawn anew; ours always are.
+            ("update", []) => Vec::new(),
+            (_, _) => return Err(wrong()),
+        };
+        for edit in edits {
+            self.keep(edit);
+        }
+        if self.0.len() > MOST {
+            return Err(format!("more than {MOST} words without a commit"));
+        }
+        Ok(false)
+    }
+
+    /// A point that is placed again and again takes no more room.
+    fn keep(&mut self, edit: Edit) {
+        if let (Edit::At(number, _), Some(Edit::At(last, _))) = (&edit, self.0.last())
+            && number == last
+        {
+            self.0.pop();
+        }
+        self.0.push(edit);
+    }
+}
+
+fn number(index: &str) -> Option<usize> {
+    index.parse::<usize>().ok()?.checked_add(1)
+}

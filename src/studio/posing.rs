@@ -1,0 +1,52 @@
+//! The part of a scene that is solved, so that edits of the rest cost no solve.
+
+use crate::scene::{Liquid, Method, Plane, Scene, Target, outline};
+
+/// The part of a scene that its drive follows from.
+pub fn posed(scene: &Scene) -> Scene {
+    Scene {
+        medium: scene.medium.clone(),
+        array: scene.array.clone(),
+        boards: scene.boards.clone(),
+        reflectors: scene.reflectors.clone(),
+        targets: scene.targets.iter().map(at_rest).collect(),
+        quiet: scene.quiet.clone(),
+        solver: scene.solver.clone(),
+        liquid: if has_surface(scene) { scene.liquid.clone() } else { Liquid::default() },
+        plane: if is_shape(scene) || has_surface(scene) {
+            quiet_plane(&scene.plane)
+        } else {
+            Plane::default()
+        },
+        ..Scene::default()
+    }
+}
+
+/// Whether the drive depends on where a liquid's surface lies.
+fn has_surface(scene: &Scene) -> bool {
+    scene.aims_at_depression() || scene.liquid.reflects
+}
+
+fn at_rest(target: &Target) -> Target {
+    Target { motion: None, ..target.clone() }
+}
+
+/// What is not drawn is to be quiet there, whatever part of it is shown.
+fn quiet_plane(plane: &Plane) -> Plane {
+    let Plane { size, tolerance, .. } = Plane::default();
+    Plane { size, tolerance, ..plane.clone() }
+}
+
+/// Whether its drive goes on being searched for.
+pub fn is_shape(scene: &Scene) -> bool {
+    scene.solver.method == Method::Best
+        && (outline::is_continuous(scene)
+            || !scene.quiet.is_empty()
+            || scene.aims_at_depression()
+            || scene.solver.frames > 1)
+}
+
+/// The part of a scene that the drives of its frames follow from.
+pub fn posed_in_motion(scene: &Scene) -> Scene {
+    Scene { motion: scene.motion.clone(), targets: scene.targets.clone(), ..posed(scene) }
+}

@@ -1,0 +1,30 @@
+//! Other programs that edit the scene: whether they are listened to, where, and how much they say.
+
+use egui::{RichText, Ui};
+
+use crate::ui::panels::{fact, form, heading};
+use crate::ui::{Command, IN_PAGE, Shown};
+
+pub fn show(shown: &Shown, ui: &mut Ui, commands: &mut Vec<Command>) {
+    // A page has no sockets.
+    if IN_PAGE {
+        return;
+    }
+    ui.separator();
+    heading(ui, "Other programs");
+    let mut serves = shown.serving.is_some();
+    let tip = "Programs of this computer may move targets, and start and stop a connected board, over OSC and WebSocket";
+    if ui.checkbox(&mut serves, "Serve other programs").on_hover_text(tip).changed() {
+        commands.push(Command::Serve(serves));
+    }
+    let Some(serving) = &shown.serving else { return };
+    for address in &serving.addresses {
+        ui.add(egui::Label::new(RichText::new(address).monospace()).selectable(true));
+    }
+    form(ui, "others", |ui| {
+        fact(ui, ("Packets", "Packets and messages that came"), serving.packets.to_string());
+        fact(ui, ("Changes", "That changed the scene or what is played"), serving.changes.to_string());
+        let tip = "Malformed, asking for what cannot be, or from strangers";
+        fact(ui, ("Refused", tip), serving.refused.to_string());
+    });
+}

@@ -1,0 +1,133 @@
+//! The program with a board: it plays what is said, and nothing when it is told so, or ends.
+
+use std::io::{BufRead, BufReader};
+use std::path::Path;
+use std::process::{Child, ChildStdout, Command, Stdio};
+use std::time::Instant;
+
+use rosc::OscType;
+use sonoglyph::device::board::{Board, Setup};
+use sonoglyph::device::calibration::Calibration;
+use sonoglyph::device::levels::Levels;
+use sonoglyph::device::profile::Profile;
+use sonoglyph::solver;
+
+use crate::{PATIENCE, Udp, floats, message, scene};
+
+const PROFILE: Profile = Profile::SonicSurface;
+const SCENE: &str = "format = 1\n[[target]]\nat = [0.01, 0.02, 0.1]\n[[target]]\nat = [-0.02, 0, 0.12]\n";
+
+fn eventually(what: &str, mut condition: impl FnMut() -> bool) {
+    let until = Instant::now() + PATIENCE;
+    while !condition() {
+        assert!(Instant::now() < until, "{what} did not come");
+        std::thread::sleep(std::time::Duration::from_millis(5));
+    }
+}
+
+fn is_silent(board: &Board) -> bool {
+    let playing = board.report().playing;
+    playing.is_none_or(|playing| playing.drive().amplitudes.iter().all(|&amplitude| amplitude == 0.0))
+}
+
+/// Whether the board plays what the scene's own solution is in its levels.
+fn plays(board: &Board, text: &str) -> bool {
+    let solution = solver::solve(&scene(text)).unwrap();
+    let levels = Levels::new(PROFILE, &solution.drive, &Calibration::default()).unwrap();
+    board.report().playing.is_some_and(|playing| playing.drive() == levels.drive())
+}
+
+/// The program, and where it listens for OSC.
+fn serve(folder: &Path, args: &[&str]) -> (Child, BufReader<ChildStdout>, Udp) {
+    let mut child = Command::new(env!("CARGO_BIN_EXE_sonoglyph"))
+        .args(["serve", "--osc", "0"])
+        .args(args)
+        .current_dir(folder)
+        .stdout(Stdio::piped())
+        .stderr(Stdio::null())
+        .spawn()
+        .unwrap();
+    let mut out = BufReader::new(child.stdout.take().unwrap());
+    let mut line = String::new();
+    out.read_line(&mut line).unwrap();
+    let address = line.trim().strip_prefix("OSC on udp://").unwrap().to_owned();
+    let socket = std::net::UdpSocket::bind("127.0.0.1:0").unwrap();
+    socket.connect(address).unwrap();
+    socket.set_read_timeout(Some(PATIENCE)).unwrap();
+    (child, out, Udp(socket))
+}
+
+#[test]
+fn a_board_follows_falls_silent_and_comes_back() {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("two.toml"), SCENE).unwrap();
+    let board = Board::start(Setup::new(PROFILE), Box::new(|_| {})).unwrap();
+    let port = board.path().display().to_string();
+    let (mut child, _out, osc) =
+        serve(folder.path(), &["two.toml", "--port", &port, "--profile", PROFILE.name()]);
+    osc.osc("state", &[]);
+    assert_eq!(osc.heard()[0].args[4], OscType::String("ready".to_owned()));
+    assert!(is_silent(&board), "nothing sounds before it is asked for");
+    osc.osc("send", &[]);
+    eventually("the scene", || plays(&board, SCENE));
+    let moved = |x: f32| message("target/1/at", &floats([x, 0.0, 0.11]));
+    osc.bundle(vec![moved(-0.01), moved(0.015)]);
+    let text = SCENE.replace("0.01, 0.02, 0.1]", "0.015, 0, 0.11]");
+    eventually("the moved focus", || plays(&board, &text));
+    osc.osc("stop", &[]);
+    eventually("silence", || is_silent(&board));
+    osc.bundle(vec![moved(0.01)]);
+    std::thread::sleep(std::time::Duration::from_millis(100));
+    assert!(is_silent(&board), "an edit does not sound by itself");
+    osc.osc("send", &[OscType::Bool(true)]);
+    let text = SCENE.replace("0.01, 0.02, 0.1]", "0.01, 0, 0.11]");
+    eventually("the scene again", || plays(&board, &text));
+    // What cannot be solved is not played, and said.
+    osc.osc("solver/method", &[OscType::String("focus".to_owned())]);
+    eventually("silence", || is_silent(&board));
+    osc.osc("state", &[]);
+    assert!(format!("{:?}", osc.heard()[0].args[5]).contains("steers one focus"));
+    osc.osc("solver/method", &[OscType::String("best".to_owned())]);
+    eventually("the scene again", || plays(&board, &text));
+    board.unplug(true);
+    std::thread::sleep(std::time::Duration::from_millis(600));
+    osc.bundle(vec![moved(0.012)]);
+    board.unplug(false);
+    let text = text.replace("0.01, 0, 0.11]", "0.012, 0, 0.11]");
+    eventually("the newest after a loss", || plays(&board, &text));
+    let status = |child: &mut Child| {
+        assert!(Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap().success());
+        child.wait().unwrap()
+    };
+    assert_eq!(status(&mut child).code(), Some(0));
+    eventually("silence at the end", || is_silent(&board));
+}
+
+#[test]
+fn bad_arguments_end_with_one_message() {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("two.toml"), SCENE).unwrap();
+    let taken = std::net::UdpSocket::bind("127.0.0.1:0").unwrap();
+    let taken = taken.local_addr().unwrap().port().to_string();
+    for (args, part) in [
+        (vec!["--osc", &taken], "port 0 takes a free one"),
+        (vec!["--osc", "0", "--token", "short"], "the token must have 8 to 128"),
+        (vec!["--osc", "0", "--listen", "somewhere"], "--listen"),
+        (
+            vec!["--osc", "0", "--port", "/dev/nothing", "--profile", "sonicsurface"],
+            "there is no port /dev/nothing",
+        ),
+        (vec!["--osc", "0", "--port", "/dev/nothing"], "--profile"),
+        (vec!["missing.toml"], "missing.toml"),
+    ] {
+        let output = Command::new(env!("CARGO_BIN_EXE_sonoglyph"))
+            .arg("serve")
+            .args(&args)
+            .current_dir(folder.path())
+            .output()
+            .unwrap();
+        let error = String::from_utf8(output.stderr).unwrap();
+        assert_eq!(output.status.code(), Some(2), "{args:?}: {error}");
+        assert!(error.contains(part), "{args:?}: {error}");
+    }
+}

@@ -1,0 +1,211 @@
+//! What is said moves the scene as its file would, wholly or not at all.
+
+use rosc::OscType;
+use serde_json::json;
+use sonoglyph::field::{Evaluator, Quantity, Request, Stages};
+use sonoglyph::solver;
+use tungstenite::Message;
+
+use crate::{Serving, TWO, floats, message, scene};
+
+#[test]
+fn osc_moves_types_adds_and_removes_as_the_file_would() {
+    let serving = Serving::local(TWO);
+    let osc = serving.udp("osc");
+    serving.has_foci_of(TWO);
+    osc.osc("target/1/at", &floats([0.01, -0.02, 0.12]));
+    osc.osc("target/1/pressure", &[OscType::Double(2.5)]);
+    osc.osc("target/2/text", &[OscType::String("B".to_owned())]);
+    osc.osc("target/2/angle", &[OscType::Int(1)]);
+    let text = "format = 1\n[[target]]\nat = [0.01, -0.02, 0.12]\npressure = 2.5\n[[target]]\nkind = \"text\"\ntext = \"B\"\n\
+                angle = 1\npoints = 6\n";
+    serving.has_foci_of(text);
+    let word = |text: &str| OscType::String(text.to_owned());
+    let [x, y, z] = floats([0.0, 0.0, 0.1]);
+    osc.osc(
+        "target/add",
+        &[word("circle"), x, y, z, word("radius"), OscType::Float(0.03), word("points"), OscType::Int(5)],
+    );
+    osc.osc("target/2/visible", &[OscType::Bool(false)]);
+    osc.osc("target/1/remove", &[]);
+    osc.osc("solver/method", &[word("wgs")]);
+    osc.osc("plane/centre", &floats([0.0, 0.0, 0.12]));
+    serving.has_foci_of(
+        "format = 1\n[[target]]\nkind = \"circle\"\nradius = 0.03\npoints = 5\n[solver]\nmethod = \"wgs\"\n",
+    );
+    assert_eq!(serving.desk.wish().0.scene.plane.centre.z, 0.12);
+    let [x1, y1, x2, y2] = floats([-0.01, 0.0, 0.01, 0.02]);
+    let z = OscType::Float(0.1);
+    osc.osc("clear", &[]);
+    osc.osc("target/add", &[word("line"), x1, y1, z.clone(), x2, y2, z, word("points"), OscType::Int(3)]);
+    serving.has_foci_of(
+        "format = 1\n[[target]]\nkind = \"line\"\nfrom = [-0.01, 0, 0.1]\nto = [0.01, 0.02, 0.1]\npoints = 3\n[solver]\n\
+         method = \"wgs\"\n",
+    );
+    osc.osc("state", &[]);
+    let heard = osc.heard();
+    assert_eq!(heard[0].addr, "/sonoglyph/state");
+    assert_eq!(heard[0].args[..3], [OscType::Int(1), OscType::Int(3), OscType::Bool(false)]);
+    let foci = serving.desk.report().foci();
+    for (index, ((at, pressure), answer)) in foci.iter().zip(&heard[1..]).enumerate() {
+        assert_eq!(answer.addr, format!("/sonoglyph/focus/{}", index + 1));
+        let told: Vec<_> = answer.args.iter().map(|arg| f64::from(arg.clone().float().unwrap())).collect();
+        for (told, is) in told.iter().zip([at.x, at.y, at.z, *pressure]) {
+            assert!((told - is).abs() <= 1e-6 * is.abs(), "{told} {is}");
+        }
+    }
+    assert_eq!(heard.len(), 4);
+}
+
+#[test]
+fn a_bundle_is_one_change_and_is_done_wholly_or_not_at_all() {
+    let serving = Serving::local(TWO);
+    let osc = serving.udp("osc");
+    let move_to = |x: f32| message("target/1/at", &floats([x, 0.0, 0.1]));
+    osc.bundle(vec![move_to(0.01), message("target/3/pressure", &floats([1.0]))]);
+    assert!(osc.error().starts_with("target 3: the scene has 2, counted from 1"));
+    osc.bundle(vec![move_to(0.01), message("target/1/at", &floats([0.0, 0.0, -0.1]))]);
+    let error = osc.error();
+    assert!(error.contains("on or behind the array"), "{error}");
+    for (address, args, part) in [
+        ("target/1/text", vec![OscType::String("A".to_owned())], "only a text has letters"),
+        ("target/1/at", floats([0.0, 0.0]).to_vec(), "other arguments belong to it"),
+        ("target/0/at", floats([0.0, 0.0, 0.1]).to_vec(), "target 0"),
+        ("target/1/pressure", floats([f32::NAN]).to_vec(), "target[1].pressure: must be a number"),
+        ("colour", vec![], "there is no such address"),
+        ("plane/colour", floats([0.0]).to_vec(), "unknown field `colour`"),
+        ("modulation/file", vec![OscType::String("/etc/passwd".to_owned())], "may not name files"),
+    ] {
+        osc.osc(address, &args);
+        let error = osc.error();
+        assert!(error.contains(part), "{address}: {error}");
+    }
+    serving.has_foci_of(TWO);
+    let generation = serving.desk.generation();
+    osc.bundle(vec![move_to(0.01), move_to(0.02), message("target/2/remove", &[])]);
+    serving.has_foci_of("format = 1\n[[target]]\nat = [0.02, 0, 0.1]\n");
+    assert_eq!(serving.desk.generation(), generation + 1);
+}
+
+#[test]
+fn of_a_flood_of_moves_the_newest_wins() {
+    let serving = Serving::local(TWO);
+    let osc = serving.udp("osc");
+    for step in 0..=200u8 {
+        osc.osc("target/1/at", &floats([f32::from(step) / 10_000.0, 0.0, 0.1]));
+    }
+    serving.has_foci_of(&TWO.replace("-0.02", "0.02"));
+}
+
+#[test]
+fn ultraino_s_words_place_points_with_y_upwards_and_sound_at_commit() {
+    let serving = Serving::local(TWO);
+    let ultraino = serving.udp("ultraino");
+    ultraino.send(b"clear");
+    ultraino.send(b"create 3\n");
+    ultraino.send(b"place 0 0.01 0.1 -0.02");
+    ultraino.send(b"Place 1 -0.01 0.12 0.03");
+    ultraino.send(b"place 2 9 9 9");
+    ultraino.send(b"delete 2");
+    ultraino.send(b"update");
+    std::thread::sleep(std::time::Duration::from_millis(100));
+    serving.has_foci_of(TWO);
+    assert!(!serving.desk.wish().0.sends);
+    ultraino.send(b"commit");
+    serving.has_foci_of(
+        "format = 1\n[[target]]\nat = [0.01, 0.02, 0.1]\n[[target]]\nat = [-0.01, -0.03, 0.12]\n",
+    );
+    assert!(serving.desk.wish().0.sends);
+    for bad in ["place 0 1", "jump", "create -1", "create 1e9", "\u{fffd}"] {
+        ultraino.send(bad.as_bytes());
+        let answer = String::from_utf8(ultraino.answer()).unwrap();
+        assert!(answer.starts_with("ERR "), "{bad}: {answer}");
+    }
+    ultraino.send(b"place 7 0 0.1 0\ncommit");
+    assert!(String::from_utf8(ultraino.answer()).unwrap().contains("target 8: the scene has 2"));
+}
+
+#[test]
+fn json_edits_tell_the_state_and_give_maps() {
+    let serving = Serving::local(TWO);
+    let mut web = serving.web();
+    let done = web.ask(
+        r#"{"id": 7, "targets": {"1": {"at": [0.01, 0, 0.11], "pressure": 2}, "2": {"kind": "point"}}, "add": [{"at": [0, 0.02, 0.1]}],
+            "remove": [2], "solver": {"method": "gspat"}, "send": true}"#,
+    );
+    assert_eq!((done["id"].as_u64(), done["done"].as_u64()), (Some(7), Some(2)));
+    let text = "format = 1\n[[target]]\nat = [0.01, 0, 0.11]\npressure = 2\n[[target]]\nat = [0, 0.02, 0.1]\n[solver]\nmethod = \"gspat\"\n";
+    serving.has_foci_of(text);
+    let state = &web.ask(r#"{"state": true}"#)["state"];
+    assert_eq!(state["sends"], true);
+    assert_eq!(state["targets"][1]["number"], 2);
+    assert_eq!(state["targets"][1]["at"], json!([0.0, 0.02, 0.1]));
+    let expected = solver::solve(&scene(text)).unwrap();
+    assert_eq!(state["foci"][0]["pressure"].as_f64(), Some(expected.pressures[0].norm()));
+    assert_eq!(state["counts"]["changes"], 1);
+
+    let head = &web.ask(r#"{"map": {"quantity": "rms", "size": [33, 20]}}"#)["map"];
+    assert_eq!((&head["unit"], &head["size"]), (&json!("Pa"), &json!([33, 20])));
+    let Message::Binary(bytes) = web.0.read().unwrap() else { panic!("no numbers") };
+    let numbers: Vec<f32> =
+        bytes.chunks(4).map(|four| f32::from_le_bytes(four.try_into().unwrap())).collect();
+    let request = Request::new(&scene(text), expected.drives(), Quantity::Rms, (33, 20));
+    let mut stages = Stages::new(Evaluator::Reference);
+    let exact = stages.map(&request).unwrap();
+    let peak = exact.peak;
+    assert!(
+        numbers.len() == exact.values.len()
+            && (head["peak"].as_f64().unwrap() / f64::from(peak) - 1.0).abs() < 1e-3
+    );
+    assert!(numbers.iter().zip(&exact.values).all(|(a, b)| (a - b).abs() < 2e-3 * peak));
+
+    let mut watcher = serving.web();
+    assert!(watcher.ask(r#"{"watch": true, "id": "w"}"#)["state"]["sends"].as_bool().unwrap());
+    web.send(
+        r#"{"scene": {"target": [{"at": [0, 0, 0.15]}], "array": {"rows": 4, "columns": 4}}, "stop": true}"#,
+    );
+    let seen = loop {
+        let seen = watcher.heard();
+        if seen["state"]["elements"] == 16 && seen["state"]["solving"] == false {
+            break seen;
+        }
+    };
+    assert_eq!((&seen["id"], &seen["state"]["sends"]), (&json!("w"), &json!(false)));
+    serving.has_foci_of("format = 1\n[array]\nrows = 4\ncolumns = 4\n[[target]]\nat = [0, 0, 0.15]\n");
+}
+
+#[test]
+fn json_that_asks_for_what_cannot_be_is_answered_and_changes_nothing() {
+    let serving = Serving::local(TWO);
+    let mut web = serving.web();
+    for (text, part) in [
+        ("[1]", "a message is an object"),
+        ("{", "no JSON"),
+        (r#"{"colour": 1}"#, "colour: there is no such key"),
+        (r#"{"targets": {"3": {"at": [0, 0, 0.1]}}}"#, "target 3: the scene has 2"),
+        (r#"{"targets": {"1": {"at": [0, 0, 0.1], "radius": 1}}}"#, "can be set alone"),
+        (r#"{"targets": {"1": {"kind": "circle", "sides": 4}}}"#, "no such key"),
+        (r#"{"targets": {"1": {"at": [0, 0]}}}"#, "targets.1.at: invalid length 2"),
+        (r#"{"add": [{"kind": "picture", "file": "/etc/a.png"}]}"#, "may not name files: /etc/a.png"),
+        (r#"{"scene": {"target": [{"kind": "picture", "file": "/etc/a.png"}]}}"#, "may not name files"),
+        (r#"{"scene": {"modulation": {"file": "/etc/a.wav"}}}"#, "may not name files"),
+        (r#"{"scene": {"array": {"elements": "/etc/passwd"}}}"#, "may not name files"),
+        (r#"{"scene": {"array": {"elements": "preset:nothing"}}}"#, "no preset of that name"),
+        (r#"{"modulation": {"file": "/etc/a.wav"}}"#, "may not name files"),
+        (r#"{"plane": {"size": [0, 1]}}"#, "plane.size"),
+        (r#"{"plane": {"size": [0.1, 0.1, 0.1]}}"#, "plane: "),
+        (r#"{"motion": {"path": "spiral"}}"#, "spiral"),
+        (r#"{"map": {"size": [0, 10]}}"#, "map.size: 1 to"),
+        (r#"{"map": {"size": [100000, 100000]}}"#, "map.size: 1 to"),
+        (r#"{"map": {"quantity": "colour"}}"#, "map.quantity: the quantities are rms, "),
+    ] {
+        let answer = web.ask(text);
+        let error = answer["error"].as_str().unwrap_or_else(|| panic!("{text}: {answer}"));
+        assert!(error.contains(part), "{text}: {error}");
+    }
+    web.0.send(Message::binary(vec![1, 2, 3])).unwrap();
+    assert_eq!(web.heard()["error"], "messages are JSON, and text");
+    assert_eq!(serving.desk.generation(), 1);
+    // A published array is no file.
+    assert_eq!(web.ask(r#"{"scene": {"array": {"elements": "preset:tinylev-72"}}, "id": 1}"#)["done"], 2);
+}
