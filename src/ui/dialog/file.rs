@@ -298,3 +298,22 @@ fn list(
     }
     chosen
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::Scene;
+
+    #[test]
+    fn scenes_of_all_endings_are_listed_and_lend_exports_their_names() {
+        for name in ["hit.toml", "hit.sonoglyph", "hit.sonoglyph.toml"] {
+            assert!(Purpose::Open.takes(name), "{name}");
+            let document = Document::new(Scene::default(), name);
+            let Dialog::Path { text, .. } = Dialog::path(Purpose::Export(Export::Map), &document) else {
+                panic!("{name}")
+            };
+            assert_eq!(text, "hit.png");
+        }
+        assert!(!Purpose::Open.takes("hit.csv"));
+    }
+}
