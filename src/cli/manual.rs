@@ -40,7 +40,7 @@ pub fn run(args: &ManualArgs) -> anyhow::Result<()> {
     if let Some(folder) = &args.output {
         let commands = [&program].into_iter().chain(program.get_subcommands());
         return commands
-            .map(|command| page_of(command))
+            .map(page_of)
             .try_for_each(|page| output::write(&folder.join(page.get_filename()), &rendered(&page)?));
     }
     let command = match &args.command {

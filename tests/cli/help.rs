@@ -79,6 +79,6 @@ fn every_command_has_a_manual_page() {
         assert_eq!(fs::read_to_string(written).unwrap(), page);
     }
     assert_eq!(fs::read_dir(folder.path().join("man")).unwrap().count(), commands.len() + 1);
-    let refused = refuse(folder.path(), &["manual", "rende"]);
-    assert!(refused.contains("rende: no such command") && refused.contains("render, solve"), "{refused}");
+    let refused = refuse(folder.path(), &["manual", "draw"]);
+    assert!(refused.contains("draw: no such command") && refused.contains("render, solve"), "{refused}");
 }
