@@ -34,8 +34,13 @@ fn main() -> ExitCode {
 
 /// `sonoglyph … | head` wants no more than it took.
 fn nobody_reads(error: &anyhow::Error) -> bool {
+    /// Windows has two errors for it; Rust knows the other.
+    const PIPE_NOT_CONNECTED: i32 = 233;
     let cause = error.root_cause().downcast_ref::<std::io::Error>();
-    cause.is_some_and(|cause| cause.kind() == std::io::ErrorKind::BrokenPipe)
+    cause.is_some_and(|cause| {
+        cause.kind() == std::io::ErrorKind::BrokenPipe
+            || (cfg!(windows) && cause.raw_os_error() == Some(PIPE_NOT_CONNECTED))
+    })
 }
 
 fn go_on(next: Next) -> anyhow::Result<()> {
