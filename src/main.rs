@@ -34,8 +34,13 @@ fn main() -> ExitCode {
 
 /// `sonoglyph … | head` wants no more than it took.
 fn nobody_reads(error: &anyhow::Error) -> bool {
+    /// Windows has two errors for it; Rust knows the other.
+    const PIPE_NOT_CONNECTED: i32 = 233;
     let cause = error.root_cause().downcast_ref::<std::io::Error>();
-    cause.is_some_and(|cause| cause.kind() == std::io::ErrorKind::BrokenPipe)
+    cause.is_some_and(|cause| {
+        cause.kind() == std::io::ErrorKind::BrokenPipe
+            || (cfg!(windows) && cause.raw_os_error() == Some(PIPE_NOT_CONNECTED))
+    })
 }
 
 fn go_on(next: Next) -> anyhow::Result<()> {
@@ -49,6 +54,7 @@ fn go_on(next: Next) -> anyhow::Result<()> {
 #[cfg(feature = "window")]
 fn open(scene: Option<&Path>, renderer: Renderer) -> anyhow::Result<()> {
     return_freed_memory();
+    close_own_console();
     sonoglyph::app::run(scene, renderer)
 }
 
@@ -81,6 +87,23 @@ fn return_freed_memory() {
             mallopt(M_ARENA_MAX, 1);
             mallopt(M_MMAP_THRESHOLD, LARGE);
             mallopt(M_TRIM_THRESHOLD, 2 * LARGE);
+        }
+    }
+}
+
+/// Windows opens a console for a program that is started from the desktop. Where no other program is in it, it goes.
+#[cfg(feature = "window")]
+fn close_own_console() {
+    #[cfg(windows)]
+    {
+        use windows_sys::Win32::System::Console::{FreeConsole, GetConsoleProcessList};
+
+        let mut programs = [0; 2];
+        #[expect(unsafe_code, reason = "the system fills no more than the two numbers that it is told of")]
+        unsafe {
+            if GetConsoleProcessList(programs.as_mut_ptr(), 2) == 1 {
+                FreeConsole();
+            }
         }
     }
 }

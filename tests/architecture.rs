@@ -104,6 +104,7 @@ const LAYERS: &[(&str, &[&str])] = &[
             "anyhow",
             "base64",
             "console_error_panic_hook",
+            "ctrlc",
             "eframe",
             "egui",
             "futures_channel",
@@ -144,6 +145,8 @@ const LAYERS: &[(&str, &[&str])] = &[
         &[
             "anyhow",
             "clap",
+            "clap_complete",
+            "clap_mangen",
             "comfy_table",
             "glam",
             "indicatif",
@@ -155,7 +158,7 @@ const LAYERS: &[(&str, &[&str])] = &[
             "tempfile",
         ],
     ),
-    ("main", &["anyhow", "libc", "sonoglyph"]),
+    ("main", &["anyhow", "libc", "sonoglyph", "windows_sys"]),
 ];
 /// Modules that know nothing of each other, whichever stands above: the command line and the window meet in `main` alone.
 const APART: &[(&str, &[&str])] = &[("cli", &["ui", "app"])];

@@ -82,3 +82,21 @@ fn an_exception_holds_for_its_crate_alone() {
     assert!(licences.allow("serialport", "MPL-2.0") && !licences.allow("serialport", "GPL-3.0"));
     assert!(!licences.allow("serial", "MPL-2.0") && licences.allow("serial", "MPL-2.0 OR MIT"));
 }
+
+#[test]
+fn archives_take_the_licences_that_dependencies_may_have() {
+    #[derive(serde::Deserialize)]
+    struct About {
+        accepted: BTreeSet<String>,
+    }
+
+    let text = std::fs::read_to_string(format!("{FOLDER}/about.toml")).unwrap();
+    let about: About = toml::from_str(&text).unwrap();
+    let licences = Licences::read();
+    assert_eq!(about.accepted, licences.allow.into_iter().collect());
+    let table: toml::Table = toml::from_str(&text).unwrap();
+    for Exception { name, allow } in licences.exceptions {
+        let accepted: Vec<String> = table[&name]["accepted"].clone().try_into().unwrap();
+        assert_eq!(accepted, allow, "{name}");
+    }
+}

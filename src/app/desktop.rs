@@ -17,6 +17,8 @@ use crate::ui::document::Document;
 use crate::ui::{Editor, Notice};
 
 const SMALLEST: [f32; 2] = [200.0, 150.0];
+/// Drawn from `assets/icon/sonoglyph.svg`.
+const ICON: &[u8] = include_bytes!("../../assets/icon/sonoglyph.png");
 
 /// Opens the window on the scene of a file or a link, or on an example. Where there is no display, the scene's sheet is written.
 ///
@@ -94,6 +96,9 @@ fn show(editor: Editor, said: Said, setup: Option<WgpuSetup>, legacy: &Legacy) -
         .with_min_inner_size(SMALLEST);
     if let Some(position) = settings.position {
         viewport = viewport.with_position(position);
+    }
+    if let Ok(icon) = eframe::icon_data::from_png_bytes(ICON) {
+        viewport = viewport.with_icon(icon);
     }
     let mut options = eframe::NativeOptions {
         renderer: if setup.is_some() { eframe::Renderer::Wgpu } else { eframe::Renderer::Glow },

@@ -375,7 +375,21 @@ fn silence_on_signals(link: Arc<Mutex<Option<Link>>>) -> std::io::Result<()> {
     std::thread::Builder::new().name("signals".to_owned()).spawn(wait).map(drop)
 }
 
-#[cfg(not(unix))]
+/// Windows knows Ctrl-C and Ctrl-Break alone, and only of a window that was opened from a console.
+#[cfg(windows)]
+fn silence_on_signals(link: Arc<Mutex<Option<Link>>>) -> std::io::Result<()> {
+    let end = move || {
+        drop(locked(&link).take());
+        std::process::exit(130);
+    };
+    match ctrlc::set_handler(end) {
+        Ok(()) | Err(ctrlc::Error::MultipleHandlers) => Ok(()),
+        Err(ctrlc::Error::NoSuchSignal(_)) => Err(std::io::ErrorKind::Unsupported.into()),
+        Err(ctrlc::Error::System(error)) => Err(error),
+    }
+}
+
+#[cfg(not(any(unix, windows)))]
 fn silence_on_signals(_: Arc<Mutex<Option<Link>>>) -> std::io::Result<()> {
     Ok(())
 }

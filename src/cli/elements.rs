@@ -1,8 +1,21 @@
 //! `sonoglyph elements`: where the elements of a scene stand.
 
-use crate::cli::{ElementsArgs, read_scene};
+use std::path::PathBuf;
+
+use clap::Args;
+
+use crate::cli::read_scene;
 use crate::studio::elements;
 use crate::studio::output::{self, Files};
+
+#[derive(Debug, Args)]
+pub struct ElementsArgs {
+    /// Scene file
+    scene: PathBuf,
+    /// Where the table goes; without it, to standard output
+    #[arg(short, long, value_name = "FILE")]
+    output: Option<PathBuf>,
+}
 
 pub fn run(args: &ElementsArgs) -> anyhow::Result<()> {
     let mut files = Files::new();

@@ -1,12 +1,14 @@
 //! `sonoglyph levitate`: a bead that is released in the sound of a scene, or carried along its motion.
 
 use std::fmt::Write;
+use std::path::PathBuf;
 
 use anyhow::bail;
+use clap::Args;
 use glam::DVec3;
 use serde_json::{Value, json};
 
-use crate::cli::{LevitateArgs, progress, read_scene};
+use crate::cli::{arguments, progress, read_scene};
 use crate::force::Flight;
 use crate::scene::Scene;
 use crate::studio::flight::Course;
@@ -21,6 +23,30 @@ const SECONDS: f64 = 1.0;
 const ROUNDS: f64 = 2.0;
 /// Moments of a table, at most.
 const MOST_MOMENTS: usize = 2_000_000;
+
+#[derive(Debug, Args)]
+pub struct LevitateArgs {
+    /// Scene file
+    scene: PathBuf,
+    /// Number of the trap, from 1 on; by default the first, or the first focus
+    #[arg(long, value_name = "N")]
+    target: Option<usize>,
+    /// Where the bead is released (m); by default where the first frame holds it
+    #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true, value_parser = arguments::parse_place)]
+    from: Option<DVec3>,
+    /// s that it is followed; by default 1, or two rounds of a motion
+    #[arg(long, value_name = "S", allow_negative_numbers = true, value_parser = arguments::parse_flight)]
+    seconds: Option<f64>,
+    /// Also find how fast the motion may be so that the bead is not lost
+    #[arg(long)]
+    fastest: bool,
+    /// Where the flight goes: columns time (s), x, y, z (m), vx, vy, vz (m/s), and where the bead is wanted
+    #[arg(short, long, value_name = "FILE.csv")]
+    output: Option<PathBuf>,
+    /// The answer as JSON
+    #[arg(long)]
+    json: bool,
+}
 
 pub fn run(args: &LevitateArgs) -> anyhow::Result<()> {
     let mut files = Files::new();

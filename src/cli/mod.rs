@@ -9,6 +9,7 @@ mod elements;
 mod figure;
 mod interrupt;
 mod levitate;
+mod manual;
 mod motion;
 mod names;
 mod probe;
@@ -22,14 +23,16 @@ mod volume;
 use std::path::{Path, PathBuf};
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
-use glam::DVec3;
 
 use crate::acoustics::Aperture;
 use crate::bench::{self, Subject};
 pub use crate::cli::arguments::BadArguments;
 use crate::cli::boards::serve::{self, ServeArgs};
 use crate::cli::boards::{BoardArgs, CheckArgs, SendArgs};
+use crate::cli::elements::ElementsArgs;
 use crate::cli::figure::FigureArgs;
+use crate::cli::levitate::LevitateArgs;
+use crate::cli::manual::{CompletionsArgs, ManualArgs};
 use crate::cli::space::SpaceArgs;
 use crate::cli::time_course::TimeArgs;
 use crate::cli::volume::VolumeArgs;
@@ -41,6 +44,8 @@ use crate::studio::output::Files;
 use crate::studio::still::{Diagram, Moment, Size};
 use crate::studio::{opening, output, reach};
 
+/// With the commit, in programs that `./release` builds.
+const VERSION: &str = env!("SONOGLYPH_VERSION");
 /// Width of the column of names in answers.
 const COLUMN: usize = 24;
 
@@ -49,7 +54,7 @@ const COLUMN: usize = 24;
 /// Without a command, the window opens on the scene (or an example). Where there is no display, the scene is solved and its
 /// sheet written to sonoglyph.png: wanted points, phase and amplitude per element, and the map of RMS pressure.
 #[derive(Debug, Parser)]
-#[command(name = "sonoglyph", version, args_conflicts_with_subcommands = true, max_term_width = 100)]
+#[command(name = "sonoglyph", version = VERSION, args_conflicts_with_subcommands = true, max_term_width = 100)]
 struct Cli {
     /// Scene file (TOML; assets/scenes holds examples), or a link `sonoglyph:#…`.
     scene: Option<PathBuf>,
@@ -192,6 +197,22 @@ enum Command {
     ///   sonoglyph board --faults drop=0.0001,flip=0.0001,unplug=2
     #[command(verbatim_doc_comment)]
     Board(BoardArgs),
+    /// Write a shell's completions of commands, options and values to standard output
+    ///
+    /// Examples:
+    ///
+    ///   sonoglyph completions bash > ~/.local/share/bash-completion/completions/sonoglyph
+    #[command(verbatim_doc_comment)]
+    Completions(CompletionsArgs),
+    /// Write a manual page (roff) to standard output, or all pages into a folder
+    ///
+    /// Examples:
+    ///
+    ///   sonoglyph manual render | man -l -
+    ///
+    ///   sonoglyph manual -o ~/.local/share/man/man1
+    #[command(verbatim_doc_comment)]
+    Manual(ManualArgs),
 }
 
 #[derive(Debug, Args)]
@@ -438,42 +459,11 @@ pub fn run() -> anyhow::Result<Next> {
         Cli { command: Some(Command::Serve(args)), .. } => serve::run(&args),
         Cli { command: Some(Command::Check(args)), .. } => boards::check(&args),
         Cli { command: Some(Command::Board(args)), .. } => boards::board(&args),
+        Cli { command: Some(Command::Completions(args)), .. } => manual::completions(&args),
+        Cli { command: Some(Command::Manual(args)), .. } => manual::run(&args),
         Cli { command: None, scene, renderer } => return Ok(Next::Window(scene, renderer)),
     };
     done.map(|()| Next::Exit)
-}
-
-#[derive(Debug, Args)]
-struct ElementsArgs {
-    /// Scene file
-    scene: PathBuf,
-    /// Where the table goes; without it, to standard output
-    #[arg(short, long, value_name = "FILE")]
-    output: Option<PathBuf>,
-}
-
-#[derive(Debug, Args)]
-struct LevitateArgs {
-    /// Scene file
-    scene: PathBuf,
-    /// Number of the trap, from 1 on; by default the first, or the first focus
-    #[arg(long, value_name = "N")]
-    target: Option<usize>,
-    /// Where the bead is released (m); by default where the first frame holds it
-    #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true, value_parser = arguments::parse_place)]
-    from: Option<DVec3>,
-    /// s that it is followed; by default 1, or two rounds of a motion
-    #[arg(long, value_name = "S", allow_negative_numbers = true, value_parser = arguments::parse_flight)]
-    seconds: Option<f64>,
-    /// Also find how fast the motion may be so that the bead is not lost
-    #[arg(long)]
-    fastest: bool,
-    /// Where the flight goes: columns time (s), x, y, z (m), vx, vy, vz (m/s), and where the bead is wanted
-    #[arg(short, long, value_name = "FILE.csv")]
-    output: Option<PathBuf>,
-    /// The answer as JSON
-    #[arg(long)]
-    json: bool,
 }
 
 /// What is left to do when the command line has been read.

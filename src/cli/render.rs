@@ -137,7 +137,7 @@ pub(in crate::cli) fn outputs(scenes: &[PathBuf], output: &Path) -> anyhow::Resu
     }
     let mut outputs = Vec::new();
     for scene in scenes {
-        let path = output.join(stem(scene)).with_extension("png");
+        let path = output.join(format!("{}.png", stem(scene)));
         if outputs.contains(&path) {
             bail!("{}: two scenes would be written to this file", path.display());
         }

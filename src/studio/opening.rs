@@ -13,9 +13,13 @@ use crate::studio::{arrays, elements, waveform};
 /// Bytes of a picture's or a table's file, at most.
 const MOST_BYTES: u64 = 64 << 20;
 
-/// The name of a file without folder and extension.
+/// Endings of scene files, the usual one first. Desktops know the other, and `.sonoglyph.toml`, as scenes.
+pub const ENDINGS: &[&str] = &["toml", "sonoglyph"];
+
+/// The name of a file without folder and extension; of a scene without `.sonoglyph.toml`.
 pub fn stem(path: &Path) -> String {
-    path.file_stem().unwrap_or(path.as_os_str()).to_string_lossy().into_owned()
+    let stem = path.file_stem().unwrap_or(path.as_os_str()).to_string_lossy();
+    stem.strip_suffix(".sonoglyph").filter(|name| !name.is_empty()).unwrap_or(&stem).to_owned()
 }
 
 /// The scene of a file, with its pictures, its waveform and its table of elements.
@@ -118,4 +122,16 @@ fn read(path: &Path) -> Result<Pixels, String> {
     let bytes = source::read(path, MOST_BYTES).map_err(|error| format!("{}: {error}", path.display()))?;
     let grey = grey::read(&bytes).map_err(|error| error.to_string())?;
     Ok(Pixels::new(Grey { file: Some(path.to_owned()), ..grey }))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_scene_is_called_what_stands_before_its_ending() {
+        let stems = ["a/hit.toml", "hit.sonoglyph", "hit.sonoglyph.toml", "v1.2.toml", ".sonoglyph", "hit"];
+        let stems = stems.map(|path| stem(Path::new(path)));
+        assert_eq!(stems, ["hit", "hit", "hit", "v1.2", ".sonoglyph", "hit"]);
+    }
 }

@@ -46,7 +46,8 @@ impl Identity {
 
     #[cfg(not(unix))]
     fn of_file(_: &Metadata, path: &Path) -> Self {
-        Self::named(path)
+        // As the system spells it, which may know no capital letters.
+        fs::canonicalize(path).map_or_else(|_| Self::named(path), Self::Named)
     }
 
     fn named(path: &Path) -> Self {
@@ -63,14 +64,11 @@ impl Identity {
 impl Files {
     /// Those of a command: standard input and output where these are files.
     pub fn new() -> Self {
-        let mut files = Self::default();
-        #[cfg(unix)]
-        {
-            let named = |name: &str| (PathBuf::from(name), Identity::of(Path::new(name)));
-            files.inputs.extend([named("/dev/stdin")].into_iter().filter(|(_, own)| is_there(own)));
-            files.outputs.extend([named("/dev/stdout")].into_iter().filter(|(_, own)| is_there(own)));
-        }
-        files
+        let standard = |name: &str| {
+            let own = (PathBuf::from(name), Identity::of(Path::new(name)));
+            [own].into_iter().filter(|(_, own)| is_there(own)).collect()
+        };
+        Self { inputs: standard("/dev/stdin"), outputs: standard("/dev/stdout") }
     }
 
     /// Notes a file that is read.
@@ -149,6 +147,12 @@ impl Files {
 #[cfg(unix)]
 fn is_there(own: &Identity) -> bool {
     matches!(own, Identity::There(..))
+}
+
+/// Standard input and output have no names there.
+#[cfg(not(unix))]
+fn is_there(_: &Identity) -> bool {
+    false
 }
 
 fn refuse<T>(output: &Path, input: &Path) -> anyhow::Result<T> {

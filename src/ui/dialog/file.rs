@@ -6,6 +6,7 @@ use egui::{Button, Key, RichText, ScrollArea, TextEdit, Ui};
 
 use crate::echo;
 use crate::picture::figure::Format;
+use crate::studio::opening;
 use crate::ui::dialog::{answer, is_entered};
 use crate::ui::document::Document;
 use crate::ui::{Command, Dialog, Editor, Export, IN_PAGE, Shown, theme};
@@ -64,7 +65,7 @@ impl Purpose {
     /// Of the files that will do, the usual one first.
     pub fn extensions(self) -> &'static [&'static str] {
         match self {
-            Self::Open | Self::SaveAs => &["toml"],
+            Self::Open | Self::SaveAs => opening::ENDINGS,
             Self::Import => IMPORTED,
             Self::Elements => ELEMENTS,
             Self::Waveform => &["wav"],
@@ -119,8 +120,11 @@ impl Purpose {
 impl Dialog {
     /// Asks for a file, with a proposal.
     pub fn path(purpose: Purpose, document: &Document) -> Self {
-        let stem = document.name();
-        let stem = stem.strip_suffix(".toml").unwrap_or(&stem);
+        let name = document.name();
+        let has_ending = Path::new(&name)
+            .extension()
+            .is_some_and(|ending| opening::ENDINGS.iter().any(|own| ending == *own));
+        let stem = if has_ending { opening::stem(Path::new(&name)) } else { name };
         let text = match (purpose, document.path()) {
             (purpose, _) if purpose.reads() => String::new(),
             (Purpose::SaveAs, Some(path)) => path.display().to_string(),
@@ -293,4 +297,23 @@ fn list(
         ui.weak(format!("No {} here", purpose.extensions().join(", ")));
     }
     chosen
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::Scene;
+
+    #[test]
+    fn scenes_of_all_endings_are_listed_and_lend_exports_their_names() {
+        for name in ["hit.toml", "hit.sonoglyph", "hit.sonoglyph.toml"] {
+            assert!(Purpose::Open.takes(name), "{name}");
+            let document = Document::new(Scene::default(), name);
+            let Dialog::Path { text, .. } = Dialog::path(Purpose::Export(Export::Map), &document) else {
+                panic!("{name}")
+            };
+            assert_eq!(text, "hit.png");
+        }
+        assert!(!Purpose::Open.takes("hit.csv"));
+    }
 }

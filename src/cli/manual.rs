@@ -1,0 +1,69 @@
+//! `sonoglyph manual` and `sonoglyph completions`: what packages and shells take from the command line.
+
+use std::path::PathBuf;
+
+use anyhow::Context;
+use clap::{Args, Command, CommandFactory};
+use clap_complete::Shell;
+use clap_mangen::Man;
+
+use crate::cli::Cli;
+use crate::echo;
+use crate::studio::output;
+
+#[derive(Debug, Args)]
+pub struct CompletionsArgs {
+    /// The shell
+    #[arg(value_enum)]
+    shell: Shell,
+}
+
+#[derive(Debug, Args)]
+pub struct ManualArgs {
+    /// The command whose page is wanted; without it, the page of `sonoglyph` itself
+    command: Option<String>,
+    /// Write the pages of all commands into this folder instead
+    #[arg(short, long, value_name = "FOLDER", conflicts_with = "command")]
+    output: Option<PathBuf>,
+}
+
+pub fn completions(args: &CompletionsArgs) -> anyhow::Result<()> {
+    let mut script = Vec::new();
+    clap_complete::generate(args.shell, &mut Cli::command(), "sonoglyph", &mut script);
+    print(&script)
+}
+
+pub fn run(args: &ManualArgs) -> anyhow::Result<()> {
+    let mut program = Cli::command().disable_help_subcommand(true);
+    // The names of pages, `sonoglyph-render`, stand once all is put together.
+    program.build();
+    if let Some(folder) = &args.output {
+        let commands = [&program].into_iter().chain(program.get_subcommands());
+        return commands
+            .map(page_of)
+            .try_for_each(|page| output::write(&folder.join(page.get_filename()), &rendered(&page)?));
+    }
+    let command = match &args.command {
+        None => &program,
+        Some(name) => {
+            let names: Vec<_> = program.get_subcommands().map(|command| command.get_name()).collect();
+            let said = || format!("{}: no such command; there are {}", echo::value(name), names.join(", "));
+            program.find_subcommand(name).with_context(said)?
+        }
+    };
+    print(&rendered(&page_of(command))?)
+}
+
+fn page_of(command: &Command) -> Man {
+    Man::new(command.clone()).manual("Sonoglyph")
+}
+
+fn rendered(page: &Man) -> anyhow::Result<Vec<u8>> {
+    let mut text = Vec::new();
+    page.render(&mut text)?;
+    Ok(text)
+}
+
+fn print(text: &[u8]) -> anyhow::Result<()> {
+    output::print(format_args!("{}", String::from_utf8_lossy(text)))
+}
