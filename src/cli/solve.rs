@@ -144,13 +144,8 @@ impl Findings {
         let side_lobe = side_lobe::loudest(stages, aperture, &scene.plane, &solution.drives(), &points);
         let heard =
             scene.listener.as_ref().map(|listener| probe::reading(aperture, &solution.drives(), listener.at));
-        let mut warnings: Vec<_> = solution
-            .warnings
-            .iter()
-            .cloned()
-            .chain(limits.warning(problem))
-            .map(|warning| warning.to_string())
-            .collect();
+        let of_drive = solution.warnings.iter().cloned().chain(limits.warning(problem));
+        let mut warnings: Vec<_> = of_drive.map(|warning| warning.to_string()).collect();
         if scene.solver.pressures == Pressures::Pascal && limits.bound < 1.0 {
             warnings.push(format!(
                 "no drive of this array brings every focus to more than {} of what is asked",

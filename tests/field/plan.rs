@@ -43,9 +43,11 @@ fn made(
         moment,
         ..Request::new(scene, vec![drive.clone()], Quantity::Instantaneous, (width, height))
     };
-    let map = stages.map(&at(0.0)).unwrap().clone();
-    let imaginary = &stages.map(&at(-FRAC_PI_2)).unwrap().values;
-    let field: Vec<_> = map.values.iter().zip(imaginary).map(|(&re, &im)| Complex32::new(re, im)).collect();
+    let mut map = stages.map(&at(0.0)).unwrap().clone();
+    let imaginary = stages.map(&at(-FRAC_PI_2)).unwrap();
+    // The estimate of both.
+    map.error = map.error.max(imaginary.error);
+    let field: Vec<_> = map.values.iter().zip(&imaginary.values).map(|(&re, &im)| Complex32::new(re, im)).collect();
     assert_eq!(field.len(), width * height);
     let pixels = Samples::on_plane(&scene.plane, width, height).unwrap();
     let chosen: Vec<_> = (0..pixels.len()).step_by(stride).collect();
