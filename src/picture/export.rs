@@ -12,6 +12,7 @@ use crate::picture::Picture;
 /// # Panics
 /// A picture with other than four bytes per pixel.
 pub fn png(picture: &Picture) -> Result<Vec<u8>, EncodingError> {
+    assert_eq!(picture.rgba.len(), picture.width * picture.height * 4, "four bytes per pixel");
     let rgb: Vec<u8> =
         picture.rgba.chunks_exact(4).flat_map(|pixel| [pixel[0], pixel[1], pixel[2]]).collect();
     let mut bytes = Vec::new();

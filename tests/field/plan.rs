@@ -47,7 +47,8 @@ fn made(
     let imaginary = stages.map(&at(-FRAC_PI_2)).unwrap();
     // The estimate of both.
     map.error = map.error.max(imaginary.error);
-    let field: Vec<_> = map.values.iter().zip(&imaginary.values).map(|(&re, &im)| Complex32::new(re, im)).collect();
+    let field: Vec<_> =
+        map.values.iter().zip(&imaginary.values).map(|(&re, &im)| Complex32::new(re, im)).collect();
     assert_eq!(field.len(), width * height);
     let pixels = Samples::on_plane(&scene.plane, width, height).unwrap();
     let chosen: Vec<_> = (0..pixels.len()).step_by(stride).collect();
