@@ -1,9 +1,9 @@
 //! Long work beside the interpreter: other threads of Python go on, Ctrl-C is heard, and progress is told.
 
 use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
-use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
-use std::sync::mpsc::{RecvTimeoutError, sync_channel};
+use std::sync::mpsc::{RecvTimeoutError, SyncSender, sync_channel};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
 use pyo3::exceptions::PyRuntimeError;
@@ -12,6 +12,37 @@ use sonoglyph::gauge::Gauge;
 
 /// How often the interpreter is asked for Ctrl-C, and progress is told.
 const LOOK: Duration = Duration::from_millis(40);
+
+type Task = Box<dyn FnOnce() + Send>;
+
+/// Threads that wait for work: a new one costs a tenth of a millisecond, and memory that is new to it.
+static IDLE: Mutex<Vec<SyncSender<Task>>> = Mutex::new(Vec::new());
+
+fn idle() -> MutexGuard<'static, Vec<SyncSender<Task>>> {
+    IDLE.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// Has an idle thread, or a new one, do a task.
+fn hand_over(task: Task) -> std::io::Result<()> {
+    let waiting = idle().pop();
+    let worker = match waiting {
+        Some(worker) => worker,
+        None => {
+            let (worker, tasks) = sync_channel::<Task>(1);
+            let again = worker.clone();
+            let serve = move || {
+                while let Ok(task) = tasks.recv() {
+                    task();
+                    idle().push(again.clone());
+                }
+            };
+            std::thread::Builder::new().name("sonoglyph".to_owned()).spawn(serve)?;
+            worker
+        }
+    };
+    // It waits as long as the program runs.
+    worker.send(task).map_err(|_| std::io::Error::other("a thread of Sonoglyph has ended"))
+}
 
 /// Does work on a thread of its own, of all of which `progress` is told the part that is done, 0 to 1.
 ///
@@ -32,15 +63,14 @@ pub fn run<T: Send + 'static>(
         }
     });
     let (sender, receiver) = sync_channel(1);
-    let thread = std::thread::Builder::new().name("sonoglyph".to_owned());
-    thread.spawn(move || {
+    hand_over(Box::new(move || {
         let made = catch_unwind(AssertUnwindSafe(|| gauge.lead(|| work(&gauge))));
         // The receiver is gone after Ctrl-C.
         let _ = sender.send(made);
-    })?;
-    let receiver = std::sync::Mutex::new(receiver);
+    }))?;
+    let receiver = Mutex::new(receiver);
     let wait = || {
-        let receiver = receiver.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
+        let receiver = receiver.lock().unwrap_or_else(PoisonError::into_inner);
         receiver.recv_timeout(LOOK)
     };
     let mut last = 0;
