@@ -1,5 +1,7 @@
 //! Scenes, and what is computed of them.
 
+#![expect(clippy::needless_pass_by_value, reason = "paths come as values from Python")]
+
 use std::path::PathBuf;
 use std::sync::{Arc, Mutex, PoisonError};
 

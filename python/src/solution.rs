@@ -16,6 +16,9 @@ use crate::error;
 use crate::map::Map;
 use crate::scene::{Pixels, Scene};
 
+/// A function, and what it makes a solution from.
+type Pickled<'py> = (Bound<'py, PyAny>, (Py<Scene>, Bound<'py, PyBytes>));
+
 /// What `Scene.solve` finds: the drive, and its figures.
 ///
 /// As a `drive` of other calls it is played as it is; where the scene asks for several drives (`solver.frames`), all take turns.
@@ -179,9 +182,7 @@ impl Solution {
         map.png(slf.py(), "inferno")
     }
 
-    fn __reduce__<'py>(
-        slf: &Bound<'py, Self>,
-    ) -> PyResult<(Bound<'py, PyAny>, (Py<Scene>, Bound<'py, PyBytes>))> {
+    fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<Pickled<'py>> {
         let this = slf.get();
         let packed = postcard::to_allocvec(&*this.solution);
         let packed = packed.map_err(|error| PyValueError::new_err(error.to_string()))?;

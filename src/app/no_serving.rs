@@ -5,7 +5,7 @@ use eframe::egui::Context;
 use crate::ui::{Editor, Shown};
 
 #[derive(Debug, Default)]
-pub struct Serving;
+pub struct Serving {}
 
 impl Serving {
     pub fn switch(&mut self, _: bool, _: &Editor, _: &mut Shown, _: &Context) {}
