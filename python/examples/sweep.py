@@ -13,7 +13,7 @@ import numpy as np
 import sonoglyph as sg
 
 SCENES = int(sys.argv[1]) if len(sys.argv) > 1 else 10_000
-CHUNK = 50
+CHUNK = 200
 
 
 def chunk(numbers):
@@ -37,7 +37,7 @@ def sweep(workers):
     with cluster, Client(cluster) as client:
         client.wait_for_workers(workers)
         # Every worker has imported and computed once.
-        client.gather([client.submit(chunk, [-1 - worker], pure=False) for worker in range(2 * workers)])
+        client.gather([client.submit(chunk, [SCENES + worker], pure=False) for worker in range(2 * workers)])
         start = time.perf_counter()
         parts = client.map(chunk, [range(first, min(first + CHUNK, SCENES)) for first in range(0, SCENES, CHUNK)])
         rows = [row for part in client.gather(parts) for row in part]
