@@ -246,8 +246,10 @@ impl Board {
             hear(event, link.settings().profile, shown);
         }
         let health = link.health();
-        // After an emergency stop a drag of the mouse must not begin anew: only a button does.
-        if health.stopped && matches!(shown.board.plays, Plays::Scene | Plays::Motion) {
+        // After an emergency stop a drag of the mouse must not begin anew: only a button does, which is pressed while the board is
+        // still stopped.
+        let was_stopped = shown.board.health.as_ref().is_some_and(|before| before.stopped);
+        if health.stopped && !was_stopped && matches!(shown.board.plays, Plays::Scene | Plays::Motion) {
             shown.board.plays = Plays::Nothing;
         }
         shown.board.health = Some(health);

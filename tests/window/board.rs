@@ -308,6 +308,22 @@ fn a_board_is_brought_up_step_by_step() {
 }
 
 #[test]
+fn after_an_emergency_stop_the_scene_sounds_when_it_is_sent_again() {
+    let (mut screen, board, _shown) = connected(Profile::Native);
+    press(&mut screen, "Send");
+    until(&mut screen, "sound", |screen| {
+        !is_silent(&board) && screen.state().shown().board.health.as_ref().unwrap().in_place
+    });
+    board.press(true);
+    until(&mut screen, "the stop", |screen| screen.state().shown().board.health.as_ref().unwrap().stopped);
+    board.press(false);
+    screen.run_steps(3);
+    assert_eq!(screen.state().shown().board.plays, Plays::Nothing, "until somebody says so");
+    press(&mut screen, "Send");
+    until(&mut screen, "sound again", |_| !is_silent(&board));
+}
+
+#[test]
 fn while_the_board_plays_the_motion_the_screen_goes_through_its_frames() {
     let (mut screen, _board, _shown) = connected(Profile::Native);
     let editor = screen.state_mut().editor_mut();
