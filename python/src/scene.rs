@@ -71,11 +71,7 @@ impl Scene {
     /// From the tables of a file.
     fn of_tables(mut tables: Value, folder: PathBuf) -> PyResult<Self> {
         if let Some(keys) = tables.as_object_mut() {
-            for (plural, key) in [("targets", "target"), ("boards", "board"), ("reflectors", "reflector")] {
-                if let Some(value) = keys.remove(plural) {
-                    keys.insert(key.to_owned(), value);
-                }
-            }
+            *keys = std::mem::take(keys).into_iter().map(|(key, value)| (singular(key), value)).collect();
             keys.entry("format").or_insert_with(|| file::FORMAT.into());
         }
         let text = toml::to_string(&tables).map_err(|error| PyValueError::new_err(error.to_string()))?;
@@ -194,12 +190,7 @@ impl Scene {
         let new = tables.map_or(Ok(Value::Null), |tables| convert::plain(tables))?;
         if let (Some(all), Value::Object(new)) = (all.as_object_mut(), new) {
             for (key, value) in new {
-                let key = match key.as_str() {
-                    "targets" => "target".to_owned(),
-                    "boards" => "board".to_owned(),
-                    "reflectors" => "reflector".to_owned(),
-                    _ => key,
-                };
+                let key = singular(key);
                 match (all.get_mut(&key).and_then(Value::as_object_mut), value) {
                     (Some(before), Value::Object(values)) => before.extend(values),
                     (_, value) => {
@@ -485,6 +476,14 @@ impl Scene {
     fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<(Bound<'py, PyAny>, (String, PathBuf))> {
         let this = slf.get();
         Ok((slf.get_type().getattr("loads")?, (this.dumps(), this.folder.clone())))
+    }
+}
+
+/// The key of a file for one that Python reads better.
+fn singular(key: String) -> String {
+    match key.as_str() {
+        "targets" | "boards" | "reflectors" => key.trim_end_matches('s').to_owned(),
+        _ => key,
     }
 }
 
