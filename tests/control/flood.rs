@@ -162,16 +162,17 @@ fn a_server_that_is_flooded_goes_on_answering() {
         osc.osc("clear", &[]);
         osc.osc("state", &[]);
         let mut bytes = vec![0; 65536];
+        // What still waits at the other doors may add targets after this clear.
         if let Ok(length) = osc.0.recv(&mut bytes)
             && bytes[..length].windows(6).any(|part| part == b"/state")
+            && serving.web().ask(r#"{"state": true}"#)["state"]["targets"].as_array().unwrap().is_empty()
         {
             break;
         }
-        assert!(Instant::now() < until, "no answer");
+        assert!(Instant::now() < until, "no answer, or targets after a clear");
     }
     let tally = serving.desk.counts.tally();
     assert!(tally.malformed > 1000 && tally.unanswered > tally.answers, "{tally:?}");
-    assert!(serving.web().ask(r#"{"state": true}"#)["state"]["targets"].as_array().unwrap().is_empty());
 }
 
 #[test]
