@@ -1,4 +1,4 @@
-//! What the elements are driven with: amplitude and phase, and the levels that a board understands.
+//! The drive: amplitude and phase per element, and their quantisation to a board's levels.
 //!
 //! ```
 //! use sonoglyph::drive::{Drive, delay_level};

@@ -1,4 +1,4 @@
-//! Text from outside as messages show it: nothing that steers a terminal or hides from the eye, and never a page of it.
+//! External text in messages: truncated, with control and invisible characters escaped.
 
 use std::path::Path;
 

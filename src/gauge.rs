@@ -1,4 +1,4 @@
-//! How far a long step has come, told to whoever shows it.
+//! Progress of long steps, reported to an observer.
 
 use std::cell::RefCell;
 use std::fmt;

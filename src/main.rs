@@ -1,4 +1,4 @@
-//! The program `sonoglyph`.
+//! The program `sonoglyph`: starts the command line, the window or the measurements.
 
 use std::path::Path;
 use std::process::ExitCode;

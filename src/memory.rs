@@ -1,6 +1,6 @@
-//! Whether memory holds what a picture or a large table takes, asked before the work begins.
+//! Checks and reserves memory for pictures and large tables before the work begins.
 //!
-//! Linux promises more memory than it has, and kills a program that uses too much of it: an allocation alone proves nothing.
+//! Linux overcommits memory and kills a process that uses too much of it: a successful allocation proves nothing.
 
 use std::sync::{Condvar, Mutex, PoisonError};
 

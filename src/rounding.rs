@@ -1,4 +1,4 @@
-//! Numbers in words: to so many decimals or digits, and bounds, which are rounded outwards.
+//! Numbers as text: rounded to decimals or significant digits; bounds are rounded outwards.
 
 /// The largest number of so many decimals that is not above a value: what "at least" may say.
 pub fn at_least(value: f64, decimals: usize) -> String {

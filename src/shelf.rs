@@ -1,4 +1,4 @@
-//! Files of a page in the browser, which has no disk: what was opened, dropped or written since the page was loaded.
+//! The in-memory file system of a browser page: files opened, dropped or written since the page was loaded.
 
 use std::collections::BTreeMap;
 use std::io::{self, ErrorKind};

@@ -1,7 +1,7 @@
-//! Vector instruction sets: which this machine has, and how one body of plain loops is compiled for each of them.
+//! SIMD instruction sets: detection, and compilation of one body of plain loops for each of them.
 //!
-//! A [`Kernel`] is written over arrays of lanes, which the compiler turns into vector code. [`Isa::run`] calls the copy that
-//! was compiled for a set; an `Isa` proves that the machine has it.
+//! A [`Kernel`] is written over arrays of lanes, which the compiler turns into vector code. [`Isa::run`] calls the
+//! copy that was compiled for a set; an `Isa` proves that the machine has it.
 
 use std::sync::LazyLock;
 

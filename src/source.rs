@@ -1,5 +1,5 @@
-//! Files that are read: regular ones, up to a bound. A pipe or a device is refused before it is waited for. In a browser they lie
-//! on the page's shelf.
+//! Reads input files: regular files up to a size limit. Pipes and devices are refused without blocking. In a browser
+//! the files are on the page's shelf.
 
 #[cfg(not(target_arch = "wasm32"))]
 use std::fs::File;

@@ -1,4 +1,4 @@
-//! Tables of numbers in CSV files: columns found by their names, and errors that say in which line.
+//! Numeric CSV files: columns found by name, and errors with line numbers.
 
 use std::io::{Chain, Read};
 

@@ -1,6 +1,6 @@
 //! The piston's directivity D = 2 J1(x)/x as a function of w = x², with three derivatives.
 //!
-//! With Eₙ = Jₙ(x)/xⁿ it is D = 2 E₁ and dEₙ/dw = -Eₙ₊₁/2, and Eₙ₋₁ = 2n Eₙ - w Eₙ₊₁.
+//! With Eₙ = Jₙ(x)/xⁿ, D = 2 E₁, dEₙ/dw = -Eₙ₊₁/2, and Eₙ₋₁ = 2n Eₙ - w Eₙ₊₁.
 
 use crate::acoustics::row::{LANES, horner};
 use crate::simd::{Instructions, lanes};

@@ -1,4 +1,4 @@
-//! A disk as points with weights: the exact piston wherever derivatives of its sound are wanted.
+//! Quadrature points on a disk: the exact piston, for derivatives of its pressure.
 
 use std::f64::consts::{PI, TAU};
 use std::sync::LazyLock;

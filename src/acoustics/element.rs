@@ -1,4 +1,4 @@
-//! One element: the complex pressure it makes at a point per unit of drive.
+//! One element: its complex pressure at a point per unit of drive.
 //!
 //! Pressure is p(t) = Re{P e^{+jωt}} with P the complex peak amplitude, and the far field of an element is
 //! P = S · D(θ)/r · j e^{-jkr} · e^{-αr} with S = ρ u a² ω/2 for a piston of surface velocity u: equation (1) of

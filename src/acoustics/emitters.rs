@@ -1,7 +1,7 @@
-//! Elements and their images with what they play, and from them the pressure at a point with its derivatives, in f64.
+//! Elements and their images with their drives, and the pressure at a point with its derivatives, in f64.
 //!
-//! With d the way from an element to the point, h its height along the element's normal n and Q = d·d/2, the wave is a function
-//! P(Q, h), whose derivatives are closed forms; ∂ᵢP = P_Q dᵢ + P_h nᵢ, and so on with ∂ᵢdⱼ = δᵢⱼ.
+//! With d the vector from an element to the point, h its height along the element's normal n and Q = d·d/2, the wave
+//! is a function P(Q, h), whose derivatives are closed forms; ∂ᵢP = P_Q dᵢ + P_h nᵢ, and so on with ∂ᵢdⱼ = δᵢⱼ.
 
 use std::f64::consts::PI;
 

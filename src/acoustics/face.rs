@@ -1,4 +1,4 @@
-//! Boards as radiators, each in its own coordinates: where it stands, its elements, and its images in reflectors.
+//! Boards as radiators in their own coordinates: pose, elements, and images in reflectors.
 
 use std::ops::Range;
 use std::sync::Arc;

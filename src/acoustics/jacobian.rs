@@ -1,4 +1,4 @@
-//! How the moduli of the pressure at points change with the phases of the elements.
+//! The Jacobian of the moduli of the pressure at points by the phases of the elements.
 
 use crate::acoustics::transfer::{BLOCK, block};
 use crate::acoustics::{Phasors, Transfer};

@@ -1,4 +1,4 @@
-//! The transfer from many elements to one point at once: [`Element::transfer`] in vector registers, in f64.
+//! The transfer from many elements to one point: [`Element::transfer`] in vector registers, in f64.
 
 use std::f64::consts::PI;
 

@@ -1,6 +1,7 @@
-//! The transfer H from driven elements to points, in f64, and the products with it that solvers repeat.
+//! The transfer H from driven elements to points, in f64, and its products, the inner loops of the solvers.
 //!
-//! Real and imaginary parts lie apart and rows are padded with zeros, so that every loop is over whole vector registers.
+//! Real and imaginary parts are stored separately and rows are padded with zeros, so that every loop covers whole
+//! vector registers.
 
 use num_complex::Complex64;
 

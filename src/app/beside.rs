@@ -1,4 +1,4 @@
-//! Work beside the window: on a thread, or in a browser, where a page has none, between two frames.
+//! Background work of the window: on a thread, or in a browser without threads between two frames.
 
 /// Begins with it.
 ///

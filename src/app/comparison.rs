@@ -1,4 +1,4 @@
-//! What the map is compared with: another drive's map, or another plane's, by stages of its own, and the difference of both.
+//! The comparison map: another drive's or another plane's map, with stages of its own, and the difference.
 
 use std::f32::consts::{PI, TAU};
 use std::sync::Arc;

@@ -1,4 +1,4 @@
-//! The window on the desktop: who draws it, and again by OpenGL where its device is lost.
+//! The window on the desktop: choice of the renderer, and fallback to OpenGL after a lost device.
 
 use std::path::{Path, PathBuf};
 

@@ -1,4 +1,4 @@
-//! Something that is done once on a thread while the window goes on. It tells how far it is and can be called off.
+//! One-off tasks on a thread, with progress and cancellation.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};

@@ -1,4 +1,4 @@
-//! The scenes of `assets/scenes`, as part of the program.
+//! The example scenes of `assets/scenes`, built into the program.
 
 /// A scene to begin with.
 #[derive(Debug)]

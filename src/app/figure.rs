@@ -1,4 +1,4 @@
-//! The figure of what is on the screen: its preview, its file and its pixels on the clipboard.
+//! The figure of the current view: preview, file, and pixels on the clipboard.
 
 use std::sync::Arc;
 

@@ -1,4 +1,4 @@
-//! Folders as a question for a file shows them, and what a typed path means.
+//! Folder listings for the file dialog, and the interpretation of typed paths.
 
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};

@@ -1,5 +1,4 @@
-//! What is made from a scene alone and takes long: on a thread, or in a browser by a worker, another copy of this program beside
-//! the page.
+//! Long computations on a scene: on a thread, or in a browser by a worker, a second instance of the program.
 
 use std::sync::Arc;
 

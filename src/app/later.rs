@@ -1,4 +1,4 @@
-//! Work that takes too long for a frame, done on a thread beside it.
+//! Values that take longer than a frame, computed on a thread.
 
 use std::borrow::Borrow;
 use std::sync::mpsc::{Receiver, TryRecvError, sync_channel};

@@ -1,4 +1,4 @@
-//! What the sound does to the scene's bead at a point and on the cut, made on a thread while it is looked at.
+//! The force on the scene's bead at a point and on the displayed plane, computed on a thread on demand.
 
 use egui::Context;
 use glam::DVec3;

@@ -1,4 +1,4 @@
-//! The board at the other end of the window: one link, what was sent over it last, and what the panel shows of it.
+//! The connected board: the link, the last sent state, and the values shown by the panel.
 
 use std::path::{Path, PathBuf};
 use std::sync::mpsc::{Receiver, TryRecvError, sync_channel};

@@ -1,4 +1,4 @@
-//! The map on the screen: what it is made from, and the stages that make it again when that differs.
+//! The displayed map: its inputs, and the stages that recompute it when they differ.
 
 use std::f64::consts::TAU;
 use web_time::Instant;

@@ -1,4 +1,4 @@
-//! The window: the editor of [`crate::ui`], what is made from its scene, and its files.
+//! The window: the editor of [`crate::ui`], values derived from its scene, and its files.
 
 mod beside;
 mod comparison;

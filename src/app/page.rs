@@ -1,5 +1,5 @@
-//! The window as a page of a browser: drawn by WebGL, with files that come from the user and go to the user, and what is to outlive
-//! the page in the browser's storage.
+//! The window as a browser page: drawn by WebGL, with uploads and downloads for files, and persistent data in the
+//! browser's storage.
 
 use std::cell::RefCell;
 use std::io;

@@ -1,4 +1,4 @@
-//! What is played: what came of solving a scene, and the sound of that.
+//! The played state: the solution of a scene and its sound.
 
 use std::sync::Arc;
 

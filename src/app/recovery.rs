@@ -1,4 +1,4 @@
-//! What is kept of an unsaved scene, so that a crash takes nothing away.
+//! Recovery files of unsaved scenes, for the case of a crash.
 
 use std::fs::{File, TryLockError};
 use std::path::{Path, PathBuf};

@@ -1,4 +1,4 @@
-//! The device that draws the window, where wgpu does.
+//! The device that draws the window with wgpu.
 
 use eframe::egui_wgpu::RenderState;
 use eframe::wgpu;

@@ -1,4 +1,4 @@
-//! Other programs edit the document: their changes come in before a frame, and what came of them is told after it.
+//! Live control of the document by other programs: changes are applied before a frame, and results reported after it.
 
 use std::sync::Arc;
 

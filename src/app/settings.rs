@@ -1,4 +1,4 @@
-//! What the window remembers from run to run: its place, its panels and colours, the board, and the files that were open last.
+//! Settings kept between runs: position, panels, colours, board, and recent files.
 
 use std::io::ErrorKind;
 use std::ops::RangeInclusive;

@@ -1,4 +1,4 @@
-//! The 3D view's picture: soon and coarse while something moves, fine once it rests.
+//! The picture of the 3D view: coarse while something moves, fine at rest.
 
 use std::sync::Arc;
 use web_time::Instant;

@@ -1,4 +1,4 @@
-//! What is measured of the field on the screen on a thread beside it: its loudest place, its peak side lobe and a focus' widths.
+//! Measurements of the displayed field on a thread: its maximum, peak side lobe and focal widths.
 
 use egui::Context;
 use glam::DVec3;

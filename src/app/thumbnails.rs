@@ -1,4 +1,4 @@
-//! Small pictures of the examples, made one after the other on a thread when they are first seen.
+//! Thumbnails of the examples, made in sequence on a thread on demand.
 
 use std::sync::Arc;
 

@@ -1,4 +1,4 @@
-//! The pressure at a point in the course of time, made on a thread while it is looked at.
+//! The pressure at a point over time, computed on a thread on demand.
 
 use std::sync::Arc;
 

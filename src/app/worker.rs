@@ -1,5 +1,5 @@
-//! The worker of a page: another copy of the program in a thread of the browser's. Scenes go there and what was made of them comes
-//! back, both as bytes, since the two share no memory.
+//! The worker of a page: a second instance of the program in a browser thread. Scenes and results are exchanged as
+//! bytes, since the two share no memory.
 
 use std::any::type_name;
 use std::cell::RefCell;

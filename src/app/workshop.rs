@@ -1,7 +1,7 @@
-//! What is made from the scene so that it can be shown: drives, figures of them, and the moment of what moves.
+//! Values derived from the scene for display: drives, their figures, and the current moment of motions.
 //!
-//! Every value is kept beside what it was made from and made again when that differs. What takes long is made on a thread
-//! beside, and what was there before stays on the screen meanwhile.
+//! Every value is kept with its inputs and recomputed when they differ. Long computations run on threads; meanwhile
+//! the previous value stays on screen.
 
 use std::sync::{Arc, Mutex, PoisonError};
 use web_time::{Duration, Instant};

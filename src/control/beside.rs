@@ -1,4 +1,4 @@
-//! What takes too long to wait for: the newest of it is solved on a thread, and what was asked for before it is left out.
+//! Background solving: the newest request is solved on a thread, superseded requests are dropped.
 
 use std::io;
 use std::sync::Arc;

@@ -1,4 +1,4 @@
-//! The board that plays what other programs ask for.
+//! The board that plays the remotely controlled scene.
 
 use std::sync::Arc;
 

@@ -1,4 +1,4 @@
-//! How much was heard from other programs, and what became of it.
+//! Counts of received messages and their outcomes.
 
 use std::fmt;
 use std::sync::atomic::{AtomicU64, Ordering};

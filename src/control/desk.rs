@@ -1,4 +1,4 @@
-//! Where everybody who edits a scene meets: changes are made to it at once, so nothing queues up and the newest wins.
+//! The desk: the scene shared by all clients. Changes are applied at once, so nothing queues up and the newest wins.
 
 use std::sync::{Arc, Mutex};
 

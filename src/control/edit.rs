@@ -1,4 +1,4 @@
-//! What other programs may do to a scene, as plain data, and how it is done: wholly, or not at all.
+//! Edits of a scene by other programs, as plain data, applied atomically.
 
 use std::path::Path;
 use std::sync::Arc;

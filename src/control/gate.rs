@@ -1,7 +1,7 @@
-//! Who may speak: programs of this machine, and from elsewhere who knows the token.
+//! Access control: programs of this machine, and others with the token.
 //!
-//! A page in a browser of this machine reaches loopback, too, whoever wrote it. Its browser says where it comes from (`Origin`), so
-//! pages from elsewhere need the token as well: a stranger's page is not to drive the array.
+//! Any web page in a local browser can reach loopback. Its browser sends the page's `Origin`, and pages from
+//! elsewhere need the token: a foreign page must not drive the array.
 
 use std::collections::VecDeque;
 use std::io;

@@ -1,4 +1,4 @@
-//! How often something may happen: so many times a second, with a few at once.
+//! A rate limiter: so many events a second, with a small burst.
 
 use std::time::Instant;
 

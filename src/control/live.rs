@@ -1,4 +1,4 @@
-//! The loop between the desk and the board: what is asked for last is solved, played, and told.
+//! The loop from the desk to the board: the newest scene is solved, played, and reported.
 
 use std::io;
 use std::sync::Arc;

@@ -1,4 +1,4 @@
-//! Maps of what is played, as other programs get them.
+//! Maps of the played scene, for other programs.
 
 use std::sync::Mutex;
 

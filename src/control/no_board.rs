@@ -1,4 +1,4 @@
-//! In place of a board, where the program was built without serial ports: there is none.
+//! Replaces the board in builds without serial ports.
 
 use std::convert::Infallible;
 use std::sync::Arc;

@@ -1,4 +1,4 @@
-//! OSC 1.0: packets as words, and answers as packets. Time tags count as now; a bundle is one change.
+//! OSC 1.0: packets as commands, and replies as packets. Time tags are ignored; a bundle is one change.
 
 use glam::DVec3;
 use rosc::{OscBundle, OscMessage, OscPacket, OscTime, OscType};

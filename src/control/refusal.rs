@@ -1,4 +1,4 @@
-//! Why an edit is refused.
+//! Reasons for refusing an edit.
 
 use thiserror::Error;
 

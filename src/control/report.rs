@@ -1,4 +1,4 @@
-//! What is played, as other programs are told.
+//! Reports of the played scene to other programs.
 
 use std::sync::Arc;
 

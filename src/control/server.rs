@@ -1,4 +1,4 @@
-//! The sockets that other programs speak to.
+//! The server: sockets for other programs.
 
 use std::io;
 use std::net::{IpAddr, Ipv4Addr, SocketAddr, TcpListener, UdpSocket};

@@ -1,4 +1,4 @@
-//! Some keys of a scene's table, set as its file would set them.
+//! Sets some keys of a scene's table, as its file would.
 
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};

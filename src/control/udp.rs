@@ -1,4 +1,4 @@
-//! The sockets of OSC and of Ultraino's words: a thread each, which decodes, changes and answers.
+//! The UDP sockets of OSC and of Ultraino's commands: a thread each, which decodes, applies and replies.
 
 use std::collections::VecDeque;
 use std::io::{self, ErrorKind};

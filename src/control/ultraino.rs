@@ -1,4 +1,5 @@
-//! The words of Ultraino's remote control: text over UDP, a word per packet or line. Points are counted from 0; y points upwards.
+//! Ultraino's remote control: text commands over UDP, one per packet or line. Point numbers start at 0; y points
+//! upwards.
 
 use glam::DVec3;
 

@@ -1,4 +1,4 @@
-//! WebSocket: a thread per connection, which decodes, changes and answers.
+//! WebSocket: a thread per connection, which decodes, applies and replies.
 
 use std::io::{self, ErrorKind, Read, Write};
 use std::net::{TcpListener, TcpStream};

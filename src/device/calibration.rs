@@ -1,4 +1,4 @@
-//! What one's own transducers do differently, element by element, from a file.
+//! Calibration of transducers, element by element, from a file.
 
 use std::collections::BTreeMap;
 use std::path::Path;

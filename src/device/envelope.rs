@@ -1,4 +1,4 @@
-//! What boards play of a modulation: the native one a table that it goes through at a rate, the others on and off.
+//! Modulation on boards: a repeated table on native boards, on and off on the others.
 
 use crate::device::profile::Profile;
 use crate::scene::{Envelope, Modulation};

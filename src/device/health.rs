@@ -1,4 +1,4 @@
-//! What is known of a board and of the line to it.
+//! The state of a board and of its line.
 
 use std::fmt;
 

@@ -1,4 +1,5 @@
-//! A drive as a board takes it: a level per element, and none where an element is off; and what levels mean.
+//! A drive in a board's own terms: a level per element, or none for an element that is off; and the meaning of
+//! levels.
 
 use std::f64::consts::{PI, TAU};
 

@@ -1,4 +1,4 @@
-//! Which channel of a board plays which element of the array.
+//! The channel order of boards: the element of each channel.
 
 use crate::device::profile::Profile;
 

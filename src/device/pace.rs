@@ -1,4 +1,4 @@
-//! When a serial line is free again. A port takes bytes sooner than it can send them, so the sender counts them itself.
+//! Pacing of a serial line: ports accept bytes sooner than they send them, so the sender keeps count.
 
 use web_time::{Duration, Instant};
 

@@ -1,4 +1,4 @@
-//! The boards that can be driven, and their facts.
+//! Profiles: the supported boards and their facts.
 
 use crate::scene::Scene;
 

@@ -1,4 +1,4 @@
-//! Figures of a link: how much, how fast, how evenly.
+//! Statistics of a link: throughput, delay and jitter.
 
 use std::collections::VecDeque;
 

@@ -1,4 +1,4 @@
-//! The cells of a plane at which squares of the pressure are formed: fine enough for twice its band.
+//! The cells of a plane, where squares of the pressure are formed: fine enough for twice its bandwidth.
 
 use glam::DVec2;
 

@@ -1,4 +1,4 @@
-//! From values to colours. What `shaders/picture.wgsl` does.
+//! From values to colours on the CPU; the counterpart of `shaders/picture.wgsl`.
 
 use std::f32::consts::TAU;
 

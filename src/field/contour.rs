@@ -1,4 +1,4 @@
-//! Lines along which a number has one value, by marching squares.
+//! Contour lines, by marching squares.
 
 use rayon::prelude::*;
 

@@ -1,4 +1,4 @@
-//! What is heard of a GPU: why it did not do its work, and what went back and forth.
+//! Reports about a GPU: failures, and transferred bytes.
 
 /// Why the GPU did not do its work.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]

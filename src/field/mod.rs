@@ -1,8 +1,7 @@
-//! The pressure that a drive makes at many points: in f64 as the reference, and twice in f32 for speed, on the CPU and
-//! on the GPU.
+//! The field of a drive at many points: in f64 as the reference, and in f32 for speed, on the CPU and on the GPU.
 //!
-//! The two f32 evaluators do the same sums with the same polynomials from the same [`Sources`]; tests hold them to
-//! the reference.
+//! The two f32 evaluators do the same sums with the same polynomials from the same [`Sources`]; tests compare them
+//! with the reference.
 
 pub mod cells;
 pub mod colouring;

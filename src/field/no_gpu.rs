@@ -1,4 +1,4 @@
-//! The GPU of a library that is built without one: there is none, and nothing can be done with it.
+//! Replaces the GPU evaluator in builds without one: every request fails.
 
 use num_complex::Complex32;
 

@@ -1,12 +1,13 @@
-//! Which points of a plane to sample, so that a map of any size keeps the tolerance.
+//! The sampling plan of a plane: sample points that keep the tolerance for maps of any size.
 //!
-//! Complex pressure on a plane has hardly any spatial frequency above sinθ/λ, θ being the steepest angle at which a ray
-//! from the array meets the plane's axis. It is sampled a little finer than that asks for, with a margin, and interpolated
-//! with a Kaiser-windowed sinc; moduli are formed afterwards, since |p|² has twice the band. Where samples would come
+//! Complex pressure on a plane has little spatial frequency above sinθ/λ, θ being the steepest angle between a ray
+//! from the array and the normal of the axis. It is sampled with a small margin and interpolated with a
+//! Kaiser-windowed sinc; moduli are formed afterwards, since |p|² has twice the bandwidth. Where samples would be
 //! within a wavelength of the array, every pixel is evaluated.
 //!
-//! Where an axis of the plane runs along the array, a step that divides the pitch is taken: a sample then stands to one
-//! element as its neighbours stand to the next, and [`crate::field::transfer`] keeps one line for all of them.
+//! If an axis of the plane is parallel to the array, the step divides the pitch: the transfer from an element to a
+//! sample then equals that from its neighbour to a neighbouring sample, and [`crate::field::transfer`] stores one
+//! line for all elements.
 
 use std::f64::consts::TAU;
 use std::ops::Range;

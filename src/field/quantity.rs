@@ -1,8 +1,8 @@
-//! What can be shown of a field. A quantity is declared once: what it is made of, its formula in Rust and in WGSL, its
-//! unit and range, and how people call it.
+//! The quantities of a field. Each is declared once: its parts of the sound, its formula in Rust and in WGSL, unit,
+//! range, and names.
 //!
-//! A formula gives one real number at one point from the sound of one drive there. Numbers of several drives are
-//! averaged; the root is taken of that mean where the quantity is an RMS value, or a liquid answers to it.
+//! A formula maps the sound of one drive at one point to one real number. The numbers of several drives are averaged;
+//! RMS values take the root of that mean, and a liquid responds to it.
 
 use num_complex::Complex;
 

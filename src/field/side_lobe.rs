@@ -1,23 +1,24 @@
-//! The peak side lobe of a drive: the loudest place on a plane beside the foci.
+//! The peak side lobe of a drive: the loudest point on a plane outside the main lobes of the foci.
 //!
-//! It is the largest local maximum of |p| outside the main lobes of the foci, on the plane with its edge: a lobe that the edge cuts
-//! counts with its largest value there. What a rectangle sends to a point is nearly the
-//! product of two integrals, one along each of its sides, ∫ exp(i k δ(x)) dx, where δ is how much longer the path from x to the
-//! point is than the path from x to the focus, at which all arrive in phase. A lobe ends where one of the two has its
-//! first minimum, and for both ways to leave a focus that is where δ differs by about a wavelength along that side:
+//! It is the largest local maximum of |p| outside the main lobes of the foci, on the plane including its edge: a lobe
+//! cut by the edge counts with its largest value there. The field of a rectangle at a point is nearly the product of
+//! two integrals, one along each of its sides, ∫ exp(i k δ(x)) dx, where δ is the length of the path from x to the
+//! point less that of the path from x to the focus, where all arrive in phase. A lobe ends at the first minimum of
+//! one of the two, where in both directions δ varies by about a wavelength along that side:
 //!
 //! - across the beam δ is linear in x, the integral is sinc, and its first null lies where δ differs by λ from edge to edge;
 //! - along the beam δ is quadratic, the integral is Fresnel's, √(C² + S²)(v)/v, and its first minimum lies at v = 1.91, where
 //!   δ differs by λ v²/4 = 0.92 λ from an edge to the middle. (The first null of a disk, (sin πu)/πu, has λ.)
 //!
-//! Of a rectangle that is long and narrow the long side decides along the beam, and its minimum is no null: one of 6 x 16 has
-//! half the focus' pressure there. Where paths cannot differ so much, as beyond a focus far away, the beam has no end.
+//! For a long and narrow rectangle the long side decides along the beam, and its minimum is not a null: for 6 x 16 it
+//! is half the focal pressure. Where paths cannot differ by this much, as beyond a distant focus, the beam has no
+//! end.
 //!
-//! A point is in the lobe where δ differs by less than [`REACH`] wavelengths along either middle line of the box around the
-//! driven elements. For 16 x 16, 6 x 16, 4 x 32 and 1 x 16 and foci from 5 to 40 cm, steered by up to 50°, what is a tenth louder
-//! than the first minimum before it, and than a tenth of the focus, lies at 1.19 or more along and across the beam. That
-//! minimum lies at 0.86 to 1.25, and later in 4 of 379 cases. (Off both axes, in the corners of a square's lobe, there are maxima of
-//! 0.1 of the focus at 1.0 to 1.1.)
+//! A point is in the lobe where δ differs by less than [`REACH`] wavelengths along either middle line of the box
+//! around the driven elements. For 16 x 16, 6 x 16, 4 x 32 and 1 x 16 and foci from 5 to 40 cm, steered by up to 50°,
+//! all points a tenth louder than the preceding minimum, and louder than a tenth of the focus, lie at 1.19 or more
+//! along and across the beam. That minimum lies at 0.86 to 1.25, and later in 4 of 379 cases. (Off both axes, in the
+//! corners of a square's lobe, there are maxima of 0.1 of the focus at 1.0 to 1.1.)
 
 use std::f64::consts::SQRT_2;
 

@@ -1,4 +1,4 @@
-//! Slopes of the pressure where no grid gives them: central differences along a direction.
+//! Slopes of the pressure by central differences along a direction, where no grid provides them.
 
 use glam::DVec3;
 use num_complex::{Complex32, Complex64};

@@ -1,4 +1,4 @@
-//! The sound at a point: pressure and its slopes, and what formulae need to know of the air beside it.
+//! The sound at a point: pressure, its slopes, and the properties of the air used by formulae.
 
 use num_complex::{Complex, Complex32, Complex64};
 

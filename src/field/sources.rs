@@ -1,12 +1,12 @@
-//! What the f32 evaluators need to know of the array and its drive, with every constant found in f64.
+//! The constants of the array and its drive for the f32 evaluators, computed in f64.
 //!
-//! Phase is counted in turns and reduced by `t - round(t)`: shading languages promise nothing for the sine of a large
-//! angle. Sine, cosine and directivity are polynomials of our own, so that both evaluators mean the same thing.
+//! Phase is counted in turns and reduced by `t - round(t)`: shading languages guarantee nothing for the sine of a
+//! large angle. Sine, cosine and directivity are our own polynomials, identical in both evaluators.
 //!
-//! Every board is seen in its own coordinates. The elements of a flat one lie in z = 0, so a distance is r = z + ρ²/(r + z), and
-//! e^{-jkz} is common to all elements: it is applied once per sample with a phase reduced in f64, and f32 sees the small second
-//! part alone. That keeps far planes as exact as near ones. Those of a curved one have heights h and radiate in directions of their own:
-//! r = |z| + (ρ² + h² - 2zh)/(r + |z|).
+//! Every board is evaluated in its own coordinates. The elements of a flat board lie in z = 0, so a distance is r =
+//! z + ρ²/(r + z), and e^{-jkz} is common to all elements: it is applied once per sample with a phase reduced in f64,
+//! and f32 handles only the small second part. So distant planes are as accurate as near ones. The elements of a
+//! curved board have heights h and individual directions: r = |z| + (ρ² + h² - 2zh)/(r + |z|).
 
 use std::borrow::Cow;
 use std::f64::consts::{PI, TAU};

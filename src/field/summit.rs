@@ -1,4 +1,4 @@
-//! The highest place of a smooth function on a rectangle, between the samples that are known of it.
+//! The maximum of a smooth sampled function on a rectangle, between its samples.
 
 use glam::DVec2;
 

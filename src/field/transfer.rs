@@ -1,8 +1,9 @@
 //! The transfer from every element to every sample of a plan as a table in memory, and its product with drives.
 //!
-//! Where a sample axis is shared ([`crate::field::plan::Shared`]), what element n sends to sample i is what element 0 sends to
-//! the sample `n · shared.samples` before it. One longer line of samples then serves all elements along that axis: the
-//! table of a parallel plane is a hundred to a thousand times smaller, is made in no time, and stays in the caches.
+//! Where a sample axis is shared ([`crate::field::plan::Shared`]), the transfer from element n to sample i equals
+//! that from element 0 to the sample `n · shared.samples` before it. One longer line of samples then serves all
+//! elements along that axis: the table of a parallel plane is a hundred to a thousand times smaller and stays in the
+//! caches.
 
 use std::f64::consts::TAU;
 

@@ -1,4 +1,4 @@
-//! Units of what is shown, and the prefixes that suit values.
+//! Units of quantities, and their SI prefixes.
 
 use std::f64::consts::PI;
 

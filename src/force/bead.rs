@@ -1,4 +1,4 @@
-//! A sphere that is small against the wavelength, and what a sound does to it.
+//! A sphere small against the wavelength: its Gor'kov potential, radiation force and stiffness.
 
 use std::f64::consts::PI;
 

@@ -1,4 +1,4 @@
-//! The flight of a bead through sound: force, weight, the drag of the air, and the air that it takes along.
+//! The motion of a bead under radiation force, weight and drag, with the added mass of the air.
 
 use std::f64::consts::{PI, TAU};
 

@@ -1,4 +1,4 @@
-//! Whether a bead stays where it is wanted: where it comes to rest, how stiffly, and how far away it is still brought back.
+//! Stability of a bead in a trap: equilibrium, stiffness and capture range.
 
 use glam::DVec3;
 

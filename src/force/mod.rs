@@ -1,4 +1,4 @@
-//! What sound does to a small bead: the potential, the radiation force and its stiffness, and whether a trap holds.
+//! Forces of sound on a small bead: potential, radiation force, stiffness, and stability of traps.
 //!
 //! ```
 //! use glam::dvec3;

@@ -1,4 +1,4 @@
-//! Principal directions of a stiffness.
+//! Principal stiffnesses and their directions.
 
 use glam::{DMat3, DVec3};
 

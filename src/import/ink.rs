@@ -1,4 +1,4 @@
-//! Which pixels of a picture are dark, and strokes thinned to lines of one pixel.
+//! The ink of a picture: dark pixels, and strokes thinned to lines of one pixel.
 
 use glam::DVec2;
 

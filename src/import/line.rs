@@ -1,4 +1,4 @@
-//! Polylines of a drawing: length, simplification, and what stands near what.
+//! Polylines of a drawing: length, simplification, and proximity.
 
 use glam::DVec2;
 

@@ -1,6 +1,7 @@
-//! Drawings from elsewhere: the paths of an SVG or the dark strokes of a picture, as polylines, and these as targets.
+//! Import of drawings: the paths of an SVG or the dark strokes of a picture, as polylines and as targets.
 //!
-//! `bytes → Drawing` ([`read`]) `→ targets` ([`Placement::targets`]); nothing here touches a file or the window.
+//! `bytes → Drawing` ([`read`]) `→ targets` ([`Placement::targets`]); this module accesses neither files nor the
+//! window.
 
 mod ink;
 mod line;

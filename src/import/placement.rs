@@ -1,4 +1,4 @@
-//! From a drawing to targets: how large it is, where it stands, and how it is played.
+//! Placement of a drawing as targets: size, position and sampling.
 
 use glam::{DVec2, DVec3};
 

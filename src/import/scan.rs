@@ -1,4 +1,5 @@
-//! The strokes of a picture, dark on light or light on dark, as polylines: what is paper and what is ink, and the lines of that.
+//! The strokes of a picture as polylines, dark on light or light on dark: paper and ink are separated, and the ink is
+//! traced.
 
 use std::io::Cursor;
 

@@ -1,4 +1,4 @@
-//! The painted paths of an SVG as polylines. Styles, units, transforms and the view box are usvg's business.
+//! The painted paths of an SVG as polylines. usvg resolves styles, units, transforms and the view box.
 
 use std::f64::consts::PI;
 

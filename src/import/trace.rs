@@ -1,4 +1,4 @@
-//! From lines of one pixel to polylines: chains between ends and junctions, joined where they go straight on.
+//! From lines of one pixel to polylines: chains between ends and junctions, joined where they continue straight.
 
 use std::collections::{BTreeMap, BTreeSet};
 

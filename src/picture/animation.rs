@@ -1,5 +1,5 @@
-//! Animations, encoded frame by frame as they come: GIF and animated PNG. The palette of a colour map's frames is the map itself,
-//! so that every pixel has exactly its colour.
+//! Encoders of animations, frame by frame: GIF and animated PNG. The palette of a map's frames is the colour map
+//! itself, so every pixel has exactly its colour.
 
 use std::collections::HashMap;
 use std::fmt;

@@ -1,4 +1,4 @@
-//! Charts of measurements: points and lines over logarithmic axes.
+//! Charts of measurements: points and lines on logarithmic axes.
 
 use plotters::coord::Shift;
 use plotters::drawing::DrawingAreaErrorKind;

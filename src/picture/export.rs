@@ -1,4 +1,4 @@
-//! Pictures as the bytes of PNG files.
+//! Encodes pictures as PNG files.
 
 use png::{BitDepth, ColorType, Compression, EncodingError, Filter};
 

@@ -1,4 +1,4 @@
-//! Pictures that are targets, from the bytes of their files to grey values.
+//! Decodes picture files of targets to grey values.
 
 use std::io::Cursor;
 

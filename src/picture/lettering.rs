@@ -1,4 +1,4 @@
-//! Plots on pixels, lettered with the font of figures: a browser lends plotters none.
+//! Pixel plots with text in the figure font, since plotters has no font in a browser.
 
 use plotters::prelude::{BitMapBackend, DrawingBackend};
 use plotters::style::text_anchor::{HPos, VPos};

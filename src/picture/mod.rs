@@ -1,5 +1,5 @@
-//! From numbers to what a person looks at: colour maps, PNG and NPY, sheets with axes, animations and charts; and from pictures
-//! to the numbers of targets.
+//! From numbers to pictures: colour maps, PNG and NPY, sheets with axes, animations and charts; and from picture
+//! files to target values.
 
 #[cfg(feature = "studio")]
 pub mod animation;

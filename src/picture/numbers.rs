@@ -1,4 +1,4 @@
-//! Numbers as the bytes of NPY files, which `numpy.load` opens.
+//! Encodes numbers as NPY files for `numpy.load`.
 
 use std::fmt;
 use std::io::{self, Write};

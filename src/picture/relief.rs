@@ -1,4 +1,4 @@
-//! A liquid's surface seen at an angle: what a photograph of the dents would look like.
+//! A shaded relief of a liquid's surface, as a photograph would show it.
 
 use std::ops::Range;
 

@@ -1,4 +1,4 @@
-//! The paper's figure on one page: wanted points, phase and amplitude per element, and the pressure map, with axes.
+//! The sheet: targets, phase and amplitude per element, and the pressure map with axes, as in the paper's figures.
 
 use glam::{DVec2, DVec3};
 use plotters::coord::types::RangedCoordf64;

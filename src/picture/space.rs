@@ -1,4 +1,4 @@
-//! What is written on a picture of space: names of axes, lines of words, and a colour bar.
+//! Labels of 3D pictures: names of axes, lines of text, and a colour bar.
 
 use glam::DVec2;
 use plotters::prelude::*;

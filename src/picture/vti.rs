@@ -1,4 +1,4 @@
-//! Volumes as VTK ImageData (`.vti`): XML with raw bytes behind it, as ParaView, PyVista and 3D Slicer read it.
+//! Writes volumes as VTK ImageData (`.vti`), XML with appended raw bytes, for ParaView, PyVista and 3D Slicer.
 
 use std::fmt;
 use std::io::{self, Write};

@@ -1,4 +1,4 @@
-//! The bead that sound is to carry: known materials by name, and what a scene gives outright.
+//! The levitated bead: named materials, and properties given by the scene.
 
 use serde::{Deserialize, Serialize};
 

@@ -1,4 +1,4 @@
-//! The elements of all boards on a page.
+//! Layout of the elements of all boards in a flat chart.
 
 use glam::{DQuat, DVec2, DVec3};
 

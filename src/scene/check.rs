@@ -1,4 +1,4 @@
-//! The limits of every number in a scene.
+//! The limits of every number in a scene, and their checks.
 
 use std::f64::consts::TAU;
 

@@ -1,4 +1,4 @@
-//! What is wanted where on the plane of an area: filled shapes, broad strokes and pictures as rasters of |p|².
+//! Areas (filled shapes, broad strokes, pictures) as rasters of the prescribed |p|².
 
 use std::ops::Range;
 

@@ -1,4 +1,4 @@
-//! The stroke font of `assets/stroke_font.toml`: every letter as the lines a pen would draw.
+//! The stroke font of `assets/stroke_font.toml`: every letter as pen strokes.
 //!
 //! Coordinates are in cap heights, baseline at y = 0. The asset's head describes its syntax.
 

@@ -1,4 +1,4 @@
-//! Keyframes and tones in a scene's text: a list with a line for each, where serde would write a table for each.
+//! Writes keyframes and tones as inline tables, one per line, where serde would write a TOML section for each.
 
 use toml_edit::{Array, DocumentMut, Item, TableLike, Value};
 

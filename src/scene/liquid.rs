@@ -1,4 +1,4 @@
-//! The liquid whose surface is pressed: known ones by name, and what a scene gives outright.
+//! The liquid under the array: named liquids, and properties given by the scene.
 
 use serde::{Deserialize, Serialize};
 

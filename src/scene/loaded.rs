@@ -1,4 +1,4 @@
-//! What a scene file names and whoever opens the scene loads: shared by all copies of the scene, and never in the file.
+//! Data loaded from files named in a scene: shared by all copies of the scene, and never written into its file.
 
 use std::sync::Arc;
 

@@ -1,4 +1,4 @@
-//! Where in a scene's file an error is: the line, the key and the value as it is written.
+//! Positions of errors in a scene file: line, key and value as written.
 
 use std::fmt;
 use std::io;

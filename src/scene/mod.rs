@@ -1,8 +1,8 @@
-//! What the user edits: the array, the medium, the targets and how they are looked at. Plain data, SI units.
+//! The scene: array, medium, targets, plane and all else that the user edits, as plain data in SI units.
 //!
 //! A [`Scene`] is a value: everything the program shows or sends is a function of it. The TOML file is read and
-//! written by [`mod@file`], and by [`mod@rewrite`] into the text of an earlier one; the limits of every number are held
-//! by [`check`], and shapes and letters become focal points in [`outline`], frame by frame in [`motion`].
+//! written by [`mod@file`], and by [`mod@rewrite`] into the text of an earlier one; the limits of every number are
+//! held by [`check`], and shapes and letters become focal points in [`outline`], frame by frame in [`motion`].
 
 mod bead;
 pub mod chart;

@@ -1,4 +1,4 @@
-//! The envelope that makes a hand feel the sound.
+//! Amplitude modulation: the envelope of the drive over time.
 
 use std::f64::consts::TAU;
 

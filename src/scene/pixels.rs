@@ -1,4 +1,4 @@
-//! The pixels of a picture that is a target: plain numbers, loaded from the picture's file by whoever opens a scene, or painted.
+//! The pixels of a picture target, loaded from the picture's file when a scene is opened, or painted.
 
 use std::path::PathBuf;
 

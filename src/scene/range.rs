@@ -1,4 +1,4 @@
-//! Numbers within their limits, and the error that names the key that breaks one.
+//! Checks of numbers against limits, with errors that name the key.
 
 use std::fmt;
 

@@ -1,5 +1,5 @@
-//! A scene written into the text that an earlier one was read from: only what changed is touched, so that comments, order and
-//! the way numbers are written survive.
+//! Writes a scene into the text it was read from, changing only what differs: comments, order and number formats
+//! survive.
 
 use std::path::Path;
 

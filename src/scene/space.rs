@@ -1,4 +1,4 @@
-//! Where boards and reflectors stand, and elements that stand in no rows and columns.
+//! Boards and reflectors in space, and arrays with arbitrary element positions.
 
 use std::path::PathBuf;
 

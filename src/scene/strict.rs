@@ -1,7 +1,7 @@
-//! Tables read to the letter: a list with more values than are asked for, or a list in a table's place, is an error.
+//! Strict deserialisation: surplus list values, or a list in place of a table, are errors.
 //!
-//! serde drops what its visitors leave over where the format does not object, and TOML does not. [`Strict`] stands between
-//! the format and any type, and hands itself on to all that is inside.
+//! serde ignores elements that a visitor leaves unread unless the format objects, and TOML does not. [`Strict`] wraps
+//! the format, and all nested accesses, around any type.
 
 use std::fmt;
 

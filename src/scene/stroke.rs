@@ -1,4 +1,4 @@
-//! The lines of a target, as drawn.
+//! The polylines of a target, as drawn.
 
 use std::f64::consts::TAU;
 

@@ -1,4 +1,4 @@
-//! Targets: the points, shapes and letters that a scene asks for, and their table in the file.
+//! Targets: points, shapes, letters, pictures and traps, and their table in the scene file.
 
 use glam::{DQuat, DVec3};
 use serde::ser::SerializeMap;

@@ -1,4 +1,4 @@
-//! Traps: what the phases of a focus are changed by so that a bead is held there, and the lobes that make the same among other targets.
+//! Acoustic traps: the phase signature added to a focus, and the equivalent lobes for use beside other targets.
 
 use std::f64::consts::{PI, TAU};
 

@@ -1,4 +1,4 @@
-//! The samples of a waveform that is an envelope: plain numbers, loaded from the waveform's file by whoever opens a scene.
+//! The samples of a modulation waveform, loaded from a WAV file when a scene is opened.
 
 use std::path::PathBuf;
 

@@ -1,4 +1,4 @@
-//! Zones that are to be quiet: flat areas anywhere before the array, and their table in the file.
+//! Quiet zones: flat areas in front of the array, and their table in the scene file.
 
 use std::f64::consts::TAU;
 

@@ -1,7 +1,7 @@
-//! The drives of all frames of a motion, each going on from the one before: phases move no more than they must.
+//! The drives of all frames of a motion, each continued from the previous one with minimal phase changes.
 //!
-//! Keyframes follow each other closely and are solved one after the other; what lies between two of them goes on from the
-//! first, on all cores. How a frame is found depends on its neighbours and on nothing else, so that any number of threads gives the
+//! Keyframes are close to each other and solved in sequence; the frames between two keyframes continue from the
+//! first, on all cores. The result for a frame depends only on its neighbours, so any number of threads gives the
 //! same drives.
 
 use serde::{Deserialize, Serialize};

@@ -1,4 +1,4 @@
-//! Methods that prescribe the focal field: the pseudo-inverse and its weighted iteration.
+//! Methods that prescribe the complex focal field: the pseudo-inverse and its weighted iteration.
 
 use faer::Mat;
 use faer::linalg::solvers::Svd;

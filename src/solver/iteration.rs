@@ -1,5 +1,5 @@
-//! Methods that leave the focal phases free and iterate on them: phase conjugation, Gerchberg-Saxton and its
-//! kin, greedy search, and the combination that is best on measured sets.
+//! Methods with free focal phases: phase conjugation, Gerchberg-Saxton and its variants, greedy search, and the
+//! combination `best`.
 
 use std::f64::consts::TAU;
 use web_time::{Duration, Instant};

@@ -1,4 +1,4 @@
-//! Drives for boards that know few phases: rounding to their levels, and a search on the levels themselves.
+//! Drives for boards with few phase levels: rounding, and a search on the levels themselves.
 
 use std::f64::consts::TAU;
 

@@ -1,10 +1,10 @@
-//! From focal points to a drive, and how good that drive is.
+//! From focal points to a drive, and the quality of that drive.
 //!
-//! Every method is a function from a [`Problem`] to an [`Excitation`]; [`solve`] makes the excitation uniform, since
-//! that is what most boards can play, turns it down where the targets are pascals, and measures the result. How near that
-//! is to the best that any drive can do, [`Limits`] tell who asks. The inverses (`pinv`, `weighted`) are in [`inverse`],
-//! the phase iterations (`naive`, `gs`, `gspat`, `wgs`, `greedy`, `best`) in [`iteration`]. [`shape`] is `best` for
-//! strokes that are to be even and alone. [`frames`] solves a scene that moves.
+//! Every method is a function from a [`Problem`] to an [`Excitation`]; [`solve`] makes the excitation uniform, as
+//! most boards require, scales it down for targets in pascals, and measures the result. [`Limits`] computes its
+//! distance from the best possible drive on request. The inverses (`pinv`, `weighted`) are in [`inverse`], the phase
+//! iterations (`naive`, `gs`, `gspat`, `wgs`, `greedy`, `best`) in [`iteration`]. [`shape`] is `best` for continuous
+//! strokes and areas with low side lobes. [`frames`] solves motions.
 
 mod descent;
 pub mod frames;

@@ -1,4 +1,4 @@
-//! How good a drive is, and a bound on how good any drive can be.
+//! Quality figures of a drive, and an upper bound on all drives.
 
 use faer::{Mat, Side};
 use num_complex::Complex64;

@@ -1,4 +1,4 @@
-//! What the tables of a problem take of memory, reserved before they are made.
+//! Memory of a problem's tables, reserved before they are built.
 
 use num_complex::Complex64;
 

@@ -1,4 +1,4 @@
-//! Focal phases that let the foci help each other, found from several starts at once.
+//! Focal phases with constructive interference, from several parallel starts.
 
 #![expect(clippy::needless_range_loop, reason = "lanes are what is looped over, in several arrays at once")]
 

@@ -1,4 +1,4 @@
-//! How far the phases of a motion go from frame to frame.
+//! Phase changes between the frames of a motion.
 
 use serde::{Deserialize, Serialize};
 

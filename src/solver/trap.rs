@@ -1,5 +1,5 @@
-//! Traps, alone and beside separate foci: a first drive by signature or by lobes with prescribed phases, and from there phases that make
-//! the weakest trap stiffer.
+//! Drives for traps, alone or beside foci: a first drive by signature or by lobes with prescribed phases, then
+//! maximisation of the smallest stiffness.
 
 use web_time::{Duration, Instant};
 

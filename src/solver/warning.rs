@@ -1,4 +1,4 @@
-//! What a user should know before trusting a solution.
+//! Warnings about a solution.
 
 use serde::{Deserialize, Serialize};
 

@@ -1,4 +1,4 @@
-//! Tables of published arrays whose elements stand in no rows and columns.
+//! Published arrays with arbitrary element positions.
 
 /// What names one of them in place of a file.
 pub const PRESET: &str = "preset:";

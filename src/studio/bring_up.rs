@@ -1,5 +1,5 @@
-//! Bringing a board up, as far as command line and window share it: what was found in words, the survey of its line, and the focus
-//! that is tried.
+//! Bring-up of a board, shared by command line and window: findings as text, the survey of its line, and the test
+//! focus.
 
 use std::fmt;
 #[cfg(feature = "serial")]

@@ -1,4 +1,4 @@
-//! Peak or RMS: the convention in which pressures are shown. One view uses one, and names it.
+//! The convention of displayed pressures, peak or RMS: each view uses and names one.
 
 use std::f64::consts::{FRAC_1_SQRT_2, SQRT_2};
 

@@ -1,4 +1,4 @@
-//! Tables of elements: our own, those of Ultraino, and the boards of OpenMPD and AcousTools.
+//! Element tables: our own format, Ultraino's, and those of OpenMPD and AcousTools.
 
 use std::collections::HashMap;
 

@@ -1,4 +1,4 @@
-//! Which evaluator a command uses.
+//! Choice of the field evaluator of a command.
 
 use crate::field::{Evaluator, FieldError, Stages};
 #[cfg(not(target_arch = "wasm32"))]

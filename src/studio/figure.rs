@@ -1,4 +1,4 @@
-//! Figures for papers: a quantity on a plane with axes, in the colours, range and convention that were chosen.
+//! Figures for papers: a quantity on a plane with axes, in chosen colours, range and convention.
 
 use std::path::Path;
 

@@ -1,4 +1,4 @@
-//! A scene's bead released in its traps, or carried along its motion.
+//! Simulated flights of a scene's bead: released in its traps, or carried along its motion.
 
 use anyhow::{anyhow, bail};
 use glam::DVec3;

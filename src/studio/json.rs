@@ -1,4 +1,4 @@
-//! A solution as the object that other programs read.
+//! A solution as JSON for other programs.
 
 use glam::DVec3;
 use num_complex::Complex64;

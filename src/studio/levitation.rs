@@ -1,4 +1,4 @@
-//! What becomes of beads in a scene's traps, in figures and in words.
+//! Levitation of beads in a scene's traps, as figures and text.
 
 use std::f64::consts::TAU;
 

@@ -1,5 +1,5 @@
-//! A scene as a link: its file's text, compressed (deflate) and written in letters that an address may have (base64url),
-//! behind `sonoglyph:#` or the address of a page that opens it.
+//! Scenes as links: the file's text, compressed (deflate) and encoded (base64url), after `sonoglyph:#` or the address
+//! of a page.
 
 use std::path::Path;
 

@@ -1,4 +1,4 @@
-//! What sound does to a liquid, in words and as a picture.
+//! The effect of sound on a liquid, as text and as a picture.
 
 use glam::DVec2;
 

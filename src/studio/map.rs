@@ -1,4 +1,4 @@
-//! One map: a quantity on a plane by the chosen evaluator, and its colours.
+//! One map: a quantity on a plane by the chosen evaluator, with its colours.
 
 use web_time::Instant;
 

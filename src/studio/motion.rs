@@ -1,4 +1,4 @@
-//! The drives of all frames of a cycle, with what the user should know of them.
+//! The drives of all frames of a cycle, with warnings.
 
 use crate::acoustics::Aperture;
 use crate::gauge::Gauge;

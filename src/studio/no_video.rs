@@ -1,4 +1,4 @@
-//! In place of videos, which a browser has no `ffmpeg` for.
+//! Replaces videos in a browser, which has no `ffmpeg`.
 
 use std::io::Write;
 

@@ -1,4 +1,4 @@
-//! Scenes as they are opened: the file, and the pictures, the waveform and the table of elements that it names.
+//! Opens scenes: the file, and the pictures, waveform and element table that it names.
 
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};

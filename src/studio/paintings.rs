@@ -1,4 +1,4 @@
-//! Pictures as they are saved with a scene: what was painted goes to files beside the scene's, and the others are named from there.
+//! Saves pictures with a scene: paintings as files beside the scene's, other pictures by relative names.
 
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};

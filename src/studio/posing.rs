@@ -1,4 +1,4 @@
-//! The part of a scene that is solved, so that edits of the rest cost no solve.
+//! The part of a scene that determines its solution, so that other edits cost no solve.
 
 use crate::scene::{Liquid, Method, Plane, Scene, Target, outline};
 

@@ -1,4 +1,4 @@
-//! The sound of a drive, without its modulation, at single points, in f64.
+//! The sound of an unmodulated drive at single points, in f64.
 
 use std::f64::consts::FRAC_1_SQRT_2;
 

@@ -1,9 +1,10 @@
-//! Whether an array reaches its targets: how loud it can be there, how steeply it has to radiate, and what its grating lobes make of it.
+//! Reach of an array: the pressure, the steering angle and the grating lobes at its targets.
 //!
-//! A single focus at a point gets Σ|h_n|: every element at full drive and in step. Elements `p` apart that are steered to an angle
-//! θ also add up in step where sin θ' = sin θ - λ/p, a grating lobe, which exists as soon as p > λ/(1 + sin θ) (Steinberg,
-//! Principles of Aperture and Array System Design, 1976, chapter 5). How loud it is depends on the elements' directivity and on how near
-//! the focus is, since far lobes of a focused array are smeared: it is evaluated on the circles through the focus about the array.
+//! A single focus at a point gets Σ|h_n|: every element at full drive and in phase. Elements `p` apart that are
+//! steered to an angle θ are also in phase where sin θ' = sin θ - λ/p, a grating lobe, which exists if p > λ/(1 + sin
+//! θ) (Steinberg, Principles of Aperture and Array System Design, 1976, chapter 5). Its level depends on the
+//! elements' directivity and on the focal distance, since far lobes of a focused array are smeared: it is evaluated
+//! on the circles through the focus about the array.
 
 use std::f64::consts::FRAC_PI_2;
 

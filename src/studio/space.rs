@@ -1,4 +1,4 @@
-//! A scene in space: what stands there, from where it is seen, and what is written beside it.
+//! A scene in 3D: its objects, camera and labels.
 
 use std::f64::consts::TAU;
 

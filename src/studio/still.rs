@@ -1,4 +1,4 @@
-//! Still pictures of a scene: a map, its drive, or a sheet with all of it.
+//! Still pictures of a scene: a map, its drive, or a sheet of everything.
 
 use std::path::{Path, PathBuf};
 

@@ -1,4 +1,4 @@
-//! The surface of a liquid in motion: waves from the moment that the sound begins, picture by picture.
+//! The moving surface of a liquid: waves from the onset of the sound, frame by frame.
 
 use anyhow::bail;
 

@@ -1,7 +1,7 @@
-//! The sound at a point in the course of time, under the envelope and frame by frame of a motion, and the lines of its spectrum.
+//! The sound at a point over time, under the envelope and the frames of a motion, and its spectral lines.
 //!
 //! |p|² is the envelope's square times the square of the frame that plays. Both are sums of lines that are known in closed form, so
-//! the lines of the product are those of a sound that goes on for ever: no window, and nothing leaks from line to line.
+//! the lines of the product are those of an endless sound: no window, and no leakage between lines.
 
 use std::f64::consts::PI;
 

@@ -1,4 +1,4 @@
-//! Videos, encoded by an `ffmpeg` that is found on PATH.
+//! Videos, encoded by the program `ffmpeg` on PATH.
 
 use std::fs::File;
 use std::io::{self, ErrorKind, Read, Seek, SeekFrom, Write};

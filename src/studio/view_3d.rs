@@ -1,4 +1,4 @@
-//! One picture of a scene in space, with words: what `render --view 3d` writes.
+//! A 3D picture of a scene with labels: `render --view 3d`.
 
 use std::sync::Arc;
 use web_time::Instant;

@@ -1,4 +1,4 @@
-//! The field in space: the box that suits a scene, and its values at a lattice as a file.
+//! The field in a box: a box that suits a scene, and its values on a lattice as a file.
 
 use std::io::Write;
 use std::path::Path;

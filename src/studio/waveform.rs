@@ -1,4 +1,4 @@
-//! Waveforms of modulations, from WAV files: PCM of 8 to 32 bits or 32-bit floating point, of any number of channels, which are averaged.
+//! Modulation waveforms from WAV files: PCM of 8 to 32 bits or 32-bit floating point, with channels averaged.
 
 use std::io::Cursor;
 use std::path::Path;

@@ -1,9 +1,9 @@
-//! How wide a focus is: its -6 dB widths and area, in f64 on the continuous field.
+//! The -6 dB widths and area of a focus, in f64 on the continuous field.
 //!
-//! -6 dB is half the pressure: the full width at half maximum of |p|. The maximum is the one that climbing from the focus
-//! reaches, in the plane through the focus parallel to the array for `lateral_x`, `lateral_y` and `area`, and on the line along z
-//! through that place for `axial`. A width is the distance between the two nearest places on either side of the maximum where |p|
-//! is half of it; the area is what such places enclose on all rays from the maximum.
+//! -6 dB is half the pressure: the full width at half maximum of |p|. The maximum is found by ascent from the focus,
+//! in the plane through the focus parallel to the array for `lateral_x`, `lateral_y` and `area`, and on the line
+//! along z through that maximum for `axial`. A width is the distance between the two nearest points on either side of
+//! the maximum where |p| is half of it; the area is enclosed by such points on all rays from the maximum.
 
 use std::f64::consts::TAU;
 

@@ -1,8 +1,8 @@
-//! The brightness of light on a screen, after a liquid's surface has bent it: every patch of the surface spreads its light evenly
-//! over the patch of the screen that it lands on, also where patches fold over each other.
+//! The brightness of light on a screen behind a curved liquid surface: every patch of the surface spreads its light
+//! evenly over its image on the screen, also where patches fold over each other.
 //!
-//! A patch with signed area a on the screen covers its pixels with its light over a. [`Coverage`] sums along edges, each with the
-//! difference of the two patches that it parts, and what a patch sends is what arrives.
+//! A patch with signed area a on the screen covers its pixels with its light over a. [`Coverage`] sums along edges,
+//! each with the difference of its two adjacent patches, so light is conserved.
 
 use rayon::prelude::*;
 

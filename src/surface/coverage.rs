@@ -1,5 +1,5 @@
-//! How much of every pixel polygons cover, from their edges: an edge gives every pixel to its right the height that it spans in the
-//! pixel's row, times what the polygon has to give. Sums along the rows are then the pixels.
+//! Area coverage of pixels by polygons, computed from edges: an edge adds, to every pixel on its right, its height
+//! within the pixel's row times the polygon's weight. Prefix sums along the rows give the pixels.
 
 use crate::simd::{Instructions, Isa, Kernel, lanes};
 

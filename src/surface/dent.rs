@@ -1,4 +1,4 @@
-//! The depression that a pressure presses into a liquid at rest: ρ g h - σ ∇²h = p, h being the depth.
+//! The static depression of a liquid under a pressure: ρ g h - σ ∇²h = p, h being the depth.
 
 use std::f64::consts::PI;
 use std::fmt;

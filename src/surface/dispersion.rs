@@ -1,4 +1,4 @@
-//! Dispersion of a viscous liquid's waves: how fast a mode of its surface swings, and how fast it dies away.
+//! Dispersion of waves on a viscous liquid: frequency and decay rate of each mode.
 
 use num_complex::Complex64;
 

@@ -1,4 +1,5 @@
-//! Gravity-capillary waves: how a liquid's surface answers a pressure that changes, mode by mode and without error in time.
+//! Gravity-capillary waves: the response of a liquid's surface to a changing pressure, mode by mode and exact in
+//! time.
 
 use crate::scene::Liquid;
 use crate::surface::Tank;

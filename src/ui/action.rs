@@ -1,4 +1,4 @@
-//! Everything that can be done at once, by its name: what menus, keys, the palette and the help are made of.
+//! The list of all commands by name, used by menus, keys, palette and help.
 
 use egui::{Context, Key, KeyboardShortcut, Modifiers, Theme};
 

@@ -1,4 +1,4 @@
-//! What stands around the map, and what is folded away where the window is small.
+//! The arrangement of panels around the map, with folding in small windows.
 
 use egui::{Frame, Margin, Panel as Side, Ui, UiBuilder};
 

@@ -1,4 +1,4 @@
-//! Arrows over the map: where the sound drives the scene's bead, on the cut.
+//! Arrows over the map: the force on the scene's bead in the displayed plane.
 
 use egui::{Color32, Painter, Stroke, Vec2, vec2};
 use glam::{DVec2, DVec3};

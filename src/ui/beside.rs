@@ -1,4 +1,4 @@
-//! What the map is compared with: the wish, and what was made of it.
+//! The comparison map: the user's choice and its result.
 
 use egui::{Rect, Ui};
 use glam::{DVec2, DVec3};

@@ -1,4 +1,4 @@
-//! The board that plays, as the window sees it: what the user wishes of it, and what is known of it.
+//! The board in the window: the user's wishes, and the board's state.
 
 use std::path::PathBuf;
 

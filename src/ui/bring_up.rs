@@ -1,4 +1,4 @@
-//! Bringing a board up from the window: which step it is, and what was found so far.
+//! Bring-up of a board in the window: the current step and the findings so far.
 
 use crate::device::calibration::Calibration;
 use crate::device::profile::Profile;

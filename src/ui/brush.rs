@@ -1,4 +1,4 @@
-//! The brush: it paints what is wanted on a picture that is a target, and the eraser wipes it away.
+//! The brush paints target pressure on a picture target; the eraser removes it.
 
 use std::collections::BTreeSet;
 use std::ops::RangeInclusive;

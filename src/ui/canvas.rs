@@ -1,4 +1,4 @@
-//! The canvas: a cut through space with its axes, the map on it, and the pointer's place.
+//! The canvas: a plane through space with its axes, the map on it, and the pointer's position.
 
 use egui::{
     Align2, Color32, FontId, Painter, Pos2, Rect, Response, Sense, Stroke, StrokeKind, Ui, pos2, vec2,

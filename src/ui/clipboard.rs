@@ -1,4 +1,4 @@
-//! What is done to the selected targets as a whole: copied, pasted, doubled, deleted.
+//! Commands on the selected targets as a whole: copy, paste, duplicate, delete.
 
 use std::collections::BTreeSet;
 use std::path::Path;

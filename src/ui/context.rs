@@ -1,4 +1,4 @@
-//! The menu under the right button: what can be done with what is selected.
+//! The context menu of the selection.
 
 use egui::{Button, Response, Ui};
 use glam::DVec2;

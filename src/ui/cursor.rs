@@ -1,4 +1,4 @@
-//! The canvas by keyboard: a cross that arrows move, at which a key draws what the tool draws.
+//! The canvas by keyboard: arrow keys move a cross, and a key draws with the current tool.
 
 use egui::{Color32, Context, Event, EventFilter, Id, Key, Modifiers, Painter, Response, Stroke, Ui, vec2};
 use glam::DVec2;

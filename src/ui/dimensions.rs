@@ -1,4 +1,4 @@
-//! What a target measures, for the chip beside the pointer while it is drawn or pulled.
+//! The dimensions of a target, shown beside the pointer while it is drawn or resized.
 
 use crate::scene::{Shape, Target, outline};
 use crate::ui::edit;

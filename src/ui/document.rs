@@ -1,4 +1,4 @@
-//! The scene that is edited, with its history and its file.
+//! The document: the edited scene with its history and its file.
 
 use std::path::{Path, PathBuf};
 

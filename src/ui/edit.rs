@@ -1,4 +1,4 @@
-//! What tools and keys do to the targets of a scene.
+//! Edits of a scene's targets by tools and keys.
 
 use std::collections::BTreeSet;
 use std::path::Path;

@@ -1,4 +1,4 @@
-//! What an empty scene shows instead of a map: the examples as pictures, and at the first start three hints.
+//! The start view of an empty scene: the examples as pictures, and at the first start three hints.
 
 use egui::{Align2, Area, Button, Frame, Id, Image, Order, Rect, RichText, ScrollArea, Ui, vec2};
 

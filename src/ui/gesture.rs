@@ -1,4 +1,4 @@
-//! What the pointer does on the canvas: drawing, moving, selecting, erasing, and typing.
+//! Pointer gestures on the canvas: drawing, moving, selecting, erasing, and typing.
 
 use std::collections::BTreeSet;
 

@@ -1,4 +1,4 @@
-//! Groups: targets that a click on the map selects together.
+//! Groups: targets selected together by a click on the map.
 
 use std::collections::{BTreeMap, BTreeSet};
 

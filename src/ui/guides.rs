@@ -1,4 +1,4 @@
-//! What is moved or drawn comes to rest where it lines up with the array's axis, with other targets, or on the grid.
+//! Snapping: moved or drawn targets align with the array's axis, other targets, or the grid.
 
 use std::collections::BTreeSet;
 

@@ -1,4 +1,4 @@
-//! Handles: places of a shape that can be taken hold of, and what the shape becomes when one is pulled elsewhere.
+//! Handles of shapes, and the shape that results from dragging one.
 
 use egui::{Painter, Pos2, Rect, Stroke, StrokeKind, vec2};
 use glam::{DQuat, DVec2, DVec3};

@@ -1,4 +1,4 @@
-//! Small drawn buttons: what can be seen beside the field, each a picture with a name and a sentence.
+//! Icon buttons for overlays of the field, each with a name and a tooltip.
 
 use egui::{Pos2, Rect, Response, Role, Sense, Shape, Stroke, StrokeKind, Ui, WidgetInfo, vec2};
 

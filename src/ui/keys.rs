@@ -1,4 +1,4 @@
-//! Shortcuts.
+//! Keyboard shortcuts.
 
 use egui::{Context, Event, Key, Modifiers};
 

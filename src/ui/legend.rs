@@ -1,4 +1,4 @@
-//! The colour legend, and what it lets one choose.
+//! The colour bar and its settings.
 
 use std::ops::RangeInclusive;
 

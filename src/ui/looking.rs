@@ -1,4 +1,4 @@
-//! What of a cut is on the screen while no window is set, and how the view goes elsewhere.
+//! The fitted view of a plane, and transitions to other views.
 
 use egui::Rect;
 use glam::DVec2;

@@ -1,4 +1,4 @@
-//! The map on the screen, and where it belongs.
+//! The displayed map and its position.
 
 use glam::DVec2;
 

@@ -1,4 +1,4 @@
-//! What lies over the map: the array, the targets' outlines, the focal points and the gesture under way.
+//! Overlays of the map: the array, outlines of targets, focal points and the current gesture.
 
 use egui::{Align2, Color32, FontId, Painter, Pos2, Rect, Shape, Stroke, StrokeKind, Visuals, vec2};
 use glam::{DVec2, DVec3};

@@ -1,4 +1,4 @@
-//! The line along which a profile is taken, and lengths in words.
+//! The measuring line of a profile, and lengths as text.
 
 use glam::DVec2;
 

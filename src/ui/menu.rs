@@ -1,4 +1,4 @@
-//! The menus, the tools, and what stands at the top right: the board's state and its Stop.
+//! The menus, the tools, and the board's state with its Stop button.
 
 use std::path::PathBuf;
 

@@ -1,4 +1,4 @@
-//! Fields for numbers: they read what people type, say what they cannot read, and which limit they kept to.
+//! Number fields: they parse typed expressions, and report unreadable input and limits.
 
 use std::cell::RefCell;
 use std::ops::RangeInclusive;

@@ -1,4 +1,4 @@
-//! The outline of an adult's hand, to scale: what a drawing is felt with.
+//! The outline of an adult's hand, to scale.
 
 use egui::{Color32, Painter, Shape, Stroke};
 use glam::DVec2;

@@ -1,4 +1,4 @@
-//! Paths over the map: ways and their handles, and what moves where it is in the frame that is shown.
+//! Motion paths over the map with their handles, and moving targets at their position in the displayed frame.
 
 use egui::{Align2, Color32, Painter, Pos2, Shape, Stroke, vec2};
 use glam::DVec3;

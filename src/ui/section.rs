@@ -1,4 +1,4 @@
-//! The line profile: the map's values along a line of the cut, below the map and in step with it.
+//! The line profile: the map's values along a line in the displayed plane, below the map and aligned with it.
 
 use egui::{
     Align2, Color32, FontId, Label, Painter, Pos2, Rect, Response, RichText, Sense, Stroke, StrokeKind, Ui,

@@ -1,4 +1,4 @@
-//! A segmented control: a few choices side by side, of which one is taken.
+//! A segmented control: one choice of a few side by side.
 
 use crate::ui::theme;
 use egui::{Button, ComboBox, Frame, Margin, TextStyle, TextWrapMode, Ui, WidgetText};

@@ -1,4 +1,4 @@
-//! What was made from the scene: what panels and canvas show.
+//! The results shown by panels and canvas.
 
 use std::collections::BTreeMap;
 use std::path::PathBuf;

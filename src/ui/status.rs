@@ -1,4 +1,4 @@
-//! The line at the bottom: what was just done, how right the map is, and warnings. Details and lists open on a click.
+//! The status line: the last action, the accuracy of the map, and warnings, with details on a click.
 
 use egui::{Align, Button, Label, Layout, Popup, PopupCloseBehavior, RichText, Ui};
 

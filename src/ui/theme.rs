@@ -1,4 +1,4 @@
-//! One look for every panel, light and dark.
+//! The visual theme of all panels, light and dark.
 
 use std::sync::Arc;
 

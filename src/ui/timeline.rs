@@ -1,4 +1,4 @@
-//! The timeline below the canvas: which frame is shown, how fast they go by, and the keyframes of what moves.
+//! The timeline below the canvas: the displayed frame, the playback speed, and keyframes.
 
 use egui::{
     Align2, Button, CursorIcon, DragValue, FontId, Painter, Rect, Response, ScrollArea, Sense, Stroke, Ui,

@@ -1,4 +1,4 @@
-//! The tools of the canvas, and the targets that they draw.
+//! The drawing tools of the canvas, and the targets that they create.
 
 use std::f64::consts::TAU;
 

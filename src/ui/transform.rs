@@ -1,4 +1,4 @@
-//! The box around what is selected: its corners scale all of it, and the handle above it turns it.
+//! The selection box: its corners scale the selection, and the handle above it rotates it.
 
 use egui::{Painter, Pos2, Rect, Stroke, StrokeKind, pos2};
 use glam::{DQuat, DVec2, DVec3};

@@ -1,4 +1,4 @@
-//! The text that is being typed on the canvas.
+//! Text being typed on the canvas.
 
 use std::collections::BTreeSet;
 

@@ -1,4 +1,4 @@
-//! How the field is looked at: which cut through space, which part of it, which quantity, in which colours.
+//! The view of the field: plane, visible part, quantity and colours.
 
 use std::f64::consts::FRAC_PI_4;
 

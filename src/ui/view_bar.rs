@@ -1,4 +1,4 @@
-//! The two rows above the canvas: which quantity is seen, and on which plane.
+//! The two rows above the canvas: the quantity and the plane.
 
 use egui::{Slider, Ui};
 

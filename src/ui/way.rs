@@ -1,4 +1,4 @@
-//! The ways of moving targets on the canvas: pulled by their handles, with vertices and keyframes that come and go.
+//! Editing of motion paths on the canvas: dragging handles, adding and removing vertices and keyframes.
 
 use std::f64::consts::{FRAC_PI_4, TAU};
 

@@ -1,4 +1,4 @@
-//! A scene's field for the JavaScript of a page: a scene file goes in, the numbers of a map come out, with the time that they took.
+//! The field of a scene for JavaScript: scene files in; map values, with timings, out.
 
 use js_sys::{Float32Array, Function, Promise, Uint8ClampedArray};
 use wasm_bindgen::prelude::{JsError, JsValue, wasm_bindgen};

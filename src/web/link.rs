@@ -1,4 +1,4 @@
-//! The link to a board for the JavaScript of a page, and a virtual board to stand behind a port.
+//! The link to a board for JavaScript, and a virtual board.
 
 use std::path::{Path, PathBuf};
 

@@ -1,4 +1,4 @@
-//! What can go wrong on a line, and makes a virtual board worth testing against.
+//! Fault injection for virtual boards: line errors, unplugging, emergency stop.
 
 use web_time::Duration;
 

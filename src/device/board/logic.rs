@@ -1,4 +1,4 @@
-//! What a board does with bytes: answers, and plays.
+//! The logic of virtual boards: answers and playback.
 
 use std::f64::consts::{PI, TAU};
 

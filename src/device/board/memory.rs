@@ -1,4 +1,4 @@
-//! A virtual board in the program's own memory: what is written to it arrives as fast as its line would carry it.
+//! A virtual board in the program's memory: written bytes arrive at the rate of its line.
 
 use std::collections::VecDeque;
 

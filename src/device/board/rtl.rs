@@ -1,6 +1,6 @@
-//! The gateware itself as a board: a Verilated program, driven over its standard input and output.
+//! The gateware as a virtual board: a Verilated program, driven over its standard input and output.
 //!
-//! It is slower than the device; its line and its watchdog run in its own time.
+//! It is slower than the device; its line and its watchdog run in simulated time.
 
 use std::collections::VecDeque;
 use std::io::{self, BufReader, BufWriter, Read, Write};

@@ -1,7 +1,7 @@
-//! The line to a board: what is wanted goes in as a value, and a task of its own (`device::task`) brings the board to it.
+//! The link to a board: a task (`device::task`) brings the board to the wanted state, given as a value.
 //!
-//! The newest wish wins; what came before it and was not sent yet is never sent. A board that was unplugged is made silent when it
-//! comes back, and then plays what is wanted by then.
+//! The newest wish wins; an older, unsent wish is never sent. An unplugged board is silenced when it comes back, and
+//! then plays the current wish.
 
 mod native;
 mod stock;

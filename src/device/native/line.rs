@@ -1,4 +1,4 @@
-//! What the native protocol puts around packets and answers: a CRC, COBS, and a delimiter.
+//! The framing of the native protocol: CRC, COBS, and delimiter.
 
 use crc::{CRC_32_ISO_HDLC, Crc};
 

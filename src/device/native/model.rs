@@ -1,7 +1,7 @@
-//! The native device as a value: what gateware does, period by period, and the answer to every packet.
+//! A model of the native device: the gateware's behaviour, period by period, and its reply to every packet.
 //!
-//! The rules, their order and the names of the tables stand in `gateware/doc/protocol.md`. A test drives this and the
-//! Verilog with the same packets and compares all 256 pulses of every period.
+//! Rules, their order and the names of the tables are those of `gateware/doc/protocol.md`. A test drives this model
+//! and the Verilog with the same packets and compares all 256 pulses of every period.
 
 use std::f64::consts::PI;
 

@@ -1,6 +1,6 @@
-//! The packets of the native protocol, and the way between a packet and the bytes on the line.
+//! The packets of the native protocol, and their encoding.
 //!
-//! Meaning and order of every field stand in `gateware/doc/protocol.md`.
+//! `gateware/doc/protocol.md` defines all fields and their order.
 
 use crate::device::levels::Level;
 use crate::device::levels::Levels;

@@ -1,4 +1,4 @@
-//! Which slot is played: one, or a range of them in a loop, and what waits to be.
+//! The player of slots: one slot, or a loop over a range, and a waiting command.
 
 /// A PLAY, or the commit of a frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -1,6 +1,6 @@
-//! The table of the native protocol: types of packets, and what became of one.
+//! The codes of the native protocol: packet types and results.
 //!
-//! The same numbers stand in `gateware/rtl/packets.vh`; a test compares the two.
+//! `gateware/rtl/packets.vh` has the same numbers; a test compares the two.
 
 /// What is added to a packet's type in its reply. Packets have types below it.
 pub const REPLY: u8 = 0x80;

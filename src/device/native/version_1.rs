@@ -1,4 +1,4 @@
-//! Version 1 of the protocol, as far as a device still answers it: INFO, so that an old program can say which version it met.
+//! Version 1 of the protocol, of which devices still answer INFO, so that an old program can report the version.
 
 use crc::{CRC_16_GENIBUS, Crc};
 

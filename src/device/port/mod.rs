@@ -1,5 +1,5 @@
-//! Serial ports: which there are, and one that is open. `system` has those of the computer, `page` those that a browser lets a page
-//! have; a virtual board in memory is a port, too.
+//! Serial ports: enumeration and open ports. `system` has the computer's ports, `page` those of a browser page; a
+//! virtual board in memory is a port, too.
 //!
 //! Operations are `async` for the page's sake: on a computer they block.
 

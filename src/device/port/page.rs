@@ -1,4 +1,4 @@
-//! The serial ports that a browser lets a page have (Web Serial), through `page.js`.
+//! Serial ports of a browser page (Web Serial), through `page.js`.
 
 use std::io;
 use std::path::{Path, PathBuf};

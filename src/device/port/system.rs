@@ -1,4 +1,4 @@
-//! The serial ports of this computer. They block.
+//! The serial ports of this computer, with blocking operations.
 
 use std::fs::File;
 use std::io::{self, IsTerminal, Read, Write};

@@ -1,5 +1,4 @@
-//! The boards people already own: plain bytes to them, no answer, no checksum. Each has an encoder and its twin, the board's side
-//! of the same bytes.
+//! Stock boards: plain bytes without checksum or reply. Each has an encoder and a twin that emulates the board.
 
 pub mod acoustophoretic;
 pub mod mega64;

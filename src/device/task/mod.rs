@@ -1,8 +1,8 @@
-//! What runs beside everything else and waits: on a thread of its own, or in a page, which has one thread and may not block it,
-//! between the page's other work.
+//! Background tasks with waits: threads on a computer; in a page, which has one thread and may not block, tasks
+//! between other work.
 //!
-//! Code that waits is `async`. On a thread nothing of it yields: what waits blocks, as exactly as the system's clock allows. In a
-//! page each wait is one of the page's timers or events.
+//! Waiting code is `async`. On a thread it never yields: waits block, as exactly as the system's clock allows. In a
+//! page each wait is a timer or an event.
 
 #[cfg(not(target_arch = "wasm32"))]
 mod thread;

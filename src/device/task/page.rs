@@ -1,4 +1,4 @@
-//! A page: what waits lets it go on.
+//! Tasks in a page: waits yield to the page.
 
 use std::future::poll_fn;
 use std::io;

@@ -1,4 +1,4 @@
-//! Threads: what waits blocks.
+//! Tasks on threads: waits block.
 
 use std::io;
 use std::sync::{Condvar, Mutex, PoisonError};

@@ -1,4 +1,4 @@
-//! The f32 kernels of the CPU, on all cores.
+//! The f32 CPU evaluator, on all cores.
 
 mod places;
 mod sums;

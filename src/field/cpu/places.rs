@@ -1,4 +1,4 @@
-//! The places of numbers in a table of 256 colours.
+//! Indices of numbers in a table of 256 colours.
 
 use std::f32::consts::LN_2;
 

@@ -1,4 +1,4 @@
-//! Sums of runs of numbers that lie in memory: superposition of a table, and interpolation.
+//! Sums over contiguous numbers: superposition from a table, and interpolation.
 
 use num_complex::Complex32;
 

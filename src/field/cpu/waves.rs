@@ -1,5 +1,5 @@
-//! The waves of elements at a block of points in vector registers. What `shaders/piston.wgsl` and
-//! `shaders/exact_piston.wgsl` do.
+//! The waves of elements at a block of points in vector registers; the counterpart of `shaders/piston.wgsl` and
+//! `shaders/exact_piston.wgsl`.
 
 #![expect(clippy::needless_range_loop, reason = "lanes are what is looped over, in several arrays at once")]
 

@@ -1,4 +1,4 @@
-//! Which adapters there are, and which of them is worth using.
+//! GPU adapters: enumeration and selection.
 
 use crate::field::GpuError;
 use crate::field::gpu::Gpu;

@@ -1,4 +1,5 @@
-//! The passes of one map in their order, with the buffers that they share: made once for its shape, and run for every drive.
+//! The passes of one map in order, with their shared buffers: built once per plan, size and quantity, and run for
+//! every drive.
 
 use std::ops::Range;
 

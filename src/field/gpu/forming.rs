@@ -1,4 +1,4 @@
-//! Values of a quantity from the sound, and the largest of them, on the GPU.
+//! Forms the values of a quantity, and their maximum, on the GPU.
 
 use bytemuck::Zeroable;
 use num_complex::Complex32;

@@ -1,4 +1,4 @@
-//! What panels want to know of a map, gathered in one small buffer that comes back.
+//! Gathers a map's results for panels in one small buffer that is read back.
 
 use num_complex::Complex32;
 use wgpu::BufferUsages;

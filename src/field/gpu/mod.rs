@@ -1,7 +1,7 @@
-//! The GPU: finding one, and running the programs of a map on it.
+//! The GPU evaluator: opening a device, and running the programs of a map on it.
 //!
-//! Objects are sorted by lifetime: [`Gpu`] holds the device and its pipelines, [`Chain`] the buffers and bind groups of
-//! one map and its passes, [`Reading`] what is on its way back.
+//! Objects are sorted by lifetime: [`Gpu`] holds the device and its pipelines, [`Chain`] the buffers and bind groups
+//! of one map and its passes, [`Reading`] pending read-backs.
 
 pub mod adapter;
 pub mod chain;

@@ -1,4 +1,4 @@
-//! A map in colours, as a texture that its device draws.
+//! Paints a map as a texture on its device.
 
 use wgpu::{BindingResource, TextureUsages};
 

@@ -1,4 +1,4 @@
-//! The WGSL programs: which files make one, the constants that Rust writes into them, and the structs they share.
+//! The WGSL programs: their source files, constants written by Rust, and shared structs.
 
 use bytemuck::{Pod, Zeroable};
 

@@ -1,4 +1,4 @@
-//! What is on its way back from the GPU.
+//! Pending read-backs from the GPU.
 
 use std::sync::{Arc, OnceLock};
 

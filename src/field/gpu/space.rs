@@ -1,4 +1,4 @@
-//! Pictures of space on the GPU.
+//! Renders 3D pictures on the GPU.
 
 use std::sync::Arc;
 

@@ -1,4 +1,4 @@
-//! How work is cut for a kind of adapter. What suits a program that plays GPU on the CPU starves a real one.
+//! Work sizes per kind of adapter: values that suit software adapters starve hardware.
 
 use crate::field::gpu::adapter::Kind;
 

@@ -1,5 +1,5 @@
-//! The light that a liquid's surface casts on a screen of the plane's size: rays between the cells, block by block of cells as close as
-//! the surface there bends light.
+//! The caustics of a liquid's surface on a screen of the plane's size: rays between the cells, block by block, as
+//! dense as the curvature of the surface requires.
 
 use std::collections::BTreeMap;
 

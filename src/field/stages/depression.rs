@@ -1,4 +1,4 @@
-//! The figures of a liquid's surface on the plane that is shown.
+//! Figures of a liquid's surface (depth, slope, force, volume) on the displayed plane.
 
 use glam::DVec2;
 use rayon::prelude::*;

@@ -1,5 +1,5 @@
-//! The radiation force on a bead over a plane: in f64 at cells, its components from there at the pixels, and where the plane is near to the
-//! array pixel by pixel.
+//! The radiation force on a bead over a plane: in f64 at cells, with components interpolated to the pixels, and pixel
+//! by pixel near the array.
 
 use std::ops::Range;
 

@@ -1,4 +1,4 @@
-//! A value beside what it was made from.
+//! A cached value together with its inputs.
 
 use std::convert::Infallible;
 

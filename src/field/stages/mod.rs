@@ -1,7 +1,8 @@
-//! The stages of a map with what each made last: from drives to values, and from values to colours and contour lines.
+//! The pipeline of a map: from drives to values, and from values to colours and contour lines, with the latest result
+//! of each stage.
 //!
-//! Every stage keeps its result together with the values that it was made from, and runs again only when they differ.
-//! [`Work`] counts how often each ran.
+//! Every stage keeps its result together with its inputs, and reruns only when they differ. [`Work`] counts how often
+//! each ran.
 
 mod caustic;
 mod depression;

@@ -1,4 +1,4 @@
-//! The stages on the GPU of a library that is built without one.
+//! Replaces the GPU stages in builds without GPU.
 
 use crate::field::gpu::{Gpu, Texture};
 use crate::field::stages::{Job, Map, Work};

@@ -1,4 +1,4 @@
-//! The stages on the GPU. What leaves it is what is asked for: figures for panels, or the values of all pixels.
+//! The stages on the GPU. Only requested results are read back: figures for panels, or the values of all pixels.
 
 use num_complex::Complex64;
 

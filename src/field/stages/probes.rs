@@ -1,4 +1,4 @@
-//! Places of a map at which it is compared with the f64 reference.
+//! Pixels of a map for comparison with the f64 reference.
 
 use glam::{DVec2, DVec3};
 use num_complex::Complex64;

@@ -1,4 +1,4 @@
-//! What a map is asked for by, what it is, and why there may be none.
+//! The request for a map, the resulting map, and its errors.
 
 use std::sync::Arc;
 

@@ -1,4 +1,4 @@
-//! Where a quantity is formed, at the pixels or at cells, and what is sampled for that.
+//! The site of a quantity: pixels or cells, and the samples it requires.
 
 use glam::DVec3;
 

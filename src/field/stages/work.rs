@@ -1,4 +1,4 @@
-//! Counts of what was done, so that it can be seen that nothing is done twice.
+//! Counters of stage runs, which show that no work is repeated.
 
 /// How often each stage ran.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

@@ -1,4 +1,4 @@
-//! From where space is looked at: an eye that circles about a point.
+//! The camera of 3D pictures: an eye orbiting a point.
 
 use std::f64::consts::{FRAC_PI_2, TAU};
 

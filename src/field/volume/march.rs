@@ -1,4 +1,5 @@
-//! Pictures of space on the CPU, ray by ray: for machines without a GPU, and what the GPU's pictures are compared with.
+//! The CPU renderer of 3D pictures, by ray marching: for machines without a GPU, and as the reference for the GPU's
+//! pictures.
 
 use glam::{UVec3, Vec2, Vec3, Vec4};
 use rayon::prelude::*;

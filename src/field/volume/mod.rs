@@ -1,4 +1,4 @@
-//! A box of space, the lattices of points in it at which a field is known, and pictures of it.
+//! A box in space, lattices of sample points in it, and 3D pictures of it.
 
 pub mod camera;
 pub mod march;

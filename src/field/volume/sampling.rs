@@ -1,4 +1,4 @@
-//! The RMS pressure at a lattice of points in space, in f32 and as fast as it goes, for pictures.
+//! The RMS pressure on a lattice of points in space, in fast f32, for pictures.
 
 use glam::{DVec3, UVec3, Vec3};
 use num_complex::{Complex32, Complex64};

@@ -1,4 +1,4 @@
-//! What stands in space beside a field, and how a picture of both is taken: the numbers that the CPU and the GPU draw from.
+//! The objects of a 3D picture, and the numbers from which CPU and GPU draw it.
 
 use bytemuck::{Pod, Zeroable};
 use glam::{DVec2, DVec3, Vec3, Vec4};

@@ -1,4 +1,4 @@
-//! Where the parts of a figure stand.
+//! Layout of the parts of a figure.
 
 use crate::field::contour::Line;
 use crate::picture::Picture;

@@ -1,8 +1,8 @@
 //! Figures for papers: a map with axes, colour bar, scale bar, contours and targets, described once and written as SVG, PDF or PNG.
 //!
-//! The description is a list of marks in millimetres, laid out on the grid of the PNG's pixels: the map is one raster image whose
-//! pixels are the same in all three, and the PNG shows them one to one. All else is vectors, and text stays text. A surface seen at an
-//! angle is such a raster with bars for lengths and depths.
+//! The description is a list of marks in millimetres, laid out on the grid of the PNG's pixels: the map is one raster
+//! image whose pixels are the same in all three, and the PNG shows them one to one. All else is vectors, and text
+//! stays text. A shaded relief is such a raster with bars for lengths and depths.
 
 pub mod axes;
 pub(in crate::picture) mod font;

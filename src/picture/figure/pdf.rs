@@ -1,4 +1,4 @@
-//! A figure as PDF: lines and text as such, the letters that are used embedded, pixels as images without loss.
+//! A figure as PDF: vector lines, text with embedded font subsets, and losslessly compressed pixels.
 
 use std::collections::BTreeMap;
 

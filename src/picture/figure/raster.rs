@@ -1,4 +1,4 @@
-//! A figure as pixels: the map's one to one, all else with smooth edges.
+//! A figure as pixels: the map one to one, all else antialiased.
 
 use png::{BitDepth, ColorType, PixelDimensions, Unit};
 use tiny_skia::{FillRule, LineJoin, Paint, Path, PathBuilder, Pixmap, Rect, Stroke, Transform};

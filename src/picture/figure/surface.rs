@@ -1,5 +1,5 @@
-//! The figure of a surface that is seen at an angle: no axes, for lengths keep their scale to the right alone, and depths keep one of
-//! their own; a bar for each.
+//! The figure of a shaded relief: without axes, since only horizontal lengths keep their scale, and with separate
+//! bars for lengths and depths.
 
 use glam::DVec2;
 

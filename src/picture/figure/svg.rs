@@ -1,4 +1,4 @@
-//! A figure as SVG: lines and text as such, pixels as PNG within.
+//! A figure as SVG: vector lines and text, and pixels as an embedded PNG.
 
 use std::fmt::Write;
 

@@ -1,4 +1,4 @@
-//! Foci that run along what is drawn: stroke after stroke in the order of the file, each as it is drawn.
+//! Foci that run along the drawn outlines, stroke by stroke in the order of the file.
 
 use glam::DVec3;
 

@@ -1,4 +1,4 @@
-//! The cycle that all motions of a scene go through together, and how many repetitions each of them makes in it.
+//! The common cycle of all motions of a scene, and the repetitions of each motion in it.
 
 use crate::scene::motion::course::Course;
 use crate::scene::{KeyError, Motion, MotionPath, Scene, Target};

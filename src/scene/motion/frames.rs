@@ -1,4 +1,4 @@
-//! The focal points of every frame of a cycle, and whether there can be such.
+//! The focal points of every frame of a cycle, and the errors of impossible motions.
 
 use glam::DVec3;
 

@@ -1,4 +1,4 @@
-//! Keyframes: places and pressures at moments of a repetition, and the ways between them.
+//! Keyframes: offsets and pressures at times within a cycle, and the interpolation between them.
 
 use std::cmp::Ordering;
 

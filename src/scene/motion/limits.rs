@@ -1,4 +1,4 @@
-//! What motions may not be: steps that no target has, paths without length, more frames than fit into memory.
+//! Limits of motions: steps without targets, paths without length, more frames than memory holds.
 
 use glam::DVec3;
 

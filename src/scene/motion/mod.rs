@@ -1,6 +1,6 @@
-//! Motion: the closed path or the keyframes along which targets move, the drawn strokes along which foci run, or the steps in which targets take turns.
+//! Motion: targets along closed paths or keyframes, foci along drawn strokes, or targets in turn.
 //!
-//! [`cycle()`] is how often what a scene's motions make together is played, and [`frames()`] are the focal points of its frames.
+//! [`cycle()`] is the common cycle of a scene's motions, and [`frames()`] are the focal points of its frames.
 
 mod course;
 mod cycle;

@@ -1,4 +1,4 @@
-//! Polylines and circles measured by their length, so that they can be run through at constant speed.
+//! Polylines and circles parametrised by arc length, for motion at constant speed.
 
 use std::f64::consts::TAU;
 

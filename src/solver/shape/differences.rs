@@ -1,4 +1,4 @@
-//! Tests of the fit of areas: its derivatives against central differences, and fields that are known to be possible.
+//! Tests of the fit of areas: derivatives against central differences, and fields known to be feasible.
 
 use glam::{DVec2, DVec3};
 

@@ -1,4 +1,4 @@
-//! Fourier transforms along the rows of a matrix, as many side by side as a row has lanes: no value ever changes its lane.
+//! Fourier transforms along the rows of a matrix, one per SIMD lane: values never change lanes.
 
 use std::f64::consts::TAU;
 

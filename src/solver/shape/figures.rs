@@ -1,4 +1,4 @@
-//! How good a drive of a shape is, in f64 and on samples finer than the solver's.
+//! Quality figures of a shape's drive, in f64 and on finer samples than the solver's.
 
 use std::f64::consts::TAU;
 

@@ -1,4 +1,4 @@
-//! A search that goes on after its schedule, from one further start after the other.
+//! The further search for a shape's drive, from additional starts.
 
 use web_time::{Duration, Instant};
 

@@ -1,7 +1,7 @@
 //! Transfers to samples on a plane parallel to the array, by Fourier transforms.
 //!
-//! Samples every 1/S of the pitch are S² grids of the array's own pitch. From the array to one of them the transfer depends on
-//! the difference of the indices alone, so it is a convolution: a product of spectra.
+//! Samples at 1/S of the pitch are S² grids of the array's own pitch. To each of them the transfer depends only on
+//! the difference of the indices, so it is a convolution: a product of spectra.
 
 use std::collections::BTreeSet;
 

@@ -1,10 +1,10 @@
-//! Drives of shapes that are only the shape: strokes evenly loud, and everything else on the plane as quiet as can be.
+//! Drives of shapes: even pressure along strokes, and low side lobes everywhere else on the plane.
 //!
-//! The first drive minds the strokes alone: weighted Gerchberg-Saxton from equal phases along them ([`start`]), then
-//! descent ([`crate::solver::descent`]). What follows makes an [`objective`] small that hears everything the array radiates
-//! to: the plane by Fourier transforms ([`grid`]) where it is parallel to the array, by a [`table`] elsewhere. Of areas it is
-//! the [`picture`] that is fitted, from a field with equal phases. There is no
-//! clock inside and one thread: the same calls give the same drives.
+//! The first drive considers only the strokes: weighted Gerchberg-Saxton from equal phases along them ([`start`]),
+//! then descent ([`crate::solver::descent`]). An [`objective`] that covers the whole radiated plane is then
+//! minimised: by Fourier transforms ([`grid`]) on planes parallel to the array, by a [`table`] elsewhere. Areas are
+//! fitted as a [`picture`], from a field with equal phases. There is one thread and no clock: the same calls give the
+//! same drives.
 
 #[cfg(test)]
 mod differences;

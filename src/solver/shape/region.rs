@@ -1,4 +1,4 @@
-//! Where it is to be quiet: samples of the scene's plane as far as the array radiates, and of zones, less what is drawn.
+//! The quiet region: samples of the scene's plane as far as the array radiates, and of zones, except the targets.
 
 use glam::{DVec2, DVec3};
 

@@ -1,4 +1,4 @@
-//! What a liquid at rest answers to a pressure on a grid of samples: its depression, relative to that under an even pressure.
+//! The response of a liquid at rest to a pressure on a grid: its depression relative to that under uniform pressure.
 
 use crate::scene::Liquid;
 use crate::solver::shape::grid::Layout;

@@ -1,4 +1,4 @@
-//! Phases of the strokes to start from: fields that are smooth along them, each of another kind.
+//! Starting phases of the strokes: fields of several kinds, each smooth along them.
 
 use std::f64::consts::{PI, TAU};
 

@@ -1,4 +1,4 @@
-//! What a drawing asks for beside its foci: areas, and what is to be quiet around them.
+//! The requirements of a drawing beside its foci: areas, and the quiet region around them.
 
 use std::collections::BTreeMap;
 

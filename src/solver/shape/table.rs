@@ -1,4 +1,4 @@
-//! Transfers to scattered points as a dense table, of which only some rows may be in use.
+//! Transfers to scattered points as a dense table, with an optional subset of active rows.
 
 use num_complex::Complex64;
 

@@ -1,4 +1,4 @@
-//! Samples of areas and of what is around them: where they lie, and what is wanted there.
+//! Sample points of areas and their margins, with target values.
 
 use glam::{DVec2, DVec3};
 

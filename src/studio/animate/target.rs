@@ -1,4 +1,4 @@
-//! What a film is written to: kinds of file, and a folder of pictures.
+//! Outputs of films: file formats, or a folder of pictures.
 
 use std::path::{Path, PathBuf};
 

@@ -1,4 +1,4 @@
-//! Files of the disk, written whole or not at all.
+//! Atomic files on disk.
 
 use std::fs::{self, File, Metadata, OpenOptions};
 use std::io::{self, BufWriter, ErrorKind, Write};

@@ -1,5 +1,5 @@
-//! A file that is being written. It has no name until it is whole, so a program that is killed leaves nothing behind; where the
-//! system knows no files without names, it has one of its own.
+//! A file being written. It has no name until it is complete, so a killed program leaves nothing behind; on systems
+//! without unnamed files it has a temporary name.
 
 use std::fs::{File, Metadata};
 use std::io;

@@ -1,4 +1,4 @@
-//! The files of one run: what it reads is never written, and no two outputs are one file, whatever they are called.
+//! The files of one run: inputs are never overwritten, and all outputs are distinct files, whatever their names.
 
 use std::fs::{self, Metadata};
 use std::path::{Path, PathBuf};

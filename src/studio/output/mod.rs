@@ -1,4 +1,4 @@
-//! What leaves the program: files, written whole or not at all, and lines on standard output and error.
+//! Output of the program: atomic files, and lines on standard output and error.
 
 #[cfg_attr(target_arch = "wasm32", path = "on_shelf.rs")]
 mod disk;

@@ -1,4 +1,4 @@
-//! Files of a page in the browser: they lie on its shelf, whose keeper hands them to the user.
+//! Output files of a browser page: on its shelf, which offers them as downloads.
 
 use std::io::Write;
 use std::path::Path;

@@ -1,4 +1,4 @@
-//! The question what a figure of the map or the surface is to look like, with a preview.
+//! The dialog for exporting a figure of the map or the surface, with a preview.
 
 use egui::{ComboBox, DragValue, Sense, TextEdit, TextureHandle, Ui, vec2};
 

@@ -1,4 +1,4 @@
-//! The question for a file: a path that can be typed, above the files of a folder.
+//! The file dialog: a path to type, above the files of a folder.
 
 use std::path::{Path, PathBuf};
 

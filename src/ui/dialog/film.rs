@@ -1,4 +1,4 @@
-//! The question how a film of the motion is to be written.
+//! The dialog for exporting a film of the motion.
 
 use egui::{ComboBox, DragValue, Ui};
 

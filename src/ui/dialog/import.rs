@@ -1,4 +1,4 @@
-//! The question where a drawing is to stand, how large it is to be, and how it is to be played.
+//! The dialog for importing a drawing: position, size and sampling.
 
 use egui::{Color32, Rect, RichText, Sense, Shape, Stroke, Ui, pos2, vec2};
 

@@ -1,4 +1,4 @@
-//! What is asked or said in the middle of the window.
+//! The dialogs and messages of the window.
 
 pub mod figure;
 pub mod file;

@@ -1,4 +1,4 @@
-//! The command palette: every action, found by a part of its name.
+//! The command palette: commands found by a part of their name.
 
 use egui::{Button, Key, ScrollArea, TextEdit, Ui};
 

@@ -1,4 +1,4 @@
-//! The scene's bead, and what the sound does to it at a point.
+//! The panel of the bead and the force on it at a point.
 
 use egui::{Color32, RichText, Ui};
 use egui_plot::{Line, PlotPoints};

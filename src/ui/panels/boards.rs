@@ -1,4 +1,4 @@
-//! Where the array stands: its boards, known arrays, and what reflects.
+//! The panel of boards, published arrays and reflectors.
 
 use std::f64::consts::FRAC_PI_2;
 

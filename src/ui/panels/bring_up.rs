@@ -1,4 +1,4 @@
-//! The steps that bring a board up: its line, its elements, a focus, its emergency stop, and a report.
+//! The bring-up panel: line, elements, a focus, the emergency stop, and a report.
 
 use egui::{RichText, Ui};
 

@@ -1,4 +1,4 @@
-//! The pressure at a point in the course of time, and the lines of its square.
+//! The panel of the pressure at a point over time, with the spectrum of its square.
 
 use egui::Ui;
 use egui_plot::{Line, PlotPoints};

@@ -1,4 +1,4 @@
-//! The board that plays: connecting to it, sending to it, trying its elements, and how the line fares.
+//! The Device page: connecting to a board, sending to it, testing its elements, and the state of its line.
 
 use egui::{RichText, Ui};
 

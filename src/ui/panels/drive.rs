@@ -1,4 +1,4 @@
-//! Phase and amplitude of every element.
+//! The Drive page: phase and amplitude of every element.
 
 use egui::{Color32, Sense, Ui};
 

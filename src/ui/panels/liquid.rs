@@ -1,4 +1,4 @@
-//! The liquid and its surface depression.
+//! The Liquid page: the liquid and its surface depression.
 
 use egui::Ui;
 

@@ -1,4 +1,4 @@
-//! What makes a hand feel the sound: waveform, law, tones and a waveform from a file.
+//! The panel of the modulation: waveform, law, tones and a waveform file.
 
 use egui::Ui;
 

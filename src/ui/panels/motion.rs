@@ -1,4 +1,4 @@
-//! How the sound is modulated and the targets move, and what the frames of a cycle reach.
+//! The Motion page: modulation, motion of targets, and the pressures reached in the frames of a cycle.
 
 use egui::Ui;
 

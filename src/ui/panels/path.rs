@@ -1,4 +1,4 @@
-//! A path and how fast it goes by: of the scene's motion, or of a target's own.
+//! The panel of a motion's path and speed, for the scene or a target.
 
 use std::f64::consts::TAU;
 

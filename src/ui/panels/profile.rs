@@ -1,4 +1,4 @@
-//! The pressure along the strokes of a shape, from their first end to their last.
+//! The plot of the pressure along a shape's strokes.
 
 use egui::Ui;
 use egui_plot::{HLine, Line, PlotPoints};

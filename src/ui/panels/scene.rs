@@ -1,4 +1,4 @@
-//! Targets, plane, air and array.
+//! The Scene page: targets, plane, air and array.
 
 use egui::{RichText, Sense, Ui};
 use glam::DVec3;

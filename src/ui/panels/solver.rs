@@ -1,4 +1,4 @@
-//! How the phases are found, and how good they are.
+//! The Solver page: the method, its settings and its figures.
 
 use egui::Ui;
 

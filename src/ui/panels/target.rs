@@ -1,4 +1,4 @@
-//! The numbers of one target.
+//! The numbers of a single target.
 
 use egui::{RichText, TextEdit, Ui};
 use glam::DVec3;

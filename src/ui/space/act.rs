@@ -1,4 +1,4 @@
-//! What the pointer does in space: looking around, choosing targets, and dragging them, slices and the clipped box.
+//! Pointer input in the 3D view: orbiting, selecting targets, and dragging targets, slices and the clipping box.
 
 use std::collections::BTreeSet;
 

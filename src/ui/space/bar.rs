@@ -1,4 +1,4 @@
-//! The rows above the 3D view: what is seen of the field, and from where.
+//! The rows above the 3D view: representation of the field, and camera.
 
 use std::ops::RangeInclusive;
 

@@ -1,4 +1,4 @@
-//! Handles in space: the arrows and squares by which targets move, and knobs of slices and of the clipped box.
+//! Handles in the 3D view: arrows and squares that move targets, and knobs of slices and of the clipping box.
 
 use egui::Pos2;
 use glam::DVec3;

@@ -1,4 +1,4 @@
-//! The 3D view: how space is looked at, and what is made of it to be shown.
+//! The 3D view: its camera, contents and results.
 
 mod act;
 mod bar;

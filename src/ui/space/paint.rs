@@ -1,4 +1,4 @@
-//! What is drawn of space: the picture, names of its axes, handles, the colour bar and what is to be known of it.
+//! Painting of the 3D view: picture, names of axes, handles, colour bar and notes.
 
 use egui::{Align2, Color32, FontId, Mesh, Painter, Pos2, Rect, Shape, Stroke, StrokeKind, Ui, pos2, vec2};
 use glam::DVec3;

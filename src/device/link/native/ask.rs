@@ -1,4 +1,4 @@
-//! One question and its answer, where there is no session yet.
+//! A single request and its reply, outside a session.
 
 use web_time::{Duration, Instant};
 

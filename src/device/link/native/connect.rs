@@ -1,4 +1,4 @@
-//! Finding native devices, bringing them to a known state, and agreeing on a bit rate.
+//! Connects to native devices: search, reset to a known state, and choice of the bit rate.
 
 use std::collections::VecDeque;
 

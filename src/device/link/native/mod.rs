@@ -1,7 +1,7 @@
-//! Sending to native devices: numbered packets, at most four of them unanswered, and what got lost is sent again.
+//! The link to native devices: numbered packets, at most four of them unacknowledged, and retransmission of lost
+//! ones.
 //!
-//! A wish becomes tasks: packets in an order that keeps its promises. A first frame stands, then ENABLE is in place, then everything
-//! else follows.
+//! A wish becomes tasks, packets in a fixed order: the first frame, then ENABLE, then everything else.
 
 mod ask;
 mod connect;

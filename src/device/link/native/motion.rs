@@ -1,4 +1,4 @@
-//! How a native board plays a motion: from its own store, or frame by frame over the line.
+//! Playback of a motion on a native board: from its own store, or streamed frame by frame.
 
 /// Largest part of a cycle by which a stored one may be longer or shorter than the one asked for.
 const CYCLE_TOLERANCE: f64 = 1e-2;

@@ -1,4 +1,4 @@
-//! What a native board and its line can do: who it is, what its store keeps, and which bit rates carry everything.
+//! The survey of a native board and its line: identification, store, and error-free bit rates.
 
 use std::collections::VecDeque;
 use std::path::Path;

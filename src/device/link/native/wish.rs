@@ -1,4 +1,4 @@
-//! From what is wanted to the packets that bring the devices to it.
+//! From the wanted state to the packets that establish it.
 
 use crate::device::envelope::Table;
 use crate::device::health::FrameRates;

@@ -1,4 +1,5 @@
-//! Sending to boards that do not answer: frames as fast as the line takes them, and modulation by exchanging buffers in time.
+//! The link to boards without acknowledgements: frames as fast as the line allows, and modulation by timed buffer
+//! swaps.
 
 mod rhythm;
 

@@ -1,4 +1,4 @@
-//! When a board that cannot modulate is switched on and off from here, and what a new frame costs.
+//! The timing of modulation from the computer: switching times, and pulses skipped for a new frame.
 
 use web_time::{Duration, Instant};
 
