@@ -1,12 +1,14 @@
 //! The objective of a shape's drive: unevenness along the strokes, side lobes, and weakness.
 //!
 //! With I the mean |p|² of all drives in turn, over its target value on the strokes, M the mean of it there, and
-//! phases φ of the elements in each of them, it is α E + β Q - γ S + ½ 30 (max(0, ½ ln(floor/M)))², E = 1/2p ln(mean
-//! (M/I)^p), a soft minimum of |p| along the strokes under their mean, Q = 1/2q ln(Σ m (I/M)^q), a soft maximum of
-//! |p| elsewhere over that mean, m the mask, S = ½ ln M. Where areas are drawn, ε L comes to that
-//! ([`crate::solver::shape::picture`]). M is the mean of I T over them if there are no strokes, and else ½ 30 (½ ln(s
-//! M))² ties the areas' scale to the strokes. Its derivative by φ_n of one of K drives is 2/K Im(u_n* b_n) with b =
-//! Hᴴ (w p) and w its derivative by I.
+//! phases φ of the elements in each of them, it is
+//!   α E + β Q - γ S + ½ 30 (max(0, ½ ln(floor/M)))²,
+//!   E = 1/2p ln(mean (M/I)^p), a soft minimum of |p| along the strokes under their mean,
+//!   Q = 1/2q ln(Σ m (I/M)^q), a soft maximum of |p| elsewhere over that mean, m the mask,
+//!   S = ½ ln M.
+//! For areas, ε L is added ([`crate::solver::shape::picture`]). M is the mean of I T over them if there are no
+//! strokes; otherwise ½ 30 (½ ln(s M))² ties the areas' scale to the strokes.
+//! Its derivative by φ_n of one of K drives is 2/K Im(u_n* b_n) with b = Hᴴ (w p) and w its derivative by I.
 
 use crate::simd::{Instructions, Isa, Kernel};
 use crate::solver::descent::Function;

@@ -1,8 +1,9 @@
 //! The error of the intensity over an area relative to its target, up to a scale.
 //!
-//! With I the mean |p|² of all drives in turn at samples of weight w and target T, L = Σ w (s I - T)² / Σ w T² with
-//! the best scale s = Σ w I T / Σ w I², and ∂L/∂I = 2 s w (s I - T) / Σ w T²: the derivative by s vanishes. For a
-//! liquid's depression C I replaces I, C being the liquid's response, and ∂L/∂I is multiplied by C.
+//! With I the mean |p|² of all drives in turn at samples of weight w and target T,
+//!   L = Σ w (s I - T)² / Σ w T², s = Σ w I T / Σ w I² the best scale,
+//!   ∂L/∂I = 2 s w (s I - T) / Σ w T², since the derivative by s vanishes.
+//! For a liquid's depression C I replaces I, C being the liquid's response, and ∂L/∂I is multiplied by C.
 
 use std::f64::consts::TAU;
 
