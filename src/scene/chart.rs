@@ -4,10 +4,10 @@ use glam::{DQuat, DVec2, DVec3};
 
 use crate::scene::{Placed, Scene};
 
-/// The elements of all boards seen from the front, boards side by side: where charts draw them.
+/// The elements of all boards, seen from the front and side by side, for charts.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Chart {
-    /// m, of every element, from the lower left corner.
+    /// Position of every element from the lower left corner, m.
     pub places: Vec<DVec2>,
     /// m
     pub size: DVec2,

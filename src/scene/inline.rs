@@ -5,7 +5,7 @@ use toml_edit::{Array, DocumentMut, Item, TableLike, Value};
 const KEYFRAMES: &str = "keyframes";
 const TONES: &str = "tones";
 
-/// The text of a scene with its keyframes and tones in line. A text that is no TOML stays as it is.
+/// The text of a scene with inline keyframes and tones. A text that is not TOML is returned unchanged.
 pub fn lists(text: String) -> String {
     if ![KEYFRAMES, TONES].iter().any(|key| text.contains(key)) {
         return text;

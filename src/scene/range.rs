@@ -26,7 +26,7 @@ impl From<usize> for Key {
     }
 }
 
-/// What is wrong with the value at one key. [`crate::scene::file`] adds file, line and value.
+/// The error of a key's value. [`crate::scene::file`] adds file, line and value.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct KeyError {
     pub path: Vec<Key>,
@@ -44,7 +44,7 @@ impl KeyError {
         self
     }
 
-    /// The path as a reader writes it: `target[1].radius`, counted from 1 as the tables stand in the file.
+    /// The path as displayed: `target[1].radius`, with tables counted from 1.
     pub fn key(&self) -> String {
         let mut text = String::new();
         for key in &self.path {

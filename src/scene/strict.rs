@@ -10,11 +10,11 @@ use serde::de::{
     VariantAccess, Visitor,
 };
 
-/// A format, a visitor, a seed or the access to what is inside, made strict.
+/// A strict wrapper of a format, a visitor, a seed or a nested access.
 #[derive(Debug)]
 pub struct Strict<T>(pub T);
 
-/// The visitor of a table, which serde would also fill from a list.
+/// The visitor of a table; serde would also accept a list.
 struct OfTable<V>(V);
 
 macro_rules! forward {
@@ -140,7 +140,7 @@ impl<'de, V: Visitor<'de>> Visitor<'de> for Strict<V> {
     }
 }
 
-/// Only what a table's visitor is given: its keys, or what is none.
+/// Accepts maps only.
 impl<'de, V: Visitor<'de>> Visitor<'de> for OfTable<V> {
     type Value = V::Value;
 
