@@ -1,6 +1,6 @@
 //! Reports about a GPU: failures, and transferred bytes.
 
-/// Why the GPU did not do its work.
+/// Errors of the GPU.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum GpuError {
     #[error("no usable GPU adapter: {0}")]
@@ -16,6 +16,6 @@ pub enum GpuError {
 pub struct Traffic {
     /// Bytes that came back.
     pub read_back: u64,
-    /// Buffers, textures and bind groups that were made.
+    /// Buffers, textures and bind groups created.
     pub allocations: u64,
 }

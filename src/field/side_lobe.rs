@@ -33,18 +33,18 @@ use crate::scene::{Plane, Scene};
 
 /// Samples in a wavelength at least: a maximum of |p| is half a wavelength wide or more.
 const PER_WAVELENGTH: f64 = 8.0;
-/// Samples of a plane that are searched at most.
+/// Limit of searched samples of a plane.
 const MOST_SAMPLES: f64 = 4e6;
-/// Of the peak: what the map may be off while maxima are found; their pressures are then evaluated in f64.
+/// Tolerance of the map during the search of maxima, relative to the peak; their pressures are then evaluated in f64.
 const TOLERANCE: f64 = 1e-3;
-/// Of a wavelength: by how much paths differ at the end of a main lobe.
+/// Path difference at the end of a main lobe, in wavelengths.
 const REACH: f64 = 1.15;
-/// Places whose pressures are found together.
+/// Points evaluated together.
 const RUN: usize = 16;
-/// Parts into which half a side is cut, at whose ends paths are compared.
+/// Divisions of half a side, at whose ends paths are compared.
 const PARTS: i32 = 8;
 
-/// The loudest place beside the foci.
+/// The largest maximum outside the main lobes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SideLobe {
     /// m
@@ -70,10 +70,10 @@ pub enum NoSideLobe {
     Field(#[from] FieldError),
 }
 
-/// The peak side lobe of a drive on a plane, or of several that take turns.
+/// The peak side lobe of a drive on a plane, or of several drives in turn.
 ///
 /// # Errors
-/// [`NoSideLobe`]: it may have none, or the field may fail.
+/// [`NoSideLobe`]: no side lobe, or a failure of the field.
 pub fn loudest(
     stages: &mut Stages,
     aperture: &Aperture,
@@ -96,7 +96,7 @@ pub fn loudest(
         return Err(NoSideLobe::Silent);
     }
     let at = |place: DVec2| plane.centre + x_axis * place.x + y_axis * place.y;
-    // Nearer to a board than a wavelength it is the elements themselves that are loud.
+    // Within a wavelength of a board the elements themselves dominate.
     let is_clear = |point: DVec3| {
         let heights = || walls.iter().map(|(at, normal)| normal.dot(point - at));
         heights().all(|height| height.abs() > aperture.wavelength()) && heights().any(|height| height > 0.0)
@@ -130,7 +130,7 @@ fn sampled(
         return Err(NoSideLobe::TooLarge);
     }
     let step = plane.size / (counts - 1.0);
-    // Samples stand at the centres of pixels, those at the edge half a step within such a plane.
+    // Samples are at pixel centres, so those on the edge need a plane larger by half a step.
     let around = Plane { size: plane.size + step, tolerance: TOLERANCE, ..plane.clone() };
     let (columns, rows) = (counts.x as usize, counts.y as usize);
     let request = Request {
@@ -146,7 +146,7 @@ fn sampled(
     Ok(Lattice { values, columns, first: -plane.size / 2.0, step, half: plane.size / 2.0 })
 }
 
-/// The point of a plane's rectangle that is nearest to another.
+/// The point of a plane's rectangle nearest to another point.
 fn nearest(plane: &Plane, axes: [DVec3; 2], point: DVec3) -> DVec3 {
     let along = |axis: DVec3, size: f64| {
         let place: f64 = axis.dot(point - plane.centre);
@@ -158,7 +158,7 @@ fn nearest(plane: &Plane, axes: [DVec3; 2], point: DVec3) -> DVec3 {
 /// A board with the sides of the box around its driven elements.
 struct Sides {
     pose: Pose,
-    /// m, by which paths may differ along a side.
+    /// Largest path difference along a side, m.
     reach: f64,
     /// Middle of the driven elements, in the board's coordinates.
     middle: DVec3,
@@ -189,7 +189,7 @@ impl Sides {
         point.z > 0.0 && self.halves.iter().all(|&half| self.spread([point, focus], half) < self.reach)
     }
 
-    /// By how much paths to a point differ along a side, less what they differ on the way to the focus; m.
+    /// Variation along a side of the path to a point less the path to the focus; m.
     fn spread(&self, [point, focus]: [DVec3; 2], half: DVec3) -> f64 {
         let (least, most) = (-PARTS..=PARTS)
             .map(|part| self.middle + half * (f64::from(part) / f64::from(PARTS)))
@@ -199,7 +199,7 @@ impl Sides {
     }
 }
 
-/// The main lobe of a focus: where those of all boards meet that send sound there.
+/// The main lobe of a focus: the intersection of those of all contributing boards.
 struct Lobe<'a> {
     focus: DVec3,
     boards: &'a [Sides],
@@ -238,8 +238,8 @@ mod tests {
             .take_while(|point| point.z > aperture.wavelength() && point.distance(focus) < 0.3)
             .collect()
     }
-    /// The places (indices) of the first maximum of a line of levels, the first minimum behind it, and the maximum behind
-    /// that, if it is louder than the minimum by a tenth.
+    /// The indices of the first maximum of a line of levels, the first minimum behind it, and the next maximum, if it
+    /// is a tenth louder than the minimum.
     fn turns(levels: &[f64]) -> (usize, Option<usize>, Option<usize>) {
         let turn = |from: usize, sign: f64| {
             (from + 1..levels.len() - 1).find(|&at| {

@@ -12,12 +12,12 @@ pub enum Unit {
     MetrePerSecond,
     Joule,
     Newton,
-    /// Of light that nothing has bent.
+    /// Relative to undisturbed light.
     Undisturbed,
 }
 
 impl Unit {
-    /// In which values are computed and written.
+    /// The unit of computed and written values.
     pub fn symbol(self) -> &'static str {
         match self {
             Self::Pascal => "Pa",

@@ -7,33 +7,32 @@ use crate::field::gpu::program::{GatherParams, Program, WORKGROUP};
 use crate::field::gpu::{Gpu, Step};
 use crate::field::quantity::{Part, Sound};
 
-/// What panels want to know of a map.
+/// The results of a map for panels.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Gathered {
     /// See [`crate::field::Map::peak`].
     pub peak: f32,
     /// At the probes.
     pub sounds: Vec<Sound>,
-    /// s that the GPU took, where it can be timed.
+    /// GPU time (s), if it can be measured.
     pub seconds: Option<f64>,
 }
 
-/// A pixel that is compared with the reference.
+/// A pixel to compare with the reference.
 pub(super) struct Probe<'a> {
     /// Among all of a map.
     pub(super) number: usize,
-    /// The place of the first sample that its sound is made of.
+    /// The index of the first sample of its interpolation.
     pub(super) first: usize,
     /// Weights of these samples, of values and of slopes along the second axis.
     pub(super) weights: [&'a [f32]; 2],
 }
 
-/// The passes that gather, and where they write.
+/// The gathering passes and their output.
 #[derive(Debug)]
 pub(super) struct Gathering {
     pub(super) steps: Vec<Step>,
-    /// The parts of the sound at the probes, one part after the other, the peak, and the times at which the passes of a map began and
-    /// ended.
+    /// The parts of the sound at the probes in sequence, the peak, and the begin and end times of a map's passes.
     pub(super) buffer: wgpu::Buffer,
     parts: u8,
     probes: usize,
@@ -46,7 +45,7 @@ impl Gathering {
         Self { steps: Vec::new(), buffer, parts, probes }
     }
 
-    /// Adds some of the probes, whose sound is made of `samples` that lie this far apart, as parts do.
+    /// Adds some of the probes, with a stride of `samples` between parts of the sound.
     pub(super) fn add(
         &mut self,
         gpu: &Gpu,

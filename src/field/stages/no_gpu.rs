@@ -7,7 +7,7 @@ use crate::field::{Colouring, GpuError};
 #[derive(Debug)]
 pub(super) struct OnGpu(Gpu);
 
-/// How far the GPU is with a map.
+/// State of a map on the GPU.
 #[expect(dead_code, reason = "what there is with a GPU")]
 pub(super) enum Progress {
     Declined,

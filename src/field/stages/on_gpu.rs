@@ -35,9 +35,9 @@ struct Formed {
     part: f64,
 }
 
-/// How far the GPU is with a map.
+/// State of a map on the GPU.
 pub(super) enum Progress {
-    /// It has no room for it, or f32 does not keep the tolerance.
+    /// Insufficient memory, or f32 does not keep the tolerance.
     Declined,
     UnderWay,
     Made(Map),
@@ -57,7 +57,7 @@ impl OnGpu {
         self.formed = None;
     }
 
-    /// Brings the values up to date on the GPU; `false` where it declines.
+    /// Updates the values on the GPU; `false` if it declines.
     fn form(&mut self, job: &Job<'_>, work: &mut Work) -> Result<bool, GpuError> {
         let [drive] = &job.request.counted()[..] else { return Ok(false) };
         let Frame::Pixels { raster, weights } = job.frame else { return Ok(false) };
@@ -110,7 +110,7 @@ impl OnGpu {
         Ok(true)
     }
 
-    /// Starts on a map's values, or looks whether they are there, and may `wait` for them.
+    /// Starts a map's values, or checks for them, and may `wait`.
     pub(super) fn map(&mut self, job: &Job<'_>, wait: bool, work: &mut Work) -> Result<Progress, GpuError> {
         if !self.form(job, work)? {
             return Ok(Progress::Declined);
@@ -125,7 +125,7 @@ impl OnGpu {
         Ok(Progress::Made(job.described(values, figures.peak, error, By::Gpu)))
     }
 
-    /// The map in colours on the GPU; `None` where it declines.
+    /// The map in colours on the GPU; `None` if it declines.
     pub(super) fn picture(
         &mut self,
         job: &Job<'_>,
@@ -145,7 +145,7 @@ impl OnGpu {
         Ok(Some(texture))
     }
 
-    /// A map without its values, as soon as its figures have come back; never waits.
+    /// A map without its values, once its figures have been read back; never blocks.
     pub(super) fn figures(
         &mut self,
         job: &Job<'_>,
