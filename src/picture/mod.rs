@@ -47,17 +47,17 @@ pub struct Picture {
 }
 
 impl Picture {
-    /// From colours in a field's order, whose row 0 is at the smallest y: the bottom of the picture.
+    /// From colours in a field's order, row 0 at the smallest y, the bottom of the picture.
     ///
     /// # Panics
-    /// Other than four bytes per pixel.
+    /// Not four bytes per pixel.
     pub fn from_field_order(width: usize, height: usize, colours: &[u8]) -> Self {
         assert_eq!(colours.len(), width * height * 4, "four bytes per pixel");
         let rgba = colours.chunks_exact((width * 4).max(1)).rev().flatten().copied().collect();
         Self { width, height, rgba }
     }
 
-    /// Lays a veil of as many pixels over it: [`colour::veil`].
+    /// Blends a veil of the same size over it: [`colour::veil`].
     pub fn veil(&mut self, veil: &Self) {
         let pixels = self.rgba.as_chunks_mut::<4>().0.iter_mut();
         for (pixel, over) in pixels.zip(veil.rgba.as_chunks::<4>().0) {

@@ -8,7 +8,7 @@ use npyz::WriterBuilder;
 /// An NPY file of float32 in C order.
 ///
 /// # Errors
-/// The shape does not hold as many numbers as there are.
+/// The shape and the number of values differ.
 pub fn npy(shape: &[u64], values: &[f32]) -> io::Result<Vec<u8>> {
     let mut bytes = Vec::new();
     let mut numbers = Numbers::new(&mut bytes, shape)?;
@@ -17,7 +17,7 @@ pub fn npy(shape: &[u64], values: &[f32]) -> io::Result<Vec<u8>> {
     Ok(bytes)
 }
 
-/// An NPY file of float32 that is written piece by piece.
+/// An NPY file of float32, written piece by piece.
 pub struct Numbers<W: Write>(npyz::NpyWriter<f32, W>);
 
 impl<W: Write> Numbers<W> {
@@ -34,7 +34,7 @@ impl<W: Write> Numbers<W> {
     }
 
     /// # Errors
-    /// The shape does not hold as many numbers as came.
+    /// The shape and the number of written values differ.
     pub fn finish(self) -> io::Result<()> {
         self.0.finish()
     }

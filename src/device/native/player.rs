@@ -12,7 +12,7 @@ pub(crate) struct Play {
     pub when: When,
 }
 
-/// At which boundary a PLAY is taken.
+/// The boundary at which a PLAY is taken.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum When {
     AtOnce,
@@ -109,7 +109,7 @@ impl Player {
         }
     }
 
-    /// Whether a slot is played, or may be without a further packet.
+    /// Whether a slot is played, or may be without further packets.
     pub fn holds(&self, slot: u8) -> bool {
         let in_range = |play: Option<Play>| play.is_some_and(|play| play.holds(slot));
         slot == self.slot || in_range(self.running) || in_range(self.waiting)

@@ -2,7 +2,7 @@
 //!
 //! `gateware/rtl/packets.vh` has the same numbers; a test compares the two.
 
-/// What is added to a packet's type in its reply. Packets have types below it.
+/// Added to a packet's type in its reply. Packet types are below it.
 pub const REPLY: u8 = 0x80;
 /// The address that all devices heed and no device answers.
 pub const BROADCAST: u8 = 0xFF;

@@ -30,7 +30,7 @@ pub async fn sleep(time: Duration) {
     let _ = timer(time).await;
 }
 
-/// What comes of `work`, if it ends in time.
+/// The result of `work`, if it ends in time.
 pub async fn within<F: Future>(time: Duration, work: F) -> Option<F::Output> {
     let (mut work, mut timer) = (pin!(work), timer(time));
     poll_fn(|context| match work.as_mut().poll(context) {

@@ -24,7 +24,7 @@ type Ink = [u8; 3];
 
 const BLACK: Ink = [20, 20, 22];
 
-/// Where a text stands relative to its place.
+/// Anchor of a text relative to its position.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(in crate::picture) enum Anchor {
     Start,
@@ -32,7 +32,7 @@ pub(in crate::picture) enum Anchor {
     End,
 }
 
-/// What a figure is made of; places in mm from the top left corner.
+/// The marks of a figure; positions in mm from the top left corner.
 #[derive(Debug)]
 enum Mark {
     /// Pixels in a rectangle.
@@ -79,7 +79,7 @@ impl Figure {
         }
     }
 
-    /// The picture that the PNG holds.
+    /// The picture of the PNG.
     ///
     /// # Errors
     /// More pixels than a picture can have.

@@ -7,7 +7,7 @@ use ttf_parser::OutlineBuilder;
 use crate::picture::figure::{Anchor, Figure, Ink, Mark, font};
 use crate::picture::{Picture, PictureError};
 
-/// A PNG that knows its size in metres.
+/// A PNG with its physical size.
 ///
 /// # Errors
 /// More pixels than a PNG can have.
@@ -68,7 +68,7 @@ pub fn picture(figure: &Figure) -> Result<Picture, PictureError> {
             }
         }
     }
-    // The page is opaque: nothing is multiplied.
+    // The page is opaque, so premultiplication has no effect.
     Ok(Picture { width, height, rgba: page.take() })
 }
 

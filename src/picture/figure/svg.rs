@@ -94,7 +94,7 @@ fn colour([r, g, b]: Ink) -> String {
     format!("#{r:02x}{g:02x}{b:02x}")
 }
 
-/// As XML has it, without what it cannot hold.
+/// Escaped for XML, without invalid characters.
 fn escaped(text: &str) -> String {
     let mut escaped = String::new();
     for character in text.chars().filter(|character| !character.is_control()) {
