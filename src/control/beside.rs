@@ -14,7 +14,7 @@ use crate::solver::{self, Solution};
 /// What is to be solved.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Work {
-    /// A scene at rest, for as long as its method takes.
+    /// A scene at rest, with its full method.
     Still(Scene),
     /// All frames of a motion.
     Motion(Scene),
@@ -40,7 +40,7 @@ struct Held {
     closing: bool,
 }
 
-/// The thread, which ends after what it is at when this is dropped.
+/// The thread, which ends after its current work when this is dropped.
 #[derive(Debug)]
 pub struct Beside {
     held: Arc<Watched<Held>>,
@@ -58,7 +58,7 @@ impl Beside {
         Ok(Self { held, done })
     }
 
-    /// Asks for this, unless it is under way.
+    /// Requests this work, unless it is already running.
     pub fn ask(&self, work: Work) {
         let mut held = self.held.lock();
         if held.running.as_ref() == Some(&work) {
@@ -108,7 +108,7 @@ fn work(held: &Watched<Held>, done: &SyncSender<Done>) {
                 Done { scene, found: Found::Motion(followed) }
             }
         };
-        // Nobody waits for it any more where that fails.
+        // A failure means that the receiver is gone.
         if done.send(result).is_err() {
             return;
         }

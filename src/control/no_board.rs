@@ -9,7 +9,7 @@ use crate::scene::Scene;
 use crate::solver::Solution;
 use crate::solver::frames::Sequence;
 
-/// What a board would be to play.
+/// The content for a board.
 #[derive(Clone, Debug)]
 pub enum Play {
     Still(Arc<Solution>),

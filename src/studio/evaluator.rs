@@ -5,10 +5,10 @@ use crate::field::{Evaluator, FieldError, Stages};
 use crate::field::{GpuError, gpu::adapter};
 use crate::studio::output::note;
 
-/// Who is to compute the field.
+/// The choice of the field evaluator.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Backend {
-    /// The GPU if there is one that is not software, else the CPU.
+    /// A hardware GPU if available, otherwise the CPU.
     Auto,
     Gpu,
     Cpu,
@@ -19,18 +19,17 @@ pub enum Backend {
 /// Who draws the window.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Renderer {
-    /// wgpu where there is a GPU that is not software, else OpenGL.
+    /// wgpu with a hardware GPU, otherwise OpenGL.
     #[default]
     Auto,
     Wgpu,
     Glow,
 }
 
-/// The evaluator for maps. `auto` takes the GPU if there is one that is not software, else the CPU; that there is none it says
-/// only where words are wanted.
+/// The evaluator for maps. `auto` takes a hardware GPU if available, otherwise the CPU, mentioned only if verbose.
 ///
 /// # Errors
-/// A GPU that was asked for by name and cannot be had.
+/// An explicitly requested GPU is unavailable.
 #[cfg(not(target_arch = "wasm32"))]
 pub fn for_maps(backend: Backend, is_verbose: bool) -> Result<Evaluator, GpuError> {
     Ok(match backend {
@@ -49,7 +48,7 @@ pub fn for_maps(backend: Backend, is_verbose: bool) -> Result<Evaluator, GpuErro
     })
 }
 
-/// The evaluator for a list of points, which is short enough for f64.
+/// The evaluator for a list of points, short enough for f64.
 ///
 /// # Errors
 /// As [`for_maps`].
@@ -61,7 +60,7 @@ pub fn for_points(backend: Backend) -> Result<Evaluator, GpuError> {
     }
 }
 
-/// Does something with the stages; a GPU that fails is replaced by the CPU, once and with a word, if it was not asked for by name.
+/// Runs work on the stages; a failing GPU is replaced by the CPU, once and with a warning, unless requested by name.
 ///
 /// # Errors
 /// Those of the work.

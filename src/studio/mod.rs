@@ -36,5 +36,5 @@ pub mod volume;
 pub mod waveform;
 pub mod width;
 
-/// The scene that is shown when none is named.
+/// The scene shown by default.
 pub const EXAMPLE: &str = include_str!("../../assets/scenes/hit.toml");

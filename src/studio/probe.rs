@@ -16,10 +16,11 @@ use crate::scene::Bead;
 
 /// Pa, RMS: 0 dB.
 const REFERENCE: f64 = 20e-6;
-/// dB: what consensus allows an ear between 25 and 50 kHz for less than 4 hours (Howard, Hansen and Zander, 2004).
+/// Consensus limit (dB) for an ear between 25 and 50 kHz for less than 4 hours (Howard, Hansen and Zander, 2004).
 pub const LIMIT: f64 = 110.0;
 
-/// The sound at one point; of drives that take turns its modulus is the root of the mean square, its phase that of the first.
+/// The sound at one point; for several drives in turn, the modulus is the root mean square and the phase that of the
+/// first.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Reading {
     /// m
@@ -28,12 +29,12 @@ pub struct Reading {
     pub pressure: Complex64,
 }
 
-/// What drives that take turns make at points in front of the array.
+/// The sound of drives in turn at points in front of the array.
 ///
 /// # Panics
 /// No drive.
 pub fn readings(aperture: &Aperture, drives: &[Drive], points: &[DVec3]) -> Vec<Reading> {
-    /// Points whose transfer from some hundred elements stays in a cache.
+    /// Points processed together, so that their transfers stay in the cache.
     const RUN: usize = 64;
     let played: Vec<_> = drives.iter().flat_map(|drive| drive.excitation(&aperture.driven)).collect();
     let read = |points: &[DVec3]| {
@@ -49,9 +50,9 @@ pub fn reading(aperture: &Aperture, drives: &[Drive], position: DVec3) -> Readin
     readings(aperture, drives, &[position])[0]
 }
 
-/// The values of a map at points of its plane, whose axes and normal these are; `moment` (rad) is that of an instantaneous
-/// pressure. Empty where values follow from more than the points; of drives that take turns, their mean, or where there is none the
-/// first's.
+/// The values of a map at points of its plane, whose axes and normal these are; `moment` (rad) is that of an
+/// instantaneous pressure. Empty for quantities that depend on more than the points; for several drives in turn,
+/// their mean or, without a mean, the first.
 pub fn values(
     (aperture, air, bead): (&Aperture, &Air, &Bead),
     drives: &[Drive],
@@ -97,7 +98,7 @@ impl Reading {
         self.pressure.arg()
     }
 
-    /// What a listener at this point should know, in words.
+    /// The warning for a listener at this point.
     pub fn warning(&self) -> Option<String> {
         (self.spl() > LIMIT).then(|| {
             format!(

@@ -39,7 +39,7 @@ impl Format {
     }
 }
 
-/// What a volume is asked for by.
+/// The request for a volume.
 #[derive(Clone, Debug)]
 pub struct Wish<'a> {
     pub quantity: Quantity,
@@ -52,7 +52,7 @@ pub struct Wish<'a> {
 
 impl Wish<'_> {
     /// # Errors
-    /// What has no volume, or too many points.
+    /// A quantity without a volume, or too many points.
     pub fn check(&self) -> anyhow::Result<()> {
         let Self { quantity, counts, output, .. } = self;
         Format::of(output)?;
@@ -76,7 +76,7 @@ impl Wish<'_> {
 #[derive(Debug)]
 pub struct Written {
     pub line: String,
-    /// Where the tolerance was not kept.
+    /// A warning if the tolerance was not kept.
     pub missed: Option<String>,
 }
 

@@ -7,7 +7,7 @@ use anyhow::Context;
 
 use crate::shelf;
 
-/// Writes what is made while it is written, whole or not at all.
+/// Writes generated content, atomically.
 ///
 /// # Errors
 /// Those of the shelf's keeper and of `fill`.

@@ -12,7 +12,7 @@ const LONGEST_SLOT: f64 = 65_535.0;
 pub struct Motion {
     /// Of one cycle.
     pub frames: usize,
-    /// Frames per second that are asked for.
+    /// Requested frames per second.
     pub rate: f64,
     /// Of the board's store.
     pub slots: usize,
@@ -40,7 +40,7 @@ impl Motion {
         }
     }
 
-    /// Frames per second that are played.
+    /// Played frames per second.
     pub fn played(&self, way: Way) -> f64 {
         match way {
             Way::Stored { divider, .. } => self.carrier / f64::from(divider),
