@@ -22,7 +22,7 @@ pub enum Icon {
     Palm,
 }
 
-/// A button that does something once.
+/// A push button.
 pub fn button(ui: &mut Ui, icon: Icon, name: &str, tip: &str) -> Response {
     drawn(ui, icon, name, false).on_hover_text(format!("{name}. {tip}"))
 }

@@ -10,10 +10,10 @@ use crate::ui::{Course, CoursePlace, Editor, Shown, measure, section, theme};
 
 /// Points of the screen.
 const HEIGHT: f32 = 92.0;
-/// Hz, up to which lines are shown.
+/// Limit of displayed lines, Hz.
 pub const BAND: f64 = 1000.0;
 
-/// Where the course is looked at.
+/// Position of the time course.
 pub fn place(editor: &Editor, shown: &Shown) -> Option<DVec3> {
     let at = match editor.course.place {
         CoursePlace::Focus => section::focus(editor, shown),

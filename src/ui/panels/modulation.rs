@@ -54,7 +54,7 @@ pub fn show(editor: &mut Editor, ui: &mut Ui) {
     }
 }
 
-/// Takes another waveform; says whether a file has to be asked for first.
+/// Selects a waveform; returns whether a file is required first.
 fn choose(modulation: &mut Modulation, shape: Envelope) -> bool {
     if shape == Envelope::File && modulation.wave.get().is_none() {
         return true;

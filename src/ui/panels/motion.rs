@@ -63,7 +63,7 @@ fn settings(editor: &mut Editor, ui: &mut Ui) {
     }
 }
 
-/// A step for every target where they take turns, and for no other.
+/// Assigns a step to every target if they take turns, otherwise to none.
 fn take_turns(scene: &mut Scene) {
     let steps = scene.motion.path == MotionPath::Steps;
     for (index, target) in (0..).zip(&mut scene.targets) {

@@ -81,7 +81,7 @@ fn outlines(editor: &Editor, painter: &Painter, stage: &Stage) {
     }
 }
 
-/// The handles of what is selected: arrows along the axes, squares across them.
+/// The handles of the selection: arrows along the axes, squares across them.
 fn arrows(painter: &Painter, stage: &Stage, point: DVec3) {
     let per_point = stage.per_point(point);
     let Some(middle) = stage.screen(point) else { return };
@@ -114,7 +114,7 @@ fn arrows(painter: &Painter, stage: &Stage, point: DVec3) {
     painter.circle(middle, 3.2, theme::CHOSEN, Stroke::new(1.0, theme::MARK_EDGE));
 }
 
-/// Where slices and the faces of the clipped box are taken hold of.
+/// The knobs of slices and of the clipping box's faces.
 fn knobs(editor: &Editor, painter: &Painter, stage: &Stage) {
     for knob in handle::knobs() {
         let Some(at) = handle::knob(knob, &editor.space, &stage.clip).and_then(|point| stage.screen(point))
@@ -144,7 +144,7 @@ fn knobs(editor: &Editor, painter: &Painter, stage: &Stage) {
     }
 }
 
-/// What the picture shows, in words.
+/// Description of the picture.
 fn describe(editor: &Editor, picture: &SpaceShown, painter: &Painter, stage: &Stage) {
     if picture.peak <= 0.0 {
         return;
@@ -168,7 +168,7 @@ fn describe(editor: &Editor, picture: &SpaceShown, painter: &Painter, stage: &St
     marks::chip(painter, corner, Align2::LEFT_TOP, &text, 13.0, theme::MARK);
 }
 
-/// The colours, and where the surface is.
+/// The colour bar, with the level of the isosurface.
 fn bar(editor: &Editor, picture: &SpaceShown, ui: &Ui, stage: &Stage) {
     const TICKS: usize = 5;
     let painter = ui.painter();
