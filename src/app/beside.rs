@@ -9,7 +9,7 @@ pub fn run(name: &str, work: impl FnOnce() + Send + 'static) -> std::io::Result<
     std::thread::Builder::new().name(name.to_owned()).spawn(work).map(drop)
 }
 
-/// Begins with it once the frame is on the screen.
+/// Runs it once the frame is on the screen.
 ///
 /// # Errors
 /// There is no window.

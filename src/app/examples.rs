@@ -5,7 +5,7 @@
 pub struct Example {
     /// The file's, without its ending.
     pub name: &'static str,
-    /// What menus and the gallery call it.
+    /// Title in menus and in the gallery.
     pub title: &'static str,
     pub text: &'static str,
 }

@@ -17,7 +17,7 @@ pub trait Job {
     fn make(scene: &Scene) -> Self::Made;
 }
 
-/// The drive of the scene at rest, in full.
+/// The full solution of the scene at rest.
 pub struct Solve;
 /// Those of all frames of its motion.
 pub struct Follow;

@@ -20,7 +20,7 @@ pub(super) struct Thumbnails {
 }
 
 impl Thumbnails {
-    /// Begins with the picture of an example, unless another is under way: it will be asked for again.
+    /// Starts the picture of an example, unless another is being made: the request will be repeated.
     pub(super) fn want(&mut self, index: usize, shown: &Shown, ctx: &Context) {
         if self.errand.is_none() && !shown.thumbnails.contains_key(&index) {
             // Without a thread the card stays without its picture.
@@ -47,7 +47,7 @@ impl Thumbnails {
     }
 }
 
-/// An example's field, by the CPU; a dark picture where it has none.
+/// An example's field, on the CPU; a dark picture if there is none.
 fn picture(index: usize) -> Picture {
     draw(index).unwrap_or_else(blank)
 }
@@ -60,10 +60,10 @@ fn blank() -> Picture {
 fn draw(index: usize) -> Option<Picture> {
     let example = EXAMPLES.get(index)?;
     let mut scene = opening::parse(example.text, example.name.as_ref()).ok()?;
-    // Of the plane's shape as much as fits the card.
+    // In the plane's shape, fitted to the card.
     let (width, height) = PIXELS;
     scene.plane.size.x = scene.plane.size.y * width as f64 / height as f64;
-    // A first drive will do: a thumbnail is not measured.
+    // A first drive suffices for a thumbnail.
     let solution = solver::solve_on(&scene, None).ok()?;
     let quantity = match example.name.split('-').next() {
         Some("water") => Quantity::Depression,

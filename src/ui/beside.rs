@@ -20,7 +20,7 @@ pub enum With {
     Plane,
 }
 
-/// What the map is compared with.
+/// The comparison map.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Compare {
     pub with: With,

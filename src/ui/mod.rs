@@ -97,7 +97,7 @@ pub struct Editor {
     fitted: Option<Fitted>,
     /// How space is looked at.
     pub space: SpaceView,
-    /// What the map is compared with.
+    /// The comparison map.
     pub compare: Option<beside::Compare>,
     pub tool: Tool,
     pub panel: Panel,
