@@ -37,7 +37,7 @@ pub fn write(path: &Path, bytes: Vec<u8>) -> io::Result<()> {
 }
 
 /// # Errors
-/// There is no such file.
+/// A missing file.
 pub fn read(path: &Path) -> io::Result<Vec<u8>> {
     files().get(path).cloned().ok_or(io::Error::new(ErrorKind::NotFound, "no such file"))
 }

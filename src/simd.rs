@@ -22,7 +22,7 @@ enum Set {
     Simd128,
 }
 
-/// What the sets differ in.
+/// The differences between instruction sets.
 pub trait Instructions {
     /// a b + c in one instruction.
     const FMA: bool;

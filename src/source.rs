@@ -48,7 +48,7 @@ pub fn exists(path: &Path) -> bool {
     path.exists()
 }
 
-/// Removes a file, if there is one that can be.
+/// Removes a file, if possible.
 pub fn remove(path: &Path) {
     #[cfg(target_arch = "wasm32")]
     crate::shelf::remove(path);

@@ -24,7 +24,7 @@ pub struct Table<R, const N: usize, const M: usize> {
     /// Of the record.
     line: u64,
     columns: usize,
-    /// Name and place.
+    /// Name and index.
     required: [(&'static str, usize); N],
     /// Name, and index if the column exists.
     optional: [(&'static str, Option<usize>); M],

@@ -169,8 +169,8 @@ impl Aperture {
         self.faces.iter().flat_map(of_face).collect()
     }
 
-    /// The box around the centres of a board's driven elements, in its own coordinates: its smallest and its largest corner, m. `None` where
-    /// none is driven.
+    /// The box around the centres of a board's driven elements, in its own coordinates: its smallest and its largest
+    /// corner, m. `None` without driven elements.
     pub fn extent(&self, board: &Face) -> Option<(DVec3, DVec3)> {
         let driven = &self.driven[board.among(&self.driven)];
         let places = driven.iter().map(|&n| board.layout.positions[n - board.first]);

@@ -125,7 +125,7 @@ impl<'a> Elements<'a> {
             (true, true) => Isa::best().run(Series::<FEW_TERMS, false>(row)),
             (false, true) => Isa::best().run(Series::<MANY_TERMS, false>(row)),
         }
-        // Padding sends nothing.
+        // Padding contributes zero.
         re[self.count..].fill(0.0);
         im[self.count..].fill(0.0);
         self.mend(point, re, im);

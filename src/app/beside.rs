@@ -12,7 +12,7 @@ pub fn run(name: &str, work: impl FnOnce() + Send + 'static) -> std::io::Result<
 /// Runs it once the frame is on the screen.
 ///
 /// # Errors
-/// There is no window.
+/// A browser without a window.
 #[cfg(target_arch = "wasm32")]
 pub fn run(_: &str, work: impl FnOnce() + Send + 'static) -> std::io::Result<()> {
     use wasm_bindgen::JsCast;

@@ -19,7 +19,7 @@ use crate::ui::beside::{Beside, Compare, Difference, With};
 use crate::ui::view::Lens;
 use crate::ui::{Editor, Map, Shown};
 
-/// One map beside another.
+/// A second map beside the first.
 #[derive(Debug)]
 pub struct Comparison {
     mapping: Mapping,

@@ -71,7 +71,7 @@ impl<T: Send + 'static> Errand<T> {
         Ok(Self { progress, receiver })
     }
 
-    /// Waits for what others do.
+    /// Waits for an external operation.
     ///
     /// # Errors
     /// As [`Self::start`].
@@ -80,7 +80,7 @@ impl<T: Send + 'static> Errand<T> {
         Self::start(ctx, move |_| pollster::block_on(work))
     }
 
-    /// Waits for what others do.
+    /// Waits for an external operation.
     ///
     /// # Errors
     /// None.

@@ -28,7 +28,7 @@ use crate::ui::{self, Command, Dialog, Export, Folder, Purpose};
 
 const SHEET_WIDTH: usize = 1600;
 
-/// What came of an errand.
+/// The result of an errand.
 #[derive(Debug)]
 pub(super) enum Outcome {
     /// The answer of the desktop's file dialog; `Err` with the current text if there is no dialog or no choice.
@@ -50,7 +50,7 @@ pub(super) struct Film {
     pub(super) progress: Progress,
 }
 
-/// Asks the desktop for a file.
+/// Opens the file dialog of the desktop or browser.
 #[cfg(not(target_arch = "wasm32"))]
 fn ask_for_file(
     purpose: Purpose,

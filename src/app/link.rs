@@ -461,7 +461,7 @@ fn ask<T: 'static>(ctx: &Context, work: impl Future<Output = T> + 'static) -> Re
     receiver
 }
 
-/// What a task has sent, once.
+/// The result of a task, once.
 fn received<T>(receiver: &mut Option<Receiver<T>>) -> Option<T> {
     let value = receiver.as_ref()?.try_recv();
     // A task that ended silently sends nothing more.

@@ -61,7 +61,7 @@ struct Awaited {
     asked: Instant,
 }
 
-/// Where a picture stands.
+/// The position of a picture.
 #[derive(Clone, Copy, Debug)]
 struct Frame {
     cut: Cut,
@@ -69,7 +69,7 @@ struct Frame {
     lens: Lens,
 }
 
-/// What a map is to show.
+/// The inputs of a displayed map.
 #[derive(Debug)]
 pub struct Look<'a> {
     pub scene: &'a Scene,
@@ -94,13 +94,13 @@ pub struct Done {
     /// GPU time (ms), if figures have arrived and it is measurable.
     pub on_gpu: Option<Option<f64>>,
     pub problem: Option<String>,
-    /// Why the GPU does not compute any more.
+    /// The reason for abandoning the GPU.
     pub gave_up: Option<String>,
 }
 
 pub struct Mapping {
     stages: Stages,
-    /// What draws the window, if that is the device which computes the field.
+    /// The screen, if its device also computes the field.
     screen: Option<Screen>,
     /// The picture registered with egui on that device, and its id.
     registered: Option<(OnGpu, TextureId)>,
@@ -144,7 +144,7 @@ impl Mapping {
         }
     }
 
-    /// Who computes the field.
+    /// The field evaluator.
     pub fn evaluator(&self) -> String {
         let cpu = || format!("CPU, {}", crate::simd::Isa::best().name());
         self.stages.gpu().map_or_else(cpu, |gpu| gpu.info().name.clone())
@@ -155,7 +155,7 @@ impl Mapping {
         self.stages.gpu()
     }
 
-    /// What draws the window, if that is the device which computes the field.
+    /// The screen, if its device also computes the field.
     pub fn screen(&self) -> Option<&Screen> {
         self.screen.as_ref()
     }
@@ -278,7 +278,7 @@ impl Mapping {
         Ok(())
     }
 
-    /// Makes the picture anew.
+    /// Remakes the picture.
     fn make(
         &mut self,
         wanted: Wanted,

@@ -17,7 +17,7 @@ pub struct Recovery {
     path: PathBuf,
     /// Marks the file as in use for other windows; the system releases it when the program ends in any way.
     _lock: Option<File>,
-    /// What the file holds.
+    /// The content of the file.
     kept: Option<Scene>,
     /// Paintings, in files beside it.
     paintings: Paintings,

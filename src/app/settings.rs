@@ -178,7 +178,7 @@ impl Settings {
         }
     }
 
-    /// Makes things as they were.
+    /// Restores the settings.
     pub fn apply(&self, editor: &mut Editor, ctx: &Context) {
         ctx.set_theme(value(&THEMES, &self.theme).unwrap_or(THEMES[0].0));
         action::scale(ctx, self.scale);
@@ -263,7 +263,7 @@ pub fn remember(recent: &mut Vec<PathBuf>, path: &Path) {
 #[derive(Debug)]
 pub struct Memory {
     path: PathBuf,
-    /// As the file holds them.
+    /// As in the file.
     kept: Settings,
     pending: Option<Settings>,
     /// s on the window's clock.

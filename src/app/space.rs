@@ -63,7 +63,7 @@ struct Drawing {
     milliseconds: [f64; 2],
 }
 
-/// A field, and what it is of.
+/// A field and its inputs.
 type Kept = Option<(Sounding, Arc<Volume>)>;
 
 #[derive(Debug, Default)]

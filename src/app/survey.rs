@@ -16,7 +16,7 @@ use crate::ui::{Editor, Extremes, Shown};
 /// Resolution of the search for the maximum, in pixels of the map's wider side.
 const PIXELS: f64 = 600.0;
 
-/// What the extremes are of.
+/// The inputs of the extremes.
 #[derive(Clone, Debug, PartialEq)]
 struct Surveyed {
     scene: Scene,

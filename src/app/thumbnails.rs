@@ -13,7 +13,7 @@ use crate::studio::{map, opening};
 use crate::ui::gallery::PIXELS;
 use crate::ui::{Shown, Texture};
 
-/// What is under way.
+/// The state of the thumbnails.
 #[derive(Debug, Default)]
 pub(super) struct Thumbnails {
     errand: Option<(usize, Errand<Picture>)>,
@@ -28,7 +28,7 @@ impl Thumbnails {
         }
     }
 
-    /// Shows what is there by now.
+    /// Shows finished thumbnails.
     pub(super) fn collect(&mut self, shown: &mut Shown, ctx: &Context) {
         let Some((index, errand)) = self.errand.take() else { return };
         let picture = match errand.state() {

@@ -35,7 +35,7 @@ impl PartialEq for Played {
     }
 }
 
-/// What a course follows from.
+/// The inputs of a time course.
 #[derive(Clone, Debug, PartialEq)]
 struct Wanted {
     played: Played,

@@ -100,7 +100,7 @@ fn start() -> Result<Worker, JsValue> {
     worker.set_onerror(Some(fail.as_ref().unchecked_ref()));
     hear.forget();
     fail.forget();
-    // It compiles nothing again.
+    // The worker reuses the compiled module.
     worker.post_message(&wasm_bindgen::module())?;
     Ok(worker)
 }

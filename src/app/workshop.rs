@@ -41,7 +41,7 @@ const PER_WAVELENGTH: f64 = 6.0;
 const MOST_PER_SIDE: f64 = 1024.0;
 /// Displayed duration of a period of the sound, s.
 const OSCILLATION_PERIOD: f64 = 2.0;
-/// Between two pictures of it.
+/// Interval between two of its pictures.
 const OSCILLATION_STEP: Duration = Duration::from_millis(33);
 
 const BEING_SOLVED: &str =
@@ -62,7 +62,7 @@ impl Clock {
     }
 }
 
-/// What is looked at.
+/// The displayed content.
 #[derive(Clone, Copy, Debug)]
 pub enum Seen<'a> {
     /// A map, and its comparison.
@@ -193,7 +193,7 @@ impl Workshop {
         shown.warnings.extend_from_slice(self.reached(ctx));
     }
 
-    /// The map of what is played.
+    /// The map of the played drive.
     fn map(&mut self, editor: &Editor, shown: &mut Shown, lens: &Lens, ctx: &Context) {
         let look = Look {
             scene: editor.scene(),

@@ -11,7 +11,7 @@ use crate::scene::Scene;
 use crate::solver::frames::{self, Sequence};
 use crate::solver::{self, Solution};
 
-/// What is to be solved.
+/// Work to be solved.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Work {
     /// A scene at rest, with its full method.
@@ -20,7 +20,7 @@ pub enum Work {
     Motion(Scene),
 }
 
-/// What came of a scene.
+/// The result for a scene.
 #[derive(Debug)]
 pub struct Done {
     pub scene: Scene,
@@ -75,7 +75,7 @@ impl Beside {
         held.running.is_some() || held.next.is_some()
     }
 
-    /// What is done, once.
+    /// The finished result, once.
     pub fn collect(&self) -> Option<Done> {
         self.done.try_recv().ok()
     }

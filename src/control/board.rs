@@ -16,7 +16,7 @@ use crate::solver::Solution;
 use crate::solver::frames::Sequence;
 use crate::studio::output::{note, warn};
 
-/// What a board is to play.
+/// Content for a board.
 #[derive(Clone, Debug)]
 pub enum Play {
     Still(Arc<Solution>),

@@ -28,7 +28,7 @@ pub enum Edit {
     Replace(Number, Box<Target>),
     Add(Box<Target>),
     Remove(Number),
-    /// No target is left.
+    /// Removes all targets.
     Clear,
     /// Some keys of a table, as in a scene's file.
     Table(Table, Map<String, Value>),
@@ -46,7 +46,7 @@ pub enum Edit {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Wish {
     pub scene: Arc<Scene>,
-    /// What moves does.
+    /// Whether motions run.
     pub moves: bool,
     /// The board plays the scene.
     pub sends: bool,
@@ -60,7 +60,7 @@ impl Wish {
         Self { scene, moves: true, sends: false, stops: 0 }
     }
 
-    /// What it is after a change.
+    /// The wish after a change.
     ///
     /// # Errors
     /// An invalid edit, or a scene refused by [`check()`] or [`file::targets_in_motion`].

@@ -18,7 +18,7 @@ const MOST_PIXELS: usize = 1 << 20;
 /// Default size of a map.
 const SIDE: usize = 128;
 
-/// What a message asks for.
+/// The requests of a message.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Message {
     /// Returned with every answer.
@@ -32,7 +32,7 @@ pub struct Message {
     pub map: Option<MapWish>,
 }
 
-/// A map that is asked for.
+/// A requested map.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct MapWish {
     pub quantity: Quantity,

@@ -32,7 +32,7 @@ pub struct Live {
     beside: Beside,
     /// The last solved scene and its result.
     solved: Option<(Scene, Result<Arc<Solution>, String>)>,
-    /// Where a drag goes on from.
+    /// The solution from which a drag continues.
     last: Option<Arc<Solution>>,
     frames: Option<(Scene, Result<Arc<Sequence>, String>)>,
     seen: u64,

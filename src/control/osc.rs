@@ -19,7 +19,7 @@ const ROOT: &str = "/sonoglyph/";
 /// Foci in an answer, at most: it fits into one packet.
 const MOST_FOCI: usize = 128;
 
-/// What a message says.
+/// A parsed message.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Word {
     Edit(Edit),

@@ -126,7 +126,7 @@ impl Drop for Server {
     fn drop(&mut self) {
         self.desk.close();
         for thread in self.threads.drain(..) {
-            // What panicked has said so.
+            // A panic has already been reported.
             let _ = thread.join();
         }
     }

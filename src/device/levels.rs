@@ -87,7 +87,7 @@ impl Levels {
         Ok(Self { profile, elements: (0..array).map(level).collect() })
     }
 
-    /// Nothing sounds.
+    /// All elements off.
     pub fn off(profile: Profile) -> Self {
         Self { profile, elements: vec![None; profile.elements()] }
     }

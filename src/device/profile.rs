@@ -11,7 +11,7 @@ pub enum Profile {
     Natives(u8),
     /// One SonicSurface of 16 x 16.
     SonicSurface,
-    /// Two of them on one line.
+    /// Two SonicSurface boards on one line.
     SonicSurface2,
     /// One with the gateware for tactile modulation.
     SonicSurfaceTactile,
@@ -52,7 +52,7 @@ pub struct OtherArray {
     pub elements: usize,
 }
 
-/// What a scene has, in words.
+/// A scene's array, as text.
 fn own(boards: usize, array: &Option<[u32; 2]>, elements: usize) -> String {
     match (boards, array) {
         (1, Some([columns, rows])) => {
@@ -145,7 +145,7 @@ impl Profile {
         }
     }
 
-    /// What it drives, in words.
+    /// The board's size, as text.
     fn size(self) -> String {
         match self.shape() {
             Some([columns, rows]) => format!("is {columns} x {rows}"),

@@ -17,7 +17,7 @@ pub enum Scale {
 
 /// [`Colouring::floor`] by default: -60 dB of a pressure.
 pub const FLOOR: f32 = 1e-3;
-/// The last place of a table.
+/// The last index of a table.
 const LAST: f32 = 255.0;
 /// Divisor for all-zero values.
 pub const SMALLEST: f32 = 1e-30;

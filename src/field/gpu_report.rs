@@ -11,10 +11,10 @@ pub enum GpuError {
     Lost(String),
 }
 
-/// What went back and forth.
+/// Traffic to and from the GPU.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Traffic {
-    /// Bytes that came back.
+    /// Bytes read back.
     pub read_back: u64,
     /// Buffers, textures and bind groups created.
     pub allocations: u64,

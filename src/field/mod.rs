@@ -149,7 +149,7 @@ impl Samples {
     }
 }
 
-/// Who computes the field.
+/// The field evaluator.
 #[derive(Debug)]
 pub enum Evaluator {
     /// f64, point by point: slow and right.

@@ -4,11 +4,11 @@ use num_complex::Complex32;
 
 use crate::field::{GpuError, Sources, Traffic};
 
-/// No value of it exists.
+/// An uninhabited type.
 #[derive(Clone, Copy, Debug)]
 pub enum Gpu {}
 
-/// No value of it exists.
+/// An uninhabited type.
 #[derive(Clone, Copy, Debug)]
 pub enum Texture {}
 

@@ -105,7 +105,7 @@ macro_rules! quantities {
         formula: |$s:ident, $c:ident| $formula:expr,
         $($field:ident: $value:expr),* $(,)?
     })*) => {
-        /// What of a field is shown.
+        /// A quantity of a field.
         #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
         pub enum Quantity {
             $($(#[$doc])* $quantity,)*

@@ -42,7 +42,7 @@ pub struct Sources<'a> {
     pub elements: Vec<[f32; 4]>,
     /// z (m) and the direction of radiation; empty for a flat board.
     pub tilts: Vec<[f32; 4]>,
-    /// Where the sound is wanted.
+    /// Sample points.
     pub samples: Cow<'a, Samples>,
 }
 

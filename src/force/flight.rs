@@ -58,7 +58,7 @@ pub struct Moment {
     pub wanted: DVec3,
 }
 
-/// What became of a bead.
+/// The flight of a bead.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Flight {
     pub moments: Vec<Moment>,

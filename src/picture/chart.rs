@@ -41,7 +41,7 @@ const ON_DARK: [(RGBColor, &str); 10] = [
     (COLOURS[8], "#c79a62"),
 ];
 
-/// What is drawn.
+/// The content of a chart.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Chart {
     pub title: String,
@@ -72,7 +72,7 @@ impl Chart {
     /// The chart as a picture of 1200 x 800 pixels.
     ///
     /// # Errors
-    /// There is nothing to draw.
+    /// An empty chart.
     pub fn draw(&self) -> Result<Picture, PictureError> {
         let (width, height) = SIZE;
         let mut rgb = vec![255; (width * height * 3) as usize];
@@ -84,7 +84,7 @@ impl Chart {
     /// The chart as an SVG element of 900 x 600 pixels without a title, which the page sets.
     ///
     /// # Errors
-    /// There is nothing to draw.
+    /// An empty chart.
     pub fn svg(&self) -> Result<String, PictureError> {
         let mut svg = String::new();
         self.draw_on(SVGBackend::with_string(&mut svg, SVG_SIZE), "")?;

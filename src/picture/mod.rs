@@ -68,7 +68,7 @@ impl Picture {
     /// One colour, r, g, b, a.
     ///
     /// # Panics
-    /// A place beside the picture.
+    /// A position outside the picture.
     pub fn pixel(&self, x: usize, y: usize) -> [u8; 4] {
         let at = (y * self.width + x) * 4;
         [self.rgba[at], self.rgba[at + 1], self.rgba[at + 2], self.rgba[at + 3]]

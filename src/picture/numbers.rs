@@ -22,13 +22,13 @@ pub struct Numbers<W: Write>(npyz::NpyWriter<f32, W>);
 
 impl<W: Write> Numbers<W> {
     /// # Errors
-    /// What the file says.
+    /// A file error.
     pub fn new(file: W, shape: &[u64]) -> io::Result<Self> {
         Ok(Self(npyz::WriteOptions::new().default_dtype().shape(shape).writer(file).begin_nd()?))
     }
 
     /// # Errors
-    /// What the file says.
+    /// A file error.
     pub fn add(&mut self, values: &[f32]) -> io::Result<()> {
         self.0.extend(values.iter().copied())
     }

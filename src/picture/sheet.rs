@@ -24,7 +24,7 @@ const ROWS: [f64; 2] = [190.0, 905.0];
 
 const INK: RGBColor = RGBColor(30, 30, 34);
 const FAINT: RGBColor = RGBColor(205, 205, 210);
-/// Where sound is wanted.
+/// Colour of targets.
 const WANTED: RGBColor = RGBColor(196, 43, 60);
 const EMPTY: [u8; 3] = [244, 244, 246];
 

@@ -24,7 +24,7 @@ pub struct Words {
     pub scale: f64,
 }
 
-/// Colours and what they mean.
+/// A colour bar with its labels.
 #[derive(Clone, Debug)]
 pub struct Bar {
     pub table: [[u8; 4]; 256],

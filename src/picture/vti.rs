@@ -17,7 +17,7 @@ impl<W: Write> ImageData<W> {
     /// escapes.
     ///
     /// # Errors
-    /// What the file says.
+    /// A file error.
     pub fn new(mut file: W, name: &str, origin: DVec3, spacing: DVec3, counts: UVec3) -> io::Result<Self> {
         let last = counts - UVec3::ONE;
         let extent = format!("0 {} 0 {} 0 {}", last.x, last.y, last.z);

@@ -72,7 +72,7 @@ impl Material {
         }
     }
 
-    /// What it is called in full.
+    /// Full name.
     pub fn title(self) -> &'static str {
         match self {
             Self::Eps => "expanded polystyrene",

@@ -330,7 +330,7 @@ mod tests {
         let target = Target { angle: std::f64::consts::FRAC_PI_2, ..Target::new(shape) };
         let cover = Cover::new(&target, 8.5e-3).unwrap().unwrap();
         assert!(cover.half.distance(DVec2::new(0.015, 0.005)) < 1e-12, "{}", cover.half);
-        // The second row from the top lies 5 mm above the middle, which a quarter turn takes to the left.
+        // The second row from the top is 5 mm above the centre, to the left after a quarter turn.
         let middle = at + DVec3::new(-0.005, -0.005, 0.0);
         assert!(cover.centre.distance(middle) < 1e-12, "{}", cover.centre);
         assert!((cover.brightness(cover.flat(middle), 1e-3) - 0.5).abs() < 1e-12);

@@ -122,11 +122,11 @@ pub struct Focus {
     pub position: DVec3,
     /// Target pressure: relative to the other foci, or Pa (peak), depending on [`Solver::pressures`].
     pub target: f64,
-    /// What it is a part of.
+    /// The origin of the focus.
     pub part: Part,
 }
 
-/// What a focus is a part of.
+/// The origin of a focus.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Part {
     /// A focal point of its own.
@@ -228,7 +228,7 @@ pub struct Array {
     /// A table of elements instead of rows, columns and pitch, relative to the scene file.
     #[serde(rename = "elements", skip_serializing_if = "Option::is_none")]
     pub file: Option<String>,
-    /// What that table holds.
+    /// The content of that table.
     #[serde(skip)]
     pub placed: Elements,
     /// Pressure reflection coefficient of the array's own face.
@@ -352,7 +352,7 @@ pub enum Pressures {
     Pascal,
 }
 
-/// What a board can play.
+/// The amplitudes of the played drive.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Amplitudes {
@@ -405,7 +405,7 @@ impl Method {
         }
     }
 
-    /// What it is called in full.
+    /// Full name.
     pub fn title(self) -> &'static str {
         match self {
             Self::Focus => "time of flight",
@@ -460,7 +460,7 @@ impl Plane {
     }
 }
 
-/// The place of an ear.
+/// The position of an ear.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Listener {

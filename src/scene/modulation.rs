@@ -74,7 +74,7 @@ fn is_zero(phase: &f64) -> bool {
     *phase == 0.0
 }
 
-/// What has the shape.
+/// The modulated quantity.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Law {

@@ -252,7 +252,7 @@ pub fn covers(shown: &[(usize, &Target)], wavelength: f64) -> Result<Vec<(usize,
     shown.iter().filter_map(cover).collect()
 }
 
-/// Samples of areas, so far apart that there are `most` at most; each has one at least.
+/// Samples of areas, spaced to give at most `most`; each area has at least one.
 fn patches(covers: &[(usize, Cover)], wavelength: f64, most: usize) -> Vec<(usize, Vec<Patch>)> {
     const COARSER: f64 = 1.1;
     let mut spacing = wavelength / PER_WAVELENGTH_OF_AREA;

@@ -100,7 +100,7 @@ pub fn finite(key: &'static str, value: f64) -> Result<(), KeyError> {
     if value.is_finite() { Ok(()) } else { refuse(key, "must be a finite number") }
 }
 
-/// A place of some size.
+/// A position.
 pub fn point(key: &'static str, value: DVec3) -> Result<(), KeyError> {
     if value.is_finite() && value.abs().max_element() <= LONGEST {
         return Ok(());
@@ -108,7 +108,7 @@ pub fn point(key: &'static str, value: DVec3) -> Result<(), KeyError> {
     refuse(key, format!("must be a point in metres, every coordinate from -{LONGEST} to {LONGEST}"))
 }
 
-/// What has a direction.
+/// A direction vector.
 pub fn direction(key: &'static str, value: DVec3) -> Result<(), KeyError> {
     if value.is_finite() && value.try_normalize().is_some() {
         return Ok(());

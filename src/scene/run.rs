@@ -9,7 +9,7 @@ use crate::scene::check::{Key, KeyError};
 /// Cosine of the angle beyond which a vertex is a corner: 30°. Segments of the stroke font's arcs turn by 6°.
 const CORNER_COS: f64 = 0.866;
 
-/// A place on an outline.
+/// A point on an outline.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Vertex {
     /// m

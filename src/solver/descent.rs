@@ -16,7 +16,7 @@ pub trait Function {
     fn evaluate(&mut self, x: &[f64], gradient: &mut [f64]) -> f64;
 }
 
-/// A place on the way down.
+/// The state of a descent.
 #[derive(Clone, Debug)]
 pub struct Descent {
     pub x: Vec<f64>,

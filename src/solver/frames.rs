@@ -17,7 +17,7 @@ use crate::scene::{Focus, Method, Pressures, Scene, Solver, motion};
 use crate::solver::steps::{PhaseSteps, phase_steps};
 use crate::solver::{self, Excitation, Played, Problem, SolveError, quality, room};
 
-/// Wavelengths that a focus may go from one keyframe to the next, if there are frames between them.
+/// Limit of a focus' displacement between keyframes, in wavelengths, if there are frames between them.
 const STRIDE: f64 = 0.15;
 /// Limit of the focal displacement, in wavelengths, for continuing from the previous frame.
 const FARTHEST: f64 = 0.5;

@@ -46,7 +46,7 @@ pub fn weighted(problem: &Problem<'_>, iterations: u32) -> Excitation {
     Excitation { values, iterations, residual: Some(residual), weights: None }
 }
 
-/// W H* (H W H*)⁺ p to some scale, and its relative residual, by way of the singular values of H √W, so that nothing is squared.
+/// W H* (H W H*)⁺ p to some scale, and its relative residual, by the singular values of H √W, without squaring.
 fn weighted_inverse(problem: &Problem<'_>, weights: &[f64]) -> (Vec<Complex64>, f64) {
     let transfer = &problem.transfer;
     let targets = problem.targets();

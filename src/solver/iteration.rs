@@ -46,7 +46,7 @@ pub fn gspat(problem: &Problem<'_>, iterations: u32) -> Excitation {
     let (transfer, targets) = (&problem.transfer, problem.targets());
     let gram = transfer.gram(None);
     let count = targets.len();
-    // Of a focus that no element is heard at, too.
+    // Also for a focus where the field of all elements is zero.
     let power: Vec<_> = (0..count).map(|m| gram.re[m * count + m].max(f64::MIN_POSITIVE)).collect();
     let heard = |p: &[Complex64]| -> Vec<Complex64> {
         let row = |m: usize| (0..count).map(|i| gram.at(m * count + i) * p[i] / power[i]).sum();
@@ -264,7 +264,7 @@ impl<'a, const CHANNELS: usize> State<'a, CHANNELS> {
         for _ in 0..iterations {
             let mean = self.relative(targets).sum::<f64>() / count;
             if mean == 0.0 {
-                // Nothing arrives anywhere: there is nothing to weigh by.
+                // The field is zero at all foci: weights are undefined.
                 break;
             }
             for (weight, relative) in weights.iter_mut().zip(self.relative(targets)) {
@@ -394,7 +394,7 @@ mod tests {
     use crate::acoustics::Aperture;
     use crate::scene::Scene;
 
-    /// Foci on a circle 10 cm above the usual array, and targets of which the strongest is so many times the weakest.
+    /// Foci on a circle 10 cm above the default array, with targets spanning this ratio.
     fn circle(count: usize, radius: f64, span: f64) -> (Transfer, Vec<f64>) {
         let at = |m: usize| {
             let (sin, cos) = (TAU * m as f64 / count as f64).sin_cos();
@@ -430,7 +430,7 @@ mod tests {
 
     #[test]
     fn foci_that_the_array_does_not_tell_apart_stay_strong_rather_than_level() {
-        // Two millimetres apart, two foci are one: what makes one twice as loud as the other takes from both.
+        // Two foci two millimetres apart are not resolved: making one twice as loud costs pressure at both.
         let (transfer, targets) = circle(2, 1e-3, 2.0);
         for iterations in [5, 30] {
             let mut state = start(&transfer, &targets);

@@ -34,7 +34,7 @@ pub use shape::{AreaFigures, Figures, Search, Stage, Surroundings};
 pub use trap::Traps;
 pub use warning::Warning;
 
-/// What a method gets to see.
+/// The input of a method.
 #[derive(Clone, Debug)]
 pub struct Problem<'a> {
     pub aperture: &'a Aperture,
@@ -194,7 +194,7 @@ fn turn(drive: &mut Drive, other: &Drive) -> f64 {
     angle
 }
 
-/// Why there is no drive.
+/// Errors of solving.
 #[derive(Debug, thiserror::Error)]
 pub enum SolveError {
     #[error(transparent)]

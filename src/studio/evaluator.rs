@@ -16,7 +16,7 @@ pub enum Backend {
     Reference,
 }
 
-/// Who draws the window.
+/// The renderer of the window.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Renderer {
     /// wgpu with a hardware GPU, otherwise OpenGL.

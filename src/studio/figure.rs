@@ -32,7 +32,7 @@ const MOST_WIDTHS: usize = 24;
 /// mm on the paper that the bar of a depth has at least.
 const LEAST_DEPTH: f64 = 2.5;
 
-/// What is chosen of a figure.
+/// The options of a figure.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Wish {
     pub paper: Paper,
@@ -91,7 +91,7 @@ impl Default for Wish {
 /// The format of a figure, by its file name extension.
 ///
 /// # Errors
-/// Another ending, or none.
+/// An unknown or missing extension.
 pub fn format(path: &Path) -> anyhow::Result<Format> {
     let ending = path.extension().unwrap_or_default().to_string_lossy().to_lowercase();
     Format::ALL.into_iter().find(|format| format.ending() == ending).with_context(|| {

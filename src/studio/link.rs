@@ -53,7 +53,7 @@ pub fn of_page(link: &str, page: &str) -> String {
     link.replacen(SCHEME, page, 1)
 }
 
-/// A link that holds a scene.
+/// The link of a scene.
 ///
 /// # Errors
 /// A scene with pictures or a waveform, which are separate files.

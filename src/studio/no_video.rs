@@ -25,7 +25,7 @@ impl Codec {
     }
 }
 
-/// None can be begun.
+/// An uninhabited type.
 #[derive(Debug)]
 pub enum Video {}
 

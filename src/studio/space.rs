@@ -184,7 +184,7 @@ struct Items<'a> {
 }
 
 impl Items<'_> {
-    /// What lines are drawn in.
+    /// The ink of lines.
     fn ink(&self, alpha: f32) -> Vec4 {
         let ink = if self.look.is_light { Vec3::splat(0.08) } else { Vec3::ONE };
         ink.extend(alpha)

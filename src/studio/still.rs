@@ -30,7 +30,7 @@ const SMALLEST_SHEET: usize = 200;
 const MAP_WIDTH: usize = 512;
 const SHEET_WIDTH: usize = 1600;
 
-/// What a picture shows.
+/// The content of a picture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Diagram {
     /// A quantity on the scene's plane.

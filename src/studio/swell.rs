@@ -15,7 +15,7 @@ const STILL: f64 = 0.25;
 /// Limit of memory for the static depressions of all frames, in bytes.
 const MOST_BYTES: usize = 1 << 30;
 
-/// When what happens.
+/// The times of a wave simulation.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Schedule {
     pub pictures: usize,
@@ -49,7 +49,7 @@ impl Schedule {
         Ok(Self { pictures: pictures as usize, steps: steps as usize, step: between / steps })
     }
 
-    /// Pictures of a second that really passes.
+    /// Frames per second of real time.
     pub fn rate(self) -> f64 {
         1.0 / (self.step * self.steps as f64)
     }

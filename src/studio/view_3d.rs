@@ -71,7 +71,7 @@ impl Wish {
 #[derive(Debug)]
 pub struct Drawn {
     pub picture: Picture,
-    /// What it shows, in words.
+    /// Description of its content.
     pub what: String,
     pub how: String,
 }

@@ -28,7 +28,7 @@ impl Format {
     /// By a file's ending.
     ///
     /// # Errors
-    /// Another ending, or none.
+    /// An unknown or missing extension.
     pub fn of(path: &Path) -> anyhow::Result<Self> {
         figure::refuse_ending(path, &["vti", "npy"])?;
         match path.extension().map(|ending| ending.to_string_lossy().to_lowercase()).as_deref() {

@@ -22,7 +22,7 @@ pub struct Rays<'a> {
     pub counts: [usize; 2],
     /// Position of the first point.
     pub first: [f64; 2],
-    /// From place to place.
+    /// Between neighbouring points.
     pub step: [f64; 2],
     /// Slopes of the surface's depth at every point, along a row and from row to row.
     pub slopes: [&'a [f32]; 2],

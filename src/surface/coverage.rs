@@ -58,7 +58,7 @@ impl Coverage {
         [self.first, self.first + self.rows as f64]
     }
 
-    /// Adds an amount at a place.
+    /// Adds an amount at a point.
     pub fn point(&mut self, [x, y]: [f64; 2], amount: f64) {
         let row = y - self.first;
         if (0.0..self.rows as f64).contains(&row) && (0.0..self.columns as f64).contains(&x) {

@@ -29,7 +29,7 @@ pub struct Compare {
     pub cut: Cut,
     /// Whether the difference is shown on the right.
     pub difference: bool,
-    /// There is room for two.
+    /// Whether there is room for two maps.
     pub is_split: bool,
     /// Position of the pointer on either map, m.
     pub pointer: Option<DVec3>,
@@ -73,7 +73,7 @@ impl Compare {
         self.difference && self.with != With::Plane
     }
 
-    /// What each side is called.
+    /// Names of both sides.
     pub fn names(&self, editor: &Editor) -> [String; 2] {
         let levels =
             |levels: Option<u32>| levels.map_or("ideal drive".to_owned(), |n| format!("{n} phase levels"));

@@ -16,7 +16,7 @@ pub struct BoardForm {
     pub profile: Profile,
     /// 0: the default baud rate.
     pub baud: u32,
-    /// A CSV file, or nothing.
+    /// A CSV file, or empty.
     pub calibration: String,
     /// Whether every change of the scene is sent at once.
     pub live: bool,
@@ -148,7 +148,7 @@ pub struct PortShown {
     pub profile: Option<Profile>,
 }
 
-/// What is known.
+/// The board's known state.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct BoardShown {
     pub ports: Vec<PortShown>,

@@ -18,7 +18,7 @@ pub struct Document {
     settled: Scene,
     undo: Vec<Scene>,
     redo: Vec<Scene>,
-    /// As the file holds it.
+    /// As in the file.
     saved: Scene,
     path: Option<PathBuf>,
     /// Its name while it has no file.

@@ -8,7 +8,7 @@ use crate::ui::theme;
 const SIDE: f32 = 26.0;
 const WIDTH: f32 = 1.5;
 
-/// What is drawn on a button.
+/// The icon of a button.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Icon {
     Fit,

@@ -66,7 +66,7 @@ impl Fitted {
 }
 
 impl Editor {
-    /// Shows another cut, all of it.
+    /// Shows another plane, fitted.
     pub fn look_at(&mut self, cut: Cut) {
         self.view.cut = cut;
         self.view.line = self.view.middle(&self.document.scene);

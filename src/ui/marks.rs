@@ -143,7 +143,7 @@ pub fn gesture(editor: &Editor, painter: &Painter, lens: &Lens) {
     }
 }
 
-/// The loudest place and the peak side lobe, with their pressures.
+/// The maximum and the peak side lobe, with their pressures.
 fn extremes(editor: &Editor, found: &Extremes, painter: &Painter, lens: &Lens) {
     let axes = editor.view.axes(editor.scene());
     let tell = |pressure: f64| editor.view.convention.pressure(pressure);

@@ -111,7 +111,7 @@ pub fn presented_stop(shown: &Shown, ctx: &Context, commands: &mut Vec<Command>)
     area.anchor(egui::Align2::RIGHT_TOP, vec2(-12.0, 12.0)).show(ctx, |ui| stop(shown, ui, commands));
 }
 
-/// What is being written.
+/// The export in progress.
 fn export(shown: &Shown, ui: &mut Ui, commands: &mut Vec<Command>) {
     let Some((name, part)) = &shown.export else { return };
     let bar = ProgressBar::new(*part).desired_width(120.0).text(format!("{:.0} %", part * 100.0));

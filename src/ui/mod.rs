@@ -236,7 +236,7 @@ impl Panel {
 pub enum Command {
     New,
     Open(PathBuf),
-    /// By its place in the list.
+    /// By its index in the list.
     Example(usize),
     /// Renders an example's thumbnail, by index.
     Thumbnail(usize),
@@ -290,7 +290,7 @@ impl Command {
 /// Export formats.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Export {
-    /// The map with axes, as [`Editor::figure`] says.
+    /// The map with axes, with the options of [`Editor::figure`].
     Figure(Format),
     /// The map as displayed.
     Map,

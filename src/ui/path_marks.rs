@@ -10,7 +10,7 @@ use crate::ui::{Editor, Shown, edit, marks, theme};
 
 /// Points of the screen: half a handle.
 const HALF: f32 = 5.5;
-/// Targets whose way is drawn.
+/// Limit of targets with drawn paths.
 const FEW: usize = 6;
 
 /// Paths, handles, and moving targets.

@@ -29,7 +29,7 @@ pub struct Shown {
     pub map: Option<Map>,
     /// The scene in 3D, while displayed.
     pub space: Option<SpaceShown>,
-    /// What it is compared with.
+    /// The comparison map.
     pub beside: Option<beside::Beside>,
     /// Of the scene at rest.
     pub solution: Option<Arc<Solution>>,
@@ -57,13 +57,13 @@ pub struct Shown {
     pub widths: Option<Widths>,
     /// Files that were open last, the last one first.
     pub recent: Vec<PathBuf>,
-    /// Where a file is asked for.
+    /// The folder in the file dialog.
     pub folder: Option<Folder>,
     /// Titles of the example scenes.
     pub examples: Vec<String>,
     /// Thumbnails of displayed examples, by index.
     pub thumbnails: BTreeMap<usize, Texture>,
-    /// Who computes the field.
+    /// The field evaluator.
     pub evaluator: String,
     /// ms
     pub solving: f64,
@@ -103,7 +103,7 @@ pub struct ServingShown {
     pub refused: u64,
 }
 
-/// A word on what was done.
+/// A notice about an action.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Notice {
     pub text: String,
@@ -119,7 +119,7 @@ pub struct Sound {
     /// Drives in turn, at least one.
     pub drives: Vec<Drive>,
     pub foci: Vec<Focus>,
-    /// What arrives at the foci.
+    /// The readings at the foci.
     pub readings: Vec<Reading>,
 }
 
@@ -150,7 +150,7 @@ impl Sound {
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct MethodRow {
     pub method: Method,
-    /// Or why there is none.
+    /// Or the reason for its absence.
     pub solution: Result<Arc<Solution>, String>,
 }
 
@@ -179,7 +179,7 @@ impl Course {
         self.lines.first().map_or(0.0, |line| line.amplitude)
     }
 
-    /// The line beside the mean.
+    /// The strongest line besides the mean.
     pub fn strongest(&self) -> Option<&Line> {
         self.lines.iter().skip(1).max_by(|a, b| a.amplitude.total_cmp(&b.amplitude))
     }

@@ -14,7 +14,7 @@ const DIGITS: &str = "Inter tabular digits";
 const SEMIBOLD: &str = "Inter semibold";
 /// Selected, drawn or pressed items.
 pub const ACCENT: Color32 = Color32::from_rgb(46, 134, 222);
-/// What silences or destroys.
+/// Stop and delete buttons.
 pub const DANGER: Color32 = Color32::from_rgb(205, 48, 44);
 /// Over the map, on any of its colours.
 pub const MARK: Color32 = Color32::WHITE;

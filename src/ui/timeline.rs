@@ -42,7 +42,7 @@ pub fn show(editor: &mut Editor, shown: &Shown, ui: &mut Ui) {
     lanes(editor, ui, clock);
 }
 
-/// What time is measured in.
+/// The units of the timeline.
 #[derive(Clone, Copy, Debug)]
 struct Clock {
     /// Cycles per second.

@@ -16,12 +16,12 @@ const ABOVE: f32 = 22.0;
 /// Smallest size, m.
 const SMALLEST: f64 = 1e-3;
 
-/// What is taken hold of.
+/// The grabbed part of the box.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Grip {
     /// A corner, and the fixed opposite one: m in the plane.
     Corner { held: DVec2, fixed: DVec2 },
-    /// About this place.
+    /// Rotation about this point.
     Turn(DVec2),
 }
 

@@ -11,7 +11,7 @@ use crate::ui::edit;
 use crate::ui::tool::{self, Tool};
 use crate::ui::view::Axes;
 
-/// A text under way.
+/// A text being typed.
 #[derive(Clone, Debug)]
 pub struct Typing {
     pub at: DVec2,

@@ -27,7 +27,7 @@ pub enum Cut {
     Xy,
     Xz,
     Yz,
-    /// As a [`FreePlane`] says.
+    /// As in [`FreePlane`].
     Free,
     /// The scene plane, at any tilt.
     Own,
@@ -56,7 +56,7 @@ impl Cut {
         }
     }
 
-    /// What moves the plane.
+    /// The axis along which the plane moves.
     pub fn normal(self) -> Option<&'static str> {
         match self {
             Self::Xy => Some("z"),
@@ -196,7 +196,7 @@ pub struct View {
     pub floor: f64,
     /// Whether colours are for a light ground; `None`: as the theme.
     pub ground: Option<bool>,
-    /// What that comes to.
+    /// The resulting ground.
     pub is_light: bool,
     /// The brightness of a phase map follows the amplitude.
     pub fades: bool,

@@ -64,7 +64,7 @@ impl Field {
         Ok(Self { stages: Stages::new(evaluator), before: None })
     }
 
-    /// Who computes.
+    /// The evaluator.
     #[wasm_bindgen(getter)]
     pub fn evaluator(&self) -> String {
         let cpu = || format!("CPU, {}", Isa::best().name());

@@ -34,7 +34,7 @@ impl Board {
     /// A board of a profile, at its usual bit rate.
     ///
     /// # Errors
-    /// There is no such profile.
+    /// An unknown profile.
     #[wasm_bindgen(constructor)]
     pub fn new(name: &str) -> Result<Self, JsError> {
         console_error_panic_hook::set_once();

@@ -7,7 +7,7 @@ use web_time::Duration;
 pub struct Faults {
     /// It gets lost.
     pub drop: f64,
-    /// One of its bits turns over.
+    /// One of its bits is flipped.
     pub flip: f64,
     /// An additional byte is inserted before it.
     pub insert: f64,

@@ -56,7 +56,7 @@ fn fundamental(pulse: Pulse, levels: u16, on: bool) -> (f64, f64) {
     (amplitude, TAU * if turns > 0.5 { turns - 1.0 } else { turns })
 }
 
-/// What a board made of bytes.
+/// The effects of bytes on a board.
 #[derive(Debug, Default)]
 pub struct Heeded {
     pub shown: Vec<Shown>,
@@ -101,7 +101,7 @@ pub struct Native {
     splitter: Splitter,
     /// A byte without a stop bit since the last delimiter.
     unframed: bool,
-    /// How far the model has come.
+    /// Current time of the model.
     at: Instant,
 }
 

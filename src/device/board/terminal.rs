@@ -22,7 +22,7 @@ const BAUD_TOLERANCE: f64 = 0.04;
 /// Polling interval of a board's line.
 const TICK: Duration = Duration::from_micros(500);
 
-/// What a virtual board is.
+/// The configuration of a virtual board.
 #[derive(Clone, Debug)]
 pub struct Setup {
     pub profile: Profile,
@@ -60,7 +60,7 @@ pub struct Report {
     pub spoiled: u64,
     /// Bytes received at a wrong bit rate.
     pub wrong_baud: u64,
-    /// What it plays.
+    /// The current output.
     pub playing: Option<Playing>,
     /// In chronological order.
     pub events: Vec<String>,

@@ -46,7 +46,7 @@ impl Settings {
     }
 }
 
-/// What a board is to play.
+/// Content for a board.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Content {
     Still(Levels),
@@ -63,7 +63,7 @@ pub enum Event {
     Ready(Found),
     /// The reason of the loss; the board is searched for.
     Lost(String),
-    /// What the user should know.
+    /// A notice for the user.
     Notice(String),
 }
 
@@ -170,7 +170,7 @@ impl Link {
         self.want(|wanted| wanted.content = content);
     }
 
-    /// Nothing is to sound.
+    /// Silences the board.
     pub fn stop(&self) {
         self.want(|wanted| wanted.content = None);
     }

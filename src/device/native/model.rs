@@ -46,7 +46,7 @@ pub struct Model {
     phase_bits: u8,
     carrier_millihertz: u32,
     address: u8,
-    // What packets set.
+    // State set by packets.
     store: Vec<[Pair; CHANNELS]>,
     envelope: [u8; 256],
     widths: [u8; 256],
@@ -55,7 +55,7 @@ pub struct Model {
     amplitude_step: u16,
     watchdog: u16,
     increment: u16,
-    // What goes on by itself.
+    // State that evolves by itself.
     enabled: bool,
     tripped: bool,
     stopped: bool,
@@ -75,7 +75,7 @@ pub struct Model {
     follows: bool,
     /// The period that begins next is marked on the leader's `sync`, or the one that began last on this device's.
     marked: bool,
-    // What is only counted.
+    // Counters.
     periods: u32,
     good: u16,
     spoiled: u16,

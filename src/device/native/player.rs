@@ -51,7 +51,7 @@ impl Player {
         }
     }
 
-    /// Replaces what waits.
+    /// Replaces the waiting command.
     pub fn ask(&mut self, play: Play) {
         self.waiting = Some(play);
     }

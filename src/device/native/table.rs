@@ -9,7 +9,7 @@ pub const BROADCAST: u8 = 0xFF;
 /// Devices have addresses from 0 to this.
 pub const LARGEST_ADDRESS: u8 = 7;
 
-/// What a packet asks for.
+/// The type of a packet.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[repr(u8)]
 pub enum Kind {
@@ -101,7 +101,7 @@ impl Kind {
     }
 }
 
-/// What became of a packet.
+/// The result of a packet.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[repr(u8)]
 pub enum Outcome {

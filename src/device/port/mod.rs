@@ -156,7 +156,7 @@ impl Port {
     /// The arrived bytes, after waiting at most `timeout`; empty if none.
     ///
     /// # Errors
-    /// A port that is gone.
+    /// A vanished port.
     pub async fn read(&mut self, timeout: Duration) -> Result<Vec<u8>, PortError> {
         match &mut self.line {
             Line::Wire(wire) => wire.read(timeout).await,

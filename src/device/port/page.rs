@@ -155,7 +155,7 @@ fn io_error(error: &JsValue) -> io::Error {
     io::Error::other(property(error, "message").unwrap_or_else(|| format!("{error:?}")))
 }
 
-/// A text that an error holds.
+/// A text property of an error.
 fn property(error: &JsValue, name: &str) -> Option<String> {
     Reflect::get(error, &name.into()).ok()?.as_string()
 }

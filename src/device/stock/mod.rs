@@ -142,7 +142,7 @@ impl Twin {
         }
     }
 
-    /// What is played.
+    /// The played levels.
     pub fn shown(&self) -> Levels {
         match self {
             Self::PhaseList(twin) => twin.shown(),

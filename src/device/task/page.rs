@@ -20,7 +20,7 @@ extern "C" {
 
 /// A timer to the nearest millisecond.
 fn timer(time: Duration) -> JsFuture {
-    /// Timers know 31 bits.
+    /// Timers have 31 bits.
     const LONGEST: f64 = 2e9;
     JsFuture::from(pause((1e3 * time.as_secs_f64()).round().min(LONGEST)))
 }

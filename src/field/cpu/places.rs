@@ -4,7 +4,7 @@ use std::f32::consts::LN_2;
 
 use crate::simd::{Instructions, Isa, Kernel, larger};
 
-/// The last place.
+/// The last index.
 const LAST: f32 = 255.0;
 /// Numbers processed together.
 const RUN: usize = 32;

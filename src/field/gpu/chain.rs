@@ -25,7 +25,7 @@ use crate::field::{GpuError, Samples, Sources, Wave, sources};
 /// Concurrent read-backs of figures: one arrives while the next is produced.
 const ON_THEIR_WAY: usize = 3;
 
-/// What the passes depend on.
+/// The inputs of the passes.
 #[derive(Debug)]
 pub struct Shape<'a> {
     /// With every element driven.
@@ -62,7 +62,7 @@ pub struct Chain {
     boards: Vec<(usize, Elements)>,
     /// With the index of their board.
     superpositions: Vec<(usize, Superposition)>,
-    /// What superpositions add to.
+    /// Buffers of the superpositions.
     sums: Vec<wgpu::Buffer>,
     across: Vec<Step>,
     forming: Forming,
@@ -77,7 +77,7 @@ pub struct Chain {
     reading: Option<(u64, Reading)>,
 }
 
-/// What times the passes.
+/// Timing of the passes.
 #[derive(Debug)]
 struct Clock {
     queries: wgpu::QuerySet,
@@ -320,7 +320,7 @@ impl Chain {
     }
 }
 
-/// What a chain starts with.
+/// A chain under construction.
 struct Making<'a> {
     gpu: &'a Gpu,
     shape: &'a Shape<'a>,

@@ -24,7 +24,7 @@ pub(super) struct Forming {
 }
 
 impl Forming {
-    /// For so many pixels.
+    /// For this number of pixels.
     pub(super) fn new(gpu: &Gpu, quantity: Quantity, pixels: usize) -> Self {
         Self {
             quantity,

@@ -86,7 +86,7 @@ impl Gathering {
         self.steps.push(step);
     }
 
-    /// What came back.
+    /// The results read back.
     pub(super) fn read(&self, gpu: &Gpu, bytes: &[u8]) -> Gathered {
         let numbers: &[Complex32] = bytemuck::cast_slice(bytes);
         let count = self.parts.count_ones() as usize;

@@ -18,7 +18,7 @@ pub struct Reading {
 type Arrival = Arc<OnceLock<Result<(), wgpu::BufferAsyncError>>>;
 
 impl Reading {
-    /// Room for so many bytes.
+    /// With room for `bytes` bytes.
     pub(super) fn with_room(gpu: &Gpu, bytes: u64) -> Self {
         let usage = BufferUsages::MAP_READ | BufferUsages::COPY_DST;
         Self { staging: gpu.buffer("staging", bytes, usage), arrived: None }
@@ -47,7 +47,7 @@ impl Reading {
         let arrived = Arrival::default();
         self.arrived = Some(arrived.clone());
         self.staging.map_async(wgpu::MapMode::Read, .., move |result| {
-            // Nothing else sets it.
+            // This is the only setter.
             arrived.set(result).ok();
         });
     }

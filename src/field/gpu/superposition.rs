@@ -25,7 +25,7 @@ pub(super) struct Elements {
 }
 
 impl Elements {
-    /// Room for so many.
+    /// With room for `count`.
     pub(super) fn with_room(gpu: &Gpu, room: usize, waves: Waves) -> Self {
         let vectors = room * waves.vectors();
         let (length, usage) = match vectors {

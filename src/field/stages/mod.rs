@@ -69,7 +69,7 @@ pub struct Stages {
     ground: Ground,
     /// Keyed by the relevant part of the request.
     map: Kept<Request, Map>,
-    /// What the GPU does not make.
+    /// The request declined by the GPU.
     declined: Option<Request>,
     colours: Kept<(Request, Colouring), Vec<[u8; 4]>>,
     contours: Kept<(Request, f32), Vec<Line>>,
@@ -206,7 +206,7 @@ impl Stages {
         Work { read_back: of_gpu.read_back, allocations: of_gpu.allocations, ..self.work }
     }
 
-    /// The GPU, if there is one.
+    /// The GPU, if any.
     pub fn gpu(&self) -> Option<&Gpu> {
         self.gpu.as_ref().map(OnGpu::gpu)
     }

@@ -15,11 +15,11 @@ use crate::field::{Colouring, Gpu, GpuError};
 pub(super) struct OnGpu {
     gpu: Gpu,
     chain: Kept<ChainKey, Option<Chain>>,
-    /// What lies on the GPU.
+    /// The state on the GPU.
     formed: Option<Formed>,
 }
 
-/// What the passes depend on.
+/// The inputs of the passes.
 #[derive(Clone, Debug, PartialEq)]
 struct ChainKey {
     site: SiteKey,
@@ -27,7 +27,7 @@ struct ChainKey {
     size: (usize, usize),
 }
 
-/// What the values depend on.
+/// The inputs of the values.
 #[derive(Clone, Debug, PartialEq)]
 struct Formed {
     excitation: Vec<Complex64>,

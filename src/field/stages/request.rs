@@ -33,7 +33,7 @@ pub struct Request {
     pub part: f64,
     /// Whose surface the plane is.
     pub liquid: Liquid,
-    /// What a potential is of.
+    /// The bead of a potential.
     pub bead: Bead,
     /// The scene's reflectors; their images are in the aperture.
     pub mirrors: Vec<Reflector>,
@@ -186,7 +186,7 @@ pub struct Pressed {
     pub light: Option<Light>,
 }
 
-/// Who made a map.
+/// The maker of a map.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum By {
     /// In f64, each pixel for itself.
@@ -198,7 +198,7 @@ pub enum By {
     Gpu,
 }
 
-/// Why there is no map.
+/// Errors of a map.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum FieldError {
     #[error("a map of {0} x {1} pixels: it has one at least, and {MOST_PIXELS} at most")]

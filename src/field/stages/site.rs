@@ -11,7 +11,7 @@ use crate::field::stages::request::{FieldError, Request, Setting};
 use crate::field::{Plan, Raster};
 use crate::scene::Plane;
 
-/// What f32 keeps of a square.
+/// Accuracy of a square in f32.
 const FINEST: f64 = 1e-6;
 /// Error factor of refined samples relative to the required one; and the finest tolerance of f32 interpolation.
 const FINER: f64 = 0.4;
@@ -24,7 +24,7 @@ const SHARE: f64 = 0.4;
 /// Distance from the plane to the walls in capillary lengths: the outside changes the depression by a relative e^-14.
 const TO_THE_WALLS: f64 = 14.0;
 
-/// What a site is made from.
+/// The inputs of a site.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct SiteKey {
     /// With the displayed plane, and the tolerance of the samples.

@@ -23,7 +23,7 @@ const LEFT_OUT: f64 = 1e-3;
 /// Rounding error of a step.
 const SLACK: f64 = 1e-9;
 
-/// How many points there are.
+/// The number of points.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Fineness {
     pub per_wavelength: f64,
@@ -218,7 +218,7 @@ fn values<'a>(
         match &heard {
             Some(heard) => heard.iter().for_each(|heard| heard.add(excitations, &samples, &mut fields)),
             None => {
-                // What f32 has no room for.
+                // Cases beyond f32.
                 for (drive, field) in drives.iter().zip(&mut fields) {
                     if let Ok(exact) = Evaluator::Reference.pressure(aperture, drive, &samples) {
                         *field = exact;

@@ -11,7 +11,7 @@ use crate::picture::{PictureError, export};
 /// The SVG; lengths are in mm.
 ///
 /// # Errors
-/// Pixels that no PNG holds.
+/// Pixels that cannot be encoded as PNG.
 pub fn write(figure: &Figure) -> Result<Vec<u8>, PictureError> {
     let [width, height] = figure.size();
     let mut text = format!(

@@ -37,7 +37,7 @@ pub fn check_steps(scene: &Scene) -> Result<(), KeyError> {
             )),
         };
     }
-    // A gap is found after as many steps as there are targets, however large the last one is.
+    // A gap is found within as many steps as there are targets, for any last step.
     if let Some(missing) = (0..steps(scene)).find(|&step| !has_step(step)) {
         return refuse(
             None,
@@ -137,7 +137,7 @@ pub fn key(target: Option<usize>, key: &'static str) -> Vec<Key> {
     own.into_iter().flatten().chain([Key::from("motion"), Key::from(key)]).collect()
 }
 
-/// An error at such a key.
+/// An error at this key.
 pub fn refuse<T>(
     target: Option<usize>,
     name: &'static str,

@@ -185,7 +185,7 @@ fn side_lobe(problem: &Problem<'_>, drawn: &[Focus], plane: &Plane, u: &[Complex
         }
         best
     };
-    // One place of every lobe.
+    // One point of every lobe.
     let apart = 0.4 * aperture.wavelength();
     let mut places: Vec<(DVec3, f64)> = Vec::new();
     for loud in loud {

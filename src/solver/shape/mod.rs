@@ -111,7 +111,7 @@ pub enum Stage {
     Last(u32),
     /// Areas, on fine samples.
     Area(u32),
-    /// Goes on from a drive.
+    /// Continues from a drive.
     Moved,
     Going,
     Done,

@@ -22,7 +22,7 @@ const LEAST: f64 = 1e-6;
 /// Stiffness of the penalty for lost strength.
 const STIFFNESS: f64 = 30.0;
 
-/// How much each of it counts.
+/// Weights of its terms.
 #[derive(Clone, Copy, Debug)]
 pub struct Weights {
     /// α
@@ -137,7 +137,7 @@ impl<T: Real> Objective<T> {
         Self { weights, quiet: Vec::new(), picture: None, strokes, u, heard, p, intensities: Vec::new() }
     }
 
-    /// Whether nothing is drawn.
+    /// Whether there are no targets.
     pub fn is_empty(&self) -> bool {
         self.picture.is_none() && !self.has_strokes()
     }

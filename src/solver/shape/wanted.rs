@@ -80,7 +80,7 @@ impl<'a> Drawn<'a> {
         is_something.then_some(Self { covers, discs, wavelength: problem.aperture.wavelength() })
     }
 
-    /// m, around what is drawn.
+    /// Margin around the drawing, m.
     fn margin(&self) -> f64 {
         MARGIN * self.wavelength
     }

@@ -49,7 +49,7 @@ pub fn times_of(data: &Path) -> PathBuf {
     data.with_extension("times.npy")
 }
 
-/// What was written.
+/// The written film.
 #[derive(Debug)]
 pub struct Shot {
     frames: usize,
@@ -91,7 +91,7 @@ impl Shot {
     }
 }
 
-/// What every frame shows.
+/// The content of every frame.
 #[derive(Clone, Debug)]
 pub enum Look {
     /// A map. By default the colours extend to the largest value of all frames.

@@ -81,14 +81,14 @@ impl Kind {
     }
 }
 
-/// Who encodes.
+/// The encoder.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Encoding {
     Pictures(Format),
     Video(Codec),
 }
 
-/// What is written.
+/// The output of a film.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Target {
     File(PathBuf, Kind),

@@ -21,7 +21,7 @@ impl Draft {
     /// An empty file to be published in this folder, with the default mode of new files.
     ///
     /// # Errors
-    /// No file can be made there.
+    /// No file can be created there.
     pub fn new(folder: &Path) -> io::Result<Self> {
         if let Some(file) = nameless(folder) {
             return Ok(Self { file, name: None });

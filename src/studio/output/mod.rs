@@ -38,7 +38,7 @@ macro_rules! say {
 #[cfg(not(target_arch = "wasm32"))]
 pub(crate) use say;
 
-/// What `say!` does.
+/// The implementation of `say!`.
 ///
 /// # Errors
 /// As [`print()`].

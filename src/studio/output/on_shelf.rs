@@ -31,7 +31,7 @@ pub fn check_writable(_: &Path) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// There are no streams.
+/// A shelf has no streams.
 ///
 /// # Errors
 /// None.

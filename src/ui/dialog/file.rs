@@ -19,7 +19,7 @@ pub const ELEMENTS: &[&str] = &["csv", "pat"];
 const LIST: f32 = 260.0;
 const AROUND: f32 = 230.0;
 
-/// What a file is wanted for.
+/// The purpose of a file dialog.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Purpose {
     Open,

@@ -27,7 +27,7 @@ pub struct Import {
     made: Option<Made>,
 }
 
-/// What comes of a placement.
+/// The result of a placement.
 #[derive(Clone, Debug, PartialEq)]
 struct Made {
     of: Placement,

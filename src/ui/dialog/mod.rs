@@ -29,7 +29,7 @@ pub enum Dialog {
     /// The file already exists.
     Replace {
         purpose: Purpose,
-        /// What was typed.
+        /// The typed text.
         text: String,
         path: PathBuf,
     },

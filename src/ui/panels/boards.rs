@@ -120,7 +120,7 @@ fn keep_off(scene: &mut Scene) {
     scene.array.off.retain(|&element| element < elements);
 }
 
-/// What reflects sound.
+/// The reflectors.
 pub fn reflectors(editor: &mut Editor, ui: &mut Ui) {
     let scene = &mut editor.document.scene;
     let tip = "The liquid's surface, which is the scene's plane, sends sound back: draws the standing wave before it";

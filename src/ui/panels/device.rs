@@ -146,7 +146,7 @@ fn port(editor: &mut Editor, board: &BoardShown, ui: &mut Ui, ask: &mut impl FnM
     ui.end_row();
 }
 
-/// A menu of the ports that there are.
+/// A menu of the available ports.
 fn listed(
     editor: &mut Editor,
     board: &BoardShown,

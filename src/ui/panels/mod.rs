@@ -201,7 +201,7 @@ fn given(
     ui.end_row();
 }
 
-/// A plot from 0 upwards that shows all there is and follows no pointer, so high in points.
+/// A static plot from 0 upwards that shows all values, of this height in points.
 fn still_plot(id: &str, height: f32) -> Plot<'_> {
     Plot::new(id)
         .height(height)

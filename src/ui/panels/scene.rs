@@ -172,7 +172,7 @@ fn listener(editor: &mut Editor, shown: &Shown, ui: &mut Ui) {
     });
 }
 
-/// What several targets share.
+/// The controls for several targets.
 fn together(editor: &mut Editor, count: usize, ui: &mut Ui) {
     ui.label(format!("{count} targets selected"));
     let Some(first) = editor.selection.first().and_then(|&index| editor.scene().targets.get(index)) else {
@@ -302,7 +302,7 @@ fn switches(editor: &mut Editor, ui: &mut Ui) {
     let switching = ui.data(|data| data.get_temp::<bool>(id));
     if let (true, Some(n), Some(to_off)) = (response.is_pointer_button_down_on(), under, switching) {
         array.off.retain(|&element| element != n);
-        // One has to play.
+        // At least one element must play.
         if to_off && array.off.len() + 1 < elements {
             array.off.push(n);
             array.off.sort_unstable();

@@ -105,7 +105,7 @@ struct Framed {
     boards: Vec<Board>,
 }
 
-/// What the pointer holds.
+/// The object of a drag.
 #[derive(Clone, Debug)]
 enum Held {
     Orbit,
@@ -167,7 +167,7 @@ impl Stage {
 #[derive(Debug)]
 pub struct SpaceShown {
     pub texture: Texture,
-    /// What it was made for.
+    /// The view that it was made for.
     pub stage: Stage,
     /// Pa RMS: the largest value in the box.
     pub peak: f64,
@@ -203,7 +203,7 @@ impl SpaceView {
         matches!(self.held.take(), Some(Held::Targets { .. }))
     }
 
-    /// What of the box is seen.
+    /// The visible part of the box.
     fn clipped(&self, block: &Block) -> Block {
         if !self.is_clipped {
             return *block;

@@ -58,7 +58,7 @@ fn axes(editor: &Editor, painter: &Painter, stage: &Stage) {
     let ground = theme::ground(editor.view.is_light).gamma_multiply(0.7);
     for label in labels::labels(&stage.block, &stage.projection(), 1.0) {
         let at = stage.rect.min + vec2(label.at.x as f32, label.at.y as f32);
-        // Whatever is behind.
+        // For contrast on any background.
         let galley = painter.layout_no_wrap(label.text, font.clone(), ink);
         let rect = Align2::CENTER_CENTER.anchor_size(at, galley.size());
         painter.rect_filled(rect.expand2(vec2(3.0, 0.0)), 3.0, ground);
@@ -66,7 +66,7 @@ fn axes(editor: &Editor, painter: &Painter, stage: &Stage) {
     }
 }
 
-/// What is selected.
+/// The outlines of the selection.
 fn outlines(editor: &Editor, painter: &Painter, stage: &Stage) {
     for &index in &editor.selection {
         let Some(target) = editor.scene().targets.get(index) else { continue };

@@ -68,7 +68,7 @@ impl Asker {
     /// The answers available now or within `timeout`.
     ///
     /// # Errors
-    /// A port that is gone.
+    /// A vanished port.
     pub async fn replies(&mut self, port: &mut Port, timeout: Duration) -> Result<Vec<Reply>, PortError> {
         let bytes = port.read(timeout).await?;
         self.heard |= !bytes.is_empty();

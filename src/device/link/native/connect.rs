@@ -146,7 +146,7 @@ fn expected(info: Info) -> Result<Info, LinkError> {
 /// The packet that changes a device's bit rate.
 ///
 /// # Errors
-/// More than the device takes.
+/// More than the device supports.
 pub fn agreeable(info: &Info, baud: u32) -> Result<Packet, LinkError> {
     let largest = 100_000 * u32::from(info.largest_baud);
     if baud > largest {
