@@ -62,7 +62,7 @@ pub enum NoSideLobe {
     NoFocus,
     #[error("the plane is too large to be searched in steps of an eighth of a wavelength")]
     TooLarge,
-    #[error("nothing on the plane is louder than its surroundings but the foci")]
+    #[error("the plane has no local maximum besides the foci")]
     NoMaximum,
     #[error("no sound reaches the plane")]
     Silent,

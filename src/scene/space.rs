@@ -86,7 +86,7 @@ impl Front {
     pub fn behind(&self) -> &'static str {
         match &self.0[..] {
             [face] if *face == (DVec3::ZERO, DVec3::Z) => {
-                "on or behind the array, which stands in z = 0 and radiates towards +z"
+                "on or behind the array, which lies in z = 0 and radiates towards +z"
             }
             [_] => "on or behind the array",
             _ => "on or behind every board of the array",
