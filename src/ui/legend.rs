@@ -143,7 +143,7 @@ fn choices(view: &mut View, map: &Map, ui: &mut Ui) {
     }
     label(ui, "Ground");
     let mut is_light = view.is_light;
-    let tip = "White where there is no sound, as in print; on by default in the light theme";
+    let tip = "Silence is white, as in print; on by default in the light theme";
     if ui.checkbox(&mut is_light, "Light").on_hover_text(tip).accessible_name("Light ground").changed() {
         let of_theme = !ui.visuals().dark_mode;
         view.ground = (is_light != of_theme).then_some(is_light);

@@ -180,7 +180,7 @@ fn free_plane(plane: &mut FreePlane, ui: &mut Ui) {
         number(name, "A point of the plane", value, MM, 10.0);
     }
     let most = std::f64::consts::TAU;
-    let tip = "0° lies parallel to the array, 90° stands upright";
+    let tip = "0° is parallel to the array, 90° is vertical";
     number("tilt", tip, &mut plane.tilt, DEGREES, most);
     number("turn", "About the array's axis, counter-clockwise", &mut plane.turn, DEGREES, most);
 }

@@ -28,7 +28,7 @@ const TURN: f64 = FRAC_PI_2 / 6.0;
 pub fn known(editor: &mut Editor, ui: &mut Ui) {
     ui.horizontal(|ui| {
         published(editor, ui);
-        let tip = "Elements that stand and face anywhere, from CSV or a PAT file of OpenMPD";
+        let tip = "Elements at arbitrary positions, from CSV or a PAT file of OpenMPD";
         if ui.button("From a table…").on_hover_text(tip).clicked() {
             editor.dialog = Some(Dialog::path(Purpose::Elements, &editor.document));
         }
