@@ -107,7 +107,7 @@ pub struct Reflector {
     pub point: DVec3,
     /// Towards the sound.
     pub normal: DVec3,
-    /// Of the pressure's amplitude: 1 rigid, -1 soft.
+    /// Pressure reflection coefficient: 1 rigid, -1 soft.
     pub coefficient: f64,
 }
 

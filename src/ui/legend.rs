@@ -138,7 +138,7 @@ fn choices(view: &mut View, map: &Map, ui: &mut Ui) {
     } else {
         label(ui, "Brightness");
         ui.checkbox(&mut view.fades, "Follows amplitude")
-            .on_hover_text("Phases are dark where the pressure is low, where they mean little");
+            .on_hover_text("Phases are dark at low pressure, where they mean little");
         ui.end_row();
     }
     label(ui, "Ground");

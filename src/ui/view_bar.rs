@@ -111,7 +111,7 @@ fn oscillation(editor: &mut Editor, ui: &mut Ui) {
     }
     // A value rounded by the slider would count as changed.
     let mut degrees = (oscillation.part * 360.0).round();
-    let tip = "Moment in the period of the sound";
+    let tip = "Phase within the period of the sound";
     let slider = Slider::new(&mut degrees, 0.0..=360.0).max_decimals(0).show_value(false);
     ui.spacing_mut().slider_width = 100.0;
     let slid = ui.add(slider).accessible_name("Moment").on_hover_text(tip).changed();

@@ -159,7 +159,7 @@ fn settings(editor: &mut Editor, ui: &mut Ui) {
     ui.horizontal_wrapped(|ui| {
         if is_shaded {
             ui.checkbox(&mut form.colour_bar, "Depth bar");
-            ui.checkbox(&mut form.scale_bar, "Scale bar").on_hover_text("Of lengths to the right");
+            ui.checkbox(&mut form.scale_bar, "Scale bar").on_hover_text("Scale of horizontal lengths");
             return;
         }
         ui.checkbox(&mut form.colour_bar, "Colour bar");
