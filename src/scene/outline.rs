@@ -1,9 +1,9 @@
 //! From shapes and letters to focal points, evenly spaced along the outline including its corners.
 //!
-//! An outline is a set of strokes. Strokes are cut at their corners (ends, sharp turns, and places where strokes
-//! meet) into [`run::Run`]s; every corner becomes one focal point, and the inside of a run is divided evenly by arc
-//! length. A continuous stroke gets its samples the same way, as many as the wavelength requires, and an area those
-//! of its [`Cover`].
+//! An outline is a set of strokes. Strokes are cut at their corners (ends, sharp turns, and junctions of strokes)
+//! into [`run::Run`]s; every corner becomes one focal point, and the inside of a run is divided evenly by arc length.
+//! A continuous stroke gets its samples the same way, as many as the wavelength requires, and an area those of its
+//! [`Cover`].
 
 use std::f64::consts::TAU;
 
