@@ -29,19 +29,17 @@ pub struct Reading {
 }
 
 /// What drives that take turns make at points in front of the array.
-///
-/// # Panics
-/// No drive.
 pub fn readings(aperture: &Aperture, drives: &[Drive], points: &[DVec3]) -> Vec<Reading> {
-    /// Points whose transfer from some hundred elements stays in a cache.
-    const RUN: usize = 64;
+    let pressures = pressures(aperture, drives, points);
+    points.iter().zip(pressures).map(|(&position, pressure)| Reading { position, pressure }).collect()
+}
+
+/// The pressures of [`readings`].
+pub fn pressures(aperture: &Aperture, drives: &[Drive], points: &[DVec3]) -> Vec<Complex64> {
+    /// Points that are worth another thread.
+    const RUN: usize = 128;
     let played: Vec<_> = drives.iter().flat_map(|drive| drive.excitation(&aperture.driven)).collect();
-    let read = |points: &[DVec3]| {
-        let pressures = aperture.transfer(points).in_turn(&played);
-        let at = |(&position, pressure)| Reading { position, pressure };
-        points.iter().zip(pressures).map(at).collect::<Vec<_>>()
-    };
-    points.par_chunks(RUN).flat_map_iter(read).collect()
+    points.par_chunks(RUN).flat_map_iter(|points| aperture.pressures(points, &played)).collect()
 }
 
 /// The same at one point.

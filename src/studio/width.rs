@@ -100,7 +100,7 @@ impl<'a> Field<'a> {
 
     /// |p| (Pa, peak).
     fn pressures(&self, points: &[DVec3]) -> Vec<f64> {
-        self.aperture.transfer(points).moduli(&self.played)
+        self.aperture.pressures(points, &self.played).into_iter().map(Complex64::norm).collect()
     }
 
     /// Goes uphill in steps along the axes, which are halved where no neighbour is louder.
