@@ -1,4 +1,4 @@
-// The one table of packets, answers and figures that both ends must agree on. The test in tests/gateware compares it with the
+// The one table of packets, answers and figures that both ends must agree on. The test in tests/device/gateware compares it with the
 // table in Rust; doc/protocol.md explains it.
 `ifndef PACKETS_VH
 `define PACKETS_VH

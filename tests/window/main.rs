@@ -10,6 +10,8 @@ mod brush;
 mod canvas;
 mod compare;
 mod course;
+#[cfg(target_os = "linux")]
+mod display;
 mod edits;
 mod figure;
 mod files;
