@@ -5,24 +5,28 @@ use crate::field::{Evaluator, FieldError, Stages};
 use crate::field::{GpuError, gpu::adapter};
 use crate::studio::output::note;
 
-/// Who is to compute the field.
+/// Who is to compute the field; the command line takes names and help from here.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
 pub enum Backend {
-    /// The GPU if there is one that is not software, else the CPU.
+    /// For maps the GPU if there is one that is not software, else the CPU; for points the f64 reference
     Auto,
     Gpu,
     Cpu,
-    /// f64 and slow.
+    /// f64 and slow
     Reference,
 }
 
 /// Who draws the window.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
 pub enum Renderer {
-    /// wgpu where there is a GPU that is not software, else OpenGL.
+    /// wgpu where there is a GPU that is not software, else glow
     #[default]
     Auto,
+    /// The device that computes the field draws the window too
     Wgpu,
+    /// OpenGL; the CPU computes the field
     Glow,
 }
 

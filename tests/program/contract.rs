@@ -398,25 +398,22 @@ fn devices_says_what_would_be_used() {
 }
 
 #[test]
-fn bench_writes_a_table_the_json_and_a_page() {
+fn bench_writes_a_table_the_json_and_charts() {
     let folder = tempfile::tempdir().unwrap();
-    let table = succeed(
-        folder.path(),
-        &["bench", "stability", "--quick", "--json", "bench.json", "--plots", "plots"],
-    );
-    assert!(table.contains("condition") && table.contains("greedy"), "{table}");
-    let read = |name: &str| fs::read_to_string(folder.path().join(name)).unwrap();
-    let json: Value = serde_json::from_str(&read("bench.json")).unwrap();
+    let bench = |args: &[&str]| succeed(folder.path(), &[&["bench"], args].concat());
+    let table = bench(&["stability", "--json", "bench.json"]);
+    assert!(table.contains("condition") && table.contains("112 of 112 solutions"), "{table}");
+    let json: Value =
+        serde_json::from_str(&fs::read_to_string(folder.path().join("bench.json")).unwrap()).unwrap();
     let sets = json["stability"].as_array().unwrap();
-    assert!(sets.len() > 100 && sets.iter().all(|record| record["sound"] == true), "{sets:?}");
-    let figures = json["figures"].as_array().unwrap();
-    assert!(figures.len() == 1 && figures[0]["within"] == true, "{figures:?}");
+    assert!(sets.len() == 112 && sets.iter().all(|record| record["sound"] == true), "{sets:?}");
+    assert!(json["machine"]["threads"].as_u64() > Some(0) && json["shapes"].is_null(), "{json}");
     assert!(json["command"].as_str().unwrap().starts_with("sonoglyph bench stability"), "{json}");
-    let page = read("plots/report.html");
-    assert!(page.contains("Foci that are hard to solve") && !page.contains("Links to boards"), "{page}");
-    assert_eq!(json["missing"], serde_json::json!({}));
+    let table = bench(&["shapes", "--plots", "plots"]);
+    assert!(table.contains("stroke, dragged") && table.contains("plots/shapes-side-lobe.png"), "{table}");
+    assert!(image::open(folder.path().join("plots/shapes-side-lobe.png")).unwrap().width() > 1000);
     for (option, path) in [("--json", "no/bench.json"), ("--plots", "bench.json")] {
-        let message = refuse(folder.path(), &["bench", "solve", "--quick", option, path]);
+        let message = refuse(folder.path(), &["bench", "solve", option, path]);
         assert!(message.contains(path), "{message}");
     }
 }

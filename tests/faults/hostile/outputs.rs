@@ -90,7 +90,7 @@ fn two_outputs_of_one_name_are_refused() {
         "render a.toml -o x.png --data x.png",
         "render a.toml -o x.png --data sub/back/x.png",
         "render a.toml -o dangling.png --data new.png",
-        "bench field --quick --json sub/report.html --plots sub",
+        "bench field --json sub/field-error.png --plots sub",
     ] {
         let args: Vec<_> = args.split(' ').collect();
         let message = refused(folder.path(), &mut program(folder.path(), &args));

@@ -1,49 +1,42 @@
-//! `sonoglyph bench field`: every evaluator, tolerance, size, array and kind of plane.
-
-pub mod charts;
+//! `sonoglyph bench field`: maps by every evaluator within several tolerances.
 
 use std::f64::consts::FRAC_1_SQRT_2;
 
 use glam::{DVec2, DVec3};
-use indicatif::{ProgressBar, ProgressStyle};
 use num_complex::Complex64;
 use serde_json::json;
 
 use crate::acoustics::Aperture;
 use crate::bench::Report;
-use crate::bench::time::{ROUNDS, Spent, Spread, Times};
+use crate::bench::time::{ROUNDS, Spent, Spread, Times, median};
 use crate::drive::Drive;
 use crate::field::gpu::adapter;
 use crate::field::stages::Picture;
 use crate::field::{self, Colouring, Evaluator, FieldError, Map, Quantity, Request, Samples, Stages};
 use crate::picture::ColourMap;
+use crate::picture::chart::{Chart, Level, Series};
 use crate::scene::{Plane, Scene};
 use crate::studio::output::note;
 
-const PLANES: [&str; 3] = ["parallel", "tilted", "vertical"];
 /// 0 evaluates every pixel: what the others are measured against.
-pub const TOLERANCES: [f64; 5] = [0.0, 1e-2, 1e-3, 1e-4, 1e-5];
-const QUICK_TOLERANCES: [f64; 3] = [0.0, 1e-3, 1e-5];
-const SIZES: [usize; 5] = [128, 256, 512, 1024, 2048];
-const QUICK_SIZES: [usize; 2] = [256, 1024];
-/// Elements along a side, and the pixels along a side of the maps that these are measured with.
-const ARRAYS: [u32; 4] = [16, 32, 64, 128];
-const QUICK_ARRAYS: [u32; 2] = [16, 32];
-const ARRAYS_SIZE: usize = 256;
-/// Pairs of pixel and element beyond which direct evaluation is not waited for, and the same for f64.
-const MOST_PAIRS: usize = 1_200_000_000;
-const MOST_REFERENCE_PAIRS: usize = 270_000_000;
+const TOLERANCES: [f64; 4] = [0.0, 1e-2, 1e-3, 1e-5];
+/// Pixels along a side of the maps: as many as `sonoglyph render` draws where nothing else is asked for.
+const SIZE: usize = 512;
 /// Pixels at which the error is measured.
 const CHECKED: usize = 500;
 
 /// Maps that differ in their tolerance alone, the exact one first; they take turns.
 #[derive(Clone, Debug, PartialEq)]
-struct Group {
-    evaluator: &'static str,
-    size: usize,
-    array: u32,
-    plane: &'static str,
-    tolerances: Vec<f64>,
+pub struct Group {
+    /// `reference`, `cpu` or `gpu`.
+    pub evaluator: &'static str,
+    /// Pixels along a side.
+    pub size: usize,
+    /// Elements along a side.
+    pub array: u32,
+    /// `parallel` to the array, `tilted` or `vertical`.
+    pub plane: &'static str,
+    pub tolerances: Vec<f64>,
 }
 
 #[derive(Clone, Debug)]
@@ -56,90 +49,61 @@ pub struct Record {
     cold: Times,
     new_plane: Times,
     pub new_drive: Times,
-    new_colours: Times,
-    pub error: f64,
+    error: f64,
     evaluated: usize,
     /// ms on the GPU, median.
     gpu_ms: Option<f64>,
-    pairs_per_second: f64,
     /// CPU time of the exact map over this one's, for a new drive and for a new plane.
     ratios: Option<[Spread; 2]>,
 }
 
-pub fn run(quick: bool) -> anyhow::Result<Report> {
-    let has_gpu = match adapter::open_best(true) {
+/// # Errors
+/// An evaluator that fails.
+pub fn run() -> anyhow::Result<Report> {
+    let mut records = Vec::new();
+    for evaluator in evaluators() {
+        let tolerances = if evaluator == "reference" { &TOLERANCES[..1] } else { &TOLERANCES };
+        let group =
+            Group { evaluator, size: SIZE, array: 16, plane: "parallel", tolerances: tolerances.into() };
+        records.extend(measure(&group)?);
+    }
+    Ok(report(&records, vec![("field-error".to_owned(), by_error(&records, SIZE))]))
+}
+
+/// Those that this machine has.
+pub fn evaluators() -> Vec<&'static str> {
+    let mut all = vec!["reference", "cpu"];
+    match adapter::open_best(true) {
         Ok(gpu) => {
             note(&format!("the GPU evaluator runs on {}", gpu.info()));
-            true
+            all.push("gpu");
         }
-        Err(error) => {
-            note(&format!("{error}; the CPU evaluators alone are measured"));
-            false
-        }
-    };
-    let groups = groups(quick, has_gpu);
-    let style = ProgressStyle::with_template("{bar:30} {pos}/{len} {msg} {eta}");
-    let bar = ProgressBar::new(groups.len() as u64).with_style(style.unwrap_or(ProgressStyle::default_bar()));
-    let mut records: Vec<Record> = Vec::new();
-    for group in groups {
-        let Group { evaluator, size, array, plane, .. } = group;
-        bar.set_message(format!("{evaluator} {size}x{size} px, {array}x{array} elements, {plane}"));
-        records.extend(measure(&group)?);
-        bar.inc(1);
+        Err(error) => note(&format!("{error}; the CPU evaluators alone are measured")),
     }
-    bar.finish_and_clear();
-    Ok(Report {
+    all
+}
+
+pub fn report(records: &[Record], charts: Vec<(String, Chart)>) -> Report {
+    Report {
         header: vec![
-            "evaluator", "plane", "elements", "pixels", "tolerance", "cold", "new plane", "new drive", "colours", "error",
-            "samples", "GPU ms", "Mpairs/s", "drive x", "quartiles", "plane x",
+            "evaluator", "plane", "elements", "pixels", "tolerance", "cold", "new plane", "new drive", "error", "samples",
+            "GPU ms", "drive x", "quartiles", "plane x",
         ],
         rows: records.iter().map(row).collect(),
         notes: vec![
             "CPU-ms (wall ms) of the whole process, medians. cold: nothing kept; new plane, new drive: up to the pixels' \
-             values and their measured error, on a GPU up to its texture and that error; colours: the picture of it. GPU ms: \
-             what the passes of a map took there, by its own clock."
+             values and their measured error, on a GPU up to its texture and that error. GPU ms: what the passes of a map took \
+             there, by its own clock."
                 .to_owned(),
-            format!("error: the largest of {CHECKED} pixels against f64, of the map's peak. Mpairs/s: pixels times elements \
-                     per wall second of a new drive."),
+            format!("error: the largest of {CHECKED} pixels against f64, of the map's peak."),
             format!(
                 "drive x, plane x: how many times the CPU time of the exact map, for a new drive (with quartiles) and a new \
                  plane; medians over {ROUNDS} rounds in which the maps take turns."
             ),
         ],
-        charts: charts::charts(&records, ARRAYS_SIZE),
+        charts,
         records: records.iter().map(json).collect(),
-    })
-}
-
-fn groups(quick: bool, has_gpu: bool) -> Vec<Group> {
-    let (planes, tolerances, sizes, arrays) = if quick {
-        (&PLANES[..1], &QUICK_TOLERANCES[..], &QUICK_SIZES[..], &QUICK_ARRAYS[..])
-    } else {
-        (&PLANES[..], &TOLERANCES[..], &SIZES[..], &ARRAYS[..])
-    };
-    let mut groups: Vec<Group> = Vec::new();
-    for &plane in planes {
-        let by_size = sizes.iter().map(|&size| (16, size));
-        for (array, size) in by_size.chain(arrays.iter().map(|&array| (array, ARRAYS_SIZE))) {
-            for evaluator in ["reference", "cpu", "gpu"] {
-                let tolerances = measured(tolerances, evaluator, size * size * (array * array) as usize);
-                let group = Group { evaluator, size, array, plane, tolerances };
-                let is_there = evaluator != "gpu" || has_gpu;
-                if is_there && !group.tolerances.is_empty() && !groups.contains(&group) {
-                    groups.push(group);
-                }
-            }
-        }
     }
-    groups
-}
-
-/// Those of the tolerances that are measured of maps of so many pairs.
-fn measured(tolerances: &[f64], evaluator: &str, pairs: usize) -> Vec<f64> {
-    let most = if evaluator == "reference" { MOST_REFERENCE_PAIRS } else { MOST_PAIRS };
-    let is_measured =
-        |tolerance: f64| if tolerance == 0.0 { pairs <= most } else { evaluator != "reference" };
-    tolerances.iter().copied().filter(|&tolerance| is_measured(tolerance)).collect()
 }
 
 fn evaluator(name: &str) -> Result<Evaluator, FieldError> {
@@ -181,12 +145,13 @@ struct Case {
     cold: Times,
     new_plane: Times,
     new_drive: Times,
-    new_colours: Times,
     /// s of every map, where the GPU can be timed.
     on_gpu: Vec<f64>,
 }
 
-fn measure(group: &Group) -> Result<Vec<Record>, FieldError> {
+/// # Errors
+/// An evaluator that fails.
+pub fn measure(group: &Group) -> Result<Vec<Record>, FieldError> {
     if group.evaluator == "reference" {
         return Ok(vec![reference(group)?]);
     }
@@ -238,7 +203,6 @@ impl Case {
             cold: Times::default(),
             new_plane: Times::default(),
             new_drive: Times::default(),
-            new_colours: Times::default(),
             on_gpu: Vec::new(),
         })
     }
@@ -283,12 +247,6 @@ impl Case {
         self.new_plane.push(spent);
         let spent = Spent::on(|i| self.map(i + 1))?;
         self.new_drive.push(spent);
-        let colourings =
-            [ColourMap::Inferno, ColourMap::Grey].map(|map| Colouring::new(Quantity::Rms, map.table()));
-        let request = self.request(0);
-        self.stages.picture(&request, &colourings[0])?;
-        let spent = Spent::on(|i| self.stages.picture(&request, &colourings[(i + 1) % 2]).map(|_| ()))?;
-        self.new_colours.push(spent);
         Ok(())
     }
 
@@ -296,7 +254,6 @@ impl Case {
     fn record(mut self, group: &Group, exact: Option<&(Times, Times)>) -> Result<Record, FieldError> {
         let request = self.request(0);
         let map = self.stages.map(&request)?;
-        let pairs = (map.values.len() * request.aperture.positions.len()) as f64;
         Ok(Record {
             evaluator: group.evaluator,
             size: group.size,
@@ -305,20 +262,13 @@ impl Case {
             tolerance: self.tolerance,
             error: error(&request, map),
             evaluated: map.evaluated,
-            gpu_ms: median_ms(&mut self.on_gpu),
-            pairs_per_second: pairs / self.new_drive.wall_ms() * 1e3,
+            gpu_ms: (!self.on_gpu.is_empty()).then(|| 1e3 * median(&self.on_gpu)),
             ratios: exact.map(|(drive, plane)| [drive.over(&self.new_drive), plane.over(&self.new_plane)]),
             cold: self.cold,
             new_plane: self.new_plane,
             new_drive: self.new_drive,
-            new_colours: self.new_colours,
         })
     }
-}
-
-fn median_ms(seconds: &mut [f64]) -> Option<f64> {
-    seconds.sort_by(f64::total_cmp);
-    seconds.get(seconds.len() / 2).map(|seconds| seconds * 1e3)
 }
 
 /// The largest deviation from the reference, relative to the peak.
@@ -334,6 +284,37 @@ fn error(request: &Request, map: &Map) -> f64 {
     chosen.iter().zip(&expected).map(off).fold(0.0, f64::max) / f64::from(map.peak)
 }
 
+pub fn tolerance_name(tolerance: f64) -> String {
+    if tolerance == 0.0 { "exact".to_owned() } else { format!("{tolerance:.0e}") }
+}
+
+/// A series per evaluator, a point per tolerance, from the finest to the coarsest: samples may be nearer than every pixel in f32.
+pub fn by_error(records: &[Record], size: usize) -> Chart {
+    let of = |evaluator: &str| {
+        let is_chosen = |record: &&Record| {
+            (record.evaluator, record.size, record.array, record.plane) == (evaluator, size, 16, "parallel")
+        };
+        let mut chosen: Vec<_> = records.iter().filter(is_chosen).collect();
+        chosen.sort_by(|a, b| a.tolerance.total_cmp(&b.tolerance));
+        chosen
+    };
+    let series = |evaluator: &str| Series {
+        name: evaluator.to_owned(),
+        points: of(evaluator).iter().map(|record| (record.error, record.new_drive.cpu_ms())).collect(),
+    };
+    // The f64 reference has no error to be drawn at.
+    let level = |record: &Record| Level { name: "f64 reference".to_owned(), y: record.new_drive.cpu_ms() };
+    Chart {
+        title: format!(
+            "Time against error: 256 elements, {size} x {size} pixels, plane parallel to the array"
+        ),
+        x_label: "error, of the peak".to_owned(),
+        y_label: "CPU-ms for a new drive".to_owned(),
+        series: ["cpu", "gpu"].map(series).into(),
+        levels: of("reference").into_iter().map(level).collect(),
+    }
+}
+
 fn row(record: &Record) -> Vec<String> {
     let ratio = |i: usize| record.ratios.map_or("-".to_owned(), |ratios| ratios[i].text());
     let quartiles = record.ratios.map_or("-".to_owned(), |ratios| ratios[0].quartiles_text());
@@ -342,15 +323,13 @@ fn row(record: &Record) -> Vec<String> {
         record.plane.to_owned(),
         format!("{0}x{0}", record.array),
         format!("{0}x{0}", record.size),
-        charts::tolerance_name(record.tolerance),
+        tolerance_name(record.tolerance),
         record.cold.text(),
         record.new_plane.text(),
         record.new_drive.text(),
-        record.new_colours.text(),
         format!("{:.1e}", record.error),
         record.evaluated.to_string(),
         record.gpu_ms.map_or("-".to_owned(), |ms| format!("{ms:.2}")),
-        format!("{:.0}", record.pairs_per_second / 1e6),
         ratio(0),
         quartiles,
         ratio(1),
@@ -368,11 +347,9 @@ fn json(record: &Record) -> serde_json::Value {
         "cold": record.cold.json(),
         "new_plane": record.new_plane.json(),
         "new_drive": record.new_drive.json(),
-        "new_colours": record.new_colours.json(),
         "error": record.error,
         "evaluated": record.evaluated,
         "gpu_ms": record.gpu_ms,
-        "pairs_per_second": record.pairs_per_second,
         "new_drive_ratio": record.ratios.map(|ratios| ratios[0].json()),
         "new_plane_ratio": record.ratios.map(|ratios| ratios[1].json()),
     })
@@ -391,15 +368,5 @@ mod tests {
         assert!(records[1].evaluated < records[0].evaluated, "{records:?}");
         assert_eq!(records[0].ratios.unwrap()[0].quartiles, [1.0; 2]);
         assert!(records[1].ratios.unwrap()[0].median > 0.0, "{records:?}");
-    }
-
-    #[test]
-    fn every_group_is_measured_once_and_the_slowest_not_at_all() {
-        let groups = groups(false, false);
-        assert!(groups.iter().enumerate().all(|(i, group)| !groups[..i].contains(group)));
-        assert!(groups.iter().all(|group| group.evaluator != "gpu"));
-        assert_eq!(measured(&TOLERANCES, "reference", MOST_REFERENCE_PAIRS + 1), Vec::<f64>::new());
-        assert_eq!(measured(&TOLERANCES, "cpu", MOST_PAIRS + 1), TOLERANCES[1..]);
-        assert_eq!(measured(&TOLERANCES, "reference", 1), [0.0]);
     }
 }

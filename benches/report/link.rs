@@ -1,4 +1,4 @@
-//! `sonoglyph bench link`: what a link carries to virtual boards, which take bytes no faster than their bit rate.
+//! What a link carries to virtual boards, which take bytes no faster than their bit rate.
 
 use std::collections::HashSet;
 use std::sync::mpsc::{Receiver, sync_channel};
@@ -7,12 +7,12 @@ use std::time::{Duration, Instant};
 use anyhow::{Context, bail};
 use serde_json::{Value, json};
 
-use crate::bench::Report;
-use crate::device::board::{Board, Setup, Shown};
-use crate::device::levels::{Level, Levels};
-use crate::device::link::{Content, Event, Link, Settings};
-use crate::device::profile::Profile;
-use crate::scene::{Envelope, Modulation};
+use sonoglyph::bench::Report;
+use sonoglyph::device::board::{Board, Setup, Shown};
+use sonoglyph::device::levels::{Level, Levels};
+use sonoglyph::device::link::{Content, Event, Link, Settings};
+use sonoglyph::device::profile::Profile;
+use sonoglyph::scene::{Envelope, Modulation};
 
 /// Frames that differ in every element.
 const FRAMES: u16 = 200;

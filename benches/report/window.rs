@@ -1,4 +1,4 @@
-//! `sonoglyph bench window`: what the window's frames cost, without a screen.
+//! What the window's frames cost, without a screen.
 
 use std::ops::Range;
 
@@ -7,15 +7,15 @@ use eframe::egui::{self, Event, Key, Modifiers, PointerButton, Pos2, RawInput, R
 use glam::{DVec2, DVec3};
 use serde_json::{Value, json};
 
-use crate::app::Window;
-use crate::bench::Report;
-use crate::bench::time::{ROUNDS, Spent, Spread, Times, digits, median};
-use crate::field::{Evaluator, Quantity, Scale};
-use crate::picture::chart::{Chart, Series};
-use crate::scene::{Scene, Shape, Target};
-use crate::ui::Editor;
-use crate::ui::document::Document;
-use crate::ui::view::Lens;
+use sonoglyph::app::Window;
+use sonoglyph::bench::Report;
+use sonoglyph::bench::time::{ROUNDS, Spent, Spread, Times, digits, median};
+use sonoglyph::field::{Evaluator, Quantity, Scale};
+use sonoglyph::picture::chart::{Chart, Series};
+use sonoglyph::scene::{Scene, Shape, Target};
+use sonoglyph::ui::Editor;
+use sonoglyph::ui::document::Document;
+use sonoglyph::ui::view::Lens;
 
 const SIZE: egui::Vec2 = vec2(1280.0, 800.0);
 /// Of windows in which a focus is dragged.
@@ -174,8 +174,8 @@ const LOOKS: [Look; 6] = [
     (DRAG, |_| ()),
     ("  with contours", |editor| editor.view.contours = true),
     ("  in decibels", |editor| editor.view.scale = Scale::Logarithmic),
-    ("  over its dent", |editor| editor.view.quantity = Quantity::Depression),
-    ("  over its dent, shaded", |editor| {
+    ("  over its depression", |editor| editor.view.quantity = Quantity::Depression),
+    ("  over its depression, shaded", |editor| {
         editor.view.quantity = Quantity::Depression;
         editor.view.shaded = true;
     }),

@@ -14,7 +14,7 @@ pub struct Drawing {
     shape: fn(DVec3) -> Shape,
 }
 
-/// Those of a quick run first.
+/// Those of a short run first.
 pub const DRAWINGS: [Drawing; 11] = [
     Drawing { name: "A", shape: |at| letters("A", at) },
     Drawing { name: "HIT", shape: |at| letters("HIT", at) },
@@ -31,8 +31,6 @@ pub const DRAWINGS: [Drawing; 11] = [
         shape: |at| Shape::Line { from: at - 0.025 * DVec3::X, to: at + 0.025 * DVec3::X },
     },
 ];
-/// Drawings of a quick run.
-pub const QUICK: usize = 5;
 
 impl Drawing {
     /// The drawing alone, `moved` (m) along x.
