@@ -81,6 +81,21 @@ fn calibrations() {
 }
 
 #[test]
+fn tables_of_elements() {
+    fuzz("elements", 10000);
+}
+
+#[test]
+fn pictures() {
+    fuzz("picture", 2000);
+}
+
+#[test]
+fn links() {
+    fuzz("link", 5000);
+}
+
+#[test]
 fn native_packets() {
     fuzz("native", 5000);
 }

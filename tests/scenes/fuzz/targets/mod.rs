@@ -5,7 +5,9 @@
 mod batch;
 mod control;
 mod drawing;
+mod link;
 mod native;
+mod picture;
 mod scene;
 mod settings;
 mod stock;
@@ -16,14 +18,17 @@ mod waveform;
 type Target = fn(&[u8]);
 
 /// The targets by their names, which their corpora have too.
-pub const TARGETS: [(&str, Target); 13] = [
+pub const TARGETS: [(&str, Target); 16] = [
     ("scene", scene::run),
     ("points", tables::points),
     ("drive", tables::drive),
     ("calibration", tables::calibration),
+    ("elements", tables::elements),
     ("native", native::run),
     ("stock", stock::run),
     ("drawing", drawing::run),
+    ("picture", picture::run),
+    ("link", link::run),
     ("batch", batch::run),
     ("settings", settings::run),
     ("waveform", waveform::run),

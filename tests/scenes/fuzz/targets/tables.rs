@@ -1,14 +1,18 @@
-//! CSV: points, drives and calibrations. Numbers are within their limits, and errors name a line.
+//! CSV: points, drives, calibrations and elements. Numbers are within their limits, and errors name a line.
 
 use std::f64::consts::PI;
 use std::fmt::Write;
 use std::sync::LazyLock;
 
+use glam::DVec3;
+
 use sonoglyph::acoustics::Aperture;
 use sonoglyph::device::calibration::{Calibration, CalibrationError};
 use sonoglyph::drive::Drive;
 use sonoglyph::field::{Evaluator, Samples};
-use sonoglyph::scene::{Array, Scene};
+use sonoglyph::scene::check::MOST_ELEMENTS;
+use sonoglyph::scene::{Array, Elements, Scene};
+use sonoglyph::studio::elements;
 use sonoglyph::table::TableError;
 
 use super::{has_line, is_one_line};
@@ -74,4 +78,26 @@ pub fn calibration(bytes: &[u8]) {
             assert_eq!(calibration.corrected(ELEMENTS, 0.5, 0.5), (0.5, 0.5), "there are no more elements");
         }
     }
+}
+
+pub fn elements(bytes: &[u8]) {
+    let placed = match elements::read(bytes) {
+        Ok(placed) => placed,
+        Err(error) => return names_a_line(bytes, &error),
+    };
+    assert!((1..=MOST_ELEMENTS as usize).contains(&placed.len()), "{} elements", placed.len());
+    for it in &placed {
+        assert!(it.at.abs().max_element() <= 100.0 && (it.normal.length() - 1.0).abs() < 1e-12, "{it:?}");
+    }
+    if placed.len() > MOST_POINTS {
+        return;
+    }
+    let array = Array { placed: Elements::new(placed.clone(), None), ..Array::default() };
+    let scene = Scene { array, ..Scene::default() };
+    let written = elements::read(elements::of_scene(&scene).as_bytes()).expect("a table that was written");
+    let apart =
+        written.iter().zip(&placed).map(|(a, b)| a.at.distance(b.at).max(a.normal.distance(b.normal)));
+    assert!(written.len() == placed.len() && apart.fold(0.0, f64::max) < 1e-9, "{placed:?}");
+    let transfer = Aperture::new(&scene).transfer(&[DVec3::new(0.01, -0.02, 0.1)]);
+    assert!(transfer.row(0).all(|pressure| pressure.is_finite()));
 }
