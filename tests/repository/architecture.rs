@@ -150,6 +150,8 @@ const APART: &[(&str, &[&str])] = &[("bench", &["ui", "app"]), ("cli", &["ui", "
 /// Crates that any layer may name.
 const COMMON: &[&str] = &["std", "crate", "self"];
 const LONGEST_FILE: usize = 500;
+/// Each links the whole library.
+const MOST_TEST_PROGRAMS: usize = 10;
 const BAD_NAMES: &[&str] = &["utils", "util", "common", "helpers", "helper", "manager", "misc", "wrapper"];
 
 fn rust_files(folder: &Path) -> Vec<PathBuf> {
@@ -458,4 +460,12 @@ fn every_file_says_what_it_holds_and_stays_short() {
             assert!(!BAD_NAMES.contains(&name), "{}: the name says nothing", path.display());
         }
     }
+}
+
+#[test]
+fn tests_are_modules_of_few_programs() {
+    let is_program = |path: &PathBuf| path.is_file() || path.join("main.rs").exists();
+    let entries = fs::read_dir(root().join("tests")).unwrap().map(|entry| entry.unwrap().path());
+    let programs: Vec<_> = entries.filter(is_program).collect();
+    assert!((1..=MOST_TEST_PROGRAMS).contains(&programs.len()), "{programs:?}");
 }
