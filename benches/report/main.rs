@@ -24,7 +24,7 @@ use sonoglyph::studio::output::{note, print, warn, write};
 /// Measures time against error, beside baselines in the same run, and makes one page of it: report.html, with report.json and the
 /// charts as PNG.
 #[derive(Debug, Parser)]
-#[command(name = "cargo bench --bench report --", max_term_width = 100)]
+#[command(bin_name = "cargo bench --bench report --", max_term_width = 100)]
 struct Arguments {
     /// What is measured; everything where nothing is named
     #[arg(value_enum)]

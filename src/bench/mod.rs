@@ -9,7 +9,7 @@ pub mod solve;
 pub mod stability;
 pub mod time;
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use anyhow::Context;
 use clap::{Args, ValueEnum};
@@ -90,14 +90,9 @@ pub fn run(args: &BenchArgs) -> anyhow::Result<()> {
         note(&format!("measuring: {name}"));
         let report = measure()?;
         report.show()?;
-        for (name, chart) in args
-            .plots
-            .iter()
-            .flat_map(|folder| report.charts.iter().map(move |(name, chart)| (folder.join(name), chart)))
-        {
-            let path = name.with_extension("png");
-            output::write(&path, &export::png(&chart.draw()?)?)?;
-            say!("{}", echo::path(&path))?;
+        if let Some(folder) = &args.plots {
+            let file = |name: &str| folder.join(name).with_extension("png");
+            report.charts.iter().try_for_each(|(name, chart)| draw(&file(name), chart))?;
         }
         value[*name] = report.records.into();
     }
@@ -107,16 +102,23 @@ pub fn run(args: &BenchArgs) -> anyhow::Result<()> {
     }
 }
 
+fn draw(path: &Path, chart: &Chart) -> anyhow::Result<()> {
+    output::write(path, &export::png(&chart.draw()?)?)?;
+    say!("{}", echo::path(path))
+}
+
 impl Report {
-    /// On standard output.
+    /// On standard output, without columns that nothing stands in.
     ///
     /// # Errors
     /// Standard output that takes nothing.
     pub fn show(&self) -> anyhow::Result<()> {
         let mut table = Table::new();
-        table.set_header(&self.header);
-        table.add_rows(&self.rows);
-        for (index, column) in table.column_iter_mut().enumerate() {
+        let is_shown = |column: &usize| self.rows.iter().any(|row| row[*column] != "-");
+        let columns: Vec<_> = (0..self.header.len()).filter(is_shown).collect();
+        table.set_header(columns.iter().map(|&column| self.header[column]));
+        table.add_rows(self.rows.iter().map(|row| columns.iter().map(|&column| &row[column])));
+        for (&index, column) in columns.iter().zip(table.column_iter_mut()) {
             if self.holds_numbers(index) {
                 column.set_cell_alignment(CellAlignment::Right);
             }

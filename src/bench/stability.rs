@@ -53,20 +53,34 @@ pub fn run(is_thorough: bool) -> anyhow::Result<Report> {
             records.push(measure(&case, &problem, method, strongest)?);
         }
     }
+    let sound = records.iter().filter(|record| record.is_sound).count();
+    let mut notes = vec![format!(
+        "{sound} of {} solutions by all methods are sound: every number finite and no element above full drive.",
+        records.len()
+    )];
+    if is_thorough {
+        notes.push(
+            "loss: of the weakest focus, relative to its target, against the strongest of 200 starts; below 0 the method did \
+             better."
+                .to_owned(),
+        );
+    }
     Ok(Report {
         header: vec![
-            "set", "M", "method", "CPU ms", "sound", "rank", "condition", "residual", "spread", "weakest Pa", "loss",
+            "set",
+            "M",
+            "method",
+            "CPU ms",
+            "sound",
+            "rank",
+            "condition",
+            "residual",
+            "spread",
+            "weakest Pa",
+            "loss",
         ],
         rows: records.iter().filter(|record| is_thorough || record.method == Method::Best).map(row).collect(),
-        notes: vec![
-            format!(
-                "{} of {} solutions by all methods are sound: every number finite and no element above full drive.",
-                records.iter().filter(|record| record.is_sound).count(),
-                records.len()
-            ),
-            "loss: of the weakest focus, relative to its target, against the strongest of 200 starts; below 0 the method did better."
-                .to_owned(),
-        ],
+        notes,
         records: records.iter().map(json).collect(),
         charts: Vec::new(),
     })

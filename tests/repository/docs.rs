@@ -125,3 +125,15 @@ fn the_interface_is_the_one_that_is_listed() {
         listed.display()
     );
 }
+
+#[test]
+fn the_readme_has_the_rows_that_the_report_writes() {
+    let list: Table = toml::from_str(&text("benches/report/figures.toml")).unwrap();
+    let names: Vec<_> =
+        list["figure"].as_array().unwrap().iter().map(|figure| figure["name"].as_str().unwrap()).collect();
+    let readme = text("README.md");
+    let (_, rest) = readme.split_once("<!-- figures -->\n").unwrap();
+    let (table, _) = rest.split_once("<!-- /figures -->\n").unwrap();
+    let cells = table.lines().filter_map(|line| line.strip_prefix("| ")?.split(" | ").next());
+    assert_eq!(cells.skip(1).collect::<Vec<_>>(), names);
+}
