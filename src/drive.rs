@@ -1,4 +1,4 @@
-//! What the elements are driven with: amplitude and phase, and the levels that a board understands.
+//! The drive: amplitude and phase per element, and their quantisation to a board's levels.
 //!
 //! ```
 //! use sonoglyph::drive::{Drive, delay_level};
@@ -45,29 +45,29 @@ impl Drive {
 
     /// The `excitation` itself (one value per driven element, of modulus 1 at most).
     pub fn of(elements: usize, driven: &[usize], excitation: &[Complex64]) -> Self {
-        /// What rounding may take from a phasor of modulus 1.
+        /// Rounding error of a phasor of modulus 1.
         const ROUNDING: f64 = 1e-12;
         let mut drive = Self::uniform(elements, driven, excitation);
         for (&element, u) in driven.iter().zip(excitation) {
-            // No hypotenuse that guards against overflow: nothing is larger than 1.
+            // No overflow guard as in `hypot`: all values are at most 1.
             let modulus = u.norm_sqr().sqrt();
             drive.amplitudes[element] = if modulus > 1.0 - ROUNDING { 1.0 } else { modulus };
         }
         drive
     }
 
-    /// The `excitation` to such a scale that its largest is at full amplitude.
+    /// The `excitation`, scaled so that the largest amplitude is full drive.
     pub fn free(elements: usize, driven: &[usize], excitation: &[Complex64]) -> Self {
         let largest = excitation.iter().map(|u| u.norm()).fold(f64::MIN_POSITIVE, f64::max);
         let scaled: Vec<_> = excitation.iter().map(|u| u / largest).collect();
         Self::of(elements, driven, &scaled)
     }
 
-    /// From CSV with the column `phase` (rad) and, where they are not all 1 and in order, `amplitude` (0 to 1) and `element`
-    /// (from 0); a row for each of the `elements`.
+    /// Reads CSV with the column `phase` (rad) and optionally `amplitude` (0 to 1, default 1) and `element` (from 0,
+    /// default in order); one row per element.
     ///
     /// # Errors
-    /// A row that makes no sense, elements that are given twice or not at all.
+    /// An invalid row, or duplicate or missing elements.
     pub fn read(csv: impl Read, elements: usize) -> Result<Self, TableError> {
         let mut table = Table::open(csv, ["phase"], ["amplitude", "element"])?;
         let mut drive = Self { amplitudes: vec![0.0; elements], phases: vec![0.0; elements] };
@@ -98,7 +98,8 @@ impl Drive {
         }
     }
 
-    /// As CSV that [`Self::read`] reads: the columns `element`, `x`, `y` and where it is not 0 `z` (m), `phase` (rad) and `amplitude`.
+    /// Writes CSV for [`Self::read`]: the columns `element`, `x`, `y` and, unless all are 0, `z` (m), `phase` (rad)
+    /// and `amplitude`.
     pub fn write(&self, aperture: &Aperture) -> String {
         let is_flat = aperture.positions.iter().all(|position| position.z == 0.0);
         let mut text = String::from(if is_flat { "element,x,y" } else { "element,x,y,z" });
@@ -114,7 +115,7 @@ impl Drive {
         text
     }
 
-    /// The same drive as a board with `levels` phases per period plays it.
+    /// The drive quantised to `levels` phases per period.
     ///
     /// # Panics
     /// No levels.
@@ -126,10 +127,10 @@ impl Drive {
         Self { amplitudes: self.amplitudes.clone(), phases: self.phases.iter().map(played).collect() }
     }
 
-    /// That of some elements alone.
+    /// The drive of some elements.
     ///
     /// # Panics
-    /// Elements that it does not have.
+    /// Elements out of range.
     pub fn part(&self, elements: Range<usize>) -> Self {
         let some = |values: &[f64]| values[elements.clone()].to_vec();
         Self { amplitudes: some(&self.amplitudes), phases: some(&self.phases) }
@@ -141,13 +142,13 @@ impl Drive {
     }
 }
 
-/// A phase (rad) within (-π, π], unchanged if it is there already.
+/// A phase (rad) wrapped to (-π, π], unchanged if already there.
 fn wrapped(phase: f64) -> f64 {
     if -PI < phase && phase <= PI { phase } else { phase.sin().atan2(phase.cos()) }
 }
 
-/// The level that a board with `levels` steps per period plays for a phase (rad): boards speak delay, so the sign is
-/// converted here and nowhere else. A phase that is no number is played without delay.
+/// The delay level of a phase (rad), of `levels` per period: boards use delay, and the sign is converted only here. A
+/// NaN phase has no delay.
 ///
 /// # Panics
 /// No levels.

@@ -1,16 +1,16 @@
-//! Text from outside as messages show it: nothing that steers a terminal or hides from the eye, and never a page of it.
+//! External text in messages: truncated, with control and invisible characters escaped.
 
 use std::path::Path;
 
-/// Characters that are shown of one value.
+/// Limit of displayed characters of a value.
 const MOST_OF_VALUE: usize = 80;
-/// Bytes of a message: of its beginning and of its end, where it is longer than both.
+/// Bytes kept of the beginning and of the end of a long message.
 const HEAD: usize = 1000;
 const TAIL: usize = 500;
 const ELLIPSIS: char = '…';
 
-/// Characters without a shape of their own: Unicode's formats (Cf), separators of lines, selectors and fillers. The control
-/// characters (Cc) go without saying.
+/// Invisible characters: Unicode's formats (Cf), line separators, selectors and fillers; control characters (Cc) are
+/// handled separately.
 const HIDDEN: [(char, char); 24] = [
     ('\u{ad}', '\u{ad}'),
     ('\u{34f}', '\u{34f}'),
@@ -49,7 +49,7 @@ pub fn value(text: &str) -> String {
     shown
 }
 
-/// A whole message: one line of less than 2 kB, whatever it quotes. What it leaves out is in the middle.
+/// A whole message: one line of less than 2 kB, shortened in the middle.
 pub fn message(text: &str) -> String {
     let line = line(bounded(text));
     if line.len() <= HEAD + TAIL {
@@ -59,12 +59,12 @@ pub fn message(text: &str) -> String {
     format!("{} {ELLIPSIS} {}", &line[..head], &line[tail..])
 }
 
-/// Text in lines of our own making, such as a table: its line feeds stay.
+/// Multi-line text of our own, such as a table, with its line feeds.
 pub fn lines(text: &str) -> String {
     text.split('\n').map(line).collect::<Vec<_>>().join("\n")
 }
 
-/// A file's name on a line of its own kind, in full.
+/// A file's name on its own line, in full.
 pub fn path(path: &Path) -> String {
     line(path.to_string_lossy())
 }
@@ -76,7 +76,7 @@ pub fn line(text: impl AsRef<str>) -> String {
     shown
 }
 
-/// As much of a text as can matter for its beginning and its end, so that a megabyte costs no time.
+/// The beginning and the end of a text, so that megabytes cost no time.
 fn bounded(text: &str) -> std::borrow::Cow<'_, str> {
     const ENOUGH: usize = 4 * (HEAD + TAIL);
     if text.len() <= 2 * ENOUGH {

@@ -1,4 +1,4 @@
-//! How far a long step has come, told to whoever shows it.
+//! Progress of long steps, reported to an observer.
 
 use std::cell::RefCell;
 use std::fmt;
@@ -7,11 +7,11 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Duration;
 
-/// Hears which part of a step is done, 0 to 1, on any thread; the default listens to nothing.
+/// Receives the completed fraction of a step, 0 to 1, on any thread; the default ignores it.
 #[derive(Clone, Default)]
 pub struct Gauge(Option<Told>);
 
-/// Who is told, and which part of the whole step this one is.
+/// The observer, and the part of the whole step that this one covers.
 #[derive(Clone)]
 struct Told {
     hear: Arc<dyn Fn(f64) + Send + Sync>,
@@ -29,7 +29,7 @@ thread_local! {
     static CURRENT: RefCell<Gauge> = RefCell::default();
 }
 
-/// The gauge of the step around, which is put back even where a panic ends the step within.
+/// The gauge of the enclosing step, restored even after a panic within.
 struct Before(Gauge);
 
 impl Drop for Before {
@@ -43,12 +43,12 @@ impl Gauge {
         Self(Some(Told { hear: Arc::new(hear), part: 0.0..1.0 }))
     }
 
-    /// The gauge that [`Self::lead`] was called on further up, for functions too deep to be handed one.
+    /// The gauge set by an enclosing [`Self::lead`], for deeply nested functions.
     pub fn current() -> Self {
         CURRENT.with_borrow(Self::clone)
     }
 
-    /// Does work, of all of which this is the gauge.
+    /// Runs work with this as the current gauge.
     pub fn lead<T>(&self, work: impl FnOnce() -> T) -> T {
         let _before = Before(CURRENT.replace(self.clone()));
         work()
@@ -63,7 +63,7 @@ impl Gauge {
         }))
     }
 
-    /// Whether some of a time that a step may take is left; tells how much is over.
+    /// Whether a step's time is not yet over; reports the elapsed fraction.
     pub fn lasts(&self, over: Duration, of: Duration) -> bool {
         if !of.is_zero() {
             self.tell(over.min(of).as_millis() as usize, of.as_millis() as usize);
@@ -71,14 +71,14 @@ impl Gauge {
         over < of
     }
 
-    /// `done` of so many parts are done.
+    /// Reports that `done` of `of` parts are done.
     pub fn tell(&self, done: usize, of: usize) {
         if let Some(Told { hear, part }) = &self.0 {
             hear(part.start + (part.end - part.start) * done as f64 / of.max(1) as f64);
         }
     }
 
-    /// Counts parts that are done in any order, on any thread.
+    /// Counts parts completed in any order, on any thread.
     pub fn count(&self, of: usize) -> Counter {
         Counter { gauge: self.clone(), done: AtomicUsize::new(0), of }
     }

@@ -1,6 +1,6 @@
-//! Sonoglyph: ultrasound focal points, shapes and letters for a phased array, and the field they make.
+//! Sonoglyph: drives of an ultrasound phased array for focal points, shapes and letters, and the resulting field.
 //!
-//! The flow is `Scene` → solver → `Drive` → field → picture; `ARCHITECTURE.md` tells it in one page.
+//! The flow is `Scene` → solver → `Drive` → field → picture; `ARCHITECTURE.md` is the map of the code.
 //!
 //! ```
 //! use glam::dvec3;
@@ -24,10 +24,10 @@
 //! ```
 //!
 //! # Features
-//! Without any there is the library of [`scene`], [`acoustics`], [`solver`], [`drive`], [`field`], [`force`], [`surface`] and the
-//! colours and PNG files of [`picture`]. `gpu` adds a second evaluator of the field, `studio` what programs do with a scene (files
-//! that it names, figures, films, boards), `cli`, `window` and `serial` (the default) the program itself, which is no
-//! part of the interface.
+//! Without any there is the library of [`scene`], [`acoustics`], [`solver`], [`drive`], [`field`], [`force`],
+//! [`surface`] and the colours and PNG files of [`picture`]. `gpu` adds a second evaluator of the field, `studio`
+//! operations on scenes (files that it names, figures, films, boards), `cli`, `window` and `serial` (the default) the
+//! program itself, which is not part of the public interface.
 
 pub mod acoustics;
 #[cfg(feature = "window")]

@@ -1,4 +1,4 @@
-//! The program `sonoglyph`.
+//! The program `sonoglyph`: starts the command line, the window or the measurements.
 
 use std::path::Path;
 use std::process::ExitCode;
@@ -7,7 +7,7 @@ use sonoglyph::cli::{BadArguments, Next};
 use sonoglyph::studio::evaluator::Renderer;
 use sonoglyph::studio::output::mention;
 
-/// The loader calls this before Rust puts /dev/null where the caller closed standard output.
+/// Called by the loader before Rust opens /dev/null for a closed standard output.
 #[cfg(target_os = "linux")]
 #[used]
 #[expect(unsafe_code, reason = "what is called there needs nothing of Rust's runtime")]
@@ -32,9 +32,9 @@ fn main() -> ExitCode {
     }
 }
 
-/// `sonoglyph … | head` wants no more than it took.
+/// Whether the reader of a pipe has closed it, as in `sonoglyph … | head`.
 fn nobody_reads(error: &anyhow::Error) -> bool {
-    /// Windows has two errors for it; Rust knows the other.
+    /// The second Windows error for this, unknown to Rust.
     const PIPE_NOT_CONNECTED: i32 = 233;
     let cause = error.root_cause().downcast_ref::<std::io::Error>();
     cause.is_some_and(|cause| {
@@ -57,13 +57,14 @@ fn open(scene: Option<&Path>, renderer: Renderer) -> anyhow::Result<()> {
     sonoglyph::app::run(scene, renderer)
 }
 
-/// A program without its window writes the sheet that it writes where there is no display.
+/// Without the window feature, writes the sheet as without a display.
 #[cfg(not(feature = "window"))]
 fn open(scene: Option<&Path>, _: Renderer) -> anyhow::Result<()> {
     sonoglyph::studio::still::default_sheet(scene)
 }
 
-/// Without a desktop session, Mesa's device-selection layer complains on stderr about a Wayland that was not asked for.
+/// Silences Mesa's device-selection layer, which complains on stderr about a missing Wayland without a desktop
+/// session.
 #[expect(unsafe_code, reason = "no other thread runs yet")]
 fn quiet_drivers() {
     if std::env::var_os("XDG_RUNTIME_DIR").is_none() {
@@ -71,8 +72,8 @@ fn quiet_drivers() {
     }
 }
 
-/// What is dropped goes back to the system. Left alone, glibc gives threads heaps of their own and raises the size from which a
-/// buffer has its own pages to the largest one freed so far, up to 32 MiB; smaller ones then leave holes in all these heaps.
+/// Returns freed memory to the system. By default glibc gives each thread a heap and raises the threshold for
+/// separate mappings to the largest buffer freed so far, up to 32 MiB; smaller buffers then fragment all heaps.
 #[cfg(feature = "window")]
 fn return_freed_memory() {
     #[cfg(all(target_os = "linux", target_env = "gnu"))]
@@ -90,7 +91,7 @@ fn return_freed_memory() {
     }
 }
 
-/// Windows opens a console for a program that is started from the desktop. Where no other program is in it, it goes.
+/// Closes the console that Windows opens for a program started from the desktop, unless other programs use it.
 #[cfg(feature = "window")]
 fn close_own_console() {
     #[cfg(windows)]

@@ -1,30 +1,30 @@
-//! Whether memory holds what a picture or a large table takes, asked before the work begins.
+//! Checks and reserves memory for pictures and large tables before the work begins.
 //!
-//! Linux promises more memory than it has, and kills a program that uses too much of it: an allocation alone proves nothing.
+//! Linux overcommits memory and kills a process that uses too much of it: a successful allocation proves nothing.
 
 use std::sync::{Condvar, Mutex, PoisonError};
 
-/// Whether this process may use so many bytes more, and the machine has them. A system that does not say has them.
+/// Whether this process may use `bytes` more and the machine has them. Unknown limits count as sufficient.
 pub fn holds(bytes: usize) -> bool {
     let figures = std::fs::read_to_string("/proc/meminfo").ok();
     let left = figures.as_deref().and_then(left);
     may_be_reserved(bytes) && left.is_none_or(|left| bytes as u64 <= left)
 }
 
-/// Bytes that are given without waiting.
+/// Bytes granted without checks.
 const LARGE: usize = 32 << 20;
 
-/// What is reserved by all threads.
+/// Total reservation of all threads.
 static RESERVED: Mutex<usize> = Mutex::new(0);
 static RELEASED: Condvar = Condvar::new();
 
-/// Room for the tables of one piece of work; free again when this goes.
+/// Reserved memory for the tables of one computation; released on drop.
 #[derive(Debug)]
 #[must_use]
 pub struct Room(usize);
 
-/// Room for so many bytes beside what other threads have reserved; waits until they need it no longer. `None` where memory
-/// would not hold so many even then. A thread that has room may not ask for more.
+/// Reserves memory in addition to other threads' reservations, waiting for their release if necessary. `None` if it
+/// would not fit even then. A thread with a reservation must not request more.
 pub fn reserve(bytes: usize) -> Option<Room> {
     if bytes < LARGE {
         return Some(Room(0));
@@ -47,11 +47,11 @@ impl Drop for Room {
     }
 }
 
-/// Whether the limits of this process (`ulimit`) leave room for so many bytes.
+/// Whether the limits of this process (`ulimit`) allow `bytes` more.
 fn may_be_reserved(bytes: usize) -> bool {
     let mut room = Vec::<u8>::new();
     let is_reserved = room.try_reserve_exact(bytes).is_ok();
-    // Otherwise a compiler may leave out what is never used.
+    // Otherwise the compiler may remove the unused allocation.
     std::hint::black_box(&mut room);
     is_reserved
 }
@@ -86,7 +86,7 @@ mod tests {
     fn room_that_is_never_there_is_refused_and_other_room_is_given_back() {
         assert!(reserve(usize::MAX / 4).is_none());
         let room = reserve(LARGE).unwrap();
-        // More than there is beside that room; the thread waits until that is given back, and then is refused.
+        // More than is free beside that reservation: the thread waits for its release, then is refused.
         let waiting = std::thread::Builder::new().spawn(|| reserve(usize::MAX / 4).is_none()).unwrap();
         drop(room);
         assert!(waiting.join().unwrap());

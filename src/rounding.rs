@@ -1,11 +1,11 @@
-//! Numbers in words: to so many decimals or digits, and bounds, which are rounded outwards.
+//! Numbers as text: rounded to decimals or significant digits; bounds are rounded outwards.
 
-/// The largest number of so many decimals that is not above a value: what "at least" may say.
+/// The largest number of `decimals` decimals that is at most a value, for lower bounds.
 pub fn at_least(value: f64, decimals: usize) -> String {
     outwards(value, decimals, -1.0)
 }
 
-/// The smallest number of so many decimals that is not below a value: what "at most" may say.
+/// The smallest number of `decimals` decimals that is at least a value, for upper bounds.
 pub fn at_most(value: f64, decimals: usize) -> String {
     outwards(value, decimals, 1.0)
 }
@@ -39,7 +39,7 @@ pub fn digits(value: f64) -> String {
     format!("{value:.*}", decimals as usize)
 }
 
-/// The nearest number of so many decimals on the side of `sign`.
+/// The nearest number of `decimals` decimals on the side of `sign`.
 fn outwards(value: f64, decimals: usize, sign: f64) -> String {
     /// Above, all neighbours are whole numbers.
     const EXACT: f64 = (1u64 << 53) as f64;

@@ -1,4 +1,4 @@
-//! Files of a page in the browser, which has no disk: what was opened, dropped or written since the page was loaded.
+//! The in-memory file system of a browser page: files opened, dropped or written since the page was loaded.
 
 use std::collections::BTreeMap;
 use std::io::{self, ErrorKind};
@@ -8,20 +8,20 @@ use std::sync::{Mutex, MutexGuard, OnceLock, PoisonError};
 static FILES: Mutex<BTreeMap<PathBuf, Vec<u8>>> = Mutex::new(BTreeMap::new());
 static KEEPER: OnceLock<Keeper> = OnceLock::new();
 
-/// What else becomes of a file that is written (its bytes) or removed (`None`).
+/// Called for each written (`Some` bytes) or removed (`None`) file.
 pub type Keeper = Box<dyn Fn(&Path, Option<&[u8]>) -> io::Result<()> + Send + Sync>;
 
 fn files() -> MutexGuard<'static, BTreeMap<PathBuf, Vec<u8>>> {
     FILES.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// Whoever hands files on or keeps them beyond the page; the first one stays.
+/// Sets the keeper, which offers or persists files; the first one stays.
 pub fn keep_by(keeper: Keeper) {
     // Only the page's start sets it.
     let _ = KEEPER.set(keeper);
 }
 
-/// Lays a file down as it came, and hands it to nobody.
+/// Stores a file without calling the keeper.
 pub fn lay(path: &Path, bytes: Vec<u8>) {
     files().insert(path.to_owned(), bytes);
 }
@@ -37,14 +37,14 @@ pub fn write(path: &Path, bytes: Vec<u8>) -> io::Result<()> {
 }
 
 /// # Errors
-/// There is no such file.
+/// A missing file.
 pub fn read(path: &Path) -> io::Result<Vec<u8>> {
     files().get(path).cloned().ok_or(io::Error::new(ErrorKind::NotFound, "no such file"))
 }
 
 pub fn remove(path: &Path) {
     files().remove(path);
-    // What cannot be removed is overwritten by the next of its name.
+    // A file that cannot be removed is overwritten by the next of its name.
     let _ = KEEPER.get().map(|keeper| keeper(path, None));
 }
 
@@ -52,7 +52,7 @@ pub fn has(path: &Path) -> bool {
     files().contains_key(path)
 }
 
-/// Names of the files that lie in a folder, in order.
+/// Sorted names of the files in a folder.
 pub fn names(folder: &Path) -> Vec<String> {
     let files = files();
     let own = files.keys().filter(|path| path.parent() == Some(folder));

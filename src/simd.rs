@@ -1,7 +1,7 @@
-//! Vector instruction sets: which this machine has, and how one body of plain loops is compiled for each of them.
+//! SIMD instruction sets: detection, and compilation of one body of plain loops for each of them.
 //!
-//! A [`Kernel`] is written over arrays of lanes, which the compiler turns into vector code. [`Isa::run`] calls the copy that
-//! was compiled for a set; an `Isa` proves that the machine has it.
+//! A [`Kernel`] is written over arrays of lanes, which the compiler turns into vector code. [`Isa::run`] calls the
+//! copy that was compiled for a set; an `Isa` proves that the machine has it.
 
 use std::sync::LazyLock;
 
@@ -22,7 +22,7 @@ enum Set {
     Simd128,
 }
 
-/// What the sets differ in.
+/// The differences between instruction sets.
 pub trait Instructions {
     /// a b + c in one instruction.
     const FMA: bool;
@@ -33,7 +33,7 @@ pub trait Instructions {
     fn rough_inverse_roots<const N: usize>(x: &[f32; N]) -> [f32; N];
 }
 
-/// Loops to be compiled for every set; `run` must be `#[inline(always)]`, and so must be what it calls.
+/// Loops compiled for every set; `run` and all its callees must be `#[inline(always)]`.
 pub trait Kernel {
     type Output;
 
@@ -41,7 +41,8 @@ pub trait Kernel {
 }
 
 impl Isa {
-    /// Every set that this machine has, the best last. A browser has what its page was built for, or refuses the page.
+    /// Every set of this machine, the best last. A browser has the set that its page was built for, or refuses the
+    /// page.
     pub fn available() -> Vec<Self> {
         #[cfg_attr(
             not(any(target_arch = "x86_64", target_arch = "aarch64", target_feature = "simd128")),
@@ -84,7 +85,7 @@ impl Isa {
         }
     }
 
-    /// Runs the copy of a kernel that was compiled for this set.
+    /// Runs the copy of a kernel compiled for this set.
     pub fn run<K: Kernel>(self, kernel: K) -> K::Output {
         match self.0 {
             Set::Baseline => kernel.run::<Baseline>(),
@@ -100,7 +101,7 @@ impl Isa {
     }
 }
 
-/// a b + c; fused where the machine does it in one instruction, since elsewhere `mul_add` is a slow library call.
+/// a b + c; fused if it is a single instruction, since elsewhere `mul_add` is a slow library call.
 #[inline(always)]
 pub fn fused<I: Instructions>(a: f32, b: f32, c: f32) -> f32 {
     if I::FMA { a.mul_add(b, c) } else { a * b + c }
@@ -112,14 +113,14 @@ pub fn fused64<I: Instructions>(a: f64, b: f64, c: f64) -> f64 {
     if I::FMA { a.mul_add(b, c) } else { a * b + c }
 }
 
-/// The larger of two, and `b` where `a` is NaN: one instruction of every set, which `f32::max` is not, and a call in a browser.
+/// The larger of two, and `b` if `a` is NaN: one instruction in every set, unlike `f32::max`, which is a call in a
+/// browser.
 #[inline(always)]
 pub fn larger(a: f32, b: f32) -> f32 {
     if a > b { a } else { b }
 }
 
-/// One value for every lane. A loop of one expression becomes vector code whatever stands around it; loops of several may
-/// not.
+/// One value for every lane. A loop of one expression is always vectorised, loops of several may not be.
 #[inline(always)]
 pub fn lanes<const N: usize>(value: impl Fn(usize) -> f64) -> [f64; N] {
     let mut values = [0.0; N];
@@ -153,7 +154,7 @@ pub fn deduct_product<I: Instructions, const N: usize>(sum: &mut [f64; N], a: &[
     }
 }
 
-/// The sum of all lanes, folded in half until one is left: a chain of sums is waited for.
+/// The sum of all lanes by pairwise folding, which avoids a latency-bound chain.
 #[inline(always)]
 pub fn total<const N: usize>(sum: &[f64; N]) -> f64 {
     let mut sum = *sum;
@@ -179,7 +180,7 @@ impl Instructions for Baseline {
     }
 }
 
-/// Sets that the build's target does not promise.
+/// Sets beyond the build's target.
 #[cfg(target_arch = "x86_64")]
 #[expect(
     unsafe_code,

@@ -1,19 +1,19 @@
-//! Files that are read: regular ones, up to a bound. A pipe or a device is refused before it is waited for. In a browser they lie
-//! on the page's shelf.
+//! Reads input files: regular files up to a size limit. Pipes and devices are refused without blocking. In a browser
+//! the files are on the page's shelf.
 
 #[cfg(not(target_arch = "wasm32"))]
 use std::fs::File;
 use std::io::{self, ErrorKind, Read};
 use std::path::Path;
 
-/// What a caller of the program has opened for it, and what may be a pipe.
+/// Files opened by the program's caller, which may be pipes.
 #[cfg(not(target_arch = "wasm32"))]
 const HANDED_OVER: [&str; 3] = ["/dev/stdin", "/dev/fd", "/proc/self/fd"];
 
 /// Opens a regular file, or a pipe that the caller has handed over (`/dev/stdin`, `<(…)` of a shell).
 ///
 /// # Errors
-/// What the system says; a folder, a device, or a pipe without a writer.
+/// A system error; a folder, a device, or a pipe without a writer.
 #[cfg(not(target_arch = "wasm32"))]
 pub fn open(path: &Path) -> io::Result<File> {
     open_any(path).map_err(|error| match error.kind() {
@@ -48,7 +48,7 @@ pub fn exists(path: &Path) -> bool {
     path.exists()
 }
 
-/// Removes a file, if there is one that can be.
+/// Removes a file, if possible.
 pub fn remove(path: &Path) {
     #[cfg(target_arch = "wasm32")]
     crate::shelf::remove(path);
@@ -56,7 +56,7 @@ pub fn remove(path: &Path) {
     let _ = std::fs::remove_file(path);
 }
 
-/// All that a file holds, up to `most` bytes.
+/// The content of a file, up to `most` bytes.
 ///
 /// # Errors
 /// As [`open`], and a file that has more.

@@ -1,4 +1,4 @@
-//! Tables of numbers in CSV files: columns found by their names, and errors that say in which line.
+//! Numeric CSV files: columns found by name, and errors with line numbers.
 
 use std::io::{Chain, Read};
 
@@ -6,7 +6,7 @@ use csv::{ReaderBuilder, StringRecord, Terminator, Trim};
 
 use crate::echo;
 
-/// What is wrong, and in which line, counted from 1. Shown as `line: reason`, so that the file's name goes in front.
+/// An error with its line, counted from 1. Displayed as `line: reason`, to follow the file's name.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{line}: {reason}")]
 pub struct TableError {
@@ -14,9 +14,9 @@ pub struct TableError {
     pub reason: String,
 }
 
-/// A table that is read row by row: `N` columns that it must have, `M` that it may have, in any order and beside others.
+/// A table read row by row: `N` required and `M` optional columns, in any order, besides others.
 ///
-/// Lines that are empty or begin with `#` count, and hold nothing.
+/// Empty lines and lines that begin with `#` are counted but ignored.
 #[derive(Debug)]
 pub struct Table<R, const N: usize, const M: usize> {
     reader: csv::Reader<Chain<R, &'static [u8]>>,
@@ -24,13 +24,13 @@ pub struct Table<R, const N: usize, const M: usize> {
     /// Of the record.
     line: u64,
     columns: usize,
-    /// Name and place.
+    /// Name and index.
     required: [(&'static str, usize); N],
-    /// Name, and place where there is such a column.
+    /// Name, and index if the column exists.
     optional: [(&'static str, Option<usize>); M],
 }
 
-/// The finite numbers of a row, in the order in which they were asked for.
+/// The finite numbers of a row, in the requested order.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Row<const N: usize, const M: usize> {
     pub required: [f64; N],
@@ -91,8 +91,7 @@ impl<R: Read, const N: usize, const M: usize> Table<R, N, M> {
     /// The next row; `None` at the end.
     ///
     /// # Errors
-    /// A row of another length than the first one, a value that is missing where there must be one, and one that is no
-    /// finite number.
+    /// A row of another length than the first, a missing required value, or a value that is not a finite number.
     pub fn next_row(&mut self) -> Result<Option<Row<N, M>>, TableError> {
         if !self.read_record()? {
             return Ok(None);
@@ -112,12 +111,12 @@ impl<R: Read, const N: usize, const M: usize> Table<R, N, M> {
         Ok(Some(row))
     }
 
-    /// That of the row that was read last, counted from 1.
+    /// The line of the last row, counted from 1.
     pub fn line(&self) -> u64 {
         self.line
     }
 
-    /// An error in the row that was read last.
+    /// An error in the last row.
     pub fn refusal(&self, reason: impl Into<String>) -> TableError {
         TableError { line: self.line, reason: reason.into() }
     }
@@ -132,14 +131,14 @@ impl<R: Read, const N: usize, const M: usize> Table<R, N, M> {
         }
     }
 
-    /// Whether there is another record that holds something.
+    /// Whether there is another non-empty record.
     fn read_record(&mut self) -> Result<bool, TableError> {
         loop {
             let read = self.reader.read_record(&mut self.record);
             if read.as_ref().is_ok_and(|found| !found) {
                 return Ok(false);
             }
-            // The reader stands at the beginning of the line after.
+            // The reader's position is the beginning of the next line.
             self.line = self.reader.position().line().saturating_sub(1).max(1);
             read.map_err(|error| self.refusal(reason(&error)))?;
             if self.record.len() > 1 || !self.record[0].is_empty() {
@@ -149,7 +148,7 @@ impl<R: Read, const N: usize, const M: usize> Table<R, N, M> {
     }
 }
 
-/// What the reader has to say, without its own account of where.
+/// The reader's error without its position.
 fn reason(error: &csv::Error) -> String {
     match error.kind() {
         csv::ErrorKind::Utf8 { .. } => "this is no UTF-8 text".to_owned(),

@@ -40,7 +40,7 @@ for column, (title, scene) in zip(rows.T, scenes.items()):
     show(column[1], solution.map("phase", 400), f"phases of {title}", "phase (rad)", colours="twilight")
 figure.savefig(folder / "fields.png", dpi=120)
 
-# %% How deep shapes press into water.
+# %% Depressions of water by shapes.
 shapes = {
     "circle": sg.Circle(at, 0.02),
     "triangle": sg.Triangle(at, 0.045),
@@ -53,7 +53,7 @@ for axes, (name, shape) in zip(columns, shapes.items()):
     show(axes, scene.map("depression", 400), name, "depression (µm)", 1e6, "viridis")
 figure.savefig(folder / "depressions.png", dpi=120)
 
-# %% How the methods share the array's power among more and more points.
+# %% Pressure per point against the number of points, by method.
 counts = (1, 2, 4, 8, 16, 32, 64)
 random = np.random.default_rng(0)
 places = np.column_stack([random.uniform(-0.06, 0.06, (64, 2)), np.full(64, 0.12)])

@@ -25,7 +25,7 @@ ours = sg.Scene(
     array=sg.Array(rows=SIDE, columns=SIDE, pitch=PITCH, element_radius=RADIUS, frequency=FREQUENCY, strength=STRENGTH),
     medium=sg.Medium(sound_speed=air.c, density=air.rho, absorption=0.0),
 )
-# Theirs may be numbered in another order.
+# levitate may number elements in another order.
 places = theirs.positions.T
 order = [int(np.argmin(np.linalg.norm(places - place, axis=1))) for place in ours.positions]
 assert sorted(order) == list(range(SIDE * SIDE)) and np.abs(places[order] - ours.positions).max() < 1e-12
@@ -34,7 +34,7 @@ random = np.random.default_rng(7)
 u = np.exp(2j * np.pi * random.random(SIDE * SIDE))
 points = random.uniform([-0.08, -0.08, 0.06], [0.08, 0.08, 0.25], (POINTS, 3))
 
-# %% What both should be: the formula, with more digits than a double where the machine has them.
+# %% The expected result: the formula, in more than double precision where available.
 def formula(points):
     offset = points[:, None].astype(np.longdouble) - ours.positions[None]
     r = np.sqrt((offset**2).sum(axis=2))
@@ -52,7 +52,7 @@ exact = formula(points[some])
 # %% Each with its usual call.
 def by_levitate():
     state = np.empty(SIDE * SIDE, complex)
-    # Their waves run as exp(+jkr).
+    # levitate uses exp(+jkr).
     state[order] = u.conj()
     parts = np.array_split(points, 10)
     return 1j * np.concatenate([theirs.pressure_derivs(part.T, orders=0)[0].T @ state for part in parts]).conj()
@@ -73,7 +73,7 @@ def timed(work, repeats):
 
 
 def error(values):
-    """The largest, of the largest pressure."""
+    """The largest error relative to the largest pressure."""
     return float(np.abs(values[some] - exact).max() / np.abs(exact).max())
 
 

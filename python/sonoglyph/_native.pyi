@@ -1,4 +1,4 @@
-"""The native part: what `python/src` holds."""
+"""The native part, compiled from `python/src`."""
 
 import os
 from collections.abc import Callable, Mapping, Sequence
@@ -13,15 +13,15 @@ _Progress: TypeAlias = Callable[[float], object]
 _Folder: TypeAlias = str | os.PathLike[str]
 
 class SceneError(ValueError):
-    """A scene that makes no sense; `key` names the value, as in `target[1].radius`, or is None."""
+    """An invalid scene; `key` names the value, as in `target[1].radius`, or is None."""
 
     key: str | None
 
 class FieldError(ValueError):
-    """A map or a volume that makes no sense."""
+    """An invalid map or volume."""
 
 class GpuError(RuntimeError):
-    """There is no GPU, or it was lost or refused the work."""
+    """The GPU is missing, was lost, or refused the work."""
 
 class _Forces(TypedDict):
     gorkov: NDArray[np.float64]
@@ -29,7 +29,7 @@ class _Forces(TypedDict):
     stiffness: NDArray[np.float64]
 
 class Scene:
-    """A scene: targets, array, medium, plane, liquid and motion, in SI units. It never changes; `replace` makes another."""
+    """A scene: targets, array, medium, plane, liquid and motion, in SI units. Immutable: `replace` makes a changed copy."""
 
     def __init__(self, *, folder: _Folder | None = None, **tables: Any) -> None: ...
     @classmethod
@@ -104,7 +104,7 @@ class Scene:
     def _repr_png_(self) -> bytes | None: ...
 
 class Solution:
-    """What `Scene.solve` finds: the drive, and its figures."""
+    """The result of `Scene.solve`: the drive and its figures."""
 
     @property
     def phases(self) -> NDArray[np.float64]: ...
@@ -151,7 +151,7 @@ class Solution:
     def _repr_png_(self) -> bytes: ...
 
 class Map:
-    """The values of a quantity on a plane, with what is known of them."""
+    """The values of a quantity on a plane, with peak, error and extent."""
 
     @property
     def values(self) -> NDArray[np.float32]: ...
@@ -172,7 +172,7 @@ class Map:
     def _repr_png_(self) -> bytes: ...
 
 class Motion:
-    """The drives of all frames of a motion, as `Scene.frames` finds them."""
+    """The drives of all frames of a motion: the result of `Scene.frames`."""
 
     @property
     def phases(self) -> NDArray[np.float64]: ...
@@ -191,4 +191,4 @@ class Motion:
     def __len__(self) -> int: ...
 
 def evaluators() -> list[tuple[str, str]]:
-    """The evaluators that this machine has, and what they run on."""
+    """The available evaluators and their hardware."""

@@ -20,8 +20,8 @@ def bench(
 ) -> list[dict[str, Any]]:
     """Times a solve and maps of new drives, and measures their error against the f64 reference.
 
-    Returns a list of dictionaries: `work`, `evaluator`, `size`, `seconds` (median) and `error` (largest, relative to the peak; of a map
-    of 128 pixels a side with the same evaluator and tolerance; None for the solve). `scene` is five points on a plane by default.
+    Returns a list of dictionaries: `work`, `evaluator`, `size`, `seconds` (median) and `error` (largest, relative to the peak, for a
+    map of 128 x 128 pixels with the same evaluator and tolerance; None for the solve). `scene` is five points on a plane by default.
     """
     if scene is None:
         places = [(0.03 * x, 0.03 * y, 0.1) for x, y in ((0, 0), (1, 1), (-1, 1), (1, -1), (-1, -1))]
@@ -35,7 +35,7 @@ def bench(
         small = scene.field("rms", 128, solution, evaluator=evaluator)
         error = float(np.abs(small - reference).max() / reference.max())
         for size in sizes:
-            # Each drive is new: nothing but the plan is kept from one to the next.
+            # Each drive is new: only the plan is reused.
             turns = iter(range(repeats + 1))
             seconds, _ = _timed(
                 lambda: scene.field("rms", size, solution.phases + 0.1 * next(turns), evaluator=evaluator), repeats
@@ -47,7 +47,7 @@ def bench(
 
 
 def _timed(work: Any, repeats: int) -> tuple[float, Any]:
-    """Median of the times, without the first."""
+    """Median time without the first run, and the last result."""
     made = work()
     times = []
     for _ in range(repeats):

@@ -1,6 +1,6 @@
-"""The tables of a scene file as classes: keyword arguments in SI units; what is left out has the program's own default.
+"""The tables of a scene file as classes: keyword arguments in SI units, with the program's own defaults.
 
-docs/scene.md says what each key means, with its default and its limits.
+docs/scene.md explains each key, with its default and its limits.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ FileName = Union[str, "os.PathLike[str]"]
 
 
 class _Table:
-    """A table: the fields that are not None, `from_` without its underscore, and the kind."""
+    """A table of the scene file: all fields that are not None, `from_` as `from`, and the kind."""
 
     kind: ClassVar[str | None] = None
 
@@ -28,7 +28,7 @@ class _Table:
 
 @dataclass(kw_only=True)
 class Medium(_Table):
-    """The air: temperature (°C), humidity (%) and pressure (Pa), or what follows from them."""
+    """The air: temperature (°C), humidity (%) and pressure (Pa), or the values derived from them."""
 
     temperature: float | None = None
     humidity: float | None = None
@@ -43,7 +43,7 @@ class Medium(_Table):
 
 @dataclass(kw_only=True)
 class Array(_Table):
-    """Equal elements in rows and columns, `pitch` (m) apart, or as a table of `elements` places them."""
+    """Equal elements in rows and columns, `pitch` (m) apart, or at the positions of an `elements` table."""
 
     rows: int | None = None
     columns: int | None = None
@@ -64,7 +64,7 @@ class Array(_Table):
 
 @dataclass(kw_only=True)
 class Board(_Table):
-    """The array once more: its centre (m), the direction in which it radiates, and that of growing columns."""
+    """A copy of the array: its centre (m), direction of radiation, and direction of increasing column."""
 
     at: Vector | None = None
     normal: Vector | None = None
@@ -73,7 +73,7 @@ class Board(_Table):
 
 @dataclass(kw_only=True)
 class Reflector(_Table):
-    """An infinite plane that reflects: a point of it (m), its normal towards the sound, and the coefficient of the pressure."""
+    """An infinite reflecting plane: a point (m), the normal towards the sound, and the pressure reflection coefficient."""
 
     point: Vector | None = None
     normal: Vector | None = None
@@ -89,7 +89,7 @@ class _Target(_Table):
     group: str | None = None
     step: int | None = None
     motion: MotionPath | None = None
-    """its own, instead of the scene's"""
+    """the target's own motion, instead of the scene's"""
 
 
 @dataclass(kw_only=True)
@@ -192,7 +192,7 @@ class Text(_Flat):
 
 @dataclass
 class Picture(_Target):
-    """A picture whose grey is the wanted |p|²: a file, its centre and its width, m."""
+    """A picture whose grey value prescribes |p|²: a file, its centre and its width, m."""
 
     kind: ClassVar[str] = "picture"
     file: FileName
@@ -204,7 +204,7 @@ class Picture(_Target):
 
 @dataclass
 class Trap(_Target):
-    """A place (m) at which the scene's bead is to be held: twin, vortex, bottle, standing or focus."""
+    """A trap (m) for the scene's bead: twin, vortex, bottle, standing or focus."""
 
     kind: ClassVar[str] = "trap"
     at: Vector
@@ -216,7 +216,7 @@ class Trap(_Target):
 
 @dataclass(kw_only=True)
 class Quiet(_Table):
-    """A zone that is to be quiet: circle (`radius`), rectangle (`width`, `height`) or polygon (`radius`, `sides`), m."""
+    """A quiet zone: circle (`radius`), rectangle (`width`, `height`) or polygon (`radius`, `sides`), m."""
 
     kind: str | None = None  # type: ignore[misc]
     at: Vector | None = None
@@ -231,7 +231,7 @@ class Quiet(_Table):
 
 @dataclass(kw_only=True)
 class Solver(_Table):
-    """How the drive is found; `search` is s of further search."""
+    """The solver; `search` is the time (s) of a further search."""
 
     method: str | None = None
     iterations: int | None = None
@@ -282,7 +282,7 @@ class Liquid(_Table):
 
 @dataclass(kw_only=True)
 class Bead(_Table):
-    """The small sphere that the sound is to carry; radius in m."""
+    """The levitated sphere; radius in m."""
 
     material: str | None = None
     density: float | None = None
@@ -294,7 +294,7 @@ class Bead(_Table):
 
 @dataclass(kw_only=True)
 class Tone(_Table):
-    """One of the tones of a modulation: Hz, depth (0 to 1) and phase (rad)."""
+    """One tone of a modulation: Hz, depth (0 to 1) and phase (rad)."""
 
     frequency: float | None = None
     depth: float | None = None
@@ -317,7 +317,7 @@ class Modulation(_Table):
 
 @dataclass(kw_only=True)
 class Keyframe(_Table):
-    """A moment (s) of a motion: offset (m), pressure, and the way to the next."""
+    """A keyframe of a motion: time (fraction of the cycle), offset (m), pressure, and interpolation to the next."""
 
     time: float | None = None
     at: Vector | None = None
@@ -327,7 +327,7 @@ class Keyframe(_Table):
 
 @dataclass(kw_only=True)
 class MotionPath(_Table):
-    """How targets move: `rate` in cycles per second, or `speed` in m/s; size in m."""
+    """The motion of targets: `rate` in cycles per second, or `speed` in m/s; size in m."""
 
     path: str | None = None
     size: float | None = None
@@ -342,6 +342,6 @@ class MotionPath(_Table):
 
 @dataclass(kw_only=True)
 class Listener(_Table):
-    """An ear, m."""
+    """The position of an ear, m."""
 
     at: Vector

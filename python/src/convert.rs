@@ -1,18 +1,18 @@
-//! Python values as plain ones and back: what a scene file may hold.
+//! Conversion between Python values and the plain values of a scene file.
 
 use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
 use pyo3::types::{PyBool, PyDict, PyFloat, PyInt, PyList, PyMapping, PyString};
 use serde_json::{Map, Number, Value};
 
-/// Tables deeper than this are none of a scene.
+/// Deeper nesting is refused.
 const DEEPEST: usize = 16;
 
-/// A value of a scene: numbers, texts, sequences (NumPy's too), mappings, paths and the package's own classes. What is `None` is left
-/// out of tables.
+/// A value of a scene: numbers, strings, sequences (also of NumPy), mappings, paths and the package's own classes. `None` is left out
+/// of tables.
 ///
 /// # Errors
-/// Anything else, named by its key.
+/// Any other type, with its key.
 pub fn plain(value: &Bound<'_, PyAny>) -> PyResult<Value> {
     value_at(value, "", 0)
 }
@@ -74,7 +74,7 @@ fn value_at(value: &Bound<'_, PyAny>, key: &str, depth: usize) -> PyResult<Value
     Ok(Value::Array(items.collect::<PyResult<_>>()?))
 }
 
-/// The same as dictionaries, lists, texts and numbers.
+/// The inverse: dictionaries, lists, strings and numbers.
 pub fn python<'py>(py: Python<'py>, value: &Value) -> PyResult<Bound<'py, PyAny>> {
     Ok(match value {
         Value::Null => py.None().into_bound(py),

@@ -1,4 +1,4 @@
-//! What a caller means by a drive: a solution, a motion, or numbers for every element.
+//! The argument `drive`: a solution, a motion, or numbers per element.
 
 use num_complex::Complex64;
 use numpy::{AllowTypeChange, PyArrayLike2, PyArrayMethods, PyUntypedArray, PyUntypedArrayMethods};
@@ -9,7 +9,7 @@ use sonoglyph::drive::Drive;
 use crate::motion::Motion;
 use crate::solution::Solution;
 
-/// Drives that take turns: of a solution, of all frames of a motion, or phases (rad) or excitations (complex, of modulus 1 at most),
+/// Drives in turn: of a solution, of all frames of a motion, or phases (rad) or complex excitations (of modulus 1 at most),
 /// shape (elements,) or (drives, elements).
 ///
 /// # Errors

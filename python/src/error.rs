@@ -1,4 +1,4 @@
-//! Errors of the program as exceptions.
+//! The program's errors as Python exceptions.
 
 use pyo3::create_exception;
 use pyo3::exceptions::{PyRuntimeError, PyValueError};
@@ -22,7 +22,7 @@ create_exception!(
     "There is no GPU, or it was lost or refused the work."
 );
 
-/// With the key that it is about.
+/// A `SceneError` with its key.
 fn scene(key: Option<&str>, message: String) -> PyErr {
     let error = SceneError::new_err(message);
     Python::attach(|py| match error.value(py).setattr("key", key) {
@@ -35,7 +35,7 @@ pub fn of_key(error: &KeyError) -> PyErr {
     scene(Some(&error.key()), error.to_string())
 }
 
-/// Of a scene that no file holds: without file and line.
+/// The error of a scene without a file, so without file name and line.
 pub fn of_values(error: &FileError) -> PyErr {
     match error {
         FileError::Read { .. } => of_file(error),

@@ -1,4 +1,4 @@
-//! Evaluators of the field by name, kept between calls with what they have planned and tabulated.
+//! Field evaluators by name, cached between calls together with their plans and tables.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Mutex, MutexGuard, PoisonError};
@@ -12,9 +12,9 @@ use sonoglyph::studio::evaluator::Backend;
 
 use crate::error;
 
-/// Those that nobody uses now; one of each backend per thread at most.
+/// The idle evaluators; at most one of each backend per thread.
 static IDLE: Mutex<Vec<(Backend, Stages)>> = Mutex::new(Vec::new());
-/// Idle ones that are kept.
+/// Limit of idle evaluators.
 const KEPT: usize = 8;
 
 fn idle() -> MutexGuard<'static, Vec<(Backend, Stages)>> {
@@ -22,7 +22,7 @@ fn idle() -> MutexGuard<'static, Vec<(Backend, Stages)>> {
 }
 
 /// # Errors
-/// Another name than those of the command line's `--backend`.
+/// A name unknown to the command line's `--backend`.
 pub fn named(name: &str) -> PyResult<Backend> {
     match name {
         "auto" => Ok(Backend::Auto),
@@ -35,10 +35,10 @@ pub fn named(name: &str) -> PyResult<Backend> {
     }
 }
 
-/// Does something with an evaluator. One that fails is not kept; where no GPU was asked for by name, the CPU does it then.
+/// Runs work on an evaluator. A failed evaluator is dropped; unless a GPU was requested by name, the CPU takes over.
 ///
 /// # Errors
-/// There is no such GPU, or those of the work.
+/// A missing GPU, or an error of the work.
 pub fn with<T>(backend: Backend, work: impl Fn(&mut Stages) -> Result<T, field::FieldError>) -> PyResult<T> {
     let mut stages = match take(backend) {
         Some(stages) => stages,
@@ -74,7 +74,7 @@ fn give_back(backend: Backend, stages: Stages) {
 }
 
 fn open(backend: Backend) -> PyResult<Stages> {
-    /// Whether there is a GPU that is not software: looking for one takes a second.
+    /// Whether there is a hardware GPU: the search takes a second.
     static HAS_GPU: AtomicBool = AtomicBool::new(true);
     let gpu = |software| adapter::open_best(software).map(|gpu| Evaluator::Gpu(Box::new(gpu)));
     Ok(Stages::new(match backend {
@@ -88,7 +88,7 @@ fn open(backend: Backend) -> PyResult<Stages> {
     }))
 }
 
-/// Names, and what each runs on.
+/// Names and hardware.
 pub fn available() -> Vec<(&'static str, String)> {
     let gpus = adapter::adapters();
     let gpu = gpus.first().map(|best| ("gpu", best.to_string()));

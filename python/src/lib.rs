@@ -1,4 +1,4 @@
-//! The native part of the Python package: scenes, solutions, maps, motions and forces. `sonoglyph/__init__.py` names them for users.
+//! The native part of the Python package: scenes, solutions, maps, motions and forces. `sonoglyph/__init__.py` exports them.
 
 mod convert;
 mod drives;
@@ -27,7 +27,7 @@ mod _native {
     #[pymodule_export]
     use crate::solution::Solution;
 
-    /// The evaluators that this machine has, and what they run on.
+    /// The available evaluators and their hardware.
     #[pyfunction]
     fn evaluators() -> Vec<(&'static str, String)> {
         crate::evaluator::available()

@@ -10,7 +10,7 @@ use sonoglyph::scene::Plane;
 use sonoglyph::studio::map;
 
 /// # Errors
-/// Another name than those of the command line's `--quantity` for maps.
+/// A name unknown to the command line's `--quantity` for maps.
 pub fn quantity(name: &str) -> PyResult<Quantity> {
     let wanted = if name == "dent" { "depression" } else { name };
     let known = |quantity: &Quantity| quantity.declaration().name == wanted;
@@ -28,7 +28,7 @@ fn colours(name: &str) -> PyResult<ColourMap> {
     })
 }
 
-/// The values of a quantity on a plane, with what is known of them.
+/// The values of a quantity on a plane, with peak, error and extent.
 ///
 /// `numpy.asarray(map)` is `map.values`.
 #[pyclass(frozen, module = "sonoglyph")]
@@ -43,7 +43,7 @@ pub struct Map {
 }
 
 impl Map {
-    /// The numbers stay where they are.
+    /// The values, without a copy.
     pub fn new(py: Python<'_>, quantity: Quantity, plane: Plane, made: field::Map) -> PyResult<Self> {
         let field::Map { width, height, values, peak, error, how, .. } = made;
         let values = values.into_pyarray(py).reshape([height, width])?.unbind();
@@ -69,25 +69,25 @@ impl Map {
         self.quantity.declaration().name
     }
 
-    /// What the values are measured in.
+    /// The unit of the values.
     #[getter]
     fn unit(&self) -> &'static str {
         self.quantity.declaration().unit.symbol()
     }
 
-    /// What the error is relative to, in `unit`: the largest value; of a phase the largest |p|, Pa (peak).
+    /// The largest value, in `unit`; of a phase the largest |p|, Pa (peak). The error is relative to it.
     #[getter]
     fn peak(&self) -> f32 {
         self.peak
     }
 
-    /// Estimate of the largest error relative to `peak`, from places that were compared with f64.
+    /// Estimate of the largest error relative to `peak`, from a comparison with f64 at some pixels.
     #[getter]
     fn error(&self) -> f64 {
         self.error
     }
 
-    /// How the values were made, in words.
+    /// The method of evaluation, in words.
     #[getter]
     fn how(&self) -> &str {
         &self.how

@@ -1,4 +1,4 @@
-//! The drives of a cycle.
+//! The drives of all frames of a motion.
 
 use std::sync::Arc;
 
@@ -7,12 +7,12 @@ use pyo3::prelude::*;
 use sonoglyph::drive::Drive;
 use sonoglyph::solver::frames::{Frame, Sequence};
 
-/// The drives of all frames of a motion, as `Scene.frames` finds them. As a `drive` of other calls they take turns: their mean.
+/// The drives of all frames of a motion: the result of `Scene.frames`. As a `drive` of other calls it stands for the mean over all frames.
 #[pyclass(frozen, module = "sonoglyph")]
 #[derive(Debug)]
 pub struct Motion {
     sequence: Arc<Sequence>,
-    /// Frames per second; 0 where nothing moves.
+    /// Frames per second; 0 for a scene at rest.
     rate: f64,
 }
 
@@ -74,13 +74,13 @@ impl Motion {
         self.sequence.frames.iter().map(|frame| PyArray1::from_slice(py, &frame.pressures)).collect()
     }
 
-    /// Frames per second; 0 where nothing moves.
+    /// Frames per second; 0 for a scene at rest.
     #[getter]
     fn rate(&self) -> f64 {
         self.rate
     }
 
-    /// Time that finding all drives took, s.
+    /// Time spent on finding all drives, s.
     #[getter]
     fn seconds(&self) -> f64 {
         self.sequence.seconds

@@ -1,4 +1,4 @@
-//! Scenes, and what is computed of them.
+//! The class `Scene`, and the computations on it.
 
 #![expect(clippy::needless_pass_by_value, reason = "paths come as values from Python")]
 
@@ -33,7 +33,7 @@ use crate::{convert, drives, error, evaluator, work};
 
 /// Pixels of a map along x, unless its size is given.
 const WIDTH: usize = 256;
-/// Points that are evaluated at once.
+/// Points evaluated at once.
 const MOST_PLACES: usize = 50_000_000;
 
 /// Width, or width and height.
@@ -43,17 +43,17 @@ pub enum Pixels {
     Both((usize, usize)),
 }
 
-/// A scene: targets, array, medium, plane, liquid and motion, in SI units. It never changes; `replace` makes another.
+/// A scene: targets, array, medium, plane, liquid and motion, in SI units. Immutable: `replace` makes a changed copy.
 ///
 /// The keyword arguments are the tables of a scene file: dictionaries, or the package's classes (`Array`, `Plane`, ...); `target`,
-/// `board`, `reflector` and `quiet` take lists of them, also as `targets`, `boards`, `reflectors`. `folder` is where files are
-/// looked for that the scene names; the current one by default.
+/// `board`, `reflector` and `quiet` take lists of them, also as `targets`, `boards`, `reflectors`. Files named
+/// by the scene are relative to `folder`, by default the current one.
 #[pyclass(frozen, eq, module = "sonoglyph")]
 #[derive(Debug)]
 pub struct Scene {
     pub scene: Arc<scene::Scene>,
     folder: PathBuf,
-    /// The drive of the scene itself, once it was needed.
+    /// The drive of the scene itself, computed on demand.
     own: Mutex<Option<Arc<solver::Solution>>>,
 }
 
@@ -68,7 +68,7 @@ impl Scene {
         Self { scene: Arc::new(scene), folder, own: Mutex::new(None) }
     }
 
-    /// From the tables of a file.
+    /// From the tables of a scene file.
     fn of_tables(mut tables: Value, folder: PathBuf) -> PyResult<Self> {
         if let Some(keys) = tables.as_object_mut() {
             *keys = std::mem::take(keys).into_iter().map(|(key, value)| (singular(key), value)).collect();
@@ -88,7 +88,7 @@ impl Scene {
         toml::from_str(&text).map_err(|error| PyValueError::new_err(error.to_string()))
     }
 
-    /// The drives that are played: those that are given, else the scene's own, of all frames where `frames`.
+    /// The drives to play: the given ones, or the scene's own, of all frames if `frames`.
     fn played(
         slf: &Bound<'_, Self>,
         drive: Option<&Bound<'_, PyAny>>,
@@ -149,7 +149,7 @@ impl Scene {
         Ok(Self::new(scene, path.parent().map(PathBuf::from).unwrap_or_default()))
     }
 
-    /// The scene of a TOML text; files that it names are looked for in `folder`.
+    /// The scene of a TOML text; files named by it are relative to `folder`.
     #[classmethod]
     #[pyo3(signature = (text, folder=None))]
     fn loads(_: &Bound<'_, PyType>, text: &str, folder: Option<PathBuf>) -> PyResult<Self> {
@@ -172,7 +172,7 @@ impl Scene {
         file::write(&self.scene)
     }
 
-    /// Writes the scene to a TOML file, whole or not at all.
+    /// Writes the scene to a TOML file, atomically.
     fn save(&self, path: PathBuf) -> PyResult<()> {
         output::write(&path, file::write(&self.scene).as_bytes())
             .map_err(|error| PyOSError::new_err(format!("{error:#}")))
@@ -183,7 +183,7 @@ impl Scene {
         convert::python(py, &self.tables()?)
     }
 
-    /// The same scene with other tables. A table given as a dictionary or class replaces the keys that it holds and leaves the others.
+    /// A changed copy of the scene. A table, given as a dictionary or class, replaces its own keys and keeps the others.
     #[pyo3(signature = (**tables))]
     fn replace(&self, tables: Option<&Bound<'_, PyDict>>) -> PyResult<Self> {
         let mut all = self.tables()?;
@@ -202,25 +202,25 @@ impl Scene {
         Self::of_tables(all, self.folder.clone())
     }
 
-    /// The places of all elements, m; float64, shape (elements, 3).
+    /// The positions of all elements, m; float64, shape (elements, 3).
     #[getter]
     fn positions<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
         rows(py, &Aperture::new(&self.scene).positions)
     }
 
-    /// The directions in which they radiate; float64, shape (elements, 3).
+    /// The directions of radiation of all elements; float64, shape (elements, 3).
     #[getter]
     fn normals<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
         rows(py, &Aperture::new(&self.scene).normals)
     }
 
-    /// m, of the carrier.
+    /// The wavelength of the carrier, m.
     #[getter]
     fn wavelength(&self) -> f64 {
         self.scene.wavelength()
     }
 
-    /// What to know of targets that the array does not reach, a sentence each.
+    /// Warnings about targets out of the array's reach, one sentence each.
     #[getter]
     fn warnings(&self) -> Vec<String> {
         reach::of_targets(&self.scene).iter().map(ToString::to_string).collect()
@@ -228,7 +228,7 @@ impl Scene {
 
     /// Finds the drive.
     ///
-    /// `method` (the scene's own by default): focus, pinv, weighted, naive, gs, gspat, wgs, greedy or best. `search`: s of further search.
+    /// `method` (the scene's own by default): focus, pinv, weighted, naive, gs, gspat, wgs, greedy or best. `search`: time of a further search, s.
     #[pyo3(signature = (method=None, *, search=None, progress=None))]
     fn solve(
         slf: &Bound<'_, Self>,
@@ -272,7 +272,7 @@ impl Scene {
         Self::map(slf, quantity, size, drive, evaluator, tolerance, progress)?.into_values(slf.py())
     }
 
-    /// Like `field`, with what is known of the numbers.
+    /// Like `field`, with peak, error and extent.
     #[pyo3(signature = (quantity="rms", size=None, drive=None, *, evaluator="auto", tolerance=None, progress=None))]
     pub fn map(
         slf: &Bound<'_, Self>,
@@ -320,7 +320,7 @@ impl Scene {
 
     /// A quantity in a box, sampled at the centres of NX x NY x NZ equal cells: float32, shape (NZ, NY, NX).
     ///
-    /// `box`: two opposite corners, m; by default what suits the scene.
+    /// `box`: two opposite corners, m; by default a box around the scene.
     #[pyo3(signature = (counts, quantity="rms", r#box=None, drive=None, *, evaluator="auto", tolerance=None, progress=None))]
     #[expect(clippy::too_many_arguments, reason = "keyword arguments")]
     fn volume<'py>(
@@ -376,7 +376,7 @@ impl Scene {
         values.into_pyarray(slf.py()).reshape([counts[2], counts[1], counts[0]].map(|count| count as usize))
     }
 
-    /// Complex pressures at points, Pa (peak), in f64; of drives that take turns the modulus is the root of the mean square.
+    /// Complex pressures at points, Pa (peak), in f64; of several drives in turn the modulus is the root mean square.
     ///
     /// `points`: m, shape (..., 3); the result is complex128 of shape (...).
     #[pyo3(signature = (points, drive=None, *, progress=None))]
@@ -393,7 +393,7 @@ impl Scene {
         work::run(slf.py(), progress, read)?.into_pyarray(slf.py()).reshape(shape)
     }
 
-    /// The transfer H from every element to points, Pa (peak) per unit of drive, with what reflectors send there: complex128, shape
+    /// The transfer H from every element to points, Pa (peak) per unit of drive, including reflections: complex128, shape
     /// (points, elements), so that `H @ u` is `pressure`.
     fn transfer<'py>(
         slf: &Bound<'py, Self>,
@@ -414,7 +414,7 @@ impl Scene {
         all.into_pyarray(slf.py()).reshape([points.len(), elements])
     }
 
-    /// What the sound does to the scene's bead at points (m, shape (..., 3)): a dictionary of `gorkov` (J, shape (...)), `force` (N,
+    /// The radiation force on the scene's bead at points (m, shape (..., 3)): a dictionary of `gorkov` (J, shape (...)), `force` (N,
     /// shape (..., 3), without weight) and `stiffness` (N/m, -dF/dx, shape (..., 3, 3)).
     #[pyo3(signature = (points, drive=None, *, progress=None))]
     fn force<'py>(
@@ -461,7 +461,7 @@ impl Scene {
         format!("<sonoglyph.Scene: {shown} targets, {elements} elements at {kilohertz} kHz>")
     }
 
-    /// What a notebook shows: the RMS pressure on the scene's plane, if the scene can be solved.
+    /// The picture in notebooks: the RMS pressure on the scene's plane, if the scene can be solved.
     fn _repr_png_<'py>(slf: &Bound<'py, Self>) -> PyResult<Option<Bound<'py, PyBytes>>> {
         match Self::map(slf, "rms", Some(Pixels::Width(360)), None, "auto", None, None) {
             Ok(map) => map.png(slf.py(), "inferno").map(Some),
@@ -476,7 +476,7 @@ impl Scene {
     }
 }
 
-/// The key of a file for one that Python reads better.
+/// The key of the file for a keyword argument in plural.
 fn singular(key: String) -> String {
     match key.as_str() {
         "targets" | "boards" | "reflectors" => key.trim_end_matches('s').to_owned(),
@@ -484,14 +484,14 @@ fn singular(key: String) -> String {
     }
 }
 
-/// Points (m) of any shape that ends in 3, and that shape without it.
+/// Points (m) of any shape (..., 3), and the shape (...).
 fn places(points: &Bound<'_, PyAny>) -> PyResult<(Vec<DVec3>, Vec<usize>)> {
     let array: PyArrayLikeDyn<'_, f64, AllowTypeChange> = points.extract()?;
     let refused = |what: &str| Err(PyValueError::new_err(format!("points: {what}")));
     let Some((3, shape)) = array.shape().split_last().map(|(last, shape)| (*last, shape.to_vec())) else {
         return refused("an array of shape (..., 3), in metres");
     };
-    // Rows in order, whatever the strides are.
+    // In row order, for any strides.
     let flat: Vec<f64> = array.as_array().iter().copied().collect();
     if flat.len() / 3 > MOST_PLACES {
         return refused("50 000 000 at most");

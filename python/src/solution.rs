@@ -1,4 +1,4 @@
-//! A drive with what it does at the foci.
+//! The class `Solution`: a drive, its foci and its figures.
 
 use std::sync::{Arc, OnceLock};
 
@@ -16,18 +16,18 @@ use crate::error;
 use crate::map::Map;
 use crate::scene::{Pixels, Scene};
 
-/// A function, and what it makes a solution from.
+/// The function and arguments that rebuild a pickled solution.
 type Pickled<'py> = (Bound<'py, PyAny>, (Py<Scene>, Bound<'py, PyBytes>));
 
-/// What `Scene.solve` finds: the drive, and its figures.
+/// The result of `Scene.solve`: the drive and its figures.
 ///
-/// As a `drive` of other calls it is played as it is; where the scene asks for several drives (`solver.frames`), all take turns.
+/// As a `drive` of other calls it is played unchanged; several drives (`solver.frames`) are played in turn.
 #[pyclass(frozen, module = "sonoglyph")]
 #[derive(Debug)]
 pub struct Solution {
     pub solution: Arc<solver::Solution>,
     pub scene: Py<Scene>,
-    /// Made when first asked for: the limits of foci and array take as long as the solution itself.
+    /// Computed on demand: the limits of foci and array take as long as the solution itself.
     quality: OnceLock<Value>,
 }
 
@@ -61,7 +61,7 @@ impl Solution {
         PyArray1::from_slice(py, &self.solution.drive.amplitudes)
     }
 
-    /// u = amplitude · exp(j phase) of all drives that take turns; complex128, shape (drives, elements).
+    /// u = amplitude · exp(j phase) of all drives in turn; complex128, shape (drives, elements).
     #[getter]
     fn excitations<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<Complex>>> {
         let drives = self.solution.drives();
@@ -80,7 +80,7 @@ impl Solution {
         places.into_pyarray(py).reshape([foci.len(), 3])
     }
 
-    /// Wanted pressures: ratios, or Pa (peak) with `solver.pressures = "pascal"`; float64, shape (foci,).
+    /// Target pressures: ratios, or Pa (peak) with `solver.pressures = "pascal"`; float64, shape (foci,).
     #[getter]
     fn targets<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
         self.solution.foci.iter().map(|focus| focus.target).collect::<Vec<_>>().into_pyarray(py)
@@ -96,7 +96,7 @@ impl Solution {
     #[getter]
     fn quality<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         if self.quality.get().is_none() {
-            // Another thread may have been as fast.
+            // Another thread may have stored it first.
             let _ = self.quality.set(py.detach(|| self.judged())?);
         }
         convert::python(py, self.quality.get().unwrap_or(&Value::Null))
@@ -113,19 +113,19 @@ impl Solution {
         self.solution.iterations
     }
 
-    /// Time that the method took, s.
+    /// Time spent in the method, s.
     #[getter]
     fn seconds(&self) -> f64 {
         self.solution.seconds
     }
 
-    /// What to know before trusting the drive, a sentence each.
+    /// Warnings about the drive, one sentence each.
     #[getter]
     fn warnings(&self) -> Vec<String> {
         self.solution.warnings.iter().map(ToString::to_string).collect()
     }
 
-    /// The scene that was solved.
+    /// The solved scene.
     #[getter]
     fn scene(&self, py: Python<'_>) -> Py<Scene> {
         self.scene.clone_ref(py)
@@ -176,7 +176,7 @@ impl Solution {
         )
     }
 
-    /// What a notebook shows: the RMS pressure on the scene's plane.
+    /// The picture in notebooks: the RMS pressure on the scene's plane.
     fn _repr_png_<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyBytes>> {
         let map = Self::map(slf, "rms", Some(Pixels::Width(360)), "auto", None, None)?;
         map.png(slf.py(), "inferno")

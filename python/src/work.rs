@@ -1,4 +1,4 @@
-//! Long work beside the interpreter: other threads of Python go on, Ctrl-C is heard, and progress is told.
+//! Long computations without the GIL, with Ctrl-C and progress reports.
 
 use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
@@ -10,19 +10,19 @@ use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
 use sonoglyph::gauge::Gauge;
 
-/// How often the interpreter is asked for Ctrl-C, and progress is told.
+/// Interval of checks for Ctrl-C and of progress reports.
 const LOOK: Duration = Duration::from_millis(40);
 
 type Task = Box<dyn FnOnce() + Send>;
 
-/// Threads that wait for work: a new one costs a tenth of a millisecond, and memory that is new to it.
+/// Idle threads: starting one costs a tenth of a millisecond, and fresh memory.
 static IDLE: Mutex<Vec<SyncSender<Task>>> = Mutex::new(Vec::new());
 
 fn idle() -> MutexGuard<'static, Vec<SyncSender<Task>>> {
     IDLE.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// Has an idle thread, or a new one, do a task.
+/// Runs a task on an idle thread, or on a new one.
 fn hand_over(task: Task) -> std::io::Result<()> {
     let waiting = idle().pop();
     let worker = match waiting {
@@ -40,14 +40,14 @@ fn hand_over(task: Task) -> std::io::Result<()> {
             worker
         }
     };
-    // It waits as long as the program runs.
+    // It lives as long as the program.
     worker.send(task).map_err(|_| std::io::Error::other("a thread of Sonoglyph has ended"))
 }
 
-/// Does work on a thread of its own, of all of which `progress` is told the part that is done, 0 to 1.
+/// Runs work on a separate thread and reports its completed fraction, 0 to 1, to `progress`.
 ///
 /// # Errors
-/// Ctrl-C (the work ends at its next sign of progress), and what `progress` raises.
+/// Ctrl-C (the work ends at its next progress report), and exceptions of `progress`.
 pub fn run<T: Send + 'static>(
     py: Python<'_>,
     progress: Option<&Bound<'_, PyAny>>,
@@ -58,7 +58,7 @@ pub fn run<T: Send + 'static>(
     let gauge = Gauge::new(move |part| {
         told.store(part.to_bits(), Ordering::Relaxed);
         if stopped.load(Ordering::Relaxed) {
-            // Whoever waited is gone.
+            // The receiver is gone after Ctrl-C.
             resume_unwind(Box::new("interrupted"));
         }
     });

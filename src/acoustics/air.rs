@@ -5,7 +5,7 @@ use crate::scene::Medium;
 /// dB per neper, 20/ln 10.
 const DB_PER_NEPER: f64 = 20.0 / std::f64::consts::LN_10;
 
-/// What a wave needs to know of the air at one frequency.
+/// The properties of the air for a wave of one frequency.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Air {
     /// m/s
@@ -17,7 +17,7 @@ pub struct Air {
 }
 
 impl Air {
-    /// The medium at `frequency` (Hz); what the scene gives outright goes before what follows from the weather.
+    /// The medium at `frequency` (Hz); given properties override derived ones.
     ///
     /// Sound speed ([`Medium::speed_of_sound`]) and density, ρ = p/(287.05 T), are those of dry air: humidity would raise c by
     /// less than 0.3 % below 30 °C.
@@ -33,7 +33,7 @@ impl Air {
         }
     }
 
-    /// The same from the weather alone, whatever the scene gives outright.
+    /// Derived from the weather alone, ignoring given properties.
     pub fn of_weather(medium: &Medium, frequency: f64) -> Self {
         let weather = Medium { sound_speed: None, density: None, absorption: None, ..medium.clone() };
         Self::new(&weather, frequency)

@@ -1,6 +1,6 @@
 //! The piston's directivity D = 2 J1(x)/x as a function of w = x², with three derivatives.
 //!
-//! With Eₙ = Jₙ(x)/xⁿ it is D = 2 E₁ and dEₙ/dw = -Eₙ₊₁/2, and Eₙ₋₁ = 2n Eₙ - w Eₙ₊₁.
+//! With Eₙ = Jₙ(x)/xⁿ, D = 2 E₁, dEₙ/dw = -Eₙ₊₁/2, and Eₙ₋₁ = 2n Eₙ - w Eₙ₊₁.
 
 use crate::acoustics::row::{LANES, horner};
 use crate::simd::{Instructions, lanes};
@@ -11,7 +11,7 @@ const MANY_TERMS: usize = 30;
 /// x below which the series converges without loss.
 const SMALL: f64 = 4.0;
 
-/// D, D', D'' and D''' by w, where no w is more than `largest`.
+/// D, D', D'' and D''' by w, for w of at most `largest`.
 #[inline(always)]
 pub(super) fn directivity<I: Instructions>(largest: f64, w: &[f64; LANES]) -> [[f64; LANES]; 4] {
     let [e3, e4] = if largest <= 16.0 {
@@ -50,7 +50,7 @@ fn third_and_fourth(w: f64) -> [f64; 2] {
         let value = |coefficients: [f64; MANY_TERMS]| coefficients.iter().rfold(0.0, |sum, c| sum * w + c);
         return [value(series(3)), value(series(4))];
     }
-    // Stable upwards, where n is less than x.
+    // The upward recurrence is stable for n below x.
     let (j0, j1) = (libm::j0(x), libm::j1(x));
     let j2 = 2.0 / x * j1 - j0;
     let j3 = 4.0 / x * j2 - j1;

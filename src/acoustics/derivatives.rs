@@ -4,7 +4,7 @@ use std::ops::{AddAssign, Mul};
 
 use num_complex::Complex64;
 
-/// How many there are: of the orders 0, 1, 2 and 3.
+/// Number of derivatives of the orders 0, 1, 2 and 3.
 pub(super) const COUNT: usize = 1 + 3 + 6 + 10;
 /// Of a second derivative among these, by its two axes.
 pub(super) const SECOND: [[usize; 3]; 3] = [[4, 5, 6], [5, 7, 8], [6, 8, 9]];
@@ -23,7 +23,7 @@ pub(super) const TRIPLES: [[usize; 3]; 10] = [
     [1, 2, 2],
     [2, 2, 2],
 ];
-/// Of a third derivative, by the place of a second one among the second ones and one more axis.
+/// Index of a third derivative, by the index of a second derivative and another axis.
 const THIRD: [[usize; 3]; 6] =
     [[10, 11, 12], [11, 13, 14], [12, 14, 15], [13, 16, 17], [14, 17, 18], [15, 18, 19]];
 
@@ -32,7 +32,7 @@ const THIRD: [[usize; 3]; 6] =
 pub struct Derivatives(pub(super) [Complex64; COUNT]);
 
 impl Derivatives {
-    /// Of a field whose derivative by x so often, by y and by z so often is known.
+    /// The derivatives of a field, from a function of the orders in x, y and z.
     pub fn of(derivative: impl Fn([u32; 3]) -> Complex64) -> Self {
         let along = |axes: &[usize]| {
             let mut orders = [0; 3];

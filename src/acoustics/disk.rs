@@ -1,24 +1,25 @@
-//! A disk as points with weights: the exact piston wherever derivatives of its sound are wanted.
+//! Quadrature points on a disk: the exact piston, for derivatives of its pressure.
 
 use std::f64::consts::{PI, TAU};
 use std::sync::LazyLock;
 
-/// Nodes along a radius that there are rules for; the first that is enough is taken.
+/// Available numbers of nodes along a radius; the first sufficient one is used.
 const RADIAL: [usize; 8] = [6, 8, 12, 16, 24, 32, 64, 128];
-/// Digits, as a natural logarithm, that the rules are to have.
+/// Accuracy of the rules, as a natural logarithm.
 const DIGITS: f64 = 34.0;
 /// Nodes around the disk, at most.
 const MOST_AROUND: f64 = 512.0;
 
-/// A place in radii, and its part of the whole.
+/// A position in radii, and its weight.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Node {
     pub at: [f64; 2],
     pub weight: f64,
 }
 
-/// For a point `rho` from the axis and `z` from the plane (in radii), with `ka` the wavenumber times the radius. Gauss's rule along the
-/// radius, equal steps around. Both converge like powers of how far the point is; nearer than a tenth of a radius they lose digits.
+/// For a point `rho` from the axis and `z` from the plane (in radii), with `ka` the wavenumber times the radius.
+/// Gauss's rule along the radius, equal steps around. Both converge geometrically with the distance of the point;
+/// nearer than a tenth of a radius they lose digits.
 pub(super) fn nodes(ka: f64, rho: f64, z: f64) -> impl Iterator<Item = Node> {
     let z = z.max(0.02);
     // The radii (complex) at which a ring meets the point, seen from the interval: Bernstein's ellipse.
@@ -56,7 +57,7 @@ static RULES: LazyLock<[Vec<(f64, f64)>; RADIAL.len()]> = LazyLock::new(|| {
     })
 });
 
-/// Places in [-1, 1] and weights of Gauss's rule: Newton's steps to the roots of Legendre's polynomial.
+/// Nodes in [-1, 1] and weights of Gauss's rule: Newton's method on the roots of Legendre's polynomial.
 pub(super) fn legendre(count: usize) -> Vec<(f64, f64)> {
     let polynomial = |x: f64| {
         let (mut before, mut this) = (1.0, x);

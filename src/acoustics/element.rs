@@ -1,4 +1,4 @@
-//! One element: the complex pressure it makes at a point per unit of drive.
+//! One element: its complex pressure at a point per unit of drive.
 //!
 //! Pressure is p(t) = Re{P e^{+jωt}} with P the complex peak amplitude, and the far field of an element is
 //! P = S · D(θ)/r · j e^{-jkr} · e^{-αr} with S = ρ u a² ω/2 for a piston of surface velocity u: equation (1) of
@@ -13,19 +13,19 @@ use num_complex::Complex64;
 use crate::acoustics::disk;
 use crate::scene::ElementModel;
 
-/// m. A far field has no end at its element: a height above the array never counts as less, which keeps every value finite. A point
-/// this little behind the array still counts as in front, so that rounding does not decide.
+/// m. Far fields diverge at the element, so heights above the array are clamped to this value. A point this little
+/// behind the array counts as in front, to be robust against rounding.
 pub const NEAREST: f64 = 1e-5;
-/// m. A smaller disk is a point: no place is so near to it that it could tell.
+/// m. Smaller disks are treated as points: no point is close enough to tell the difference.
 pub const SMALLEST_DISK: f64 = 1e-9;
-/// Relative error of the exact piston's integral that [`piston_nodes`] is asked for in f64.
+/// Relative error of the exact piston's integral requested from [`piston_nodes`] in f64.
 const PISTON_ERROR: f64 = 1e-14;
-/// Midpoint nodes beyond which panels take fewer.
+/// Number of midpoint nodes beyond which panels need fewer.
 const MOST_MIDPOINTS: usize = 400;
-/// Nodes of a panel, and the rad that its wave may turn: 1e-15 off.
+/// Nodes of a panel, and the largest phase (rad) of its wave: an error of 1e-15.
 const PANEL: usize = 32;
 const TURN_OF_PANEL: f64 = 48.0;
-/// rad, the first panel at least: what is nearer to the rim has no structure.
+/// Smallest width of the first panel, rad: closer to the rim there is no structure.
 const FINEST_PANEL: f64 = 1e-8;
 
 /// An element and the wave it sends out.
@@ -101,8 +101,8 @@ impl Element {
     }
 }
 
-/// The integral of a wave over ψ from 0 to π by Gauss's rule on panels that double their width, where it is analytic up to a distance
-/// `near` from ψ = 0 and turns by `rate` rad per rad at most.
+/// The integral of a wave over ψ from 0 to π by Gauss's rule on panels that double their width, for a wave analytic
+/// up to a distance `near` from ψ = 0, with a phase rate of at most `rate` rad per rad.
 fn by_panels(near: f64, rate: f64, integrand: impl Fn(f64) -> Complex64) -> Complex64 {
     let mut sum = Complex64::ZERO;
     let (mut start, mut end) = (0.0, near.clamp(FINEST_PANEL, PI));
@@ -122,14 +122,14 @@ fn by_panels(near: f64, rate: f64, integrand: impl Fn(f64) -> Complex64) -> Comp
 /// Gauss's rule for a panel.
 static GAUSS: LazyLock<Vec<(f64, f64)>> = LazyLock::new(|| disk::legendre(PANEL));
 
-/// Midpoint nodes with which the piston's integral has a relative error of about `error`.
+/// Number of midpoint nodes for a relative error of about `error` of the piston's integral.
 ///
 /// `ka` is the wavenumber times the radius, `rho` and `z` the point in radii. The integrand is periodic and analytic
-/// in a strip about the real axis, so the midpoint rule converges like e^{-2nτ} times the integrand's growth e^{ka
-/// sinh τ} for every τ inside the strip, whose half-width the rim sets.
+/// in a strip about the real axis, so the midpoint rule converges as e^{-2nτ} times the integrand's growth e^{ka sinh
+/// τ} for every τ inside the strip, whose half-width depends on the distance to the rim.
 pub fn piston_nodes(ka: f64, rho: f64, z: f64, error: f64) -> usize {
     let digits = -error.ln();
-    // Where the growth of a large ka and the digits ask for the same.
+    // The τ at which growth and accuracy balance for large ka.
     let tau = (0.9 * strip(rho, z)).min((3.0 * digits / ka).cbrt().min(2.0)).max(f64::MIN_POSITIVE);
     // The factor in front of the exponential grows like one over the distance to the strip's edge.
     let growth = ka * tau.sinh() + (2.0 / tau).ln().max(0.0);

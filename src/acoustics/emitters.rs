@@ -1,7 +1,7 @@
-//! Elements and their images with what they play, and from them the pressure at a point with its derivatives, in f64.
+//! Elements and their images with their drives, and the pressure at a point with its derivatives, in f64.
 //!
-//! With d the way from an element to the point, h its height along the element's normal n and Q = d·d/2, the wave is a function
-//! P(Q, h), whose derivatives are closed forms; ∂ᵢP = P_Q dᵢ + P_h nᵢ, and so on with ∂ᵢdⱼ = δᵢⱼ.
+//! With d the vector from an element to the point, h its height along the element's normal n and Q = d·d/2, the wave
+//! is a function P(Q, h), whose derivatives are closed forms; ∂ᵢP = P_Q dᵢ + P_h nᵢ, and so on with ∂ᵢdⱼ = δᵢⱼ.
 
 use std::f64::consts::PI;
 
@@ -17,7 +17,7 @@ use crate::simd::{Instructions, Isa, Kernel, lanes, total};
 
 type Lanes = [f64; LANES];
 
-/// An array with an expression for each axis, written out: of what closures make over arrays there is no vector code.
+/// An array with an expression per axis, written out, since closures over arrays are not vectorised.
 macro_rules! axes {
     ($axis:ident => $value:expr) => {
         [axes!($axis = 0, $value), axes!($axis = 1, $value), axes!($axis = 2, $value)]
@@ -70,7 +70,7 @@ macro_rules! triples {
     }};
 }
 
-/// What sounds, in the scene's coordinates.
+/// All sources, in the scene's coordinates.
 #[derive(Clone, Debug)]
 pub struct Emitters {
     element: Element,
@@ -78,7 +78,7 @@ pub struct Emitters {
     places: [Vec<f64>; 3],
     /// Unit vectors.
     normals: [Vec<f64>; 3],
-    /// j times strength, gain and drive; nothing beyond the last.
+    /// j times strength, gain and drive; zero beyond the last.
     played: [Vec<f64>; 2],
 }
 
@@ -100,7 +100,7 @@ impl Emitters {
         emitters
     }
 
-    /// Of every driven element alone at full drive: the derivatives at a point, to be weighted with what is played and added up.
+    /// The derivatives at a point of every driven element alone at full drive, for weighted sums.
     pub fn columns(aperture: &Aperture, point: DVec3) -> Vec<Derivatives> {
         let mut columns = vec![Derivatives::default(); aperture.driven.len()];
         for face in &aperture.faces {
@@ -210,7 +210,7 @@ fn decay(way: DVec3, attenuation: f64) -> Derivatives {
     all
 }
 
-/// How elements radiate in different directions.
+/// The directivity of elements.
 #[derive(Clone, Copy)]
 enum Pattern {
     Even,
@@ -252,7 +252,7 @@ impl<const ORDER: usize> Kernel for Sum<'_, ORDER> {
                 0.0 => [1.0; LANES],
                 _ => lanes(|i| (-attenuation * r[i]).exp()),
             };
-            // e^{-jkr}/r times what is played.
+            // e^{-jkr}/r times the drive.
             let half_turns = lanes::<LANES>(|i| -r[i] * (wavenumber / PI));
             let rounded = lanes::<LANES>(|i| half_turns[i] + ROUNDER);
             let f = lanes::<LANES>(|i| half_turns[i] - (rounded[i] - ROUNDER));
@@ -370,7 +370,7 @@ impl Directivity {
         }
     }
 
-    /// The product with a part of a wave that is the same in all directions, of which the derivatives by Q are given.
+    /// The product with an isotropic part of a wave, given its derivatives by Q.
     #[inline(always)]
     fn product(&self, [g0, g1, g2, g3]: [&Lanes; 4]) -> Wave {
         let (d, own) = (&self.value, self);

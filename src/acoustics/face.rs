@@ -1,4 +1,4 @@
-//! Boards as radiators, each in its own coordinates: where it stands, its elements, and its images in reflectors.
+//! Boards as radiators in their own coordinates: pose, elements, and images in reflectors.
 
 use std::ops::Range;
 use std::sync::Arc;
@@ -7,7 +7,7 @@ use glam::{DMat3, DVec2, DVec3};
 
 use crate::scene::{Board, Reflector};
 
-/// Where a board stands and which way it faces.
+/// Position and orientation of a board.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pose {
     /// m, of its centre.
@@ -44,7 +44,7 @@ impl Pose {
         if *self == Self::HOME { direction } else { self.axes * direction }
     }
 
-    /// Where something stands that stands so in the coordinates of this pose.
+    /// The composition of two poses.
     pub(super) fn after(&self, own: &Self) -> Self {
         if *own == Self::HOME {
             return *self;
@@ -73,15 +73,15 @@ impl Pose {
 pub struct Layout {
     /// m, centres.
     pub positions: Vec<DVec3>,
-    /// The directions in which they radiate; none where all stand in z = 0 and radiate along z.
+    /// Directions of radiation; empty if all elements lie in z = 0 and radiate along z.
     pub normals: Vec<DVec3>,
-    /// Elements along x, where they stand in z = 0 in whole rows; element n = row · columns + column, column 0 at smallest x, row 0 at
-    /// smallest y.
+    /// Number of elements along x, if they form full rows in z = 0; element n = row · columns + column, column 0 at
+    /// smallest x, row 0 at smallest y.
     pub columns: Option<usize>,
 }
 
 impl Layout {
-    /// Whether all elements stand in z = 0 and radiate along z.
+    /// Whether all elements lie in z = 0 and radiate along z.
     pub fn is_flat(&self) -> bool {
         self.normals.is_empty()
     }
@@ -97,8 +97,8 @@ impl Layout {
         places.fold((DVec3::MAX, DVec3::MIN), |(low, high), at| (low.min(*at), high.max(*at)))
     }
 
-    /// The same elements in the coordinates in which they are flat, if there are such, or in which their mean direction is z;
-    /// with the pose from there.
+    /// The elements in coordinates in which they are flat, or else with their mean direction along z; and the pose of
+    /// these coordinates.
     pub(super) fn level(self) -> (Self, Pose) {
         let count = self.positions.len() as f64;
         let centre = self.positions.iter().sum::<DVec3>() / count;
@@ -122,7 +122,7 @@ impl Layout {
     }
 }
 
-/// m, and a sine: what rounding leaves of flat boards in files.
+/// Tolerance for flat boards in files (m, and a sine).
 const FLAT: f64 = 1e-12;
 
 /// A board, or its image in a reflector.
@@ -132,9 +132,9 @@ pub struct Face {
     pub layout: Arc<Layout>,
     /// The number of its first element among those of the array.
     pub first: usize,
-    /// On the drive of its elements: 1, or of an image the coefficient of what reflects it.
+    /// Factor on the drive of its elements: 1, or for an image the coefficient of its reflector.
     pub gain: f64,
-    /// Of the sound of the board itself, what it and all that follow add at most.
+    /// Bound on the contribution of this and all later images, relative to the board's own sound.
     pub rest: f64,
 }
 
@@ -148,13 +148,13 @@ impl Face {
         self.first..self.first + self.layout.positions.len()
     }
 
-    /// Its elements among some of the array's, in rising order; their places there.
+    /// Its elements among some of the array's, in ascending order, and their indices there.
     pub fn among(&self, elements: &[usize]) -> Range<usize> {
         let Range { start, end } = self.elements();
         elements.partition_point(|&n| n < start)..elements.partition_point(|&n| n < end)
     }
 
-    /// Whether it is the board itself.
+    /// Whether it is the board itself rather than an image.
     pub fn is_direct(&self) -> bool {
         self.rest == f64::INFINITY
     }
@@ -168,12 +168,13 @@ impl Face {
 
 /// Reflections back and forth between an array's face and a reflector, at most.
 pub(super) const MOST_REFLECTIONS: i32 = 2000;
-/// Of the sound of the boards themselves, what is left out of such a series.
+/// Relative error of a truncated series.
 const SILENCE: f64 = 1e-13;
 
-/// The images of boards in reflectors, the loudest first. A reflector makes one image of each board; where the board's face, which reflects
-/// a part `reflectivity`, is parallel to it, the series of those that face each other: with R the reflector's coefficient and h
-/// its distance, boards at -2mh with (reflectivity R)^m, and their images with another R.
+/// The images of boards in reflectors, the loudest first. A reflector makes one image of each board, or, if the
+/// board's face of reflectivity `reflectivity` is parallel to it, the series of multiple reflections: with R the
+/// reflector's coefficient and h its distance, boards at -2mh with (reflectivity R)^m, and their images with another
+/// R.
 pub(super) fn images(
     boards: &[Face],
     mirrors: &[Reflector],
@@ -185,7 +186,7 @@ pub(super) fn images(
         for (face, board) in boards.iter().zip(standing) {
             let own = if mirror.faces(board) { reflectivity } else { 0.0 };
             let (both, up) = (own * mirror.coefficient, mirror.normal.normalize_or_zero());
-            // What all that follow add is a geometric series, weakened by their distances.
+            // The remaining terms form a geometric series, reduced by their distances.
             let rest = |gain: f64, times: i32| (gain / (1.0 - both.abs()) / f64::from(2 * times + 1)).abs();
             for times in 0..=MOST_REFLECTIONS {
                 let gain = both.powi(times);

@@ -1,10 +1,10 @@
-//! How the moduli of the pressure at points change with the phases of the elements.
+//! The Jacobian of the moduli of the pressure at points by the phases of the elements.
 
 use crate::acoustics::transfer::{BLOCK, block};
 use crate::acoustics::{Phasors, Transfer};
 use crate::simd::{Instructions, Isa, Kernel, accumulate, fused64, lanes};
 
-/// Points whose products are summed side by side.
+/// Number of points summed in parallel.
 const TILE: usize = 4;
 
 /// J Jᵀ of the derivatives of the moduli |p_m| by the phases of the elements, J_mn = -Im(e^{-jθ_m} H_mn u_n), θ_m the phase of
@@ -22,7 +22,7 @@ pub struct PhaseJacobian {
 }
 
 impl PhaseJacobian {
-    /// At a drive of full amplitude and the directions e^{jθ} of what it makes.
+    /// Updates to a drive of full amplitude and the directions e^{jθ} of its pressures.
     pub fn update(&mut self, transfer: &Transfer, excitation: &Phasors, directions: &Phasors) {
         self.stride = transfer.points.next_multiple_of(BLOCK);
         self.by_point.resize(transfer.stride * self.stride, 0.0);

@@ -40,7 +40,8 @@ pub use face::{Face, Layout, Pose};
 pub use jacobian::PhaseJacobian;
 pub use transfer::{Phasors, Sums, Transfer};
 
-/// The array as a radiator: boards of equal elements at known places, some of them driven, and their images in reflectors.
+/// The array as a radiator: boards of equal elements at known positions, the driven ones, and their images in
+/// reflectors.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Aperture {
     pub element: Element,
@@ -50,7 +51,7 @@ pub struct Aperture {
     pub normals: Vec<DVec3>,
     /// m, between neighbours.
     pub pitch: f64,
-    /// Indices into `positions` of the elements that are not off, in rising order.
+    /// Indices into `positions` of the driven elements, in ascending order.
     pub driven: Vec<usize>,
     /// The boards, and after them their images, the loudest first.
     pub faces: Vec<Face>,
@@ -94,7 +95,7 @@ impl Aperture {
         }
     }
 
-    /// The same elements in other places of z = 0 (m), all driven, and nothing that reflects.
+    /// The same elements at other positions in z = 0 (m), all driven, without reflectors.
     pub fn with_elements(&self, positions: Vec<DVec3>) -> Self {
         let layout = Layout { positions: positions.clone(), normals: Vec::new(), columns: None };
         Self {
@@ -116,8 +117,7 @@ impl Aperture {
         self.faces.iter().take_while(|face| face.is_direct())
     }
 
-    /// Columns and rows of the array, if it is one flat board in rows and columns, in z = 0 about the origin, and nothing reflects its
-    /// sound.
+    /// Columns and rows of the array, if it is a single flat board centred in z = 0 without reflections.
     pub fn lattice(&self) -> Option<[usize; 2]> {
         match &self.faces[..] {
             [face] if face.pose == Pose::HOME => {
@@ -127,13 +127,13 @@ impl Aperture {
         }
     }
 
-    /// Whether a series of reflections was cut before it was silent.
+    /// Whether a series of reflections was truncated early.
     pub fn is_series_cut(&self) -> bool {
         self.faces.len() >= face::MOST_REFLECTIONS as usize
     }
 
-    /// What meets a reflector, so that twice that is the pressure on it: without its own images, which double the sound there, times half of
-    /// what they make of it.
+    /// The incident sound on a reflector, half of the total pressure there: sources on its sound side, without its
+    /// own images, scaled by (1 + coefficient)/2.
     pub fn incident_on(&self, mirror: &Reflector) -> Self {
         let heard = self.faces.iter().filter(|face| mirror.height(face.pose.world(DVec3::ZERO)) > 0.0);
         let gain = f64::midpoint(1.0, mirror.coefficient);
@@ -150,14 +150,14 @@ impl Aperture {
         self.boards().map(of_board).fold(DVec2::ZERO, DVec2::max)
     }
 
-    /// m: how far a point is in front of the board that it is nearest to, of those it is in front of; 0 where it is behind all.
+    /// Height (m) of a point above the nearest board that it is in front of; 0 behind all boards.
     pub fn height(&self, point: DVec3) -> f64 {
         let heights = self.boards().map(|board| board.pose.local(point).z);
         let least = heights.filter(|height| *height > 0.0).fold(f64::INFINITY, f64::min);
         if least.is_finite() { least } else { 0.0 }
     }
 
-    /// The planes behind which some elements are not heard: a point and the direction of radiation of each.
+    /// The planes behind which some elements are silent: a point and the direction of radiation of each.
     pub fn walls(&self) -> Vec<(DVec3, DVec3)> {
         let of_face = |face: &Face| {
             let elements = if face.layout.is_flat() { 0..1 } else { 0..face.layout.positions.len() };
@@ -170,8 +170,8 @@ impl Aperture {
         self.faces.iter().flat_map(of_face).collect()
     }
 
-    /// The box around the centres of a board's driven elements, in its own coordinates: its smallest and its largest corner, m. `None` where
-    /// none is driven.
+    /// The box around the centres of a board's driven elements, in its own coordinates: its smallest and its largest
+    /// corner, m. `None` without driven elements.
     pub fn extent(&self, board: &Face) -> Option<(DVec3, DVec3)> {
         let driven = &self.driven[board.among(&self.driven)];
         let places = driven.iter().map(|&n| board.layout.positions[n - board.first]);
@@ -179,7 +179,7 @@ impl Aperture {
         (!driven.is_empty()).then(|| places.fold((DVec3::MAX, DVec3::MIN), grow))
     }
 
-    /// H: one row of complex pressures (Pa, peak) per point, one column per driven element; with what reflectors send there.
+    /// H: one row of complex pressures (Pa, peak) per point, one column per driven element; including reflections.
     pub fn transfer(&self, points: &[DVec3]) -> Transfer {
         let mut transfer = Transfer::zeros(points.len(), self.driven.len());
         Rows::new(self).fill(points, &mut transfer);
@@ -204,8 +204,8 @@ impl Aperture {
         points.chunks(RUN).flat_map(of_run).collect()
     }
 
-    /// The distance (m) below which two foci near a point are not told apart: λ/(2 NA), NA the sine of half the angle
-    /// under which the widest of the boards is seen along its wider side.
+    /// The resolution (m) near a point: λ/(2 NA), NA the sine of half the angle subtended by the wider side of the
+    /// widest board.
     pub fn resolution(&self) -> impl Fn(DVec3) -> f64 {
         let boards: Vec<_> =
             self.boards().filter_map(|board| Some((board.pose, self.extent(board)?))).collect();

@@ -1,4 +1,4 @@
-//! Rows of the transfer, from many elements to one point at once: [`Element::transfer`] in vector registers, in f64.
+//! Rows of the transfer matrix, many elements to one point: [`Element::transfer`] in vector registers, in f64.
 
 use std::f64::consts::PI;
 use std::ops::Range;
@@ -11,14 +11,14 @@ use crate::acoustics::{Aperture, Element, Face, Transfer};
 use crate::scene::ElementModel;
 use crate::simd::{Instructions, Isa, Kernel, fused64, lanes};
 
-/// Elements that are worked on together.
+/// Elements processed together.
 pub(super) const LANES: usize = 8;
 /// Adding and taking away this rounds an f64 of less than 2⁵¹ to the nearest whole number.
 pub(super) const ROUNDER: f64 = 6_755_399_441_055_744.0;
 /// Terms of the directivity for a ka of up to 4, 2e-16 off, and of up to 10, 4e-15 off.
 const FEW_TERMS: usize = 11;
 const MANY_TERMS: usize = 18;
-/// What these are made from: a ka of up to 10 leaves 1e-19 beyond.
+/// Terms of the Taylor series: an error of 1e-19 for ka up to 10.
 const TAYLOR_TERMS: usize = 27;
 /// cos(πf) in f² for |f| ≤ 1/2, 1e-16 off. These polynomials agree with their function at the Chebyshev nodes.
 pub(super) const COSINE: [f64; 9] = [
@@ -47,7 +47,7 @@ pub(super) const SINE: [f64; 9] = [
 /// e^x for |x| ≤ 0.1: 3e-15 off.
 const DECAY: [f64; 9] = inverse_factorials();
 const MOST_DECAY: f64 = 0.1;
-/// ka/2 up to which few terms are enough, and many.
+/// ka/2 limits for few and for many terms.
 const FEW: f64 = 2.0;
 const MANY: f64 = 5.0;
 
@@ -136,7 +136,7 @@ impl<'a> Elements<'a> {
             (true, false) => self.series::<FEW_TERMS, false>(point, re, im),
             (false, false) => self.series::<MANY_TERMS, false>(point, re, im),
         }
-        // Padding sends nothing.
+        // Padding contributes zero.
         re[self.count..].fill(0.0);
         im[self.count..].fill(0.0);
         self.mend(point, re, im);
@@ -157,7 +157,7 @@ impl<'a> Elements<'a> {
         self.element.towards(offset, DVec3::from_array([0, 1, 2].map(|axis| normals[axis][n])))
     }
 
-    /// Elements of a curved board that the point lies behind, or in whose plane.
+    /// Elements of a curved board with the point behind them, or in their plane.
     fn mend(&self, point: DVec3, re: &mut [f64], im: &mut [f64]) {
         let Some([x, y, z]) = &self.normals else { return };
         for n in 0..self.count {
@@ -304,9 +304,9 @@ pub(super) fn horner<I: Instructions, const N: usize>(
     sum
 }
 
-/// 2 J1(x)/x = Σ (-1)^n (x/2)^{2n}/(n! (n+1)!) in s = sin²θ, x = ka sinθ, economised to so many terms: for 0 ≤ s ≤ 1 the highest power is
-/// replaced, one after the other, by what the shifted Chebyshev polynomial of that degree leaves of it (Lanczos, Applied Analysis,
-/// 1956, chapter 7).
+/// 2 J1(x)/x = Σ (-1)^n (x/2)^{2n}/(n! (n+1)!) in s = sin²θ, x = ka sinθ, economised to `terms` terms: for 0 ≤ s ≤ 1
+/// the highest power is successively replaced by its remainder against the shifted Chebyshev polynomial of that
+/// degree (Lanczos, Applied Analysis, 1956, chapter 7).
 fn directivity(quarter_ka2: f64, terms: usize) -> [f64; MANY_TERMS] {
     let mut series = [0.0; TAYLOR_TERMS];
     let mut term = 1.0;

@@ -1,6 +1,7 @@
-//! The transfer H from driven elements to points, in f64, and the products with it that solvers repeat.
+//! The transfer H from driven elements to points, in f64, and its products, the inner loops of the solvers.
 //!
-//! Real and imaginary parts lie apart and rows are padded with zeros, so that every loop is over whole vector registers.
+//! Real and imaginary parts are stored separately and rows are padded with zeros, so that every loop covers whole
+//! vector registers.
 
 use num_complex::Complex64;
 
@@ -8,7 +9,7 @@ use crate::simd::{
     Instructions, Isa, Kernel, accumulate, accumulate_product, deduct_product, fused64, lanes, total,
 };
 
-/// Elements that are worked on together; rows are padded to a multiple of it.
+/// Elements processed together; rows are padded to a multiple of it.
 pub(super) const BLOCK: usize = 16;
 /// Partial sums of a row's product, added up at the end.
 pub(super) const LANES: usize = 8;
@@ -100,7 +101,7 @@ impl Transfer {
         self.values.im.fill(0.0);
     }
 
-    /// Real and imaginary parts of a row, to be filled; what lies beyond the elements must stay 0.
+    /// Real and imaginary parts of a row, to be filled; the padding must stay 0.
     pub(super) fn row_mut(&mut self, point: usize) -> (&mut [f64], &mut [f64]) {
         let row = point * self.stride..(point + 1) * self.stride;
         (&mut self.values.re[row.clone()], &mut self.values.im[row])
@@ -127,7 +128,7 @@ impl Transfer {
         self.in_turn(drives).into_iter().map(Complex64::norm).collect()
     }
 
-    /// H u, where other drives take turns with the modulus of [`Self::moduli`] and the phase of the first.
+    /// H u; of several drives in turn, the modulus of [`Self::moduli`] with the phase of the first.
     ///
     /// # Panics
     /// Other than a value per element and drive.
@@ -163,7 +164,7 @@ impl Transfer {
         pressures
     }
 
-    /// H* p: what every element would hear.
+    /// H* p, the conjugate field at every element.
     ///
     /// # Panics
     /// Other than a value per point.
@@ -177,9 +178,8 @@ impl Transfer {
 
     /// One step of a phase iteration: u ← ph(keep · u + H* p), each element at full drive, and H u.
     ///
-    /// `excitation` is [`Transfer::excitation`]; `pressure` goes in as p, a value per point, and comes out as H u. With
-    /// several channels an element's values in all of them have norm 1 together: a drive that plays different things one after
-    /// the other, as bounds imagine it.
+    /// `excitation` is [`Transfer::excitation`]; `pressure` goes in as p, a value per point, and comes out as H u.
+    /// With several channels, the values of an element have a common norm of 1: the relaxed drive of the bounds.
     pub fn drive_by<const CHANNELS: usize>(
         &self,
         keep: f64,
@@ -230,7 +230,7 @@ struct Back<'a> {
 /// H u.
 struct Forward<'a> {
     transfer: &'a Transfer,
-    /// u of every element, and nothing up to the end of a row.
+    /// u of every element, zero-padded to a full row.
     played: &'a Phasors,
 }
 
@@ -297,7 +297,7 @@ pub(super) fn block(transfer: &Transfer, point: usize, start: usize) -> (&[f64; 
     (re, im)
 }
 
-/// sum += a b, where the two halves of a block come to the same sums.
+/// sum += a b, accumulating both halves of a block into the same sums.
 #[inline(always)]
 fn multiply<I: Instructions>(
     (a_re, a_im): (&[f64; BLOCK], &[f64; BLOCK]),
@@ -352,7 +352,7 @@ impl<const CHANNELS: usize> Kernel for Step<'_, CHANNELS> {
                 accumulate_product::<I, BLOCK>(&mut norm2, re, re);
                 accumulate_product::<I, BLOCK>(&mut norm2, im, im);
             }
-            // An element that hears nothing plays with phase 0.
+            // An element with zero field gets phase 0.
             let is_silent = |i: usize| norm2[i] <= f64::MIN_POSITIVE;
             let inverse = lanes::<BLOCK>(|i| if is_silent(i) { 0.0 } else { 1.0 / norm2[i].sqrt() });
             let silent = lanes::<BLOCK>(|i| if is_silent(i) { 1.0 } else { 0.0 });
@@ -365,7 +365,7 @@ impl<const CHANNELS: usize> Kernel for Step<'_, CHANNELS> {
                 let own = channel * transfer.points..(channel + 1) * transfer.points;
                 let own = sums.re[own.clone()].iter_mut().zip(&mut sums.im[own]);
                 for (point, (sum_re, sum_im)) in own.enumerate() {
-                    // Copies: what may lie in the same memory is not made vector code of.
+                    // Local copies, since possible aliasing prevents vectorisation.
                     let (mut to_re, mut to_im) = (*sum_re, *sum_im);
                     multiply::<I>(block(transfer, point, start), (re, im), (&mut to_re, &mut to_im));
                     (*sum_re, *sum_im) = (to_re, to_im);
@@ -396,7 +396,8 @@ impl Kernel for Gram<'_> {
         let Self { left, right, gram } = self;
         let points = left.points;
         for i in 0..points {
-            // Two at a time keep the adders busy; beyond the diagonal the second is the conjugate of what comes later.
+            // Two rows at a time keep the adders busy; beyond the diagonal the second is the conjugate of a later
+            // result.
             for j in (0..=i).step_by(2) {
                 let others = [j, (j + 1).min(points - 1)];
                 let mut sums = [([0.0; LANES], [0.0; LANES]); 2];

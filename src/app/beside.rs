@@ -1,4 +1,4 @@
-//! Work beside the window: on a thread, or in a browser, where a page has none, between two frames.
+//! Background work of the window: on a thread, or in a browser without threads between two frames.
 
 /// Begins with it.
 ///
@@ -9,10 +9,10 @@ pub fn run(name: &str, work: impl FnOnce() + Send + 'static) -> std::io::Result<
     std::thread::Builder::new().name(name.to_owned()).spawn(work).map(drop)
 }
 
-/// Begins with it once the frame is on the screen.
+/// Runs it once the frame is on the screen.
 ///
 /// # Errors
-/// There is no window.
+/// A browser without a window.
 #[cfg(target_arch = "wasm32")]
 pub fn run(_: &str, work: impl FnOnce() + Send + 'static) -> std::io::Result<()> {
     use wasm_bindgen::JsCast;

@@ -1,4 +1,4 @@
-//! What the map is compared with: another drive's map, or another plane's, by stages of its own, and the difference of both.
+//! The comparison map: another drive's or another plane's map, with stages of its own, and the difference.
 
 use std::f32::consts::{PI, TAU};
 use std::sync::Arc;
@@ -19,17 +19,17 @@ use crate::ui::beside::{Beside, Compare, Difference, With};
 use crate::ui::view::Lens;
 use crate::ui::{Editor, Map, Shown};
 
-/// One map beside another.
+/// A second map beside the first.
 #[derive(Debug)]
 pub struct Comparison {
     mapping: Mapping,
     solving: Later<Scene, Solved>,
     following: Later<Scene, Result<Arc<Sequence>, String>>,
-    /// Which two maps the difference that is shown is of, and whether it is on a light ground.
+    /// The requests of the displayed difference, and whether it is on a light ground.
     subtracted: Option<(Request, Request, bool)>,
 }
 
-/// The largest value of both maps, where one range of colours is to hold for them.
+/// The largest value of both maps, if they share a colour range.
 pub fn common_range(editor: &Editor, shown: &Shown) -> Option<f64> {
     editor.compare.as_ref()?;
     let (own, other) = (shown.map.as_ref()?, shown.beside.as_ref()?.map.as_ref()?);
@@ -40,7 +40,7 @@ pub fn common_range(editor: &Editor, shown: &Shown) -> Option<f64> {
     (is_one && has_range && editor.view.full.is_none() && largest > 0.0).then_some(largest)
 }
 
-/// Of every frame, as a board with so many phase levels plays it.
+/// The drives of all frames, quantised to a number of phase levels if given.
 fn all_drives(round: &Sequence, levels: Option<u32>) -> Vec<Drive> {
     let played = |drive: &Drive| levels.map_or_else(|| drive.clone(), |levels| drive.at_levels(levels));
     round.frames.iter().map(|frame| played(&frame.drive)).collect()
@@ -55,7 +55,7 @@ impl Comparison {
         self.mapping.is_awaiting() || self.solving.is_running() || self.following.is_running()
     }
 
-    /// Brings what stands beside the map up to date; `source` is what the map is of, and `own` has made it.
+    /// Updates the comparison; `source` is the map's source, and `own` its mapping.
     pub fn update(
         &mut self,
         (editor, compare): (&Editor, &Compare),
@@ -82,7 +82,7 @@ impl Comparison {
             (With::Method, None) => None,
         };
         let levels = if compare.with == With::Levels { Some(compare.levels) } else { editor.levels };
-        // Until it is solved, what was there before stays.
+        // Until it is solved, the previous result stays.
         if source.is_some() || !beside.is_pending {
             beside.sound = source.as_ref().map(|source| sound(editor.scene(), levels, source));
         }
@@ -106,7 +106,7 @@ impl Comparison {
         self.subtract((compare, view.is_light), shown.map.as_ref(), &mut beside, own, ctx);
         shown.beside = Some(beside);
         if common_range(editor, shown) != range {
-            // The map at the left was drawn before.
+            // The left map has already been drawn.
             ctx.request_repaint();
         }
     }

@@ -1,4 +1,4 @@
-//! The window on the desktop: who draws it, and again by OpenGL where its device is lost.
+//! The window on the desktop: choice of the renderer, and fallback to OpenGL after a lost device.
 
 use std::path::{Path, PathBuf};
 
@@ -20,7 +20,7 @@ const SMALLEST: [f32; 2] = [200.0, 150.0];
 /// Drawn from `assets/icon/sonoglyph.svg`.
 const ICON: &[u8] = include_bytes!("../../assets/icon/sonoglyph.png");
 
-/// Opens the window on the scene of a file or a link, or on an example. Where there is no display, the scene's sheet is written.
+/// Opens the window on a scene file, a link, or an example. Without a display, writes the scene's sheet.
 ///
 /// # Errors
 /// A scene that cannot be read, or a sheet that cannot be written.
@@ -59,15 +59,15 @@ fn open(document: Document, renderer: Renderer) -> Result<(), String> {
     }
 }
 
-/// What is said once the window is there.
+/// Messages for the opened window.
 enum Said {
-    /// Why no GPU computes, where one was looked for.
+    /// The reason for not using a requested GPU.
     Lacking(Option<GpuError>),
     Notice(Notice),
 }
 
-/// The device that computes the field and draws the window. `None` where the CPU computes and OpenGL draws, which on software
-/// costs a sixth.
+/// The device that computes the field and draws the window. `None`: the CPU computes and OpenGL draws, which costs a
+/// sixth on software drivers.
 fn setup(renderer: Renderer) -> Result<Option<WgpuSetup>, GpuError> {
     let found = match renderer {
         Renderer::Glow => return Ok(None),
@@ -81,7 +81,7 @@ fn setup(renderer: Renderer) -> Result<Option<WgpuSetup>, GpuError> {
     Ok(Some(WgpuSetup::Existing(WgpuSetupExisting { instance, adapter, device, queue })))
 }
 
-/// Shows the window until it is closed.
+/// Runs the window until it is closed.
 fn show(editor: Editor, said: Said, setup: Option<WgpuSetup>, legacy: &Legacy) -> Result<(), String> {
     let folder = state_folder();
     let (memory, settings, word) = match folder.as_deref().map(Memory::at) {
@@ -102,7 +102,7 @@ fn show(editor: Editor, said: Said, setup: Option<WgpuSetup>, legacy: &Legacy) -
     }
     let mut options = eframe::NativeOptions {
         renderer: if setup.is_some() { eframe::Renderer::Wgpu } else { eframe::Renderer::Glow },
-        // Nothing here has gradients, and a software driver would take longer for every pixel.
+        // There are no gradients, and dithering costs a software driver time per pixel.
         dithering: false,
         viewport,
         ..Default::default()
@@ -134,12 +134,12 @@ fn display() -> Option<String> {
     })
 }
 
-/// What eframe's error means to whoever sits at this display.
+/// eframe's error as a message for the user.
 fn in_words(error: &eframe::Error) -> String {
     let display = display().unwrap_or_else(|| "this desktop".to_owned());
     match error {
         eframe::Error::AppCreation(error) => error.to_string(),
-        // winit's own words are a place in its source, and a cause that it does not tell in another way.
+        // winit's message is a source location, and a cause not available otherwise.
         eframe::Error::WinitEventLoop(_) => {
             format!("no display server answers at {display}, or its libraries are not installed")
         }
@@ -151,7 +151,7 @@ fn in_words(error: &eframe::Error) -> String {
     }
 }
 
-/// The folder that the desktop has for what outlives a run. `None` where there is none.
+/// The desktop's folder for persistent state, or `None`.
 fn state_folder() -> Option<PathBuf> {
     let set = |name| std::env::var_os(name).filter(|value| !value.is_empty()).map(PathBuf::from);
     let state = set("XDG_STATE_HOME")

@@ -1,4 +1,4 @@
-//! Something that is done once on a thread while the window goes on. It tells how far it is and can be called off.
+//! One-off tasks on a thread, with progress and cancellation.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
@@ -8,10 +8,10 @@ use egui::Context;
 
 use crate::app::beside;
 
-/// Steps in which progress is counted.
+/// Resolution of progress.
 const STEPS: f32 = 1000.0;
 
-/// What an errand tells while it is under way, and hears.
+/// Progress and cancellation of an errand.
 #[derive(Clone, Debug, Default)]
 pub struct Progress {
     done: Arc<AtomicU32>,
@@ -24,7 +24,7 @@ impl Progress {
         self.done.store((part.clamp(0.0, 1.0) * STEPS) as u32, Ordering::Relaxed);
     }
 
-    /// The part that is done, 0 to 1.
+    /// The completed fraction, 0 to 1.
     pub fn part(&self) -> f32 {
         self.done.load(Ordering::Relaxed) as f32 / STEPS
     }
@@ -38,14 +38,14 @@ impl Progress {
     }
 }
 
-/// Work under way. It goes on unheard when this is dropped.
+/// A running task. Dropped, it continues and its result is ignored.
 #[derive(Debug)]
 pub struct Errand<T> {
     pub progress: Progress,
     receiver: Receiver<T>,
 }
 
-/// What has become of an errand.
+/// The state of an errand.
 #[derive(Debug, PartialEq)]
 pub enum State<T> {
     UnderWay,
@@ -71,7 +71,7 @@ impl<T: Send + 'static> Errand<T> {
         Ok(Self { progress, receiver })
     }
 
-    /// Waits for what others do.
+    /// Waits for an external operation.
     ///
     /// # Errors
     /// As [`Self::start`].
@@ -80,7 +80,7 @@ impl<T: Send + 'static> Errand<T> {
         Self::start(ctx, move |_| pollster::block_on(work))
     }
 
-    /// Waits for what others do.
+    /// Waits for an external operation.
     ///
     /// # Errors
     /// None.

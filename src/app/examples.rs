@@ -1,11 +1,11 @@
-//! The scenes of `assets/scenes`, as part of the program.
+//! The example scenes of `assets/scenes`, built into the program.
 
 /// A scene to begin with.
 #[derive(Debug)]
 pub struct Example {
     /// The file's, without its ending.
     pub name: &'static str,
-    /// What menus and the gallery call it.
+    /// Title in menus and in the gallery.
     pub title: &'static str,
     pub text: &'static str,
 }

@@ -1,4 +1,4 @@
-//! The figure of what is on the screen: its preview, its file and its pixels on the clipboard.
+//! The figure of the current view: preview, file, and pixels on the clipboard.
 
 use std::sync::Arc;
 
@@ -17,7 +17,7 @@ use crate::ui::{Dialog, Preview};
 /// Pixels of a preview's width.
 const PREVIEW: f64 = 900.0;
 
-/// All that a figure is made from.
+/// The inputs of a figure.
 #[derive(Clone, Debug, PartialEq)]
 struct Recipe {
     scene: Arc<Scene>,
@@ -26,10 +26,10 @@ struct Recipe {
     wish: Wish,
 }
 
-/// A preview's picture with its figure's size (mm), or what is wrong.
+/// A preview's picture with its figure's size (mm), or an error.
 type Made = Result<(Picture, [f64; 2]), String>;
 
-/// The preview that is shown or being made.
+/// The displayed or pending preview.
 #[derive(Debug, Default)]
 pub(super) struct Previews {
     later: Later<Recipe, Made>,
@@ -66,13 +66,13 @@ impl Window {
         Ok(Recipe {
             scene: Arc::new(self.editor.scene().clone()),
             foci: solution.map_or_else(Vec::new, |solution| solution.foci.clone()),
-            // The figure has pixels of its own.
+            // The figure has its own size in pixels.
             request: Request { size: (1, 1), ..request.clone() },
             wish: self.editor.figure.wish(&self.editor.view),
         })
     }
 
-    /// Keeps the preview up to date while it is looked at.
+    /// Updates the preview while it is displayed.
     pub(super) fn preview_figure(&mut self, ctx: &egui::Context) {
         if self.editor.dialog != Some(Dialog::Figure) {
             if self.shown.figure.is_some() {

@@ -28,21 +28,21 @@ use crate::ui::{self, Command, Dialog, Export, Folder, Purpose};
 
 const SHEET_WIDTH: usize = 1600;
 
-/// What came of an errand.
+/// The result of an errand.
 #[derive(Debug)]
 pub(super) enum Outcome {
-    /// The desktop was asked for a file; `Err` with the answer so far where it has no such dialog, or nothing was chosen.
+    /// The answer of the desktop's file dialog; `Err` with the current text if there is no dialog or no choice.
     Chosen(Purpose, Result<PathBuf, String>),
     Listed(Folder),
     Read(PathBuf, anyhow::Result<Drawing>),
     Heard(Result<Wave, String>),
-    /// An array whose elements were read.
+    /// An array with loaded elements.
     Placed(Result<Box<Array>, String>),
     /// The motion was exported, if it was not called off.
     Filmed(PathBuf, anyhow::Result<Option<()>>),
 }
 
-/// A motion that is being written.
+/// A motion being exported.
 #[derive(Debug)]
 pub(super) struct Film {
     /// The file's.
@@ -50,7 +50,7 @@ pub(super) struct Film {
     pub(super) progress: Progress,
 }
 
-/// Asks the desktop for a file.
+/// Opens the file dialog of the desktop or browser.
 #[cfg(not(target_arch = "wasm32"))]
 fn ask_for_file(
     purpose: Purpose,
@@ -62,7 +62,7 @@ fn ask_for_file(
     if let Some(folder) = document.path().and_then(Path::parent).filter(|folder| folder.is_dir()) {
         dialog = dialog.set_directory(folder);
     }
-    // Some desktops want their dialogs made here, on the window's own thread.
+    // Some desktops require dialogs on the window's own thread.
     let (pick, save) =
         if purpose.reads() { (Some(dialog.pick_file()), None) } else { (None, Some(dialog.save_file())) };
     async move {
@@ -75,13 +75,13 @@ fn ask_for_file(
     }
 }
 
-/// Asks the browser for a file. What is written has a name alone.
+/// Opens the browser's file dialog. Outputs only have a name.
 #[cfg(target_arch = "wasm32")]
 fn ask_for_file(purpose: Purpose, _: &Document) -> impl Future<Output = Option<PathBuf>> + use<> {
     async move { if purpose.reads() { page::pick(purpose.extensions()).await } else { None } }
 }
 
-/// Whether nothing is written over: a browser gives downloads names that are free.
+/// Whether no file is overwritten: browsers choose unused names for downloads.
 fn becomes_download(purpose: Purpose) -> bool {
     ui::IN_PAGE && matches!(purpose, Purpose::Export(_))
 }
@@ -94,7 +94,7 @@ fn read_drawing(path: &Path) -> anyhow::Result<Drawing> {
 }
 
 impl Window {
-    /// A file that cannot be read leaves the scene that is there.
+    /// An unreadable file leaves the current scene unchanged.
     pub(super) fn open(&mut self, path: &Path) {
         if let Err(error) = output::refuse_stream(path) {
             return self.refuse("The scene cannot be opened", &error);
@@ -106,7 +106,7 @@ impl Window {
                 self.tell(&format!("Opened {}", path.display()), false);
             }
             Err(error) => {
-                // What is not there any more need not be offered again.
+                // A vanished file is removed from the recent files.
                 self.shown.recent.retain(|recent| recent != path || source::exists(recent));
                 self.refuse("The scene cannot be opened", &anyhow!(error));
             }
@@ -142,7 +142,7 @@ impl Window {
         self.editor.ask(Purpose::of_dropped(file.path()).command(file.path().to_owned()), commands);
     }
 
-    /// The same, once the browser has read it.
+    /// The same for a file read by the browser.
     #[cfg(target_arch = "wasm32")]
     pub(super) fn receive(
         &mut self,
@@ -162,7 +162,7 @@ impl Window {
         }
     }
 
-    /// Asks the desktop or the browser for a file while the window goes on.
+    /// Opens the file dialog of the desktop or browser in the background.
     pub(super) fn browse(&mut self, purpose: Purpose, text: String, ctx: &egui::Context) {
         let chosen = ask_for_file(purpose, &self.editor.document);
         match Errand::wait(ctx, async move { Outcome::Chosen(purpose, chosen.await.ok_or(text)) }) {
@@ -171,7 +171,7 @@ impl Window {
         }
     }
 
-    /// Lists a folder, or again the one that was shown last: at first the scene's.
+    /// Lists a folder, or the last one again, initially the scene's.
     pub(super) fn list(&mut self, folder: Option<PathBuf>, ctx: &egui::Context) {
         let own = || self.editor.document.path().and_then(Path::parent).map(Path::to_owned);
         let last = || self.shown.folder.as_ref().map(|folder| folder.path.clone());
@@ -181,7 +181,7 @@ impl Window {
         self.send(ctx, move |_| Outcome::Listed(folders::list(&folder.unwrap_or_default())));
     }
 
-    /// What was typed or chosen where a file was asked for. The question stays, with the reason, where that cannot be done.
+    /// Processes the answer to a file dialog, which stays open with the reason if it fails.
     pub(super) fn answer(&mut self, purpose: Purpose, text: &str, ctx: &egui::Context) {
         let folder = self.shown.folder.as_ref().map(|folder| folder.path.as_path());
         let path = folders::meant(text, folder);
@@ -206,7 +206,7 @@ impl Window {
         let typed = path;
         let path = purpose.with_ending(typed.clone());
         if purpose.reads() {
-            // What cannot be read takes nothing away: only then is it asked whether the scene is to be saved.
+            // An unreadable file replaces nothing, so the confirmation for unsaved changes comes only after reading.
             let readable = match purpose {
                 Purpose::Open => Document::read(&path).map(drop).map_err(anyhow::Error::new),
                 _ => source::open(&path).map(drop).map_err(|error| anyhow!("{}: {error}", path.display())),
@@ -238,7 +238,7 @@ impl Window {
         commands.into_iter().for_each(|command| self.execute(command, ctx));
     }
 
-    /// Reads a drawing, and asks where it is to stand as soon as it is there.
+    /// Reads a drawing, then opens the import dialog.
     pub(super) fn import(&mut self, path: PathBuf, ctx: &egui::Context) {
         self.send(ctx, move |_| {
             let drawing = read_drawing(&path);
@@ -246,7 +246,7 @@ impl Window {
         });
     }
 
-    /// Reads a waveform, which becomes the modulation's as soon as it is there.
+    /// Reads a waveform, then applies it to the modulation.
     pub(super) fn read_waveform(&mut self, path: PathBuf, ctx: &egui::Context) {
         self.send(ctx, move |_| Outcome::Heard(waveform::read(&path)));
     }
@@ -260,7 +260,7 @@ impl Window {
         (modulation.wave, modulation.shape) = (wave, Envelope::File);
     }
 
-    /// Takes over what the errands brought.
+    /// Processes finished errands.
     pub(super) fn collect(&mut self, commands: &mut Vec<Command>) {
         for errand in std::mem::take(&mut self.errands) {
             match errand.state() {
@@ -284,7 +284,7 @@ impl Window {
             Outcome::Chosen(purpose, Ok(path)) => {
                 let whole = purpose.with_ending(path.clone());
                 if whole != path && source::exists(&whole) {
-                    // The desktop has asked about the name without its ending.
+                    // The desktop asked for confirmation of the name without its extension.
                     let text = whole.display().to_string();
                     self.editor.dialog = Some(Dialog::Replace { purpose, text, path: whole });
                 } else {
@@ -315,7 +315,7 @@ impl Window {
         }
     }
 
-    /// Asks first where that would take away what another program has written.
+    /// Asks first if that would overwrite another program's changes.
     pub(super) fn save(&mut self, path: &Path, ctx: &egui::Context) {
         if let Err(error) = output::refuse_stream(path) {
             self.refuse("The scene cannot be saved", &error);
@@ -368,7 +368,7 @@ impl Window {
         }
     }
 
-    /// Writes the motion, or waves, on a thread: the plane on the screen as it is seen.
+    /// Exports the motion, or waves, on a thread, in the displayed plane and view.
     fn film(&mut self, path: &Path, ctx: &egui::Context) {
         if let Some(film) = &self.filming {
             let error = anyhow!("{} is being written: one motion is exported at a time", film.name);
@@ -436,7 +436,7 @@ impl Window {
         Ok(sound.drive().write(&sound.aperture).into_bytes())
     }
 
-    /// Reads a table of elements, which becomes the array as soon as it is there.
+    /// Reads an element table, then uses it as the array.
     pub(super) fn read_elements(&mut self, path: &Path, ctx: &egui::Context) {
         let file = Some(path.to_string_lossy().into_owned());
         let array = self.editor.scene().array.clone();
@@ -452,7 +452,7 @@ impl Window {
         Ok(profile.context("there is no line profile: show one on a map")?.csv().into_bytes())
     }
 
-    /// The page of the scene at rest, on the scene's own plane.
+    /// The sheet of the scene at rest, on the scene plane.
     fn sheet_png(&self) -> anyhow::Result<Vec<u8>> {
         let solution = self.shown.solution.as_ref().context("nothing is played")?;
         let scene = self.editor.scene();

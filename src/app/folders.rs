@@ -1,15 +1,15 @@
-//! Folders as a question for a file shows them, and what a typed path means.
+//! Folder listings for the file dialog, and the interpretation of typed paths.
 
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
 use crate::ui::{Entry, Folder};
 
-/// Files and folders that are listed.
+/// Limit of listed files and folders.
 #[cfg(not(target_arch = "wasm32"))]
 const MOST: usize = 5000;
 
-/// Where questions for files begin.
+/// The initial folder of file dialogs.
 pub(super) fn here() -> Option<PathBuf> {
     if cfg!(target_arch = "wasm32") { Some(PathBuf::from("/")) } else { std::env::current_dir().ok() }
 }
@@ -20,7 +20,7 @@ pub(super) fn home() -> Option<PathBuf> {
     set("HOME").or_else(|| set("USERPROFILE"))
 }
 
-/// What is typed, as a path: `~` is the user's folder, and what is relative stands in `folder`.
+/// A typed path: `~` is the user's folder, and relative paths start in `folder`.
 pub(super) fn meant(text: &str, folder: Option<&Path>) -> PathBuf {
     let path = match (text.strip_prefix('~'), home()) {
         (Some(""), Some(home)) => home,
@@ -32,7 +32,7 @@ pub(super) fn meant(text: &str, folder: Option<&Path>) -> PathBuf {
     folder.map_or_else(|| path.clone(), |folder| folder.join(&path))
 }
 
-/// The folder, or the nearest one above it that can be read, with the reason. Folders first; hidden files are left out.
+/// The folder, or its nearest readable ancestor, with the reason. Folders first, without hidden files.
 pub(super) fn list(folder: &Path) -> Folder {
     let path = std::path::absolute(folder).unwrap_or_else(|_| folder.to_owned());
     let problem = match entries(&path) {
@@ -46,7 +46,7 @@ pub(super) fn list(folder: &Path) -> Folder {
     }
 }
 
-/// A page has files of its own alone, in one folder.
+/// A page only has its own files, in one folder.
 #[cfg(target_arch = "wasm32")]
 fn entries(folder: &Path) -> std::io::Result<Vec<Entry>> {
     let entry = |name| Entry { name, is_folder: false };
@@ -59,7 +59,7 @@ fn entries(folder: &Path) -> std::io::Result<Vec<Entry>> {
     for entry in std::fs::read_dir(folder)?.flatten().take(MOST) {
         let Ok(name) = entry.file_name().into_string() else { continue };
         if !name.starts_with('.') {
-            // A link counts as what it leads to.
+            // A link counts as its target.
             entries.push(Entry { name, is_folder: entry.path().is_dir() });
         }
     }

@@ -1,5 +1,4 @@
-//! What is made from a scene alone and takes long: on a thread, or in a browser by a worker, another copy of this program beside
-//! the page.
+//! Long computations on a scene: on a thread, or in a browser by a worker, a second instance of the program.
 
 use std::sync::Arc;
 
@@ -18,7 +17,7 @@ pub trait Job {
     fn make(scene: &Scene) -> Self::Made;
 }
 
-/// The drive of the scene at rest, in full.
+/// The full solution of the scene at rest.
 pub struct Solve;
 /// Those of all frames of its motion.
 pub struct Follow;

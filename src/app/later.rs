@@ -1,4 +1,4 @@
-//! Work that takes too long for a frame, done on a thread beside it.
+//! Values that take longer than a frame, computed on a thread.
 
 use std::borrow::Borrow;
 use std::sync::mpsc::{Receiver, TryRecvError, sync_channel};
@@ -9,12 +9,12 @@ use crate::app::beside;
 use crate::app::job::Job;
 use crate::scene::Scene;
 
-/// A value that is made elsewhere, with what it was made from. Of several wishes only the latest is fulfilled.
+/// A value computed elsewhere, with its inputs. Of several requests only the latest is fulfilled.
 #[derive(Debug)]
 pub struct Later<K, V> {
     running: Option<(K, Receiver<V>)>,
     done: Option<(K, V)>,
-    /// What could not even be tried to the end.
+    /// The key of a failed computation.
     failed: Option<K>,
 }
 
@@ -25,7 +25,8 @@ impl<K, V> Default for Later<K, V> {
 }
 
 impl<K: Clone + PartialEq + Send + 'static, V: Send + 'static> Later<K, V> {
-    /// Sees to it that the value for `key` is there or being made. One thing is made at a time; ask again every frame.
+    /// Ensures that the value for `key` is available or pending. One value is computed at a time; repeat the request
+    /// every frame.
     pub fn ask(&mut self, key: &K, ctx: &Context, work: impl FnOnce(&K) -> V + Send + 'static) {
         if self.is_refused(key) {
             return;
@@ -63,12 +64,12 @@ impl<K: Clone + PartialEq + Send + 'static, V: Send + 'static> Later<K, V> {
         }
     }
 
-    /// Whether something else is under way, or this is there or has failed.
+    /// Whether another value is pending, or this one is available or has failed.
     fn is_refused(&self, key: &K) -> bool {
         self.running.is_some() || self.get(key).is_some() || self.failed.as_ref() == Some(key)
     }
 
-    /// Takes over what has been made and says whether anything was. Call it every frame.
+    /// Collects a finished value, and returns whether there was one. Call it every frame.
     pub fn collect(&mut self) -> bool {
         let Some((key, receiver)) = self.running.take() else { return false };
         match receiver.try_recv() {
@@ -83,7 +84,7 @@ impl<K: Clone + PartialEq + Send + 'static, V: Send + 'static> Later<K, V> {
         self.done.as_ref().filter(|(own, _)| own == key).map(|(_, value)| value)
     }
 
-    /// What the value that is there was made from.
+    /// The inputs of the current value.
     pub fn latest(&self) -> Option<&K> {
         self.done.as_ref().map(|(key, _)| key)
     }

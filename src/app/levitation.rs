@@ -1,4 +1,4 @@
-//! What the sound does to the scene's bead at a point and on the cut, made on a thread while it is looked at.
+//! The force on the scene's bead at a point and on the displayed plane, computed on a thread on demand.
 
 use egui::Context;
 use glam::DVec3;
@@ -11,10 +11,10 @@ use crate::scene::Scene;
 use crate::ui::view::Lens;
 use crate::ui::{Arrows, Editor, Levitated, Panel, Shown, arrows, bead};
 
-/// Places on each of the three curves.
+/// Points on each of the three curves.
 const PLACES: usize = 81;
 
-/// What is played to which bead.
+/// The drives and the bead.
 #[derive(Clone, Debug, PartialEq)]
 struct Wanted {
     scene: Scene,
@@ -22,7 +22,7 @@ struct Wanted {
     drives: Vec<Drive>,
     /// m, where it is put.
     at: Option<DVec3>,
-    /// m, where the force is drawn.
+    /// Points of the force arrows, m.
     places: Vec<DVec3>,
 }
 
@@ -36,12 +36,12 @@ impl Levitating {
         self.made.is_running()
     }
 
-    /// Takes over what has been made and says whether anything was.
+    /// Collects finished values, and returns whether there were any.
     pub fn collect(&mut self) -> bool {
         self.made.collect()
     }
 
-    /// Has made what is looked at; until it is there, the one before stays. There are arrows on a map only.
+    /// Requests the displayed values; until they are available, the previous ones stay. Arrows are only on maps.
     pub fn update(&mut self, editor: &Editor, shown: &mut Shown, lens: Option<&Lens>, ctx: &Context) {
         let is_seen = editor.panel == Panel::Scene && editor.bead.is_shown && !editor.layout.presents;
         let at = bead::place(editor, shown).filter(|_| is_seen);

@@ -1,4 +1,4 @@
-//! The board at the other end of the window: one link, what was sent over it last, and what the panel shows of it.
+//! The connected board: the link, the last sent state, and the values shown by the panel.
 
 use std::path::{Path, PathBuf};
 use std::sync::mpsc::{Receiver, TryRecvError, sync_channel};
@@ -25,34 +25,34 @@ use crate::ui::board::{BoardCommand, BoardShown, Plays, PortShown, Ports};
 use crate::ui::bring_up::Surveyed;
 use crate::ui::{Editor, Notice, Panel, Shown};
 
-/// How often the figures of a link are looked at.
+/// Polling interval of a link's figures.
 const LOOK: Duration = Duration::from_millis(250);
 /// Messages that are kept.
 const KEPT: usize = 20;
 
-/// The link, once connected, and what it was told last.
+/// The link, once connected, and the last content sent.
 #[derive(Debug, Default)]
 pub struct Board {
     /// Shared with the thread that waits for Ctrl-C.
     link: Arc<Mutex<Option<Link>>>,
     hears_signals: bool,
     calibration: Calibration,
-    /// Those that take turns, as sent.
+    /// The drives in turn, as sent.
     drives: Option<Vec<Drive>>,
     modulation: Option<Modulation>,
-    /// A motion is wanted and its frames are not there yet.
+    /// A motion is wanted, but its frames are not yet solved.
     awaits_round: bool,
     compared: Option<(Arc<Solution>, Profile)>,
     survey: Option<Receiver<Surveyed>>,
-    /// Ports are listed once at the beginning, and then when they are asked for.
+    /// Whether ports have been listed: once at the beginning, then on request.
     has_listed: bool,
     ports: Option<Receiver<Vec<PortShown>>>,
-    /// What came of choosing a port, or why nothing can.
+    /// The result of the port dialog.
     choice: Option<Receiver<Result<Option<String>, String>>>,
 }
 
 impl Board {
-    /// What the panel shows before the first connection.
+    /// The panel's state before the first connection.
     pub fn shown() -> BoardShown {
         BoardShown { ports_from: ports_from(), ..BoardShown::default() }
     }
@@ -97,7 +97,7 @@ impl Board {
         }
     }
 
-    /// A task of its own: slow lines take seconds.
+    /// A separate task, since slow lines take seconds.
     fn survey(&mut self, editor: &mut Editor, shown: &mut Shown, ctx: &Context) {
         if let Err(error) = begin_with_own(editor) {
             editor.board.bring_up = None;
@@ -212,14 +212,14 @@ impl Board {
     /// Ctrl-C ends the window as ever, but not before its board is silent.
     fn hear_signals(&mut self) {
         if !std::mem::replace(&mut self.hears_signals, true) {
-            // Without it the board's own watchdog is left, if it has one.
+            // Without it only the board's own watchdog remains, if any.
             if let Err(error) = silence_on_signals(Arc::clone(&self.link)) {
                 note(&format!("Ctrl-C will not silence the board: {error}"));
             }
         }
     }
 
-    /// Sends what has changed, and brings what the panel shows up to date.
+    /// Sends changes, and updates the panel's values.
     pub fn update(&mut self, editor: &mut Editor, shown: &mut Shown, ctx: &Context) {
         self.compare(editor, shown);
         if !std::mem::replace(&mut self.has_listed, true) {
@@ -246,8 +246,8 @@ impl Board {
             hear(event, link.settings().profile, shown);
         }
         let health = link.health();
-        // After an emergency stop a drag of the mouse must not begin anew: only a button does, which is pressed while the board is
-        // still stopped.
+        // After an emergency stop a drag must not start the sound again: only a button pressed while the board is
+        // still stopped does.
         let was_stopped = shown.board.health.as_ref().is_some_and(|before| before.stopped);
         if health.stopped && !was_stopped && matches!(shown.board.plays, Plays::Scene | Plays::Motion) {
             shown.board.plays = Plays::Nothing;
@@ -277,7 +277,7 @@ impl Board {
 
     fn send_scene(&mut self, editor: &Editor, shown: &mut Shown) {
         let Some(solution) = &shown.solution else {
-            // Nothing is drawn any more, so nothing sounds.
+            // Without targets the board is silent.
             if self.drives.take().is_some() {
                 locked(&self.link).iter().for_each(Link::stop);
             }
@@ -320,7 +320,7 @@ impl Board {
         }
     }
 
-    /// What the board makes of the scene's drive, where that is not known yet.
+    /// Compares the scene's drive with its version on the board, on demand.
     fn compare(&mut self, editor: &Editor, shown: &mut Shown) {
         let profile = editor.board.profile;
         let Some(solution) = &shown.solution else {
@@ -346,14 +346,14 @@ impl Board {
     }
 }
 
-/// The thread that waits for Ctrl-C holds the link too, so it does not go by itself.
+/// The thread waiting for Ctrl-C shares the link, so it must be closed explicitly.
 impl Drop for Board {
     fn drop(&mut self) {
         drop(locked(&self.link).take());
     }
 }
 
-/// Whether a board plays the scene's array and modulation, or why not.
+/// Whether a board plays the scene's array and modulation, or the reason why not.
 fn plays(profile: Profile, editor: &Editor) -> Result<(), String> {
     profile.drives(editor.scene()).map_err(|error| error.to_string())?;
     envelope::playable(profile, &editor.scene().modulation)
@@ -370,14 +370,14 @@ fn silence_on_signals(link: Arc<Mutex<Option<Link>>>) -> std::io::Result<()> {
     let wait = move || {
         for signal in signals.forever() {
             drop(locked(&link).take());
-            // It ends the program; if it cannot, the window is still there to be closed.
+            // This ends the program; if it fails, the window can still be closed.
             let _ = signal_hook::low_level::emulate_default_handler(signal);
         }
     };
     std::thread::Builder::new().name("signals".to_owned()).spawn(wait).map(drop)
 }
 
-/// Windows knows Ctrl-C and Ctrl-Break alone, and only of a window that was opened from a console.
+/// Windows only has Ctrl-C and Ctrl-Break, and only for windows opened from a console.
 #[cfg(windows)]
 fn silence_on_signals(link: Arc<Mutex<Option<Link>>>) -> std::io::Result<()> {
     let end = move || {
@@ -420,7 +420,7 @@ fn hear(event: Event, profile: Profile, shown: &mut Shown) {
     shown.notice = Some(Notice { text, is_error });
 }
 
-/// Silent elements are added to the calibration that is in use.
+/// Starts with the current calibration, to which silent elements are added.
 fn begin_with_own(editor: &mut Editor) -> Result<(), String> {
     let Some(path) = editor.board.calibration() else { return Ok(()) };
     let own = Calibration::read(&path, editor.board.profile.elements())
@@ -431,7 +431,7 @@ fn begin_with_own(editor: &mut Editor) -> Result<(), String> {
     Ok(())
 }
 
-/// What is found at a port; what is not found is a finding, too.
+/// The findings at a port, including failures.
 async fn surveyed(port: &str, profile: Profile) -> Surveyed {
     let mut report = Report::default();
     let tell = &mut |verdict, what| report.note(verdict, what);
@@ -443,13 +443,13 @@ async fn surveyed(port: &str, profile: Profile) -> Surveyed {
     Surveyed { findings: report.findings, baud }
 }
 
-/// Says why nothing is sent, and gives up the wish.
+/// Reports the reason for not sending, and clears the wish.
 fn refuse(shown: &mut Shown, text: String) {
     shown.board.plays = Plays::Nothing;
     shown.notice = Some(Notice { text, is_error: true });
 }
 
-/// What takes a moment only, and longer in a page.
+/// A short operation, longer in a page.
 fn ask<T: 'static>(ctx: &Context, work: impl Future<Output = T> + 'static) -> Receiver<T> {
     let (sender, receiver) = sync_channel(1);
     let ctx = ctx.clone();
@@ -461,10 +461,10 @@ fn ask<T: 'static>(ctx: &Context, work: impl Future<Output = T> + 'static) -> Re
     receiver
 }
 
-/// What a task has sent, once.
+/// The result of a task, once.
 fn received<T>(receiver: &mut Option<Receiver<T>>) -> Option<T> {
     let value = receiver.as_ref()?.try_recv();
-    // A task that ended without a word sends nothing any more.
+    // A task that ended silently sends nothing more.
     if !matches!(value, Err(TryRecvError::Empty)) {
         *receiver = None;
     }

@@ -1,4 +1,4 @@
-//! The map on the screen: what it is made from, and the stages that make it again when that differs.
+//! The displayed map: its inputs, and the stages that recompute it when they differ.
 
 use std::f64::consts::TAU;
 use web_time::Instant;
@@ -25,35 +25,35 @@ use crate::ui::{Map, Sound, Texture};
 const MOST_PIXELS: usize = 1 << 23;
 /// Pixels from one point of a shaded surface to the next.
 const SHADED_STEP: usize = 2;
-/// Parts of the picture's height that are kept free around a shaded surface.
+/// Margins around a shaded surface, relative to the picture's height.
 const SHADED_SIDE: f64 = 0.04;
 const SHADED_TOP: f64 = 0.09;
 const SHADED_BOTTOM: f64 = 0.12;
 
-/// Everything that a picture on the screen is made from.
+/// The inputs of a displayed picture.
 #[derive(Clone, Debug, PartialEq)]
 struct Wanted {
-    /// Of fewer pixels where they are shaded.
+    /// With fewer pixels for shaded views.
     request: Request,
     colouring: Colouring,
     /// Pixels of the picture.
     picture: (usize, usize),
     is_shaded: bool,
-    /// Where contour lines are, as a part of the largest value.
+    /// Contour level relative to the largest value.
     contour: Option<f64>,
 }
 
-/// The map on the screen, and what of it is still to come.
+/// The displayed map, and its pending parts.
 #[derive(Debug)]
 struct Drawn {
     wanted: Wanted,
-    /// Of a surface that is shaded.
+    /// Of a shaded surface.
     picture: Option<Picture>,
     lacks_figures: bool,
     lacks_contours: bool,
 }
 
-/// A picture whose values are on their way from a GPU, and where it is to stand.
+/// A picture with values pending on a GPU, and its position.
 #[derive(Debug)]
 struct Awaited {
     wanted: Wanted,
@@ -61,7 +61,7 @@ struct Awaited {
     asked: Instant,
 }
 
-/// Where a picture stands.
+/// The position of a picture.
 #[derive(Clone, Copy, Debug)]
 struct Frame {
     cut: Cut,
@@ -69,7 +69,7 @@ struct Frame {
     lens: Lens,
 }
 
-/// What a map is to show.
+/// The inputs of a displayed map.
 #[derive(Debug)]
 pub struct Look<'a> {
     pub scene: &'a Scene,
@@ -79,42 +79,42 @@ pub struct Look<'a> {
     pub drives: Vec<Drive>,
     /// Of a period, in [0, 1).
     pub moment: f64,
-    /// What gets the last colour, where the view does not say it.
+    /// The value of the last colour, unless chosen in the view.
     pub full: Option<f64>,
     pub lens: &'a Lens,
     /// Not the view's quantity, but the pressure that dims it.
     pub is_veil: bool,
 }
 
-/// What came of it beside the map.
+/// Results besides the map.
 #[derive(Debug, Default)]
 pub struct Done {
     /// That making it took.
     pub milliseconds: Option<f64>,
-    /// ms that the GPU took, where the figures came back: it may not be able to tell.
+    /// GPU time (ms), if figures have arrived and it is measurable.
     pub on_gpu: Option<Option<f64>>,
     pub problem: Option<String>,
-    /// Why the GPU does not compute any more.
+    /// The reason for abandoning the GPU.
     pub gave_up: Option<String>,
 }
 
 pub struct Mapping {
     stages: Stages,
-    /// What draws the window, if that is the device which computes the field.
+    /// The screen, if its device also computes the field.
     screen: Option<Screen>,
-    /// The picture on that device which egui knows, and by what name.
+    /// The picture registered with egui on that device, and its id.
     registered: Option<(OnGpu, TextureId)>,
     drawn: Option<Drawn>,
-    /// Of a GPU whose pictures do not stay on the screen's device.
+    /// For GPUs whose pictures do not stay on the screen's device.
     awaited: Option<Box<Awaited>>,
-    /// Why the GPU does not compute any more, until the window has said so.
+    /// The reason for abandoning the GPU, until reported.
     given_up: Option<GpuError>,
     has_lost_screen: bool,
-    /// What dims a phase map, with stages of its own.
+    /// The veil over a phase map, with its own stages.
     veil: Option<Box<Veil>>,
 }
 
-/// A map that lies over another.
+/// A map over another.
 struct Veil {
     mapping: Mapping,
     map: Option<Map>,
@@ -130,7 +130,7 @@ impl std::fmt::Debug for Mapping {
 }
 
 impl Mapping {
-    /// With a `screen`, pictures stay on its device, which is that of the evaluator.
+    /// With a `screen`, pictures stay on its device, shared with the evaluator.
     pub fn new(evaluator: Evaluator, screen: Option<Screen>) -> Self {
         Self {
             stages: Stages::new(evaluator),
@@ -144,7 +144,7 @@ impl Mapping {
         }
     }
 
-    /// Who computes the field.
+    /// The field evaluator.
     pub fn evaluator(&self) -> String {
         let cpu = || format!("CPU, {}", crate::simd::Isa::best().name());
         self.stages.gpu().map_or_else(cpu, |gpu| gpu.info().name.clone())
@@ -155,48 +155,48 @@ impl Mapping {
         self.stages.gpu()
     }
 
-    /// What draws the window, if that is the device which computes the field.
+    /// The screen, if its device also computes the field.
     pub fn screen(&self) -> Option<&Screen> {
         self.screen.as_ref()
     }
 
-    /// The GPU fails: the CPU goes on.
+    /// Replaces a failed GPU by the CPU.
     pub fn lose_gpu(&mut self, error: GpuError) {
         self.give_up_gpu(error);
     }
 
-    /// How often each stage of the field has run.
+    /// Run counts of the field's stages.
     pub fn work(&self) -> Work {
         self.stages.work()
     }
 
-    /// Whether the device that draws the window is lost: then no picture reaches the screen.
+    /// Whether the device that draws the window is lost, so that no picture can be displayed.
     pub fn has_lost_screen(&self) -> bool {
         self.has_lost_screen
     }
 
-    /// One that stands beside it, by the same device.
+    /// A second mapping on the same device.
     pub fn twin(&self) -> Self {
         let gpu = self.gpu().map(|gpu| Evaluator::Gpu(Box::new(gpu.twin())));
         Self::new(gpu.unwrap_or(Evaluator::Cpu), self.screen.clone())
     }
 
-    /// Whether nothing of the map is still to come.
+    /// Whether the map is complete.
     pub fn is_complete(&self) -> bool {
         self.drawn.as_ref().is_some_and(|drawn| !drawn.lacks_figures)
     }
 
-    /// Whether the values of a picture are on their way.
+    /// Whether values of a picture are pending.
     pub fn is_awaiting(&self) -> bool {
         self.awaited.is_some() || self.veil.as_ref().is_some_and(|veil| veil.mapping.is_awaiting())
     }
 
-    /// What the map on the screen is made from.
+    /// The request of the displayed map.
     pub fn request(&self) -> Option<&Request> {
         self.drawn.as_ref().map(|drawn| &drawn.wanted.request)
     }
 
-    /// Brings the map up to date, and what dims it.
+    /// Updates the map and its veil.
     pub fn update(&mut self, look: &Look<'_>, map: &mut Option<Map>, ctx: &Context) -> Done {
         let mut done = self.update_own(look, map, ctx);
         if look.view.veil().is_none() {
@@ -251,8 +251,9 @@ impl Mapping {
         done
     }
 
-    /// Makes the picture of values that come back from a GPU, once they are there, and never waits; the one before stays until then.
-    /// What was asked for first comes first: in a drag, which wants another picture in every frame, none would come otherwise.
+    /// Makes the picture of values read back from a GPU once available, without blocking; the previous one stays
+    /// until then. Requests are displayed in order: otherwise a drag, with a new request per frame, would never
+    /// display any.
     fn await_values(
         &mut self,
         wanted: Wanted,
@@ -277,7 +278,7 @@ impl Mapping {
         Ok(())
     }
 
-    /// Makes the picture anew.
+    /// Remakes the picture.
     fn make(
         &mut self,
         wanted: Wanted,
@@ -324,7 +325,7 @@ impl Mapping {
             low: wanted.colouring.low.map(f64::from),
             quantity: request.quantity,
             phase: request.moment,
-            // Those of the map before, until its own have come back from a GPU.
+            // Those of the previous map until the GPU's results arrive.
             largest: known.0,
             error: known.1,
             how: known.2,
@@ -341,7 +342,7 @@ impl Mapping {
         Ok(())
     }
 
-    /// Adds what was not there yet.
+    /// Adds missing parts.
     fn complete(&mut self, map: &mut Option<Map>, done: &mut Done) -> Result<(), FieldError> {
         let Self { stages, drawn, .. } = self;
         let (Some(drawn), Some(map)) = (drawn, map) else { return Ok(()) };
@@ -351,7 +352,7 @@ impl Mapping {
         {
             (map.largest, map.error, map.how) = (figures.peak.into(), figures.error, figures.how);
             done.on_gpu = Some(seconds.map(|seconds| seconds * 1e3));
-            // Where one pressure gives the value, panels read it off the sound itself.
+            // If one pressure determines the value, panels derive it from the sound.
             let is_known = request.quantity.declaration().parts == PRESSURE;
             let has_values = figures.by != crate::field::By::Gpu;
             if has_values && !is_known {
@@ -359,7 +360,7 @@ impl Mapping {
             }
             drawn.lacks_figures = false;
         } else if drawn.lacks_figures && stages.has_declined(request) {
-            // The GPU does not keep the tolerance: the next frame makes it by the CPU.
+            // The GPU does not keep the tolerance: the CPU computes the next frame.
             self.drawn = None;
             return Ok(());
         }
@@ -373,7 +374,7 @@ impl Mapping {
         Ok(())
     }
 
-    /// Does something again by the CPU where the GPU fails.
+    /// Repeats work on the CPU if the GPU fails.
     fn or_by_cpu<T>(&mut self, work: impl Fn(&mut Self) -> Result<T, FieldError>) -> Result<T, FieldError> {
         match work(self) {
             Err(FieldError::Gpu(error)) => {
@@ -416,11 +417,11 @@ impl Mapping {
     }
 }
 
-/// What picture the screen needs. `None` where nothing plays.
+/// The required picture. `None` without a drive.
 fn wanted(look: &Look<'_>, ctx: &Context) -> Option<Wanted> {
     let Look { scene, view, lens, .. } = *look;
     let sound = look.sound?;
-    // Until the scene is solved again, the drive may be that of another array.
+    // Until the scene is solved again, the drive may belong to another array.
     if sound.drive().phases.len() != sound.aperture.positions.len() {
         return None;
     }
@@ -451,7 +452,7 @@ fn contours(stages: &mut Stages, request: &Request, part: f64) -> Result<Vec<Lin
     Ok(stages.contours(request, part as f32)?.to_vec())
 }
 
-/// Where on the canvas a shaded surface is.
+/// Position of a shaded surface on the canvas.
 fn place(width: usize, height: usize) -> Place {
     let (high, ground) = (height as f64, theme::ground(false));
     Place {
@@ -477,7 +478,7 @@ pub fn image(size: [usize; 2], colours: &[[u8; 4]]) -> ColorImage {
     ColorImage::from_rgba_premultiplied(size, colours.as_flattened())
 }
 
-/// The image as a texture of egui's, in place of that of the map before.
+/// The image as an egui texture, replacing that of the previous map.
 pub fn in_egui(before: Option<Texture>, image: ColorImage, ctx: &Context) -> Texture {
     let options = TextureOptions { magnification: egui::TextureFilter::Nearest, ..TextureOptions::LINEAR };
     match before {

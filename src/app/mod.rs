@@ -1,4 +1,4 @@
-//! The window: the editor of [`crate::ui`], what is made from its scene, and its files.
+//! The window: the editor of [`crate::ui`], values derived from its scene, and its files.
 
 mod beside;
 mod comparison;
@@ -70,7 +70,7 @@ fn example(index: usize) -> anyhow::Result<Document> {
 }
 
 const TITLE: &str = "Sonoglyph";
-/// Layouts of a frame, at most: after the third, what egui asked for in the first and the second is over.
+/// Limit of layout passes per frame: after the third, egui's requests of the first two are settled.
 const PASSES: usize = 3;
 /// The scene of a link as a document without a file.
 fn linked(link: &str) -> anyhow::Result<Document> {
@@ -79,7 +79,7 @@ fn linked(link: &str) -> anyhow::Result<Document> {
     Ok(document)
 }
 
-/// What a window leaves to the next, which another renderer draws.
+/// State passed to the next window, which another renderer draws.
 type Legacy = Rc<RefCell<Option<(Editor, Notice)>>>;
 
 /// The program's state.
@@ -92,30 +92,30 @@ pub struct Window {
     serving: Serving,
     /// The window may close without another question.
     may_close: bool,
-    /// Something was done that the window's own system or the next frame answers.
+    /// An action awaits a reaction of the windowing system or of the next frame.
     owes_frame: bool,
     title: String,
     recovery: Option<Recovery>,
-    /// What the last run left is neither taken nor discarded yet.
+    /// Whether the recovery offer is still open.
     offers_recovery: bool,
-    /// The answer to a question for a file that is acted on now.
+    /// The answer to a file dialog being processed.
     answered: Option<(Purpose, String)>,
     memory: Option<Memory>,
     errands: Vec<Errand<Outcome>>,
     thumbnails: Thumbnails,
     filming: Option<Film>,
     previews: Previews,
-    /// Where the editor goes if the device that draws the window is lost.
+    /// Destination of the editor if the drawing device is lost.
     legacy: Option<Legacy>,
 }
 
 impl Window {
-    /// In a window without a device of its own: its pictures go through egui.
+    /// In a window without its own device: pictures go through egui.
     pub fn new(ctx: &egui::Context, document: Document, evaluator: Evaluator) -> Self {
         Self::with(ctx, Editor::new(document), evaluator, None)
     }
 
-    /// In the window that eframe has made, by the device that draws it, if wgpu does.
+    /// In eframe's window, on its drawing device if that is wgpu.
     #[cfg(not(target_arch = "wasm32"))]
     pub fn of(context: &eframe::CreationContext<'_>, editor: Editor) -> Self {
         let screen = Screen::of(context);
@@ -160,7 +160,7 @@ impl Window {
         self.legacy = Some(legacy);
     }
 
-    /// Looks as it did in the last run, and keeps how it looks from now on. `word` is what there is to say of that.
+    /// Restores and keeps the settings; `word` is a message about them.
     fn remember(
         &mut self,
         memory: Option<Memory>,
@@ -177,13 +177,13 @@ impl Window {
         self.memory = memory;
     }
 
-    /// The same with what this folder holds.
+    /// The same with settings in this folder.
     pub fn remember_in(&mut self, folder: &Path, ctx: &egui::Context) {
         let (memory, settings, word) = Memory::at(folder);
         self.remember(Some(memory), &settings, word, ctx);
     }
 
-    /// Keeps what is unsaved from now on, and asks about what the last run left, if it left something.
+    /// Keeps unsaved changes from now on, and offers those of the last run, if any.
     pub fn recover(&mut self, recovery: Option<Recovery>) {
         if let Some(scene) = recovery.as_ref().and_then(Recovery::found) {
             self.editor.dialog = Some(Dialog::Recovered(Box::new(scene)));
@@ -215,7 +215,7 @@ impl Window {
         self.workshop.mapping.numbers()
     }
 
-    /// The map on the screen without what lies over it.
+    /// The displayed map without overlays.
     pub fn picture(&mut self) -> Option<Picture> {
         self.workshop.mapping.picture()
     }
@@ -225,19 +225,19 @@ impl Window {
         self.workshop.mapping.gpu()
     }
 
-    /// How often each stage of the field has run.
+    /// Run counts of the field's stages.
     pub fn work(&self) -> Work {
         self.workshop.mapping.work()
     }
 
-    /// Whether something is being made on a thread.
+    /// Whether background work is running.
     pub fn is_busy(&self) -> bool {
         self.workshop.is_busy() || self.previews.is_busy() || !self.errands.is_empty()
     }
 
     fn execute(&mut self, command: Command, ctx: &egui::Context) {
         if let Command::Thumbnail(index) = command {
-            // The card asks again until it has its picture: that wakes no frame.
+            // The gallery repeats the request until the picture is available, so no wake-up is needed.
             return self.thumbnails.want(index, &self.shown, ctx);
         }
         self.shown.notice = None;
@@ -301,7 +301,7 @@ impl Window {
                 self.offers_recovery = false;
                 self.recovery.iter_mut().for_each(Recovery::forget);
             }
-            // It comes as an event in the next frame.
+            // The content arrives as an event in the next frame.
             Command::Paste => ctx.send_viewport_cmd(egui::ViewportCommand::RequestPaste),
             Command::Close => {
                 self.forget_unsaved();
@@ -318,7 +318,7 @@ impl Window {
         ctx.send_viewport_cmd(egui::ViewportCommand::Close);
     }
 
-    /// What was unsaved here is not wanted; what the last run left stays until that is answered.
+    /// Discards this run's recovery data; that of the last run stays until answered.
     fn forget_unsaved(&mut self) {
         if !self.offers_recovery {
             self.recovery.iter_mut().for_each(Recovery::forget);
@@ -329,7 +329,7 @@ impl Window {
         self.shown.notice = Some(Notice { text: text.to_owned(), is_error });
     }
 
-    /// Says what could not be done: in the question for a file if that was just answered, else by itself.
+    /// Reports a failure: in the file dialog if just answered, otherwise separately.
     fn refuse(&mut self, title: &str, error: &anyhow::Error) {
         if let Some((purpose, text)) = self.answered.take() {
             self.editor.asking.problem = Some((text.clone(), format!("{error:#}")));
@@ -357,7 +357,7 @@ impl Window {
         }
     }
 
-    /// What is unsaved goes to the recovery file, unless the question about the last one is open.
+    /// Writes unsaved changes to the recovery file, unless the recovery offer is open.
     fn keep(&mut self, ctx: &egui::Context) {
         let Some(recovery) = &mut self.recovery else { return };
         if self.offers_recovery && self.editor.dialog.is_none() {
@@ -379,7 +379,7 @@ impl Window {
         }
     }
 
-    /// How the window looks goes to the settings.
+    /// Writes the window's state to the settings.
     fn keep_settings(&mut self, ctx: &egui::Context) {
         let Some(memory) = &mut self.memory else { return };
         let settings = Settings::of(&self.editor, &self.shown.recent, ctx);
@@ -388,7 +388,7 @@ impl Window {
         }
     }
 
-    /// A lost device draws nothing any more: another window goes on.
+    /// After a device loss, another window continues.
     fn escape_lost_screen(&mut self, ctx: &egui::Context) {
         if !self.workshop.mapping.has_lost_screen() {
             return;
@@ -418,20 +418,20 @@ impl eframe::App for Window {
         self.frame(ui);
     }
 
-    /// For what asks the page what it shows.
+    /// For queries of the page's state.
     #[cfg(target_arch = "wasm32")]
     fn as_any_mut(&mut self) -> Option<&mut dyn std::any::Any> {
         Some(self)
     }
 
-    /// The ground of all panels, which have none of their own.
+    /// The background of all panels.
     fn clear_color(&self, visuals: &egui::Visuals) -> [f32; 4] {
         visuals.panel_fill.to_normalized_gamma_f32()
     }
 }
 
 impl Window {
-    /// One frame: what was done is heard, what changed is made anew, and all is drawn.
+    /// One frame: input is processed, changed values are recomputed, and everything is drawn.
     pub fn frame(&mut self, ui: &mut egui::Ui) {
         let ctx = ui.ctx().clone();
         let before = self.editor.seen();
@@ -477,17 +477,17 @@ impl Window {
         page::count_frame();
     }
 
-    /// Lays the window out again before it is painted, where an event or a change asks for that: panels come before the map whose
-    /// figures they show. egui would paint two more frames after every event, and painting is most of what a frame costs a
-    /// software driver.
+    /// Repeats the layout before painting if an event or a change requires it: panels precede the map whose figures
+    /// they show. egui alone would paint two more frames after every event, and painting dominates the cost of a
+    /// frame on software drivers.
     fn settle(&mut self, ctx: &egui::Context, has_changed: bool) {
         let passes = ctx.current_pass_index() + 1;
-        // Passes after the first have no events of their own.
+        // Later passes have no events of their own.
         let is_unsettled = passes > 1 || has_changed || ctx.input(|input| !input.events.is_empty());
         if is_unsettled && passes < PASSES {
             ctx.request_discard("settling");
         } else if std::mem::take(&mut self.owes_frame) || has_changed {
-            // eframe forgets what was asked for in a pass before this.
+            // eframe forgets requests of earlier passes.
             ctx.request_repaint();
         }
     }

@@ -1,4 +1,4 @@
-//! In place of a link, where the program was built without serial ports.
+//! Replaces the link in builds without serial ports.
 
 use eframe::egui::Context;
 

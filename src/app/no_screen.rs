@@ -1,4 +1,4 @@
-//! In place of a device that draws the window: a page is drawn by WebGL.
+//! Replaces the drawing device in a page, which is drawn by WebGL.
 
 use egui::TextureId;
 

@@ -1,4 +1,4 @@
-//! In place of a server for other programs, in a page: it has no sockets.
+//! Replaces the server for other programs in a page, which has no sockets.
 
 use eframe::egui::Context;
 

@@ -1,5 +1,5 @@
-//! The window as a page of a browser: drawn by WebGL, with files that come from the user and go to the user, and what is to outlive
-//! the page in the browser's storage.
+//! The window as a browser page: drawn by WebGL, with uploads and downloads for files, and persistent data in the
+//! browser's storage.
 
 use std::cell::RefCell;
 use std::io;
@@ -26,11 +26,11 @@ use crate::ui::Notice;
 use crate::ui::document::Document;
 use crate::ui::view::Lens;
 
-/// The folder of what a run keeps for the next one: it is never handed to the user.
+/// The folder of persistent data, never offered as a download.
 const KEPT: &str = "/kept";
-/// What names in the browser's storage begin with.
+/// Prefix of names in the browser's storage.
 const PREFIX: &str = "sonoglyph:";
-/// Bytes of a file of the user's that the storage, which has some 5 MB, still knows after the page is loaded again.
+/// Limit in bytes of a user's file kept across page loads in the storage, which has some 5 MB.
 const SMALL: usize = 1 << 18;
 
 static FRAMES: AtomicU32 = AtomicU32::new(0);
@@ -51,8 +51,8 @@ pub(super) fn count_frame() {
     FRAMES.fetch_add(1, Ordering::Relaxed);
 }
 
-/// Opens the window on a canvas, with the scene of the address (`#…`) or an example. Pages side by side have numbers of their own,
-/// from 1, so that each keeps what is unsaved for itself.
+/// Opens the window on a canvas, with the scene of the address (`#…`) or an example. Simultaneous pages have
+/// different numbers, from 1, for separate recovery files.
 ///
 /// # Errors
 /// A browser without WebGL 2.
@@ -81,9 +81,7 @@ pub async fn start(canvas: HtmlCanvasElement, number: u32) -> Result<(), JsValue
     runner.start(canvas, options, make).await
 }
 
-/// What the page shows, as JSON: `scene` (a scene file whose plane is the part that is seen), `size` (pixels), `rect` (points of
-/// the page: left, top, width, height), `quantity`, `largest` (SI), `evaluator`, `how`, `problem`, `busy` and, in ms, `mapping` and
-/// `solving`.
+/// The page's state as JSON: `scene`
 #[wasm_bindgen]
 pub fn shown() -> Option<String> {
     let runner = RUNNER.with_borrow(Clone::clone)?;
@@ -113,8 +111,8 @@ pub fn shown() -> Option<String> {
     Some(said.to_string())
 }
 
-/// The browser's GPU if it is one, else the CPU: a program that plays GPU takes ten times as long. With `?gpu=any` in the address
-/// that is taken, too, and with `?gpu=none` no GPU is.
+/// The browser's hardware GPU, otherwise the CPU: software GPUs take ten times as long. `?gpu=any` in the address
+/// allows software GPUs, `?gpu=none` disables GPUs.
 async fn evaluator() -> Evaluator {
     let wish = window().and_then(|window| window.location().search().ok()).unwrap_or_default();
     let opened = match wish.as_str() {
@@ -124,10 +122,10 @@ async fn evaluator() -> Evaluator {
     opened.map_or(Evaluator::Cpu, |gpu| Evaluator::Gpu(Box::new(gpu)))
 }
 
-/// The scene of the address, or the first example and why it is not that.
+/// The scene of the address, or the first example and the reason.
 fn first() -> (Document, Option<String>) {
     let own = || example(0).unwrap_or_else(|_| Document::new(Scene::default(), "untitled"));
-    // The address keeps it: it is asked for by nobody who closes the page.
+    // The address keeps it, so closing the page needs no confirmation.
     let of_link = |link: String| anyhow::Ok(Document::parse(link::read(&link)?, "linked scene")?);
     match fragment().map(of_link) {
         Some(Ok(document)) => (document, None),
@@ -142,13 +140,13 @@ fn fragment() -> Option<String> {
     fragment.strip_prefix('#').filter(|letters| !letters.is_empty()).map(link::of_letters)
 }
 
-/// The page's address without what stands behind it.
+/// The page's address without the fragment.
 pub(super) fn address() -> Option<String> {
     let location = window()?.location();
     Some(format!("{}{}", location.origin().ok()?, location.pathname().ok()?))
 }
 
-/// A link that is clicked while the page is open changes only the address: the scene is opened as if it were pasted.
+/// Clicking a link in an open page only changes the address: the scene is then opened as if pasted.
 fn follow_address(ctx: &egui::Context) {
     let ctx = ctx.clone();
     let hear = Closure::<dyn FnMut()>::new(move || {
@@ -158,7 +156,7 @@ fn follow_address(ctx: &egui::Context) {
         }
     });
     if let Some(window) = window() {
-        // Without it a link takes effect when the page is loaded again.
+        // Without it a link takes effect on reload.
         let _ = window.add_event_listener_with_callback("hashchange", hear.as_ref().unchecked_ref());
         hear.forget();
     }
@@ -173,7 +171,7 @@ fn storage() -> Option<Storage> {
     window()?.local_storage().ok()?
 }
 
-/// What the storage holds lies on the shelf.
+/// Copies the storage's files to the shelf.
 fn fill_shelf() {
     let Some(storage) = storage() else { return };
     for index in 0..storage.length().unwrap_or(0) {
@@ -190,7 +188,7 @@ fn key(path: &Path) -> String {
     format!("{PREFIX}{}", path.display())
 }
 
-/// Stores a file or forgets it, and hands it to the user if it is the user's.
+/// Stores or forgets a file, and offers a user's file as a download.
 fn keep(path: &Path, bytes: Option<&[u8]>) -> io::Result<()> {
     let Some(bytes) = bytes else {
         let _ = storage().map(|storage| storage.remove_item(&key(path)));
@@ -205,15 +203,15 @@ fn keep(path: &Path, bytes: Option<&[u8]>) -> io::Result<()> {
     download(path, bytes).map_err(|_| io::Error::other("the browser takes no file"))
 }
 
-/// A small file is known again after the page was loaded anew.
+/// Keeps a small file across page loads.
 fn remember(path: &Path, bytes: &[u8]) {
     if bytes.len() <= SMALL {
-        // A full storage costs no more than that.
+        // A full storage only loses this file.
         let _ = storage().map(|storage| storage.set_item(&key(path), &STANDARD.encode(bytes)));
     }
 }
 
-/// Saves a file where the browser puts downloads.
+/// Offers a file as a download.
 fn download(path: &Path, bytes: &[u8]) -> Result<(), JsValue> {
     let document = window().and_then(|window| window.document()).ok_or(JsValue::NULL)?;
     let parts = Array::of1(&Uint8Array::from(bytes));
@@ -222,7 +220,7 @@ fn download(path: &Path, bytes: &[u8]) -> Result<(), JsValue> {
     anchor.set_href(&url);
     anchor.set_download(&path.file_name().unwrap_or_default().to_string_lossy());
     anchor.click();
-    // The browser takes the bytes after this; they go with the page, or when they have been taken.
+    // The browser reads the bytes later; they are released afterwards, or with the page.
     let forget = Closure::once_into_js(move || Url::revoke_object_url(&url));
     let window = window().ok_or(JsValue::NULL)?;
     window.set_timeout_with_callback_and_timeout_and_arguments_0(forget.unchecked_ref(), 60_000).map(drop)
@@ -236,7 +234,7 @@ pub(super) fn take(name: &Path, bytes: Vec<u8>) -> PathBuf {
     path
 }
 
-/// Asks for a file by the browser's own dialog; where on the shelf it lies then. `None` where none was chosen.
+/// Opens the browser's file dialog; returns the file's path on the shelf. `None` without a choice.
 pub(super) async fn pick(extensions: &[&str]) -> Option<PathBuf> {
     let input: HtmlInputElement = window()?.document()?.create_element("input").ok()?.dyn_into().ok()?;
     input.set_type("file");
@@ -245,7 +243,7 @@ pub(super) async fn pick(extensions: &[&str]) -> Option<PathBuf> {
     let (sender, chosen) = oneshot::channel();
     let mut sender = Some(sender);
     let hear = Closure::<dyn FnMut(Event)>::new(move |_| {
-        // Nobody waits any more after the first event.
+        // There is no receiver after the first event.
         let _ = sender.take().map(|sender| sender.send(()));
     });
     for event in ["change", "cancel"] {

@@ -1,4 +1,4 @@
-//! What is played: what came of solving a scene, and the sound of that.
+//! The played state: the solution of a scene and its sound.
 
 use std::sync::Arc;
 
@@ -11,7 +11,7 @@ use crate::ui::Sound;
 
 pub type Solved = Result<Arc<Solution>, String>;
 
-/// What is played: the scene at rest, or a frame of its motion.
+/// The played state: the scene at rest, or a frame of its motion.
 #[derive(Clone, Debug)]
 pub enum Source {
     Still(Arc<Solution>),
@@ -22,7 +22,7 @@ pub fn solve(scene: &Scene) -> Solved {
     solver::solve(scene).map(Arc::new).map_err(|error| error.to_string())
 }
 
-/// What is played and what arrives, as a board with few phases plays it if that is asked for.
+/// The played drive and its pressures, quantised to a number of phase levels if given.
 pub fn sound(scene: &Scene, levels: Option<u32>, source: &Source) -> Sound {
     let aperture = Aperture::new(scene);
     let (drives, foci, pressures): (_, &[Focus], _) = match source {

@@ -1,4 +1,4 @@
-//! What is kept of an unsaved scene, so that a crash takes nothing away.
+//! Recovery files of unsaved scenes, for the case of a crash.
 
 use std::fs::{File, TryLockError};
 use std::path::{Path, PathBuf};
@@ -15,22 +15,22 @@ const OFTEN: f64 = 5.0;
 #[derive(Debug)]
 pub struct Recovery {
     path: PathBuf,
-    /// Says to other windows that the file is in use; the system takes it away with the program, however that ends.
+    /// Marks the file as in use for other windows; the system releases it when the program ends in any way.
     _lock: Option<File>,
-    /// What the file holds.
+    /// The content of the file.
     kept: Option<Scene>,
-    /// What was painted, in files beside it.
+    /// Paintings, in files beside it.
     paintings: Paintings,
     /// s on the window's clock.
     last: f64,
-    /// Why the file was not written when that was last tried.
+    /// The error of the last write.
     trouble: Option<String>,
 }
 
 impl Recovery {
-    /// A file in this folder that no other window has: one that a run left which did not end well, or else the first that is free.
+    /// An unused recovery file in this folder: one left by a crashed run, or the first free one.
     pub fn at(folder: &Path) -> Option<Self> {
-        // Where nothing can be written, there is trouble later.
+        // Unwritable folders are reported later.
         let _ = std::fs::create_dir_all(folder);
         let file = |number: usize| match number {
             1 => folder.join("recovery.toml"),
@@ -45,10 +45,10 @@ impl Recovery {
         Some(free.swap_remove(left.unwrap_or(0)))
     }
 
-    /// `None` while another window has this file.
+    /// `None` if another window uses this file.
     fn take(path: PathBuf) -> Option<Self> {
         let lock = lock_of(&path);
-        // A pipe would keep the window waiting for its reader.
+        // A pipe would block the window until it is read.
         let lock = output::refuse_stream(&lock)
             .and_then(|()| Ok(File::options().create(true).append(true).open(lock)?))
             .ok();
@@ -62,13 +62,13 @@ impl Recovery {
         Some(Self { kept, paintings, path, _lock: lock, last: f64::NEG_INFINITY, trouble: None })
     }
 
-    /// What a run that did not end well left.
+    /// The scene left by a crashed run.
     pub fn found(&self) -> Option<Scene> {
         self.kept.clone()
     }
 
-    /// Keeps a scene that no file holds, now and then; `None` says that there is nothing to keep.
-    /// Gives out in how many seconds it wants to be asked again.
+    /// Keeps an unsaved scene at intervals; `None` if there are no unsaved changes. Returns the seconds until the
+    /// next call.
     pub fn keep(&mut self, unsaved: Option<&Scene>, now: f64) -> Option<f64> {
         if unsaved == self.kept.as_ref() {
             return None;
@@ -93,16 +93,16 @@ impl Recovery {
             Ok(()) => (self.kept, self.trouble) = (Some(scene.clone()), None),
             Err(error) => self.trouble = Some(format!("{error:#}")),
         }
-        // There may be room again by then.
+        // Space may be available again by then.
         self.trouble.is_some().then_some(OFTEN)
     }
 
-    /// Why a crash would take what is unsaved, if it would.
+    /// The reason why a crash would lose unsaved changes, if any.
     pub fn trouble(&self) -> Option<&str> {
         self.trouble.as_deref()
     }
 
-    /// All is well: there is nothing to recover.
+    /// Removes the recovery data.
     pub fn forget(&mut self) {
         source::remove(&self.path);
         self.paintings.remove();
@@ -110,11 +110,11 @@ impl Recovery {
     }
 }
 
-/// What a run left, with those of its pictures and waveforms that are still there.
+/// The scene of an earlier run, with its remaining pictures and waveforms.
 fn read(path: &Path) -> Option<(Scene, Paintings)> {
     let mut scene = file::read(path).ok()?;
     let folder = path.parent().unwrap_or(Path::new(""));
-    // What is gone is said to be missing where the scene is shown.
+    // Missing files are reported where the scene is shown.
     let _ = opening::load_elements(&mut scene.array, folder);
     for target in &mut scene.targets {
         let _ = opening::load_targets(std::slice::from_mut(target), folder);

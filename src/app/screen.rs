@@ -1,4 +1,4 @@
-//! The device that draws the window, where wgpu does.
+//! The device that draws the window with wgpu.
 
 use eframe::egui_wgpu::RenderState;
 use eframe::wgpu;
@@ -11,7 +11,7 @@ use crate::field::{Evaluator, Gpu};
 pub struct Screen(RenderState);
 
 impl Screen {
-    /// That of the window which eframe has made, if wgpu draws it.
+    /// The device of eframe's window, if drawn by wgpu.
     pub fn of(context: &eframe::CreationContext<'_>) -> Option<Self> {
         context.wgpu_render_state.clone().map(Self)
     }
@@ -22,7 +22,7 @@ impl Screen {
         Evaluator::Gpu(Box::new(Gpu::on(&self.0.adapter, device, queue)))
     }
 
-    /// The name by which egui draws a picture that lies on the device.
+    /// The texture id of a picture on the device.
     pub fn register(&self, registered: &mut Option<(Texture, TextureId)>, texture: Texture) -> TextureId {
         let (filter, device) = (wgpu::FilterMode::Linear, &self.0.device);
         let id = match registered.take() {

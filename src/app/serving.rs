@@ -1,4 +1,4 @@
-//! Other programs edit the document: their changes come in before a frame, and what came of them is told after it.
+//! Live control of the document by other programs: changes are applied before a frame, and results reported after it.
 
 use std::sync::Arc;
 
@@ -15,7 +15,7 @@ use crate::ui::{Command, Editor, Notice, ServingShown, Shown};
 
 /// So long after their last change a burst of others is over, and one step of the history.
 const BURST: Duration = Duration::from_millis(700);
-/// How often their counts are looked at.
+/// Polling interval of the counts.
 const LOOK: Duration = Duration::from_secs(1);
 
 #[derive(Debug, Default)]
@@ -27,7 +27,7 @@ struct Open {
     /// As it was when the user and others last had the same.
     base: Arc<Scene>,
     generation: u64,
-    /// What others last wished of the board.
+    /// The last remote wishes for the board.
     wished: (bool, bool),
     stops: u64,
     burst: Option<Instant>,
@@ -53,7 +53,7 @@ impl Serving {
         }
     }
 
-    /// Takes what others have changed into the document, and gives them what the user has.
+    /// Applies remote changes to the document, and publishes the user's.
     pub fn exchange(&mut self, editor: &mut Editor, shown: &Shown, ctx: &Context) {
         let Some(open) = &mut self.0 else { return };
         ctx.request_repaint_after(LOOK);
@@ -61,7 +61,7 @@ impl Serving {
         let (wish, generation) = desk.wish();
         if generation != open.generation && *wish.scene != *open.base {
             if open.burst.is_none() && !editor.is_in_gesture() {
-                // What the user did before is a step of its own.
+                // The user's earlier edits are a separate undo step.
                 editor.document.settle();
             }
             open.burst = Some(Instant::now());
@@ -80,7 +80,7 @@ impl Serving {
         open.stops = wish.stops;
         open.generation = generation;
         let sends = matches!(shown.board.plays, Plays::Scene | Plays::Motion);
-        // What was just asked for is not played yet.
+        // A new wish is not yet played.
         let sends = if asks == open.wished { sends } else { wish.sends };
         open.wished = (sends, wish.moves);
         open.base = match *editor.scene() == *wish.scene {
@@ -88,7 +88,7 @@ impl Serving {
             false => Arc::new(editor.scene().clone()),
         };
         let own = Wish { scene: Arc::clone(&open.base), sends, ..wish.clone() };
-        // Where others were quicker, the next frame sees to it.
+        // If others were faster, the next frame merges.
         if own != wish
             && let Some(generation) = desk.put(generation, own)
         {
@@ -96,7 +96,7 @@ impl Serving {
         }
     }
 
-    /// Tells others what the frame has made of it.
+    /// Reports the frame's results to clients.
     pub fn tell(&mut self, editor: &Editor, shown: &mut Shown) {
         let Some(open) = &self.0 else { return };
         let desk = open.server.desk();
@@ -123,7 +123,7 @@ impl Serving {
         }
     }
 
-    /// Whether what others do is not a whole step of the history yet.
+    /// Whether a burst of remote changes is not yet complete.
     pub fn is_in_burst(&mut self, ctx: &Context) -> bool {
         let Some(burst) = self.0.as_mut().map(|open| &mut open.burst) else { return false };
         let Some(rest) = burst.and_then(|since| BURST.checked_sub(since.elapsed())) else {
@@ -139,7 +139,7 @@ fn wished(wish: &Wish) -> (bool, bool) {
     (wish.sends, wish.moves)
 }
 
-/// On the usual ports, or where another program has them on free ones.
+/// On the default ports, or on free ones if these are taken.
 fn started(scene: &Arc<Scene>, ctx: &Context) -> Result<Server, ServerError> {
     let desk = || {
         let ctx = ctx.clone();
@@ -149,7 +149,8 @@ fn started(scene: &Arc<Scene>, ctx: &Context) -> Result<Server, ServerError> {
     Server::start(Settings::default(), desk()).or_else(|_| Server::start(free, desk()))
 }
 
-/// Both changes of a scene. Where both changed the same table or target, others win: the user sees it and can undo it.
+/// Merges both changes of a scene. If both changed the same table or target, others win: the user sees it and can
+/// undo it.
 fn merged(base: &Scene, theirs: &Scene, own: &Scene) -> Scene {
     fn newer<T: PartialEq + Clone>(base: &T, theirs: &T, own: &T) -> T {
         if theirs == base { own.clone() } else { theirs.clone() }
@@ -188,7 +189,7 @@ fn merged(base: &Scene, theirs: &Scene, own: &Scene) -> Scene {
     }
 }
 
-/// One by one, where none came or went.
+/// One by one, if none was added or removed.
 fn targets_of(base: &[Target], theirs: &[Target], own: &[Target]) -> Vec<Target> {
     if theirs == base {
         return own.to_vec();

@@ -1,4 +1,4 @@
-//! What the window remembers from run to run: its place, its panels and colours, the board, and the files that were open last.
+//! Settings kept between runs: position, panels, colours, board, and recent files.
 
 use std::io::ErrorKind;
 use std::ops::RangeInclusive;
@@ -26,7 +26,7 @@ const MOST_RECENT: usize = 10;
 const BAUDS: RangeInclusive<u32> = 1200..=12_000_000;
 /// Bytes of the file, at most.
 const MOST_BYTES: u64 = 1 << 20;
-/// Points of the screen: windows and places that can be.
+/// Limits of window sizes and positions in points.
 const SMALLEST: [f32; 2] = [200.0, 150.0];
 const LARGEST: f32 = 16_384.0;
 
@@ -35,7 +35,7 @@ const THEMES: [(ThemePreference, &str); 3] =
 
 const GROUNDS: [(Option<bool>, &str); 3] = [(None, "theme"), (Some(false), "dark"), (Some(true), "light")];
 
-/// What the file calls a value; the first one if it has no name.
+/// The name of a value in the file; the first one by default.
 fn name<T: PartialEq>(names: &[(T, &'static str)], value: &T) -> String {
     names.iter().find(|(own, _)| own == value).unwrap_or(&names[0]).1.to_owned()
 }
@@ -44,20 +44,20 @@ fn value<T: Copy>(names: &[(T, &'static str)], name: &str) -> Option<T> {
     names.iter().find(|(_, own)| *own == name).map(|(value, _)| *value)
 }
 
-/// The file's contents. What it does not say is as it is in the first run.
+/// The file's contents. Missing values have their defaults.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct Settings {
     /// Points of the screen, inside the frame.
     pub size: [f32; 2],
-    /// The desktop chooses if `None`.
+    /// `None`: chosen by the desktop.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub position: Option<[f32; 2]>,
     pub maximized: bool,
     pub theme: String,
-    /// How many times as large as usual everything in the window is.
+    /// Scale factor of the window.
     pub scale: f32,
-    /// The hints of the first start were not put away yet.
+    /// Whether the hints of the first start are still shown.
     pub hints: bool,
     pub panel: String,
     /// Points of the screen.
@@ -76,11 +76,11 @@ pub struct Settings {
     pub shaded: bool,
     pub colours: String,
     pub decibels: bool,
-    /// Part of the largest value at which a logarithmic scale ends.
+    /// Lower end of a logarithmic scale relative to the largest value.
     pub floor: f64,
     /// The brightness of phase maps follows the amplitude.
     pub fades: bool,
-    /// Of maps: that of the theme, dark or light.
+    /// Ground of maps: that of the theme, dark or light.
     pub ground: String,
     /// Pressures are stated as peak amplitudes.
     pub peak: bool,
@@ -178,7 +178,7 @@ impl Settings {
         }
     }
 
-    /// Makes things as they were.
+    /// Restores the settings.
     pub fn apply(&self, editor: &mut Editor, ctx: &Context) {
         ctx.set_theme(value(&THEMES, &self.theme).unwrap_or(THEMES[0].0));
         action::scale(ctx, self.scale);
@@ -207,10 +207,10 @@ impl Settings {
         view.colours = named.unwrap_or(view.colours);
     }
 
-    /// From the file's text, with every number in its limits, whatever it says.
+    /// Parses the file's text, with all numbers clamped to their limits.
     ///
     /// # Errors
-    /// A word on what makes no sense.
+    /// The invalid part.
     pub fn parse(text: &str) -> Result<Self, String> {
         let settings = toml::Deserializer::parse(text).and_then(|table| Self::deserialize(Strict(table)));
         let settings =
@@ -247,9 +247,9 @@ impl Settings {
     }
 }
 
-/// Puts a file that was opened or saved in front of those that are remembered.
+/// Adds an opened or saved file to the front of the recent files.
 pub fn remember(recent: &mut Vec<PathBuf>, path: &Path) {
-    // A name that is no text cannot be written to the settings.
+    // A non-text name cannot be stored in the settings.
     if path.to_str().is_none() {
         return;
     }
@@ -259,11 +259,11 @@ pub fn remember(recent: &mut Vec<PathBuf>, path: &Path) {
     recent.truncate(MOST_RECENT);
 }
 
-/// The settings' file. What is not written yet is written when this goes.
+/// The settings' file. Pending settings are written on drop.
 #[derive(Debug)]
 pub struct Memory {
     path: PathBuf,
-    /// As the file holds them.
+    /// As in the file.
     kept: Settings,
     pending: Option<Settings>,
     /// s on the window's clock.
@@ -271,7 +271,7 @@ pub struct Memory {
 }
 
 impl Memory {
-    /// The file in this folder, what it says, and a word where that could not be read.
+    /// The file in this folder, its settings, and a message if it is unreadable.
     pub fn at(folder: &Path) -> (Self, Settings, Option<String>) {
         let path = folder.join("settings.toml");
         let read = match source::read_text(&path, MOST_BYTES) {
@@ -286,7 +286,7 @@ impl Memory {
         (Self { path, kept: settings.clone(), pending: None, last: f64::NEG_INFINITY }, settings, word)
     }
 
-    /// Keeps the settings, now and then. Gives out in how many seconds it wants to be asked again.
+    /// Writes the settings at intervals. Returns the seconds until the next call.
     pub fn keep(&mut self, mut settings: Settings, now: f64) -> Option<f64> {
         if settings.maximized {
             // The size that it goes back to.
@@ -305,17 +305,17 @@ impl Memory {
     fn write(&mut self) {
         let Some(settings) = self.pending.take() else { return };
         let mut file = settings.clone();
-        // What another window has opened meanwhile is remembered, too.
+        // Includes files opened by other windows meanwhile.
         let there =
             source::read_text(&self.path, MOST_BYTES).ok().and_then(|text| Settings::parse(&text).ok());
         let recent = there.map_or_else(Vec::new, |there| there.recent);
         let is_known = |path: &PathBuf| self.kept.recent.contains(path) || settings.recent.contains(path);
         file.recent.extend(recent.into_iter().filter(|path| !is_known(path)));
         file.recent.truncate(MOST_RECENT);
-        // Where nothing can be written, the next run begins as the first one did.
+        // If writing fails, the next run starts with defaults.
         if let (Some(folder), Ok(text)) = (self.path.parent(), toml::to_string(&file)) {
             let _ = std::fs::create_dir_all(folder);
-            // A pipe would keep the window waiting for its reader.
+            // A pipe would block the window until it is read.
             let _ =
                 output::refuse_stream(&self.path).and_then(|()| output::write(&self.path, text.as_bytes()));
         }

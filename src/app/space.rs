@@ -1,4 +1,4 @@
-//! The 3D view's picture: soon and coarse while something moves, fine once it rests.
+//! The picture of the 3D view: coarse while something moves, fine at rest.
 
 use std::sync::Arc;
 use web_time::Instant;
@@ -24,7 +24,7 @@ use crate::ui::{Editor, Shown, Texture};
 const SOON: f64 = 66_000.0;
 const MOST: f64 = 4_000_000.0;
 
-/// What a field in space is made from.
+/// The inputs of a field in space.
 #[derive(Clone, Debug, PartialEq)]
 struct Sounding {
     aperture: Aperture,
@@ -38,7 +38,7 @@ impl Sounding {
     }
 }
 
-/// What a picture is made from.
+/// The inputs of a picture.
 #[derive(Clone, Debug, PartialEq)]
 struct Wanted {
     sounding: Sounding,
@@ -63,7 +63,7 @@ struct Drawing {
     milliseconds: [f64; 2],
 }
 
-/// A field, and what it is of.
+/// A field and its inputs.
 type Kept = Option<(Sounding, Arc<Volume>)>;
 
 #[derive(Debug, Default)]
@@ -72,7 +72,7 @@ pub struct Spacing {
     fine: Kept,
     pictures: Later<Wanted, Drawing>,
     fields: Later<Sounding, Arc<Volume>>,
-    /// What is on the screen, and whether it is coarse.
+    /// The displayed picture, and whether it is coarse.
     drawn: Option<(Wanted, bool)>,
     painting: SpacePainting,
     registered: Option<(OnGpu, TextureId)>,
@@ -83,7 +83,7 @@ impl Spacing {
         self.pictures.is_running() || self.fields.is_running()
     }
 
-    /// Takes over what has been made and says whether anything was.
+    /// Collects finished values, and returns whether there were any.
     pub fn collect(&mut self) -> bool {
         let came = [self.pictures.collect(), self.fields.collect()];
         came.contains(&true)
@@ -100,7 +100,7 @@ impl Spacing {
         Some(Picture { width, height, rgba: wanted.draw(&volume, true) })
     }
 
-    /// Nothing of space is looked at.
+    /// Releases everything while the 3D view is closed.
     pub fn rest(&mut self, shown: &mut Shown) {
         if self.drawn.take().is_some() {
             (self.coarse, self.fine, shown.space) = (None, None, None);
@@ -181,7 +181,7 @@ impl Spacing {
         Ok(())
     }
 
-    /// The field at once: the fine one if it is there, else a coarse one.
+    /// The field immediately: the fine one if available, otherwise a coarse one.
     fn volume(&mut self, sounding: &Sounding) -> Arc<Volume> {
         if let Some((_, volume)) = self.fine.as_ref().filter(|(of, _)| of == sounding) {
             return Arc::clone(volume);
@@ -196,7 +196,7 @@ impl Spacing {
         }
     }
 
-    /// A GPU draws every picture in full; what is fine once all rests is the field.
+    /// A GPU always draws full pictures; only the field is refined at rest.
     fn by_gpu(
         &mut self,
         (gpu, screen): (&Gpu, &Screen),
@@ -229,7 +229,7 @@ impl Spacing {
     }
 }
 
-/// Puts a picture's colours in place of the last one's.
+/// Replaces the last picture's colours.
 fn put(shown: &mut Shown, rgba: &[u8], (width, height): (usize, usize), stage: &Stage, ctx: &Context) {
     let image = ColorImage::from_rgba_premultiplied([width, height], rgba);
     let texture = match shown.space.take().map(|picture| picture.texture) {

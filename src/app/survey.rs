@@ -1,4 +1,4 @@
-//! What is measured of the field on the screen on a thread beside it: its loudest place, its peak side lobe and a focus' widths.
+//! Measurements of the displayed field on a thread: its maximum, peak side lobe and focal widths.
 
 use egui::Context;
 use glam::DVec3;
@@ -13,10 +13,10 @@ use crate::ui::section;
 use crate::ui::view::Lens;
 use crate::ui::{Editor, Extremes, Shown};
 
-/// Pixels along the wider side of the map among which the loudest place is looked for.
+/// Resolution of the search for the maximum, in pixels of the map's wider side.
 const PIXELS: f64 = 600.0;
 
-/// What the extremes are of.
+/// The inputs of the extremes.
 #[derive(Clone, Debug, PartialEq)]
 struct Surveyed {
     scene: Scene,
@@ -24,7 +24,7 @@ struct Surveyed {
     drives: Vec<Drive>,
     foci: Vec<DVec3>,
     plane: Plane,
-    /// Whether the loudest places are asked for.
+    /// Whether maximum and side lobe are requested.
     marks: bool,
     /// m, of which the widths are.
     focus: Option<DVec3>,
@@ -40,12 +40,12 @@ impl Survey {
         self.found.is_running()
     }
 
-    /// Takes over what has been made and says whether anything was.
+    /// Collects finished values, and returns whether there were any.
     pub fn collect(&mut self) -> bool {
         self.found.collect()
     }
 
-    /// Has measured what is shown of it, if nothing is dragged.
+    /// Requests the displayed measurements, if nothing is dragged.
     pub fn update(&mut self, editor: &Editor, shown: &mut Shown, lens: &Lens, ctx: &Context) {
         (shown.extremes, shown.widths) = (None, None);
         let marks = editor.view.extremes;
@@ -87,7 +87,7 @@ fn extremes(surveyed: &Surveyed) -> Extremes {
     }
 }
 
-/// Where |p| is largest (m), and its peak amplitude (Pa).
+/// The maximum of |p|: position (m) and peak amplitude (Pa).
 fn peak(scene: &Scene, drives: &[Drive], stages: &mut Stages) -> Option<(DVec3, f64)> {
     let plane = &scene.plane;
     let pixel = plane.size.max_element() / PIXELS;

@@ -1,4 +1,4 @@
-//! Small pictures of the examples, made one after the other on a thread when they are first seen.
+//! Thumbnails of the examples, made in sequence on a thread on demand.
 
 use std::sync::Arc;
 
@@ -13,14 +13,14 @@ use crate::studio::{map, opening};
 use crate::ui::gallery::PIXELS;
 use crate::ui::{Shown, Texture};
 
-/// What is under way.
+/// The state of the thumbnails.
 #[derive(Debug, Default)]
 pub(super) struct Thumbnails {
     errand: Option<(usize, Errand<Picture>)>,
 }
 
 impl Thumbnails {
-    /// Begins with the picture of an example, unless another is under way: it will be asked for again.
+    /// Starts the picture of an example, unless another is being made: the request will be repeated.
     pub(super) fn want(&mut self, index: usize, shown: &Shown, ctx: &Context) {
         if self.errand.is_none() && !shown.thumbnails.contains_key(&index) {
             // Without a thread the card stays without its picture.
@@ -28,7 +28,7 @@ impl Thumbnails {
         }
     }
 
-    /// Shows what is there by now.
+    /// Shows finished thumbnails.
     pub(super) fn collect(&mut self, shown: &mut Shown, ctx: &Context) {
         let Some((index, errand)) = self.errand.take() else { return };
         let picture = match errand.state() {
@@ -47,7 +47,7 @@ impl Thumbnails {
     }
 }
 
-/// An example's field, by the CPU; a dark picture where it has none.
+/// An example's field, on the CPU; a dark picture if there is none.
 fn picture(index: usize) -> Picture {
     draw(index).unwrap_or_else(blank)
 }
@@ -60,10 +60,10 @@ fn blank() -> Picture {
 fn draw(index: usize) -> Option<Picture> {
     let example = EXAMPLES.get(index)?;
     let mut scene = opening::parse(example.text, example.name.as_ref()).ok()?;
-    // Of the plane's shape as much as fits the card.
+    // In the plane's shape, fitted to the card.
     let (width, height) = PIXELS;
     scene.plane.size.x = scene.plane.size.y * width as f64 / height as f64;
-    // A first drive will do: a thumbnail is not measured.
+    // A first drive suffices for a thumbnail.
     let solution = solver::solve_on(&scene, None).ok()?;
     let quantity = match example.name.split('-').next() {
         Some("water") => Quantity::Depression,

@@ -1,4 +1,4 @@
-//! The pressure at a point in the course of time, made on a thread while it is looked at.
+//! The pressure at a point over time, computed on a thread on demand.
 
 use std::sync::Arc;
 
@@ -14,11 +14,11 @@ use crate::solver::frames::Sequence;
 use crate::studio::time_course;
 use crate::ui::{Course, Editor, Panel, Shown, course};
 
-/// Instants that are drawn, and from how many of them at most.
+/// Number of drawn instants, and limit of computed ones.
 const DRAWN: usize = 1000;
 const MOST: f64 = 400_000.0;
 
-/// What is played one after the other.
+/// The drives played in sequence.
 #[derive(Clone, Debug)]
 enum Played {
     Frames(Arc<Sequence>),
@@ -35,13 +35,13 @@ impl PartialEq for Played {
     }
 }
 
-/// What a course follows from.
+/// The inputs of a time course.
 #[derive(Clone, Debug, PartialEq)]
 struct Wanted {
     played: Played,
     aperture: Aperture,
     scene: Scene,
-    /// Phases per period that boards play.
+    /// Phases per period of the displayed board.
     levels: Option<u32>,
     at: DVec3,
 }
@@ -56,12 +56,12 @@ impl TimeCourse {
         self.made.is_running()
     }
 
-    /// Takes over what has been made and says whether anything was.
+    /// Collects finished values, and returns whether there were any.
     pub fn collect(&mut self) -> bool {
         self.made.collect()
     }
 
-    /// Has the course made that is looked at; until it is there, the one before stays.
+    /// Requests the displayed course; until it is available, the previous one stays.
     pub fn update(&mut self, editor: &Editor, shown: &mut Shown, ctx: &Context) {
         let is_seen = editor.panel == Panel::Motion && editor.course.is_shown && !editor.layout.presents;
         let Some(wanted) = Some(is_seen).filter(|seen| *seen).and_then(|_| wanted(editor, shown)) else {

@@ -1,5 +1,5 @@
-//! The worker of a page: another copy of the program in a thread of the browser's. Scenes go there and what was made of them comes
-//! back, both as bytes, since the two share no memory.
+//! The worker of a page: a second instance of the program in a browser thread. Scenes and results are exchanged as
+//! bytes, since the two share no memory.
 
 use std::any::type_name;
 use std::cell::RefCell;
@@ -17,16 +17,16 @@ use crate::scene::{Elements, Grey, Pixels, Placed, Scene, Shape, file};
 
 const SCRIPT: &str = "./worker.js";
 
-/// Takes the bytes of an answer.
+/// Receives the bytes of an answer.
 type Answered = Box<dyn FnOnce(&[u8])>;
 
 thread_local! {
     static CREW: RefCell<Option<Worker>> = const { RefCell::new(None) };
-    /// Who waits for an answer, in the order of the questions.
+    /// Receivers of answers, in the order of requests.
     static WAITING: RefCell<VecDeque<Answered>> = const { RefCell::new(VecDeque::new()) };
 }
 
-/// A scene with what it was loaded with.
+/// A scene with its loaded files.
 #[derive(Serialize, Deserialize)]
 struct Parcel {
     text: String,
@@ -60,11 +60,11 @@ impl Parcel {
     }
 }
 
-/// Sends a scene to the worker, which is started first if there is none. Where there can be none, `answered` is dropped.
+/// Sends a scene to the worker, starting it if necessary. If workers are unavailable, `answered` is dropped.
 pub fn ask<J: Job>(scene: &Scene, answered: impl FnOnce(J::Made) + 'static) {
     let Some(task) = postcard::to_allocvec(&Parcel::of(scene)).ok() else { return };
     let decode = move |bytes: &[u8]| {
-        // What cannot be read is no answer.
+        // Unreadable answers are ignored.
         let _ = postcard::from_bytes(bytes).map(answered);
     };
     let sent = CREW.with_borrow_mut(|crew| {
@@ -91,7 +91,7 @@ fn start() -> Result<Worker, JsValue> {
             answered(&bytes);
         }
     });
-    // A worker that panicked is replaced by the next question; whoever waits is told by being dropped.
+    // A panicked worker is replaced at the next request; dropping the receivers informs them.
     let fail = Closure::<dyn FnMut()>::new(|| {
         CREW.take().iter().for_each(Worker::terminate);
         WAITING.with_borrow_mut(VecDeque::clear);
@@ -100,15 +100,15 @@ fn start() -> Result<Worker, JsValue> {
     worker.set_onerror(Some(fail.as_ref().unchecked_ref()));
     hear.forget();
     fail.forget();
-    // It compiles nothing again.
+    // The worker reuses the compiled module.
     worker.post_message(&wasm_bindgen::module())?;
     Ok(worker)
 }
 
-/// What the worker does with a question.
+/// Processes a request in the worker.
 ///
 /// # Errors
-/// What is no question of this program's.
+/// An unknown request.
 #[wasm_bindgen]
 pub fn work(name: &str, task: &[u8]) -> Result<Vec<u8>, JsValue> {
     let parcel: Parcel = postcard::from_bytes(task).map_err(|error| JsValue::from(error.to_string()))?;

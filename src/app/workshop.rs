@@ -1,7 +1,7 @@
-//! What is made from the scene so that it can be shown: drives, figures of them, and the moment of what moves.
+//! Values derived from the scene for display: drives, their figures, and the current moment of motions.
 //!
-//! Every value is kept beside what it was made from and made again when that differs. What takes long is made on a thread
-//! beside, and what was there before stays on the screen meanwhile.
+//! Every value is kept with its inputs and recomputed when they differ. Long computations run on threads; meanwhile
+//! the previous value stays on screen.
 
 use std::sync::{Arc, Mutex, PoisonError};
 use web_time::{Duration, Instant};
@@ -31,17 +31,17 @@ use crate::ui::space::Stage;
 use crate::ui::view::Lens;
 use crate::ui::{Editor, MethodRow, Notice, Panel, Playback, Pressed, Shown, Sound};
 
-/// Foci times elements that are solved between two frames; more is solved beside them.
+/// Limit of foci times elements solved between two frames; more are solved in the background.
 const AT_ONCE: usize = 120 * 256;
-/// The same of shapes: a frame takes a few steps with them.
+/// The same for shapes: a frame allows a few steps.
 const AT_ONCE_OF_SHAPES: usize = 360 * 256;
 
-/// Pixels of what presses on a plane: a square of the sound has two cycles per wavelength.
+/// Pixels per wavelength for radiation pressure: a square of the sound has two cycles per wavelength.
 const PER_WAVELENGTH: f64 = 6.0;
 const MOST_PER_SIDE: f64 = 1024.0;
-/// s that a period of the sound takes where it is shown.
+/// Displayed duration of a period of the sound, s.
 const OSCILLATION_PERIOD: f64 = 2.0;
-/// Between two pictures of it.
+/// Interval between two of its pictures.
 const OSCILLATION_STEP: Duration = Duration::from_millis(33);
 
 const BEING_SOLVED: &str =
@@ -49,7 +49,7 @@ const BEING_SOLVED: &str =
 const AT_REST: &str =
     "The frames of the motion are being solved. Until they are there, this is the scene at rest.";
 
-/// When something that runs was last moved on, in seconds on the window's clock; `None` while it stands.
+/// Time of the last update of a running animation, in seconds on the window's clock; `None` at rest.
 #[derive(Debug, Default)]
 struct Clock(Option<f64>);
 
@@ -62,10 +62,10 @@ impl Clock {
     }
 }
 
-/// What is looked at.
+/// The displayed content.
 #[derive(Clone, Copy, Debug)]
 pub enum Seen<'a> {
-    /// A map, and what it is compared with.
+    /// A map, and its comparison.
     Map {
         lens: &'a Lens,
         beside: Option<&'a Lens>,
@@ -76,9 +76,9 @@ pub enum Seen<'a> {
 #[derive(Debug)]
 pub struct Workshop {
     pub mapping: Mapping,
-    /// The last scene that was asked for, and what came of it.
+    /// The last requested scene, and its result.
     solved: Option<(Scene, Solved)>,
-    /// What to say of targets out of reach, of which scene.
+    /// Warnings about targets out of reach, with their scene.
     reach: Option<(Scene, Vec<String>)>,
     solving: Later<Scene, Solved>,
     bound: Later<Scene, f64>,
@@ -89,12 +89,12 @@ pub struct Workshop {
     survey: Survey,
     course: TimeCourse,
     levitating: Levitating,
-    /// What makes it, with what it keeps from one time to the next.
+    /// Its stages, with cached results.
     presser: Arc<Mutex<Stages>>,
     comparison: Option<Comparison>,
     pub spacing: Spacing,
     motion: Clock,
-    /// When the board began to play the motion (s on the window's clock), and how the playback stood.
+    /// Start of the board's motion (s on the window's clock), and the playback state before.
     board: Option<(f64, Playback)>,
     oscillation: Clock,
 }
@@ -127,7 +127,7 @@ impl Workshop {
         self.wants_methods = Some(posed(scene));
     }
 
-    /// Whether something is being made on a thread, or is on its way from a GPU.
+    /// Whether background work is running, or GPU results are pending.
     pub fn is_busy(&self) -> bool {
         self.mapping.is_awaiting()
             || self.solving.is_running()
@@ -142,7 +142,7 @@ impl Workshop {
             || self.spacing.is_running()
     }
 
-    /// Brings everything that is shown up to date.
+    /// Updates everything displayed.
     pub fn update(&mut self, editor: &mut Editor, shown: &mut Shown, seen: &Seen<'_>, ctx: &Context) {
         shown.problem = None;
         shown.pending = None;
@@ -193,7 +193,7 @@ impl Workshop {
         shown.warnings.extend_from_slice(self.reached(ctx));
     }
 
-    /// The map of what is played.
+    /// The map of the played drive.
     fn map(&mut self, editor: &Editor, shown: &mut Shown, lens: &Lens, ctx: &Context) {
         let look = Look {
             scene: editor.scene(),
@@ -217,7 +217,7 @@ impl Workshop {
         shown.on_gpu = done.on_gpu.unwrap_or(shown.on_gpu);
     }
 
-    /// What the map is compared with; nothing is kept of it once it is not looked at.
+    /// Updates the comparison; releases it when it is closed.
     fn compare(
         &mut self,
         editor: &Editor,
@@ -268,7 +268,7 @@ impl Workshop {
             && found.figures.is_none()
             && is_idle
         {
-            // What a frame has time for is not the best that there is.
+            // The quick result is improved in the background.
             self.solving.ask_for::<Solve>(&posed, ctx);
             if let Some(Ok(better)) = self.solving.get(&posed) {
                 let better = Solution::clone(better).turned_to(found);
@@ -280,7 +280,7 @@ impl Workshop {
         }
     }
 
-    /// What the array does not reach, looked at anew once nothing is dragged.
+    /// Targets out of the array's reach, updated once nothing is dragged.
     fn reached(&mut self, ctx: &Context) -> &[String] {
         let Some((posed, _)) = &self.solved else { return &[] };
         let is_known = self.reach.as_ref().is_some_and(|(scene, _)| scene == posed);
@@ -300,7 +300,7 @@ impl Workshop {
         self.solved = Some((posed, outcome));
     }
 
-    /// What is proved of the solution, and all methods side by side.
+    /// The bound of the solution, and the comparison of methods.
     fn figures(&mut self, editor: &Editor, shown: &mut Shown, ctx: &Context) {
         shown.certified = None;
         if let Some((scene, Ok(solution))) = &self.solved
@@ -321,7 +321,7 @@ impl Workshop {
             }
         }
         shown.is_comparing = self.wants_methods.is_some();
-        // A comparison of another scene says nothing of this one; the method chosen makes no difference to it.
+        // A comparison is only valid for its scene; the chosen method does not matter.
         let this = posed(editor.scene());
         let is_of_this = |scene: &Scene| Scene { solver: this.solver.clone(), ..scene.clone() } == this;
         if self.methods.latest().is_none_or(|scene| !is_of_this(scene)) {
@@ -329,7 +329,7 @@ impl Workshop {
         }
     }
 
-    /// All frames of the motion, where they are shown.
+    /// All frames of the motion, if displayed.
     fn follow(&mut self, editor: &Editor, shown: &mut Shown, ctx: &Context) {
         let scene = editor.scene();
         let presses = editor.view.quantity.declaration().is_slow;
@@ -358,7 +358,7 @@ impl Workshop {
         }
     }
 
-    /// What presses on the scene's plane, once nothing is dragged.
+    /// The radiation pressure on the scene plane, once nothing is dragged.
     fn press(&mut self, editor: &Editor, shown: &mut Shown, ctx: &Context) {
         let quantity = editor.view.quantity;
         let is_of_array = |sound: &&Sound| sound.drive().phases.len() == sound.aperture.positions.len();
@@ -370,7 +370,7 @@ impl Workshop {
         if ctx.input(|input| input.pointer.any_down()) {
             return;
         }
-        // A plane that is too near for cells has its force from the pixels.
+        // On planes too near for cells, the force is computed from pixels.
         let pixels = editor.scene().plane.size * PER_WAVELENGTH / sound.aperture.wavelength();
         let [width, height] = pixels.to_array().map(|side| side.ceil().clamp(1.0, MOST_PER_SIDE) as usize);
         let drives = shown.drives(editor, quantity);
@@ -412,8 +412,8 @@ impl Workshop {
         playback.frame = Some(((playback.part * count as f64) as usize).min(count.saturating_sub(1)));
     }
 
-    /// Cycles per second of the motion that the board plays, and s since it began. The playback begins with it, in real time, and
-    /// ends with it.
+    /// Cycles per second of the board's motion, and the time (s) since its start. Playback starts with it, in real
+    /// time, and ends with it.
     fn on_board(
         &mut self,
         playback: &mut Playback,
@@ -441,7 +441,7 @@ impl Workshop {
         Some((rates.played / count.max(1) as f64, now - since))
     }
 
-    /// Moves the wave on, slowed down, while it is looked at.
+    /// Advances the wave in slow motion, while displayed.
     fn oscillate(&mut self, editor: &mut Editor, shown: &Shown, ctx: &Context) {
         let is_shown = editor.view.quantity == Quantity::Instantaneous && shown.sound.is_some();
         let runs = editor.oscillation.playing && is_shown;
@@ -477,7 +477,7 @@ fn pressed(stages: &mut Stages, request: &Request) -> Option<Pressed> {
     Some(Pressed { figures, beyond })
 }
 
-/// What to know before trusting what is seen.
+/// Warnings about the displayed results.
 fn warnings(editor: &Editor, shown: &Shown) -> Vec<String> {
     let of_solution = shown.solution.iter().flat_map(|solution| &solution.warnings);
     let mut warnings: Vec<_> = of_solution.map(ToString::to_string).collect();

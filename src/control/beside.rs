@@ -1,4 +1,4 @@
-//! What takes too long to wait for: the newest of it is solved on a thread, and what was asked for before it is left out.
+//! Background solving: the newest request is solved on a thread, superseded requests are dropped.
 
 use std::io;
 use std::sync::Arc;
@@ -11,16 +11,16 @@ use crate::scene::Scene;
 use crate::solver::frames::{self, Sequence};
 use crate::solver::{self, Solution};
 
-/// What is to be solved.
+/// Work to be solved.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Work {
-    /// A scene at rest, for as long as its method takes.
+    /// A scene at rest, with its full method.
     Still(Scene),
     /// All frames of a motion.
     Motion(Scene),
 }
 
-/// What came of a scene.
+/// The result for a scene.
 #[derive(Debug)]
 pub struct Done {
     pub scene: Scene,
@@ -40,7 +40,7 @@ struct Held {
     closing: bool,
 }
 
-/// The thread, which ends after what it is at when this is dropped.
+/// The thread, which ends after its current work when this is dropped.
 #[derive(Debug)]
 pub struct Beside {
     held: Arc<Watched<Held>>,
@@ -58,7 +58,7 @@ impl Beside {
         Ok(Self { held, done })
     }
 
-    /// Asks for this, unless it is under way.
+    /// Requests this work, unless it is already running.
     pub fn ask(&self, work: Work) {
         let mut held = self.held.lock();
         if held.running.as_ref() == Some(&work) {
@@ -75,7 +75,7 @@ impl Beside {
         held.running.is_some() || held.next.is_some()
     }
 
-    /// What is done, once.
+    /// The finished result, once.
     pub fn collect(&self) -> Option<Done> {
         self.done.try_recv().ok()
     }
@@ -108,7 +108,7 @@ fn work(held: &Watched<Held>, done: &SyncSender<Done>) {
                 Done { scene, found: Found::Motion(followed) }
             }
         };
-        // Nobody waits for it any more where that fails.
+        // A failure means that the receiver is gone.
         if done.send(result).is_err() {
             return;
         }

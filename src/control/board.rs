@@ -1,4 +1,4 @@
-//! The board that plays what other programs ask for.
+//! The board that plays the remotely controlled scene.
 
 use std::sync::Arc;
 
@@ -16,7 +16,7 @@ use crate::solver::Solution;
 use crate::solver::frames::Sequence;
 use crate::studio::output::{note, warn};
 
-/// What a board is to play.
+/// Content for a board.
 #[derive(Clone, Debug)]
 pub enum Play {
     Still(Arc<Solution>),
@@ -38,15 +38,15 @@ pub struct Board {
     link: Link,
     calibration: Calibration,
     carrier: Option<f64>,
-    /// What it was told last, and at how many frames per second.
+    /// The last content sent, and its frame rate.
     played: Option<(Play, f64)>,
     modulation: Option<Modulation>,
-    /// The emergency stop holds it silent.
+    /// Whether the emergency stop silences it.
     is_stopped: bool,
 }
 
 impl Board {
-    /// The board at a port, once it is there; `None` if that is waited for no longer.
+    /// The board at a port, once found; `None` if the wait was cancelled.
     ///
     /// # Errors
     /// A board that is not there.
@@ -73,7 +73,7 @@ impl Board {
         }
     }
 
-    /// Hears what the link has to say.
+    /// Processes the link's messages.
     pub fn attend(&mut self) {
         while let Some(event) = self.link.event() {
             match event {
@@ -95,12 +95,12 @@ impl Board {
         }
     }
 
-    /// Hz, that scenes are solved for, if the board says what it plays.
+    /// The board's carrier for solving scenes, Hz, if known.
     pub fn carrier(&self) -> Option<f64> {
         self.carrier
     }
 
-    /// Whether its emergency stop was pressed since this was asked last.
+    /// Whether its emergency stop was pressed since the last call.
     pub fn was_stopped(&mut self) -> bool {
         let is_stopped = self.link.health().stopped;
         !std::mem::replace(&mut self.is_stopped, is_stopped) && is_stopped
@@ -115,7 +115,7 @@ impl Board {
     /// From now on it plays this.
     ///
     /// # Errors
-    /// What this board cannot play: it is silent then.
+    /// Content that this board cannot play: it is then silent.
     pub fn play(&mut self, scene: &Scene, play: Play) -> Result<(), String> {
         let made = self.prepare(scene, play);
         if made.is_err() {
@@ -168,7 +168,7 @@ impl Board {
         BoardReport { port: port.display().to_string(), profile: profile.name(), health: self.link.health() }
     }
 
-    /// Lets it go, silent if it can be told.
+    /// Closes the link, silencing the board if possible.
     pub fn close(self) -> Health {
         self.link.close()
     }

@@ -1,4 +1,4 @@
-//! How much was heard from other programs, and what became of it.
+//! Counts of received messages and their outcomes.
 
 use std::fmt;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -32,20 +32,20 @@ impl Count {
 /// Counts at a moment.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Tally {
-    /// Packets and messages that came.
+    /// Received packets and messages.
     pub packets: u64,
-    /// That changed the scene or what becomes of it.
+    /// Those that changed the scene or its playback.
     pub changes: u64,
-    /// That asked for what cannot be.
+    /// Those refused.
     pub refused: u64,
-    /// That are nothing of the protocol.
+    /// Malformed ones.
     pub malformed: u64,
-    /// From who has not given the token.
+    /// Those without the token.
     pub strangers: u64,
     pub answers: u64,
-    /// That no answer was given to, since too many came.
+    /// Those left unanswered by rate limits.
     pub unanswered: u64,
-    /// WebSocket connections that were let in.
+    /// Accepted WebSocket connections.
     pub connections: u64,
 }
 

@@ -1,4 +1,4 @@
-//! Where everybody who edits a scene meets: changes are made to it at once, so nothing queues up and the newest wins.
+//! The desk: the scene shared by all clients. Changes are applied at once, so nothing queues up and the newest wins.
 
 use std::sync::{Arc, Mutex};
 
@@ -22,7 +22,7 @@ pub struct Desk {
 #[derive(Debug)]
 struct Held {
     wish: Wish,
-    /// How often the wish has changed.
+    /// Number of changes of the wish.
     generation: u64,
     closing: bool,
 }
@@ -34,16 +34,16 @@ impl std::fmt::Debug for Desk {
 }
 
 impl Desk {
-    /// `notify` is called by whoever makes a change, after it.
+    /// `notify` is called after every change, by its author.
     pub fn new(scene: Arc<Scene>, notify: Box<dyn Fn() + Send + Sync>) -> Self {
         let held = Held { wish: Wish::new(scene), generation: 1, closing: false };
         Self { held: Watched::new(held), report: Mutex::default(), counts: Counts::default(), notify }
     }
 
-    /// Makes a change, and says how many there have been.
+    /// Applies a change, and returns the number of changes.
     ///
     /// # Errors
-    /// Those of [`Wish::after`]; nothing is changed then.
+    /// Errors of [`Wish::after`]; the wish is then unchanged.
     pub fn change(&self, change: &[Edit]) -> Result<u64, EditError> {
         let mut held = self.held.lock();
         let made = held.wish.after(change);
@@ -57,7 +57,7 @@ impl Desk {
         Ok(generation)
     }
 
-    /// Puts what the user edits in place of what was there `before`, unless others have changed that since.
+    /// Replaces the wish of generation `before` by the user's, unless others have changed it since.
     pub fn put(&self, before: u64, wish: Wish) -> Option<u64> {
         let mut held = self.held.lock();
         if held.generation != before {
@@ -69,18 +69,18 @@ impl Desk {
         Some(before + 1)
     }
 
-    /// What is asked for, and how often that has changed.
+    /// The current wish, and its generation.
     pub fn wish(&self) -> (Wish, u64) {
         let held = self.held.lock();
         (held.wish.clone(), held.generation)
     }
 
-    /// How often what is asked for has changed.
+    /// The current generation.
     pub fn generation(&self) -> u64 {
         self.held.lock().generation
     }
 
-    /// Waits until something else is asked for than `generation`, for `timeout` at most.
+    /// Waits for a newer wish than `generation`, at most for `timeout`.
     pub fn wait(&self, generation: u64, timeout: Duration) {
         let is_so = |held: &Held| held.generation == generation && !held.closing;
         finish(self.held.wait_while(timeout, is_so));
@@ -90,14 +90,14 @@ impl Desk {
         Arc::clone(&locked(&self.report))
     }
 
-    /// Passes on what is played now.
+    /// Publishes the current report.
     pub fn tell(&self, report: Report) {
         let mut last = locked(&self.report);
         let serial = last.serial + u64::from(report.tells_more_than(&last));
         *last = Arc::new(Report { serial, ..report });
     }
 
-    /// From now on nobody is listened to.
+    /// Refuses clients from now on.
     pub fn close(&self) {
         self.held.lock().closing = true;
         self.held.ring();

@@ -1,4 +1,4 @@
-//! What other programs may do to a scene, as plain data, and how it is done: wholly, or not at all.
+//! Edits of a scene by other programs, as plain data, applied atomically.
 
 use std::path::Path;
 use std::sync::Arc;
@@ -13,7 +13,7 @@ use crate::scene::check::check;
 use crate::scene::{Scene, Shape, Target, file};
 use crate::studio::{arrays, opening};
 
-/// One change of a scene, or of what becomes of it.
+/// One change of a scene, or of its playback.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Edit {
     /// The target's centre goes there (m).
@@ -24,46 +24,46 @@ pub enum Edit {
     Angle(Number, f64),
     Text(Number, String),
     Visible(Number, bool),
-    /// Another target in its place.
+    /// Replaces a target.
     Replace(Number, Box<Target>),
     Add(Box<Target>),
     Remove(Number),
-    /// No target is left.
+    /// Removes all targets.
     Clear,
     /// Some keys of a table, as in a scene's file.
     Table(Table, Map<String, Value>),
     /// Another scene, whole.
     Scene(Box<Scene>),
-    /// Whether what moves does, or stands as the scene puts it.
+    /// Starts or stops motions.
     Motion(bool),
-    /// Whether the board plays the scene.
+    /// Starts or stops playback on the board.
     Send(bool),
     /// The board falls silent.
     Stop,
 }
 
-/// What other programs and the user ask for together.
+/// The common wish of the user and other programs.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Wish {
     pub scene: Arc<Scene>,
-    /// What moves does.
+    /// Whether motions run.
     pub moves: bool,
     /// The board plays the scene.
     pub sends: bool,
-    /// How often silence was asked for, whatever sounded.
+    /// Number of stop requests.
     pub stops: u64,
 }
 
 impl Wish {
-    /// At rest in nothing: motions run, and nothing sounds.
+    /// The initial wish: motions run, the board is silent.
     pub fn new(scene: Arc<Scene>) -> Self {
         Self { scene, moves: true, sends: false, stops: 0 }
     }
 
-    /// What it is after a change.
+    /// The wish after a change.
     ///
     /// # Errors
-    /// An edit that makes no sense, or a scene that [`check()`] or [`file::targets_in_motion`] refuses.
+    /// An invalid edit, or a scene refused by [`check()`] or [`file::targets_in_motion`].
     pub fn after(&self, change: &[Edit]) -> Result<Self, EditError> {
         let Self { mut moves, mut sends, mut stops, .. } = *self;
         let mut edited = None;
@@ -166,7 +166,7 @@ fn refuse_file_of(target: &Target) -> Result<(), EditError> {
 /// A scene from elsewhere, whole: with the elements of a published array, if it names one, and with no file of this machine.
 ///
 /// # Errors
-/// A scene that names pictures, a waveform or a table of elements, and what [`opening::load`] refuses.
+/// A scene that names files, or an error of [`opening::load`].
 pub fn admitted(mut scene: Scene) -> Result<Scene, EditError> {
     scene.targets.iter().try_for_each(refuse_file_of)?;
     let table = scene.array.file.iter().filter(|name| !name.starts_with(arrays::PRESET));

@@ -1,7 +1,7 @@
-//! Who may speak: programs of this machine, and from elsewhere who knows the token.
+//! Access control: programs of this machine, and others with the token.
 //!
-//! A page in a browser of this machine reaches loopback, too, whoever wrote it. Its browser says where it comes from (`Origin`), so
-//! pages from elsewhere need the token as well: a stranger's page is not to drive the array.
+//! Any web page in a local browser can reach loopback. Its browser sends the page's `Origin`, and pages from
+//! elsewhere need the token: a foreign page must not drive the array.
 
 use std::collections::VecDeque;
 use std::io;
@@ -10,7 +10,7 @@ use std::sync::Mutex;
 
 use crate::device::task::locked;
 
-/// Senders by UDP that are remembered; of more, those that were silent for longest have to give the token again.
+/// Limit of remembered UDP senders; beyond it, the longest silent ones must repeat the token.
 const MOST_SENDERS: usize = 64;
 /// Letters of a token.
 const LENGTHS: std::ops::RangeInclusive<usize> = 8..=128;
@@ -20,13 +20,13 @@ const RANDOM: usize = 16;
 #[derive(Debug)]
 pub struct Gate {
     token: Option<String>,
-    /// Whether programs of this machine are the only ones that reach the server.
+    /// Whether only programs of this machine can reach the server.
     is_local: bool,
     senders: Mutex<VecDeque<SocketAddr>>,
 }
 
 impl Gate {
-    /// For a server that listens there. Where other machines reach it, there is a token, if need be a random one.
+    /// For a server at this address. If other machines can reach it, there is a token, by default a random one.
     ///
     /// # Errors
     /// A token that could be guessed or cannot be written in an address, and a system without random numbers.
@@ -50,37 +50,37 @@ impl Gate {
         self.token.as_deref()
     }
 
-    /// Whether it is the token; takes as long whatever differs.
+    /// Compares with the token, in constant time.
     pub fn fits(&self, token: &str) -> bool {
         let Some(own) = &self.token else { return false };
         let differ = own.bytes().zip(token.bytes()).fold(0, |differ, (a, b)| differ | (a ^ b));
         own.len() == token.len() && differ == 0
     }
 
-    /// Whether a connection has to give the token, from a page of this origin or from no page.
+    /// Whether a connection needs the token, given the origin of its page, if any.
     pub fn asks(&self, origin: Option<&str>) -> bool {
         !self.is_local || origin.is_some_and(|origin| !is_of_this_machine(origin))
     }
 
-    /// Whether a sender by UDP may speak.
+    /// Whether a UDP sender is admitted.
     pub fn knows(&self, sender: SocketAddr) -> bool {
         if self.is_local {
             return true;
         }
         let mut senders = locked(&self.senders);
         let Some(place) = senders.iter().position(|known| *known == sender) else { return false };
-        // The one that spoke last stands last.
+        // The most recent sender is last.
         senders.remove(place);
         senders.push_back(sender);
         true
     }
 
-    /// Whether a program of this machine, or one beside a known sender, may speak that cannot say a token.
+    /// Whether a host is admitted for protocols without a token: this machine, or the host of an admitted sender.
     pub fn knows_host(&self, host: IpAddr) -> bool {
         host.is_loopback() || locked(&self.senders).iter().any(|known| known.ip() == host)
     }
 
-    /// Remembers a sender that gives the token.
+    /// Admits a sender with the token.
     pub fn admit(&self, sender: SocketAddr, token: &str) -> bool {
         let fits = self.fits(token);
         if fits && !self.knows(sender) {
@@ -94,7 +94,7 @@ impl Gate {
     }
 }
 
-/// Whether a page comes from a server of this machine. One from a file has the origin `null`, as strangers' frames can have.
+/// Whether a page's server is on this machine. Pages from files have the origin `null`, but so can foreign frames.
 fn is_of_this_machine(origin: &str) -> bool {
     let Some((_, host)) = origin.split_once("://") else { return false };
     let host =
@@ -107,7 +107,7 @@ fn is_of_this_machine(origin: &str) -> bool {
     ["localhost", "127.0.0.1"].contains(&name) && port.parse::<u16>().is_ok()
 }
 
-/// As many letters as two for each random byte.
+/// Hexadecimal, two letters per random byte.
 fn random() -> io::Result<String> {
     let mut bytes = [0; RANDOM];
     getrandom::fill(&mut bytes).map_err(|error| io::Error::other(error.to_string()))?;

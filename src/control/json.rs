@@ -15,24 +15,24 @@ use crate::scene::file;
 pub const LONGEST: usize = 1 << 20;
 /// Pixels of a map, at most.
 const MOST_PIXELS: usize = 1 << 20;
-/// Of a map that says nothing else.
+/// Default size of a map.
 const SIDE: usize = 128;
 
-/// What a message asks for.
+/// The requests of a message.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Message {
-    /// Comes back with every answer to it.
+    /// Returned with every answer.
     pub id: Option<Value>,
     pub token: Option<String>,
     /// Scene, clear, targets, removals from the last on, additions, tables, motion, send, stop.
     pub edits: Vec<Edit>,
     pub state: bool,
-    /// Whether the state is wanted after every change from now on.
+    /// Whether to send the state after every change.
     pub watch: Option<bool>,
     pub map: Option<MapWish>,
 }
 
-/// A map that is asked for.
+/// A requested map.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct MapWish {
     pub quantity: Quantity,
@@ -40,10 +40,10 @@ pub struct MapWish {
     pub size: (usize, usize),
 }
 
-/// The message in a text; and its `id`, which an error has, too.
+/// Parses a message; its `id` is also set on errors.
 ///
 /// # Errors
-/// A text that is no JSON object, a key that is unknown, and a value that does not belong to its key.
+/// Not a JSON object, an unknown key, or an invalid value.
 pub fn message(text: &str, id: &mut Option<Value>) -> Result<Message, EditError> {
     let read: Result<Value, _> = serde_json::from_str(text);
     let value = read.map_err(|error| EditError::Value(format!("no JSON: {error}")))?;
@@ -115,7 +115,7 @@ fn read_as<T: for<'de> Deserialize<'de>>(key: &str, value: Value) -> Result<T, E
         .map_err(|error| EditError::Value(format!("{key}: {}", echo::message(&error.to_string()))))
 }
 
-/// A whole scene, with the tables and keys of the file; `format` may be left out.
+/// A whole scene, with the tables and keys of the file; `format` is optional.
 fn scene_of(mut tables: Value) -> Result<crate::scene::Scene, EditError> {
     let Some(keys) = tables.as_object_mut() else { return wrong("scene: a scene is an object, {…}") };
     keys.entry("format").or_insert_with(|| file::FORMAT.into());
@@ -123,7 +123,7 @@ fn scene_of(mut tables: Value) -> Result<crate::scene::Scene, EditError> {
     admitted(scene.map_err(|error| EditError::Value(format!("scene: {error}")))?)
 }
 
-/// A target with a `kind` takes the place of the one that was there; otherwise some of its keys change.
+/// A target with a `kind` replaces the existing one; otherwise some of its keys change.
 fn of_target(number: &str, keys: Value, edits: &mut Vec<Edit>) -> Result<(), EditError> {
     let of_number = number.parse::<Number>();
     let Ok(index) = of_number else {
@@ -201,7 +201,7 @@ pub fn error(text: &str, id: Option<&Value>) -> String {
     with_id(json!({ "error": echo::message(text) }), id)
 }
 
-/// The number of a change that was done, and of all before.
+/// The acknowledgement of a change by its number, covering all earlier ones.
 pub fn done(change: u64, id: Option<&Value>) -> String {
     with_id(json!({ "done": change }), id)
 }

@@ -1,4 +1,4 @@
-//! How often something may happen: so many times a second, with a few at once.
+//! A rate limiter: so many events a second, with a small burst.
 
 use std::time::Instant;
 
@@ -11,13 +11,13 @@ pub struct Limiter {
 }
 
 impl Limiter {
-    /// As many at once as in half a second, one at least.
+    /// The burst is half a second's worth, at least one.
     pub fn new(per_second: f64) -> Self {
         let most = (per_second / 2.0).max(1.0);
         Self { per_second, most, left: most, at: Instant::now() }
     }
 
-    /// Whether it may happen now, which then counts.
+    /// Whether an event is allowed now; if so, it is counted.
     pub fn takes(&mut self, now: Instant) -> bool {
         let passed = now.saturating_duration_since(self.at).as_secs_f64();
         (self.left, self.at) = ((self.left + passed * self.per_second).min(self.most), now);

@@ -1,4 +1,4 @@
-//! The loop between the desk and the board: what is asked for last is solved, played, and told.
+//! The loop from the desk to the board: the newest scene is solved, played, and reported.
 
 use std::io;
 use std::sync::Arc;
@@ -16,23 +16,23 @@ use crate::solver::frames::Sequence;
 use crate::solver::{self, Solution};
 use crate::studio::posing::{is_shape, posed, posed_in_motion};
 
-/// How often the board is looked at.
+/// Polling interval of the board.
 const TICK: Duration = Duration::from_millis(20);
-/// Foci times elements that are solved at once, as in the window; more is solved beside.
+/// Limit of foci times elements solved immediately, as in the window; more are solved in the background.
 const AT_ONCE: usize = 120 * 256;
 const AT_ONCE_OF_SHAPES: usize = 360 * 256;
 /// After so long without a change a shape is searched on.
 const IDLE: Duration = Duration::from_millis(200);
 
-/// What is played, solved and told.
+/// The loop's state: playback, solutions and reports.
 #[derive(Debug)]
 pub struct Live {
     desk: Arc<Desk>,
     board: Option<Board>,
     beside: Beside,
-    /// The last scene that was solved, and what came of it.
+    /// The last solved scene and its result.
     solved: Option<(Scene, Result<Arc<Solution>, String>)>,
-    /// Where a drag goes on from.
+    /// The solution from which a drag continues.
     last: Option<Arc<Solution>>,
     frames: Option<(Scene, Result<Arc<Sequence>, String>)>,
     seen: u64,
@@ -55,12 +55,12 @@ impl Live {
         })
     }
 
-    /// Waits a moment for a change, and does what is due.
+    /// Waits briefly for a change, and processes due work.
     pub fn turn(&mut self) {
         self.desk.wait(self.seen, TICK);
         if let Some(board) = &mut self.board {
             board.attend();
-            // Only who sends again sounds again.
+            // Only another send starts it again.
             if board.was_stopped() && self.desk.wish().0.sends {
                 // It names no target, so it cannot be refused.
                 let _ = self.desk.change(&[Edit::Send(false)]);
@@ -86,12 +86,12 @@ impl Live {
         });
     }
 
-    /// Lets the board go, silent; how it fared.
+    /// Closes the link, silencing the board; returns its final health.
     pub fn close(self) -> Option<Health> {
         self.board.map(Board::close)
     }
 
-    /// The scene at the carrier of the board, without a search, for which there is no time.
+    /// The scene at the board's carrier, without further search.
     fn tuned(&self, scene: &Scene) -> Scene {
         let mut scene = scene.clone();
         scene.solver.search = 0.0;
@@ -109,7 +109,7 @@ impl Live {
                     None => found,
                 });
                 let is_current = self.solved.as_ref().is_none_or(|(solved, _)| *solved == scene);
-                // A first drive is better than none, though the scene has changed meanwhile.
+                // A first drive is better than none, even if outdated.
                 if is_current || self.is_large() {
                     self.take(scene, found);
                 }
@@ -130,7 +130,7 @@ impl Live {
         self.solved = Some((scene, found));
     }
 
-    /// Whether something is being solved beside.
+    /// Solves; returns whether background work is running.
     fn solve(&mut self, scene: &Scene, wish: &Wish) -> bool {
         if scene.targets.is_empty() {
             (self.solved, self.frames) = (None, None);
@@ -164,13 +164,13 @@ impl Live {
             && found.figures.is_none()
             && self.changed.elapsed() > IDLE
         {
-            // What there was time for is not the best that there is.
+            // The quick result is improved in the background.
             self.beside.ask(Work::Still(solved.clone()));
         }
         self.beside.is_busy()
     }
 
-    /// Why the board does not play what it is to play.
+    /// Plays the result; returns the reason if the board cannot.
     fn play(&mut self, scene: &Scene, wish: &Wish) -> Option<String> {
         let board = self.board.as_mut()?;
         if !wish.sends || scene.targets.is_empty() {

@@ -1,4 +1,4 @@
-//! Maps of what is played, as other programs get them.
+//! Maps of the played scene, for other programs.
 
 use std::sync::Mutex;
 
@@ -10,7 +10,7 @@ use crate::device::task::locked;
 use crate::echo;
 use crate::field::{Evaluator, Request, Stages};
 
-/// One is made at a time, with what is left of the one before.
+/// Maps are made one at a time, reusing the stages.
 #[derive(Debug)]
 pub struct Maps(Mutex<Stages>);
 
@@ -20,7 +20,7 @@ impl Default for Maps {
     }
 }
 
-/// A map's numbers, and what they are.
+/// A map's values with their description.
 #[derive(Clone, Debug)]
 pub struct Drawn {
     pub head: Value,
@@ -29,7 +29,7 @@ pub struct Drawn {
 }
 
 impl Maps {
-    /// The map of what the report tells of, on the scene's plane, at rest.
+    /// The map of a report's drive on the scene's plane, at rest.
     ///
     /// # Errors
     /// A scene without a drive, and a map that the field refuses.

@@ -1,4 +1,4 @@
-//! What other programs say, over OSC, WebSocket and Ultraino's words, as edits of a scene, and what they are told.
+//! Live control by other programs, over OSC, WebSocket and Ultraino's commands: edits of a scene, and replies.
 
 mod beside;
 #[cfg(feature = "serial")]

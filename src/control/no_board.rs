@@ -1,4 +1,4 @@
-//! In place of a board, where the program was built without serial ports: there is none.
+//! Replaces the board in builds without serial ports.
 
 use std::convert::Infallible;
 use std::sync::Arc;
@@ -9,7 +9,7 @@ use crate::scene::Scene;
 use crate::solver::Solution;
 use crate::solver::frames::Sequence;
 
-/// What a board would be to play.
+/// The content for a board.
 #[derive(Clone, Debug)]
 pub enum Play {
     Still(Arc<Solution>),

@@ -1,4 +1,4 @@
-//! OSC 1.0: packets as words, and answers as packets. Time tags count as now; a bundle is one change.
+//! OSC 1.0: packets as commands, and replies as packets. Time tags are ignored; a bundle is one change.
 
 use glam::DVec3;
 use rosc::{OscBundle, OscMessage, OscPacket, OscTime, OscType};
@@ -14,12 +14,12 @@ use crate::echo;
 pub const LONGEST: usize = 16 << 10;
 /// Bundles in a packet, and brackets of arrays, at most: the decoder descends into each.
 const MOST_NESTED: usize = 32;
-/// What every address begins with.
+/// Prefix of all addresses.
 const ROOT: &str = "/sonoglyph/";
 /// Foci in an answer, at most: it fits into one packet.
 const MOST_FOCI: usize = 128;
 
-/// What a message says.
+/// A parsed message.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Word {
     Edit(Edit),
@@ -30,7 +30,7 @@ pub enum Word {
 /// The words of a packet, in its order.
 ///
 /// # Errors
-/// Bytes that are no OSC, an address that is unknown, and arguments that do not belong to it.
+/// Invalid OSC, an unknown address, or invalid arguments.
 pub fn words(bytes: &[u8]) -> Result<Vec<Word>, String> {
     if bytes.len() > LONGEST {
         return Err(format!("a packet of more than {LONGEST} bytes"));
@@ -54,7 +54,7 @@ pub fn words(bytes: &[u8]) -> Result<Vec<Word>, String> {
     Ok(words)
 }
 
-/// Old senders leave the type tags out where there are no arguments.
+/// Old senders omit the type tags of messages without arguments.
 fn without_tags(bytes: &[u8]) -> Option<OscMessage> {
     let addr = std::str::from_utf8(bytes).ok()?.trim_end_matches('\0');
     let is_address = addr.starts_with('/') && !addr.contains('\0') && bytes.len() == (addr.len() / 4 + 1) * 4;
@@ -86,7 +86,7 @@ fn word(message: &OscMessage) -> Result<Word, String> {
         (["motion"], [on]) => truth(on).map(Edit::Motion).map(Word::Edit),
         (["send"], []) => Some(Word::Edit(Edit::Send(true))),
         (["send"], [on]) => truth(on).map(Edit::Send).map(Word::Edit),
-        // Whatever comes with it: this is not to fail.
+        // With any arguments: a stop must not fail.
         (["stop"], _) => Some(Word::Edit(Edit::Stop)),
         (["state"], []) => Some(Word::State),
         (["token"], [OscType::String(token)]) => Some(Word::Token(token.clone())),
@@ -115,7 +115,7 @@ fn of_target(number: Number, key: &str, args: &[OscType]) -> Option<Edit> {
     }
 }
 
-/// Kind, place, and then names of further keys with their values: `"circle" x y z "radius" 0.02`.
+/// Kind, position, and further keys with their values: `"circle" x y z "radius" 0.02`.
 fn added(args: &[OscType]) -> Option<Edit> {
     let [OscType::String(kind), rest @ ..] = args else { return None };
     let count = rest.iter().take_while(|arg| real(arg).is_some()).count();
@@ -161,7 +161,7 @@ fn value(args: &[OscType]) -> Option<Value> {
     }
 }
 
-/// A number of any kind. What is not finite is refused where its key is.
+/// A number of any type. Non-finite values are refused with their key.
 fn real(arg: &OscType) -> Option<f64> {
     match *arg {
         // As the decimals that were meant: 0.1 and not 0.10000000149.
@@ -182,7 +182,7 @@ fn real(arg: &OscType) -> Option<f64> {
     }
 }
 
-/// T and F, or a number that is 0 or not.
+/// T or F, or a number (0 is false).
 fn truth(arg: &OscType) -> Option<bool> {
     match arg {
         OscType::Bool(on) => Some(*on),
@@ -190,12 +190,12 @@ fn truth(arg: &OscType) -> Option<bool> {
     }
 }
 
-/// A message about what was refused.
+/// An error message.
 pub fn error(text: &str) -> Vec<u8> {
     encoded(&message("error", vec![OscType::String(echo::message(text))]))
 }
 
-/// What is played, as one bundle.
+/// The state as a bundle.
 pub fn state(report: &Report) -> Vec<u8> {
     let float = |value: f64| OscType::Float(value as f32);
     let count = |count: usize| OscType::Int(i32::try_from(count).unwrap_or(i32::MAX));
@@ -215,7 +215,7 @@ pub fn state(report: &Report) -> Vec<u8> {
     };
     let foci = foci.iter().take(MOST_FOCI).enumerate().map(focus);
     let content = std::iter::once(message("state", head)).chain(foci).collect();
-    // The time tag that means at once.
+    // The time tag for immediate execution.
     let timetag = OscTime { seconds: 0, fractional: 1 };
     encoded(&OscPacket::Bundle(OscBundle { timetag, content }))
 }
@@ -224,7 +224,7 @@ fn message(path: &str, args: Vec<OscType>) -> OscPacket {
     OscPacket::Message(OscMessage { addr: format!("{ROOT}{path}"), args })
 }
 
-/// Empty for what OSC cannot hold, which is not sent.
+/// Empty if OSC cannot represent it; then nothing is sent.
 fn encoded(packet: &OscPacket) -> Vec<u8> {
     rosc::encoder::encode(packet).unwrap_or_default()
 }

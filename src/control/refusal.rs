@@ -1,13 +1,13 @@
-//! Why an edit is refused.
+//! Reasons for refusing an edit.
 
 use thiserror::Error;
 
 use crate::scene::KeyError;
 
-/// A place in the list of targets, counted from 1 as the window and messages count them.
+/// A target's number, counted from 1 as in the window and in messages.
 pub type Number = usize;
 
-/// Why an edit is refused. Nothing of its change was done.
+/// The reason for refusing an edit. None of its change was applied.
 #[derive(Debug, Error)]
 pub enum EditError {
     #[error("target {number}: the scene has {count}, counted from 1")]

@@ -1,4 +1,4 @@
-//! What is played, as other programs are told.
+//! Reports of the played scene to other programs.
 
 use std::sync::Arc;
 
@@ -34,7 +34,7 @@ impl BoardReport {
     }
 }
 
-/// What came of the wish that was there last.
+/// The result of the latest wish.
 #[derive(Clone, Debug, Default)]
 pub struct Report {
     /// Grows with every report that has something new in it.
@@ -43,7 +43,7 @@ pub struct Report {
     pub generation: u64,
     pub wish: Option<Wish>,
     pub solution: Option<Arc<Solution>>,
-    /// Why there is no drive of this scene, or why the board does not play it.
+    /// The reason for a missing drive, or for a silent board.
     pub problem: Option<String>,
     /// Something of this wish is still being solved.
     pub is_solving: bool,
@@ -51,13 +51,13 @@ pub struct Report {
 }
 
 impl Report {
-    /// Places (m) and pressures (Pa, peak).
+    /// Positions (m) and pressures (Pa, peak).
     pub fn foci(&self) -> Vec<(DVec3, f64)> {
         let pairs = self.solution.iter().flat_map(|found| found.foci.iter().zip(&found.pressures));
         pairs.map(|(focus, pressure)| (focus.position, pressure.norm())).collect()
     }
 
-    /// Whether it tells of another wish or drive than a report before.
+    /// Whether its wish or drive differs from an earlier report's.
     pub fn tells_more_than(&self, before: &Self) -> bool {
         let same = |a: &Option<Arc<Solution>>, b: &Option<Arc<Solution>>| match (a, b) {
             (Some(a), Some(b)) => Arc::ptr_eq(a, b),

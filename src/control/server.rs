@@ -1,4 +1,4 @@
-//! The sockets that other programs speak to.
+//! The server: sockets for other programs.
 
 use std::io;
 use std::net::{IpAddr, Ipv4Addr, SocketAddr, TcpListener, UdpSocket};
@@ -11,11 +11,11 @@ use crate::control::desk::Desk;
 use crate::control::gate::Gate;
 use crate::control::{udp, websocket};
 
-/// Ports where nothing else is said.
+/// Default ports.
 pub const OSC_PORT: u16 = 9000;
 pub const WEBSOCKET_PORT: u16 = 9001;
 
-/// Where and what to listen to; port 0 is any that is free.
+/// Addresses and protocols to listen to; port 0 is any free port.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Settings {
     pub listen: IpAddr,
@@ -26,7 +26,7 @@ pub struct Settings {
 }
 
 impl Default for Settings {
-    /// OSC and WebSocket, on this machine alone.
+    /// OSC and WebSocket, on this machine only.
     fn default() -> Self {
         let listen = Ipv4Addr::LOCALHOST.into();
         Self { listen, osc: Some(OSC_PORT), websocket: Some(WEBSOCKET_PORT), ultraino: None, token: None }
@@ -43,7 +43,7 @@ pub enum ServerError {
     Thread(#[from] io::Error),
 }
 
-/// Where everything is listened to.
+/// The addresses in use.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Addresses {
     pub osc: Option<SocketAddr>,
@@ -62,7 +62,7 @@ impl Addresses {
     }
 }
 
-/// Listens as long as it is there; its desk closes with it.
+/// Listens until dropped, which closes its desk.
 #[derive(Debug)]
 pub struct Server {
     desk: Arc<Desk>,
@@ -73,12 +73,12 @@ pub struct Server {
 
 impl Server {
     /// # Errors
-    /// An address that is taken or not this machine's, a token that could be guessed, and a system without threads.
+    /// An address that is taken or foreign, a token that is too weak, or a system without threads.
     pub fn start(settings: Settings, desk: Arc<Desk>) -> Result<Self, ServerError> {
         let Settings { listen, osc, websocket, ultraino, token } = settings;
         let gate = Arc::new(Gate::new(listen, token).map_err(ServerError::Gate)?);
         let at = |what, port: Option<u16>| port.map(|port| (what, SocketAddr::new(listen, port)));
-        // All are bound before anything is heard.
+        // All sockets are bound before any is served.
         let osc = at("OSC", osc).map(bound).transpose()?;
         let ultraino = at("Ultraino's words", ultraino).map(bound).transpose()?;
         let websocket = at("WebSocket", websocket).map(|(what, address)| {
@@ -108,7 +108,7 @@ impl Server {
         self.addresses
     }
 
-    /// What strangers have to know.
+    /// The token for other clients.
     pub fn token(&self) -> Option<&str> {
         self.gate.token()
     }
@@ -126,7 +126,7 @@ impl Drop for Server {
     fn drop(&mut self) {
         self.desk.close();
         for thread in self.threads.drain(..) {
-            // What panicked has said so.
+            // A panic has already been reported.
             let _ = thread.join();
         }
     }

@@ -1,4 +1,4 @@
-//! Some keys of a scene's table, set as its file would set them.
+//! Sets some keys of a scene's table, as its file would.
 
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
@@ -11,7 +11,7 @@ use crate::scene::strict::Strict;
 use crate::scene::target::TargetTable;
 use crate::scene::{Scene, Target};
 
-/// Tables of which other programs may set some keys. Array and boards change with the whole scene only.
+/// Tables with keys that other programs may set. Array and boards change only with the whole scene.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Table {
     Medium,
@@ -43,10 +43,10 @@ impl Table {
     }
 }
 
-/// Sets some keys of a table. What the numbers are is checked with the whole scene.
+/// Sets some keys of a table. Values are checked with the whole scene.
 ///
 /// # Errors
-/// A key that the table does not have, a value of another kind, and the name of a file.
+/// An unknown key, a value of the wrong type, or a file name.
 pub fn patch(scene: &mut Scene, table: Table, keys: &Map<String, Value>) -> Result<(), EditError> {
     match table {
         Table::Medium => scene.medium = patched(table, &scene.medium, keys)?,
@@ -63,7 +63,7 @@ pub fn patch(scene: &mut Scene, table: Table, keys: &Map<String, Value>) -> Resu
         }
         Table::Motion => {
             let mut now = as_keys(&scene.motion);
-            // Of the two, the one that is given follows from the other.
+            // The other of the two is derived.
             if keys.contains_key("speed") || keys.contains_key("rate") {
                 now.remove("speed");
                 now.remove("rate");
@@ -75,10 +75,10 @@ pub fn patch(scene: &mut Scene, table: Table, keys: &Map<String, Value>) -> Resu
     Ok(())
 }
 
-/// A target as the table of a scene's file has it; `index` counts from 0 where it is going to stand.
+/// A target from a table as in a scene file; `index` is its position from 0.
 ///
 /// # Errors
-/// A key that its kind does not have, and a value of another kind.
+/// A key unknown to its kind, or a value of the wrong type.
 pub fn target(keys: Map<String, Value>, index: usize) -> Result<Target, EditError> {
     let table: TargetTable = read("target", keys)?;
     Ok(table.into_target(index)?)
@@ -92,7 +92,7 @@ fn patched<T: Serialize + DeserializeOwned>(
     read(table.name(), merged(as_keys(now), keys))
 }
 
-/// A checked table holds finite numbers only, so nothing is lost.
+/// Checked tables only hold finite numbers, so the conversion is lossless.
 fn as_keys<T: Serialize>(table: &T) -> Map<String, Value> {
     match serde_json::to_value(table) {
         Ok(Value::Object(keys)) => keys,

@@ -1,4 +1,4 @@
-//! The sockets of OSC and of Ultraino's words: a thread each, which decodes, changes and answers.
+//! The UDP sockets of OSC and of Ultraino's commands: a thread each, which decodes, applies and replies.
 
 use std::collections::VecDeque;
 use std::io::{self, ErrorKind};
@@ -14,20 +14,20 @@ use crate::control::limiter::Limiter;
 use crate::control::osc::{self, Word};
 use crate::control::ultraino::{self, Draft};
 
-/// How often a thread looks whether it is to end.
+/// Interval at which a thread checks for its end.
 const LOOK: Duration = Duration::from_millis(50);
-/// The same while somebody waits for an answer.
+/// The same while clients wait for an answer.
 const SOON: Duration = Duration::from_millis(1);
-/// Answers per second: errors, states, and words to who has not given the token.
+/// Limits of answers per second: errors, states, and rebuffs without the token.
 const ERRORS: f64 = 50.0;
 const STATES: f64 = 200.0;
 const REBUFFS: f64 = 5.0;
-/// A state is answered when what was asked for before it is solved, or after this.
+/// A state is answered once the preceding changes are solved, or after this time.
 const PATIENCE: Duration = Duration::from_millis(100);
-/// Who may wait for a state at once.
+/// Limit of clients waiting for a state.
 const MOST_WAITING: usize = 64;
 
-/// A socket, what it speaks to, and how often it answers.
+/// A socket with its desk, gate and rate limits.
 struct Post {
     socket: UdpSocket,
     desk: Arc<Desk>,
@@ -43,7 +43,7 @@ impl Post {
         Ok(Self { socket, desk, gate, errors, rebuffs })
     }
 
-    /// The next packet, if one comes in time; `None` in place of it after an error that is no timeout.
+    /// The next packet within the timeout; `None` after other errors.
     fn next(&self, bytes: &mut [u8]) -> Option<(usize, SocketAddr)> {
         match self.socket.recv_from(bytes) {
             Ok(packet) => {
@@ -51,7 +51,7 @@ impl Post {
                 Some(packet)
             }
             Err(error) => {
-                // A port that nobody reads any more answers so on some systems.
+                // Some systems report closed ports of earlier recipients this way.
                 let is_usual = matches!(
                     error.kind(),
                     ErrorKind::WouldBlock
@@ -80,7 +80,7 @@ impl Post {
         self.answer(to, bytes, may);
     }
 
-    /// An answer to a stranger, whose address may be another's.
+    /// An answer to an unknown sender, whose address may be forged.
     fn rebuff(&mut self, to: SocketAddr, bytes: &[u8]) {
         self.desk.counts.strangers.add();
         let may = self.rebuffs.takes(Instant::now());
@@ -107,7 +107,7 @@ pub fn osc(socket: UdpSocket, desk: Arc<Desk>, gate: Arc<Gate>) -> io::Result<Jo
     std::thread::Builder::new().name("osc".to_owned()).spawn(listen)
 }
 
-/// Who asked for the state, after which change, and when.
+/// A client waiting for the state: address, change, and time.
 struct Waiting {
     states: Limiter,
     who: VecDeque<(SocketAddr, u64, Instant)>,
@@ -119,7 +119,7 @@ impl Waiting {
             return post.desk.counts.unanswered.add();
         }
         if self.who.is_empty() {
-            // If it fails, the answer comes a little later.
+            // A failure only delays the answer.
             let _ = post.socket.set_read_timeout(Some(SOON));
         }
         self.who.push_back((who, post.desk.generation(), Instant::now()));

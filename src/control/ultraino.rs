@@ -1,4 +1,5 @@
-//! The words of Ultraino's remote control: text over UDP, a word per packet or line. Points are counted from 0; y points upwards.
+//! Ultraino's remote control: text commands over UDP, one per packet or line. Point numbers start at 0; y points
+//! upwards.
 
 use glam::DVec3;
 
@@ -8,24 +9,24 @@ use crate::scene::{Shape, Target};
 
 /// Where Ultraino listens.
 pub const PORT: u16 = 8085;
-/// Bytes of a packet, at most: as many as Ultraino reads.
+/// Limit of a packet in bytes, as in Ultraino.
 pub const LONGEST: usize = 1024;
 /// Edits that may wait for a `commit`.
 const MOST: usize = 4096;
-/// Points that one `create` may make.
+/// Limit of points per `create`.
 const MOST_POINTS: usize = 1024;
-/// m: where a new point stands until it is placed.
+/// Position of a new point until it is placed, m.
 const NEW: DVec3 = DVec3::new(0.0, 0.0, 0.1);
 
-/// What was said since the last `commit`, which is when it is done: nothing of a pattern sounds before it is whole.
+/// The commands since the last `commit`, which applies them together: no partial pattern is played.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Draft(Vec<Edit>);
 
 impl Draft {
-    /// Takes the words of a packet. A `commit` among them gives the change that they all are, which is then played.
+    /// Takes a packet's commands. A `commit` returns the combined change, which is then played.
     ///
     /// # Errors
-    /// Bytes that are no words of Ultraino; nothing of them is kept.
+    /// Bytes that are not Ultraino commands; all of them are discarded.
     pub fn take(&mut self, bytes: &[u8]) -> Result<Option<Vec<Edit>>, String> {
         if bytes.len() > LONGEST {
             return Err(format!("a packet of more than {LONGEST} bytes"));
@@ -73,7 +74,7 @@ impl Draft {
             }
             ("delete", [index]) => vec![Edit::Remove(number(index).ok_or_else(wrong)?)],
             ("commit", []) => return Ok(true),
-            // Its pictures are drawn anew; ours always are.
+            // Ultraino redraws its pictures; ours are always current.
             ("update", []) => Vec::new(),
             (_, _) => return Err(wrong()),
         };
@@ -86,7 +87,7 @@ impl Draft {
         Ok(false)
     }
 
-    /// A point that is placed again and again takes no more room.
+    /// Repeated placements of a point use no more memory.
     fn keep(&mut self, edit: Edit) {
         if let (Edit::At(number, _), Some(Edit::At(last, _))) = (&edit, self.0.last())
             && number == last

@@ -1,4 +1,4 @@
-//! WebSocket: a thread per connection, which decodes, changes and answers.
+//! WebSocket: a thread per connection, which decodes, applies and replies.
 
 use std::io::{self, ErrorKind, Read, Write};
 use std::net::{TcpListener, TcpStream};
@@ -21,18 +21,18 @@ use crate::control::maps::Maps;
 
 /// Connections at once.
 const MOST_CONNECTIONS: usize = 32;
-/// A handshake, and a token that is to come first, take no longer.
+/// Time limit of a handshake, and of a required token.
 const GREETING: Duration = Duration::from_secs(5);
-/// Who takes nothing for so long is let go.
+/// A client that accepts no data for this time is disconnected.
 const WRITE_TIMEOUT: Duration = Duration::from_secs(2);
-/// How often a connection looks whether it is to end, and whether there is a state to tell.
+/// Interval at which a connection checks for its end, and for a state to send.
 const LOOK: Duration = Duration::from_millis(50);
 const WATCHING: Duration = Duration::from_millis(5);
-/// States per second that a connection is told without asking.
+/// Limit of unrequested states per second and connection.
 const STATES: f64 = 60.0;
-/// A state is answered when what was asked for before it is solved, or after this.
+/// A state is answered once the preceding changes are solved, or after this time.
 const PATIENCE: Duration = Duration::from_millis(100);
-/// Bytes of a first message, which holds a token.
+/// Limit of a first message with a token, in bytes.
 const FIRST: usize = 4 << 10;
 /// Bytes of the buffers of a connection.
 const BUFFER: usize = 16 << 10;
@@ -59,7 +59,7 @@ pub fn listen(listener: TcpListener, desk: Arc<Desk>, gate: Arc<Gate>) -> io::Re
             let (desk, gate, maps) = (Arc::clone(&desk), Arc::clone(&gate), Arc::clone(&maps));
             let serve = move || {
                 let _place = place;
-                // However it ends, it is over; what there was to say was said to the other end.
+                // Errors end the connection; the other end has been informed.
                 let _ = serve(stream, &desk, &gate, &maps);
             };
             // Without a thread the connection is dropped.
@@ -85,7 +85,7 @@ impl Drop for Place {
     }
 }
 
-/// A stream whose reads end in time: by a moment, while there is one.
+/// A stream with a deadline for reads.
 struct Timed {
     stream: TcpStream,
     until: Option<Instant>,
@@ -156,7 +156,7 @@ fn config(longest: usize) -> WebSocketConfig {
         .max_frame_size(Some(longest))
 }
 
-/// Whether a handshake is all that is needed, or a token has to follow.
+/// Whether the handshake suffices, or a token must follow.
 #[expect(clippy::result_large_err, reason = "tungstenite's own type")]
 fn welcome(handshake: &Handshake, gate: &Gate) -> Result<bool, ErrorResponse> {
     let refusal = |text: &str| {
@@ -164,7 +164,7 @@ fn welcome(handshake: &Handshake, gate: &Gate) -> Result<bool, ErrorResponse> {
         *response.status_mut() = StatusCode::FORBIDDEN;
         response
     };
-    // A name that is no text is none of this machine.
+    // A non-text origin is not of this machine.
     let origin = handshake.headers().get("origin").map(|origin| origin.to_str().unwrap_or_default());
     let given = handshake.uri().query().into_iter().flat_map(|query| query.split('&'));
     let given = given.filter_map(|pair| pair.strip_prefix("token=")).next();
@@ -179,7 +179,7 @@ fn welcome(handshake: &Handshake, gate: &Gate) -> Result<bool, ErrorResponse> {
     }
 }
 
-/// Whether the first message holds the token.
+/// Whether the first message is the token.
 fn gives_token(socket: &mut Socket, gate: &Gate) -> Result<bool, Error> {
     let Packet::Text(text) = socket.read()? else { return Ok(false) };
     let message = json::message(&text, &mut None).ok();
@@ -196,7 +196,7 @@ struct Connection<'a> {
     desk: &'a Desk,
     gate: &'a Gate,
     maps: &'a Maps,
-    /// The last report that was told without being asked for, how often that may be, and what the wish was called.
+    /// For watching clients: the last report sent, the rate limit, and the request's id.
     watch: Option<(u64, Limiter, Option<Value>)>,
 }
 
@@ -254,7 +254,7 @@ impl Connection<'_> {
         }
         if !edits.is_empty() {
             match self.desk.change(&edits) {
-                // Who watches hears of it anyway.
+                // Watching clients are informed anyway.
                 Ok(change) if id.is_some() => self.say(json::done(change, id.as_ref()))?,
                 Ok(_) => {}
                 Err(error) => return self.say(json::error(&error.to_string(), id.as_ref())),
@@ -272,7 +272,7 @@ impl Connection<'_> {
         map.map_or(Ok(()), |wish| self.map(wish, id.as_ref()))
     }
 
-    /// Waits until what was asked for before is solved, or for long enough.
+    /// Waits until the preceding changes are solved, within a time limit.
     fn catch_up(&self) {
         let (generation, until) = (self.desk.generation(), Instant::now() + PATIENCE);
         while self.desk.report().generation < generation && Instant::now() < until {
@@ -280,7 +280,7 @@ impl Connection<'_> {
         }
     }
 
-    /// The state, if there is a new one and somebody watches.
+    /// Sends a new state to a watching client.
     fn tell(&mut self) -> Result<(), Error> {
         let Some((told, states, id)) = &mut self.watch else { return Ok(()) };
         let report = self.desk.report();
@@ -292,7 +292,7 @@ impl Connection<'_> {
         self.say(state)
     }
 
-    /// A text that says what the numbers are, and then the numbers.
+    /// A text that describes the numbers, then the numbers.
     fn map(&mut self, wish: MapWish, id: Option<&Value>) -> Result<(), Error> {
         self.catch_up();
         match self.maps.draw(wish, &self.desk.report()) {

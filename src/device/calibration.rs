@@ -1,4 +1,4 @@
-//! What one's own transducers do differently, element by element, from a file.
+//! Calibration of transducers, element by element, from a file.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -9,7 +9,7 @@ use crate::table::{Table, TableError};
 /// Bytes of a file, at most.
 const MOST_BYTES: u64 = 1 << 20;
 
-/// Per element; an element that is not listed is as it should be.
+/// Per element; a missing element needs no correction.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Calibration {
     elements: Vec<Element>,
@@ -18,7 +18,7 @@ pub struct Calibration {
 /// One row of the file.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Element {
-    /// How far its sound is ahead of the others', degrees; 180 for one that is soldered the other way round.
+    /// Phase lead of its sound, degrees; 180 for reversed polarity.
     offset: f64,
     /// Factor on its amplitude, 0 to 1.
     gain: f64,
@@ -36,7 +36,7 @@ pub enum CalibrationError {
     Gaps { missing: Vec<usize>, elements: usize },
 }
 
-/// The row's error is told in full above: as a source it would be told twice.
+/// The row's error is printed in full above, so it is not also a source.
 impl From<TableError> for CalibrationError {
     fn from(error: TableError) -> Self {
         Self::Row(error)
@@ -55,7 +55,7 @@ impl Calibration {
     /// the `elements`, in any order. Other columns are the user's own.
     ///
     /// # Errors
-    /// A file that cannot be read, a row that makes no sense, elements listed twice or not at all.
+    /// An unreadable file, an invalid row, duplicate or missing elements.
     pub fn read(path: &Path, elements: usize) -> Result<Self, CalibrationError> {
         let text = source::read_text(path, MOST_BYTES);
         let text = text.map_err(|error| CalibrationError::Unreadable(error.to_string()))?;
@@ -83,7 +83,7 @@ impl Calibration {
         Ok(Self { elements: rows.into_values().collect() })
     }
 
-    /// Amplitude and phase (rad) that make `element` sound as an ordinary one would at these.
+    /// Corrected amplitude and phase (rad) for `element`.
     pub fn corrected(&self, element: usize, amplitude: f64, phase: f64) -> (f64, f64) {
         match self.elements.get(element) {
             None => (amplitude, phase),
@@ -101,7 +101,7 @@ impl Calibration {
         }
     }
 
-    /// Elements that are not driven.
+    /// Undriven elements.
     pub fn off(&self) -> Vec<usize> {
         (0..self.elements.len()).filter(|&element| self.elements[element].off).collect()
     }
@@ -117,14 +117,14 @@ impl Calibration {
         text
     }
 
-    /// Whether an element is to play more softly than others.
+    /// Whether any element has a reduced gain.
     pub fn has_gains(&self) -> bool {
         self.elements.iter().any(|one| !one.off && one.gain > 0.0 && one.gain < 1.0)
     }
 }
 
 impl Element {
-    /// The element's number, and what its row says of it.
+    /// The element's number and its correction.
     fn of([element, offset, gain, off]: [f64; 4], elements: usize) -> Result<(usize, Self), String> {
         if element.fract() != 0.0 || element < 0.0 || element >= elements as f64 {
             return Err(format!("element {element:?} is out of range (0-{})", elements.saturating_sub(1)));

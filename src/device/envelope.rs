@@ -1,4 +1,4 @@
-//! What boards play of a modulation: the native one a table that it goes through at a rate, the others on and off.
+//! Modulation on boards: a repeated table on native boards, on and off on the others.
 
 use crate::device::profile::Profile;
 use crate::scene::{Envelope, Modulation};
@@ -7,10 +7,10 @@ use crate::scene::{Envelope, Modulation};
 pub const STEPS: usize = 256;
 /// Steps of the table that a period of the fastest tone needs.
 const STEPS_PER_PERIOD: f64 = 8.0;
-/// What the native board's step counts in parts of the carrier.
+/// Full scale of the native board's step, in parts of the carrier.
 const FULL: f64 = 16_777_216.0;
 
-/// The native board's table, 255 for full amplitude, and how far it goes on in a period of the carrier, in 2^-24 of the table.
+/// The native board's table, 255 for full amplitude, and its increment per carrier period, in 2^-24 of the table.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Table {
     pub values: [u8; STEPS],
@@ -18,7 +18,7 @@ pub struct Table {
 }
 
 impl Table {
-    /// Of one period of a modulation for a carrier (Hz).
+    /// For one period of a modulation at a carrier (Hz).
     ///
     /// # Errors
     /// As [`playable`].
@@ -44,7 +44,7 @@ impl Table {
 /// Whether a board plays a modulation.
 ///
 /// # Errors
-/// What it can play instead, in words.
+/// The playable alternatives, as text.
 pub fn playable(profile: Profile, modulation: &Modulation) -> Result<(), String> {
     match profile {
         Profile::Native | Profile::Natives(_) => {

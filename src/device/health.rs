@@ -1,16 +1,16 @@
-//! What is known of a board and of the line to it.
+//! The state of a board and of its line.
 
 use std::fmt;
 
 use crate::device::statistics::Spread;
 
-/// What was found at the other end.
+/// The board found at the other end.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Found {
     pub baud: u32,
-    /// Hz; `None` if the board cannot say.
+    /// Hz; `None` if the board does not report it.
     pub carrier: Option<f64>,
-    /// Frames that it holds for a motion; 0 if the motion is streamed.
+    /// Frames of a motion in its store; 0 for streamed motions.
     pub slots: usize,
     /// Of the native device.
     pub phase_bits: Option<u8>,
@@ -24,7 +24,7 @@ pub enum State {
     Lost(String),
 }
 
-/// Frames per second of a motion: those of the scene, and those that the board plays.
+/// Frames per second of a motion: requested by the scene, and played by the board.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FrameRates {
     pub asked: f64,
@@ -32,7 +32,7 @@ pub struct FrameRates {
 }
 
 impl FrameRates {
-    /// Whether a user could notice.
+    /// Whether the difference is noticeable.
     pub fn differ(self) -> bool {
         (self.played / self.asked - 1.0).abs() > 1e-3
     }
@@ -40,7 +40,7 @@ impl FrameRates {
 
 impl fmt::Display for FrameRates {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        // Whole frames, unless they are few.
+        // Whole frames, except for low rates.
         let digits = usize::from(self.played.min(self.asked) < 10.0) * 2;
         write!(f, "{:.digits$} frames/s asked, {:.digits$} played", self.asked, self.played)
     }
@@ -50,13 +50,13 @@ impl fmt::Display for FrameRates {
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Health {
     pub state: State,
-    /// What is wanted sounds: of a motion, its first frame at least.
+    /// The wanted content is playing: of a motion, at least its first frame.
     pub in_place: bool,
-    /// The emergency stop has silenced the board, until something is sent again.
+    /// The emergency stop has silenced the board until the next wish.
     pub stopped: bool,
-    /// Of the motion that is wanted.
+    /// Of the wanted motion.
     pub rates: Option<FrameRates>,
-    /// The port took the silence that a board is left with.
+    /// The port accepted the final silence.
     pub silenced: bool,
     /// That the board has (native), or that were sent.
     pub frames: u64,
@@ -65,7 +65,7 @@ pub struct Health {
     pub bytes_per_second: f64,
     /// Packets that were refused or did not arrive.
     pub refused: u64,
-    /// How often the board was found: once, and once more after every loss.
+    /// Number of connections to the board: one more after every loss.
     pub found: u64,
     /// From a packet's last byte to its answer.
     pub round_trip: Option<Spread>,

@@ -1,4 +1,5 @@
-//! A drive as a board takes it: a level per element, and none where an element is off; and what levels mean.
+//! A drive in a board's own terms: a level per element, or none for an element that is off; and the meaning of
+//! levels.
 
 use std::f64::consts::{PI, TAU};
 
@@ -6,7 +7,7 @@ use crate::device::calibration::Calibration;
 use crate::device::profile::{Profile, Strength};
 use crate::drive::{Drive, delay_level};
 
-/// What one element is told. Off is the absence of a level, never a level.
+/// The level of one element. Off is the absence of a level.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct Level {
     /// Of [`Profile::levels`].
@@ -16,8 +17,8 @@ pub struct Level {
 }
 
 impl Profile {
-    /// What is nearest to an amplitude (0 to 1, and 1 for what is more) and a phase (rad); nothing where nothing is to sound, or
-    /// nobody knows what: a NaN must not be loud.
+    /// The nearest level to an amplitude (clamped to 0 … 1) and a phase (rad); `None` for silence, also for NaN,
+    /// which must not be loud.
     pub fn level(self, amplitude: f64, phase: f64) -> Option<Level> {
         if amplitude.is_nan() || amplitude <= 0.0 || !phase.is_finite() {
             return None;
@@ -32,7 +33,7 @@ impl Profile {
             }
             Strength::Duty(full) => {
                 let duty = (amplitude.asin() / PI * f64::from(levels)).round().min(f64::from(full));
-                // The middle of the pulse is what sounds, and it stays; the board is told where it begins.
+                // The centre of the pulse determines the phase and is kept; the board is given its start.
                 let later = (f64::from(full) - duty) / 2.0 / f64::from(levels);
                 let delay = delay_level(phase - TAU * later, levels) as u16;
                 (duty > 0.0).then_some(Level { delay, amplitude: duty as u16 })
@@ -40,7 +41,7 @@ impl Profile {
         }
     }
 
-    /// Amplitude and phase (rad, in (-π, π]) that sound at a level, the same offset of phase left out for all elements.
+    /// Amplitude and phase (rad, in (-π, π]) of a level, up to a phase common to all elements.
     pub fn sounds(self, level: Level) -> (f64, f64) {
         let (delay, strength) = (f64::from(level.delay), f64::from(level.amplitude));
         let levels = f64::from(self.levels());
@@ -86,12 +87,12 @@ impl Levels {
         Ok(Self { profile, elements: (0..array).map(level).collect() })
     }
 
-    /// Nothing sounds.
+    /// All elements off.
     pub fn off(profile: Profile) -> Self {
         Self { profile, elements: vec![None; profile.elements()] }
     }
 
-    /// Those of one of the native devices on the line.
+    /// The levels of one native device on the line.
     pub fn of_device(&self, address: u8) -> Self {
         let own = self.elements.chunks(Profile::Native.elements()).nth(usize::from(address));
         Self { profile: self.profile, elements: own.unwrap_or_default().to_vec() }
@@ -113,7 +114,7 @@ impl Levels {
         Self { profile, elements: (0..profile.elements()).map(|n| profile.level(1.0, phase(n))).collect() }
     }
 
-    /// What the elements sound like, calibration left out.
+    /// The resulting drive, without calibration.
     pub fn drive(&self) -> Drive {
         let sound = |level: &Option<Level>| level.map_or((0.0, 0.0), |level| self.profile.sounds(level));
         let (amplitudes, phases) = self.elements.iter().map(sound).unzip();
@@ -121,7 +122,7 @@ impl Levels {
     }
 }
 
-/// What a board makes of a drive, a calibration and a scene's frequency that its user should know; a sentence each.
+/// Notices about a drive, a calibration and a scene's frequency on a board; a sentence each.
 pub fn notices(profile: Profile, drive: &Drive, calibration: &Calibration, frequency: f64) -> Vec<String> {
     let mut notices = Vec::new();
     let weaker = drive.amplitudes.iter().any(|&amplitude| amplitude > 0.0 && amplitude < 1.0 - 1e-9);
@@ -135,9 +136,9 @@ pub fn notices(profile: Profile, drive: &Drive, calibration: &Calibration, frequ
     notices
 }
 
-/// A carrier that is not the scene's frequency (Hz), if it is not.
+/// The notice about a carrier that differs from the scene's frequency (Hz).
 pub fn carrier_notice(carrier: f64, frequency: f64) -> Option<String> {
-    /// What rounding to mHz may make of a frequency, and no more than air's own uncertainty.
+    /// Tolerance for rounding to mHz, below the uncertainty of air.
     const SAME: f64 = 1e-6;
     ((carrier - frequency).abs() > SAME * frequency).then(|| {
         format!("the board plays {carrier} Hz, the scene is made for {frequency} Hz: the drive is found for the board's")

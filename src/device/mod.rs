@@ -1,10 +1,10 @@
-//! Boards: what they play, what is sent to them, and the line in between.
+//! Boards: their levels, their bytes, and the line to them.
 //!
-//! A drive becomes [`levels::Levels`] (what an element is told, or that it is off), a frame of bytes or packets, and goes over a
-//! [`link`] to a board. Every board has a twin here that understands the same bytes: a type in [`stock`], or
-//! [`native::model::Model`]; [`board`] puts it at the other end of a line.
+//! A drive becomes [`levels::Levels`] (what an element is told, or that it is off), a frame of bytes or packets, and
+//! goes over a [`link`] to a board. Every board has a twin here that understands the same bytes: a type in [`stock`],
+//! or [`native::model::Model`]; [`board`] puts it at the other end of a line.
 //!
-//! How another board is added stands in `docs/adding-a-board.md`.
+//! `docs/adding-a-board.md` is the guide to adding a board.
 
 #[cfg(feature = "serial")]
 pub mod board;

@@ -1,15 +1,15 @@
-//! Which channel of a board plays which element of the array.
+//! The channel order of boards: the element of each channel.
 
 use crate::device::profile::Profile;
 
 /// Of the eight channels of a shift register of a SonicSurface: column and row within their 4 x 2 elements.
 const SONICSURFACE_COLUMNS: [usize; 8] = [0, 2, 3, 1, 0, 3, 2, 1];
 const SONICSURFACE_ROWS: [usize; 8] = [0, 0, 0, 1, 1, 1, 1, 0];
-/// Of the four columns of a chip of an acoustophoretic board: place within it, in even and odd rows of the array.
+/// Channel of the four columns of an acoustophoretic board's chip, in even and odd rows of the array.
 const ACOUSTOPHORETIC_EVEN: [usize; 4] = [5, 4, 6, 7];
 const ACOUSTOPHORETIC_ODD: [usize; 4] = [1, 0, 3, 2];
 
-/// The element that a `channel` plays.
+/// The element of a `channel`.
 pub fn element_of(profile: Profile, channel: usize) -> usize {
     match profile {
         Profile::Native | Profile::Natives(_) | Profile::UltrainoSimpleFpga | Profile::UltrainoMega64 => {
@@ -30,15 +30,16 @@ pub fn elements(profile: Profile) -> Vec<usize> {
     (0..profile.elements()).map(|channel| element_of(profile, channel)).collect()
 }
 
-/// The board counts its rows from its +z, which is this program's -y where both radiate to the front and x runs to the right; so
-/// its raster is the array's numbering.
+/// The board counts its rows from its +z, which is this program's -y when both radiate to the front and x runs to the
+/// right; so its grid has the array's numbering.
 fn sonicsurface(channel: usize) -> usize {
     let column = 4 * (channel / 64) + SONICSURFACE_COLUMNS[channel % 8];
     let row = 2 * (channel % 64 / 8) + SONICSURFACE_ROWS[channel % 8];
     16 * row + column
 }
 
-/// The channel that plays an element. OpenMPD's pattern files list rows from the upper edge seen from the front, with y upwards.
+/// The channel of an element. OpenMPD's pattern files list rows from the upper edge seen from the front, with y
+/// upwards.
 fn acoustophoretic(element: usize) -> usize {
     let (row, column) = (element / 16, element % 16);
     let places = if row % 2 == 0 { ACOUSTOPHORETIC_EVEN } else { ACOUSTOPHORETIC_ODD };

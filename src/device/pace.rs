@@ -1,8 +1,8 @@
-//! When a serial line is free again. A port takes bytes sooner than it can send them, so the sender counts them itself.
+//! Pacing of a serial line: ports accept bytes sooner than they send them, so the sender keeps count.
 
 use web_time::{Duration, Instant};
 
-/// How long anything takes at most.
+/// Limit of durations.
 const LONGEST: Duration = Duration::from_secs(86_400);
 /// Bits on the line per byte: a start bit, eight of data, a stop bit.
 pub const BITS: f64 = 10.0;
@@ -14,23 +14,23 @@ pub struct Pace {
 }
 
 impl Pace {
-    /// A line of so many bits per second, 1 at least.
+    /// A line with this bit rate, at least 1.
     pub fn new(baud: f64, now: Instant) -> Self {
         Self { baud: baud.max(1.0), free_at: now }
     }
 
-    /// How long `bytes` take, a day at most.
+    /// Time for `bytes`, at most a day.
     pub fn time_of(&self, bytes: usize) -> Duration {
         Duration::try_from_secs_f64(bytes as f64 * BITS / self.baud).unwrap_or(LONGEST).min(LONGEST)
     }
 
-    /// Notes that `bytes` were handed over, and says when the last of them will have left.
+    /// Records written `bytes`, and returns the time at which the last of them leaves.
     pub fn sent(&mut self, bytes: usize, now: Instant) -> Instant {
         self.free_at = self.free_at.max(now) + self.time_of(bytes);
         self.free_at
     }
 
-    /// How long the line is busy with what was handed over before `now`.
+    /// Time for which the line is busy with bytes written before `now`.
     pub fn backlog(&self, now: Instant) -> Duration {
         self.free_at.saturating_duration_since(now)
     }

@@ -1,4 +1,4 @@
-//! The boards that can be driven, and their facts.
+//! Profiles: the supported boards and their facts.
 
 use crate::scene::Scene;
 
@@ -7,11 +7,11 @@ use crate::scene::Scene;
 pub enum Profile {
     /// The gateware of this repository: CRC, answers, watchdog, amplitudes, modulation, sequences.
     Native,
-    /// Several of them on one line, 2 to [`MOST_DEVICES`], with addresses from 0.
+    /// Several native boards on one line, 2 to [`MOST_DEVICES`], with addresses from 0.
     Natives(u8),
     /// One SonicSurface of 16 x 16.
     SonicSurface,
-    /// Two of them on one line.
+    /// Two SonicSurface boards on one line.
     SonicSurface2,
     /// One with the gateware for tactile modulation.
     SonicSurfaceTactile,
@@ -23,36 +23,36 @@ pub enum Profile {
     Acoustophoretic512,
 }
 
-/// Native devices that one line has addresses for.
+/// Limit of native devices per line.
 pub const MOST_DEVICES: u8 = 8;
 const NATIVES: [&str; 7] =
     ["native-2", "native-3", "native-4", "native-5", "native-6", "native-7", "native-8"];
 
-/// How a board makes a weaker sound.
+/// The amplitude control of a board.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Strength {
-    /// It cannot: an element is on or off.
+    /// None: an element is on or off.
     Fixed,
     /// A number up to this, proportional to the sound.
     Linear(u16),
-    /// Pulses up to this many levels long, which is half a period; the sound follows the sine of their length.
+    /// A pulse length up to this many levels, which is half a period; the sound follows the sine of the length.
     Duty(u16),
 }
 
-/// An array that is not the board's.
+/// An array that does not match the board.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{}, and {} {}", own(*boards, array, *elements), profile.name(), profile.size())]
 pub struct OtherArray {
     pub profile: Profile,
     /// Of the scene.
     pub boards: usize,
-    /// Columns and rows of the scene's, if it has such.
+    /// Columns and rows of the scene's array, if any.
     pub array: Option<[u32; 2]>,
     /// Of all boards.
     pub elements: usize,
 }
 
-/// What a scene has, in words.
+/// A scene's array, as text.
 fn own(boards: usize, array: &Option<[u32; 2]>, elements: usize) -> String {
     match (boards, array) {
         (1, Some([columns, rows])) => {
@@ -66,7 +66,7 @@ fn own(boards: usize, array: &Option<[u32; 2]>, elements: usize) -> String {
 }
 
 impl Profile {
-    /// The kinds of boards; several native ones are no kind of their own.
+    /// The kinds of boards; several native boards are not a separate kind.
     pub const ALL: [Self; 7] = [
         Self::Native,
         Self::SonicSurface,
@@ -91,7 +91,7 @@ impl Profile {
         }
     }
 
-    /// What a user may choose: every kind, and every number of native boards.
+    /// The user's choices: every kind, and every number of native boards.
     pub fn choices() -> impl Iterator<Item = Self> {
         Self::ALL.into_iter().chain((2..=MOST_DEVICES).map(Self::Natives))
     }
@@ -128,24 +128,24 @@ impl Profile {
         }
     }
 
-    /// Whether it can say that it is there, and what it has heard.
+    /// Whether it answers and acknowledges.
     pub fn answers(self) -> bool {
         self.devices() > 0
     }
 
-    /// Columns and rows, where the board has its transducers on it; `None` where channels are wired to any array of as many
+    /// Columns and rows if the transducers are on the board; `None` if channels are wired to any array of as many
     /// elements, channel n to element n.
     pub fn shape(self) -> Option<[u32; 2]> {
         match self {
             Self::Native | Self::Natives(_) | Self::UltrainoSimpleFpga => None,
             Self::SonicSurface | Self::SonicSurfaceTactile | Self::Acoustophoretic512 => Some([16, 16]),
-            // The second board goes on where the rows of the first end.
+            // The second board continues the rows of the first.
             Self::SonicSurface2 => Some([16, 32]),
             Self::UltrainoMega64 => Some([8, 8]),
         }
     }
 
-    /// What it drives, in words.
+    /// The board's size, as text.
     fn size(self) -> String {
         match self.shape() {
             Some([columns, rows]) => format!("is {columns} x {rows}"),
@@ -153,8 +153,8 @@ impl Profile {
         }
     }
 
-    /// Whether a scene's boards are the profile's; their pitch may be another. Where a line has several, board after board is one of the
-    /// scene's, or rows after rows of one.
+    /// Whether a scene's boards match the profile; the pitch may differ. Several boards on a line correspond to
+    /// several boards of the scene, or to consecutive rows of one.
     ///
     /// # Errors
     /// Other columns or rows, or another number of elements.
@@ -170,7 +170,7 @@ impl Profile {
         if fits { Ok(()) } else { Err(OtherArray { profile: self, boards, array, elements }) }
     }
 
-    /// Delays that it tells apart in a period.
+    /// Number of delays per period.
     pub fn levels(self) -> u16 {
         match self {
             Self::Native | Self::Natives(_) => 256,
@@ -191,7 +191,7 @@ impl Profile {
         }
     }
 
-    /// Bits per second that it speaks when it is switched on.
+    /// Bit rate after power-up.
     pub fn baud(self) -> u32 {
         match self {
             Self::Native | Self::Natives(_) => 2_000_000,
@@ -204,7 +204,7 @@ impl Profile {
         }
     }
 
-    /// Hz. A native board says its own.
+    /// Hz. A native board reports its own.
     pub fn carrier(self) -> f64 {
         40_000.0
     }
@@ -221,13 +221,12 @@ impl Profile {
         }
     }
 
-    /// What the line carries: 8 data bits, a start and a stop bit.
+    /// The line's frame rate with 8 data bits, a start and a stop bit.
     pub fn frames_per_second(self, baud: u32) -> f64 {
         f64::from(baud) / 10.0 / self.frame_bytes() as f64
     }
 
-    /// Frames per second of drives that take turns: what the line carries, and no more than a transducer's ringing of some 0.3 ms
-    /// lets be apart.
+    /// Frames per second of drives in turn: the line's rate, limited by a transducer's ringing of some 0.3 ms.
     pub fn turns_per_second(self, baud: u32) -> f64 {
         const MOST: f64 = 1000.0;
         match self {
@@ -242,7 +241,7 @@ impl Profile {
         }
     }
 
-    /// What a user should know before the board is sent anything.
+    /// A remark for the user before sending.
     pub fn remark(self) -> Option<&'static str> {
         match self {
             Self::Native | Self::Natives(_) => None,

@@ -1,13 +1,13 @@
-//! Figures of a link: how much, how fast, how evenly.
+//! Statistics of a link: throughput, delay and jitter.
 
 use std::collections::VecDeque;
 
 use web_time::{Duration, Instant};
 
-/// Over how long rates are taken.
+/// Averaging time of rates.
 const SPAN: Duration = Duration::from_secs(1);
 
-/// How often something happens, and how much comes with it.
+/// Rate of events, and of their amounts.
 #[derive(Clone, Debug, Default)]
 pub struct Rate {
     happened: VecDeque<(Instant, u64)>,
@@ -38,7 +38,7 @@ pub struct Durations {
     kept: VecDeque<Duration>,
 }
 
-/// What is typical of durations, and what is not.
+/// Typical and extreme values of durations.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Spread {
     pub median: Duration,

@@ -1,4 +1,4 @@
-//! The cells of a plane at which squares of the pressure are formed: fine enough for twice its band.
+//! The cells of a plane, where squares of the pressure are formed: fine enough for twice its bandwidth.
 
 use glam::DVec2;
 
@@ -7,9 +7,9 @@ use crate::field::interpolation::Resampling;
 use crate::scene::{ElementModel, Plane};
 use crate::surface::Tank;
 
-/// Cells per wavelength. A square has at most two cycles per wavelength, of which three could be told.
+/// Cells per wavelength. A square has at most two cycles per wavelength, for which three cells would suffice.
 const PER_WAVELENGTH: f64 = 6.0;
-/// Cycles per wavelength of a pressure whose square the window passes: evanescent sound has a little more than one.
+/// Cycles per wavelength of a pressure whose square the window passes: slightly more than one, for evanescent sound.
 const HIGHEST: f64 = 1.05;
 /// Cells that a plane may have.
 const MOST: usize = 1 << 23;
@@ -17,9 +17,9 @@ const MOST: usize = 1 << 23;
 /// Square cells that fill a plane and a margin around it, the same on opposite sides.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Cells {
-    /// What the cells fill, with the tolerance that the pressure at them is to keep: squares are off by twice that.
+    /// The plane filled by cells, with the tolerance of the pressure at them: squaring doubles errors.
     pub plane: Plane,
-    /// Columns and rows; with a margin products of 2, 3 and 5, which transforms like.
+    /// Columns and rows; with a margin, products of 2, 3 and 5 for fast transforms.
     pub counts: [usize; 2],
     /// m
     pub step: f64,
@@ -29,10 +29,10 @@ pub struct Cells {
 }
 
 impl Cells {
-    /// For a `plane`, at least `margin` (m) beyond it, so that interpolated squares are off by at most `accuracy`, relative to
-    /// their peak. `None` if they would be too many, or their number is unknown.
+    /// For a `plane`, at least `margin` (m) beyond it, so that interpolated squares are off by at most `accuracy`,
+    /// relative to their peak. `None` if there would be too many.
     pub fn new(aperture: &Aperture, plane: &Plane, margin: f64, accuracy: f64) -> Option<Self> {
-        /// Of the accuracy, what the window may take; the squares may be off by the rest.
+        /// The window's share of the accuracy; the rest is for the squares.
         const SHARE: f64 = 0.2;
         let step = aperture.wavelength() / (PER_WAVELENGTH * pattern(aperture, plane)?);
         let beta = -(SHARE * accuracy).ln();
@@ -60,7 +60,7 @@ impl Cells {
         self.counts[0] * self.counts[1]
     }
 
-    /// m from a place to the farthest cell that it is interpolated from, and a cell.
+    /// Distance (m) from a point to the farthest cell of its interpolation, plus a cell.
     pub fn reach(&self) -> f64 {
         (self.half_width + 1) as f64 * self.step
     }
@@ -69,7 +69,7 @@ impl Cells {
         self.len() == 0
     }
 
-    /// More of them beyond every wall, as many as the window reaches, about the same centre.
+    /// Cells extended beyond every wall by the window's reach, with the same centre.
     pub fn beyond_walls(&self) -> Self {
         let counts = self.counts.map(|count| count + 2 * self.half_width);
         let size = DVec2::from(counts.map(|count| count as f64 * self.step));
@@ -100,7 +100,7 @@ impl Cells {
         (0..count).map(move |i| (i as f64 + 0.5 - count as f64 / 2.0) * step)
     }
 
-    /// How values at `places` (m) are interpolated from the cells along an axis.
+    /// Interpolation from the cells to `places` (m) along an axis.
     pub fn resampling(&self, axis: usize, places: impl Iterator<Item = f64>) -> Resampling {
         Resampling::new(self.in_cells(axis, places), self.half_width, self.beta)
     }
@@ -119,7 +119,7 @@ impl Cells {
         Tank::new(self.counts, [self.step; 2])
     }
 
-    /// The integral of a value given for every cell over the part of them that a plane of this `size` (m) covers.
+    /// The integral of cell values over the part covered by a plane of this `size` (m).
     pub fn integral(&self, size: DVec2, values: impl Iterator<Item = f64>) -> f64 {
         let covered = [0, 1].map(|axis| -> Vec<f64> {
             let part = |place: f64| ((size[axis] / 2.0 - place.abs()) / self.step + 0.5).clamp(0.0, 1.0);
@@ -132,8 +132,8 @@ impl Cells {
     }
 }
 
-/// How many times finer than sound itself the directivity of elements wider than they are far away is (see
-/// [`crate::field::plan`]); usually once.
+/// Refinement factor for the directivity of elements wider than their distance (see [`crate::field::plan`]); usually
+/// one.
 fn pattern(aperture: &Aperture, plane: &Plane) -> Option<f64> {
     let (x_axis, y_axis) = plane.axes()?;
     let height = |face: &Face| {

@@ -1,4 +1,4 @@
-//! From values to colours. What `shaders/picture.wgsl` does.
+//! From values to colours on the CPU; the counterpart of `shaders/picture.wgsl`.
 
 use std::f32::consts::TAU;
 
@@ -7,7 +7,7 @@ use rayon::prelude::*;
 use crate::field::cpu::{self, Law};
 use crate::field::quantity::{Quantity, Range};
 
-/// How amounts are spread over the colours.
+/// The mapping of amounts to colours.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Scale {
     Linear,
@@ -15,11 +15,11 @@ pub enum Scale {
     Logarithmic,
 }
 
-/// [`Colouring::floor`] where it is not chosen: -60 dB of a pressure.
+/// [`Colouring::floor`] by default: -60 dB of a pressure.
 pub const FLOOR: f32 = 1e-3;
-/// The last place of a table.
+/// The last index of a table.
 const LAST: f32 = 255.0;
-/// What is divided by where every value is 0.
+/// Divisor for all-zero values.
 pub const SMALLEST: f32 = 1e-30;
 
 /// How values are shown.
@@ -28,10 +28,10 @@ pub struct Colouring {
     pub range: Range,
     /// Colours as the bytes r, g, b, a.
     pub table: [[u8; 4]; 256],
-    /// The value that gets the last colour; the map's peak if `None`.
+    /// The value of the last colour; the map's peak if `None`.
     pub full: Option<f32>,
-    /// The value that gets the first colour of a linear scale, where `full` is given; if `None`, 0 of amounts and `-full` of signed
-    /// values.
+    /// The value of the first colour of a linear scale with a given `full`; if `None`, 0 of amounts and `-full` of
+    /// signed values.
     pub low: Option<f32>,
     /// Of amounts; other ranges are linear.
     pub scale: Scale,
@@ -39,8 +39,8 @@ pub struct Colouring {
     pub floor: f32,
 }
 
-/// The place of a value in a table: `zero + spread · part`, where the part is `value / full`, or its logarithm to base 2 on a
-/// logarithmic scale, and `full` may be the peak.
+/// The index of a value in a table: `zero + spread · part`, where the part is `value / full`, or its base-2 logarithm
+/// on a logarithmic scale, and `full` may be the peak.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Line {
     pub zero: f32,
@@ -61,7 +61,7 @@ impl Colouring {
         if self.range == Range::Amount { self.scale } else { Scale::Linear }
     }
 
-    /// Where values stand in the table.
+    /// The mapping of values to table indices.
     pub fn line(&self) -> Line {
         let full = self.full;
         if self.scale() == Scale::Logarithmic {
@@ -76,14 +76,14 @@ impl Colouring {
         match self.range {
             Range::Amount => from(low.unwrap_or(0.0)),
             Range::Signed => from(low.unwrap_or(-1.0)),
-            // Every colour has the same share of a turn.
+            // Every colour covers an equal part of the circle.
             Range::Cyclic => Line { zero: LAST / 2.0, spread: LAST + 1.0, full: Some(TAU) },
         }
     }
 
     /// The colours of values in their order; `peak` is the largest that they reach.
     pub fn colours(&self, values: &[f32], peak: f32, colours: &mut Vec<[u8; 4]>) {
-        /// Values whose places in the table are found together.
+        /// Values processed together.
         const RUN: usize = 1024;
         let law = self.law(peak);
         colours.resize(values.len(), [0; 4]);
@@ -108,7 +108,7 @@ impl Colouring {
     }
 }
 
-/// The place of a phase (rad) in a cyclic table.
+/// The index of a phase (rad) in a cyclic table.
 pub fn phase_index(phase: f64) -> usize {
     (((phase / f64::from(TAU) + 0.5).rem_euclid(1.0) * 256.0) as usize).min(255)
 }

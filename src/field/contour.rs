@@ -1,14 +1,14 @@
-//! Lines along which a number has one value, by marching squares.
+//! Contour lines, by marching squares.
 
 use rayon::prelude::*;
 
-/// Places in pixels from the lower left corner of the map: the first pixel's centre is at (0.5, 0.5). A line that comes back to
-/// where it started ends with its first place.
+/// Points in pixels from the lower left corner of the map: the first pixel's centre is at (0.5, 0.5). Closed lines
+/// end with their first point.
 pub type Line = Vec<[f32; 2]>;
 
-/// Pixels from one place of a line to the next, at least.
+/// Smallest distance between points of a line, in pixels.
 const STEP: f32 = 2.0;
-/// Squares that are passed over together where no line runs.
+/// Squares skipped together if no line crosses them.
 const RUN: usize = 64;
 
 /// The sides of a square between four pixels.
@@ -17,8 +17,8 @@ const RIGHT: u8 = 1;
 const ABOVE: u8 = 2;
 const LEFT: u8 = 3;
 
-/// The lines on which the numbers of pixels in rows of `width`, the first at the bottom, reach `level`. What is larger lies to
-/// their left.
+/// The contour lines at `level` of pixels in rows of `width`, the first at the bottom. Larger values are on their
+/// left.
 pub fn lines<P: Sync>(
     pixels: &[P],
     width: usize,
@@ -41,15 +41,15 @@ pub fn lines<P: Sync>(
     Squares { width, height, level, number, reaches, passed: vec![0; width * height] }.lines()
 }
 
-/// The squares between the pixels, as many as there are pixels but for the last row and column.
+/// The squares between pixel centres, one per pixel except in the last row and column.
 struct Squares<N> {
     width: usize,
     height: usize,
     level: f32,
     number: N,
-    /// 1 where a pixel's number reaches the level.
+    /// 1 if a pixel reaches the level.
     reaches: Vec<u8>,
-    /// The sides through which lines have entered a square, a bit each.
+    /// The sides already entered by lines, a bit each.
     passed: Vec<u8>,
 }
 
@@ -57,7 +57,7 @@ impl<N: Fn(usize) -> f32> Squares<N> {
     fn lines(mut self) -> Vec<Line> {
         let (across, up) = (self.width - 1, self.height - 1);
         let mut lines = Vec::new();
-        // Those that come in over the edge first, since they have an end.
+        // Lines from the edge first, since they have ends.
         for x in 0..across {
             self.start(&mut lines, (x, 0), BELOW);
             self.start(&mut lines, (x, up - 1), ABOVE);
@@ -93,7 +93,7 @@ impl<N: Fn(usize) -> f32> Squares<N> {
         below == like_the_first && above == like_the_first
     }
 
-    /// Follows the line that enters a square through this side, if there is one that was not followed yet.
+    /// Follows the line that enters a square through this side, if any, and not followed before.
     fn start(&mut self, lines: &mut Vec<Line>, (mut x, mut y): (usize, usize), mut side: u8) {
         let mut line = Line::new();
         while let Some(out) = self.way((x, y), side) {
@@ -135,7 +135,7 @@ impl<N: Fn(usize) -> f32> Squares<N> {
         }
     }
 
-    /// The side through which a line leaves a square that it enters through `side`.
+    /// The side through which a line leaves a square after entering through `side`.
     fn way(&self, (x, y): (usize, usize), side: u8) -> Option<u8> {
         let at = y * self.width + x;
         let corners = [at, at + 1, at + self.width + 1, at + self.width];
@@ -167,7 +167,7 @@ impl<N: Fn(usize) -> f32> Squares<N> {
         ways.iter().find(|[enters, _]| *enters == side).map(|[_, leaves]| *leaves)
     }
 
-    /// Where the level is reached on a side of a square, along a straight line between its two pixels.
+    /// The crossing of the level on a side of a square, by linear interpolation between its two pixels.
     fn crossing(&self, (x, y): (usize, usize), side: u8) -> [f32; 2] {
         let (from, to) = match side {
             BELOW => ((x, y), (x + 1, y)),

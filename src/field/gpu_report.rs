@@ -1,6 +1,6 @@
-//! What is heard of a GPU: why it did not do its work, and what went back and forth.
+//! Reports about a GPU: failures, and transferred bytes.
 
-/// Why the GPU did not do its work.
+/// Errors of the GPU.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum GpuError {
     #[error("no usable GPU adapter: {0}")]
@@ -11,11 +11,11 @@ pub enum GpuError {
     Lost(String),
 }
 
-/// What went back and forth.
+/// Traffic to and from the GPU.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Traffic {
-    /// Bytes that came back.
+    /// Bytes read back.
     pub read_back: u64,
-    /// Buffers, textures and bind groups that were made.
+    /// Buffers, textures and bind groups created.
     pub allocations: u64,
 }

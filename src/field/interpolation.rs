@@ -14,7 +14,7 @@ const ALIGNED: usize = 16;
 /// Terms of the window's polynomial: 1e-9 off for the sharpest tolerance.
 const WINDOW_TERMS: usize = 18;
 
-/// For every pixel along an axis, the first of the samples it is made of and their weights.
+/// For every pixel along an axis, the first sample of its interpolation and the weights.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Resampling {
     /// Samples per pixel.
@@ -39,7 +39,8 @@ impl Resampling {
 
     /// The same for the slope at the pixels, in units per sample.
     ///
-    /// The window's own slope has no part in it: what the window stops and passes of the sinc's slope is what it does of the sinc.
+    /// The window's own slope is omitted: the window then passes and stops the sinc's slope exactly as the sinc
+    /// itself.
     pub fn slopes(positions: impl Iterator<Item = f64>, half_width: usize, beta: f64) -> Self {
         let window = window(beta);
         Self::with(positions, half_width, |x, sine, inside| {
@@ -65,7 +66,7 @@ impl Resampling {
             let start = below as usize - (half_width - 1);
             first.push(start as u32);
             let beyond = position - start as f64;
-            // The sine of all taps, but for its sign.
+            // The sine of all taps, up to its sign.
             let sine = (PI * beyond).sin();
             weights.extend((0..taps).map(|tap| {
                 let x = beyond - tap as f64;
@@ -108,12 +109,12 @@ impl Resampling {
         Blocks { first, span, weights }
     }
 
-    /// The first sample of some neighbouring pixels that are alike, and the weights of each.
+    /// The first common sample of some neighbouring pixels, and the weights of each.
     pub fn of(&self, pixel: usize, count: usize) -> (usize, &[f32]) {
         (self.first[pixel] as usize, &self.weights[pixel * self.taps..(pixel + count) * self.taps])
     }
 
-    /// [`ROWS`] if the pixels from this one on are made of the same samples, else 1.
+    /// [`ROWS`] if the following pixels share their samples, else 1.
     fn alike(&self, pixel: usize, end: usize) -> usize {
         let alike = pixel + ROWS <= end && self.first[pixel] == self.first[pixel + ROWS - 1];
         if alike { ROWS } else { 1 }
@@ -125,13 +126,14 @@ impl Resampling {
 pub struct Blocks {
     /// The first sample of every block.
     pub first: Vec<u32>,
-    /// Samples per block; of the last blocks some may lie beyond the last sample, with weight 0.
+    /// Samples per block; the last blocks may extend beyond the last sample, with weight 0.
     pub span: usize,
     /// One weight per pixel, for every sample of every block.
     pub weights: Vec<f32>,
 }
 
-/// The Kaiser window of shape β as a polynomial in 2x² - 1, x being the place in half-widths: I0(β √(1 - x²)) / I0(β).
+/// The Kaiser window of shape β as a polynomial in 2x² - 1, x being the position in half-widths: I0(β √(1 - x²)) /
+/// I0(β).
 fn window(beta: f64) -> Vec<f64> {
     let peak = bessel_i0(beta);
     polynomial::fit(|s| bessel_i0(beta * ((1.0 - s) / 2.0).max(0.0).sqrt()) / peak, WINDOW_TERMS)
@@ -151,7 +153,7 @@ fn bessel_i0(x: f64) -> f64 {
     sum
 }
 
-/// What is interpolated: as many f32 as it has parts.
+/// An interpolated value: a fixed number of f32 components.
 pub trait Value: Pod + Default + Send + Sync {}
 
 impl Value for f32 {}
@@ -162,12 +164,12 @@ const fn parts<T: Value>() -> usize {
     size_of::<T>() / size_of::<f32>()
 }
 
-/// What fills a line of a cache.
+/// A cache line.
 #[derive(Clone, Copy, Debug, Zeroable, Pod)]
 #[repr(C, align(64))]
 struct Aligned([f32; ALIGNED]);
 
-/// What lies between the two passes; kept for the next map, since fresh memory costs more than the work on it.
+/// The intermediate values between the two passes; reused, since fresh memory costs more than the computation.
 #[derive(Clone, Debug, Default)]
 pub struct Between {
     lines: Vec<Aligned>,
@@ -185,7 +187,7 @@ pub fn interpolate<T: Value>(
 ) {
     let rows = samples.len() / columns;
     let Between { lines, wide } = between;
-    // Both passes work along the slow axis, where whole runs of neighbours share their weights.
+    // Both passes run along the slow axis, where runs of neighbours share their weights.
     transpose(samples, columns, lines);
     wide.resize(across.len() * rows * parts::<T>(), 0.0);
     let wide: &mut [T] = bytemuck::cast_slice_mut(wide);
@@ -194,11 +196,11 @@ pub fn interpolate<T: Value>(
     resample(lines, up, pixels, across.len());
 }
 
-/// From lines of `length` values (and what [`stride`] adds), one per sample, to one line per pixel.
+/// From lines of `length` values (padded to [`stride`]), one per sample, to one line per pixel.
 fn resample<T: Value>(samples: &[Aligned], resampling: &Resampling, pixels: &mut [T], length: usize) {
-    /// Pixels that one task makes: most of them share their samples, which then stay in the nearest cache.
+    /// Pixels per task: most share their samples, which then stay in the fastest cache.
     const PIXELS: usize = 32;
-    /// f32 of a line that are worked on together.
+    /// f32 of a line processed together.
     const RUN: usize = 256;
     let samples: &[f32] = bytemuck::cast_slice(samples);
     let (stride, length) = (stride::<T>(length), length * parts::<T>());
@@ -223,8 +225,8 @@ fn resample<T: Value>(samples: &[Aligned], resampling: &Resampling, pixels: &mut
     });
 }
 
-/// f32 from one line of `length` values to the next: lines a power of two apart would share the few places that a cache has for
-/// each address, and lines that start within a cache line would be read in two pieces.
+/// Stride (f32) of lines of `length` values: lines a power of two apart would collide in the cache, and unaligned
+/// lines would be read in two pieces.
 fn stride<T: Value>(length: usize) -> usize {
     (length * parts::<T>()).next_multiple_of(ALIGNED) + ALIGNED
 }

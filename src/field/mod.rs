@@ -1,8 +1,7 @@
-//! The pressure that a drive makes at many points: in f64 as the reference, and twice in f32 for speed, on the CPU and
-//! on the GPU.
+//! The field of a drive at many points: in f64 as the reference, and in f32 for speed, on the CPU and on the GPU.
 //!
-//! The two f32 evaluators do the same sums with the same polynomials from the same [`Sources`]; tests hold them to
-//! the reference.
+//! The two f32 evaluators do the same sums with the same polynomials from the same [`Sources`]; tests compare them
+//! with the reference.
 
 pub mod cells;
 pub mod colouring;
@@ -50,14 +49,14 @@ pub use side_lobe::{NoSideLobe, SideLobe};
 pub use sources::{Sources, Wave};
 pub use stages::{By, Depression, FieldError, Map, Pressed, Request, Stages, Work};
 
-/// Points of a table, at most: the answer to more would fill gigabytes.
+/// Limit of points of a table: more would need gigabytes.
 const MOST_POINTS: usize = 10_000_000;
 /// m; points beyond are slips of the unit.
 const FARTHEST: f64 = 1e6;
 
-/// Where the field is wanted: sample (i, j) stands at `columns[i] + rows[j]`.
+/// Sample points: sample (i, j) is at `columns[i] + rows[j]`.
 ///
-/// A grid on a plane has as many of each as it is wide and high; a list of points is one row.
+/// A grid on a plane has as many columns and rows as its width and height; a list of points is one row.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Samples {
     /// m
@@ -69,7 +68,7 @@ pub struct Samples {
 impl Samples {
     /// Samples at the centres of `width` x `height` pixels that fill the plane, row 0 at the smallest y.
     ///
-    /// `None` where the plane's axes span no plane, which a checked scene's do.
+    /// `None` for parallel or zero axes, which a checked scene never has.
     pub fn on_plane(plane: &Plane, width: usize, height: usize) -> Option<Self> {
         let (x_axis, y_axis) = plane.axes()?;
         let along = |axis: DVec3, length: f64, count: usize| {
@@ -89,7 +88,7 @@ impl Samples {
     /// The points of CSV with the columns `x`, `y` and `z` (m).
     ///
     /// # Errors
-    /// No points or too many, a row that makes no sense, or a point farther than 1000 km along an axis.
+    /// No points or too many, an invalid row, or a point farther than 1000 km along an axis.
     pub fn read(csv: impl Read) -> Result<Self, TableError> {
         let mut table = Table::open(csv, ["x", "y", "z"], [])?;
         let mut points = Vec::new();
@@ -140,7 +139,7 @@ impl Samples {
         })
     }
 
-    /// A box that holds every sample: its smallest and its largest corner.
+    /// The bounding box of all samples: its smallest and its largest corner.
     fn bounds(&self) -> (DVec3, DVec3) {
         let range = |points: &[DVec3]| {
             points.iter().fold((DVec3::MAX, DVec3::MIN), |(low, high), p| (low.min(*p), high.max(*p)))
@@ -150,7 +149,7 @@ impl Samples {
     }
 }
 
-/// Who computes the field.
+/// The field evaluator.
 #[derive(Debug)]
 pub enum Evaluator {
     /// f64, point by point: slow and right.
@@ -160,11 +159,11 @@ pub enum Evaluator {
 }
 
 impl Evaluator {
-    /// Complex pressure (Pa, peak) at every sample, off by no more than [`plan::EXACT`] of the largest: in f64 where f32 does not keep
-    /// that.
+    /// Complex pressure (Pa, peak) at every sample, within [`plan::EXACT`] of the largest: in f64 where f32 does not
+    /// suffice.
     ///
     /// # Errors
-    /// Only the GPU fails: on a lost device or memory that it does not have.
+    /// Errors of the GPU only: a lost device or insufficient memory.
     pub fn pressure(
         &self,
         aperture: &Aperture,
@@ -185,9 +184,9 @@ impl Evaluator {
     }
 }
 
-/// Whether pressures are what f64 says, at places among the samples.
+/// Whether pressures agree with f64 at some of the samples.
 fn is_exact(aperture: &Aperture, drive: &Drive, samples: &Samples, field: &[Complex32]) -> bool {
-    /// Samples that are compared, and what others may be off more.
+    /// Number of compared samples, and safety factor for the others.
     const COMPARED: usize = 96;
     const MARGIN: f32 = 3.0;
     let chosen: Vec<_> = (0..samples.len()).step_by(samples.len().div_ceil(COMPARED)).collect();

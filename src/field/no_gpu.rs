@@ -1,14 +1,14 @@
-//! The GPU of a library that is built without one: there is none, and nothing can be done with it.
+//! Replaces the GPU evaluator in builds without one: every request fails.
 
 use num_complex::Complex32;
 
 use crate::field::{GpuError, Sources, Traffic};
 
-/// No value of it exists.
+/// An uninhabited type.
 #[derive(Clone, Copy, Debug)]
 pub enum Gpu {}
 
-/// No value of it exists.
+/// An uninhabited type.
 #[derive(Clone, Copy, Debug)]
 pub enum Texture {}
 

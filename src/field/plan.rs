@@ -1,12 +1,13 @@
-//! Which points of a plane to sample, so that a map of any size keeps the tolerance.
+//! The sampling plan of a plane: sample points that keep the tolerance for maps of any size.
 //!
-//! Complex pressure on a plane has hardly any spatial frequency above sinθ/λ, θ being the steepest angle at which a ray
-//! from the array meets the plane's axis. It is sampled a little finer than that asks for, with a margin, and interpolated
-//! with a Kaiser-windowed sinc; moduli are formed afterwards, since |p|² has twice the band. Where samples would come
+//! Complex pressure on a plane has little spatial frequency above sinθ/λ, θ being the steepest angle between a ray
+//! from the array and the normal of the axis. It is sampled with a small margin and interpolated with a
+//! Kaiser-windowed sinc; moduli are formed afterwards, since |p|² has twice the bandwidth. Where samples would be
 //! within a wavelength of the array, every pixel is evaluated.
 //!
-//! Where an axis of the plane runs along the array, a step that divides the pitch is taken: a sample then stands to one
-//! element as its neighbours stand to the next, and [`crate::field::transfer`] keeps one line for all of them.
+//! If an axis of the plane is parallel to the array, the step divides the pitch: the transfer from an element to a
+//! sample then equals that from its neighbour to a neighbouring sample, and [`crate::field::transfer`] stores one
+//! line for all elements.
 
 use std::f64::consts::TAU;
 use std::ops::Range;
@@ -20,51 +21,51 @@ use crate::field::interpolation::Resampling;
 use crate::field::{Samples, Wave};
 use crate::scene::{ElementModel, Plane};
 
-/// Bytes that a table of waves may take; above, every superposition evaluates its waves anew.
+/// Limit of a table of waves in bytes; above, every superposition evaluates its waves again.
 pub const TABLE_CEILING: usize = 256 << 20;
-/// Half-widths of the window, in samples, that are tried.
+/// Candidate half-widths of the window, in samples.
 const HALF_WIDTHS: [usize; 8] = [2, 3, 4, 5, 6, 8, 10, 12];
-/// Pixels of a usual large map, for which the window is chosen.
+/// Pixels of a typical large map, for which the window is chosen.
 const USUAL_PIXELS: f64 = 1024.0 * 1024.0;
-/// The largest error, relative to the peak, of a map that is to be exact.
+/// The error limit, relative to the peak, of an exact map.
 pub const EXACT: f64 = 2e-5;
-/// What f32 keeps at best, relative to the peak, where the plane comes near to elements.
+/// Smallest error of f32, relative to the peak, on planes near elements.
 const F32_ERROR: f64 = 4e-6;
-/// rad by which f32 rounds a path, per turn of it.
+/// Rounding error of a path in f32: rad per turn.
 const F32_TURN_ERROR: f64 = 1.2e-7 * TAU;
-/// Samples of a plane that are worth while: as many as the pixels of the largest map.
+/// Limit of samples of a plane: the pixels of the largest map.
 const MOST_SAMPLES: f64 = (1u64 << 26) as f64;
-/// Fresnel zones by which the local frequency is blurred, and the part of the tolerance that the window is designed for;
-/// with these, 12 000 random scenes kept their tolerance.
+/// Widening of the local frequency in Fresnel zones, and the window's part of the tolerance; with these, 12 000
+/// random scenes kept their tolerance.
 const BLUR: f64 = 0.15;
 const SHARE: f64 = 0.2;
-/// What is left of the component of one axis across another that runs along it.
+/// Limit of the transverse component of axes that count as parallel.
 const ALIGNED: f64 = 1e-12;
 
-/// What a map of a tolerance promises: the largest error of all its pixels, relative to its peak.
+/// The promised error of a map with this tolerance: the largest of all its pixels, relative to its peak.
 pub fn promised(tolerance: f64) -> f64 {
     if tolerance == 0.0 { EXACT } else { tolerance }
 }
 
-/// What to say of a map whose error, relative to its peak, is more than its tolerance promises.
+/// The warning about a map whose error, relative to its peak, exceeds its tolerance.
 pub fn missed(error: f64, tolerance: f64) -> Option<String> {
     let promised = promised(tolerance);
     (error > promised)
         .then(|| format!("the map's error may be {error:.1e} of its peak, more than the {promised:e} wanted"))
 }
 
-/// What things cost an evaluator, in evaluations of one sample-element pair.
+/// Costs of an evaluator, in evaluations of one sample-element pair.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Costs {
     /// One tap of the interpolation.
     pub tap: f64,
-    /// A pair that is read from a table that stays in the caches, and from one that does not.
+    /// A pair read from a table that fits the caches, and from a larger one.
     pub shared_pair: f64,
     pub kept_pair: f64,
 }
 
 impl Costs {
-    /// The same where not a usual map but so many values are interpolated from the samples.
+    /// The same for interpolating this number of values instead of a typical map.
     pub fn for_values(self, values: usize) -> Self {
         Self { tap: self.tap * values as f64 / USUAL_PIXELS, ..self }
     }
@@ -74,46 +75,45 @@ impl Costs {
     pub const GPU: Self = Self { tap: 0.3, shared_pair: 1.0, kept_pair: 1.0 };
 }
 
-/// What to evaluate for maps of a plane.
+/// The sampling plan for maps of a plane.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Plan {
     pub plane: Plane,
     /// Samples to interpolate from; without, every pixel is evaluated.
     pub grid: Option<Grid>,
-    /// The tolerance asks for more than f32 keeps, or the elements for more than it has room for: everything is evaluated
-    /// in f64.
+    /// f32 does not suffice for the tolerance or the elements: everything is evaluated in f64.
     pub double: bool,
     /// Why it is so, for people.
     pub reason: String,
 }
 
-/// Samples of a part of the plane, and how pixels are made from them.
+/// Samples of a part of the plane, and the interpolation of pixels from them.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Grid {
     pub samples: Samples,
-    /// Places (m) of the first sample along the plane's axes, from its centre, and the distances (m) between samples.
+    /// Position of the first sample and sample distances along the plane's axes, m from its centre.
     pub first: DVec2,
     pub step: DVec2,
-    /// Places (m) along the plane's second axis between which pixels may be interpolated.
+    /// Range (m) along the plane's second axis in which pixels may be interpolated.
     pub covered: Range<f64>,
     /// The highest spatial frequency (1/m) that matters along each axis.
     pub highest: DVec2,
     /// Half-width (samples) and shape of the window.
     pub half_width: usize,
     pub beta: f64,
-    /// For every board and image of the aperture that is heard: its number there, and for sample columns and sample rows how they repeat
-    /// from element to element.
+    /// For every contributing board and image: its index in the aperture, and the repetition of sample columns and
+    /// rows from element to element.
     pub heard: Vec<(usize, [Option<Shared>; 2])>,
 }
 
 impl Grid {
-    /// How values at `places` (m) along an axis, from the plane's centre, are interpolated.
+    /// Interpolation of values to `places` (m) along an axis, from the plane's centre.
     pub fn resampling(&self, axis: usize, places: impl Iterator<Item = f64>) -> Resampling {
         let in_samples = places.map(|place| (place - self.first[axis]) / self.step[axis]);
         Resampling::new(in_samples, self.half_width, self.beta)
     }
 
-    /// How slopes there are, per metre.
+    /// Interpolation of slopes there, per metre.
     pub fn slopes(&self, axis: usize, places: impl Iterator<Item = f64>) -> Resampling {
         let in_samples = places.map(|place| (place - self.first[axis]) / self.step[axis]);
         let mut slopes = Resampling::slopes(in_samples, self.half_width, self.beta);
@@ -132,11 +132,10 @@ pub struct Shared {
 }
 
 impl Plan {
-    /// The plan for a plane and its tolerance, by an evaluator with these costs. The tolerance is relative to the map's
-    /// peak; 0 asks for direct evaluation.
-    /// `None` where the plane's axes span no plane, or its centre, size or tolerance are none that a checked scene has.
+    /// The plan for a plane and its tolerance, by an evaluator with these costs. The tolerance is relative to the
+    /// map's peak; 0 asks for direct evaluation. `None` for an invalid plane, which a checked scene never has.
     pub fn new(aperture: &Aperture, plane: &Plane, costs: Costs) -> Option<Self> {
-        /// m; phases are rounded to whole turns beyond.
+        /// m; limit of distances from the origin.
         const FARTHEST: f64 = 1e6;
         let is_plane = plane.centre.is_finite()
             && plane.centre.abs().max_element() <= FARTHEST
@@ -194,8 +193,8 @@ fn corners(plane: &Plane) -> Option<Samples> {
     Some(Samples { columns: vec![plane.centre - x, plane.centre + x], rows: vec![-y, y] })
 }
 
-/// An estimate of the f32 evaluators' error relative to the peak: the rounding of the longest path that they see and of places,
-/// which mostly averages out over the elements. Where it does not, the measured error tells.
+/// An estimate of the f32 evaluators' error relative to the peak: rounding of the longest path and of positions,
+/// which mostly averages out over the elements. The measured error covers other cases.
 pub fn f32_error(aperture: &Aperture, samples: &Samples) -> f64 {
     let averaging = if aperture.positions.len() > 1 { 0.1 } else { 0.5 };
     let of_face = |face: &Face| {
@@ -214,7 +213,7 @@ pub fn f32_error(aperture: &Aperture, samples: &Samples) -> f64 {
     aperture.faces.iter().map(of_face).fold(0.0, f64::max)
 }
 
-/// What every layout of samples on this plane is measured against.
+/// The data common to all layouts of samples on this plane.
 struct View {
     centre: DVec3,
     axes: [DVec3; 2],
@@ -225,15 +224,15 @@ struct View {
     pitch: f64,
     wavelength: f64,
     faces: Vec<Seen>,
-    /// What no sample may be near to or behind, where the plane is not all behind it.
+    /// The element planes that samples keep away from, unless the whole plane is behind.
     walls: Vec<Wall>,
-    /// m, by which an element that is a disk itself reaches beyond its centre.
+    /// Extent (m) of disk elements around their centre.
     disk: f64,
     /// m, the radius that a far field's directivity is of.
     pattern: f64,
 }
 
-/// The plane as a board sees it that is heard on it.
+/// The plane in the coordinates of a contributing board.
 struct Seen {
     /// Its number in the aperture.
     number: usize,
@@ -246,19 +245,20 @@ struct Seen {
     is_lattice: bool,
 }
 
-/// The plane in which elements stand: m from there to the middle of the map's plane, and by how much that grows per m along its axes.
+/// An element plane: its distance (m) from the centre of the map's plane, and the gradient of the distance along the
+/// map's axes.
 struct Wall {
     height: f64,
     slopes: [f64; 2],
 }
 
 impl Wall {
-    /// How far below its row the lowest sample of a row and its margin may lie, m.
+    /// Largest distance (m) of a row's lowest sample, with margin, below the row.
     fn sagging(&self, half: DVec2, margin: DVec2) -> f64 {
         (half.x + margin.x) * self.slopes[0].abs() + margin.y * self.slopes[1].abs()
     }
 
-    /// Whether all of a plane lies behind.
+    /// Whether the whole plane is behind it.
     fn is_passed(&self, half: DVec2) -> bool {
         self.height + half.x * self.slopes[0].abs() + half.y * self.slopes[1].abs() < -NEAREST
     }
@@ -279,7 +279,7 @@ struct Layout {
 
 impl View {
     fn new(aperture: &Aperture, plane: &Plane, costs: Costs) -> Option<Self> {
-        /// Of the tolerance, what may be missing of a series of reflections.
+        /// Part of the tolerance for a truncated series of reflections.
         const CUT: f64 = 0.05;
         let (x_axis, y_axis) = plane.axes()?;
         let (element, half) = (&aperture.element, plane.size / 2.0);
@@ -300,7 +300,7 @@ impl View {
             } else {
                 layout.positions.iter().zip(&layout.normals).map(|(&at, &normal)| wall(at, normal)).collect()
             };
-            // The last one stands for boards of which none is heard.
+            // The last one represents boards that do not contribute.
             let is_only = faces.is_empty() && number + 1 == aperture.faces.len();
             let before = walls.len();
             walls.extend(own.into_iter().filter(|wall| is_only || !wall.is_passed(half)));
@@ -333,10 +333,10 @@ impl View {
         })
     }
 
-    /// Samples for a window, as coarse as the tolerance allows, on as much of the plane as stays clear of the array.
+    /// The coarsest layout of samples for a window within the tolerance, on the part of the plane clear of the array.
     ///
-    /// A Kaiser window of half-width K and shape β passes what lies below ½ - β/2πK cycles per sample and stops what lies
-    /// above ½ + β/2πK, to about e^{-β}.
+    /// A Kaiser window of half-width K and shape β passes frequencies below ½ - β/2πK cycles per sample and stops
+    /// those above ½ + β/2πK, to about e^{-β}.
     fn layout(&self, half_width: usize, sharing: bool) -> Option<Layout> {
         let beta = -(SHARE * self.tolerance).ln();
         let cycles_per_sample = 0.5 - beta / (TAU * half_width as f64);
@@ -376,7 +376,8 @@ impl View {
         Some(Layout { half_width, beta, step, covered, highest, shared })
     }
 
-    /// Between which places along the second axis samples, margin included, stay a wavelength away from what elements stand in.
+    /// The range along the second axis in which samples, including margins, are a wavelength away from element
+    /// planes.
     fn covered(&self, margin: DVec2) -> Option<Range<f64>> {
         let half = self.half.y;
         let covered = self.walls.iter().fold(-half..half, |covered, wall| {
@@ -394,12 +395,13 @@ impl View {
         (covered.start < covered.end).then_some(covered)
     }
 
-    /// The highest spatial frequency along an axis, in cycles per wavelength, of which more than e^{-β} is left on what is
-    /// covered and its margin.
+    /// The highest spatial frequency along an axis, in cycles per wavelength, with more than e^{-β} on the covered
+    /// part and its margin.
     ///
-    /// It is the sine of the steepest ray, blurred by the curvature of the wave fronts over one Fresnel zone; but no more
-    /// than what of the evanescent field, which falls by e^{-2πz√(f²-1)/λ}, comes so far. A directivity 2 J1(ka sinθ)/(ka sinθ)
-    /// turns by ka as sinθ does from 0 to 1, and so adds a/z cos³θ. That matters where elements are wider than they are far away.
+    /// It is the sine of the steepest ray, widened by wave front curvature over one Fresnel zone, but at most the
+    /// highest evanescent frequency that decays (as e^{-2πz√(f²-1)/λ}) by no more than that. A directivity 2 J1(ka
+    /// sinθ)/(ka sinθ) varies by ka as sinθ goes from 0 to 1, and so adds a/z cos³θ. That matters for elements wider
+    /// than their distance.
     fn highest_frequency(&self, axis: usize, covered: &Range<f64>, margin: DVec2, beta: f64) -> f64 {
         let height = |wall: &Wall| {
             let slope = wall.slopes[1];
@@ -477,7 +479,7 @@ impl View {
 }
 
 impl Seen {
-    /// The board's axis along which an axis of the plane runs, and whether forwards (1) or backwards (-1).
+    /// The board's axis parallel to an axis of the plane, and its direction (1 or -1).
     fn along(&self, axis: usize) -> Option<(usize, f64)> {
         let along = self.axes[axis];
         let found = [0, 1].into_iter().find(|&i| (along[i].abs() - 1.0).abs() < ALIGNED);

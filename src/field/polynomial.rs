@@ -1,4 +1,4 @@
-//! Polynomials that stand in for smooth functions.
+//! Polynomial approximations of smooth functions.
 
 use std::f64::consts::PI;
 

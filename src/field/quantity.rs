@@ -1,8 +1,8 @@
-//! What can be shown of a field. A quantity is declared once: what it is made of, its formula in Rust and in WGSL, its
-//! unit and range, and how people call it.
+//! The quantities of a field. Each is declared once: its parts of the sound, its formula in Rust and in WGSL, unit,
+//! range, and names.
 //!
-//! A formula gives one real number at one point from the sound of one drive there. Numbers of several drives are
-//! averaged; the root is taken of that mean where the quantity is an RMS value, or a liquid answers to it.
+//! A formula maps the sound of one drive at one point to one real number. The numbers of several drives are averaged;
+//! RMS values take the root of that mean, and a liquid responds to it.
 
 use num_complex::Complex;
 
@@ -11,10 +11,10 @@ pub use crate::field::unit::Unit;
 use crate::rounding;
 use crate::simd::{Instructions, Isa, Kernel};
 
-/// How values run, and so how they are coloured.
+/// The kind of range of values, which determines their colours.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Range {
-    /// From nothing to the largest.
+    /// From zero to the largest.
     Amount,
     /// From minus the largest to the largest.
     Signed,
@@ -22,10 +22,10 @@ pub enum Range {
     Cyclic,
 }
 
-/// What the largest value and the error of a map are of.
+/// The norm behind the largest value and the error of a map.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Norm {
-    /// Of the value, a norm of the sound: its error is that norm of the sound's error.
+    /// The value is a norm of the sound, and its error the same norm of the sound's error.
     Value,
     /// Of |P| (Pa, peak).
     Pressure,
@@ -44,7 +44,7 @@ pub struct Declaration {
     pub title: &'static str,
     /// In sentences.
     pub words: &'static str,
-    /// A sentence for who meets it first.
+    /// A sentence of explanation.
     pub help: &'static str,
     pub unit: Unit,
     pub range: Range,
@@ -55,9 +55,9 @@ pub struct Declaration {
     pub formula: fn(Sounds<'_>, &Constants, &mut [f32]),
     /// In f64, at one point.
     pub exact: fn(Sound<f64>, &Constants<f64>) -> f64,
-    /// As WGSL has it: an expression in `s` (a sound) and `c` (the constants).
+    /// WGSL expression in `s` (a sound) and `c` (the constants).
     pub wgsl: &'static str,
-    /// A square of the sound: it has twice the band and is linear from there on, so that it may be formed at cells.
+    /// Quadratic in the sound: twice the bandwidth, and linear from there on, so that it may be formed at cells.
     pub is_square: bool,
     /// Several drives have a mean of it.
     pub has_mean: bool,
@@ -65,17 +65,17 @@ pub struct Declaration {
     pub is_root: bool,
     /// dB of a factor of ten.
     pub decibels: f64,
-    /// Over a motion and an envelope it is the mean that counts.
+    /// Averaged over a motion and an envelope.
     pub is_slow: bool,
-    /// The response of the liquid is shown, and not what presses it.
+    /// Shown through the response of the liquid.
     pub of_liquid: bool,
     /// And not its surface, but the light that this bends.
     pub of_light: bool,
-    /// It is the length of a vector whose components are made in f64, not by the formula.
+    /// The magnitude of a vector, whose components are computed in f64 instead of by the formula.
     pub is_vector: bool,
 }
 
-/// What a declaration leaves out.
+/// Defaults of a declaration.
 const USUAL: Declaration = Declaration {
     name: "",
     aliases: &[],
@@ -105,7 +105,7 @@ macro_rules! quantities {
         formula: |$s:ident, $c:ident| $formula:expr,
         $($field:ident: $value:expr),* $(,)?
     })*) => {
-        /// What of a field is shown.
+        /// A quantity of a field.
         #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
         pub enum Quantity {
             $($(#[$doc])* $quantity,)*
@@ -151,7 +151,7 @@ quantities! {
     /// arg P, rad in (-π, π].
     Phase {
         parts: PRESSURE,
-        // The angle of nothing is 0, whatever the signs of its zeros.
+        // The angle of zero is 0, whatever the signs of its zeros.
         formula: |s, _c| s.p.im.atan2(if s.p == Complex::new(0.0, 0.0) { 1.0 } else { s.p.re }),
         wgsl: "atan2(s.p.y, select(s.p.x, 1.0, all(s.p == vec2f(0.0))))",
         name: "phase",
@@ -163,11 +163,11 @@ quantities! {
         norm: Norm::Pressure,
         has_mean: false,
     }
-    /// Radiation pressure (Pa) on the plane as a rigid surface, or one of a liquid, which reflects 99.9 % of the sound.
+    /// Radiation pressure (Pa) on the plane as a rigid or a liquid surface, which reflects 99.9 % of the sound.
     ///
-    /// On such a surface the incident pressure P doubles, and only the velocity v along it is left. The mean of
-    /// ⟨p²⟩/(2ρc²) - ρ⟨v²⟩/2 is then |P|²/(ρc²) - |∇P|²/(ρω²), ∇ taken along the surface. For a plane wave at the angle θ this
-    /// is Langevin's 2⟨p²⟩cos²θ/(ρc²).
+    /// On such a surface the incident pressure P doubles, and only the tangential velocity v remains. The mean of
+    /// ⟨p²⟩/(2ρc²) - ρ⟨v²⟩/2 is then |P|²/(ρc²) - |∇P|²/(ρω²), ∇ taken along the surface. For a plane wave at the
+    /// angle θ this is Langevin's 2⟨p²⟩cos²θ/(ρc²).
     Radiation {
         parts: PRESSURE | ALONG,
         formula: |s, c| c.of_pressure * s.p.norm_sqr() - c.of_gradient * (s.x.norm_sqr() + s.y.norm_sqr()),
@@ -182,7 +182,7 @@ quantities! {
         decibels: 10.0,
         is_slow: true,
     }
-    /// Surface depression (m, positive down) of the liquid whose surface the plane is, under the radiation pressure.
+    /// Surface depression (m, positive down) of the liquid at the plane under the radiation pressure.
     Depression {
         parts: PRESSURE | ALONG,
         formula: |s, c| c.of_pressure * s.p.norm_sqr() - c.of_gradient * (s.x.norm_sqr() + s.y.norm_sqr()),
@@ -243,8 +243,7 @@ quantities! {
         is_square: true,
         is_root: true,
     }
-    /// Brightness of light on a screen that came through the liquid whose surface the plane is, or was reflected by it; 1 where it is
-    /// undisturbed.
+    /// Brightness of light on a screen, through the liquid at the plane or reflected by it; 1 is undisturbed.
     Caustic {
         parts: PRESSURE | ALONG,
         formula: |s, c| c.of_pressure * s.p.norm_sqr() - c.of_gradient * (s.x.norm_sqr() + s.y.norm_sqr()),
@@ -295,14 +294,14 @@ quantities! {
 }
 
 impl Declaration {
-    /// Whether a liquid's surface itself is shown, which has a relief.
+    /// Whether it is a liquid's surface, which has a relief.
     pub fn is_surface(&self) -> bool {
         self.of_liquid && !self.of_light
     }
 }
 
 impl Quantity {
-    /// The quantity whose formula and response this one is made from: itself but for light.
+    /// The quantity with the formula and response of this one: itself, except for light.
     pub fn pressed_by(self) -> Self {
         if self.declaration().of_light { Self::Depression } else { self }
     }
@@ -313,7 +312,7 @@ impl Quantity {
         format!("{} {unit}", figures(value * factor))
     }
 
-    /// The same, rounded up: what no value of a map exceeds.
+    /// The same, rounded up to an upper bound.
     pub fn at_most(self, value: f64) -> String {
         let (factor, unit) = self.declaration().unit.scaled(value.abs());
         format!("{} {unit}", rounding::at_most(value * factor, decimals(value * factor)))
@@ -324,7 +323,7 @@ impl Quantity {
         self.declaration().decibels * part.max(1e-12).log10()
     }
 
-    /// Whether a logarithm can be taken of it.
+    /// Whether it has a logarithmic scale.
     pub fn is_amount(self) -> bool {
         self.declaration().range == Range::Amount
     }
@@ -380,7 +379,7 @@ impl<F: Fn(Sound, &Constants) -> f32, const PARTS: u8> Kernel for Along<'_, F, P
     fn run<I: Instructions>(self) {
         let Self { sounds: Sounds(parts), constants, values, at } = self;
         let count = values.len();
-        // Of one length that the compiler sees, so that no access is checked.
+        // Of one length known to the compiler, which removes bounds checks.
         let [p, x, y, n] =
             std::array::from_fn(|i| if PARTS & 1 << i == 0 { parts[i] } else { &parts[i][..count] });
         for (i, value) in values.iter_mut().enumerate() {

@@ -11,14 +11,14 @@ use crate::field::{Plan, Samples};
 pub struct Raster {
     pub width: usize,
     pub height: usize,
-    /// Rows that are interpolated; the rest is evaluated pixel by pixel.
+    /// Interpolated rows; the rest is evaluated pixel by pixel.
     pub interpolated: Range<usize>,
     columns: Vec<DVec3>,
     rows: Vec<DVec3>,
 }
 
 impl Raster {
-    /// `None` where the plane's axes span no plane.
+    /// `None` for an invalid plane.
     pub fn new(plan: &Plan, (width, height): (usize, usize)) -> Option<Self> {
         let Samples { columns, rows } = Samples::on_plane(&plan.plane, width, height)?;
         let direct = Self { width, height, interpolated: 0..0, columns, rows };
@@ -51,21 +51,21 @@ impl Raster {
         Samples { columns: self.columns.clone(), rows: self.rows[rows].to_vec() }
     }
 
-    /// The rows that are evaluated pixel by pixel, below and above the interpolated ones.
+    /// The rows evaluated pixel by pixel, below and above the interpolated ones.
     pub fn direct(&self) -> impl Iterator<Item = Range<usize>> {
         [0..self.interpolated.start, self.interpolated.end..self.height]
             .into_iter()
             .filter(|rows| !rows.is_empty())
     }
 
-    /// Points at which anything is evaluated.
+    /// Number of evaluated points.
     pub fn evaluated(&self, plan: &Plan) -> usize {
         let direct: usize = self.direct().map(|rows| rows.len() * self.width).sum();
         let samples = plan.grid.as_ref().filter(|_| !self.interpolated.is_empty());
         direct + samples.map_or(0, |grid| grid.samples.len())
     }
 
-    /// How the pixels are made, for people.
+    /// The method of evaluation, as text.
     pub fn describe(&self, plan: &Plan) -> String {
         let reason = &plan.reason;
         match &plan.grid {

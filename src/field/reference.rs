@@ -1,4 +1,4 @@
-//! The field in f64 by the transfer itself: what the fast evaluators are held to.
+//! The field in f64 by the transfer itself: the reference of the fast evaluators.
 
 use glam::DVec3;
 use num_complex::Complex64;

@@ -1,23 +1,24 @@
-//! The peak side lobe of a drive: the loudest place on a plane beside the foci.
+//! The peak side lobe of a drive: the loudest point on a plane outside the main lobes of the foci.
 //!
-//! It is the largest local maximum of |p| outside the main lobes of the foci, on the plane with its edge: a lobe that the edge cuts
-//! counts with its largest value there. What a rectangle sends to a point is nearly the
-//! product of two integrals, one along each of its sides, ∫ exp(i k δ(x)) dx, where δ is how much longer the path from x to the
-//! point is than the path from x to the focus, at which all arrive in phase. A lobe ends where one of the two has its
-//! first minimum, and for both ways to leave a focus that is where δ differs by about a wavelength along that side:
+//! It is the largest local maximum of |p| outside the main lobes of the foci, on the plane including its edge: a lobe
+//! cut by the edge counts with its largest value there. The field of a rectangle at a point is nearly the product of
+//! two integrals, one along each of its sides, ∫ exp(i k δ(x)) dx, where δ is the length of the path from x to the
+//! point less that of the path from x to the focus, where all arrive in phase. A lobe ends at the first minimum of
+//! one of the two, where in both directions δ varies by about a wavelength along that side:
 //!
 //! - across the beam δ is linear in x, the integral is sinc, and its first null lies where δ differs by λ from edge to edge;
 //! - along the beam δ is quadratic, the integral is Fresnel's, √(C² + S²)(v)/v, and its first minimum lies at v = 1.91, where
 //!   δ differs by λ v²/4 = 0.92 λ from an edge to the middle. (The first null of a disk, (sin πu)/πu, has λ.)
 //!
-//! Of a rectangle that is long and narrow the long side decides along the beam, and its minimum is no null: one of 6 x 16 has
-//! half the focus' pressure there. Where paths cannot differ so much, as beyond a focus far away, the beam has no end.
+//! For a long and narrow rectangle the long side decides along the beam, and its minimum is not a null: for 6 x 16 it
+//! is half the focal pressure. Where paths cannot differ by this much, as beyond a distant focus, the beam has no
+//! end.
 //!
-//! A point is in the lobe where δ differs by less than [`REACH`] wavelengths along either middle line of the box around the
-//! driven elements. For 16 x 16, 6 x 16, 4 x 32 and 1 x 16 and foci from 5 to 40 cm, steered by up to 50°, what is a tenth louder
-//! than the first minimum before it, and than a tenth of the focus, lies at 1.19 or more along and across the beam. That
-//! minimum lies at 0.86 to 1.25, and later in 4 of 379 cases. (Off both axes, in the corners of a square's lobe, there are maxima of
-//! 0.1 of the focus at 1.0 to 1.1.)
+//! A point is in the lobe where δ differs by less than [`REACH`] wavelengths along either middle line of the box
+//! around the driven elements. For 16 x 16, 6 x 16, 4 x 32 and 1 x 16 and foci from 5 to 40 cm, steered by up to 50°,
+//! all points a tenth louder than the preceding minimum, and louder than a tenth of the focus, lie at 1.19 or more
+//! along and across the beam. That minimum lies at 0.86 to 1.25, and later in 4 of 379 cases. (Off both axes, in the
+//! corners of a square's lobe, there are maxima of 0.1 of the focus at 1.0 to 1.1.)
 
 use std::f64::consts::SQRT_2;
 
@@ -33,18 +34,18 @@ use crate::scene::{Plane, Scene};
 
 /// Samples in a wavelength at least: a maximum of |p| is half a wavelength wide or more.
 const PER_WAVELENGTH: f64 = 8.0;
-/// Samples of a plane that are searched at most.
+/// Limit of searched samples of a plane.
 const MOST_SAMPLES: f64 = 4e6;
-/// Of the peak: what the map may be off while maxima are found; their pressures are then evaluated in f64.
+/// Tolerance of the map during the search of maxima, relative to the peak; their pressures are then evaluated in f64.
 const TOLERANCE: f64 = 1e-3;
-/// Of a wavelength: by how much paths differ at the end of a main lobe.
+/// Path difference at the end of a main lobe, in wavelengths.
 const REACH: f64 = 1.15;
-/// Places whose pressures are found together.
+/// Points evaluated together.
 const RUN: usize = 16;
-/// Parts into which half a side is cut, at whose ends paths are compared.
+/// Divisions of half a side, at whose ends paths are compared.
 const PARTS: i32 = 8;
 
-/// The loudest place beside the foci.
+/// The largest maximum outside the main lobes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SideLobe {
     /// m
@@ -70,10 +71,10 @@ pub enum NoSideLobe {
     Field(#[from] FieldError),
 }
 
-/// The peak side lobe of a drive on a plane, or of several that take turns.
+/// The peak side lobe of a drive on a plane, or of several drives in turn.
 ///
 /// # Errors
-/// [`NoSideLobe`]: it may have none, or the field may fail.
+/// [`NoSideLobe`]: no side lobe, or a failure of the field.
 pub fn loudest(
     stages: &mut Stages,
     aperture: &Aperture,
@@ -96,7 +97,7 @@ pub fn loudest(
         return Err(NoSideLobe::Silent);
     }
     let at = |place: DVec2| plane.centre + x_axis * place.x + y_axis * place.y;
-    // Nearer to a board than a wavelength it is the elements themselves that are loud.
+    // Within a wavelength of a board the elements themselves dominate.
     let is_clear = |point: DVec3| {
         let heights = || walls.iter().map(|(at, normal)| normal.dot(point - at));
         heights().all(|height| height.abs() > aperture.wavelength()) && heights().any(|height| height > 0.0)
@@ -130,7 +131,7 @@ fn sampled(
         return Err(NoSideLobe::TooLarge);
     }
     let step = plane.size / (counts - 1.0);
-    // Samples stand at the centres of pixels, those at the edge half a step within such a plane.
+    // Samples are at pixel centres, so those on the edge need a plane larger by half a step.
     let around = Plane { size: plane.size + step, tolerance: TOLERANCE, ..plane.clone() };
     let (columns, rows) = (counts.x as usize, counts.y as usize);
     let request = Request {
@@ -146,7 +147,7 @@ fn sampled(
     Ok(Lattice { values, columns, first: -plane.size / 2.0, step, half: plane.size / 2.0 })
 }
 
-/// The point of a plane's rectangle that is nearest to another.
+/// The point of a plane's rectangle nearest to another point.
 fn nearest(plane: &Plane, axes: [DVec3; 2], point: DVec3) -> DVec3 {
     let along = |axis: DVec3, size: f64| {
         let place: f64 = axis.dot(point - plane.centre);
@@ -158,7 +159,7 @@ fn nearest(plane: &Plane, axes: [DVec3; 2], point: DVec3) -> DVec3 {
 /// A board with the sides of the box around its driven elements.
 struct Sides {
     pose: Pose,
-    /// m, by which paths may differ along a side.
+    /// Largest path difference along a side, m.
     reach: f64,
     /// Middle of the driven elements, in the board's coordinates.
     middle: DVec3,
@@ -189,7 +190,7 @@ impl Sides {
         point.z > 0.0 && self.halves.iter().all(|&half| self.spread([point, focus], half) < self.reach)
     }
 
-    /// By how much paths to a point differ along a side, less what they differ on the way to the focus; m.
+    /// Variation along a side of the path to a point less the path to the focus; m.
     fn spread(&self, [point, focus]: [DVec3; 2], half: DVec3) -> f64 {
         let (least, most) = (-PARTS..=PARTS)
             .map(|part| self.middle + half * (f64::from(part) / f64::from(PARTS)))
@@ -199,7 +200,7 @@ impl Sides {
     }
 }
 
-/// The main lobe of a focus: where those of all boards meet that send sound there.
+/// The main lobe of a focus: the intersection of those of all contributing boards.
 struct Lobe<'a> {
     focus: DVec3,
     boards: &'a [Sides],
@@ -238,8 +239,8 @@ mod tests {
             .take_while(|point| point.z > aperture.wavelength() && point.distance(focus) < 0.3)
             .collect()
     }
-    /// The places (indices) of the first maximum of a line of levels, the first minimum behind it, and the maximum behind
-    /// that, if it is louder than the minimum by a tenth.
+    /// The indices of the first maximum of a line of levels, the first minimum behind it, and the next maximum, if it
+    /// is a tenth louder than the minimum.
     fn turns(levels: &[f64]) -> (usize, Option<usize>, Option<usize>) {
         let turn = |from: usize, sign: f64| {
             (from + 1..levels.len() - 1).find(|&at| {

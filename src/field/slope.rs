@@ -1,4 +1,4 @@
-//! Slopes of the pressure where no grid gives them: central differences along a direction.
+//! Slopes of the pressure by central differences along a direction, where no grid provides them.
 
 use glam::DVec3;
 use num_complex::{Complex32, Complex64};
@@ -11,22 +11,22 @@ use crate::field::quantity::{Constants, Part, Quantity, Sound, narrow};
 use crate::field::{Samples, on_cpu};
 use crate::gauge::Gauge;
 
-/// Places (steps) and weights (per step) where the pressures are f32: off by (kh)⁴/30 of the slope.
+/// Positions (steps) and weights (per step) for pressures in f32: relative error (kh)⁴/30.
 const STENCIL: [(f64, f64); 4] =
     [(-2.0, 1.0 / 12.0), (-1.0, -2.0 / 3.0), (1.0, 2.0 / 3.0), (2.0, -1.0 / 12.0)];
 /// Steps in a wavelength: truncation, 5e-5, and rounding are alike.
 const PER_WAVELENGTH: f64 = 32.0;
-/// Wavelengths from a point to its neighbours where the pressures are f64: off by (kh)²/6 = 7e-8.
+/// Step in wavelengths for pressures in f64: relative error (kh)²/6 = 7e-8.
 const HAIR: f64 = 1e-4;
-/// Wavelengths from the array within which slopes need f64: an element's wave varies over its distance there, and not over a
-/// wavelength.
+/// Distance from the array, in wavelengths, within which slopes need f64: there an element's wave varies over its
+/// distance, not over a wavelength.
 const NEAR: f64 = 1.0;
-/// Points whose slopes are found together in f64.
+/// Points evaluated together in f64.
 const RUN: usize = 16;
 /// The finest tolerance for which slopes by f32 differences will do.
 pub const FINEST_IN_F32: f64 = 2e-4;
 
-/// Shifts (m) of the samples along a direction, and the weights (1/m) with which their pressures in f32 add up to the slope.
+/// Shifts (m) of the samples along a direction, and the weights (1/m) of their f32 pressures in the slope.
 pub fn stencil(wavelength: f64) -> [(f64, f64); 4] {
     let step = wavelength / PER_WAVELENGTH;
     STENCIL.map(|(place, weight)| (place * step, weight / step))
@@ -38,8 +38,8 @@ pub fn shifted(samples: &Samples, offset: DVec3) -> Samples {
     Samples { columns, rows: samples.rows.clone() }
 }
 
-/// One part of the sound (see [`crate::field::quantity`]) at every sample, by the CPU: Pa, or Pa/m along one of the plane's
-/// two axes and its normal. In f64 if `double`, and where f32 is not right.
+/// One part of the sound (see [`crate::field::quantity`]) at every sample, by the CPU: Pa, or Pa/m along one of the
+/// plane's two axes and its normal. In f64 if `double`, or where f32 is inaccurate.
 pub fn part_on_cpu(
     aperture: &Aperture,
     drive: &Drive,
@@ -85,7 +85,7 @@ fn slopes_in_f64(aperture: &Aperture, drive: &Drive, direction: DVec3, points: &
     points.par_chunks(RUN).flat_map_iter(of_run).collect()
 }
 
-/// Neighbours of a point on both sides. Both are in front of a board, beyond which it is not heard, or both behind it.
+/// Neighbours of a point on both sides, both in front of the board or both behind it.
 fn beside(mut point: DVec3, direction: DVec3, hair: f64, walls: &[(DVec3, DVec3)]) -> [DVec3; 2] {
     for (at, normal) in walls {
         let (height, reach) = (normal.dot(point - at), hair * normal.dot(direction).abs());
@@ -98,7 +98,7 @@ fn beside(mut point: DVec3, direction: DVec3, hair: f64, walls: &[(DVec3, DVec3)
     [point + direction * hair, point - direction * hair]
 }
 
-/// Where a slope points; the pressure has no direction.
+/// The direction of a slope; the pressure has none.
 fn direction(part: Part, [x, y, normal]: [DVec3; 3]) -> Option<DVec3> {
     match part {
         Part::Pressure => None,
@@ -108,7 +108,7 @@ fn direction(part: Part, [x, y, normal]: [DVec3; 3]) -> Option<DVec3> {
     }
 }
 
-/// Points beside others at which pressures in f64 give the sound there: the reference for slopes.
+/// Neighbours of points whose f64 pressures give the sound there: the reference for slopes.
 #[derive(Clone, Debug)]
 pub struct Around {
     parts: u8,
@@ -125,7 +125,7 @@ impl Around {
         Self { parts, axes, hair: HAIR * aperture.wavelength(), walls: aperture.walls() }
     }
 
-    /// As many points for each as [`Around::sounds`] takes pressures.
+    /// The points expected by [`Around::sounds`], the same number for each.
     pub fn points(&self, points: &[DVec3]) -> Vec<DVec3> {
         let mut around = Vec::new();
         for &point in points {

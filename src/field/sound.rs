@@ -1,4 +1,4 @@
-//! The sound at a point: pressure and its slopes, and what formulae need to know of the air beside it.
+//! The sound at a point: pressure, its slopes, and the properties of the air used by formulae.
 
 use num_complex::{Complex, Complex32, Complex64};
 
@@ -6,7 +6,7 @@ use crate::acoustics::Air;
 use crate::force::Sphere;
 use crate::scene::Bead;
 
-/// The sound of one drive at a point: complex peak amplitudes, in f32 on maps and in f64 where these are judged.
+/// The sound of one drive at a point: complex peak amplitudes, in f32 on maps and in f64 for their comparison.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Sound<T = f32> {
     /// Pa
@@ -51,14 +51,14 @@ pub enum Part {
 }
 
 impl Part {
-    /// In the order in which evaluators keep them.
+    /// In the order of the evaluators.
     pub const ALL: [Self; 4] = [Self::Pressure, Self::AlongX, Self::AlongY, Self::Normal];
 
     const fn bit(self) -> u8 {
         1 << self as u8
     }
 
-    /// The parts that are named by their bits.
+    /// The parts of a bit set.
     pub fn of(bits: u8) -> impl Iterator<Item = Self> {
         Self::ALL.into_iter().filter(move |part| bits & part.bit() != 0)
     }
@@ -69,7 +69,7 @@ pub const PRESSURE: u8 = Part::Pressure.bit();
 pub const ALONG: u8 = Part::AlongX.bit() | Part::AlongY.bit();
 pub const NORMAL: u8 = Part::Normal.bit();
 
-/// What formulae need to know of the air, of a bead in it, and of the moment.
+/// Constants of the air, a bead and the moment in formulae.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Constants<T = f32> {
     /// 1/(ρc²), 1/Pa
@@ -78,7 +78,7 @@ pub struct Constants<T = f32> {
     pub of_gradient: T,
     /// 1/(ρω), m²/(Pa·s): |v| of |∇p|.
     pub of_velocity: T,
-    /// Of a bead's potential: of |p|² (m³/Pa) and, to be taken off, of |∇p|² (m⁵/Pa).
+    /// Coefficients of a bead's potential: of |p|² (m³/Pa) and, subtracted, of |∇p|² (m⁵/Pa).
     pub of_potential: [T; 2],
     /// e^{jωt} of an instantaneous pressure.
     pub turn: Complex<T>,
@@ -109,7 +109,7 @@ impl Constants<f64> {
     }
 }
 
-/// The parts of the sound at a run of points; those that a formula does not read are empty.
+/// The parts of the sound at a run of points; unused parts are empty.
 #[derive(Clone, Copy, Debug)]
 pub struct Sounds<'a>(pub [&'a [Complex32]; 4]);
 

@@ -1,12 +1,12 @@
-//! What the f32 evaluators need to know of the array and its drive, with every constant found in f64.
+//! The constants of the array and its drive for the f32 evaluators, computed in f64.
 //!
-//! Phase is counted in turns and reduced by `t - round(t)`: shading languages promise nothing for the sine of a large
-//! angle. Sine, cosine and directivity are polynomials of our own, so that both evaluators mean the same thing.
+//! Phase is counted in turns and reduced by `t - round(t)`: shading languages guarantee nothing for the sine of a
+//! large angle. Sine, cosine and directivity are our own polynomials, identical in both evaluators.
 //!
-//! Every board is seen in its own coordinates. The elements of a flat one lie in z = 0, so a distance is r = z + ρ²/(r + z), and
-//! e^{-jkz} is common to all elements: it is applied once per sample with a phase reduced in f64, and f32 sees the small second
-//! part alone. That keeps far planes as exact as near ones. Those of a curved one have heights h and radiate in directions of their own:
-//! r = |z| + (ρ² + h² - 2zh)/(r + |z|).
+//! Every board is evaluated in its own coordinates. The elements of a flat board lie in z = 0, so a distance is r =
+//! z + ρ²/(r + z), and e^{-jkz} is common to all elements: it is applied once per sample with a phase reduced in f64,
+//! and f32 handles only the small second part. So distant planes are as accurate as near ones. The elements of a
+//! curved board have heights h and individual directions: r = |z| + (ρ² + h² - 2zh)/(r + |z|).
 
 use std::borrow::Cow;
 use std::f64::consts::{PI, TAU};
@@ -27,9 +27,9 @@ pub const COSINE: [f32; 6] = [1.0, -4.934_802, 4.058_711_5, -1.335_24, 0.235_074
 
 /// Largest error, in f32, of [`Wave::directivity`], and of [`Wave::decay`] relative to itself; beyond, the f32 evaluators decline.
 const POLYNOMIAL_ERROR: f64 = 1e-6;
-/// Turns that a path may have beyond its height: more are rounded to less than a hundredth of a turn by no f32.
+/// Limit of turns of a path beyond its height: f32 rounds longer paths to worse than a hundredth of a turn.
 const MOST_TURNS: f64 = 65_536.0;
-/// Nodes of the exact piston that the evaluators have room for, and the relative error they are chosen for.
+/// Limit of nodes of the exact piston in the evaluators, and the relative error of their choice.
 pub const MOST_NODES: usize = 64;
 const NODE_ERROR: f64 = 1e-7;
 
@@ -37,19 +37,19 @@ const NODE_ERROR: f64 = 1e-7;
 #[derive(Clone, Debug, PartialEq)]
 pub struct Sources<'a> {
     pub wave: Wave,
-    /// x (m), y (m), phase (turns, the quarter turn of the transfer's j included), amplitude (Pa·m, what is lost up to
-    /// the nearest distance taken off).
+    /// x (m), y (m), phase (turns, including the quarter turn of the transfer's j), amplitude (Pa·m, reduced by the
+    /// absorption up to the nearest distance).
     pub elements: Vec<[f32; 4]>,
-    /// z (m) and the direction of radiation; none of a flat board.
+    /// z (m) and the direction of radiation; empty for a flat board.
     pub tilts: Vec<[f32; 4]>,
-    /// Where the sound is wanted.
+    /// Sample points.
     pub samples: Cow<'a, Samples>,
 }
 
 /// The constants of the wave that every element sends to some samples.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Wave {
-    /// 1/λ, as f32 has it for distances and as f64 has it for [`Wave::turns`].
+    /// 1/λ, in f32 for distances and in f64 for [`Wave::turns`].
     pub turns_per_metre: f32,
     exact_turns_per_metre: f64,
     /// Of an element at full drive, as in [`Sources::elements`].
@@ -70,15 +70,15 @@ pub struct Wave {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Polynomial<const MOST: usize> {
     pub coefficients: [f32; MOST],
-    /// How many of them are not padding.
+    /// Number of terms without padding.
     pub terms: usize,
 }
 
 /// Terms of the directivity that usual elements need: 1e-7 off at ka = 4.6. All 24 are 5e-7 off at ka = 20, and 2e-6 at ka = 26, since
 /// terms of both signs grow with it, and f32 rounds them.
 pub const FEW_DIRECTIVITY: usize = 7;
-/// Terms of the decay that air needs: 1e-6 off where 2 dB are lost between the nearest and the farthest distance. All 16 are so
-/// at 38 dB.
+/// Terms of the decay sufficient for air: error 1e-6 for a loss of 2 dB between the nearest and the farthest
+/// distance. All 16 reach 38 dB.
 pub const FEW_DECAY: usize = 4;
 
 /// Constants of the exact piston's integral.
@@ -91,7 +91,7 @@ pub struct Piston {
 }
 
 impl<'a> Sources<'a> {
-    /// What a drive makes of every board and image; silent elements are left out. `None` where [`Wave::new`] gives none.
+    /// The sources of every board and image under a drive, without silent elements. `None` if [`Wave::new`] declines.
     pub fn of_faces(aperture: &Aperture, drive: &Drive, samples: &'a Samples) -> Option<Vec<Self>> {
         let of_face = |face: &Face| {
             let samples = samples.seen_from(&face.pose);
@@ -114,8 +114,8 @@ impl<'a> Sources<'a> {
         self.beside_rims().is_empty()
     }
 
-    /// The samples that f32 leaves to f64 near exact pistons: so near to a rim that [`MOST_NODES`] are too few, or so low that f32 takes
-    /// another height for theirs. None of them is a fifth of a radius or more away from the array.
+    /// The samples left to f64 near exact pistons: too close to a rim for [`MOST_NODES`], or so low that f32 rounds
+    /// their height. All are within a fifth of a radius of the array.
     pub fn beside_rims(&self) -> Vec<usize> {
         let Some(piston) = &self.wave.piston else { return Vec::new() };
         let samples = &self.samples;
@@ -141,7 +141,7 @@ impl<'a> Sources<'a> {
     }
 }
 
-/// The elements of a board that a drive lets sound, as the array numbers them.
+/// The sounding elements of a board under a drive, with their indices in the array.
 pub fn sounding(aperture: &Aperture, face: &Face, drive: &Drive) -> Vec<usize> {
     let driven = &aperture.driven[face.among(&aperture.driven)];
     driven.iter().copied().filter(|&n| drive.amplitudes[n] != 0.0).collect()
@@ -157,9 +157,10 @@ pub fn tilts(layout: &Layout, elements: impl Iterator<Item = usize>) -> Vec<[f32
 }
 
 impl Wave {
-    /// Of elements that stand so, at samples in their coordinates. `None` for elements and absorption beyond f32's polynomials: a radius
-    /// above about three and a half wavelengths, or more than about 38 dB between the nearest and the farthest distance; for ways
-    /// beyond its range; and for an exact piston that is no disk, or on a curved board.
+    /// The wave of elements in this layout, at samples in their coordinates. `None` for elements and absorption
+    /// beyond f32's polynomials (a radius above about three and a half wavelengths, or more than about 38 dB between
+    /// the nearest and the farthest distance), for paths beyond its range, and for an exact piston with zero radius
+    /// or on a curved board.
     pub fn new(element: &Element, layout: &Layout, samples: &Samples) -> Option<Self> {
         let is_disk = element.radius >= SMALLEST_DISK && layout.is_flat();
         if element.model == ElementModel::ExactPiston && !is_disk {
@@ -173,7 +174,7 @@ impl Wave {
             return None;
         }
         let (middle, half) = ((far + near) / 2.0, (far - near) / 2.0);
-        // A point far away may be all that is asked for, and is to be as right as the nearest.
+        // The farthest point may be the only one, and must be as accurate as the nearest.
         let sought = |s: f64| (-element.attenuation * half * (1.0 + s)).exp();
         let decay = Polynomial::fit(FEW_DECAY, sought, |s| POLYNOMIAL_ERROR * sought(s))?;
         Some(Self {
@@ -188,7 +189,8 @@ impl Wave {
         })
     }
 
-    /// What a drive makes of some elements of a board, which the array numbers, as in [`Sources::elements`], whatever reflects it.
+    /// Some elements of a board under a drive, by their indices in the array, in the format of [`Sources::elements`],
+    /// without reflection factors.
     pub fn elements(&self, face: &Face, sounding: &[usize], drive: &Drive) -> Vec<[f32; 4]> {
         let element = |&n: &usize| {
             self.element(face.layout.positions[n - face.first], drive.amplitudes[n], drive.phases[n])
@@ -196,7 +198,7 @@ impl Wave {
         sounding.iter().map(element).collect()
     }
 
-    /// The factor from the amplitudes of another wave's elements to those of this one's, which lie at other distances.
+    /// The factor from the amplitudes of another wave's elements to this one's, for different nearest distances.
     pub fn gain_over(&self, other: &Self) -> f64 {
         if other.strength == 0.0 { 0.0 } else { self.strength / other.strength }
     }
@@ -208,7 +210,7 @@ impl Wave {
         [position.x as f32, position.y as f32, (turns - turns.round()) as f32, amplitude as f32]
     }
 
-    /// The part of a turn, in [-½, ½], in a way of `z` (m).
+    /// The fraction of a turn, in [-½, ½], of a path of `z` (m).
     pub fn turns(&self, z: f64) -> f32 {
         let turns = z * self.exact_turns_per_metre;
         (turns - turns.round()) as f32
@@ -216,7 +218,7 @@ impl Wave {
 }
 
 impl<const MOST: usize> Polynomial<MOST> {
-    /// Chebyshev interpolation with `few` terms, with all there is room for, or `None` if neither is as near as `allowed`.
+    /// Chebyshev interpolation with `few` terms or the maximum, or `None` if neither is within `allowed`.
     fn fit(few: usize, sought: impl Fn(f64) -> f64, allowed: impl Fn(f64) -> f64) -> Option<Self> {
         let fitted = |terms: usize| {
             let mut coefficients = [0.0; MOST];
@@ -250,7 +252,7 @@ fn distances(layout: &Layout, samples: &Samples) -> (f64, f64) {
     (near, far.max(near + 0.01))
 }
 
-/// As many nodes as the sample nearest to a rim needs, if there is room for them.
+/// The number of nodes for the sample nearest to a rim, if within the limit.
 fn piston(element: &Element, samples: &Samples) -> Piston {
     let (a, k) = (element.radius, element.wavenumber);
     let z = samples.bounds().0.z.max(NEAREST);

@@ -1,25 +1,25 @@
-//! The highest place of a smooth function on a rectangle, between the samples that are known of it.
+//! The maximum of a smooth sampled function on a rectangle, between its samples.
 
 use glam::DVec2;
 
-/// Steps to the neighbours that a place is compared with: at first, then this part of it, and where a climb ends.
+/// Distances (in sample steps) to compared neighbours: the first, the reduction factor, and the last.
 const FIRST: f64 = 0.125;
 const FINER: f64 = 0.25;
 /// On the way, and at most.
 const FARTHER: f64 = 2.0;
 const FARTHEST: f64 = 0.5;
 const FINEST: f64 = 0.05;
-/// Samples from which climbs begin, at most: rounding makes maxima without number where a function is flat.
+/// Limit of starting samples: rounding makes countless maxima in flat functions.
 const MOST: usize = 512;
-/// Climbs that are made together, the most promising first.
+/// Concurrent climbs, the most promising first.
 const TOGETHER: usize = 16;
-/// Of the highest maximum, what the paraboloid through the samples beside it has at least: with five samples to the shortest wave it
-/// is 0.94 high or higher.
+/// Lower limit of the paraboloid through the samples next to the highest maximum, relative to it: at least 0.94 for
+/// five samples per shortest wave.
 const LEADING: f64 = 0.92;
-/// Moves from one place to a higher one, at most, in all of a climb.
+/// Limit of moves of a climb.
 const MOVES: usize = 32;
 
-/// Towards the neighbours of a place, in steps.
+/// Directions of the neighbours of a point, in steps.
 const SIDES: [DVec2; 8] = [
     DVec2::new(-1.0, -1.0),
     DVec2::new(0.0, -1.0),
@@ -31,13 +31,13 @@ const SIDES: [DVec2; 8] = [
     DVec2::new(1.0, 1.0),
 ];
 
-/// A lattice of samples of a function that is looked at on a rectangle about the origin.
+/// A lattice of samples of a function on a rectangle about the origin.
 #[derive(Clone, Debug)]
 pub struct Lattice {
     /// Row by row.
     pub values: Vec<f64>,
     pub columns: usize,
-    /// m, the place of the first sample.
+    /// Position of the first sample, m.
     pub first: DVec2,
     /// m, from a sample to the next.
     pub step: DVec2,
@@ -45,17 +45,18 @@ pub struct Lattice {
     pub half: DVec2,
 }
 
-/// A place (m) and the value there.
+/// A position (m) and the value there.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Summit {
     pub place: DVec2,
     pub value: f64,
-    /// Steps to the neighbours that it is compared with.
+    /// Distance of its compared neighbours in steps.
     step: f64,
 }
 
 impl Lattice {
-    /// Where a paraboloid through a sample and its neighbours is highest, and how high; beyond the edge there is what is at it.
+    /// The vertex of the paraboloid through a sample and its neighbours, and its height; beyond the edge, the value
+    /// at the edge.
     fn vertex(&self, index: usize) -> (DVec2, f64) {
         let rows = self.values.len() / self.columns;
         let (column, row) = (index % self.columns, index / self.columns);
@@ -89,14 +90,14 @@ impl Lattice {
         (0..self.values.len()).filter(is_maximum)
     }
 
-    /// Whether maxima count at a sample, or at a place as near to it as its own maximum may be.
+    /// Whether maxima count at a sample, or within the distance of its own maximum.
     fn may_count(&self, index: usize, counts: &impl Fn(DVec2) -> bool) -> bool {
         let place = self.place(index);
         counts(place) || SIDES.iter().any(|side| counts(self.beside(place, *side, 1.0)))
     }
 
-    /// The highest of the maxima that count. Samples lead to it that no neighbour exceeds; `value` is the function at some places.
-    /// `None` where no maximum counts.
+    /// The highest of the counted maxima, found from samples not exceeded by a neighbour; `value` evaluates the
+    /// function at some points. `None` without a counted maximum.
     pub fn summit(
         &self,
         counts: impl Fn(DVec2) -> bool,
@@ -120,7 +121,7 @@ impl Lattice {
         highest
     }
 
-    /// Where climbs from some places and from the highest so far end, if they may be the highest of those that count.
+    /// The ends of climbs from some points and from the highest so far, if they may be the highest counted maxima.
     fn climbed(
         &self,
         places: &[DVec2],
@@ -131,7 +132,7 @@ impl Lattice {
         let start = |(&place, value)| Summit { place, value, step: FIRST };
         let mut climbing: Vec<_> = places.iter().zip(value(places)).map(start).chain(so_far).collect();
         for _ in 0..MOVES {
-            // What climbs out of where maxima count says nothing of those that do.
+            // A climb that leaves the counted region says nothing about it.
             let reached = climbing.iter().filter(|summit| counts(summit.place));
             let highest = reached.map(|summit| summit.value).fold(0.0, f64::max);
             climbing.retain(|summit| summit.value >= highest * summit.least());
@@ -148,7 +149,8 @@ impl Lattice {
         (place + side * self.step * steps).clamp(-self.half, self.half)
     }
 
-    /// Moves every place to its highest neighbour, or where none is higher to the vertex of a paraboloid through all of them.
+    /// Moves every point to its highest neighbour or, if none is higher, to the vertex of a paraboloid through all of
+    /// them.
     fn climb(&self, climbing: &mut [Summit], value: &impl Fn(&[DVec2]) -> Vec<f64>) {
         let mut climbing: Vec<_> = climbing.iter_mut().filter(|summit| !summit.is_done()).collect();
         let around = |summit: &&mut Summit| SIDES.map(|side| self.beside(summit.place, side, summit.step));
@@ -191,14 +193,14 @@ impl Summit {
         self.step < FINEST
     }
 
-    /// What it must have of the highest to become higher still. Over a step to either side of a maximum, a function with five samples
-    /// to its shortest wave falls by an eighth of that.
+    /// The fraction of the highest that it must have to surpass it. Over a step to either side of a maximum, a
+    /// function with five samples per shortest wave falls by an eighth of that.
     fn least(&self) -> f64 {
         1.0 - 8.0 * self.step.min(FIRST).powi(2)
     }
 }
 
-/// Where a paraboloid through a place and its neighbours ([`SIDES`]) is highest, in steps, none of which is farther away; and how high.
+/// The vertex of a paraboloid through a point and its neighbours ([`SIDES`]), within one step, and its height.
 fn vertex(around: [f64; 8], middle: f64) -> (DVec2, f64) {
     let [low, below, low_right, left, right, high_left, above, high] = around;
     let slope = DVec2::new(right - left, above - below) / 2.0;

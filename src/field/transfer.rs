@@ -1,8 +1,9 @@
 //! The transfer from every element to every sample of a plan as a table in memory, and its product with drives.
 //!
-//! Where a sample axis is shared ([`crate::field::plan::Shared`]), what element n sends to sample i is what element 0 sends to
-//! the sample `n · shared.samples` before it. One longer line of samples then serves all elements along that axis: the
-//! table of a parallel plane is a hundred to a thousand times smaller, is made in no time, and stays in the caches.
+//! Where a sample axis is shared ([`crate::field::plan::Shared`]), the transfer from element n to sample i equals
+//! that from element 0 to the sample `n · shared.samples` before it. One longer line of samples then serves all
+//! elements along that axis: the table of a parallel plane is a hundred to a thousand times smaller and stays in the
+//! caches.
 
 use std::f64::consts::TAU;
 
@@ -18,7 +19,7 @@ use crate::field::slope::{shifted, stencil};
 use crate::field::sources::{self, Wave};
 use crate::memory;
 
-/// Where in the table the transfer of an element of a board to a sample stands.
+/// The index in the table of the transfer from an element of a board to a sample.
 ///
 /// Sample number p, row by row, is `p % line` on line `p / line`; line `l` of the element (column, row) starts at
 /// `base + l · line_stride + column · element_strides[0] + row · element_strides[1]`.
@@ -30,17 +31,18 @@ pub struct Layout {
     pub element_strides: [isize; 2],
     /// Elements of different transfer, by column and row; the others repeat the first's.
     pub distinct: [usize; 2],
-    /// Points of the table: for each of its rows and each distinct element one run of as many as it has columns.
+    /// Points of the table: for each of its rows and each distinct element one run of its columns.
     pub points: Samples,
     /// Length of a run.
     pub run: usize,
 }
 
 impl Layout {
-    /// Of a board's elements, at samples in its coordinates that repeat from element to element as `shared` says.
+    /// For a board's elements, at samples in its coordinates that repeat from element to element according to
+    /// `shared`.
     pub fn new(board: &Face, samples: &Samples, shared: [Option<Shared>; 2]) -> Self {
         let count = board.layout.positions.len();
-        // Elements that stand in no rows are one row.
+        // Elements without rows count as one row.
         let along = board.layout.columns.unwrap_or(count);
         let counts = [along, count / along];
         let Samples { columns, rows } = samples;
@@ -91,7 +93,7 @@ impl Layout {
         self.len() == 0
     }
 
-    /// Whether these tables may be kept together, and memory holds them.
+    /// Whether these tables together are within the limit and fit memory.
     pub fn fit(layouts: &[Self], most_bytes: usize) -> bool {
         /// Bytes that need no question.
         const SMALL: usize = 32 << 20;
@@ -100,7 +102,7 @@ impl Layout {
         bytes <= most_bytes && (bytes <= SMALL || memory::holds(bytes))
     }
 
-    /// The elements whose waves the table holds, at full drive, with their tilts.
+    /// The elements with waves in the table, at full drive, with their tilts.
     pub fn elements(&self, board: &Face, wave: &Wave) -> (Vec<[f32; 4]>, Vec<[f32; 4]>) {
         let along = board.layout.columns.unwrap_or(self.distinct[0]);
         let numbers = || {
@@ -111,8 +113,8 @@ impl Layout {
         (elements, sources::tilts(&board.layout, numbers()))
     }
 
-    /// The elements of a board that sound in any of some excitations (one value per element of the array): where their runs for the
-    /// first line start, and u.
+    /// The elements of a board that sound in any of some excitations (one value per element of the array): the start
+    /// of their runs for the first line, and u.
     pub fn terms<const D: usize>(&self, board: &Face, excitations: [&[Complex64]; D]) -> Vec<Term<D>> {
         let along = board.layout.columns.unwrap_or(board.layout.positions.len());
         let start = |n: usize| {
@@ -133,7 +135,7 @@ impl Layout {
 /// The samples along one axis and those that elements beyond the first see instead.
 struct Extended {
     places: Vec<DVec3>,
-    /// How many of them come before the samples themselves.
+    /// Number of them before the samples themselves.
     before: usize,
 }
 
@@ -183,7 +185,8 @@ impl Transfer {
         Self { layout, table }
     }
 
-    /// The table of the pressure at samples, or of its slope along a direction, in the memory of `old`. `None` where f32 declines.
+    /// The table of the pressure at samples, or of its slope along a direction, in the memory of `old`. `None` if f32
+    /// declines.
     pub fn of_part(
         (element, board): (&Element, &Face),
         samples: &Samples,
@@ -226,8 +229,9 @@ impl Transfer {
         pairs.for_each(|(value, other)| *value += factor * other);
     }
 
-    /// Adds what a board sends to `fields`, the complex pressure (Pa, peak) at the samples of the plan for each of several drives (u
-    /// of every element of the array): a product of matrices, in which what is read of the table serves several drives.
+    /// Adds a board's pressure to `fields`, the complex pressure (Pa, peak) at the samples of the plan for each of
+    /// several drives (u of every element of the array): a matrix product with each read of the table shared by
+    /// several drives.
     pub fn superpose(&self, board: &Face, excitations: &[Vec<Complex64>], fields: &mut [Vec<Complex32>]) {
         let (together, alone) = excitations.as_chunks::<{ cpu::DRIVES }>();
         let (fields_together, fields_alone) = fields.as_chunks_mut::<{ cpu::DRIVES }>();

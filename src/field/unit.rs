@@ -1,4 +1,4 @@
-//! Units of what is shown, and the prefixes that suit values.
+//! Units of quantities, and their SI prefixes.
 
 use std::f64::consts::PI;
 
@@ -12,12 +12,12 @@ pub enum Unit {
     MetrePerSecond,
     Joule,
     Newton,
-    /// Of light that nothing has bent.
+    /// Relative to undisturbed light.
     Undisturbed,
 }
 
 impl Unit {
-    /// In which values are computed and written.
+    /// The unit of computed and written values.
     pub fn symbol(self) -> &'static str {
         match self {
             Self::Pascal => "Pa",

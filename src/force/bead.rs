@@ -1,4 +1,4 @@
-//! A sphere that is small against the wavelength, and what a sound does to it.
+//! A sphere small against the wavelength: its Gor'kov potential, radiation force and stiffness.
 
 use std::f64::consts::PI;
 
@@ -8,10 +8,10 @@ use num_complex::Complex64;
 use crate::acoustics::{Air, Along, Derivatives};
 use crate::scene::Bead;
 
-/// ka up to which the forces are those of a small sphere.
+/// Limit of ka for small-sphere forces.
 pub const SMALL: f64 = 0.3;
 
-/// A bead in air that carries sound of one wavenumber, without viscosity.
+/// A bead in inviscid air with sound of one wavenumber.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sphere {
     /// Wavenumber times radius.
@@ -24,7 +24,7 @@ pub struct Sphere {
     pub volume: f64,
     /// kg
     pub mass: f64,
-    /// kg, of the air in its place.
+    /// Mass of the displaced air, kg.
     displaced: f64,
     /// U of |p|² (m³/Pa), and less U of |∇p|² (m⁵/Pa).
     of_pressure: f64,
@@ -73,7 +73,7 @@ impl Sphere {
         self.coupling
     }
 
-    /// kg that is set in motion when it moves: a sphere takes half of its volume of air along.
+    /// Inertial mass (kg): the sphere's mass plus half of the displaced air's.
     pub fn inertia(&self) -> f64 {
         self.mass + 0.5 * self.displaced
     }
@@ -89,7 +89,7 @@ impl Sphere {
         self.of_pressure * sound.pressure().norm_sqr() - self.of_gradient * squares
     }
 
-    /// N, the radiation force, with what travelling waves add by being scattered.
+    /// Radiation force (N), including scattering of travelling waves.
     pub fn force(&self, sound: &Derivatives) -> DVec3 {
         let [a, b] = self.coupling;
         let along = |q: usize| {
@@ -112,7 +112,7 @@ impl Sphere {
         DMat3::from_cols_array_2d(&[0, 1, 2].map(|s| [0, 1, 2].map(|q| at(q, s))))
     }
 
-    /// The stiffness along a direction, N/m, and what it changes by: Re Σ conj(g) δ over all derivatives of the sound.
+    /// The stiffness along a direction, N/m, and its gradient: Re Σ conj(g) δ over all derivatives of the sound.
     pub fn stiffness_along(&self, sound: &Derivatives, direction: DVec3) -> (f64, Derivatives) {
         let v = direction.to_array();
         let [a, b] = self.coupling;
@@ -132,7 +132,7 @@ impl Sphere {
         (value, slope.spread(v))
     }
 
-    /// A component of the force, N, and what it changes by, likewise.
+    /// A component of the force, N, and its gradient, likewise.
     pub fn force_along(&self, sound: &Derivatives, direction: DVec3) -> (f64, Derivatives) {
         let v = direction.to_array();
         let [a, b] = self.coupling;
@@ -149,7 +149,7 @@ impl Sphere {
         (value, slope.spread(v))
     }
 
-    /// What to know of forces on a bead that is not small.
+    /// The warning for beads that are not small.
     pub fn warning(&self) -> Option<String> {
         (self.ka > SMALL).then(|| {
             format!(

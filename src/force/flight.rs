@@ -1,4 +1,4 @@
-//! The flight of a bead through sound: force, weight, the drag of the air, and the air that it takes along.
+//! The motion of a bead under radiation force, weight and drag, with the added mass of the air.
 
 use std::f64::consts::{PI, TAU};
 
@@ -9,7 +9,7 @@ use crate::gauge::Gauge;
 
 /// Steps in the shortest period of the bead: Runge and Kutta's are off by 5e-6 of it.
 const STEPS: f64 = 40.0;
-/// Wavelengths from where it is wanted at which a bead is lost.
+/// Distance from the trap, in wavelengths, at which a bead is lost.
 const LOST: f64 = 1.0;
 
 /// Drag of a sphere: Stokes', with Schiller and Naumann's factor for Reynolds numbers up to 1000.
@@ -35,7 +35,7 @@ impl Drag {
     }
 }
 
-/// Fields that are played in turn, around and around, each with where the bead is wanted (m).
+/// Fields played cyclically, each with the trap's position (m).
 #[derive(Clone, Copy, Debug)]
 pub struct Carriage<'a> {
     pub fields: &'a [Levitation],
@@ -58,21 +58,21 @@ pub struct Moment {
     pub wanted: DVec3,
 }
 
-/// What became of a bead.
+/// The flight of a bead.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Flight {
     pub moments: Vec<Moment>,
-    /// m, the farthest that it was from where it was wanted.
+    /// Largest distance from the trap, m.
     pub farthest: f64,
-    /// It was more than a wavelength away; nothing is known of what comes then.
+    /// It was more than a wavelength away; its later motion is unknown.
     pub is_lost: bool,
 }
 
 impl Carriage<'_> {
-    /// Releases a bead that is at rest at a place (m), and follows it for some seconds, or until it is lost.
+    /// Releases a bead at rest at a point (m), and follows it for some seconds, or until it is lost.
     ///
     /// # Panics
-    /// No field, or not one wanted place for each.
+    /// No field, or different numbers of fields and positions.
     pub fn fly(&self, from: DVec3, seconds: f64, progress: &Gauge) -> Flight {
         assert!(!self.fields.is_empty() && self.fields.len() == self.wanted.len(), "a place for every field");
         let mut flight = Flight::default();
@@ -92,7 +92,7 @@ impl Carriage<'_> {
                 flight.moments.push(Moment { time, at, velocity, wanted });
                 let away = at.distance(wanted);
                 flight.farthest = flight.farthest.max(away);
-                // A place that is no number is nowhere.
+                // A NaN position counts as lost.
                 if away.is_nan() || away > LOST * field.wavelength {
                     flight.is_lost = true;
                     break;
@@ -109,7 +109,7 @@ impl Carriage<'_> {
         self.fields[0].sphere.inertia()
     }
 
-    /// s: a part of the shortest period and of the time in which drag stops the bead.
+    /// Time step (s): a fraction of the shortest period and of the drag's relaxation time.
     fn step(&self, from: DVec3) -> f64 {
         let places = self.wanted.iter().copied().zip(self.fields).chain([(from, &self.fields[0])]);
         let stiffest = places.fold(0.0f64, |most, (place, field)| {

@@ -1,54 +1,54 @@
-//! Whether a bead stays where it is wanted: where it comes to rest, how stiffly, and how far away it is still brought back.
+//! Stability of a bead in a trap: equilibrium, stiffness and capture range.
 
 use glam::DVec3;
 
 use crate::force::{Levitation, Mode, modes};
 
-/// The ways on which a bead may leave: along the scene's axes.
+/// Directions of escape: along the scene's axes.
 pub const WAYS: [DVec3; 6] = [DVec3::NEG_X, DVec3::X, DVec3::NEG_Y, DVec3::Y, DVec3::NEG_Z, DVec3::Z];
-/// Wavelengths from where it is wanted within which a bead is looked for.
+/// Search range for the equilibrium, in wavelengths from the trap.
 const REACH: f64 = 1.0;
 /// Steps in a wavelength along a way.
 const STEPS: usize = 24;
-/// Halvings of the step on which a way turns.
+/// Bisection steps for the end of the capture range.
 const HALVINGS: usize = 10;
 /// Newton's steps, at most, and the wavelengths that one goes at most and at least.
 const ROUNDS: usize = 60;
 const LONGEST: f64 = 1.0 / 12.0;
 const SHORTEST: f64 = 1e-9;
 
-/// What becomes of a bead that is put to a place.
+/// The behaviour of a bead released at a point.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Hold {
     /// m, where it is put.
     pub at: DVec3,
-    /// m, where it comes to rest, and otherwise where it is put.
+    /// Equilibrium position, or the release point without one; m.
     pub rest: DVec3,
-    /// Of the force at `rest`, the weakest first.
+    /// Principal stiffnesses at `rest`, smallest first.
     pub modes: [Mode; 3],
     /// The largest force upwards on the vertical through `at`, within a wavelength, over the weight less buoyancy.
     pub lift: f64,
-    /// From `rest` along [`WAYS`]; nothing where it does not come to rest.
+    /// Escapes from `rest` along [`WAYS`]; zero without an equilibrium.
     pub escapes: [Escape; 6],
     pub outcome: Outcome,
 }
 
-/// How a bead is held back on a way along which it is moved.
+/// The restoring force on a bead displaced along a direction.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Escape {
-    /// m, to where force and weight together no longer drive it back; infinite beyond a wavelength.
+    /// Distance (m) at which force and weight together stop restoring the bead; infinite beyond a wavelength.
     pub distance: f64,
     /// N, the most that drives it back on the way there.
     pub force: f64,
 }
 
-/// Whether it holds, and why not.
+/// Whether it holds, or the reason why not.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Outcome {
     Holds,
     /// The force nowhere carries the weight.
     TooHeavy,
-    /// It is pushed away along the weakest of the modes.
+    /// It is driven away along the mode of smallest stiffness.
     Unstable,
     /// The forces lead it more than a wavelength away.
     Leaves,
@@ -59,7 +59,7 @@ impl Hold {
         self.outcome == Outcome::Holds
     }
 
-    /// m, how far below where it is wanted it comes to rest.
+    /// Sag of the equilibrium below the trap, m.
     pub fn sag(&self) -> f64 {
         self.at.z - self.rest.z
     }
@@ -72,7 +72,7 @@ impl Hold {
 }
 
 impl Levitation {
-    /// What becomes of a bead that is put to a place, m.
+    /// The behaviour of a bead released at a point, m.
     pub fn hold(&self, at: DVec3) -> Hold {
         let rest = self.rest(at);
         let place = rest.unwrap_or(at);
@@ -91,7 +91,8 @@ impl Levitation {
         Hold { at, rest: place, modes, lift, escapes, outcome }
     }
 
-    /// Where forces and weight cancel near a place, going where they drive the bead: Newton's steps, with the size of each stiffness.
+    /// The equilibrium of force and weight near a point, by Newton steps in the direction of the force, with absolute
+    /// stiffnesses.
     fn rest(&self, at: DVec3) -> Option<DVec3> {
         let mut place = at;
         for _ in 0..ROUNDS {
@@ -147,7 +148,7 @@ impl Levitation {
     }
 }
 
-/// The largest value of a curve through three that stand at equal distances.
+/// The maximum of the parabola through three equidistant values.
 fn crest(before: f64, middle: f64, after: f64) -> f64 {
     let (rise, bend) = (0.5 * (after - before), before - 2.0 * middle + after);
     if middle >= before && middle >= after && bend < 0.0 {

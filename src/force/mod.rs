@@ -1,4 +1,4 @@
-//! What sound does to a small bead: the potential, the radiation force and its stiffness, and whether a trap holds.
+//! Forces of sound on a small bead: potential, radiation force, stiffness, and stability of traps.
 //!
 //! ```
 //! use glam::dvec3;
@@ -34,7 +34,7 @@ pub use flight::{Carriage, Drag, Flight, Moment};
 pub use hold::{Escape, Hold, Outcome, WAYS};
 pub use modes::{Mode, modes};
 
-/// What a bead feels at a point.
+/// The radiation force on a bead at a point, with potential and stiffness.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Forces {
     /// J, Gor'kov's potential.
@@ -46,13 +46,14 @@ pub struct Forces {
 }
 
 impl Forces {
-    /// The symmetric part of the stiffness, which alone does work: what scattering adds turns the bead about the trap.
+    /// The symmetric part of the stiffness, which alone does work; the scattering part drives the bead around the
+    /// trap.
     pub fn symmetric(&self) -> DMat3 {
         (self.stiffness + self.stiffness.transpose()) * 0.5
     }
 }
 
-/// A bead in the sound of drives that take turns, and under its weight.
+/// A bead in the sound of drives in turn, and under its weight.
 #[derive(Clone, Debug)]
 pub struct Levitation {
     pub sphere: Sphere,
@@ -64,7 +65,7 @@ pub struct Levitation {
 }
 
 impl Levitation {
-    /// The scene's bead; it feels the mean of the drives, whose turns are fast.
+    /// The scene's bead; it responds to the mean of the fast-changing drives.
     pub fn new(scene: &Scene, aperture: &Aperture, drives: &[Drive]) -> Self {
         let air = Air::new(&scene.medium, scene.array.frequency);
         Self::in_air(aperture, (&air, &scene.bead), drives, scene.liquid.gravity)
@@ -94,7 +95,7 @@ impl Levitation {
         mean
     }
 
-    /// N, of the sound alone: the same force in less time.
+    /// Radiation force (N) without weight, faster than `at`.
     pub fn force(&self, point: DVec3) -> DVec3 {
         let of = |drive: &Emitters| self.sphere.force(&drive.to_second_order(point));
         self.drives.iter().map(of).sum::<DVec3>() / self.drives.len() as f64
@@ -105,13 +106,13 @@ impl Levitation {
         self.force(point) - DVec3::Z * self.load
     }
 
-    /// N, of the sound alone, at many points: arrows on a plane. On all cores.
+    /// Radiation forces (N) at many points, for arrows on a plane. On all cores.
     pub fn forces_at(&self, points: &[DVec3]) -> Vec<DVec3> {
         points.par_iter().map(|&point| self.force(point)).collect()
     }
 
-    /// The force of the sound (N) along x, y and z through a point, each at `count` places from -`reach` to `reach` (m): the component along
-    /// the axis.
+    /// The force of the sound (N) along x, y and z through a point, each at `count` points from -`reach` to `reach`
+    /// (m): the component along the axis.
     pub fn curves(&self, at: DVec3, reach: f64, count: usize) -> [Vec<[f64; 2]>; 3] {
         let step = 2.0 * reach / count.saturating_sub(1).max(1) as f64;
         [DVec3::X, DVec3::Y, DVec3::Z].map(|axis| {

@@ -1,8 +1,8 @@
-//! Principal directions of a stiffness.
+//! Principal stiffnesses and their directions.
 
 use glam::{DMat3, DVec3};
 
-/// A direction in which a stiffness acts along itself.
+/// An eigenvector of a stiffness, with its eigenvalue.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Mode {
     /// N/m; below 0 the bead is pushed away.

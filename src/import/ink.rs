@@ -1,4 +1,4 @@
-//! Which pixels of a picture are dark, and strokes thinned to lines of one pixel.
+//! The ink of a picture: dark pixels, and strokes thinned to lines of one pixel.
 
 use glam::DVec2;
 
@@ -10,7 +10,7 @@ pub struct Ink {
 }
 
 impl Ink {
-    /// Of a picture of `width` x `height` without its margin, from its dark pixels (x, y).
+    /// For a picture of `width` x `height` without its margin, from its dark pixels (x, y).
     pub fn new(width: usize, height: usize, dark: impl Iterator<Item = (usize, usize)>) -> Self {
         let (width, height) = (width + 2, height + 2);
         let mut ink = Self { width, dark: vec![false; width * height] };
@@ -44,7 +44,7 @@ impl Ink {
         DVec2::new((index % self.width) as f64, (index / self.width) as f64)
     }
 
-    /// Thins strokes to lines of one pixel, whose ends stay (Guo and Hall 1989).
+    /// Thins strokes to lines of one pixel, preserving ends (Guo and Hall 1989).
     pub fn thin(&mut self) {
         let mut left: Vec<usize> = self.dark().collect();
         let (mut is_second, mut idle) = (false, 0);
@@ -59,7 +59,7 @@ impl Ink {
         }
     }
 
-    /// Whether a pixel of the edge can go without taking a stroke apart or shortening it.
+    /// Whether a boundary pixel can be removed without splitting or shortening a stroke.
     fn goes(&self, index: usize, is_second: bool) -> bool {
         let [p2, p3, p4, p5, p6, p7, p8, p9] = self.neighbours(index).map(|neighbour| self.dark[neighbour]);
         let count = |pairs: [bool; 4]| pairs.into_iter().filter(|&pair| pair).count();

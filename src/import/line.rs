@@ -1,4 +1,4 @@
-//! Polylines of a drawing: length, simplification, and what stands near what.
+//! Polylines of a drawing: length, simplification, and proximity.
 
 use glam::DVec2;
 
@@ -15,7 +15,7 @@ impl Line {
         self.pieces().map(|[a, b]| a.distance(b)).sum()
     }
 
-    /// From point to point, and from the last to the first if it is closed.
+    /// The segments, including that from the last to the first point if closed.
     pub fn pieces(&self) -> impl Iterator<Item = [DVec2; 2]> {
         let closing = self.closed.then(|| [self.points[self.points.len() - 1], self.points[0]]);
         self.points.windows(2).map(|pair| [pair[0], pair[1]]).chain(closing)
@@ -26,11 +26,11 @@ impl Line {
         self.pieces().map(|piece| distance_to(piece, at)).fold(to_first, f64::min)
     }
 
-    /// The same line with fewer points, none of which left out is farther than `tolerance` from it (Douglas and Peucker).
+    /// The line with fewer points, within `tolerance` of all omitted ones (Douglas and Peucker).
     pub fn simplified(&self, tolerance: f64) -> Self {
         let mut points = self.points.clone();
         if self.closed {
-            // It is cut open where it is farthest from its first point, so that both halves have a length.
+            // It is opened at the point farthest from its first, so that both halves have a length.
             let first = points[0];
             points.push(first);
         }
@@ -65,7 +65,7 @@ impl Line {
         line
     }
 
-    /// What is left of an open line when so much of it is cut off at its beginning. `None` where nothing is left.
+    /// An open line without this length at its beginning. `None` if nothing remains.
     pub fn without_beginning(&self, length: f64) -> Option<Self> {
         let mut left = length;
         for (i, pair) in self.points.windows(2).enumerate() {

@@ -1,6 +1,7 @@
-//! Drawings from elsewhere: the paths of an SVG or the dark strokes of a picture, as polylines, and these as targets.
+//! Import of drawings: the paths of an SVG or the dark strokes of a picture, as polylines and as targets.
 //!
-//! `bytes → Drawing` ([`read`]) `→ targets` ([`Placement::targets`]); nothing here touches a file or the window.
+//! `bytes → Drawing` ([`read`]) `→ targets` ([`Placement::targets`]); this module accesses neither files nor the
+//! window.
 
 mod ink;
 mod line;
@@ -16,12 +17,12 @@ pub use placement::Placement;
 
 /// Bytes of a file, at most.
 pub const MOST_BYTES: usize = 64 << 20;
-/// Lines of a drawing, at most: there are no more focal points than that.
+/// Limit of lines of a drawing: the limit of focal points.
 const MOST_LINES: usize = crate::scene::check::MOST_FOCI;
-/// Points of all lines together, as they are read and as they are kept.
+/// Limits of points of all lines, as read and as kept.
 const MOST_READ: usize = 200_000;
 const MOST_POINTS: usize = 20_000;
-/// Largest deviation of a line from what was drawn, of the drawing's longer side.
+/// Largest deviation of a line from the original, relative to the drawing's longer side.
 const TOLERANCE: f64 = 1.0 / 4000.0;
 
 /// Lines about the origin, y upwards; the longer side of the box around them is 1.
@@ -31,13 +32,13 @@ pub struct Drawing {
     pub lines: Vec<Line>,
     /// Width and height.
     pub size: DVec2,
-    /// For each line, how far its two ends are from the nearest line before it; infinite where none is.
+    /// For each line, the distances of its ends from the nearest earlier line; infinite without one.
     gaps: Vec<[f64; 2]>,
-    /// What was left out, a sentence each.
+    /// Omissions, a sentence each.
     pub remarks: Vec<String>,
 }
 
-/// Why a file holds no drawing.
+/// Reasons for a file without a drawing.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum ImportError {
     #[error("the file has {} MiB, and {} are the most", .0 >> 20, MOST_BYTES >> 20)]
@@ -64,10 +65,10 @@ pub enum ImportError {
     TooDetailed(usize),
 }
 
-/// The drawing that a file holds: an SVG, or a PNG, JPEG or BMP picture.
+/// The drawing of a file: an SVG, or a PNG, JPEG or BMP picture.
 ///
 /// # Errors
-/// A file of another kind, one that is broken or too large, and one in which nothing is drawn.
+/// An unsupported, broken or too large file, or one without drawn content.
 pub fn read(bytes: &[u8]) -> Result<Drawing, ImportError> {
     if bytes.len() > MOST_BYTES {
         return Err(ImportError::TooLarge(bytes.len()));
@@ -89,7 +90,7 @@ pub fn read(bytes: &[u8]) -> Result<Drawing, ImportError> {
 }
 
 impl Drawing {
-    /// From lines of any size and place; what is not finite is left out.
+    /// From lines of any size and position; non-finite points are left out.
     fn new(mut lines: Vec<Line>, remarks: Vec<String>) -> Result<Self, ImportError> {
         lines.retain(|line| !line.points.is_empty() && line.points.iter().all(|point| point.is_finite()));
         let points = || lines.iter().flat_map(|line| &line.points).copied();
@@ -118,7 +119,7 @@ impl Drawing {
     }
 }
 
-/// The same lines with as few points as the tolerance allows, and fewer where these are still too many.
+/// The lines simplified within the tolerance, and further if still too many.
 fn sparse(lines: &[Line]) -> Vec<Line> {
     let mut tolerance = TOLERANCE;
     loop {
@@ -130,7 +131,7 @@ fn sparse(lines: &[Line]) -> Vec<Line> {
     }
 }
 
-/// How far the ends of a line are from the nearest of those before it.
+/// Distances of a line's ends from the nearest of the earlier lines.
 fn gaps(lines: &[Line], index: usize) -> [f64; 2] {
     let points = &lines[index].points;
     [points[0], points[points.len() - 1]].map(|end| {

@@ -1,18 +1,18 @@
-//! From a drawing to targets: how large it is, where it stands, and how it is played.
+//! Placement of a drawing as targets: size, position and sampling.
 
 use glam::{DVec2, DVec3};
 
 use crate::import::{Drawing, Line};
 use crate::scene::{KeyError, Sampling, Shape, Target, outline};
 
-/// Ends nearer to another line than this part of the spacing would put a second focal point on its own.
+/// Ends closer to another line than this part of the spacing would duplicate a focal point.
 const TOUCHES: f64 = 0.6;
-/// m: lines shorter than this are points, whatever is asked.
+/// Lines shorter than this (m) are points in any case.
 const SHORTEST: f64 = 1e-6;
-/// Halvings that find a spacing for a number of points.
+/// Bisection steps for a spacing for a number of points.
 const HALVINGS: u32 = 24;
 
-/// Where a drawing lies and how it becomes focal points.
+/// Position and sampling of a drawing.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Placement {
     /// m, its middle.
@@ -22,15 +22,13 @@ pub struct Placement {
     pub y: DVec3,
     /// m, its longer side.
     pub side: f64,
-    /// Continuous strokes, a distance along the lines, or a number on all of them together, which is met as nearly as the lines
-    /// allow.
+    /// Continuous strokes, a spacing along the lines, or a total number of points, met as closely as the lines allow.
     pub sampling: Sampling,
 }
 
 impl Placement {
-    /// The drawing as targets: a `path` for each line, a `point` for what is too short for two. Where a line
-    /// ends on another one, it is cut short by the spacing, so that no two focal points fall together; continuous strokes
-    /// stay whole.
+    /// The drawing as targets: a `path` for each line, a `point` for lines too short for two points. A line ending on
+    /// another one is shortened by the spacing, so that focal points do not coincide; continuous strokes stay whole.
     ///
     /// # Errors
     /// More focal points than a scene may have.
@@ -51,7 +49,7 @@ impl Placement {
         Ok(targets)
     }
 
-    /// The spacing that comes nearest to a number of points from below.
+    /// The spacing for a number of points, approached from below.
     fn spacing_for(&self, points: usize, drawing: &Drawing) -> f64 {
         let length: f64 = drawing.lines.iter().map(Line::length).sum::<f64>() * self.side;
         let is_enough = |spacing: f64| {
@@ -87,7 +85,7 @@ impl Placement {
     }
 }
 
-/// The line without those of its ends that touch another one. `None` where nothing is left.
+/// The line without its ends that touch another line. `None` if nothing remains.
 fn apart(line: &Line, gaps: [f64; 2], spacing: f64) -> Option<Line> {
     let mut line = line.clone();
     if line.closed {

@@ -1,4 +1,5 @@
-//! The strokes of a picture, dark on light or light on dark, as polylines: what is paper and what is ink, and the lines of that.
+//! The strokes of a picture as polylines, dark on light or light on dark: paper and ink are separated, and the ink is
+//! traced.
 
 use std::io::Cursor;
 
@@ -10,14 +11,14 @@ use crate::import::ink::Ink;
 use crate::import::trace;
 use crate::import::{ImportError, Line};
 
-/// Pixels of the longer side that are looked at: larger pictures are made smaller.
+/// Limit of the longer side in pixels: larger pictures are reduced.
 const LONGEST: u32 = 1000;
-/// Pixels per side, and bytes, that are decoded at all.
+/// Limits of decoded pixels per side, and of bytes.
 const MOST_PIXELS: u32 = 20_000;
 const MOST_MEMORY: u64 = 400 << 20;
 /// Grey levels between paper and ink.
 const LEAST_CONTRAST: f64 = 24.0;
-/// The part of the variance that is between paper and ink: 0.64 where greys are spread like a bell, 0.75 where evenly.
+/// Smallest fraction of the variance between paper and ink: 0.64 for normally, 0.75 for uniformly distributed greys.
 const LEAST_SEPARATION: f64 = 0.75;
 
 /// Lines with y upwards; a pixel is the unit.
@@ -55,7 +56,7 @@ fn decode(bytes: &[u8], format: ImageFormat) -> Result<GrayImage, ImportError> {
     Ok(on_paper(&picture))
 }
 
-/// Grey, with white where the picture is transparent.
+/// Grey, with transparent pixels white.
 fn on_paper(picture: &DynamicImage) -> GrayImage {
     let pixels = picture.to_luma_alpha8();
     let over_white = |[grey, alpha]: [u8; 2]| {
@@ -67,7 +68,7 @@ fn on_paper(picture: &DynamicImage) -> GrayImage {
     })
 }
 
-/// Parts paper and ink where that leaves most of the variance between them (Otsu 1979).
+/// Separates paper and ink at the threshold with the largest variance between them (Otsu 1979).
 fn ink(grey: &GrayImage) -> Result<Ink, ImportError> {
     let mut histogram = [0.0f64; 256];
     grey.pixels().for_each(|pixel| histogram[usize::from(pixel.0[0])] += 1.0);
@@ -96,7 +97,7 @@ fn ink(grey: &GrayImage) -> Result<Ink, ImportError> {
     if between < LEAST_SEPARATION * variance {
         return Err(ImportError::NoStrokes);
     }
-    // The strokes are what covers less: chalk on a board is a drawing, too.
+    // Strokes cover the smaller area: chalk on a board is a drawing, too.
     let is_chalk = covered > 0.5;
     let is_stroke = |pixel: &image::Luma<u8>| (usize::from(pixel.0[0]) <= threshold) != is_chalk;
     let strokes = grey.enumerate_pixels().filter(|(_, _, pixel)| is_stroke(pixel));

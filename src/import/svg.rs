@@ -1,4 +1,4 @@
-//! The painted paths of an SVG as polylines. Styles, units, transforms and the view box are usvg's business.
+//! The painted paths of an SVG as polylines. usvg resolves styles, units, transforms and the view box.
 
 use std::f64::consts::PI;
 
@@ -8,7 +8,7 @@ use usvg::{Group, Node, Options, Paint, Path, Transform, Tree, roxmltree};
 
 use crate::import::{ImportError, Line};
 
-/// rad, by which a curve turns from piece to piece at most.
+/// Largest turn of a curve between segments, rad.
 const TURN: f64 = 5.0 * PI / 180.0;
 /// Pieces of a curve.
 const FEWEST: usize = 8;
@@ -18,7 +18,7 @@ const STACK: usize = 64 << 20;
 /// XML nodes: more is no drawing for an array.
 const MOST_NODES: u32 = 500_000;
 
-/// Lines with y upwards, and what was left out.
+/// Lines with y upwards, and omissions.
 pub fn lines(text: &str) -> Result<(Vec<Line>, Vec<String>), ImportError> {
     let read = || lines_of(text);
     // A page has no threads, and the stack that it was built with.
@@ -46,7 +46,7 @@ fn lines_of(text: &str) -> Result<(Vec<Line>, Vec<String>), ImportError> {
     }
     let has = |name: &str| document.descendants().any(|node| node.tag_name().name() == name);
     let (has_text, has_image) = (has("text"), has("image"));
-    // A drawing may name other files; none of them is opened.
+    // Files named by a drawing are never opened.
     let resolver = usvg::ImageHrefResolver {
         resolve_data: Box::new(|_, _, _| None),
         resolve_string: Box::new(|_, _| None),
@@ -69,7 +69,7 @@ fn lines_of(text: &str) -> Result<(Vec<Line>, Vec<String>), ImportError> {
     Ok((lines, remarks))
 }
 
-/// How many nodes there may be where markers stand at every vertex, if they do: usvg makes each of them anew.
+/// Number of nodes if markers are drawn at every vertex: usvg creates them individually.
 fn places_of_markers(document: &roxmltree::Document<'_>) -> Option<usize> {
     let nodes = || document.descendants();
     let is_asked_for = |text: &str| text.contains("marker-mid") || text.contains("marker:");
@@ -79,7 +79,7 @@ fn places_of_markers(document: &roxmltree::Document<'_>) -> Option<usize> {
         ["marker", "marker-mid"].into_iter().any(|name| node.has_attribute(name))
             || styles.into_iter().flatten().any(is_asked_for)
     };
-    // A vertex takes two bytes at least.
+    // A vertex needs at least two bytes.
     let vertices = |node: roxmltree::Node<'_, '_>| {
         node.attribute("d").or(node.attribute("points")).map_or(0, |text| text.len() / 2)
     };
@@ -138,7 +138,7 @@ fn flatten(path: &Path, lines: &mut Vec<Line>) {
                 let first = line.points.first().copied();
                 line.closed = true;
                 end(&mut line);
-                // What follows without a move goes on from where the closed part began.
+                // A continuation without a move starts at the beginning of the closed part.
                 line.points.extend(first);
             }
         }
@@ -152,7 +152,7 @@ fn placed(transform: &Transform, point: Point) -> DVec2 {
     DVec2::new(sx * x + kx * y + f64::from(transform.tx), -(ky * x + sy * y + f64::from(transform.ty)))
 }
 
-/// A cubic in pieces that turn by little; the control polygon turns by more than the curve.
+/// A cubic in segments of small turns; the control polygon turns by more than the curve.
 fn curve(line: &mut Line, [p0, p1, p2, p3]: [DVec2; 4]) {
     let sides: Vec<_> =
         [p1 - p0, p2 - p1, p3 - p2].into_iter().filter(|side| side.length_squared() > 0.0).collect();

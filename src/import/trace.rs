@@ -1,4 +1,4 @@
-//! From lines of one pixel to polylines: chains between ends and junctions, joined where they go straight on.
+//! From lines of one pixel to polylines: chains between ends and junctions, joined where they continue straight.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -7,17 +7,17 @@ use glam::DVec2;
 use crate::import::ink::Ink;
 use crate::import::{ImportError, Line};
 
-/// A corner turns by 57° at least, between sides of so many pixels.
+/// A corner turns by at least 57°, between sides of this many pixels.
 const CORNER_COS: f64 = 0.545;
 const SIDE: f64 = 8.0;
-/// Pixels over which a line is smoothed between its corners.
+/// Smoothing width in pixels between corners.
 const SMOOTHING: usize = 4;
 /// Chains of a picture: more are no drawing but a texture.
 const MOST_CHAINS: usize = 8000;
-/// Chains that turn less than 60° where they meet are one line.
+/// Chains that turn by less than 60° at their junction are one line.
 const STRAIGHT_COS: f64 = -0.5;
 
-/// Pixels from node to node; a node is where a chain ends, or where more than two meet.
+/// Pixels between nodes; a node is the end of a chain, or a junction of more than two.
 #[derive(Clone, Debug)]
 struct Chain {
     points: Vec<DVec2>,
@@ -37,7 +37,7 @@ pub fn lines(ink: &Ink, width: f64) -> Result<Vec<Line>, ImportError> {
     Ok(lines.into_iter().filter(|line| line.points.len() > 1).map(|line| smooth(&line, width)).collect())
 }
 
-/// Dark neighbours, of two ways to the same pixel only the straight one.
+/// Dark neighbours; of two paths to the same pixel only the straight one.
 fn next(ink: &Ink, index: usize) -> impl Iterator<Item = usize> {
     let around = ink.neighbours(index);
     let dark = around.map(|neighbour| ink.is_dark(neighbour));
@@ -52,7 +52,7 @@ fn chains(ink: &Ink) -> Vec<Chain> {
     let mut chains = Vec::new();
     for start in ink.dark().filter(|&index| is_node(index)) {
         for first in next(ink, start) {
-            // Two nodes side by side are found from both of them.
+            // Adjacent nodes are found from both sides.
             if gone[first] || (is_node(first) && first < start) {
                 continue;
             }
@@ -107,7 +107,7 @@ impl Chain {
         self.ends.reverse();
     }
 
-    /// The direction in which it leaves one of its ends.
+    /// The direction at one of its ends.
     fn leaving(&self, end: usize, reach: f64) -> DVec2 {
         let mut points: Box<dyn Iterator<Item = &DVec2>> = Box::new(self.points.iter());
         if end == 1 {
@@ -119,7 +119,7 @@ impl Chain {
     }
 }
 
-/// How many chains end at every node.
+/// Number of chains at every node.
 fn degrees(chains: &[Chain]) -> BTreeMap<usize, usize> {
     let mut degrees = BTreeMap::new();
     for end in chains.iter().flat_map(|chain| chain.ends) {
@@ -128,7 +128,7 @@ fn degrees(chains: &[Chain]) -> BTreeMap<usize, usize> {
     degrees
 }
 
-/// Where thick strokes cross, thinning leaves two junctions with a short chain between them: they become one.
+/// Merges the two junctions, with a short chain between them, that thinning leaves at crossings of thick strokes.
 fn join_nodes(chains: &mut Vec<Chain>, width: f64) {
     loop {
         let degrees = degrees(chains);
@@ -148,12 +148,12 @@ fn join_nodes(chains: &mut Vec<Chain>, width: f64) {
                 }
             }
         }
-        // A second way around the same place.
+        // A duplicate path around the same hole.
         chains.retain(|chain| !chain.is_loop() || chain.length() > 2.0 * width);
     }
 }
 
-/// Takes off what thinning left of a stroke's blunt ends, and specks.
+/// Removes spurs of blunt ends, and specks.
 fn prune(chains: &mut Vec<Chain>, width: f64) {
     let degrees = degrees(chains);
     chains.retain(|chain| {
@@ -166,13 +166,13 @@ fn prune(chains: &mut Vec<Chain>, width: f64) {
     });
 }
 
-/// Joins chains that go on straight through their nodes, or that meet no other there.
+/// Joins chains that continue straight through their nodes, or are alone there.
 fn joined(chains: Vec<Chain>, width: f64) -> Vec<Line> {
     let reach = (2.0 * width).max(SIDE);
     let mut chains: Vec<Option<Chain>> = chains.into_iter().map(Some).collect();
     let nodes: BTreeSet<usize> = chains.iter().flatten().flat_map(|chain| chain.ends).collect();
     for node in nodes {
-        // A line that was joined here ends at other nodes, which come later or are done with.
+        // A joined line ends at other nodes, which are processed later or already done.
         while let Some((a, b)) = best_pair(&chains, node, reach) {
             let (Some(mut first), Some(mut second)) = (chains[a.0].take(), chains[b.0].take()) else { break };
             if a.1 == 0 {
@@ -190,7 +190,7 @@ fn joined(chains: Vec<Chain>, width: f64) -> Vec<Line> {
     chains.into_iter().flatten().map(line).collect()
 }
 
-/// Two ends of different chains (chain and end each) that go on straight through a node, or are alone there.
+/// Two ends of different chains (chain and end each) that continue straight through a node, or are alone there.
 fn best_pair(chains: &[Option<Chain>], node: usize, reach: f64) -> Option<((usize, usize), (usize, usize))> {
     let ends: Vec<(usize, usize, DVec2)> = chains
         .iter()
@@ -223,7 +223,7 @@ fn line(chain: Chain) -> Line {
     Line { points, closed }
 }
 
-/// Corners stay where two straight sides meet; between them the steps of the pixels are smoothed away.
+/// Corners between straight sides stay; between them pixel steps are smoothed.
 fn smooth(line: &Line, width: f64) -> Line {
     let mut line = line.clone();
     let corners = corners(&line, width);
@@ -244,10 +244,10 @@ fn smooth(line: &Line, width: f64) -> Line {
     Line { points: between(&line.points, &corners), closed: false }
 }
 
-/// Thinning cuts corners off: they go to where the sides meet, as far as these are straight.
+/// Restores corners cut by thinning, to the intersection of the sides as far as these are straight.
 fn sharpen(line: &mut Line, corner: usize, reach: usize) {
     let count = line.points.len();
-    // The place so many points before or after the corner.
+    // The point `steps` before or after the corner.
     let place = |steps: usize, is_before: bool| match (line.closed, is_before) {
         (true, true) => Some((corner + count - steps % count) % count),
         (true, false) => Some((corner + steps) % count),
@@ -278,7 +278,7 @@ fn sharpen(line: &mut Line, corner: usize, reach: usize) {
     }
 }
 
-/// Smooths the parts between fixed places.
+/// Smooths the parts between fixed points.
 fn between(points: &[DVec2], corners: &[usize]) -> Vec<DVec2> {
     let mut fixed: Vec<usize> = corners.iter().copied().chain([0, points.len() - 1]).collect();
     fixed.sort_unstable();
@@ -287,7 +287,7 @@ fn between(points: &[DVec2], corners: &[usize]) -> Vec<DVec2> {
     for pair in fixed.windows(2) {
         let part = &points[pair[0]..=pair[1]];
         let last = part.len() - 1;
-        // The window shrinks towards the ends, which stay.
+        // The window shrinks towards the fixed ends.
         smooth.extend((1..last).map(|i| {
             let reach = SMOOTHING.min(i).min(last - i);
             mean(&part[i - reach..=i + reach])
@@ -310,9 +310,9 @@ fn mean(points: &[DVec2]) -> DVec2 {
     points.iter().sum::<DVec2>() / points.len() as f64
 }
 
-/// Places of the line's points at which it turns sharply between two straight sides.
+/// Indices of the line's points with sharp turns between straight sides.
 fn corners(line: &Line, width: f64) -> Vec<usize> {
-    // As far as thinning cuts a corner off: what is left of it is one turn, not two.
+    // The tolerance covers corners cut by thinning: the remainder is one turn, not two.
     let simple = line.simplified((width / 3.0).max(1.0)).points;
     let count = simple.len();
     if count < 3 {

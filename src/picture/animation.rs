@@ -1,5 +1,5 @@
-//! Animations, encoded frame by frame as they come: GIF and animated PNG. The palette of a colour map's frames is the map itself,
-//! so that every pixel has exactly its colour.
+//! Encoders of animations, frame by frame: GIF and animated PNG. The palette of a map's frames is the colour map
+//! itself, so every pixel has exactly its colour.
 
 use std::collections::HashMap;
 use std::fmt;
@@ -9,14 +9,14 @@ use color_quant::NeuQuant;
 
 use crate::picture::Picture;
 
-/// Pixels of a picture of which one is looked at to choose colours.
+/// Subsampling of pixels for the choice of colours.
 const SAMPLING: i32 = 3;
 
 /// A file format of animated pictures.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Format {
     Gif,
-    /// An ordinary PNG where there is one frame.
+    /// An ordinary PNG for a single frame.
     Png,
 }
 
@@ -29,7 +29,7 @@ impl Format {
         }
     }
 
-    /// What the time that a frame is shown is counted in.
+    /// The clock of frame durations.
     fn ticks_per_second(self) -> u16 {
         match self {
             Self::Gif => 100,
@@ -38,18 +38,18 @@ impl Format {
     }
 }
 
-/// The colours that all frames are made of.
+/// The colours of all frames.
 #[derive(Clone, Debug)]
 pub enum Colours {
     /// Those of a colour map, and no others.
     Map(Box<[[u8; 4]; 256]>),
-    /// Any. A GIF has 256 of them, which suit this picture.
+    /// Any. A GIF is limited to 256, chosen from this picture.
     Like(Picture),
 }
 
-/// 256 colours at most, and which is nearest to any.
+/// At most 256 colours, with a lookup of the nearest.
 struct Palette {
-    /// r, g, b of one after the other.
+    /// r, g, b in sequence.
     rgb: Vec<u8>,
     nearest: HashMap<[u8; 3], u8>,
 }
@@ -78,18 +78,18 @@ impl Palette {
     }
 }
 
-/// How long each frame is shown.
+/// The duration of each frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pace {
     /// s
     pub per_frame: f64,
-    /// How many times slower than it really is.
+    /// Slowdown relative to real time.
     pub slowed: f64,
 }
 
 impl Pace {
-    /// As fast as it really is, if that is neither too fast for viewers, which show frames for a tenth of a second when told less
-    /// than a fiftieth, nor too slow for the formats. What is no rate is shown as slowly as can be.
+    /// Real time, within the limits of viewers (which show frames declared shorter than a fiftieth of a second for a
+    /// tenth) and formats. An invalid rate becomes the slowest.
     pub fn new(frames_per_second: f64) -> Self {
         const SHORTEST: f64 = 0.02;
         const LONGEST: f64 = 60.0;
@@ -99,13 +99,13 @@ impl Pace {
         Self { per_frame, slowed: per_frame / real }
     }
 
-    /// So many frames a second (more than 0), of what really has `frames_per_second`.
+    /// This number of frames per second (more than 0), for an actual rate of `frames_per_second`.
     pub fn chosen(shown_per_second: f64, frames_per_second: f64) -> Self {
         let per_frame = 1.0 / shown_per_second;
         Self { per_frame, slowed: per_frame * frames_per_second }
     }
 
-    /// Ticks that a frame is shown for; rounding in one is made up for in the next.
+    /// Duration of a frame in ticks; rounding errors are compensated in the next frame.
     fn ticks(self, frame: u32, ticks_per_second: u16) -> u16 {
         let until = |frame: f64| (frame * self.per_frame * f64::from(ticks_per_second)).round();
         (until(f64::from(frame) + 1.0) - until(f64::from(frame))) as u16
@@ -145,7 +145,7 @@ impl From<png::EncodingError> for AnimationError {
     }
 }
 
-/// An animation that repeats for ever, on its way into a file.
+/// An endlessly repeating animation, being written into a file.
 pub struct Animation<W: Write> {
     encoder: Encoder<W>,
     width: usize,
@@ -169,7 +169,7 @@ enum Encoder<W: Write> {
 }
 
 impl<W: Write> Animation<W> {
-    /// Begins an animation of as many frames in these colours.
+    /// Begins an animation of `frames` frames in these colours.
     ///
     /// # Errors
     /// A side longer than [`Format::largest_side`], no frames, or a file that cannot be written.

@@ -1,4 +1,4 @@
-//! Charts of measurements: points and lines over logarithmic axes.
+//! Charts of measurements: points and lines on logarithmic axes.
 
 use plotters::coord::Shift;
 use plotters::drawing::DrawingAreaErrorKind;
@@ -8,7 +8,7 @@ use crate::picture::lettering::Lettered;
 use crate::picture::{Picture, PictureError};
 
 const SIZE: (u32, u32) = (1200, 800);
-/// Where a page scales the chart down, letters are to stay readable.
+/// Letters stay readable when a page scales the chart down.
 const SVG_SIZE: (u32, u32) = (900, 600);
 /// Width of the column that names the series.
 const LEGEND: u32 = 230;
@@ -27,7 +27,7 @@ const COLOURS: [RGBColor; 9] = [
     RGBColor(130, 80, 30),
 ];
 
-/// What colours of an SVG become on a dark page.
+/// Replacements of an SVG's colours on a dark page.
 const ON_DARK: [(RGBColor, &str); 10] = [
     (WHITE, "var(--ground)"),
     (INK, "#e4e4e8"),
@@ -41,18 +41,18 @@ const ON_DARK: [(RGBColor, &str); 10] = [
     (COLOURS[8], "#c79a62"),
 ];
 
-/// What is drawn.
+/// The content of a chart.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Chart {
     pub title: String,
     pub x_label: String,
     pub y_label: String,
-    /// Those without points are left out.
+    /// Series without points are left out.
     pub series: Vec<Series>,
     pub levels: Vec<Level>,
 }
 
-/// A dashed line across the chart, for what has no place along x.
+/// A dashed line across the chart, for values without an x.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Level {
     pub name: String,
@@ -64,7 +64,7 @@ pub struct Level {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Series {
     pub name: String,
-    /// Positive numbers from 1e-30 to 1e30; others are left out, since axes of more decades have no end of ticks.
+    /// Positive numbers from 1e-30 to 1e30; others are left out, to limit the ticks.
     pub points: Vec<(f64, f64)>,
 }
 
@@ -72,7 +72,7 @@ impl Chart {
     /// The chart as a picture of 1200 x 800 pixels.
     ///
     /// # Errors
-    /// There is nothing to draw.
+    /// An empty chart.
     pub fn draw(&self) -> Result<Picture, PictureError> {
         let (width, height) = SIZE;
         let mut rgb = vec![255; (width * height * 3) as usize];
@@ -81,10 +81,10 @@ impl Chart {
         Ok(Picture { width: width as usize, height: height as usize, rgba })
     }
 
-    /// The chart as an SVG element of 900 x 600 pixels without its title, which a page sets itself.
+    /// The chart as an SVG element of 900 x 600 pixels without a title, which the page sets.
     ///
     /// # Errors
-    /// There is nothing to draw.
+    /// An empty chart.
     pub fn svg(&self) -> Result<String, PictureError> {
         let mut svg = String::new();
         self.draw_on(SVGBackend::with_string(&mut svg, SVG_SIZE), "")?;
@@ -151,7 +151,7 @@ impl Chart {
             let points: Vec<_> = series.drawable().collect();
             chart.draw_series(LineSeries::new(points.iter().copied(), colour(style).stroke_width(3)))?;
             for point in points {
-                // The plot begins where the backend does.
+                // The plot has the backend's origin.
                 mark(plot, chart.backend_coord(&point), style)?;
             }
         }
@@ -173,12 +173,12 @@ impl Series {
     }
 }
 
-/// Whether an axis can have this number.
+/// Whether an axis can show this number.
 fn is_drawable(number: f64) -> bool {
     (1e-30..=1e30).contains(&number)
 }
 
-/// Style rules that make [`Chart::svg`] readable on a dark page, whose own colour is its style's `--ground`.
+/// Style rules for [`Chart::svg`] on a dark page with the colour `--ground`.
 pub fn dark_style() -> String {
     let rule = |(RGBColor(r, g, b), dark): (RGBColor, &str)| {
         let light = format!("#{r:02X}{g:02X}{b:02X}");
@@ -195,7 +195,7 @@ fn colour(style: usize) -> RGBColor {
     COLOURS[style % COLOURS.len()]
 }
 
-/// A point of a series. Where colours come again, triangles take the place of circles.
+/// A point of a series. When colours repeat, triangles replace circles.
 fn mark<B: DrawingBackend>(
     area: &DrawingArea<B, Shift>,
     at: (i32, i32),
@@ -215,7 +215,7 @@ fn range(values: impl Iterator<Item = f64>) -> Option<(f64, f64)> {
     (low <= high).then_some((low / 1.5, high * 1.5))
 }
 
-/// Powers of ten, with as many numbers between them as there is room for.
+/// Powers of ten, with intermediate numbers if there is room.
 fn ticks((low, high): (f64, f64)) -> Vec<f64> {
     let (first, last) = (low.log10().floor() as i32, high.log10().ceil() as i32);
     let decades = high.log10() - low.log10();
@@ -233,7 +233,7 @@ fn ticks((low, high): (f64, f64)) -> Vec<f64> {
         .collect()
 }
 
-/// Three digits tell ticks apart; more are rounding.
+/// Three digits distinguish ticks; more are rounding errors.
 fn label(value: &f64) -> String {
     let rounded = format!("{value:.2e}").parse().unwrap_or(*value);
     if (0.01..100_000.0).contains(&rounded) { format!("{rounded}") } else { format!("{rounded:e}") }

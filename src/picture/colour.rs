@@ -10,11 +10,11 @@ pub enum ColourMap {
     #[default]
     Inferno,
     Viridis,
-    /// Reads the same to people who do not tell red from green.
+    /// Suitable for red-green colour blindness.
     Cividis,
     Magma,
     Grey,
-    /// The only one whose ends meet, for phases: all hues at one lightness.
+    /// Cyclic, for phases: all hues at one lightness.
     Cyclic,
     /// Dark in the middle: from the most negative (blue) to the most positive (red).
     Diverging,
@@ -75,9 +75,9 @@ impl ColourMap {
         if is_light { self.table_on_light() } else { self.table() }
     }
 
-    /// For a light ground, as in print: white where there is nothing, and darker the more there is.
+    /// For a light ground, as in print: white at zero, darker with larger values.
     pub fn table_on_light(self) -> [[u8; 4]; 256] {
-        /// Steps in which white becomes the lightest colour of the table.
+        /// Steps from white to the lightest colour of the table.
         const FADE: f64 = 64.0;
         let table = self.table();
         match self {
@@ -95,8 +95,8 @@ impl ColourMap {
     }
 }
 
-/// What lies over a map to let its brightness follow an amount: the ground where there is nothing, and clear at the largest.
-/// Colours are multiplied by their alpha.
+/// The veil over a map with brightness by amount: opaque ground at zero, clear at the largest. Colours are
+/// premultiplied by alpha.
 pub fn veil(is_light: bool) -> [[u8; 4]; 256] {
     std::array::from_fn(|i| {
         let alpha = 255 - i as u8;
@@ -112,8 +112,8 @@ pub fn veiled([r, g, b, a]: [u8; 4], [over_r, over_g, over_b, alpha]: [u8; 4]) -
     [mixed(r, over_r), mixed(g, over_g), mixed(b, over_b), a]
 }
 
-/// The colour of a part of a turn, at one lightness and chroma of Oklab (B. Ottosson, "A perceptual color space for image
-/// processing", 2020), the largest chroma that sRGB has for all hues there. Phase 0, the middle, is orange.
+/// The colour of a part of a turn, at one lightness and chroma of Oklab (B. Ottosson, "A perceptual color space for
+/// image processing", 2020), the largest chroma available for all hues in sRGB. Phase 0, the middle, is orange.
 fn hue(turn: f64) -> [u8; 4] {
     const LIGHTNESS: f64 = 0.74;
     const CHROMA: f64 = 0.12;

@@ -1,4 +1,4 @@
-//! Pictures as the bytes of PNG files.
+//! Encodes pictures as PNG files.
 
 use png::{BitDepth, ColorType, Compression, EncodingError, Filter};
 
@@ -7,10 +7,10 @@ use crate::picture::Picture;
 /// A PNG; opaque, so without an alpha channel.
 ///
 /// # Errors
-/// The encoder refuses the picture: a side of more than 2³¹ pixels, or of none.
+/// A picture refused by the encoder: a side of 0 or more than 2³¹ pixels.
 ///
 /// # Panics
-/// A picture with other than four bytes per pixel.
+/// A picture without four bytes per pixel.
 pub fn png(picture: &Picture) -> Result<Vec<u8>, EncodingError> {
     assert_eq!(picture.rgba.len(), picture.width * picture.height * 4, "four bytes per pixel");
     let rgb: Vec<u8> =

@@ -1,4 +1,4 @@
-//! Pictures that are targets, from the bytes of their files to grey values.
+//! Decodes picture files of targets to grey values.
 
 use std::io::Cursor;
 
@@ -8,10 +8,10 @@ use image::{ExtendedColorType, ImageBuffer, ImageEncoder, ImageFormat, ImageRead
 
 use crate::scene::Grey;
 
-/// Pixels per side, and bytes, that are decoded at all.
+/// Limits of decoded pixels per side, and of bytes.
 const MOST_PIXELS: u32 = 20_000;
 const MOST_MEMORY: u64 = 400 << 20;
-/// Pixels of the longer side that are kept: larger pictures are made smaller.
+/// Limit of the longer side in pixels: larger pictures are reduced.
 pub const LONGEST: u32 = 512;
 /// Rec. 709 luma of red, green and blue.
 const LUMA: [f32; 3] = [0.2126, 0.7152, 0.0722];
@@ -27,10 +27,10 @@ pub enum GreyError {
     Black,
 }
 
-/// The picture in a file's bytes: 8-bit luma over 255, and black where it is transparent.
+/// The picture of a file's bytes: 8-bit luma over 255, black where transparent.
 ///
 /// # Errors
-/// Bytes of another kind, a picture that is broken or larger than 20 000 pixels a side, or one that is black.
+/// An unknown format, a picture that is broken or larger than 20 000 pixels a side, or a black one.
 pub fn read(bytes: &[u8]) -> Result<Grey, GreyError> {
     let format = match image::guess_format(bytes) {
         Ok(format @ (ImageFormat::Png | ImageFormat::Jpeg | ImageFormat::Bmp)) => format,
@@ -44,7 +44,7 @@ pub fn read(bytes: &[u8]) -> Result<Grey, GreyError> {
     let coloured = reader.decode()?.into_rgba8();
     let brightness = |pixel: &image::Rgba<u8>| {
         let [r, g, b, alpha] = pixel.0.map(|value| f32::from(value) / 255.0);
-        // A grey stays exactly what was painted.
+        // Grey values stay exactly as painted.
         let luma = if r == g && g == b { r } else { LUMA[0] * r + LUMA[1] * g + LUMA[2] * b };
         luma * alpha
     };
@@ -78,7 +78,7 @@ pub fn png(grey: &Grey) -> Result<Vec<u8>, image::ImageError> {
 mod tests {
     use super::*;
 
-    /// With its transparency, which the program's own pictures do not have.
+    /// Including transparency, which the program's own pictures lack.
     fn coloured(width: u32, height: u32, colour: impl Fn(usize, usize) -> [u8; 4]) -> Vec<u8> {
         let pixel = |x: u32, y: u32| image::Rgba(colour(x as usize, y as usize));
         let mut bytes = Cursor::new(Vec::new());

@@ -1,4 +1,4 @@
-//! Plots on pixels, lettered with the font of figures: a browser lends plotters none.
+//! Pixel plots with text in the figure font, since plotters has no font in a browser.
 
 use plotters::prelude::{BitMapBackend, DrawingBackend};
 use plotters::style::text_anchor::{HPos, VPos};
@@ -7,12 +7,12 @@ use tiny_skia::{FillRule, Mask, Transform};
 
 use crate::picture::figure::{Anchor, font, letters};
 
-/// Parts of a text's size: the height of its box, and how far below the box's top the letters stand.
+/// Relative to a text's size: the height of its box, and the baseline below the box's top.
 const HEIGHT: f64 = 1.0 / 1.24;
 const BASELINE: f64 = 0.5;
-/// Sizes count from the highest to the lowest that letters reach: so many ems of this font.
+/// Sizes include ascenders and descenders: in ems of this font.
 const REACH: f64 = 1.21;
-/// Sizes that letters may reach above and below where they stand.
+/// Room for letters above and below the baseline, in text sizes.
 const ROOM: f64 = 1.0;
 
 type Drawn<'a> = Result<(), DrawingErrorKind<<BitMapBackend<'a> as DrawingBackend>::ErrorType>>;

@@ -1,5 +1,5 @@
-//! From numbers to what a person looks at: colour maps, PNG and NPY, sheets with axes, animations and charts; and from pictures
-//! to the numbers of targets.
+//! From numbers to pictures: colour maps, PNG and NPY, sheets with axes, animations and charts; and from picture
+//! files to target values.
 
 #[cfg(feature = "studio")]
 pub mod animation;
@@ -47,17 +47,17 @@ pub struct Picture {
 }
 
 impl Picture {
-    /// From colours in a field's order, whose row 0 is at the smallest y: the bottom of the picture.
+    /// From colours in a field's order, row 0 at the smallest y, the bottom of the picture.
     ///
     /// # Panics
-    /// Other than four bytes per pixel.
+    /// Not four bytes per pixel.
     pub fn from_field_order(width: usize, height: usize, colours: &[u8]) -> Self {
         assert_eq!(colours.len(), width * height * 4, "four bytes per pixel");
         let rgba = colours.chunks_exact((width * 4).max(1)).rev().flatten().copied().collect();
         Self { width, height, rgba }
     }
 
-    /// Lays a veil of as many pixels over it: [`colour::veil`].
+    /// Blends a veil of the same size over it: [`colour::veil`].
     pub fn veil(&mut self, veil: &Self) {
         let pixels = self.rgba.as_chunks_mut::<4>().0.iter_mut();
         for (pixel, over) in pixels.zip(veil.rgba.as_chunks::<4>().0) {
@@ -68,7 +68,7 @@ impl Picture {
     /// One colour, r, g, b, a.
     ///
     /// # Panics
-    /// A place beside the picture.
+    /// A position outside the picture.
     pub fn pixel(&self, x: usize, y: usize) -> [u8; 4] {
         let at = (y * self.width + x) * 4;
         [self.rgba[at], self.rgba[at + 1], self.rgba[at + 2], self.rgba[at + 3]]

@@ -1,4 +1,4 @@
-//! Numbers as the bytes of NPY files, which `numpy.load` opens.
+//! Encodes numbers as NPY files for `numpy.load`.
 
 use std::fmt;
 use std::io::{self, Write};
@@ -8,7 +8,7 @@ use npyz::WriterBuilder;
 /// An NPY file of float32 in C order.
 ///
 /// # Errors
-/// The shape does not hold as many numbers as there are.
+/// The shape and the number of values differ.
 pub fn npy(shape: &[u64], values: &[f32]) -> io::Result<Vec<u8>> {
     let mut bytes = Vec::new();
     let mut numbers = Numbers::new(&mut bytes, shape)?;
@@ -17,24 +17,24 @@ pub fn npy(shape: &[u64], values: &[f32]) -> io::Result<Vec<u8>> {
     Ok(bytes)
 }
 
-/// An NPY file of float32 that is written piece by piece.
+/// An NPY file of float32, written piece by piece.
 pub struct Numbers<W: Write>(npyz::NpyWriter<f32, W>);
 
 impl<W: Write> Numbers<W> {
     /// # Errors
-    /// What the file says.
+    /// A file error.
     pub fn new(file: W, shape: &[u64]) -> io::Result<Self> {
         Ok(Self(npyz::WriteOptions::new().default_dtype().shape(shape).writer(file).begin_nd()?))
     }
 
     /// # Errors
-    /// What the file says.
+    /// A file error.
     pub fn add(&mut self, values: &[f32]) -> io::Result<()> {
         self.0.extend(values.iter().copied())
     }
 
     /// # Errors
-    /// The shape does not hold as many numbers as came.
+    /// The shape and the number of written values differ.
     pub fn finish(self) -> io::Result<()> {
         self.0.finish()
     }

@@ -1,4 +1,4 @@
-//! A liquid's surface seen at an angle: what a photograph of the dents would look like.
+//! A shaded relief of a liquid's surface, as a photograph would show it.
 
 use std::ops::Range;
 
@@ -9,19 +9,19 @@ use rayon::prelude::*;
 use crate::picture::lettering::Lettered;
 use crate::picture::{Picture, PictureError};
 
-/// Width and height of the page for which the measures below are meant.
+/// Reference width and height of the page for the measures below.
 const PAGE: (f64, f64) = (1600.0, 1000.0);
-/// Pixels kept free at the sides, at the top for words, and at the bottom for the front of the liquid.
+/// Margins in pixels: at the sides, at the top for text, and at the bottom for the front of the liquid.
 const SIDE: f64 = 70.0;
 const TOP: f64 = 185.0;
 const BOTTOM: f64 = 110.0;
-/// rad above the horizon from which one looks.
+/// Elevation of the view above the horizon, rad.
 const ELEVATION: f64 = 0.62;
-/// Part of the plane's width that the deepest dent is drawn deep, if it is exaggerated so much.
+/// Drawn depth of the deepest point relative to the plane's width, if exaggerated accordingly.
 const DRAWN_DEPTH: f64 = 0.09;
-/// Columns that are drawn for one of the picture: smooth edges.
+/// Drawn columns per column of the picture, for antialiasing.
 const FINENESS: usize = 2;
-/// Columns of the picture that are drawn together: what they need of the surface stays in the caches.
+/// Columns of the picture drawn together: their part of the surface stays in the caches.
 const STRIP: usize = 32;
 
 const SKY: Vec3 = Vec3::new(0.90, 0.94, 0.97);
@@ -39,30 +39,30 @@ pub struct Relief<'a> {
     pub columns: usize,
     /// m
     pub size: DVec2,
-    /// How many times as deep as it is it is drawn.
+    /// Vertical exaggeration.
     pub exaggeration: f64,
 }
 
-/// Where in a picture the surface is to be.
+/// Position of the surface in a picture.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Place {
     /// Pixels of the picture.
     pub width: usize,
     pub height: usize,
-    /// Pixels kept free on the left and on the right, above, and below, where the front of the liquid is.
+    /// Margins in pixels on the left and on the right, above, and below for the front of the liquid.
     pub side: f64,
     pub top: f64,
     pub bottom: f64,
-    /// r, g, b of what is no liquid.
+    /// r, g, b outside the liquid.
     pub ground: [u8; 3],
 }
 
-/// What stands above the surface on a page.
+/// Text above the surface on a page.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Words<'a> {
     /// The first line larger.
     pub lines: &'a [String],
-    /// What must not be overlooked.
+    /// A warning.
     pub warning: Option<&'a str>,
 }
 
@@ -71,8 +71,7 @@ pub fn height(width: usize) -> usize {
     (width as f64 * PAGE.1 / PAGE.0).round() as usize
 }
 
-/// How many times as deep as they are depths up to this one (m) are drawn on a plane of this size (m): a round number, at least
-/// 1.
+/// Vertical exaggeration for depths up to this one (m) on a plane of this size (m): a round number, at least 1.
 pub fn exaggeration(deepest: f64, size: DVec2) -> f64 {
     let wanted = DRAWN_DEPTH * size.x / deepest.max(1e-9);
     let decade = 10f64.powf(wanted.log10().floor());
@@ -80,7 +79,7 @@ pub fn exaggeration(deepest: f64, size: DVec2) -> f64 {
     round.unwrap_or(1.0).clamp(1.0, 1e6)
 }
 
-/// The height of a level surface of this size (m) over its width, as it is seen.
+/// Aspect ratio (height over width) of the view of a level surface of this size (m).
 pub fn shape(size: DVec2) -> f64 {
     size.y / size.x * ELEVATION.sin()
 }
@@ -95,13 +94,13 @@ impl Place {
 }
 
 impl<'a> Relief<'a> {
-    /// Drawn as deep as its own deepest place allows.
+    /// With the exaggeration of its own largest depth.
     pub fn new(depth: &'a [f32], columns: usize, size: DVec2) -> Self {
         let deepest = depth.iter().fold(0.0f32, |most, depth| most.max(depth.abs()));
         Self { depth, columns, size, exaggeration: exaggeration(deepest.into(), size) }
     }
 
-    /// Pixels that a metre of depth sinks, where one to the right has so many.
+    /// Vertical pixels per metre of depth, given the horizontal pixels per metre.
     pub fn sinks(&self, scale: f64) -> f64 {
         scale * self.exaggeration * ELEVATION.cos()
     }
@@ -139,24 +138,24 @@ impl<'a> Relief<'a> {
     }
 }
 
-/// Some columns of the surface as they are seen, row by row.
+/// Some shaded columns of the surface, row by row.
 #[derive(Debug, Default)]
 struct Lit {
     columns: Range<usize>,
-    /// Pixels, how far below its level place a point is seen.
+    /// Vertical displacement of a point from its level position, pixels.
     sunk: Vec<f32>,
-    /// The last component is 1, so that sums of parts know how much they cover.
+    /// The last component is 1, so that sums contain the coverage.
     colours: Vec<Vec4>,
 }
 
-/// The surface as it is projected.
+/// The projected surface.
 struct Seen<'a> {
     relief: &'a Relief<'a>,
     light: Light,
     columns: usize,
     rows: usize,
-    /// Pixels: how far a metre of depth sinks; the left edge and the width of the surface; the front edge of the level surface,
-    /// how far above it the back one is; and the lower edge of the liquid.
+    /// In pixels: displacement per metre of depth; left edge and width of the surface; front edge of the level
+    /// surface, and height of its back edge above it; and lower edge of the liquid.
     sinks: f32,
     left: f64,
     wide: f64,
@@ -190,8 +189,7 @@ impl<'a> Seen<'a> {
         }
     }
 
-    /// Where on the surface, from its left to its right edge, a place in the picture is: a column and a part of the way to the
-    /// next.
+    /// Position on the surface of a horizontal position in the picture: a column and a fraction to the next.
     fn across(&self, x: f64) -> Option<(usize, f32)> {
         let across = (x - self.left) / self.wide;
         let place = (across * self.columns as f64 - 0.5).clamp(0.0, (self.columns - 1) as f64);
@@ -239,7 +237,7 @@ impl<'a> Seen<'a> {
         strip
     }
 
-    /// Adds what is seen along a line upwards, from the front to the back; what is nearer hides what is behind it.
+    /// Adds a column of the view upwards, from front to back, with hidden parts removed.
     fn column(&self, lit: &Lit, (column, part): (usize, f32), covered: &mut [Vec4]) {
         let (left, right) =
             (column - lit.columns.start, (column + 1).min(self.columns - 1) - lit.columns.start);
@@ -267,7 +265,7 @@ impl<'a> Seen<'a> {
     }
 }
 
-/// Adds a stretch of a column, from a place above to a place below, to the pixels that it covers.
+/// Adds a segment of a column to the pixels that it covers.
 #[inline]
 fn fill(covered: &mut [Vec4], from: (f32, Vec4), to: (f32, Vec4)) {
     let last = covered.len() as f32;
@@ -292,10 +290,10 @@ fn fill(covered: &mut [Vec4], from: (f32, Vec4), to: (f32, Vec4)) {
 struct Light {
     columns: usize,
     rows: usize,
-    /// From differences of depth between the two neighbours to slopes as they are drawn.
+    /// Factors from depth differences of neighbours to drawn slopes.
     steepness: [f32; 2],
     towards: Vec3,
-    /// What makes a level surface as bright as 1.
+    /// Factor that gives a level surface a brightness of 1.
     brightness: f32,
     eye: Vec3,
 }
@@ -356,7 +354,7 @@ fn letter(picture: &mut Picture, words: Words<'_>, unit: f64) -> Result<(), Pict
     })
 }
 
-/// Lets something draw on the colours of a picture.
+/// Draws on the colours of a picture.
 pub(in crate::picture) fn on_picture(
     picture: &mut Picture,
     draw: impl FnOnce(&DrawingArea<Lettered<'_>, plotters::coord::Shift>) -> Result<(), PictureError>,

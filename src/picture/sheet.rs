@@ -1,4 +1,4 @@
-//! The paper's figure on one page: wanted points, phase and amplitude per element, and the pressure map, with axes.
+//! The sheet: targets, phase and amplitude per element, and the pressure map with axes, as in the paper's figures.
 
 use glam::{DVec2, DVec3};
 use plotters::coord::types::RangedCoordf64;
@@ -12,11 +12,11 @@ use crate::rounding::{at_most, percent_at_least};
 use crate::scene::{Focus, Plane, Sampling, Scene, chart, outline};
 use crate::solver::{self, Problem, Solution};
 
-/// Width and height of a sheet for which the measures below are meant; other sizes scale them.
+/// Reference width and height of a sheet for the measures below; other sizes scale them.
 const PAGE: (f64, f64) = (1600.0, 1560.0);
 /// The part of a page that [`drive`] needs.
 const DRIVE_PAGE: (f64, f64) = (1600.0, 840.0);
-/// Side of the square in which a plot lies.
+/// Side of the square of a plot.
 const PLOT: f64 = 560.0;
 /// Left edge of the plots in the two columns, top edge in the two rows.
 const COLUMNS: [f64; 2] = [100.0, 880.0];
@@ -24,7 +24,7 @@ const ROWS: [f64; 2] = [190.0, 905.0];
 
 const INK: RGBColor = RGBColor(30, 30, 34);
 const FAINT: RGBColor = RGBColor(205, 205, 210);
-/// Where sound is wanted.
+/// Colour of targets.
 const WANTED: RGBColor = RGBColor(196, 43, 60);
 const EMPTY: [u8; 3] = [244, 244, 246];
 
@@ -44,8 +44,7 @@ pub fn map_size(plane: &Plane, width: usize, height: usize) -> (usize, usize) {
     (columns as usize, rows as usize)
 }
 
-/// Draws the whole sheet; `map` shows RMS pressure in these colours up to `peak_rms` (Pa) and has the size that
-/// [`map_size`] says.
+/// Draws the whole sheet; `map` is the RMS pressure in these colours up to `peak_rms` (Pa), of the size [`map_size`].
 ///
 /// # Errors
 /// The page is too small for its axes.
@@ -85,7 +84,7 @@ pub fn drive(
     })
 }
 
-/// How many focal points there are, and samples of strokes and areas.
+/// Numbers of focal points, and of samples of strokes and areas, as text.
 fn amount(foci: &[Focus]) -> String {
     let of = |is_one: &dyn Fn(&Focus) -> bool| foci.iter().filter(|focus| is_one(focus)).count();
     let separate = of(&Focus::is_separate);
@@ -120,7 +119,7 @@ pub fn pascals(pressure: f64) -> String {
     pascals_by(pressure, |value, decimals| format!("{value:.decimals$}"))
 }
 
-/// A pressure that others do not exceed.
+/// An upper bound of a pressure, as text.
 pub fn pascals_at_most(pressure: f64) -> String {
     pascals_by(pressure, at_most)
 }
@@ -147,7 +146,7 @@ struct Page {
     scale: f64,
 }
 
-/// Where a plot lies on the page, in pixels.
+/// Position of a plot on the page, in pixels.
 #[derive(Clone, Copy)]
 struct Plot {
     corner: (i32, i32),
@@ -264,7 +263,7 @@ impl Page {
     }
 }
 
-/// What the panels of one sheet share. Each is drawn in the cell at a column and a row.
+/// Data common to the panels of a sheet. Each is drawn in the cell at a column and a row.
 struct Panels<'a, 'b> {
     page: &'a Page,
     root: &'a Root<'b>,
@@ -317,7 +316,7 @@ impl Panels<'_, '_> {
         page.legend(root, plot, ColourMap::Cyclic, (-pi, pi), &ticks)
     }
 
-    /// The method's own amplitudes: what is played is uniform, and what that costs is the efficiency.
+    /// The method's own amplitudes; the played ones are uniform, at the cost expressed by the efficiency.
     fn amplitudes(&self, cell: (usize, usize)) -> Result<(), PictureError> {
         let Self { page, root, solution, .. } = self;
         let table = ColourMap::Viridis.table();
@@ -396,7 +395,7 @@ impl Panels<'_, '_> {
     }
 }
 
-/// Pixels with their top left corner at a place.
+/// Pixels with their top left corner at a position.
 fn bitmap<C>(
     corner: C,
     (width, height): (usize, usize),
@@ -429,7 +428,7 @@ fn centre(plane: &Plane) -> DVec2 {
     plane.axes().map_or(DVec2::ZERO, |(x, y)| DVec2::new(along(x), along(y)) * 1e3)
 }
 
-/// What the plane's axes are called.
+/// Names of the plane's axes.
 pub fn labels(plane: &Plane) -> (&'static str, &'static str) {
     let (x, y) = plane.axes().unwrap_or((DVec3::X, DVec3::Y));
     (

@@ -1,4 +1,4 @@
-//! What is written on a picture of space: names of axes, lines of words, and a colour bar.
+//! Labels of 3D pictures: names of axes, lines of text, and a colour bar.
 
 use glam::DVec2;
 use plotters::prelude::*;
@@ -11,12 +11,12 @@ use crate::picture::{Picture, PictureError};
 const BAR: f64 = 14.0;
 const EDGE: f64 = 22.0;
 
-/// Everything that is written on a picture.
+/// All labels of a picture.
 #[derive(Clone, Debug, Default)]
 pub struct Words {
     /// At the top, the first one larger.
     pub lines: Vec<String>,
-    /// Pixels where each stands in the middle.
+    /// Centre of each label in pixels.
     pub labels: Vec<(DVec2, String)>,
     pub bar: Option<Bar>,
     pub is_light: bool,
@@ -24,13 +24,13 @@ pub struct Words {
     pub scale: f64,
 }
 
-/// Colours and what they mean.
+/// A colour bar with its labels.
 #[derive(Clone, Debug)]
 pub struct Bar {
     pub table: [[u8; 4]; 256],
-    /// Parts of the peak, and what stands beside them.
+    /// Fractions of the peak with their labels.
     pub ticks: Vec<(f64, String)>,
-    /// The part at which the surface is.
+    /// The fraction of the isosurface.
     pub mark: Option<f64>,
     pub title: String,
 }
@@ -55,7 +55,7 @@ impl Words {
                 root.draw_text(line, &font(size).color(&colour), at)?;
                 top += 1.5 * size;
             }
-            // On a rim of the ground's colour, whatever is behind.
+            // With an outline in the ground's colour for contrast.
             let ground = if self.is_light { RGBColor(244, 245, 248) } else { RGBColor(16, 16, 20) };
             let rim = (1.5 * scale).ceil() as i32;
             for (at, text) in &self.labels {

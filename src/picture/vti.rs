@@ -1,22 +1,23 @@
-//! Volumes as VTK ImageData (`.vti`): XML with raw bytes behind it, as ParaView, PyVista and 3D Slicer read it.
+//! Writes volumes as VTK ImageData (`.vti`), XML with appended raw bytes, for ParaView, PyVista and 3D Slicer.
 
 use std::fmt;
 use std::io::{self, Write};
 
 use glam::{DVec3, UVec3};
 
-/// A volume of float32 that is written layer by layer, x fastest, then y, then z.
+/// A volume of float32, written layer by layer, x fastest, then y, then z.
 pub struct ImageData<W: Write> {
     file: W,
-    /// Values that are still to come.
+    /// Number of missing values.
     missing: u64,
 }
 
 impl<W: Write> ImageData<W> {
-    /// Of values at points: the first stands at `origin` (m) and its neighbours `spacing` (m) away. The name needs no escapes.
+    /// For values at points: the first at `origin` (m), neighbours `spacing` (m) apart. The name must not need
+    /// escapes.
     ///
     /// # Errors
-    /// What the file says.
+    /// A file error.
     pub fn new(mut file: W, name: &str, origin: DVec3, spacing: DVec3, counts: UVec3) -> io::Result<Self> {
         let last = counts - UVec3::ONE;
         let extent = format!("0 {} 0 {} 0 {}", last.x, last.y, last.z);
@@ -42,7 +43,7 @@ impl<W: Write> ImageData<W> {
     }
 
     /// # Errors
-    /// What the file says, or more values than there are points.
+    /// A file error, or more values than points.
     pub fn add(&mut self, values: &[f32]) -> io::Result<()> {
         self.missing = self
             .missing
@@ -53,7 +54,7 @@ impl<W: Write> ImageData<W> {
     }
 
     /// # Errors
-    /// What the file says, or fewer values than there are points.
+    /// A file error, or fewer values than points.
     pub fn finish(mut self) -> io::Result<()> {
         if self.missing > 0 {
             return Err(io::Error::other("fewer values than points"));

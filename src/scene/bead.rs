@@ -1,10 +1,10 @@
-//! The bead that sound is to carry: known materials by name, and what a scene gives outright.
+//! The levitated bead: named materials, and properties given by the scene.
 
 use serde::{Deserialize, Serialize};
 
 use crate::scene::range::{KeyError, within};
 
-/// A small sphere. What is `None` follows from its material.
+/// A small sphere. `None` takes the material's value.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Bead {
@@ -72,7 +72,7 @@ impl Material {
         }
     }
 
-    /// What it is called in full.
+    /// Full name.
     pub fn title(self) -> &'static str {
         match self {
             Self::Eps => "expanded polystyrene",
@@ -82,9 +82,10 @@ impl Material {
         }
     }
 
-    /// Density (kg/m³) and sound speed (m/s). EPS: 29 kg/m³ as AcousTools has it, after Marzo et al., Nature Communications 6:8661 (2015), and
-    /// the sound speed of levitate; others take 25 to 30 kg/m³ and 900 to 2350 m/s. Water: IAPWS R6-95. Ethanol and silica: CRC Handbook of
-    /// Chemistry and Physics. In air a sound speed matters to 1e-3: beads hardly yield.
+    /// Density (kg/m³) and sound speed (m/s). EPS: 29 kg/m³ as AcousTools has it, after Marzo et al., Nature
+    /// Communications 6:8661 (2015), and the sound speed of levitate; others take 25 to 30 kg/m³ and 900 to 2350 m/s.
+    /// Water: IAPWS R6-95. Ethanol and silica: CRC Handbook of Chemistry and Physics. In air the bead's sound speed
+    /// matters only to 1e-3.
     fn properties(self) -> (f64, f64) {
         match self {
             Self::Eps => (29.0, 2350.0),

@@ -1,13 +1,13 @@
-//! The elements of all boards on a page.
+//! Layout of the elements of all boards in a flat chart.
 
 use glam::{DQuat, DVec2, DVec3};
 
 use crate::scene::{Placed, Scene};
 
-/// The elements of all boards seen from the front, boards side by side: where charts draw them.
+/// The elements of all boards, seen from the front and side by side, for charts.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Chart {
-    /// m, of every element, from the lower left corner.
+    /// Position of every element from the lower left corner, m.
     pub places: Vec<DVec2>,
     /// m
     pub size: DVec2,
@@ -27,7 +27,7 @@ impl Chart {
         let grow = |(low, high): (DVec2, DVec2), at: &DVec2| (low.min(*at), high.max(*at));
         let (low, high) = flat.iter().fold((DVec2::MAX, DVec2::MIN), grow);
         let one = high - low + cell;
-        // Elements that face each other lie beside each other.
+        // Elements that face each other are drawn side by side.
         let is_back = |it: &Placed| it.normal.dot(up) < -FACING;
         let sides = if placed.iter().any(is_back) { 2 } else { 1 };
         let step = one.x + cell / 2.0;
@@ -42,7 +42,7 @@ impl Chart {
         Self { places, size: DVec2::new(one.x + step * (columns - 1.0), one.y), cell }
     }
 
-    /// The element at a place.
+    /// The element at a position.
     pub fn element(&self, at: DVec2) -> Option<usize> {
         let distances = self.places.iter().map(|place| place.distance_squared(at)).enumerate();
         let (nearest, distance) = distances.min_by(|a, b| a.1.total_cmp(&b.1))?;

@@ -1,4 +1,4 @@
-//! The limits of every number in a scene.
+//! The limits of every number in a scene, and their checks.
 
 use std::f64::consts::TAU;
 
@@ -15,34 +15,34 @@ use crate::scene::{
 pub use crate::scene::range::{Key, KeyError};
 pub use crate::scene::space::MOST_ELEMENTS;
 
-/// Focal points that a scene may ask for; the solver's work grows with the cube of this.
+/// Limit of focal points per scene; the solver's work grows with its cube.
 pub const MOST_FOCI: usize = 1024;
-/// Targets that a scene may have, shown at once or one after the other.
+/// Limit of targets per scene, over all steps.
 pub const MOST_TARGETS: usize = 10_000;
-/// Letters in the name of a target or a group.
+/// Limit of letters in the name of a target or a group.
 pub const MOST_LETTERS: usize = 64;
-/// Zones that a scene may keep quiet.
+/// Limit of quiet zones per scene.
 pub const MOST_ZONES: usize = 64;
-/// The largest ka of an exact piston: its integral takes some 50 000 nodes for one point.
+/// The largest ka of an exact piston: its integral needs some 50 000 nodes per point.
 const WIDEST_DISK: f64 = 2e4;
-/// Wanted pressures, relative or in Pa (peak).
+/// Target pressures, relative or in Pa (peak).
 const LEAST_PRESSURE: f64 = 1e-6;
 const MOST_PRESSURE: f64 = 1e9;
 /// Repetitions per second of a motion.
 pub(crate) const RATES: std::ops::RangeInclusive<f64> = 1e-6..=1e5;
-/// What keyframes may multiply wanted pressures by.
+/// Factors of keyframes on target pressures.
 pub const FACTORS: std::ops::RangeInclusive<f64> = 1e-3..=1e3;
 /// Of one motion.
 const MOST_KEYFRAMES: usize = 1024;
-/// Iterations of a method: a thousand times what any of them needs.
+/// Limit of iterations: a thousand times the need of any method.
 const MOST_ITERATIONS: u64 = 100_000;
-/// Of a sum of numbers that are written in decimals.
+/// Rounding error of a sum of decimal numbers.
 const ROUNDING: f64 = 1e-9;
-/// Drives that take turns: more are no quieter on the average.
+/// Limit of drives in turn: more do not lower the side lobes of the mean.
 const MOST_TURNS: u64 = 32;
 /// s of search.
 const LONGEST_SEARCH: f64 = 3600.0;
-/// Sine of the angle at which a plane still counts as level.
+/// Sine of the largest angle at which a plane counts as horizontal.
 const LEVEL: f64 = 1e-9;
 
 /// Checks every number of the scene.
@@ -115,7 +115,7 @@ fn array(array: &Array) -> Result<(), KeyError> {
     within("reflectivity", array.reflectivity, -1.0, 1.0, "(0: none, 1: rigid)")
 }
 
-/// Elements that are off are there, and others are on.
+/// Elements in `off` exist, and at least one other is on.
 fn off(scene: &Scene) -> Result<(), KeyError> {
     let (array, elements) = (&scene.array, scene.elements());
     if array.lacks_elements() {
@@ -275,7 +275,7 @@ pub fn search(seconds: f64) -> Result<(), KeyError> {
     within("search", seconds, 0.0, LONGEST_SEARCH, "s")
 }
 
-/// A liquid's surface is level, and the only board looks at it.
+/// The liquid's surface is horizontal, and the only board faces it.
 fn aim(scene: &Scene) -> Result<(), KeyError> {
     if !scene.aims_at_depression() {
         return Ok(());
@@ -346,7 +346,7 @@ fn shape(shape: &Shape) -> Result<(), KeyError> {
             if text.trim().is_empty() {
                 return refuse("text", "there is nothing to write");
             }
-            // Every letter has a focal point at least.
+            // Every letter has at least one focal point.
             if text.chars().count() > MOST_FOCI {
                 return refuse("text", format!("a text may have at most {MOST_FOCI} characters"));
             }
@@ -431,7 +431,7 @@ fn motion(motion: &Motion) -> Result<(), KeyError> {
         Tempo::Speed(speed) => within("speed", speed, 1e-6, 1e5, "m/s")?,
     }
     count("foci", motion.foci.into(), 1, MOST_FOCI as u64)?;
-    // How many are too many depends on the array: `motion::check` knows.
+    // The upper limit depends on the array: see `motion::check`.
     count("frames", u64::from(motion.frames), 1, u64::from(u32::MAX))?;
     for (index, offset) in motion.points.iter().enumerate() {
         point("points", *offset).map_err(|mut e| {
@@ -450,7 +450,7 @@ fn motion(motion: &Motion) -> Result<(), KeyError> {
     Ok(())
 }
 
-/// Times that grow, places that can be, pressures that are some.
+/// Increasing times, valid positions, positive pressures.
 fn keyframes(keyframes: &[Keyframe]) -> Result<(), KeyError> {
     if keyframes.len() > MOST_KEYFRAMES {
         return refuse(
@@ -485,10 +485,10 @@ fn no_steps(own: &Motion) -> Result<(), KeyError> {
     refuse("path", "a single target takes no turns: `path = \"steps\"` stands in the scene's [motion]")
 }
 
-/// Checks the place of a listener.
+/// Checks the position of a listener.
 ///
 /// # Errors
-/// A point behind the array or beyond all scenes.
+/// A point behind the array or outside the limits of scenes.
 pub fn listener(listener: &Listener, front: &Front) -> Result<(), KeyError> {
     point("at", listener.at)?;
     if front.contains(listener.at) {

@@ -1,4 +1,4 @@
-//! What is wanted where on the plane of an area: filled shapes, broad strokes and pictures as rasters of |p|².
+//! Areas (filled shapes, broad strokes, pictures) as rasters of the prescribed |p|².
 
 use std::ops::Range;
 
@@ -12,16 +12,16 @@ use crate::scene::{Grey, Sampling, Shape, Target, pixels};
 const PER_WAVELENGTH: f64 = 16.0;
 const FEWEST: f64 = 16.0;
 const MOST: f64 = 512.0;
-/// Lines across a pixel whose ends are exact.
+/// Scan lines per pixel, with exact ends.
 const LINES: usize = 4;
-/// m, and of the extent: how far vertices may be from the plane of a flat path.
+/// Tolerance for the vertices of a planar path, in m and relative to its extent.
 const FLAT: f64 = 1e-4;
 const FLAT_PART: f64 = 1e-3;
 
-/// An area of the scene as a raster of wanted brightness, 0 to 1, in a plane of its own.
+/// An area of the scene as a raster of target brightness, 0 to 1, in its own plane.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Cover {
-    /// Wanted pressure where the brightness is 1.
+    /// Target pressure at brightness 1.
     pub pressure: f64,
     /// m, the middle of the raster.
     pub centre: DVec3,
@@ -32,24 +32,24 @@ pub struct Cover {
     counts: [usize; 2],
     /// Sums of brightness over all pixels below and to the left of a corner, row by row from the lowest.
     sums: Vec<f64>,
-    /// Everything that is covered is to have a brightness of 1.
+    /// The target brightness is 1 wherever covered.
     is_plain: bool,
 }
 
 /// A part of an area.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Patch {
-    /// m, in the middle of what it covers.
+    /// Centre of its covered part, m.
     pub at: DVec3,
-    /// Wanted there, 0 to 1.
+    /// Target brightness, 0 to 1.
     pub brightness: f64,
 }
 
 impl Cover {
-    /// The area of a target; `None` of one that is no area.
+    /// The area of a target; `None` if the target is not an area.
     ///
     /// # Errors
-    /// A path that is not flat or has no inside, a glyph that the font lacks, or a picture that is not loaded or black.
+    /// A path that is not planar or has no inside, a missing glyph, or a picture that is black or not loaded.
     pub fn new(target: &Target, wavelength: f64) -> Result<Option<Self>, KeyError> {
         let cover = match (&target.shape, target.sampling) {
             (Shape::Picture { pixels, width, .. }, _) => {
@@ -72,7 +72,7 @@ impl Cover {
         }
     }
 
-    /// A black rim is left out: what is far from anything drawn is quiet anyway.
+    /// A black margin is cropped: the surroundings are quiet anyway.
     fn of_picture(target: &Target, grey: &Grey, size: DVec2) -> Self {
         let axes = [DVec3::X, DVec3::Y].map(|axis| target.turn() * axis);
         let width = grey.width.max(1);
@@ -135,12 +135,12 @@ impl Cover {
         })
     }
 
-    /// Where a point (m) lies on the area's plane, from the raster's middle.
+    /// A point (m) projected onto the area's plane, relative to the raster's centre.
     pub fn flat(&self, point: DVec3) -> DVec2 {
         DVec2::from(self.axes.map(|axis| (point - self.centre).dot(axis)))
     }
 
-    /// A place of the area's plane, m from the raster's middle.
+    /// A point of the area's plane (m from the raster's centre) in space.
     pub fn world(&self, flat: DVec2) -> DVec3 {
         self.centre + self.axes[0] * flat.x + self.axes[1] * flat.y
     }
@@ -156,12 +156,12 @@ impl Cover {
         (sum / area).clamp(0.0, 1.0)
     }
 
-    /// A place from the lower left corner, in pixels.
+    /// A point in pixels from the lower left corner.
     fn pixels(&self, flat: DVec2) -> DVec2 {
         (flat + self.half) / (2.0 * self.half) * DVec2::new(self.counts[0] as f64, self.counts[1] as f64)
     }
 
-    /// Of all that lies below and to the left of a place in pixels.
+    /// The sum over everything below and to the left of a point in pixels.
     fn sum(&self, [x, y]: [f64; 2]) -> f64 {
         let [columns, rows] = self.counts;
         let split = |place: f64, count: usize| {
@@ -175,12 +175,12 @@ impl Cover {
         along(j) * (1.0 - y) + along(j + 1) * y
     }
 
-    /// Parts of the area, at most `spacing` m from one to the next: one at least.
+    /// Patches of the area, at most `spacing` m apart: at least one.
     pub fn patches(&self, spacing: f64) -> Vec<Patch> {
-        /// Of the brightest part: a part with less is left to its neighbours, or is dark.
+        /// Relative to the brightest patch: a darker patch is merged into its neighbours, or dark.
         const LEAST: f64 = 0.25;
         const LEAST_OF_PICTURE: f64 = 0.02;
-        /// Places across a part.
+        /// Samples across a patch.
         const PLACES: usize = 4;
         let counts =
             (2.0 * self.half / spacing).to_array().map(|count| count.ceil().clamp(1.0, MOST) as usize);
@@ -211,7 +211,7 @@ impl Cover {
     }
 }
 
-/// From the first to behind the last that holds; all where none does.
+/// The range from the first to the last match; the full range without a match.
 fn bounds(holds: impl ExactSizeIterator<Item = bool> + DoubleEndedIterator + Clone) -> Range<usize> {
     let count = holds.len();
     let (mut from, mut back) = (holds.clone(), holds);
@@ -221,7 +221,7 @@ fn bounds(holds: impl ExactSizeIterator<Item = bool> + DoubleEndedIterator + Clo
     }
 }
 
-/// Axes of the plane of a path, as level as it can be where the path is straight.
+/// Axes of the plane of a path; as horizontal as possible for a straight path.
 fn plane_of(vertices: &[DVec3]) -> Result<[DVec3; 2], KeyError> {
     let farthest = |distance: &dyn Fn(&DVec3) -> f64| {
         vertices.iter().copied().max_by(|a, b| distance(a).total_cmp(&distance(b)))
@@ -244,7 +244,7 @@ fn plane_of(vertices: &[DVec3]) -> Result<[DVec3; 2], KeyError> {
     Ok([x, normal.cross(x)])
 }
 
-/// Of a raster, for every corner of its pixels, what lies below and to the left.
+/// Prefix sums of a raster: for every pixel corner, the sum below and to the left.
 fn sums([columns, rows]: [usize; 2], brightness: &[f64]) -> Vec<f64> {
     let wide = columns + 1;
     let mut sums = vec![0.0; wide * (rows + 1)];
@@ -258,7 +258,7 @@ fn sums([columns, rows]: [usize; 2], brightness: &[f64]) -> Vec<f64> {
     sums
 }
 
-/// How much of every pixel lies inside closed polygons, wherever they wind around it; in pixels.
+/// Coverage of pixels by closed polygons, by the non-zero winding rule; in pixels.
 fn filled([columns, rows]: [usize; 2], polygons: &[Vec<DVec2>]) -> Vec<f64> {
     let mut raster = vec![0.0; columns * rows];
     let mut crossings = Vec::new();
@@ -284,7 +284,7 @@ fn filled([columns, rows]: [usize; 2], polygons: &[Vec<DVec2>]) -> Vec<f64> {
     raster
 }
 
-/// Adds a part of one of the lines across a row of pixels.
+/// Adds a span of a scan line to a row of pixels.
 fn add_span(row: &mut [f64], from: f64, to: f64) {
     let [from, to] = [from, to].map(|end| end.clamp(0.0, row.len() as f64));
     let last = (to.ceil() as usize).min(row.len());
@@ -294,7 +294,7 @@ fn add_span(row: &mut [f64], from: f64, to: f64) {
     }
 }
 
-/// How much of every pixel lies within half of `width` of polylines; in pixels.
+/// Coverage of pixels by polylines of `width`; in pixels.
 fn broad([columns, rows]: [usize; 2], strokes: &[Vec<DVec2>], width: f64) -> Vec<f64> {
     let mut distances = vec![f64::INFINITY; columns * rows];
     let mut near = |a: DVec2, b: DVec2| {
@@ -330,7 +330,7 @@ mod tests {
         let target = Target { angle: std::f64::consts::FRAC_PI_2, ..Target::new(shape) };
         let cover = Cover::new(&target, 8.5e-3).unwrap().unwrap();
         assert!(cover.half.distance(DVec2::new(0.015, 0.005)) < 1e-12, "{}", cover.half);
-        // The second row from the top lies 5 mm above the middle, which a quarter turn takes to the left.
+        // The second row from the top is 5 mm above the centre, to the left after a quarter turn.
         let middle = at + DVec3::new(-0.005, -0.005, 0.0);
         assert!(cover.centre.distance(middle) < 1e-12, "{}", cover.centre);
         assert!((cover.brightness(cover.flat(middle), 1e-3) - 0.5).abs() < 1e-12);

@@ -20,11 +20,11 @@ use crate::source;
 
 /// The version of the file format that this program reads and writes.
 pub const FORMAT: u32 = 1;
-/// Bytes that a file may have; the largest scene has fewer, and reading takes eighty times as much memory.
+/// Limit of a file's size in bytes; the largest scene is smaller, and reading needs eighty times as much memory.
 pub const LONGEST: u64 = 2 << 20;
 
-/// Reads and checks a scene file; every target has become focal points once, so that [`motion::frames`] cannot
-/// fail on what comes back but for a scene without visible targets.
+/// Reads and checks a scene file. All focal points have been computed once, so [`motion::frames`] of the result can
+/// only fail for a scene without visible targets.
 ///
 /// # Errors
 /// An unreadable file, broken TOML, an unknown key, or a value outside its limits.
@@ -32,10 +32,10 @@ pub fn read(path: &Path) -> Result<Scene, FileError> {
     parse(&read_text(path)?, path)
 }
 
-/// The text of a file that is to be a scene.
+/// The text of a scene file.
 ///
 /// # Errors
-/// An unreadable file, or one that is no text.
+/// An unreadable or non-text file.
 pub fn read_text(path: &Path) -> Result<String, FileError> {
     source::read_text(path, LONGEST).map_err(|cause| FileError::Read { file: path.to_owned(), cause })
 }
@@ -66,7 +66,7 @@ pub fn write(scene: &Scene) -> String {
     inline::lists(toml::to_string(scene).expect("a scene is tables of plain values"))
 }
 
-/// Targets alone as a text that [`parse_targets`] reads again.
+/// Only the targets, as a text for [`parse_targets`].
 pub fn write_targets(targets: &[Target]) -> String {
     #[derive(Serialize)]
     struct Targets<'a> {
@@ -76,7 +76,7 @@ pub fn write_targets(targets: &[Target]) -> String {
     toml::to_string(&Targets { format: FORMAT, target: targets }).expect("targets are plain values")
 }
 
-/// The targets of a text, if it is one of a scene.
+/// The targets of a text, if it is a scene's.
 pub fn parse_targets(text: &str) -> Option<Vec<Target>> {
     let scene = parse_tables(text).ok()?.into_scene().ok()?;
     check(&scene).ok()?;
@@ -91,7 +91,7 @@ fn checked(scene: Scene) -> Result<Scene, KeyError> {
     Ok(scene)
 }
 
-/// Checks what targets and motion are together, where any is shown; of pictures once they are loaded.
+/// Checks targets and motion together, if any target is visible; pictures only once they are loaded.
 ///
 /// # Errors
 /// Those of [`motion::check`].
@@ -99,7 +99,7 @@ pub fn targets_in_motion(scene: &Scene) -> Result<(), KeyError> {
     if scene.targets.iter().any(|target| target.visible) { motion::check(scene) } else { Ok(()) }
 }
 
-/// The file as written, before the keys of each target are sorted out.
+/// The file as written, before the keys of each target are assigned.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct SceneTable {
@@ -201,7 +201,7 @@ mod tests {
         let [zone] = &parse(&written, Path::new("b.toml")).unwrap().quiet[..] else { panic!("{written}") };
         assert_eq!(*zone, Zone::new(Area::Circle { radius: 0.02 }, glam::DVec3::Z * 0.1));
         for key in ["spacing", "points", "pressures =", "search", "quiet =", "normal", "angle"] {
-            // The solver has pressures of its own.
+            // The solver has a key `pressures`, too.
             let count = usize::from(key == "pressures =");
             assert_eq!(written.matches(key).count(), count, "{key}: {written}");
         }

@@ -1,4 +1,4 @@
-//! The stroke font of `assets/stroke_font.toml`: every letter as the lines a pen would draw.
+//! The stroke font of `assets/stroke_font.toml`: every letter as pen strokes.
 //!
 //! Coordinates are in cap heights, baseline at y = 0. The asset's head describes its syntax.
 
@@ -9,7 +9,7 @@ use std::sync::LazyLock;
 use glam::{DVec2, dvec2};
 use serde::Deserialize;
 
-/// Straight pieces that stand for one arc; a quarter circle is met to 1.2e-3 of its radius.
+/// Segments per arc; a quarter circle is approximated within 1.2e-3 of its radius.
 const PIECES_PER_ARC: usize = 16;
 
 static FONT: LazyLock<Font> = LazyLock::new(|| {
@@ -34,7 +34,7 @@ struct Glyph {
 /// The strokes of `text` with capitals `height` high, the line's box (cap height by advance) centred on the origin.
 ///
 /// # Errors
-/// The first character that the font lacks.
+/// The first missing character.
 pub fn lay_out(text: &str, height: f64) -> Result<Vec<Stroke>, char> {
     let font = &*FONT;
     let mut strokes = Vec::new();
@@ -59,7 +59,7 @@ pub fn lay_out(text: &str, height: f64) -> Result<Vec<Stroke>, char> {
     Ok(strokes)
 }
 
-/// The characters of a text that the font lacks, each once.
+/// The missing characters of a text, each once.
 pub fn lacking(text: &str) -> Vec<char> {
     let mut lacking: Vec<char> =
         text.chars().filter(|letter| *letter != ' ' && !FONT.glyphs.contains_key(letter)).collect();
@@ -68,9 +68,9 @@ pub fn lacking(text: &str) -> Vec<char> {
     lacking
 }
 
-/// A sentence on characters that the font lacks.
+/// A sentence about missing characters.
 pub fn lacks(characters: &[char]) -> String {
-    /// The last character of the scripts that the window's font draws.
+    /// The last character drawn by the window's font.
     const LAST: char = '\u{3ff}';
     let named = |&letter: &char| match letter {
         _ if letter > LAST => format!("U+{:04X}", u32::from(letter)),
@@ -136,7 +136,8 @@ fn parse_stroke(text: &str) -> Result<Stroke, String> {
     }
 }
 
-/// The quarter ellipse from `start` to `end` whose box has its corner at `control`: a rational quadratic of weight √½.
+/// The quarter ellipse from `start` to `end` with the corner of its box at `control`: a rational quadratic of weight
+/// √½.
 fn arc(start: DVec2, control: DVec2, end: DVec2, t: f64) -> DVec2 {
     let (a, b, c) = ((1.0 - t) * (1.0 - t), 2.0 * t * (1.0 - t) * FRAC_1_SQRT_2, t * t);
     (start * a + control * b + end * c) / (a + b + c)

@@ -1,11 +1,11 @@
-//! Keyframes and tones in a scene's text: a list with a line for each, where serde would write a table for each.
+//! Writes keyframes and tones as inline tables, one per line, where serde would write a TOML section for each.
 
 use toml_edit::{Array, DocumentMut, Item, TableLike, Value};
 
 const KEYFRAMES: &str = "keyframes";
 const TONES: &str = "tones";
 
-/// The text of a scene with its keyframes and tones in line. A text that is no TOML stays as it is.
+/// The text of a scene with inline keyframes and tones. A text that is not TOML is returned unchanged.
 pub fn lists(text: String) -> String {
     if ![KEYFRAMES, TONES].iter().any(|key| text.contains(key)) {
         return text;

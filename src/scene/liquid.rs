@@ -1,8 +1,8 @@
-//! The liquid whose surface is pressed: known ones by name, and what a scene gives outright.
+//! The liquid under the array: named liquids, and properties given by the scene.
 
 use serde::{Deserialize, Serialize};
 
-/// The liquid. What is `None` follows from its name.
+/// The liquid. `None` takes the named liquid's value.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Liquid {
@@ -18,9 +18,9 @@ pub struct Liquid {
     pub viscosity: Option<f64>,
     /// m/s²
     pub gravity: f64,
-    /// m; waves feel the bottom, a depression at rest does not.
+    /// m; affects waves but not a static depression.
     pub depth: f64,
-    /// Whether the surface sends sound back towards the array.
+    /// Whether the surface reflects sound.
     #[serde(skip_serializing_if = "is_false")]
     pub reflects: bool,
     /// Of light.
@@ -28,26 +28,26 @@ pub struct Liquid {
     pub refractive_index: Option<f64>,
     #[serde(skip_serializing_if = "Light::is_through")]
     pub light: Light,
-    /// m, from the surface to the screen on which its light falls.
+    /// Distance from the surface to the screen, m.
     #[serde(skip_serializing_if = "is_default_screen")]
     pub screen: f64,
 }
 
-/// Of the pressure's amplitude: sound from air that meets water, (Z - 1)/(Z + 1) with impedances 1.48 MPa·s/m and 413 Pa·s/m.
+/// Pressure reflection coefficient from air to water, (Z - 1)/(Z + 1) with impedances 1.48 MPa·s/m and 413 Pa·s/m.
 pub const REFLECTION: f64 = 0.9994;
 
 fn is_false(value: &bool) -> bool {
     !value
 }
 
-/// Which way light goes that makes caustics; it comes along the normal of the level surface.
+/// The direction of the light of caustics, along the normal of the level surface.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Light {
     /// From below through the liquid.
     #[default]
     Through,
-    /// From above, back to where it came from.
+    /// From above, reflected.
     Reflected,
 }
 
@@ -111,7 +111,7 @@ impl Liquid {
         self.refractive_index.unwrap_or(self.name.properties().refractive_index)
     }
 
-    /// m that light is displaced by on the screen, against a slope of 1 of the surface's depth; slopes are small.
+    /// Displacement of light on the screen (m) per unit slope of the surface's depth, for small slopes.
     pub fn throw(&self) -> f64 {
         self.screen
             * match self.light {
@@ -120,13 +120,13 @@ impl Liquid {
             }
     }
 
-    /// The same liquid as far as its surface depends on it.
+    /// The liquid with only the properties that determine its surface.
     pub fn in_the_dark(&self) -> Self {
         let Self { refractive_index, light, screen, .. } = Self::default();
         Self { refractive_index, light, screen, ..self.clone() }
     }
 
-    /// √(σ/ρg), m: how far a depression reaches beyond what presses it.
+    /// √(σ/ρg), m: the range of a depression beyond its load.
     pub fn capillary_length(&self) -> f64 {
         (self.surface_tension() / (self.density() * self.gravity)).sqrt()
     }
@@ -143,7 +143,7 @@ pub enum LiquidName {
     Ethanol,
 }
 
-/// What a depression and its waves depend on.
+/// The properties that determine depressions and waves.
 struct Properties {
     density: f64,
     surface_tension: f64,

@@ -1,8 +1,8 @@
-//! What a scene file names and whoever opens the scene loads: shared by all copies of the scene, and never in the file.
+//! Data loaded from files named in a scene: shared by all copies of the scene, and never written into its file.
 
 use std::sync::Arc;
 
-/// Such a thing, once it is loaded.
+/// Shared data, once loaded.
 #[derive(Debug)]
 pub struct Loaded<T: ?Sized>(Option<Arc<T>>);
 
@@ -32,7 +32,7 @@ impl<T: ?Sized + PartialEq> PartialEq for Loaded<T> {
     fn eq(&self, other: &Self) -> bool {
         match (&self.0, &other.0) {
             (None, None) => true,
-            // Scenes are compared in every frame, and what they share is mostly the same.
+            // Scenes are compared in every frame, usually with identical shared data.
             (Some(own), Some(others)) => Arc::ptr_eq(own, others) || own == others,
             (Some(_), None) | (None, Some(_)) => false,
         }

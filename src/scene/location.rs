@@ -1,4 +1,4 @@
-//! Where in a scene's file an error is: the line, the key and the value as it is written.
+//! Positions of errors in a scene file: line, key and value as written.
 
 use std::fmt;
 use std::io;
@@ -10,7 +10,7 @@ use toml::de::{DeTable, DeValue};
 use crate::echo;
 use crate::scene::check::{Key, KeyError};
 
-/// Why a scene file could not be used.
+/// Errors of reading a scene file.
 #[derive(Debug, thiserror::Error)]
 pub enum FileError {
     #[error("{}: {cause}", file.display())]
@@ -21,7 +21,7 @@ pub enum FileError {
     Value { file: PathBuf, line: usize, key: String, value: Option<String>, message: String },
 }
 
-/// `file:line: key = value: message`, without what is not known.
+/// `file:line: key = value: message`, without unknown parts.
 struct Place<'a>(&'a Path, usize, Option<(&'a str, Option<&'a str>)>, &'a str);
 
 impl fmt::Display for Place<'_> {
@@ -37,7 +37,7 @@ impl fmt::Display for Place<'_> {
     }
 }
 
-/// What TOML or serde has to say, with the key of the value that it is about.
+/// The message of TOML or serde, with the key concerned.
 pub fn misread(error: &toml::de::Error, text: &str, file: &Path) -> FileError {
     let span = error.span();
     FileError::Syntax {
@@ -48,10 +48,10 @@ pub fn misread(error: &toml::de::Error, text: &str, file: &Path) -> FileError {
     }
 }
 
-/// Finds the line and the value as written of the key that an error speaks of.
+/// Finds the line and the value, as written, of an error's key.
 pub fn located(error: &KeyError, text: &str, path: &Path) -> FileError {
     let span = span_of(&error.path, text);
-    // A whole table says nothing that the key does not.
+    // The text of a whole table adds nothing to the key.
     let value = span
         .clone()
         .map(|span| text[span].to_owned())
@@ -69,7 +69,7 @@ fn is_array(value: &str) -> bool {
     value.starts_with('[') && value.ends_with(']') && value.contains(',') && !value.contains('\n')
 }
 
-/// Where the value at `path` stands; for a key that is not written, where the nearest table above it does.
+/// The span of the value at `path`; of a missing key, that of the innermost existing table.
 fn span_of(path: &[Key], text: &str) -> Option<Range<usize>> {
     let document = DeTable::parse(text).ok()?;
     let (first, rest) = path.split_first()?;
@@ -89,7 +89,7 @@ fn span_of(path: &[Key], text: &str) -> Option<Range<usize>> {
     Some(value.span())
 }
 
-/// The key that stands there, or whose value does, as [`KeyError::key`] writes it.
+/// The key at this span, or of the value there, in the form of [`KeyError::key`].
 fn key_at(span: &Range<usize>, text: &str) -> Option<String> {
     let document = DeTable::parse(text).ok()?;
     let key = of_table(document.get_ref(), span)?;

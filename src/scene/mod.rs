@@ -1,8 +1,8 @@
-//! What the user edits: the array, the medium, the targets and how they are looked at. Plain data, SI units.
+//! The scene: array, medium, targets, plane and all else that the user edits, as plain data in SI units.
 //!
 //! A [`Scene`] is a value: everything the program shows or sends is a function of it. The TOML file is read and
-//! written by [`mod@file`], and by [`mod@rewrite`] into the text of an earlier one; the limits of every number are held
-//! by [`check`], and shapes and letters become focal points in [`outline`], frame by frame in [`motion`].
+//! written by [`mod@file`], and by [`mod@rewrite`] into the text of an earlier one; the limits of every number are
+//! held by [`check`], and shapes and letters become focal points in [`outline`], frame by frame in [`motion`].
 
 mod bead;
 pub mod chart;
@@ -45,20 +45,20 @@ pub use trap::{Lobe, Trap};
 pub use wave::Wave;
 pub use zone::{Area, Zone};
 
-/// Everything a scene file holds.
+/// The content of a scene file.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Scene {
     pub format: u32,
     pub medium: Medium,
     pub array: Array,
-    /// The array above, as often as there are boards; elements count board after board. Without any it stands in z = 0.
+    /// The boards of the array; element numbers continue from board to board. Without boards the array lies in z = 0.
     #[serde(rename = "board", skip_serializing_if = "Vec::is_empty")]
     pub boards: Vec<Board>,
     #[serde(rename = "reflector", skip_serializing_if = "Vec::is_empty")]
     pub reflectors: Vec<Reflector>,
     #[serde(rename = "target")]
     pub targets: Vec<Target>,
-    /// Where it is to be quiet, beside the rest of the plane.
+    /// Quiet zones, in addition to the rest of the plane.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub quiet: Vec<Zone>,
     pub solver: Solver,
@@ -94,17 +94,17 @@ impl Default for Scene {
 }
 
 impl Scene {
-    /// Whether a liquid's depression is to have the shape that is drawn.
+    /// Whether the targets prescribe a liquid's depression.
     pub fn aims_at_depression(&self) -> bool {
         self.solver.target == Aim::Depression && self.solver.method == Method::Best
     }
 
-    /// Whether files that it names are yet to be loaded, without which it has no foci.
+    /// Whether named files are not yet loaded; without them the scene has no foci.
     pub fn is_incomplete(&self) -> bool {
         self.lacks_pixels() || self.array.lacks_elements()
     }
 
-    /// Whether pictures that are shown are yet to be loaded.
+    /// Whether visible pictures are not yet loaded.
     pub fn lacks_pixels(&self) -> bool {
         self.targets.iter().any(|target| target.visible && target.lacks_pixels())
     }
@@ -115,18 +115,18 @@ impl Scene {
     }
 }
 
-/// A point at which sound is wanted.
+/// A focal point, or a sample of a stroke or an area.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Focus {
     /// m
     pub position: DVec3,
-    /// Wanted pressure: relative to the other foci, or Pa (peak), as [`Solver::pressures`] says.
+    /// Target pressure: relative to the other foci, or Pa (peak), depending on [`Solver::pressures`].
     pub target: f64,
-    /// What it is a part of.
+    /// The origin of the focus.
     pub part: Part,
 }
 
-/// What a focus is a part of.
+/// The origin of a focus.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Part {
     /// A focal point of its own.
@@ -140,12 +140,12 @@ pub enum Part {
 }
 
 impl Focus {
-    /// A focal point of its own; position in m.
+    /// A separate focal point; position in m.
     pub fn new(position: DVec3, target: f64) -> Self {
         Self { position, target, part: Part::Point }
     }
 
-    /// Whether it is a focal point of its own rather than a sample of a stroke or an area.
+    /// Whether it is a separate focal point rather than a sample of a stroke or an area.
     pub fn is_separate(&self) -> bool {
         match self.part {
             Part::Point | Part::Trap(_) => true,
@@ -159,7 +159,7 @@ impl Focus {
     }
 }
 
-/// The air. What is `None` follows from temperature, humidity and pressure.
+/// The air. `None` is derived from temperature, humidity and pressure.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Medium {
@@ -202,13 +202,13 @@ impl Medium {
         self.temperature + Self::ZERO_CELSIUS
     }
 
-    /// m/s: what the scene gives outright, or else that of dry air, c = 331.3 √(T/273.15 K).
+    /// m/s: the scene's value, or that of dry air, c = 331.3 √(T/273.15 K).
     pub fn speed_of_sound(&self) -> f64 {
         self.sound_speed.unwrap_or_else(|| 331.3 * (self.kelvin() / Self::ZERO_CELSIUS).sqrt())
     }
 }
 
-/// An array of equal elements, in rows and columns or as a table places them, radiating towards its own +z.
+/// An array of equal elements, in rows and columns or at tabulated positions, radiating towards its own +z.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Array {
@@ -228,10 +228,10 @@ pub struct Array {
     /// A table of elements instead of rows, columns and pitch, relative to the scene file.
     #[serde(rename = "elements", skip_serializing_if = "Option::is_none")]
     pub file: Option<String>,
-    /// What that table holds.
+    /// The content of that table.
     #[serde(skip)]
     pub placed: Elements,
-    /// Of the array's own face, for the pressure's amplitude: what is reflected towards it is sent back.
+    /// Pressure reflection coefficient of the array's own face.
     #[serde(skip_serializing_if = "is_zero")]
     pub reflectivity: f64,
 }
@@ -282,20 +282,20 @@ pub struct Solver {
     pub iterations: u32,
     pub pressures: Pressures,
     pub amplitudes: Amplitudes,
-    /// How much quiet beside the drawing counts: 0 for the strongest drive, 1 for the quietest.
+    /// Trade-off: 0 for the strongest drive, 1 for the lowest side lobes.
     #[serde(skip_serializing_if = "is_default_quiet")]
     pub quiet: f64,
     /// s of further search for a better drive.
     #[serde(skip_serializing_if = "is_zero")]
     pub search: f64,
-    /// Drives that take turns, whose mean |p|² is to be what is drawn.
+    /// Number of drives in turn whose mean |p|² fits the targets.
     #[serde(skip_serializing_if = "is_one")]
     pub frames: u32,
     #[serde(skip_serializing_if = "is_pressure")]
     pub target: Aim,
 }
 
-/// What is to have the shape that is drawn.
+/// The quantity prescribed by the targets.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Aim {
@@ -342,17 +342,17 @@ impl Default for Solver {
     }
 }
 
-/// What the targets' pressures mean.
+/// The meaning of the targets' pressures.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Pressures {
-    /// Ratios; the loudest element plays fully.
+    /// Ratios; the loudest element is at full drive.
     Relative,
     /// Pa (peak) at every focus; the drive is turned down to them.
     Pascal,
 }
 
-/// What a board can play.
+/// The amplitudes of the played drive.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Amplitudes {
@@ -362,7 +362,7 @@ pub enum Amplitudes {
     Free,
 }
 
-/// The solver's method. What each does stands in `crate::solver`.
+/// The solver's method; see `crate::solver`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Method {
@@ -405,7 +405,7 @@ impl Method {
         }
     }
 
-    /// What it is called in full.
+    /// Full name.
     pub fn title(self) -> &'static str {
         match self {
             Self::Focus => "time of flight",
@@ -421,7 +421,7 @@ impl Method {
     }
 }
 
-/// The rectangle on which the field is shown.
+/// The rectangle on which the field is evaluated.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Plane {
@@ -433,7 +433,7 @@ pub struct Plane {
     pub y_axis: DVec3,
     /// m
     pub size: DVec2,
-    /// Largest error wanted, relative to the map's peak; 0 asks for direct evaluation.
+    /// Tolerated error relative to the map's peak; 0 for direct evaluation.
     pub tolerance: f64,
 }
 
@@ -450,7 +450,7 @@ impl Default for Plane {
 }
 
 impl Plane {
-    /// The two unit vectors that span the plane, or `None` where the given ones are zero or parallel.
+    /// The unit vectors of the plane, or `None` if the given axes are zero or parallel.
     pub fn axes(&self) -> Option<(DVec3, DVec3)> {
         const PARALLEL: f64 = 1e-9;
         let x = self.x_axis.try_normalize()?;
@@ -460,7 +460,7 @@ impl Plane {
     }
 }
 
-/// The place of an ear.
+/// The position of an ear.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Listener {

@@ -1,4 +1,4 @@
-//! The envelope that makes a hand feel the sound.
+//! Amplitude modulation: the envelope of the drive over time.
 
 use std::f64::consts::TAU;
 
@@ -24,15 +24,15 @@ pub struct Modulation {
     pub law: Law,
     /// Hz, of a sine and a square wave.
     pub frequency: f64,
-    /// Of a sine, a square wave and a file. 0: none; 1: down to silence.
+    /// Depth of a sine, a square wave and a file. 0: none; 1: down to silence.
     pub depth: f64,
-    /// What `shape = "tones"` adds up.
+    /// The tones of `shape = "tones"`.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub tones: Vec<Tone>,
     /// The waveform (WAV) that `shape = "file"` repeats, relative to the scene's file.
     #[serde(skip_serializing_if = "String::is_empty")]
     pub file: String,
-    /// Of that file, once it is loaded.
+    /// The waveform of the file, once loaded.
     #[serde(skip)]
     pub wave: Wave,
 }
@@ -74,7 +74,7 @@ fn is_zero(phase: &f64) -> bool {
     *phase == 0.0
 }
 
-/// What has the shape.
+/// The modulated quantity.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Law {
@@ -99,7 +99,7 @@ impl Modulation {
         }
     }
 
-    /// What the shape alone is at a time (s), 1 - depth to 1.
+    /// The shape itself at a time (s), 1 - depth to 1.
     pub fn swing(&self, time: f64) -> f64 {
         let swing = match self.shape {
             Envelope::Off => 1.0,
@@ -112,7 +112,7 @@ impl Modulation {
         swing.clamp(0.0, 1.0)
     }
 
-    /// The mean of the envelope's square: the part of the steady sound's radiation pressure that is there on average.
+    /// The mean square of the envelope: the mean radiation pressure relative to that of steady sound.
     pub fn mean_square(&self) -> f64 {
         let [mean, mean_square] = self.means();
         match self.law {
@@ -153,7 +153,7 @@ impl Modulation {
         squares.into_iter()
     }
 
-    /// s, after which the envelope repeats itself; `None` where it is steady. Tones are taken for multiples of 1 µHz.
+    /// Period of the envelope (s); `None` if it is steady. Tones are rounded to multiples of 1 µHz.
     pub fn period(&self) -> Option<f64> {
         match self.shape {
             Envelope::Off => None,
@@ -167,7 +167,7 @@ impl Modulation {
         }
     }
 
-    /// Hz: time steps of this rate follow the envelope closely; 0 where it is steady.
+    /// Rate of time steps that resolve the envelope, Hz; 0 if it is steady.
     pub fn step_rate(&self) -> f64 {
         match self.shape {
             Envelope::Off => 0.0,
@@ -179,14 +179,14 @@ impl Modulation {
         }
     }
 
-    /// Whether a waveform that is named is yet to be loaded.
+    /// Whether a named waveform is not yet loaded.
     pub fn lacks_wave(&self) -> bool {
         !self.file.is_empty() && self.wave.get().is_none()
     }
 }
 
 impl Tone {
-    /// How far it is below its crest at a time (s).
+    /// Its distance from the maximum at a time (s).
     fn dip(&self, time: f64) -> f64 {
         self.depth * (1.0 - (TAU * (self.frequency * time).fract() + self.phase).sin()) / 2.0
     }

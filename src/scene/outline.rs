@@ -1,9 +1,9 @@
-//! From shapes and letters to focal points, evenly along the outline, corners included.
+//! From shapes and letters to focal points, evenly spaced along the outline including its corners.
 //!
-//! An outline is a set of strokes. Strokes are cut at their corners (ends, sharp turns, and places where strokes meet)
-//! into [`run::Run`]s; every corner becomes one focal point, and the inside of a run is divided evenly by arc length.
-//! A continuous stroke gets its samples the same way, as many as the wavelength asks for, and an area those of its
-//! [`Cover`].
+//! An outline is a set of strokes. Strokes are cut at their corners (ends, sharp turns, and places where strokes
+//! meet) into [`run::Run`]s; every corner becomes one focal point, and the inside of a run is divided evenly by arc
+//! length. A continuous stroke gets its samples the same way, as many as the wavelength requires, and an area those
+//! of its [`Cover`].
 
 use std::f64::consts::TAU;
 
@@ -20,10 +20,10 @@ pub use crate::scene::stroke::{centre, strokes};
 const PER_WAVELENGTH: f64 = 4.0;
 /// Samples of an area in a wavelength.
 const PER_WAVELENGTH_OF_AREA: f64 = 2.0;
-/// Halvings that find the spacing of continuous strokes too long for that.
+/// Bisection steps for the spacing of continuous strokes beyond the limit.
 const HALVINGS: u32 = 48;
 
-/// Whether a target that is shown, in any step of the motion, is a continuous stroke or an area.
+/// Whether a visible target, in any step of the motion, is a continuous stroke or an area.
 pub fn is_continuous(scene: &Scene) -> bool {
     let is_continuous = |target: &Target| target.sampling == Sampling::Continuous || target.is_area();
     scene.targets.iter().any(|target| target.visible && is_continuous(target))
@@ -32,11 +32,12 @@ pub fn is_continuous(scene: &Scene) -> bool {
 /// The focal points of the scene at rest and the samples of its continuous strokes and areas, target by target in the order of
 /// the file; of its first step, if it has several.
 ///
-/// Samples are at most λ/4 apart along their stroke and λ/2 in an area, or as far as [`MOST_FOCI`] in all demand.
+/// Samples are at most λ/4 apart along their stroke and λ/2 in an area, or coarser if needed for [`MOST_FOCI`] in
+/// total.
 ///
 /// # Errors
-/// No targets or only hidden ones, a glyph that the font lacks, more focal points than [`MOST_FOCI`], fewer points than corners, a
-/// focal point on or behind the array, or what [`Cover::new`] refuses.
+/// No visible targets, a missing glyph, more focal points than [`MOST_FOCI`], fewer points than corners, a focal
+/// point on or behind the array, or an error of [`Cover::new`].
 pub fn foci(scene: &Scene) -> Result<Vec<Focus>, KeyError> {
     foci_of_step(scene, 0)
 }
@@ -63,7 +64,7 @@ pub fn foci_of_step(scene: &Scene, step: u32) -> Result<Vec<Focus>, KeyError> {
     Ok(foci)
 }
 
-/// The focal points of each of these targets, given with their places in the scene, as if there were no others.
+/// The focal points of each of these targets, given with their indices in the scene, independently of the others.
 pub(crate) fn foci_of_targets(
     scene: &Scene,
     shown: &[(usize, &Target)],
@@ -115,7 +116,7 @@ pub(crate) fn foci_of_targets(
     Ok(all)
 }
 
-/// Traps are solved with separate foci, and with nothing else.
+/// Traps can only be combined with separate foci.
 fn traps_beside_points(scene: &Scene, foci: &[Vec<Focus>]) -> Result<(), KeyError> {
     let of_trap = |focus: &Focus| match focus.part {
         Part::Trap(index) => Some(index),
@@ -134,7 +135,7 @@ fn traps_beside_points(scene: &Scene, foci: &[Vec<Focus>]) -> Result<(), KeyErro
     Err(KeyError::new([Key::from("target"), Key::from(index), Key::from("trap")], message))
 }
 
-/// A depression is drawn where the liquid is.
+/// A depression must be drawn on the liquid's surface.
 fn on_surface(scene: &Scene, foci: &[Focus]) -> Result<(), KeyError> {
     /// Wavelengths.
     const NEAR: f64 = 0.1;
@@ -148,7 +149,7 @@ fn on_surface(scene: &Scene, foci: &[Focus]) -> Result<(), KeyError> {
     Err(KeyError::new([Key::from("solver"), Key::from("target")], message))
 }
 
-/// The strokes of a target, as drawn, with the pressures wanted along them.
+/// The strokes of a target, as drawn, with their target pressures.
 pub(crate) fn drawn(target: &Target) -> Result<Vec<Vec<Vertex>>, KeyError> {
     if let Shape::Path { .. } = target.shape {
         return Ok(vec![stroke::path(target)]);
@@ -157,14 +158,14 @@ pub(crate) fn drawn(target: &Target) -> Result<Vec<Vec<Vertex>>, KeyError> {
     Ok(strokes(target)?.into_iter().map(even).collect())
 }
 
-/// The directions along which a flat target was drawn, before and after a quarter turn.
+/// The axes of a flat target, before and after a quarter turn.
 pub(crate) fn axes(target: &Target) -> (DVec3, DVec3) {
     let turn = target.turn();
     (turn * DVec3::X, turn * DVec3::Y)
 }
 
-/// How many focal points targets ask for together, without making them; continuous strokes count with their corners, and
-/// an area counts once.
+/// The number of focal points of all targets, without computing them; continuous strokes count with their corners,
+/// areas as one.
 ///
 /// # Errors
 /// More than [`MOST_FOCI`], a glyph that the font lacks, or fewer points than corners.
@@ -183,7 +184,7 @@ struct Division<'a> {
 }
 
 impl<'a> Division<'a> {
-    /// A continuous stroke is left in as few pieces as can be.
+    /// A continuous stroke gets as few pieces as possible.
     fn new(target: &'a Target, most: usize) -> Result<Self, KeyError> {
         let mut runs = run::runs(&drawn(target)?);
         let pieces = match target.sampling {
@@ -191,14 +192,14 @@ impl<'a> Division<'a> {
                 vec![1; runs.len()]
             }
             Sampling::Spacing(spacing) => run::pieces_by_spacing(&runs, spacing),
-            // What is too much is refused before it is shared out.
+            // Excessive numbers are refused before division.
             Sampling::Points(points) if points > most => return Err(too_many(target, points)),
             Sampling::Points(points) => run::pieces_by_count(&runs, points)?,
         };
         if let (Sampling::Continuous, Shape::Circle { radius, .. }, [ring]) =
             (target.sampling, &target.shape, &mut runs[..])
         {
-            // A circle is longer than the polygon that is drawn for it.
+            // A circle is longer than the polygon that represents it.
             ring.length = TAU * radius;
         }
         let division = Self { target, runs, pieces };
@@ -210,7 +211,7 @@ impl<'a> Division<'a> {
     }
 
     fn points(&self) -> Vec<Vertex> {
-        // A circle is no polygon: its points are computed, not taken from the one that is drawn.
+        // Points of a circle are computed exactly, not taken from its polygon.
         let (Shape::Circle { at, radius }, [pieces]) = (&self.target.shape, &self.pieces[..]) else {
             return run::divide(&self.runs, &self.pieces);
         };
@@ -224,7 +225,7 @@ impl<'a> Division<'a> {
     }
 }
 
-/// Those targets in pieces that are no areas, of which every one leaves a sample to itself.
+/// The divisions of targets that are not areas, leaving one sample for each area.
 fn divisions<'a>(shown: &[(usize, &'a Target)]) -> Result<Vec<Division<'a>>, KeyError> {
     let areas = shown.iter().filter(|(_, target)| target.is_area()).count();
     let mut left = MOST_FOCI.saturating_sub(areas);
@@ -239,7 +240,7 @@ fn divisions<'a>(shown: &[(usize, &'a Target)]) -> Result<Vec<Division<'a>>, Key
     shown.iter().filter(|(_, target)| !target.is_area()).map(divide).collect()
 }
 
-/// The areas among targets, each with its place in the scene.
+/// The areas among targets, with their indices in the scene.
 ///
 /// # Errors
 /// Those of [`Cover::new`].
@@ -251,7 +252,7 @@ pub fn covers(shown: &[(usize, &Target)], wavelength: f64) -> Result<Vec<(usize,
     shown.iter().filter_map(cover).collect()
 }
 
-/// Samples of areas, so far apart that there are `most` at most; each has one at least.
+/// Samples of areas, spaced to give at most `most`; each area has at least one.
 fn patches(covers: &[(usize, Cover)], wavelength: f64, most: usize) -> Vec<(usize, Vec<Patch>)> {
     const COARSER: f64 = 1.1;
     let mut spacing = wavelength / PER_WAVELENGTH_OF_AREA;
@@ -265,8 +266,8 @@ fn patches(covers: &[(usize, Cover)], wavelength: f64, most: usize) -> Vec<(usiz
     }
 }
 
-/// Divides continuous strokes into pieces of at most `spacing` (m), or longer ones where that would be more than `most` with all
-/// separate points.
+/// Divides continuous strokes into pieces of at most `spacing` (m), or longer ones to keep at most `most` points in
+/// total.
 fn spread(divisions: &mut [Division<'_>], spacing: f64, most: usize) {
     let is_continuous = |division: &&Division<'_>| division.target.sampling == Sampling::Continuous;
     let separate: usize =

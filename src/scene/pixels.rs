@@ -1,4 +1,4 @@
-//! The pixels of a picture that is a target: plain numbers, loaded from the picture's file by whoever opens a scene, or painted.
+//! The pixels of a picture target, loaded from the picture's file when a scene is opened, or painted.
 
 use std::path::PathBuf;
 
@@ -11,28 +11,28 @@ use crate::scene::loaded::Loaded;
 const DARK: f32 = 0.5 / LEVELS;
 /// Grey levels above black of the files that paintings are saved to.
 const LEVELS: f32 = 255.0;
-/// Pixels: between their middles a thinner dab would leave nothing.
+/// In pixels: a thinner dab could fall between pixel centres.
 const THINNEST: f64 = 0.5;
 
 /// Grey values of a picture.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Grey {
-    /// The file that they were loaded from; `None` if they were painted since.
+    /// The file of origin; `None` after painting.
     pub file: Option<PathBuf>,
     pub width: usize,
     pub height: usize,
-    /// Of every pixel, row by row from the top left: 0 for black and transparent, 1 for white.
+    /// Brightness of every pixel, row by row from the top left: 0 for black and transparent, 1 for white.
     pub brightness: Vec<f32>,
 }
 
 impl Grey {
-    /// Whether nothing is wanted anywhere.
+    /// Whether all pixels are black.
     pub fn is_black(&self) -> bool {
         self.brightness.iter().all(|brightness| *brightness < DARK)
     }
 }
 
-/// A straight piece of a brush's way: what lies within `radius` of it. In pixels from the upper left corner of a raster.
+/// A straight brush stroke of radius `radius`, in pixels from the upper left corner of a raster.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Dab {
     pub from: DVec2,
@@ -40,13 +40,13 @@ pub struct Dab {
     pub radius: f64,
 }
 
-/// The pixels of a picture target, once they are loaded. A scene file holds the picture's name alone.
+/// The pixels of a picture target, once they are loaded. A scene file only names the picture.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Pixels(Loaded<Grey>);
 
 impl Pixels {
     /// # Panics
-    /// Other than a brightness per pixel.
+    /// The number of values differs from the number of pixels.
     pub fn new(grey: Grey) -> Self {
         assert_eq!(grey.brightness.len(), grey.width * grey.height, "a brightness per pixel");
         Self(Loaded::new(grey))
@@ -67,17 +67,18 @@ impl Pixels {
         self.get().filter(|grey| grey.width > 0 && grey.height > 0).map_or(1.0, of)
     }
 
-    /// Makes all under a dab this bright (0 to 1), but for what is brighter; its edge in part. Says whether that changed anything.
+    /// Sets the brightness (0 to 1) under a dab unless it is already higher, with antialiased edges. Returns whether
+    /// this changed a pixel.
     pub fn paint(&mut self, dab: &Dab, brightness: f32) -> bool {
         self.change(dab, |before, part| before.max(level(brightness * part)))
     }
 
-    /// Makes all under a dab black; its edge in part. Says whether that changed anything.
+    /// Clears the brightness under a dab, with antialiased edges. Returns whether this changed a pixel.
     pub fn wipe(&mut self, dab: &Dab) -> bool {
         self.change(dab, |before, part| before.min(level(before * (1.0 - part))))
     }
 
-    /// Gives every pixel of which a part lies under a dab what follows from its brightness and that part.
+    /// Updates every pixel under a dab from its brightness and coverage.
     fn change(&mut self, dab: &Dab, change: impl Fn(f32, f32) -> f32) -> bool {
         let Some(grey) = self.0.get().filter(|_| dab.radius > 0.0) else { return false };
         let radius = dab.radius.max(THINNEST);
@@ -95,13 +96,13 @@ impl Pixels {
     }
 }
 
-/// The nearest level that a file holds: a painting is the same when it is opened again.
+/// The nearest 8-bit level, so that a painting is unchanged after saving and opening.
 fn level(brightness: f32) -> f32 {
     (brightness * LEVELS).round() / LEVELS
 }
 
-/// The pixels of a raster that may be within `radius` of a segment, by their place row by row, and how far from it their middles
-/// are; all in pixels.
+/// The pixels of a raster that may be within `radius` of a segment, as row-by-row indices with distances of their
+/// centres; all in pixels.
 pub(crate) fn near(
     [columns, rows]: [usize; 2],
     [from, to]: [DVec2; 2],
@@ -123,7 +124,7 @@ pub(crate) fn near(
     })
 }
 
-/// How much of a pixel lies within `radius` of a line that is so far from its middle; in pixels.
+/// Coverage of a pixel by a line of this radius at a distance from its centre; in pixels.
 pub(crate) fn overlap(distance: f64, radius: f64) -> f64 {
     ((distance + 0.5).min(radius) - (distance - 0.5).max(-radius)).clamp(0.0, 1.0)
 }

@@ -1,4 +1,4 @@
-//! Numbers within their limits, and the error that names the key that breaks one.
+//! Checks of numbers against limits, with errors that name the key.
 
 use std::fmt;
 
@@ -26,7 +26,7 @@ impl From<usize> for Key {
     }
 }
 
-/// What is wrong with the value at one key. [`crate::scene::file`] adds file, line and value.
+/// The error of a key's value. [`crate::scene::file`] adds file, line and value.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct KeyError {
     pub path: Vec<Key>,
@@ -44,7 +44,7 @@ impl KeyError {
         self
     }
 
-    /// The path as a reader writes it: `target[1].radius`, counted from 1 as the tables stand in the file.
+    /// The path as displayed: `target[1].radius`, with tables counted from 1.
     pub fn key(&self) -> String {
         let mut text = String::new();
         for key in &self.path {
@@ -100,7 +100,7 @@ pub fn finite(key: &'static str, value: f64) -> Result<(), KeyError> {
     if value.is_finite() { Ok(()) } else { refuse(key, "must be a finite number") }
 }
 
-/// A place of some size.
+/// A position.
 pub fn point(key: &'static str, value: DVec3) -> Result<(), KeyError> {
     if value.is_finite() && value.abs().max_element() <= LONGEST {
         return Ok(());
@@ -108,7 +108,7 @@ pub fn point(key: &'static str, value: DVec3) -> Result<(), KeyError> {
     refuse(key, format!("must be a point in metres, every coordinate from -{LONGEST} to {LONGEST}"))
 }
 
-/// What has a direction.
+/// A direction vector.
 pub fn direction(key: &'static str, value: DVec3) -> Result<(), KeyError> {
     if value.is_finite() && value.try_normalize().is_some() {
         return Ok(());

@@ -1,5 +1,5 @@
-//! A scene written into the text that an earlier one was read from: only what changed is touched, so that comments, order and
-//! the way numbers are written survive.
+//! Writes a scene into the text it was read from, changing only what differs: comments, order and number formats
+//! survive.
 
 use std::path::Path;
 
@@ -7,11 +7,11 @@ use toml_edit::{ArrayOfTables, DocumentMut, Item, Table, TableLike};
 
 use crate::scene::{Elements, Pixels, Scene, Shape, Wave, file};
 
-/// Tables that stand as often as there are things of their kind.
+/// Repeated tables.
 const REPEATED: [&str; 4] = ["board", "reflector", "target", "quiet"];
 
-/// The text with the scene in it: the same to the byte where it holds the scene already. Where the text is no scene,
-/// or cannot hold this one as it is laid out, the scene is written anew.
+/// The text updated to the scene: unchanged to the byte if it already holds the scene. If the text is not a scene, or
+/// its layout cannot hold this one, the scene is written from scratch.
 pub fn rewrite(text: &str, scene: &Scene) -> String {
     let name = Path::new("scene");
     let Ok(before) = file::parse(text, name) else { return file::write(scene) };
@@ -24,7 +24,7 @@ pub fn rewrite(text: &str, scene: &Scene) -> String {
     rewritten(Keys::Changed).or_else(|| rewritten(Keys::All)).unwrap_or_else(|| file::write(scene))
 }
 
-/// The scene as its file holds it: without the pixels of pictures, the elements of tables and the samples of a waveform.
+/// The scene as in its file: without pixels, element tables and waveform samples.
 fn as_written(scene: &Scene) -> Scene {
     let mut scene = scene.clone();
     scene.array.placed = Elements::default();
@@ -37,11 +37,11 @@ fn as_written(scene: &Scene) -> Scene {
     scene
 }
 
-/// Which keys of a table that changed are written.
+/// The keys to write of a changed table.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Keys {
     Changed,
-    /// Those that stand there no longer say the same, where a default follows from another key that changed.
+    /// All keys, since a default depends on another changed key.
     All,
 }
 
@@ -65,7 +65,7 @@ fn rewritten(text: &str, before: &Scene, after: &Scene, keys: Keys) -> Option<St
     for key in REPEATED {
         repeated(&mut own, &before, &after, key, keys)?;
     }
-    // A table that holds nothing new was only made to look.
+    // An empty table was only created for the lookup.
     let is_idle =
         |item: &Item| item.as_table().is_some_and(|table| table.is_empty() && table.position().is_none());
     let idle: Vec<String> =
@@ -82,7 +82,7 @@ fn empty() -> Item {
     Item::Table(table)
 }
 
-/// Writes the keys of a table that differ from what they were.
+/// Writes the changed keys of a table.
 fn update(own: &mut Item, before: Option<&dyn TableLike>, after: &dyn TableLike, keys: Keys) -> Option<()> {
     let own = own.as_table_like_mut()?;
     let is_same = |key: &str, item: &Item| {
@@ -109,7 +109,7 @@ fn update(own: &mut Item, before: Option<&dyn TableLike>, after: &dyn TableLike,
     Some(())
 }
 
-/// Writes a value if it is another one, with the comment behind it left there.
+/// Writes a changed value and keeps the comment behind it.
 fn set(own: &mut dyn TableLike, key: &str, before: Option<&Item>, after: &Item, keys: Keys) -> Option<()> {
     if before.is_some_and(|before| before.to_string() == after.to_string()) {
         return Some(());
@@ -129,7 +129,7 @@ fn set(own: &mut dyn TableLike, key: &str, before: Option<&Item>, after: &Item, 
     Some(())
 }
 
-/// A table stands behind the one that it is in, not where it stood in another text.
+/// The table without its position in another text, so that it follows its parent.
 fn without_place(mut item: Item) -> Item {
     if let Some(table) = item.as_table_mut() {
         table.set_position(None);
@@ -137,7 +137,7 @@ fn without_place(mut item: Item) -> Item {
     item
 }
 
-/// Every target or zone keeps its table and with it its comments, wherever it stands now.
+/// Every target or zone keeps its table and comments when the order changes.
 fn repeated(
     own: &mut DocumentMut,
     before: &DocumentMut,
@@ -150,13 +150,13 @@ fn repeated(
         tables.map(|tables| tables.iter().cloned().collect()).unwrap_or_default()
     };
     let (before, after) = (tables(before), tables(after));
-    // A table on its own says nothing of those inside it.
+    // The text of a table excludes its subtables.
     let text = |table: &Table| table.clone().into_inline_table().to_string();
     if before.iter().map(text).eq(after.iter().map(text)) {
         return Some(());
     }
     let mut written: Vec<Option<Table>> = tables(own).into_iter().map(Some).collect();
-    // Written in line, or not at all: nothing is lost by writing them anew.
+    // Inline or missing: rewriting loses nothing.
     written.resize(before.len(), None);
     let mut places: Vec<_> = written.iter().flatten().map(Table::position).collect();
     places.sort_unstable();
@@ -185,8 +185,7 @@ fn repeated(
     Some(())
 }
 
-/// Which of the former tables each of the new ones is: the one that is the same, or else the one that stood in its place
-/// and is nowhere else now.
+/// The former table of each new one: the identical one, or the one formerly at its index unless used elsewhere.
 fn origins(before: &[String], after: &[String]) -> Vec<Option<usize>> {
     let mut is_free = vec![true; before.len()];
     let mut origins: Vec<Option<usize>> = after
@@ -197,7 +196,7 @@ fn origins(before: &[String], after: &[String]) -> Vec<Option<usize>> {
             Some(same)
         })
         .collect();
-    // As many as vanished before a place may have moved it up.
+    // Removed tables shift later ones up by at most their number.
     let mut left = (0..before.len()).filter(|&i| is_free[i]).collect::<Vec<_>>().into_iter();
     if before.len() == after.len() {
         for origin in origins.iter_mut().filter(|origin| origin.is_none()) {
@@ -241,7 +240,7 @@ method = "gs"  # quick
         file::parse(text, Path::new("a.toml")).unwrap()
     }
 
-    /// Lines that are in one text and not in the other.
+    /// Lines that differ between two texts.
     fn changes(after: &str) -> Vec<String> {
         let has = |text: &str, line: &str| text.lines().any(|own| own == line);
         let gone = TEXT.lines().filter(|line| !has(after, line)).map(|line| format!("- {line}"));

@@ -6,15 +6,15 @@ use glam::DVec3;
 
 use crate::scene::check::{Key, KeyError};
 
-/// cos of the turn beyond which a vertex is a corner: 30°. One piece of a stroke font's arc turns by 6°.
+/// Cosine of the angle beyond which a vertex is a corner: 30°. Segments of the stroke font's arcs turn by 6°.
 const CORNER_COS: f64 = 0.866;
 
-/// A place on an outline.
+/// A point on an outline.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Vertex {
     /// m
     pub at: DVec3,
-    /// Wanted pressure there over that of the target.
+    /// Target pressure relative to the target's.
     pub pressure: f64,
 }
 
@@ -26,12 +26,12 @@ impl Vertex {
     }
 }
 
-/// A smooth part of an outline, from corner to corner or once round.
+/// A smooth part of an outline, between corners or a closed loop.
 pub(crate) struct Run {
     vertices: Vec<Vertex>,
     /// m
     pub length: f64,
-    /// It closes on itself with no corner.
+    /// A closed loop without corner.
     closed: bool,
 }
 
@@ -41,7 +41,7 @@ impl Run {
         Self { vertices, length, closed }
     }
 
-    /// Fewest pieces into which it can be divided: three points make a ring.
+    /// Fewest pieces: three points make a ring.
     fn fewest(&self) -> usize {
         if self.closed { 3 } else { 1 }
     }
@@ -51,7 +51,7 @@ impl Run {
         if self.closed { pieces } else { pieces - 1 }
     }
 
-    /// Fewest pieces of which none is longer than `spacing`.
+    /// Fewest pieces of at most `spacing`.
     fn within(&self, spacing: f64) -> usize {
         ((self.length / spacing).ceil() as usize).max(1)
     }
@@ -70,7 +70,7 @@ impl Run {
     }
 }
 
-/// Positions that are written the same are the same corner: strokes meet at equal vertices.
+/// Positions that round to the same key are the same corner: strokes meet at equal vertices.
 fn key(vertex: Vertex) -> [i64; 3] {
     const QUANTUM: f64 = 1e-9;
     vertex.at.to_array().map(|x| (x / QUANTUM).round() as i64)
@@ -144,7 +144,7 @@ fn corners(runs: &[Run]) -> usize {
     runs.iter().filter(|run| !run.closed).flat_map(ends).collect::<HashSet<_>>().len()
 }
 
-/// Focal points of runs that are divided into so many pieces; a spacing of next to nothing asks for more than can be counted.
+/// Number of focal points of runs divided into these pieces; saturates for tiny spacings.
 pub(crate) fn points_of(runs: &[Run], pieces: &[usize]) -> usize {
     corners(runs).saturating_add(interior(runs, pieces))
 }
@@ -154,17 +154,17 @@ fn interior(runs: &[Run], pieces: &[usize]) -> usize {
     runs.iter().zip(pieces).fold(0, |sum, (run, &pieces)| sum.saturating_add(run.interior(pieces)))
 }
 
-/// Pieces as near to a length as whole numbers of them allow.
+/// Whole numbers of pieces with lengths nearest to `spacing`.
 pub(crate) fn pieces_by_spacing(runs: &[Run], spacing: f64) -> Vec<usize> {
     runs.iter().map(|run| ((run.length / spacing).round() as usize).max(run.fewest())).collect()
 }
 
-/// As few pieces as there may be with none longer than a length.
+/// Fewest pieces of at most this length.
 pub(crate) fn pieces_within(runs: &[Run], spacing: f64) -> Vec<usize> {
     runs.iter().map(|run| run.within(spacing)).collect()
 }
 
-/// Shares `points` out among the runs so that the longest piece is as short as can be.
+/// Distributes `points` over the runs so that the longest piece is as short as possible.
 ///
 /// # Errors
 /// Fewer points than corners.

@@ -1,4 +1,4 @@
-//! Where boards and reflectors stand, and elements that stand in no rows and columns.
+//! Boards and reflectors in space, and arrays with arbitrary element positions.
 
 use std::path::PathBuf;
 
@@ -9,17 +9,17 @@ use crate::scene::loaded::Loaded;
 use crate::scene::range::{Key, KeyError, direction, point, refuse, within};
 use crate::scene::{Array, Scene};
 
-/// Elements that an array may have on all its boards: 256 x 256.
+/// Limit of elements on all boards: 256 x 256.
 pub const MOST_ELEMENTS: u64 = 65_536;
-/// Boards and reflectors that a scene may have.
+/// Limits of boards and reflectors.
 const MOST_BOARDS: usize = 64;
 const MOST_REFLECTORS: usize = 16;
-/// m by which boards may overlap, and reflectors reach into them: what rounding leaves.
+/// Tolerated overlap of boards and reflectors (m), for rounding.
 const SLACK: f64 = 1e-6;
-/// Sine of the angle at which two planes still count as parallel.
+/// Sine of the largest angle between planes that count as parallel.
 pub(crate) const PARALLEL: f64 = 1e-9;
 
-/// The array of the scene at a place, facing somewhere.
+/// A copy of the scene's array with a position and an orientation.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Board {
@@ -27,7 +27,7 @@ pub struct Board {
     pub at: DVec3,
     /// The direction in which it radiates.
     pub normal: DVec3,
-    /// The direction of growing columns; made orthogonal to `normal` by [`Board::axes`].
+    /// The direction of increasing column; made orthogonal to `normal` by [`Board::axes`].
     pub x_axis: DVec3,
 }
 
@@ -38,8 +38,8 @@ impl Default for Board {
 }
 
 impl Board {
-    /// Unit vectors along growing columns, growing rows and the direction of radiation: the columns of a rotation. `None` where the given
-    /// ones are zero or parallel.
+    /// Unit vectors along increasing columns, increasing rows and the direction of radiation: the columns of a
+    /// rotation. `None` if the given ones are zero or parallel.
     pub fn axes(&self) -> Option<DMat3> {
         let normal = self.normal.try_normalize()?;
         let x = self.x_axis.try_normalize()?;
@@ -48,13 +48,13 @@ impl Board {
         Some(DMat3::from_cols(x, normal.cross(x), normal))
     }
 
-    /// A place on the board (m, about its centre) in the scene's coordinates.
+    /// A point on the board (m, relative to its centre) in the scene's coordinates.
     pub fn world(&self, place: DVec3) -> DVec3 {
         self.at + self.axes().unwrap_or(DMat3::IDENTITY) * place
     }
 }
 
-/// Where sound goes: in front of some board, or of some element of a curved one.
+/// The region of sound: in front of some board, or of some element of a curved board.
 #[derive(Clone, Debug)]
 pub struct Front(Vec<(DVec3, DVec3)>);
 
@@ -63,17 +63,18 @@ impl Front {
         self.0.iter().any(|(at, normal)| is_before(normal.dot(place - at)))
     }
 
-    /// A place of something that no board has all in front of it; `lowest` finds its lowest place along a direction.
+    /// A point of an object that is not entirely in front of any board; `lowest` finds its lowest point along a
+    /// direction.
     pub fn outside(&self, lowest: impl FnMut(DVec3) -> Option<DVec3>) -> Option<DVec3> {
         self.outside_moved(&self.lowest(lowest), DVec3::ZERO)
     }
 
-    /// The lowest place of something along the direction in which each of the boards radiates.
+    /// The lowest points of an object along the direction of radiation of each board.
     pub fn lowest(&self, lowest: impl FnMut(DVec3) -> Option<DVec3>) -> Vec<DVec3> {
         self.0.iter().map(|(_, normal)| *normal).filter_map(lowest).collect()
     }
 
-    /// As [`Front::outside`], of something whose lowest places are known and that is moved.
+    /// As [`Front::outside`], for a moved object with known lowest points.
     pub fn outside_moved(&self, lowest: &[DVec3], by: DVec3) -> Option<DVec3> {
         let is_in_front =
             |((at, normal), place): (&(DVec3, DVec3), &DVec3)| is_before(normal.dot(*place + by - at));
@@ -81,7 +82,7 @@ impl Front {
         (!self.0.iter().zip(lowest).any(is_in_front)).then_some(first)
     }
 
-    /// What is not in front of anything, in words.
+    /// Text for objects behind all boards.
     pub fn behind(&self) -> &'static str {
         match &self.0[..] {
             [face] if *face == (DVec3::ZERO, DVec3::Z) => {
@@ -93,12 +94,12 @@ impl Front {
     }
 }
 
-/// Whether something so far (m) in front of a board is before it. What is no number is refused as that, and elsewhere.
+/// Whether a height (m) is in front of a board. NaN counts as in front and is refused elsewhere.
 fn is_before(height: f64) -> bool {
     height > 0.0 || height.is_nan()
 }
 
-/// An infinite plane that reflects sound on one of its sides.
+/// An infinite plane that reflects sound on one side.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Reflector {
@@ -117,17 +118,17 @@ impl Default for Reflector {
 }
 
 impl Reflector {
-    /// m, positive on the side of the sound.
+    /// Height (m), positive on the side of the sound.
     pub fn height(&self, place: DVec3) -> f64 {
         self.normal.normalize_or_zero().dot(place - self.point)
     }
 }
 
-/// Elements of an array that stand anywhere, once they are loaded. A scene file holds the name of their table alone.
+/// An element table, once loaded. A scene file only names it.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Elements {
     placed: Loaded<[Placed]>,
-    /// The file that they were loaded from.
+    /// The file of origin.
     pub from: Option<PathBuf>,
 }
 
@@ -151,12 +152,12 @@ impl Elements {
 }
 
 impl Array {
-    /// Whether its elements are yet to be loaded.
+    /// Whether its element table is not yet loaded.
     pub fn lacks_elements(&self) -> bool {
         self.file.is_some() && self.placed.get().is_none()
     }
 
-    /// The places of its elements in its own coordinates (m) and the directions in which they radiate.
+    /// Positions (m) and directions of radiation of its elements in its own coordinates.
     pub fn places(&self) -> Vec<Placed> {
         if let Some(placed) = self.placed.get() {
             return placed.to_vec();
@@ -177,17 +178,17 @@ impl Scene {
         self.array.elements() * self.boards.len().max(1)
     }
 
-    /// Where the array stands: the boards of the scene, or the one that goes without saying.
+    /// The boards of the scene, or the default board.
     pub fn standing(&self) -> Vec<Board> {
         if self.boards.is_empty() { vec![Board::default()] } else { self.boards.clone() }
     }
 
-    /// Whether the array is one flat board in rows and columns, in z = 0 about the origin, that radiates towards +z.
+    /// Whether the array is a single flat board of rows and columns, centred in z = 0 and radiating towards +z.
     pub fn is_home(&self) -> bool {
         (self.boards.is_empty() || self.boards == [Board::default()]) && self.array.file.is_none()
     }
 
-    /// Where the boards radiate to.
+    /// The region in front of the boards.
     pub fn front(&self) -> Front {
         let mut faces: Vec<(DVec3, DVec3)> = Vec::new();
         let placed = if self.array.file.is_some() { self.array.places() } else { Vec::new() };
@@ -198,7 +199,7 @@ impl Scene {
             }
             for it in &placed {
                 let face = (board.at + axes * it.at, axes * it.normal);
-                // Of a flat board one element says it all.
+                // All elements of a flat board have the same front.
                 if faces.last().is_none_or(|last| last.1 != face.1 || last.1.dot(face.0 - last.0) != 0.0) {
                     faces.push(face);
                 }
@@ -207,7 +208,7 @@ impl Scene {
         Front(faces)
     }
 
-    /// Everything that reflects: the reflectors, and the liquid's surface as the last.
+    /// All reflectors, the liquid's surface last.
     pub fn mirrors(&self) -> Vec<Reflector> {
         let surface = self.liquid.reflects.then(|| self.surface());
         self.reflectors.iter().cloned().chain(surface).collect()
@@ -321,7 +322,7 @@ impl Slab {
         }
     }
 
-    /// Whether two boxes have a place in common: none of the directions in which they may be apart tells them apart.
+    /// Whether two boxes intersect, by the separating axis theorem.
     fn meets(&self, other: &Self) -> bool {
         let across = self.axes.iter().flat_map(|a| other.axes.iter().map(move |b| a.cross(*b)));
         let directions = self.axes.into_iter().chain(other.axes).chain(across);
@@ -336,7 +337,7 @@ impl Slab {
     }
 }
 
-/// Every element lies on the side of the sound of every reflector.
+/// All elements are on the sound side of all reflectors.
 fn clear_of_reflectors(scene: &Scene) -> Result<(), KeyError> {
     let mirrors = scene.mirrors();
     if mirrors.is_empty() {
@@ -368,9 +369,9 @@ fn clear_of_reflectors(scene: &Scene) -> Result<(), KeyError> {
     Ok(())
 }
 
-/// What is sent back and forth between the array's face and a parallel reflector fades.
+/// The series of reflections between the array's face and a parallel reflector converges.
 fn converges(scene: &Scene) -> Result<(), KeyError> {
-    /// Of what is left after going back and forth once.
+    /// Limit of the round-trip factor.
     const MOST: f64 = 1.0 - 1e-9;
     let own = scene.array.reflectivity;
     for mirror in scene.mirrors() {
@@ -385,13 +386,13 @@ fn converges(scene: &Scene) -> Result<(), KeyError> {
 }
 
 impl Reflector {
-    /// Whether it is the plane through a point (m) across a unit vector.
+    /// Whether the plane contains a point (m) and has this unit normal.
     pub fn lies_in(&self, point: DVec3, normal: DVec3) -> bool {
         let is_parallel = self.normal.normalize_or_zero().cross(normal).length() < PARALLEL;
         is_parallel && self.height(point).abs() < PARALLEL
     }
 
-    /// Whether a board's face is parallel to it and looks at it, so that sound goes back and forth between them.
+    /// Whether a board is parallel to it and faces it, which gives multiple reflections.
     pub fn faces(&self, board: &Board) -> bool {
         let (own, its) = (self.normal.normalize_or_zero(), board.normal.normalize_or_zero());
         own.cross(its).length() < PARALLEL && own.dot(its) < 0.0

@@ -1,7 +1,7 @@
-//! Tables read to the letter: a list with more values than are asked for, or a list in a table's place, is an error.
+//! Strict deserialisation: surplus list values, or a list in place of a table, are errors.
 //!
-//! serde drops what its visitors leave over where the format does not object, and TOML does not. [`Strict`] stands between
-//! the format and any type, and hands itself on to all that is inside.
+//! serde ignores elements that a visitor leaves unread unless the format objects, and TOML does not. [`Strict`] wraps
+//! the format, and all nested accesses, around any type.
 
 use std::fmt;
 
@@ -10,11 +10,11 @@ use serde::de::{
     VariantAccess, Visitor,
 };
 
-/// A format, a visitor, a seed or the access to what is inside, made strict.
+/// A strict wrapper of a format, a visitor, a seed or a nested access.
 #[derive(Debug)]
 pub struct Strict<T>(pub T);
 
-/// The visitor of a table, which serde would also fill from a list.
+/// The visitor of a table; serde would also accept a list.
 struct OfTable<V>(V);
 
 macro_rules! forward {
@@ -140,7 +140,7 @@ impl<'de, V: Visitor<'de>> Visitor<'de> for Strict<V> {
     }
 }
 
-/// Only what a table's visitor is given: its keys, or what is none.
+/// Accepts maps only.
 impl<'de, V: Visitor<'de>> Visitor<'de> for OfTable<V> {
     type Value = V::Value;
 

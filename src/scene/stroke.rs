@@ -1,4 +1,4 @@
-//! The lines of a target, as drawn.
+//! The polylines of a target, as drawn.
 
 use std::f64::consts::TAU;
 
@@ -8,7 +8,7 @@ use crate::scene::check::{Key, KeyError};
 use crate::scene::run::Vertex;
 use crate::scene::{Shape, Target, font};
 
-/// Vertices of a circle that is drawn rather than sampled.
+/// Vertices of a drawn circle.
 const CIRCLE_VERTICES: usize = 96;
 
 /// The polylines of a target, as drawn.
@@ -46,7 +46,7 @@ pub fn strokes(target: &Target) -> Result<Vec<Vec<DVec3>>, KeyError> {
     })
 }
 
-/// The vertices of a path, as drawn, with the pressures wanted there.
+/// The vertices of a path, as drawn, with their target pressures.
 pub(crate) fn path(target: &Target) -> Vec<Vertex> {
     let Shape::Path { vertices, closed } = &target.shape else { return Vec::new() };
     let (centre, turn) = (centre(&target.shape), DQuat::from_rotation_z(target.angle));
@@ -62,7 +62,7 @@ pub(crate) fn path(target: &Target) -> Vec<Vertex> {
     vertices
 }
 
-/// The point about which a target turns.
+/// The centre of rotation of a target.
 pub fn centre(shape: &Shape) -> DVec3 {
     match shape {
         Shape::Point { at }
@@ -79,12 +79,12 @@ pub fn centre(shape: &Shape) -> DVec3 {
 }
 
 impl Shape {
-    /// The point about which it turns, and which an edit of its place sets; m.
+    /// The centre of rotation, which is also its position for edits; m.
     pub fn centre(&self) -> DVec3 {
         centre(self)
     }
 
-    /// Puts its centre there (m).
+    /// Moves its centre to this point (m).
     pub fn move_to(&mut self, place: DVec3) {
         match self {
             Self::Point { at }

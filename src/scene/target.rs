@@ -1,4 +1,4 @@
-//! Targets: the points, shapes and letters that a scene asks for, and their table in the file.
+//! Targets: points, shapes, letters, pictures and traps, and their table in the scene file.
 
 use glam::{DQuat, DVec3};
 use serde::ser::SerializeMap;
@@ -14,9 +14,9 @@ use crate::scene::{Motion, Trap};
 pub struct Target {
     #[serde(flatten)]
     pub shape: Shape,
-    /// Wanted pressure relative to the other targets.
+    /// Target pressure relative to the other targets.
     pub pressure: f64,
-    /// At each vertex of a path, times `pressure`, and evenly from one to the next along the path; empty: the same everywhere.
+    /// Factors on `pressure` per vertex of a path, interpolated along the path; empty: constant.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub pressures: Vec<f64>,
     #[serde(flatten)]
@@ -24,16 +24,16 @@ pub struct Target {
     /// rad, about the target's centre.
     #[serde(skip_serializing_if = "is_zero")]
     pub angle: f64,
-    /// What a flat shape faces; +z lies parallel to the array.
+    /// Normal of a flat shape; +z is parallel to the array.
     #[serde(skip_serializing_if = "is_z")]
     pub normal: DVec3,
-    /// When it is shown, counted from 0, if the motion goes in steps; always if `None`.
+    /// The step in which it is shown, from 0, with `path = "steps"`; `None`: in every step.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub step: Option<u32>,
     /// A hidden target is kept and not played.
     #[serde(skip_serializing_if = "is_true")]
     pub visible: bool,
-    /// What it is called; empty: by its kind.
+    /// Name; empty: by its kind.
     #[serde(skip_serializing_if = "String::is_empty")]
     pub name: String,
     /// Targets with the same group are selected together; empty: in no group.
@@ -73,18 +73,18 @@ impl Target {
         }
     }
 
-    /// How a flat shape is turned out of the array's plane.
+    /// Rotation of a flat shape from the array's plane.
     pub fn turn(&self) -> DQuat {
         let normal = self.normal.try_normalize().unwrap_or(DVec3::Z);
         DQuat::from_rotation_arc(DVec3::Z, normal) * DQuat::from_rotation_z(self.angle)
     }
 
-    /// Whether it is a picture whose pixels are yet to be loaded.
+    /// Whether it is a picture without loaded pixels.
     pub fn lacks_pixels(&self) -> bool {
         matches!(&self.shape, Shape::Picture { pixels, .. } if pixels.get().is_none())
     }
 
-    /// Whether it is played in a step of the motion.
+    /// Whether it is shown in a step of the motion.
     pub fn is_in(&self, step: u32) -> bool {
         self.visible && self.step.is_none_or(|own| own == step)
     }
@@ -128,16 +128,16 @@ pub enum Shape {
         at: DVec3,
         height: f64,
     },
-    /// A place at which a bead is to be held.
+    /// A trap for a bead.
     Trap {
         at: DVec3,
         trap: Trap,
-        /// Turns of a vortex's phase about its axis.
+        /// Topological charge of a vortex.
         charge: i32,
     },
-    /// Its brightness is the wanted |p|².
+    /// Its brightness prescribes |p|².
     Picture {
-        /// As the scene file has it: relative to the scene's folder, or absolute.
+        /// As in the scene file: relative to the scene's folder, or absolute.
         file: String,
         at: DVec3,
         width: f64,
@@ -146,15 +146,15 @@ pub enum Shape {
     },
 }
 
-/// How a shape is played: its outline as one stroke or as separate focal points, or an area.
+/// The sampling of a shape: its outline as one stroke or as separate focal points, or an area.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum Sampling {
-    /// A point target is its one focal point, a trap its lobes, a picture all of its area.
+    /// A point is its own focal point, a trap its lobes, a picture its whole area.
     Whole,
-    /// A curve that is to be evenly loud, with as many samples as the wavelength asks for.
+    /// A continuous stroke of even pressure, sampled as densely as the wavelength requires.
     #[default]
     Continuous,
-    /// m between neighbours along the outline, met as nearly as the corners allow.
+    /// Distance between neighbours along the outline (m), as closely as the corners allow.
     Spacing(f64),
     /// Focal points on the whole outline.
     Points(usize),
@@ -190,7 +190,7 @@ fn is_z(normal: &DVec3) -> bool {
     *normal == DVec3::Z
 }
 
-/// The `[[target]]` table as written: every key of every kind, so that a stray one is found where it stands.
+/// The `[[target]]` table as written: every key of every kind, so that stray keys are reported at their position.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct TargetTable {
@@ -244,7 +244,7 @@ enum Kind {
 }
 
 impl TargetTable {
-    /// The target that this table, the `index`-th in the file, stands for.
+    /// The target of this table, the `index`-th in the file.
     pub(crate) fn into_target(mut self, index: usize) -> Result<Target, KeyError> {
         let table = &mut self;
         let at = DVec3::new(0.0, 0.0, 0.1);
@@ -322,7 +322,7 @@ impl TargetTable {
         }
     }
 
-    /// Of the keys that say how a shape is played there is one at most.
+    /// At most one of the sampling keys may be present.
     fn sampling(&mut self, index: usize) -> Result<Option<Sampling>, KeyError> {
         let given: Vec<_> = [
             self.spacing.take().map(|spacing| ("spacing", Sampling::Spacing(spacing))),
@@ -343,7 +343,7 @@ impl TargetTable {
         }
     }
 
-    /// A key that is still there after the kind has taken its own.
+    /// A key unused by the kind.
     fn stray_key(&self) -> Option<&'static str> {
         let Self {
             kind: _,

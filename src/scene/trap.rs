@@ -1,4 +1,4 @@
-//! Traps: what the phases of a focus are changed by so that a bead is held there, and the lobes that make the same among other targets.
+//! Acoustic traps: the phase signature added to a focus, and the equivalent lobes for use beside other targets.
 
 use std::f64::consts::{PI, TAU};
 
@@ -7,16 +7,16 @@ use serde::{Deserialize, Serialize};
 
 use crate::scene::range::{KeyError, refuse};
 
-/// What a trap is like about its axis.
+/// The kind of a trap, relative to its axis.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Trap {
-    /// A plain focus, which holds what is denser or stiffer than air nowhere but in standing waves.
+    /// A plain focus, which holds beads denser or stiffer than air only in standing waves.
     Focus,
     /// Two lobes in opposite phase beside each other.
     #[default]
     Twin,
-    /// A ring whose phase goes round.
+    /// A ring with an azimuthal phase.
     Vortex,
     /// A ring around a lobe in opposite phase.
     Bottle,
@@ -24,7 +24,7 @@ pub enum Trap {
     Standing,
 }
 
-/// A place (m, about the trap's centre, its axis being z) and the phase (rad) of the sound there.
+/// A point (m, relative to the trap's centre, with its axis along z) and the phase (rad) of the sound there.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Lobe {
     pub at: DVec3,
@@ -33,7 +33,7 @@ pub struct Lobe {
 
 impl Trap {
     pub const ALL: [Self; 5] = [Self::Focus, Self::Twin, Self::Vortex, Self::Bottle, Self::Standing];
-    /// Turns of a vortex's phase, either way.
+    /// Limit of the topological charge, of either sign.
     pub const MOST_TURNS: i32 = 8;
 
     pub(super) fn check(charge: i32) -> Result<(), KeyError> {
@@ -55,7 +55,7 @@ impl Trap {
         }
     }
 
-    /// What it is called beside others.
+    /// Short display name.
     pub fn title(self) -> &'static str {
         match self {
             Self::Focus => "focus that holds",
@@ -66,8 +66,8 @@ impl Trap {
         }
     }
 
-    /// What is added to the focus phase (rad) of an element that stands at a place (m) about the trap, in its axes; half of the
-    /// elements stand within `radius` (m) of the axis.
+    /// The phase (rad) added to the focusing phase of an element at a position (m) relative to the trap, in its axes;
+    /// half of the elements are within `radius` (m) of the axis.
     pub fn signature(self, charge: i32, place: DVec3, radius: f64) -> f64 {
         let opposite = |is_opposite: bool| if is_opposite { PI } else { 0.0 };
         match self {
@@ -79,9 +79,9 @@ impl Trap {
         }
     }
 
-    /// Lobes that make the trap.
+    /// The lobes of the trap.
     pub fn lobes(self, charge: i32, wavelength: f64) -> Vec<Lobe> {
-        /// Wavelengths from the centre.
+        /// Distance from the centre in wavelengths.
         const BESIDE: f64 = 0.5;
         const ALONG: f64 = 0.25;
         const RING: f64 = 0.5;

@@ -1,13 +1,13 @@
-//! The samples of a waveform that is an envelope: plain numbers, loaded from the waveform's file by whoever opens a scene.
+//! The samples of a modulation waveform, loaded from a WAV file when a scene is opened.
 
 use std::path::PathBuf;
 
 use crate::scene::loaded::Loaded;
 
-/// A waveform that is repeated, straight from sample to sample and from the last to the first.
+/// A repeated waveform, interpolated linearly, also from the last sample to the first.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Samples {
-    /// What they were loaded from.
+    /// The file of origin.
     pub file: PathBuf,
     /// Samples per second.
     pub rate: f64,
@@ -32,7 +32,7 @@ impl Samples {
     }
 }
 
-/// A waveform, once it is loaded. A scene file holds its file's name alone.
+/// A waveform, once loaded. A scene file only names it.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Wave(Loaded<Measured>);
 
@@ -63,7 +63,7 @@ impl Wave {
         self.0.get().map(|loaded| &loaded.samples)
     }
 
-    /// The value at a time (s), -1 to 1; 1 until it is loaded.
+    /// The value at a time (s), -1 to 1; 1 before loading.
     pub fn at(&self, time: f64) -> f64 {
         self.get().map_or(1.0, |samples| samples.at(time))
     }

@@ -1,4 +1,4 @@
-//! Zones that are to be quiet: flat areas anywhere before the array, and their table in the file.
+//! Quiet zones: flat areas in front of the array, and their table in the scene file.
 
 use std::f64::consts::TAU;
 
@@ -7,23 +7,23 @@ use serde::{Deserialize, Serialize};
 
 use crate::scene::check::{Key, KeyError};
 
-/// Samples that a zone may have; a larger one is sampled more thinly.
+/// Limit of samples per zone; larger zones are sampled more coarsely.
 const MOST_POINTS: f64 = 4096.0;
 
-/// An area in which little sound is wanted.
+/// A quiet zone.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Zone {
     #[serde(flatten)]
     pub area: Area,
     /// m, its centre.
     pub at: DVec3,
-    /// What it faces; +z lies parallel to the array.
+    /// Normal; +z is parallel to the array.
     #[serde(skip_serializing_if = "is_z")]
     pub normal: DVec3,
     /// rad, about its centre.
     #[serde(skip_serializing_if = "is_zero")]
     pub angle: f64,
-    /// How much it counts: 1 as much as the rest of the plane.
+    /// Weight relative to the rest of the plane.
     pub weight: f64,
 }
 
@@ -58,7 +58,7 @@ impl Area {
             Self::Circle { radius } => point.length() <= radius,
             Self::Rectangle { .. } => point.abs().cmple(self.half()).all(),
             Self::Polygon { radius, sides } => {
-                // The side that a point lies before is known by its angle from the first corner, at the top.
+                // The side nearest to a point follows from its angle, measured from the first corner at the top.
                 let side = TAU / f64::from(sides);
                 let from_corner = (point.to_angle() - TAU / 4.0).rem_euclid(side);
                 point.length() * (from_corner - side / 2.0).cos() <= radius * (side / 2.0).cos()
@@ -73,8 +73,8 @@ impl Zone {
         Self { area, at, normal: DVec3::Z, angle: 0.0, weight: 1.0 }
     }
 
-    /// Places (m) on a square grid in the zone, its centre among them, `spacing` m apart, or farther where there would be
-    /// more than 4096.
+    /// Points (m) on a square grid in the zone, including its centre, `spacing` m apart, or coarser to keep at most
+    /// 4096.
     pub fn points(&self, spacing: f64) -> Vec<DVec3> {
         let half = self.area.half();
         let thinnest = (4.0 * half.x * half.y / MOST_POINTS).sqrt();
@@ -93,7 +93,7 @@ impl Zone {
             .collect()
     }
 
-    /// The place of the box around it, or of the circle, that is lowest along a direction.
+    /// The lowest point of its bounding box, or of the circle, along a direction.
     pub(crate) fn lowest(&self, up: DVec3) -> DVec3 {
         let turn = self.turn();
         let (x, y) = ((turn * DVec3::X).dot(up), (turn * DVec3::Y).dot(up));
@@ -110,7 +110,7 @@ impl Zone {
     }
 }
 
-/// The `[[quiet]]` table as written: every key of every kind, so that a stray one is found where it stands.
+/// The `[[quiet]]` table as written: every key of every kind, so that stray keys are reported at their position.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct ZoneTable {
@@ -146,7 +146,7 @@ impl Kind {
 }
 
 impl ZoneTable {
-    /// The zone that this table, the `index`-th in the file, stands for.
+    /// The zone of this table, the `index`-th in the file.
     pub(crate) fn into_zone(self, index: usize) -> Result<Zone, KeyError> {
         let Self { kind, at, mut radius, mut width, mut height, mut sides, normal, angle, weight } = self;
         let area = match kind {

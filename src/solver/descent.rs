@@ -2,7 +2,7 @@
 
 use std::collections::VecDeque;
 
-/// Pairs of steps and changes of the gradient that are remembered; 5 and 20 do as well.
+/// Stored pairs of steps and gradient changes; 5 and 20 work equally well.
 const PAIRS: usize = 10;
 /// The largest change of an unknown in the first step, and in any other.
 const FIRST: f64 = 0.1;
@@ -11,12 +11,12 @@ const LARGEST: f64 = 1.0;
 const PROMISED: f64 = 1e-4;
 const TRIALS: usize = 12;
 
-/// A function to be made small: its value, with the gradient written to the second argument.
+/// A function to minimise: its value, with the gradient written to the second argument.
 pub trait Function {
     fn evaluate(&mut self, x: &[f64], gradient: &mut [f64]) -> f64;
 }
 
-/// A place on the way down.
+/// The state of a descent.
 #[derive(Clone, Debug)]
 pub struct Descent {
     pub x: Vec<f64>,
@@ -40,12 +40,12 @@ impl Descent {
         Self { x, value, gradient, pairs: VecDeque::new() }
     }
 
-    /// The function has changed a little: its value and gradient here anew. Pairs are kept.
+    /// Re-evaluates value and gradient after a small change of the function. Pairs are kept.
     pub fn renew(&mut self, function: &mut impl Function) {
         self.value = function.evaluate(&self.x, &mut self.gradient);
     }
 
-    /// One step; false where no descent is found any more.
+    /// One step; false if no descent is found.
     pub fn step(&mut self, function: &mut impl Function) -> bool {
         let mut direction = self.direction();
         let mut slope = dot(&direction, &self.gradient);
@@ -81,7 +81,7 @@ impl Descent {
         had_pairs
     }
 
-    /// -B⁻¹ g with the Hessian B that the pairs tell of.
+    /// -B⁻¹ g with the Hessian B estimated from the pairs.
     fn direction(&self) -> Vec<f64> {
         let mut direction: Vec<_> = self.gradient.iter().map(|g| -g).collect();
         let mut parts = Vec::with_capacity(self.pairs.len());
@@ -118,7 +118,7 @@ impl Descent {
     }
 }
 
-/// Σ a b in partial sums, which become vector code.
+/// Σ a b in partial sums, for vectorisation.
 fn dot(a: &[f64], b: &[f64]) -> f64 {
     const LANES: usize = 8;
     let (a_runs, a_rest) = a.as_chunks::<LANES>();

@@ -1,7 +1,7 @@
-//! The drives of all frames of a motion, each going on from the one before: phases move no more than they must.
+//! The drives of all frames of a motion, each continued from the previous one with minimal phase changes.
 //!
-//! Keyframes follow each other closely and are solved one after the other; what lies between two of them goes on from the
-//! first, on all cores. How a frame is found depends on its neighbours and on nothing else, so that any number of threads gives the
+//! Keyframes are close to each other and solved in sequence; the frames between two keyframes continue from the
+//! first, on all cores. The result for a frame depends only on its neighbours, so any number of threads gives the
 //! same drives.
 
 use serde::{Deserialize, Serialize};
@@ -17,16 +17,16 @@ use crate::scene::{Focus, Method, Pressures, Scene, Solver, motion};
 use crate::solver::steps::{PhaseSteps, phase_steps};
 use crate::solver::{self, Excitation, Played, Problem, SolveError, quality, room};
 
-/// Wavelengths that a focus may go from one keyframe to the next, if there are frames between them.
+/// Limit of a focus' displacement between keyframes, in wavelengths, if there are frames between them.
 const STRIDE: f64 = 0.15;
-/// Wavelengths beyond which nothing of the frame before is worth going on from.
+/// Limit of the focal displacement, in wavelengths, for continuing from the previous frame.
 const FARTHEST: f64 = 0.5;
-/// The part of what the frames before reached that a frame may fall to before it is searched for anew.
+/// A frame below this fraction of its predecessors' result is searched anew.
 const KEPT: f64 = 0.96;
-/// The same for a shape, whose weakest place comes and goes with the samples.
+/// The same for a shape, whose weakest point fluctuates with the samples.
 const KEPT_OF_SHAPE: f64 = 0.85;
 
-/// All frames of a cycle, or all drives that take turns in a scene that stands.
+/// All frames of a cycle, or all drives in turn of a scene at rest.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Sequence {
     pub frames: Vec<Frame>,
@@ -35,15 +35,15 @@ pub struct Sequence {
     pub seconds: f64,
 }
 
-/// What is played for a part of a cycle.
+/// The drive of one frame.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Frame {
     pub foci: Vec<Focus>,
-    /// Uniform amplitude on every element that is not off, unless the scene asks otherwise.
+    /// Uniform amplitude on every driven element, unless the scene requests otherwise.
     pub drive: Drive,
-    /// Complex pressure (Pa, peak) that the drive makes at each focus.
+    /// Complex pressure (Pa, peak) of the drive at each focus.
     pub pressures: Vec<Complex64>,
-    /// Found without going on from another frame.
+    /// Found independently of other frames.
     pub cold: bool,
 }
 
@@ -68,8 +68,8 @@ impl Frame {
     }
 }
 
-/// Solves every frame of the scene's motion with the method that the scene names. `best` goes on from frame to frame; the other
-/// methods solve each frame for itself.
+/// Solves every frame of the scene's motion with the scene's method. `best` continues from frame to frame; the other
+/// methods solve each frame independently.
 ///
 /// # Errors
 /// As [`solver::solve`], and frames that [`motion::frames`] refuses.
@@ -77,7 +77,7 @@ pub fn follow(scene: &Scene) -> Result<Sequence, SolveError> {
     follow_with(scene, &Gauge::default())
 }
 
-/// As [`follow`], telling how many frames are found.
+/// As [`follow`], reporting the number of solved frames.
 ///
 /// # Errors
 /// As [`follow`].
@@ -88,7 +88,7 @@ pub fn follow_with(scene: &Scene, progress: &Gauge) -> Result<Sequence, SolveErr
     }
     let frames = motion::frames(scene)?;
     let aperture = Aperture::new(scene);
-    // What stands still is solved once.
+    // Identical frames are solved once.
     let stands: Vec<_> = frames.chunk_by(|a, b| a == b).collect();
     let problem = |stand: &&[Vec<Focus>]| Problem::of_scene(scene, &aperture, stand[0].clone());
     let settings = &scene.solver;
@@ -121,7 +121,7 @@ pub fn follow_with(scene: &Scene, progress: &Gauge) -> Result<Sequence, SolveErr
     Ok(Sequence { frames: repeated.collect(), steps, seconds })
 }
 
-/// The drives that take turns, as frames.
+/// The drives in turn, as frames.
 fn turns_of(scene: &Scene) -> Result<Sequence, SolveError> {
     let solution = solver::solve(scene)?;
     let aperture = Aperture::new(scene);
@@ -139,8 +139,8 @@ fn phases(frames: &[Frame]) -> Vec<&[f64]> {
     frames.iter().map(|frame| &frame.drive.phases[..]).collect()
 }
 
-/// The part of what was found at which each stand is played. Along outlines and keyframes, pressures are relative to those of
-/// other frames, too: the loudest focus of the cycle has all of it.
+/// The fraction at which each distinct frame is played. Along outlines and keyframes, pressures are relative to other
+/// frames, too: the loudest focus of the cycle is at full drive.
 fn parts(scene: &Scene, stands: &[&[Vec<Focus>]]) -> Vec<f64> {
     let each: Vec<_> = stands.iter().map(|stand| loudest(&stand[0])).collect();
     let most = each.iter().copied().fold(f64::MIN_POSITIVE, f64::max);
@@ -152,14 +152,14 @@ fn loudest(foci: &[Focus]) -> f64 {
     foci.iter().map(|focus| focus.target).fold(0.0, f64::max)
 }
 
-/// What is found for a frame, before it is turned as a whole.
+/// The result for a frame, before its common phase is chosen.
 struct Found {
     foci: Vec<Focus>,
     /// u of the driven elements.
     u: Vec<Complex64>,
     /// Pa, peak, at the foci.
     pressures: Vec<Complex64>,
-    /// The part of full drive that is played, 0 to 1.
+    /// Fraction of full drive, 0 to 1.
     turned_down: f64,
     cold: bool,
 }
@@ -190,12 +190,12 @@ impl Found {
     }
 }
 
-/// A frame with what the next needs to go on from it.
+/// A frame with the data for continuing to the next.
 struct Link {
     found: Found,
     weights: Option<Vec<f64>>,
-    /// The weakest pressure/target, times the largest target, over what the foci hear of elements: comparable wherever they are, however
-    /// loud they are to be.
+    /// The weakest pressure/target, times the largest target, over the sum of |h| at the foci: comparable for all
+    /// positions and target levels.
     part: f64,
     /// The most that this was since the last search.
     most: f64,
@@ -255,7 +255,7 @@ fn chained(
     Ok(found.into_iter().map(|(_, found)| found).collect())
 }
 
-/// The first frame, and then always the last one that is near the one before, or the next.
+/// The first frame, then repeatedly the last frame close to the previous keyframe, or else the next one.
 fn keyframes(foci: &[&[Focus]], stride: f64) -> Vec<usize> {
     let mut keys = vec![0];
     let mut key = 0;
@@ -268,7 +268,7 @@ fn keyframes(foci: &[&[Focus]], stride: f64) -> Vec<usize> {
     keys
 }
 
-/// How far (m) the focus that goes farthest goes; infinite where they are not as many.
+/// The largest displacement of a focus (m); infinite for different numbers of foci.
 fn farthest(from: &[Focus], to: &[Focus]) -> f64 {
     if from.len() != to.len() {
         return f64::INFINITY;
@@ -276,7 +276,7 @@ fn farthest(from: &[Focus], to: &[Focus]) -> f64 {
     from.iter().zip(to).map(|(a, b)| a.position.distance(b.position)).fold(0.0, f64::max)
 }
 
-/// Goes on from a frame; where that is too far away, or ends in something worse than before, a search decides.
+/// Continues from a frame; if that is too far away, or the result is worse than before, a search decides.
 fn go_on(problem: &Problem<'_>, before: &Link, settings: &Solver) -> Result<Link, SolveError> {
     let near = farthest(&before.found.foci, &problem.foci) <= FARTHEST * problem.aperture.wavelength();
     let search = || Ok(Link::new(problem, settings, excite(problem, settings)?, true));
@@ -292,8 +292,8 @@ fn go_on(problem: &Problem<'_>, before: &Link, settings: &Solver) -> Result<Link
     Ok(if cold.part > warm.part { cold } else { warm })
 }
 
-/// How far (rad) to turn each frame as a whole, so that phases move as little as can be from the one before, and from the last to
-/// the first: what is left over at the end of the cycle is shared out among all.
+/// Common phase (rad) of each frame that minimises phase changes from the previous one, also from the last to the
+/// first: the remainder at the end of the cycle is distributed over all frames.
 fn turns(frames: &[Found]) -> Vec<f64> {
     let count = frames.len();
     let ahead = |i: usize| {
@@ -336,7 +336,7 @@ mod tests {
         (0..count).map(at).collect()
     }
 
-    /// The weakest focus of every frame over that of a search for this frame alone.
+    /// The weakest focus of every frame relative to that of a search for this frame alone.
     fn beside_search(scene: &Scene, sequence: &Sequence) -> Vec<f64> {
         let aperture = Aperture::new(scene);
         let part = |frame: &Frame| {

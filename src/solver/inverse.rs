@@ -1,4 +1,4 @@
-//! Methods that prescribe the focal field: the pseudo-inverse and its weighted iteration.
+//! Methods that prescribe the complex focal field: the pseudo-inverse and its weighted iteration.
 
 use faer::Mat;
 use faer::linalg::solvers::Svd;
@@ -7,13 +7,12 @@ use num_complex::Complex64;
 use crate::acoustics::Transfer;
 use crate::solver::{Excitation, Problem};
 
-/// Singular values below this part of the largest are noise: the directions they stand for are left alone.
+/// Singular values below this fraction of the largest are noise: their directions are not inverted.
 const RANK_TOLERANCE: f64 = 1e-6;
-/// A focus at which less than this part of what the loudest one hears arrives is left alone: of a drive that is so loud as to serve
-/// it, the rounding alone would be louder at the other.
+/// A focus with less than this fraction of the loudest focus' field is ignored: at a drive loud enough for it,
+/// rounding errors at the other focus would exceed its pressure.
 const FAINTEST: f64 = f64::EPSILON;
-/// Part of the mean |u| below which an element's weight grows no further in one iteration: without it an element that
-/// passes through zero would blow up.
+/// Floor of |u| relative to its mean in the weight update: otherwise an element passing through zero would diverge.
 const WEIGHT_FLOOR: f64 = 1e-3;
 /// The largest weight over the mean one, for the same reason over many iterations.
 const MOST_WEIGHT: f64 = 1e4;
@@ -32,7 +31,7 @@ pub fn weighted(problem: &Problem<'_>, iterations: u32) -> Excitation {
     for _ in 0..iterations {
         let mean = mean(values.iter().map(|u| u.norm()));
         if mean == 0.0 {
-            // Nothing arrives anywhere: there is nothing to weigh by.
+            // The field is zero at all foci: weights are undefined.
             break;
         }
         for (weight, u) in weights.iter_mut().zip(&values) {
@@ -47,7 +46,7 @@ pub fn weighted(problem: &Problem<'_>, iterations: u32) -> Excitation {
     Excitation { values, iterations, residual: Some(residual), weights: None }
 }
 
-/// W H* (H W H*)⁺ p to some scale, and its relative residual, by way of the singular values of H √W, so that nothing is squared.
+/// W H* (H W H*)⁺ p to some scale, and its relative residual, by the singular values of H √W, without squaring.
 fn weighted_inverse(problem: &Problem<'_>, weights: &[f64]) -> (Vec<Complex64>, f64) {
     let transfer = &problem.transfer;
     let targets = problem.targets();
@@ -60,7 +59,7 @@ fn weighted_inverse(problem: &Problem<'_>, weights: &[f64]) -> (Vec<Complex64>, 
         targets.iter().zip(&norms).map(|(target, norm)| Complex64::from(target * (scale / norm))).collect();
     let values: Vec<_> = match Spectrum::new(&matrix) {
         Some(spectrum) => spectrum.solve(&scaled).iter().zip(&roots).map(|(u, root)| u * root).collect(),
-        // The decomposition of finite numbers does not fail; if it ever did, this is still a drive.
+        // The decomposition of finite numbers does not fail; this is a valid drive in any case.
         None => transfer.back(&scaled),
     };
     let error = transfer
@@ -73,10 +72,10 @@ fn weighted_inverse(problem: &Problem<'_>, weights: &[f64]) -> (Vec<Complex64>, 
     (values, (error / norm).sqrt())
 }
 
-/// The transfer with its columns scaled and its rows brought to norm 1, and the norms; foci that are left alone have rows of
-/// zeros, and an infinite norm.
+/// The transfer with its columns scaled and its rows brought to norm 1, and the norms; ignored foci have zero rows
+/// and an infinite norm.
 ///
-/// Foci far and near then weigh the same in what "small" means for a singular value.
+/// Distant and near foci then have equal weight in the threshold of singular values.
 fn normalised(transfer: &Transfer, columns: &[f64]) -> (Mat<Complex64>, Vec<f64>) {
     let scaled = |m: usize, n: usize| transfer.at(m, n) * columns[n];
     let moduli = |m: usize| (0..transfer.elements).map(|n| scaled(m, n).norm()).collect::<Vec<_>>();
@@ -90,7 +89,7 @@ fn normalised(transfer: &Transfer, columns: &[f64]) -> (Mat<Complex64>, Vec<f64>
     (Mat::from_fn(transfer.points, transfer.elements, entry), norms)
 }
 
-/// The root of the sum of squares, the largest taken out: far from the array squares are less than f64 holds.
+/// The root of the sum of squares, with the largest factored out: far from the array the squares underflow in f64.
 fn norm(moduli: &[f64]) -> f64 {
     let largest = moduli.iter().copied().fold(0.0, f64::max);
     if largest == 0.0 {
@@ -101,13 +100,13 @@ fn norm(moduli: &[f64]) -> f64 {
 
 /// Numerical rank, and the ratio of the largest singular value to the smallest, of H with rows of norm 1.
 ///
-/// The condition ends at 1/ε, where f64 can no longer tell.
+/// The condition number is limited to 1/ε, the resolution of f64.
 pub fn rank_and_condition(transfer: &Transfer) -> (usize, f64) {
     let (matrix, _) = normalised(transfer, &vec![1.0; transfer.elements]);
     let Ok(values) = matrix.singular_values() else { return (0, 1.0 / f64::EPSILON) };
     let largest = values.iter().copied().fold(0.0, f64::max);
     if largest == 0.0 {
-        // No element is heard at any focus.
+        // The field of all elements is zero at all foci.
         return (0, 1.0 / f64::EPSILON);
     }
     let smallest = values.iter().copied().fold(f64::INFINITY, f64::min);

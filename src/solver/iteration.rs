@@ -1,5 +1,5 @@
-//! Methods that leave the focal phases free and iterate on them: phase conjugation, Gerchberg-Saxton and its
-//! kin, greedy search, and the combination that is best on measured sets.
+//! Methods with free focal phases: phase conjugation, Gerchberg-Saxton and its variants, greedy search, and the
+//! combination `best`.
 
 use std::f64::consts::TAU;
 use web_time::{Duration, Instant};
@@ -14,11 +14,11 @@ use crate::solver::{Excitation, Problem, starts};
 
 /// Phases that the greedy search tries for every element.
 const GREEDY_LEVELS: usize = 16;
-/// Iterations on the Gram matrix, and steps of the last levelling at most, in `best`. Foci that the array tells apart need one or
+/// Iterations on the Gram matrix, and the limit of final levelling steps, in `best`. Well separated foci need one or
 /// two.
 const CLIMB: usize = 50;
 const LEVELLINGS: usize = 5;
-/// Spread of the focal pressures below which levelling stops.
+/// Relative standard deviation of the focal pressures at which levelling stops.
 const LEVEL: f64 = 3e-4;
 
 /// Phase conjugation, u = H* A.
@@ -46,7 +46,7 @@ pub fn gspat(problem: &Problem<'_>, iterations: u32) -> Excitation {
     let (transfer, targets) = (&problem.transfer, problem.targets());
     let gram = transfer.gram(None);
     let count = targets.len();
-    // Of a focus that no element is heard at, too.
+    // Also for a focus where the field of all elements is zero.
     let power: Vec<_> = (0..count).map(|m| gram.re[m * count + m].max(f64::MIN_POSITIVE)).collect();
     let heard = |p: &[Complex64]| -> Vec<Complex64> {
         let row = |m: usize| (0..count).map(|i| gram.at(m * count + i) * p[i] / power[i]).sum();
@@ -88,7 +88,7 @@ pub fn weighted_from(problem: &Problem<'_>, phases: &[f64], iterations: u32) -> 
     state.excitation()
 }
 
-/// Every element in turn takes the one of 16 phases that brings the foci nearest to their targets (Suzuki 2021).
+/// Sets each element in turn to the best of 16 phases for the targets (Suzuki 2021).
 pub fn greedy(problem: &Problem<'_>, sweeps: u32) -> Excitation {
     let (transfer, targets) = (&problem.transfer, problem.targets());
     let elements = transfer.elements;
@@ -132,14 +132,14 @@ pub fn best(problem: &Problem<'_>, iterations: u32) -> Excitation {
     levelled(state, &targets, targets.clone(), iterations)
 }
 
-/// The strongest that levelling from many batches of starts finds: slow, and what `best` is measured against.
+/// The strongest result of levelling from many batches of starts: slow, the baseline for `best`.
 pub fn search(problem: &Problem<'_>, batches: usize, iterations: u32) -> Excitation {
     let mut further = Further::new(problem, iterations);
     let first = further.next(0);
     (1..batches).fold(first, |best, batch| further.stronger(best, batch))
 }
 
-/// The strongest of an excitation and of what levelling from further batches of starts finds in some time.
+/// The strongest of an excitation and of results of levelling from further batches of starts within a given time.
 pub fn search_on(problem: &Problem<'_>, excitation: Excitation, time: Duration) -> Excitation {
     const ITERATIONS: u32 = 200;
     let start = Instant::now();
@@ -197,9 +197,9 @@ pub fn best_from(problem: &Problem<'_>, before: &Excitation, iterations: u32) ->
     levelled(state, &targets, weights, iterations)
 }
 
-/// Weighs, then levels, and keeps what is level unless the weakest focus loses by it.
+/// Weights, then levels, and keeps the levelled drive unless its weakest focus is weaker.
 fn levelled(mut state: State<'_, 1>, targets: &[f64], weights: Vec<f64>, iterations: u32) -> Excitation {
-    /// Of the weakest focus: what equal pressures may cost.
+    /// Tolerated loss of the weakest focus for equal pressures.
     const LOSS: f64 = 0.02;
     let weights = Some(state.weigh(targets, weights, iterations));
     let (weakest, weighted) = (state.weakest(targets), state.excitation());
@@ -213,11 +213,11 @@ fn levelled(mut state: State<'_, 1>, targets: &[f64], weights: Vec<f64>, iterati
     Excitation { values, iterations, residual: None, weights }
 }
 
-/// A uniform drive on its way, and what it makes at the foci.
+/// A uniform drive during iteration, and its pressures at the foci.
 struct State<'a, const CHANNELS: usize> {
     transfer: &'a Transfer,
     u: [Phasors; CHANNELS],
-    /// H u after a step; what the next step sends back before it.
+    /// H u after a step; before the next step, the values to propagate back.
     pressure: [Phasors; CHANNELS],
     sums: Sums,
 }
@@ -256,15 +256,15 @@ impl<'a, const CHANNELS: usize> State<'a, CHANNELS> {
         targets.iter().enumerate().map(|(m, target)| self.modulus(m) / target)
     }
 
-    /// Damped weighted Gerchberg-Saxton: what is too weak gets more weight. Gives the weights of the foci.
+    /// Damped weighted Gerchberg-Saxton: weak foci get more weight. Returns the weights of the foci.
     ///
-    /// The correction is the root of the ratio: undamped, two foci swap for ever.
+    /// The correction is the square root of the ratio: undamped, two foci oscillate forever.
     fn weigh(&mut self, targets: &[f64], mut weights: Vec<f64>, iterations: u32) -> Vec<f64> {
         let count = targets.len() as f64;
         for _ in 0..iterations {
             let mean = self.relative(targets).sum::<f64>() / count;
             if mean == 0.0 {
-                // Nothing arrives anywhere: there is nothing to weigh by.
+                // The field is zero at all foci: weights are undefined.
                 break;
             }
             for (weight, relative) in weights.iter_mut().zip(self.relative(targets)) {
@@ -306,10 +306,10 @@ impl State<'_, 1> {
 
     /// Levels the foci with the smallest change of phases: Gauss-Newton steps.
     ///
-    /// Of all phase changes δφ with J δφ = s A - |p|, J = ∂|p|/∂φ, the shortest is Jᵀ y with J Jᵀ y = s A - |p|, for the s that makes it
-    /// shortest; and Jᵀ y is what H* (y e^{jθ}) adds to u across its own direction, θ being the phases of p. Damped, since foci
-    /// closer than the array resolves cannot be told apart. Only moduli are asked for: where the field itself is prescribed, such
-    /// foci ask for much more than they need.
+    /// Of all phase changes δφ with J δφ = s A - |p|, J = ∂|p|/∂φ, the shortest is Jᵀ y with J Jᵀ y = s A - |p|, for
+    /// the s that makes it shortest; and Jᵀ y is what H* (y e^{jθ}) adds to u across its own direction, θ being the
+    /// phases of p. Damped, since J Jᵀ is singular for foci closer than the array resolves. Only moduli are
+    /// prescribed: prescribing the complex field of such foci is far costlier.
     fn level(&mut self, targets: &[f64]) {
         /// Of the mean of the diagonal.
         const DAMPING: f64 = 1e-2;
@@ -348,11 +348,11 @@ fn mean_square(values: &[f64]) -> f64 {
     values.iter().map(|value| value * value).sum::<f64>() / values.len() as f64
 }
 
-/// Multipliers of the foci and of the elements at the best drive that may play `CHANNELS` things at once: what a bound
-/// is made of (`quality::bound`).
+/// Multipliers of the foci and the elements at the best relaxed drive of `CHANNELS` channels, for the bound
+/// (`quality::bound`).
 ///
-/// With one channel the weighted iteration ends in one of many local optima; with a few there are none, and what it ends in is
-/// the optimum of the relaxation that the bound is the dual of (Burer and Monteiro).
+/// With one channel the weighted iteration ends in one of many local optima; with a few channels there are none, and
+/// it converges to the optimum of the relaxation whose dual is the bound (Burer and Monteiro).
 pub fn multipliers<const CHANNELS: usize>(
     transfer: &Transfer,
     targets: &[f64],
@@ -368,7 +368,7 @@ pub fn multipliers<const CHANNELS: usize>(
     let floor = 1e-6 * (0..targets.len()).map(|m| state.modulus(m)).fold(f64::MIN_POSITIVE, f64::max);
     let foci: Vec<_> =
         weights.iter().enumerate().map(|(m, weight)| weight / state.modulus(m).max(floor)).collect();
-    // What every element hears of the weighted foci.
+    // The field of the weighted foci at every element.
     let mut heard = vec![0.0; transfer.elements];
     for p in &state.pressure {
         let weighted: Vec<_> = p.iter().zip(&foci).map(|(p, weight)| p * weight).collect();
@@ -379,9 +379,9 @@ pub fn multipliers<const CHANNELS: usize>(
     (foci, heard.into_iter().map(f64::sqrt).collect())
 }
 
-/// The same phase with modulus 1; phase 0 where there is none.
+/// The same phase with modulus 1; phase 0 for 0.
 pub fn phase(value: Complex64) -> Complex64 {
-    // Of any scale: what arrives far away has a square of 0.
+    // For any scale: the square of distant fields underflows.
     let norm = value.norm();
     if norm > 0.0 { value / norm } else { Complex64::ONE }
 }
@@ -394,7 +394,7 @@ mod tests {
     use crate::acoustics::Aperture;
     use crate::scene::Scene;
 
-    /// Foci on a circle 10 cm above the usual array, and targets of which the strongest is so many times the weakest.
+    /// Foci on a circle 10 cm above the default array, with targets spanning this ratio.
     fn circle(count: usize, radius: f64, span: f64) -> (Transfer, Vec<f64>) {
         let at = |m: usize| {
             let (sin, cos) = (TAU * m as f64 / count as f64).sin_cos();
@@ -430,7 +430,7 @@ mod tests {
 
     #[test]
     fn foci_that_the_array_does_not_tell_apart_stay_strong_rather_than_level() {
-        // Two millimetres apart, two foci are one: what makes one twice as loud as the other takes from both.
+        // Two foci two millimetres apart are not resolved: making one twice as loud costs pressure at both.
         let (transfer, targets) = circle(2, 1e-3, 2.0);
         for iterations in [5, 30] {
             let mut state = start(&transfer, &targets);

@@ -1,4 +1,4 @@
-//! Drives for boards that know few phases: rounding to their levels, and a search on the levels themselves.
+//! Drives for boards with few phase levels: rounding, and a search on the levels themselves.
 
 use std::f64::consts::TAU;
 
@@ -7,19 +7,19 @@ use num_complex::Complex64;
 use crate::drive::{Drive, delay_level};
 use crate::solver::{Problem, starts};
 
-/// Levels up to which every one is tried for an element; of more, the neighbours are.
+/// Up to this number of levels, all are tried for an element; beyond, only the neighbours.
 const ALL_TRIED: u32 = 16;
-/// Passes over all elements; few need more than three until nothing changes.
+/// Limit of passes over all elements; more than three rarely change anything.
 const PASSES: usize = 6;
-/// The power of 1/pressure whose sum is made small: what is weakest counts most.
+/// Exponent of 1/pressure in the minimised sum, which emphasises the weakest focus.
 const EMPHASIS: i32 = 64;
 
-/// What a uniform drive does at the foci.
+/// The pressures of a uniform drive at the foci.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Reached {
     /// Pa, peak.
     pub mean_pressure: f64,
-    /// The smallest pressure over its target: Pa, or a part where targets are in Pa.
+    /// The smallest pressure/target: Pa, or a fraction for targets in Pa.
     pub weakest: f64,
     /// Standard deviation over mean of pressure/target.
     pub spread: f64,
@@ -45,14 +45,13 @@ impl Reached {
     }
 }
 
-/// What rounding to `levels` phases, 1 or more, leaves of the pressure of a focus on the average: sin(π/L)/(π/L).
+/// The mean focal pressure after rounding to `levels` phases, 1 or more, relative to that before: sin(π/L)/(π/L).
 pub fn expected_part(levels: u32) -> f64 {
     let x = TAU / 2.0 / f64::from(levels);
     x.sin() / x
 }
 
-/// The drive on `levels` phases whose weakest focus is strongest, as far as changing one element after the other leads
-/// from the rounded one.
+/// The drive on `levels` phases with the strongest weakest focus, by coordinate changes from the rounded one.
 ///
 /// # Panics
 /// No levels, or a drive of other elements than the problem's.
@@ -106,7 +105,7 @@ pub fn refined(problem: &Problem<'_>, drive: &Drive, levels: u32) -> Drive {
         refined.phases[n] = -TAU * f64::from(level) / f64::from(levels);
     }
     let refined = refined.at_levels(levels);
-    // A sum of powers is not the weakest: what rounding already reached is never given away.
+    // A sum of powers only approximates the minimum: the result never falls below the rounded drive.
     let rounded = drive.at_levels(levels);
     if Reached::new(problem, &refined).weakest > Reached::new(problem, &rounded).weakest {
         refined

@@ -1,10 +1,10 @@
-//! From focal points to a drive, and how good that drive is.
+//! From focal points to a drive, and the quality of that drive.
 //!
-//! Every method is a function from a [`Problem`] to an [`Excitation`]; [`solve`] makes the excitation uniform, since
-//! that is what most boards can play, turns it down where the targets are pascals, and measures the result. How near that
-//! is to the best that any drive can do, [`Limits`] tell who asks. The inverses (`pinv`, `weighted`) are in [`inverse`],
-//! the phase iterations (`naive`, `gs`, `gspat`, `wgs`, `greedy`, `best`) in [`iteration`]. [`shape`] is `best` for
-//! strokes that are to be even and alone. [`frames`] solves a scene that moves.
+//! Every method is a function from a [`Problem`] to an [`Excitation`]; [`solve`] makes the excitation uniform, as
+//! most boards require, scales it down for targets in pascals, and measures the result. [`Limits`] computes its
+//! distance from the best possible drive on request. The inverses (`pinv`, `weighted`) are in [`inverse`], the phase
+//! iterations (`naive`, `gs`, `gspat`, `wgs`, `greedy`, `best`) in [`iteration`]. [`shape`] is `best` for continuous
+//! strokes and areas with low side lobes. [`frames`] solves motions.
 
 mod descent;
 pub mod frames;
@@ -34,18 +34,18 @@ pub use shape::{AreaFigures, Figures, Search, Stage, Surroundings};
 pub use trap::Traps;
 pub use warning::Warning;
 
-/// What a method gets to see.
+/// The input of a method.
 #[derive(Clone, Debug)]
 pub struct Problem<'a> {
     pub aperture: &'a Aperture,
     pub foci: Vec<Focus>,
     /// Foci x driven elements.
     pub transfer: Transfer,
-    /// What is to be quiet, where the foci are samples of a shape.
+    /// The quiet region and areas, if the foci are samples of a shape.
     pub surroundings: Option<Surroundings>,
-    /// What foci are lobes of: where there are traps, one way of solving them is every method's.
+    /// The traps whose lobes are among the foci: traps have one solution for all methods.
     pub traps: Option<Traps>,
-    /// Drives that take turns, 1 or more; only a shape's can be several.
+    /// Number of drives in turn; more than 1 for shapes only.
     pub drives: usize,
 }
 
@@ -53,9 +53,9 @@ impl<'a> Problem<'a> {
     /// The foci of [`outline::foci`], or others like them.
     ///
     /// # Panics
-    /// No foci, one that is not a place within 1000 km, or a target that is not a positive number.
+    /// No foci, a focus beyond 1000 km or NaN, or a target that is not positive.
     pub fn new(aperture: &'a Aperture, foci: Vec<Focus>) -> Self {
-        /// m; phases are rounded to whole turns beyond.
+        /// Limit of a focus' distance from the origin, m.
         const FARTHEST: f64 = 1e6;
         assert!(!foci.is_empty(), "a problem needs a focus");
         for Focus { position, target, .. } in &foci {
@@ -73,7 +73,7 @@ impl<'a> Problem<'a> {
         }
     }
 
-    /// Foci of a scene: what is not drawn is to be quiet where it has continuous strokes, quiet zones or drives that take turns.
+    /// The problem of a scene, with surroundings if it has continuous strokes, quiet zones or drives in turn.
     pub fn of_scene(scene: &Scene, aperture: &'a Aperture, foci: Vec<Focus>) -> Self {
         let drives = scene.solver.frames as usize;
         let is_shape = !scene.quiet.is_empty()
@@ -85,59 +85,57 @@ impl<'a> Problem<'a> {
         Self { surroundings, traps, drives, ..Self::new(aperture, foci) }
     }
 
-    /// The foci are samples of a shape and separate foci, and what is around them is to be quiet: `best` then is
-    /// [`shape::best`].
+    /// Adds surroundings to foci of shapes and separate foci: `best` is then [`shape::best`].
     pub fn with_surroundings(self, surroundings: Surroundings) -> Self {
         Self { surroundings: Some(surroundings), ..self }
     }
 
-    /// Wanted pressure of every focus: ratios, or Pa (peak).
+    /// Target pressure of every focus: ratios, or Pa (peak).
     pub fn targets(&self) -> Vec<f64> {
         self.foci.iter().map(|focus| focus.target).collect()
     }
 }
 
-/// What a method wants the driven elements to do, before it is made uniform.
+/// A method's drive of the elements, before amplitudes are made uniform.
 #[derive(Clone, Debug)]
 pub struct Excitation {
-    /// u of each driven element, to any scale; of drives that take turns, one after the other.
+    /// u of each driven element, to any scale; several drives in turn are concatenated.
     pub values: Vec<Complex64>,
     pub iterations: u32,
-    /// ‖H u - p‖/‖p‖ where the method prescribes p with its phases.
+    /// ‖H u - p‖/‖p‖ for methods that prescribe the complex p.
     pub residual: Option<f64>,
-    /// Weights of the foci that level them, where the method has such: where [`excite_from`] goes on.
+    /// Levelling weights of the foci, if the method has them, for [`excite_from`].
     pub weights: Option<Vec<f64>>,
 }
 
-/// A drive and what it does at the foci.
+/// A drive and its pressures and figures at the foci.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Solution {
     pub method: Method,
-    /// What is played: uniform amplitude on every element that is not off, unless the scene asks otherwise.
+    /// The played drive: uniform amplitude on every driven element, unless the scene requests otherwise.
     pub drive: Drive,
-    /// Those that take turns with it.
+    /// The other drives in turn.
     pub others: Vec<Drive>,
-    /// What the drive was turned down to, 0 to 1, so that the foci get the pascals asked for.
+    /// Factor on the drive, 0 to 1, for targets in pascals.
     pub turned_down: f64,
     /// |u| of the method's own excitation over its largest, per element of the array; 0 for elements that are off.
     pub excitation: Vec<f64>,
     pub foci: Vec<Focus>,
-    /// Complex pressure (Pa, peak) that the drive makes at each focus; where others take turns with it, the modulus is the root of
-    /// the mean square over all.
+    /// Complex pressure (Pa, peak) at each focus; for several drives in turn, the modulus is the root mean square
+    /// over all.
     pub pressures: Vec<Complex64>,
     pub quality: Quality,
-    /// Of a shape, where they were asked for.
+    /// Figures of a shape, if requested.
     pub figures: Option<Figures>,
     pub iterations: u32,
     /// Time that the method took, transfer included, quality not.
     pub seconds: f64,
-    /// What the user should know before trusting the result.
+    /// Warnings about the result.
     pub warnings: Vec<Warning>,
 }
 
 impl Solution {
-    /// The part of the best that any drive can do, where that is `bound` ([`bound`]): of the smallest pressure/target, at full
-    /// drive.
+    /// The guaranteed fraction of the best possible smallest pressure/target at full drive, given the [`bound`].
     pub fn certified(&self, bound: f64) -> f64 {
         let relative = self.pressures.iter().zip(&self.foci).map(|(p, focus)| p.norm() / focus.target);
         let weakest = relative.fold(f64::INFINITY, f64::min);
@@ -157,9 +155,9 @@ impl Solution {
         drives.flat_map(|drive| drive.excitation(driven)).collect()
     }
 
-    /// Adds the figures of a shape, if they are not there; `problem` is that of the scene.
+    /// Adds the figures of a shape, if missing; `problem` is that of the scene.
     pub fn judge(&mut self, scene: &Scene, problem: &Problem<'_>) {
-        /// Side lobe of a drawing that is out of reach: what cannot be made loud there is loud elsewhere.
+        /// Side lobe of a drawing out of reach, whose sound goes elsewhere.
         const ASTRAY: f64 = 2.0;
         if self.figures.is_some() {
             return;
@@ -173,8 +171,8 @@ impl Solution {
         }
     }
 
-    /// The same, every drive turned by a common phase to be near that of another solution for the array: nothing that is heard
-    /// changes, and a board that plays the other goes over to it without a jump.
+    /// The solution with the common phase of every drive matched to another solution's: the field is unchanged, and a
+    /// board changes over without a jump.
     pub fn turned_to(mut self, other: &Self) -> Self {
         if other.drive.phases.len() != self.drive.phases.len() {
             return self;
@@ -188,7 +186,7 @@ impl Solution {
     }
 }
 
-/// Turns a drive back by the angle (rad) by which it is ahead of another.
+/// Removes the common phase (rad) of a drive relative to another.
 fn turn(drive: &mut Drive, other: &Drive) -> f64 {
     let ahead = |(to, from): (&f64, &f64)| Complex64::cis(to - from);
     let angle = drive.phases.iter().zip(&other.phases).map(ahead).sum::<Complex64>().arg();
@@ -196,7 +194,7 @@ fn turn(drive: &mut Drive, other: &Drive) -> f64 {
     angle
 }
 
-/// Why there is no drive.
+/// Errors of solving.
 #[derive(Debug, thiserror::Error)]
 pub enum SolveError {
     #[error(transparent)]
@@ -209,7 +207,7 @@ pub enum SolveError {
     TooLarge { elements: usize, foci: usize, mebibytes: usize },
 }
 
-/// Solves the scene with the method that it names, and searches on for as long as the scene says.
+/// Solves the scene with its method, including its further search.
 ///
 /// # Errors
 /// A scene without usable focal points, or `focus` with several.
@@ -240,13 +238,13 @@ pub fn solve(scene: &Scene) -> Result<Solution, SolveError> {
     Ok(solution)
 }
 
-/// What a frame of a drag has time for: a shape's drive goes on from the one before, or is a first one, and has no
-/// [`Solution::figures`]. Other scenes are solved as ever.
+/// Solves within the time of a drag's frame: a shape's drive continues from the previous one, or is a first one,
+/// without [`Solution::figures`]. Other scenes are solved as usual.
 ///
 /// # Errors
 /// As [`solve`].
 pub fn solve_on(scene: &Scene, before: Option<&Solution>) -> Result<Solution, SolveError> {
-    /// Calls from cold: the strokes alone, and some quiet around them.
+    /// Calls without a previous drive: the strokes alone, then with little weight on the quiet region.
     const CALLS: usize = 2;
     let start = Instant::now();
     let aperture = Aperture::new(scene);
@@ -272,7 +270,7 @@ pub fn solve_on(scene: &Scene, before: Option<&Solution>) -> Result<Solution, So
     Ok(solution(scene, &problem, &excitation, start.elapsed().as_secs_f64()))
 }
 
-/// What the excitation of the scene's method does as it is played.
+/// The solution of the scene's excitation as played.
 fn solution(scene: &Scene, problem: &Problem<'_>, excitation: &Excitation, seconds: f64) -> Solution {
     let aperture = problem.aperture;
     let Played { values, pressures, needed } = Played::new(problem, &scene.solver, excitation.clone());
@@ -300,13 +298,13 @@ fn solution(scene: &Scene, problem: &Problem<'_>, excitation: &Excitation, secon
     }
 }
 
-/// A method's excitation as the scene wants it played.
+/// A method's excitation with the scene's amplitudes and pressures.
 struct Played {
-    /// u of each driven element, of modulus 1 at most; of drives that take turns, one after the other.
+    /// u of each driven element, of modulus at most 1; several drives in turn are concatenated.
     values: Vec<Complex64>,
     /// As [`Solution::pressures`].
     pressures: Vec<Complex64>,
-    /// The part of full drive that the targets ask for; full drive is the most that is played.
+    /// Fraction of full drive required by the targets; at most full drive is played.
     needed: f64,
 }
 
@@ -330,9 +328,8 @@ impl Played {
     }
 }
 
-/// The amplitude, of full drive, at which these pressures at full drive come nearest to the targets in pascals: the least
-/// Σ (s |p_m| - A_m)², so that what leaks into a focus that is to be faint does not silence the others. For foci in the wanted
-/// ratios all of them get what is asked.
+/// The fraction of full drive for the best fit to targets in pascals: the least Σ (s |p_m| - A_m)², since leakage
+/// into a weak focus must not scale down the strong ones. Foci in the target ratios meet their targets exactly.
 fn needed(problem: &Problem<'_>, pressures: &[Complex64]) -> f64 {
     let targets = problem.targets();
     let along = pressures.iter().zip(&targets).map(|(p, target)| p.norm() * target).sum::<f64>();
@@ -340,7 +337,7 @@ fn needed(problem: &Problem<'_>, pressures: &[Complex64]) -> f64 {
     if along > 0.0 { along / power } else { f64::INFINITY }
 }
 
-/// The excitation that a method finds; `iterations` 0 takes the method's own default.
+/// The excitation of a method; `iterations` 0 takes the method's default.
 ///
 /// # Errors
 /// `focus` with several foci.
@@ -365,8 +362,8 @@ pub fn excite(problem: &Problem<'_>, method: Method, iterations: u32) -> Result<
     })
 }
 
-/// What `best` finds for foci that have moved a little since `before` was found for them: in a part of the time, and with
-/// phases that go on from there.
+/// The excitation of `best` for slightly moved foci, continued from `before`: faster than a search, and with
+/// continuous phases.
 pub fn excite_from(problem: &Problem<'_>, before: &Excitation) -> Excitation {
     /// Over many frames the weights follow all the same.
     const ITERATIONS: u32 = 1;

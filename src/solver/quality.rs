@@ -1,4 +1,4 @@
-//! How good a drive is, and a bound on how good any drive can be.
+//! Quality figures of a drive, and an upper bound on all drives.
 
 use faer::{Mat, Side};
 use num_complex::Complex64;
@@ -7,14 +7,14 @@ use serde::{Deserialize, Serialize};
 use crate::acoustics::Transfer;
 use crate::solver::{Excitation, Problem, Warning, inverse, iteration};
 
-/// Figures of a solution. Pressures in Pa (peak), of the drive that will be played.
+/// Figures of a solution. Pressures in Pa (peak), of the played drive.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Quality {
     pub mean_pressure: f64,
     pub min_pressure: f64,
     /// Standard deviation over mean of pressure/target.
     pub spread: f64,
-    /// Least over mean of pressure/target: 1 where all are alike.
+    /// Least over mean of pressure/target: 1 if all are equal.
     pub evenness: f64,
     /// η = Σ|u|²/(N max|u|²) of the method's own excitation.
     pub efficiency: f64,
@@ -25,11 +25,11 @@ pub struct Quality {
     pub residual: f64,
 }
 
-/// Pa; squares of less are less than f64 holds, and nothing can be said of their ratios.
+/// Pa; smaller squares underflow in f64, and ratios become meaningless.
 const FAINTEST: f64 = 1e-120;
 
 impl Quality {
-    /// Of an excitation whose drive, as played, makes these pressures at the foci.
+    /// The figures of an excitation, given the focal pressures of its played drive.
     pub fn new(problem: &Problem<'_>, excitation: &Excitation, pressures: &[Complex64]) -> Self {
         let targets = problem.targets();
         let moduli: Vec<_> = pressures.iter().map(|p| p.norm()).collect();
@@ -52,13 +52,14 @@ impl Quality {
         }
     }
 
-    /// Whether so little sound reaches the foci that figures which compare their pressures mean nothing.
+    /// Whether the focal pressures are too small for comparisons.
     pub fn is_silent(&self) -> bool {
         self.mean_pressure < FAINTEST
     }
 }
 
-/// What foci and array allow, whatever the method. It takes longer than most solutions and is computed on demand.
+/// Limits set by foci and array, independent of the method. They take longer than most solutions and are computed on
+/// demand.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Limits {
     /// As [`bound`] defines it.
@@ -74,14 +75,14 @@ impl Limits {
         Self { bound: bound(problem), rank, condition }
     }
 
-    /// What the user should know of these foci.
+    /// The warning about these foci.
     pub fn warning(&self, problem: &Problem<'_>) -> Option<Warning> {
         let Transfer { points, elements, .. } = problem.transfer;
-        // Neighbouring samples of a stroke are to depend on each other.
+        // Neighbouring samples of a stroke are dependent by design.
         if problem.foci.iter().any(|focus| !focus.is_separate()) {
             return None;
         }
-        // That more foci than elements are dependent, every solution says.
+        // Every solution already warns of more foci than elements.
         let Self { rank, condition, .. } = *self;
         (points <= elements && rank < points).then_some(Warning::Dependent { foci: points, rank, condition })
     }
@@ -97,7 +98,7 @@ pub fn efficiency(values: &[Complex64]) -> f64 {
     values.iter().map(|u| (u.norm() / largest).powi(2)).sum::<f64>() / values.len() as f64
 }
 
-/// How far the moduli of H u are from a multiple of the targets.
+/// The relative deviation of the moduli of H u from a multiple of the targets.
 fn modulus_residual(problem: &Problem<'_>, excitation: &Excitation) -> f64 {
     let targets = problem.targets();
     let moduli = problem.transfer.moduli(&excitation.values);
@@ -114,19 +115,19 @@ fn modulus_residual(problem: &Problem<'_>, excitation: &Excitation) -> f64 {
 /// the last because Σ d_n |u_n|² ≤ Σ d_n. Every choice of w and d is valid; the smaller of two is taken: equal weights,
 /// and the multipliers of the relaxed problem.
 pub fn bound(problem: &Problem<'_>) -> f64 {
-    /// Things that the relaxed drive plays at once. Twice as many gain less than 0.1 %.
+    /// Channels of the relaxed drive. Twice as many gain less than 0.1 %.
     const CHANNELS: usize = 8;
     /// Iterations times foci: about 4 ms with 256 elements. Twenty times as many gain about 1 % of the bound.
     const WORK: usize = 2000;
     let iterations = (WORK / problem.foci.len()).clamp(40, 400) as u32;
-    /// What rounding may take from a sum of moduli.
+    /// Rounding error of a sum of moduli.
     const ROUNDING: f64 = 1e-12;
     let (transfer, targets) = (&problem.transfer, problem.targets());
-    // One focus hears no more than all elements in phase, and that it does hear.
+    // A single focus gets at most all elements in phase, and that is achievable.
     if let [target] = targets[..] {
         return transfer.row(0).map(Complex64::norm).sum::<f64>() / target * (1.0 + ROUNDING);
     }
-    // Nor does any of several; and where squares of what arrives there are less than f64 holds, that is all there is to say.
+    // The same bounds each of several foci; if the squares of their fields underflow, there is no better bound.
     let alone = |m: usize| transfer.row(m).map(Complex64::norm).sum::<f64>() / targets[m];
     let alone = (0..targets.len()).map(alone).fold(f64::INFINITY, f64::min) * (1.0 + ROUNDING);
     if alone < FAINTEST {
@@ -140,7 +141,7 @@ pub fn bound(problem: &Problem<'_>) -> f64 {
     alone.min(plain).min(dual(problem, &foci, &heard))
 }
 
-/// The bound that one choice of weights gives; infinite if its eigenvalue cannot be had.
+/// The bound of given weights; infinite if its eigenvalue cannot be computed.
 fn dual(problem: &Problem<'_>, w: &[f64], d: &[f64]) -> f64 {
     let (transfer, targets) = (&problem.transfer, problem.targets());
     let inverse: Vec<_> = d.iter().map(|d| 1.0 / d).collect();

@@ -1,4 +1,4 @@
-//! What the tables of a problem take of memory, reserved before they are made.
+//! Memory of a problem's tables, reserved before they are built.
 
 use num_complex::Complex64;
 
@@ -6,7 +6,7 @@ use crate::memory::{self, Room};
 use crate::scene::{Method, Scene};
 use crate::solver::SolveError;
 
-/// Tables of elements x foci, and of foci x foci, that are there at the same time: measured, and rounded up.
+/// Numbers of tables of elements x foci and of foci x foci in memory at the same time: measured, and rounded up.
 struct Tables {
     of_elements: usize,
     of_foci: usize,
@@ -23,7 +23,7 @@ impl Tables {
     }
 }
 
-/// Room for solving scenes of so many foci, `threads` at a time.
+/// Memory for solving scenes with this number of foci, `threads` at a time.
 ///
 /// # Errors
 /// [`SolveError::TooLarge`].

@@ -1,4 +1,4 @@
-//! Focal phases that let the foci help each other, found from several starts at once.
+//! Focal phases with constructive interference, from several parallel starts.
 
 #![expect(clippy::needless_range_loop, reason = "lanes are what is looped over, in several arrays at once")]
 
@@ -25,7 +25,7 @@ pub fn strongest(gram: &Phasors, targets: &[f64], iterations: usize, batch: usiz
 
 fn strongest_with(isa: Isa, gram: &Phasors, targets: &[f64], iterations: usize, batch: usize) -> Phasors {
     let count = targets.len();
-    // Only phases come out, so any scale will do, and f32.
+    // Only phases are returned, so any scale, and f32, will do.
     let scale = (0..count).map(|m| gram.re[m * count + m]).fold(f64::MIN_POSITIVE, f64::max).recip();
     let loudest = targets.iter().copied().fold(f64::MIN_POSITIVE, f64::max);
     let narrow = |values: &[f64]| values.iter().map(|value| (value * scale) as f32).collect::<Vec<_>>();
@@ -51,7 +51,7 @@ fn strongest_with(isa: Isa, gram: &Phasors, targets: &[f64], iterations: usize, 
     (0..count).map(of_best).collect()
 }
 
-/// A number in [0, 1) that is far from that of every near index.
+/// A low-discrepancy number in [0, 1).
 pub fn scatter(index: usize) -> f64 {
     (index as f64 * GOLDEN).fract()
 }
@@ -94,7 +94,7 @@ impl Kernel for Climb<'_> {
 }
 
 impl Climb<'_> {
-    /// heard = R p, four foci at a time while there are so many.
+    /// heard = R p, four foci at a time as long as possible.
     #[inline(always)]
     fn hear<I: Instructions>(&mut self) {
         let count = self.targets.len();
@@ -191,7 +191,7 @@ mod tests {
             let gram = row(count);
             let targets: Vec<_> = (1..=count).map(|m| 40.0 * m as f64).collect();
             let loudest = 40.0 * count as f64;
-            // Where phases are scattered, foci neither help nor hinder each other on the average.
+            // With scattered phases, interference between foci averages out.
             let mean: f64 = (0..count).map(|m| gram.re[m * count + m] * (targets[m] / loudest).powi(2)).sum();
             let [first, second] = [0, 1].map(|batch| found(&gram, &targets, 0, batch));
             assert!(power(&gram, &first) > 1.04 * mean && power(&gram, &second) > 1.04 * mean, "{count}");

@@ -1,10 +1,10 @@
-//! How far the phases of a motion go from frame to frame.
+//! Phase changes between the frames of a motion.
 
 use serde::{Deserialize, Serialize};
 
 use std::f64::consts::TAU;
 
-/// How far phases go from one frame to the next, from the last to the first included; rad.
+/// Phase changes between successive frames, including from the last to the first; rad.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct PhaseSteps {
     /// Of any driven element.
@@ -15,7 +15,7 @@ pub struct PhaseSteps {
     pub rms: f64,
 }
 
-/// Of the phases (rad) of every frame; `frames` is how many are played, those that stand still included.
+/// The changes of the phases (rad) of every frame; `frames` is the number of played frames, including repeated ones.
 pub fn phase_steps(phases: &[&[f64]], driven: &[usize], frames: usize) -> PhaseSteps {
     let mut steps = PhaseSteps::default();
     let mut squares = 0.0;

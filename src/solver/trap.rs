@@ -1,5 +1,5 @@
-//! Traps, alone and beside separate foci: a first drive by signature or by lobes with prescribed phases, and from there phases that make
-//! the weakest trap stiffer.
+//! Drives for traps, alone or beside foci: a first drive by signature or by lobes with prescribed phases, then
+//! maximisation of the smallest stiffness.
 
 use web_time::{Duration, Instant};
 
@@ -20,12 +20,12 @@ const MOST_STEPS: usize = 5000;
 const PATIENCE: usize = 400;
 /// Weighted Gerchberg-Saxton's steps on lobes.
 const ITERATIONS: usize = 60;
-/// How hard the least of several stiffnesses counts as the least of all.
+/// Sharpness of the soft minimum of stiffnesses.
 const HARD: f64 = 12.0;
-/// How much pressures of foci beside traps count.
+/// Weight of the pressures of foci beside traps.
 const BESIDE: f64 = 1.0;
 
-/// The traps of a scene, and the bead that they are to hold.
+/// The traps of a scene, and the bead.
 #[derive(Clone, Debug)]
 pub struct Traps {
     sphere: Sphere,
@@ -48,7 +48,7 @@ struct Wanted {
 }
 
 impl Traps {
-    /// Those that foci are lobes of; `None` where none are.
+    /// The traps whose lobes are foci; `None` without traps.
     pub fn of_scene(scene: &Scene, aperture: &Aperture, foci: &[Focus]) -> Option<Self> {
         let air = Air::new(&scene.medium, scene.array.frequency);
         let mut traps: Vec<Wanted> = Vec::new();
@@ -66,7 +66,7 @@ impl Traps {
             let lobes = trap.lobes(charge, aperture.wavelength());
             let range = start..(start + lobes.len()).min(foci.len());
             let turn = target.turn();
-            // Motions move the lobes: the trap is where they are.
+            // Motions move the lobes; the trap moves with them.
             let places = range.clone().zip(&lobes).map(|(i, lobe)| foci[i].position - turn * lobe.at);
             let at = places.sum::<DVec3>() / range.len() as f64;
             let phases = lobes.iter().map(|lobe| lobe.phase).collect();
@@ -88,7 +88,8 @@ impl Traps {
     }
 }
 
-/// The first drive: of one trap alone its signature on focus phases, of several their lobes with prescribed phases in each.
+/// The first drive: for a single trap its signature on focusing phases, for several their lobes with prescribed
+/// phases.
 pub fn signature(problem: &Problem<'_>, traps: &Traps) -> Vec<Complex64> {
     match &traps.traps[..] {
         [alone] if alone.foci.len() == problem.foci.len() && !needs_lobes(problem.aperture, alone) => {
@@ -98,7 +99,7 @@ pub fn signature(problem: &Problem<'_>, traps: &Traps) -> Vec<Complex64> {
     }
 }
 
-/// Elements that all stand on one side make no standing wave by the phase of a side.
+/// With all elements on one side, a standing wave cannot be made by a phase difference between sides.
 fn needs_lobes(aperture: &Aperture, trap: &Wanted) -> bool {
     let above = |&n: &usize| (trap.turn.inverse() * (aperture.positions[n] - trap.at)).z > 0.0;
     let count = aperture.driven.iter().filter(|n| above(n)).count();
@@ -109,7 +110,7 @@ fn by_signature(aperture: &Aperture, trap: &Wanted) -> Vec<Complex64> {
     let place = |n: usize| trap.turn.inverse() * (aperture.positions[n] - trap.at);
     let mut radii: Vec<_> = aperture.driven.iter().map(|&n| place(n).truncate().length()).collect();
     radii.sort_by(f64::total_cmp);
-    // Rounding puts none of a ring's elements outside of it.
+    // Rounding must not exclude elements of a ring.
     let radius = radii[(radii.len() - 1) / 2] * (1.0 + 1e-9);
     let of = |&n: &usize| {
         let phase = aperture.element.wavenumber * place(n).length();
@@ -118,7 +119,7 @@ fn by_signature(aperture: &Aperture, trap: &Wanted) -> Vec<Complex64> {
     aperture.driven.iter().map(of).collect()
 }
 
-/// Weighted Gerchberg-Saxton, where a trap's lobes share one free phase.
+/// Weighted Gerchberg-Saxton with one free phase per trap, common to its lobes.
 fn by_lobes(problem: &Problem<'_>, traps: &Traps) -> Vec<Complex64> {
     let transfer = &problem.transfer;
     let targets = problem.targets();
@@ -156,7 +157,7 @@ fn by_lobes(problem: &Problem<'_>, traps: &Traps) -> Vec<Complex64> {
     u
 }
 
-/// The drive of traps: from their signature to where the weakest is stiffer, never below it.
+/// The drive of traps: from their signature to a larger smallest stiffness, never a smaller one.
 pub fn best(problem: &Problem<'_>, traps: &Traps, time: Duration) -> Excitation {
     stiffen(problem, traps, &signature(problem, traps), time)
 }
@@ -167,7 +168,7 @@ pub fn best_from(problem: &Problem<'_>, traps: &Traps, before: &[Complex64]) -> 
     let onward = stiffen(problem, traps, &from, Duration::ZERO);
     let anew = best(problem, traps, Duration::ZERO);
     let weakest = |it: &Excitation| least(&traps.weakest(problem.aperture, &it.values));
-    // Going on keeps phases from jumping, and is given up where it is worth less.
+    // Continuing avoids phase jumps, and is abandoned if its result is worse.
     if weakest(&onward) < 0.9 * weakest(&anew) { anew } else { onward }
 }
 
@@ -205,7 +206,8 @@ fn stiffen(problem: &Problem<'_>, traps: &Traps, start: &[Complex64], time: Dura
     Excitation { values: best, iterations: steps as u32, residual: None, weights: None }
 }
 
-/// Less the soft least of all stiffnesses of all traps, with what lets go of a bead at its place, and of foci that grow faint.
+/// The negative soft minimum of all stiffnesses of all traps, with penalties for net forces at the traps and for weak
+/// foci.
 struct Stiffness<'a> {
     traps: &'a Traps,
     /// Of every trap, per element.
@@ -214,7 +216,7 @@ struct Stiffness<'a> {
     unit: f64,
     wavenumber: f64,
     transfer: &'a Transfer,
-    /// Foci that are no lobes, with the squares of their pressures at first.
+    /// Foci that are not lobes, with the squares of their initial pressures.
     foci: Vec<(usize, f64)>,
 }
 
@@ -252,7 +254,7 @@ impl<'a> Stiffness<'a> {
         self.columns.iter().map(of).collect()
     }
 
-    /// Whether foci beside the traps are nearly as loud as at first.
+    /// Whether foci beside the traps nearly keep their initial pressures.
     fn keeps_foci(&self, problem: &Problem<'_>, u: &[Complex64]) -> bool {
         const LEAST: f64 = 0.8;
         let heard = problem.transfer.pressure(u);
@@ -273,7 +275,7 @@ impl Function for Stiffness<'_> {
                 let (value, slope) = sphere.stiffness_along(&sound, mode.direction);
                 terms.push((trap, value / self.unit, slope));
             }
-            // What is left of force and weight pushes the bead away from its place.
+            // The net force drives the bead away from its position.
             for (axis, load) in [(DVec3::X, 0.0), (DVec3::Y, 0.0), (DVec3::Z, self.traps.load)] {
                 let (value, slope) = sphere.force_along(&sound, axis);
                 pushes.push((trap, (value - load) * self.wavenumber / self.unit, slope));

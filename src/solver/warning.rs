@@ -1,16 +1,16 @@
-//! What a user should know before trusting a solution.
+//! Warnings about a solution.
 
 use serde::{Deserialize, Serialize};
 
 use crate::acoustics::Aperture;
 use crate::scene::{Focus, Part};
 
-/// One of them; as text it is a sentence without its full stop.
+/// A warning; as text, a sentence without its full stop.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, thiserror::Error)]
 pub enum Warning {
     #[error("{0} pairs of foci coincide: they get the same pressure")]
     Coincident(usize),
-    /// Distance of the closest pair and what the array resolves there, m.
+    /// Distance of the closest pair and the array's resolution there, m.
     #[error(
         "{pairs} pairs of foci are closer than the array resolves: the closest stand {:.2} mm apart, and λ/(2 NA) is \
          {:.2} mm there; they blur into one, and inverse methods waste power on them",
@@ -34,19 +34,19 @@ pub enum Warning {
         "elsewhere on the plane it is {0:.1} times as loud as along the strokes: the drawing is out of the array's reach"
     )]
     OutOfReach(f64),
-    /// Of separate foci, no more than there are elements.
+    /// Separate foci, at most as many as elements.
     #[error(
         "the {foci} foci have only {rank} independent directions (condition {condition:.1e}): the rest is a compromise"
     )]
     Dependent { foci: usize, rank: usize, condition: f64 },
 }
 
-/// What is to be known of foci in front of an array. Samples of continuous strokes may stand as close as they like.
+/// Warnings about foci in front of an array. Samples of continuous strokes may be arbitrarily close.
 pub fn of_foci(aperture: &Aperture, foci: &[Focus]) -> Vec<Warning> {
     let mut warnings = Vec::new();
     let resolution_at = aperture.resolution();
     let (mut coincident, mut close, mut closest) = (0, 0, (f64::INFINITY, 0.0));
-    // Lobes of a trap stand as close as it takes.
+    // Lobes of a trap may be arbitrarily close.
     let separate: Vec<_> = foci.iter().filter(|focus| focus.part == Part::Point).collect();
     for (i, focus) in separate.iter().enumerate() {
         for other in &separate[..i] {

@@ -1,6 +1,6 @@
-//! Tables of published arrays whose elements stand in no rows and columns.
+//! Published arrays with arbitrary element positions.
 
-/// What names one of them in place of a file.
+/// Prefix of a preset's name in place of a file.
 pub const PRESET: &str = "preset:";
 
 macro_rules! tables {
@@ -15,7 +15,7 @@ tables!("tinylev-72", "biglev-72", "autd3-249", "bowl-64", "hexagon-91", "spiral
 /// The table of a published array that a scene names.
 ///
 /// # Errors
-/// The names that there are, where this is none of them.
+/// The available names, for an unknown name.
 pub fn table(name: &str) -> Result<&'static str, String> {
     let found = TABLES.iter().find(|(known, _)| *known == name).map(|(_, text)| *text);
     found.ok_or_else(|| {

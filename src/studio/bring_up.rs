@@ -1,5 +1,5 @@
-//! Bringing a board up, as far as command line and window share it: what was found in words, the survey of its line, and the focus
-//! that is tried.
+//! Bring-up of a board, shared by command line and window: findings as text, the survey of its line, and the test
+//! focus.
 
 use std::fmt;
 #[cfg(feature = "serial")]
@@ -12,14 +12,14 @@ use crate::device::native::packet::{Info, Status};
 use crate::device::profile::Profile;
 use crate::scene::{Scene, Shape, Target};
 
-/// m above the centre of the array, where the focus is tried.
+/// Height of the test focus above the array's centre, m.
 pub const HEIGHT: f64 = 0.1;
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Verdict {
     Passed,
     Failed,
-    /// A fact that is neither, or a step that was not taken.
+    /// A neutral fact, or a skipped step.
     Noted,
 }
 
@@ -41,7 +41,7 @@ impl fmt::Display for Finding {
     }
 }
 
-/// What was found, in the order of the steps.
+/// Findings in the order of the steps.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Report {
     pub findings: Vec<Finding>,
@@ -69,10 +69,10 @@ impl Report {
     }
 }
 
-/// Who answers at a port, and what the line carries; the fastest bit rate at which nothing was lost.
+/// Identifies the board at a port and surveys its line; returns the fastest error-free bit rate.
 ///
 /// # Errors
-/// A port that is not there, or a native board that does not answer.
+/// A missing port, or a native board that does not answer.
 #[cfg(feature = "serial")]
 pub async fn survey_line(
     port: &Path,
@@ -121,7 +121,7 @@ fn introduce(info: &Info, status: &Status, tell: &mut dyn FnMut(Verdict, String)
     );
 }
 
-/// A rate that is too fast for a line is a fact and no fault: slower ones may carry everything.
+/// A rate too fast for a line is a fact, not a fault: slower ones may be error-free.
 #[cfg(feature = "serial")]
 fn verdict(trial: &Trial) -> Verdict {
     if trial.is_clean() { Verdict::Passed } else { Verdict::Noted }

@@ -1,11 +1,11 @@
-//! Peak or RMS: the convention in which pressures are shown. One view uses one, and names it.
+//! The convention of displayed pressures, peak or RMS: each view uses and names one.
 
 use std::f64::consts::{FRAC_1_SQRT_2, SQRT_2};
 
 use crate::field::Quantity;
 use crate::picture::sheet::pascals;
 
-/// How the amplitude of a sinusoidal pressure is stated.
+/// Convention for the amplitude of a sinusoidal pressure.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Convention {
     #[default]
@@ -23,7 +23,7 @@ impl Convention {
         }
     }
 
-    /// The same where it stands alone.
+    /// The same as a title.
     pub fn title(self) -> &'static str {
         match self {
             Self::Rms => "RMS",
@@ -31,12 +31,12 @@ impl Convention {
         }
     }
 
-    /// What the values of a map are multiplied by: those of pressures and velocities are RMS.
+    /// Factor on the values of a map, where pressures and velocities are RMS.
     pub fn factor(self, quantity: Quantity) -> f64 {
         if self == Self::Peak && quantity.declaration().is_root { SQRT_2 } else { 1.0 }
     }
 
-    /// What a peak amplitude is multiplied by.
+    /// Factor on a peak amplitude.
     pub fn of_peak(self) -> f64 {
         match self {
             Self::Rms => FRAC_1_SQRT_2,

@@ -1,4 +1,4 @@
-//! Tables of elements: our own, those of Ultraino, and the boards of OpenMPD and AcousTools.
+//! Element tables: our own format, Ultraino's, and those of OpenMPD and AcousTools.
 
 use std::collections::HashMap;
 
@@ -10,10 +10,10 @@ use crate::scene::check::MOST_ELEMENTS;
 use crate::scene::{Placed, Scene};
 use crate::table::{Table, TableError};
 
-/// m; places beyond are slips of the unit.
+/// m; larger positions indicate a wrong unit.
 const FARTHEST: f64 = 100.0;
 
-/// The elements of a table, in the order in which they stand there:
+/// The elements of a table, in its order:
 ///
 /// - CSV with the columns `x`, `y`, `z` (m), `nx`, `ny` and `nz` (the direction of radiation, of any length), by name;
 /// - Ultraino's CSV, which has no names: 3, 6, 9 or 14 columns, of which the first three are the place (m, z upwards) and the next three the
@@ -21,7 +21,8 @@ const FARTHEST: f64 = 100.0;
 /// - `.pat` of OpenMPD and AcousTools: places (m) of elements that radiate along z; corrections are left out.
 ///
 /// # Errors
-/// No elements or too many, a row that makes no sense, a place beyond all scenes, no direction, or two elements in one place.
+/// No elements or too many, an invalid row, a position out of range, a missing direction, or two elements at one
+/// position.
 pub fn read(bytes: &[u8]) -> Result<Vec<Placed>, TableError> {
     let text = String::from_utf8_lossy(bytes);
     let text = text.trim_start_matches('\u{feff}');

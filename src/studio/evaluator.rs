@@ -1,15 +1,15 @@
-//! Which evaluator a command uses.
+//! Choice of the field evaluator of a command.
 
 use crate::field::{Evaluator, FieldError, Stages};
 #[cfg(not(target_arch = "wasm32"))]
 use crate::field::{GpuError, gpu::adapter};
 use crate::studio::output::note;
 
-/// Who is to compute the field; the command line takes names and help from here.
+/// The choice of the field evaluator; names and help of the command line.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
 pub enum Backend {
-    /// For maps the GPU if there is one that is not software, else the CPU; for points the f64 reference
+    /// Maps: a hardware GPU if there is one, otherwise the CPU; points: the f64 reference
     Auto,
     Gpu,
     Cpu,
@@ -17,11 +17,11 @@ pub enum Backend {
     Reference,
 }
 
-/// Who draws the window.
+/// The renderer of the window.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
 pub enum Renderer {
-    /// wgpu where there is a GPU that is not software, else glow
+    /// wgpu with a hardware GPU, otherwise OpenGL
     #[default]
     Auto,
     /// The device that computes the field draws the window too
@@ -30,11 +30,10 @@ pub enum Renderer {
     Glow,
 }
 
-/// The evaluator for maps. `auto` takes the GPU if there is one that is not software, else the CPU; that there is none it says
-/// only where words are wanted.
+/// The evaluator for maps. `auto` takes a hardware GPU if available, otherwise the CPU, mentioned only if verbose.
 ///
 /// # Errors
-/// A GPU that was asked for by name and cannot be had.
+/// An explicitly requested GPU is unavailable.
 #[cfg(not(target_arch = "wasm32"))]
 pub fn for_maps(backend: Backend, is_verbose: bool) -> Result<Evaluator, GpuError> {
     Ok(match backend {
@@ -53,7 +52,7 @@ pub fn for_maps(backend: Backend, is_verbose: bool) -> Result<Evaluator, GpuErro
     })
 }
 
-/// The evaluator for a list of points, which is short enough for f64.
+/// The evaluator for a list of points, short enough for f64.
 ///
 /// # Errors
 /// As [`for_maps`].
@@ -65,7 +64,7 @@ pub fn for_points(backend: Backend) -> Result<Evaluator, GpuError> {
     }
 }
 
-/// Does something with the stages; a GPU that fails is replaced by the CPU, once and with a word, if it was not asked for by name.
+/// Runs work on the stages; a failing GPU is replaced by the CPU, once and with a warning, unless requested by name.
 ///
 /// # Errors
 /// Those of the work.

@@ -1,4 +1,4 @@
-//! Figures for papers: a quantity on a plane with axes, in the colours, range and convention that were chosen.
+//! Figures for papers: a quantity on a plane with axes, in chosen colours, range and convention.
 
 use std::path::Path;
 
@@ -23,16 +23,16 @@ use crate::studio::{liquid, map, width};
 /// mm, and dots per inch, that a figure may have.
 pub const WIDTHS: [f64; 2] = [30.0, 1000.0];
 pub const DENSITIES: [f64; 2] = [36.0, 2400.0];
-/// What a pixel takes on its way from the field to a file, at most.
+/// Memory per pixel between field and file, at most.
 const BYTES_PER_PIXEL: usize = 32;
-/// m: how far from a plane a focus counts as on it.
+/// Largest distance of a focus that counts as on a plane, m.
 const ON_PLANE: f64 = 1e-3;
-/// Foci whose widths are drawn, at most: each takes some milliseconds.
+/// Limit of foci with drawn widths: each takes some milliseconds.
 const MOST_WIDTHS: usize = 24;
 /// mm on the paper that the bar of a depth has at least.
 const LEAST_DEPTH: f64 = 2.5;
 
-/// What is chosen of a figure.
+/// The options of a figure.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Wish {
     pub paper: Paper,
@@ -45,7 +45,7 @@ pub struct Wish {
     pub scale: Scale,
     /// Values of the first and the last colour: SI units in the convention, or dB on a logarithmic scale.
     pub range: Option<[f64; 2]>,
-    /// What has 0 dB and, without a range, the last colour; the map's largest value if `None`.
+    /// The value of 0 dB and of the default last colour; the map's largest value if `None`.
     pub full: Option<f64>,
     /// Without a range, the value of the first colour on a linear scale, as in [`crate::field::Colouring::low`].
     pub low: Option<f64>,
@@ -88,10 +88,10 @@ impl Default for Wish {
     }
 }
 
-/// What a figure is written as, by the ending of its name.
+/// The format of a figure, by its file name extension.
 ///
 /// # Errors
-/// Another ending, or none.
+/// An unknown or missing extension.
 pub fn format(path: &Path) -> anyhow::Result<Format> {
     let ending = path.extension().unwrap_or_default().to_string_lossy().to_lowercase();
     Format::ALL.into_iter().find(|format| format.ending() == ending).with_context(|| {
@@ -99,10 +99,10 @@ pub fn format(path: &Path) -> anyhow::Result<Format> {
     })
 }
 
-/// Refuses a name that says other than what is written.
+/// Refuses a file name with an unsupported extension.
 ///
 /// # Errors
-/// An ending that is none of these.
+/// An unsupported extension.
 pub fn refuse_ending(path: &Path, endings: &[&str]) -> anyhow::Result<()> {
     let Some(ending) = path.extension().map(|ending| ending.to_string_lossy().to_lowercase()) else {
         return Ok(());
@@ -122,10 +122,10 @@ pub struct Drawn {
     pub slope: Option<f64>,
 }
 
-/// Draws what is requested, whose size is that of the figure's map; `foci` are those of its drives.
+/// Draws the request, of the size of the figure's map; `foci` are those of its drives.
 ///
 /// # Errors
-/// Choices that the quantity does not have, too many pixels, or a field that cannot be computed.
+/// Choices invalid for the quantity, too many pixels, or a field that cannot be computed.
 pub fn draw(
     (scene, foci): (&Scene, &[Focus]),
     request: &Request,
@@ -175,7 +175,7 @@ fn check_size([width, height]: [usize; 2]) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// The map, and the steepest slope where it is of a liquid.
+/// The map, and for a liquid the steepest slope.
 fn mapped(request: &Request, stages: &mut Stages) -> Result<(Map, Option<f64>), FieldError> {
     let map = stages.map(request)?.clone();
     let of_liquid = request.quantity.declaration().of_liquid;
@@ -245,7 +245,7 @@ fn table(quantity: Quantity, wish: &Wish) -> [[u8; 4]; 256] {
     colours.on(wish.is_light)
 }
 
-/// All but what follows from the map's values.
+/// The content that does not depend on the map's values.
 fn content((scene, foci): (&Scene, &[Focus]), request: &Request, wish: &Wish) -> anyhow::Result<Content> {
     let plane = &request.plane;
     let (low, high) = sheet::ranges(plane);
@@ -294,7 +294,7 @@ fn lengths(foci: &[Focus], request: &Request) -> Vec<([[f64; 2]; 2], String)> {
         .collect()
 }
 
-/// Which colour a value has, and what the colour bar says of it.
+/// The mapping of values to colours, and its labels on the colour bar.
 struct Law {
     quantity: Quantity,
     convention: Convention,
@@ -338,7 +338,7 @@ impl Law {
         Self { quantity, convention: wish.convention, scale, factor: factor * stated, unit, full, ends }
     }
 
-    /// The place of a value in a table of colours.
+    /// The index of a value in a table of colours.
     fn place(&self, value: f64) -> usize {
         let number = match self.scale {
             Scale::Linear => value * self.factor,
@@ -346,7 +346,7 @@ impl Law {
         };
         let part = (number - self.ends[0]) / (self.ends[1] - self.ends[0]);
         match self.quantity.declaration().range {
-            // Every colour has the same share of a turn.
+            // Every colour covers an equal part of the circle.
             Range::Cyclic => (part.rem_euclid(1.0) * 256.0) as usize % 256,
             Range::Amount | Range::Signed => (part.clamp(0.0, 1.0) * 255.0).round() as usize,
         }

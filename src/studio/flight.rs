@@ -1,4 +1,4 @@
-//! A scene's bead released in its traps, or carried along its motion.
+//! Simulated flights of a scene's bead: released in its traps, or carried along its motion.
 
 use std::fmt::Write;
 
@@ -13,29 +13,29 @@ use crate::scene::{Focus, Part, Scene, motion};
 use crate::solver;
 use crate::studio::motion::follow;
 
-/// Rounds of the motion that are flown to see whether a bead stays.
+/// Simulated repetitions of the motion.
 const ROUNDS: f64 = 2.0;
-/// How many times faster or slower than the scene's, at most, a motion is tried, and the halvings of that range.
+/// Limit of speed factors tried, and bisection steps of that range.
 const FASTEST: f64 = 1024.0;
 const HALVINGS: usize = 6;
 /// Moments of a table, at most.
 const MOST_MOMENTS: usize = 2_000_000;
 
-/// The fields of a scene, one after the other, and where one of its targets is in each.
+/// The fields of a scene in sequence, with the position of one of its targets in each.
 #[derive(Debug)]
 pub struct Course {
     fields: Vec<Levitation>,
     wanted: Vec<DVec3>,
-    /// s of a field as the scene has it; infinite where nothing moves.
+    /// Duration of a field (s); infinite for a scene at rest.
     pub span: f64,
     drag: Drag,
 }
 
 impl Course {
-    /// Of the target with this number, or of the first trap, or else the first focus.
+    /// For the target with this number, or the first trap, or else the first focus.
     ///
     /// # Errors
-    /// A scene that cannot be solved, or a target that is not there in every frame.
+    /// A scene that cannot be solved, or a target missing in some frame.
     pub fn new(scene: &Scene, name: &str, target: Option<usize>, progress: &Gauge) -> anyhow::Result<Self> {
         let aperture = Aperture::new(scene);
         let (drives, foci, span): (Vec<_>, Vec<_>, _) = if motion::moves(scene) {
@@ -61,24 +61,24 @@ impl Course {
         self.span.is_finite()
     }
 
-    /// Where a bead rests in the first field, or else where it is wanted; m.
+    /// The equilibrium of a bead in the first field, or else the target's position; m.
     pub fn start(&self) -> DVec3 {
         self.fields[0].hold(self.wanted[0]).rest
     }
 
-    /// s of a round; infinite where nothing moves.
+    /// Duration of a repetition (s); infinite for a scene at rest.
     pub fn round(&self) -> f64 {
         self.span * self.fields.len() as f64
     }
 
-    /// Releases a bead at a place (m) while the motion is played so many times as fast.
+    /// Releases a bead at a point (m) while the motion runs at a multiple of its speed.
     pub fn fly(&self, from: DVec3, seconds: f64, faster: f64, progress: &Gauge) -> Flight {
         let Self { fields, wanted, span, drag } = self;
         Carriage { fields, wanted, span: span / faster, drag: *drag }.fly(from, seconds, progress)
     }
 
-    /// How many times as fast the motion may be so that a bead that rests where the first frame holds it stays for two rounds, and the
-    /// least of those tried at which it is lost; nothing where it is lost at any speed, and infinite where it stays at all.
+    /// The highest speed factor of the motion at which a bead, starting at rest, stays for two repetitions, and the
+    /// lowest tried factor at which it is lost; `None` if it is lost at any speed, infinite if it always stays.
     pub fn fastest(&self) -> Option<[f64; 2]> {
         let start = self.start();
         let stays =

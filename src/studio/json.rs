@@ -1,4 +1,4 @@
-//! A solution as the object that other programs read.
+//! A solution as JSON for other programs.
 
 use glam::DVec3;
 use num_complex::Complex64;
@@ -13,10 +13,10 @@ use crate::solver::{Limits, Solution};
 use crate::studio::levitation::{self, Held};
 use crate::studio::width;
 
-/// Separate foci whose widths are found; one takes about as long as a hundred superpositions at a point.
+/// Limit of separate foci with widths; each takes about as long as a hundred superpositions at a point.
 const MOST_WIDTHS: usize = 16;
 
-/// Foci, quality, phases and amplitudes; what follows from the limits of foci and array where these are known.
+/// Foci, quality, phases and amplitudes; with figures relative to the limits of foci and array, if known.
 pub fn solution(solution: &Solution, limits: Option<&Limits>) -> Value {
     let quality = &solution.quality;
     let focus = |(focus, pressure): (&Focus, &Complex64)| {
@@ -60,8 +60,8 @@ pub fn solution(solution: &Solution, limits: Option<&Limits>) -> Value {
     value
 }
 
-/// Adds the -6 dB `widths` of the first separate foci to the quality of a solution, by their places among the foci: m, and m² for
-/// their area, null where |p| does not fall to half.
+/// Adds the -6 dB `widths` of the first separate foci to the quality of a solution, with their indices among the
+/// foci: m, and m² for their area, null if |p| does not fall to half.
 pub fn add_widths(value: &mut Value, aperture: &Aperture, solution: &Solution) {
     let drives = solution.drives();
     let separate = solution.foci.iter().enumerate().filter(|(_, focus)| focus.is_separate());
@@ -79,7 +79,8 @@ pub fn add_widths(value: &mut Value, aperture: &Aperture, solution: &Solution) {
     value["quality"]["widths"] = first.par_iter().map(widths).collect::<Vec<_>>().into();
 }
 
-/// What becomes of a bead in a trap: lengths in m, stiffnesses in N/m, forces in N; null for ways out beyond a wavelength.
+/// The behaviour of a bead in a trap: lengths in m, stiffnesses in N/m, forces in N; null for distances beyond a
+/// wavelength.
 pub fn trap(held: &Held) -> Value {
     let Hold { at, rest, modes, lift, escapes, outcome } = &held.hold;
     let way = |(way, escape): (&DVec3, &Escape)| {

@@ -1,4 +1,4 @@
-//! What becomes of beads in a scene's traps, in figures and in words.
+//! Levitation of beads in a scene's traps, as figures and text.
 
 use std::f64::consts::TAU;
 
@@ -10,7 +10,7 @@ use crate::force::{Hold, Levitation, Outcome, Sphere};
 use crate::rounding;
 use crate::scene::{Scene, Shape, Target};
 
-/// A trap of a scene, and what becomes of a bead that is put there.
+/// A trap of a scene, and the behaviour of a bead released there.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Held {
     /// Among the scene's targets.
@@ -18,7 +18,7 @@ pub struct Held {
     pub hold: Hold,
 }
 
-/// Of all traps that are shown, where the scene puts them.
+/// For all visible traps, at their position in the scene.
 pub fn held(scene: &Scene, aperture: &Aperture, drives: &[Drive]) -> Vec<Held> {
     let trap = |(target, it): (usize, &Target)| {
         let Shape::Trap { at, .. } = it.shape else { return None };
@@ -32,7 +32,7 @@ pub fn held(scene: &Scene, aperture: &Aperture, drives: &[Drive]) -> Vec<Held> {
     traps.into_iter().map(|(target, at)| Held { target, hold: levitation.hold(at) }).collect()
 }
 
-/// What to know of forces on the scene's bead.
+/// The warning about forces on the scene's bead.
 pub fn warning(scene: &Scene) -> Option<String> {
     let air = Air::new(&scene.medium, scene.array.frequency);
     Sphere::new(&scene.bead, &air, TAU / scene.wavelength()).warning()
@@ -81,7 +81,7 @@ fn millimetres(length: f64) -> String {
     format!("{:.2}", length * 1e3)
 }
 
-/// A direction by the axis that it is, or by its parts.
+/// A direction as an axis name or as components.
 fn axis(direction: DVec3) -> String {
     let parts = direction.to_array();
     let main = (0..3).find(|&i| parts[i].abs() > 0.99);
@@ -92,7 +92,7 @@ fn axis(direction: DVec3) -> String {
     }
 }
 
-/// The same of a line, whose two directions are one.
+/// The same for an undirected line.
 fn line(direction: DVec3) -> String {
     let largest = [0, 1, 2].map(|i| direction[i]).into_iter().max_by(|a, b| a.abs().total_cmp(&b.abs()));
     axis(direction * largest.unwrap_or(1.0).signum())

@@ -1,5 +1,5 @@
-//! A scene as a link: its file's text, compressed (deflate) and written in letters that an address may have (base64url),
-//! behind `sonoglyph:#` or the address of a page that opens it.
+//! Scenes as links: the file's text, compressed (deflate) and encoded (base64url), after `sonoglyph:#` or the address
+//! of a page.
 
 use std::path::Path;
 
@@ -13,12 +13,12 @@ use crate::echo;
 use crate::scene::file::{self, FileError, LONGEST};
 use crate::scene::{Scene, Shape};
 
-/// What a link begins with that belongs to no page, and what the addresses of pages do.
+/// Scheme of links without a page, and prefixes of page addresses.
 const SCHEME: &str = "sonoglyph:";
 const PAGES: [&str; 2] = ["https://", "http://"];
 /// Deflate's smallest output; a scene takes a millisecond.
 const LEVEL: u8 = 9;
-/// What messages call the text of a link.
+/// Name of a link in messages.
 const NAME: &str = "link";
 
 #[derive(Debug, Error)]
@@ -37,13 +37,13 @@ pub enum LinkError {
     Wave(String),
 }
 
-/// Whether a text is meant to be a link; it may be a broken one.
+/// Whether a text looks like a link, possibly a broken one.
 pub fn is_link(text: &str) -> bool {
     let text = text.trim_start();
     text.starts_with(SCHEME) || (PAGES.iter().any(|page| text.starts_with(page)) && text.contains('#'))
 }
 
-/// The link that stands behind the address of a page.
+/// The link of a page address' fragment.
 pub fn of_letters(letters: &str) -> String {
     format!("{SCHEME}#{letters}")
 }
@@ -53,10 +53,10 @@ pub fn of_page(link: &str, page: &str) -> String {
     link.replacen(SCHEME, page, 1)
 }
 
-/// A link that holds a scene.
+/// The link of a scene.
 ///
 /// # Errors
-/// A scene with pictures or a waveform, which are files of their own.
+/// A scene with pictures or a waveform, which are separate files.
 pub fn write(scene: &Scene) -> Result<String, LinkError> {
     for target in &scene.targets {
         if let Shape::Picture { file, .. } = &target.shape {
@@ -70,10 +70,10 @@ pub fn write(scene: &Scene) -> Result<String, LinkError> {
     Ok(of_letters(&URL_SAFE_NO_PAD.encode(packed)))
 }
 
-/// The text of the scene's file that a link holds.
+/// The scene file's text of a link.
 ///
 /// # Errors
-/// A link that is broken or too large, and a scene that cannot be read or names files.
+/// A broken or too large link, or a scene that is invalid or names files.
 pub fn read(link: &str) -> Result<String, LinkError> {
     let letters = Some(link.trim()).filter(|link| is_link(link)).and_then(|link| link.split_once('#'));
     let letters = letters.map(|(_, letters)| letters);

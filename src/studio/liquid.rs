@@ -1,4 +1,4 @@
-//! What sound does to a liquid, in words and as a picture.
+//! The effect of sound on a liquid, as text and as a picture.
 
 use glam::DVec2;
 
@@ -14,16 +14,16 @@ use crate::studio::output::warn;
 use crate::surface::Light;
 use crate::surface::dent::{STEEPEST, largest_drive};
 
-/// Columns of the surface that is shaded.
+/// Columns of the shaded surface.
 const COLUMNS: usize = 1200;
 
-/// Width and height of the map from which a shaded surface is drawn.
+/// Width and height of the map of a shaded surface.
 pub fn points(plane: &Plane) -> (usize, usize) {
     let rows = (COLUMNS as f64 * plane.size.y / plane.size.x).round();
     (COLUMNS, rows.clamp(2.0, 10.0 * COLUMNS as f64) as usize)
 }
 
-/// The figures of a pressed surface whose largest radiation pressure (Pa) or depth (m) is `largest`.
+/// The figures of a surface with a largest radiation pressure (Pa) or depth (m) of `largest`.
 pub fn describe(scene: &Scene, pressed: &Pressed, largest: f64) -> String {
     let mut words = match pressed.depression {
         None if largest == 0.0 => SILENT.to_owned(),
@@ -48,7 +48,7 @@ pub fn describe(scene: &Scene, pressed: &Pressed, largest: f64) -> String {
     words
 }
 
-/// A depression as a map, or shaded on a page from points with so many `columns`.
+/// A depression as a map, or shaded on a page from points with `columns` columns.
 ///
 /// # Errors
 /// The page is too small for its words.
@@ -91,13 +91,13 @@ pub fn picture(
 /// When a frame of a film is.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Moment {
-    /// Of so many in a cycle, from 0.
+    /// A frame and the number of frames of a cycle, from 0.
     Frame(usize, usize),
     /// s, since the sound began.
     Time(f64),
 }
 
-/// A frame of a film whose depths (m) have this range in all frames, shaded on a page; `slope` is the steepest of all.
+/// A frame of a film with this common range of depths (m), shaded on a page; `slope` is the steepest of all.
 ///
 /// # Errors
 /// The page is too small for its words.
@@ -130,7 +130,7 @@ pub fn frame(
     relief.page(Words { lines: &lines, warning: warning.as_deref() }, page)
 }
 
-/// Where light goes, up to how bright it gets, and how much of it falls beside the screen.
+/// Description of a caustic: its light path, largest brightness, and the light beside the screen.
 fn caustic(scene: &Scene, light: Light, brightest: f64) -> String {
     let crosses = if light.crosses { "rays cross before it" } else { "no rays cross before it" };
     format!(
@@ -141,7 +141,7 @@ fn caustic(scene: &Scene, light: Light, brightest: f64) -> String {
     )
 }
 
-/// From where light falls on which screen.
+/// Description of light path and screen.
 pub fn screen(liquid: &Liquid) -> String {
     let distance = metres(liquid.screen);
     match liquid.light {
@@ -152,7 +152,7 @@ pub fn screen(liquid: &Liquid) -> String {
     }
 }
 
-/// How much light lands on a screen of the plane's size.
+/// Description of the light on a screen of the plane's size.
 pub fn landed(light: Light) -> String {
     format!("{:.2} % of the light of its area", 100.0 * light.landed)
 }
@@ -204,7 +204,7 @@ fn envelope(scene: &Scene) -> String {
     format!("{what}{law} leaves {:.1} % of the steady pressure", modulation.mean_square() * 100.0)
 }
 
-/// A sentence where a surface is too steep for what it was computed with.
+/// The warning about a surface too steep for linear theory.
 pub fn beyond_linear_theory(slope: f64) -> Option<String> {
     (slope > STEEPEST).then(|| {
         format!(
@@ -216,7 +216,7 @@ pub fn beyond_linear_theory(slope: f64) -> Option<String> {
     })
 }
 
-/// The part of the drive up to which a surface of this slope follows linear theory.
+/// The fraction of the drive up to which a surface of this slope follows linear theory.
 fn holds_to(slope: f64) -> String {
     percent_at_least(largest_drive(slope), 0)
 }

@@ -1,4 +1,4 @@
-//! One map: a quantity on a plane by the chosen evaluator, and its colours.
+//! One map: a quantity on a plane by the chosen evaluator, with its colours.
 
 use web_time::Instant;
 
@@ -8,7 +8,7 @@ use crate::picture::{ColourMap, Picture};
 use crate::simd::Isa;
 use crate::studio::evaluator::or_by_cpu;
 
-/// What is said of a map in place of figures that would all be 0.
+/// Text for a silent map, in place of zeros.
 pub const SILENT: &str = "no sound reaches the plane";
 
 /// A map as drawn.
@@ -16,9 +16,9 @@ pub const SILENT: &str = "no sound reaches the plane";
 pub struct DrawnMap {
     pub picture: Picture,
     pub map: Map,
-    /// Where the quantity is what presses on a plane, or its effect.
+    /// For radiation pressure or its effects.
     pub pressed: Option<Pressed>,
-    /// Who computed it, how, and how long it took, for people.
+    /// Evaluator, method and time, as text.
     pub how: String,
 }
 
@@ -27,14 +27,14 @@ pub fn colours(quantity: Quantity, of_amounts: ColourMap) -> ColourMap {
     of_amounts.suited_to(quantity.declaration().range)
 }
 
-/// How far the values of a map go, in words; `peak` as the map has it.
+/// The range of a map's values, as text; `peak` as in the map.
 pub fn extent(quantity: Quantity, peak: f64) -> String {
     let declaration = quantity.declaration();
     if peak == 0.0 {
         return SILENT.to_owned();
     }
     match declaration.norm {
-        // It says nothing of the phases, but of the sound that has them.
+        // It describes the sound behind the phases.
         Norm::Pressure => format!("pressure up to {} peak", Quantity::Rms.at_most(peak)),
         Norm::Value | Norm::Difference => {
             format!("{} up to {}", declaration.words, quantity.at_most(peak))
@@ -42,8 +42,8 @@ pub fn extent(quantity: Quantity, peak: f64) -> String {
     }
 }
 
-/// Evaluates and colours what is requested. A GPU that fails is replaced by the CPU, once and with a word, if it was not asked
-/// for by name.
+/// Evaluates and colours the request. A failing GPU is replaced by the CPU, once and with a warning, unless requested
+/// by name.
 ///
 /// # Errors
 /// As [`Stages::map`].
@@ -68,7 +68,7 @@ pub fn draw(
     Ok(DrawnMap { picture, map, pressed, how })
 }
 
-/// Who took how long for what, for people.
+/// Evaluator and time, as text.
 fn how(stages: &Stages, quantity: Quantity, map: &Map, start: Instant) -> String {
     let cpu = || format!("the CPU evaluator ({})", Isa::best().name());
     let who = match map.by {
@@ -111,7 +111,7 @@ mod tests {
         let mut stages = Stages::new(Evaluator::Gpu(Box::new(gpu)));
         assert_eq!(draw(&request, ColourMap::Grey, &mut stages, true).unwrap().map.by, By::Gpu);
         stages.gpu().unwrap().lose();
-        // Something new must be made: what is kept needs no GPU.
+        // A new computation is needed: cached results need no GPU.
         request.plane.tolerance = 2e-3;
         let lost = draw(&request, ColourMap::Grey, &mut stages, true).err();
         assert!(matches!(lost, Some(FieldError::Gpu(GpuError::Lost(_)))), "{lost:?}");

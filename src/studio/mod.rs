@@ -1,5 +1,5 @@
-//! What the command line and the window both do with a scene: who computes its maps, pictures of it at rest and in motion,
-//! figures in words, and files that are written whole.
+//! Operations on a scene shared by command line and window: evaluators, maps, pictures at rest and in motion, figures
+//! as text, and atomic files.
 
 pub mod animate;
 pub mod arrays;
@@ -38,5 +38,5 @@ pub mod volume;
 pub mod waveform;
 pub mod width;
 
-/// The scene that is shown when none is named.
+/// The scene shown by default.
 pub const EXAMPLE: &str = include_str!("../../assets/scenes/hit.toml");

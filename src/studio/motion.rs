@@ -1,4 +1,4 @@
-//! The drives of all frames of a cycle, with what the user should know of them.
+//! The drives of all frames of a cycle, with warnings.
 
 use crate::acoustics::Aperture;
 use crate::gauge::Gauge;
@@ -8,10 +8,10 @@ use crate::solver::frames::{self, Frame, Sequence};
 use crate::solver::warning;
 use crate::studio::output::{note, warn};
 
-/// What finding all drives is called while it goes on.
+/// Name of the solving step in progress messages.
 pub const SOLVING: &str = "the drives of all frames";
 
-/// Solves all frames and passes on what the user should know; `name` tells whose they are.
+/// Solves all frames and prints warnings; `name` is the scene's name.
 ///
 /// # Errors
 /// A scene that cannot be solved.
@@ -31,7 +31,7 @@ pub fn follow(scene: &Scene, name: &str, progress: &Gauge) -> anyhow::Result<Seq
     Ok(sequence)
 }
 
-/// Says which targets go round at another rate than they are to.
+/// Warns of targets with a rate other than requested.
 fn warn_of_rates(scene: &Scene) {
     /// Relative: neither seen nor felt.
     const APART: f64 = 1e-3;
@@ -50,7 +50,7 @@ fn warn_of_rates(scene: &Scene) {
     }
 }
 
-/// Says how much of the pascals asked for the worst frame gets.
+/// Warns of frames that do not reach their targets in pascals.
 fn warn_of_shortfall(sequence: &Sequence) {
     let asked =
         |frame: &Frame| frame.foci.iter().map(|focus| focus.target).sum::<f64>() / frame.foci.len() as f64;

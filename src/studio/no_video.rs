@@ -1,4 +1,4 @@
-//! In place of videos, which a browser has no `ffmpeg` for.
+//! Replaces videos in a browser, which has no `ffmpeg`.
 
 use std::io::Write;
 
@@ -10,7 +10,7 @@ pub const IS_WRITTEN: bool = false;
 /// Pixels per side that levels of H.264 have room for.
 pub const LARGEST_SIDE: usize = 8192;
 
-/// How a video would be encoded.
+/// The codec of a video.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Codec {
     H264,
@@ -25,7 +25,7 @@ impl Codec {
     }
 }
 
-/// None can be begun.
+/// An uninhabited type.
 #[derive(Debug)]
 pub enum Video {}
 

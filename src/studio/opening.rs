@@ -1,4 +1,4 @@
-//! Scenes as they are opened: the file, and the pictures, the waveform and the table of elements that it names.
+//! Opens scenes: the file, and the pictures, waveform and element table that it names.
 
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
@@ -13,7 +13,7 @@ use crate::studio::{arrays, elements, waveform};
 /// Bytes of a picture's or a table's file, at most.
 const MOST_BYTES: u64 = 64 << 20;
 
-/// Endings of scene files, the usual one first. Desktops know the other, and `.sonoglyph.toml`, as scenes.
+/// Extensions of scene files, the default first. Desktops recognise the other, and `.sonoglyph.toml`, as scenes.
 pub const ENDINGS: &[&str] = &["toml", "sonoglyph"];
 
 /// The name of a file without folder and extension; of a scene without `.sonoglyph.toml`.
@@ -30,7 +30,7 @@ pub fn open(path: &Path) -> Result<Scene, FileError> {
     parse(&file::read_text(path)?, path)
 }
 
-/// Like [`open`], from text; what it names is looked for beside `path`.
+/// Like [`open`], from text; named files are relative to `path`.
 ///
 /// # Errors
 /// As [`open`].
@@ -41,12 +41,12 @@ pub fn parse(text: &str, path: &Path) -> Result<Scene, FileError> {
     Ok(scene)
 }
 
-/// Loads the pictures, the waveform and the table of elements that a scene names, relative to a folder, and checks the scene again if
-/// there are pictures or a table.
+/// Loads the pictures, waveform and element table named by a scene, relative to a folder, and checks the scene again
+/// if there are pictures or a table.
 ///
 /// # Errors
-/// A picture that is not there, unreadable or black, a waveform that [`waveform::read`] refuses, a table that is not there or makes no
-/// sense, and what [`check()`] and [`file::targets_in_motion`] refuse.
+/// A missing, unreadable or black picture, errors of [`waveform::read`], a missing or invalid element table, and
+/// errors of [`check()`] and [`file::targets_in_motion`].
 pub fn load(scene: &mut Scene, folder: &Path) -> Result<(), KeyError> {
     load_wave(&mut scene.modulation, folder)?;
     if !scene.targets.iter().any(Target::lacks_pixels) && !scene.array.lacks_elements() {
@@ -61,7 +61,7 @@ pub fn load(scene: &mut Scene, folder: &Path) -> Result<(), KeyError> {
 /// Loads the table of elements that an array names, if it names one.
 ///
 /// # Errors
-/// A table that is not there or makes no sense.
+/// A missing or invalid table.
 pub fn load_elements(array: &mut Array, folder: &Path) -> Result<(), KeyError> {
     if let Some(name) = array.file.as_ref().filter(|_| array.lacks_elements()) {
         array.placed = placed(name, folder)
@@ -83,7 +83,7 @@ fn placed(name: &str, folder: &Path) -> Result<Elements, String> {
     Ok(Elements::new(placed, Some(path)))
 }
 
-/// Loads the waveform of a modulation, if it names one that is not loaded.
+/// Loads the waveform of a modulation, if named and not loaded.
 ///
 /// # Errors
 /// Those of [`waveform::read`].
@@ -99,7 +99,7 @@ pub fn load_wave(modulation: &mut Modulation, folder: &Path) -> Result<(), KeyEr
 /// Loads the pictures among targets.
 ///
 /// # Errors
-/// A picture that is not there, unreadable or black.
+/// A missing, unreadable or black picture.
 pub fn load_targets(targets: &mut [Target], folder: &Path) -> Result<(), KeyError> {
     let mut loaded: HashMap<PathBuf, Pixels> = HashMap::new();
     for (index, target) in targets.iter_mut().enumerate().filter(|(_, target)| target.lacks_pixels()) {

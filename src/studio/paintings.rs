@@ -1,4 +1,4 @@
-//! Pictures as they are saved with a scene: what was painted goes to files beside the scene's, and the others are named from there.
+//! Saves pictures with a scene: paintings as files beside the scene's, other pictures by relative names.
 
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
@@ -7,14 +7,14 @@ use crate::picture::grey;
 use crate::scene::{Grey, Pixels, Scene, Shape, Target};
 use crate::source;
 
-/// What a scene's paintings are called: `<scene>-painting.png`, `<scene>-painting-2.png` and so on.
+/// Suffix of painting names: `<scene>-painting.png`, `<scene>-painting-2.png` and so on.
 const SUFFIX: &str = "-painting";
 
-/// Which pixels were written where. Undone strokes come back, and files are written over: a picture's own file may hold another one.
+/// Records the pixels written to each file, since undone strokes can return and files are overwritten.
 #[derive(Clone, Debug, Default)]
 pub struct Paintings(Vec<(PathBuf, Pixels)>);
 
-/// A scene as its file is to have it, and the pictures that have to be there first.
+/// A scene as for its file, and the pictures to be written first.
 #[derive(Clone, Debug)]
 pub struct Placed {
     pub scene: Scene,
@@ -22,13 +22,13 @@ pub struct Placed {
 }
 
 impl Paintings {
-    /// Names the pictures, the waveform and the table of elements of a scene that goes to `path`. Those that no file holds get one beside it,
-    /// where nothing stands or `may_replace` what does; those of a file in another folder get their whole path.
+    /// Names the pictures, waveform and element table of a scene for `path`. Unsaved pictures get a file beside it
+    /// that does not exist or `may_replace`; files in other folders get absolute paths.
     pub fn place(&self, scene: &Scene, path: &Path, may_replace: impl Fn(&Path) -> bool) -> Placed {
         let mut placed = Placed { scene: scene.clone(), files: Vec::new() };
         let path = absolute(path);
         let mut taken: Vec<(PathBuf, Pixels)> = Vec::new();
-        // Files that hold their pixels come first: what is written must not take their place.
+        // Files with matching pixels come first: new files must not replace them.
         for is_held in [true, false] {
             for target in &mut placed.scene.targets {
                 let Shape::Picture { file, pixels, .. } = &mut target.shape else { continue };
@@ -66,7 +66,7 @@ impl Paintings {
         placed
     }
 
-    /// The file that holds these pixels, if it needs no writing for a scene at `path`.
+    /// The file with these pixels, if it needs no writing for a scene at `path`.
     fn holder(&self, pixels: &Pixels, path: &Path) -> Option<PathBuf> {
         let own = pixels.get()?.file.as_deref().map(absolute);
         let is_as_loaded = |own: &PathBuf| self.at(own).is_none_or(|there| there == pixels);
@@ -80,15 +80,15 @@ impl Paintings {
         self.0.iter().find(|(other, _)| other == place).map(|(_, pixels)| pixels)
     }
 
-    /// Whether a file was written here.
+    /// Whether this record has written a file.
     pub fn has_written(&self, place: &Path) -> bool {
         self.at(place).is_some()
     }
 
-    /// Writes pictures, each by `write`, and remembers what stands where.
+    /// Writes pictures by `write` and records them.
     ///
     /// # Errors
-    /// Those of `write`; pictures before that are written.
+    /// Errors of `write`; earlier pictures have been written.
     pub fn write(
         &mut self,
         files: Vec<(PathBuf, Pixels)>,
@@ -103,7 +103,7 @@ impl Paintings {
         Ok(())
     }
 
-    /// Of a scene that was read from `path`: its paintings are painted pixels again, and in files that were written here.
+    /// Adopts a scene read from `path`: its paintings become painted pixels, recorded as written.
     pub fn adopt(&mut self, scene: &mut Scene, path: &Path) {
         for target in &mut scene.targets {
             let Shape::Picture { pixels, .. } = &mut target.shape else { continue };
@@ -115,7 +115,7 @@ impl Paintings {
         }
     }
 
-    /// Removes all files that were written, as far as the system lets it.
+    /// Removes all written files, as far as permitted.
     pub fn remove(&mut self) {
         for (place, _) in self.0.drain(..) {
             source::remove(&place);
@@ -123,7 +123,7 @@ impl Paintings {
     }
 }
 
-/// Whether a file is called like a painting of the scene at a path, and stands beside it.
+/// Whether a file has the name and folder of a painting of the scene at a path.
 pub fn is_painting_of(path: &Path, place: &Path) -> bool {
     let (path, place) = (absolute(path), absolute(place));
     let stem = |path: &Path| path.file_stem().map(OsStr::to_os_string).unwrap_or_default();
@@ -138,7 +138,7 @@ pub fn is_painting_of(path: &Path, place: &Path) -> bool {
     path.parent() == place.parent() && rest.is_some_and(is_number)
 }
 
-/// Whether a picture of a scene was loaded from a place.
+/// Whether a scene has a picture loaded from this file.
 pub fn names(scene: &Scene, place: &Path) -> bool {
     let is_from = |target: &Target| {
         let Shape::Picture { pixels, .. } = &target.shape else { return false };
@@ -162,7 +162,7 @@ fn numbered(path: &Path) -> impl Iterator<Item = PathBuf> {
     })
 }
 
-/// What the scene at a path calls the file at a place: as it did, if that is right.
+/// The name of a file in the scene at a path: the existing name if valid.
 fn name_from(path: &Path, place: &Path, before: &str) -> String {
     let folder = path.parent().unwrap_or(Path::new(""));
     if absolute(&folder.join(before)) == place {

@@ -1,4 +1,4 @@
-//! The part of a scene that is solved, so that edits of the rest cost no solve.
+//! The part of a scene that determines its solution, so that other edits cost no solve.
 
 use crate::scene::{Liquid, Method, Plane, Scene, Target, outline};
 
@@ -22,7 +22,7 @@ pub fn posed(scene: &Scene) -> Scene {
     }
 }
 
-/// Whether the drive depends on where a liquid's surface lies.
+/// Whether the drive depends on the position of a liquid's surface.
 fn has_surface(scene: &Scene) -> bool {
     scene.aims_at_depression() || scene.liquid.reflects
 }
@@ -31,13 +31,13 @@ fn at_rest(target: &Target) -> Target {
     Target { motion: None, ..target.clone() }
 }
 
-/// What is not drawn is to be quiet there, whatever part of it is shown.
+/// The quiet plane, independent of the displayed part.
 fn quiet_plane(plane: &Plane) -> Plane {
     let Plane { size, tolerance, .. } = Plane::default();
     Plane { size, tolerance, ..plane.clone() }
 }
 
-/// Whether its drive goes on being searched for.
+/// Whether its drive is improved by further search.
 pub fn is_shape(scene: &Scene) -> bool {
     scene.solver.method == Method::Best
         && (outline::is_continuous(scene)

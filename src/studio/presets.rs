@@ -37,7 +37,7 @@ known! {
 }
 
 impl Known {
-    /// Where its geometry is published.
+    /// Source of its geometry.
     pub fn source(&self) -> &'static str {
         self.text.lines().next().map_or("", |line| line.trim_start_matches("# "))
     }

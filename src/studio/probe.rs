@@ -1,4 +1,4 @@
-//! The sound of a drive, without its modulation, at single points, in f64.
+//! The sound of an unmodulated drive at single points, in f64.
 
 use std::f64::consts::FRAC_1_SQRT_2;
 
@@ -16,10 +16,11 @@ use crate::scene::Bead;
 
 /// Pa, RMS: 0 dB.
 const REFERENCE: f64 = 20e-6;
-/// dB: what consensus allows an ear between 25 and 50 kHz for less than 4 hours (Howard, Hansen and Zander, 2004).
+/// Consensus limit (dB) for an ear between 25 and 50 kHz for less than 4 hours (Howard, Hansen and Zander, 2004).
 pub const LIMIT: f64 = 110.0;
 
-/// The sound at one point; of drives that take turns its modulus is the root of the mean square, its phase that of the first.
+/// The sound at one point; for several drives in turn, the modulus is the root mean square and the phase that of the
+/// first.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Reading {
     /// m
@@ -28,7 +29,7 @@ pub struct Reading {
     pub pressure: Complex64,
 }
 
-/// What drives that take turns make at points in front of the array.
+/// The sound of drives in turn at points in front of the array.
 pub fn readings(aperture: &Aperture, drives: &[Drive], points: &[DVec3]) -> Vec<Reading> {
     let pressures = pressures(aperture, drives, points);
     points.iter().zip(pressures).map(|(&position, pressure)| Reading { position, pressure }).collect()
@@ -36,7 +37,7 @@ pub fn readings(aperture: &Aperture, drives: &[Drive], points: &[DVec3]) -> Vec<
 
 /// The pressures of [`readings`].
 pub fn pressures(aperture: &Aperture, drives: &[Drive], points: &[DVec3]) -> Vec<Complex64> {
-    /// Points that are worth another thread.
+    /// Points per task of a thread.
     const RUN: usize = 128;
     let played: Vec<_> = drives.iter().flat_map(|drive| drive.excitation(&aperture.driven)).collect();
     points.par_chunks(RUN).flat_map_iter(|points| aperture.pressures(points, &played)).collect()
@@ -47,9 +48,9 @@ pub fn reading(aperture: &Aperture, drives: &[Drive], position: DVec3) -> Readin
     readings(aperture, drives, &[position])[0]
 }
 
-/// The values of a map at points of its plane, whose axes and normal these are; `moment` (rad) is that of an instantaneous
-/// pressure. Empty where values follow from more than the points; of drives that take turns, their mean, or where there is none the
-/// first's.
+/// The values of a map at points of its plane, whose axes and normal these are; `moment` (rad) is that of an
+/// instantaneous pressure. Empty for quantities that depend on more than the points; for several drives in turn,
+/// their mean or, without a mean, the first.
 pub fn values(
     (aperture, air, bead): (&Aperture, &Air, &Bead),
     drives: &[Drive],
@@ -138,7 +139,7 @@ impl Reading {
         self.pressure.arg()
     }
 
-    /// What a listener at this point should know, in words.
+    /// The warning for a listener at this point.
     pub fn warning(&self) -> Option<String> {
         (self.spl() > LIMIT).then(|| {
             format!(

@@ -1,9 +1,10 @@
-//! Whether an array reaches its targets: how loud it can be there, how steeply it has to radiate, and what its grating lobes make of it.
+//! Reach of an array: the pressure, the steering angle and the grating lobes at its targets.
 //!
-//! A single focus at a point gets Σ|h_n|: every element at full drive and in step. Elements `p` apart that are steered to an angle
-//! θ also add up in step where sin θ' = sin θ - λ/p, a grating lobe, which exists as soon as p > λ/(1 + sin θ) (Steinberg,
-//! Principles of Aperture and Array System Design, 1976, chapter 5). How loud it is depends on the elements' directivity and on how near
-//! the focus is, since far lobes of a focused array are smeared: it is evaluated on the circles through the focus about the array.
+//! A single focus at a point gets Σ|h_n|: every element at full drive and in phase. Elements `p` apart that are
+//! steered to an angle θ are also in phase where sin θ' = sin θ - λ/p, a grating lobe, which exists if p > λ/(1 + sin
+//! θ) (Steinberg, Principles of Aperture and Array System Design, 1976, chapter 5). Its level depends on the
+//! elements' directivity and on the focal distance, since far lobes of a focused array are smeared: it is evaluated
+//! on the circles through the focus about the array.
 
 use std::f64::consts::FRAC_PI_2;
 
@@ -19,18 +20,18 @@ const WEAK: f64 = 0.1;
 const SIDEWAYS: f64 = 0.5;
 /// Of the pressure at the focus.
 const LOUD_LOBE: f64 = 0.7;
-/// Distances among which the best is looked for, and what they span in units of the array's wider side.
+/// Number of distances searched for the best, and their range in units of the array's wider side.
 const DISTANCES: u32 = 40;
 const NEAREST: f64 = 0.25;
 const FARTHEST: f64 = 4.0;
-/// Targets that are looked at, at most.
+/// Limit of examined targets.
 const MOST_TARGETS: usize = 24;
-/// Places on a quarter of a circle.
+/// Points on a quarter circle.
 const QUARTER: i32 = 60;
-/// Widths of the main lobe within which it is no other.
+/// Exclusion zone around the focus, in widths of the main lobe.
 const MAIN_LOBE: f64 = 2.5;
 
-/// What to know of a target, or of what the array sends there.
+/// A warning about a target, or about the array's sound there.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum Warning {
     /// The largest directivity of an element towards it.
@@ -56,7 +57,7 @@ pub enum Warning {
     /// The board's number, from 1.
     #[error("Board {0} faces away from every target: it sends nothing there")]
     TurnedAway(usize),
-    /// Of a series of reflections that is cut: what is left out, of the direct sound.
+    /// Remainder of a truncated series of reflections, relative to the direct sound.
     #[error(
         "The reflections between the array's face and what it faces converge slowly: what is left out after {faces} of them is up to \
          {rest:.1e} of the direct sound"
@@ -64,7 +65,7 @@ pub enum Warning {
     CutShort { faces: usize, rest: f64 },
 }
 
-/// What to know of a scene's targets that the array does not reach.
+/// Warnings about a scene's targets out of the array's reach.
 pub fn of_targets(scene: &Scene) -> Vec<Warning> {
     let aperture = Aperture::new(scene);
     if aperture.driven.is_empty() {
@@ -79,7 +80,7 @@ pub fn of_targets(scene: &Scene) -> Vec<Warning> {
     warnings
 }
 
-/// Boards that send nothing to any target.
+/// Boards without sound at any target.
 fn turned_away(aperture: &Aperture, places: &[DVec3]) -> Vec<Warning> {
     if aperture.boards().count() < 2 || places.is_empty() {
         return Vec::new();
@@ -93,7 +94,7 @@ fn turned_away(aperture: &Aperture, places: &[DVec3]) -> Vec<Warning> {
     away.map(|(index, _)| Warning::TurnedAway(index + 1)).collect()
 }
 
-/// What to know of a series of reflections that is still loud where it is cut.
+/// The warning about a series of reflections truncated too early.
 pub fn cut_short(aperture: &Aperture) -> Option<Warning> {
     /// Of the boards' own sound.
     const LOUD: f64 = 1e-9;
@@ -143,7 +144,7 @@ fn straightest(aperture: &Aperture, at: DVec3) -> f64 {
     aperture.driven.iter().map(directivity).fold(0.0, f64::max)
 }
 
-/// The most that a single focus in front of the middle of the array has (Pa), and at which distance (m).
+/// The largest pressure (Pa) of a single focus in front of the array's centre, and its distance (m).
 fn best(aperture: &Aperture) -> (f64, f64) {
     let Some((board, (low, high))) =
         aperture.boards().find_map(|board| Some((board, aperture.extent(board)?)))
@@ -161,8 +162,8 @@ fn best(aperture: &Aperture) -> (f64, f64) {
     (0..DISTANCES).map(loudness).fold((0.0, 0.0), |best, it| if it.0 > best.0 { it } else { best })
 }
 
-/// The largest |P| beside a single focus, of that at the focus, on the circles through it about the array's middle along
-/// both of the array's axes. `None` where there is no grating lobe, or none beside the main lobe.
+/// The largest grating lobe of a single focus, relative to |P| at the focus, on the circles through it about the
+/// array's centre along both of the array's axes. `None` without a grating lobe outside the main lobe.
 fn grating_lobe(aperture: &Aperture, at: DVec3) -> Option<f64> {
     aperture.lattice()?;
     let (low, high) = aperture.extent(&aperture.faces[0])?;

@@ -1,4 +1,4 @@
-//! A scene in space: what stands there, from where it is seen, and what is written beside it.
+//! A scene in 3D: its objects, camera and labels.
 
 use std::f64::consts::TAU;
 
@@ -15,11 +15,11 @@ use crate::scene::{Focus, Scene, outline};
 /// m, sides of a box.
 pub const SIDES: [f64; 2] = [1e-4, 10.0];
 
-/// What of a scene is shown in space, and how.
+/// The displayed contents of a scene in 3D.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Look {
     pub body: Body,
-    /// m: where slices across x, y and z lie.
+    /// Positions of slices across x, y and z, m.
     pub slices: [Option<f64>; 3],
     pub has_plane: bool,
     pub has_targets: bool,
@@ -27,7 +27,7 @@ pub struct Look {
     pub has_box: bool,
     pub colours: ColourMap,
     pub is_light: bool,
-    /// Pixels of a point of the screen: how large lines and dots are.
+    /// Pixels per point of the screen, for the size of lines and dots.
     pub scale: f64,
 }
 
@@ -47,14 +47,15 @@ impl Default for Look {
     }
 }
 
-/// The box of a scene: its targets and its plane, most of the way to the boards, and a quarter more beyond where no board ends it.
+/// The default box of a scene: its targets, its plane and most of the distance to the boards, extended by a quarter
+/// on sides without boards.
 pub fn block_of(scene: &Scene, aperture: &Aperture, foci: &[Focus]) -> Block {
     /// Of its longest side, the least that a side is.
     const FLATTEST: f64 = 0.5;
-    /// Of a mirror's normal, what runs along an axis where it counts as across it.
+    /// Component of a mirror's normal along an axis beyond which it counts as perpendicular.
     const UPRIGHT: f64 = 0.999;
     const BEYOND: f64 = 0.3;
-    /// Of the way from a board to what it sounds on, what is left out: the near field tells little, and hides much.
+    /// Omitted part of the distance from a board to its targets: the near field is uninformative and hides the rest.
     const NEAR: f64 = 0.15;
     let (x, y) = scene.plane.axes().unwrap_or((DVec3::X, DVec3::Y));
     let half = (x * scene.plane.size.x).abs() / 2.0 + (y * scene.plane.size.y).abs() / 2.0;
@@ -77,7 +78,7 @@ pub fn block_of(scene: &Scene, aperture: &Aperture, foci: &[Focus]) -> Block {
             is_closed_above |= axis == 2;
         }
     }
-    // Behind what reflects there is no sound.
+    // There is no sound behind reflectors.
     for mirror in scene.mirrors() {
         let normal = mirror.normal.normalize_or_zero();
         let axis = normal.abs().max_position();
@@ -97,7 +98,7 @@ pub fn block_of(scene: &Scene, aperture: &Aperture, foci: &[Focus]) -> Block {
     }
     let least = FLATTEST * (high - low).max_element();
     let centre = (low + high) / 2.0;
-    // A vertical plane has no depth, which is as wide as it is then.
+    // A vertical plane has no depth; its width is used instead.
     for axis in 0..2 {
         let side = (high[axis] - low[axis]).max(least);
         (low[axis], high[axis]) = (centre[axis] - side / 2.0, centre[axis] + side / 2.0);
@@ -106,20 +107,20 @@ pub fn block_of(scene: &Scene, aperture: &Aperture, foci: &[Focus]) -> Block {
     Block { centre: (low + high) / 2.0, size: side }
 }
 
-/// The part of the peak that is so many dB above it.
+/// The fraction of the peak at this level in dB.
 pub fn surface_part(decibels: f64) -> f32 {
     10f64.powf(decibels / 20.0) as f32
 }
 
-/// Elements that are drawn one by one, at most.
+/// Limit of individually drawn elements.
 const MOST_ELEMENTS: usize = 16_384;
-/// How far the rim of a board reaches beyond its outermost elements, in pitches.
+/// Margin of a board beyond its outermost elements, in pitches.
 const RIM: f64 = 0.6;
 const WATER: Vec3 = Vec3::new(0.16, 0.45, 0.85);
 const WALL: Vec3 = Vec3::new(0.55, 0.6, 0.68);
 const SILENT: Vec3 = Vec3::new(0.33, 0.35, 0.39);
 
-/// Everything that stands in a scene's space.
+/// All objects of a scene in 3D.
 pub fn scenery(
     scene: &Scene,
     (aperture, drive): (&Aperture, &Drive),
@@ -183,7 +184,7 @@ struct Items<'a> {
 }
 
 impl Items<'_> {
-    /// What lines are drawn in.
+    /// The ink of lines.
     fn ink(&self, alpha: f32) -> Vec4 {
         let ink = if self.look.is_light { Vec3::splat(0.08) } else { Vec3::ONE };
         ink.extend(alpha)
@@ -220,7 +221,7 @@ impl Items<'_> {
         self.slice(centre, [a * half, b * half]);
     }
 
-    /// As much of an endless plane as is near to the box.
+    /// The part of an infinite plane near the box.
     fn plane_in(&mut self, block: &Block, point: DVec3, normal: DVec3, colour: Vec3, alpha: f32) {
         if normal == DVec3::ZERO {
             return;
@@ -271,7 +272,7 @@ impl Items<'_> {
     }
 
     fn targets(&mut self, scene: &Scene, foci: &[Focus]) {
-        /// Of what lies inside a surface.
+        /// Visibility of objects inside a surface.
         const SHINE: f32 = 0.55;
         let (ink, edge) =
             (self.ink(0.92), if self.look.is_light { Vec3::ONE } else { Vec3::ZERO }.extend(0.5));
@@ -295,7 +296,7 @@ impl Items<'_> {
     }
 }
 
-/// What a view of everything shows: the box, and the boards.
+/// The region of a fitted view: the box, and the boards.
 pub fn whole(block: &Block, aperture: &Aperture) -> Block {
     let rim = DVec3::splat(RIM * aperture.pitch);
     let places = aperture.boards().flat_map(|board| &aperture.positions[board.elements()]);
@@ -323,7 +324,7 @@ pub fn edges(block: &Block) -> [[DVec3; 2]; 12] {
     })
 }
 
-/// Words beside an axis of the box.
+/// A label beside an axis of the box.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Label {
     /// Pixels, its middle.
@@ -345,7 +346,7 @@ pub fn labels(block: &Block, projection: &Projection, scale: f64) -> Vec<Label> 
             Some(([a, b], near + far))
         };
         let all: Vec<_> = edges(block)[4 * axis..4 * axis + 4].iter().filter_map(seen).collect();
-        // The lowest one, and of upright axes the one at the left; of several the nearest.
+        // The lowest edge; of vertical edges the leftmost; of several the nearest.
         let rank = |([a, b], depth): &([DVec2; 2], f64)| {
             let place = (*a + *b) / 2.0;
             let aside = if axis == 2 { -place.x } else { place.y };

@@ -1,4 +1,4 @@
-//! Still pictures of a scene: a map, its drive, or a sheet with all of it.
+//! Still pictures of a scene: a map, its drive, or a sheet of everything.
 
 use std::path::{Path, PathBuf};
 
@@ -24,13 +24,13 @@ use crate::studio::{EXAMPLE, liquid, opening};
 const DEFAULT_SHEET: &str = "sonoglyph.png";
 /// Pixels per side that a picture may have, and in all: half a gigabyte of field.
 pub const LARGEST_SIDE: usize = 1_000_000;
-/// What a pixel takes on its way from the field to a PNG, at most.
+/// Memory per pixel between field and PNG, at most.
 const BYTES_PER_PIXEL: usize = 24;
 const SMALLEST_SHEET: usize = 200;
 const MAP_WIDTH: usize = 512;
 const SHEET_WIDTH: usize = 1600;
 
-/// What a picture shows.
+/// The content of a picture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Diagram {
     /// A quantity on the scene's plane.
@@ -41,14 +41,14 @@ pub enum Diagram {
     Sheet,
 }
 
-/// Pixels. Without a height, it is the one that suits what is shown.
+/// Pixels. The default height suits the content.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Size {
     pub width: usize,
     pub height: Option<usize>,
 }
 
-/// Which part of a motion a still picture shows.
+/// The part of a motion in a still picture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Moment {
     /// Counted from 0.
@@ -95,7 +95,7 @@ pub struct Solved {
 }
 
 impl Solved {
-    /// Solves a scene and says its warnings; its file gives it its name.
+    /// Solves a scene and prints its warnings, with its file's name.
     ///
     /// # Errors
     /// A scene that cannot be solved.
@@ -109,16 +109,16 @@ impl Solved {
     }
 }
 
-/// What the pictures of all scenes have in common.
+/// Options common to the pictures of all scenes.
 #[derive(Clone, Debug)]
 pub struct Look {
     pub diagram: Diagram,
-    /// Whether a depression is drawn as a surface seen at an angle.
+    /// Whether a depression is drawn as a shaded relief.
     pub shaded: bool,
     pub colours: ColourMap,
-    /// Instead of what suits the diagram.
+    /// Overrides the default size.
     pub size: Option<Size>,
-    /// The numbers are wanted, not only their picture.
+    /// Whether numbers are written in addition to the picture.
     pub numbers: bool,
     pub backend: Backend,
     pub moment: Option<Moment>,
@@ -127,10 +127,10 @@ pub struct Look {
 }
 
 impl Look {
-    /// The drives whose field or mean is shown.
+    /// The drives to display, alone or as a mean.
     ///
     /// # Errors
-    /// A moment that the motion does not have.
+    /// A moment outside the motion.
     pub fn drives(&self, solved: &Solved) -> anyhow::Result<Vec<Drive>> {
         let Solved { scene, solution, .. } = solved;
         let presses = matches!(self.diagram, Diagram::Map(quantity) if quantity.declaration().is_slow);
@@ -162,7 +162,7 @@ impl Look {
         self.shaded && matches!(self.diagram, Diagram::Map(quantity) if quantity.declaration().is_surface())
     }
 
-    /// Width and height of a scene's picture: what was asked for, or the quantity's own default in the plane's shape.
+    /// Width and height of a scene's picture: as requested, or the quantity's default in the plane's shape.
     pub fn pixels(&self, scene: &Scene) -> anyhow::Result<(usize, usize)> {
         let is_page = matches!(self.diagram, Diagram::Sheet | Diagram::Drive) || self.is_shaded();
         let default = if is_page { SHEET_WIDTH } else { MAP_WIDTH };
@@ -202,14 +202,14 @@ pub struct Rendered {
     picture: Picture,
     /// Shape and values of the NPY file.
     numbers: Option<(Vec<u64>, Vec<f32>)>,
-    /// What the picture shows, in words.
+    /// Description of the picture.
     what: String,
-    /// Who computed it, how, and how long it took, for people.
+    /// Evaluator, method and time, as text.
     pub how: String,
 }
 
 impl Rendered {
-    /// What is said of it when it has been written.
+    /// The message after writing it.
     pub fn line(&self, output: &Path) -> String {
         format!(
             "{}: {} x {} pixels{}",
@@ -220,14 +220,14 @@ impl Rendered {
         )
     }
 
-    /// Writes the picture, and its numbers where they were wanted.
+    /// Writes the picture, and its numbers if requested.
     ///
     /// # Errors
     /// Files that cannot be written.
     pub fn write(&self, output: &Path, data: Option<&Path>) -> anyhow::Result<()> {
         let png =
             export::png(&self.picture).with_context(|| format!("{}: cannot encode", output.display()))?;
-        // The numbers first: a picture that is there is complete.
+        // Numbers first, so that an existing picture implies complete output.
         if let (Some(data), Some((shape, values))) = (data, &self.numbers) {
             output::write(data, &numbers::npy(shape, values)?)?;
         }
@@ -238,7 +238,7 @@ impl Rendered {
 /// Draws a scene.
 ///
 /// # Errors
-/// Too many pixels or too few, a moment that the motion does not have, or a field that cannot be computed.
+/// Too many pixels or too few, a moment outside the motion, or a field that cannot be computed.
 pub fn render(solved: &Solved, stages: &mut Stages, look: &Look) -> anyhow::Result<Rendered> {
     let Solved { name, scene, solution } = solved;
     let page = look.pixels(scene)?;

@@ -1,4 +1,4 @@
-//! The surface of a liquid in motion: waves from the moment that the sound begins, picture by picture.
+//! The moving surface of a liquid: waves from the onset of the sound, frame by frame.
 
 use anyhow::bail;
 
@@ -7,15 +7,15 @@ use crate::gauge::Gauge;
 use crate::scene::{Scene, motion};
 use crate::surface::{Rest, Tank, Waves};
 
-/// Pictures of a second that really passes, and how many there may be.
+/// Frames per second of real time, and their limit.
 const PICTURES_PER_SECOND: f64 = 400.0;
 const MOST_PICTURES: f64 = 5000.0;
-/// How long waves go on where nothing moves, s.
+/// Default duration of waves in a scene at rest, s.
 const STILL: f64 = 0.25;
-/// Bytes that the rests of all frames may take.
+/// Limit of memory for the static depressions of all frames, in bytes.
 const MOST_BYTES: usize = 1 << 30;
 
-/// When what happens.
+/// The times of a wave simulation.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Schedule {
     pub pictures: usize,
@@ -26,7 +26,7 @@ pub struct Schedule {
 }
 
 impl Schedule {
-    /// For so many seconds, or for as long as the scene suggests.
+    /// For a duration in seconds, or the scene's default.
     ///
     /// # Errors
     /// No time, or more than can be shown.
@@ -49,7 +49,7 @@ impl Schedule {
         Ok(Self { pictures: pictures as usize, steps: steps as usize, step: between / steps })
     }
 
-    /// Pictures of a second that really passes.
+    /// Frames per second of real time.
     pub fn rate(self) -> f64 {
         1.0 / (self.step * self.steps as f64)
     }
@@ -61,7 +61,7 @@ pub struct Swell<'a> {
     scene: &'a Scene,
     schedule: Schedule,
     tank: Tank,
-    /// Under the steady sound of every frame of the motion.
+    /// Static depression under each frame of the motion.
     rests: Vec<Rest>,
     /// Cycles per second.
     rate: f64,
@@ -71,10 +71,10 @@ pub struct Swell<'a> {
 }
 
 impl<'a> Swell<'a> {
-    /// A level surface above which the drives of a depression's request are about to sound, one after the other.
+    /// A level surface before the onset of a depression request's drives, played in sequence.
     ///
     /// # Errors
-    /// As [`Stages::surface`], and frames whose surfaces do not fit into memory.
+    /// As [`Stages::surface`], or frames that exceed the memory.
     pub fn new(
         scene: &'a Scene,
         schedule: Schedule,
@@ -138,7 +138,7 @@ mod tests {
         let schedule = Schedule::new(&scene, Some(5.0)).unwrap();
         let mut swell = Swell::new(&scene, schedule, &request, &mut stages, &Gauge::default()).unwrap();
         let surface = (0..schedule.pictures).map(|_| swell.next_surface()).last().unwrap();
-        // The liquid that is pushed aside stays in the tank.
+        // The volume of the liquid is conserved.
         let lift = dent.depth.iter().sum::<f64>() / dent.depth.len() as f64;
         let deepest = |surface: &[f64]| surface.iter().copied().fold(0.0, f64::max);
         let (moving, at_rest) = (deepest(&surface), deepest(&dent.depth));

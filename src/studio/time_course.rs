@@ -1,7 +1,7 @@
-//! The sound at a point in the course of time, under the envelope and frame by frame of a motion, and the lines of its spectrum.
+//! The sound at a point over time, under the envelope and the frames of a motion, and its spectral lines.
 //!
 //! |p|² is the envelope's square times the square of the frame that plays. Both are sums of lines that are known in closed form, so
-//! the lines of the product are those of a sound that goes on for ever: no window, and nothing leaks from line to line.
+//! the lines of the product are those of an endless sound: no window, and no leakage between lines.
 
 use std::f64::consts::PI;
 use std::fmt::Write;
@@ -12,19 +12,20 @@ use rustfft::FftPlanner;
 
 use crate::scene::{Envelope, Law, Modulation, Scene, motion};
 
-/// Drives per second that take turns in a scene that stands.
+/// Drives in turn per second for a scene at rest.
 const TURNS: f64 = 1000.0;
-/// s, of a common period that is looked for.
+/// Limit of the common period, s.
 const LONGEST: f64 = 10.0;
 /// Time steps of a frame.
 const STEPS_PER_FRAME: f64 = 4.0;
-/// Hz: lines that are nearer to each other are one.
+/// Lines closer than this count as one, Hz.
 const ONE_LINE: f64 = 1e-6;
-/// Of the mean, the least line that is kept.
+/// Smallest line relative to the mean.
 const LEAST: f64 = 1e-9;
-/// How far beyond the band the lines of a square wave or a file are followed, in bands: with those of a motion they meet in it.
+/// Range of lines of a square wave or a file beyond the band, in bands: combined with those of a motion they fall
+/// into it.
 const REACH: f64 = 16.0;
-/// Products of lines that are formed for a point.
+/// Limit of products of lines per point.
 const MOST_PRODUCTS: f64 = 3e7;
 
 /// A line of the spectrum: amplitude · cos(2π frequency t + phase).
@@ -41,17 +42,17 @@ pub struct Line {
 /// Two lines of a spectrum at frequencies of either sign: coefficient · e^{2πj frequency t}.
 type Term = (f64, Complex64);
 
-/// When which frame plays, and how loud.
+/// The sequence of frames and the envelope over time.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Course {
     modulation: Modulation,
     frames: usize,
-    /// Frames per second; 0 where one stands.
+    /// Frames per second; 0 for a single frame.
     rate: f64,
 }
 
 impl Course {
-    /// Of a scene whose motion, or whose drives that take turns, have so many frames.
+    /// For a scene with this number of frames in its motion, or of drives in turn.
     ///
     /// # Panics
     /// No frame.
@@ -65,18 +66,17 @@ impl Course {
         Self { modulation: scene.modulation.clone(), frames, rate }
     }
 
-    /// Frames per second; 0 where one stands.
+    /// Frames per second; 0 for a single frame.
     pub fn frames_per_second(&self) -> f64 {
         self.rate
     }
 
-    /// Repetitions of all frames per second; 0 where one stands.
+    /// Repetitions of all frames per second; 0 for a single frame.
     pub fn cycles_per_second(&self) -> f64 {
         self.rate / self.frames as f64
     }
 
-    /// s, after which envelope and frames repeat themselves together. `None` where the sound is steady or no such time below 10 s
-    /// is found.
+    /// Common period (s) of envelope and frames. `None` for steady sound, or without a period below 10 s.
     pub fn period(&self) -> Option<f64> {
         let cycle = (self.rate > 0.0).then(|| 1.0 / self.cycles_per_second());
         match (self.modulation.period(), cycle) {
@@ -85,7 +85,7 @@ impl Course {
         }
     }
 
-    /// s, of which a course should be seen: the common period, or else the longer one; 0 where the sound is steady.
+    /// Recommended duration of a time course (s): the common period, or else the longer one; 0 for steady sound.
     pub fn usual_span(&self) -> f64 {
         let cycle = if self.rate > 0.0 { 1.0 / self.cycles_per_second() } else { 0.0 };
         self.period().unwrap_or_else(|| self.modulation.period().unwrap_or(0.0).max(cycle))
@@ -97,14 +97,15 @@ impl Course {
         if self.rate > 0.0 { (least / self.rate).ceil() * self.rate } else { least }
     }
 
-    /// The frame that plays at a time (s); of two, the later.
+    /// The frame at a time (s); at a boundary, the later one.
     pub fn frame(&self, time: f64) -> usize {
         /// Of a frame: times are rounded.
         const ROUNDING: f64 = 1e-9;
         (time * self.rate + ROUNDING).floor().rem_euclid(self.frames as f64) as usize % self.frames
     }
 
-    /// The complex pressure (Pa, peak) at a time (s) and a point at which these are the pressures of all frames at full amplitude.
+    /// The complex pressure (Pa, peak) at a time (s) and a point with these pressures of all frames at full
+    /// amplitude.
     pub fn pressure(&self, of_frames: &[Complex64], time: f64) -> Complex64 {
         of_frames[self.frame(time)] * self.modulation.envelope(time)
     }
@@ -143,7 +144,7 @@ impl Course {
     /// all frames; lines weaker than 1e-9 of the mean are left out.
     ///
     /// # Errors
-    /// More lines than can be told apart.
+    /// Too many lines.
     pub fn spectrum(&self, of_frames: &[Complex64], band: f64) -> Result<Vec<Line>, String> {
         let squares: Vec<_> = of_frames.iter().map(Complex64::norm_sqr).collect();
         let cycle = self.cycles_per_second();
@@ -180,13 +181,13 @@ impl Course {
 }
 
 impl Course {
-    /// How often frames and a square wave change in a time (s).
+    /// Number of frame and square-wave edges in a time (s).
     fn edges(&self, span: f64) -> f64 {
         span * (self.rate + 2.0 * self.modulation.frequency)
     }
 
-    /// The terms of frames under a square wave, whose edges meet those of the frames in infinitely many of their lines: with jumps
-    /// at times t in a period T, the coefficient at a frequency is Σ jump e^{-jωt}/(jωT).
+    /// The terms of frames under a square wave, whose lines would combine in infinitely many pairs: with jumps at
+    /// times t in a period T, the coefficient at a frequency is Σ jump e^{-jωt}/(jωT).
     fn between_edges(&self, squares: &[f64], band: f64, period: f64) -> Vec<Term> {
         let low = low_square(&self.modulation);
         let times = |rate: f64| (0..(period * rate).round() as usize).map(move |n| (n as f64 / rate, n));
@@ -217,7 +218,7 @@ impl Course {
     }
 }
 
-/// The coefficients of a sequence that is repeated.
+/// The coefficients of a repeated sequence.
 fn transformed(mut values: Vec<Complex64>) -> Vec<Complex64> {
     let count = values.len();
     FftPlanner::new().plan_fft_forward(count).process(&mut values);
@@ -225,7 +226,7 @@ fn transformed(mut values: Vec<Complex64>) -> Vec<Complex64> {
     values
 }
 
-/// The coefficient of harmonic k of what holds each of a sequence's values until the next one.
+/// The coefficient of harmonic k of a sequence with each value held until the next.
 fn held(transformed: &[Complex64], k: i64) -> Complex64 {
     let part = k as f64 / transformed.len() as f64;
     transformed[k.rem_euclid(transformed.len() as i64) as usize]
@@ -317,7 +318,7 @@ fn file(modulation: &Modulation, reach: f64) -> Vec<Term> {
 
 /// ∫ u(1 - u) cos(2h(u - ½)) du from 0 to 1.
 fn arch(h: f64) -> f64 {
-    /// Where the closed form and the series are equally good.
+    /// Limit between closed form and series, which are equally accurate there.
     const SMALL: f64 = 0.05;
     if h.abs() < SMALL {
         return 1.0 / 6.0 - h.powi(2) / 60.0 + h.powi(4) / 1680.0;
@@ -325,7 +326,7 @@ fn arch(h: f64) -> f64 {
     (h.sin() - h * h.cos()) / (2.0 * h.powi(3))
 }
 
-/// Terms at frequencies that are not negative as lines; those at the same frequency are added up.
+/// Terms at non-negative frequencies as lines; equal frequencies are summed.
 fn lines(mut terms: Vec<Term>) -> Vec<Line> {
     terms.sort_unstable_by(|a, b| a.0.total_cmp(&b.0));
     let sums = terms.chunk_by(|a, b| b.0 - a.0 < ONE_LINE).map(|same| {
@@ -342,7 +343,7 @@ fn lines(mut terms: Vec<Term>) -> Vec<Line> {
     lines.into_iter().filter(|line| line.frequency == 0.0 || line.amplitude > LEAST * mean).collect()
 }
 
-/// s: the shortest time that is a whole number of both periods (s).
+/// The shortest common multiple of two periods (s).
 fn common(a: f64, b: f64) -> Option<f64> {
     /// Relative.
     const APART: f64 = 1e-9;

@@ -1,4 +1,4 @@
-//! Videos, encoded by an `ffmpeg` that is found on PATH.
+//! Videos, encoded by the program `ffmpeg` on PATH.
 
 use std::fs::File;
 use std::io::{self, ErrorKind, Read, Seek, SeekFrom, Write};
@@ -11,19 +11,19 @@ use anyhow::{Context, anyhow, bail};
 use crate::echo;
 use crate::picture::Picture;
 
-/// The program, as it is looked for on PATH.
+/// The program, searched on PATH.
 const PROGRAM: &str = "ffmpeg";
-/// Whether there are videos: a page of a browser has no programs beside it.
+/// Whether videos are supported: not in a page, which has no other programs.
 pub const IS_WRITTEN: bool = true;
 /// Pixels per side that levels of H.264 have room for.
 pub const LARGEST_SIDE: usize = 8192;
-/// What ffmpeg says last is told in an error: lines, of so many bytes in all.
+/// Last output of ffmpeg in an error: number of lines, and limit in bytes.
 const LAST_LINES: usize = 3;
 const LAST_BYTES: u64 = 1500;
-/// From one look whether ffmpeg has ended to the next.
+/// Interval of checks for ffmpeg's end.
 const LOOK: Duration = Duration::from_millis(5);
 
-/// How a video is encoded, and in which file.
+/// Codec and container of a video.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Codec {
     /// H.264 in MP4.
@@ -53,7 +53,7 @@ impl Codec {
         }
     }
 
-    /// Fails early where a video of this size could not be encoded: a blank frame is.
+    /// Fails early if a video of this size cannot be encoded, by encoding a blank frame.
     ///
     /// # Errors
     /// No ffmpeg, or one without this codec.
@@ -64,7 +64,7 @@ impl Codec {
     }
 }
 
-/// A video on its way; dropped before it is finished, it leaves nothing.
+/// A video being encoded; dropped before its end, it leaves nothing behind.
 #[derive(Debug)]
 pub struct Video {
     program: Child,
@@ -74,7 +74,7 @@ pub struct Video {
 }
 
 impl Video {
-    /// Begins a video of so many frames a second; sides are even.
+    /// Begins a video with this frame rate; sides are even.
     ///
     /// # Errors
     /// No ffmpeg, or no room for temporary files.
@@ -86,7 +86,7 @@ impl Video {
         command.args(["-hide_banner", "-loglevel", "error", "-nostdin", "-y"]);
         command.args(["-f", "rawvideo", "-pixel_format", "rgba"]);
         command.args(["-video_size", &format!("{width}x{height}"), "-framerate", &format!("{rate:.6}")]);
-        // Without a word, players take the colours of large videos as BT.709 and of small ones as BT.601.
+        // Without explicit tags, players assume BT.709 for large videos and BT.601 for small ones.
         command.args(["-i", "pipe:0", "-vf", "scale=out_color_matrix=bt709:out_range=tv"]);
         command.args(["-pix_fmt", "yuv420p", "-color_range", "tv", "-colorspace", "bt709"]);
         command.args(["-color_primaries", "bt709", "-color_trc", "bt709"]);
@@ -103,7 +103,7 @@ impl Video {
     }
 
     /// # Errors
-    /// What ffmpeg says when it ends before its time.
+    /// ffmpeg's message if it ends early.
     pub fn add(&mut self, frame: &Picture) -> anyhow::Result<()> {
         match self.frames.as_mut().map(|frames| frames.write_all(&frame.rgba)) {
             Some(Ok(())) => Ok(()),
@@ -114,10 +114,10 @@ impl Video {
         }
     }
 
-    /// Writes the video; meanwhile `goes_on` is asked now and then, and ends it with an error.
+    /// Finishes the video; `goes_on` is polled and cancels with an error.
     ///
     /// # Errors
-    /// What ffmpeg says, or a file that cannot be written.
+    /// ffmpeg's message, or a file that cannot be written.
     pub fn finish(
         mut self,
         file: &mut dyn Write,
@@ -129,7 +129,7 @@ impl Video {
         Ok(())
     }
 
-    /// Waits for ffmpeg, which has had its last frame.
+    /// Waits for ffmpeg after its last frame.
     fn end(&mut self, goes_on: &dyn Fn() -> anyhow::Result<()>) -> anyhow::Result<()> {
         self.frames = None;
         let status = loop {
@@ -151,7 +151,7 @@ impl Video {
 
 impl Drop for Video {
     fn drop(&mut self) {
-        // After its end neither finds a program.
+        // Both fail harmlessly after its end.
         let _ = self.program.kill();
         let _ = self.program.wait();
     }
@@ -167,8 +167,8 @@ fn last_lines(file: &mut File) -> io::Result<String> {
     Ok(lines[lines.len().saturating_sub(LAST_LINES)..].join("; "))
 }
 
-/// The file that ffmpeg writes: it goes back to its beginning, which a pipe cannot. It has no name, so a program that is killed
-/// leaves nothing.
+/// The output file of ffmpeg, which must be seekable, unlike a pipe. It has no name, so a killed program leaves
+/// nothing behind.
 #[cfg(unix)]
 #[derive(Debug)]
 struct Output(File);
@@ -191,7 +191,7 @@ impl Output {
     }
 }
 
-/// The file that ffmpeg writes, gone when this is dropped.
+/// The output file of ffmpeg, removed on drop.
 #[cfg(not(unix))]
 #[derive(Debug)]
 struct Output(tempfile::NamedTempFile);

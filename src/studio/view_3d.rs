@@ -1,4 +1,4 @@
-//! One picture of a scene in space, with words: what `render --view 3d` writes.
+//! A 3D picture of a scene with labels: `render --view 3d`.
 
 use std::sync::Arc;
 use web_time::Instant;
@@ -21,13 +21,13 @@ use crate::studio::space::block_of;
 use crate::studio::space::{self, Look};
 use crate::studio::still::{self, Diagram, Size, Solved};
 
-/// Pixels of a picture for which nobody has asked for more, and the most.
+/// Default size of a picture in pixels, and its limit.
 pub const USUAL: usize = 900;
 const MOST_PIXELS: usize = 1 << 25;
-/// The height at which a point of the screen is a pixel.
+/// Reference height at which a point of the screen is a pixel.
 const HEIGHT: f64 = 760.0;
 
-/// What a picture in space is asked for by.
+/// The request for a 3D picture.
 #[derive(Clone, Debug)]
 pub struct Wish {
     pub look: Look,
@@ -67,19 +67,19 @@ impl Wish {
     }
 }
 
-/// A picture, and how it was made.
+/// A picture with a description of its method.
 #[derive(Debug)]
 pub struct Drawn {
     pub picture: Picture,
-    /// What it shows, in words.
+    /// Description of its content.
     pub what: String,
     pub how: String,
 }
 
-/// Draws a scene in space. A GPU that fails is replaced by the CPU, with a word, if it was not asked for by name.
+/// Draws a scene in space. A failing GPU is replaced by the CPU with a warning, unless requested by name.
 ///
 /// # Errors
-/// Too many pixels, a moment that the motion does not have, a GPU that was asked for and fails, or words that cannot be set.
+/// Too many pixels, a moment outside the motion, failure of a requested GPU, or labels that cannot be drawn.
 pub fn draw(
     solved: &Solved,
     look: &still::Look,
@@ -125,7 +125,7 @@ pub fn draw(
     Ok(Drawn { picture, what, how })
 }
 
-/// The colours of a picture, and who drew it.
+/// The colours of a picture, and its renderer.
 fn picture(
     of: (&Shot, &Scenery),
     volume: &Arc<Volume>,
@@ -143,7 +143,7 @@ fn picture(
     Ok((march::picture(of.0, volume, &of.1.table, true), "the CPU".to_owned()))
 }
 
-/// What the field of a picture is, in words.
+/// Description of a picture's field.
 pub fn describe(body: Body, volume: &Volume) -> String {
     let peak = f64::from(volume.peak);
     if peak <= 0.0 {

@@ -1,4 +1,4 @@
-//! The field in space: the box that suits a scene, and its values at a lattice as a file.
+//! The field in a box: a box that suits a scene, and its values on a lattice as a file.
 
 use std::io::Write;
 use std::path::Path;
@@ -28,7 +28,7 @@ impl Format {
     /// By a file's ending.
     ///
     /// # Errors
-    /// Another ending, or none.
+    /// An unknown or missing extension.
     pub fn of(path: &Path) -> anyhow::Result<Self> {
         figure::refuse_ending(path, &["vti", "npy"])?;
         match path.extension().map(|ending| ending.to_string_lossy().to_lowercase()).as_deref() {
@@ -39,7 +39,7 @@ impl Format {
     }
 }
 
-/// What a volume is asked for by.
+/// The request for a volume.
 #[derive(Clone, Debug)]
 pub struct Wish<'a> {
     pub quantity: Quantity,
@@ -52,7 +52,7 @@ pub struct Wish<'a> {
 
 impl Wish<'_> {
     /// # Errors
-    /// What has no volume, or too many points.
+    /// A quantity without a volume, or too many points.
     pub fn check(&self) -> anyhow::Result<()> {
         let Self { quantity, counts, output, .. } = self;
         Format::of(output)?;
@@ -76,7 +76,7 @@ impl Wish<'_> {
 #[derive(Debug)]
 pub struct Written {
     pub line: String,
-    /// Where the tolerance was not kept.
+    /// A warning if the tolerance was not kept.
     pub missed: Option<String>,
 }
 

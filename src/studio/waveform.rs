@@ -1,4 +1,4 @@
-//! Waveforms of modulations, from WAV files: PCM of 8 to 32 bits or 32-bit floating point, of any number of channels, which are averaged.
+//! Modulation waveforms from WAV files: PCM of 8 to 32 bits or 32-bit floating point, with channels averaged.
 
 use std::io::Cursor;
 use std::path::Path;
@@ -20,8 +20,8 @@ const RATES: std::ops::RangeInclusive<u32> = 1..=1_000_000;
 /// The waveform of a file.
 ///
 /// # Errors
-/// Why there is none, with the file's name: it cannot be read, is no WAV of a kind that is known, is empty or too long, or holds
-/// what is no number from -1 to 1.
+/// An error with the file's name: unreadable, an unsupported kind of WAV, empty or too long, or a value outside -1 to
+/// 1.
 pub fn read(path: &Path) -> Result<Wave, String> {
     let named = |error: String| format!("{}: {error}", path.display());
     let bytes = source::read(path, MOST_BYTES).map_err(|error| named(error.to_string()))?;

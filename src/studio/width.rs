@@ -1,9 +1,9 @@
-//! How wide a focus is: its -6 dB widths and area, in f64 on the continuous field.
+//! The -6 dB widths and area of a focus, in f64 on the continuous field.
 //!
-//! -6 dB is half the pressure: the full width at half maximum of |p|. The maximum is the one that climbing from the focus
-//! reaches, in the plane through the focus parallel to the array for `lateral_x`, `lateral_y` and `area`, and on the line along z
-//! through that place for `axial`. A width is the distance between the two nearest places on either side of the maximum where |p|
-//! is half of it; the area is what such places enclose on all rays from the maximum.
+//! -6 dB is half the pressure: the full width at half maximum of |p|. The maximum is found by ascent from the focus,
+//! in the plane through the focus parallel to the array for `lateral_x`, `lateral_y` and `area`, and on the line
+//! along z through that maximum for `axial`. A width is the distance between the two nearest points on either side of
+//! the maximum where |p| is half of it; the area is enclosed by such points on all rays from the maximum.
 
 use std::f64::consts::TAU;
 
@@ -13,18 +13,19 @@ use num_complex::Complex64;
 use crate::acoustics::Aperture;
 use crate::drive::Drive;
 
-/// Wavelengths from the maximum within which |p| must fall to half.
+/// Range of the search for half pressure, in wavelengths from the maximum.
 pub const REACH: f64 = 60.0;
 /// Steps in a wavelength while the half is looked for: lobes are half a wavelength wide or more.
 const PER_WAVELENGTH: f64 = 12.0;
-/// Points that are evaluated together.
+/// Points evaluated together.
 const RUN: usize = 8;
 /// Rays that measure an area; the mean of a smooth closed curve converges faster than any power of their number.
 const RAYS: usize = 32;
-/// Of a wavelength: how exactly a place is found.
+/// Accuracy of positions in wavelengths.
 const PLACE: f64 = 1e-7;
 
-/// The -6 dB extent of one focus; `None` where |p| does not fall to half within [`REACH`] wavelengths in front of the array.
+/// The -6 dB extent of one focus; `None` if |p| does not fall to half within [`REACH`] wavelengths in front of the
+/// array.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Widths {
     /// m, along x in the plane through the focus parallel to the array.
@@ -37,8 +38,9 @@ pub struct Widths {
     pub area: Option<f64>,
 }
 
-/// The widths of the focus at `focus` (m) of a drive, or of several that take turns (root of the mean square). All are `None` where
-/// climbing from the focus leads away from it by more than half of the array's resolution there: it has no lobe of its own.
+/// The widths of the focus at `focus` (m) of a drive, or of several in turn (root mean square). All are `None` if
+/// ascent from the focus leads away from it by more than half of the array's resolution there: it has no separate
+/// lobe.
 ///
 /// # Panics
 /// No drive.
@@ -67,13 +69,13 @@ pub fn widths(aperture: &Aperture, drives: &[Drive], focus: DVec3) -> Widths {
 pub fn spans(aperture: &Aperture, drives: &[Drive], focus: DVec3, axes: [DVec3; 2]) -> Vec<[DVec3; 2]> {
     let field = Field::new(aperture, drives);
     let allowed = aperture.resolution()(focus) / 2.0;
-    // Along the beam the maximum lies farther from the focus than across it.
+    // Along the beam the maximum is farther from the focus than across it.
     let is_near = |place: DVec3| (place - focus).truncate().length() <= allowed && place.z > field.wavelength;
     let Some(top) = field.climb(focus, &axes, is_near) else { return Vec::new() };
     axes.into_iter().filter_map(|axis| field.span(top, axis)).collect()
 }
 
-/// The pressure that drives make.
+/// The pressure of drives.
 struct Field<'a> {
     aperture: &'a Aperture,
     played: Vec<Complex64>,
@@ -103,7 +105,7 @@ impl<'a> Field<'a> {
         self.aperture.pressures(points, &self.played).into_iter().map(Complex64::norm).collect()
     }
 
-    /// Goes uphill in steps along the axes, which are halved where no neighbour is louder.
+    /// Ascends in steps along the axes, halved when no neighbour is louder.
     fn climb(&self, from: DVec3, axes: &[DVec3], is_allowed: impl Fn(DVec3) -> bool) -> Option<Top> {
         let mut top = Top { place: from, pressure: self.pressures(&[from])[0] };
         let mut step = self.wavelength / PER_WAVELENGTH;
@@ -162,7 +164,7 @@ impl<'a> Field<'a> {
         Some(TAU / RAYS as f64 * sum / 2.0)
     }
 
-    /// How far (m) it is along a ray to where |p| first falls to half of the maximum.
+    /// Distance (m) along a ray to the first point with half of the maximum |p|.
     fn half(&self, top: Top, direction: DVec3) -> Option<f64> {
         let step = self.wavelength / PER_WAVELENGTH;
         let steps = (REACH * PER_WAVELENGTH) as usize;
@@ -187,10 +189,9 @@ impl<'a> Field<'a> {
     }
 }
 
-/// Where a function changes its sign between two places of which both values are known, to within `error`; regula falsi
-/// with the Illinois rule.
+/// A root of a function between two points with known values, to within `error`; regula falsi with the Illinois rule.
 fn root(value: impl Fn(f64) -> f64, [mut a, mut b]: [(f64, f64); 2], error: f64) -> f64 {
-    /// More than halving alone would need.
+    /// More than bisection alone would need.
     const MOST: usize = 60;
     let mut last = a.0;
     for _ in 0..MOST {

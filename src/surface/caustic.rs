@@ -1,43 +1,43 @@
-//! The brightness of light on a screen, after a liquid's surface has bent it: every patch of the surface spreads its light evenly
-//! over the patch of the screen that it lands on, also where patches fold over each other.
+//! The brightness of light on a screen behind a curved liquid surface: every patch of the surface spreads its light
+//! evenly over its image on the screen, also where patches fold over each other.
 //!
-//! A patch with signed area a on the screen covers its pixels with its light over a. [`Coverage`] sums along edges, each with the
-//! difference of the two patches that it parts, and what a patch sends is what arrives.
+//! A patch with signed area a on the screen covers its pixels with its light over a. [`Coverage`] sums along edges,
+//! each with the difference of its two adjacent patches, so light is conserved.
 
 use rayon::prelude::*;
 
 use crate::simd::{Instructions, Isa, Kernel, lanes};
 use crate::surface::coverage::{Coverage, Edges, Places, larger, smaller};
 
-/// Rows of pixels that are lit together.
+/// Rows of pixels processed together.
 const BAND: usize = 64;
-/// Patches smaller than this part of their own size on the surface light one pixel.
+/// Patches smaller than this fraction of their size on the surface light a single pixel.
 const POINT: f64 = 1e-9;
 
-/// Rays through a lattice of places on a surface, row by row. Lengths are in pixels of the screen, from the outer corner of its first
-/// one.
+/// Rays through a lattice of points on a surface, row by row. Lengths are in pixels of the screen, from the outer
+/// corner of its first pixel.
 #[derive(Clone, Copy, Debug)]
 pub struct Rays<'a> {
-    /// Places along a row, and rows; two of each at least.
+    /// Points per row, and rows; at least two of each.
     pub counts: [usize; 2],
-    /// Where the first place stands.
+    /// Position of the first point.
     pub first: [f64; 2],
-    /// From place to place.
+    /// Between neighbouring points.
     pub step: [f64; 2],
-    /// Slopes of the surface's depth at every place, along a row and from row to row.
+    /// Slopes of the surface's depth at every point, along a row and from row to row.
     pub slopes: [&'a [f32]; 2],
-    /// What a slope of 1 displaces the light by, against the slope.
+    /// Displacement of the light per unit slope, against the slope.
     pub throw: [f64; 2],
 }
 
-/// Where the light went, with the undisturbed light of a pixel as 1.
+/// The light on the screen, in units of the undisturbed light of a pixel.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Light {
     /// Of all rays.
     pub sent: f64,
     /// On the screen.
     pub landed: f64,
-    /// Whether rays cross before the screen, of patches whose rows reach it: there are caustics.
+    /// Whether rays cross before the screen, in patches whose rows reach it: there are caustics.
     pub crosses: bool,
 }
 
@@ -64,11 +64,11 @@ impl Rays<'_> {
     }
 }
 
-/// From where to where; of nothing.
+/// A range; `NOWHERE` if empty.
 type Span = [f64; 2];
 const NOWHERE: Span = [f64::INFINITY, f64::NEG_INFINITY];
 
-/// Where rays land, row by row.
+/// Landing points of rays, row by row.
 struct Landings {
     places: Places,
     /// Of every row of rays, from row to row of pixels.
@@ -128,11 +128,11 @@ fn span(places: &[f64]) -> Span {
     rest.iter().fold(own, |[low, high], &place| [smaller(low, place), larger(high, place)])
 }
 
-/// Lights a screen of pixels, row by row, `columns` in a row, by lattices of rays that cover a surface side by side: the `values` become
-/// 1 where light is undisturbed.
+/// Lights a screen of pixels, row by row with `columns` per row, by lattices of rays that cover a surface side by
+/// side: `values` of 1 are undisturbed light.
 ///
 /// # Panics
-/// No pixels, fewer than two rows or columns of rays, or slopes that are not one per ray.
+/// No pixels, fewer than two rows or columns of rays, or numbers of slopes and rays that differ.
 pub fn light(lattices: &[Rays<'_>], columns: usize, values: &mut [f32]) -> Light {
     for rays in lattices {
         let places = rays.counts[0] * rays.counts[1];
@@ -158,7 +158,7 @@ pub fn light(lattices: &[Rays<'_>], columns: usize, values: &mut [f32]) -> Light
     }
 }
 
-/// Some rows of pixels, and what is at work on the way through rows of rays.
+/// Some rows of pixels, with the working data of rows of rays.
 struct Band {
     coverage: Coverage,
     crosses: bool,
@@ -169,8 +169,8 @@ struct Band {
     parted: Vec<f64>,
 }
 
-/// Light over area of the lower and the upper half of every patch of a row, which meet in the diagonal from its first corner; alike
-/// where it does not fold. One more stands for what is beside the row.
+/// Light per area of the lower and the upper half of every patch of a row, separated by the diagonal from its first
+/// corner; equal unless the patch folds. One more entry stands for the outside.
 #[derive(Default)]
 struct Densities {
     lower: Vec<f64>,
@@ -197,7 +197,7 @@ impl Band {
         }
     }
 
-    /// Adds the light of all patches that reach these rows of as many pixels.
+    /// Adds the light of all patches that reach these rows of pixels.
     fn light(&mut self, rays: &Rays<'_>, landings: &Landings, columns: usize) {
         let rows = self.coverage.span();
         if !meets(landings.columns, [0.0, columns as f64]) {
@@ -205,7 +205,7 @@ impl Band {
         }
         let width = rays.counts[0];
         let row = |row: usize| landings.places.part(row * width..(row + 1) * width);
-        // Edges are shared: those between rows of patches belong to the upper row, the last of a run to none.
+        // Edges are shared: those between rows of patches belong to the upper row; the last row of a run has none.
         let mut is_open = false;
         for (i, spans) in landings.rows.iter().enumerate() {
             let above = landings.rows.get(i + 1);
@@ -293,7 +293,7 @@ impl Band {
     }
 }
 
-/// The densities of the patches that do not fold; nothing is left of the others'.
+/// The densities of unfolded patches; folded ones have zero.
 struct Spread<'a> {
     lower: Places<&'a [f64]>,
     upper: Places<&'a [f64]>,

@@ -1,11 +1,11 @@
-//! How much of every pixel polygons cover, from their edges: an edge gives every pixel to its right the height that it spans in the
-//! pixel's row, times what the polygon has to give. Sums along the rows are then the pixels.
+//! Area coverage of pixels by polygons, computed from edges: an edge adds, to every pixel on its right, its height
+//! within the pixel's row times the polygon's weight. Prefix sums along the rows give the pixels.
 
 use crate::simd::{Instructions, Isa, Kernel, lanes};
 
-/// Edges that are worked on together.
+/// Edges processed together.
 const LANES: usize = 8;
-/// Columns that are worked on together: most pieces reach two, and change what the next one has.
+/// Columns processed together: most pieces reach two, and affect the next one.
 const TOGETHER: usize = 3;
 
 /// Some rows of pixels, from the row `first` on.
@@ -14,13 +14,13 @@ pub struct Coverage {
     columns: usize,
     first: f64,
     rows: usize,
-    /// From one row of sums to the next: one more stands for all beyond the last column.
+    /// Stride of the rows of sums: one entry more for everything beyond the last column.
     stride: usize,
-    /// What every pixel adds to those right of it.
+    /// Increment of each pixel for all pixels to its right.
     sums: Vec<f64>,
 }
 
-/// Places one after the other, in pixels from the outer corner of the first.
+/// A sequence of points, in pixels from the outer corner of the first pixel.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Places<T = Vec<f64>> {
     pub x: T,
@@ -39,7 +39,7 @@ impl Places<&[f64]> {
     }
 }
 
-/// Edges from places to places, each with what it parts: the difference of what lies to its left and to its right, upwards.
+/// Edges between points, each with its density: the difference between its left and its right side, upwards.
 #[derive(Clone, Copy, Debug)]
 pub struct Edges<'a> {
     pub from: [&'a [f64]; 2],
@@ -58,7 +58,7 @@ impl Coverage {
         [self.first, self.first + self.rows as f64]
     }
 
-    /// Adds an amount at a place.
+    /// Adds an amount at a point.
     pub fn point(&mut self, [x, y]: [f64; 2], amount: f64) {
         let row = y - self.first;
         if (0.0..self.rows as f64).contains(&row) && (0.0..self.columns as f64).contains(&x) {
@@ -68,11 +68,11 @@ impl Coverage {
         }
     }
 
-    /// Adds edges: the density times the height that each spans of every row, to the left of it with the sign of its direction
-    /// upwards. What lies to its right ends up with that much less.
+    /// Adds edges: the density times the height of each edge within a row, to the left of it, signed by its upward
+    /// direction. Its right side receives correspondingly less.
     ///
     /// # Panics
-    /// Lists that are not equally long.
+    /// Lists of different lengths.
     pub fn edges(&mut self, edges: &Edges<'_>) {
         let count = edges.density.len();
         assert!(
@@ -82,7 +82,7 @@ impl Coverage {
         Isa::best().run(Addition { coverage: self, edges });
     }
 
-    /// The value of every pixel, and the sum of all; rounding leaves less than nothing where there is nothing.
+    /// The value of every pixel, and their sum; negative rounding errors are clamped to zero.
     pub fn fill(&self, values: &mut [f32]) -> f64 {
         let mut total = 0.0;
         for (values, sums) in values.chunks_exact_mut(self.columns).zip(self.sums.chunks_exact(self.stride)) {
@@ -120,7 +120,7 @@ impl Kernel for Addition<'_, '_> {
     }
 }
 
-/// Some numbers of a list, and nothing beyond its end.
+/// Some numbers of a list, zero beyond its end.
 #[inline(always)]
 fn load(list: &[f64], start: usize) -> [f64; LANES] {
     let list = &list[start..];
@@ -169,7 +169,7 @@ impl Coverage {
         }
     }
 
-    /// Adds pieces of edges in rows whose sums start at so many, each to the part of every pixel that lies to the right of it.
+    /// Adds pieces of edges to rows whose sums start at `start`, each to the part of every pixel to its right.
     #[inline(always)]
     fn pieces(&mut self, start: &[f64; LANES], [from, to]: [&[f64; LANES]; 2], height: &[f64; LANES]) {
         let columns = self.columns as f64;
@@ -179,7 +179,7 @@ impl Coverage {
         let wide: [f64; LANES] = lanes(|i| right[i] - left[i]);
         let per_wide: [f64; LANES] = lanes(|i| 0.5 / larger(wide[i], f64::MIN_POSITIVE));
         let reached: [f64; LANES] = lanes(|i| smaller(right[i], columns) - first[i]);
-        // What lies before the first column counts there.
+        // Everything left of the first column counts there.
         let reached = larger(largest(&reached), 0.0) + 1.0;
         let piece = Piece { left, right, wide, per_wide };
         let (mut so_far, mut before) = (piece.beyond(&first), [0.0; LANES]);
@@ -200,7 +200,7 @@ impl Coverage {
         }
     }
 
-    /// Adds to sums. A call of its own: the compiler would make scalars of all that leads here.
+    /// Adds to sums. Not inlined: otherwise the compiler would scalarise its callers.
     #[inline(never)]
     fn scatter(&mut self, places: &[[f64; LANES]; TOGETHER], parts: &[[f64; LANES]; TOGETHER]) {
         for (place, part) in places.as_flattened().iter().zip(parts.as_flattened()) {
@@ -221,7 +221,7 @@ struct Piece {
 }
 
 impl Piece {
-    /// The mean over the piece of how far a place lies to the right of it.
+    /// The mean distance of a point to the right of the piece.
     #[inline(always)]
     fn beyond(&self, place: &[f64; LANES]) -> [f64; LANES] {
         let within: [f64; LANES] = lanes(|i| smaller(larger(place[i] - self.left[i], 0.0), self.wide[i]));
@@ -240,7 +240,7 @@ struct Slants {
 }
 
 impl Slants {
-    /// Where they are at a height; rounding must not carry that beyond their ends.
+    /// Their positions at a height, clamped to their ends against rounding.
     #[inline(always)]
     fn at(&self, y: &[f64; LANES]) -> [f64; LANES] {
         let along: [f64; LANES] = lanes(|i| smaller((y[i] - self.bottom[i]) * self.per_height[i], 1.0));
@@ -263,7 +263,7 @@ fn largest(lanes: &[f64; LANES]) -> f64 {
     lanes[0]
 }
 
-/// As vector instructions have them, which do not ask for what is no number.
+/// As in vector instructions, without NaN handling.
 #[inline(always)]
 pub fn smaller(a: f64, b: f64) -> f64 {
     if a < b { a } else { b }

@@ -1,4 +1,4 @@
-//! The depression that a pressure presses into a liquid at rest: ρ g h - σ ∇²h = p, h being the depth.
+//! The static depression of a liquid under a pressure: ρ g h - σ ∇²h = p, h being the depth.
 
 use std::f64::consts::PI;
 use std::fmt;
@@ -8,7 +8,7 @@ use rustdct::{DctPlanner, TransformType2And3};
 
 use crate::scene::Liquid;
 
-/// Slope of the surface above which the linear theory no longer holds.
+/// Limit of the surface's slope for the linear theory.
 pub const STEEPEST: f64 = 0.3;
 
 /// A rectangle of a liquid's surface, divided into cells. Its walls, half a cell beyond the centres of the outermost, are met at
@@ -28,19 +28,19 @@ impl fmt::Debug for Tank {
     }
 }
 
-/// The shape that a pressure gives to a liquid's whole surface.
+/// The shape of a liquid's whole surface under a pressure.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Dent {
     /// m, positive down, for every cell, row by row.
     pub depth: Vec<f64>,
-    /// m³ that are displaced, F/(ρ g).
+    /// Displaced volume (m³), F/(ρ g).
     pub volume: f64,
     /// N that press on the whole surface.
     pub force: f64,
 }
 
-/// The largest factor on the drive's amplitude for which the linear theory holds, where it makes this slope; depressions go with its
-/// square.
+/// The largest factor on the drive's amplitude for which the linear theory holds, given the slope at full drive;
+/// depressions scale with its square.
 pub fn largest_drive(slope: f64) -> f64 {
     if slope > 0.0 { (STEEPEST / slope).sqrt() } else { f64::INFINITY }
 }
@@ -49,7 +49,7 @@ impl Tank {
     /// `counts` cells, along a row and rows, `step` (m) apart. All shapes and pressures of a tank have a value for each.
     ///
     /// # Panics
-    /// No cells, or steps that are no lengths; and what takes a shape, if it has another number of values.
+    /// No cells, or invalid steps; later calls panic on a wrong number of values.
     pub fn new(counts: [usize; 2], step: [f64; 2]) -> Self {
         assert!(counts.iter().all(|&count| count > 0), "no cells: {counts:?}");
         assert!(step.iter().all(|&step| step.is_normal() && step > 0.0), "no lengths: {step:?}");
@@ -128,12 +128,12 @@ impl Tank {
     }
 }
 
-/// 1/(ρ g + σ q²), m/Pa: how a mode gives way.
+/// 1/(ρ g + σ q²), m/Pa: the compliance of a mode.
 pub fn compliance(liquid: &Liquid, square: f64) -> f64 {
     1.0 / (liquid.density() * liquid.gravity + liquid.surface_tension() * square)
 }
 
-/// Columns as lines; `columns` values stand in a row.
+/// Transposed values; `columns` values per row.
 fn transposed(values: &[f64], columns: usize) -> Vec<f64> {
     /// A square of values stays in the nearest cache.
     const SIDE: usize = 16;

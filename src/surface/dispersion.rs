@@ -1,4 +1,4 @@
-//! Dispersion of a viscous liquid's waves: how fast a mode of its surface swings, and how fast it dies away.
+//! Dispersion of waves on a viscous liquid: frequency and decay rate of each mode.
 
 use num_complex::Complex64;
 
@@ -6,19 +6,20 @@ use crate::scene::Liquid;
 
 /// Depths below this, m, count as this: about one molecule.
 const THINNEST: f64 = 1e-9;
-/// Depths (in 1/q) from which on a floor is not felt.
+/// Depth (in 1/q) beyond which the floor has no effect.
 const DEEP: f64 = 20.0;
-/// The slow root over the fast one where a mode counts as creeping, and in n where Orchard's rate is exact to 1e-7.
+/// Ratio of the slow to the fast root below which a mode counts as creeping, and limit in n for Orchard's rate to
+/// 1e-7.
 const CREEPING: f64 = 0.1;
 const SLOWEST: f64 = 1e-6;
-/// Newton's method: how far apart slopes are taken, when it ends, and when it gives up; all relative.
+/// Newton's method: step of difference quotients, convergence limit, and divergence limit; all relative.
 const NUDGE: f64 = 1e-6;
 const ENOUGH: f64 = 1e-9;
 const MOST_STEPS: usize = 60;
 
 /// A mode of the surface as an oscillator with the two exact roots of its motion: h'' + 2γh' + Ω²(h - rest) = 0.
 ///
-/// Free, it goes as e^{st}, s = -γ ± √(γ² - Ω²): as a damped wave if γ < Ω, and else as a fast and a slow creep.
+/// Free motion is e^{st}, s = -γ ± √(γ² - Ω²): a damped wave if γ < Ω, otherwise a fast and a slow creep.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Mode {
     /// γ, 1/s: the decay of a wave, or the mean of the two rates of a creeping mode.
@@ -30,8 +31,8 @@ pub struct Mode {
 }
 
 impl Mode {
-    /// The mode with wavenumber `q` (1/m), for small slopes: exact roots of the linear equations of a viscous liquid over a floor
-    /// that holds it. Of a mode that creeps, the slow root is exact and the fast one, which carries little, is not.
+    /// The mode with wavenumber `q` (1/m), for small slopes: exact roots of the linear equations of a viscous liquid
+    /// over a no-slip floor. Of a creeping mode only the slow root is exact; the fast one contributes little.
     pub fn new(liquid: &Liquid, q: f64) -> Self {
         let depth = q * liquid.depth.max(THINNEST);
         let restoring = liquid.gravity * q + liquid.surface_tension() * q.powi(3) / liquid.density();
@@ -53,14 +54,15 @@ impl Mode {
     ///
     /// A floor acts about as if ω² were less by tanh(q d) and n more by [`hindrance`].
     ///
-    /// With x = √(1 + s/n), Re x > 0, the equation is (x² + 1)² - 4x + (ω/n)² = 0. As it has no x³, it is
-    /// (x² - 2ax + b)(x² + 2ax + c) = 0 with real a > 0, and the roots with Re x > 0 are the two of the first factor, real or
-    /// conjugate. Comparing powers: b, c = 1 + 2a² ∓ 1/a, and 4B³ + 4nB² - ω²B - n³ = 0 for B = n a². For B > 0 this cubic has
-    /// one root, so ν = 0, critical damping (n = 1.31 ω) and creep need no cases of their own.
+    /// With x = √(1 + s/n), Re x > 0, the equation is (x² + 1)² - 4x + (ω/n)² = 0. As it has no x³, it is (x² - 2ax +
+    /// b)(x² + 2ax + c) = 0 with real a > 0, and the roots with Re x > 0 are the two of the first factor, real or
+    /// conjugate. Comparing powers: b, c = 1 + 2a² ∓ 1/a, and 4B³ + 4nB² - ω²B - n³ = 0 for B = n a². For B > 0 this
+    /// cubic has one root, so ν = 0, critical damping (n = 1.31 ω) and creep need no special cases.
     fn deep(natural: f64, viscous: f64) -> Self {
         let root = root(natural, viscous);
         let inverse = (viscous / root).sqrt();
-        // s₁s₂ = n²(1 - 2a + b)(1 + 2a + b) and ω² = n²(1 - 2a + b)(1 + 2a + c): nothing cancels where the slow root is small.
+        // s₁s₂ = n²(1 - 2a + b)(1 + 2a + b) and ω² = n²(1 - 2a + b)(1 + 2a + c): no cancellation for small slow
+        // roots.
         let even = 2.0 * (1.0 + inverse + inverse * inverse);
         let odd = inverse.powi(3);
         Self {
@@ -87,7 +89,7 @@ impl Mode {
     }
 }
 
-/// A viscous liquid over a floor that holds it, in units of n = νq²: no slip at the floor, no shear at the surface.
+/// A viscous liquid over a floor, in units of n = νq²: no slip at the floor, no shear at the surface.
 #[derive(Clone, Copy, Debug)]
 struct Floor {
     /// δ = q d.
@@ -97,8 +99,8 @@ struct Floor {
 }
 
 impl Floor {
-    /// The mode at whose roots the determinant of the four boundary conditions vanishes, from one that is near.
-    /// `None` where that is as near already as numbers tell.
+    /// Refines a mode to the roots of the determinant of the four boundary conditions. `None` if it is already
+    /// converged.
     fn refine(self, near: Mode) -> Option<Mode> {
         match near.rates() {
             Some([slow, fast]) if slow < CREEPING * fast => {
@@ -125,8 +127,8 @@ impl Floor {
         None
     }
 
-    /// Both roots at once, real or conjugate, by Newton's method on what a division by (s - s₁)(s - s₂) leaves over (Bairstow):
-    /// unlike each of the roots, their sum and product do not hesitate where the two meet.
+    /// Both roots at once, real or conjugate, by Newton's method on the remainder of a division by (s - s₁)(s - s₂)
+    /// (Bairstow): unlike single roots, their sum and product converge well where the two meet.
     fn pair(self, near: Mode) -> Option<Mode> {
         let Mode { mut damping, mut square, swing } = near;
         let left = (1.0 + Complex64::new(-damping, swing.max(0.0).sqrt())).sqrt().re;
@@ -158,10 +160,10 @@ impl Floor {
         None
     }
 
-    /// A and B of the remainder A s + B that the determinant leaves over when it is divided by s² + 2γs + Ω².
+    /// A and B of the remainder A s + B of the determinant divided by s² + 2γs + Ω².
     fn remainder(self, damping: f64, square: f64, left: f64) -> [f64; 2] {
         let apart = Complex64::from(damping * damping - square).sqrt();
-        // Roots that meet are held apart as far as changes nothing.
+        // Coinciding roots are separated by a negligible distance.
         let apart = if apart.norm() < NUDGE * damping { Complex64::from(NUDGE * damping) } else { apart };
         let slow = if apart.im == 0.0 && damping * damping > square {
             Complex64::from(-square / (damping + apart.re))
@@ -174,10 +176,12 @@ impl Floor {
         [a.re, (at_slow - a * slow).re]
     }
 
-    /// The determinant of the boundary conditions at s (in n), without its root s = 0 that is none, and times 2 e^{-left δ}.
+    /// The determinant of the boundary conditions at s (in n), without the spurious root s = 0, and times 2 e^{-left
+    /// δ}.
     ///
-    /// With z = x² = s + 1, C = cosh xδ, S = sinh xδ / x, T = tanh δ it is F(z) = 4(z + 1)/cosh δ + (z² + 6z + 1) T S -
-    /// (z² + 2z + 5) C - ratio (T C - S), which is 0 at z = 1; (F(z) - F(1))/(z - 1) is written without differences that cancel.
+    /// With z = x² = s + 1, C = cosh xδ, S = sinh xδ / x, T = tanh δ it is F(z) = 4(z + 1)/cosh δ + (z² + 6z + 1) T
+    /// S - (z² + 2z + 5) C - ratio (T C - S), which is 0 at z = 1; (F(z) - F(1))/(z - 1) is written without
+    /// cancellation.
     fn determinant(self, s: Complex64, left: f64) -> Complex64 {
         let Self { depth, ratio } = self;
         let z = s + 1.0;
@@ -213,8 +217,8 @@ fn sinhc(u: Complex64) -> Complex64 {
 
 /// The positive root B of 4B³ + 4nB² - ω²B - n³, from ω² and n.
 fn root(natural: f64, viscous: f64) -> f64 {
-    // B ≥ 0.41964 n, the root for ω = 0; with that in 4B² + 4nB - ω² = n³/B, B is no more than this. From beyond the root,
-    // Newton's steps only fall: at most seven.
+    // B ≥ 0.41964 n, the root for ω = 0; with that in 4B² + 4nB - ω² = n³/B, B is no more than this. From above the
+    // root, Newton's method decreases monotonically: at most seven steps.
     let mut root = f64::INFINITY;
     let mut next = 0.5 * ((natural + 3.383 * viscous * viscous).sqrt() - viscous);
     while next < root {
@@ -225,8 +229,8 @@ fn root(natural: f64, viscous: f64) -> f64 {
     root
 }
 
-/// Factor by which a rigid floor at `depth` δ (in 1/q) slows creep, beyond tanh: tanh(δ)/F(δ),
-/// F(δ) = (sinh 2δ - 2δ)/(cosh 2δ + 1 + 2δ²) (Orchard, Appl. Sci. Res. A 11 (1963)). 1 where the liquid is deep.
+/// Slowing factor of creep over a rigid floor at `depth` δ (in 1/q), beyond tanh: tanh(δ)/F(δ), F(δ) = (sinh 2δ -
+/// 2δ)/(cosh 2δ + 1 + 2δ²) (Orchard, Appl. Sci. Res. A 11 (1963)). 1 for deep liquids.
 fn hindrance(depth: f64) -> f64 {
     if depth > DEEP {
         return 1.0;

@@ -1,5 +1,4 @@
-//! What a steady or changing pressure does to the surface of a liquid: its depression at rest, waves, and
-//! where the light goes that it bends.
+//! A liquid's surface under steady or changing pressure: depression, waves and caustics.
 //!
 //! ```
 //! use sonoglyph::scene::Liquid;

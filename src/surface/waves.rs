@@ -1,4 +1,5 @@
-//! Gravity-capillary waves: how a liquid's surface answers a pressure that changes, mode by mode and without error in time.
+//! Gravity-capillary waves: the response of a liquid's surface to a changing pressure, mode by mode and exact in
+//! time.
 
 use crate::scene::Liquid;
 use crate::surface::Tank;
@@ -6,8 +7,8 @@ use crate::surface::dispersion::Mode;
 
 /// A surface in motion, as amplitudes of its modes ([`Tank::modes`]).
 ///
-/// A mode obeys h'' + 2γ h' + Ω² (h - rest) = 0, with the two roots of Lamb's exact equation for viscous waves ([`Mode`]). The
-/// vorticity that is still spreading into the liquid after a change of the pressure is left out.
+/// A mode obeys h'' + 2γ h' + Ω² (h - rest) = 0, with the two roots of Lamb's exact equation for viscous waves
+/// ([`Mode`]). The diffusion of vorticity after a change of the pressure is neglected.
 #[derive(Clone, Debug)]
 pub struct Waves {
     /// Depth of each mode, m.
@@ -17,14 +18,14 @@ pub struct Waves {
     steps: Vec<Step>,
 }
 
-/// Depth (m) at which each mode would rest under a steady pressure.
+/// Static depth (m) of each mode under a steady pressure.
 #[derive(Clone, Debug)]
 pub struct Rest(Vec<f64>);
 
 impl Rest {
-    /// From the depression that the pressure makes, m for every cell of the tank.
+    /// From the static depression of every cell of the tank, m.
     ///
-    /// The liquid as a whole stays where it is: unlike a depression in an endless bath, waves displace nothing.
+    /// Volume is conserved: unlike a depression in an endless bath, waves displace none.
     pub fn new(tank: &Tank, depth: &[f64]) -> Self {
         let mut modes = tank.modes(depth);
         if let Some(level) = modes.first_mut() {
@@ -34,7 +35,7 @@ impl Rest {
     }
 }
 
-/// What a time step does to a mode's distance y from rest and its speed v: y ← a y + b v, v ← c y + d v.
+/// A time step of a mode's deviation y from rest and its speed v: y ← a y + b v, v ← c y + d v.
 #[derive(Clone, Copy, Debug)]
 struct Step {
     a: f64,
@@ -44,17 +45,17 @@ struct Step {
 }
 
 impl Waves {
-    /// A level surface, to go on in steps of `step` (s).
+    /// A level surface, to be advanced in steps of `step` (s).
     ///
     /// # Panics
-    /// A step that is no time: negative, or longer than 1e9 s.
+    /// An invalid step: negative, or longer than 1e9 s.
     pub fn new(tank: &Tank, liquid: &Liquid, step: f64) -> Self {
         assert!((0.0..=1e9).contains(&step), "no time: {step} s");
         let steps = tank.squares().map(|square| Step::new(Mode::new(liquid, square.sqrt()), step)).collect();
         Self { depth: vec![0.0; tank.len()], speed: vec![0.0; tank.len()], steps }
     }
 
-    /// Goes on by one step, in which `part` of a pressure acts.
+    /// Advances by one step under `part` of a pressure.
     pub fn advance(&mut self, Rest(rest): &Rest, part: f64) {
         let motion = self.depth.iter_mut().zip(&mut self.speed);
         for ((depth, speed), (rest, step)) in motion.zip(rest.iter().zip(&self.steps)) {
@@ -72,7 +73,7 @@ impl Waves {
 
 impl Step {
     fn new(Mode { damping, square, swing }: Mode, time: f64) -> Self {
-        // e^{-γt} cos and e^{-γt} sin/ω of the damped mode, or their hyperbolic likes of one that creeps.
+        // e^{-γt} cos and e^{-γt} sin/ω of the damped mode, or their hyperbolic counterparts of a creeping mode.
         let (cosine, sine) = if swing > 0.0 {
             let angular = swing.sqrt();
             let left = (-damping * time).exp();
@@ -82,7 +83,7 @@ impl Step {
             let fast = damping + apart;
             let slow = if fast > 0.0 { square / fast } else { 0.0 };
             let slowly = (-slow * time).exp();
-            // e^{-slow t} - e^{-fast t}, also where the two roots are all but one.
+            // e^{-slow t} - e^{-fast t}, also for nearly equal roots.
             let between = -slowly * (-2.0 * apart * time).exp_m1();
             (slowly - between / 2.0, if apart > 0.0 { between / (2.0 * apart) } else { time * slowly })
         };

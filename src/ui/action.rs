@@ -1,4 +1,4 @@
-//! Everything that can be done at once, by its name: what menus, keys, the palette and the help are made of.
+//! The list of all commands by name, used by menus, keys, palette and help.
 
 use egui::{Context, Key, KeyboardShortcut, Modifiers, Theme};
 
@@ -11,9 +11,9 @@ use crate::ui::brush;
 use crate::ui::tool::Tool;
 use crate::ui::{Command, Dialog, Editor, Export, IN_PAGE, Panel, Purpose, Shown, clipboard, group, way};
 
-/// What a step of the window's scale multiplies it by, and its bounds.
+/// Factor per step of the window's scale, and its limits.
 const SCALE_STEP: f32 = 1.25;
-/// What the presentation mode multiplies it by.
+/// Scale factor of the presentation mode.
 pub const PRESENTED: f32 = 1.5;
 pub const SCALES: [f32; 6] = [0.75, 1.0, 1.25, 1.5, 1.75, 2.0];
 
@@ -61,7 +61,7 @@ pub enum Action {
     Help,
 }
 
-/// Where an action stands in the menus and in the help.
+/// Position of an action in the menus and in the help.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Group {
     File,
@@ -290,7 +290,7 @@ impl Action {
         self.keys().first().map_or_else(String::new, |keys| ctx.format_shortcut(keys))
     }
 
-    /// Whether its keys act while a widget has the keyboard, too: they are no letters and nothing that edits a text.
+    /// Whether its keys also act while a widget has the keyboard: neither letters nor text editing keys.
     pub fn is_for_the_window(self) -> bool {
         matches!(
             self,
@@ -312,7 +312,7 @@ impl Action {
     /// Why it cannot be done now.
     ///
     /// # Errors
-    /// A sentence that says what is missing.
+    /// The missing requirement, as a sentence.
     pub fn possible(self, editor: &Editor, shown: &Shown) -> Result<(), &'static str> {
         let is_one_of = |actions: &[Self]| actions.contains(&self);
         let has_waves = editor.view.quantity.declaration().of_liquid;
@@ -350,7 +350,7 @@ impl Action {
         lacks.iter().find(|(is_lacking, _)| *is_lacking).map_or(Ok(()), |(_, what)| Err(what))
     }
 
-    /// Does it, where it is possible.
+    /// Runs it, if possible.
     pub fn run(self, editor: &mut Editor, shown: &Shown, ctx: &Context, commands: &mut Vec<Command>) {
         if self.possible(editor, shown).is_err() {
             return;
@@ -413,19 +413,19 @@ impl Action {
     }
 }
 
-/// Makes everything in the window so many times as large as usual.
+/// Scales everything in the window by a factor.
 pub fn scale(ctx: &Context, factor: f32) {
     ctx.set_zoom_factor(factor.clamp(SCALES[0], SCALES[SCALES.len() - 1]));
 }
 
-/// Shows the map alone, with texts that the last row can read, or everything again.
+/// Toggles the presentation mode: the map alone, with large text.
 pub fn present(editor: &mut Editor, ctx: &Context, presents: bool) {
     let before = std::mem::replace(&mut editor.layout.presents, presents);
     let by = |presents: bool| if presents { PRESENTED } else { 1.0 };
     ctx.set_zoom_factor(ctx.zoom_factor() * by(presents) / by(before));
 }
 
-/// The key of a quantity: its place among them.
+/// The digit key of a quantity, by its position.
 fn digit(quantity: Quantity) -> Option<Key> {
     const DIGITS: [Key; 9] =
         [Key::Num1, Key::Num2, Key::Num3, Key::Num4, Key::Num5, Key::Num6, Key::Num7, Key::Num8, Key::Num9];

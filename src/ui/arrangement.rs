@@ -1,16 +1,16 @@
-//! What stands around the map, and what is folded away where the window is small.
+//! The arrangement of panels around the map, with folding in small windows.
 
 use egui::{Frame, Margin, Panel as Side, Ui, UiBuilder};
 
 use crate::ui::{Command, Editor, Shown, menu, panels, section, status, theme, timeline, view_bar};
 
-/// Points of the screen: widths of the panel on the right, beside the map and over it.
+/// Widths of the right panel, beside the map and over it, in points.
 const PANEL: std::ops::Range<f32> = 260.0..520.0;
 const DRAWER: f32 = 340.0;
-/// Tools, map and its axes beside the panel.
+/// Minimum width of tools, map and axes beside the panel.
 const SMALLEST_MAP: f32 = 520.0;
 
-/// Points of the screen that the panels take which can be made wider or narrower.
+/// Sizes of resizable panels in points.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Layout {
     /// Width of the one on the right.
@@ -19,9 +19,9 @@ pub struct Layout {
     pub section: f32,
     /// The panel on the right is folded away.
     pub is_folded: bool,
-    /// In a narrow window: it lies over the map.
+    /// In a narrow window: whether it covers the map.
     pub is_drawn_out: bool,
-    /// The map and its legend alone.
+    /// Presentation mode: the map and its colour bar alone.
     pub presents: bool,
 }
 
@@ -36,7 +36,7 @@ impl Layout {
     }
 }
 
-/// Menu, view bar, status, tools, panel and line profile, as far as the window has room for them.
+/// Menu, view bar, status, tools, panel and line profile, as space permits.
 pub(super) fn around(
     editor: &mut Editor,
     shown: &Shown,
@@ -77,7 +77,7 @@ pub(super) fn around(
     }
 }
 
-/// The panel beside the map: as wide as the user wants it, whatever is in it, and never so wide that no map is left.
+/// The panel beside the map: the user's width, independent of its content, limited to leave space for the map.
 fn panel(editor: &mut Editor, shown: &Shown, clear: Frame, ui: &mut Ui, commands: &mut Vec<Command>) {
     let most = (ui.ctx().content_rect().width() - SMALLEST_MAP).clamp(PANEL.start, PANEL.end);
     let side = Side::right("panel").frame(clear).default_size(editor.layout.panel.min(most));
@@ -91,7 +91,7 @@ fn panel(editor: &mut Editor, shown: &Shown, clear: Frame, ui: &mut Ui, commands
     editor.layout.panel = side.response.rect.width();
 }
 
-/// The panel over the map, where the window is too narrow for both.
+/// The panel over the map, in narrow windows.
 fn drawer(editor: &mut Editor, shown: &Shown, ui: &Ui, commands: &mut Vec<Command>) {
     if !editor.layout.is_drawn_out {
         return;
@@ -110,7 +110,7 @@ fn drawer(editor: &mut Editor, shown: &Shown, ui: &Ui, commands: &mut Vec<Comman
     });
 }
 
-/// Whether a window is wide and high enough for more than the menu and the canvas.
+/// Whether a window has width and height for more than the menu and the canvas.
 fn has_room(ui: &Ui) -> (bool, bool) {
     const WIDE: f32 = 460.0;
     const HIGH: f32 = 320.0;

@@ -14,12 +14,12 @@ use crate::ui::theme;
 use crate::ui::view::{Axes, Lens, array_size};
 use crate::ui::{Editor, Shown, Sound};
 
-/// Points of the screen: how thick elements are where they are seen from the side.
+/// Thickness of elements seen from the side, in points.
 const THICK: f32 = 5.0;
-/// From one stroke behind a reflector to the next, and how long they are across it.
+/// Spacing and length of the hatching behind a reflector.
 const HATCH: f32 = 7.0;
 const SILENT: Color32 = Color32::from_rgb(110, 116, 128);
-/// Elements that are drawn one by one, at most.
+/// Limit of individually drawn elements.
 const MOST: usize = 1024;
 
 pub fn paint(editor: &Editor, shown: &Shown, painter: &Painter, lens: &Lens) {
@@ -83,7 +83,7 @@ impl Seen<'_> {
         }
     }
 
-    /// The line in which a reflector meets the cut, hatched where no sound is.
+    /// The intersection of a reflector with the displayed plane, hatched on the silent side.
     fn mirror(&self, mirror: &Reflector) {
         let Self { axes, lens, painter, .. } = self;
         let normal = mirror.normal.normalize_or_zero();
@@ -108,7 +108,7 @@ impl Seen<'_> {
         }
     }
 
-    /// The row of elements nearest to a cut across the board, behind the line from which they radiate.
+    /// The row of elements nearest to a plane across the board, behind the line of their faces.
     fn bar(&self, board: &Board, sound: Option<(&Sound, Range<usize>)>) {
         let scene = self.editor.scene();
         let half = array_size(&scene.array) / 2.0;
@@ -116,7 +116,7 @@ impl Seen<'_> {
         let across = self.axes.x.cross(self.axes.y);
         let along = across.cross(turn.z_axis).normalize_or_zero();
         let reach = half.x * along.dot(turn.x_axis).abs() + half.y * along.dot(turn.y_axis).abs();
-        // On the screen: where things are along the board, and its back.
+        // On the screen: positions along the board, and its back.
         let at = |place: DVec3| self.lens.screen(self.axes.flat(place));
         let back = at(board.at - turn.z_axis) - at(board.at);
         let back = back.normalized() * THICK;
@@ -149,7 +149,7 @@ fn edges(scene: &Scene, placed: &[Placed]) -> (DVec2, DVec2) {
     (low - scene.array.element_radius, high + scene.array.element_radius)
 }
 
-/// Colour of an element: its phase where it sounds.
+/// Colour of an element: its phase if it is driven.
 fn colour(sound: &Sound, element: usize) -> Color32 {
     let drive = sound.drive();
     let amplitude = drive.amplitudes.get(element).copied().unwrap_or(0.0);

@@ -1,4 +1,4 @@
-//! Arrows over the map: where the sound drives the scene's bead, on the cut.
+//! Arrows over the map: the force on the scene's bead in the displayed plane.
 
 use egui::{Color32, Painter, Stroke, Vec2, vec2};
 use glam::{DVec2, DVec3};
@@ -11,12 +11,12 @@ const APART: f32 = 26.0;
 const LONGEST: f32 = 23.0;
 /// Points of the screen; shorter ones are dots.
 const SHORTEST: f32 = 3.0;
-/// Part of all arrows that are not the longest: the force is large close to the array.
+/// Quantile of force for the longest arrow: the force is large close to the array.
 const USUAL: f64 = 0.95;
 const INK: Color32 = Color32::from_rgb(250, 250, 250);
 const EDGE: Color32 = Color32::from_rgba_premultiplied(0, 0, 0, 150);
 
-/// Where arrows stand (m) on what of the cut is on the screen, in front of the array.
+/// Positions of arrows (m) on the visible part of the plane, in front of the array.
 pub fn places(editor: &Editor, lens: &Lens) -> Vec<DVec3> {
     let axes = editor.view.axes(editor.scene());
     let count = [lens.rect.width(), lens.rect.height()].map(|side| ((side / APART) as i32 / 2).max(1));

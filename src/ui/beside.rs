@@ -1,4 +1,4 @@
-//! What the map is compared with: the wish, and what was made of it.
+//! The comparison map: the user's choice and its result.
 
 use egui::{Rect, Ui};
 use glam::{DVec2, DVec3};
@@ -9,31 +9,31 @@ use crate::ui::icon::{self, Icon};
 use crate::ui::view::{Cut, View, Window};
 use crate::ui::{Editor, Map, Sound, Texture};
 
-/// In what the second map differs.
+/// The difference of the second map.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum With {
     /// Another method.
     Method,
-    /// The drive on so many phase levels.
+    /// The drive on a number of phase levels.
     Levels,
     /// Another plane.
     Plane,
 }
 
-/// What the map is compared with.
+/// The comparison map.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Compare {
     pub with: With,
     pub method: Method,
     pub levels: u32,
     pub cut: Cut,
-    /// The difference stands at the right.
+    /// Whether the difference is shown on the right.
     pub difference: bool,
-    /// There is room for two.
+    /// Whether there is room for two maps.
     pub is_split: bool,
-    /// m, what the pointer is at, on either map.
+    /// Position of the pointer on either map, m.
     pub pointer: Option<DVec3>,
-    /// m, of another plane's window; what it shares with the map's comes from there.
+    /// Centre of another plane's view, m; shared coordinates follow the first map.
     pub centre: Option<DVec2>,
 }
 
@@ -60,7 +60,7 @@ impl Editor {
 }
 
 impl Compare {
-    /// How the second map is looked at.
+    /// The view of the second map.
     pub fn view(&self, view: &View) -> View {
         match self.with {
             With::Plane => View { cut: self.cut, window: None, ..view.clone() },
@@ -68,12 +68,12 @@ impl Compare {
         }
     }
 
-    /// Whether a difference is wanted of maps that have one.
+    /// Whether a difference is shown, for maps that have one.
     pub fn is_subtracted(&self) -> bool {
         self.difference && self.with != With::Plane
     }
 
-    /// What each side is called.
+    /// Names of both sides.
     pub fn names(&self, editor: &Editor) -> [String; 2] {
         let levels =
             |levels: Option<u32>| levels.map_or("ideal drive".to_owned(), |n| format!("{n} phase levels"));
@@ -85,7 +85,7 @@ impl Compare {
     }
 }
 
-/// What was made of the second map.
+/// The result of the second map.
 #[derive(Debug, Default)]
 pub struct Beside {
     pub map: Option<Map>,
@@ -104,11 +104,11 @@ pub struct Difference {
     pub largest: f64,
     pub quantity: Quantity,
     pub window: Window,
-    /// Points of the screen, where the first map is.
+    /// Rectangle of the first map in points.
     pub rect: Rect,
 }
 
-/// The switch among the other things that are shown.
+/// The switch among the overlays.
 pub fn switch(editor: &mut Editor, ui: &mut Ui) {
     let mut is_on = editor.compare.is_some();
     let tip = "Two methods, drives or planes side by side with one range of colours, or their difference";

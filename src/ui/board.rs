@@ -1,4 +1,4 @@
-//! The board that plays, as the window sees it: what the user wishes of it, and what is known of it.
+//! The board in the window: the user's wishes, and the board's state.
 
 use std::path::PathBuf;
 
@@ -6,7 +6,7 @@ use crate::device::health::{Found, Health};
 use crate::device::profile::Profile;
 use crate::ui::bring_up::{BringUp, Surveyed};
 
-/// What the Device panel edits.
+/// The settings on the Device page.
 #[derive(Clone, Debug, PartialEq)]
 pub struct BoardForm {
     /// As typed.
@@ -16,11 +16,11 @@ pub struct BoardForm {
     pub profile: Profile,
     /// 0: the default baud rate.
     pub baud: u32,
-    /// A CSV file, or nothing.
+    /// A CSV file, or empty.
     pub calibration: String,
-    /// Every change of the scene goes to the board at once.
+    /// Whether every change of the scene is sent at once.
     pub live: bool,
-    /// The element that is tried alone.
+    /// The element tested alone.
     pub element: u32,
     /// The board is being brought up.
     pub bring_up: Option<Box<BringUp>>,
@@ -56,20 +56,20 @@ impl BoardForm {
     }
 }
 
-/// Where the ports are that a board may be at.
+/// Source of ports.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Ports {
-    /// This computer's, which have names to type.
+    /// This computer's ports, with names to type.
     #[default]
     Computer,
-    /// Those that the user lets this page have, in a window of the browser's own.
+    /// Ports permitted to this page in a dialog of the browser.
     Browser,
-    /// This browser has none for pages.
+    /// The browser has no ports for pages.
     Nowhere,
 }
 
 impl Ports {
-    /// What has to be done before one can be opened.
+    /// The first step before opening a port, as text.
     pub fn first(self) -> &'static str {
         match self {
             Self::Computer => "Name a port first",
@@ -79,11 +79,11 @@ impl Ports {
     }
 }
 
-/// What the Device panel asks for.
+/// The commands of the Device page.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum BoardCommand {
     ListPorts,
-    /// The browser lets the user choose one.
+    /// Opens the browser's port dialog.
     ChoosePort,
     Connect,
     Disconnect,
@@ -98,9 +98,9 @@ pub enum BoardCommand {
     One,
     /// Neighbours in antiphase.
     Checkerboard,
-    /// The scene is made for the board's carrier.
+    /// Adopts the board's carrier in the scene.
     TakeCarrier,
-    /// Who answers at the port, and at which bit rates; the link is closed for it.
+    /// Surveys the port: identification and bit rates; closes the link.
     Survey,
     /// A focus above the centre.
     Focus,
@@ -109,7 +109,7 @@ pub enum BoardCommand {
 }
 
 impl BoardCommand {
-    /// Whether a board that was silent sounds afterwards.
+    /// Whether a silent board sounds afterwards.
     pub fn sounds(&self) -> bool {
         match self {
             Self::Send | Self::PlayMotion | Self::One | Self::Checkerboard | Self::Focus => true,
@@ -126,7 +126,7 @@ impl BoardCommand {
     }
 }
 
-/// What a board is doing for us.
+/// The board's current activity.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Plays {
     #[default]
@@ -142,27 +142,27 @@ pub enum Plays {
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct PortShown {
     pub name: String,
-    /// With what the system says of it.
+    /// Including the system's description.
     pub label: String,
     /// Of a virtual board.
     pub profile: Option<Profile>,
 }
 
-/// What is known.
+/// The board's known state.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct BoardShown {
     pub ports: Vec<PortShown>,
     pub ports_from: Ports,
-    /// Why there are no boards at all in this program.
+    /// The reason for missing board support in this program.
     pub unavailable: Option<String>,
-    /// Of the bring-up; nothing while it is under way.
+    /// Result of the bring-up's survey; `None` while it runs.
     pub surveyed: Option<Surveyed>,
-    /// There once a port is to be opened.
+    /// Present once a port is being opened.
     pub health: Option<Health>,
     pub found: Option<Found>,
     pub plays: Plays,
     /// The latest last.
     pub messages: Vec<String>,
-    /// Mean pressure over the foci (Pa, peak) of the drive, and of what the board makes of it.
+    /// Mean pressure over the foci (Pa, peak) of the drive, and of its version on the board.
     pub pressures: Option<(f64, f64)>,
 }

@@ -1,4 +1,4 @@
-//! Bringing a board up from the window: which step it is, and what was found so far.
+//! Bring-up of a board in the window: the current step and the findings so far.
 
 use crate::device::calibration::Calibration;
 use crate::device::profile::Profile;
@@ -6,7 +6,7 @@ use crate::studio::bring_up::{Finding, Report, Verdict};
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Step {
-    /// Who answers, and at which bit rates.
+    /// Identification and bit rates.
     Line,
     /// One element after the other.
     Elements,
@@ -31,7 +31,7 @@ impl Step {
 pub struct BringUp {
     pub step: Step,
     pub report: Report,
-    /// What was found silent is off.
+    /// Silent elements are switched off in it.
     pub calibration: Calibration,
     /// The element that sounds.
     pub element: usize,
@@ -54,16 +54,16 @@ impl Default for BringUp {
     }
 }
 
-/// What the survey of a line has found.
+/// The result of a line's survey.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Surveyed {
     pub findings: Vec<Finding>,
-    /// The fastest bit rate without loss, where the board can tell.
+    /// The fastest error-free bit rate, if known.
     pub baud: Option<u32>,
 }
 
 impl BringUp {
-    /// Whether an element was heard; the next one is due. `None`: no more are listened to.
+    /// Records whether an element was audible, and goes to the next one. `None`: ends the test.
     pub fn heard(&mut self, profile: Profile, heard: Option<bool>) {
         let elements = profile.elements();
         if let Some(heard) = heard {

@@ -1,4 +1,4 @@
-//! The brush: it paints what is wanted on a picture that is a target, and the eraser wipes it away.
+//! The brush paints target pressure on a picture target; the eraser removes it.
 
 use std::collections::BTreeSet;
 use std::ops::RangeInclusive;
@@ -14,7 +14,7 @@ use crate::ui::view::Axes;
 /// m
 pub const DIAMETER: RangeInclusive<f64> = 1e-3..=0.1;
 pub const BRIGHTNESS: RangeInclusive<f64> = 0.01..=1.0;
-/// What a key makes it larger by.
+/// Factor of its size per key press.
 pub const STEP: f64 = 1.25;
 /// m: a picture farther than this from the cut is not painted there.
 const NEAR: f64 = 2e-3;
@@ -23,7 +23,7 @@ const NEAR: f64 = 2e-3;
 pub struct Brush {
     /// m
     pub diameter: f64,
-    /// Of what it paints: the wanted |p|² relative to that of white.
+    /// Target |p|² of the paint relative to white.
     pub brightness: f64,
 }
 
@@ -39,25 +39,25 @@ impl Brush {
     }
 }
 
-/// The picture that a stroke from a place of the cut paints: the one that is selected, or else the uppermost there.
+/// The picture painted by a stroke from a point of the plane: the selected one, or the topmost there.
 pub fn picture_at(editor: &Editor, axes: &Axes, at: DVec2) -> Option<usize> {
     let targets = &editor.scene().targets;
     let has = |index: &usize| is_inside(&targets[*index], axes, at);
     selected(editor, axes).or_else(|| pictures_in(editor.scene(), axes).rev().find(has))
 }
 
-/// The one target that is selected, if it is a picture in the cut.
+/// The single selected target, if it is a picture in the plane.
 fn selected(editor: &Editor, axes: &Axes) -> Option<usize> {
     let only = editor.selection.first().filter(|_| editor.selection.len() == 1);
     only.copied().filter(|&index| editor.scene().targets.get(index).is_some_and(|target| is_in(target, axes)))
 }
 
-/// Pictures that lie in a cut and are there to be painted, the uppermost last.
+/// Paintable pictures in a plane, the topmost last.
 fn pictures_in(scene: &Scene, axes: &Axes) -> impl DoubleEndedIterator<Item = usize> {
     (0..scene.targets.len()).filter(move |&index| is_in(&scene.targets[index], axes))
 }
 
-/// Whether a target is a picture in a cut, shown, and loaded.
+/// Whether a target is a visible, loaded picture in a plane.
 pub fn is_in(target: &Target, axes: &Axes) -> bool {
     let Shape::Picture { at, width, pixels, .. } = &target.shape else { return false };
     let half = DVec2::new(1.0, pixels.aspect()) * *width / 2.0;
@@ -76,7 +76,7 @@ fn is_inside(target: &Target, axes: &Axes, at: DVec2) -> bool {
     dab.is_some_and(|dab| dab.from.cmpge(DVec2::ZERO).all() && dab.from.cmple(size).all())
 }
 
-/// A piece of a stroke on the cut (m) as it lies on a picture's pixels.
+/// A segment of a stroke on the plane (m) in pixels of a picture.
 fn dab(target: &Target, axes: &Axes, way: [DVec2; 2], diameter: f64) -> Option<Dab> {
     let Shape::Picture { at, width, pixels, .. } = &target.shape else { return None };
     let grey = pixels.get()?;
@@ -91,7 +91,7 @@ fn dab(target: &Target, axes: &Axes, way: [DVec2; 2], diameter: f64) -> Option<D
     Some(Dab { from, to, radius: diameter / 2.0 * per_metre })
 }
 
-/// Changes a picture's pixels along a piece of a stroke. Says whether that changed anything.
+/// Changes a picture's pixels along a segment of a stroke. Returns whether a pixel changed.
 fn change(
     target: &mut Target,
     dab: Option<Dab>,
@@ -107,7 +107,7 @@ fn change(
     is_changed
 }
 
-/// What pictures of a scene are called.
+/// Names of a scene's pictures.
 struct Names(BTreeSet<String>);
 
 impl Names {
@@ -119,7 +119,7 @@ impl Names {
         Self(scene.targets.iter().filter_map(name).collect())
     }
 
-    /// For a painting that is in no file: saving names it after the scene.
+    /// For a painting without a file: saving names it after the scene.
     fn fresh(&self) -> String {
         let name = |number: usize| match number {
             1 => "painting.png".to_owned(),
@@ -129,7 +129,7 @@ impl Names {
     }
 }
 
-/// Paints a piece of a stroke on a picture, or on a new one as soon as there is something on it. Gives out which one it was.
+/// Paints a segment of a stroke on a picture, or on a new one once it has content. Returns its index.
 pub fn paint(editor: &mut Editor, axes: &Axes, index: Option<usize>, way: [DVec2; 2]) -> Option<usize> {
     let Brush { diameter, brightness } = editor.brush;
     let names = Names::of(editor.scene());
@@ -151,7 +151,7 @@ pub fn paint(editor: &mut Editor, axes: &Axes, index: Option<usize>, way: [DVec2
     Some(index)
 }
 
-/// Wipes a piece of a stroke off the picture that is selected, or else off all in the cut.
+/// Erases a segment of a stroke from the selected picture, or from all in the plane.
 pub fn wipe(editor: &mut Editor, axes: &Axes, way: [DVec2; 2]) {
     let diameter = editor.brush.diameter;
     let names = Names::of(editor.scene());
@@ -166,7 +166,7 @@ pub fn wipe(editor: &mut Editor, axes: &Axes, way: [DVec2; 2]) {
     }
 }
 
-/// Deletes pictures on which nothing is left.
+/// Deletes black pictures.
 pub fn clear_away(editor: &mut Editor) {
     let is_black = |target: &Target| matches!(&target.shape, Shape::Picture { pixels, .. } if pixels.get().is_some_and(|grey| grey.is_black()));
     let targets = editor.scene().targets.iter().enumerate();

@@ -1,4 +1,4 @@
-//! The canvas: a cut through space with its axes, the map on it, and the pointer's place.
+//! The canvas: a plane through space with its axes, the map on it, and the pointer's position.
 
 use egui::{
     Align2, Color32, FontId, Painter, Pos2, Rect, Response, Sense, Stroke, StrokeKind, Ui, pos2, vec2,
@@ -20,7 +20,7 @@ use crate::ui::{
 pub const LEFT: f32 = 56.0;
 const BELOW: f32 = 40.0;
 pub const RIGHT: f32 = 102.0;
-/// The same where another map stands there.
+/// The same beside another map.
 pub const BESIDE: f32 = 16.0;
 const ABOVE: f32 = 12.0;
 /// Points of the screen between two ticks, at least.
@@ -37,13 +37,13 @@ pub struct Canvas {
 }
 
 impl Canvas {
-    /// Where the pointer is over it.
+    /// Position of the pointer, if over it.
     pub fn hover(&self) -> Option<Pos2> {
         self.response.hover_pos()
     }
 }
 
-/// Makes room for the canvas and lets the pointer act on it.
+/// Allocates the canvas and handles pointer input.
 pub fn interact(editor: &mut Editor, ui: &mut Ui) -> Canvas {
     editor.space.leave();
     let outer = ui.available_rect_before_wrap();
@@ -78,7 +78,7 @@ pub fn interact(editor: &mut Editor, ui: &mut Ui) -> Canvas {
         | Tool::Erase
         | Tool::Measure => egui::CursorIcon::Crosshair,
     };
-    // The key that ends a text draws nothing.
+    // The key that ends a text must not draw.
     if !was_typing {
         cursor::act(editor, ui, &response, &lens);
     }
@@ -95,7 +95,7 @@ pub fn paint(editor: &Editor, shown: &Shown, ui: &Ui, canvas: &Canvas) {
     let lens = &canvas.lens;
     let painter = ui.painter_at(lens.rect);
     let map = shown.map.as_ref().filter(|map| map.cut == editor.view.cut);
-    // What a map covers, but for a part of a pixel, is not painted twice.
+    // The area fully covered by a map is not painted twice.
     if !map.is_some_and(|map| place(map, lens).expand(0.1).contains_rect(lens.rect)) {
         painter.rect_filled(lens.rect, 0.0, ground(&editor.view));
     }
@@ -146,7 +146,7 @@ pub fn ground(view: &View) -> Color32 {
     theme::ground(view.is_light && !view.is_shaded())
 }
 
-/// Where a map is on the screen.
+/// Position of a map on the screen.
 fn place(map: &Map, lens: &Lens) -> Rect {
     let there = Lens { rect: map.rect, window: map.window };
     let corner = |at: Pos2| lens.screen(there.flat(at));
@@ -175,7 +175,7 @@ fn contours(map: &Map, painter: &Painter, place: Rect) {
     }
 }
 
-/// What is to be known of a shaded surface, which has no axes.
+/// Notes on a shaded surface, which has no axes.
 fn shaded(shown: &Shown, ui: &Ui, painter: &Painter, lens: &Lens) {
     let outline = Stroke::new(1.0, ui.visuals().weak_text_color());
     ui.painter().rect_stroke(lens.rect, 0.0, outline, StrokeKind::Outside);
@@ -198,7 +198,7 @@ fn shaded(shown: &Shown, ui: &Ui, painter: &Painter, lens: &Lens) {
     );
 }
 
-/// What stands between the user and a picture.
+/// The message in place of a picture.
 pub fn words(editor: &Editor, shown: &Shown, painter: &Painter, rect: Rect) {
     let middle = rect.center();
     if editor.scene().targets.is_empty() && !editor.is_in_gesture() {
@@ -263,7 +263,7 @@ fn probe(editor: &Editor, shown: &Shown, painter: &Painter, lens: &Lens, at: Pos
     if let (Some(map), Some(sound)) = (&shown.map, &shown.sound) {
         text.push_str(&format!("     {}", value(editor, map, sound, uv, point)));
     }
-    // Where the map is narrow it has several lines.
+    // Wrapped on narrow maps.
     let corner = lens.rect.left_top() + vec2(12.0, 9.0);
     let room = (lens.rect.width() - 24.0).max(40.0);
     let galley = painter.layout(text, FontId::proportional(13.0), theme::MARK, room);

@@ -1,4 +1,4 @@
-//! What is done to the selected targets as a whole: copied, pasted, doubled, deleted.
+//! Commands on the selected targets as a whole: copy, paste, duplicate, delete.
 
 use std::collections::BTreeSet;
 use std::path::Path;
@@ -21,12 +21,12 @@ pub fn paste(editor: &mut Editor, text: &str) {
         let pasted = editor.selection.iter().next().copied().unwrap_or(0);
         edit::return_pixels(&mut editor.document.scene.targets[pasted..], &editor.copied);
         let folder = editor.document.path().and_then(Path::parent).unwrap_or(Path::new("")).to_owned();
-        // A picture that is missing is named where the scene is shown.
+        // A missing picture is reported where the scene is shown.
         let _ = opening::load_targets(&mut editor.document.scene.targets, &folder);
     }
 }
 
-/// The vertex or keyframe of a path that was taken hold of last, or else what is selected.
+/// Deletes the last grabbed vertex or keyframe of a path, or else the selection.
 pub fn delete_chosen(editor: &mut Editor) {
     if !way::delete(editor) {
         delete(editor);

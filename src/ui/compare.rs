@@ -15,19 +15,19 @@ use crate::ui::canvas::{self, Canvas};
 use crate::ui::view::{Axes, Cut, Lens, View, Window};
 use crate::ui::{Editor, Map, Shown, Sound, edit, legend, marks, theme};
 
-/// What wheel and pinch do, as on the canvas.
+/// Zoom per point of wheel or pinch, as on the canvas.
 const ZOOM_PER_POINT: f64 = 1.0 / 240.0;
 /// Points of the screen that two maps need.
 const NARROWEST: f32 = 420.0;
 const CROSS: Color32 = Color32::from_rgba_premultiplied(150, 150, 150, 150);
 
-/// The second map's place on the screen.
+/// The second map on the screen.
 #[derive(Debug)]
 pub struct Second {
     pub lens: Lens,
 }
 
-/// Room for the canvas, and beside it for what it is compared with.
+/// Splits the space into the canvas and the comparison map.
 pub fn halves(editor: &mut Editor, ui: &mut Ui) -> (Ui, Option<Ui>) {
     if editor.compare.is_some() {
         ui.add_space(4.0);
@@ -100,7 +100,7 @@ fn settings(editor: &mut Editor, ui: &mut Ui) {
     }
 }
 
-/// Lets the pointer look around on the second map.
+/// Pans and zooms the second map.
 pub fn interact(editor: &mut Editor, first: &Canvas, ui: &mut Ui) -> Option<Second> {
     let compare = editor.compare.clone()?;
     let outer = ui.available_rect_before_wrap();
@@ -140,7 +140,7 @@ pub fn interact(editor: &mut Editor, first: &Canvas, ui: &mut Ui) -> Option<Seco
     Some(Second { lens })
 }
 
-/// The window on the second map: as far away as the first, at the same place of what both have.
+/// The view of the second map: at the same scale, at the same position in shared coordinates.
 fn second_lens(editor: &Editor, compare: &Compare, first: &Lens, rect: Rect) -> Lens {
     if compare.with != With::Plane {
         return Lens { rect, window: first.window };
@@ -153,7 +153,7 @@ fn second_lens(editor: &Editor, compare: &Compare, first: &Lens, rect: Rect) -> 
     Lens { rect, window: Window { centre, scale: first.window.scale } }
 }
 
-/// Whether the same runs to the right on both planes.
+/// Whether both planes have the same horizontal axis.
 fn shares_across(editor: &Editor, compare: &Compare) -> bool {
     let (own, other) = (editor.view.axes(editor.scene()), compare.view(&editor.view).axes(editor.scene()));
     own.x.distance(other.x) < 1e-9
@@ -171,7 +171,7 @@ fn link(editor: &mut Editor, compare: &Compare, first: &Lens, window: Window) {
     editor.compare.iter_mut().for_each(|compare| compare.centre = Some(window.centre));
 }
 
-/// The second map, and over both what is known of them.
+/// The second map, and the labels of both.
 pub fn paint(editor: &Editor, shown: &Shown, ui: &Ui, first: &Canvas, second: &Second) {
     let Some(compare) = &editor.compare else { return };
     let view = compare.view(&editor.view);
@@ -245,7 +245,7 @@ pub fn paint(editor: &Editor, shown: &Shown, ui: &Ui, first: &Canvas, second: &S
     painter.galley(at.min, galley, colour);
 }
 
-/// A picture of the first map's window, at the second's place.
+/// A picture of the first map's view, at the second's position.
 fn picture(
     painter: &Painter,
     (texture, rect, window): (egui::TextureId, Rect, Window),
@@ -257,7 +257,7 @@ fn picture(
     painter.image(texture, place, Rect::from_min_max(pos2(0.0, 1.0), pos2(1.0, 0.0)), Color32::WHITE);
 }
 
-/// Outlines as they stand in the scene, and foci as they are in the frame that is shown.
+/// Outlines at their scene positions, and foci of the displayed frame.
 fn outlines(editor: &Editor, sound: Option<&Sound>, view: &View, painter: &Painter, lens: &Lens) {
     let axes = view.axes(editor.scene());
     for target in editor.scene().targets.iter().filter(|target| target.visible) {
@@ -280,7 +280,7 @@ fn cross(painter: &Painter, lens: &Lens, uv: DVec2) {
     painter.vline(at.x, lens.rect.y_range(), Stroke::new(1.0, CROSS));
 }
 
-/// The point of a plane that is nearest to another.
+/// The point of a plane nearest to another point.
 fn on(axes: &Axes, point: DVec3) -> DVec3 {
     axes.world(axes.flat(point))
 }
@@ -304,7 +304,7 @@ fn signed(editor: &Editor, quantity: Quantity, value: f64) -> String {
     format!("{sign}{}", stated(editor, quantity, value.abs()))
 }
 
-/// What a side shows, its value at the pointer, and how far off it is.
+/// Label of a side: its content, its value at the pointer, and its error.
 fn words(
     painter: &Painter,
     rect: Rect,

@@ -1,4 +1,4 @@
-//! The menu under the right button: what can be done with what is selected.
+//! The context menu of the selection.
 
 use egui::{Button, Response, Ui};
 use glam::DVec2;
@@ -10,10 +10,10 @@ use crate::ui::edit::{self, Align};
 use crate::ui::group;
 use crate::ui::view::Lens;
 
-/// Points of the screen within which an outline is meant.
+/// Pick distance of an outline in points.
 const REACH: f64 = 9.0;
 
-/// Opens the menu where the right button was clicked, and selects the target there.
+/// Opens the menu at the click of the right button, and selects the target there.
 pub fn menu(editor: &mut Editor, response: &Response, lens: &Lens) {
     if response.secondary_clicked()
         && let Some(at) = response.interact_pointer_pos()
@@ -68,7 +68,7 @@ fn show(editor: &mut Editor, ui: &mut Ui) {
     }
 }
 
-/// Puts what was copied last where the menu was opened.
+/// Pastes at the menu's position.
 fn paste(editor: &mut Editor) {
     let axes = editor.view.axes(editor.scene());
     let mut pasted: Vec<Target> = editor.copied.clone();

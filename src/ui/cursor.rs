@@ -1,4 +1,4 @@
-//! The canvas by keyboard: a cross that arrows move, at which a key draws what the tool draws.
+//! The canvas by keyboard: arrow keys move a cross, and a key draws with the current tool.
 
 use egui::{Color32, Context, Event, EventFilter, Id, Key, Modifiers, Painter, Response, Stroke, Ui, vec2};
 use glam::DVec2;
@@ -11,11 +11,11 @@ use crate::ui::tool::Tool;
 use crate::ui::typing::Typing;
 use crate::ui::view::Lens;
 
-/// m: what an arrow key moves by, with Ctrl and with Shift.
+/// Steps of an arrow key, with Ctrl and with Shift, m.
 const STEP: f64 = 1e-3;
 const FINE: f64 = 1e-4;
 const FAR: f64 = 1e-2;
-/// Points of the screen within which an outline is meant.
+/// Pick distance of an outline in points.
 const REACH: f64 = 9.0;
 /// Points of the screen: half of the cross.
 const HALF: f32 = 11.0;
@@ -25,12 +25,12 @@ pub fn id() -> Id {
     Id::unique("canvas")
 }
 
-/// Whether keys go to the canvas.
+/// Whether the canvas has the keyboard.
 pub fn has_focus(ctx: &Context) -> bool {
     ctx.memory(|memory| memory.has_focus(id()))
 }
 
-/// Whether arrows move what is selected, and not the cross.
+/// Whether arrow keys move the selection instead of the cross.
 pub fn moves_selection(editor: &Editor, ctx: &Context) -> bool {
     !has_focus(ctx) || (editor.tool == Tool::Select && !editor.selection.is_empty())
 }
@@ -63,7 +63,7 @@ pub fn act(editor: &mut Editor, ui: &Ui, response: &Response, lens: &Lens) {
     editor.cursor = Some(at.clamp(lens.window.centre - half, lens.window.centre + half));
 }
 
-/// Where the cross is: in the middle at first.
+/// Position of the cross, initially the centre.
 fn place(editor: &Editor, lens: &Lens) -> DVec2 {
     editor.cursor.unwrap_or(lens.window.centre)
 }
@@ -97,7 +97,7 @@ fn nudge(editor: &mut Editor, by: DVec2) {
     }
 }
 
-/// Draws what a click would draw at the cross, or selects what is there.
+/// Acts like a click at the cross: draws, or selects the target there.
 fn press(editor: &mut Editor, lens: &Lens, at: DVec2) {
     let axes = editor.view.axes(editor.scene());
     match editor.tool {

@@ -1,11 +1,11 @@
-//! What a target measures, for the chip beside the pointer while it is drawn or pulled.
+//! The dimensions of a target, shown beside the pointer while it is drawn or resized.
 
 use crate::scene::{Shape, Target, outline};
 use crate::ui::edit;
 use crate::ui::measure::{length_and_angle, mm};
 use crate::ui::view::Axes;
 
-/// Size of a target in mm, or where a point is on the cut.
+/// Size of a target in mm, or position of a point on the plane.
 pub fn of(target: &Target, axes: &Axes) -> String {
     match &target.shape {
         Shape::Point { at } | Shape::Trap { at, .. } => {

@@ -1,4 +1,4 @@
-//! The scene that is edited, with its history and its file.
+//! The document: the edited scene with its history and its file.
 
 use std::path::{Path, PathBuf};
 
@@ -10,28 +10,27 @@ use crate::studio::paintings::{self, Paintings, Placed};
 /// Steps that can be taken back.
 const MOST_STEPS: usize = 500;
 
-/// A scene in the making. Whatever edits it writes to [`Document::scene`]; [`Document::settle`] makes one step of the history out
-/// of all that was edited since the last.
+/// An edited scene. Edits write
 #[derive(Clone, Debug)]
 pub struct Document {
     pub scene: Scene,
-    /// As the last step of the history left it.
+    /// State of the last undo step.
     settled: Scene,
     undo: Vec<Scene>,
     redo: Vec<Scene>,
-    /// As the file holds it.
+    /// As in the file.
     saved: Scene,
     path: Option<PathBuf>,
-    /// What it is called while it has no file.
+    /// Its name while it has no file.
     name: String,
-    /// What the scene was read from, with its comments; empty if it was not.
+    /// The text of its file, with comments; empty without one.
     text: String,
-    /// Which painted pictures stand where.
+    /// Files of painted pictures.
     pub paintings: Paintings,
 }
 
 impl Document {
-    /// A scene that was read from nowhere.
+    /// A scene without a file.
     pub fn new(scene: Scene, name: &str) -> Self {
         Self {
             settled: scene.clone(),
@@ -46,7 +45,7 @@ impl Document {
         }
     }
 
-    /// The scene in a text, whose comments are kept.
+    /// The scene of a text, keeping its comments.
     ///
     /// # Errors
     /// Those of [`opening::parse`].
@@ -65,7 +64,7 @@ impl Document {
         Ok(Self { path: Some(path.to_owned()), text, ..Self::new(scene, "") })
     }
 
-    /// The text of a file that holds a scene: what this one was read from, but for what changed.
+    /// The text of a scene's file: the original text with changes only.
     pub fn text_of(&self, scene: &Scene) -> String {
         rewrite::rewrite(&self.text, scene)
     }
@@ -74,24 +73,24 @@ impl Document {
         self.path.as_deref()
     }
 
-    /// The file's name, or what stands for it.
+    /// The file's name, or a substitute.
     pub fn name(&self) -> String {
         let of_file = self.path.as_deref().and_then(Path::file_name);
         of_file.map_or_else(|| self.name.clone(), |name| name.to_string_lossy().into_owned())
     }
 
-    /// Whether there is something that the file does not hold.
+    /// Whether there are unsaved changes.
     pub fn is_unsaved(&self) -> bool {
         self.scene != self.saved
     }
 
-    /// Whether a file is that of the document, and does not hold any more what was read from it or saved there.
+    /// Whether a file is the document's and was changed by another program since it was read or saved.
     pub fn was_changed_elsewhere(&self, path: &Path) -> bool {
         let is_own = self.path.as_deref() == Some(path);
         is_own && file::read_text(path).is_ok_and(|text| text != self.text)
     }
 
-    /// The scene as a file is to hold it, and the paintings that have to stand beside it. Only the document's own are written over.
+    /// The scene for its file, and the paintings to write beside it. Only the document's own are overwritten.
     pub fn placed(&self, path: &Path) -> Placed {
         let is_own = |place: &Path| {
             self.paintings.has_written(place)
@@ -100,7 +99,7 @@ impl Document {
         self.paintings.place(&self.scene, path, is_own)
     }
 
-    /// This scene, which differs in the names of pictures alone, is in this file now, as [`Document::text_of`].
+    /// Records that this scene, which may differ in picture names, is now in this file, as [`Document::text_of`].
     pub fn saved_as(&mut self, path: PathBuf, scene: Scene) {
         // Names that a file gave are no step of the history.
         if self.scene == self.settled {
@@ -112,12 +111,12 @@ impl Document {
         self.path = Some(path);
     }
 
-    /// The scene is worth asking for even though no file holds it: what was recovered.
+    /// Marks the scene as unsaved although it has no changes: a recovered one.
     pub fn was_never_saved(&mut self) {
         self.saved = Scene::default();
     }
 
-    /// Makes a step of the history if anything was edited. A gesture is one step: call this when it is over.
+    /// Makes an undo step of pending edits, if any; to be called at the end of a gesture.
     pub fn settle(&mut self) {
         if self.scene == self.settled {
             return;
@@ -129,7 +128,7 @@ impl Document {
         }
     }
 
-    /// Takes back what was edited since the last step.
+    /// Reverts the edits since the last step.
     pub fn revert(&mut self) {
         self.scene = self.settled.clone();
     }

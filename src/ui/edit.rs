@@ -1,4 +1,4 @@
-//! What tools and keys do to the targets of a scene.
+//! Edits of a scene's targets by tools and keys.
 
 use std::collections::BTreeSet;
 use std::path::Path;
@@ -9,7 +9,7 @@ use crate::scene::{MotionPath, Scene, Shape, Target, file, outline};
 use crate::ui::group;
 use crate::ui::view::Axes;
 
-/// m: where a copy stands beside what it is a copy of.
+/// Offset of a copy from its original, m.
 const BESIDE: f64 = 0.01;
 
 pub fn delete(scene: &mut Scene, selection: &mut BTreeSet<usize>) {
@@ -21,14 +21,14 @@ pub fn delete(scene: &mut Scene, selection: &mut BTreeSet<usize>) {
     selection.clear();
 }
 
-/// What is selected, as a text and as it is.
+/// The selection as text and as values.
 pub fn copied(scene: &Scene, selection: &BTreeSet<usize>) -> Option<(String, Vec<Target>)> {
     let targets: Vec<Target> =
         selection.iter().filter_map(|&index| scene.targets.get(index)).cloned().collect();
     (!targets.is_empty()).then(|| (file::write_targets(&targets), targets))
 }
 
-/// Gives pictures that come out of a text their pixels, if they are those that were copied: what was painted may be in no file.
+/// Restores the pixels of pasted pictures from the copied originals: paintings may have no file.
 pub fn return_pixels(pasted: &mut [Target], copied: &[Target]) {
     if pasted.len() != copied.len() {
         return;
@@ -43,7 +43,7 @@ pub fn return_pixels(pasted: &mut [Target], copied: &[Target]) {
     }
 }
 
-/// Adds the targets of a text beside where they stood, and selects them. Says whether it has any.
+/// Adds the targets of a text, offset from their position, and selects them. Returns whether there were any.
 pub fn paste(scene: &mut Scene, selection: &mut BTreeSet<usize>, axes: &Axes, text: &str) -> bool {
     let Some(mut targets) = file::parse_targets(text).filter(|targets| !targets.is_empty()) else {
         return false;
@@ -51,7 +51,7 @@ pub fn paste(scene: &mut Scene, selection: &mut BTreeSet<usize>, axes: &Axes, te
     let by = (axes.x - axes.y) * BESIDE;
     for target in &mut targets {
         target.shape.translate(by);
-        // Without turns there are no steps.
+        // Steps only exist in scenes with turns.
         target.step = target.step.filter(|_| scene.motion.path == MotionPath::Steps);
     }
     let first = scene.targets.len();
@@ -61,7 +61,7 @@ pub fn paste(scene: &mut Scene, selection: &mut BTreeSet<usize>, axes: &Axes, te
     true
 }
 
-/// Puts a target elsewhere in the list: before the one that stands at `to`, or at the end. Gives out its new place.
+/// Moves a target in the list, before the one at `to` or to the end. Returns its new index.
 pub fn reorder(scene: &mut Scene, from: usize, to: usize) -> usize {
     if from >= scene.targets.len() {
         return from;
@@ -72,7 +72,7 @@ pub fn reorder(scene: &mut Scene, from: usize, to: usize) -> usize {
     place
 }
 
-/// Copies what is selected and selects the copies.
+/// Duplicates the selection and selects the copies.
 pub fn duplicate(scene: &mut Scene, selection: &mut BTreeSet<usize>, axes: &Axes) {
     copy_in_place(scene, selection);
     let by = (axes.x - axes.y) * BESIDE;
@@ -81,12 +81,12 @@ pub fn duplicate(scene: &mut Scene, selection: &mut BTreeSet<usize>, axes: &Axes
     }
 }
 
-/// What a target is called in lists.
+/// Name of a target in lists.
 pub fn name(target: &Target) -> String {
     if target.name.is_empty() { kind(target) } else { target.name.clone() }
 }
 
-/// What a target without a name is called.
+/// Default name of a target.
 pub fn kind(target: &Target) -> String {
     match &target.shape {
         Shape::Point { .. } => "Point".to_owned(),
@@ -117,7 +117,7 @@ pub fn bounds<'a>(targets: impl IntoIterator<Item = &'a Target>, axes: &Axes) ->
     points.map(|point| [point; 2]).reduce(|[low, high], [a, b]| [low.min(a), high.max(b)])
 }
 
-/// Where selected targets are to line up.
+/// Alignment of selected targets.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Align {
     Left,
@@ -143,7 +143,7 @@ impl Align {
     }
 }
 
-/// Lines up what is selected with the box around all of it.
+/// Aligns the selection with its bounding box.
 pub fn align(scene: &mut Scene, selection: &BTreeSet<usize>, axes: &Axes, align: Align) {
     let chosen = || selection.iter().copied().filter(|&index| index < scene.targets.len());
     let boxes: Vec<_> = chosen()
@@ -165,7 +165,7 @@ pub fn align(scene: &mut Scene, selection: &BTreeSet<usize>, axes: &Axes, align:
     }
 }
 
-/// Makes the gaps between what is selected equal along the axis to the right, or upwards; the outermost stay.
+/// Equalises the gaps in the selection along the horizontal or vertical axis, keeping the outermost targets.
 pub fn distribute(scene: &mut Scene, selection: &BTreeSet<usize>, axes: &Axes, is_upwards: bool) {
     let along = |at: DVec2| if is_upwards { at.y } else { at.x };
     let mut spans: Vec<_> = selection
@@ -184,7 +184,7 @@ pub fn distribute(scene: &mut Scene, selection: &BTreeSet<usize>, axes: &Axes, i
     }
 }
 
-/// Copies what is selected where it stands and selects the copies.
+/// Copies the selection in place and selects the copies.
 pub fn copy_in_place(scene: &mut Scene, selection: &mut BTreeSet<usize>) {
     let copies: Vec<Target> =
         selection.iter().filter_map(|&index| scene.targets.get(index)).cloned().collect();
@@ -194,7 +194,8 @@ pub fn copy_in_place(scene: &mut Scene, selection: &mut BTreeSet<usize>) {
     *selection = (first..scene.targets.len()).collect();
 }
 
-/// The uppermost target whose outline is within `reach` (m) of a point of the cut, or that has the point inside its letters.
+/// The topmost target with its outline within `reach` (m) of a point of the plane, or with the point inside its
+/// letters.
 pub fn target_at(scene: &Scene, axes: &Axes, at: DVec2, reach: f64) -> Option<usize> {
     target_among(scene, axes, at, reach, |_| true)
 }

@@ -9,7 +9,7 @@ use crate::scene::chart::Chart;
 /// Points of the screen.
 const LARGEST: f32 = 224.0;
 
-/// Draws the elements in these colours; `None` is one that is not driven. Gives out the element under the pointer.
+/// Draws the elements in these colours; `None` is undriven. Returns the element under the pointer.
 pub fn show(
     ui: &mut Ui,
     name: &str,

@@ -1,6 +1,6 @@
 //! Numbers as people type them: `12,5`, `2 cm`, `3*7`, `(1 + 2) / 4`.
 
-/// Kinds of units with what each is in the first of its kind.
+/// Kinds of units, with factors to the first of each kind.
 const KINDS: &[&[(&str, f64)]] = &[
     &[
         ("m", 1.0),
@@ -21,10 +21,10 @@ const KINDS: &[&[(&str, f64)]] = &[
 /// Brackets within brackets.
 const DEEPEST: usize = 32;
 
-/// The value of a text in a field's unit, in which a number without a unit is meant.
+/// The value of a text in a field's unit, which is the default unit of numbers.
 ///
 /// # Errors
-/// A sentence that says what cannot be read.
+/// The unreadable part, as a sentence.
 pub fn parse(text: &str, unit: &str) -> Result<f64, String> {
     let mut reader = Reader { rest: text.trim(), unit: unit.trim(), depth: 0 };
     if reader.rest.is_empty() {
@@ -45,7 +45,7 @@ struct Reader<'a> {
 }
 
 impl Reader<'_> {
-    /// The sign that comes next, if it is one of these, all of which mean the first.
+    /// Consumes the next sign if it is one of these synonyms.
     fn takes(&mut self, signs: &[char]) -> bool {
         self.rest = self.rest.trim_start();
         match self.rest.strip_prefix(signs) {
@@ -137,7 +137,7 @@ impl Reader<'_> {
         })
     }
 
-    /// What a unit behind a number or a bracket makes of it, in the field's unit.
+    /// Applies a unit behind a number or a bracket, converting to the field's unit.
     fn unit_behind(&mut self) -> Result<f64, String> {
         let own = self.unit;
         if !own.is_empty()
@@ -168,7 +168,7 @@ impl Reader<'_> {
     }
 }
 
-/// Whether a unit is over here.
+/// Whether a unit ends here.
 fn ends(rest: &str) -> bool {
     !rest.starts_with(char::is_alphabetic)
 }

@@ -1,4 +1,4 @@
-//! What an empty scene shows instead of a map: the examples as pictures, and at the first start three hints.
+//! The start view of an empty scene: the examples as pictures, and at the first start three hints.
 
 use egui::{Align2, Area, Button, Frame, Id, Image, Order, Rect, RichText, ScrollArea, Ui, vec2};
 
@@ -19,7 +19,7 @@ const HINTS: [(&str, &str); 3] = [
     ("Find", "Ctrl P lists every command; F1 the keys."),
 ];
 
-/// Draws it over the canvas, where there is something to show.
+/// Draws it over the canvas, if there is content.
 pub(super) fn show(canvas: Rect, editor: &mut Editor, shown: &Shown, ui: &Ui, commands: &mut Vec<Command>) {
     let has_room = canvas.width() >= LEAST.x && canvas.height() >= LEAST.y;
     if !has_room || editor.layout.presents || editor.dialog.is_some() {
@@ -49,7 +49,7 @@ fn cards(canvas: Rect, editor: &mut Editor, shown: &Shown, ui: &mut Ui, commands
     let height = (canvas.height() - 90.0).clamp(80.0, 420.0);
     let card = PICTURE.y + 24.0;
     ui.spacing_mut().item_spacing = vec2(GAP, GAP);
-    // Only those in sight are drawn, and only what is drawn is rendered.
+    // Only visible pictures are drawn, and only drawn ones are rendered.
     ScrollArea::vertical().max_height(height).show_rows(ui, card, rows, |ui, seen| {
         for row in seen {
             ui.horizontal(|ui| {

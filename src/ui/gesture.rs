@@ -1,4 +1,4 @@
-//! What the pointer does on the canvas: drawing, moving, selecting, erasing, and typing.
+//! Pointer gestures on the canvas: drawing, moving, selecting, erasing, and typing.
 
 use std::collections::BTreeSet;
 
@@ -19,26 +19,26 @@ use crate::ui::typing::{self, Typing};
 use crate::ui::view::{Axes, Lens};
 use crate::ui::way;
 
-/// Points of the screen within which an outline is meant.
+/// Pick distance of an outline in points.
 const REACH: f64 = 9.0;
-/// The same from the end of a stroke to its beginning, where it closes.
+/// The same between the ends of a stroke, for closing it.
 pub const CLOSES: f64 = 14.0;
 /// m, between the vertices of a stroke drawn by hand.
 const STROKE_STEP: f64 = 1.5e-3;
 const MOST_VERTICES: usize = 600;
-/// What one turn of the wheel's notch does.
+/// Zoom per point of the wheel.
 const ZOOM_PER_POINT: f64 = 1.0 / 240.0;
 
-/// An edit that goes on as long as the button is held.
+/// An edit in progress while the button is held.
 #[derive(Clone, Debug)]
 pub enum Gesture {
     Pan,
-    /// From where, and how the targets stood.
+    /// Starting point, and the targets before.
     Move {
         from: DVec2,
         before: Vec<(usize, Target)>,
     },
-    /// A handle of the one target that is selected, and how that stood.
+    /// A handle of the single selected target, and its state before.
     Pull {
         index: usize,
         handle: usize,
@@ -51,7 +51,7 @@ pub enum Gesture {
         /// Selected before, and kept.
         kept: BTreeSet<usize>,
     },
-    /// A shape under way: its place in the scene once it has a size.
+    /// A shape being drawn: its index in the scene once it has a size.
     Draw {
         from: DVec2,
         index: Option<usize>,
@@ -61,9 +61,9 @@ pub enum Gesture {
         index: Option<usize>,
     },
     Brush {
-        /// Where it was in the frame before.
+        /// Position in the previous frame.
         last: Option<DVec2>,
-        /// The picture that it paints, once there is one.
+        /// The painted picture, once it exists.
         index: Option<usize>,
     },
     Erase {
@@ -73,7 +73,7 @@ pub enum Gesture {
     Measure {
         fixed: DVec2,
     },
-    /// All that is selected is scaled or turned.
+    /// The selection is being scaled or rotated.
     Transform {
         grip: Grip,
         from: DVec2,
@@ -81,16 +81,16 @@ pub enum Gesture {
     },
 }
 
-/// Lets the pointer act. `response` is the canvas.
+/// Handles pointer input. `response` is the canvas.
 pub fn act(editor: &mut Editor, ui: &Ui, response: &Response, lens: &Lens) {
     look_around(editor, ui, response, lens);
     let axes = editor.view.axes(editor.scene());
     let modifiers = ui.input(|input| input.modifiers);
-    // A quick click comes and goes within a frame.
+    // A quick click begins and ends within a frame.
     let is_meant = response.is_pointer_button_down_on() || response.clicked();
     let pressed = is_meant && ui.input(|input| input.pointer.primary_pressed());
     if !is_meant && ui.input(|input| input.pointer.any_pressed()) {
-        // What is pressed beside the canvas may change the list that the text stands in.
+        // A click outside the canvas may change the list that contains the text.
         typing::end(editor);
     }
     if let Some(at) = response.interact_pointer_pos() {
@@ -108,7 +108,7 @@ pub fn act(editor: &mut Editor, ui: &Ui, response: &Response, lens: &Lens) {
     }
 }
 
-/// Lets the pointer look around where nothing is edited.
+/// Pans and zooms without editing.
 pub fn watch(editor: &mut Editor, ui: &Ui, response: &Response, lens: &Lens) {
     typing::end(editor);
     look_around(editor, ui, response, lens);
@@ -150,7 +150,8 @@ fn look_around(editor: &mut Editor, ui: &Ui, response: &Response, lens: &Lens) {
     }
 }
 
-/// The place that is meant: on the grid if the pointer snaps, else in line with what is not `held`. Ctrl frees it.
+/// The snapped position: on the grid if enabled, otherwise aligned with targets that are not `held`. Ctrl disables
+/// snapping.
 fn place(
     editor: &mut Editor,
     axes: &Axes,
@@ -169,7 +170,7 @@ fn place(
     uv + line_up(editor, axes, lens, &[uv], &held.into_iter().collect())
 }
 
-/// By how much something with these places has to move to line up with what is not `held`.
+/// The displacement that aligns these points with targets that are not `held`.
 fn line_up(editor: &mut Editor, axes: &Axes, lens: &Lens, places: &[DVec2], held: &BTreeSet<usize>) -> DVec2 {
     if !editor.view.guides {
         return DVec2::ZERO;
@@ -211,7 +212,7 @@ fn begin(editor: &mut Editor, axes: &Axes, lens: &Lens, at: Pos2, modifiers: Mod
     };
 }
 
-/// Selects what is under the pointer and takes hold of it, or begins a rubber band.
+/// Selects and grabs the target under the pointer, or begins a selection rectangle.
 fn grab(editor: &mut Editor, axes: &Axes, lens: &Lens, at: Pos2, modifiers: Modifiers) -> Gesture {
     let from = lens.flat(at);
     if let Some(pull) = way::take(editor, axes, lens, at) {
@@ -241,7 +242,7 @@ fn grab(editor: &mut Editor, axes: &Axes, lens: &Lens, at: Pos2, modifiers: Modi
     Gesture::Move { from, before: selected(editor) }
 }
 
-/// What is selected, as it stands.
+/// The selected targets, with their indices.
 fn selected(editor: &Editor) -> Vec<(usize, Target)> {
     let targets = &editor.scene().targets;
     let target = |&index: &usize| targets.get(index).map(|target| (index, target.clone()));
@@ -259,7 +260,7 @@ fn other_end(editor: &Editor, lens: &Lens, at: Pos2) -> Option<DVec2> {
     }
 }
 
-/// Takes hold of a handle of what is selected.
+/// Grabs a handle of the selection.
 fn pull(editor: &Editor, axes: &Axes, lens: &Lens, at: Pos2) -> Option<Gesture> {
     if let Some(grip) = transform::at(editor, axes, lens, at) {
         return Some(Gesture::Transform { grip, from: lens.flat(at), before: selected(editor) });
@@ -277,7 +278,7 @@ fn go_on(editor: &mut Editor, axes: &Axes, lens: &Lens, at: Pos2, modifiers: Mod
         Gesture::Pull { index, handle, before } => {
             let from = handle::handles(before)[*handle];
             let uv = place(editor, axes, lens, (at, modifiers), Some(*index));
-            // A click that trembles pulls nothing.
+            // Small movements during a click pull nothing.
             if uv.distance(axes.flat(from)) >= 2.0 * lens.window.scale {
                 let depth = axes.x.cross(axes.y) * axes.height(from);
                 let pulled = handle::pulled(before, *handle, axes.world(uv) + depth);
@@ -354,13 +355,13 @@ fn go_on(editor: &mut Editor, axes: &Axes, lens: &Lens, at: Pos2, modifiers: Mod
     editor.gesture = Some(gesture);
 }
 
-/// From where the pointer was to where it is; `None` while it rests.
+/// The movement of the pointer; `None` at rest.
 fn way(last: &mut Option<DVec2>, to: DVec2) -> Option<[DVec2; 2]> {
     let from = last.replace(to).unwrap_or(DVec2::INFINITY);
     (from != to).then_some([if from.is_finite() { from } else { to }, to])
 }
 
-/// Whether a stroke ends within reach of where it began.
+/// Whether a stroke ends close to its start.
 pub fn closes(points: &[DVec2], lens: &Lens) -> bool {
     let reach = CLOSES * lens.window.scale;
     let [first, .., last] = points else { return false };
@@ -368,7 +369,7 @@ pub fn closes(points: &[DVec2], lens: &Lens) -> bool {
     points.len() > 4 && first.distance(*last) <= reach && length > 4.0 * reach
 }
 
-/// Moves what is held to where the pointer is.
+/// Moves the held targets to the pointer.
 fn follow(
     editor: &mut Editor,
     axes: &Axes,
@@ -385,7 +386,7 @@ fn follow(
     if let (true, Some((_, first))) = (by != DVec2::ZERO && !modifiers.command, before.first()) {
         let centre = axes.flat(outline::centre(&first.shape));
         if editor.snaps {
-            // The first target goes to the grid and the others keep their distance from it.
+            // The first target snaps to the grid and the others keep their offsets.
             by = ((centre + by) / editor.grid).round() * editor.grid - centre;
         } else {
             let edges = edit::bounds(before.iter().map(|(_, target)| target), axes).unwrap_or([centre; 2]);
@@ -420,7 +421,7 @@ fn straight(tool: Tool, from: DVec2, to: DVec2) -> DVec2 {
     }
 }
 
-/// Puts a target that is under way into the scene, in place of what it was before.
+/// Puts a target being drawn into the scene, replacing its previous state.
 fn put(editor: &mut Editor, index: &mut Option<usize>, target: Target) {
     let targets = &mut editor.document.scene.targets;
     match index.and_then(|index| targets.get_mut(index)) {
@@ -452,7 +453,7 @@ fn end(editor: &mut Editor, axes: &Axes, lens: &Lens, response: &Response) {
         }
     }
     if let (Gesture::Measure { .. }, ProfileLine::Between(_)) = (&gesture, editor.view.line) {
-        // Not before: its panel takes room from the map that the pointer is on.
+        // Not earlier: its panel takes space from the map under the pointer.
         editor.view.section = true;
     }
     if let Gesture::Erase { .. } = gesture {

@@ -1,11 +1,11 @@
-//! Groups: targets that a click on the map selects together.
+//! Groups: targets selected together by a click on the map.
 
 use std::collections::{BTreeMap, BTreeSet};
 
 use crate::scene::{Scene, Target};
 use crate::ui::Editor;
 
-/// Names that are given; a number follows.
+/// Stem of generated names; a number follows.
 const STEM: &str = "Group";
 
 /// A target and those of its group.
@@ -31,13 +31,13 @@ pub fn any(scene: &Scene, selection: &BTreeSet<usize>) -> bool {
     selection.iter().any(|&index| scene.targets.get(index).is_some_and(|target| !target.group.is_empty()))
 }
 
-/// Makes one group of what is selected.
+/// Groups the selection.
 pub fn join(editor: &mut Editor) {
     let name = fresh(&editor.scene().targets, STEM);
     rename(editor, &name);
 }
 
-/// Gives the group of what is selected this name; with an empty one they are in no group.
+/// Renames the group of the selection; an empty name ungroups it.
 pub fn rename(editor: &mut Editor, name: &str) {
     for &index in &editor.selection {
         if let Some(target) = editor.document.scene.targets.get_mut(index) {
@@ -46,7 +46,7 @@ pub fn rename(editor: &mut Editor, name: &str) {
     }
 }
 
-/// Copies, which stand from `first` on, are in groups of their own.
+/// Gives copies, from index `first` on, groups of their own.
 pub fn part(targets: &mut [Target], first: usize) {
     let mut names = BTreeMap::new();
     for index in first..targets.len() {

@@ -1,4 +1,4 @@
-//! What is moved or drawn comes to rest where it lines up with the array's axis, with other targets, or on the grid.
+//! Snapping: moved or drawn targets align with the array's axis, other targets, or the grid.
 
 use std::collections::BTreeSet;
 
@@ -10,14 +10,14 @@ use crate::ui::edit;
 use crate::ui::view::{Axes, Lens};
 use crate::ui::{theme, ticks};
 
-/// Points of the screen within which a line attracts.
+/// Snap distance of a line in points.
 const REACH: f64 = 5.0;
-/// Targets to which others are aligned, at most.
+/// Limit of targets used for alignment.
 const MOST: usize = 64;
 /// Points of the screen between two lines of the grid, at least.
 const DENSEST: f64 = 8.0;
 const COLOUR: Color32 = Color32::from_rgb(255, 92, 168);
-/// Of 255: how much of the map the grid hides.
+/// Opacity of the grid, of 255.
 const GRID: u8 = 34;
 
 /// A line that something lines up with: one coordinate on the cut, m.
@@ -35,7 +35,7 @@ pub struct Guides {
 }
 
 impl Guides {
-    /// The array's axis, and centres and edges of the targets that are shown but not `held`.
+    /// The array's axis, and centres and edges of visible targets that are not `held`.
     pub fn of(scene: &Scene, axes: &Axes, held: &BTreeSet<usize>) -> Self {
         let mut guides = Self::default();
         let origin = axes.flat(DVec3::ZERO);
@@ -56,7 +56,7 @@ impl Guides {
         guides
     }
 
-    /// By how much (m) something with these places has to move to line up, and with what.
+    /// The displacement (m) that aligns these points, and the guides.
     pub fn attract(&self, lens: &Lens, places: &[DVec2]) -> (DVec2, Vec<Guide>) {
         let reach = REACH * lens.window.scale;
         let nearest = |lines: &[f64], pick: fn(&DVec2) -> f64| {
@@ -86,7 +86,7 @@ pub fn paint(guides: &[Guide], painter: &Painter, lens: &Lens) {
     }
 }
 
-/// Draws the grid to which the pointer snaps, coarser where its lines would fill the map.
+/// Draws the snap grid, coarser where its lines would be too dense.
 pub fn grid(spacing: f64, is_light: bool, painter: &Painter, lens: &Lens) {
     let coarser = [1.0, 2.0, 10.0, 20.0, 100.0].map(|factor| spacing * factor);
     let Some(step) = coarser.into_iter().find(|step| step / lens.window.scale >= DENSEST) else { return };

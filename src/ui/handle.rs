@@ -1,4 +1,4 @@
-//! Handles: places of a shape that can be taken hold of, and what the shape becomes when one is pulled elsewhere.
+//! Handles of shapes, and the shape that results from dragging one.
 
 use egui::{Painter, Pos2, Rect, Stroke, StrokeKind, vec2};
 use glam::{DQuat, DVec2, DVec3};
@@ -7,15 +7,15 @@ use crate::scene::{Shape, Target, outline};
 use crate::ui::theme;
 use crate::ui::view::{Axes, Lens};
 
-/// m: nothing is pulled smaller than this.
+/// Smallest size, m.
 const SMALLEST: f64 = 1e-3;
 /// Vertices of a path that get a handle each; of more, the box around them gets one.
 const FEW: usize = 24;
-/// Points of the screen: half a handle's side, and how near the pointer has to be.
+/// Half a handle's side, and pick distance, in points.
 pub const HALF: f32 = 4.0;
 pub const REACH: f32 = 9.0;
 
-/// The places of a target that can be pulled.
+/// The handles of a target.
 pub fn handles(target: &Target) -> Vec<DVec3> {
     let flat = |at: DVec3, places: &[DVec2]| -> Vec<DVec3> {
         places.iter().map(|place| at + target.turn() * place.extend(0.0)).collect()
@@ -37,7 +37,7 @@ pub fn handles(target: &Target) -> Vec<DVec3> {
     }
 }
 
-/// The vertices of a path where they are drawn: turned about their centre.
+/// The vertices of a path as drawn, rotated about its centre.
 fn placed_vertices(target: &Target) -> Vec<DVec3> {
     let Shape::Path { vertices, .. } = &target.shape else { return Vec::new() };
     let centre = outline::centre(&target.shape);
@@ -54,7 +54,7 @@ fn corner(target: &Target) -> Option<DVec3> {
     Some(centre + target.turn() * DVec3::new(high.x, high.y, 0.0))
 }
 
-/// The target with one of its handles pulled to another place.
+/// The target after moving one of its handles.
 pub fn pulled(target: &Target, handle: usize, to: DVec3) -> Target {
     let mut pulled = target.clone();
     let centre = outline::centre(&target.shape);
@@ -102,7 +102,7 @@ pub fn pulled(target: &Target, handle: usize, to: DVec3) -> Target {
     pulled
 }
 
-/// How much larger a target becomes when the corner of its box is pulled there.
+/// The scale factor for moving a corner of a target's box there.
 fn scaling(target: &Target, to: DVec2) -> f64 {
     let Some(corner) = corner(target) else { return 1.0 };
     let own = (target.turn().inverse() * (corner - outline::centre(&target.shape))).truncate();
@@ -168,7 +168,7 @@ mod tests {
             for (index, &place) in handles(&target).iter().enumerate() {
                 let same = handles(&pulled(&target, index, place));
                 assert!(same.iter().zip(handles(&target)).all(|(a, b)| a.distance(b) < 1e-12), "{target:?}");
-                // Outwards, which every handle can follow.
+                // Outwards, which is possible for every handle.
                 let there = outline::centre(&target.shape) + (place - outline::centre(&target.shape)) * 1.5;
                 let after = handles(&pulled(&target, index, there));
                 assert!(after[index].distance(there) < 1e-9, "{target:?}: {} {there}", after[index]);

@@ -1,4 +1,4 @@
-//! Small drawn buttons: what can be seen beside the field, each a picture with a name and a sentence.
+//! Icon buttons for overlays of the field, each with a name and a tooltip.
 
 use egui::{Pos2, Rect, Response, Role, Sense, Shape, Stroke, StrokeKind, Ui, WidgetInfo, vec2};
 
@@ -8,7 +8,7 @@ use crate::ui::theme;
 const SIDE: f32 = 26.0;
 const WIDTH: f32 = 1.5;
 
-/// What is drawn on a button.
+/// The icon of a button.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Icon {
     Fit,
@@ -22,7 +22,7 @@ pub enum Icon {
     Palm,
 }
 
-/// A button that does something once.
+/// A push button.
 pub fn button(ui: &mut Ui, icon: Icon, name: &str, tip: &str) -> Response {
     drawn(ui, icon, name, false).on_hover_text(format!("{name}. {tip}"))
 }

@@ -1,4 +1,4 @@
-//! Shortcuts.
+//! Keyboard shortcuts.
 
 use egui::{Context, Event, Key, Modifiers};
 
@@ -11,13 +11,13 @@ use crate::ui::tool::Tool;
 use crate::ui::typing;
 use crate::ui::{Command, Editor, Notice, Shown};
 
-/// m: what an arrow key moves by, and with shift.
+/// Steps of an arrow key, and with Shift, m.
 const NUDGE: f64 = 1e-3;
 const FAR_NUDGE: f64 = 1e-2;
-/// s within which a second Escape stops the board.
+/// Time (s) for a second Escape to stop the board.
 const TWICE: f64 = 2.0;
 
-/// What keys and pointer do beside the actions, for the help.
+/// Keys and pointer gestures besides the actions, for the help.
 pub const HELP: &[(&str, &str)] = &[
     ("Arrows", "Move by 1 mm, with Shift by 10 mm"),
     (
@@ -45,7 +45,7 @@ pub fn press(editor: &mut Editor, shown: &mut Shown, ctx: &Context, commands: &m
         return;
     }
     if editor.is_typing() {
-        // Letters belong to the text, and so does what a click elsewhere ends.
+        // A text being typed receives letters.
         if is_in_field(ctx) {
             typing::end(editor);
         }
@@ -54,14 +54,14 @@ pub fn press(editor: &mut Editor, shown: &mut Shown, ctx: &Context, commands: &m
     let in_field = is_in_field(ctx);
     let mut actions: Vec<_> =
         Action::all().into_iter().flat_map(|a| a.keys().into_iter().map(move |k| (k, a))).collect();
-    // The longer ones first: a shortcut also answers to more modifiers than it asks for.
+    // More modifiers first: a shortcut also matches with extra modifiers.
     actions.sort_by_key(|(keys, _)| (!keys.modifiers.shift, keys.modifiers == Modifiers::NONE));
     let presses = ctx.input(|input| input.events.iter().filter_map(plain_press).collect::<Vec<_>>());
     for (keys, action) in actions {
         if (in_field && !action.is_for_the_window())
             || matches!(action, Action::Cut | Action::Copy | Action::Paste)
         {
-            // The desktop's keys for the clipboard come as events of their own.
+            // Clipboard keys arrive as separate events.
             continue;
         }
         let is_hit = if keys.modifiers == Modifiers::NONE {
@@ -85,7 +85,7 @@ pub fn press(editor: &mut Editor, shown: &mut Shown, ctx: &Context, commands: &m
     }
 }
 
-/// Escape twice stops a board that sounds, whatever has the keyboard.
+/// Escape twice stops a sounding board, independently of the keyboard focus.
 fn stop(editor: &mut Editor, shown: &mut Shown, ctx: &Context, commands: &mut Vec<Command>) {
     if shown.board.plays == Plays::Nothing {
         editor.escaped = None;
@@ -121,12 +121,12 @@ fn escape(editor: &mut Editor, ctx: &Context) {
     editor.put_line_away();
 }
 
-/// Whether a widget other than the canvas wants the keys.
+/// Whether a widget other than the canvas has the keyboard.
 fn is_in_field(ctx: &Context) -> bool {
     ctx.egui_wants_keyboard_input() && !cursor::has_focus(ctx)
 }
 
-/// What the desktop's keys for copying, cutting and pasting ask for.
+/// Handles the clipboard events of the desktop.
 fn hear_clipboard(editor: &mut Editor, ctx: &Context, commands: &mut Vec<Command>) {
     for event in ctx.input(|input| input.events.clone()) {
         match event {
@@ -142,7 +142,7 @@ fn hear_clipboard(editor: &mut Editor, ctx: &Context, commands: &mut Vec<Command
     }
 }
 
-/// A key that is pressed without Ctrl and Alt, and whether Shift was held with it, however short.
+/// A key pressed without Ctrl and Alt, and whether Shift was held, however briefly.
 fn plain_press(event: &Event) -> Option<(Key, bool)> {
     match event {
         Event::Key { key, pressed: true, modifiers, .. } if !modifiers.command && !modifiers.alt => {
@@ -152,7 +152,7 @@ fn plain_press(event: &Event) -> Option<(Key, bool)> {
     }
 }
 
-/// Arrows move what is selected.
+/// Moves the selection by arrow keys.
 fn nudge(editor: &mut Editor, key: Key, far: bool) {
     let axes = editor.view.axes(editor.scene());
     let direction = match key {

@@ -1,4 +1,4 @@
-//! The colour legend, and what it lets one choose.
+//! The colour bar and its settings.
 
 use std::ops::RangeInclusive;
 
@@ -16,7 +16,7 @@ use crate::ui::number::{self, Look};
 use crate::ui::view::{Lens, View};
 use crate::ui::{Editor, Map, Shown, panels, segments, theme, ticks};
 
-/// Of what the map shows: Pa, m, and so on.
+/// Smallest full-scale value, in the unit of the map.
 const SMALLEST: f64 = 1e-12;
 const LARGEST: f64 = 1e9;
 /// The least distance of the ends, as a part of the upper one.
@@ -30,7 +30,7 @@ const STEPS: f64 = 6.0;
 const WIDTH: f32 = 16.0;
 const GAP: f32 = 14.0;
 
-/// Where the bar lies beside a plot.
+/// Position of the bar beside a plot.
 fn place(plot: Rect) -> Rect {
     Rect::from_min_max(
         pos2(plot.right() + GAP, plot.top() + 36.0),
@@ -65,7 +65,7 @@ pub fn paint(editor: &Editor, map: &Map, ui: &Ui, lens: &Lens) {
         let colour = Color32::from_rgb(*r, *g, *b);
         mesh.add_colored_rect(strip, colour);
         if dims {
-            // From silence at the left to the largest amplitude at the right.
+            // From zero at the left to the largest amplitude at the right.
             let corners = mesh.vertices.iter_mut().rev().take(4);
             corners.filter(|corner| corner.pos.x == strip.left()).for_each(|corner| corner.color = ground);
         }
@@ -100,7 +100,7 @@ pub fn controls(editor: &mut Editor, shown: &Shown, ui: &mut Ui, lens: &Lens) {
     let response = response
         .on_hover_cursor(CursorIcon::PointingHand)
         .on_hover_text("Colour scale. Click to choose colours, range and contour lines");
-    // Not a menu, where fields have no frames.
+    // Not a menu, in which fields have no frames.
     let popup = Popup::from_toggle_button_response(&response)
         .align(RectAlign::LEFT_START)
         .close_behavior(PopupCloseBehavior::CloseOnClickOutside);
@@ -162,7 +162,7 @@ fn choices(view: &mut View, map: &Map, ui: &mut Ui) {
     }
 }
 
-/// The ends of the colours, in the unit of the legend. They follow the map until one is typed or they are locked.
+/// The ends of the colour range in the unit of the bar. They follow the map until typed or locked.
 fn range(view: &mut View, map: &Map, ui: &mut Ui) {
     let largest = view.full.unwrap_or(map.largest);
     let stated = view.convention.factor(view.quantity);
@@ -209,7 +209,7 @@ fn range(view: &mut View, map: &Map, ui: &mut Ui) {
     }
 }
 
-/// How far a logarithmic scale goes down.
+/// The lower end of a logarithmic scale.
 fn floor(view: &mut View, ui: &mut Ui) {
     let mut decibels = view.quantity.decibels(view.floor);
     let name = Some("Lowest level that has a colour");
@@ -219,7 +219,7 @@ fn floor(view: &mut View, ui: &mut Ui) {
     }
 }
 
-/// How values are spread over the bar.
+/// Mapping of values to the bar.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Law {
     /// From this part of the largest.
@@ -230,7 +230,7 @@ enum Law {
 }
 
 impl Law {
-    /// With the first colour at `low`, where that is chosen, and the last one at `full`.
+    /// With the first colour at `low`, if chosen, and the last one at `full`.
     fn of(view: &View, quantity: Quantity, low: Option<f64>, full: f64) -> Self {
         let low = low.filter(|low| *low < full).map(|low| low / full);
         match (quantity.declaration().range, view.scale) {
@@ -258,7 +258,7 @@ impl Law {
         }
     }
 
-    /// The part of the bar at which a part of the largest value stands.
+    /// Position on the bar of a fraction of the largest value.
     fn place(self, part: f64, quantity: Quantity) -> f64 {
         match self {
             Self::Linear(low) => (part - low) / (1.0 - low),
@@ -267,7 +267,7 @@ impl Law {
         }
     }
 
-    /// Parts of the bar with what stands beside them, for values up to `full` in their unit.
+    /// Positions on the bar with labels, for values up to `full` in their unit.
     fn ticks(self, quantity: Quantity, full: f64) -> Vec<(f64, String)> {
         match self {
             Self::Turn => [-180.0, -90.0, 0.0, 90.0, 180.0]
@@ -285,9 +285,9 @@ impl Law {
     }
 }
 
-/// Round values from `low` to `full`, as parts of the way; both ends are written as they are.
+/// Round values from `low` to `full`, as fractions of the range; both ends are labelled exactly.
 fn amounts(low: f64, full: f64) -> Vec<(f64, String)> {
-    /// Of the way: round values this near to an end give way to it.
+    /// Round values this close to an end are omitted, as a fraction of the range.
     const NEAR: f64 = 0.06;
     let step = round_step((full - low) / STEPS);
     let decimals = ticks::decimals(step).min(6);

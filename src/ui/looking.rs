@@ -1,4 +1,4 @@
-//! What of a cut is on the screen while no window is set, and how the view goes elsewhere.
+//! The fitted view of a plane, and transitions to other views.
 
 use egui::Rect;
 use glam::DVec2;
@@ -9,10 +9,10 @@ use crate::ui::gesture::Gesture;
 use crate::ui::measure::ProfileLine;
 use crate::ui::view::{Cut, Lens, View, Window};
 
-/// How many times as high as needed a fitted view stays.
+/// Limit of a fitted view's size relative to the required one.
 const MOST_FREE: f64 = 3.0;
 
-/// What is shown as a whole. It is kept while targets move within it, so that nothing slides away under the pointer.
+/// The fitted view. It is kept while targets move within it, so that the map does not shift under the pointer.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Fitted {
     cut: Cut,
@@ -38,7 +38,7 @@ impl Fitted {
         }
     }
 
-    /// What is shown on the next frame; `is_held` while something is dragged or typed.
+    /// The view of the next frame; `is_held` while something is dragged or typed.
     fn next(before: Option<Self>, view: &View, scene: &Scene, is_held: bool) -> Self {
         let fresh = Self::new(view, scene);
         match before.filter(|before| before.cut == fresh.cut) {
@@ -47,7 +47,7 @@ impl Fitted {
         }
     }
 
-    /// Whether every target is still in it, and not lost in it.
+    /// Whether it contains every target at a reasonable size.
     fn holds(&self, fresh: &Self, scene: &Scene) -> bool {
         let highest = scene.targets.iter().map(|target| outline::centre(&target.shape).z).fold(0.0, f64::max);
         let is_in = match self.cut {
@@ -66,7 +66,7 @@ impl Fitted {
 }
 
 impl Editor {
-    /// Shows another cut, all of it.
+    /// Shows another plane, fitted.
     pub fn look_at(&mut self, cut: Cut) {
         self.view.cut = cut;
         self.view.line = self.view.middle(&self.document.scene);
@@ -80,13 +80,13 @@ impl Editor {
         self.space.go_home();
     }
 
-    /// What of the cut is on this rectangle of the screen; `is_held` while something is dragged or typed.
+    /// The part of the plane on this rectangle of the screen; `is_held` while something is dragged or typed.
     pub(in crate::ui) fn lens(&mut self, rect: Rect, is_held: bool) -> Lens {
         let is_held = is_held || self.is_in_gesture();
         let mut fitted = Fitted::next(self.fitted.take(), &self.view, &self.document.scene, is_held);
         let window = match (self.view.window, fitted.lens.filter(|_| is_held)) {
             (Some(window), _) => window,
-            // Panels may take room from the map meanwhile: what is under the pointer stays there.
+            // Panels may shrink the map meanwhile: the point under the pointer stays.
             (None, Some(last)) => Window { centre: last.flat(rect.center()), ..last.window },
             (None, None) => fitted.window(rect),
         };
@@ -96,7 +96,7 @@ impl Editor {
         lens
     }
 
-    /// Whether a line is being drawn, whose profile is shown once it is.
+    /// Whether a measuring line is being drawn.
     pub(in crate::ui) fn is_measuring(&self) -> bool {
         let is_free = matches!(self.view.line, ProfileLine::Between(_));
         is_free && matches!(self.gesture, Some(Gesture::Measure { .. }))

@@ -1,4 +1,4 @@
-//! The map on the screen, and where it belongs.
+//! The displayed map and its position.
 
 use glam::DVec2;
 
@@ -6,7 +6,7 @@ use crate::field::Quantity;
 use crate::field::contour::Line;
 use crate::ui::view::{Axes, Cut, Lens, Window};
 
-/// A map on the screen, and where it belongs.
+/// A displayed map and its position.
 #[derive(Debug)]
 pub struct Map {
     pub texture: Texture,
@@ -18,11 +18,11 @@ pub struct Map {
     pub quantity: Quantity,
     /// rad, the ωt of an instantaneous pressure.
     pub phase: f64,
-    /// Lies over the picture and dims it.
+    /// An overlay that dims the picture.
     pub veil: Option<egui::TextureId>,
-    /// What gets the last colour, if not the largest value.
+    /// The value of the last colour, if not the largest.
     pub full: Option<f64>,
-    /// What gets the first colour of a linear scale, if that is chosen.
+    /// The value of the first colour of a linear scale, if chosen.
     pub low: Option<f64>,
     /// The largest value, as [`crate::field::Map::peak`] has it.
     pub largest: f64,
@@ -32,14 +32,14 @@ pub struct Map {
     pub width: usize,
     pub height: usize,
     pub contours: Vec<Line>,
-    /// How many times as deep as it is a shaded depression is drawn.
+    /// Vertical exaggeration of a shaded depression.
     pub exaggeration: Option<f64>,
-    /// Row by row from the smallest y, where they are there and the sound at a point does not tell them.
+    /// Values row by row from the smallest y, if available and not derivable from the sound at a point.
     pub numbers: Option<Vec<f32>>,
 }
 
 impl Map {
-    /// The value at a place of the cut.
+    /// The value at a point of the plane.
     pub fn number(&self, uv: DVec2) -> Option<f64> {
         let numbers = self.numbers.as_ref()?;
         let at = Lens { rect: self.rect, window: self.window }.screen(uv) - self.rect.min;
@@ -51,7 +51,7 @@ impl Map {
     }
 }
 
-/// Where the picture of a map lies.
+/// Storage of a map's picture.
 pub enum Texture {
     InEgui(egui::TextureHandle),
     /// On the device that draws the window, under this name.

@@ -1,4 +1,4 @@
-//! What lies over the map: the array, the targets' outlines, the focal points and the gesture under way.
+//! Overlays of the map: the array, outlines of targets, focal points and the current gesture.
 
 use egui::{Align2, Color32, FontId, Painter, Pos2, Rect, Shape, Stroke, StrokeKind, Visuals, vec2};
 use glam::{DVec2, DVec3};
@@ -12,7 +12,7 @@ use crate::ui::{Editor, Extremes, Shown, Sound, array, dimensions, edit, handle,
 
 /// m: foci farther than this from the cut are drawn faint.
 const NEAR: f64 = 2e-3;
-/// Points of the screen around a focus in which the pointer asks for its pressure.
+/// Distance from a focus within which its pressure is shown, in points.
 const ASKS: f32 = 8.0;
 
 pub fn paint(editor: &Editor, shown: &Shown, painter: &Painter, lens: &Lens, pointer: Option<Pos2>) {
@@ -27,7 +27,7 @@ pub fn paint(editor: &Editor, shown: &Shown, painter: &Painter, lens: &Lens, poi
         if !target.visible && !chosen {
             continue;
         }
-        // Where separate foci are marked, their outline stays behind.
+        // Outlines of marked separate foci are faint.
         let is_continuous = target.sampling == Sampling::Continuous || target.is_area();
         let (width, alpha) = if is_continuous { (1.8, 190) } else { (1.0, 110) };
         let colour = if chosen { theme::CHOSEN } else { theme::line(editor.view.is_light, alpha) };
@@ -42,7 +42,7 @@ pub fn paint(editor: &Editor, shown: &Shown, painter: &Painter, lens: &Lens, poi
             if chosen {
                 painter.add(Shape::line(points.clone(), Stroke::new(4.0, theme::MARK_EDGE)));
             } else if editor.view.is_light {
-                // What is loud is as dark as the line.
+                // Loud regions are as dark as the line.
                 let halo = theme::line(false, alpha);
                 painter.add(Shape::line(points.clone(), Stroke::new(width + 1.6, halo)));
             }
@@ -65,7 +65,7 @@ pub fn paint(editor: &Editor, shown: &Shown, painter: &Painter, lens: &Lens, poi
 
 fn foci(editor: &Editor, sound: &Sound, painter: &Painter, lens: &Lens, pointer: Option<Pos2>) {
     let axes = editor.view.axes(editor.scene());
-    // A stroke is seen as the line that it is.
+    // A stroke is drawn as its line.
     let separate = sound.foci.iter().zip(&sound.readings).filter(|(focus, _)| focus.is_separate());
     let most = separate.clone().map(|(focus, _)| focus.target).fold(0.0, f64::max);
     let few = separate.clone().count() <= 12;
@@ -73,7 +73,7 @@ fn foci(editor: &Editor, sound: &Sound, painter: &Painter, lens: &Lens, pointer:
         let at = lens.screen(axes.flat(focus.position));
         let height = axes.height(focus.position);
         let asked = pointer.is_some_and(|pointer| pointer.distance(at) < ASKS);
-        // A ring with the focus inside it, which stays to be seen.
+        // A ring around the focus, which stays visible.
         let radius =
             if few { 4.0 } else { 1.5 } + 2.0 * (focus.target / most.max(f64::MIN_POSITIVE)).sqrt() as f32;
         if height.abs() > NEAR {
@@ -100,7 +100,7 @@ fn foci(editor: &Editor, sound: &Sound, painter: &Painter, lens: &Lens, pointer:
     }
 }
 
-/// How far from the plane a focus is whose place is marked on it.
+/// Distance of a focus from the plane, for its marker.
 fn off_plane(height: f64) -> String {
     let side = if height > 0.0 { "in front" } else { "behind" };
     format!("{:.1} mm {side}", height.abs() * 1e3)
@@ -143,7 +143,7 @@ pub fn gesture(editor: &Editor, painter: &Painter, lens: &Lens) {
     }
 }
 
-/// The loudest place and the peak side lobe, with their pressures.
+/// The maximum and the peak side lobe, with their pressures.
 fn extremes(editor: &Editor, found: &Extremes, painter: &Painter, lens: &Lens) {
     let axes = editor.view.axes(editor.scene());
     let tell = |pressure: f64| editor.view.convention.pressure(pressure);
@@ -164,7 +164,7 @@ fn extremes(editor: &Editor, found: &Extremes, painter: &Painter, lens: &Lens) {
     }
 }
 
-/// The line along which the profile is taken.
+/// The line of the profile.
 pub fn line(editor: &Editor, painter: &Painter, lens: &Lens) {
     let screen = [lens.rect.left_bottom(), lens.rect.right_top()].map(|at| lens.flat(at).x);
     let ends = editor.view.line.ends(screen);
@@ -180,7 +180,7 @@ pub fn line(editor: &Editor, painter: &Painter, lens: &Lens) {
     }
 }
 
-/// What is being drawn or pulled, in mm, beside the pointer.
+/// Dimensions of the target being drawn or resized, in mm, beside the pointer.
 pub fn dimensions(editor: &Editor, painter: &Painter, lens: &Lens) {
     let (Some(gesture), Some(at)) = (&editor.gesture, painter.ctx().pointer_interact_pos()) else { return };
     let axes = editor.view.axes(editor.scene());
@@ -220,7 +220,7 @@ pub fn dimensions(editor: &Editor, painter: &Painter, lens: &Lens) {
     }
 }
 
-/// How wide the brush and the eraser are.
+/// Outline of brush or eraser.
 pub fn brush(editor: &Editor, painter: &Painter, lens: &Lens, at: Pos2) {
     if matches!(editor.tool, Tool::Brush | Tool::Erase) {
         let radius = (editor.brush.diameter / 2.0 / lens.window.scale) as f32;

@@ -1,21 +1,21 @@
-//! The line along which a profile is taken, and lengths in words.
+//! The measuring line of a profile, and lengths as text.
 
 use glam::DVec2;
 
 /// m: a shorter line is a slip of the hand.
 pub const SHORTEST: f64 = 5e-4;
 
-/// Where the profile is taken, on the cut.
+/// The line of the profile in the plane.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum ProfileLine {
-    /// Across all that is on the screen, at this height (m) on the upward axis.
+    /// Across the visible part, at this height (m) on the vertical axis.
     Across(f64),
-    /// From one place to another (m).
+    /// Between two points (m).
     Between([DVec2; 2]),
 }
 
 impl ProfileLine {
-    /// Both ends (m), where the screen shows so much of the axis to the right.
+    /// Both ends (m), for this visible range of the horizontal axis.
     pub fn ends(self, [left, right]: [f64; 2]) -> [DVec2; 2] {
         match self {
             Self::Across(v) => [DVec2::new(left, v), DVec2::new(right, v)],
@@ -30,7 +30,7 @@ pub fn mm(length: f64) -> String {
     format!("{:.1}", if tenths == 0.0 { 0.0 } else { tenths / 10.0 })
 }
 
-/// How long a line is, and its angle from the axis to the right.
+/// Length of a line, and its angle from the horizontal axis.
 pub fn length_and_angle([from, to]: [DVec2; 2]) -> String {
     let along = to - from;
     let angle = along.to_angle().to_degrees();

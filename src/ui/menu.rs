@@ -1,4 +1,4 @@
-//! The menus, the tools, and what stands at the top right: the board's state and its Stop.
+//! The menus, the tools, and the board's state with its Stop button.
 
 use std::path::PathBuf;
 
@@ -14,7 +14,7 @@ use crate::ui::{Command, Editor, Shown, panels, theme};
 /// Points of the screen: a tool with the gap below it.
 const TOOL: f32 = 32.0;
 const GAP: f32 = 4.0;
-/// All is well and nothing sounds.
+/// Connected and silent.
 const SILENT: Color32 = Color32::from_rgb(70, 190, 110);
 
 pub fn bar(editor: &mut Editor, shown: &Shown, ui: &mut Ui, commands: &mut Vec<Command>) {
@@ -50,7 +50,7 @@ pub fn bar(editor: &mut Editor, shown: &Shown, ui: &mut Ui, commands: &mut Vec<C
     });
 }
 
-/// At the right: whether the scene is saved, how the board fares, and what silences it.
+/// At the right: unsaved changes, the board's state, and Stop.
 fn state(editor: &mut Editor, shown: &Shown, ui: &mut Ui, commands: &mut Vec<Command>) {
     stop(shown, ui, commands);
     let panel = ui.button("Panel").on_hover_text("Fold the panel away, or bring it back (F9)");
@@ -91,7 +91,7 @@ fn board(shown: &Shown, ui: &Ui) -> (Color32, String) {
     }
 }
 
-/// There whenever a board sounds.
+/// Shown whenever a board sounds.
 fn stop(shown: &Shown, ui: &mut Ui, commands: &mut Vec<Command>) {
     if shown.board.plays == Plays::Nothing {
         return;
@@ -111,7 +111,7 @@ pub fn presented_stop(shown: &Shown, ctx: &Context, commands: &mut Vec<Command>)
     area.anchor(egui::Align2::RIGHT_TOP, vec2(-12.0, 12.0)).show(ctx, |ui| stop(shown, ui, commands));
 }
 
-/// What is being written.
+/// The export in progress.
 fn export(shown: &Shown, ui: &mut Ui, commands: &mut Vec<Command>) {
     let Some((name, part)) = &shown.export else { return };
     let bar = ProgressBar::new(*part).desired_width(120.0).text(format!("{:.0} %", part * 100.0));
@@ -208,13 +208,13 @@ fn edit(editor: &mut Editor, shown: &Shown, ui: &mut Ui, commands: &mut Vec<Comm
     });
 }
 
-/// Columns that the tools need in so many points of height.
+/// Columns of tools for this height in points.
 pub fn tool_columns(height: f32) -> usize {
     let rows = ((height + GAP) / (TOOL + GAP)).floor().max(1.0) as usize;
     Tool::ALL.len().div_ceil(rows).min(3)
 }
 
-/// Points of the screen that so many columns take, with their margins.
+/// Width of tool columns with margins, in points.
 pub fn tool_width(columns: usize) -> f32 {
     columns as f32 * (TOOL + GAP) - GAP + 16.0
 }
@@ -227,7 +227,7 @@ pub fn tools(editor: &mut Editor, columns: usize, ui: &mut Ui) {
         .show(ui, |ui| {
             for row in Tool::ALL.chunks(columns) {
                 ui.horizontal(|ui| row.iter().for_each(|&tool| button(editor, tool, ui)));
-                // Shapes stand apart where they are in one column.
+                // Shapes are separated in single-column layouts.
                 if columns == 1 && matches!(row[0], Tool::Select | Tool::Text) {
                     ui.add_space(6.0);
                 }

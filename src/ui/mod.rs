@@ -87,74 +87,74 @@ pub use shown::{
 /// Whether the window is a page of a browser.
 pub const IN_PAGE: bool = cfg!(target_arch = "wasm32");
 
-/// Everything that the user edits, and how it is looked at.
+/// The edited document and the state of its display.
 #[derive(Debug)]
 pub struct Editor {
     pub document: Document,
-    /// Targets by their place in the scene.
+    /// Selected targets by index.
     pub selection: BTreeSet<usize>,
     pub view: View,
     fitted: Option<Fitted>,
     /// How space is looked at.
     pub space: SpaceView,
-    /// What the map is compared with.
+    /// The comparison map.
     pub compare: Option<beside::Compare>,
     pub tool: Tool,
     pub panel: Panel,
     pub layout: Layout,
-    /// m, between the places to which the pointer snaps.
+    /// Spacing of the snap grid, m.
     pub grid: f64,
     pub snaps: bool,
     pub brush: Brush,
-    /// What was copied last: pixels are not part of the text on the clipboard.
+    /// The last copied targets: pixels are not part of the clipboard's text.
     copied: Vec<Target>,
     gesture: Option<Gesture>,
-    /// What lines up while something is dragged.
+    /// The current guides during a drag.
     guides: Vec<Guide>,
     typing: Option<Typing>,
-    /// m, on the cut: where keys draw, and where the menu was asked for.
+    /// Keyboard cursor, or position of the context menu, m in the plane.
     cursor: Option<DVec2>,
     asked: DVec2,
     pub dialog: Option<Dialog>,
     pub asking: Asking,
-    /// The hints of the first start are to be seen.
+    /// Whether the hints of the first start are shown.
     pub hints: bool,
-    /// s on the window's clock: the last Escape while a board sounds.
+    /// Time (s) of the last Escape while a board sounds.
     escaped: Option<f64>,
-    /// The user was told in this run how loud a board is.
+    /// Whether the loudness warning was answered in this run.
     pub was_warned: bool,
-    /// What figures look like, while the program runs.
+    /// Figure options of this run.
     pub figure: FigureForm,
-    /// How films are written, while the program runs.
+    /// Film options of this run.
     pub film: FilmForm,
-    /// What to do once the scene is saved.
+    /// Command to run after saving.
     pub after_saving: Option<Command>,
     pub playback: Playback,
     pub oscillation: Oscillation,
     pub course: CourseForm,
     pub bead: BeadForm,
-    /// m: where the pointer was last on the map.
+    /// Last position of the pointer on the map, m.
     pub pointed: Option<DVec3>,
-    /// What of a motion's path was taken hold of last.
+    /// The last grabbed vertex of a motion's path.
     vertex: Option<way::Vertex>,
-    /// The drive as a board with so many phases per period plays it.
+    /// Number of phase levels of the displayed drive.
     pub levels: Option<u32>,
     pub board: BoardForm,
-    /// What other programs ask for, which the user may have to agree to first.
+    /// Commands of other programs, possibly awaiting the user's consent.
     pub asked_by_others: Vec<Command>,
 }
 
-/// Which frame of the motion is shown.
+/// The displayed frame of the motion.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Playback {
-    /// The scene at rest is shown if `None`.
+    /// `None` shows the scene at rest.
     pub frame: Option<usize>,
     pub playing: bool,
-    /// How much slower than it really is.
+    /// Slowdown of the playback.
     pub slowness: f64,
     /// Of a cycle, in [0, 1).
     pub part: f64,
-    /// It begins again after the last frame.
+    /// Whether playback repeats.
     pub loops: bool,
 }
 
@@ -164,7 +164,7 @@ impl Default for Playback {
     }
 }
 
-/// Whether and where the pressure is looked at in the course of time.
+/// Display and position of the pressure over time.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct CourseForm {
     pub is_shown: bool,
@@ -180,7 +180,7 @@ pub enum CoursePlace {
     Listener,
 }
 
-/// What is shown of the forces on the scene's bead, and where it is put.
+/// Displayed forces on the scene's bead, and its position.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct BeadForm {
     pub is_shown: bool,
@@ -190,13 +190,13 @@ pub struct BeadForm {
 
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum BeadPlace {
-    /// The selected one, or else the first trap or focus.
+    /// The selected target, or else the first trap or focus.
     #[default]
     Target,
     Pointer,
 }
 
-/// Which moment of the sound's period an instantaneous pressure is of.
+/// The phase of an instantaneous pressure.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Oscillation {
     pub playing: bool,
@@ -204,7 +204,7 @@ pub struct Oscillation {
     pub part: f64,
 }
 
-/// What the panel on the right is about.
+/// The page of the right panel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Panel {
     Scene,
@@ -231,80 +231,80 @@ impl Panel {
     }
 }
 
-/// What the panels ask for and cannot do.
+/// Commands beyond the user interface.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Command {
     New,
     Open(PathBuf),
-    /// By its place in the list.
+    /// By its index in the list.
     Example(usize),
-    /// Makes the picture of an example, by its place in the list.
+    /// Renders an example's thumbnail, by index.
     Thumbnail(usize),
     Save,
     SaveAs(PathBuf),
-    /// Saves over what another program has written there meanwhile.
+    /// Saves over another program's changes.
     Overwrite(PathBuf),
-    /// Reads a drawing and asks where it is to stand.
+    /// Reads a drawing and opens the import dialog.
     Import(PathBuf),
-    /// Makes a table of elements the array.
+    /// Uses an element table as the array.
     TakeElements(PathBuf),
     Export(Export, PathBuf),
     /// Forgets the files that were open last.
     ForgetRecent,
     /// Takes a WAV file as the modulation's waveform.
     Waveform(PathBuf),
-    /// Puts a link that holds the scene on the clipboard.
+    /// Copies the scene as a link to the clipboard.
     CopyLink,
-    /// Opens the scene that a link holds.
+    /// Opens the scene of a link.
     OpenLink(String),
-    /// Ends the export that is under way, without its file.
+    /// Cancels the current export.
     CallOff,
-    /// What was typed or chosen where a file was asked for.
+    /// The answer to a file dialog.
     Answer(Purpose, String),
-    /// Lists the files of a folder; of the one that was shown last if `None`.
+    /// Lists a folder; `None`: the last one.
     List(Option<PathBuf>),
-    /// Asks the desktop for a file; the answer so far comes back if it gives none.
+    /// Opens the desktop's file dialog; without an answer, returns to the current one.
     Browse(Purpose, String),
     /// Puts the figure on the clipboard.
     CopyFigure,
     CompareMethods,
     Board(BoardCommand),
-    /// Whether other programs may edit the scene.
+    /// Starts or stops live control by other programs.
     Serve(bool),
-    /// Asks the desktop for what is on its clipboard.
+    /// Requests the clipboard's content.
     Paste,
-    /// Goes on with what the last run left.
+    /// Recovers the scene of the last run.
     Recover(Box<Scene>),
-    /// Deletes what the last run left.
+    /// Discards the scene of the last run.
     Discard,
     Close,
 }
 
 impl Command {
-    /// Whether the current scene is gone afterwards.
+    /// Whether it replaces the current scene.
     pub fn replaces_scene(&self) -> bool {
         matches!(self, Self::New | Self::Open(_) | Self::OpenLink(_) | Self::Example(_) | Self::Close)
     }
 }
 
-/// What can be written beside the scene itself.
+/// Export formats.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Export {
-    /// The map with axes, as [`Editor::figure`] says.
+    /// The map with axes, with the options of [`Editor::figure`].
     Figure(Format),
-    /// The map as it is on the screen.
+    /// The map as displayed.
     Map,
-    /// Wanted points, drive and map on one page.
+    /// Targets, drive and map on one page.
     Sheet,
     /// The map's numbers.
     Numbers,
     /// Phase and amplitude per element.
     Drive,
-    /// The values along the line that is shown.
+    /// The values along the profile line.
     Profile,
-    /// Places and directions of the elements.
+    /// Positions and directions of the elements.
     Elements,
-    /// Every frame of the motion, as [`Editor::film`] says, of what is on the screen.
+    /// Every frame of the displayed motion, with the options of [`Editor::film`].
     Motion(Kind),
 }
 
@@ -355,7 +355,7 @@ impl Editor {
         }
     }
 
-    /// Another scene. Tool, colours and panel stay as they are.
+    /// Replaces the document. Tool, colours and panel are kept.
     pub fn replace(&mut self, document: Document) {
         let View { cut, heights, free, window, line, full, .. } = View::of(&document.scene);
         self.view = View { cut, heights, free, window, line, full, ..self.view.clone() };
@@ -366,7 +366,7 @@ impl Editor {
         self.playback = Playback::default();
     }
 
-    /// The scene as others have made it of this one.
+    /// Takes a scene changed by other programs.
     pub fn take(&mut self, scene: Scene) {
         let kind = |target: &Target| std::mem::discriminant(&target.shape);
         if !self.scene().targets.iter().map(kind).eq(scene.targets.iter().map(kind)) {
@@ -385,7 +385,7 @@ impl Editor {
         self.document.redo();
     }
 
-    /// Targets may stand elsewhere in the list now.
+    /// Clears references to target indices.
     fn forget_places(&mut self) {
         self.selection.clear();
         self.vertex = None;
@@ -398,12 +398,12 @@ impl Editor {
         &self.document.scene
     }
 
-    /// What the panels and the canvas show; a moment that runs by itself is none of it.
+    /// The displayed state, without a running moment of the wave.
     pub fn seen(&self) -> (Scene, View, Playback, bool) {
         (self.document.scene.clone(), self.view.clone(), self.playback, self.oscillation.playing)
     }
 
-    /// Passes a command on, or asks first where it would lose what is not saved.
+    /// Passes on a command, after a confirmation if unsaved changes would be lost.
     pub fn ask(&mut self, command: Command, commands: &mut Vec<Command>) {
         if command.replaces_scene() && self.document.is_unsaved() {
             self.dialog = Some(Dialog::Unsaved(command));
@@ -412,18 +412,18 @@ impl Editor {
         }
     }
 
-    /// Whether a text is being typed on the canvas: keys are letters then.
+    /// Whether a text is being typed on the canvas, so that keys are letters.
     pub fn is_typing(&self) -> bool {
         self.typing.is_some()
     }
 
-    /// Whether an edit is under way that is to be one step of the history.
+    /// Whether an edit is in progress, to become one undo step.
     pub fn is_in_gesture(&self) -> bool {
         self.gesture.is_some() || self.typing.is_some() || self.space.is_held()
     }
 }
 
-/// Draws everything around the canvas and hands the rest of the window to `canvas`.
+/// Draws everything around the canvas and passes the remaining space to `canvas`.
 pub fn show(
     editor: &mut Editor,
     shown: &mut Shown,
@@ -434,7 +434,8 @@ pub fn show(
     editor.view.follow_theme(ui.visuals().dark_mode);
     let quantity = editor.view.quantity;
     keys::press(editor, shown, ui.ctx(), &mut commands);
-    // The window is cleared to the panels' colour: filling every pixel once more would take a software driver half a frame.
+    // The window is cleared to the panels' colour: filling every pixel again would cost a software driver half a
+    // frame.
     let clear = Frame::side_top_panel(ui.style()).fill(Color32::TRANSPARENT);
     if editor.layout.presents {
         menu::presented_stop(shown, ui.ctx(), &mut commands);
@@ -445,7 +446,7 @@ pub fn show(
     gallery::show(centre.response.rect, editor, shown, ui, &mut commands);
     dialog::show(editor, shown, ui.ctx(), &mut commands);
     if editor.view.quantity != quantity {
-        // A range in pascals does not fit metres.
+        // A range in pascals is meaningless in metres.
         editor.view.forget_range();
     }
     commands.append(&mut editor.asked_by_others);

@@ -1,4 +1,4 @@
-//! Fields for numbers: they read what people type, say what they cannot read, and which limit they kept to.
+//! Number fields: they parse typed expressions, and report unreadable input and limits.
 
 use std::cell::RefCell;
 use std::ops::RangeInclusive;
@@ -8,14 +8,14 @@ use egui::{Color32, DragValue, Id, Response, Stroke, Ui, vec2};
 
 use crate::ui::{expression, theme};
 
-/// s that a field shakes, and that the reason stays beside it.
+/// Durations (s) of a field's shaking and of its message.
 const SHAKE: f64 = 0.4;
 const SAID: f64 = 5.0;
-/// Points of the screen, and turns per second.
+/// Amplitude in points, and oscillations per second.
 const SWING: f64 = 5.0;
 const RATE: f64 = 9.0;
 
-/// What came of the last text that was typed into a field.
+/// The result of the last typed text.
 #[derive(Clone, Debug, PartialEq)]
 struct Word {
     text: String,
@@ -27,18 +27,18 @@ struct Word {
 /// How a number is shown.
 #[derive(Clone, Copy, Debug)]
 pub struct Look<'a> {
-    /// The unit of the number as it is shown.
+    /// The displayed unit.
     pub unit: &'a str,
-    /// Whether the unit stands behind the number, or beside the field.
+    /// Whether the unit is a suffix of the number.
     pub has_suffix: bool,
     pub decimals: usize,
-    /// What a point of dragging changes.
+    /// Change per point of dragging.
     pub speed: f64,
-    /// For programs that read the window aloud, where no label stands beside it.
+    /// Name for screen readers, without an adjacent label.
     pub name: Option<&'a str>,
 }
 
-/// A number in its field. Whether it is another one now is [`Response::changed`].
+/// A number field. [`Response::changed`] reports changes.
 pub fn field(ui: &mut Ui, value: &mut f64, look: &Look<'_>, range: RangeInclusive<f64>) -> Response {
     let id = ui.next_auto_id().with("word");
     let said: Option<Word> = ui.data(|data| data.get_temp(id));
@@ -77,7 +77,7 @@ pub fn field(ui: &mut Ui, value: &mut f64, look: &Look<'_>, range: RangeInclusiv
     response
 }
 
-/// What there is to say of a text: why it is no number, or which limit was kept to.
+/// The message about a text: unreadable, or limited.
 fn word(
     text: &str,
     read: &Result<f64, String>,
@@ -100,7 +100,7 @@ fn word(
     }
 }
 
-/// The field, red and swinging for a moment where its text could not be read.
+/// The field, red and shaking briefly after unreadable text.
 fn shaken(ui: &mut Ui, said: Option<&Word>, now: f64, add: impl FnOnce(&mut Ui) -> Response) -> Response {
     let Some(word) = said else { return add(ui) };
     let age = now - word.since;
@@ -130,7 +130,7 @@ fn shaken(ui: &mut Ui, said: Option<&Word>, now: f64, add: impl FnOnce(&mut Ui) 
     response
 }
 
-/// The reason, beside the field for a while, and wherever the pointer asks for it.
+/// The reason, beside the field for a while, and while hovering.
 fn tell(ui: &Ui, id: Id, response: &Response, now: f64) {
     let Some(word) = ui.data(|data| data.get_temp::<Word>(id)) else { return };
     let left = SAID - (now - word.since);

@@ -1,4 +1,4 @@
-//! The outline of an adult's hand, to scale: what a drawing is felt with.
+//! The outline of an adult's hand, to scale.
 
 use egui::{Color32, Painter, Shape, Stroke};
 use glam::DVec2;
@@ -63,7 +63,7 @@ const OUTLINE: &[(f64, f64)] = &[
 /// How often corners are cut.
 const ROUNDS: usize = 2;
 
-/// Draws it about a place of the cut.
+/// Draws it around a point of the plane.
 pub fn paint(centre: DVec2, painter: &Painter, lens: &Lens) {
     let mut outline: Vec<_> =
         OUTLINE.iter().map(|&(x, y)| lens.screen(centre + DVec2::new(x, y) * 1e-3)).collect();

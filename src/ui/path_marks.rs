@@ -1,4 +1,4 @@
-//! Paths over the map: ways and their handles, and what moves where it is in the frame that is shown.
+//! Motion paths over the map with their handles, and moving targets at their position in the displayed frame.
 
 use egui::{Align2, Color32, Painter, Pos2, Shape, Stroke, vec2};
 use glam::DVec3;
@@ -10,10 +10,10 @@ use crate::ui::{Editor, Shown, edit, marks, theme};
 
 /// Points of the screen: half a handle.
 const HALF: f32 = 5.5;
-/// Targets whose way is drawn.
+/// Limit of targets with drawn paths.
 const FEW: usize = 6;
 
-/// Ways, handles, and what moves where it is.
+/// Paths, handles, and moving targets.
 pub fn paint(editor: &Editor, shown: &Shown, painter: &Painter, lens: &Lens) {
     let scene = editor.scene();
     let axes = editor.view.axes(scene);
@@ -44,7 +44,7 @@ pub fn paint(editor: &Editor, shown: &Shown, painter: &Painter, lens: &Lens) {
     speeds(editor, shown, painter, &axes, lens);
 }
 
-/// Outlines where they are in the frame that is shown.
+/// Outlines at their position in the displayed frame.
 fn moved(editor: &Editor, painter: &Painter, axes: &Axes, lens: &Lens) {
     let (Some(frame), Some(cycle)) = (editor.playback.frame, motion::cycle(editor.scene())) else { return };
     for (index, target) in editor.scene().targets.iter().enumerate().filter(|(_, target)| target.visible) {
@@ -80,20 +80,20 @@ fn paint_handles(
     }
 }
 
-/// The sign of a keyframe and of what a path is pulled by.
+/// The marker of keyframes and path handles.
 pub fn diamond(painter: &Painter, at: Pos2, half: f32, fill: Color32) {
     let corners = [vec2(0.0, -half), vec2(half, 0.0), vec2(0.0, half), vec2(-half, 0.0)];
     let corners = corners.map(|corner| at + corner).to_vec();
     painter.add(Shape::convex_polygon(corners, fill, Stroke::new(1.5, theme::ACCENT)));
 }
 
-/// How fast foci run along outlines, beside the first of each.
+/// Speeds of foci along outlines, beside the first of each.
 fn speeds(editor: &Editor, shown: &Shown, painter: &Painter, axes: &Axes, lens: &Lens) {
     let (Some(frame), Some(round)) = (editor.playback.frame, &shown.round) else { return };
     let Some(cycle) = motion::cycle(editor.scene()) else { return };
     let Some(frame) = round.frames.get(frame) else { return };
     let running = cycle.groups.iter().filter(|group| group.motion.path == MotionPath::Outline);
-    // They are the last of a frame, in the order of the groups.
+    // They are last in a frame, in the order of the groups.
     let mut end = frame.foci.len();
     for group in running.rev() {
         let Some(first) = end.checked_sub(group.motion.foci as usize) else { return };

@@ -1,4 +1,4 @@
-//! The line profile: the map's values along a line of the cut, below the map and in step with it.
+//! The line profile: the map's values along a line in the displayed plane, below the map and aligned with it.
 
 use egui::{
     Align2, Color32, FontId, Label, Painter, Pos2, Rect, Response, RichText, Sense, Stroke, StrokeKind, Ui,
@@ -23,16 +23,16 @@ const BELOW: f32 = 36.0;
 /// Points of the screen between two ticks, at least.
 const TICK: f64 = 70.0;
 const TICK_UP: f64 = 26.0;
-/// Of a wavelength: a far-field model says nothing nearer to the array.
+/// In wavelengths: the far-field model is meaningless closer to the array.
 const NEAREST: f64 = 0.5;
 
 /// Values along a line.
 #[derive(Clone, Debug)]
 pub struct Profile {
     pub quantity: Quantity,
-    /// m, on the cut: the part of the line that lies in front of the array.
+    /// Ends of the part of the line in front of the array, m in the plane.
     ends: [DVec2; 2],
-    /// m from the beginning of the line, and where that is on the axis to the right if the line runs across.
+    /// Position along the line (m): from its beginning, or on the horizontal axis for a line across the view.
     start: f64,
     pub points: Vec<DVec3>,
     pub values: Vec<f64>,
@@ -44,13 +44,13 @@ pub struct Lobe {
     /// m from the beginning.
     pub at: f64,
     pub value: f64,
-    /// m from the beginning to where the value is 6 dB below on either side; `None` if it is not on the line.
+    /// Positions (m) of the -6 dB points on either side; `None` outside the line.
     pub half: Option<[f64; 2]>,
 }
 
 impl Profile {
-    /// The values along the view's line, over what is on the screen. `None` where nothing is played, or the line lies in or behind
-    /// the array.
+    /// The values along the view's line, over its visible part. `None` without a drive, or if the line is in or
+    /// behind the array.
     pub fn of(editor: &Editor, shown: &Shown) -> Option<Self> {
         let (map, sound) = (shown.map.as_ref()?, shown.sound.as_ref()?);
         if map.cut != editor.view.cut || sound.drive().phases.len() != sound.aperture.positions.len() {
@@ -83,7 +83,7 @@ impl Profile {
         self.start + self.length() * index as f64 / (POINTS - 1) as f64
     }
 
-    /// The value at a place of the plot's axis (m).
+    /// The value at a position on the plot's axis (m).
     fn value(&self, place: f64) -> Option<f64> {
         let at = (place - self.start) / self.length() * (POINTS - 1) as f64;
         let index = at.floor();
@@ -91,7 +91,7 @@ impl Profile {
         (at >= 0.0).then(|| low + (high - low) * (at - index))
     }
 
-    /// The loudest lobe and its -6 dB width, of quantities that have decibels.
+    /// The loudest lobe and its -6 dB width, for quantities with decibels.
     pub fn lobe(&self) -> Option<Lobe> {
         let declaration = self.quantity.declaration();
         if declaration.range != Range::Amount {
@@ -112,7 +112,7 @@ impl Profile {
         (values[top] > 0.0).then_some(Lobe { at: top as f64 * step, value: values[top], half })
     }
 
-    /// As CSV: distance from the beginning (m), the place (m) and the value in SI units.
+    /// CSV: distance from the beginning (m), position (m) and value in SI units.
     pub fn csv(&self) -> String {
         let mut text = format!("distance,x,y,z,{}\n", self.quantity.declaration().name);
         let step = self.length() / (POINTS - 1) as f64;
@@ -129,7 +129,7 @@ impl Profile {
     }
 }
 
-/// The part of a line that lies in front of the array.
+/// The part of a line in front of the array.
 fn in_front(map: &Map, sound: &Sound, [from, to]: [DVec2; 2]) -> Option<[DVec2; 2]> {
     let nearest = NEAREST * sound.aperture.wavelength();
     let height = |uv: DVec2| map.axes.world(uv).z - nearest;
@@ -155,7 +155,7 @@ fn name(quantity: Quantity, convention: Convention) -> &'static str {
     if quantity.declaration().is_root { convention.name() } else { "" }
 }
 
-/// Draws the profile and what it says.
+/// Draws the profile and its figures.
 pub fn show(editor: &mut Editor, shown: &Shown, ui: &mut Ui) {
     let profile = Profile::of(editor, shown);
     ui.add_space(2.0);
@@ -177,13 +177,13 @@ pub fn show(editor: &mut Editor, shown: &Shown, ui: &mut Ui) {
     let max = pos2(map.rect.right(), (room.bottom() - BELOW).max(room.top() + 30.0));
     let response =
         ui.interact(Rect::from_min_max(min, max), egui::Id::unique("line profile"), Sense::hover());
-    // All of it, or else the panel would shrink by what stands below the plot.
+    // The full height, otherwise the panel would shrink by the row below the plot.
     ui.advance_cursor_after_rect(room);
     response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Canvas, true, "Line profile plot"));
     Plot::new(editor, shown, map, &profile, response.rect).paint(ui, &response);
 }
 
-/// What is measured, in words, and what can be done with it.
+/// The measured values, and commands on them.
 fn head(editor: &mut Editor, shown: &Shown, profile: Option<&Profile>, ui: &mut Ui) {
     let (_, up) = editor.view.cut.axes();
     match editor.view.line {
@@ -236,7 +236,7 @@ fn head(editor: &mut Editor, shown: &Shown, profile: Option<&Profile>, ui: &mut 
     }
 }
 
-/// The widths of a focus in words; `None` where it has no lobe of its own.
+/// The widths of a focus as text; `None` without a separate lobe.
 fn widths(widths: &Widths) -> Option<String> {
     let Widths { lateral_x, lateral_y, axial, area } = widths;
     let lengths = [("x", lateral_x), ("y", lateral_y), ("z", axial)];
@@ -254,7 +254,7 @@ pub fn copied(ui: &mut Ui, value: &str, tip: &str) {
     }
 }
 
-/// The focus that is meant: of what is selected, or else the first.
+/// The relevant focus: the selected one, or the first.
 pub fn focus(editor: &Editor, shown: &Shown) -> Option<DVec3> {
     let of_selection = editor.selection.first().and_then(|&index| editor.scene().targets.get(index));
     of_selection
@@ -393,7 +393,7 @@ impl<'a> Plot<'a> {
         painter.text(rect.right_top() + vec2(8.0, 0.0), Align2::LEFT_TOP, &self.unit, font, ink);
     }
 
-    /// Where the loudest lobe is 6 dB below its peak.
+    /// Draws the -6 dB width of the loudest lobe.
     fn width(&self, painter: &Painter, lobe: &Lobe) {
         let Some(half) = lobe.half else { return };
         let [before, after] = half.map(|at| self.x(self.profile.start + at));
@@ -417,7 +417,7 @@ impl<'a> Plot<'a> {
         }
     }
 
-    /// Place and value under the pointer.
+    /// Position and value under the pointer.
     fn hover(&self, painter: &Painter, at: Pos2) {
         let part = f64::from((at.x - self.rect.left()) / self.rect.width());
         let place = self.places[0] + (self.places[1] - self.places[0]) * part;

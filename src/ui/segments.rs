@@ -1,4 +1,4 @@
-//! A segmented control: a few choices side by side, of which one is taken.
+//! A segmented control: one choice of a few side by side.
 
 use crate::ui::theme;
 use egui::{Button, ComboBox, Frame, Margin, TextStyle, TextWrapMode, Ui, WidgetText};
@@ -9,10 +9,10 @@ pub type Segment<'a, T> = (T, &'a str, String);
 /// Points of the screen from one name to the next, and around all of them.
 const BETWEEN: f32 = 17.0;
 const AROUND: f32 = 4.0;
-/// More choices than that are a list in a narrow window.
+/// More choices become a list in narrow windows.
 const FEW: usize = 2;
 
-/// Shows the choices side by side, or as a list where there is no room for it. Gives out whether another one was taken.
+/// Shows the choices side by side, or as a list if space is short. Returns whether the choice changed.
 pub fn show<T: Copy + PartialEq>(ui: &mut Ui, name: &str, value: &mut T, choices: &[Segment<'_, T>]) -> bool {
     let before = *value;
     let width = choices.iter().map(|(_, name, _)| text_width(ui, name) + BETWEEN).sum::<f32>() + AROUND;
@@ -44,7 +44,7 @@ pub fn show<T: Copy + PartialEq>(ui: &mut Ui, name: &str, value: &mut T, choices
     *value != before
 }
 
-/// Points of the screen that a text on a button takes.
+/// Width of a text on a button in points.
 pub fn text_width(ui: &Ui, text: &str) -> f32 {
     let galley =
         WidgetText::from(text).into_galley(ui, Some(TextWrapMode::Extend), f32::INFINITY, TextStyle::Button);

@@ -1,4 +1,4 @@
-//! What was made from the scene: what panels and canvas show.
+//! The results shown by panels and canvas.
 
 use std::collections::BTreeMap;
 use std::path::PathBuf;
@@ -23,24 +23,24 @@ use crate::ui::map::{Map, Texture};
 use crate::ui::space::SpaceShown;
 use crate::ui::{Editor, Folder, Preview};
 
-/// What was made from the scene and is there to be shown.
+/// The results for display.
 #[derive(Debug, Default)]
 pub struct Shown {
     pub map: Option<Map>,
-    /// The scene in space, while that is looked at.
+    /// The scene in 3D, while displayed.
     pub space: Option<SpaceShown>,
-    /// What it is compared with.
+    /// The comparison map.
     pub beside: Option<beside::Beside>,
     /// Of the scene at rest.
     pub solution: Option<Arc<Solution>>,
     pub sound: Option<Sound>,
-    /// Why what is shown is not what the scene asks for.
+    /// The reason for showing a state other than the scene's.
     pub problem: Option<String>,
-    /// What is still to come, and what is shown until then: a sentence.
+    /// Pending results, and what is shown meanwhile: a sentence.
     pub pending: Option<String>,
     /// A sentence each.
     pub warnings: Vec<String>,
-    /// The part of the best that any drive can do.
+    /// The guaranteed fraction of the upper bound.
     pub certified: Option<f64>,
     pub methods: Vec<MethodRow>,
     pub is_comparing: bool,
@@ -48,42 +48,42 @@ pub struct Shown {
     pub is_following: bool,
     pub pressed: Option<Pressed>,
     pub extremes: Option<Extremes>,
-    /// At the place of [`crate::ui::CourseForm`], or why there is none.
+    /// At the position of [`crate::ui::CourseForm`], or the reason for its absence.
     pub course: Option<Result<Course, String>>,
-    /// What the sound does to the bead where it is put.
+    /// Levitation of the bead at its position.
     pub levitated: Option<Levitated>,
     pub arrows: Option<Arrows>,
-    /// Of the focus that is selected, while the line profile is shown.
+    /// Widths of the selected focus, while the line profile is shown.
     pub widths: Option<Widths>,
     /// Files that were open last, the last one first.
     pub recent: Vec<PathBuf>,
-    /// Where a file is asked for.
+    /// The folder in the file dialog.
     pub folder: Option<Folder>,
     /// Titles of the example scenes.
     pub examples: Vec<String>,
-    /// Pictures of those that were seen, by their place in the list.
+    /// Thumbnails of displayed examples, by index.
     pub thumbnails: BTreeMap<usize, Texture>,
-    /// Who computes the field.
+    /// The field evaluator.
     pub evaluator: String,
     /// ms
     pub solving: f64,
     pub mapping: f64,
-    /// ms that the GPU took for the map, where it can be timed.
+    /// GPU time for the map (ms), if measurable.
     pub on_gpu: Option<f64>,
     pub board: BoardShown,
     /// While other programs are listened to.
     pub serving: Option<ServingShown>,
-    /// What was just done, or could not be.
+    /// The last action or failure.
     pub notice: Option<Notice>,
-    /// What is being written meanwhile, and the part of it that is done.
+    /// The current export, and its completed fraction.
     pub export: Option<(String, f32)>,
-    /// The figure that is being asked about, or why there is none; `None` until it is there.
+    /// The preview in the figure dialog, or an error; `None` while pending.
     pub figure: Option<Result<Preview, String>>,
 }
 
 impl Shown {
-    /// The drives that a map of this quantity is of: those that are played, or all frames of the motion where their mean counts
-    /// and none of them is looked at.
+    /// The drives of a map of this quantity: the played ones, or all frames of the motion if their mean counts and no
+    /// frame is displayed.
     pub fn drives(&self, editor: &Editor, quantity: Quantity) -> Vec<Drive> {
         match (&self.round, &self.sound) {
             (Some(round), _) if quantity.declaration().is_slow && editor.playback.frame.is_none() => {
@@ -94,7 +94,7 @@ impl Shown {
     }
 }
 
-/// Where other programs are listened to, and how much they have said.
+/// Addresses of live control, and message counts.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct ServingShown {
     pub addresses: Vec<String>,
@@ -103,33 +103,33 @@ pub struct ServingShown {
     pub refused: u64,
 }
 
-/// A word on what was done.
+/// A notice about an action.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Notice {
     pub text: String,
     pub is_error: bool,
 }
 
-/// What is played, and what arrives.
+/// The played drive and its pressures.
 #[derive(Clone, Debug)]
 pub struct Sound {
     pub aperture: Aperture,
     pub air: Air,
     pub bead: Bead,
-    /// Those that take turns, one at least.
+    /// Drives in turn, at least one.
     pub drives: Vec<Drive>,
     pub foci: Vec<Focus>,
-    /// What arrives at the foci.
+    /// The readings at the foci.
     pub readings: Vec<Reading>,
 }
 
 impl Sound {
-    /// The first of those that take turns.
+    /// The first drive in turn.
     pub fn drive(&self) -> &Drive {
         &self.drives[0]
     }
 
-    /// The values of a map at points of its plane, in f64; none where these follow from more than the points.
+    /// The values of a map at points of its plane, in f64; empty for quantities that depend on more than the points.
     pub fn values(&self, map: &Map, points: &[DVec3]) -> Vec<f64> {
         let axes = [map.axes.x, map.axes.y, map.axes.x.cross(map.axes.y)];
         probe::values(
@@ -150,11 +150,11 @@ impl Sound {
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct MethodRow {
     pub method: Method,
-    /// Or why there is none.
+    /// Or the reason for its absence.
     pub solution: Result<Arc<Solution>, String>,
 }
 
-/// What presses on the scene's plane.
+/// The radiation pressure on the scene plane and its effects.
 #[derive(Clone, Debug)]
 pub struct Pressed {
     pub figures: field::Pressed,
@@ -179,13 +179,13 @@ impl Course {
         self.lines.first().map_or(0.0, |line| line.amplitude)
     }
 
-    /// The line beside the mean.
+    /// The strongest line besides the mean.
     pub fn strongest(&self) -> Option<&Line> {
         self.lines.iter().skip(1).max_by(|a, b| a.amplitude.total_cmp(&b.amplitude))
     }
 }
 
-/// What the sound does to the scene's bead at a point.
+/// Levitation of the scene's bead at a point.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Levitated {
     pub hold: Hold,
@@ -195,18 +195,18 @@ pub struct Levitated {
     pub load: f64,
     /// m from there along x, y and z, and the force (N) along the same axis.
     pub curves: [Vec<[f64; 2]>; 3],
-    /// What to know of such a bead.
+    /// A warning about the bead.
     pub warning: Option<String>,
 }
 
-/// Forces of the sound (N) on the scene's bead at places (m) of the cut.
+/// Radiation forces (N) on the scene's bead at points (m) of the plane.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Arrows {
     pub places: Vec<DVec3>,
     pub forces: Vec<DVec3>,
 }
 
-/// The loudest place on the screen and its peak side lobe: where (m), and |P| (Pa, peak).
+/// The displayed maximum and peak side lobe: position (m), and |P| (Pa, peak).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Extremes {
     pub peak: Option<(DVec3, f64)>,

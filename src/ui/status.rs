@@ -1,4 +1,4 @@
-//! The line at the bottom: what was just done, how right the map is, and warnings. Details and lists open on a click.
+//! The status line: the last action, the accuracy of the map, and warnings, with details on a click.
 
 use egui::{Align, Button, Label, Layout, Popup, PopupCloseBehavior, RichText, Ui};
 
@@ -8,12 +8,12 @@ use crate::ui::panels::{fact, form};
 use crate::ui::space::SpaceShown;
 use crate::ui::{Editor, Map, Shown, theme};
 
-/// Points of the screen, of what opens.
+/// Width of the popup in points.
 const WIDTH: f32 = 420.0;
 
 pub fn bar(editor: &Editor, shown: &Shown, ui: &mut Ui) {
     ui.horizontal(|ui| {
-        // With and without a map: another height would move the map under the pointer.
+        // The same height with and without a map, otherwise the map would shift under the pointer.
         ui.set_min_height(ui.spacing().interact_size.y);
         match (&shown.space, &shown.map) {
             (Some(picture), _) => space(picture, ui),
@@ -24,13 +24,13 @@ pub fn bar(editor: &Editor, shown: &Shown, ui: &mut Ui) {
         if let Some(notice) = &shown.notice {
             let colour = if notice.is_error { theme::error(ui.visuals()) } else { ui.visuals().text_color() };
             let text = echo::message(&notice.text);
-            // Where it is cut, hovering shows all of it.
+            // Truncated text is shown in full on hover.
             ui.add(Label::new(RichText::new(text).color(colour)).truncate());
         }
     });
 }
 
-/// How the picture of space was made.
+/// The method of the 3D picture.
 fn space(picture: &SpaceShown, ui: &mut Ui) {
     let [field, drawing] = picture.milliseconds;
     let state = if picture.is_coarse { "coarse" } else { "fine" };
@@ -40,7 +40,7 @@ fn space(picture: &SpaceShown, ui: &mut Ui) {
     ui.add(Label::new(text.color(ui.visuals().weak_text_color()))).on_hover_text(tip);
 }
 
-/// How right the map is, and how it was made.
+/// Accuracy and method of the map.
 fn details(editor: &Editor, shown: &Shown, map: &Map, ui: &mut Ui) {
     let chip = Button::new(format!("error {:.0e} of peak", map.error)).corner_radius(10).small();
     let response = ui.add(chip).on_hover_text("Estimated error of the map. Click for details");

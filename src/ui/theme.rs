@@ -1,4 +1,4 @@
-//! One look for every panel, light and dark.
+//! The visual theme of all panels, light and dark.
 
 use std::sync::Arc;
 
@@ -9,12 +9,12 @@ use egui::{
 
 /// The one that sheets are lettered with, too.
 const FONT: &str = "Inter";
-/// Its digits of equal width: numbers below one another stay in columns, and a number that changes does not move its unit.
+/// Tabular digits: numbers align in columns, and changing numbers do not move their unit.
 const DIGITS: &str = "Inter tabular digits";
 const SEMIBOLD: &str = "Inter semibold";
-/// What is chosen, drawn or pressed.
+/// Selected, drawn or pressed items.
 pub const ACCENT: Color32 = Color32::from_rgb(46, 134, 222);
-/// What silences or destroys.
+/// Stop and delete buttons.
 pub const DANGER: Color32 = Color32::from_rgb(205, 48, 44);
 /// Over the map, on any of its colours.
 pub const MARK: Color32 = Color32::WHITE;
@@ -73,7 +73,8 @@ fn semibold() -> FontFamily {
     FontFamily::Name(SEMIBOLD.into())
 }
 
-/// Whether a window has no room for map and panel side by side: the panel lies over the map then, and the view bar has lists.
+/// Whether a window is too narrow for map and panel side by side: the panel then covers the map, and the view bar has
+/// lists.
 pub fn is_narrow(ctx: &Context) -> bool {
     const NARROW: f32 = 860.0;
     ctx.content_rect().width() < NARROW
@@ -84,17 +85,17 @@ pub fn heading(text: &str) -> RichText {
     RichText::new(text).font(FontId::new(14.0, semibold()))
 }
 
-/// What a control or a value is, beside it.
+/// The label beside a control or a value.
 pub fn label(text: &str, visuals: &Visuals) -> RichText {
     RichText::new(text).size(12.0).color(visuals.text_color().gamma_multiply(0.75))
 }
 
-/// The button that does what its dialog or page is for.
+/// The primary button of a dialog or page.
 pub fn primary(text: &str) -> Button<'_> {
     filled(text, ACCENT)
 }
 
-/// A button that takes something away or stops it.
+/// A button that deletes or stops something.
 pub fn destructive(text: &str) -> Button<'_> {
     filled(text, DANGER)
 }
@@ -130,12 +131,12 @@ fn visuals(theme: Theme) -> Visuals {
     ] {
         widget.corner_radius = CornerRadius::same(5);
     }
-    // What has the keyboard is drawn as active.
+    // The focused widget is drawn as active.
     visuals.widgets.active.bg_stroke = focus_ring();
     visuals
 }
 
-/// Around what has the keyboard.
+/// Outline of the focused widget.
 pub fn focus_ring() -> Stroke {
     Stroke::new(2.0, CHOSEN)
 }

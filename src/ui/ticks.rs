@@ -6,7 +6,7 @@ pub fn between(low: f64, high: f64, step: f64) -> impl Iterator<Item = f64> {
     (first..=last.min(first.saturating_add(100))).map(move |i| i as f64 * step)
 }
 
-/// Decimals that tell multiples of a round step apart.
+/// Decimals that distinguish multiples of a round step.
 pub fn decimals(step: f64) -> usize {
     (-step.log10().floor()).clamp(0.0, 6.0) as usize
 }

@@ -1,4 +1,4 @@
-//! The timeline below the canvas: which frame is shown, how fast they go by, and the keyframes of what moves.
+//! The timeline below the canvas: the displayed frame, the playback speed, and keyframes.
 
 use egui::{
     Align2, Button, CursorIcon, DragValue, FontId, Painter, Rect, Response, ScrollArea, Sense, Stroke, Ui,
@@ -17,17 +17,17 @@ const RULER: f32 = 20.0;
 const LANE: f32 = 22.0;
 const NAMES: f32 = 84.0;
 const HALF: f32 = 6.0;
-/// Lanes before they are scrolled.
+/// Limit of lanes before scrolling.
 const MOST_LANES: f32 = 4.0;
 /// Points of the screen between two times of the ruler, at least.
 const TICK: f64 = 70.0;
-/// Points of the screen below which the timeline says less, and shows fewer lanes.
+/// Width below which the timeline is abbreviated, with fewer lanes, in points.
 const NARROW: f32 = 460.0;
 const LOW: f32 = 600.0;
-/// Frames of a cycle up to which keyframes go from frame to frame.
+/// Limit of frames for stepping through keyframes frame by frame.
 const MOST_STEPS: f64 = 4096.0;
 
-/// Whether there is one: something moves, and its motion is edited or looked at.
+/// Whether the timeline is shown: the scene moves, and its motion is edited or played.
 pub fn is_wanted(editor: &Editor) -> bool {
     let is_looked_at = editor.panel == Panel::Motion || editor.playback.frame.is_some();
     is_looked_at && motion::moves(editor.scene()) && !editor.scene().targets.is_empty()
@@ -42,7 +42,7 @@ pub fn show(editor: &mut Editor, shown: &Shown, ui: &mut Ui) {
     lanes(editor, ui, clock);
 }
 
-/// What time is measured in.
+/// The units of the timeline.
 #[derive(Clone, Copy, Debug)]
 struct Clock {
     /// Cycles per second.
@@ -119,7 +119,7 @@ fn controls(editor: &mut Editor, shown: &Shown, ui: &mut Ui, clock: Clock) {
     }
 }
 
-/// What the keyframe at hand is, and another one.
+/// The controls of the current keyframe, and for adding one.
 fn keyframe(editor: &mut Editor, ui: &mut Ui) {
     let Some(target) = keyed(editor) else { return };
     ui.separator();
@@ -128,7 +128,7 @@ fn keyframe(editor: &mut Editor, ui: &mut Ui) {
         editor.playback.frame.get_or_insert(0);
         way::add_keyframe(editor, target);
     }
-    // Always there, so that nothing moves when a keyframe is taken hold of.
+    // Always present, so that the layout is stable.
     let vertex = editor.vertex;
     let motion = vertex.and_then(|vertex| way::motion_mut(&mut editor.document.scene, vertex.target));
     let keyframes =
@@ -147,7 +147,7 @@ fn keyframe(editor: &mut Editor, ui: &mut Ui) {
     });
 }
 
-/// Whose keyframes are added to: those of the selected target, of the scene, or of the first that has some.
+/// The motion that receives keyframes: that of the selected target, of the scene, or the first with keyframes.
 fn keyed(editor: &Editor) -> Option<Option<usize>> {
     let scene = editor.scene();
     let is_keyed = |target: &Option<usize>| {

@@ -1,4 +1,4 @@
-//! The tools of the canvas, and the targets that they draw.
+//! The drawing tools of the canvas, and the targets that they create.
 
 use std::f64::consts::TAU;
 
@@ -8,7 +8,7 @@ use glam::{DVec2, DVec3};
 use crate::scene::{Pixels, Scene, Shape, Target};
 use crate::ui::view::Axes;
 
-/// m: what a click draws that was no drag.
+/// Size of a target drawn by a click, m.
 const DEFAULT_SIZE: f64 = 0.04;
 /// m: shapes smaller than this are slips of the hand.
 const SMALLEST: f64 = 1e-3;
@@ -160,7 +160,7 @@ pub fn path(axes: &Axes, points: &[DVec2], closed: bool) -> Target {
     Target::new(Shape::Path { vertices: points.iter().map(|&uv| axes.world(uv)).collect(), closed })
 }
 
-/// A black picture to paint on: in the cut, as large as the scene's plane and about where that is.
+/// A black picture for painting: in the plane, of the scene plane's size and near its centre.
 pub fn canvas(axes: &Axes, scene: &Scene, file: String) -> Target {
     /// Pixels in a wavelength, and of a side at most.
     const PER_WAVELENGTH: f64 = 10.0;
@@ -173,7 +173,7 @@ pub fn canvas(axes: &Axes, scene: &Scene, file: String) -> Target {
     facing(shape, axes)
 }
 
-/// A target whose shape lies in the cut and stands upright there.
+/// A target in the plane, upright there.
 fn facing(shape: Shape, axes: &Axes) -> Target {
     let has_no_face = matches!(shape, Shape::Point { .. } | Shape::Line { .. } | Shape::Path { .. });
     let mut target = Target::new(shape);
@@ -186,7 +186,7 @@ fn facing(shape: Shape, axes: &Axes) -> Target {
     }
     let x = target.turn().inverse() * axes.x;
     let angle = x.y.atan2(x.x);
-    // What is no turn is not written to the file.
+    // A zero rotation is not written to the file.
     target.angle = if angle.abs() < 1e-9 { 0.0 } else { angle };
     target
 }

@@ -1,4 +1,4 @@
-//! The box around what is selected: its corners scale all of it, and the handle above it turns it.
+//! The selection box: its corners scale the selection, and the handle above it rotates it.
 
 use egui::{Painter, Pos2, Rect, Stroke, StrokeKind, pos2};
 use glam::{DQuat, DVec2, DVec3};
@@ -10,22 +10,22 @@ use crate::ui::handle;
 use crate::ui::theme;
 use crate::ui::view::{Axes, Lens};
 
-/// Points of the screen from what is selected to its box, and from there to the handle that turns it.
+/// Distance of the box from the selection, and of the rotation handle from the box, in points.
 const AROUND: f32 = 14.0;
 const ABOVE: f32 = 22.0;
-/// m: nothing is scaled to less.
+/// Smallest size, m.
 const SMALLEST: f64 = 1e-3;
 
-/// What is taken hold of.
+/// The grabbed part of the box.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Grip {
-    /// A corner, and the opposite one, which stays: m on the cut.
+    /// A corner, and the fixed opposite one: m in the plane.
     Corner { held: DVec2, fixed: DVec2 },
-    /// About this place.
+    /// Rotation about this point.
     Turn(DVec2),
 }
 
-/// Low and high corner (m) of what is selected.
+/// Lower and upper corner (m) of the selection.
 fn bounds(editor: &Editor, axes: &Axes) -> Option<[DVec2; 2]> {
     let targets = editor.selection.iter().filter_map(|&index| editor.scene().targets.get(index));
     edit::bounds(targets, axes)
@@ -39,12 +39,12 @@ fn corners([low, high]: [DVec2; 2]) -> [DVec2; 4] {
     [low, DVec2::new(high.x, low.y), high, DVec2::new(low.x, high.y)]
 }
 
-/// Corners serve where several targets have no handle in common.
+/// Corners are for multiple targets, which have no common handle.
 fn has_corners(editor: &Editor) -> bool {
     editor.selection.len() > 1
 }
 
-/// A single point or circle looks the same however it is turned.
+/// Rotation has no effect on a single point or circle.
 fn can_turn(editor: &Editor) -> bool {
     let mut chosen = editor.selection.iter().filter_map(|&index| editor.scene().targets.get(index));
     let is_round = |target: &Target| matches!(target.shape, Shape::Point { .. } | Shape::Circle { .. });
@@ -88,7 +88,7 @@ pub fn paint(editor: &Editor, axes: &Axes, painter: &Painter, lens: &Lens) {
     }
 }
 
-/// What targets become when a grip goes from where it was taken hold of (m on the cut) to another place.
+/// Targets after moving a grip (m in the plane).
 pub fn pulled(before: &Target, grip: Grip, axes: &Axes, from: DVec2, to: DVec2, in_steps: bool) -> Target {
     match grip {
         Grip::Corner { held, fixed } => {
@@ -107,7 +107,7 @@ pub fn pulled(before: &Target, grip: Grip, axes: &Axes, from: DVec2, to: DVec2, 
     }
 }
 
-/// Larger by a factor about a place of the cut.
+/// Scaled by a factor about a point of the plane.
 fn scaled(target: &Target, axes: &Axes, about: DVec2, factor: f64) -> Target {
     let mut target = target.clone();
     let place = |at: &mut DVec3| {
@@ -144,7 +144,7 @@ fn scaled(target: &Target, axes: &Axes, about: DVec2, factor: f64) -> Target {
     target
 }
 
-/// Turned (rad) in the cut about a place of it.
+/// Rotated (rad) in the plane about a point.
 fn turned(target: &Target, axes: &Axes, about: DVec2, angle: f64) -> Target {
     let turn = DQuat::from_axis_angle(axes.x.cross(axes.y).normalize_or(DVec3::Z), angle);
     let about = axes.world(about);
@@ -176,7 +176,7 @@ fn turned(target: &Target, axes: &Axes, about: DVec2, angle: f64) -> Target {
     turned
 }
 
-/// Gives a flat shape the normal and the angle that make this its turn.
+/// Sets normal and angle of a flat shape for this rotation.
 fn face(target: &mut Target, turn: DQuat) {
     let normal = turn * DVec3::Z;
     target.normal = if normal.distance(DVec3::Z) < 1e-9 { DVec3::Z } else { normal };

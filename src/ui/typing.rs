@@ -1,4 +1,4 @@
-//! The text that is being typed on the canvas.
+//! Text being typed on the canvas.
 
 use std::collections::BTreeSet;
 
@@ -11,14 +11,14 @@ use crate::ui::edit;
 use crate::ui::tool::{self, Tool};
 use crate::ui::view::Axes;
 
-/// A text under way.
+/// A text being typed.
 #[derive(Clone, Debug)]
 pub struct Typing {
     pub at: DVec2,
     pub text: String,
     /// Letters that were typed last and that the font lacks.
     pub lacking: Vec<char>,
-    /// Its place in the scene once there is something to write.
+    /// Its index in the scene once it is not empty.
     index: Option<usize>,
 }
 
@@ -52,7 +52,7 @@ pub fn write(editor: &mut Editor, ui: &Ui, axes: &Axes) {
             editor.selection.clear();
         }
         (false, Some(index)) => {
-            // Only the letters: height and place may have been changed by hand meanwhile.
+            // Only the letters: height and position may have been edited meanwhile.
             if let Some(Shape::Text { text, .. }) =
                 editor.document.scene.targets.get_mut(index).map(|target| &mut target.shape)
                 && *text != typing.text

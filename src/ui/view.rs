@@ -1,4 +1,4 @@
-//! How the field is looked at: which cut through space, which part of it, which quantity, in which colours.
+//! The view of the field: plane, visible part, quantity and colours.
 
 use std::f64::consts::FRAC_PI_4;
 
@@ -14,7 +14,7 @@ use crate::studio::convention::Convention;
 use crate::studio::map;
 use crate::ui::measure::ProfileLine;
 
-/// Free space around what is shown as a whole, as a part of it.
+/// Margin factor of a fitted view.
 const MARGIN: f64 = 1.08;
 /// m per point of the screen.
 const FINEST: f64 = 2e-6;
@@ -27,9 +27,9 @@ pub enum Cut {
     Xy,
     Xz,
     Yz,
-    /// As a [`FreePlane`] says.
+    /// As in [`FreePlane`].
     Free,
-    /// The scene's own, however it lies.
+    /// The scene plane, at any tilt.
     Own,
 }
 
@@ -56,7 +56,7 @@ impl Cut {
         }
     }
 
-    /// What moves the plane.
+    /// The axis along which the plane moves.
     pub fn normal(self) -> Option<&'static str> {
         match self {
             Self::Xy => Some("z"),
@@ -66,7 +66,7 @@ impl Cut {
         }
     }
 
-    /// What runs to the right and what upwards.
+    /// The horizontal and the vertical axis.
     pub fn axes(self) -> (&'static str, &'static str) {
         match self {
             Self::Xy => ("x / mm", "y / mm"),
@@ -77,12 +77,12 @@ impl Cut {
     }
 }
 
-/// A plane through a point, however it lies.
+/// An oblique plane through a point.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FreePlane {
     /// m
     pub centre: DVec3,
-    /// rad from lying parallel to the array, with what runs upwards on the screen lifted.
+    /// Tilt from the array's plane (rad), raising the vertical screen axis.
     pub tilt: f64,
     /// rad about the array's normal, counter-clockwise.
     pub turn: f64,
@@ -114,13 +114,13 @@ impl Axes {
         DVec2::new(offset.dot(self.x), offset.dot(self.y))
     }
 
-    /// m, how far a point is from the cut.
+    /// Distance (m) of a point from the plane.
     pub fn height(&self, point: DVec3) -> f64 {
         (point - self.origin).dot(self.x.cross(self.y))
     }
 }
 
-/// Part of a cut that is on the screen.
+/// The visible part of a plane.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Window {
     /// m
@@ -130,7 +130,7 @@ pub struct Window {
 }
 
 impl Window {
-    /// With so much around a place (m) on a rectangle of the screen, and a little more.
+    /// With this size around a point (m) on a rectangle of the screen, plus a margin.
     pub fn around(centre: DVec2, size: DVec2, rect: Rect) -> Self {
         let scale =
             (size.x / f64::from(rect.width().max(1.0))).max(size.y / f64::from(rect.height().max(1.0)));
@@ -161,7 +161,7 @@ impl Lens {
         DVec2::new(f64::from(self.rect.width()), f64::from(self.rect.height())) * self.window.scale
     }
 
-    /// The window nearer to or farther from what is under the pointer, which stays there.
+    /// The window zoomed about the pointer.
     pub fn zoomed(&self, at: Pos2, factor: f64) -> Window {
         let scale = (self.window.scale / factor).clamp(FINEST, COARSEST);
         let fixed = self.flat(at);
@@ -174,47 +174,47 @@ impl Lens {
     }
 }
 
-/// How the field is looked at. Nothing of this is part of the scene.
+/// The view of the field; not part of the scene.
 #[derive(Clone, Debug, PartialEq)]
 pub struct View {
     pub cut: Cut,
-    /// m, where XY, XZ and YZ lie along their normals.
+    /// Positions of XY, XZ and YZ along their normals, m.
     pub heights: [f64; 3],
     pub free: FreePlane,
-    /// Everything is shown if `None`.
+    /// `None`: fitted.
     pub window: Option<Window>,
     pub quantity: Quantity,
     pub colours: ColourMap,
     pub scale: Scale,
-    /// How pressures are stated everywhere in the window.
+    /// Convention of pressures in the whole window.
     pub convention: Convention,
-    /// What gets the last colour (Pa RMS, Pa or m), the largest value if `None`.
+    /// The value of the last colour (Pa RMS, Pa or m); `None`: the largest value.
     pub full: Option<f64>,
-    /// What gets the first colour of a linear scale, where `full` is given; as in [`Colouring::low`] if `None`.
+    /// The value of the first colour of a linear scale with a given `full`; `None`: as in [`Colouring::low`].
     pub low: Option<f64>,
     /// The part of the largest value that gets the first colour of a logarithmic scale.
     pub floor: f64,
-    /// Colours are for a light ground; as the theme is, if `None`.
+    /// Whether colours are for a light ground; `None`: as the theme.
     pub ground: Option<bool>,
-    /// What that comes to.
+    /// The resulting ground.
     pub is_light: bool,
     /// The brightness of a phase map follows the amplitude.
     pub fades: bool,
     /// The depression as a shaded relief instead of a map.
     pub shaded: bool,
-    /// Lines where the shown amount has one value are drawn.
+    /// Whether contour lines are drawn.
     pub contours: bool,
     /// dB from the largest value to that one.
     pub contour_level: f64,
     /// Focal points and outlines over the map.
     pub marks: bool,
-    /// The lines of the grid to which the pointer snaps; they are shown with it, too.
+    /// Whether the snap grid is shown and active.
     pub grid: bool,
-    /// What is dragged comes to rest in line with other targets and the array's axis.
+    /// Whether dragged targets align with other targets and the array's axis.
     pub guides: bool,
     /// The array's elements in the colours of their phases.
     pub elements: bool,
-    /// The loudest place and the peak side lobe are marked.
+    /// Whether the maximum and the peak side lobe are marked.
     pub extremes: bool,
     /// An adult's hand to scale.
     pub palm: bool,
@@ -225,7 +225,7 @@ pub struct View {
 }
 
 impl View {
-    /// The plane that a scene asks for.
+    /// The plane of a scene.
     pub fn of(scene: &Scene) -> Self {
         let plane = &scene.plane;
         let mut view = Self {
@@ -277,14 +277,14 @@ impl View {
         view
     }
 
-    /// The line through the first target that is shown, or else through the middle of the scene's plane.
+    /// The line through the first visible target, or else through the centre of the scene plane.
     pub fn middle(&self, scene: &Scene) -> ProfileLine {
         let shown = scene.targets.iter().find(|target| target.visible);
         let at = shown.map_or(scene.plane.centre, |target| outline::centre(&target.shape));
         ProfileLine::Across(self.axes(scene).flat(at).y)
     }
 
-    /// m, where the cut lies along its normal.
+    /// Position of the plane along its normal, m.
     pub fn height_mut(&mut self) -> Option<&mut f64> {
         match self.cut {
             Cut::Xy => Some(&mut self.heights[0]),
@@ -319,7 +319,7 @@ impl View {
         }
     }
 
-    /// Centre and size of what there is to see: the scene's plane where it is looked at, else the space over the array.
+    /// Centre and size of the fitted view: the scene plane if displayed, otherwise the space above the array.
     pub fn whole(&self, scene: &Scene) -> (DVec2, DVec2) {
         let plane = &scene.plane;
         let of_plane = Self::of(scene).cut == self.cut;
@@ -367,13 +367,13 @@ impl View {
         self.colour_map().on(self.is_light)
     }
 
-    /// Of the RMS pressure that lies over a phase map as a veil, where brightness follows it.
+    /// Colouring of the RMS pressure as a veil over a phase map, if brightness follows it.
     pub fn veil(&self) -> Option<Colouring> {
         let is_wanted = self.fades && self.quantity.declaration().range == Range::Cyclic;
         is_wanted.then(|| Colouring::new(Quantity::Rms, colour::veil(self.is_light)))
     }
 
-    /// Follows the theme where the ground is not chosen.
+    /// Follows the theme unless the ground is chosen.
     pub fn follow_theme(&mut self, is_dark: bool) {
         self.is_light = self.ground.unwrap_or(!is_dark);
     }
@@ -383,17 +383,17 @@ impl View {
         (self.full, self.low) = (None, None);
     }
 
-    /// Colours from nothing to the largest, round a turn, or from the most negative to the most positive.
+    /// The colour map: sequential, cyclic or diverging.
     pub fn colour_map(&self) -> ColourMap {
         map::colours(self.quantity, self.colours)
     }
 
-    /// Whether a liquid is shown as light falls on it.
+    /// Whether a liquid is shown as a shaded relief.
     pub fn is_shaded(&self) -> bool {
         self.shaded && self.quantity.declaration().is_surface()
     }
 
-    /// The part of the largest value at which contour lines are wanted; `None` where there are to be none.
+    /// The contour level relative to the largest value; `None` without contours.
     pub fn contour_part(&self) -> Option<f64> {
         let declaration = self.quantity.declaration();
         let is_wanted = self.contours && declaration.has_mean && !self.is_shaded();
@@ -401,7 +401,7 @@ impl View {
     }
 }
 
-/// Centre and size of what holds all boards and targets, with some room.
+/// Centre and size of all boards and targets, with a margin.
 fn around(scene: &Scene, axes: &Axes) -> (DVec2, DVec2) {
     let placed = scene.array.places();
     let boards = scene.standing();

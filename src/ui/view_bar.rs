@@ -1,4 +1,4 @@
-//! The two rows above the canvas: which quantity is seen, and on which plane.
+//! The two rows above the canvas: the quantity and the plane.
 
 use egui::{Slider, Ui};
 
@@ -11,7 +11,7 @@ use crate::ui::tool::Tool;
 use crate::ui::view::{Cut, FreePlane};
 use crate::ui::{Editor, beside, brush, panels, segments, space};
 
-/// m: how far the slider moves a plane.
+/// Range of the plane slider, m.
 const FARTHEST: f64 = 0.3;
 
 pub fn show(editor: &mut Editor, ui: &mut Ui) {
@@ -59,7 +59,7 @@ fn dimensions(editor: &mut Editor, ui: &mut Ui) {
     segments::show(ui, "View", &mut editor.space.is_on, &choices);
 }
 
-/// What the brush paints or the eraser wipes.
+/// Settings of brush and eraser.
 fn brush(editor: &mut Editor, ui: &mut Ui) {
     let tip = "Of brush and eraser ([ and ])";
     let label = ui.label("Diameter").on_hover_text(tip);
@@ -86,7 +86,7 @@ fn quantities(editor: &mut Editor, ui: &mut Ui) {
     segments::show(ui, "Quantity", &mut editor.view.quantity, &choices);
 }
 
-/// How pressures are stated, in the whole window.
+/// The convention of pressures in the whole window.
 fn convention(editor: &mut Editor, ui: &mut Ui) {
     let choices = Convention::ALL.map(|convention| {
         let tip = match convention {
@@ -98,7 +98,7 @@ fn convention(editor: &mut Editor, ui: &mut Ui) {
     segments::show(ui, "Convention", &mut editor.view.convention, &choices);
 }
 
-/// Which moment of the period is seen.
+/// The phase within the period.
 fn oscillation(editor: &mut Editor, ui: &mut Ui) {
     let oscillation = &mut editor.oscillation;
     let (name, tip) = if oscillation.playing {
@@ -109,7 +109,7 @@ fn oscillation(editor: &mut Editor, ui: &mut Ui) {
     if ui.button(name).on_hover_text(tip).clicked() {
         oscillation.playing = !oscillation.playing;
     }
-    // A number that the slider rounded would count as changed.
+    // A value rounded by the slider would count as changed.
     let mut degrees = (oscillation.part * 360.0).round();
     let tip = "Moment in the period of the sound";
     let slider = Slider::new(&mut degrees, 0.0..=360.0).max_decimals(0).show_value(false);
@@ -185,7 +185,7 @@ fn free_plane(plane: &mut FreePlane, ui: &mut Ui) {
     number("turn", "About the array's axis, counter-clockwise", &mut plane.turn, DEGREES, most);
 }
 
-/// What lies over the map and below it, and the view of everything.
+/// The overlays, the line profile, and the fitted view.
 fn overlays(editor: &mut Editor, ui: &mut Ui) {
     ui.spacing_mut().item_spacing.x = 2.0;
     let is_flat = !editor.view.is_shaded();

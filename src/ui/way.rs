@@ -1,4 +1,4 @@
-//! The ways of moving targets on the canvas: pulled by their handles, with vertices and keyframes that come and go.
+//! Editing of motion paths on the canvas: dragging handles, adding and removing vertices and keyframes.
 
 use std::f64::consts::{FRAC_PI_4, TAU};
 
@@ -12,34 +12,34 @@ use crate::ui::{Editor, Panel};
 
 /// m: the sizes that a path can be pulled to.
 const SIZES: std::ops::RangeInclusive<f64> = 1e-3..=1.0;
-/// Points of the screen: how near the pointer has to be.
+/// Pick distance in points.
 const REACH: f32 = 9.0;
-/// Pieces of a way as it is drawn.
+/// Segments of a drawn path.
 const PIECES: u32 = 96;
-/// rad: nearer to an eighth of a turn than this is meant to be that.
+/// Snap distance to eighths of a turn, rad.
 const LEVEL: f64 = 0.035;
 
-/// A hold on a motion's path: on one of its handles, or on the curve between them.
+/// A grabbed motion path: one of its handles, or the curve between them.
 #[derive(Clone, Debug)]
 pub struct Pull {
-    /// Whose: a target's by its place in the scene, or the scene's.
+    /// The target's index, or `None` for the scene's motion.
     target: Option<usize>,
-    /// m: what its offsets are measured from.
+    /// Origin of its offsets, m.
     centre: DVec3,
     handle: Option<usize>,
-    /// m, where on the cut it was taken.
+    /// Grabbed point in the plane, m.
     from: DVec2,
     before: Motion,
 }
 
 impl Pull {
-    /// Whose motion it is, if a target's own.
+    /// The target, if it is a target's own motion.
     pub fn target(&self) -> Option<usize> {
         self.target
     }
 }
 
-/// A vertex or a keyframe that was taken hold of last.
+/// The last grabbed vertex or keyframe.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Vertex {
     pub target: Option<usize>,
@@ -62,8 +62,8 @@ pub fn motion_mut(scene: &mut Scene, target: Option<usize>) -> Option<&mut Motio
     }
 }
 
-/// Whose path has handles, and what its offsets (m) are measured from: the motion of the one target that is selected, or the scene's
-/// while it is edited.
+/// The motion with handles, and the origin of its offsets (m): that of the single selected target, or the scene's
+/// while edited.
 pub fn held(editor: &Editor) -> Option<(Option<usize>, DVec3)> {
     let scene = editor.scene();
     let chosen = editor.selection.first().copied().filter(|_| editor.selection.len() == 1);
@@ -78,7 +78,7 @@ pub fn held(editor: &Editor) -> Option<(Option<usize>, DVec3)> {
     }
 }
 
-/// Where the handle of a path of one size is, before it is turned, in sizes.
+/// Position of a size handle before rotation, in units of the size.
 pub fn arm(path: MotionPath) -> Option<DVec2> {
     match path {
         MotionPath::Line | MotionPath::Circle | MotionPath::FigureEight => Some(DVec2::X / 2.0),
@@ -123,14 +123,14 @@ fn pulled(before: &Motion, handle: usize, to: DVec3) -> Motion {
     motion
 }
 
-/// An angle, or the eighth of a turn that it nearly is; from -π to π.
+/// An angle, snapped to nearby eighths of a turn; from -π to π.
 fn level(angle: f64) -> f64 {
     let near = (angle / FRAC_PI_4).round() * FRAC_PI_4;
     let angle = if (angle - near).abs() < LEVEL { near } else { angle };
     if angle > TAU / 2.0 + 1e-9 { angle - TAU } else { angle }
 }
 
-/// Takes hold of a path under the pointer.
+/// Grabs a path under the pointer.
 pub fn take(editor: &mut Editor, axes: &Axes, lens: &Lens, at: Pos2) -> Option<Pull> {
     editor.vertex = None;
     if !editor.view.marks {
@@ -138,7 +138,7 @@ pub fn take(editor: &mut Editor, axes: &Axes, lens: &Lens, at: Pos2) -> Option<P
     }
     let (target, centre) = held(editor)?;
     let screen = |offset: DVec3| lens.screen(axes.flat(centre + offset));
-    // Where the target itself stands, its own handles come first while it is edited.
+    // At the target itself, its own handles take precedence while it is edited.
     let is_free =
         |offset: DVec3| editor.panel == Panel::Motion || screen(offset).distance(screen(DVec3::ZERO)) > REACH;
     let motion = motion_of(editor.scene(), target)?;
@@ -153,7 +153,7 @@ pub fn take(editor: &mut Editor, axes: &Axes, lens: &Lens, at: Pos2) -> Option<P
     if handle.is_none() && !is_keyed && !on_curve() {
         return None;
     }
-    // What is pulled at the playhead is a keyframe there.
+    // A drag at the playhead creates a keyframe there.
     let handle =
         if is_keyed && path == MotionPath::Keyframes { add_keyframe(editor, target) } else { handle };
     editor.vertex = handle.filter(|_| arm(path).is_none()).map(|index| Vertex { target, index });
@@ -161,11 +161,11 @@ pub fn take(editor: &mut Editor, axes: &Axes, lens: &Lens, at: Pos2) -> Option<P
     Some(Pull { target, centre, handle, from: lens.flat(at), before })
 }
 
-/// Pulls a handle to a place (m) on the cut.
+/// Drags a handle to a point (m) in the plane.
 pub fn pull(editor: &mut Editor, axes: &Axes, lens: &Lens, uv: DVec2, pull: &Pull) {
     let Some(handle) = pull.handle else { return };
     let Some(&from) = handles(&pull.before).get(handle) else { return };
-    // A click that trembles pulls nothing.
+    // Small movements during a click pull nothing.
     let moved = uv.distance(pull.from) >= 2.0 * lens.window.scale;
     let depth = axes.x.cross(axes.y) * axes.height(pull.centre + from);
     let to = axes.world(uv) + depth - pull.centre;
@@ -174,7 +174,7 @@ pub fn pull(editor: &mut Editor, axes: &Axes, lens: &Lens, uv: DVec2, pull: &Pul
     }
 }
 
-/// Another vertex where a path through points is clicked twice.
+/// Adds a vertex at a double click on a path through points.
 pub fn add_vertex(editor: &mut Editor, axes: &Axes, lens: &Lens, at: Pos2) -> bool {
     let Some((target, centre)) = held(editor).filter(|_| editor.view.marks) else { return false };
     let Some(motion) = motion_mut(&mut editor.document.scene, target) else { return false };
@@ -219,7 +219,7 @@ pub fn can_delete(editor: &Editor) -> bool {
     count > 1 && index < count
 }
 
-/// Deletes the vertex or keyframe that was taken hold of last, unless it is the only one.
+/// Deletes the last grabbed vertex or keyframe, unless it is the only one.
 pub fn delete(editor: &mut Editor) -> bool {
     let can_delete = can_delete(editor);
     let Some(Vertex { target, index }) = editor.vertex.take().filter(|_| can_delete) else { return false };
@@ -232,7 +232,7 @@ pub fn delete(editor: &mut Editor) -> bool {
     true
 }
 
-/// The part of its repetition that a motion has behind it in the frame that is shown, or at rest.
+/// The completed fraction of a motion's repetition in the displayed frame, or at rest.
 pub fn part(editor: &Editor, target: Option<usize>) -> Option<f64> {
     let cycle = motion::cycle(editor.scene())?;
     let group = cycle.groups.iter().find(|group| group.target == target)?;
@@ -245,7 +245,7 @@ pub fn part_of(cycle: &Cycle<'_>, group: &Group<'_>, frame: usize) -> f64 {
     (frame as u64).wrapping_mul(group.rounds).rem_euclid(frames) as f64 / frames as f64
 }
 
-/// A keyframe at the playhead that changes nothing yet. Gives out its place.
+/// Adds a keyframe at the playhead with current values. Returns its index.
 pub fn add_keyframe(editor: &mut Editor, target: Option<usize>) -> Option<usize> {
     let time = part(editor, target)?;
     let motion = motion_mut(&mut editor.document.scene, target)?;

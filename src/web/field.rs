@@ -1,4 +1,4 @@
-//! A scene's field for the JavaScript of a page: a scene file goes in, the numbers of a map come out, with the time that they took.
+//! The field of a scene for JavaScript: scene files in; map values, with timings, out.
 
 use js_sys::{Float32Array, Function, Promise, Uint8ClampedArray};
 use wasm_bindgen::prelude::{JsError, JsValue, wasm_bindgen};
@@ -19,16 +19,16 @@ extern "C" {
     fn set_timeout(call: &Function, milliseconds: i32) -> JsValue;
 }
 
-/// Maps of one scene after another, by one evaluator, which keeps what does not change between them.
+/// Maps of successive scenes by one evaluator, which reuses unchanged results.
 #[wasm_bindgen]
 #[derive(Debug)]
 pub struct Field {
     stages: Stages,
-    /// Of the scene before, from which a drag goes on.
+    /// The solution of the previous scene, from which a drag continues.
     before: Option<Solution>,
 }
 
-/// The numbers of a map, row by row from the smallest y, and what is known of them.
+/// The values of a map, row by row from the smallest y, with peak and error.
 #[wasm_bindgen(getter_with_clone)]
 #[derive(Clone, Debug)]
 pub struct FieldMap {
@@ -37,9 +37,9 @@ pub struct FieldMap {
     pub colours: Uint8ClampedArray,
     /// The largest value.
     pub peak: f32,
-    /// The largest error found beside the f64 reference, relative to the peak.
+    /// The estimated error relative to the f64 reference and the peak.
     pub error: f64,
-    /// How the values were made, in words.
+    /// The method of evaluation, as text.
     pub how: String,
     /// ms
     pub solving: f64,
@@ -49,10 +49,10 @@ pub struct FieldMap {
 
 #[wasm_bindgen]
 impl Field {
-    /// By the `cpu`, by the browser's `gpu`, or by `any-gpu`, even one that is a program on the CPU.
+    /// Evaluator `cpu`, the browser's `gpu`, or `any-gpu`, including software GPUs.
     ///
     /// # Errors
-    /// Another word, or there is no such GPU.
+    /// An unknown name, or a missing GPU.
     pub async fn open(evaluator: String) -> Result<Field, JsError> {
         console_error_panic_hook::set_once();
         let evaluator = match evaluator.as_str() {
@@ -64,17 +64,17 @@ impl Field {
         Ok(Self { stages: Stages::new(evaluator), before: None })
     }
 
-    /// Who computes.
+    /// The evaluator.
     #[wasm_bindgen(getter)]
     pub fn evaluator(&self) -> String {
         let cpu = || format!("CPU, {}", Isa::best().name());
         self.stages.gpu().map_or_else(cpu, |gpu| gpu.info().to_string())
     }
 
-    /// The map of a quantity on the scene's plane, in so many pixels, of the scene's own drive at rest.
+    /// The map of a quantity on the scene's plane, of this size, for the scene's own drive at rest.
     ///
     /// # Errors
-    /// A scene that cannot be read or solved, a quantity or size that is none, or a GPU that failed.
+    /// An invalid or unsolvable scene, an invalid quantity or size, or a GPU failure.
     pub async fn map(
         &mut self,
         scene: String,
@@ -88,7 +88,7 @@ impl Field {
         self.made(&scene, solution.drive, &quantity, (width, height), start).await
     }
 
-    /// The same in a drag: with what a frame has time for, going on from the scene before.
+    /// The same during a drag: solved within a frame, continuing from the previous scene.
     ///
     /// # Errors
     /// As [`Field::map`].
@@ -106,7 +106,7 @@ impl Field {
         self.made(&scene, drive, &quantity, (width, height), start).await
     }
 
-    /// The same of phases (rad) and amplitudes that are given, one of each element.
+    /// The same for given phases (rad) and amplitudes, one per element.
     ///
     /// # Errors
     /// As [`Field::map`], and a drive of another array.
@@ -170,7 +170,7 @@ fn parsed(scene: &str) -> Result<Scene, JsError> {
     Ok(file::parse(scene, "scene.toml".as_ref())?)
 }
 
-/// Lets the browser tell what its GPU has done.
+/// Yields to the browser, so that its GPU can report.
 async fn next_task() {
     let promise = Promise::new(&mut |resolve, _| {
         set_timeout(&resolve, 0);

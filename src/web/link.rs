@@ -1,4 +1,4 @@
-//! The link to a board for the JavaScript of a page, and a virtual board to stand behind a port.
+//! The link to a board for JavaScript, and a virtual board.
 
 use std::path::{Path, PathBuf};
 
@@ -24,7 +24,7 @@ fn in_turn(drive: &Drive) -> Vec<f64> {
     drive.amplitudes.iter().zip(&drive.phases).flat_map(|(&amplitude, &phase)| [amplitude, phase]).collect()
 }
 
-/// A virtual board: what is written to it, and what it answers.
+/// A virtual board: it accepts bytes and answers.
 #[derive(Debug)]
 #[wasm_bindgen]
 pub struct Board(VirtualBoard);
@@ -34,7 +34,7 @@ impl Board {
     /// A board of a profile, at its usual bit rate.
     ///
     /// # Errors
-    /// There is no such profile.
+    /// An unknown profile.
     #[wasm_bindgen(constructor)]
     pub fn new(name: &str) -> Result<Self, JsError> {
         console_error_panic_hook::set_once();
@@ -54,7 +54,7 @@ impl Board {
         self.0.read()
     }
 
-    /// Frames that it has shown since it was asked last.
+    /// Frames shown since the last call.
     pub fn frames(&mut self) -> usize {
         self.0.frames().len()
     }
@@ -79,7 +79,7 @@ impl Sender {
     /// Begins to look for a board of a profile at a port, for a scene file.
     ///
     /// # Errors
-    /// There is no such profile, or the scene cannot be read.
+    /// An unknown profile, or an invalid scene.
     #[wasm_bindgen(constructor)]
     pub fn new(port: &str, name: &str, baud: Option<u32>, scene: &str) -> Result<Self, JsError> {
         let profile = profile(name)?;
@@ -88,7 +88,7 @@ impl Sender {
         Ok(Self { link: Link::open(settings, Box::new(|| {}))?, scene, profile })
     }
 
-    /// What the link tells next, in words.
+    /// The next message of the link, as text.
     pub fn event(&self) -> Option<String> {
         self.link.event().map(|event| match event {
             Event::Ready(found) => format!("ready at {}", found.baud),
@@ -97,10 +97,11 @@ impl Sender {
         })
     }
 
-    /// Solves the scene and sends it, as `sonoglyph send` does; how every element is to sound: amplitude and phase (rad) in turn.
+    /// Solves the scene and sends it, as `sonoglyph send` does; returns amplitude and phase (rad) of every element in
+    /// turn.
     ///
     /// # Errors
-    /// A scene that cannot be solved, or that the board does not play.
+    /// A scene that cannot be solved, or not played by the board.
     pub fn show(&self) -> Result<Vec<f64>, JsError> {
         let solution = solver::solve(&self.scene)?;
         let levels = Levels::new(self.profile, &solution.drive, &Calibration::default())?;
@@ -138,10 +139,10 @@ impl Sender {
     }
 }
 
-/// The name of the port that the user chooses, which has to follow a click.
+/// The name of the port chosen by the user, which requires a preceding click.
 ///
 /// # Errors
-/// A browser that lets a page have none.
+/// A browser that denies ports.
 #[wasm_bindgen]
 pub async fn choose() -> Result<Option<String>, JsError> {
     Ok(port::choose().await?.map(|path| path.display().to_string()))
@@ -150,16 +151,16 @@ pub async fn choose() -> Result<Option<String>, JsError> {
 /// Names of the ports that this page may use.
 ///
 /// # Errors
-/// A browser that does not say.
+/// A browser without an answer.
 #[wasm_bindgen]
 pub async fn ports() -> Result<Vec<String>, JsError> {
     Ok(port::available().await?.iter().map(ToString::to_string).collect())
 }
 
-/// Who answers at a port, and how frames fare at each bit rate, a line each.
+/// Identification and error figures at each bit rate, a line each.
 ///
 /// # Errors
-/// A port that cannot be opened, or nobody answers.
+/// A port that cannot be opened, or no answer.
 #[wasm_bindgen]
 pub async fn survey(port: &str) -> Result<Vec<String>, JsError> {
     let mut found = Vec::new();
@@ -176,7 +177,7 @@ pub async fn survey(port: &str) -> Result<Vec<String>, JsError> {
     Ok(found)
 }
 
-/// Fails as a program fails that has a fault: for tests of what a page does then.
+/// Fails like a faulty program, for tests of the page's reaction.
 #[wasm_bindgen]
 pub fn fail() {
     panic!("on purpose");

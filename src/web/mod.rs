@@ -1,4 +1,4 @@
-//! What the library shows to the JavaScript of a page.
+//! The library's interface to JavaScript.
 
 pub mod field;
 #[cfg(feature = "serial")]

@@ -1,4 +1,4 @@
-//! What can go wrong on a line, and makes a virtual board worth testing against.
+//! Fault injection for virtual boards: line errors, unplugging, emergency stop.
 
 use web_time::Duration;
 
@@ -7,19 +7,19 @@ use web_time::Duration;
 pub struct Faults {
     /// It gets lost.
     pub drop: f64,
-    /// One of its bits turns over.
+    /// One of its bits is flipped.
     pub flip: f64,
-    /// Another byte comes before it.
+    /// An additional byte is inserted before it.
     pub insert: f64,
     /// It and some that follow become noise.
     pub burst: f64,
-    /// The board starts by saying things that make no sense.
+    /// The board starts by sending garbage.
     pub garbage: bool,
-    /// For so long the board takes nothing, once.
+    /// The board accepts nothing for this time, once.
     pub stall: Duration,
-    /// For so long the board is not there, once.
+    /// The board is unplugged for this time, once.
     pub unplug: Duration,
-    /// For so long its emergency stop is pressed, once.
+    /// Its emergency stop is pressed for this time, once.
     pub press: Duration,
 }
 
@@ -89,7 +89,7 @@ impl Chance {
 pub struct Damage {
     pub faults: Faults,
     chance: Chance,
-    /// Bytes of a burst that are still to come.
+    /// Remaining bytes of a burst.
     noisy: usize,
 }
 
@@ -98,7 +98,7 @@ impl Damage {
         Self { faults, chance: Chance::new(seed), noisy: 0 }
     }
 
-    /// What arrives in place of a byte.
+    /// The bytes that arrive in place of a byte.
     pub fn pass(&mut self, byte: u8, arrived: &mut Vec<u8>) {
         const BURST: usize = 24;
         if self.chance.of(self.faults.burst) {
@@ -118,7 +118,7 @@ impl Damage {
         }
     }
 
-    /// What arrives where the bit rates differ: anything.
+    /// The byte that arrives at different bit rates: noise.
     pub fn garble(&mut self, arrived: &mut Vec<u8>) {
         arrived.push(self.chance.byte());
     }

@@ -1,4 +1,4 @@
-//! What a board does with bytes: answers, and plays.
+//! The logic of virtual boards: answers and playback.
 
 use std::f64::consts::{PI, TAU};
 
@@ -14,7 +14,7 @@ use crate::device::stock::mega64;
 use crate::device::stock::{Heard, Twin};
 use crate::drive::Drive;
 
-/// A frame that was shown, whole or not.
+/// A shown frame, complete or not.
 #[derive(Clone, Debug)]
 pub struct Shown {
     /// When the last byte of it was on the line.
@@ -22,7 +22,7 @@ pub struct Shown {
     pub levels: Levels,
 }
 
-/// What can be seen from outside.
+/// The observable output of a board.
 #[derive(Clone, Debug)]
 pub enum Playing {
     Levels(Levels),
@@ -35,7 +35,7 @@ pub enum Playing {
 }
 
 impl Playing {
-    /// Amplitude and phase of every element, the same offset of phase left out for all.
+    /// Amplitude and phase of every element, up to a common phase.
     pub fn drive(&self) -> Drive {
         match self {
             Self::Levels(levels) => levels.drive(),
@@ -56,11 +56,11 @@ fn fundamental(pulse: Pulse, levels: u16, on: bool) -> (f64, f64) {
     (amplitude, TAU * if turns > 0.5 { turns - 1.0 } else { turns })
 }
 
-/// What a board made of bytes.
+/// The effects of bytes on a board.
 #[derive(Debug, Default)]
 pub struct Heeded {
     pub shown: Vec<Shown>,
-    /// Bytes, lists or packets that made no sense.
+    /// Invalid bytes, lists or packets.
     pub spoiled: u64,
     pub answer: Vec<u8>,
 }
@@ -101,12 +101,12 @@ pub struct Native {
     splitter: Splitter,
     /// A byte without a stop bit since the last delimiter.
     unframed: bool,
-    /// How far the model has come.
+    /// Current time of the model.
     at: Instant,
 }
 
 impl Native {
-    /// So many devices like this one.
+    /// `devices` copies of this model.
     pub fn new(model: &Model, devices: usize, now: Instant) -> Self {
         let device = |address: usize| {
             let mut device = model.clone().with_address(address as u8);
@@ -142,7 +142,7 @@ impl Native {
         }
     }
 
-    /// Runs the periods that are over. What was missed for too long is left out: it was not looked at.
+    /// Runs the elapsed periods. After a long pause, unobserved periods are skipped.
     pub fn run_until(&mut self, now: Instant) {
         const LONGEST: u32 = 1000;
         let period = Duration::from_secs_f64(1.0 / self.carrier());
@@ -172,7 +172,7 @@ impl Native {
         self.at += Duration::from_secs_f64(1.0 / self.carrier());
     }
 
-    /// A packet goes to the device that it is for, or to all. A frame of several devices is counted with its leader's part.
+    /// A packet goes to its device, or to all. A frame of several devices is counted with its leader's part.
     fn heed(&mut self, packet: &Packet, at: Instant, heeded: &mut Heeded) {
         for (address, model) in self.models.iter_mut().enumerate().filter(|(_, model)| model.heeds(packet)) {
             let reply = model.apply(packet);

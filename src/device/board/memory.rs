@@ -1,4 +1,4 @@
-//! A virtual board in the program's own memory: what is written to it arrives as fast as its line would carry it.
+//! A virtual board in the program's memory: written bytes arrive at the rate of its line.
 
 use std::collections::VecDeque;
 
@@ -9,7 +9,7 @@ use crate::device::native::model::Model;
 use crate::device::pace::Pace;
 use crate::device::profile::Profile;
 
-/// Relative difference of bit rates beyond which bytes are not read right.
+/// Relative difference of bit rates beyond which bytes are garbled.
 const BAUD_TOLERANCE: f64 = 0.04;
 /// Of the native device.
 const PHASE_BITS: u8 = 7;
@@ -61,13 +61,13 @@ impl VirtualBoard {
         self.run();
     }
 
-    /// What it has answered since it was asked last.
+    /// Its answers since the last call.
     pub fn read(&mut self) -> Vec<u8> {
         self.run();
         std::mem::take(&mut self.answers)
     }
 
-    /// The frames it has shown since it was asked last.
+    /// The shown frames since the last call.
     pub fn frames(&mut self) -> Vec<Shown> {
         self.run();
         std::mem::take(&mut self.shown)
@@ -105,7 +105,7 @@ impl VirtualBoard {
             native.run_until(now);
         }
         self.answers.append(&mut heeded.answer);
-        // Who does not ask for frames keeps no more than the latest of them.
+        // Without calls of `frames`, only the latest are kept.
         const KEPT: usize = 1024;
         self.shown.append(&mut heeded.shown);
         self.shown.drain(..self.shown.len().saturating_sub(KEPT));

@@ -1,7 +1,7 @@
-//! Boards that are not there: each takes bytes no faster than its bit rate, and behaves as the real one.
+//! Virtual boards: each accepts bytes at its bit rate and behaves like the real board.
 //!
-//! They know the line only: what a link and a board agree on, they agree on over these bytes. One in `memory` serves the program that
-//! holds it; one at a pseudo-terminal (Unix) serves any program.
+//! They share only the line with a link, so both sides are tested against the same bytes. A board in `memory` serves
+//! its own program; a board at a pseudo-terminal (Unix) serves any program.
 
 #[cfg(unix)]
 pub mod faults;

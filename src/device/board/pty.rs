@@ -11,19 +11,19 @@ use rustix::pty::{OpenptFlags, grantpt, openpt, ptsname, unlockpt};
 use rustix::termios::{OptionalActions, ioctl_tiocnxcl, tcgetattr, tcsetattr};
 use web_time::Duration;
 
-/// The board's end. A link in the folder for temporary files leads to the other end, and stays the same when the board is
+/// The board's end. A link in the temporary folder leads to the other end, and stays the same when the board is
 /// unplugged and comes back.
 #[derive(Debug)]
 pub struct Pty {
     master: OwnedFd,
-    /// Keeps the other end open, so that it outlives programs that open and close it.
+    /// Keeps the other end open between programs that open and close it.
     slave: OwnedFd,
     link: PathBuf,
 }
 
 impl Pty {
     /// # Errors
-    /// A system without pseudo-terminals to give.
+    /// No pseudo-terminal available.
     pub fn open(link: &Path, baud: u32) -> io::Result<Self> {
         let master = openpt(OpenptFlags::RDWR | OpenptFlags::NOCTTY | OpenptFlags::CLOEXEC)?;
         grantpt(&master)?;
@@ -48,17 +48,17 @@ impl Pty {
         tcgetattr(&self.master).map_or(0, |settings| settings.output_speed())
     }
 
-    /// Lets other programs open the port, as a real one does by itself when the program that had claimed it is killed.
-    /// What keeps them off a port in use is the lock on it.
+    /// Lifts the exclusive claim on the port, as a real port does when its owner is killed. The lock on it still
+    /// protects a port in use.
     pub fn lift_claim(&self) {
-        // A terminal that is gone has no claim on it.
+        // A vanished terminal has no claim.
         let _ = ioctl_tiocnxcl(&self.slave);
     }
 
     /// Waits until there is something to read, for `timeout` at most.
     pub fn wait(&self, timeout: Duration) {
         let timeout = Timespec::try_from(timeout).ok();
-        // A signal that ends the wait early does no harm.
+        // An early end of the wait by a signal is harmless.
         let _ = poll(&mut [PollFd::new(&self.master, PollFlags::IN)], timeout.as_ref());
     }
 
@@ -67,7 +67,7 @@ impl Pty {
         rustix::io::read(&self.master, bytes).unwrap_or(0)
     }
 
-    /// What does not fit is lost, as on a line without a listener.
+    /// Excess bytes are lost, as on a line without a receiver.
     pub fn write(&self, bytes: &[u8]) {
         let _ = rustix::io::write(&self.master, bytes);
     }

@@ -1,6 +1,6 @@
-//! The gateware itself as a board: a Verilated program, driven over its standard input and output.
+//! The gateware as a virtual board: a Verilated program, driven over its standard input and output.
 //!
-//! It is slower than the device; its line and its watchdog run in its own time.
+//! It is slower than the device; its line and its watchdog run in simulated time.
 
 use std::collections::VecDeque;
 use std::io::{self, BufReader, BufWriter, Read, Write};
@@ -13,9 +13,9 @@ use crate::device::board::logic::{Heeded, Playing, Shown, committed};
 use crate::device::native::model::{CHANNELS, Pulse};
 use crate::device::native::packet::{Body, Flags, Outcome, Packet, REPLY, Reply, Splitter, Status};
 
-/// Packets that are remembered until the gate says what became of them.
+/// Limit of packets waiting for their outcome at the gate.
 const REMEMBERED: usize = 16;
-/// What the program says after the last period of a run.
+/// The program's end marker of a run.
 const END: u8 = 0xFF;
 /// Of a record's flags: the outputs were on during the whole period.
 const ALWAYS_ON: u8 = 1;
@@ -34,7 +34,7 @@ pub struct Rtl {
     pressed: bool,
 }
 
-/// One period as the program tells it.
+/// A period as reported by the program.
 struct Record {
     applied: bool,
     code: u8,
@@ -44,7 +44,7 @@ struct Record {
 
 impl Rtl {
     /// # Errors
-    /// A program that does not start.
+    /// The program does not start.
     pub fn start(program: &Path, phase_bits: u8) -> io::Result<Self> {
         let mut program = Command::new(program).stdin(Stdio::piped()).stdout(Stdio::piped()).spawn()?;
         let pipes = program.stdin.take().zip(program.stdout.take());
@@ -63,7 +63,7 @@ impl Rtl {
         })
     }
 
-    /// Runs so many periods in which these bytes begin to arrive, sent at `baud`.
+    /// Runs periods during which these bytes begin to arrive, sent at `baud`.
     ///
     /// # Errors
     /// The program ended.
@@ -157,7 +157,7 @@ impl Rtl {
 
 impl Drop for Rtl {
     fn drop(&mut self) {
-        // It ends when its input does; waiting here would need the pipe to be closed first.
+        // It would end with its input, but waiting would require closing the pipe first.
         let _ = self.program.kill();
         let _ = self.program.wait();
     }

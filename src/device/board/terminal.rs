@@ -17,12 +17,12 @@ use crate::device::pace::BITS;
 use crate::device::profile::Profile;
 use crate::device::task::locked;
 
-/// Relative difference of bit rates beyond which bytes are not read right.
+/// Relative difference of bit rates beyond which bytes are garbled.
 const BAUD_TOLERANCE: f64 = 0.04;
-/// How often a board looks at its line.
+/// Polling interval of a board's line.
 const TICK: Duration = Duration::from_micros(500);
 
-/// What a virtual board is.
+/// The configuration of a virtual board.
 #[derive(Clone, Debug)]
 pub struct Setup {
     pub profile: Profile,
@@ -50,23 +50,23 @@ impl Setup {
     }
 }
 
-/// What a board has seen so far.
+/// A board's observations so far.
 #[derive(Clone, Debug, Default)]
 pub struct Report {
     pub bytes: u64,
     /// Frames that were shown.
     pub frames: u64,
-    /// Bytes, lists or packets that made no sense.
+    /// Invalid bytes, lists or packets.
     pub spoiled: u64,
-    /// Bytes that came at another bit rate than the board's.
+    /// Bytes received at a wrong bit rate.
     pub wrong_baud: u64,
-    /// What it plays.
+    /// The current output.
     pub playing: Option<Playing>,
-    /// In the order in which they happened.
+    /// In chronological order.
     pub events: Vec<String>,
 }
 
-/// What a virtual board is told from outside while it runs.
+/// External actions on a running virtual board.
 #[derive(Debug, Default)]
 struct Hand {
     stop: AtomicBool,
@@ -76,7 +76,7 @@ struct Hand {
     faults: Mutex<Faults>,
 }
 
-/// A running board. It ends when it is dropped.
+/// A running board, ended by dropping it.
 #[derive(Debug)]
 pub struct Board {
     path: PathBuf,
@@ -88,12 +88,12 @@ pub struct Board {
 /// Of the links in the folder for temporary files that lead to virtual boards.
 const LINK: &str = "sonoglyph-";
 
-/// The virtual boards that run on this machine: their ports, and what they are, in order.
+/// The virtual boards running on this machine: sorted ports and profiles.
 pub fn running() -> Vec<(PathBuf, Profile)> {
     let entries = std::fs::read_dir(std::env::temp_dir()).into_iter().flatten().flatten();
     let board = |path: PathBuf| {
         let (profile, process) = parse_link(path.file_name()?.to_str()?)?;
-        // A board that was killed leaves its link, and the terminal behind it may be another program's by now.
+        // A killed board leaves its link, and its terminal may have been reused by another program.
         let runs = path.exists() && is_running(process);
         runs.then_some((path, profile))
     };
@@ -110,18 +110,18 @@ fn parse_link(name: &str) -> Option<(Profile, u32)> {
     Some((Profile::of_name(profile)?, process.parse().ok()?))
 }
 
-/// Where the system lists its processes; elsewhere a link is believed.
+/// Only on systems that list processes; elsewhere the link is trusted.
 fn is_running(process: u32) -> bool {
     let processes = Path::new("/proc");
     !processes.join("self").exists() || processes.join(process.to_string()).exists()
 }
 
-/// Called for every frame that is shown, at once.
+/// Called for every shown frame, immediately.
 pub type Watch = Box<dyn FnMut(&Shown) + Send>;
 
 impl Board {
     /// # Errors
-    /// No pseudo-terminal to be had.
+    /// No pseudo-terminal available.
     pub fn start(setup: Setup, watch: Watch) -> io::Result<Self> {
         static COUNT: AtomicU64 = AtomicU64::new(0);
         let count = COUNT.fetch_add(1, Ordering::Relaxed);
@@ -149,7 +149,7 @@ impl Board {
         self.hand.unplugged.store(unplugged, Ordering::Relaxed);
     }
 
-    /// The board takes nothing while it is stalled.
+    /// The board accepts nothing while stalled.
     pub fn stall(&self, stalled: bool) {
         self.hand.stalled.store(stalled, Ordering::Relaxed);
     }
@@ -168,7 +168,7 @@ impl Drop for Board {
     fn drop(&mut self) {
         self.hand.stop.store(true, Ordering::Relaxed);
         if let Some(thread) = self.thread.take() {
-            // A board that panicked has said so.
+            // A panic of the board has already been reported.
             let _ = thread.join();
         }
     }
@@ -188,9 +188,9 @@ struct Line {
     pty: Option<Pty>,
     logic: Logic,
     damage: Damage,
-    /// When the last byte that was taken had arrived.
+    /// Arrival time of the last accepted byte.
     taken_at: Instant,
-    /// Nothing was left to take then.
+    /// No byte was waiting then.
     idle: bool,
     watch: Watch,
     hand: Arc<Hand>,
@@ -224,7 +224,7 @@ impl Line {
         Ok(line)
     }
 
-    /// What a line says that is plugged in while something else talks.
+    /// Garbage of a line plugged in during traffic.
     fn greet(&self) {
         if let (true, Some(pty)) = (self.damage.faults.garbage, &self.pty) {
             pty.write(&[0x55, 0x00, 0x81, 0xFF, 0x00, 0x13, 0x37]);
@@ -302,7 +302,7 @@ impl Line {
         }
     }
 
-    /// A board that comes back was switched off in between.
+    /// A replugged board has been switched off in between.
     fn plug(&mut self, plugged: bool) {
         self.pty = None;
         if plugged {
@@ -324,7 +324,7 @@ impl Line {
         }
     }
 
-    /// Until a byte comes if the line is idle, else until some more have had time to come.
+    /// Until a byte arrives if the line is idle, otherwise until more have had time to arrive.
     fn wait(&mut self) {
         match &self.pty {
             Some(pty) if self.idle && !self.hand.stalled.load(Ordering::Relaxed) => {
@@ -335,7 +335,7 @@ impl Line {
         }
     }
 
-    /// Takes what the line has carried until `now`.
+    /// Accepts all bytes carried by the line until `now`.
     fn take(&mut self, now: Instant) {
         let Some(pty) = &self.pty else { return };
         let theirs = f64::from(pty.baud().max(1));

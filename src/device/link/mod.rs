@@ -1,7 +1,7 @@
-//! The line to a board: what is wanted goes in as a value, and a task of its own (`device::task`) brings the board to it.
+//! The link to a board: a task (`device::task`) brings the board to the wanted state, given as a value.
 //!
-//! The newest wish wins; what came before it and was not sent yet is never sent. A board that was unplugged is made silent when it
-//! comes back, and then plays what is wanted by then.
+//! The newest wish wins; an older, unsent wish is never sent. An unplugged board is silenced when it comes back, and
+//! then plays the current wish.
 
 mod native;
 mod stock;
@@ -23,15 +23,15 @@ use crate::device::statistics::{Durations, Rate};
 use crate::device::task::{self, Task, Watched, locked};
 use crate::scene::Modulation;
 
-/// How long after a loss the port is tried again.
+/// Interval of reconnection attempts after a loss.
 const RETRY: Duration = Duration::from_millis(250);
-/// The line is kept busy for so long ahead: more delays a new frame, less leaves gaps when the computer is busy. A page is busy with
-/// its own frames.
+/// Write-ahead time of the line: more delays new frames, less leaves gaps on a busy computer. A page is busy with its
+/// own frames.
 const LEAD: Duration = Duration::from_millis(if cfg!(target_arch = "wasm32") { 12 } else { 3 });
-/// Unread messages that are kept; more are dropped.
+/// Limit of unread messages; more are dropped.
 const MESSAGES: usize = 256;
 
-/// Where a board is, and what it is.
+/// Port and profile of a board.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Settings {
     pub port: PathBuf,
@@ -46,11 +46,11 @@ impl Settings {
     }
 }
 
-/// What a board is to play.
+/// Content for a board.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Content {
     Still(Levels),
-    /// Frames in turn, `rate` of them per second, for ever.
+    /// Frames in turn, `rate` per second, endlessly.
     Motion {
         frames: Vec<Levels>,
         rate: f64,
@@ -61,13 +61,13 @@ pub enum Content {
 pub enum Event {
     /// The board is there, silent, and ready.
     Ready(Found),
-    /// Why it is not; it is looked for again.
+    /// The reason of the loss; the board is searched for.
     Lost(String),
-    /// What the user should know.
+    /// A notice for the user.
     Notice(String),
 }
 
-/// Why there is no link, or no longer.
+/// Reasons for having no link.
 #[derive(Debug, thiserror::Error)]
 pub enum LinkError {
     #[error(transparent)]
@@ -92,7 +92,7 @@ pub enum LinkError {
     Refused(&'static str),
 }
 
-/// What is wanted of the board, and how often that has changed.
+/// The wanted state, and its generation.
 #[derive(Clone, Debug)]
 struct Wanted {
     content: Option<Arc<Content>>,
@@ -103,7 +103,7 @@ struct Wanted {
     closing: bool,
 }
 
-/// What the task and its owner both see.
+/// State shared by the task and its owner.
 struct Shared {
     wanted: Watched<Wanted>,
     figures: Mutex<Figures>,
@@ -121,7 +121,7 @@ struct Figures {
     swaps: Durations,
 }
 
-/// A line to a board. Dropping it makes the board silent.
+/// A link to a board. Dropping it silences the board.
 pub struct Link {
     settings: Settings,
     shared: Arc<Shared>,
@@ -164,18 +164,18 @@ impl Link {
         &self.settings
     }
 
-    /// From now on the board is to play this; a motion without frames or of no rate is silence.
+    /// Plays this content from now on; a motion without frames or with an invalid rate is silence.
     pub fn show(&self, content: Content) {
         let content = content.plays().then(|| Arc::new(content));
         self.want(|wanted| wanted.content = content);
     }
 
-    /// Nothing is to sound.
+    /// Silences the board.
     pub fn stop(&self) {
         self.want(|wanted| wanted.content = None);
     }
 
-    /// The envelope of what is played.
+    /// Sets the envelope.
     pub fn modulate(&self, modulation: Modulation) {
         self.want(|wanted| wanted.modulation = modulation);
     }
@@ -195,7 +195,7 @@ impl Link {
         self.events.try_recv().ok()
     }
 
-    /// The next message, if one comes in time.
+    /// The next message within a time.
     #[cfg(not(target_arch = "wasm32"))]
     pub fn event_within(&self, timeout: Duration) -> Option<Event> {
         self.events.recv_timeout(timeout).ok()
@@ -215,7 +215,7 @@ impl Link {
 }
 
 impl Link {
-    /// Lets the board go, silent if it can be told; how it fared to the end.
+    /// Closes the link, silencing the board if possible; returns its final health.
     #[cfg(not(target_arch = "wasm32"))]
     pub fn close(mut self) -> Health {
         self.end();
@@ -239,7 +239,7 @@ impl Shared {
         self.wanted.lock().clone()
     }
 
-    /// Waits until something else than `generation` is wanted, for `timeout` at most.
+    /// Waits for a newer wish than `generation`, at most for `timeout`.
     async fn wait(&self, generation: u64, timeout: Duration) {
         let is_so = |wanted: &Wanted| wanted.generation == generation && !wanted.closing;
         self.wanted.wait_while(timeout, is_so).await;
@@ -259,7 +259,7 @@ impl Shared {
             Event::Notice(_) => {}
         }
         drop(figures);
-        // Who does not read messages can do without.
+        // Unread messages may be dropped.
         let _ = self.events.try_send(event);
         (self.notify)();
     }
@@ -292,7 +292,7 @@ async fn keep_connected(settings: Settings, shared: Arc<Shared>) {
     let mut said = String::new();
     while let Err(error) = session(&settings, &shared).await {
         let why = error.to_string();
-        // The same reason is given once, however often the port is tried.
+        // The same reason is reported once, however often the port is tried.
         if locked(&shared.figures).health.state == State::Ready || said != why {
             shared.tell(Event::Lost(why.clone()));
             said = why;
@@ -315,7 +315,7 @@ async fn session(settings: &Settings, shared: &Shared) -> Result<(), LinkError> 
     }
 }
 
-/// A port whose board falls silent when it is let go, in whichever way.
+/// A port whose board is silenced on drop, including panics.
 struct Sounding<'a> {
     port: Port,
     silence: Vec<u8>,
@@ -331,7 +331,7 @@ impl<'a> Sounding<'a> {
 
 impl Drop for Sounding<'_> {
     fn drop(&mut self) {
-        // A port that is gone cannot be told; the native board's watchdog notices.
+        // A vanished port cannot be silenced; the native board's watchdog takes over.
         let silenced = self.port.leave(&self.silence);
         self.shared.note(|figures| figures.health.silenced = silenced);
         if silenced {
@@ -341,7 +341,7 @@ impl Drop for Sounding<'_> {
 }
 
 impl Content {
-    /// Drives that take turns, or the one that stands.
+    /// Several drives in turn, or a single one.
     pub fn in_turn(mut frames: Vec<Levels>, rate: f64) -> Self {
         match frames.len() {
             1 => Self::Still(frames.remove(0)),
@@ -356,19 +356,19 @@ impl Content {
         }
     }
 
-    /// The frame that is due so long after the content was wished for, and its number.
+    /// The frame due after this time, and its number.
     fn at(&self, elapsed: Duration) -> (usize, &Levels) {
         match self {
             Self::Still(levels) => (0, levels),
             Self::Motion { frames, rate } => {
-                // Below 2^53 whatever the rate, since a motion's is checked.
+                // Below 2^53 for any rate, since a motion's rate is checked.
                 let frame = (elapsed.as_secs_f64() * rate) as usize % frames.len();
                 (frame, &frames[frame])
             }
         }
     }
 
-    /// How long until the next frame is due.
+    /// Time until the next frame is due.
     fn next_in(&self, elapsed: Duration) -> Duration {
         match self {
             Self::Still(_) => Duration::MAX,

@@ -1,4 +1,4 @@
-//! What the native protocol puts around packets and answers: a CRC, COBS, and a delimiter.
+//! The framing of the native protocol: CRC, COBS, and delimiter.
 
 use crc::{CRC_32_ISO_HDLC, Crc};
 
@@ -48,8 +48,8 @@ pub struct Splitter {
 }
 
 impl Splitter {
-    /// What stood before the delimiter, if `byte` is one and anything stood there. Of what is too long for a packet, only
-    /// enough is kept to be refused.
+    /// The bytes before the delimiter, if `byte` is one and there are any. Overlong packets are truncated and later
+    /// refused.
     pub fn push(&mut self, byte: u8) -> Option<Vec<u8>> {
         if byte != 0 {
             if self.part.len() <= LONGEST_ON_LINE {

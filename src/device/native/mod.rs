@@ -1,5 +1,6 @@
-//! The native protocol: what travels ([`table`], [`packet`], [`reply`], and around both [`mod@line`]), and the device that it travels to, exact
-//! to the period ([`model`]). Programs of version 1 are told what they found ([`version_1`]).
+//! The native protocol: its messages ([`table`], [`packet`], [`reply`], with the framing of [`mod@line`]), and a
+//! period-exact model of the device ([`model`]). Programs of version 1 get a reply that names the version
+//! ([`version_1`]).
 
 pub mod line;
 pub mod model;

@@ -1,7 +1,7 @@
-//! The native device as a value: what gateware does, period by period, and the answer to every packet.
+//! A model of the native device: the gateware's behaviour, period by period, and its reply to every packet.
 //!
-//! The rules, their order and the names of the tables stand in `gateware/doc/protocol.md`. A test drives this and the
-//! Verilog with the same packets and compares all 256 pulses of every period.
+//! Rules, their order and the names of the tables are those of `gateware/doc/protocol.md`. A test drives this model
+//! and the Verilog with the same packets and compares all 256 pulses of every period.
 
 use std::f64::consts::PI;
 
@@ -22,12 +22,12 @@ const VERSION: u8 = 2;
 /// In 100 000 baud.
 const LARGEST_BAUD: u8 = 30;
 const POWER_UP_BAUD: u32 = 2_000_000;
-/// Periods without a good packet after which the line is back at the bit rate of power-up.
+/// Periods without a good packet before the line reverts to the power-up bit rate.
 const RATE_KEPT: u32 = 32_768;
 const CONFIRM: u8 = 0x5A;
-/// A step of the silencer that limits nothing.
+/// A silencer step without limit.
 const UNLIMITED: u16 = 0xFFFF;
-/// Steps of amplitude when muted, per period in 1/256 of a unit: a ramp, whatever the silencer is set to.
+/// Amplitude step when muted, per period in 1/256 of a unit: a ramp, independent of the silencer.
 const RAMP: u16 = 0x0100;
 
 /// Delay and amplitude of one channel, of 256 each.
@@ -46,7 +46,7 @@ pub struct Model {
     phase_bits: u8,
     carrier_millihertz: u32,
     address: u8,
-    // What packets set.
+    // State set by packets.
     store: Vec<[Pair; CHANNELS]>,
     envelope: [u8; 256],
     widths: [u8; 256],
@@ -55,7 +55,7 @@ pub struct Model {
     amplitude_step: u16,
     watchdog: u16,
     increment: u16,
-    // What goes on by itself.
+    // State that evolves by itself.
     enabled: bool,
     tripped: bool,
     stopped: bool,
@@ -70,12 +70,12 @@ pub struct Model {
     next_on: bool,
     played: [Pulse; CHANNELS],
     outputs_on: bool,
-    // What is done to it from outside.
+    // External state.
     pressed: bool,
     follows: bool,
     /// The period that begins next is marked on the leader's `sync`, or the one that began last on this device's.
     marked: bool,
-    // What is only counted.
+    // Counters.
     periods: u32,
     good: u16,
     spoiled: u16,
@@ -162,7 +162,7 @@ impl Model {
         (f64::from(POWER_UP_BAUD) / clock * 65_536.0).round() as u16
     }
 
-    /// The emergency stop: off at once, and until ENABLE or RESET, however short the press.
+    /// The emergency stop: off at once and until ENABLE or RESET, for any length of press.
     pub fn press(&mut self, pressed: bool) {
         self.pressed = pressed;
         if pressed {
@@ -170,22 +170,22 @@ impl Model {
         }
     }
 
-    /// Whether `sync_in` carries the periods of another device, its leader.
+    /// Sets whether `sync_in` carries a leader's periods.
     pub fn follow(&mut self, follows: bool) {
         self.follows = follows;
     }
 
-    /// The leader's `sync` marks the period that [`Self::period`] goes to next: what waits in step is taken in it.
+    /// The leader's `sync` marks the next period: commands waiting for the mark are taken in it.
     pub fn mark(&mut self) {
         self.marked = true;
     }
 
-    /// Whether `sync` marks the period that [`Self::period`] went to last. Only a leader's does.
+    /// Whether `sync` marks the current period; only a leader's does.
     pub fn marks(&self) -> bool {
         self.marked && !self.follows
     }
 
-    /// Goes one period on. What is played in it was swept in the period before.
+    /// Advances by one period. It plays the result of the previous sweep.
     pub fn period(&mut self) -> &[Pulse; CHANNELS] {
         self.played = self.next;
         self.outputs_on = self.next_on;
@@ -199,7 +199,7 @@ impl Model {
         self.player.slot()
     }
 
-    /// What the period is that [`Self::period`] went to last.
+    /// The pulses of the current period.
     pub fn played(&self) -> &[Pulse; CHANNELS] {
         &self.played
     }
@@ -248,18 +248,18 @@ impl Model {
         self.next_on = self.enabled || self.amplitudes.iter().any(|&amplitude| amplitude > 0);
     }
 
-    /// A good packet: it takes effect and is answered, unless it is for all devices, or for another one.
+    /// Applies a good packet and returns its answer, unless it is a broadcast or for another device.
     pub fn hear(&mut self, packet: &Packet) -> Option<Reply> {
         let reply = self.heeds(packet).then(|| self.apply(packet));
         reply.filter(|_| packet.address != BROADCAST)
     }
 
-    /// Whether a packet is for this device, perhaps among others. Replies, whose types begin at [`REPLY`], never are.
+    /// Whether a packet is for this device, possibly among others. Replies, with types from [`REPLY`] on, never are.
     pub fn heeds(&self, packet: &Packet) -> bool {
         packet.code < REPLY && [self.address, BROADCAST].contains(&packet.address)
     }
 
-    /// The gate: a packet for this device takes effect, or changes nothing; and what is to be answered.
+    /// The gate: applies or refuses a packet for this device, and returns the answer.
     pub fn apply(&mut self, packet: &Packet) -> Reply {
         self.good = self.good.wrapping_add(1);
         self.quiet = 0;
@@ -291,7 +291,7 @@ impl Model {
         })
     }
 
-    /// INFO as version 1 has it: a spoiled packet, but for its answer.
+    /// INFO of version 1: counted as spoiled but answered.
     pub fn introduce(&mut self, seq: u8) -> Option<Introduction> {
         self.spoiled = self.spoiled.wrapping_add(1);
         (self.address == 0).then(|| Introduction { seq, flags: self.flags(), info: self.info() })
@@ -383,12 +383,12 @@ impl Model {
         Outcome::Ok
     }
 
-    /// Whether anything is to be heard in this period or the next, if the emergency stop allows it.
+    /// Whether outputs are active in this period or the next, apart from the emergency stop.
     fn sounds(&self) -> bool {
         self.enabled || self.outputs_on || self.next_on
     }
 
-    /// What a reset of the chip does, but for bit rate, counters, and what is done from outside.
+    /// A chip reset, except for bit rate, counters, and external state.
     fn reset(&mut self) {
         let fresh = Self::new(self.phase_bits).with_carrier(self.carrier_millihertz);
         *self = Self {
@@ -444,7 +444,7 @@ pub fn clocks(phase_bits: u8) -> u32 {
     8 << phase_bits.max(7)
 }
 
-/// Widths in 1/256 period under which a pulse's fundamental is proportional to the amplitude.
+/// Widths in 1/256 period for a fundamental proportional to the amplitude.
 fn default_widths() -> [u8; 256] {
     std::array::from_fn(|amplitude| (256.0 / PI * (amplitude as f64 / 255.0).asin()).round() as u8)
 }

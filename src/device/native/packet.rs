@@ -1,6 +1,6 @@
-//! The packets of the native protocol, and the way between a packet and the bytes on the line.
+//! The packets of the native protocol, and their encoding.
 //!
-//! Meaning and order of every field stand in `gateware/doc/protocol.md`.
+//! `gateware/doc/protocol.md` defines all fields and their order.
 
 use crate::device::levels::Level;
 use crate::device::levels::Levels;
@@ -19,26 +19,26 @@ pub use crate::device::native::table::Kind;
 pub use crate::device::native::table::Outcome;
 pub use crate::device::native::table::REPLY;
 
-/// Flags of a frame: play it, and do so in step.
+/// Flags of a frame: play it, in step if both are set.
 pub(crate) const COMMIT: u8 = 1;
 pub(crate) const IN_STEP: u8 = 2;
-/// The last byte of a PLAY: from the next period on, at the end of the running loop, or in step.
+/// The last byte of a PLAY: at once, at the end of the running loop, or in step.
 pub(crate) const AT_ONCE: u8 = 0;
 pub(crate) const AFTER_LOOP: u8 = 1;
 pub(crate) const WHEN_IN_STEP: u8 = 2;
 
-/// A packet to the device. `code` need not be that of a [`Kind`]: the device answers what it does not know.
+/// A packet to the device. `code` may be unknown to [`Kind`]: the device answers those, too.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Packet {
     pub code: u8,
-    /// Of the device that it is for, or [`BROADCAST`].
+    /// Address of its device, or [`BROADCAST`].
     pub address: u8,
     pub seq: u8,
     pub arguments: [u8; 4],
     pub payload: Vec<u8>,
 }
 
-/// Of what a device tells the CRC-32.
+/// Tables with a CRC-32.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Table {
     Slot(u8),
@@ -61,7 +61,7 @@ impl Packet {
         Self::new(Kind::Status, [0; 4], Vec::new())
     }
 
-    /// `watchdog` is counted in 64 periods and is not 0: the device mutes itself when nothing came for so long.
+    /// `watchdog` is in units of 64 periods and not 0: the device mutes itself after this time without packets.
     pub fn enable(watchdog: u16) -> Self {
         let [low, high] = watchdog.to_le_bytes();
         Self::new(Kind::Enable, [low, high, 0, 0], Vec::new())
@@ -77,12 +77,12 @@ impl Packet {
         Self::new(Kind::Baud, [low, high, 0, 0], Vec::new())
     }
 
-    /// Back to the state of power-up, but for bit rate and counters; refused while anything sounds.
+    /// Resets to power-up state except bit rate and counters; refused while outputs are on.
     pub fn reset() -> Self {
         Self::new(Kind::Reset, [0; 4], Vec::new())
     }
 
-    /// Asks for the CRC-32 ([`line::digest`]) of what the device has.
+    /// Requests the CRC-32 ([`line::digest`]) of a table on the device.
     pub fn digest(table: Table) -> Self {
         let [what, slot] = match table {
             Table::Slot(slot) => [0, slot],
@@ -103,7 +103,8 @@ impl Packet {
         Self::new(Kind::Frame, [slot, 0, u8::from(commit), 0], pairs.as_flattened().to_vec())
     }
 
-    /// Puts a frame into a slot, with one amplitude for all if there is but one; played from the next period on if `commit`.
+    /// Writes a frame into a slot, as phases with one amplitude if possible; played from the next period on if
+    /// `commit`.
     pub fn playing(levels: &Levels, slot: u8, commit: bool) -> Self {
         let bytes = |level: Level| [level.delay.to_le_bytes()[0], level.amplitude.to_le_bytes()[0]];
         let pairs: [[u8; 2]; 256] =
@@ -155,7 +156,8 @@ impl Packet {
         Self::new(Kind::Calibration, [0; 4], pairs.as_flattened().to_vec())
     }
 
-    /// A frame's commit, or a PLAY, that takes effect in the same period on all devices: when the leader's `sync` marks one.
+    /// Makes a frame's commit, or a PLAY, take effect on all devices in the same period: the leader's next marked
+    /// one.
     pub fn in_step(mut self) -> Self {
         if self.is_frame() {
             self.arguments[2] |= COMMIT | IN_STEP;
@@ -165,7 +167,7 @@ impl Packet {
         self
     }
 
-    /// Whether it is a frame that is played as soon as it is there, or in step.
+    /// Whether it is a frame with commit, at once or in step.
     pub fn commits(&self) -> bool {
         self.is_frame() && self.arguments[2] & COMMIT != 0
     }
@@ -186,7 +188,7 @@ impl Packet {
         self
     }
 
-    /// What goes over the line, the delimiter at its end included.
+    /// The bytes on the line, including the final delimiter.
     pub fn to_line(&self) -> Vec<u8> {
         let mut body = vec![self.code, self.address, self.seq];
         body.extend(self.arguments);
@@ -194,7 +196,7 @@ impl Packet {
         line::framed(body)
     }
 
-    /// The packet that stands before a delimiter.
+    /// The packet before a delimiter.
     ///
     /// # Errors
     /// Not COBS, too short or too long, or a wrong CRC.

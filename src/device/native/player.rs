@@ -1,4 +1,4 @@
-//! Which slot is played: one, or a range of them in a loop, and what waits to be.
+//! The player of slots: one slot, or a loop over a range, and a waiting command.
 
 /// A PLAY, or the commit of a frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -12,7 +12,7 @@ pub(crate) struct Play {
     pub when: When,
 }
 
-/// At which boundary a PLAY is taken.
+/// The boundary at which a PLAY is taken.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum When {
     AtOnce,
@@ -51,7 +51,7 @@ impl Player {
         }
     }
 
-    /// Replaces what waits.
+    /// Replaces the waiting command.
     pub fn ask(&mut self, play: Play) {
         self.waiting = Some(play);
     }
@@ -109,7 +109,7 @@ impl Player {
         }
     }
 
-    /// Whether a slot is played, or may be without a further packet.
+    /// Whether a slot is played, or may be without further packets.
     pub fn holds(&self, slot: u8) -> bool {
         let in_range = |play: Option<Play>| play.is_some_and(|play| play.holds(slot));
         slot == self.slot || in_range(self.running) || in_range(self.waiting)

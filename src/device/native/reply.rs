@@ -7,7 +7,7 @@ use crate::device::native::table::{Kind, Outcome, REPLY};
 /// Bytes of a reply before its CRC.
 const BODY: usize = 16;
 
-/// What a device says of itself.
+/// A device's identification.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Info {
     pub protocol: u8,
@@ -26,7 +26,7 @@ pub struct Info {
 /// How a device fares.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Status {
-    /// The slot that is being played.
+    /// The slot being played.
     pub slot: u8,
     /// Packets that the UART spoiled; wraps.
     pub framing_errors: u8,
@@ -38,7 +38,7 @@ pub struct Status {
     pub periods: u32,
 }
 
-/// What a device tells with the CRC-32 of a table.
+/// A reply with the CRC-32 of a table.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Digest {
     /// As in [`Status`].
@@ -68,15 +68,15 @@ pub struct Reply {
 pub enum Body {
     Info(Info),
     Status(Status),
-    /// Of a DIGEST that was not refused.
+    /// The reply to an accepted DIGEST.
     Digest(Digest),
 }
 
-/// What holds in a device at the moment of its reply.
+/// The state of a device at its reply.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Flags {
     pub enabled: bool,
-    /// Muted by the watchdog or the emergency stop, until it is enabled again.
+    /// Muted by the watchdog or the emergency stop until ENABLE.
     pub tripped: bool,
     /// Playing more than one slot.
     pub playing: bool,
@@ -122,7 +122,7 @@ impl Flags {
 }
 
 impl Reply {
-    /// What goes over the line, the delimiter at its end included.
+    /// The bytes on the line, including the final delimiter.
     pub fn to_line(&self) -> Vec<u8> {
         let mut body = vec![self.code, self.address, self.seq, self.outcome.code(), self.flags.bits()];
         match self.body {
@@ -143,10 +143,10 @@ impl Reply {
         line::framed(body)
     }
 
-    /// The reply that stands before a delimiter.
+    /// The reply before a delimiter.
     ///
     /// # Errors
-    /// Not COBS, another length than a reply's, a wrong CRC, or a result that no device gives.
+    /// Invalid COBS, a wrong length, a wrong CRC, or an unknown result.
     pub fn of_line(bytes: &[u8]) -> Result<Self, Spoiled> {
         let body: [u8; BODY] = line::checked(bytes)?.try_into().map_err(|_| Spoiled)?;
         let [code, address, seq, result, flags, b5, b6, b7, b8, b9, b10, b11, b12, b13, b14, _] = body;

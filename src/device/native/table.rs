@@ -1,15 +1,15 @@
-//! The table of the native protocol: types of packets, and what became of one.
+//! The codes of the native protocol: packet types and results.
 //!
-//! The same numbers stand in `gateware/rtl/packets.vh`; a test compares the two.
+//! `gateware/rtl/packets.vh` has the same numbers; a test compares the two.
 
-/// What is added to a packet's type in its reply. Packets have types below it.
+/// Added to a packet's type in its reply. Packet types are below it.
 pub const REPLY: u8 = 0x80;
 /// The address that all devices heed and no device answers.
 pub const BROADCAST: u8 = 0xFF;
 /// Devices have addresses from 0 to this.
 pub const LARGEST_ADDRESS: u8 = 7;
 
-/// What a packet asks for.
+/// The type of a packet.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[repr(u8)]
 pub enum Kind {
@@ -101,7 +101,7 @@ impl Kind {
     }
 }
 
-/// What became of a packet.
+/// The result of a packet.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[repr(u8)]
 pub enum Outcome {

@@ -1,4 +1,4 @@
-//! Version 1 of the protocol, as far as a device still answers it: INFO, so that an old program can say which version it met.
+//! Version 1 of the protocol, of which devices still answer INFO, so that an old program can report the version.
 
 use crc::{CRC_16_GENIBUS, Crc};
 
@@ -7,7 +7,7 @@ use crate::device::native::reply::{Flags, Info, less_one};
 use crate::device::native::table::{Kind, Outcome, REPLY};
 
 const CHECKSUM: Crc<u16> = Crc::<u16>::new(&CRC_16_GENIBUS);
-/// Of the flags, those that version 1 knows.
+/// The flags known to version 1.
 const FLAGS: u8 = 0x3F;
 
 /// INFO as version 1 has it, the delimiter at its end included.
@@ -35,7 +35,7 @@ pub struct Introduction {
 }
 
 impl Introduction {
-    /// What goes over the line, the delimiter at its end included.
+    /// The bytes on the line, including the final delimiter.
     pub fn to_line(&self) -> Vec<u8> {
         let (info, flags) = (self.info, self.flags.bits() & FLAGS);
         let mut body = vec![Kind::Info.code() + REPLY, self.seq, Outcome::Unknown.code(), flags];

@@ -1,5 +1,5 @@
-//! Serial ports: which there are, and one that is open. `system` has those of the computer, `page` those that a browser lets a page
-//! have; a virtual board in memory is a port, too.
+//! Serial ports: enumeration and open ports. `system` has the computer's ports, `page` those of a browser page; a
+//! virtual board in memory is a port, too.
 //!
 //! Operations are `async` for the page's sake: on a computer they block.
 
@@ -29,7 +29,7 @@ pub use crate::device::port::page::{available, choose, is_there};
 #[cfg(not(target_arch = "wasm32"))]
 pub use crate::device::port::system::available;
 
-/// After this a port that takes nothing is given up.
+/// Time after which a blocked port counts as lost.
 const WRITE_TIMEOUT: Duration = Duration::from_millis(500);
 /// Ports of this name and a profile's are virtual boards in this program.
 const VIRTUAL: &str = "virtual:";
@@ -67,7 +67,7 @@ pub enum PortError {
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Listed {
     pub path: PathBuf,
-    /// What the system says of the adapter, or that it is a virtual board.
+    /// Description of the adapter, or of a virtual board.
     pub what: Option<String>,
     /// Of a virtual board.
     pub profile: Option<Profile>,
@@ -80,7 +80,7 @@ impl fmt::Display for Listed {
     }
 }
 
-/// The port of a virtual board in this program, which is made when the port is opened and goes when it is let go.
+/// The port of a virtual board in this program, which lives as long as the open port.
 pub fn virtual_board(profile: Profile) -> PathBuf {
     format!("{VIRTUAL}{}", profile.name()).into()
 }
@@ -89,7 +89,7 @@ fn as_virtual_board(path: &Path) -> Option<Profile> {
     Profile::of_name(path.to_str()?.strip_prefix(VIRTUAL)?)
 }
 
-/// An open port, and what it has still to send.
+/// An open port, with its pacing.
 #[derive(Debug)]
 pub struct Port {
     line: Line,
@@ -108,7 +108,7 @@ impl Port {
     /// 8 data bits, no parity, one stop bit.
     ///
     /// # Errors
-    /// A port that is not there, not allowed, not serial, in use, or cannot have this bit rate.
+    /// A port that is missing, not permitted, not serial, in use, or unable to use this bit rate.
     pub async fn open(path: &Path, baud: u32) -> Result<Self, PortError> {
         let line = match as_virtual_board(path) {
             Some(profile) => Line::Virtual(Box::new(VirtualBoard::new(profile, baud))),
@@ -141,10 +141,10 @@ impl Port {
         Ok(())
     }
 
-    /// Hands bytes over, and says when the last of them will have left.
+    /// Writes bytes, and returns the time at which the last of them leaves.
     ///
     /// # Errors
-    /// A port that is gone, or takes nothing for [`WRITE_TIMEOUT`].
+    /// A vanished port, or one blocked for [`WRITE_TIMEOUT`].
     pub async fn write(&mut self, bytes: &[u8]) -> Result<Instant, PortError> {
         match &mut self.line {
             Line::Wire(wire) => wire.write(bytes).await?,
@@ -153,10 +153,10 @@ impl Port {
         Ok(self.pace.sent(bytes.len(), Instant::now()))
     }
 
-    /// What has arrived, after waiting for it for at most `timeout`; nothing if nothing came.
+    /// The arrived bytes, after waiting at most `timeout`; empty if none.
     ///
     /// # Errors
-    /// A port that is gone.
+    /// A vanished port.
     pub async fn read(&mut self, timeout: Duration) -> Result<Vec<u8>, PortError> {
         match &mut self.line {
             Line::Wire(wire) => wire.read(timeout).await,
@@ -164,7 +164,7 @@ impl Port {
         }
     }
 
-    /// Hands over the last bytes, where nothing can be waited for. Whether the port took them.
+    /// Writes the last bytes without waiting; returns whether the port accepted them.
     pub fn leave(&mut self, last: &[u8]) -> bool {
         let taken = match &mut self.line {
             Line::Wire(wire) => wire.leave(last),
@@ -179,7 +179,7 @@ impl Port {
         taken
     }
 
-    /// Bytes that go out if the program ends where nothing of it can run any more: a page that is left.
+    /// Deposits bytes to be sent if the program ends without running any more code, as when a page is left.
     pub fn leave_behind(&mut self, last: &[u8]) {
         match &mut self.line {
             Line::Wire(wire) => wire.leave_behind(last),
@@ -187,12 +187,12 @@ impl Port {
         }
     }
 
-    /// How long the line is still busy.
+    /// Remaining time for which the line is busy.
     pub fn backlog(&self) -> Duration {
         self.pace.backlog(Instant::now())
     }
 
-    /// How long `bytes` take on the line.
+    /// Time for `bytes` on the line.
     pub fn time_of(&self, bytes: usize) -> Duration {
         self.pace.time_of(bytes)
     }

@@ -1,4 +1,4 @@
-//! The serial ports that a browser lets a page have (Web Serial), through `page.js`.
+//! Serial ports of a browser page (Web Serial), through `page.js`.
 
 use std::io;
 use std::path::{Path, PathBuf};
@@ -51,10 +51,10 @@ extern "C" {
     fn end(this: &Line);
 }
 
-/// The ports that the user has let this page have, in order.
+/// The ports permitted to this page, sorted.
 ///
 /// # Errors
-/// A browser that does not say.
+/// A browser without an answer.
 pub async fn available() -> io::Result<Vec<Listed>> {
     let names = JsFuture::from(names()).await.map_err(|error| io_error(&error))?;
     let listed = |name: JsValue| {
@@ -64,10 +64,10 @@ pub async fn available() -> io::Result<Vec<Listed>> {
     Ok(Array::from(&names).iter().filter_map(listed).collect())
 }
 
-/// Lets the user choose a port that this page may use from then on, which has to follow a click. `None`: they chose none.
+/// Lets the user choose a port for this page, which requires a preceding click. `None` without a choice.
 ///
 /// # Errors
-/// A browser that lets the page have no port.
+/// A browser that denies ports.
 pub async fn choose() -> io::Result<Option<PathBuf>> {
     let name = JsFuture::from(choose_by_name()).await.map_err(|error| io_error(&error))?;
     Ok(name.as_string().map(PathBuf::from))
@@ -138,7 +138,7 @@ impl Drop for Wire {
     }
 }
 
-/// Why a port could not be opened. A browser tells few reasons apart.
+/// The reason of a failure to open a port. Browsers report few distinct reasons.
 fn refused(path: String, baud: u32, error: &JsValue) -> PortError {
     match property(error, "name").as_deref() {
         Some("InvalidStateError") => PortError::Busy(path),
@@ -155,7 +155,7 @@ fn io_error(error: &JsValue) -> io::Error {
     io::Error::other(property(error, "message").unwrap_or_else(|| format!("{error:?}")))
 }
 
-/// A text that an error holds.
+/// A text property of an error.
 fn property(error: &JsValue, name: &str) -> Option<String> {
     Reflect::get(error, &name.into()).ok()?.as_string()
 }

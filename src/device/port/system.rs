@@ -1,4 +1,4 @@
-//! The serial ports of this computer. They block.
+//! The serial ports of this computer, with blocking operations.
 
 use std::fs::File;
 use std::io::{self, IsTerminal, Read, Write};
@@ -18,7 +18,7 @@ use crate::device::port::{Listed, PortError, WRITE_TIMEOUT};
 use crate::device::profile::Profile;
 use crate::echo;
 
-/// A receiver still reads a line whose rate is wrong by one part in so many.
+/// Tolerated relative error of a bit rate, as a divisor.
 const BAUD_TOLERANCE: u32 = 40;
 /// Where Linux lists its terminals.
 const LINUX_PORTS: &str = "/sys/class/tty";
@@ -55,7 +55,7 @@ fn virtual_boards() -> Vec<Listed> {
 }
 
 fn serial_ports() -> io::Result<Vec<Listed>> {
-    // serialport panics where Linux lists no terminals, as in some containers.
+    // serialport panics if Linux lists no terminals, as in some containers.
     if cfg!(target_os = "linux")
         && let Err(error) = std::fs::read_dir(LINUX_PORTS)
     {
@@ -71,7 +71,7 @@ fn serial_ports() -> io::Result<Vec<Listed>> {
     Ok(ports)
 }
 
-/// Product and manufacturer of a USB adapter, which are text from outside.
+/// Product and manufacturer of a USB adapter, as external text.
 fn in_words(kind: SerialPortType) -> Option<String> {
     match kind {
         SerialPortType::UsbPort(usb) => {
@@ -135,12 +135,12 @@ impl Wire {
         self.hand_over(last).is_ok()
     }
 
-    /// A thread that unwinds lets its port go, so nothing is left to others.
+    /// An unwinding thread closes its port, so no deposit is needed.
     pub fn leave_behind(&mut self, _: &[u8]) {}
 
     /// serialport has one timeout for reads and writes.
     fn wait_at_most(&mut self, timeout: Duration) -> io::Result<()> {
-        // Windows does not say what a timeout of 0 is.
+        // A timeout of 0 is undefined on Windows.
         let least = Duration::from_millis(if cfg!(windows) { 1 } else { 0 });
         Ok(self.serial.set_timeout(timeout.max(least))?)
     }
@@ -150,13 +150,13 @@ impl Wire {
     }
 }
 
-/// Whether nothing could be read or written in time. Windows then writes no bytes, which is no error there.
+/// Whether the operation timed out; Windows then returns 0 bytes without an error.
 fn waited_in_vain(error: &io::Error) -> bool {
     use io::ErrorKind::{Interrupted, TimedOut, WouldBlock, WriteZero};
     matches!(error.kind(), Interrupted | TimedOut | WouldBlock | WriteZero)
 }
 
-/// Why a port could not be opened. serialport tells few reasons apart, so the system is asked once more.
+/// The reason of a failure to open a port. serialport reports few distinct reasons, so the system is asked again.
 fn refused(path: &Path, baud: u32, error: serialport::Error) -> PortError {
     let name = path.display().to_string();
     if cfg!(unix) && error.kind == serialport::ErrorKind::NoDevice {
@@ -183,19 +183,19 @@ fn open_as_file(path: &Path) -> io::Result<File> {
 }
 
 fn unopened(name: String, error: io::Error) -> PortError {
-    /// Of Unix: no such device behind the file.
+    /// Unix: no device behind the file.
     const ENXIO: i32 = 6;
     match (error.kind(), error.raw_os_error()) {
         (io::ErrorKind::NotFound, _) => PortError::Missing(name),
         (_, Some(ENXIO)) if cfg!(unix) => PortError::Missing(name),
-        // Windows lets one program have a port and denies it to others.
+        // Windows gives a port to one program and denies it to others.
         (io::ErrorKind::PermissionDenied, _) if cfg!(windows) => PortError::Busy(name),
         (io::ErrorKind::PermissionDenied, _) => PortError::NoPermission(name),
         _ => PortError::Lost { path: name, error },
     }
 }
 
-/// A driver may choose a rate of its own; a line at another rate carries noise.
+/// Drivers may choose another rate, at which the line carries noise.
 fn check_rate(serial: &Serial, baud: u32) -> io::Result<()> {
     match serial.baud_rate()? {
         rate if rate.abs_diff(baud) <= baud / BAUD_TOLERANCE => Ok(()),
@@ -203,7 +203,7 @@ fn check_rate(serial: &Serial, baud: u32) -> io::Result<()> {
     }
 }
 
-/// serialport begins to write when the line takes something, and would then wait, for ever, until it has taken all.
+/// serialport would block until all bytes are written.
 #[cfg(unix)]
 #[expect(unsafe_code, reason = "the descriptor stays open as long as the port that it is borrowed from")]
 fn never_block(serial: &Serial) -> io::Result<()> {
@@ -213,7 +213,7 @@ fn never_block(serial: &Serial) -> io::Result<()> {
     Ok(fcntl_setfl(descriptor, OFlags::NONBLOCK)?)
 }
 
-/// On Windows its timeout holds for all of the bytes.
+/// On Windows its timeout covers the whole write.
 #[cfg(windows)]
 fn never_block(_: &Serial) -> io::Result<()> {
     Ok(())

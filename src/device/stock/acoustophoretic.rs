@@ -8,7 +8,7 @@ use crate::device::stock::Heard;
 
 const CHANNELS: usize = 256;
 const FRAME: usize = 2 * CHANNELS;
-/// The first byte of a frame has this bit, and it is all that tells where one begins.
+/// This bit marks the first byte of a frame, and nothing else does.
 const FIRST: u8 = 0x80;
 
 pub fn load(levels: &Levels) -> Vec<u8> {
@@ -21,15 +21,15 @@ pub fn load(levels: &Levels) -> Vec<u8> {
     bytes
 }
 
-/// The board's side: `FrameBufferController` and `CommandReader` of OpenMPD's gateware 3.4.2, without the second of silence after
-/// which it forgets part of a frame.
+/// The board's emulation: `FrameBufferController` and `CommandReader` of OpenMPD's gateware 3.4.2, without the
+/// timeout of one second after which it discards part of a frame.
 #[derive(Clone, Debug)]
 pub struct Twin {
     shown: Vec<u8>,
     coming: Vec<u8>,
-    /// Bytes that came; they are read when they are as many as a frame has.
+    /// Received bytes; read when they fill a frame.
     queue: Vec<u8>,
-    /// In the frame that is read; `None` while its first byte is looked for.
+    /// Index in the frame being read; `None` while searching its first byte.
     index: Option<usize>,
 }
 
@@ -40,7 +40,7 @@ impl Default for Twin {
 }
 
 impl Twin {
-    /// A second after it was switched on: until then it plays every element in phase, whatever it is sent.
+    /// The state one second after power-up: until then it plays every element in phase, whatever it receives.
     pub fn new() -> Self {
         let silent = vec![0; FRAME];
         Self { shown: silent.clone(), coming: silent, queue: Vec::new(), index: None }

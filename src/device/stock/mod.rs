@@ -1,5 +1,4 @@
-//! The boards people already own: plain bytes to them, no answer, no checksum. Each has an encoder and its twin, the board's side
-//! of the same bytes.
+//! Stock boards: plain bytes without checksum or reply. Each has an encoder and a twin that emulates the board.
 
 pub mod acoustophoretic;
 pub mod mega64;
@@ -12,8 +11,8 @@ use crate::scene::{Envelope, Modulation};
 /// The bytes that put a frame into the board's hidden buffer, up to the byte that shows it.
 ///
 /// # Panics
-/// The native profile, which speaks packets; or levels that [`Levels::new`] never makes: of another number of elements, or
-/// beyond those of the profile.
+/// The native profile, which uses packets; or levels that [`Levels::new`] never produces: a wrong number of elements,
+/// or beyond the profile's levels.
 pub fn load(levels: &Levels) -> Vec<u8> {
     match levels.profile {
         Profile::Native | Profile::Natives(_) => unreachable!("native boards are sent packets"),
@@ -38,20 +37,20 @@ pub fn swap(profile: Profile) -> Option<u8> {
     }
 }
 
-/// The bytes that make a board play a frame.
+/// The bytes that play a frame.
 pub fn frame(levels: &Levels) -> Vec<u8> {
     let mut bytes = load(levels);
     bytes.extend(swap(levels.profile));
     bytes
 }
 
-/// What makes a board silent in both buffers, whatever it did or heard before: sent first and last.
+/// The bytes that silence both buffers of a board in any state: sent first and last.
 pub fn silence(profile: Profile) -> Vec<u8> {
     let blank = frame(&Levels::off(profile));
     let (start, times) = match profile {
-        // The tactile build knows no more than lists.
+        // The tactile build only accepts lists.
         Profile::SonicSurfaceTactile => (&[][..], 2),
-        // Once more: what was cut off before may have left an index anywhere, and only a swap, or the end of a frame, resets it.
+        // Once more: an interrupted list may have left any index, which only a swap, or the end of a frame, resets.
         Profile::Native | Profile::Natives(_) | Profile::Acoustophoretic512 | Profile::UltrainoMega64 => {
             (&[][..], 3)
         }
@@ -61,21 +60,21 @@ pub fn silence(profile: Profile) -> Vec<u8> {
     [start, &blank.repeat(times)].concat()
 }
 
-/// How a stock board can play an envelope.
+/// The playback of an envelope on a stock board.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Modulated {
     Steady,
     /// The sender switches the sound on and off at this frequency (Hz).
     FromHere(f64),
-    /// The board does it, told by this byte, at this frequency (Hz).
+    /// The board modulates, set by this byte, at this frequency (Hz).
     ByBoard(u8, f64),
-    /// The line is too slow; the fastest that it could do (Hz).
+    /// The line is too slow; its highest frequency (Hz).
     Never(f64),
-    /// More than one frequency is asked for: the sound is steady.
+    /// More than one frequency is requested: the sound is steady.
     OneFrequency,
 }
 
-/// What becomes of a modulation over a line of so many bits per second.
+/// The playback of a modulation over a line of this bit rate.
 pub fn modulated(profile: Profile, modulation: &Modulation, baud: u32) -> Modulated {
     let frequency = modulation.frequency;
     match (modulation.shape, profile) {
@@ -100,17 +99,17 @@ pub fn modulated(profile: Profile, modulation: &Modulation, baud: u32) -> Modula
     }
 }
 
-/// What a byte did to a board.
+/// The effect of a byte on a board.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Heard {
     Part,
     /// Another frame is shown.
     Shown,
-    /// It makes no sense here; boards do something with it all the same, and so do the twins.
+    /// Invalid here; boards react to it nevertheless, and so do the twins.
     Nonsense,
 }
 
-/// The board's side.
+/// The board's emulation.
 #[derive(Clone, Debug)]
 pub enum Twin {
     PhaseList(phase_list::Twin),
@@ -119,7 +118,7 @@ pub enum Twin {
 }
 
 impl Twin {
-    /// A board that was just switched on.
+    /// A board just switched on.
     ///
     /// # Panics
     /// The native profile, whose twin is [`crate::device::native::model::Model`].
@@ -143,7 +142,7 @@ impl Twin {
         }
     }
 
-    /// What is played.
+    /// The played levels.
     pub fn shown(&self) -> Levels {
         match self {
             Self::PhaseList(twin) => twin.shown(),

@@ -8,7 +8,7 @@ use crate::device::stock::Heard;
 
 /// A list of phases follows.
 const PHASES: u8 = 254;
-/// Exchanges what is shown and what is hidden, and ends a list.
+/// Swaps the shown and the hidden buffer, and ends a list.
 pub const SWAP: u8 = 253;
 /// A list of amplitudes follows; SimpleFPGA only.
 const AMPLITUDES: u8 = 251;
@@ -19,7 +19,7 @@ const FIRST: u8 = 192;
 const SECOND: u8 = 193;
 /// This element is off, and no other value is.
 const OFF: u8 = 32;
-/// Clocks that may have been stopped run again, and the first board listens.
+/// Restarts possibly stopped clocks, and selects the first board.
 pub const START: [u8; 2] = [CLOCKS_ON, FIRST];
 const CHANNELS: usize = 256;
 /// The tactile build's bytes for the step of its modulation.
@@ -28,11 +28,12 @@ const TACTILE_STEPS: std::ops::RangeInclusive<u8> = 0xA0..=0xBF;
 const TACTILE_FASTEST: f64 = 1250.0;
 const FULL: u16 = 16;
 
-/// Values of a byte in a period, and what is kept of one that is not [`OFF`].
+/// Values of a byte per period, and mask of a byte other than [`OFF`].
 const VALUES: u8 = 32;
 
-/// `PHASE_CORRECTION` of the published tactile gateware (upnalab/SonicSurface, `FPGA tactile modulation/src/Distribute.vhd`): what
-/// it adds to the byte of each channel, measured by its author on one board.
+/// `PHASE_CORRECTION` of the published tactile gateware (upnalab/SonicSurface,
+/// `FPGA tactile modulation/src/Distribute.vhd`): its addition to the byte of each channel, measured by its author on
+/// one board.
 const TACTILE_CORRECTION: [u8; CHANNELS] = [
     0, 14, 15, 31, 15, 15, 0, 0, 16, 1, 1, 29, 15, 15, 17, 1, 31, 17, 15, 31, 30, 31, 13, 30, 0, 18, 18, 30,
     15, 14, 31, 14, 30, 15, 0, 0, 15, 15, 1, 0, 1, 17, 13, 29, 15, 0, 0, 0, 0, 16, 31, 30, 31, 0, 31, 0, 16,
@@ -45,12 +46,12 @@ const TACTILE_CORRECTION: [u8; CHANNELS] = [
     31, 1, 0, 15, 18, 0, 31, 1, 15, 1, 0, 0, 14, 15, 1, 16, 0, 15, 18, 30, 1, 19, 2, 16, 30, 15, 15, 1, 1,
 ];
 
-/// How far apart the values of neighbouring delays are.
+/// Difference of the values of neighbouring delays.
 fn spacing(profile: Profile) -> u8 {
     VALUES / profile.levels().to_le_bytes()[0]
 }
 
-/// What a board's logic adds to the byte of a channel.
+/// The addition of a board's logic to the byte of a channel.
 fn correction(profile: Profile, channel: usize) -> u8 {
     match profile {
         Profile::SonicSurfaceTactile => TACTILE_CORRECTION[channel],
@@ -69,7 +70,7 @@ pub fn load(levels: &Levels) -> Vec<u8> {
     let order = order::elements(profile);
     let value = |(channel, &element): (usize, &usize)| match levels.elements[element] {
         None => OFF,
-        // 31 at most, since the profile has 32 delays; what the board adds is taken off.
+        // At most 31, since the profile has 32 delays; the board's addition is subtracted.
         Some(level) => {
             let byte = level.delay.to_le_bytes()[0] * spacing(profile);
             (byte + VALUES - correction(profile, channel)) % VALUES
@@ -91,10 +92,10 @@ pub fn load(levels: &Levels) -> Vec<u8> {
     bytes
 }
 
-/// The byte that sets the tactile build's modulation as near to a frequency (Hz) as it gets, and the frequency.
+/// The byte for the tactile build's modulation frequency nearest to a frequency (Hz), and that frequency.
 pub fn tactile_step(frequency: f64) -> (u8, f64) {
     let wanted = TACTILE_FASTEST / frequency - 1.0;
-    // What is no frequency gets the slowest.
+    // NaN gets the slowest.
     let step = if wanted.is_nan() { 31.0 } else { wanted.round().clamp(0.0, 31.0) };
     (TACTILE_STEPS.start() + step as u8, TACTILE_FASTEST / (step + 1.0))
 }
@@ -110,7 +111,7 @@ pub struct Twin {
 #[derive(Clone, Debug)]
 struct Board {
     listens: bool,
-    /// Where the next byte of a list goes.
+    /// Index of the next byte of a list.
     index: usize,
     of_amplitudes: bool,
     shown: Buffer,
@@ -124,7 +125,7 @@ struct Buffer {
 }
 
 impl Twin {
-    /// As the boards' logic starts: every element at phase 0, but for what the tactile build shows, and every board listening.
+    /// The power-up state: every element at phase 0, except in the tactile build, and every board selected.
     pub fn new(profile: Profile) -> Self {
         let shown = match profile {
             Profile::SonicSurfaceTactile => OFF,
@@ -195,7 +196,7 @@ impl Twin {
             }
             let buffer = &mut board.hidden;
             let list = if board.of_amplitudes { &mut buffer.amplitudes } else { &mut buffer.phases };
-            // Only 32 itself is off; the logic looks at five bits of all else.
+            // Only 32 itself is off; the logic uses five bits of all others.
             let played = byte.wrapping_add(correction(profile, board.index)) % VALUES;
             list[board.index] = if byte == OFF { OFF } else { played };
             board.index += 1;

@@ -1,8 +1,8 @@
-//! What runs beside everything else and waits: on a thread of its own, or in a page, which has one thread and may not block it,
-//! between the page's other work.
+//! Background tasks with waits: threads on a computer; in a page, which has one thread and may not block, tasks
+//! between other work.
 //!
-//! Code that waits is `async`. On a thread nothing of it yields: what waits blocks, as exactly as the system's clock allows. In a
-//! page each wait is one of the page's timers or events.
+//! Waiting code is `async`. On a thread it never yields: waits block, as exactly as the system's clock allows. In a
+//! page each wait is a timer or an event.
 
 #[cfg(not(target_arch = "wasm32"))]
 mod thread;
@@ -25,22 +25,22 @@ use web_time::{Duration, Instant};
 #[cfg(not(target_arch = "wasm32"))]
 pub use pollster::block_on as finish;
 
-/// What is locked here stays whole when a thread panics.
+/// Locked values stay consistent when a thread panics.
 pub fn locked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// Waits for a time. A page is always let do its other work meanwhile, however short the time.
+/// Waits for a time. A page always does its other work meanwhile.
 pub async fn sleep(time: Duration) {
     here::sleep(time).await;
 }
 
-/// Runs what takes a moment only: here and now, or in a page as soon as that can be.
+/// Runs short work: immediately, or in a page as soon as possible.
 pub fn run(work: impl Future<Output = ()> + 'static) {
     here::run(work);
 }
 
-/// Lets a time pass where nothing may yield. A page goes on at once: what is left to do there has no need of this program.
+/// Waits without yielding. A page does not wait, since the remaining work runs without this program.
 pub fn linger(time: Duration) {
     here::linger(time);
 }
@@ -48,18 +48,18 @@ pub fn linger(time: Duration) {
 /// So long before an exact moment a wait ends, and [`watch`] begins.
 pub const WATCHFUL: Duration = here::WATCHFUL;
 
-/// Until a moment that is less than [`WATCHFUL`] away: looks at the clock where sleeping is not exact. A page cannot, and is as exact as
+/// Waits until a time less than [`WATCHFUL`] away by polling the clock where sleeping is inexact. A page relies on
 /// its timers.
 pub fn watch(due: Instant) {
     here::watch(due);
 }
 
-/// Work under way. It goes on when this is dropped.
+/// A running task. It continues when this is dropped.
 #[derive(Debug)]
 pub struct Task(here::Task);
 
 impl Task {
-    /// Begins what `make` makes, which is made where it runs and never leaves.
+    /// Starts the future made by `make` in its own context, which it never leaves.
     ///
     /// # Errors
     /// No thread to be had.
@@ -70,7 +70,7 @@ impl Task {
         here::Task::start(name, make).map(Self)
     }
 
-    /// Waits until it has ended; a page cannot wait, and goes on.
+    /// Waits for its end; a page continues without waiting.
     pub fn join(self) {
         self.0.join();
     }
@@ -92,12 +92,12 @@ impl<T> Watched<T> {
         locked(&self.value)
     }
 
-    /// Wakes who waits, after a change.
+    /// Wakes waiting tasks after a change.
     pub fn ring(&self) {
         self.bell.ring();
     }
 
-    /// Waits as long as the value is so, for `timeout` at most.
+    /// Waits while the condition holds, at most for `timeout`.
     pub async fn wait_while(&self, timeout: Duration, is_so: impl Fn(&T) -> bool) {
         self.bell.wait_while(&self.value, timeout, is_so).await;
     }

@@ -1,4 +1,4 @@
-//! A page: what waits lets it go on.
+//! Tasks in a page: waits yield to the page.
 
 use std::future::poll_fn;
 use std::io;
@@ -20,7 +20,7 @@ extern "C" {
 
 /// A timer to the nearest millisecond.
 fn timer(time: Duration) -> JsFuture {
-    /// Timers know 31 bits.
+    /// Timers have 31 bits.
     const LONGEST: f64 = 2e9;
     JsFuture::from(pause((1e3 * time.as_secs_f64()).round().min(LONGEST)))
 }
@@ -30,7 +30,7 @@ pub async fn sleep(time: Duration) {
     let _ = timer(time).await;
 }
 
-/// What comes of `work`, if it ends in time.
+/// The result of `work`, if it ends in time.
 pub async fn within<F: Future>(time: Duration, work: F) -> Option<F::Output> {
     let (mut work, mut timer) = (pin!(work), timer(time));
     poll_fn(|context| match work.as_mut().poll(context) {

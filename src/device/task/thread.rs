@@ -1,4 +1,4 @@
-//! Threads: what waits blocks.
+//! Tasks on threads: waits block.
 
 use std::io;
 use std::sync::{Condvar, Mutex, PoisonError};
@@ -21,7 +21,7 @@ pub fn linger(time: Duration) {
     thread::sleep(time);
 }
 
-/// What a sleeping thread may be late by.
+/// Tolerance of a sleeping thread's wake-up.
 pub const WATCHFUL: Duration = Duration::from_micros(300);
 
 pub fn watch(due: Instant) {
@@ -42,7 +42,7 @@ impl Task {
     }
 
     pub fn join(self) {
-        // What panicked has said so, and let go of its port while it unwound.
+        // A panic has already been reported, and its port closed while unwinding.
         let _ = self.0.join();
     }
 }

@@ -1,4 +1,4 @@
-//! The f32 kernels of the CPU, on all cores.
+//! The f32 CPU evaluator, on all cores.
 
 mod places;
 mod sums;
@@ -35,8 +35,8 @@ pub fn pressure_with(isa: Isa, faces: &[Sources<'_>], count: usize) -> Vec<Compl
     field
 }
 
-/// The waves of single elements of a board, with their tilts, at a block of points: hands `take` the element's number and real and
-/// imaginary parts of the complex pressures (Pa, peak).
+/// The waves of single elements of a board, with their tilts, at a block of points: passes to `take` the element's
+/// index and real and imaginary parts of the complex pressures (Pa, peak).
 pub fn single_waves(
     wave: &Wave,
     (elements, tilts): (&[[f32; 4]], &[[f32; 4]]),

@@ -1,15 +1,15 @@
-//! The places of numbers in a table of 256 colours.
+//! Indices of numbers in a table of 256 colours.
 
 use std::f32::consts::LN_2;
 
 use crate::simd::{Instructions, Isa, Kernel, larger};
 
-/// The last place.
+/// The last index.
 const LAST: f32 = 255.0;
-/// Numbers that are looked at together.
+/// Numbers processed together.
 const RUN: usize = 32;
 
-/// How a number becomes a place.
+/// The mapping of a number to an index.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Law {
     Linear {
@@ -23,7 +23,7 @@ pub enum Law {
     },
 }
 
-/// The place of every number, rounded; what is beyond the ends of the table gets the place at its end.
+/// The index of every number, rounded and clamped to the ends of the table.
 pub fn places(numbers: &[f32], law: Law, places: &mut [u8]) {
     Isa::best().run(Places { numbers, law, places });
 }

@@ -1,4 +1,4 @@
-//! Sums of runs of numbers that lie in memory: superposition of a table, and interpolation.
+//! Sums over contiguous numbers: superposition from a table, and interpolation.
 
 use num_complex::Complex32;
 
@@ -14,7 +14,7 @@ pub struct Split {
     pub im: Vec<f32>,
 }
 
-/// An element's part in `D` superpositions: where its run starts in the table, and its excitations.
+/// An element's contribution to `D` superpositions: the start of its run in the table, and its excitations.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Term<const D: usize> {
     pub start: usize,
@@ -22,7 +22,7 @@ pub struct Term<const D: usize> {
     pub im: [f32; D],
 }
 
-/// Drives that are superposed together: what is read of the table serves them all.
+/// Drives superposed together, sharing each read of the table.
 pub const DRIVES: usize = 4;
 
 /// Adds up runs of `table`, one per term, with the term's excitations, and adds that to `sums`: Σ u · table(start + first + i), for one
@@ -50,7 +50,7 @@ impl<const D: usize> Kernel for Superposition<'_, D> {
 
     #[inline(always)]
     fn run<I: Instructions>(self) {
-        // Sums stay in registers, and there are enough of them to wait for none.
+        // Sums stay in registers, enough of them to hide latency.
         match (I::WIDTH, D) {
             (16, 1) => self.in_runs::<I, 64>(),
             (16, _) => self.in_runs::<I, 32>(),
@@ -63,7 +63,7 @@ impl<const D: usize> Kernel for Superposition<'_, D> {
 }
 
 impl<const D: usize> Superposition<'_, D> {
-    /// The rest is a whole run too: the sums of a shorter one would wait for each other as long.
+    /// The remainder is a full overlapping run, too: a shorter one would take as long by latency.
     #[inline(always)]
     fn in_runs<I: Instructions, const RUN: usize>(mut self) {
         for start in (0..self.sums[0].len()).step_by(RUN) {
@@ -71,7 +71,7 @@ impl<const D: usize> Superposition<'_, D> {
         }
     }
 
-    /// A run, of which there may be less than `RUN` to write.
+    /// A run, of which possibly fewer than `RUN` values are written.
     #[inline(always)]
     fn in_run<I: Instructions, const RUN: usize>(&mut self, start: usize) {
         let Self { table, terms, first, sums } = self;
@@ -82,7 +82,7 @@ impl<const D: usize> Superposition<'_, D> {
                 *part[at..].first_chunk().expect("a table is longer than its runs reach")
             };
             let (table_re, table_im) = (run(&table.re), run(&table.im));
-            // Lanes outside and drives inside: only so do the sums become registers.
+            // Lanes outside and drives inside: required for sums in registers.
             for lane in 0..RUN {
                 for drive in 0..D {
                     let (u_re, u_im) = (term.re[drive], term.im[drive]);
@@ -101,7 +101,7 @@ impl<const D: usize> Superposition<'_, D> {
     }
 }
 
-/// Rows that are weighted from the same lines.
+/// Rows weighted from the same lines.
 pub const ROWS: usize = 4;
 
 /// Lines of numbers, each `stride` after the one before, with a weight for every row and line.
@@ -113,7 +113,7 @@ pub struct Lines<'a> {
     pub weights: &'a [f32],
 }
 
-/// Where sums go: rows of `length` numbers, each `stride` after the one before.
+/// Output of sums: rows of `length` numbers, each `stride` after the previous one.
 #[derive(Debug)]
 pub struct Rows<'a> {
     pub values: &'a mut [f32],
@@ -149,8 +149,8 @@ impl Kernel for WeightedSums<'_, '_, '_> {
     }
 }
 
-/// `R` rows of weighted sums, `LONG` neighbours at a time, of shorter rows `SHORT`, of the shortest one. The last run ends with the
-/// row, and makes what the one before has made again: that takes less time than shorter runs, whose sums wait for each other.
+/// `R` rows of weighted sums, `LONG` neighbours at a time, of shorter rows `SHORT`, of the shortest one. The last run
+/// ends with the row and overlaps the previous one: faster than shorter runs, which are bound by latency.
 #[inline(always)]
 fn weighted_runs<I: Instructions, const R: usize, const LONG: usize, const SHORT: usize>(
     lines: &Lines<'_>,
@@ -184,7 +184,7 @@ fn weighted_run<I: Instructions, const R: usize, const RUN: usize>(
         let values: [f32; RUN] =
             *lines.values[tap * lines.stride + start..].first_chunk().expect("a line is as long as the sum");
         let weights: [f32; R] = std::array::from_fn(|row| lines.weights[row * taps + tap]);
-        // Lanes outside and rows inside: only so do the totals become registers.
+        // Lanes outside and rows inside: required for totals in registers.
         for lane in 0..RUN {
             for row in 0..R {
                 totals[row][lane] = fused::<I>(weights[row], values[lane], totals[row][lane]);

@@ -1,5 +1,5 @@
-//! The waves of elements at a block of points in vector registers. What `shaders/piston.wgsl` and
-//! `shaders/exact_piston.wgsl` do.
+//! The waves of elements at a block of points in vector registers; the counterpart of `shaders/piston.wgsl` and
+//! `shaders/exact_piston.wgsl`.
 
 #![expect(clippy::needless_range_loop, reason = "lanes are what is looped over, in several arrays at once")]
 
@@ -63,7 +63,7 @@ pub(super) struct Sum {
 impl Sum {
     const ZERO: Self = Self { re: [0.0; LANES], im: [0.0; LANES] };
 
-    /// Turned by what all elements have in common.
+    /// Rotated by the common phase of all elements.
     pub(super) fn onward(&self, points: &Points) -> Self {
         let mut turned = Self::ZERO;
         for lane in 0..LANES {
@@ -79,7 +79,7 @@ impl Sum {
 pub(super) struct FarField<'a, const D: usize, const A: usize, const FLAT: bool> {
     pub(super) wave: &'a Wave,
     pub(super) elements: &'a [[f32; 4]],
-    /// As many, but of a flat board.
+    /// As many as elements; empty for a flat board.
     pub(super) tilts: &'a [[f32; 4]],
     pub(super) points: &'a Points,
 }
@@ -107,8 +107,8 @@ fn far_field<I: Instructions, const D: usize, const A: usize, const FLAT: bool>(
     for (n, &[x, y, phase, strength]) in elements.iter().enumerate() {
         let phase = 2.0 * phase;
         let [height, towards_x, towards_y, towards_z] = if FLAT { [0.0, 0.0, 0.0, 1.0] } else { tilts[n] };
-        // Stage by stage over all lanes: neighbouring instructions then do not wait for each other.
-        // r² - z², which is ρ² of a flat board, and r².
+        // Stage by stage over all lanes, so that neighbouring instructions are independent. r² - z² (ρ² for a flat
+        // board), and r².
         let mut rho2 = [0.0; LANES];
         let mut r2 = [0.0; LANES];
         // Before the element's plane.
@@ -225,7 +225,7 @@ fn exact_piston<I: Instructions>(
 fn turn<I: Instructions>(distance: f32, rate: f32, phase: f32) -> Turn {
     let rounded = fused::<I>(distance, rate, -phase) + ROUNDER;
     let whole = rounded - ROUNDER;
-    // With FMA the product is not rounded before the whole half-turns are taken away.
+    // With FMA the product is not rounded before whole half-turns are subtracted.
     let f = fused::<I>(distance, rate, -whole) - phase;
     let f2 = f * f;
     Turn {
@@ -236,11 +236,11 @@ fn turn<I: Instructions>(distance: f32, rate: f32, phase: f32) -> Turn {
     }
 }
 
-/// Cosine and sine but for their common sign.
+/// Cosine and sine without their common sign.
 struct Turn {
     cos: f32,
     sin: f32,
-    /// The sign bit that an odd number of half-turns changes.
+    /// The sign bit, flipped by an odd number of half-turns.
     flip: u32,
 }
 

@@ -1,4 +1,4 @@
-//! Which adapters there are, and which of them is worth using.
+//! GPU adapters: enumeration and selection.
 
 use crate::field::GpuError;
 use crate::field::gpu::Gpu;
@@ -12,7 +12,7 @@ const NONE: &str = "no graphics driver offers one";
 #[cfg(target_arch = "wasm32")]
 const NONE: &str = "the browser offers none by WebGPU";
 
-/// What a user wants to know of an adapter.
+/// Description of an adapter for the user.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct AdapterInfo {
     pub name: String,
@@ -29,14 +29,14 @@ pub enum Kind {
     Integrated,
     Virtual,
     Other,
-    /// A program that plays GPU on the CPU: correct, and slower than our own CPU evaluator.
+    /// A software adapter on the CPU: correct, but slower than our own CPU evaluator.
     Software,
 }
 
 impl AdapterInfo {
     pub(super) fn new(adapter: &wgpu::Adapter) -> Self {
         let info = adapter.get_info();
-        // A browser may keep it to itself.
+        // Browsers may hide the name.
         let name = if info.name.is_empty() { "WebGPU".to_owned() } else { info.name };
         Self {
             name,
@@ -72,16 +72,16 @@ pub fn adapters() -> Vec<AdapterInfo> {
     pollster::block_on(found(&instance())).iter().map(|(info, _)| info.clone()).collect()
 }
 
-/// Opens the best adapter that is not software, or, if `software` is welcome, the best of all.
+/// Opens the best hardware adapter or, if `software` is allowed, the best of all.
 ///
 /// # Errors
-/// There is none, or it does not work.
+/// A missing or faulty adapter.
 #[cfg(not(target_arch = "wasm32"))]
 pub fn open_best(software: bool) -> Result<Gpu, GpuError> {
     pollster::block_on(open(software))
 }
 
-/// The same where nothing may wait: a browser answers between two tasks of the page.
+/// The same without blocking: a browser answers between two tasks of the page.
 ///
 /// # Errors
 /// As [`best`].
@@ -90,7 +90,7 @@ pub async fn open(software: bool) -> Result<Gpu, GpuError> {
     Gpu::open(&adapter).await
 }
 
-/// The best adapter that is not software, or, if `software` is welcome, the best of all, with the instance that found it.
+/// The best hardware adapter or, if `software` is allowed, the best of all, with its instance.
 ///
 /// # Errors
 /// There is none.
@@ -126,7 +126,7 @@ async fn offered(instance: &wgpu::Instance) -> Vec<wgpu::Adapter> {
     instance.enumerate_adapters(BACKENDS).await
 }
 
-/// A browser offers one adapter at a time, and has a faster one only for who asks for it.
+/// A browser offers one adapter at a time, and the fast one only on request.
 #[cfg(target_arch = "wasm32")]
 async fn offered(instance: &wgpu::Instance) -> Vec<wgpu::Adapter> {
     let power_preference = wgpu::PowerPreference::HighPerformance;

@@ -1,4 +1,5 @@
-//! The passes of one map in their order, with the buffers that they share: made once for its shape, and run for every drive.
+//! The passes of one map in order, with their shared buffers: built once per plan, size and quantity, and run for
+//! every drive.
 
 use std::ops::Range;
 
@@ -21,10 +22,10 @@ use crate::field::quantity::{Constants, PRESSURE, Part, Quantity};
 use crate::field::slope::{shifted, stencil};
 use crate::field::{GpuError, Samples, Sources, Wave, sources};
 
-/// Figures that may be on their way at once: one arrives while the next is made.
+/// Concurrent read-backs of figures: one arrives while the next is produced.
 const ON_THEIR_WAY: usize = 3;
 
-/// What the passes depend on.
+/// The inputs of the passes.
 #[derive(Debug)]
 pub struct Shape<'a> {
     /// With every element driven.
@@ -33,22 +34,22 @@ pub struct Shape<'a> {
     /// Width and height in pixels.
     pub size: (usize, usize),
     pub interpolated: Option<Interpolated<'a>>,
-    /// First rows and places of those that are evaluated pixel by pixel.
+    /// Rows evaluated pixel by pixel: first row and samples.
     pub direct: Vec<(usize, Samples)>,
     /// Of the plane.
     pub normal: DVec3,
-    /// Pixels that are compared with the reference.
+    /// Pixels to compare with the reference.
     pub probes: &'a [usize],
 }
 
-/// Rows of pixels that are interpolated.
+/// Rows of interpolated pixels.
 #[derive(Debug)]
 pub struct Interpolated<'a> {
     pub rows: Range<usize>,
-    /// The boards and images that are heard there.
+    /// Boards and images that contribute there.
     pub heard: Vec<usize>,
     pub samples: &'a Samples,
-    /// For every part of the sound, across and up.
+    /// Weights across and up for every part of the sound.
     pub weights: Vec<[&'a Resampling; 2]>,
 }
 
@@ -57,11 +58,11 @@ pub struct Interpolated<'a> {
 pub struct Chain {
     /// Of the first superposition; the others differ from it by a gain.
     wave: Wave,
-    /// Of the boards that are heard, with their numbers in the aperture.
+    /// Elements of the contributing boards, with their indices in the aperture.
     boards: Vec<(usize, Elements)>,
-    /// With the place of their board.
+    /// With the index of their board.
     superpositions: Vec<(usize, Superposition)>,
-    /// What superpositions add to.
+    /// Buffers of the superpositions.
     sums: Vec<wgpu::Buffer>,
     across: Vec<Step>,
     forming: Forming,
@@ -72,11 +73,11 @@ pub struct Chain {
     /// The run that figures are of, and those on their way.
     run: u64,
     figures: Vec<(u64, Reading)>,
-    /// Of the values, and the run that they are of.
+    /// Read-back of the values, and its run.
     reading: Option<(u64, Reading)>,
 }
 
-/// What times the passes.
+/// Timing of the passes.
 #[derive(Debug)]
 struct Clock {
     queries: wgpu::QuerySet,
@@ -84,7 +85,7 @@ struct Clock {
 }
 
 impl Chain {
-    /// `None` where f32 has no room for the elements or is not right beside them, or a buffer has none for the map.
+    /// `None` if f32 has no room for the elements or is inaccurate next to them, or if the map exceeds a buffer.
     pub fn new(gpu: &Gpu, shape: &Shape<'_>) -> Option<Self> {
         let declaration = shape.quantity.declaration();
         let (width, height) = shape.size;
@@ -127,7 +128,7 @@ impl Chain {
                     &made,
                 ));
             }
-            // No quantity needs slopes along the second axis alone.
+            // No quantity needs only slopes along the second axis.
             let values = weights[0][1];
             let slopes = Part::of(parts).position(|part| part == Part::AlongY);
             let slopes = slopes.map_or(values, |place| weights[place][1]);
@@ -146,7 +147,7 @@ impl Chain {
             gathering.add(gpu, [&wide, &forming.peak], [width, lines * width], &probes);
         }
         for (row, places) in &shape.direct {
-            // A slope beside the array takes more than one pass; the CPU makes it.
+            // Slopes near the array need several passes and are left to the CPU.
             if !Part::of(parts).eq([Part::Pressure]) {
                 return None;
             }
@@ -181,7 +182,8 @@ impl Chain {
         })
     }
 
-    /// What runs: with another drive everything, with other constants what follows the sound.
+    /// Runs the passes: all of them after a change of the drive, those after the superposition after a change of
+    /// constants.
     pub fn run(&mut self, gpu: &Gpu, drive: Option<(&Aperture, &Drive)>, constants: &Constants, factor: f32) {
         self.run += 1;
         self.forming.set(gpu, constants, factor);
@@ -238,7 +240,7 @@ impl Chain {
         gpu.submit(encoder);
     }
 
-    /// Writes the elements of a board that sound, and says how many they are.
+    /// Writes the sounding elements of a board, and returns their number.
     fn write(
         &self,
         gpu: &Gpu,
@@ -253,7 +255,7 @@ impl Chain {
         sounding.len() as u32
     }
 
-    /// The map in colours, and whether it was painted anew.
+    /// The map in colours, and whether it was repainted.
     pub fn paint(&mut self, gpu: &Gpu, colouring: &Colouring) -> (Texture, bool) {
         let source = Source { values: &self.forming.values, peak: &self.forming.peak, size: self.size };
         let fits = self.painting.take().filter(|painting| painting.scale() == colouring.scale());
@@ -261,7 +263,7 @@ impl Chain {
         self.painting.insert(painting).paint(gpu, colouring, self.run)
     }
 
-    /// Figures of the last run, if they are there; never waits. They are asked for if they were not yet.
+    /// Figures of the last run, if available, without waiting. Requests them if necessary.
     ///
     /// # Errors
     /// The device was lost.
@@ -287,15 +289,14 @@ impl Chain {
             let bytes = self.gathering.buffer.size();
             self.figures.extend((0..ON_THEIR_WAY).map(|_| (0, Reading::with_room(gpu, bytes))));
         }
-        // If all are on their way, the next frame asks again.
+        // If all read-backs are pending, the next frame requests again.
         if let Some((run, reading)) = self.figures.iter_mut().find(|(_, reading)| reading.is_free()) {
             reading.ask(gpu, gpu.encoder(), &[&self.gathering.buffer]);
             *run = self.run;
         }
     }
 
-    /// Asks for the values of all pixels and the figures of the last run; `None` while they are on their way, which ends if it
-    /// may `wait`.
+    /// Requests the values of all pixels and the figures of the last run; `None` while pending, unless it may `wait`.
     ///
     /// # Errors
     /// The device was lost.
@@ -309,7 +310,7 @@ impl Chain {
             }
             let bytes = if wait { Some(reading.wait(gpu)?) } else { reading.poll(gpu)? };
             let Some(bytes) = bytes else { return Ok(None) };
-            // What an earlier run made is of no use any more.
+            // Results of an earlier run are obsolete.
             if *run == self.run {
                 let (figures, values) = bytes.split_at(self.gathering.buffer.size() as usize);
                 let values = &bytemuck::cast_slice(values)[..self.size.0 * self.size.1];
@@ -319,7 +320,7 @@ impl Chain {
     }
 }
 
-/// What a chain starts with.
+/// A chain under construction.
 struct Making<'a> {
     gpu: &'a Gpu,
     shape: &'a Shape<'a>,
@@ -330,7 +331,8 @@ struct Making<'a> {
 }
 
 impl Making<'_> {
-    /// The pressure that some boards make at the samples, or its slope along the normal, as a buffer that superpositions fill.
+    /// The pressure of some boards at the samples, or its slope along the normal, as a buffer filled by
+    /// superpositions.
     fn sample(&mut self, samples: &Samples, heard: &[usize], normal: bool) -> Option<wgpu::Buffer> {
         let out = self.gpu.storage("samples", (samples.len() * 8) as u64);
         self.sums.push(out.clone());
@@ -347,7 +349,7 @@ impl Making<'_> {
         heard.iter().try_for_each(|&number| self.add_face(samples, number, out, gain))
     }
 
-    /// `None` where f32 is not right.
+    /// `None` if f32 is inaccurate.
     fn add_face(&mut self, samples: &Samples, number: usize, out: &wgpu::Buffer, gain: f64) -> Option<()> {
         let aperture = self.shape.aperture;
         let face = &aperture.faces[number];
@@ -364,7 +366,7 @@ impl Making<'_> {
             return None;
         }
         let Sources { wave, samples, .. } = sources;
-        // An image plays what its board plays.
+        // An image has the drive of its board.
         let board = aperture.boards().position(|board| board.first == face.first)?;
         let gain = gain * face.gain * self.wave.as_ref().map_or(1.0, |first| wave.gain_over(first));
         let place = self.board(board, &wave);
@@ -375,7 +377,7 @@ impl Making<'_> {
         Some(())
     }
 
-    /// The place of a board's elements.
+    /// The index of a board's elements.
     fn board(&mut self, number: usize, wave: &Wave) -> usize {
         let known = self.boards.iter().position(|(known, _)| *known == number);
         known.unwrap_or_else(|| {

@@ -1,4 +1,4 @@
-//! Values of a quantity from the sound, and the largest of them, on the GPU.
+//! Forms the values of a quantity, and their maximum, on the GPU.
 
 use bytemuck::Zeroable;
 use num_complex::Complex32;
@@ -24,14 +24,14 @@ pub(super) struct Forming {
 }
 
 impl Forming {
-    /// For so many pixels.
+    /// For this number of pixels.
     pub(super) fn new(gpu: &Gpu, quantity: Quantity, pixels: usize) -> Self {
         Self {
             quantity,
             steps: Vec::new(),
             params: FormParams::zeroed(),
             buffer: gpu.params(bytemuck::bytes_of(&FormParams::zeroed())),
-            // Readers take eight bytes at a time.
+            // Reads are in units of eight bytes.
             values: gpu.storage("values", (pixels.div_ceil(2) * 8) as u64),
             peak: gpu.storage("peak", 4),
         }
@@ -45,8 +45,8 @@ impl Forming {
         ]
     }
 
-    /// Adds pixels that are interpolated from the parts of the sound, one after the other; slopes along the second axis take weights
-    /// of their own.
+    /// Adds pixels interpolated from the parts of the sound in sequence; slopes along the second axis have separate
+    /// weights.
     pub(super) fn interpolate(
         &mut self,
         gpu: &Gpu,
@@ -59,7 +59,7 @@ impl Forming {
         self.steps.push(step);
     }
 
-    /// Adds pixels at which the parts of the sound are known, in rows of so many columns.
+    /// Adds pixels with known parts of the sound, in rows of `columns`.
     pub(super) fn take(
         &mut self,
         gpu: &Gpu,

@@ -1,4 +1,4 @@
-//! What panels want to know of a map, gathered in one small buffer that comes back.
+//! Gathers a map's results for panels in one small buffer that is read back.
 
 use num_complex::Complex32;
 use wgpu::BufferUsages;
@@ -7,33 +7,32 @@ use crate::field::gpu::program::{GatherParams, Program, WORKGROUP};
 use crate::field::gpu::{Gpu, Step};
 use crate::field::quantity::{Part, Sound};
 
-/// What panels want to know of a map.
+/// The results of a map for panels.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Gathered {
     /// See [`crate::field::Map::peak`].
     pub peak: f32,
     /// At the probes.
     pub sounds: Vec<Sound>,
-    /// s that the GPU took, where it can be timed.
+    /// GPU time (s), if it can be measured.
     pub seconds: Option<f64>,
 }
 
-/// A pixel that is compared with the reference.
+/// A pixel to compare with the reference.
 pub(super) struct Probe<'a> {
     /// Among all of a map.
     pub(super) number: usize,
-    /// The place of the first sample that its sound is made of.
+    /// The index of the first sample of its interpolation.
     pub(super) first: usize,
     /// Weights of these samples, of values and of slopes along the second axis.
     pub(super) weights: [&'a [f32]; 2],
 }
 
-/// The passes that gather, and where they write.
+/// The gathering passes and their output.
 #[derive(Debug)]
 pub(super) struct Gathering {
     pub(super) steps: Vec<Step>,
-    /// The parts of the sound at the probes, one part after the other, the peak, and the times at which the passes of a map began and
-    /// ended.
+    /// The parts of the sound at the probes in sequence, the peak, and the begin and end times of a map's passes.
     pub(super) buffer: wgpu::Buffer,
     parts: u8,
     probes: usize,
@@ -46,7 +45,7 @@ impl Gathering {
         Self { steps: Vec::new(), buffer, parts, probes }
     }
 
-    /// Adds some of the probes, whose sound is made of `samples` that lie this far apart, as parts do.
+    /// Adds some of the probes, with a stride of `samples` between parts of the sound.
     pub(super) fn add(
         &mut self,
         gpu: &Gpu,
@@ -87,7 +86,7 @@ impl Gathering {
         self.steps.push(step);
     }
 
-    /// What came back.
+    /// The results read back.
     pub(super) fn read(&self, gpu: &Gpu, bytes: &[u8]) -> Gathered {
         let numbers: &[Complex32] = bytemuck::cast_slice(bytes);
         let count = self.parts.count_ones() as usize;

@@ -1,7 +1,7 @@
-//! The GPU: finding one, and running the programs of a map on it.
+//! The GPU evaluator: opening a device, and running the programs of a map on it.
 //!
-//! Objects are sorted by lifetime: [`Gpu`] holds the device and its pipelines, [`Chain`] the buffers and bind groups of
-//! one map and its passes, [`Reading`] what is on its way back.
+//! Objects are sorted by lifetime: [`Gpu`] holds the device and its pipelines, [`Chain`] the buffers and bind groups
+//! of one map and its passes, [`Reading`] pending read-backs.
 
 pub mod adapter;
 pub mod chain;
@@ -37,7 +37,7 @@ pub use space::SpacePainting;
 /// Bytes of a buffer, at most.
 const LARGEST_BUFFER: u64 = 1 << 27;
 
-/// A device with its pipelines, which are made when first needed.
+/// A device with its pipelines, created on demand.
 #[derive(Debug)]
 pub struct Gpu {
     device: wgpu::Device,
@@ -46,7 +46,7 @@ pub struct Gpu {
     tuning: Tuning,
     /// Bytes in one buffer.
     buffer_limit: u64,
-    /// ns per tick, where passes can be timed.
+    /// ns per tick, if passes can be timed.
     tick: Option<f32>,
     pipelines: RefCell<HashMap<Program, wgpu::ComputePipeline>>,
     traffic: Cell<Traffic>,
@@ -54,8 +54,8 @@ pub struct Gpu {
     failure: Arc<Mutex<Option<GpuError>>>,
 }
 
-/// What a device is asked for: but for room and clocks, no more than any adapter has; so a program that wants more fails on all
-/// of them, and tests see it.
+/// The requested device limits: except for sizes and timestamps, those of every adapter, so that tests catch a
+/// program that needs more.
 pub fn device_descriptor(adapter: &wgpu::Adapter) -> wgpu::DeviceDescriptor<'static> {
     let available = adapter.limits();
     let required_limits = wgpu::Limits {
@@ -85,7 +85,7 @@ impl Gpu {
         Ok(gpu)
     }
 
-    /// Another one on the same device, with pipelines of its own.
+    /// Another instance on the same device, with its own pipelines.
     pub fn twin(&self) -> Self {
         Self {
             device: self.device.clone(),
@@ -100,7 +100,7 @@ impl Gpu {
         }
     }
 
-    /// A device that is open already, and draws a window too.
+    /// An existing device that also draws a window.
     pub fn on(adapter: &wgpu::Adapter, device: wgpu::Device, queue: wgpu::Queue) -> Self {
         let limits = device.limits();
         let failure = Arc::new(Mutex::new(None));
@@ -127,12 +127,12 @@ impl Gpu {
         &self.info
     }
 
-    /// Whether pictures of space are drawn sooner here than by the CPU.
+    /// Whether 3D pictures are faster here than on the CPU.
     pub fn draws_space(&self) -> bool {
         self.tuning.draws_space
     }
 
-    /// The device itself, for what draws with it.
+    /// The device itself, for other renderers.
     pub fn device(&self) -> &wgpu::Device {
         &self.device
     }
@@ -141,7 +141,7 @@ impl Gpu {
         &self.queue
     }
 
-    /// What went back and forth so far.
+    /// Traffic so far.
     pub fn traffic(&self) -> Traffic {
         self.traffic.get()
     }
@@ -156,7 +156,7 @@ impl Gpu {
         Self { tuning, pipelines: RefCell::default(), ..self }
     }
 
-    /// Gives the device up, as a driver may at any time: every later call fails.
+    /// Loses the device, as a driver may at any time: every later call fails.
     pub fn lose(&self) {
         self.device.destroy();
     }
@@ -169,7 +169,7 @@ impl Gpu {
         superposition::pressure(self, faces)
     }
 
-    /// The value of every sound. Waits for it.
+    /// The value of every sound. Blocks.
     ///
     /// # Errors
     /// The device was lost or has not enough memory.
@@ -182,7 +182,7 @@ impl Gpu {
         forming::form(self, quantity, sounds, constants)
     }
 
-    /// A pipeline that is made when first needed.
+    /// A pipeline, created on demand.
     fn pipeline(&self, program: Program) -> wgpu::ComputePipeline {
         let make = || pipeline(&self.device, &format!("{program:?}"), &program.source(&self.tuning));
         self.pipelines.borrow_mut().entry(program).or_insert_with(make).clone()
@@ -218,7 +218,7 @@ impl Gpu {
     }
 
     fn filled(&self, label: &str, contents: &[u8], usage: BufferUsages) -> wgpu::Buffer {
-        // Not by mapping it: that would panic on a lost device.
+        // Not by mapping, which would panic on a lost device.
         let buffer = self.buffer(label, contents.len() as u64, usage | BufferUsages::COPY_DST);
         self.queue.write_buffer(&buffer, 0, contents);
         buffer
@@ -228,7 +228,7 @@ impl Gpu {
         self.filled("params", contents, BufferUsages::UNIFORM)
     }
 
-    /// A program with its buffers, as they are bound.
+    /// A program with its bound buffers.
     fn step(
         &self,
         program: Program,
@@ -250,19 +250,19 @@ impl Gpu {
         Step { pipeline, group, workgroups, pairs: 0 }
     }
 
-    /// Waits until all is done that was submitted.
+    /// Waits for all submitted work.
     ///
     /// # Errors
     /// The device was lost, or does not answer.
     #[cfg(not(target_arch = "wasm32"))]
     pub fn wait(&self) -> Result<(), GpuError> {
-        /// How long one submission may take.
+        /// Time limit of a submission.
         const TIMEOUT: std::time::Duration = std::time::Duration::from_secs(120);
         let wait = wgpu::PollType::Wait { submission_index: None, timeout: Some(TIMEOUT) };
         self.device.poll(wait).map(|_| ()).map_err(|e| GpuError::Lost(e.to_string()))
     }
 
-    /// What a browser's device has done it tells between two tasks of the page: whoever wants it polls.
+    /// A browser's device reports between two tasks of the page: poll instead.
     ///
     /// # Errors
     /// Always.
@@ -276,7 +276,7 @@ impl Gpu {
     /// # Errors
     /// It is there.
     pub fn check(&self) -> Result<(), GpuError> {
-        // A loss is reported where the device is polled, and explains what was refused after it.
+        // A loss is reported by polling, and explains later refusals.
         self.device.poll(wgpu::PollType::Poll).ok();
         let failure = self.failure.lock().unwrap_or_else(std::sync::PoisonError::into_inner).clone();
         failure.map_or(Ok(()), Err)
@@ -301,9 +301,9 @@ impl Step {
     }
 }
 
-/// Keeps what would otherwise be a panic or go unseen.
+/// Records errors that would otherwise panic or be lost.
 fn watch(device: &wgpu::Device, failure: &Arc<Mutex<Option<GpuError>>>) {
-    // The first refusal tells most, and a loss explains all.
+    // The first refusal is the most informative, and a loss explains all others.
     let keep = |failure: &Mutex<Option<GpuError>>, error| {
         let mut kept = failure.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
         if kept.is_none() || matches!(error, GpuError::Lost(_)) {

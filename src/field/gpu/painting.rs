@@ -1,4 +1,4 @@
-//! A map in colours, as a texture that its device draws.
+//! Paints a map as a texture on its device.
 
 use wgpu::{BindingResource, TextureUsages};
 
@@ -24,14 +24,14 @@ impl Texture {
     }
 }
 
-/// What is painted: the values of a map and their peak.
+/// The values of a map and their peak, to be painted.
 pub(super) struct Source<'a> {
     pub(super) values: &'a wgpu::Buffer,
     pub(super) peak: &'a wgpu::Buffer,
     pub(super) size: (usize, usize),
 }
 
-/// The pass that paints, with what it paints on.
+/// The painting pass with its texture.
 #[derive(Debug)]
 pub(super) struct Painting {
     texture: Texture,
@@ -39,7 +39,7 @@ pub(super) struct Painting {
     scale: Scale,
     colours: wgpu::Texture,
     params: wgpu::Buffer,
-    /// In which colours which run is painted.
+    /// The colours and the run of the current picture.
     painted: Option<(Colouring, u64)>,
 }
 
@@ -69,7 +69,7 @@ impl Painting {
         self.scale
     }
 
-    /// The picture of a `run`, and whether it was painted anew.
+    /// The picture of a `run`, and whether it was repainted.
     pub(super) fn paint(&mut self, gpu: &Gpu, colouring: &Colouring, run: u64) -> (Texture, bool) {
         let before = self.painted.as_ref();
         if before.is_some_and(|(painted, of)| painted == colouring && *of == run) {

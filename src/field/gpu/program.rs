@@ -1,4 +1,4 @@
-//! The WGSL programs: which files make one, the constants that Rust writes into them, and the structs they share.
+//! The WGSL programs: their source files, constants written by Rust, and shared structs.
 
 use bytemuck::{Pod, Zeroable};
 
@@ -12,9 +12,9 @@ use crate::field::volume::{march, scenery};
 
 /// Invocations in a workgroup.
 pub const WORKGROUP: u32 = 64;
-/// Workgroups of a dispatch along an axis, at most: what every adapter allows.
+/// Limit of workgroups per axis of a dispatch on all adapters.
 pub const MOST_GROUPS: u32 = 65_535;
-/// Vectors of elements that fit a uniform buffer of 16 KiB, which every adapter has.
+/// Number of element vectors in a uniform buffer of 16 KiB, available on all adapters.
 pub const UNIFORM_ELEMENTS: usize = 1024;
 
 /// The same struct as in `shaders/params.wgsl`.
@@ -100,13 +100,13 @@ const SOUND: &str = include_str!("../../../shaders/sound.wgsl");
 const FORM: &str = include_str!("../../../shaders/form.wgsl");
 const INTERPOLATION: &str = include_str!("../../../shaders/interpolation.wgsl");
 
-/// A program. What a run decides once is a constant: of a condition on uniforms alone, lavapipe makes a program of its own in
-/// every run, and keeps it.
+/// A program. Decisions fixed for a run are constants: lavapipe specialises on uniform-only branches at every
+/// dispatch and leaks the variants.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Program {
     /// Sums over the elements.
     Field(FieldProgram),
-    /// From samples to what is interpolated once more.
+    /// From samples to intermediate values, which are interpolated again.
     Across,
     /// From that to values.
     Form(Quantity),
@@ -119,7 +119,7 @@ pub enum Program {
     Volume(Seen, bool),
 }
 
-/// What is seen of the field in a box, slices of it aside.
+/// The representation of the field in a box, apart from slices.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Seen {
     Nothing,
@@ -127,7 +127,7 @@ pub enum Seen {
     Projection,
 }
 
-/// Whose waves a field program adds up.
+/// The element model of a field program.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Waves {
     /// The far field of elements on a flat board.
@@ -150,7 +150,7 @@ impl Waves {
     }
 }
 
-/// The field's program comes in twelve forms.
+/// The field's program has twelve variants.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct FieldProgram {
     pub waves: Waves,
@@ -234,7 +234,7 @@ impl Program {
     }
 }
 
-/// What `shaders/volume.wgsl` and its twin on the CPU must agree on.
+/// Constants shared by `shaders/volume.wgsl` and its CPU twin.
 fn space(seen: Seen, is_smooth: bool) -> String {
     let rays = if is_smooth { &march::SMOOTH[..] } else { &[[0.0; 2]][..] };
     let ray: Vec<_> = rays.iter().map(|[x, y]| format!("vec2f({x:?}, {y:?})")).collect();
@@ -276,7 +276,7 @@ fn blocks(tuning: &Tuning, parts: u8) -> String {
     format!("const SIXTEEN_PIXELS: bool = {};\nconst FOUR_LINES: bool = {};", tuning.large_blocks, lines > 1)
 }
 
-/// Where the parts of the sound lie that a program needs.
+/// Indices of the parts of the sound used by a program.
 fn places(parts: u8) -> String {
     let place = |wanted: Part| match Part::of(parts).position(|part| part == wanted) {
         Some(place) => format!("{place}u"),
@@ -292,7 +292,7 @@ fn places(parts: u8) -> String {
     )
 }
 
-/// What a quantity declares, as `shaders/form.wgsl` calls it.
+/// A quantity's declaration in the names of `shaders/form.wgsl`.
 fn declared(quantity: Quantity) -> String {
     let declaration = quantity.declaration();
     let extent = match declaration.norm {
@@ -309,7 +309,7 @@ fn declared(quantity: Quantity) -> String {
     )
 }
 
-/// What Rust and WGSL must agree on is written once, here.
+/// Constants shared by Rust and WGSL, written once.
 fn constants() -> String {
     let polynomial = |name: &'static str, coefficients: &[f32]| {
         coefficients

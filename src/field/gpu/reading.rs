@@ -1,4 +1,4 @@
-//! What is on its way back from the GPU.
+//! Pending read-backs from the GPU.
 
 use std::sync::{Arc, OnceLock};
 
@@ -7,36 +7,36 @@ use wgpu::BufferUsages;
 use crate::field::GpuError;
 use crate::field::gpu::Gpu;
 
-/// Memory that the CPU can read, and what was copied there last.
+/// CPU-readable memory with the latest copy.
 #[derive(Debug)]
 pub struct Reading {
     staging: wgpu::Buffer,
-    /// Whether the copy has arrived; `None` while none is asked for.
+    /// Whether the copy has arrived; `None` without a request.
     arrived: Option<Arrival>,
 }
 
 type Arrival = Arc<OnceLock<Result<(), wgpu::BufferAsyncError>>>;
 
 impl Reading {
-    /// Room for so many bytes.
+    /// With room for `bytes` bytes.
     pub(super) fn with_room(gpu: &Gpu, bytes: u64) -> Self {
         let usage = BufferUsages::MAP_READ | BufferUsages::COPY_DST;
         Self { staging: gpu.buffer("staging", bytes, usage), arrived: None }
     }
 
-    /// A copy of a whole buffer after what the encoder holds.
+    /// A copy of a whole buffer, after the encoder's commands.
     pub(super) fn new(gpu: &Gpu, encoder: wgpu::CommandEncoder, buffer: &wgpu::Buffer) -> Self {
         let mut reading = Self::with_room(gpu, buffer.size());
         reading.ask(gpu, encoder, &[buffer]);
         reading
     }
 
-    /// Whether nothing is on its way, so that it can be used again.
+    /// Whether no copy is pending, so that it can be reused.
     pub(super) fn is_free(&self) -> bool {
         self.arrived.is_none()
     }
 
-    /// Submits what the encoder holds, and asks for a copy of whole buffers, one after the other.
+    /// Submits the encoder's commands, and requests copies of whole buffers in sequence.
     pub(super) fn ask(&mut self, gpu: &Gpu, mut encoder: wgpu::CommandEncoder, buffers: &[&wgpu::Buffer]) {
         let mut place = 0;
         for buffer in buffers {
@@ -47,12 +47,12 @@ impl Reading {
         let arrived = Arrival::default();
         self.arrived = Some(arrived.clone());
         self.staging.map_async(wgpu::MapMode::Read, .., move |result| {
-            // Nothing else sets it.
+            // This is the only setter.
             arrived.set(result).ok();
         });
     }
 
-    /// The bytes, if they are there; never waits.
+    /// The bytes, if available, without waiting.
     ///
     /// # Errors
     /// The device was lost.

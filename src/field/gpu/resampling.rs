@@ -6,17 +6,17 @@ use crate::field::gpu::program::{InterpolationParams, Program, WORKGROUP};
 use crate::field::gpu::{Gpu, Step};
 use crate::field::interpolation::Resampling;
 
-/// How the samples and the pixels of an interpolation lie.
+/// The layout of samples and pixels of an interpolation.
 pub(super) struct Lines {
     pub(super) count: usize,
-    /// From one sample of a line to the next, from one line to the next, and from one part of the sound to the next.
+    /// Strides between samples of a line, between lines, and between parts of the sound.
     pub(super) strides: [usize; 3],
     pub(super) first_pixel: usize,
     /// From one pixel of a line to the next, and from one line to the next.
     pub(super) pixel_strides: [usize; 2],
 }
 
-/// The run of a program on interpolated samples of these parts of the sound, bound with what it makes of them. Slopes take weights of their own.
+/// A bound pass of a program on interpolated samples of these parts of the sound. Slopes have separate weights.
 pub(super) fn step(
     gpu: &Gpu,
     (program, parts): (Program, u8),

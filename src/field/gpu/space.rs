@@ -1,4 +1,4 @@
-//! Pictures of space on the GPU.
+//! Renders 3D pictures on the GPU.
 
 use std::sync::Arc;
 
@@ -11,10 +11,10 @@ use crate::field::gpu::{Gpu, Reading};
 use crate::field::volume::scenery::{Body, Shot};
 use crate::field::volume::{Scenery, Volume};
 
-/// Pixels along the side of what a workgroup draws.
+/// Pixels along the side of a workgroup's block.
 const BLOCK: u32 = 8;
 
-/// Draws space; keeps the field on the device while it stays the same.
+/// Draws 3D pictures; keeps the field on the device while it is unchanged.
 #[derive(Debug, Default)]
 pub struct SpacePainting {
     field: Option<Field>,
@@ -104,7 +104,7 @@ impl SpacePainting {
         Ok(picture)
     }
 
-    /// The colours r, g, b, a of the picture that was painted last, from the top left. Waits for it.
+    /// The colours r, g, b, a of the last picture, from the top left. Blocks.
     ///
     /// # Errors
     /// The device was lost, or has no room.

@@ -16,7 +16,7 @@ use crate::field::gpu::{Gpu, Reading, Step};
 use crate::field::sources::MOST_NODES;
 use crate::field::{GpuError, Samples, Sources, Wave};
 
-/// The elements of a board that sound, as programs read them: for all superpositions of a map.
+/// The sounding elements of a board in the layout of programs, shared by all superpositions of a map.
 #[derive(Debug)]
 pub(super) struct Elements {
     buffer: wgpu::Buffer,
@@ -25,7 +25,7 @@ pub(super) struct Elements {
 }
 
 impl Elements {
-    /// Room for so many.
+    /// With room for `count`.
     pub(super) fn with_room(gpu: &Gpu, room: usize, waves: Waves) -> Self {
         let vectors = room * waves.vectors();
         let (length, usage) = match vectors {
@@ -58,7 +58,7 @@ impl Waves {
     }
 }
 
-/// Runs that add the waves of all elements at some samples to what a buffer holds.
+/// Passes that add the waves of all elements at some samples to a buffer.
 #[derive(Debug)]
 pub(super) struct Superposition {
     runs: Vec<Run>,
@@ -73,7 +73,7 @@ struct Run {
 }
 
 impl Superposition {
-    /// For samples whose pressure is written to `out`, times a `gain`.
+    /// For samples with pressure written to `out`, times a `gain`.
     pub(super) fn new(
         gpu: &Gpu,
         wave: &Wave,
@@ -129,7 +129,7 @@ impl Superposition {
         Self { runs }
     }
 
-    /// Sets how many elements sound.
+    /// Sets the number of sounding elements.
     pub(super) fn set(&mut self, gpu: &Gpu, sounding: u32) {
         for Run { params, buffer, elements, .. } in &mut self.runs {
             (params.first_element, params.last_element) =

@@ -1,25 +1,25 @@
-//! How work is cut for a kind of adapter. What suits a program that plays GPU on the CPU starves a real one.
+//! Work sizes per kind of adapter: values that suit software adapters starve hardware.
 
 use crate::field::gpu::adapter::Kind;
 
 /// The shape of the work on an adapter.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Tuning {
-    /// Samples that an invocation of the field computes: eight, or four. Software drivers take the time to read an element,
-    /// real ones need many invocations.
+    /// Whether an invocation computes eight samples instead of four. Software drivers are limited by reading
+    /// elements, hardware needs many invocations.
     pub eight_samples: bool,
-    /// Interpolation makes many pixels per invocation, or a few, for the same reasons.
+    /// Whether interpolation makes many pixels per invocation, for the same reasons.
     pub large_blocks: bool,
     /// Rounds of loops in one invocation, at most.
     pub most_rounds: u32,
-    /// Pictures of space are drawn here: what plays GPU takes longer for them than the CPU itself.
+    /// Whether 3D pictures are drawn here: software adapters are slower than the CPU renderer.
     pub draws_space: bool,
     /// Samples times elements in one submission, so that no driver thinks that the device hangs.
     pub most_pairs: u64,
 }
 
 impl Tuning {
-    /// llvmpipe leaves a shader's loops after 65 535 rounds of them in all, and says nothing.
+    /// llvmpipe silently exits a shader's loops after 65 535 iterations in total.
     pub const SOFTWARE: Self = Self {
         eight_samples: true,
         large_blocks: true,
@@ -49,8 +49,8 @@ impl Tuning {
         if self.eight_samples { 8 } else { 4 }
     }
 
-    /// Pixels of a line and lines that an invocation of the interpolation makes of so many parts of the sound: what is alone leaves
-    /// room for more lines.
+    /// Pixels per line, and lines, per invocation of the interpolation for this number of parts: a single part leaves
+    /// registers for more lines.
     pub fn block(&self, parts: u8) -> [usize; 2] {
         match (self.large_blocks, parts.count_ones()) {
             (true, 1) => [16, 4],

@@ -1,5 +1,5 @@
-//! The light that a liquid's surface casts on a screen of the plane's size: rays between the cells, block by block of cells as close as
-//! the surface there bends light.
+//! The caustics of a liquid's surface on a screen of the plane's size: rays between the cells, block by block, as
+//! dense as the curvature of the surface requires.
 
 use std::collections::BTreeMap;
 
@@ -15,25 +15,26 @@ use crate::surface::{Light, Rays};
 
 /// Cells along the side of a block.
 const SIDE: usize = 8;
-/// By how much brightness may change from patch to patch, if that takes no patches finer than a pixel or [`FINE`] and [`FINEST`] to a
-/// cell.
+/// Limit of brightness change from patch to patch, unless patches become finer than a pixel or [`FINE`] and
+/// [`FINEST`] per cell.
 const JUMP: f64 = 0.05;
 const FINE: f64 = 3.5;
 const FINEST: f64 = 16.0;
-/// Pixels that light may land beside where it should, between rays; and the rays to a cell that this may take.
+/// Tolerated displacement of light between rays, in pixels; and limits of rays per cell.
 const ASTRAY: f64 = 0.15;
 const MOST: f64 = 48.0;
-/// What differences from cell to cell miss of a square's shortest wave: of its third, and at most of its slopes.
+/// Error of differences between cells for the shortest wave of a square: in the third derivative, and bound for
+/// slopes.
 const MISSED: f64 = 1.5;
 const STEEPER: f64 = 2.5;
 
-/// What became of the last light that was cast.
+/// The result of the last caustic.
 #[derive(Debug, Default)]
 pub(super) struct Caustic {
     light: Light,
 }
 
-/// What all blocks have in common.
+/// The data common to all blocks.
 struct Surface<'a> {
     cells: &'a Cells,
     /// m, with mirrored cells beyond the walls, `reach` of them on every side.
@@ -64,12 +65,12 @@ impl Block {
 }
 
 impl Caustic {
-    /// What became of the light, of that of the screen's own area as 1.
+    /// The fate of the light, relative to that of the screen's own area.
     pub(super) fn light(&self) -> Light {
         self.light
     }
 
-    /// The brightness of every pixel under a surface with this depth (m) in every cell, of which a part is there.
+    /// The brightness of every pixel for a surface with this depth (m) in every cell; `part` scales the depth.
     pub(super) fn cast(
         &mut self,
         job: &Job<'_>,
@@ -106,7 +107,7 @@ impl Caustic {
 }
 
 impl Surface<'_> {
-    /// The blocks from which light may fall on the screen.
+    /// The blocks whose light may reach the screen.
     fn blocks(&self) -> Vec<Block> {
         let [columns, rows] = self.cells.counts;
         let starts = (0..rows)
@@ -119,7 +120,7 @@ impl Surface<'_> {
     fn block(&self, first: [usize; 2]) -> Option<Block> {
         let step = self.cells.step;
         let cells = [0, 1].map(|axis| SIDE.min(self.cells.counts[axis] - first[axis]));
-        // With the cells beside them: a window is two cells wide at least on either side.
+        // Including neighbouring cells: a window is at least two cells wide on either side.
         let (mut slope, mut third) = ([0.0f32; 2], 0.0f32);
         let from = first.map(|first| first + self.reach - 2);
         for row in from[1]..=from[1] + cells[1] {
@@ -143,7 +144,7 @@ impl Surface<'_> {
         let bend = (MISSED * f64::from(third) * per_cell).max(f64::MIN_POSITIVE);
         let pixel = self.pixel.min_element();
         let even = JUMP * step * step / bend;
-        // Between rays light goes straight, which is off by an eighth of the second difference.
+        // Between rays the mapping is linear, with an error of an eighth of the second difference.
         let straight = step * (8.0 * ASTRAY * pixel / bend).sqrt();
         let wanted = even.max(pixel.clamp(step / FINEST, step / FINE)).min(straight);
         Some(Block { first, cells, rays: (step / wanted).ceil().clamp(1.0, MOST) as usize })
@@ -154,7 +155,7 @@ impl Surface<'_> {
         (edge as f64 - self.cells.counts[axis] as f64 / 2.0) * self.cells.step
     }
 
-    /// The weights of depths and of slopes (per cell) at so many rays of a cell, from the first that any needs.
+    /// The weights of depths and of slopes (per cell) at the rays of a cell.
     fn windows(&self, around: &Cells, rays: usize) -> [Resampling; 2] {
         let edge = (self.reach as f64 - around.counts[0] as f64 / 2.0) * around.step;
         let places = || (0..rays).map(move |ray| edge + ray as f64 / rays as f64 * around.step);
@@ -196,11 +197,11 @@ impl Kernel for Slopes<'_> {
 
     #[inline(always)]
     fn run<I: Instructions>(self) {
-        /// The cells of a block and one more, whose first ray is the last of the block, as registers have it.
+        /// The cells of a block plus one, whose first ray is the last of the block, padded to registers.
         const LANES: usize = 16;
         let Self { surface, block: Block { first, cells, rays }, windows: [depths, slopes], made } = self;
         let taps = depths.taps;
-        // With what weights reach beside them.
+        // Including the reach of the weights.
         let wide = (LANES + 1 + taps).next_multiple_of(LANES);
         let mut between = [vec![0.0f32; wide], vec![0.0f32; wide]];
         let columns = cells[0] * rays + 1;

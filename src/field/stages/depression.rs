@@ -1,4 +1,4 @@
-//! The figures of a liquid's surface on the plane that is shown.
+//! Figures of a liquid's surface (depth, slope, force, volume) on the displayed plane.
 
 use glam::DVec2;
 use rayon::prelude::*;
@@ -9,13 +9,13 @@ use crate::field::summit::Lattice;
 
 /// Samples to a cell, along each axis: six to the shortest wave of a square.
 const PER_CELL: f64 = 2.0;
-/// Places that are interpolated together.
+/// Points interpolated together.
 const RUN: usize = 64;
 
-/// A liquid's surface on a plane, as a continuous one between the cells that it is known at.
+/// A liquid's surface on a plane, continuous between its cells.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Depression {
-    /// m below the level surface, of the deepest place.
+    /// Largest depth below the level surface, m.
     pub deepest: f64,
     /// The steepest slope.
     pub slope: f64,
@@ -41,7 +41,7 @@ impl Depression {
     }
 }
 
-/// Cells with their depth, and the rectangle that is looked at.
+/// Cells with their depth, and the examined rectangle.
 struct Surface<'a> {
     cells: &'a Cells,
     depth: &'a [f64],
@@ -50,7 +50,7 @@ struct Surface<'a> {
 }
 
 impl Surface<'_> {
-    /// The largest of some values on the rectangle: of those on a lattice, and of the function that they are of.
+    /// The largest value on the rectangle: of lattice values and the underlying function.
     fn largest(
         &self,
         with_slopes: bool,

@@ -1,5 +1,5 @@
-//! The radiation force on a bead over a plane: in f64 at cells, its components from there at the pixels, and where the plane is near to the
-//! array pixel by pixel.
+//! The radiation force on a bead over a plane: in f64 at cells, with components interpolated to the pixels, and pixel
+//! by pixel near the array.
 
 use std::ops::Range;
 
@@ -17,37 +17,37 @@ use crate::force::Levitation;
 use crate::gauge::Gauge;
 use crate::scene::Plane;
 
-/// Wavelengths in front of the boards, from where on sound has hardly more than one cycle per wavelength.
+/// Distance from the boards, in wavelengths, beyond which sound has hardly more than one cycle per wavelength.
 const CLEARANCE: f64 = 0.75;
-/// Places that a thread takes at a time.
+/// Points per task.
 const RUN: usize = 32;
 
-/// What the last map was made from.
+/// The inputs of the last map.
 #[derive(Debug, Default)]
 pub(super) struct OfBead {
     site: Kept<Setting, Option<Site>>,
-    /// The force (N) at its cells, under a request of no size for all of it; 0 in rows that no pixel is made from.
+    /// The force (N) at its cells, for a request without size; 0 in unused rows.
     components: Kept<Request, [Vec<f32>; 3]>,
     between: Between,
 }
 
-/// Where the force is known: in cells far enough from the array.
+/// The cells of the force, far enough from the array.
 #[derive(Debug)]
 struct Site {
     cells: Cells,
-    /// Rows of cells that are filled.
+    /// Filled rows of cells.
     clear: Range<usize>,
-    /// m along the plane's second axis, where pixels may be interpolated from them.
+    /// Range along the plane's second axis (m) of interpolated pixels.
     covered: Range<f64>,
 }
 
 impl Site {
-    /// `None` where the plane is near to the array all over, or every pixel is wanted for itself.
+    /// `None` if the whole plane is near the array, or every pixel is to be evaluated.
     fn new(Setting { aperture, plane }: &Setting) -> Option<Self> {
         let cells = Cells::new(aperture, plane, 0.0, plane.tolerance)?;
         let ((x, y), half) = (plane.axes()?, cells.plane.size / 2.0);
         let (walls, clearance) = (aperture.walls(), CLEARANCE * aperture.wavelength());
-        // Walls are level, so that the ends of a row tell.
+        // The distance is linear along a row, so its ends suffice.
         let is_clear = |row: &f64| {
             let ends = [-half.x, half.x].map(|end| plane.centre + x * end + y * *row);
             let is_clear =
@@ -63,7 +63,7 @@ impl Site {
     }
 }
 
-/// A plane, and what is played to which bead.
+/// A plane, drives and a bead.
 struct Scenery<'a> {
     request: &'a Request,
     levitation: Levitation,

@@ -1,8 +1,8 @@
-//! A value beside what it was made from.
+//! A cached value together with its inputs.
 
 use std::convert::Infallible;
 
-/// A value and what it was made from.
+/// A value and its inputs.
 #[derive(Clone, Debug)]
 pub(super) struct Kept<K, V> {
     pub(super) key: Option<K>,
@@ -20,7 +20,7 @@ impl<K: Clone + PartialEq, V> Kept<K, V> {
         self.key.as_ref() == Some(key)
     }
 
-    /// The value for `key`, remade in place (its memory is worth keeping) if it was made from something else.
+    /// The value for `key`, recomputed in place (reusing its memory) if its inputs differ.
     pub(super) fn update(&mut self, key: &K, remake: impl FnOnce(&mut V)) -> &V {
         let remake = |value: &mut V| {
             remake(value);
@@ -31,7 +31,7 @@ impl<K: Clone + PartialEq, V> Kept<K, V> {
         }
     }
 
-    /// The same for what may fail; the value then belongs to nothing.
+    /// The same for fallible computations; after an error the value has no key.
     pub(super) fn try_update<E>(
         &mut self,
         key: &K,

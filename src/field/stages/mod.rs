@@ -1,7 +1,8 @@
-//! The stages of a map with what each made last: from drives to values, and from values to colours and contour lines.
+//! The pipeline of a map: from drives to values, and from values to colours and contour lines, with the latest result
+//! of each stage.
 //!
-//! Every stage keeps its result together with the values that it was made from, and runs again only when they differ.
-//! [`Work`] counts how often each ran.
+//! Every stage keeps its result together with its inputs, and reruns only when they differ. [`Work`] counts how often
+//! each ran.
 
 mod caustic;
 mod depression;
@@ -57,7 +58,7 @@ struct Job<'a> {
     excitations: &'a Arc<Vec<Vec<Complex64>>>,
 }
 
-/// The stages of one evaluator.
+/// The pipeline of one evaluator.
 #[derive(Debug)]
 pub struct Stages {
     /// Everything in f64, pixel by pixel.
@@ -66,31 +67,31 @@ pub struct Stages {
     cpu: OnCpu,
     of_bead: OfBead,
     ground: Ground,
-    /// Under what of the request it depends on.
+    /// Keyed by the relevant part of the request.
     map: Kept<Request, Map>,
-    /// What the GPU does not make.
+    /// The request declined by the GPU.
     declined: Option<Request>,
     colours: Kept<(Request, Colouring), Vec<[u8; 4]>>,
     contours: Kept<(Request, f32), Vec<Line>>,
     work: Work,
 }
 
-/// Sites and frames, which any evaluator makes its maps from.
+/// Sites and frames, common to all evaluators.
 #[derive(Debug, Default)]
 struct Ground {
-    /// The site, under the key that was asked for: what cannot be formed at cells may be formed at the pixels.
+    /// The site, keyed by the request: a quantity that cannot be formed at cells is formed at the pixels.
     site: Kept<SiteKey, Option<(SiteKey, Site)>>,
-    /// What the site was refined for: maps do not depend on what was made before.
+    /// The request of the last refinement, so that maps do not depend on history.
     refined: Option<Request>,
     frame: Kept<FrameKey, Option<(Frame, Probes)>>,
     /// Of the drives with these elements driven.
     excitations: Kept<Sounding, Arc<Vec<Vec<Complex64>>>>,
 }
 
-/// Drives, and the elements that are driven.
+/// Drives and driven elements.
 type Sounding = (Arc<[Drive]>, Vec<usize>);
 
-/// What the pixels and probes depend on.
+/// The inputs of pixels and probes.
 #[derive(Clone, Debug, PartialEq)]
 struct FrameKey {
     site: SiteKey,
@@ -139,7 +140,8 @@ impl Ground {
 }
 
 impl Ground {
-    /// Takes finer samples, or every pixel, for cells whose values were so far off; `false` where they are not, or nothing is finer.
+    /// Switches to finer samples, or to every pixel, after this relative error of cells; `false` if not needed, or
+    /// impossible.
     fn refine(&mut self, request: &Request, exact: bool, costs: Costs, error: f64, work: &mut Work) -> bool {
         let times = error / promised(request.plane.tolerance);
         let Some((key, site)) = &self.site.value else { return false };
@@ -179,12 +181,12 @@ impl Stages {
         }
     }
 
-    /// Shows how far the samples of one drive or many have come.
+    /// Reports the progress of the samples of all drives.
     pub fn show_progress(&mut self, progress: Gauge) {
         self.cpu.progress = progress;
     }
 
-    /// Forgets every result, but for its memory and the work counted.
+    /// Drops every result, keeping memory and counters.
     pub fn forget(&mut self) {
         self.ground = Ground::default();
         self.map.key = None;
@@ -198,13 +200,13 @@ impl Stages {
         }
     }
 
-    /// How often each stage has run.
+    /// The run counts of all stages.
     pub fn work(&self) -> Work {
         let of_gpu = self.gpu.as_ref().map(|gpu| gpu.gpu().traffic()).unwrap_or_default();
         Work { read_back: of_gpu.read_back, allocations: of_gpu.allocations, ..self.work }
     }
 
-    /// The GPU, if there is one.
+    /// The GPU, if any.
     pub fn gpu(&self) -> Option<&Gpu> {
         self.gpu.as_ref().map(OnGpu::gpu)
     }
@@ -213,16 +215,16 @@ impl Stages {
         if self.gpu.is_some() { Costs::GPU } else { Costs::CPU }
     }
 
-    /// Brings the map up to date. Waits for the GPU, if one makes it, which is refused in a browser.
+    /// Updates the map. Blocks on the GPU, if one is used, which is refused in a browser.
     ///
     /// # Errors
-    /// A request that makes no sense, a plane that the quantity is not defined on, or a GPU that failed.
+    /// An invalid request, a plane unsuitable for the quantity, or a GPU failure.
     pub fn map(&mut self, request: &Request) -> Result<&Map, FieldError> {
         self.advance(&request.relevant()?, true)?;
         Ok(&self.map.value)
     }
 
-    /// The map itself, for callers that keep it: asked for again it is made again, from what the stages before it keep.
+    /// The map by value: requesting it again recomputes it from the earlier stages.
     ///
     /// # Errors
     /// As [`Stages::map`].
@@ -232,8 +234,8 @@ impl Stages {
         Ok(std::mem::take(&mut self.map.value))
     }
 
-    /// The map, if it is there; starts on it otherwise and never waits for a GPU. Call it again, as a frame or a timer of a
-    /// browser does.
+    /// The map, if available; otherwise starts it, without blocking on a GPU. To be polled from a frame or timer of a
+    /// browser.
     ///
     /// # Errors
     /// As [`Stages::map`].
@@ -242,7 +244,7 @@ impl Stages {
         Ok(is_there.then_some(&self.map.value))
     }
 
-    /// Whether the map of a relevant request is there.
+    /// Whether the map of a relevant request is available.
     fn advance(&mut self, request: &Request, wait: bool) -> Result<bool, FieldError> {
         let costs = self.costs();
         let Self { gpu, cpu, of_bead, ground, map, declined, work, exact, .. } = self;
@@ -279,8 +281,8 @@ impl Stages {
         Ok(true)
     }
 
-    /// The map as a picture: on the GPU, where one can make it, else as colours r, g, b, a of every pixel, row by row. Never
-    /// waits for a GPU.
+    /// The map as a picture: on the GPU if possible, otherwise as colours r, g, b, a of every pixel, row by row.
+    /// Never blocks on a GPU.
     ///
     /// # Errors
     /// As [`Stages::map`].
@@ -301,8 +303,8 @@ impl Stages {
         self.colours(&request, colouring).map(Picture::OnCpu)
     }
 
-    /// What is known of the map, but for its values, which may be missing; `None` while that is on its way from the GPU. The
-    /// number is the time (s) that the GPU took, where it can be timed.
+    /// The map possibly without its values; `None` while pending on the GPU. The number is the GPU time (s), if
+    /// measurable.
     ///
     /// # Errors
     /// As [`Stages::map`].
@@ -318,7 +320,7 @@ impl Stages {
         let Some(gpu) = gpu.as_mut().filter(|_| !declines) else { return Ok(None) };
         let job = ground.job(&request, *exact, costs, work)?;
         let figures = gpu.figures(&job, work)?;
-        // The next picture of it is the CPU's.
+        // The next picture is computed on the CPU.
         if figures.as_ref().is_some_and(|(map, _)| job.is_too_far_off(map.error)) {
             *declined = Some(request);
             return Ok(None);
@@ -326,7 +328,7 @@ impl Stages {
         Ok(figures)
     }
 
-    /// The map as colours r, g, b, a of every pixel, row by row; it is brought up to date first.
+    /// The map as colours r, g, b, a of every pixel, row by row; updates the map first.
     ///
     /// # Errors
     /// As [`Stages::map`].
@@ -340,7 +342,7 @@ impl Stages {
         }))
     }
 
-    /// The lines on which the value is this part of the peak; the map is brought up to date first.
+    /// The contour lines at this fraction of the peak; updates the map first.
     ///
     /// # Errors
     /// As [`Stages::map`].
@@ -355,14 +357,15 @@ impl Stages {
         }))
     }
 
-    /// Whether the GPU does not make this map, so that the CPU does.
+    /// Whether the GPU has declined this map, leaving it to the CPU.
     pub fn has_declined(&self, request: &Request) -> bool {
         self.declined
             .as_ref()
             .is_some_and(|declined| request.relevant().is_ok_and(|request| request == *declined))
     }
 
-    /// What presses on the plane of a map, which is brought up to date first; of a surface in motion, its shape in place of that at rest.
+    /// The radiation pressure on a map's plane, after an update; for a moving surface, its shape instead of that at
+    /// rest.
     ///
     /// # Errors
     /// As [`Stages::map`].
@@ -376,10 +379,10 @@ impl Stages {
         Ok(cpu.pressed(&job, &map.value.values, is_double(by), work))
     }
 
-    /// The cells of a liquid, and its surface at rest under the steady sound, whatever the envelope leaves of it.
+    /// The cells of a liquid, and its surface at rest under steady sound, ignoring the envelope.
     ///
     /// # Errors
-    /// As [`Stages::map`]; a quantity that is not of a liquid has no surface.
+    /// As [`Stages::map`]; a quantity without a liquid has no surface.
     pub fn surface(&mut self, request: &Request) -> Result<(&Tank, &Dent), FieldError> {
         let request = request.relevant()?;
         let costs = self.costs();
@@ -399,7 +402,7 @@ fn is_double(by: By) -> bool {
 }
 
 impl Job<'_> {
-    /// By the CPU, in f64 where f32 does not keep the tolerance, and pixel by pixel where samples do not.
+    /// On the CPU, in f64 where f32 does not keep the tolerance, and pixel by pixel where samples do not.
     fn by_cpu(
         &self,
         cpu: &mut OnCpu,
@@ -435,13 +438,13 @@ impl Job<'_> {
         if !(is_interpolated && self.is_too_far_off(made.0)) {
             return Ok(all_of_it(self, made, values));
         }
-        // Where little of the field meets the plane, what samples leave out is much of that.
+        // Where the field is weak, window leakage dominates.
         let plan = self.site.plan.direct("samples do not keep the tolerance");
         let key = self.key.direct();
         let site = Site { plan, sampled: self.site.sampled.clone(), cells: None, axes: self.site.axes };
         let frame = Frame::new(&key, &site, self.request.size).ok_or(FieldError::NoPlane)?;
         let job = Job { key: &key, site: &site, frame: &frame, ..*self };
-        // Where f64 has not helped, it is not f32 that is at fault.
+        // If f64 does not help, f32 is not the cause.
         let mut made = make(&job, if self.site.plan.double { made.2 } else { By::Cpu }, &mut values);
         if made.2 == By::Cpu && job.is_too_far_off(made.0) {
             made = make(&job, By::CpuInF64, &mut values);
@@ -449,7 +452,7 @@ impl Job<'_> {
         Ok(all_of_it(&job, made, values))
     }
 
-    /// Rounding in f32 is relative to what arrives, and where the elements cancel, the peak is less than that.
+    /// Rounding in f32 is relative to the single waves; if they cancel, the peak is smaller.
     fn is_too_far_off(&self, error: f64) -> bool {
         error > promised(self.request.plane.tolerance)
     }

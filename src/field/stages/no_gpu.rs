@@ -1,4 +1,4 @@
-//! The stages on the GPU of a library that is built without one.
+//! Replaces the GPU stages in builds without GPU.
 
 use crate::field::gpu::{Gpu, Texture};
 use crate::field::stages::{Job, Map, Work};
@@ -7,7 +7,7 @@ use crate::field::{Colouring, GpuError};
 #[derive(Debug)]
 pub(super) struct OnGpu(Gpu);
 
-/// How far the GPU is with a map.
+/// State of a map on the GPU.
 #[expect(dead_code, reason = "what there is with a GPU")]
 pub(super) enum Progress {
     Declined,

@@ -23,15 +23,15 @@ use crate::scene::Liquid;
 use crate::simd::larger;
 use crate::surface::{Dent, Tank};
 
-/// Drives whose samples are there at the same time.
+/// Drives with samples in memory at the same time.
 const TOGETHER: usize = 64;
-/// Shares into which these are cut, as many as threads may work on, and the cells that all shares may have. How many there are does
-/// not depend on the threads, so that sums do not either.
+/// Number of shares of the drives for parallel work, and limit of their cells in total. It is independent of the
+/// threads, so that sums are, too.
 const SHARES: usize = 8;
 const MOST_SHARED_CELLS: usize = 1 << 22;
-/// Pixels whose sound is there at the same time.
+/// Pixels with sound in memory at the same time.
 const BAND: usize = 1 << 22;
-/// Places at which a formula is evaluated together.
+/// Points per evaluation of a formula.
 const RUN: usize = 1024;
 
 #[derive(Debug, Default)]
@@ -39,7 +39,7 @@ pub(super) struct OnCpu {
     superposition: Superposition,
     /// Of a single drive, in f64 or not.
     samples: Kept<SampledKey, Samples>,
-    /// Its sound at the pixels, if that is no more than a band.
+    /// Its sound at the pixels, if it fits one band.
     at_pixels: Kept<(SampledKey, (usize, usize)), Lattice>,
     shares: Vec<Share>,
     /// Means of the formula over the drives, per cell.
@@ -48,11 +48,11 @@ pub(super) struct OnCpu {
     response: Kept<(FormedKey, Liquid), Dent>,
     caustic: Caustic,
     between: Between,
-    /// Of the samples of one drive or many.
+    /// Progress over the samples of all drives.
     pub(super) progress: Gauge,
 }
 
-/// What the samples of a drive depend on.
+/// The inputs of a drive's samples.
 #[derive(Clone, Debug, PartialEq)]
 struct SampledKey {
     site: SiteKey,
@@ -60,7 +60,7 @@ struct SampledKey {
     double: bool,
 }
 
-/// What the means at the cells depend on.
+/// The inputs of the means at the cells.
 #[derive(Clone, Debug, PartialEq)]
 struct FormedKey {
     site: SiteKey,
@@ -70,8 +70,7 @@ struct FormedKey {
     double: bool,
 }
 
-/// The parts of the sound at a lattice, in their order; kept for the next drive, since fresh memory costs more than the work
-/// on it.
+/// The parts of the sound at a lattice, in their order; reused, since fresh memory costs more than the computation.
 #[derive(Debug, Default)]
 struct Lattice(Vec<Vec<Complex32>>);
 
@@ -128,11 +127,11 @@ impl Share {
     }
 }
 
-/// What was made, and what of it is compared with the reference.
+/// The results, and those for comparison with the reference.
 pub(super) struct Made {
     pub(super) peak: f32,
     pub(super) at_probes: AtProbes,
-    /// What the error is relative to.
+    /// Reference of the relative error.
     pub(super) relative_to: f32,
 }
 
@@ -145,7 +144,7 @@ impl OnCpu {
         *self = Self { superposition, samples, at_pixels, shares, between, ..Self::default() };
     }
 
-    /// Makes the values of all pixels.
+    /// Computes the values of all pixels.
     pub(super) fn values(
         &mut self,
         job: &Job<'_>,
@@ -298,7 +297,7 @@ impl OnCpu {
         }
     }
 
-    /// From the cells, which hold the mean of the formula or a liquid's answer to it.
+    /// From the cells, which contain the mean of the formula or a liquid's response to it.
     fn by_cells(
         &mut self,
         job: &Job<'_>,
@@ -368,7 +367,7 @@ impl OnCpu {
         });
     }
 
-    /// The liquid's answer to a steady pressure, where that is what is shown.
+    /// The liquid's response to a steady pressure, for quantities that show it.
     fn response(
         &mut self,
         job: &Job<'_>,
@@ -397,7 +396,7 @@ impl OnCpu {
         Some((self.tank.value.as_ref()?, &self.response.value))
     }
 
-    /// What presses on the plane, from the cells or, where there are none, from the values of the pixels.
+    /// The radiation pressure on the plane, from the cells or, without cells, from the pixels.
     pub(super) fn pressed(
         &mut self,
         job: &Job<'_>,
@@ -423,14 +422,14 @@ impl OnCpu {
     }
 }
 
-/// Whether values are less than what they are made from, which f32 rounds.
+/// Whether values are differences of larger terms, which f32 rounds.
 fn has_differences(job: &Job<'_>) -> bool {
     job.request.quantity.declaration().norm == Norm::Difference
 }
 
 /// Every pixel in f64, up to its value.
 fn in_f64(job: &Job<'_>, raster: &Raster, values: &mut [f32], work: &mut Work) -> Made {
-    /// Pixels that are worked on together.
+    /// Pixels processed together.
     const TOGETHER: usize = 32;
     let (quantity, constants) = (job.request.quantity, job.request.constants());
     let aperture = &job.key.setting.aperture;

@@ -1,4 +1,4 @@
-//! The stages on the GPU. What leaves it is what is asked for: figures for panels, or the values of all pixels.
+//! The stages on the GPU. Only requested results are read back: figures for panels, or the values of all pixels.
 
 use num_complex::Complex64;
 
@@ -15,11 +15,11 @@ use crate::field::{Colouring, Gpu, GpuError};
 pub(super) struct OnGpu {
     gpu: Gpu,
     chain: Kept<ChainKey, Option<Chain>>,
-    /// What lies on the GPU.
+    /// The state on the GPU.
     formed: Option<Formed>,
 }
 
-/// What the passes depend on.
+/// The inputs of the passes.
 #[derive(Clone, Debug, PartialEq)]
 struct ChainKey {
     site: SiteKey,
@@ -27,7 +27,7 @@ struct ChainKey {
     size: (usize, usize),
 }
 
-/// What the values depend on.
+/// The inputs of the values.
 #[derive(Clone, Debug, PartialEq)]
 struct Formed {
     excitation: Vec<Complex64>,
@@ -35,9 +35,9 @@ struct Formed {
     part: f64,
 }
 
-/// How far the GPU is with a map.
+/// State of a map on the GPU.
 pub(super) enum Progress {
-    /// It has no room for it, or f32 does not keep the tolerance.
+    /// Insufficient memory, or f32 does not keep the tolerance.
     Declined,
     UnderWay,
     Made(Map),
@@ -57,7 +57,7 @@ impl OnGpu {
         self.formed = None;
     }
 
-    /// Brings the values up to date on the GPU; `false` where it declines.
+    /// Updates the values on the GPU; `false` if it declines.
     fn form(&mut self, job: &Job<'_>, work: &mut Work) -> Result<bool, GpuError> {
         let [drive] = &job.request.counted()[..] else { return Ok(false) };
         let Frame::Pixels { raster, weights } = job.frame else { return Ok(false) };
@@ -110,7 +110,7 @@ impl OnGpu {
         Ok(true)
     }
 
-    /// Starts on a map's values, or looks whether they are there, and may `wait` for them.
+    /// Starts a map's values, or checks for them, and may `wait`.
     pub(super) fn map(&mut self, job: &Job<'_>, wait: bool, work: &mut Work) -> Result<Progress, GpuError> {
         if !self.form(job, work)? {
             return Ok(Progress::Declined);
@@ -125,7 +125,7 @@ impl OnGpu {
         Ok(Progress::Made(job.described(values, figures.peak, error, By::Gpu)))
     }
 
-    /// The map in colours on the GPU; `None` where it declines.
+    /// The map in colours on the GPU; `None` if it declines.
     pub(super) fn picture(
         &mut self,
         job: &Job<'_>,
@@ -145,7 +145,7 @@ impl OnGpu {
         Ok(Some(texture))
     }
 
-    /// A map without its values, as soon as its figures have come back; never waits.
+    /// A map without its values, once its figures have been read back; never blocks.
     pub(super) fn figures(
         &mut self,
         job: &Job<'_>,

@@ -1,4 +1,4 @@
-//! Places of a map at which it is compared with the f64 reference.
+//! Pixels of a map for comparison with the f64 reference.
 
 use glam::{DVec2, DVec3};
 use num_complex::Complex64;
@@ -9,15 +9,15 @@ use crate::field::slope::Around;
 use crate::field::stages::request::Request;
 use crate::field::stages::site::{Site, SiteKey};
 
-/// Places without pattern, wherever the plane lies.
+/// Number of scattered probes.
 const SPREAD: usize = 48;
-/// Elements beside which a plane is probed, of those within so many wavelengths of it. Places are rounded to f32, which matters
-/// where the distance to an element is small, and there alone.
+/// Number of elements next to which a plane is probed, of those within this many wavelengths. Positions are rounded
+/// to f32, which matters only at small distances from an element.
 const BESIDE: usize = 12;
 const NEAR: f64 = 3.0;
 /// Below this every value is silence, since f32 has no room for its square.
 const FAINTEST: f64 = 1e-18;
-/// Squares relative to the largest, below which what is measured says nothing of the loud places.
+/// Squares below this part of the largest are excluded: their errors do not represent the loud regions.
 const FAINT: f64 = 0.01;
 /// The largest error of all pixels is less than this times the largest of the probes.
 pub(super) const MARGIN: f64 = 3.0;
@@ -30,21 +30,21 @@ pub(super) struct Probes {
     /// Their numbers, row by row.
     pub(super) places: Vec<usize>,
     around: Around,
-    /// To each probe, and to what slopes there need beside it.
+    /// To each probe, and to its neighbours for slopes.
     transfer: Transfer,
 }
 
-/// What a map has at its probes.
+/// A map's results at its probes.
 #[derive(Clone, Debug, Default)]
 pub(super) struct AtProbes {
-    /// The values; at cells of a liquid what presses it.
+    /// The values; at cells of a liquid, the radiation pressure.
     pub(super) values: Vec<f32>,
-    /// The sound of a single drive that is formed at the pixels.
+    /// The sound of a single drive formed at the pixels.
     pub(super) sounds: Option<Vec<Sound>>,
 }
 
 impl Probes {
-    /// Spread without pattern over the pixels, or over the cells of a liquid that lie on the plane.
+    /// Scattered over the pixels, or over the cells of a liquid on the plane.
     pub(super) fn new(key: &SiteKey, site: &Site, (width, height): (usize, usize), of_liquid: bool) -> Self {
         let plane = &key.setting.plane;
         let (mut places, mut points) = (Vec::new(), Vec::new());
@@ -84,7 +84,8 @@ impl Probes {
         Self { places, around, transfer }
     }
 
-    /// An estimate of the largest deviation of all pixels, relative to `peak`: of the values, or of what the quantity's norm says.
+    /// An estimate of the largest deviation of all pixels, relative to `peak`: of the values, or of the quantity's
+    /// norm.
     pub(super) fn error(
         &self,
         (request, excitations): (&Request, &[Vec<Complex64>]),
@@ -106,7 +107,7 @@ impl Probes {
         if let ([excitation], Some(sounds)) = (excitations, &got.sounds) {
             let expected = self.sounds(excitation);
             let off = expected.iter().zip(sounds).map(|(expected, got)| expected.less(got));
-            // From |P|²/(ρc²) to the potential of that; what slopes add to it is as much at most.
+            // From |P|²/(ρc²) to its potential; slopes add at most as much.
             let [of_pressure, of_gradient] = constants.of_potential;
             let potential =
                 (of_pressure / constants.of_pressure).abs().max((of_gradient / constants.of_gradient).abs());
@@ -114,7 +115,7 @@ impl Probes {
             let norm = |off: Sound<f64>| match declaration.norm {
                 Norm::Value => Some(quantity.exact_value((declaration.exact)(off, &constants))),
                 Norm::Pressure => Some(off.p.norm()),
-                // Of squares, 2 a δa at the loudest place: by chance it may be less at the probes.
+                // For squares, 2 a δa at the loudest point, which the probes may miss by chance.
                 Norm::Difference if declaration.is_square => {
                     let loudest = expected.iter().map(square).fold(0.0, f64::max);
                     let along = off.x.norm_sqr() + off.y.norm_sqr();
@@ -128,7 +129,7 @@ impl Probes {
                 return norms.into_iter().fold(0.0, f64::max);
             }
         }
-        // A potential is large where slopes are, too.
+        // Potentials are large where slopes are, too.
         let energy = |sound: &Sound<f64>| {
             let is_solid = quantity == Quantity::Gorkov;
             let squares = sound.x.norm_sqr() + sound.y.norm_sqr() + sound.n.norm_sqr();
@@ -147,7 +148,7 @@ impl Probes {
         let off = |(mean, &got): (Mean, &f32)| {
             let off = (quantity.exact_value(part * mean.value) - f64::from(got)).abs();
             match declaration.norm {
-                // What a pressure is off counts by as much as the pressure itself.
+                // The error of a pressure is weighted by the pressure itself.
                 Norm::Difference => off / (mean.square / loudest).max(FAINT).sqrt(),
                 Norm::Value | Norm::Pressure => off,
             }
@@ -176,7 +177,7 @@ pub(super) fn corners((width, height): (usize, usize)) -> [usize; 4] {
     [0, width - 1, last, last + width - 1]
 }
 
-/// The four pixels around the place of the plane that is nearest to an element, for those elements that it comes nearest to.
+/// The four pixels around the point of the plane nearest to an element, for the elements closest to it.
 fn beside_elements(
     key: &SiteKey,
     [x, y, _]: [DVec3; 3],
@@ -204,7 +205,7 @@ fn beside_elements(
     })
 }
 
-/// So many places of a raster, spread by the golden ratio.
+/// This number of indices of a raster, scattered by the golden ratio.
 pub(super) fn spread(places: usize) -> impl Iterator<Item = usize> {
     const GOLDEN: f64 = 0.618_033_988_749_894_8;
     (1..=SPREAD).map(move |i| ((i as f64 * GOLDEN).fract() * places as f64) as usize)

@@ -1,4 +1,4 @@
-//! What a map is asked for by, what it is, and why there may be none.
+//! The request for a map, the resulting map, and its errors.
 
 use std::sync::Arc;
 
@@ -16,15 +16,15 @@ use crate::surface::Light;
 /// Pixels that a map may have.
 pub const MOST_PIXELS: usize = 1 << 26;
 
-/// Everything that a map is made from.
+/// All inputs of a map.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Request {
     pub aperture: Aperture,
     pub air: Air,
-    /// With the tolerance that the map is to keep, relative to its peak.
+    /// Including the map's tolerance, relative to its peak.
     pub plane: Plane,
-    /// Each is played for the same time, and the map shows their mean; what has none (phases, instantaneous pressures) is that
-    /// of the first.
+    /// Drives in turn with equal durations; the map shows their mean, or for quantities without a mean (phases,
+    /// instantaneous pressures) the first.
     pub drives: Arc<[Drive]>,
     pub quantity: Quantity,
     /// rad, the ωt of an instantaneous pressure.
@@ -33,11 +33,11 @@ pub struct Request {
     pub part: f64,
     /// Whose surface the plane is.
     pub liquid: Liquid,
-    /// What a potential is of.
+    /// The bead of a potential.
     pub bead: Bead,
-    /// What reflects sound in the scene, the images of which are in the aperture.
+    /// The scene's reflectors; their images are in the aperture.
     pub mirrors: Vec<Reflector>,
-    /// A surface of that liquid in motion, instead of the one at rest under the drives: its depth (m) in every cell of
+    /// A moving surface of the liquid, instead of the one at rest: its depth (m) in every cell of
     /// [`crate::field::Stages::surface`].
     pub depth: Option<Vec<f64>>,
     /// Pixels, width and height.
@@ -64,10 +64,10 @@ impl Request {
         }
     }
 
-    /// The same without what the quantity does not depend on: a change of that changes no map.
+    /// The request reduced to the quantity's inputs.
     ///
     /// # Errors
-    /// A request that makes no sense.
+    /// An invalid request.
     pub(super) fn relevant(&self) -> Result<Self, FieldError> {
         self.check()?;
         let Declaration { of_liquid, of_light, .. } = *self.quantity.declaration();
@@ -90,8 +90,8 @@ impl Request {
         })
     }
 
-    /// What is heard of the aperture: where the plane is pressed and is a reflector itself, what meets it, since its formula counts on
-    /// that being doubled there.
+    /// The contributing part of the aperture: for radiation pressure on a plane that is a reflector, the incident
+    /// sound, since the formula assumes doubling.
     fn incident(&self) -> Aperture {
         let axes = self.plane.axes().filter(|_| self.quantity.declaration().is_slow);
         let lies_in =
@@ -106,7 +106,7 @@ impl Request {
         Constants::new(&self.air, &self.bead, self.aperture.element.wavenumber, self.moment)
     }
 
-    /// u of every element of the array, 0 for those that are off, for every drive that counts.
+    /// u of every element of the array, 0 for undriven ones, for every relevant drive.
     pub(super) fn excitations(&self) -> Arc<Vec<Vec<Complex64>>> {
         let of_drive = |drive: &Drive| {
             let mut excitation = vec![Complex64::ZERO; self.aperture.positions.len()];
@@ -126,7 +126,7 @@ impl Request {
     }
 
     /// # Errors
-    /// No pixels or too many, drives that are not of this array, an envelope or a moment that makes no sense.
+    /// No pixels or too many, drives of another array, an invalid envelope or moment.
     fn check(&self) -> Result<(), FieldError> {
         let (width, height) = self.size;
         let is_map = width.checked_mul(height).is_some_and(|pixels| (1..=MOST_PIXELS).contains(&pixels));
@@ -136,7 +136,7 @@ impl Request {
         if self.drives.is_empty() || !(0.0..=1.0).contains(&self.part) || !self.moment.is_finite() {
             return Err(FieldError::NoMean);
         }
-        // What is not a number would go unseen: no peak and no error is as large as a NaN.
+        // NaN would go unnoticed in comparisons for peak and error.
         let is_drive = |values: &[f64]| {
             values.len() == self.aperture.positions.len() && values.iter().all(|value| value.is_finite())
         };
@@ -145,7 +145,7 @@ impl Request {
     }
 }
 
-/// A map, and how well it keeps the tolerance.
+/// A map, with its error.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Map {
     pub width: usize,
@@ -154,26 +154,26 @@ pub struct Map {
     pub values: Vec<f32>,
     /// The largest magnitude of a value; of phases and instantaneous pressures the largest |P| (Pa, peak).
     pub peak: f32,
-    /// An estimate of the largest deviation of any pixel from the f64 reference, relative to the peak: three times that of 48 pixels
-    /// and more, where rounding is worst; of a depression, and of the light that it bends, that of the pressure that makes it. 0 of a
-    /// silent map.
+    /// An estimate of the largest deviation of any pixel from the f64 reference, relative to the peak: three times
+    /// that of 48 pixels and more, including those with the worst rounding; for a depression and its caustic, the
+    /// error of the radiation pressure. 0 for a silent map.
     pub error: f64,
-    /// Points at which the waves of the elements were added up.
+    /// Number of points with a sum over the elements.
     pub evaluated: usize,
     pub by: By,
-    /// How it was made, for people.
+    /// The method of evaluation, as text.
     pub how: String,
 }
 
 impl Map {
-    /// The same, but for its values.
+    /// The same without its values.
     pub(super) fn without_values(&self) -> Self {
         let Self { width, height, peak, error, evaluated, by, ref how, .. } = *self;
         Self { width, height, values: Vec::new(), peak, error, evaluated, by, how: how.clone() }
     }
 }
 
-/// What presses on the plane, and what that does to a liquid.
+/// The radiation pressure on the plane, and the liquid's response.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pressed {
     /// m, width and height of the plane: the area that all figures are of.
@@ -186,19 +186,19 @@ pub struct Pressed {
     pub light: Option<Light>,
 }
 
-/// Who made a map.
+/// The maker of a map.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum By {
     /// In f64, each pixel for itself.
     Reference,
     #[default]
     Cpu,
-    /// By the CPU with samples in f64, since f32 does not keep the tolerance or has no room for such elements.
+    /// On the CPU with samples in f64, since f32 does not suffice for the tolerance or the elements.
     CpuInF64,
     Gpu,
 }
 
-/// Why there is no map.
+/// Errors of a map.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum FieldError {
     #[error("a map of {0} x {1} pixels: it has one at least, and {MOST_PIXELS} at most")]
@@ -228,10 +228,10 @@ pub enum FieldError {
     Gpu(#[from] GpuError),
 }
 
-/// What the plan and the transfer depend on: where the elements and the plane are, in what medium.
+/// The inputs of plan and transfer: positions of elements and plane, and the medium.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Setting {
-    /// With every element driven: which of them are makes no difference here.
+    /// With every element driven, which makes no difference here.
     pub(super) aperture: Aperture,
     pub(super) plane: Plane,
 }

@@ -17,7 +17,7 @@ use crate::field::stages::{Job, Work};
 use crate::field::transfer::{Layout, Transfer};
 use crate::gauge::Gauge;
 
-/// The pressure at the samples, and its slope along the plane's normal; empty where no part needs them.
+/// The pressure at the samples, and its slope along the plane's normal; empty if not needed.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Samples {
     pressure: Vec<Complex32>,
@@ -33,7 +33,7 @@ impl Samples {
     }
 }
 
-/// Sums over the elements at the samples of a plan, from tables where there is room for them: one per board that is heard.
+/// Sums over the elements at the samples of a plan, from tables if memory allows: one per contributing board.
 #[derive(Debug, Default)]
 pub(super) struct Superposition {
     pressure: Kept<Setting, Vec<Transfer>>,
@@ -41,7 +41,7 @@ pub(super) struct Superposition {
 }
 
 impl Superposition {
-    /// Keeps the memory of its tables alone.
+    /// Drops everything except the memory of its tables.
     pub(super) fn forget(&mut self) {
         (self.pressure.key, self.normal.key) = (None, None);
     }
@@ -102,7 +102,7 @@ fn fit(aperture: &Aperture, grid: &Grid) -> bool {
     layouts.is_some_and(|layouts| Layout::fit(&layouts, TABLE_CEILING))
 }
 
-/// The tables of all boards, in the memory of others; none where f32 declines.
+/// The tables of all boards, in the memory of others; none if f32 declines.
 fn made(aperture: &Aperture, grid: &Grid, direction: Option<DVec3>, old: Vec<Transfer>) -> Vec<Transfer> {
     let mut old = old.into_iter();
     let table = |&(number, shared): &(usize, _)| {
@@ -112,7 +112,7 @@ fn made(aperture: &Aperture, grid: &Grid, direction: Option<DVec3>, old: Vec<Tra
     grid.heard.iter().map(table).collect::<Option<_>>().unwrap_or_default()
 }
 
-/// The samples of every drive that the parts are made of.
+/// The samples of every drive required for the parts.
 pub(super) fn sampled(
     superposition: &mut Superposition,
     job: &Job<'_>,

@@ -1,4 +1,4 @@
-//! Where a quantity is formed, at the pixels or at cells, and what is sampled for that.
+//! The site of a quantity: pixels or cells, and the samples it requires.
 
 use glam::DVec3;
 
@@ -11,24 +11,25 @@ use crate::field::stages::request::{FieldError, Request, Setting};
 use crate::field::{Plan, Raster};
 use crate::scene::Plane;
 
-/// What f32 keeps of a square.
+/// Accuracy of a square in f32.
 const FINEST: f64 = 1e-6;
-/// Of what would just do, what finer samples may be off; and the finest, that interpolation in f32 keeps.
+/// Error factor of refined samples relative to the required one; and the finest tolerance of f32 interpolation.
 const FINER: f64 = 0.4;
 const FINEST_SAMPLES: f64 = 2e-7;
-/// The finest tolerance of samples with which f32 differences will do for squares of pressure and slopes that nearly cancel.
+/// The finest tolerance of samples for which f32 differences suffice, for nearly cancelling squares of pressure and
+/// slopes.
 const FINEST_OF_POTENTIALS: f64 = 1e-3;
-/// Of the tolerance, what the sound may be off where errors are differences of squares.
+/// The sound's part of the tolerance, if errors are differences of squares.
 const SHARE: f64 = 0.4;
-/// Capillary lengths from the plane to the walls: what lies beyond changes the depression by e^-14 of itself.
+/// Distance from the plane to the walls in capillary lengths: the outside changes the depression by a relative e^-14.
 const TO_THE_WALLS: f64 = 14.0;
 
-/// What a site is made from.
+/// The inputs of a site.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct SiteKey {
-    /// With the plane that is shown, and the tolerance of what is sampled.
+    /// With the displayed plane, and the tolerance of the samples.
     pub(super) setting: Setting,
-    /// Bits of the parts of the sound.
+    /// Bit set of the parts of the sound.
     pub(super) parts: u8,
     by_cells: Option<ByCells>,
 }
@@ -52,7 +53,7 @@ pub(super) struct Site {
     pub(super) axes: [DVec3; 3],
 }
 
-/// Cells, and how they are filled from the samples.
+/// Cells and their interpolation from the samples.
 #[derive(Debug)]
 pub(super) struct Filled {
     pub(super) cells: Cells,
@@ -67,7 +68,7 @@ pub(super) struct Weights {
 }
 
 impl Weights {
-    /// Slopes are left out where no part needs them.
+    /// Slopes are left out if not needed.
     pub(super) fn new(grid: &Grid, parts: u8, places: [&mut dyn Iterator<Item = f64>; 2]) -> Self {
         let places = places.map(|places| places.collect::<Vec<_>>());
         let along = |axis: usize| places[axis].iter().copied();
@@ -95,8 +96,8 @@ impl Weights {
 }
 
 impl SiteKey {
-    /// Squares of several drives, or of several parts, and what presses a liquid are formed at cells; everything else at the pixels,
-    /// and a single drive if that is to be exact.
+    /// Squares of several drives or parts, and pressures on liquids, are formed at cells; everything else at the
+    /// pixels, including a single drive in exact maps.
     pub(super) fn new(request: &Request, exact: bool) -> Self {
         let declaration = request.quantity.declaration();
         let is_direct = exact || request.plane.tolerance == 0.0;
@@ -107,7 +108,7 @@ impl SiteKey {
         if by_cells { Self::by_cells(request, exact) } else { Self::by_pixels(request, exact) }
     }
 
-    /// At the pixels, whatever it is.
+    /// At the pixels in any case.
     pub(super) fn by_pixels(request: &Request, exact: bool) -> Self {
         let share = match request.quantity.declaration().norm {
             Norm::Value | Norm::Pressure => 1.0,
@@ -120,25 +121,25 @@ impl SiteKey {
     fn by_cells(request: &Request, exact: bool) -> Self {
         let declaration = request.quantity.declaration();
         let wanted = if exact { 0.0 } else { request.plane.tolerance };
-        // What is no tolerance stays none, for the plan to refuse.
+        // Invalid tolerances are passed on for the plan to refuse.
         let tolerance = if (0.0..FINEST).contains(&wanted) { FINEST } else { wanted };
-        // The root of a square that is off by a millionth of the largest is off by a thousandth where it should be 0; but windows
-        // leak far less there than where they are worst.
+        // A square with an error of a millionth of the largest has a root with an error of a thousandth near 0; but
+        // window leakage is much smaller there than at its worst.
         let accuracy = if declaration.is_root { tolerance.powf(1.5).max(1e-8) } else { tolerance };
         let is_liquid = declaration.of_liquid;
         let margin = if is_liquid { TO_THE_WALLS * request.liquid.capillary_length() } else { 0.0 };
         Self::with(request, tolerance, Some(ByCells { margin, accuracy, is_liquid }))
     }
 
-    /// The same pixel by pixel: nothing that was made from samples belongs to it.
+    /// The same pixel by pixel, without samples.
     pub(super) fn direct(&self) -> Self {
         let mut direct = self.clone();
         direct.setting.plane.tolerance = 0.0;
         direct
     }
 
-    /// The same cells from finer samples, after an error that was so many times what was promised; `None` where that would be finer
-    /// than what is interpolated in f32. Where squares differ by little, what samples are off is much of that.
+    /// The same cells from finer samples, after an error `times` the promised one; `None` beyond the accuracy of f32
+    /// interpolation. For small differences of squares, sample errors are amplified.
     pub(super) fn finer(&self, times: f64) -> Option<Self> {
         let mut finer = self.clone();
         finer.setting.plane.tolerance *= FINER / times;
@@ -153,7 +154,7 @@ impl SiteKey {
 
 impl Site {
     /// # Errors
-    /// An invalid plane; and of what needs cells, a plane that is too near, too wide or not level.
+    /// An invalid plane; for quantities that need cells, a plane that is too near, too wide or not level.
     pub(super) fn new(key: &SiteKey, costs: Costs) -> Result<Self, FieldError> {
         let Setting { aperture, plane } = &key.setting;
         let (x, y) = plane.axes().ok_or(FieldError::NoPlane)?;
@@ -189,14 +190,14 @@ impl Site {
 /// The pixels of one size on a site.
 #[derive(Debug)]
 pub(super) enum Frame {
-    /// The quantity is formed at them, from samples where they are interpolated.
+    /// The quantity is formed at them, from samples for interpolated pixels.
     Pixels { raster: Raster, weights: Option<Weights> },
-    /// They are interpolated from the cells, across and up.
+    /// Pixels interpolated from the cells, across and up.
     Cells { to_pixels: [Resampling; 2] },
 }
 
 impl Frame {
-    /// `None` where the plane's axes span no plane.
+    /// `None` for an invalid plane.
     pub(super) fn new(key: &SiteKey, site: &Site, (width, height): (usize, usize)) -> Option<Self> {
         let size = key.setting.plane.size;
         let column = |i: usize| size.x * ((i as f64 + 0.5) / width as f64 - 0.5);

@@ -1,4 +1,4 @@
-//! Counts of what was done, so that it can be seen that nothing is done twice.
+//! Counters of stage runs, which show that no work is repeated.
 
 /// How often each stage ran.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -18,14 +18,14 @@ pub struct Work {
     pub picture: u64,
     /// Contour lines.
     pub contours: u64,
-    /// Bytes that came back from the GPU.
+    /// Bytes read back from the GPU.
     pub read_back: u64,
-    /// Buffers, textures and bind groups that were made on it.
+    /// Buffers, textures and bind groups created on it.
     pub allocations: u64,
 }
 
 impl Work {
-    /// What was done after `before`.
+    /// The work done since `before`.
     pub fn since(self, before: Self) -> Self {
         Self {
             plan: self.plan - before.plan,

@@ -1,4 +1,4 @@
-//! From where space is looked at: an eye that circles about a point.
+//! The camera of 3D pictures: an eye orbiting a point.
 
 use std::f64::consts::{FRAC_PI_2, TAU};
 
@@ -8,13 +8,13 @@ use crate::field::volume::Block;
 
 /// Half of the angle of view of a perspective picture, rad.
 const HALF_VIEW: f64 = 0.24;
-/// Free space around what is shown as a whole.
+/// Free margin around a fitted view.
 const MARGIN: f64 = 1.12;
 /// m that the picture may be high at the target.
 const SPANS: [f64; 2] = [1e-4, 20.0];
-/// m in front of the eye that nothing is nearer than.
+/// Near limit in front of the eye, m.
 const NEAREST: f64 = 1e-4;
-/// Heights of the picture by which a parallel view stands off.
+/// Distance of the eye in parallel projection, in heights of the picture.
 const FAR_OFF: f64 = 40.0;
 
 /// Views that have a name.
@@ -66,20 +66,20 @@ pub struct Camera {
 /// A camera and the pixels of its picture.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Projection {
-    /// m. Of a parallel view a point from which no ray starts.
+    /// m. In parallel projection, a point behind the start of all rays.
     pub eye: DVec3,
     /// Unit vectors.
     pub right: DVec3,
     pub up: DVec3,
     pub forward: DVec3,
     pub size: DVec2,
-    /// m by which rays start aside, and by which they spread per m, for a pixel beside the middle.
+    /// Offset (m) of a ray's start, and its spread per m, for a pixel beside the centre.
     pub aside: f64,
     pub spread: f64,
 }
 
 impl Camera {
-    /// All of a box on a picture that is so many times as wide as high.
+    /// A view of a whole box on a picture of this aspect ratio.
     pub fn of(block: &Block, [azimuth, elevation]: [f64; 2], aspect: f64, is_perspective: bool) -> Self {
         let mut camera = Self { target: block.centre, azimuth, elevation, span: 1.0, is_perspective };
         let [right, up, forward] = camera.axes();
@@ -87,7 +87,7 @@ impl Camera {
         let corners = [-1.0, 1.0].into_iter().flat_map(|x| {
             [-1.0, 1.0].into_iter().flat_map(move |y| [-1.0, 1.0].map(|z| DVec3::new(x, y, z)))
         });
-        // What is nearer than the target is seen larger.
+        // Objects nearer than the target appear larger.
         let spread = if is_perspective { HALF_VIEW.tan() } else { 0.0 };
         let needed = |corner: DVec3| {
             let at = corner * half;
@@ -117,20 +117,21 @@ impl Camera {
         Projection { eye: self.target - forward * distance, right, up, forward, size, aside, spread }
     }
 
-    /// Circles about the target, by parts of a turn that a drag over the picture's height makes half of.
+    /// Orbits the target; a drag over the picture's height is half a turn.
     pub fn orbited(&self, by: DVec2) -> Self {
         let azimuth = (self.azimuth - by.x * TAU / 2.0).rem_euclid(TAU);
         let elevation = (self.elevation + by.y * TAU / 2.0).clamp(-FRAC_PI_2, FRAC_PI_2);
         Self { azimuth, elevation, ..*self }
     }
 
-    /// Moves what is seen, by parts of the picture's height to the right and downwards.
+    /// Pans by fractions of the picture's height to the right and downwards.
     pub fn panned(&self, by: DVec2) -> Self {
         let [right, up, _] = self.axes();
         Self { target: self.target + (up * by.y - right * by.x) * self.span, ..*self }
     }
 
-    /// Nearer by a factor to what is under a place, in parts of the picture's height from the middle to the right and downwards.
+    /// Zooms by a factor towards a position, in fractions of the picture's height from the centre to the right and
+    /// downwards.
     pub fn zoomed(&self, at: DVec2, factor: f64) -> Self {
         let span = (self.span / factor).clamp(SPANS[0], SPANS[1]);
         let [right, up, _] = self.axes();
@@ -149,14 +150,14 @@ impl Projection {
         (depth > NEAREST && per_metre.is_finite()).then(|| (at + self.size / 2.0, depth))
     }
 
-    /// Where the ray through a pixel starts, and its direction, of which a metre forward is the unit.
+    /// Origin and direction of the ray through a pixel, scaled to a forward component of 1.
     pub fn ray(&self, at: DVec2) -> (DVec3, DVec3) {
         let offset = at - self.size / 2.0;
         let across = self.right * offset.x - self.up * offset.y;
         (self.eye + across * self.aside, self.forward + across * self.spread)
     }
 
-    /// m per pixel at so many m from the eye's plane.
+    /// m per pixel at this depth (m) from the eye's plane.
     pub fn per_pixel(&self, depth: f64) -> f64 {
         self.aside + self.spread * depth
     }

@@ -1,4 +1,5 @@
-//! Pictures of space on the CPU, ray by ray: for machines without a GPU, and what the GPU's pictures are compared with.
+//! The CPU renderer of 3D pictures, by ray marching: for machines without a GPU, and as the reference for the GPU's
+//! pictures.
 
 use glam::{UVec3, Vec2, Vec3, Vec4};
 use rayon::prelude::*;
@@ -9,27 +10,27 @@ use crate::field::volume::scenery::{
     Body, DISC, DOT, LINE, MOST_MET, PANEL, SLICE, Shot, ShotParams, TILE, Thing,
 };
 
-/// Rays of a pixel, where edges are to be smooth, by where they pass it.
+/// Positions of the rays in a pixel with antialiasing.
 pub const SMOOTH: [[f32; 2]; 4] = [[0.125, -0.375], [0.375, 0.125], [-0.125, 0.375], [-0.375, -0.125]];
-/// Steps within a brick and bricks along a ray, at most; and halvings that find a surface between two steps.
+/// Limits of steps within a brick and of bricks along a ray; bisection steps for a surface between two steps.
 pub const MOST_STEPS: u32 = 64;
 pub const MOST_BRICKS: u32 = 4096;
 pub const HALVINGS: u32 = 5;
-/// Steps of the lattice from one place to the next along a ray: towards a surface, and towards the largest value.
+/// Step of a ray in lattice steps: towards a surface, and towards the maximum.
 pub const SURFACE_STRIDE: f32 = 0.8;
 pub const PROJECTION_STRIDE: f32 = 0.8;
-/// Steps beyond a brick's face at which the next brick is looked up, and those that a ray goes on at least.
+/// Offset (in steps) beyond a brick's face for the lookup of the next brick, and smallest advance of a ray.
 pub const NUDGE: f32 = 1e-3;
 pub const LEAST: f32 = 1e-2;
-/// Of the largest value, what is opaque in a projection, and the least opacity of a slice.
+/// Fraction of the largest value that is opaque in a projection, and smallest opacity of a slice.
 pub const OPAQUE: f32 = 0.6;
 pub const FAINT: f32 = 0.4;
-/// Difference of two neighbours, of 255, from which on a pixel has more rays.
+/// Difference of neighbours, of 255, above which a pixel gets more rays.
 const CONTRAST: u8 = 10;
-/// Opacity from which on nothing behind is seen.
+/// Opacity that hides everything behind it.
 pub const SOLID: f32 = 0.995;
 
-/// The colours r, g, b, a of a picture from the top left, with smooth edges or quickly.
+/// The colours r, g, b, a of a picture from the top left, antialiased or fast.
 pub fn picture(shot: &Shot, volume: &Volume, table: &[[u8; 4]; 256], is_smooth: bool) -> Vec<u8> {
     let table = table.map(|[r, g, b, _]| Vec3::new(f32::from(r), f32::from(g), f32::from(b)) / 255.0);
     let (width, height) = shot.size;
@@ -47,7 +48,7 @@ pub fn picture(shot: &Shot, volume: &Volume, table: &[[u8; 4]; 256], is_smooth: 
     };
     rows(&mut rgba, &|x, y| Some(painter.pixel(x, y, &[[0.0, 0.0]])));
     if is_smooth {
-        // Where neighbours are alike, more rays would see the same.
+        // Between equal neighbours, more rays would add nothing.
         let first = rgba.clone();
         rows(&mut rgba, &|x, y| is_edge(&first, width, height, x, y).then(|| painter.pixel(x, y, &SMOOTH)));
     }
@@ -72,7 +73,7 @@ struct Painter<'a> {
     table: &'a [Vec3; 256],
 }
 
-/// A ray, whose direction is as long as makes a metre forward the unit.
+/// A ray, with a direction scaled to a forward component of 1.
 #[derive(Clone, Copy)]
 struct Ray {
     start: Vec3,
@@ -84,16 +85,16 @@ struct Ray {
 struct Grid {
     start: Vec3,
     direction: Vec3,
-    /// 1 over the direction, and where that has no part along an axis 0, with the faces across it out of reach.
+    /// 1 over the direction; 0 for zero components, with their faces out of reach.
     inverse: Vec3,
     never: Vec3,
-    /// The faces of a brick towards which it runs: 0 or the brick's side.
+    /// The faces of a brick ahead of it: 0 or the brick's side.
     ahead: Vec3,
-    /// Depth of one step along the axis that it runs along most.
+    /// Depth of one step along its dominant axis.
     step: f32,
 }
 
-/// What a ray has met, the nearest first.
+/// Hits of a ray, nearest first.
 #[derive(Default)]
 struct Met {
     count: usize,
@@ -179,7 +180,7 @@ impl Painter<'_> {
         if shining > met.solid() { colour.lerp(shine.truncate(), shine.w) } else { colour }
     }
 
-    /// Where a ray runs through the clipped box.
+    /// The interval of a ray within the clipping box.
     fn inside(&self, ray: Ray) -> Option<(f32, f32)> {
         let inverse = ray.direction.recip();
         let a = (Vec3::from(self.params.low) - ray.start) * inverse;
@@ -194,7 +195,7 @@ impl Painter<'_> {
         self.table[(part.clamp(0.0, 1.0) * 255.0 + 0.5) as usize]
     }
 
-    /// Where a ray meets a thing, and its colour there.
+    /// The intersection of a ray with an object, and its colour there.
     fn meet(&self, thing: &Thing, at: Vec2, ray: Ray) -> Option<(f32, Vec4)> {
         let [x, y, z, kind] = thing.place;
         let colour = Vec4::from(thing.colour);
@@ -271,7 +272,7 @@ impl Painter<'_> {
         }
     }
 
-    /// The largest value in the brick that a ray is in a little beyond a depth, and how far it stays there.
+    /// The largest value in the brick of a ray just beyond a depth, and the exit depth.
     fn brick(&self, grid: &Grid, depth: f32) -> (f32, f32) {
         let bricks = UVec3::from(self.params.bricks);
         let place = grid.start + grid.direction * (depth + NUDGE * grid.step);
@@ -282,7 +283,7 @@ impl Painter<'_> {
         (self.volume.bricks[number as usize], exits.min_element())
     }
 
-    /// The surface of the level, or where the box's face cuts what it encloses.
+    /// The isosurface, or the clipping face that cuts its inside.
     fn surface(&self, ray: Ray, near: f32, far: f32) -> Option<(f32, Vec4)> {
         let level = self.params.level;
         let grid = self.in_steps(ray);
@@ -333,7 +334,7 @@ impl Painter<'_> {
         (inside, colour.extend(1.0))
     }
 
-    /// A colour in the light that comes from above the eye's left.
+    /// A colour lit from above the eye's left.
     fn lit(&self, colour: Vec3, slope: Vec3, direction: Vec3) -> Vec3 {
         let (right, up, forward) =
             (Vec3::from(self.params.right), Vec3::from(self.params.up), Vec3::from(self.params.forward));

@@ -1,4 +1,4 @@
-//! A box of space, the lattices of points in it at which a field is known, and pictures of it.
+//! A box in space, lattices of sample points in it, and 3D pictures of it.
 
 pub mod camera;
 pub mod march;
@@ -16,7 +16,7 @@ pub use scenery::Scenery;
 /// Points of a volume along an axis, and in all: four gigabytes of file.
 pub const MOST_POINTS_ALONG: u32 = 4096;
 pub const MOST_POINTS: u64 = 1 << 30;
-/// Steps by which a box may be longer than whole ones: what rounding leaves.
+/// Tolerated excess of a box over whole steps, for rounding.
 const SLACK: f64 = 1e-6;
 
 /// A box whose edges are parallel to the axes.
@@ -56,13 +56,13 @@ pub struct Lattice {
 }
 
 impl Lattice {
-    /// The centres of so many equal cells that fill a box, as the pixels of a map fill its plane.
+    /// The centres of equal cells that fill a box, like the pixels of a map.
     pub fn of_cells(block: &Block, counts: UVec3) -> Self {
         let step = block.size / counts.as_dvec3();
         Self { first: block.low() + step / 2.0, step, counts }
     }
 
-    /// Points that cover a box at these distances (m), about its middle; the outermost ones lie on its faces or beyond.
+    /// Points that cover a box at these distances (m), about its centre; the outermost are on its faces or outside.
     pub fn covering(block: &Block, step: DVec3) -> Self {
         let intervals = (block.size / step - SLACK).ceil().max(DVec3::ONE);
         Self { first: block.centre - step * intervals / 2.0, step, counts: intervals.as_uvec3() + UVec3::ONE }
@@ -76,7 +76,7 @@ impl Lattice {
         self.len() == 0
     }
 
-    /// The horizontal plane whose pixels are the points of layer `z` of [`Lattice::of_cells`].
+    /// The horizontal plane with pixels at the points of layer `z` of [`Lattice::of_cells`].
     pub fn layer(&self, z: u32, tolerance: f64) -> Plane {
         let counts = self.counts.as_dvec3();
         let middle = self.first + self.step * (counts - DVec3::ONE) / 2.0;

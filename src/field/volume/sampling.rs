@@ -1,4 +1,4 @@
-//! The RMS pressure at a lattice of points in space, in f32 and as fast as it goes, for pictures.
+//! The RMS pressure on a lattice of points in space, in fast f32, for pictures.
 
 use glam::{DVec3, UVec3, Vec3};
 use num_complex::{Complex32, Complex64};
@@ -11,19 +11,19 @@ use crate::field::transfer::{Layout, Transfer};
 use crate::field::volume::{Block, Lattice};
 use crate::field::{Evaluator, Samples, Sources, Wave, cpu};
 
-/// Cells along the side of a brick, whose largest value is known.
+/// Cells along the side of a brick of known maximum.
 pub const BRICK: u32 = 8;
-/// Samples per wavelength, and points in all, of a volume that is dragged and of one at rest.
+/// Samples per wavelength, and limit of points, of a volume while dragging and at rest.
 const COARSE: Fineness = Fineness { per_wavelength: 4.0, least: 1 << 17, most: 1 << 19, pairs: 3e8 };
 const FINE: Fineness = Fineness { per_wavelength: 8.0, least: 1 << 18, most: 1 << 22, pairs: 1e10 };
 
-/// Of the sound, what may be missing of a series of reflections.
+/// Relative error of a truncated series of reflections.
 const LEFT_OUT: f64 = 1e-3;
 
-/// Of a step, what rounding leaves.
+/// Rounding error of a step.
 const SLACK: f64 = 1e-9;
 
-/// How many points there are.
+/// The number of points.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Fineness {
     pub per_wavelength: f64,
@@ -34,7 +34,7 @@ pub struct Fineness {
 }
 
 impl Fineness {
-    /// Of something that is dragged, or at rest.
+    /// While dragging, or at rest.
     pub fn of(is_dragged: bool) -> Self {
         if is_dragged { COARSE } else { FINE }
     }
@@ -53,7 +53,7 @@ pub struct Volume {
 }
 
 impl Volume {
-    /// What drives that take turns make in a box: the root of the mean square.
+    /// The RMS pressure of drives in turn in a box.
     pub fn new(aperture: &Aperture, drives: &[Drive], block: &Block, fineness: Fineness) -> Self {
         let lattice = lattice(aperture, drives.len(), block, fineness);
         let excitations: Vec<_> = drives.iter().map(|drive| excitation(aperture, drive)).collect();
@@ -73,7 +73,8 @@ impl Volume {
         brick_counts(&self.lattice)
     }
 
-    /// The value at a place in steps from the first point, interpolated linearly; beyond the lattice that of its rim.
+    /// The value at a position in steps from the first point, interpolated linearly; outside the lattice, that of its
+    /// boundary.
     #[inline]
     pub fn at(&self, place: Vec3) -> f32 {
         let counts = self.lattice.counts;
@@ -82,7 +83,7 @@ impl Volume {
         let part = place - cell.as_vec3();
         let (row, layer) = (counts.x as usize, (counts.x * counts.y) as usize);
         let corner = cell.x as usize + cell.y as usize * row + cell.z as usize * layer;
-        // One look whether a layer's four are there serves them all.
+        // A single bounds check serves the four values of a layer.
         let across = |at: usize| {
             let four = &self.values[at..][..row + 2];
             let (a, b) = (four[0], four[row]);
@@ -93,7 +94,7 @@ impl Volume {
         a + (b - a) * part.z
     }
 
-    /// By how much the value grows per step along the axes, from the neighbours on either side.
+    /// Gradient per step along the axes, by central differences.
     pub fn slope(&self, place: Vec3) -> Vec3 {
         let along = |step: Vec3| 0.5 * (self.at(place + step) - self.at(place - step));
         Vec3::new(along(Vec3::X), along(Vec3::Y), along(Vec3::Z))
@@ -105,11 +106,11 @@ impl Volume {
     }
 }
 
-/// Points that boards in rows and columns share as far as they can, so that one table serves all elements.
+/// Points that share tables on boards in rows and columns as far as possible.
 fn lattice(aperture: &Aperture, drives: usize, block: &Block, fineness: Fineness) -> Lattice {
-    /// How much longer a pair takes without a table.
+    /// Relative cost of a pair without a table.
     const ALONE: f64 = 10.0;
-    /// More points than wanted that are worth a table.
+    /// Factor of additional points worth a table.
     const WORTH: f64 = 2.0;
     let pairs = |face: &Face| {
         let times = if along(face, 1).is_some() { 1.0 } else { ALONE };
@@ -124,12 +125,12 @@ fn lattice(aperture: &Aperture, drives: usize, block: &Block, fineness: Fineness
         let is_too_fine = (in_pitch * wanted / aperture.pitch).powi(2) > WORTH && in_pitch > 1.0;
         aperture.pitch / if is_too_fine { in_pitch - 1.0 } else { in_pitch }
     });
-    // Where a pitch is less than a step, no table is shared.
+    // With a pitch below a step, no table is shared.
     let across = shared.filter(|across| WORTH * across * across >= wanted * wanted).unwrap_or(wanted);
     Lattice::covering(block, DVec3::new(across, across, wanted))
 }
 
-/// The boards and images that are loud enough to be seen.
+/// The boards and images loud enough to be visible.
 fn heard(aperture: &Aperture) -> impl Iterator<Item = &Face> {
     aperture.faces.iter().take_while(|face| face.rest >= LEFT_OUT)
 }
@@ -140,7 +141,7 @@ fn in_pitch(aperture: &Aperture, lattice: &Lattice) -> Option<isize> {
     ((steps - steps.round()).abs() < SLACK && steps > 0.5).then(|| steps.round() as isize)
 }
 
-/// How horizontal samples run along a flat board in rows and columns, at so many samples in a pitch.
+/// The repetition of horizontal samples along a flat board in rows and columns, with `samples` per pitch.
 fn along(face: &Face, samples: isize) -> Option<[Option<Shared>; 2]> {
     const ALIGNED: f64 = 1e-12;
     face.layout.columns?;
@@ -172,7 +173,7 @@ fn layer(lattice: &Lattice, z: usize) -> Samples {
     }
 }
 
-/// The box's corners, which say how far sound comes.
+/// The box's corners, for the range of distances.
 fn corners(lattice: &Lattice) -> Samples {
     let (low, high) =
         (lattice.first, lattice.first + lattice.step * (lattice.counts - UVec3::ONE).as_dvec3());
@@ -184,12 +185,12 @@ fn corners(lattice: &Lattice) -> Samples {
 /// Sounding elements and their tilts, as [`Sources`] has them.
 type Elements = (Vec<[f32; 4]>, Vec<[f32; 4]>);
 
-/// What of a face serves every layer.
+/// The data of a face common to all layers.
 struct Heard<'a> {
     face: &'a Face,
     wave: Wave,
     shared: Option<[Option<Shared>; 2]>,
-    /// Of every drive, where no table is shared: sounding elements and their tilts.
+    /// Sounding elements and tilts of every drive, without a shared table.
     elements: Vec<Elements>,
 }
 
@@ -217,7 +218,7 @@ fn values<'a>(
         match &heard {
             Some(heard) => heard.iter().for_each(|heard| heard.add(excitations, &samples, &mut fields)),
             None => {
-                // What f32 has no room for.
+                // Cases beyond f32.
                 for (drive, field) in drives.iter().zip(&mut fields) {
                     if let Ok(exact) = Evaluator::Reference.pressure(aperture, drive, &samples) {
                         *field = exact;
@@ -244,7 +245,7 @@ fn elements(aperture: &Aperture, face: &Face, wave: &Wave, drive: &Drive) -> Ele
 }
 
 impl Heard<'_> {
-    /// Adds what the face sends to the points of a layer.
+    /// Adds the face's pressure to the points of a layer.
     fn add(&self, excitations: &[Vec<Complex64>], samples: &Samples, fields: &mut [Vec<Complex32>]) {
         let Self { face, wave, shared, elements } = self;
         let own = samples.seen_from(&face.pose);

@@ -1,4 +1,4 @@
-//! What stands in space beside a field, and how a picture of both is taken: the numbers that the CPU and the GPU draw from.
+//! The objects of a 3D picture, and the numbers from which CPU and GPU draw it.
 
 use bytemuck::{Pod, Zeroable};
 use glam::{DVec2, DVec3, Vec3, Vec4};
@@ -6,28 +6,28 @@ use glam::{DVec2, DVec3, Vec3, Vec4};
 use crate::field::volume::camera::Projection;
 use crate::field::volume::{Block, Camera, Volume};
 
-/// Pixels along the side of a tile, which has a list of what is seen in it.
+/// Pixels along the side of a tile with its own list of visible objects.
 pub const TILE: usize = 16;
-/// Things that a ray meets and that are drawn, the nearest ones.
+/// Limit of drawn hits per ray, the nearest ones.
 pub const MOST_MET: usize = 12;
-/// m by which lines and dots come forward, as a part of their distance, so that what they lie in does not hide them.
+/// Forward offset of lines and dots relative to their distance, so that coplanar objects do not hide them.
 const FORWARD: f64 = 1e-3;
 
-/// How the field in the box is shown.
+/// The representation of the field in the box.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Body {
     /// Only where slices show it.
     Hidden,
-    /// The surface on which it is this part of its peak.
+    /// The isosurface at this fraction of its peak.
     Surface(f32),
     /// The largest value along every ray.
     Projection,
 }
 
-/// Something with a place in space; colours are r, g, b and opacity, 0 to 1.
+/// An object in space; colours are r, g, b and opacity, 0 to 1.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Item {
-    /// Between two points (m), so many pixels wide; behind what hides it, this part of it still shines through.
+    /// Between two points (m), `width` pixels wide; `through` is its visibility behind other objects.
     Line { ends: [DVec3; 2], width: f64, colour: Vec4, shine: f32 },
     /// A ball of a radius in pixels, likewise.
     Dot { at: DVec3, radius: f64, colour: Vec4, shine: f32 },
@@ -35,7 +35,7 @@ pub enum Item {
     Disc { centre: DVec3, normal: DVec3, radius: f64, colour: Vec4 },
     /// A rectangle with half sides.
     Panel { centre: DVec3, half: [DVec3; 2], colour: Vec4 },
-    /// A rectangle on which the field is seen in colours, of this opacity at its peak.
+    /// A rectangle coloured by the field, with this opacity at its peak.
     Slice { centre: DVec3, half: [DVec3; 2], opacity: f32 },
 }
 
@@ -48,7 +48,7 @@ pub struct Scenery {
     pub clip: Block,
     /// r, g, b of the surface.
     pub surface: Vec3,
-    /// Colours from nothing to the peak.
+    /// Colours from zero to the peak.
     pub table: [[u8; 4]; 256],
     /// r, g, b at the top and at the bottom of the picture, behind everything.
     pub ground: [Vec3; 2],
@@ -62,7 +62,7 @@ pub struct Thing {
     pub place: [f32; 4],
     /// A line's end and half width; a dot's radius; a disc's normal and radius; the first half side of a rectangle over its square.
     pub first: [f32; 4],
-    /// The second half side likewise; of a slice its opacity. What shines through of lines and dots.
+    /// The second half side likewise; the opacity of a slice; the visibility of lines and dots behind objects.
     pub second: [f32; 4],
     pub colour: [f32; 4],
 }
@@ -74,7 +74,7 @@ pub const DISC: u32 = 2;
 pub const PANEL: u32 = 3;
 pub const SLICE: u32 = 4;
 
-/// The same struct as in `shaders/volume.wgsl`. Places are in m from the middle of the clipped box.
+/// The same struct as in `shaders/volume.wgsl`. Positions are in m from the centre of the clipping box.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 pub struct ShotParams {
@@ -105,13 +105,13 @@ pub struct ShotParams {
     pub bottom: [f32; 4],
 }
 
-/// A picture to be taken: what its pixels are made from, but for the field and the colours.
+/// The inputs of a picture except the field and the colours.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Shot {
     pub params: ShotParams,
     pub body: Body,
     pub things: Vec<Thing>,
-    /// For every tile where its list begins, and at last where all end; then the lists.
+    /// The start of each tile's list, then the end of the last; then the lists.
     pub tiles: Vec<u32>,
     pub size: (usize, usize),
 }
@@ -164,14 +164,14 @@ impl Shot {
     }
 }
 
-/// An item in a picture, and the smallest and the largest of its pixels; `None` where it is not seen.
+/// An item in a picture, with its bounding pixels; `None` if invisible.
 fn place(item: &Item, projection: &Projection, middle: DVec3) -> Option<(Thing, [DVec2; 2])> {
     let words = |v: DVec3, w: f32| {
         let v = v.as_vec3();
         [v.x, v.y, v.z, w]
     };
     let all = [DVec2::ZERO, projection.size];
-    // What varies evenly along a line on the picture.
+    // Quantities linear along a line in the picture.
     let even = |depth: f64| {
         let depth = depth * (1.0 - FORWARD);
         (if projection.spread > 0.0 { 1.0 / depth } else { depth }) as f32
@@ -237,7 +237,7 @@ fn place(item: &Item, projection: &Projection, middle: DVec3) -> Option<(Thing, 
     is_seen.then_some((thing, [low.max(DVec2::ZERO), high.min(projection.size)]))
 }
 
-/// Bounds of a rectangle; `None` where it reaches behind the eye.
+/// Bounds of a rectangle; `None` if it reaches behind the eye.
 fn rectangle(centre: DVec3, [a, b]: [DVec3; 2], projection: &Projection) -> Option<[DVec2; 2]> {
     let (mut low, mut high) = (DVec2::MAX, DVec2::MIN);
     for corner in [centre - a - b, centre - a + b, centre + a - b, centre + a + b] {
@@ -271,7 +271,7 @@ fn tiles(placed: &[(Thing, [DVec2; 2])], across: usize, up: usize) -> Vec<u32> {
     tiles
 }
 
-/// Whether a thing may be seen in a tile that its bounds touch: long lines touch few of them.
+/// Whether an object may be visible in a tile within its bounds: long lines touch few of them.
 fn is_near(thing: &Thing, column: usize, row: usize) -> bool {
     if thing.place[3] as u32 != LINE {
         return true;

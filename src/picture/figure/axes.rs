@@ -1,4 +1,4 @@
-//! Round values on axes.
+//! Ticks with round values on the axes of figures.
 
 /// 1, 2 or 5 times a power of ten, not less than `least`.
 pub fn round_step(least: f64) -> f64 {

@@ -1,4 +1,4 @@
-//! Where the parts of a figure stand.
+//! Layout of the parts of a figure.
 
 use crate::field::contour::Line;
 use crate::picture::Picture;
@@ -25,9 +25,9 @@ pub const CAPITAL: f64 = 0.727;
 /// mm from one number on an axis to the next, about.
 const SPACING: f64 = 10.0;
 const BAR_SPACING: f64 = 8.0;
-/// What numbers beside a colour bar have room for, whatever they are: figures of one size stand side by side.
+/// Space for numbers beside a colour bar, fixed so that figures of one size align.
 const NUMBERS: &str = "0000";
-/// A map is at most so many times as high as the figure is wide.
+/// Limit of a map's height relative to the figure's width.
 pub const TALLEST: f64 = 2.0;
 /// The least width of a map, mm.
 const LEAST: f64 = 10.0;
@@ -85,11 +85,11 @@ pub struct Bar {
     /// The values of the first and the last colour.
     pub ends: [f64; 2],
     pub label: String,
-    /// Values where numbers stand, instead of round ones.
+    /// Explicit tick values instead of round ones.
     pub numbers: Option<Vec<(f64, String)>>,
 }
 
-/// What a figure shows, but for the map's pixels.
+/// The content of a figure except the map's pixels.
 #[derive(Clone, Debug)]
 pub struct Content {
     pub title: Option<String>,
@@ -104,13 +104,13 @@ pub struct Content {
     pub outlines: Vec<Vec<[f64; 2]>>,
     /// Focal points, mm on the axes.
     pub foci: Vec<[f64; 2]>,
-    /// Measured lengths: from where to where, mm on the axes, and in words.
+    /// Measured lengths: end points in mm on the axes, and text.
     pub lengths: Vec<([[f64; 2]; 2], String)>,
-    /// Ink on the map that stands out from its ground.
+    /// Whether ink must contrast with a light map.
     pub is_light: bool,
 }
 
-/// Where the map stands, in pixels of the PNG.
+/// Position of the map in pixels of the PNG.
 struct Frame {
     density: f64,
     /// Left, top.
@@ -127,7 +127,8 @@ impl Content {
         let widest = |numbers: &[(f64, String)]| {
             numbers.iter().map(|(_, text)| font::width(text, NUMBER)).fold(0.0, f64::max)
         };
-        // The numbers of the upright axes depend on the height that they make room for; a few too many are wide enough.
+        // The numbers of the vertical axes depend on the height, which depends on their width; too many candidates
+        // are harmless.
         let left = MARGIN + LABEL + GAP + widest(&steps(y.ends[0], y.ends[1], 10.0)) + GAP + TICK;
         let right = match &self.bar {
             None => MARGIN + font::width("100", NUMBER) / 2.0,
@@ -140,7 +141,7 @@ impl Content {
         let width = room.min(TALLEST * paper.width / shape);
         let in_pixels = |mm: f64| ((mm * density).round() as usize).max(1);
         let map = [in_pixels(width), in_pixels(width * shape)];
-        // A map that is narrower than its room stands in the middle.
+        // A map narrower than its space is centred.
         let corner = [in_pixels(left + (room - width) / 2.0), in_pixels(top)];
         let page = [in_pixels(paper.width.max(left + room + right)), corner[1] + map[1] + in_pixels(bottom)];
         Frame { density, corner, map, page }
@@ -260,7 +261,7 @@ impl Marks<'_> {
         self.text(at, LABEL, Anchor::Middle, true, &bar.label);
     }
 
-    /// Contours, targets and scale bar: ink that is seen on the map.
+    /// Contours, targets and scale bar: ink on the map.
     fn drawn_on_the_map(&mut self) {
         let content = self.content;
         let ink = if content.is_light { BLACK } else { [255; 3] };

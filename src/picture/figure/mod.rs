@@ -1,8 +1,8 @@
 //! Figures for papers: a map with axes, colour bar, scale bar, contours and targets, described once and written as SVG, PDF or PNG.
 //!
-//! The description is a list of marks in millimetres, laid out on the grid of the PNG's pixels: the map is one raster image whose
-//! pixels are the same in all three, and the PNG shows them one to one. All else is vectors, and text stays text. A surface seen at an
-//! angle is such a raster with bars for lengths and depths.
+//! The description is a list of marks in millimetres, laid out on the grid of the PNG's pixels: the map is one raster
+//! image whose pixels are the same in all three, and the PNG shows them one to one. All else is vectors, and text
+//! stays text. A shaded relief is such a raster with bars for lengths and depths.
 
 pub mod axes;
 pub(in crate::picture) mod font;
@@ -24,7 +24,7 @@ type Ink = [u8; 3];
 
 const BLACK: Ink = [20, 20, 22];
 
-/// Where a text stands relative to its place.
+/// Anchor of a text relative to its position.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(in crate::picture) enum Anchor {
     Start,
@@ -32,7 +32,7 @@ pub(in crate::picture) enum Anchor {
     End,
 }
 
-/// What a figure is made of; places in mm from the top left corner.
+/// The marks of a figure; positions in mm from the top left corner.
 #[derive(Debug)]
 enum Mark {
     /// Pixels in a rectangle.
@@ -79,7 +79,7 @@ impl Figure {
         }
     }
 
-    /// The picture that the PNG holds.
+    /// The picture of the PNG.
     ///
     /// # Errors
     /// More pixels than a picture can have.

@@ -1,4 +1,4 @@
-//! A figure as PDF: lines and text as such, the letters that are used embedded, pixels as images without loss.
+//! A figure as PDF: vector lines, text with embedded font subsets, and losslessly compressed pixels.
 
 use std::collections::BTreeMap;
 
@@ -15,7 +15,7 @@ use crate::picture::{Picture, PictureError};
 const POINTS: f64 = 72.0 / 25.4;
 const COMPRESSION: u8 = 6;
 const FONT: Name<'static> = Name(b"F0");
-/// Six letters and a plus mark a font of which some glyphs are left out.
+/// A prefix of six letters and a plus marks a font subset.
 const FONT_NAME: Name<'static> = Name(b"SONOGL+Inter-Regular");
 const IDENTITY: SystemInfo<'static> =
     SystemInfo { registry: Str(b"Adobe"), ordering: Str(b"Identity"), supplement: 0 };
@@ -35,7 +35,7 @@ const FIRST_IMAGE: i32 = 11;
 /// The PDF, of one page.
 ///
 /// # Errors
-/// A font of which no part can be taken.
+/// A font that cannot be subset.
 pub fn write(figure: &Figure) -> Result<Vec<u8>, PictureError> {
     let size = figure.size().map(|mm| (mm * POINTS) as f32);
     let mut letters = Letters::default();

@@ -1,4 +1,4 @@
-//! A figure as pixels: the map's one to one, all else with smooth edges.
+//! A figure as pixels: the map one to one, all else antialiased.
 
 use png::{BitDepth, ColorType, PixelDimensions, Unit};
 use tiny_skia::{FillRule, LineJoin, Paint, Path, PathBuilder, Pixmap, Rect, Stroke, Transform};
@@ -7,7 +7,7 @@ use ttf_parser::OutlineBuilder;
 use crate::picture::figure::{Anchor, Figure, Ink, Mark, font};
 use crate::picture::{Picture, PictureError};
 
-/// A PNG that knows its size in metres.
+/// A PNG with its physical size.
 ///
 /// # Errors
 /// More pixels than a PNG can have.
@@ -68,7 +68,7 @@ pub fn picture(figure: &Figure) -> Result<Picture, PictureError> {
             }
         }
     }
-    // The page is opaque: nothing is multiplied.
+    // The page is opaque, so premultiplication has no effect.
     Ok(Picture { width, height, rgba: page.take() })
 }
 

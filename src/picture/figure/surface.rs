@@ -1,5 +1,5 @@
-//! The figure of a surface that is seen at an angle: no axes, for lengths keep their scale to the right alone, and depths keep one of
-//! their own; a bar for each.
+//! The figure of a shaded relief: without axes, since only horizontal lengths keep their scale, and with separate
+//! bars for lengths and depths.
 
 use glam::DVec2;
 
@@ -12,14 +12,14 @@ use crate::picture::relief::{self, PAPER, Place};
 const ABOVE: f64 = 0.02;
 const FRONT: f64 = 0.06;
 
-/// A bar of known length, mm on the paper, and what it says.
+/// A bar with its length, mm on paper, and its label.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Measure {
     pub length: f64,
     pub text: String,
 }
 
-/// What a figure shows beside the surface.
+/// The content of a figure besides the surface.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Surface {
     pub title: Option<String>,
@@ -29,7 +29,7 @@ pub struct Surface {
     pub depth: Option<Measure>,
 }
 
-/// Where the picture of a surface of this size (m) is drawn.
+/// Position of the picture of a surface of this size (m).
 pub fn place(paper: Paper, size: DVec2) -> Place {
     let density = paper.dpi / 25.4;
     let wide = (paper.width - 2.0 * MARGIN) * density;
@@ -40,7 +40,7 @@ pub fn place(paper: Paper, size: DVec2) -> Place {
 }
 
 impl Surface {
-    /// The figure of a picture that was drawn at [`place`].
+    /// The figure of a picture drawn at [`place`].
     pub fn figure(&self, paper: Paper, picture: Picture) -> Figure {
         let density = paper.dpi / 25.4;
         let on_grid = |mm: f64| (mm * density).round() / density;

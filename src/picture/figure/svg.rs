@@ -1,4 +1,4 @@
-//! A figure as SVG: lines and text as such, pixels as PNG within.
+//! A figure as SVG: vector lines and text, and pixels as an embedded PNG.
 
 use std::fmt::Write;
 
@@ -11,7 +11,7 @@ use crate::picture::{PictureError, export};
 /// The SVG; lengths are in mm.
 ///
 /// # Errors
-/// Pixels that no PNG holds.
+/// Pixels that cannot be encoded as PNG.
 pub fn write(figure: &Figure) -> Result<Vec<u8>, PictureError> {
     let [width, height] = figure.size();
     let mut text = format!(
@@ -94,7 +94,7 @@ fn colour([r, g, b]: Ink) -> String {
     format!("#{r:02x}{g:02x}{b:02x}")
 }
 
-/// As XML has it, without what it cannot hold.
+/// Escaped for XML, without invalid characters.
 fn escaped(text: &str) -> String {
     let mut escaped = String::new();
     for character in text.chars().filter(|character| !character.is_control()) {

@@ -1,4 +1,4 @@
-//! Foci that run along what is drawn: stroke after stroke in the order of the file, each as it is drawn.
+//! Foci that run along the drawn outlines, stroke by stroke in the order of the file.
 
 use glam::DVec3;
 
@@ -7,18 +7,18 @@ use crate::scene::motion::track::Track;
 use crate::scene::run::Vertex;
 use crate::scene::{Focus, Shape, Target, outline};
 
-/// Strokes that are run through one after the other at constant speed; the way from one to the next takes no time.
+/// Strokes traversed in sequence at constant speed, with instantaneous jumps between them.
 #[derive(Debug, Default)]
 pub(super) struct Course {
     tracks: Vec<Track>,
     /// m from the beginning to the end of each track.
     ends: Vec<f64>,
-    /// Points, and strokes without length: they stand still beside what runs.
+    /// Points, and strokes without length, which are at rest.
     pub still: Vec<(usize, Focus)>,
 }
 
 impl Course {
-    /// Along the outlines of these targets, given with their places in the scene.
+    /// The course along the outlines of these targets, given with their indices in the scene.
     ///
     /// # Errors
     /// A glyph that the font lacks.
@@ -45,7 +45,7 @@ impl Course {
         self.ends.last().copied().unwrap_or(0.0)
     }
 
-    /// Where a focus is after a part of a repetition, in [0, 1), and how loud it is to be.
+    /// Position and target pressure of a focus after a fraction of a repetition, in [0, 1).
     pub fn at(&self, part: f64) -> Focus {
         let distance = part * self.length();
         let index = self.ends.partition_point(|&end| end <= distance).min(self.tracks.len() - 1);
@@ -54,14 +54,14 @@ impl Course {
         Focus::new(at, pressure)
     }
 
-    /// The place with the smallest z.
+    /// The point with the smallest z.
     pub fn lowest(&self, up: DVec3) -> Option<DVec3> {
         let places = self.tracks.iter().map(|track| track.lowest(up));
         places.min_by(|a, b| a.dot(up).total_cmp(&b.dot(up)))
     }
 }
 
-/// The strokes of a target as drawn, with the wanted pressures along them.
+/// The strokes of a target as drawn, with the target pressures along them.
 fn tracks(target: &Target) -> Result<Vec<Track>, KeyError> {
     if matches!(target.shape, Shape::Picture { .. }) {
         return Ok(Vec::new());

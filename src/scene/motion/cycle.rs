@@ -1,9 +1,9 @@
-//! The cycle that all motions of a scene go through together, and how many repetitions each of them makes in it.
+//! The common cycle of all motions of a scene, and the repetitions of each motion in it.
 
 use crate::scene::motion::course::Course;
 use crate::scene::{KeyError, Motion, MotionPath, Scene, Target};
 
-/// What is played over and over.
+/// The common cycle of all motions.
 #[derive(Clone, Debug)]
 pub struct Cycle<'a> {
     /// Cycles per second.
@@ -20,16 +20,16 @@ impl Cycle<'_> {
         f64::from(self.frames) * self.rate
     }
 
-    /// Repetitions per second that a group makes: a whole number of them in a cycle.
+    /// Actual repetitions per second of a group: a whole number per cycle.
     pub fn played(&self, group: &Group<'_>) -> f64 {
         self.rate * group.rounds as f64
     }
 }
 
-/// What moves by one motion: a target by its own, or all that have none by the scene's.
+/// The targets that share a motion: one with its own, or all others with the scene's.
 #[derive(Clone, Debug)]
 pub struct Group<'a> {
-    /// The target's place in the scene; `None` for the scene's motion.
+    /// The target's index in the scene; `None` for the scene's motion.
     pub target: Option<usize>,
     pub motion: &'a Motion,
     /// m, of a repetition.
@@ -39,7 +39,7 @@ pub struct Group<'a> {
 }
 
 impl Group<'_> {
-    /// Repetitions per second that the motion asks for.
+    /// Requested repetitions per second.
     pub fn asked(&self) -> f64 {
         const OTHERWISE: f64 = 1.0;
         self.motion.tempo.rate(self.length).unwrap_or(OTHERWISE)
@@ -56,20 +56,20 @@ pub fn runs(scene: &Scene) -> bool {
     paths(scene).any(|path| path == MotionPath::Outline)
 }
 
-/// Whether wanted pressures differ from frame to frame, so that a frame is to be as loud beside the others as its foci are.
+/// Whether target pressures vary between frames, so that frames differ in loudness.
 pub fn has_dynamics(scene: &Scene) -> bool {
     paths(scene).any(|path| matches!(path, MotionPath::Outline | MotionPath::Keyframes))
 }
 
-/// Those of the scene and of targets that are shown.
+/// The paths of the scene and of visible targets.
 fn paths(scene: &Scene) -> impl Iterator<Item = MotionPath> {
     let shown = scene.targets.iter().filter(|target| target.visible);
     let own = shown.filter_map(|target| target.motion.as_ref());
     std::iter::once(&scene.motion).chain(own).map(|motion| motion.path)
 }
 
-/// The scene's own motion sets the cycle, or else the slowest of its targets'; the others make whole repetitions in it. `None` where
-/// nothing moves.
+/// The scene's own motion sets the cycle, or else the slowest of its targets'; the others are repeated a whole number
+/// of times. `None` for a scene at rest.
 pub fn cycle(scene: &Scene) -> Option<Cycle<'_>> {
     let own = scene.targets.iter().enumerate().filter(|(_, target)| target.visible);
     let own = own.filter_map(|(index, target)| Some((Some(index), target.motion.as_ref()?)));
@@ -99,7 +99,7 @@ fn length(scene: &Scene, target: Option<usize>, motion: &Motion) -> f64 {
     }
 }
 
-/// Along a target, or along all that are shown and have no motion of their own.
+/// The course along a target, or along all visible targets without their own motion.
 pub(super) fn course(scene: &Scene, target: Option<usize>) -> Result<Course, KeyError> {
     let is_of = |(index, own): &(usize, &Target)| match target {
         Some(target) => *index == target,

@@ -1,4 +1,4 @@
-//! The focal points of every frame of a cycle, and whether there can be such.
+//! The focal points of every frame of a cycle, and the errors of impossible motions.
 
 use glam::DVec3;
 
@@ -27,34 +27,35 @@ pub fn frames(scene: &Scene) -> Result<Vec<Vec<Focus>>, KeyError> {
     Ok((0..score.frames).map(|frame| score.foci(frame)).collect())
 }
 
-/// Checks what the targets and the motions are together.
+/// Checks targets and motions together.
 ///
 /// # Errors
-/// Focal points that cannot be, a step that no target has or a target whose step is never shown, an outline or a speed without length,
-/// too few frames for what goes round several times, frames that take more than 1 GiB, or a focal point that moves behind the array.
+/// Invalid focal points, a step without targets or a target whose step is never shown, an outline or a speed without
+/// length, too few frames for a motion repeated several times, frames that need more than 1 GiB, or a focal point
+/// that moves behind the array.
 pub fn check(scene: &Scene) -> Result<(), KeyError> {
     Score::new(scene).map(drop)
 }
 
 const AT_REST: Vertex = Vertex { at: DVec3::ZERO, pressure: 1.0 };
 
-/// Who is where in which frame.
+/// Positions of all foci per frame.
 struct Score<'a> {
     scene: &'a Scene,
     frames: u64,
-    /// Of every group: how its targets move, and how often in a cycle.
+    /// The groups, each with the kind of its motion and its repetitions per cycle.
     ways: Vec<(Group<'a>, Way<'a>)>,
     steps: Vec<Vec<Part>>,
 }
 
 enum Way<'a> {
-    /// All of it, from where it stands in the file.
+    /// The whole target, displaced from its position in the file.
     Offset(Round<'a>),
-    /// Foci of their own, along its outline.
+    /// Foci running along its outline.
     Run(Course),
 }
 
-/// The focal points of a target as it stands in the file, and the way that it goes, if it moves.
+/// The focal points of a target at its position in the file, and its motion, if any.
 struct Part {
     foci: Vec<Focus>,
     way: Option<usize>,
@@ -90,7 +91,7 @@ impl<'a> Score<'a> {
         Ok(score)
     }
 
-    /// What a step shows, but for foci that run.
+    /// The targets of a step, without running foci.
     fn parts(&self, step: u32) -> Result<Vec<Part>, KeyError> {
         let targets: Vec<_> =
             self.scene.targets.iter().enumerate().filter(|(_, target)| target.is_in(step)).collect();
@@ -112,11 +113,11 @@ impl<'a> Score<'a> {
         Ok(targets.into_iter().map(part).collect())
     }
 
-    /// The way that a target goes, if it does not stand still.
+    /// The motion of a target, unless it is at rest.
     fn way_of(&self, index: usize, target: &Target) -> Option<usize> {
         let own = target.motion.is_some().then_some(index);
         let way = self.ways.iter().position(|(group, _)| group.target == own)?;
-        // Nothing runs round a picture.
+        // Foci do not run along pictures.
         let runs = matches!(self.ways[way].1, Way::Run(_));
         let stands = runs && matches!(target.shape, Shape::Picture { .. });
         (!stands).then_some(way)
@@ -155,7 +156,7 @@ impl<'a> Score<'a> {
         })
     }
 
-    /// How much of a repetition one of the foci that share it has behind it, without rounding errors that grow with the frames.
+    /// The fraction of a repetition of one of its foci, without accumulated rounding errors.
     fn part(&self, group: &Group<'_>, frame: u64, focus: u32) -> f64 {
         let (frames, foci) = (u128::from(self.frames), u128::from(group.motion.foci));
         let whole = frames * foci;

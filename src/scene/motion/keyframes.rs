@@ -1,4 +1,4 @@
-//! Keyframes: places and pressures at moments of a repetition, and the ways between them.
+//! Keyframes: offsets and pressures at times within a cycle, and the interpolation between them.
 
 use std::cmp::Ordering;
 
@@ -7,16 +7,16 @@ use serde::{Deserialize, Serialize};
 
 use crate::scene::run::Vertex;
 
-/// Where a target is at a moment of the repetition, and how loud.
+/// Position and pressure of a target at a time within a repetition.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Keyframe {
     /// Of a repetition, in [0, 1).
     pub time: f64,
-    /// m, from the target's own place.
+    /// Offset from the target's position, m.
     #[serde(default)]
     pub at: DVec3,
-    /// What the wanted pressure is multiplied by.
+    /// Factor on the target pressure.
     #[serde(default = "unchanged", skip_serializing_if = "is_unchanged")]
     pub pressure: f64,
     /// On the way to the next.
@@ -32,7 +32,7 @@ fn is_unchanged(pressure: &f64) -> bool {
     *pressure == 1.0
 }
 
-/// How the way from a keyframe to the next is gone.
+/// The interpolation from a keyframe to the next.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Easing {
@@ -41,7 +41,7 @@ pub enum Easing {
     Linear,
     /// From rest to rest: 3t² - 2t³.
     Smooth,
-    /// Not at all: it stays until the next, and jumps.
+    /// Constant until the next keyframe, then a jump.
     Hold,
 }
 
@@ -61,7 +61,7 @@ impl Easing {
         *self == Self::Linear
     }
 
-    /// The part of the way that is done after a part of the time.
+    /// The fraction of the way after a fraction of the time.
     fn ease(self, part: f64) -> f64 {
         match self {
             Self::Linear => part,
@@ -100,7 +100,7 @@ pub(super) fn between(keyframes: &[Keyframe], part: f64) -> Vertex {
     from.vertex().lerp(to.vertex(), from.easing.ease(passed / taken))
 }
 
-/// m that a repetition takes along the ways; jumps take none.
+/// Length of a repetition (m), without jumps.
 pub(super) fn length(keyframes: &[Keyframe]) -> f64 {
     let next = keyframes.iter().cycle().skip(1);
     let way = |(from, to): (&Keyframe, &Keyframe)| match from.easing {
@@ -110,7 +110,7 @@ pub(super) fn length(keyframes: &[Keyframe]) -> f64 {
     keyframes.iter().zip(next).map(way).sum()
 }
 
-/// Puts a keyframe among others, in place of one at the same time. Gives out its place.
+/// Inserts a keyframe, replacing one at the same time, and returns its index.
 pub fn insert(keyframes: &mut Vec<Keyframe>, keyframe: Keyframe) -> usize {
     let place =
         keyframes.binary_search_by(|other| other.time.partial_cmp(&keyframe.time).unwrap_or(Ordering::Less));

@@ -1,4 +1,4 @@
-//! What motions may not be: steps that no target has, paths without length, more frames than fit into memory.
+//! Limits of motions: steps without targets, paths without length, more frames than memory holds.
 
 use glam::DVec3;
 
@@ -7,16 +7,16 @@ use crate::scene::motion::cycle::Group;
 use crate::scene::space::Front;
 use crate::scene::{Focus, MotionPath, Scene, Tempo};
 
-/// Bytes that the drives and foci of all frames may take.
+/// Limit of the memory of drives and foci of all frames, in bytes.
 const MOST_BYTES: u64 = 1 << 30;
-/// Bytes of a frame beside its numbers.
+/// Overhead of a frame in bytes.
 const LISTS: usize = 512;
-/// One part in so many is lost between allocations.
+/// Allocator overhead, as a divisor.
 const SLACK: u64 = 6;
-/// Frames of a repetition, where a cycle has several.
+/// Fewest frames per repetition, if a cycle has several.
 const FEWEST: u64 = 3;
 
-/// How many there are; one where nothing goes in steps.
+/// The number of steps; one without steps.
 pub fn steps(scene: &Scene) -> u32 {
     if scene.motion.path != MotionPath::Steps {
         return 1;
@@ -25,7 +25,7 @@ pub fn steps(scene: &Scene) -> u32 {
     shown.filter_map(|target| target.step).max().map_or(1, |last| last.saturating_add(1))
 }
 
-/// Every step has a target and a frame, and no target has a step for nothing.
+/// Every step has a target and a frame, and every target's step is shown.
 pub fn check_steps(scene: &Scene) -> Result<(), KeyError> {
     let has_step = |step: u32| scene.targets.iter().any(|it| it.visible && it.step == Some(step));
     if scene.motion.path != MotionPath::Steps {
@@ -37,7 +37,7 @@ pub fn check_steps(scene: &Scene) -> Result<(), KeyError> {
             )),
         };
     }
-    // A gap is found after as many steps as there are targets, however large the last one is.
+    // A gap is found within as many steps as there are targets, for any last step.
     if let Some(missing) = (0..steps(scene)).find(|&step| !has_step(step)) {
         return refuse(
             None,
@@ -53,7 +53,7 @@ pub fn check_steps(scene: &Scene) -> Result<(), KeyError> {
     Ok(())
 }
 
-/// Drives take turns only where nothing moves.
+/// Several drives in turn are for scenes at rest only.
 pub fn check_turns(scene: &Scene, moves: bool) -> Result<(), KeyError> {
     if scene.solver.frames == 1 || !moves {
         return Ok(());
@@ -63,7 +63,7 @@ pub fn check_turns(scene: &Scene, moves: bool) -> Result<(), KeyError> {
     Err(KeyError::new([Key::from("solver"), Key::from("frames")], message))
 }
 
-/// Checks how far and how fast a group goes.
+/// Checks length and speed of a group.
 pub fn check_group(group: &Group<'_>, runs: bool, frames: u64) -> Result<(), KeyError> {
     let Group { target, motion, length, rounds } = *group;
     if runs && length == 0.0 {
@@ -108,11 +108,11 @@ pub fn check_group(group: &Group<'_>, runs: bool, frames: u64) -> Result<(), Key
 pub fn check_memory(scene: &Scene, frames: u64, foci: usize) -> Result<(), String> {
     const FLOAT: usize = size_of::<f64>();
     let elements = scene.elements();
-    // Phase and amplitude of an element, and the complex number that they are made from or that a mean is made from; a focus
-    // as it is asked for and as it was found, its pressure and its weight; what the lists of all these take themselves.
+    // Phase, amplitude and complex excitation of an element; each focus as requested and as found, with pressure and
+    // weight; and the overhead of all lists.
     let of_focus = 2 * size_of::<Focus>() + 4 * FLOAT;
     let bytes = (elements * 4 * FLOAT + foci * of_focus + LISTS) as u64;
-    // What allocators leave between them.
+    // Allocator overhead.
     let bytes = bytes + bytes / SLACK;
     if frames * bytes <= MOST_BYTES {
         return Ok(());
@@ -125,7 +125,7 @@ pub fn check_memory(scene: &Scene, frames: u64, foci: usize) -> Result<(), Strin
     ))
 }
 
-/// A place where no focus can be, in words.
+/// Text for a focus behind the array.
 pub fn behind(place: DVec3, front: &Front) -> String {
     let [x, y, z] = place.to_array();
     format!("({x:.4}, {y:.4}, {z:.4}), {}", front.behind())
@@ -137,7 +137,7 @@ pub fn key(target: Option<usize>, key: &'static str) -> Vec<Key> {
     own.into_iter().flatten().chain([Key::from("motion"), Key::from(key)]).collect()
 }
 
-/// An error at such a key.
+/// An error at this key.
 pub fn refuse<T>(
     target: Option<usize>,
     name: &'static str,

@@ -1,6 +1,6 @@
-//! Motion: the closed path or the keyframes along which targets move, the drawn strokes along which foci run, or the steps in which targets take turns.
+//! Motion: targets along closed paths or keyframes, foci along drawn strokes, or targets in turn.
 //!
-//! [`cycle()`] is how often what a scene's motions make together is played, and [`frames()`] are the focal points of its frames.
+//! [`cycle()`] is the common cycle of a scene's motions, and [`frames()`] are the focal points of its frames.
 
 mod course;
 mod cycle;
@@ -25,13 +25,13 @@ use track::Track;
 /// Pieces of a figure-eight, which has no closed form for its arc length; their chords are 1e-5 too short.
 const PIECES: usize = 512;
 
-/// How targets change while time goes by. A repetition begins again where it ends.
+/// The motion of targets. A repetition ends where it begins.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Motion {
     pub path: MotionPath,
     /// m: length of a line, diameter of a circle, side of a square or triangle, width of a figure-eight.
     pub size: f64,
-    /// rad, by which such a path is turned counter-clockwise.
+    /// Counter-clockwise rotation of the path, rad.
     #[serde(skip_serializing_if = "is_zero")]
     pub angle: f64,
     #[serde(flatten)]
@@ -41,7 +41,7 @@ pub struct Motion {
     /// The offsets (m) that `path = "points"` visits.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub points: Vec<DVec3>,
-    /// What `path = "keyframes"` goes through, in the order of their times.
+    /// The keyframes of `path = "keyframes"`, in temporal order.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub keyframes: Vec<Keyframe>,
     /// Focal points that run along an outline, at equal distances.
@@ -73,7 +73,7 @@ impl Default for Motion {
     }
 }
 
-/// How fast a repetition goes by; the other one follows from its length.
+/// Speed or rate of a motion; the other follows from its length.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Tempo {
@@ -84,12 +84,12 @@ pub enum Tempo {
 }
 
 impl Tempo {
-    /// What a path has unless the scene says otherwise: along an outline the speed at which a hand feels a line.
+    /// The default tempo of a path: along outlines, the speed of best tactile perception.
     pub fn usual(path: MotionPath) -> Self {
         if path == MotionPath::Outline { Self::Speed(6.0) } else { Self::Rate(5.0) }
     }
 
-    /// Repetitions per second of so many metres; without length there is no speed, and no number for one.
+    /// Repetitions per second of a path of this length (m); `None` for a speed without length.
     pub fn rate(self, length: f64) -> Option<f64> {
         match self {
             Self::Rate(rate) => Some(rate),
@@ -98,7 +98,7 @@ impl Tempo {
     }
 }
 
-/// The `[motion]` table as written: keys that exclude each other are found where they stand.
+/// The `[motion]` table as written: mutually exclusive keys are reported at their position.
 #[derive(Debug, Default, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub(crate) struct MotionTable {
@@ -114,7 +114,7 @@ pub(crate) struct MotionTable {
 }
 
 impl MotionTable {
-    /// The motion that this table stands for.
+    /// The motion of this table.
     pub(crate) fn into_motion(self) -> Result<Motion, KeyError> {
         let Self { path, size, angle, rate, speed, frames, points, keyframes, foci } = self;
         let tempo = match (rate, speed) {
@@ -133,8 +133,8 @@ impl MotionTable {
     }
 }
 
-/// The paths lie parallel to the array and are run through at constant speed, counter-clockwise. All but `points` and `keyframes`
-/// have their mean at the targets' own places.
+/// Paths are parallel to the array and traversed at constant speed, counter-clockwise. All except `points` and
+/// `keyframes` are centred on the targets' positions.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum MotionPath {
@@ -154,7 +154,7 @@ pub enum MotionPath {
     Keyframes,
     /// Gerono's: twice as wide as high, from the crossing to the upper right.
     FigureEight,
-    /// Nothing moves: targets with `step = 0` are shown first, then those with `step = 1`, and so on.
+    /// Targets take turns at rest: first those with `step = 0`, then those with `step = 1`, and so on.
     Steps,
     /// Foci run along the drawn strokes, in their order and direction: no target moves.
     Outline,
@@ -179,17 +179,18 @@ impl MotionPath {
 }
 
 impl Motion {
-    /// How far the targets are from their own places (m) after a part of a repetition, in [0, 1).
+    /// Offset of the targets (m) after a fraction of a repetition, in [0, 1).
     pub fn offset(&self, part: f64) -> DVec3 {
         self.round().at(part).at
     }
 
-    /// What wanted pressures are multiplied by then.
+    /// Factor on target pressures at this time.
     pub fn pressure(&self, part: f64) -> f64 {
         self.round().at(part).pressure
     }
 
-    /// m, of one repetition; 0 for steps, and for outlines, whose length is that of the targets: [`Group::length`].
+    /// Length of a repetition (m); 0 for steps, and for outlines, whose length is that of the targets:
+    /// [`Group::length`].
     pub fn length(&self) -> f64 {
         self.round().length()
     }
@@ -239,7 +240,7 @@ impl Motion {
     }
 }
 
-/// The way of one repetition, by the part of it that is done.
+/// The course of one repetition, by its completed fraction.
 enum Round<'a> {
     /// At constant speed.
     Track(Track),
@@ -247,7 +248,7 @@ enum Round<'a> {
 }
 
 impl Round<'_> {
-    /// How far from its own place (m), and how loud beside what is wanted, after a part in [0, 1).
+    /// Offset (m) and pressure factor after a fraction in [0, 1).
     fn at(&self, part: f64) -> Vertex {
         match self {
             Self::Track(track) => track.at(part * track.length()),

@@ -1,4 +1,4 @@
-//! Polylines and circles measured by their length, so that they can be run through at constant speed.
+//! Polylines and circles parametrised by arc length, for motion at constant speed.
 
 use std::f64::consts::TAU;
 
@@ -6,10 +6,10 @@ use glam::DVec3;
 
 use crate::scene::run::Vertex;
 
-/// A line that is run through from its start to its end.
+/// A line from start to end.
 #[derive(Clone, Debug)]
 pub(super) enum Track {
-    /// Once round from `x` over `y`, which are as long as the radius and lie across each other; m.
+    /// A full circle from `x` through `y`, orthogonal vectors of the radius' length; m.
     Circle { centre: Vertex, x: DVec3, y: DVec3 },
     /// `distances` are m from the first vertex to each.
     Polyline { vertices: Vec<Vertex>, distances: Vec<f64> },
@@ -26,7 +26,7 @@ impl Track {
         Self::Polyline { vertices, distances }
     }
 
-    /// A polyline that ends where it begins.
+    /// A closed polyline.
     pub fn round(places: impl IntoIterator<Item = DVec3>) -> Self {
         let mut vertices: Vec<_> = places.into_iter().map(|at| Vertex { at, pressure: 1.0 }).collect();
         vertices.extend(vertices.first().copied());
@@ -41,7 +41,7 @@ impl Track {
         }
     }
 
-    /// The place at a distance (m) from the start; beyond the end it is the end.
+    /// The point at a distance (m) from the start, clamped to the end.
     pub fn at(&self, distance: f64) -> Vertex {
         match self {
             Self::Circle { centre, x, y } => {
@@ -62,7 +62,7 @@ impl Track {
         }
     }
 
-    /// The place that is lowest along a direction.
+    /// The lowest point along a direction.
     pub fn lowest(&self, up: DVec3) -> DVec3 {
         match self {
             Self::Circle { centre, x, y } => {

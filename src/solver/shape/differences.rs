@@ -1,4 +1,4 @@
-//! Tests of the fit of areas: its derivatives against central differences, and fields that are known to be possible.
+//! Tests of the fit of areas: derivatives against central differences, and fields known to be feasible.
 
 use glam::{DVec2, DVec3};
 
@@ -31,7 +31,7 @@ fn table(aperture: &Aperture, points: &[DVec3]) -> Table<f64> {
     table
 }
 
-/// A ring of some brightness on a grid, and what is around it.
+/// A ring of some brightness on a grid, with its surroundings.
 fn on_grid<T: Real>(aperture: &Aperture, liquid: Option<&Liquid>) -> Picture<T> {
     let layout = Layout::new(aperture, 0.05, DVec2::splat(0.04), 2);
     let (mut brightness, mut weight) = (vec![T::default(); layout.len()], vec![T::default(); layout.len()]);
@@ -101,7 +101,7 @@ fn a_field_that_a_drive_makes_is_found_again() {
     let aperture = Aperture::new(&Scene::default());
     let layout = Layout::new(&aperture, 0.1, DVec2::splat(0.05), 5);
     let mut grid = Grid::<f64>::new(&aperture, layout, SCALE);
-    // Focused on a ring: what such a drive makes is no field that any start ends at.
+    // Focused on a ring: its field is no result of any start.
     let mut known = Waves::zeros(256);
     for (n, position) in aperture.positions.iter().enumerate() {
         let away = (position.distance(DVec3::Z * 0.1) - 0.1) * aperture.element.wavenumber;

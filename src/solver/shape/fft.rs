@@ -1,4 +1,4 @@
-//! Fourier transforms along the rows of a matrix, as many side by side as a row has lanes: no value ever changes its lane.
+//! Fourier transforms along the rows of a matrix, one per SIMD lane: values never change lanes.
 
 use std::f64::consts::TAU;
 
@@ -27,7 +27,7 @@ struct Stage<T> {
     turns: Vec<[Turn<T>; 3]>,
 }
 
-/// The least length from `least` on that a plan can have and that is whole blocks of lanes.
+/// The smallest supported length of at least `least`, in whole blocks of lanes.
 pub fn length(least: usize) -> usize {
     let is_smooth = |&length: &usize| {
         let mut rest = length;
@@ -42,7 +42,7 @@ pub fn length(least: usize) -> usize {
 }
 
 impl<T: Real> Plan<T> {
-    /// For a length that [`length`] gives.
+    /// A plan for a length from [`length`].
     pub fn new(length: usize) -> Self {
         let mut stages = Vec::new();
         let (mut stride, mut rest) = (1, length);
@@ -60,8 +60,8 @@ impl<T: Real> Plan<T> {
         Self { length, stages }
     }
 
-    /// Transforms rows of `width`, whole blocks of lanes, in `data`; only the first `filled` rows are other than zero, and those
-    /// after them need not be there yet. `spare` is as long as `data`.
+    /// Transforms rows of `width`, whole blocks of lanes, in `data`; only the first `filled` rows are non-zero, and
+    /// later rows need not be initialised. `spare` is as long as `data`.
     #[inline(always)]
     pub fn run(&self, width: usize, filled: usize, data: &mut Waves<T>, spare: &mut Waves<T>) {
         let mut filled = filled;
@@ -95,7 +95,7 @@ impl<T: Real> Stage<T> {
                 let first_at = (run * stride + k) * blocks;
                 let apart = runs * stride * blocks;
                 let target = (run * radix * stride + k) * blocks;
-                // Later rows of a first stage are zero: what it makes of the first is this row, again and again.
+                // Later input rows of the first stage are zero: its output repeats this row.
                 if stride == 1 && filled <= runs {
                     let first = row(from, first_at, blocks);
                     for to in (target..target + radix * step).step_by(step) {
@@ -157,7 +157,7 @@ fn minus<T: Real>(a: &[T; LANES], b: &[T; LANES]) -> [T; LANES] {
     lanes(|i| a[i] - b[i])
 }
 
-/// Where a butterfly writes: real and imaginary parts, from its first row to the end of its last.
+/// Output of a butterfly: real and imaginary parts, from its first row to the end of its last.
 type Target<'a, T> = (&'a mut [[T; LANES]], &'a mut [[T; LANES]]);
 
 #[inline(always)]

@@ -1,4 +1,4 @@
-//! How good a drive of a shape is, in f64 and on samples finer than the solver's.
+//! Quality figures of a shape's drive, in f64 and on finer samples than the solver's.
 
 use std::f64::consts::TAU;
 
@@ -14,35 +14,36 @@ use crate::solver::shape::real::Waves;
 use crate::solver::shape::region::{self, Area};
 use crate::solver::shape::{Surroundings, strongest, wanted};
 
-/// Figures of a drive; they do not depend on its scale.
+/// Figures of a drive, independent of its scale.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Figures {
-    /// Least over mean of |p|/wanted along the strokes and at the foci, 0 to 1.
+    /// Least over mean of |p|/target along the strokes and at the foci, 0 to 1.
     pub evenness: f64,
-    /// Loudest over least of |p|/wanted there, dB.
+    /// Loudest over least of |p|/target there, dB.
     pub ripple_db: f64,
-    /// The loudest |p| of the plane, farther than 8 mm (0.93 wavelengths, if that is more) from every focus and area, over the mean
-    /// at the foci; 0 where there is no such place or nothing is heard at the foci.
+    /// The loudest |p| of the plane, farther than 8 mm (0.93 wavelengths, if that is more) from every focus and area,
+    /// over the mean at the foci; 0 without such a point, or without sound at the foci.
     pub side_lobe: f64,
     /// m
     pub side_lobe_position: DVec3,
-    /// Mean |p|/wanted over that of the strongest drive, the one of `quiet` = 0.
+    /// Mean |p|/target relative to that of the strongest drive (`quiet` = 0).
     pub strength: f64,
-    /// Where areas are drawn, or a depression.
+    /// For areas, or a depression.
     pub areas: Option<AreaFigures>,
 }
 
-/// Figures of areas, over them and the 3.7 wavelengths around them: of |p|², or of a liquid's depression where that is wanted.
+/// Figures of areas, over them and the 3.7 wavelengths around them: of |p|², or of a liquid's depression if
+/// prescribed.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct AreaFigures {
-    /// Mean where it is wanted over the mean around that.
+    /// Mean inside over mean around.
     pub contrast: f64,
-    /// Σ (s I - T)² / Σ T² with I what is there, T what is wanted and s the best scale: 0 to 1.
+    /// Σ (s I - T)² / Σ T² with I the actual and T the target value and s the best scale: 0 to 1.
     pub error: f64,
 }
 
-/// The figures of drives that take turns, u of the driven elements to any scale, drive after drive, as far on the plane as the
-/// array radiates. |p| is the root of the mean square over all drives.
+/// The figures of drives in turn, u of the driven elements to any scale, drive after drive, over the radiated part of
+/// the plane. |p| is the root mean square over all drives.
 ///
 /// # Panics
 /// Other than a value per driven element and drive.
@@ -78,7 +79,7 @@ pub fn figures(problem: &Problem<'_>, surroundings: &Surroundings, u: &[Complex6
     }
 }
 
-/// Figures of areas; of a drive that makes nothing heard there, as if it were all wrong.
+/// Figures of areas; of a silent drive, the worst values.
 fn areas(problem: &Problem<'_>, surroundings: &Surroundings, u: &[Complex64]) -> Option<AreaFigures> {
     let most = problem.transfer.rows().map(|row| row.map(|h| h.norm()).sum::<f64>()).fold(0.0, f64::max);
     let mut picture = wanted::picture::<f64>(problem, surroundings, true, 1.0 / most)?;
@@ -98,9 +99,9 @@ fn areas(problem: &Problem<'_>, surroundings: &Surroundings, u: &[Complex64]) ->
     })
 }
 
-/// Foci, and dense samples in place of those of areas, so that what is far from them is far from the areas.
+/// Foci, with dense samples in place of those of areas, so that distances are measured from the whole areas.
 fn drawn(problem: &Problem<'_>, areas: &[Cover]) -> Vec<Focus> {
-    /// Wavelengths between samples, and how many there are at most.
+    /// Spacing of samples in wavelengths, and their limit.
     const SPACING: f64 = 0.125;
     const MOST: f64 = 4096.0;
     let size = areas.iter().map(|cover| 4.0 * cover.half.element_product()).sum::<f64>();
@@ -120,11 +121,11 @@ fn moduli(aperture: &Aperture, points: &[DVec3], u: &[Complex64]) -> Vec<f64> {
     aperture.pressures(points, u).into_iter().map(Complex64::norm).collect()
 }
 
-/// Places between neighbouring samples of a stroke, and what is wanted there.
+/// Points between neighbouring samples of a stroke, with target values.
 fn between(foci: &[Focus], wavelength: f64) -> Vec<(DVec3, f64)> {
     /// Places for each pair.
     const PLACES: usize = 3;
-    /// Wavelengths: samples that are farther apart are separate foci.
+    /// Wavelengths: samples farther apart are separate foci.
     const NEIGHBOURS: f64 = 0.27;
     let between = |from: &Focus, to: &Focus| {
         let (from, to) = (*from, *to);
@@ -134,17 +135,17 @@ fn between(foci: &[Focus], wavelength: f64) -> Vec<(DVec3, f64)> {
         })
     };
     let is_near = |from: &Focus, to: &Focus| from.position.distance(to.position) < NEIGHBOURS * wavelength;
-    // Where strokes meet, neighbours do not follow each other.
+    // At junctions of strokes, neighbours are not consecutive.
     let pairs = foci.iter().enumerate().flat_map(|(i, from)| foci[i + 1..].iter().map(move |to| (from, to)));
     pairs.filter(|(from, to)| is_near(from, to)).flat_map(|(from, to)| between(from, to)).collect()
 }
 
-/// The loudest place of the plane that is not drawn, and |p| (Pa) there.
+/// The loudest undrawn point of the plane, and |p| (Pa) there.
 fn side_lobe(problem: &Problem<'_>, drawn: &[Focus], plane: &Plane, u: &[Complex64]) -> Option<(DVec3, f64)> {
     /// m, and wavelengths.
     const NEAREST: f64 = 8e-3;
     const NEAREST_WAVES: f64 = 0.93;
-    /// Of the loudest sample, and how many at most: places from which a louder one is looked for.
+    /// Threshold relative to the loudest sample, and limit of starting points for the search of the maximum.
     const LOUD: f64 = 0.8;
     const MOST: usize = 48;
     let (aperture, foci) = (problem.aperture, drawn);
@@ -181,7 +182,7 @@ fn side_lobe(problem: &Problem<'_>, drawn: &[Focus], plane: &Plane, u: &[Complex
         }
         best
     };
-    // One place of every lobe.
+    // One point of every lobe.
     let apart = 0.4 * aperture.wavelength();
     let mut places: Vec<(DVec3, f64)> = Vec::new();
     for loud in loud {
@@ -192,8 +193,8 @@ fn side_lobe(problem: &Problem<'_>, drawn: &[Focus], plane: &Plane, u: &[Complex
     places.iter().map(refined).max_by(|a, b| a.1.total_cmp(&b.1))
 }
 
-/// Places of the plane just farther than `nearest` (m) from the foci, where what is drawn fades: between them and the next sample it
-/// may fade by more than a side lobe does.
+/// Points of the plane just farther than `nearest` (m) from the foci, on the flank of the drawing: up to the next
+/// sample it may fall by more than a side lobe does.
 fn edge(foci: &[Focus], centre: DVec3, [x, y]: [DVec3; 2], nearest: f64) -> Vec<DVec3> {
     /// Around a focus, and around all of them at most.
     const DIRECTIONS: usize = 16;
@@ -212,7 +213,7 @@ fn edge(foci: &[Focus], centre: DVec3, [x, y]: [DVec3; 2], nearest: f64) -> Vec<
     places.filter(|&place| region::distance(place, foci) > nearest).collect()
 }
 
-/// Places farther than `nearest` (m) from every focus, and |p| (Pa) there, as f32 hears it.
+/// Points farther than `nearest` (m) from every focus, and |p| (Pa) there, in f32.
 fn heard(
     aperture: &Aperture,
     drawn: &[Focus],
@@ -221,7 +222,7 @@ fn heard(
     nearest: f64,
 ) -> Vec<(DVec3, f64)> {
     let largest = u.iter().map(|u| u.norm()).fold(f64::MIN_POSITIVE, f64::max);
-    // A number of one element's size, so that f32 holds squares.
+    // Scaled to an element's field, so that f32 holds squares.
     let scale = layout.height / aperture.element.strength.max(f64::MIN_POSITIVE);
     let mut grid = Grid::<f32>::new(aperture, *layout, scale);
     let mut squares = vec![0.0; layout.len()];

@@ -1,4 +1,4 @@
-//! A search that goes on after its schedule, from one further start after the other.
+//! The further search for a shape's drive, from additional starts.
 
 use web_time::{Duration, Instant};
 
@@ -9,7 +9,7 @@ use crate::solver::{Excitation, Problem};
 /// Calls of [`FINE`] steps from each start.
 const CALLS: usize = 8;
 
-/// The drive at the end of a [`Search`] that tries further starts until this time is over, one at least where there is time.
+/// The drive of a [`Search`] with further starts until the time is over; at least one if there is any time.
 pub fn best_within(problem: &Problem<'_>, surroundings: &Surroundings, time: Duration) -> Excitation {
     let start = Instant::now();
     let gauge = Gauge::current();
@@ -31,7 +31,7 @@ pub fn best_within(problem: &Problem<'_>, surroundings: &Surroundings, time: Dur
 }
 
 impl Search<'_> {
-    /// Takes the place of the better way if this start ends better.
+    /// Replaces the better descent if this start ends better.
     fn further(&mut self, number: usize) {
         let rival = 1 - self.leader;
         let weights = self.objective.weights;

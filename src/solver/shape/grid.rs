@@ -1,7 +1,7 @@
 //! Transfers to samples on a plane parallel to the array, by Fourier transforms.
 //!
-//! Samples every 1/S of the pitch are S² grids of the array's own pitch. From the array to one of them the transfer depends on
-//! the difference of the indices alone, so it is a convolution: a product of spectra.
+//! Samples at 1/S of the pitch are S² grids of the array's own pitch. To each of them the transfer depends only on
+//! the difference of the indices, so it is a convolution: a product of spectra.
 
 use std::collections::BTreeSet;
 
@@ -12,7 +12,7 @@ use crate::simd::{Instructions, Isa, Kernel};
 use crate::solver::shape::fft::{self, Plan, transpose};
 use crate::solver::shape::real::{LANES, Real, Waves, lanes};
 
-/// Where samples lie: as far from the array's axis in x and y.
+/// The layout of samples, symmetric about the array's axis in x and y.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Layout {
     /// m, above the array.
@@ -26,7 +26,7 @@ pub struct Layout {
 }
 
 impl Layout {
-    /// At a height (m) up to `reach` (m) along x and y from the axis, or a little farther where that costs nothing.
+    /// At a height (m), up to `reach` (m) along x and y from the axis, or slightly farther at no cost.
     pub fn new(aperture: &Aperture, height: f64, reach: DVec2, grids: usize) -> Self {
         let elements = elements(aperture);
         let least = reach.to_array().map(|reach| {
@@ -70,7 +70,7 @@ impl Layout {
         self.steps(axis, grid, sample) as f64 * pitch / (2 * self.grids) as f64
     }
 
-    /// Every sample: where a field holds it, and its place (m).
+    /// Every sample: its index in a field, and its position (m).
     pub fn places(&self, pitch: f64) -> impl Iterator<Item = (usize, DVec2)> {
         let (layout, width) = (*self, self.width());
         let grids = (0..layout.grids).flat_map(move |y| (0..layout.grids).map(move |x| [x, y]));
@@ -84,7 +84,7 @@ impl Layout {
         })
     }
 
-    /// Where a field holds every sample, row by row of the plane.
+    /// Indices of the samples in a field, row by row of the plane.
     pub fn rows(&self) -> Vec<usize> {
         let (grids, width) = (self.grids, self.width());
         let index = |x: usize, y: usize| {
@@ -119,7 +119,7 @@ impl Layout {
 /// Elements along x and y.
 ///
 /// # Panics
-/// An aperture that is no lattice.
+/// An aperture without a lattice.
 fn elements(aperture: &Aperture) -> [usize; 2] {
     aperture.lattice().expect("grids are laid out for lattices alone")
 }
@@ -129,12 +129,12 @@ fn elements(aperture: &Aperture) -> [usize; 2] {
 pub struct Grid<T> {
     pub layout: Layout,
     elements: [usize; 2],
-    /// Where the driven elements are among rows that are padded to whole blocks of lanes.
+    /// Indices of the driven elements in rows padded to whole blocks of lanes.
     driven: Vec<usize>,
     plans: [Plan<T>; 2],
     /// Spectra of the transfers to each grid: rows along kx, lanes along ky.
     spectra: Vec<Waves<T>>,
-    /// Of the excitation, or of what it hears.
+    /// Spectrum of the excitation, or of its back-propagated field.
     spectrum: Waves<T>,
     work: Waves<T>,
     spare: Waves<T>,
@@ -156,12 +156,12 @@ impl<T: Real> Grid<T> {
         Self { layout, elements, driven, plans, spectra, spectrum: room(), work: room(), spare: room() }
     }
 
-    /// p = H u at every sample; what pads rows of p has no meaning.
+    /// p = H u at every sample; the padding of rows of p is undefined.
     pub fn forward(&mut self, u: &Waves<T>, p: &mut Waves<T>) {
         Isa::best().run(Forward { grid: self, u, p });
     }
 
-    /// b += Hᴴ y; what pads rows of y is 0.
+    /// b += Hᴴ y; the padding of rows of y is 0.
     pub fn back(&mut self, y: &Waves<T>, b: &mut Waves<T>) {
         Isa::best().run(Back { grid: self, y, b });
     }

@@ -1,10 +1,10 @@
-//! Drives of shapes that are only the shape: strokes evenly loud, and everything else on the plane as quiet as can be.
+//! Drives of shapes: even pressure along strokes, and low side lobes everywhere else on the plane.
 //!
-//! The first drive minds the strokes alone: weighted Gerchberg-Saxton from equal phases along them ([`start`]), then
-//! descent ([`crate::solver::descent`]). What follows makes an [`objective`] small that hears everything the array radiates
-//! to: the plane by Fourier transforms ([`grid`]) where it is parallel to the array, by a [`table`] elsewhere. Of areas it is
-//! the [`picture`] that is fitted, from a field with equal phases. There is no
-//! clock inside and one thread: the same calls give the same drives.
+//! The first drive considers only the strokes: weighted Gerchberg-Saxton from equal phases along them ([`start`]),
+//! then descent ([`crate::solver::descent`]). An [`objective`] that covers the whole radiated plane is then
+//! minimised: by Fourier transforms ([`grid`]) on planes parallel to the array, by a [`table`] elsewhere. Areas are
+//! fitted as a [`picture`], from a field with equal phases. There is one thread and no clock: the same calls give the
+//! same drives.
 
 #[cfg(test)]
 mod differences;
@@ -40,26 +40,27 @@ pub use figures::{AreaFigures, Figures, figures};
 pub use further::best_within;
 pub use surroundings::{Surroundings, Zone};
 
-/// Steps of one call of [`Search::advance`], and calls, of each part of the schedule.
+/// Steps per call of [`Search::advance`], and calls, of each part of the schedule.
 pub const COARSE: (usize, u32) = (20, 3);
 const FINE: (usize, u32) = (25, 4);
 const LAST: (usize, u32) = (25, 4);
 /// Steps of another start, and of the best of these.
 const TRIAL: usize = 25;
 const TRIAL_REST: usize = 35;
-/// Steps of one call that goes on from a drive.
+/// Steps of a call that continues from a drive.
 const FRAME: usize = 15;
-/// Steps on the strokes alone: for the first drive, for other starts, and for the strength that a moved shape can have.
+/// Steps on the strokes alone: for the first drive, for other starts, and for the achievable strength of a moved
+/// shape.
 const FIRST_STEPS: usize = 25;
 const OTHER_STEPS: usize = 10;
 const MOVED_STEPS: usize = 8;
-/// Steps after which tables choose their rows anew; and after which no more is gained than rounding makes.
+/// Steps between selections of table rows; also the window for detecting convergence within rounding.
 const REFRESH: usize = 8;
 const STALL: usize = 10;
 /// Gain per step below which a descent ends.
 const LEAST_GAIN: f64 = 1e-5;
 
-/// On the strokes alone: even, and strong.
+/// Weights for the strokes alone: even and strong.
 const STROKES: Weights = Weights {
     even: 2.0,
     quiet: 0.0,
@@ -69,13 +70,13 @@ const STROKES: Weights = Weights {
     picture: PICTURE,
     floor: 0.0,
 };
-/// How much the fit of areas counts.
+/// Weight of the fit of areas.
 const PICTURE: f64 = 10.0;
 /// Steps of an area's first drive; then steps of one call, and calls.
 const AREA_FIRST: usize = 25;
 const AREA: (usize, u32) = (20, 12);
 
-/// A search for the drive of a shape that goes on as long as it is asked to, until it stops gaining.
+/// A search for the drive of a shape that can be continued until it converges.
 #[derive(Debug)]
 pub struct Search<'a> {
     problem: &'a Problem<'a>,
@@ -87,15 +88,15 @@ pub struct Search<'a> {
     strongest: f64,
     /// From equal phases, and from the best other start.
     ways: [Option<Descent>; 2],
-    /// Which of the ways is the better one.
+    /// Index of the better descent.
     leader: usize,
     stage: Stage,
-    /// u of the driven elements, drive after drive, as given last.
+    /// u of the driven elements of the last result, drive after drive.
     given: Option<Vec<Complex64>>,
     steps: usize,
 }
 
-/// What the next call of [`Search::advance`] does; numbers count calls and starts.
+/// The next action of [`Search::advance`]; numbers count calls and starts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Stage {
     /// The strokes alone.
@@ -110,7 +111,7 @@ pub enum Stage {
     Last(u32),
     /// Areas, on fine samples.
     Area(u32),
-    /// Goes on from a drive.
+    /// Continues from a drive.
     Moved,
     Going,
     Done,
@@ -141,7 +142,7 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// Goes on from u of the driven elements, which was found for a problem near this one: each call is the work of a frame.
+    /// Continues from u of the driven elements of a similar problem: each call takes the time of a frame.
     pub fn from(problem: &'a Problem<'a>, surroundings: &Surroundings, before: &[Complex64]) -> Self {
         let mut search = Self::new(problem, surroundings);
         let count = problem.drives * problem.aperture.driven.len();
@@ -157,9 +158,9 @@ impl<'a> Search<'a> {
         self.stage
     }
 
-    /// The best drive so far, turned by a common phase to be near the one before: first that of the strokes alone, then one
-    /// after every few steps, which is the one before again where they were spent on another start. `None` once nothing is
-    /// gained any more.
+    /// The best drive so far, with its common phase matched to the previous one: first that of the strokes alone,
+    /// then one after every few steps, which is unchanged if they were spent on another start. `None` after
+    /// convergence.
     pub fn advance(&mut self) -> Option<Excitation> {
         let before = self.steps;
         match self.stage {
@@ -191,7 +192,7 @@ impl<'a> Search<'a> {
         (self.steps > before).then(|| self.give())
     }
 
-    /// No element is heard where anything is drawn: any drive is as good.
+    /// The field is zero wherever targets are: any drive is equally good.
     fn silent(&mut self) -> Excitation {
         let values = vec![Complex64::ONE; self.problem.drives * self.problem.aperture.driven.len()];
         self.given = Some(values.clone());
@@ -235,7 +236,7 @@ impl<'a> Search<'a> {
         self.stage = if goes_on { Stage::Area(call + 1) } else { Stage::Done };
     }
 
-    /// Tries another start; after the last of them the best goes on as far as the first did.
+    /// Tries another start; after the last of them the best is continued as long as the first was.
     fn other(&mut self, start: usize) {
         let weights = self.objective.weights;
         let way = self.begun(start + 1, OTHER_STEPS);
@@ -275,7 +276,7 @@ impl<'a> Search<'a> {
         self.stage = Stage::Last(0);
     }
 
-    /// The first steps from the drive that was given; what strength this shape can have is found anew.
+    /// The first steps from the given drive; the achievable strength of this shape is estimated anew.
     fn moved(&mut self) {
         let phases = self.given.iter().flatten().map(|u| u.arg()).collect();
         if self.is_quiet() {
@@ -295,13 +296,13 @@ impl<'a> Search<'a> {
         self.surroundings.quiet > 0.0
     }
 
-    /// With the surroundings: most of the strength is kept.
+    /// Weights with surroundings: most of the strength is kept.
     fn weights(&self, loudness: Loudness) -> Weights {
-        /// Below this `quiet` side lobes count less and less.
+        /// Below this `quiet` the weight of side lobes decreases.
         const FULL: f64 = 0.25;
-        /// Of the strongest |p|: what `quiet` = 1 may cost.
+        /// Tolerated loss of strength at `quiet` = 1.
         const COST: f64 = 0.2;
-        /// With areas: of `quiet`³, so that they take little notice of side lobes by default, and without strokes.
+        /// Factor on `quiet`³ for areas without strokes, so that side lobes have a small weight by default.
         const AREAS: f64 = 0.8;
         const AREAS_AND_STROKES: f64 = 2.4;
         let wanted = self.surroundings.quiet.min(1.0);
@@ -322,7 +323,7 @@ impl<'a> Search<'a> {
         Weights { even: 1.5, quiet, strong: 0.0, sharpness: 16, loudness, floor, ..STROKES }
     }
 
-    /// Samples of the surroundings; coarse ones are replaced by finer ones where there are such.
+    /// Samples of the surroundings; coarse ones are replaced by finer ones if available.
     fn hear(&mut self, finer: bool) {
         let Self { problem, surroundings, objective, scale, .. } = self;
         if finer && !objective.quiet.is_empty() && objective.quiet.iter().all(|quiet| quiet.is_table()) {
@@ -333,7 +334,7 @@ impl<'a> Search<'a> {
         objective.quiet.extend(region::in_zones(problem, &surroundings.zones, *scale));
     }
 
-    /// Steps without the surroundings. Every drive that takes turns begins at another start, the first at this one.
+    /// Steps without the surroundings. Every drive in turn has a different start, the first has this one.
     fn begun(&mut self, start: usize, steps: usize) -> Descent {
         let samples: Vec<_> = self.problem.foci.iter().map(|focus| focus.position).collect();
         let phases = |drive: usize| {
@@ -358,7 +359,7 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// Steps of one of the ways; false once it gains nothing.
+    /// Steps of one of the descents; false after convergence.
     fn run(&mut self, way: usize, steps: usize) -> bool {
         let Some(way) = &mut self.ways[way] else { return false };
         let (done, goes_on) = descend(way, &mut self.objective, steps);
@@ -366,9 +367,9 @@ impl<'a> Search<'a> {
         goes_on
     }
 
-    /// The same drives turned by the common phase that rounding to few levels harms least: nothing that is heard changes.
+    /// The same drives with the common phase that minimises rounding errors on few levels: the field is unchanged.
     fn turned_for_rounding(&mut self, mut found: Excitation) -> Excitation {
-        /// Of a coarse board; what suits it suits finer ones.
+        /// Levels of a coarse board; the choice suits finer ones, too.
         const LEVELS: f64 = 16.0;
         const TURNS: u32 = 32;
         const STEP: f64 = TAU / LEVELS;
@@ -401,7 +402,7 @@ impl<'a> Search<'a> {
     }
 }
 
-/// Steps of a descent: how many were made, one at least, and whether more would gain.
+/// Steps of a descent: their number, at least one, and whether more would gain.
 fn descend(way: &mut Descent, objective: &mut Objective<f32>, steps: usize) -> (usize, bool) {
     let mut done = 0;
     while done < steps {
@@ -424,7 +425,7 @@ fn descend(way: &mut Descent, objective: &mut Objective<f32>, steps: usize) -> (
     (done, true)
 }
 
-/// What a way has come down to.
+/// The value reached by a descent.
 fn value(way: &Option<Descent>) -> f64 {
     way.as_ref().map_or(f64::INFINITY, |way| way.value)
 }
@@ -435,10 +436,10 @@ fn along(problem: &Problem<'_>, phases: &[f64]) -> Vec<f64> {
     iteration::weighted_from(problem, phases, ITERATIONS).iter().map(|u| u.arg()).collect()
 }
 
-/// The transfer to those foci that are of strokes over what is wanted there, and the scale of transfers that brings it near 1; foci that cannot be made
-/// to hear anything are left out.
+/// The transfer to the foci of strokes over their targets, and a scale that brings it near 1; unreachable foci are
+/// left out.
 fn strokes(problem: &Problem<'_>, is_stroke: impl Fn(&Focus) -> bool) -> (Table<f32>, f64) {
-    /// Of what the focus hears that hears most, over its target.
+    /// Relative to the best reachable focus, over its target.
     const FAINTEST: f64 = 1e-4;
     let targets = problem.targets();
     let mean = targets.iter().sum::<f64>() / targets.len() as f64;
@@ -458,7 +459,7 @@ fn strokes(problem: &Problem<'_>, is_stroke: impl Fn(&Focus) -> bool) -> (Table<
     (table, scale)
 }
 
-/// The strongest drives: those of the strokes alone.
+/// The strongest drives, for the strokes alone.
 fn strongest(problem: &Problem<'_>) -> Vec<Complex64> {
     best(problem, &Surroundings::of_plane(Plane::default(), 0.0)).values
 }
@@ -468,7 +469,7 @@ pub fn best(problem: &Problem<'_>, surroundings: &Surroundings) -> Excitation {
     best_within(problem, surroundings, Duration::ZERO)
 }
 
-/// One call of a search that goes on from u of the driven elements: what a frame of a motion or of a drag has time for.
+/// One call of a search continued from u of the driven elements: for a frame of a motion or of a drag.
 pub fn best_from(problem: &Problem<'_>, surroundings: &Surroundings, before: &[Complex64]) -> Excitation {
     let mut search = Search::from(problem, surroundings, before);
     search.advance().unwrap_or_else(|| search.silent())

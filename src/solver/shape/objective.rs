@@ -1,13 +1,13 @@
-//! What a drive of a shape is to make small: unevenness along the strokes and side lobes, and how weak it gets.
+//! The objective of a shape's drive: unevenness along the strokes, side lobes, and weakness.
 //!
-//! With I the mean |p|² of all drives that take turns, over its wanted value on the strokes, M the mean of it there, and
+//! With I the mean |p|² of all drives in turn, over its target value on the strokes, M the mean of it there, and
 //! phases φ of the elements in each of them, it is
 //!   α E + β Q - γ S + ½ 30 (max(0, ½ ln(floor/M)))²,
 //!   E = 1/2p ln(mean (M/I)^p), a soft minimum of |p| along the strokes under their mean,
 //!   Q = 1/2q ln(Σ m (I/M)^q), a soft maximum of |p| elsewhere over that mean, m the mask,
 //!   S = ½ ln M.
-//! Where areas are drawn, ε L comes to that ([`crate::solver::shape::picture`]). M is the mean of I T over them if there are no
-//! strokes, and else ½ 30 (½ ln(s M))² ties the areas' scale to the strokes.
+//! For areas, ε L is added ([`crate::solver::shape::picture`]). M is the mean of I T over them if there are no
+//! strokes; otherwise ½ 30 (½ ln(s M))² ties the areas' scale to the strokes.
 //! Its derivative by φ_n of one of K drives is 2/K Im(u_n* b_n) with b = Hᴴ (w p) and w its derivative by I.
 
 use crate::simd::{Instructions, Isa, Kernel};
@@ -17,12 +17,12 @@ use crate::solver::shape::real::{LANES, Real, Waves, lanes};
 use crate::solver::shape::samples::Samples;
 use crate::solver::shape::table::Table;
 
-/// Of the mean |p|²: what is less counts as this much.
+/// Floor of the intensity relative to the mean |p|².
 const LEAST: f64 = 1e-6;
-/// Of the penalty for strength that is lost.
+/// Stiffness of the penalty for lost strength.
 const STIFFNESS: f64 = 30.0;
 
-/// How much each of it counts.
+/// Weights of its terms.
 #[derive(Clone, Copy, Debug)]
 pub struct Weights {
     /// α
@@ -37,18 +37,18 @@ pub struct Weights {
     pub loudness: Loudness,
     /// ε
     pub picture: f64,
-    /// The M that is kept; 0 for none.
+    /// The lower limit of M; 0 for none.
     pub floor: f64,
 }
 
-/// How near the soft maximum of |p|² elsewhere is to the maximum: q.
+/// The sharpness q of the soft maximum of |p|² elsewhere.
 #[derive(Clone, Copy, Debug)]
 pub enum Loudness {
     Eight,
     Twelve,
 }
 
-/// Samples that are to be quiet, how much each counts, and the field there.
+/// Samples of the quiet region, their weights, and the field there.
 #[derive(Debug)]
 pub struct Quiet<T> {
     samples: Samples<T>,
@@ -86,9 +86,10 @@ impl<T: Real> Quiet<T> {
         self.p.iter().zip(drives).for_each(|(p, b)| self.samples.back(p, b));
     }
 
-    /// Of a table, the rows at which these drives are loud are in use from now on.
+    /// Selects the active rows of a table: those that are loud for these drives.
     fn refresh(&mut self, drives: &[Waves<T>]) {
-        /// Of the loudest |p|²: less is dangerous, since side lobes grow between two refreshes.
+        /// Threshold relative to the loudest |p|²: higher values are dangerous, since side lobes grow between two
+        /// refreshes.
         const LOUD: f64 = 0.16;
         let Samples::Table(table) = &mut self.samples else { return };
         table.rows = (0..self.mask.len() as u32).collect();
@@ -111,32 +112,32 @@ impl<T: Real> Quiet<T> {
     }
 }
 
-/// The function to be made small, of the phases (rad) of the driven elements, drive after drive.
+/// The function to minimise, of the phases (rad) of the driven elements, drive after drive.
 #[derive(Debug)]
 pub struct Objective<T> {
     pub weights: Weights,
     pub quiet: Vec<Quiet<T>>,
     /// Areas.
     pub picture: Option<Picture<T>>,
-    /// Transfers over wanted pressures.
+    /// Transfers over target pressures.
     strokes: Table<T>,
-    /// Of every drive: the excitation, what is sent back to it, and the pressures along the strokes.
+    /// Per drive: the excitation, the back-propagated field, and the pressures along the strokes.
     u: Vec<Waves<T>>,
     heard: Vec<Waves<T>>,
     p: Vec<Waves<T>>,
-    /// Mean |p|² over its wanted value along the strokes.
+    /// Mean |p|² over its target along the strokes.
     intensities: Vec<f64>,
 }
 
 impl<T: Real> Objective<T> {
-    /// For so many drives that take turns.
+    /// For this number of drives in turn.
     pub fn new(strokes: Table<T>, drives: usize, weights: Weights) -> Self {
         let u = vec![strokes.excitation(); drives];
         let (heard, p) = (u.clone(), vec![Waves::zeros(strokes.points()); drives]);
         Self { weights, quiet: Vec::new(), picture: None, strokes, u, heard, p, intensities: Vec::new() }
     }
 
-    /// Whether nothing is drawn.
+    /// Whether there are no targets.
     pub fn is_empty(&self) -> bool {
         self.picture.is_none() && !self.has_strokes()
     }
@@ -145,8 +146,8 @@ impl<T: Real> Objective<T> {
         self.strokes.points() > 0
     }
 
-    /// Phases of the elements from which a field of equal phases on the areas comes, or, of further starts and drives, of
-    /// scattered ones.
+    /// Starting phases of the elements, for a field with equal phases on the areas or, for further starts and drives,
+    /// with scattered ones.
     pub fn start(&mut self, number: usize, elements: usize) -> Vec<f64> {
         if let Some(picture) = &mut self.picture {
             picture.start(number, &mut self.heard);
@@ -164,7 +165,7 @@ impl<T: Real> Objective<T> {
         self.intensities.iter().sum::<f64>() / self.intensities.len() as f64
     }
 
-    /// Tables keep the rows that are loud at these phases; false where there are no tables.
+    /// Selects the table rows that are loud at these phases; false without tables.
     pub fn refresh(&mut self, phases: &[f64]) -> bool {
         if !self.quiet.iter().any(Quiet::is_table) {
             return false;
@@ -189,7 +190,7 @@ impl<T: Real> Objective<T> {
         self.intensities.extend((0..self.strokes.points()).map(mean));
     }
 
-    /// ln(Σ m I^q)/2q, and β/2 of its derivatives sent back to the elements; `None` where there is nothing to be heard.
+    /// ln(Σ m I^q)/2q, with β/2 of its derivatives back-propagated to the elements; `None` if the field is zero.
     fn hear(&mut self) -> Option<f64> {
         self.heard.iter_mut().for_each(Waves::clear);
         if self.weights.quiet == 0.0 {
@@ -277,7 +278,7 @@ impl<T: Real> Function for Objective<T> {
     }
 }
 
-/// The loudest Σ |p|² over drives where the mask is not 0.
+/// The largest Σ |p|² over drives where the mask is non-zero.
 struct Loudest<'a, T> {
     quiet: &'a Quiet<T>,
 }
@@ -310,9 +311,9 @@ impl<T: Real, const Q: usize> Kernel for Weigh<'_, T, Q> {
 
     #[inline(always)]
     fn run<I: Instructions>(self) -> f64 {
-        /// Powers of less are too small for f32, and nothing beside that of the loudest.
+        /// Powers of smaller values underflow in f32, and are negligible against the loudest.
         const FAINT: f64 = 2e-3;
-        /// Blocks that are summed before their sum is widened.
+        /// Blocks summed before their sum is widened.
         const RUN: usize = 64;
         let Self { quiet: Quiet { p, in_use, .. }, inverse } = self;
         let (faint, one) = (T::of(FAINT), T::of(1.0));

@@ -1,9 +1,9 @@
-//! How far the intensity over an area is from what is wanted there, up to a scale.
+//! The error of the intensity over an area relative to its target, up to a scale.
 //!
-//! With I the mean |p|² of all drives that take turns at samples of weight w where T is wanted, it is
+//! With I the mean |p|² of all drives in turn at samples of weight w and target T,
 //!   L = Σ w (s I - T)² / Σ w T², s = Σ w I T / Σ w I² the best scale,
-//!   ∂L/∂I = 2 s w (s I - T) / Σ w T²: s being the best, its own change counts for nothing.
-//! Where the depression of a liquid is what is wanted, C I stands for I, C the liquid's response, and ∂L/∂I is C of that.
+//!   ∂L/∂I = 2 s w (s I - T) / Σ w T², since the derivative by s vanishes.
+//! For a liquid's depression C I replaces I, C being the liquid's response, and ∂L/∂I is multiplied by C.
 
 use std::f64::consts::TAU;
 
@@ -13,22 +13,22 @@ use crate::solver::shape::response::Response;
 use crate::solver::shape::samples::Samples;
 use crate::solver::starts::scatter;
 
-/// Blocks that are summed before their sum is widened.
+/// Blocks summed before their sum is widened.
 const RUN: usize = 64;
 
-/// What is wanted at samples, laid out as their field is; padded to whole blocks of lanes.
+/// Target values at samples, in the layout of their field; padded to whole blocks of lanes.
 #[derive(Clone, Debug)]
 pub struct Wanted<T> {
     /// T
     brightness: Vec<T>,
-    /// w: 1 on the areas and around them, 0 where anything may be.
+    /// w: 1 on the areas and around them, 0 elsewhere.
     weight: Vec<T>,
     /// Σ w T and Σ w T².
     sum: f64,
     power: f64,
 }
 
-/// How an intensity fits to what is wanted.
+/// The fit of an intensity to its target.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Fit {
     /// L, 0 to 1.
@@ -41,7 +41,7 @@ pub struct Fit {
     along: f64,
 }
 
-/// What the derivative by an intensity is made of.
+/// The terms of the derivative by an intensity.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Slope {
     /// Of L.
@@ -63,7 +63,7 @@ impl<T: Real> Wanted<T> {
         Self { brightness, weight, sum, power }
     }
 
-    /// `None` where nothing is heard.
+    /// `None` for a zero field.
     pub fn fit(&self, intensities: &[T]) -> Option<Fit> {
         let (along, square) = Isa::best().run(Products { wanted: self, intensities });
         let scale = along / square;
@@ -138,12 +138,12 @@ impl<T: Real> Kernel for Derive<'_, T> {
     }
 }
 
-/// What is wanted over areas, and the field there.
+/// Targets over areas, and the field there.
 #[derive(Debug)]
 pub struct Picture<T> {
     samples: Samples<T>,
     wanted: Wanted<T>,
-    /// Of the liquid whose depression is wanted.
+    /// Response of the liquid, for a prescribed depression.
     response: Option<Response>,
     /// Of every drive.
     p: Vec<Waves<T>>,
@@ -159,7 +159,7 @@ impl<T: Real> Picture<T> {
         Self { samples, wanted, response, p: Vec::new(), intensities, fit: None }
     }
 
-    /// The fit of the field that these drives make.
+    /// The fit of the field of these drives.
     pub fn hear(&mut self, drives: &[Waves<T>]) -> Option<Fit> {
         self.p.resize_with(drives.len(), || Waves::zeros(self.intensities.len()));
         self.intensities.fill(T::default());
@@ -179,7 +179,7 @@ impl<T: Real> Picture<T> {
         self.fit
     }
 
-    /// b += Hᴴ (w p), w the derivative by I of what was heard last.
+    /// b += Hᴴ (w p), w the derivative by I of the last field.
     pub fn back(&mut self, slope: Slope, drives: &mut [Waves<T>]) {
         let Some(fit) = &self.fit else { return };
         self.wanted.slopes(&mut self.intensities, fit, slope);
@@ -194,7 +194,8 @@ impl<T: Real> Picture<T> {
         }
     }
 
-    /// What the elements hear of a field of the wanted |p| with equal phases, or, for further starts and drives, with scattered ones.
+    /// The back-propagated field of target |p| with equal phases or, for further starts and drives, with scattered
+    /// ones.
     pub fn start(&mut self, number: usize, drives: &mut [Waves<T>]) {
         for (drive, b) in (number..).zip(drives) {
             let mut p = Waves::zeros(self.intensities.len());
@@ -210,8 +211,8 @@ impl<T: Real> Picture<T> {
         }
     }
 
-    /// Mean of |p|² or of the depression, as heard last, where it is wanted, over the mean around that; `None` where nothing is
-    /// around.
+    /// Mean of the last |p|² or depression inside the targets, over the mean around them; `None` without
+    /// surroundings.
     pub fn contrast(&self) -> Option<f64> {
         let (mut inside, mut wanted, mut around, mut rest) = (0.0, 0.0, 0.0, 0.0);
         let most = self.wanted.brightness.iter().map(|t| t.wide()).fold(f64::MIN_POSITIVE, f64::max);

@@ -5,7 +5,7 @@ use std::ops::{Add, AddAssign, Mul, MulAssign, Neg, Sub};
 
 use crate::simd::{Instructions, fused, fused64};
 
-/// Numbers that are worked on together.
+/// Numbers processed together.
 pub const LANES: usize = 8;
 
 /// f32 or f64.
@@ -99,13 +99,13 @@ impl<T: Real> Waves<T> {
         self.im.fill(T::default());
     }
 
-    /// Both parts of so many numbers from a place on, in whole blocks of lanes.
+    /// Real and imaginary parts of `count` numbers from an index on, in whole blocks of lanes.
     #[inline(always)]
     pub fn blocks(&self, from: usize, count: usize) -> [&[[T; LANES]]; 2] {
         [&self.re, &self.im].map(|part| part[from..from + count].as_chunks().0)
     }
 
-    /// Both parts of one block of lanes.
+    /// Real and imaginary parts of one block of lanes.
     #[inline(always)]
     pub fn block(&self, index: usize) -> [&[T; LANES]; 2] {
         [&self.re, &self.im].map(|part| &part.as_chunks().0[index])
@@ -126,7 +126,7 @@ impl<T: Real> Waves<T> {
         self.re.iter_mut().chain(&mut self.im).for_each(|value| *value *= by);
     }
 
-    /// Real and imaginary parts exchanged: what makes the inverse of a Fourier transform of it.
+    /// Real and imaginary parts exchanged: which turns a Fourier transform into its inverse.
     #[inline(always)]
     pub fn exchange(&mut self) {
         std::mem::swap(&mut self.re, &mut self.im);

@@ -1,4 +1,4 @@
-//! Where it is to be quiet: samples of the scene's plane as far as the array radiates, and of zones, less what is drawn.
+//! The quiet region: samples of the scene's plane as far as the array radiates, and of zones, except the targets.
 
 use glam::{DVec2, DVec3};
 
@@ -12,13 +12,13 @@ use crate::solver::shape::real::Real;
 use crate::solver::shape::samples::Samples;
 use crate::solver::shape::table::{BLOCK, Table};
 
-/// Wavelengths from what is drawn within which nothing is to be quiet, and beyond which everything is.
+/// Distances from the drawing, in wavelengths, within which the mask is 0, and beyond which it is 1.
 const DRAWN: f64 = 0.58;
 const ELSEWHERE: f64 = 0.82;
 /// Values of a table at most, and samples of a plane in one.
 const MOST_VALUES: usize = 16 << 20;
 const MOST_SAMPLES: usize = 10_000;
-/// Points whose transfers are made at once.
+/// Points with transfers computed at once.
 const CHUNK: usize = 256;
 
 /// Samples of a plane.
@@ -33,7 +33,7 @@ pub enum Area {
 }
 
 impl Area {
-    /// `None` where the array is not heard. Finer samples for the last steps.
+    /// `None` if the array's field is zero there. Finer samples are for the last steps.
     pub fn new(problem: &Problem<'_>, plane: &Plane, finer: bool) -> Option<Self> {
         let (x, y) = plane.axes()?;
         let aperture = problem.aperture;
@@ -46,7 +46,7 @@ impl Area {
             let farthest =
                 problem.foci.iter().fold(DVec2::ZERO, |far, focus| far.max(focus.position.truncate().abs()));
             let corner = aperture.reach();
-            // Of a drawing far from the axis side lobes lie farther out, on the side away from it nearer.
+            // For a drawing far from the axis, side lobes extend farther on its side and less on the opposite side.
             let reach = (slope(aperture) * height + 0.6 * farthest).max(corner);
             let coarse = (aperture.pitch / spacing(aperture, height)).ceil().clamp(1.0, 16.0) as usize;
             let grids = coarse + usize::from(finer);
@@ -68,7 +68,7 @@ impl Area {
         let most = (MOST_VALUES / aperture.driven.len().max(1)).clamp(64, MOST_SAMPLES) as f64;
         let along = (2.0 * half / spacing(aperture, distance)).min(most.sqrt() - 1.0).ceil().max(1.0);
         let step = 2.0 * half / along;
-        // What is next to an element is loud whatever the others do.
+        // The field next to an element is dominated by it.
         let heights = problem.foci.iter().map(|focus| aperture.height(focus.position));
         let nearest = heights.fold(f64::INFINITY, f64::min);
         let lowest = (2.0 * aperture.wavelength()).min(0.5 * nearest).max(0.0);
@@ -81,20 +81,20 @@ impl Area {
     }
 }
 
-/// How far to the side an array radiates at a height of 1: its first grating lobe, if that is at 37 to 58°.
+/// The lateral extent of radiation at a height of 1: to the first grating lobe, if that is at 37 to 58°.
 fn slope(aperture: &Aperture) -> f64 {
     let sin = (aperture.wavelength() / aperture.pitch).clamp(0.6, 0.85);
     sin / (1.0 - sin * sin).sqrt()
 }
 
-/// Spacing (m) of samples between which no side lobe hides at a distance (m): half a fringe of the outermost elements.
+/// Spacing (m) of samples that misses no side lobe at a distance (m): half a fringe of the outermost elements.
 fn spacing(aperture: &Aperture, distance: f64) -> f64 {
     let (corner, wavelength) = (aperture.reach().max_element(), aperture.wavelength());
     let sines = 2.0 * corner / corner.hypot(distance);
     (0.51 * wavelength / sines.max(1e-6)).max(0.31 * wavelength)
 }
 
-/// Samples of a plane; `None` where nothing of it is to be quiet.
+/// Samples of a plane; `None` if no part of it is to be quiet.
 pub fn on_plane<T: Real>(problem: &Problem<'_>, plane: &Plane, finer: bool, scale: f64) -> Option<Quiet<T>> {
     match Area::new(problem, plane, finer)? {
         Area::Grid(layout) => {
@@ -108,14 +108,14 @@ pub fn on_plane<T: Real>(problem: &Problem<'_>, plane: &Plane, finer: bool, scal
     }
 }
 
-/// Samples of zones, times their weights; `None` where nothing of them is to be quiet.
+/// Samples of zones, times their weights; `None` if no part of them is to be quiet.
 pub fn in_zones<T: Real>(problem: &Problem<'_>, zones: &[Zone], scale: f64) -> Option<Quiet<T>> {
     let heard = zones.iter().filter(|zone| zone.weight > 0.0 && zone.weight.is_finite());
     let points = heard.flat_map(|zone| zone.points.iter().map(|&point| (point, zone.weight * scale)));
     scattered(problem, points.filter(|(point, _)| point.is_finite()))
 }
 
-/// A table of points with the scale of each, less those that are drawn and those that hear nothing.
+/// A table of points with the scale of each, without drawn points and points with zero field.
 fn scattered<T: Real>(problem: &Problem<'_>, points: impl Iterator<Item = (DVec3, f64)>) -> Option<Quiet<T>> {
     let aperture = problem.aperture;
     let points: Vec<_> = points.collect();
@@ -145,7 +145,7 @@ pub fn distance(point: DVec3, foci: &[Focus]) -> f64 {
     foci.iter().map(|focus| focus.position.distance_squared(point)).fold(f64::INFINITY, f64::min).sqrt()
 }
 
-/// How much a sample at a distance (m) from what is drawn counts, 0 to 1.
+/// The weight, 0 to 1, of a sample at a distance (m) from the drawing.
 fn part(distance: f64, wavelength: f64) -> f64 {
     let t = ((distance / wavelength - DRAWN) / (ELSEWHERE - DRAWN)).clamp(0.0, 1.0);
     t * t * (3.0 - 2.0 * t)
@@ -161,7 +161,7 @@ fn mask<T: Real>(layout: &Layout, aperture: &Aperture, foci: &[Focus]) -> Vec<T>
     mask
 }
 
-/// m, from every sample to the nearest focus, infinite where that is farther than `farthest`; laid out as a field is.
+/// Distance (m) from every sample to the nearest focus, infinite beyond `farthest`; in the layout of a field.
 pub fn distances(layout: &Layout, pitch: f64, foci: &[Focus], farthest: f64) -> Vec<f64> {
     let mut distances = vec![f64::INFINITY; layout.len()];
     for Focus { position, .. } in foci {

@@ -1,22 +1,22 @@
-//! What a liquid at rest answers to a pressure on a grid of samples: its depression, relative to that under an even pressure.
+//! The response of a liquid at rest to a pressure on a grid: its depression relative to that under uniform pressure.
 
 use crate::scene::Liquid;
 use crate::solver::shape::grid::Layout;
 use crate::solver::shape::real::Real;
 use crate::surface::dent::{Tank, compliance};
 
-/// A linear map that is its own transpose: division of cosine modes by 1 + q² σ/(ρ g).
+/// A symmetric linear map: division of cosine modes by 1 + q² σ/(ρ g).
 #[derive(Clone, Debug)]
 pub struct Response {
     tank: Tank,
     /// Of every mode.
     factors: Vec<f64>,
-    /// Where a field holds every sample, row by row of the plane.
+    /// Indices of the samples in a field, row by row of the plane.
     places: Vec<usize>,
 }
 
 impl Response {
-    /// Over samples of a plane; walls stand half a sample beyond the outermost.
+    /// For samples of a plane, with walls half a sample outside the outermost.
     pub fn new(liquid: &Liquid, layout: &Layout, pitch: f64) -> Self {
         let counts = layout.samples.map(|samples| samples * layout.grids);
         let tank = Tank::new(counts, [layout.spacing(pitch); 2]);
@@ -25,7 +25,7 @@ impl Response {
         Self { tank, factors, places: layout.rows() }
     }
 
-    /// Values at the samples, each in its place of a field, become the answer to them; padding is left at 0.
+    /// Replaces values at the samples, in the layout of a field, by the response to them; padding stays 0.
     pub fn apply<T: Real>(&mut self, values: &mut [T]) {
         let pressure: Vec<_> = self.places.iter().map(|&place| values[place].wide()).collect();
         let mut modes = self.tank.modes(&pressure);

@@ -1,4 +1,4 @@
-//! Where the field is heard: on a grid, or at scattered points.
+//! Sample points of the field: on a grid, or scattered.
 
 use crate::solver::shape::grid::Grid;
 use crate::solver::shape::real::{Real, Waves};

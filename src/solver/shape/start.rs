@@ -1,4 +1,4 @@
-//! Phases of the strokes to start from: fields that are smooth along them, each of another kind.
+//! Starting phases of the strokes: fields of several kinds, each smooth along them.
 
 use std::f64::consts::{PI, TAU};
 
@@ -12,7 +12,7 @@ use crate::solver::starts::scatter;
 pub enum Start {
     /// The same everywhere: hardly any other ends better.
     Equal,
-    /// Once round the middle, backwards.
+    /// Decreasing once around the centre.
     Vortex,
     /// Rising along y.
     Tilted,
@@ -22,7 +22,7 @@ pub enum Start {
 }
 
 impl Start {
-    /// In the order in which they are tried.
+    /// In the order of trials.
     pub const ALL: [Self; 5] = [Self::Equal, Self::Vortex, Self::Tilted, Self::Curved, Self::Scattered];
 
     /// rad, of every sample, in the plane's axes; beyond the last start all are scattered, each in another way.

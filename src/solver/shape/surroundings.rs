@@ -1,4 +1,4 @@
-//! What a drawing asks for beside its foci: areas, and what is to be quiet around them.
+//! The requirements of a drawing beside its foci: areas, and the quiet region around them.
 
 use std::collections::BTreeMap;
 
@@ -6,17 +6,17 @@ use glam::DVec3;
 
 use crate::scene::{self, Cover, Focus, Liquid, Part, Plane, Scene, outline};
 
-/// How what is not drawn is kept quiet.
+/// Requirements outside the targets.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Surroundings {
-    /// Its centre and axes; it is quiet as far as the array radiates, whatever part of it is shown.
+    /// The quiet plane: its centre and axes; its extent is the radiated region, independently of the displayed part.
     pub plane: Plane,
     /// 0, the strongest drive, to 1, the quietest.
     pub quiet: f64,
     pub zones: Vec<Zone>,
-    /// Areas of the drawing, whose samples are among the foci.
+    /// Areas of the drawing; their samples are among the foci.
     pub areas: Vec<Cover>,
-    /// Whose depression is to have the shape that is drawn, instead of |p|.
+    /// The liquid with the prescribed depression, instead of |p|.
     pub liquid: Option<Liquid>,
 }
 
@@ -26,12 +26,12 @@ impl Surroundings {
         Self { plane, quiet, zones: Vec::new(), areas: Vec::new(), liquid: None }
     }
 
-    /// Those that a scene asks for: its plane where these foci lie on it, or else a level one through them, since a section across
-    /// a drawing cannot be quiet.
+    /// The surroundings of a scene: its plane if these foci lie on it, otherwise a horizontal plane through them,
+    /// since a plane across a drawing cannot be quiet.
     pub fn new(scene: &Scene, foci: &[Focus]) -> Self {
         /// Wavelengths from one sample of a zone to the next.
         const SPACING: f64 = 0.4;
-        /// Wavelengths from a plane on which foci still lie.
+        /// Tolerated distance of foci from a plane, in wavelengths.
         const NEAR: f64 = 0.5;
         let normal = scene.plane.axes().map_or(DVec3::Z, |(x, y)| x.cross(y));
         let height = |focus: &Focus| (focus.position - scene.plane.centre).dot(normal).abs();
@@ -54,7 +54,7 @@ impl Surroundings {
     }
 }
 
-/// The areas of a scene that foci are samples of, where these stand now.
+/// The areas of a scene with samples among the foci, at their current position.
 fn areas(scene: &Scene, foci: &[Focus]) -> Vec<Cover> {
     let is_first = |(place, focus): &(usize, &Focus)| {
         focus.is_of_area() && (*place == 0 || foci[place - 1].part != focus.part)
@@ -75,7 +75,7 @@ fn areas(scene: &Scene, foci: &[Focus]) -> Vec<Cover> {
     foci.iter().enumerate().filter(is_first).filter_map(moved).collect()
 }
 
-/// Points that are to be quiet, wherever they are.
+/// Quiet points anywhere.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Zone {
     /// m

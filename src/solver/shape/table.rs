@@ -1,11 +1,11 @@
-//! Transfers to scattered points as a dense table, of which only some rows may be in use.
+//! Transfers to scattered points as a dense table, with an optional subset of active rows.
 
 use num_complex::Complex64;
 
 use crate::simd::{Instructions, Isa, Kernel};
 use crate::solver::shape::real::{LANES, Real, Waves, lanes};
 
-/// Elements that are worked on together; rows are padded to whole ones.
+/// Elements processed together; rows are padded to whole blocks.
 pub const BLOCK: usize = 2 * LANES;
 
 /// H, a row per point and a column per driven element.
@@ -70,7 +70,7 @@ impl<T: Real> Kernel for Forward<'_, T> {
         let [u_re, u_im] = u.blocks(0, table.stride);
         for ((&row, p_re), p_im) in table.rows.iter().zip(&mut p.re).zip(&mut p.im) {
             let [h_re, h_im] = table.values.blocks(row as usize * table.stride, table.stride);
-            // Two sums of each kind: one would be waited for.
+            // Two accumulators each hide the latency of additions.
             let (mut re, mut im) = ([[T::default(); LANES]; 2], [[T::default(); LANES]; 2]);
             for block in 0..table.stride / LANES {
                 let (a, b, c, d) = (&h_re[block], &h_im[block], &u_re[block], &u_im[block]);

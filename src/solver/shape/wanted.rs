@@ -1,4 +1,4 @@
-//! Samples of areas and of what is around them: where they lie, and what is wanted there.
+//! Sample points of areas and their margins, with target values.
 
 use glam::{DVec2, DVec3};
 
@@ -13,22 +13,21 @@ use crate::solver::shape::samples::Samples;
 use crate::solver::shape::surroundings::Surroundings;
 use crate::solver::shape::table::{BLOCK, Table};
 
-/// Wavelengths from one sample to the next; from an area within which it is to be quiet; and across a stroke or a point that is
-/// drawn as an area.
+/// In wavelengths: sample spacing; quiet margin of an area; width of strokes and points drawn as areas.
 const SPACING: f64 = 0.245;
 const MARGIN: f64 = 3.7;
 pub const STROKE: f64 = 0.5;
-/// Excitations that a picture hears are padded to whole blocks of this.
+/// Excitations for a picture are padded to whole blocks of this.
 pub const PADDING: usize = BLOCK;
 /// Wavelengths between planes that count as one.
 const SAME: f64 = 0.01;
-/// Brightness over what it is usually.
+/// Brightness relative to its usual value.
 const FAINTEST: f64 = 1e-6;
-/// Values of a table at most, and samples of one.
+/// Limits of a table's values and samples.
 const MOST_VALUES: usize = 16 << 20;
 const MOST_SAMPLES: usize = 10_000;
 
-/// The areas of a drawing, and how they are heard.
+/// The areas of a drawing with their transfers.
 pub fn picture<T: Real>(
     problem: &Problem<'_>,
     surroundings: &Surroundings,
@@ -48,14 +47,14 @@ pub fn picture<T: Real>(
     };
     let response = surroundings.liquid.as_ref().zip(layout);
     let response = response.map(|(liquid, layout)| Response::new(liquid, &layout, aperture.pitch));
-    // As strokes have it, unless that is too faint for f32.
+    // Scaled as for strokes, unless too small for f32.
     let mean = problem.targets().iter().sum::<f64>() / problem.foci.len() as f64;
     let brightest = wanted.iter().map(|(brightness, _)| *brightness).fold(0.0, f64::max);
     let unit = (mean * mean).min(FAINTEST.recip() * brightest);
     if !(unit.is_normal() && scale.is_normal()) {
         return None;
     }
-    // A liquid that is not level with the samples has no answer.
+    // A liquid's surface must be parallel to the samples for a response.
     if surroundings.liquid.is_some() && response.is_none() {
         return None;
     }
@@ -64,7 +63,7 @@ pub fn picture<T: Real>(
     Some(Picture::new(samples, Wanted::new(brightness, weight), response))
 }
 
-/// Areas, and foci that are drawn as discs.
+/// Areas, and foci drawn as discs.
 struct Drawn<'a> {
     covers: &'a [Cover],
     discs: Vec<&'a Focus>,
@@ -72,7 +71,7 @@ struct Drawn<'a> {
 }
 
 impl<'a> Drawn<'a> {
-    /// `None` where nothing is an area.
+    /// `None` without areas.
     fn new(problem: &'a Problem<'_>, surroundings: &'a Surroundings) -> Option<Self> {
         let as_disc = |focus: &&Focus| surroundings.liquid.is_some() && !focus.is_of_area();
         let discs: Vec<_> = problem.foci.iter().filter(as_disc).collect();
@@ -81,12 +80,12 @@ impl<'a> Drawn<'a> {
         is_something.then_some(Self { covers, discs, wavelength: problem.aperture.wavelength() })
     }
 
-    /// m, around what is drawn.
+    /// Margin around the drawing, m.
     fn margin(&self) -> f64 {
         MARGIN * self.wavelength
     }
 
-    /// The height of all that is drawn, if that is level.
+    /// The common height of the drawing, if it is horizontal.
     fn height(&self) -> Option<f64> {
         let is_level = |cover: &Cover| cover.axes.iter().all(|axis| axis.z.abs() < 1e-9);
         let discs = self.discs.iter().map(|focus| focus.position.z);
@@ -106,7 +105,7 @@ impl<'a> Drawn<'a> {
             cover.centre.truncate().abs() + along.truncate()
         };
         let discs = self.discs.iter().map(|focus| focus.position.truncate().abs() + self.margin());
-        // Of what is larger, the array fills a part at most.
+        // The array covers only a part of larger drawings.
         let most = 2.0 * (height + aperture.reach().length());
         let reach = self.covers.iter().map(far).chain(discs).fold(DVec2::ZERO, DVec2::max);
         let reach = reach.min(DVec2::splat(most));
@@ -143,7 +142,7 @@ impl<'a> Drawn<'a> {
         wanted
     }
 
-    /// What is wanted of a focus at a distance (m) from it, over a cell.
+    /// Target value of a focus at a distance (m) from it, averaged over a cell.
     fn disc(&self, focus: &Focus, distance: f64, cell: f64) -> f64 {
         let inside = (0.5 * STROKE * self.wavelength - distance) / cell + 0.5;
         focus.target * focus.target * inside.clamp(0.0, 1.0)
@@ -169,7 +168,7 @@ impl<'a> Drawn<'a> {
         (Samples::Table(table), wanted)
     }
 
-    /// T at a place of any of the planes.
+    /// T at a point of any of the planes.
     fn at(&self, point: DVec3, cell: f64) -> f64 {
         let of = |cover: &Cover| {
             let flat = cover.flat(point);
@@ -181,7 +180,7 @@ impl<'a> Drawn<'a> {
     }
 }
 
-/// Places of an area's plane on a square grid, up to `half` (m) from its middle.
+/// Points of an area's plane on a square grid, up to `half` (m) from its centre.
 fn around(cover: &Cover, half: DVec2, spacing: f64) -> impl Iterator<Item = DVec3> {
     let [x, y] = (half / spacing).floor().to_array().map(|steps| steps as i64);
     let row = move |j: i64| (-x..=x).map(move |i| (i, j));

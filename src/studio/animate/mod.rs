@@ -28,10 +28,10 @@ use crate::studio::video::Video;
 use target::Encoding;
 pub use target::{Kind, RATES, Target};
 
-/// Writes a film. `tell` hears which part is done, and ends it with an error.
+/// Writes a film. `tell` receives the completed fraction, and cancels with an error.
 ///
 /// # Errors
-/// A file of another kind or one that cannot be written, too many pixels for it, or what `tell` says.
+/// An unsupported or unwritable file, too many pixels for it, or an error of `tell`.
 #[cfg(feature = "window")]
 pub fn write(
     film: &mut Film<'_>,
@@ -44,26 +44,26 @@ pub fn write(
     film.shoot(&target, &stem(path), tell).map(drop)
 }
 
-/// Where the times of all frames go, beside their numbers.
+/// The file for the times of all frames, beside their data.
 pub fn times_of(data: &Path) -> PathBuf {
     data.with_extension("times.npy")
 }
 
-/// What was written.
+/// The written film.
 #[derive(Debug)]
 pub struct Shot {
     frames: usize,
     pace: Pace,
-    /// The frames' rate was asked for.
+    /// Whether the frame rate was requested.
     is_chosen: bool,
-    /// What the colours tell, in words.
+    /// Description of the colours.
     range: String,
-    /// What it is that is shown as fast as it is.
+    /// Description of the real-time content.
     what: String,
 }
 
 impl Shot {
-    /// How many pictures follow each other, of waves as of a motion.
+    /// Number of frames, of waves or of a motion.
     pub fn frames(&self) -> usize {
         self.frames
     }
@@ -91,21 +91,21 @@ impl Shot {
     }
 }
 
-/// What every frame shows.
+/// The content of every frame.
 #[derive(Clone, Debug)]
 pub enum Look {
-    /// A map. Without a largest value of their own, the colours go up to that of all frames.
+    /// A map. By default the colours extend to the largest value of all frames.
     Flat(Box<Colouring>),
-    /// The liquid's surface as light falls on it, on a page of so many pixels. The request's are the points of the surface.
+    /// The shaded surface of the liquid, on a page of this size. The request's pixels are the points of the surface.
     Shaded { name: String, page: (usize, usize) },
 }
 
-/// What all frames have in common.
+/// Data common to all frames.
 #[derive(Debug, Default)]
 struct Extent {
-    /// The smallest and the largest value; 0 lies between them.
+    /// The smallest and the largest value, including 0.
     range: [f32; 2],
-    /// The values of the frame that goes farthest, of which an example is drawn.
+    /// The values of the frame with the largest magnitude, for a palette.
     farthest: Option<Vec<f32>>,
 }
 
@@ -119,18 +119,18 @@ impl Extent {
 #[derive(Debug)]
 pub struct Film<'a> {
     scene: &'a Scene,
-    /// But for the frame's drive or surface.
+    /// Without the frame's drive or surface.
     request: Request,
     stages: Stages,
     pub gpu_is_asked_for: bool,
     look: Look,
-    /// Frames that are shown in a second; as many as there really are, as far as viewers allow, if `None`.
+    /// Displayed frames per second; `None`: real time, as far as viewers allow.
     pub rate: Option<f64>,
-    /// Of waves, if they are shown.
+    /// The schedule of waves, if shown.
     pub schedule: Option<Schedule>,
     /// Begins to show the progress of a step of this name.
     pub begin: fn(&'static str) -> Gauge,
-    /// The values of all frames of waves go there, and the times beside it.
+    /// File for the values of all frames of waves, with the times beside it.
     pub data: Option<PathBuf>,
     /// The largest error of a map so far, relative to its peak, and the steepest slope of a surface.
     pub error: f64,
@@ -163,8 +163,7 @@ impl<'a> Film<'a> {
         }
     }
 
-    /// Two passes, so that no more than one map is ever in memory: the first finds the range that all frames share, the second
-    /// writes.
+    /// Two passes, so that only one map is in memory at a time: the first finds the common range, the second writes.
     pub fn shoot(
         &mut self,
         target: &Target,
@@ -227,12 +226,12 @@ impl<'a> Film<'a> {
         Ok(Shot { frames: count, pace, is_chosen, range: self.in_words(extent.range), what })
     }
 
-    /// Of the motion; a scene that stands still shows its one frame for a second.
+    /// Of the motion; a scene at rest shows its single frame for a second.
     fn frames_per_second(&self) -> f64 {
         motion::cycle(self.scene).map_or(1.0, |cycle| cycle.frames_per_second())
     }
 
-    /// What all frames have in common; their values are written if they are wanted.
+    /// Measures all frames; writes their values if requested.
     fn measured(&mut self, count: usize, step: &dyn Fn() -> anyhow::Result<()>) -> anyhow::Result<Extent> {
         let mut extent = Extent::default();
         let mut measure =
@@ -271,7 +270,7 @@ impl<'a> Film<'a> {
         }
     }
 
-    /// Hands out what every frame is requested by.
+    /// Calls back with the request of every frame.
     fn each(
         &mut self,
         mut take: impl FnMut(&mut Self, usize, &Request) -> anyhow::Result<()>,
@@ -294,7 +293,7 @@ impl<'a> Film<'a> {
         Ok(())
     }
 
-    /// Adds a frame to what all have in common; its values go to `take`.
+    /// Adds a frame to the common data; passes its values to `take`.
     fn measure(
         &mut self,
         request: &Request,
@@ -324,7 +323,7 @@ impl<'a> Film<'a> {
         Ok(())
     }
 
-    /// The colours that frames are made of.
+    /// The colours of the frames.
     fn colours(&self, extent: &Extent) -> anyhow::Result<Colours> {
         Ok(match &self.look {
             Look::Flat(colouring) => Colours::Map(Box::new(colouring.table)),

@@ -1,4 +1,4 @@
-//! What a film is written to: kinds of file, and a folder of pictures.
+//! Outputs of films: file formats, or a folder of pictures.
 
 use std::path::{Path, PathBuf};
 
@@ -8,12 +8,12 @@ use crate::picture::animation::Format;
 use crate::studio::output;
 use crate::studio::video::{self, Codec};
 
-/// Frames per second that may be asked for.
+/// Allowed frame rates.
 pub const RATES: [f64; 2] = [1.0 / 60.0, 240.0];
 /// Viewers show a GIF's and a PNG's frames for no less than 20 ms.
 const MOST_OF_PICTURES: f64 = 50.0;
 
-/// The kinds of file that hold a film.
+/// Film file formats.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Kind {
     #[default]
@@ -81,14 +81,14 @@ impl Kind {
     }
 }
 
-/// Who encodes.
+/// The encoder.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Encoding {
     Pictures(Format),
     Video(Codec),
 }
 
-/// What is written.
+/// The output of a film.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Target {
     File(PathBuf, Kind),
@@ -120,7 +120,7 @@ impl Target {
         }
     }
 
-    /// Fails early where writing would fail after the work.
+    /// Fails early if writing would fail after the work.
     pub fn check(&self, (width, height): (usize, usize), rate: Option<f64>) -> anyhow::Result<()> {
         let Self::File(path, kind) = self else { return Ok(()) };
         let most = match kind.encoding() {
@@ -146,7 +146,7 @@ impl Target {
         }
     }
 
-    /// The names of a folder's pictures; none for a file.
+    /// The names of a folder's pictures; empty for a file.
     pub fn pictures<'a>(&'a self, name: &'a str, count: usize) -> impl Iterator<Item = PathBuf> + 'a {
         let folder = match self {
             Self::File(..) => None,

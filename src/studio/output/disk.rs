@@ -1,4 +1,4 @@
-//! Files of the disk, written whole or not at all.
+//! Atomic files on disk.
 
 use std::fs::{self, File, Metadata, OpenOptions};
 use std::io::{self, BufWriter, ErrorKind, Write};
@@ -8,26 +8,26 @@ use anyhow::anyhow;
 
 use crate::studio::output::draft::Draft;
 
-/// Writes what is made while it is written, whole or not at all.
+/// Writes generated content, atomically.
 ///
 /// # Errors
-/// What the system says, of the file that was named, and those of `fill`.
+/// A system error with the named file, and errors of `fill`.
 pub fn write_by(path: &Path, fill: impl FnOnce(&mut dyn Write) -> anyhow::Result<()>) -> anyhow::Result<()> {
     of_file(path, write_whole(path, fill, |_| Ok(())))
 }
 
-/// Writes what cannot be made again: when this returns, a power cut takes neither it nor the old file.
+/// Writes irreplaceable content: after return, a power cut loses neither it nor the old file.
 ///
 /// # Errors
 /// As [`write_by`].
 pub fn save(path: &Path, bytes: &[u8]) -> anyhow::Result<()> {
     of_file(path, write_whole(path, |file| Ok(file.write_all(bytes)?), File::sync_all))?;
-    // Its name, too. Not every system lets a folder be synchronised, and the file is there either way.
+    // Synchronises the folder, too, where supported; the file itself is already safe.
     let _ = followed(path).and_then(|path| File::open(folder_of(&path))?.sync_all());
     Ok(())
 }
 
-/// Fails early where [`write_by`] would fail after the work.
+/// Fails early if [`write_by`] would fail after the work.
 ///
 /// # Errors
 /// As [`write_by`].
@@ -38,7 +38,7 @@ pub fn check_writable(path: &Path) -> anyhow::Result<()> {
 /// For callers that must not block: opening a pipe waits for its reader.
 ///
 /// # Errors
-/// There is something at the path that is neither file nor folder.
+/// Something that is neither file nor folder exists at the path.
 pub fn refuse_stream(path: &Path) -> anyhow::Result<()> {
     match fs::metadata(path) {
         Ok(there) if !there.is_file() && !there.is_dir() => {
@@ -50,7 +50,7 @@ pub fn refuse_stream(path: &Path) -> anyhow::Result<()> {
 
 fn check(path: &Path) -> io::Result<()> {
     match existing(path)? {
-        // Opening it twice would end it for its reader.
+        // Opening a pipe twice would end it for its reader.
         Some(there) if !there.is_file() => Ok(()),
         there => draft_for(path, there.as_ref()).map(drop),
     }
@@ -63,7 +63,7 @@ fn write_whole(
 ) -> anyhow::Result<()> {
     let there = existing(path)?;
     if there.as_ref().is_some_and(|there| !there.is_file()) {
-        // A pipe, a terminal, a device: it takes what comes, and is not replaced.
+        // A pipe, terminal or device is written directly, not replaced.
         let mut stream = BufWriter::new(OpenOptions::new().write(true).open(path)?);
         fill(&mut stream)?;
         return Ok(stream.flush()?);
@@ -77,7 +77,7 @@ fn write_whole(
     Ok(draft.publish(&path)?)
 }
 
-/// What stands at a path, through links; a folder is an error.
+/// The file at a path, through links; a folder is an error.
 fn existing(path: &Path) -> io::Result<Option<Metadata>> {
     match fs::metadata(path) {
         Ok(there) if there.is_dir() => Err(ErrorKind::IsADirectory.into()),
@@ -87,7 +87,8 @@ fn existing(path: &Path) -> io::Result<Option<Metadata>> {
     }
 }
 
-/// A draft beside the file that a path leads to, and that file. What stands there may be written, and lends its owner and mode.
+/// A draft beside the file behind a path, and that file's path. An existing file must be writable, and lends its
+/// owner and mode.
 fn draft_for(path: &Path, there: Option<&Metadata>) -> io::Result<(Draft, PathBuf)> {
     let path = followed(path)?;
     if there.is_some() {
@@ -100,9 +101,9 @@ fn draft_for(path: &Path, there: Option<&Metadata>) -> io::Result<(Draft, PathBu
     Ok((draft, path))
 }
 
-/// Where a file really is: a link stays a link, and what it leads to is written.
+/// The real path of a file: links are kept, and their target is written.
 pub(super) fn followed(path: &Path) -> io::Result<PathBuf> {
-    /// As many links as Linux follows.
+    /// Link depth limit of Linux.
     const MOST: usize = 40;
     let mut path = path.to_owned();
     for _ in 0..MOST {
@@ -129,7 +130,7 @@ fn reason(error: &io::Error) -> String {
         (ErrorKind::FileTooLarge, _) => "files may not become that large here".to_owned(),
         (ErrorKind::NotFound, _) => "its folder is not there".to_owned(),
         (ErrorKind::PermissionDenied, _) => "permission denied".to_owned(),
-        // Among these are some that have no kind, such as a disk that fails.
+        // Some of these have no kind in Rust, such as a failing disk.
         (_, Some(code)) => io::Error::from_raw_os_error(code).to_string(),
         (kind, None) => kind.to_string(),
     }
@@ -152,7 +153,7 @@ pub fn outlive_file_limits() -> io::Result<()> {
     use std::sync::atomic::AtomicBool;
 
     use signal_hook::consts::SIGXFSZ;
-    // The flag is not read: a handler is enough, and child processes do not inherit it.
+    // The flag is never read: having a handler suffices, and child processes do not inherit it.
     signal_hook::flag::register(SIGXFSZ, Arc::new(AtomicBool::new(false))).map(drop)
 }
 

@@ -1,5 +1,5 @@
-//! A file that is being written. It has no name until it is whole, so a program that is killed leaves nothing behind; where the
-//! system knows no files without names, it has one of its own.
+//! A file being written. It has no name until it is complete, so a killed program leaves nothing behind; on systems
+//! without unnamed files it has a temporary name.
 
 use std::fs::{File, Metadata};
 use std::io;
@@ -7,27 +7,27 @@ use std::path::Path;
 
 use tempfile::{Builder, TempPath};
 
-/// What names of drafts begin with.
+/// Prefix of draft names.
 const PREFIX: &str = ".sonoglyph-";
 
 #[derive(Debug)]
 pub struct Draft {
     file: File,
-    /// Gone with the draft, unless it is published.
+    /// Removed with the draft unless published.
     name: Option<TempPath>,
 }
 
 impl Draft {
-    /// An empty file that is to be published in this folder, with the mode that new files have.
+    /// An empty file to be published in this folder, with the default mode of new files.
     ///
     /// # Errors
-    /// No file can be made there.
+    /// No file can be created there.
     pub fn new(folder: &Path) -> io::Result<Self> {
         if let Some(file) = nameless(folder) {
             return Ok(Self { file, name: None });
         }
         let mut builder = Builder::new();
-        // A temporary file is private; the umask makes what comes out an ordinary one.
+        // Temporary files are private by default; this applies the umask as for ordinary files.
         #[cfg(unix)]
         builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
         let (file, name) = builder.prefix(PREFIX).tempfile_in(folder)?.into_parts();
@@ -38,21 +38,21 @@ impl Draft {
         &self.file
     }
 
-    /// Takes over the owner and the mode of the file that it is to replace, as far as the system lets it.
+    /// Copies owner and mode of the file to be replaced, as far as permitted.
     pub fn resemble(&self, there: &Metadata) {
         #[cfg(unix)]
         {
             use std::os::unix::fs::{MetadataExt, fchown};
-            // Only root can give files away, and a group only who is in it.
+            // Only root can change owners, and only members can set a group.
             let _ = fchown(&self.file, Some(there.uid()), Some(there.gid()));
         }
         let _ = self.file.set_permissions(there.permissions());
     }
 
-    /// Gives it its name, in the folder that it was made for. What stood there is replaced in one step.
+    /// Gives it its name in its folder, atomically replacing an existing file.
     ///
     /// # Errors
-    /// What the system says; then all is as before.
+    /// A system error; then nothing has changed.
     pub fn publish(self, path: &Path) -> io::Result<()> {
         let name = match self.name {
             Some(name) => name,
@@ -72,11 +72,11 @@ impl Draft {
     }
 }
 
-/// A file without a name. `None` where the system or the disk has no such files.
+/// An unnamed file. `None` if the system or the disk does not support it.
 #[cfg(target_os = "linux")]
 fn nameless(folder: &Path) -> Option<File> {
     use rustix::fs::{Mode, OFlags, open};
-    // Without this folder it could not be given a name.
+    // Without this folder it could not be named later.
     if !Path::new(OPEN_FILES).is_dir() {
         return None;
     }
@@ -89,11 +89,11 @@ fn nameless(_: &Path) -> Option<File> {
     None
 }
 
-/// Where Linux shows a program the files that it has open.
+/// The folder of a process' open files on Linux.
 #[cfg(target_os = "linux")]
 const OPEN_FILES: &str = "/proc/self/fd";
 
-/// Gives a file without a name one that nothing else has.
+/// Gives an unnamed file an unused name.
 #[cfg(target_os = "linux")]
 fn link(file: &File, path: &Path) -> io::Result<()> {
     use std::os::fd::AsRawFd;

@@ -1,4 +1,4 @@
-//! The files of one run: what it reads is never written, and no two outputs are one file, whatever they are called.
+//! The files of one run: inputs are never overwritten, and all outputs are distinct files, whatever their names.
 
 use std::fs::{self, Metadata};
 use std::path::{Path, PathBuf};
@@ -10,22 +10,22 @@ use crate::scene::{Scene, Shape};
 use crate::studio::output::check_writable;
 use crate::studio::output::disk::{folder_of, followed};
 
-/// What is read and what is to be written so far.
+/// The inputs, and the outputs so far.
 #[derive(Debug, Default)]
 pub struct Files {
     inputs: Vec<(PathBuf, Identity)>,
     outputs: Vec<(PathBuf, Identity)>,
 }
 
-/// What makes two names one file: links, hard ones too, lead to the same.
+/// Identity of a file behind different names: links, including hard links.
 #[derive(Clone, Debug, PartialEq, Eq)]
 enum Identity {
-    /// Device and number of a file that is there.
+    /// Device and inode of an existing file.
     #[cfg(unix)]
     There(u64, u64),
-    /// Where a file would be, in a folder without links.
+    /// Path of a future file, in a folder without links.
     Named(PathBuf),
-    /// A pipe or a device takes what comes, and a folder is not written over.
+    /// A pipe or a device is written directly, and a folder is never overwritten.
     Stream,
 }
 
@@ -46,7 +46,7 @@ impl Identity {
 
     #[cfg(not(unix))]
     fn of_file(_: &Metadata, path: &Path) -> Self {
-        // As the system spells it, which may know no capital letters.
+        // In the system's spelling, which may ignore case.
         fs::canonicalize(path).map_or_else(|_| Self::named(path), Self::Named)
     }
 
@@ -62,7 +62,7 @@ impl Identity {
 }
 
 impl Files {
-    /// Those of a command: standard input and output where these are files.
+    /// The files of a command: initially standard input and output, if they are files.
     pub fn new() -> Self {
         let standard = |name: &str| {
             let own = (PathBuf::from(name), Identity::of(Path::new(name)));
@@ -104,10 +104,10 @@ impl Files {
         scene.array.placed.from.as_deref().map_or(Ok(()), |path| self.reads(path))
     }
 
-    /// Notes a file that is to be written.
+    /// Registers an output file.
     ///
     /// # Errors
-    /// It is read, or something else is written to it.
+    /// It is an input, or already another output.
     pub fn keeps(&mut self, path: &Path) -> anyhow::Result<()> {
         let own = self.output(path)?;
         let is_own = |(_, other): &&(PathBuf, Identity)| *other == own && !own.is_stream();
@@ -118,7 +118,7 @@ impl Files {
         Ok(())
     }
 
-    /// Looks whether a file may be written, and does not note it: one of so many that memory would grow with them.
+    /// Checks whether a file may be written without registering it, for large numbers of files.
     ///
     /// # Errors
     /// It is read.
@@ -134,10 +134,10 @@ impl Files {
         }
     }
 
-    /// As [`Self::keeps`], and fails early where writing would fail after the work.
+    /// As [`Self::keeps`], and fails early if writing would fail after the work.
     ///
     /// # Errors
-    /// As [`Self::keeps`] and [`check_writable`].
+    /// Errors of [`Self::keeps`] and [`check_writable`].
     pub fn writes(&mut self, path: &Path) -> anyhow::Result<()> {
         self.keeps(path)?;
         check_writable(path)

@@ -1,4 +1,4 @@
-//! What leaves the program: files, written whole or not at all, and lines on standard output and error.
+//! Output of the program: atomic files, and lines on standard output and error.
 
 #[cfg_attr(target_arch = "wasm32", path = "on_shelf.rs")]
 mod disk;
@@ -21,16 +21,16 @@ pub use disk::{check_writable, refuse_stream, save, write_by};
 #[cfg(not(target_arch = "wasm32"))]
 pub use files::Files;
 
-/// Writes what can be made again: the old file stands until the new one is whole.
+/// Writes reproducible content: the old file stays until the new one is complete.
 ///
 /// # Errors
-/// What the system says, of the file that was named.
+/// A system error, with the named file.
 pub fn write(path: &Path, bytes: &[u8]) -> anyhow::Result<()> {
     write_by(path, |file| Ok(file.write_all(bytes)?))
 }
 
-/// A line on standard output, where results go: `say!("{count} frames")?`. Unlike `println!` it does not panic where nothing
-/// reads or the disk is full, and what it quotes steers no terminal.
+/// Prints a line on standard output, for results: `say!("{count} frames")?`. Unlike `println!` it does not panic on a
+/// closed pipe or full disk, and quoted text cannot control the terminal.
 #[cfg(not(target_arch = "wasm32"))]
 macro_rules! say {
     ($($line:tt)*) => { $crate::studio::output::say_line(&format!($($line)*)) };
@@ -38,7 +38,7 @@ macro_rules! say {
 #[cfg(not(target_arch = "wasm32"))]
 pub(crate) use say;
 
-/// What `say!` does.
+/// The implementation of `say!`.
 ///
 /// # Errors
 /// As [`print()`].
@@ -55,14 +55,14 @@ pub fn print(text: Arguments<'_>) -> anyhow::Result<()> {
     out.write_fmt(text).and_then(|()| out.flush()).map_err(unsaid)
 }
 
-/// Standard output was closed when the program began. Rust then opens /dev/null in its place, and all seems well.
+/// Whether standard output was closed at the start; Rust then silently opens /dev/null in its place.
 static IS_CLOSED: AtomicBool = AtomicBool::new(false);
 
-/// Looks whether standard output is open. Only what runs before `main` sees it as the caller left it.
+/// Checks whether standard output is open. Only code before `main` sees its original state.
 pub fn look_at_standard() {
     #[cfg(unix)]
     {
-        // Another handle to the same description needs no unsafe code, and fails if there is none.
+        // Duplicating the handle needs no unsafe code, and fails if it is closed.
         let is_open = io::stdout().as_fd().try_clone_to_owned().is_ok();
         IS_CLOSED.store(!is_open, Ordering::Relaxed);
     }
@@ -79,23 +79,23 @@ pub fn standard() -> anyhow::Result<StdoutLock<'static>> {
     Ok(io::stdout().lock())
 }
 
-/// Why standard output takes no more. A closed pipe is no fault, and `main` knows that by the error below.
+/// The error of writing to standard output. A closed pipe is not a fault, recognised by `main` from the error below.
 pub fn unsaid(error: io::Error) -> anyhow::Error {
     anyhow::Error::new(error).context("standard output: cannot write")
 }
 
-/// A message on standard error, where all is said that is no result: one line, and not a long one. If that cannot be written,
-/// nothing can report it.
+/// Prints a message on standard error, for everything that is not a result: one short line. Failures cannot be
+/// reported.
 pub fn mention(text: &str) {
     let _ = writeln!(io::stderr(), "{}", echo::message(text));
 }
 
-/// Says something that is no result and no error.
+/// Prints a note.
 pub fn note(text: &str) {
     mention(&format!("note: {text}"));
 }
 
-/// Says that a result may not be what was hoped for.
+/// Prints a warning.
 pub fn warn(text: &str) {
     mention(&format!("warning: {text}"));
 }

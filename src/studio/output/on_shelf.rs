@@ -1,4 +1,4 @@
-//! Files of a page in the browser: they lie on its shelf, whose keeper hands them to the user.
+//! Output files of a browser page: on its shelf, which offers them as downloads.
 
 use std::io::Write;
 use std::path::Path;
@@ -7,7 +7,7 @@ use anyhow::Context;
 
 use crate::shelf;
 
-/// Writes what is made while it is written, whole or not at all.
+/// Writes generated content, atomically.
 ///
 /// # Errors
 /// Those of the shelf's keeper and of `fill`.
@@ -31,7 +31,7 @@ pub fn check_writable(_: &Path) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// There are no streams.
+/// A shelf has no streams.
 ///
 /// # Errors
 /// None.

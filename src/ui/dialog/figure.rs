@@ -1,4 +1,4 @@
-//! The question what a figure of the map or the surface is to look like, with a preview.
+//! The dialog for exporting a figure of the map or the surface, with a preview.
 
 use egui::{ComboBox, DragValue, Sense, TextEdit, TextureHandle, Ui, vec2};
 
@@ -7,10 +7,10 @@ use crate::studio::figure::{DENSITIES, WIDTHS, Wish};
 use crate::ui::view::View;
 use crate::ui::{Command, Dialog, Editor, Export, Purpose, Shown, theme};
 
-/// Points of the screen that the preview takes at most.
+/// Limit of the preview's size in points.
 const PREVIEW: f32 = 260.0;
 
-/// What is chosen of a figure; the map, its colours, range and contours are those of the view.
+/// The options of a figure; map, colours, range and contours are those of the view.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FigureForm {
     paper: Paper,
@@ -46,7 +46,7 @@ impl FigureForm {
         self.is_light = view.is_light;
     }
 
-    /// The figure of what a view shows.
+    /// The figure of a view.
     pub fn wish(&self, view: &View) -> Wish {
         let declaration = view.quantity.declaration();
         let is_shaded = view.is_shaded();
@@ -73,7 +73,7 @@ impl FigureForm {
     }
 }
 
-/// A figure as it would be written, in the pixels of the screen.
+/// A figure as written, in screen pixels.
 #[derive(Clone)]
 pub struct Preview {
     pub texture: TextureHandle,
@@ -87,7 +87,7 @@ impl std::fmt::Debug for Preview {
     }
 }
 
-/// Draws the question, and says whether it stays.
+/// Draws the dialog, and returns whether it stays open.
 pub fn show(editor: &mut Editor, shown: &Shown, ui: &mut Ui, commands: &mut Vec<Command>) -> bool {
     ui.heading("Export figure");
     preview(shown, ui);

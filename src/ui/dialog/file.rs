@@ -1,4 +1,4 @@
-//! The question for a file: a path that can be typed, above the files of a folder.
+//! The file dialog: a path to type, above the files of a folder.
 
 use std::path::{Path, PathBuf};
 
@@ -11,15 +11,15 @@ use crate::ui::dialog::{answer, is_entered};
 use crate::ui::document::Document;
 use crate::ui::{Command, Dialog, Editor, Export, IN_PAGE, Shown, theme};
 
-/// Extensions of files that hold drawings.
+/// Extensions of drawings.
 pub const IMPORTED: &[&str] = &["svg", "png", "jpg", "jpeg", "bmp"];
 /// Endings of tables of elements.
 pub const ELEMENTS: &[&str] = &["csv", "pat"];
-/// Points of the screen: the list of files, and what stands around it.
+/// Sizes of the file list and its surroundings in points.
 const LIST: f32 = 260.0;
 const AROUND: f32 = 230.0;
 
-/// What a file is wanted for.
+/// The purpose of a file dialog.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Purpose {
     Open,
@@ -34,7 +34,7 @@ pub enum Purpose {
 }
 
 impl Purpose {
-    /// Of a file that was dropped on the window.
+    /// For a file dropped on the window.
     pub fn of_dropped(path: &Path) -> Self {
         let ending = path.extension().unwrap_or_default().to_string_lossy().to_lowercase();
         match ending.as_str() {
@@ -62,7 +62,7 @@ impl Purpose {
         }
     }
 
-    /// Of the files that will do, the usual one first.
+    /// Accepted extensions, the default first.
     pub fn extensions(self) -> &'static [&'static str] {
         match self {
             Self::Open | Self::SaveAs => opening::ENDINGS,
@@ -78,7 +78,7 @@ impl Purpose {
         }
     }
 
-    /// Whether the file is there already.
+    /// Whether the file must exist.
     pub fn reads(self) -> bool {
         matches!(self, Self::Open | Self::Import | Self::Elements | Self::Waveform)
     }
@@ -103,7 +103,7 @@ impl Purpose {
         }
     }
 
-    /// The path with the usual ending, where a file that is written has none.
+    /// The path with the default extension, if an output has none.
     pub fn with_ending(self, path: PathBuf) -> PathBuf {
         match path.extension() {
             None if !self.reads() => path.with_extension(self.extensions()[0]),
@@ -118,7 +118,7 @@ impl Purpose {
 }
 
 impl Dialog {
-    /// Asks for a file, with a proposal.
+    /// Opens the dialog with a suggestion.
     pub fn path(purpose: Purpose, document: &Document) -> Self {
         let name = document.name();
         let has_ending = Path::new(&name)
@@ -144,7 +144,7 @@ pub struct Folder {
     pub path: PathBuf,
     pub home: Option<PathBuf>,
     pub entries: Vec<Entry>,
-    /// Why the folder that was asked for is not shown.
+    /// The reason for not showing the requested folder.
     pub problem: Option<String>,
 }
 
@@ -154,12 +154,12 @@ pub struct Entry {
     pub is_folder: bool,
 }
 
-/// What outlives a frame of the question.
+/// The persistent state of the dialog.
 #[derive(Clone, Debug, Default)]
 pub struct Asking {
     /// The question was there in the frame before.
     pub(super) is_open: bool,
-    /// An answer, and why it will not do.
+    /// A rejected answer with the reason.
     pub problem: Option<(String, String)>,
 }
 
@@ -183,7 +183,7 @@ pub(super) fn show(
     if let Some((_, problem)) = editor.asking.problem.as_ref().filter(|(of, _)| of == text) {
         ui.label(RichText::new(echo::message(problem)).color(theme::error(ui.visuals())));
     }
-    // What a page writes is a download: it has no folder to go to.
+    // A page writes downloads, without a folder.
     let is_listed = purpose.reads() || !IN_PAGE;
     if !is_listed {
         ui.weak("It becomes a download, and the page keeps a copy");
@@ -217,7 +217,7 @@ pub(super) fn show(
     stays
 }
 
-/// The folder and its files. Whether a file was chosen for good.
+/// The folder and its files. Returns whether a file was confirmed.
 fn list(
     purpose: Purpose,
     text: &mut String,
@@ -227,7 +227,7 @@ fn list(
     commands: &mut Vec<Command>,
 ) -> bool {
     let mut go = |text: &mut String, to: PathBuf| {
-        // What is to be written keeps its name in another folder.
+        // An output keeps its name when the folder changes.
         let name = Path::new(text.as_str()).file_name().filter(|_| !purpose.reads());
         *text = name.map_or_else(String::new, |name| to.join(name).display().to_string());
         commands.push(Command::List(Some(to)));

@@ -1,4 +1,4 @@
-//! The question how a film of the motion is to be written.
+//! The dialog for exporting a film of the motion.
 
 use egui::{ComboBox, DragValue, Ui};
 
@@ -15,16 +15,16 @@ const WIDTHS: [usize; 2] = [200, 4096];
 /// s
 const LONGEST: f64 = 10.0;
 
-/// What is chosen of a film; quantity, colours, range and shading are those of the view.
+/// The options of a film; quantity, colours, range and shading are those of the view.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct FilmForm {
     kind: Kind,
-    /// Pixels; as on the screen if `None`.
+    /// Pixels; `None`: as on the screen.
     width: Option<usize>,
-    /// Frames shown per second; as many as there really are, as far as viewers allow, if `None`.
+    /// Displayed frames per second; `None`: real time, as far as viewers allow.
     rate: Option<f64>,
     waves: bool,
-    /// Of waves; as long as the scene suggests if `None`.
+    /// Duration of waves; `None`: the scene's default.
     seconds: Option<f64>,
 }
 
@@ -41,7 +41,7 @@ impl FilmForm {
         self.rate.map(|rate| rate.min(self.kind.most_rate()))
     }
 
-    /// When waves are shown, if they are.
+    /// The schedule of waves, if shown.
     ///
     /// # Errors
     /// More pictures than waves may have.
@@ -52,7 +52,7 @@ impl FilmForm {
     }
 }
 
-/// Draws the question, and says whether it stays.
+/// Draws the dialog, and returns whether it stays open.
 pub(super) fn show(editor: &mut Editor, shown: &Shown, ui: &mut Ui) -> bool {
     ui.heading("Export motion");
     let size = shown.map.as_ref().map(|map| editor.film.size(map, ui.ctx().pixels_per_point()));

@@ -1,4 +1,4 @@
-//! The question where a drawing is to stand, how large it is to be, and how it is to be played.
+//! The dialog for importing a drawing: position, size and sampling.
 
 use egui::{Color32, Rect, RichText, Sense, Shape, Stroke, Ui, pos2, vec2};
 
@@ -10,14 +10,14 @@ use crate::ui::dialog::answer;
 use crate::ui::panels::{self, MM};
 use crate::ui::{Editor, theme};
 
-/// m: the longer side that is proposed.
+/// Default of the longer side, m.
 const SIDE: f64 = 0.06;
-/// m: the sides that can be asked for.
+/// Limits of the longer side, m.
 const SIDES: std::ops::RangeInclusive<f64> = 1e-3..=2.0;
 /// Points of the screen: the preview.
 const HEIGHT: f32 = 200.0;
 
-/// A drawing that waits for its place.
+/// A drawing to be placed.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Import {
     /// The file's.
@@ -27,7 +27,7 @@ pub struct Import {
     made: Option<Made>,
 }
 
-/// What comes of a placement.
+/// The result of a placement.
 #[derive(Clone, Debug, PartialEq)]
 struct Made {
     of: Placement,
@@ -37,7 +37,7 @@ struct Made {
 }
 
 impl Import {
-    /// Proposes the middle of what is seen.
+    /// Suggests the centre of the view.
     pub fn new(name: String, drawing: Drawing, editor: &Editor) -> Self {
         let axes = editor.view.axes(editor.scene());
         let middle =
@@ -52,7 +52,7 @@ impl Import {
         Self { name, drawing, placement, made: None }
     }
 
-    /// Draws the question, and says whether it stays.
+    /// Draws the dialog, and returns whether it stays open.
     pub(super) fn show(&mut self, editor: &mut Editor, ui: &mut Ui) -> bool {
         ui.heading(format!("Import {}", self.name));
         self.make(editor.scene());
@@ -86,7 +86,7 @@ impl Import {
         stays
     }
 
-    /// The targets, made again when the placement is another one.
+    /// Updates the targets after a change of the placement.
     fn make(&mut self, scene: &Scene) {
         if self.made.as_ref().is_some_and(|made| made.of == self.placement) {
             return;
@@ -156,7 +156,7 @@ impl Import {
     }
 }
 
-/// What a drawing becomes, in words.
+/// Summary of the imported targets.
 fn summary(foci: &[Focus], targets: usize) -> String {
     let separate = foci.iter().filter(|focus| focus.is_separate()).count();
     let lines = format!("{targets} {}", if targets == 1 { "line" } else { "lines" });

@@ -1,4 +1,4 @@
-//! What is asked or said in the middle of the window.
+//! The dialogs and messages of the window.
 
 pub mod figure;
 pub mod file;
@@ -18,7 +18,7 @@ use crate::ui::{Command, Editor, Shown, keys, theme};
 use file::Purpose;
 use import::Import;
 
-/// A question or a message; nothing else is done meanwhile.
+/// A modal dialog or message.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Dialog {
     /// Which file?
@@ -26,42 +26,42 @@ pub enum Dialog {
         purpose: Purpose,
         text: String,
     },
-    /// A file of this name is there already.
+    /// The file already exists.
     Replace {
         purpose: Purpose,
-        /// What was typed.
+        /// The typed text.
         text: String,
         path: PathBuf,
     },
-    /// What is not saved would be lost by this.
+    /// Unsaved changes would be lost by this command.
     Unsaved(Command),
-    /// Another program has written to the file that is to be saved.
+    /// Another program has changed the file to be saved.
     Changed(PathBuf),
-    /// What could not be done, and why.
+    /// A failure and its reason.
     Message {
         title: String,
         text: String,
     },
     /// A scene that the last run did not save.
     Recovered(Box<Scene>),
-    /// What is about to sound is loud.
+    /// The loudness warning.
     Loud(BoardCommand),
-    /// Every action, found by its name.
+    /// All actions, searched by name.
     Palette {
         text: String,
         chosen: usize,
     },
-    /// Where is this drawing to stand?
+    /// Placement of a drawing.
     Import(Box<Import>),
-    /// What is a figure of the map to look like?
+    /// Options of a figure of the map.
     Figure,
-    /// How is the motion to be written?
+    /// Options of a film of the motion.
     Film,
     Help,
 }
 
 impl Dialog {
-    /// Whether Escape and a click beside it leave it: its answer decides what is lost for good.
+    /// Whether it requires an answer, since data may be lost: Escape and clicks outside do not close it.
     fn insists(&self) -> bool {
         matches!(self, Self::Recovered(_))
     }
@@ -143,13 +143,13 @@ pub fn show(editor: &mut Editor, shown: &Shown, ctx: &Context, commands: &mut Ve
     if dismissed {
         editor.after_saving = None;
     }
-    // What was just opened by a button goes before what stays.
+    // A dialog just opened by a button replaces the current one.
     if editor.dialog.is_none() && stays && !dismissed {
         editor.dialog = Some(dialog);
     }
 }
 
-/// Whether a file may be written over that is there already.
+/// The confirmation for overwriting a file.
 fn replace(
     (purpose, text): (Purpose, &str),
     path: &Path,
@@ -275,7 +275,7 @@ fn help(ui: &mut Ui) {
     ui.add_space(8.0);
 }
 
-/// Asks before the first sound of a run: what is asked for waits for the answer.
+/// Asks before the first sound of a run; the command waits for the answer.
 pub(super) fn warn_of_loudness(editor: &mut Editor, commands: &mut Vec<Command>) {
     if editor.was_warned {
         return;

@@ -1,11 +1,11 @@
-//! The command palette: every action, found by a part of its name.
+//! The command palette: commands found by a part of their name.
 
 use egui::{Button, Key, ScrollArea, TextEdit, Ui};
 
 use crate::ui::action::Action;
 use crate::ui::{Command, Editor, Shown};
 
-/// Draws it, and says whether it stays.
+/// Draws it, and returns whether it stays open.
 pub(super) fn show(
     (text, chosen): (&mut String, &mut usize),
     (editor, shown): (&mut Editor, &Shown),
@@ -56,7 +56,7 @@ pub(super) fn show(
     false
 }
 
-/// Whether every word of the text is part of the name.
+/// Whether the name contains every word of the text.
 fn matches(name: &str, text: &str) -> bool {
     let name = name.to_lowercase();
     text.to_lowercase().split_whitespace().all(|word| name.contains(word))

@@ -1,4 +1,4 @@
-//! The scene's bead, and what the sound does to it at a point.
+//! The panel of the bead and the force on it at a point.
 
 use egui::{Color32, RichText, Ui};
 use egui_plot::{Line, PlotPoints};
@@ -28,7 +28,7 @@ pub fn place(editor: &Editor, shown: &Shown) -> Option<DVec3> {
     at.filter(|at| !editor.scene().is_home() || at.z > 0.0)
 }
 
-/// Of the first trap that is played: its lobes are no places for beads.
+/// Position of the first played trap; beads do not sit at its lobes.
 fn trap(editor: &Editor) -> Option<DVec3> {
     let mut targets = editor.scene().targets.iter().filter(|target| target.visible);
     targets.find_map(|target| {

@@ -1,4 +1,4 @@
-//! Where the array stands: its boards, known arrays, and what reflects.
+//! The panel of boards, published arrays and reflectors.
 
 use std::f64::consts::FRAC_PI_2;
 
@@ -10,7 +10,7 @@ use crate::studio::presets::KNOWN;
 use crate::ui::panels::{PLAIN, caption, choice, coordinates, form, number};
 use crate::ui::{Dialog, Editor, Purpose};
 
-/// mm; nothing of a scene lies lower.
+/// Lower limit of positions, mm.
 const LOWEST: f64 = -2000.0;
 /// Directions that boards and reflectors usually face.
 const DIRECTIONS: [(DVec3, &str); 6] = [
@@ -21,10 +21,10 @@ const DIRECTIONS: [(DVec3, &str); 6] = [
     (DVec3::Y, "back, +y"),
     (DVec3::NEG_Y, "front, -y"),
 ];
-/// rad, of one press of a button.
+/// Rotation per click, rad.
 const TURN: f64 = FRAC_PI_2 / 6.0;
 
-/// A menu of published arrays, and a table of one's own.
+/// A menu of published arrays, and an entry for element tables.
 pub fn known(editor: &mut Editor, ui: &mut Ui) {
     ui.horizontal(|ui| {
         published(editor, ui);
@@ -114,13 +114,13 @@ fn add(scene: &mut Scene, next: impl FnOnce(Board) -> Board) {
     scene.boards.push(next(last));
 }
 
-/// Elements that are off are those of boards that are there.
+/// Drops undriven elements that no longer exist.
 fn keep_off(scene: &mut Scene) {
     let elements = scene.elements();
     scene.array.off.retain(|&element| element < elements);
 }
 
-/// What reflects sound.
+/// The reflectors.
 pub fn reflectors(editor: &mut Editor, ui: &mut Ui) {
     let scene = &mut editor.document.scene;
     let tip = "The liquid's surface, which is the scene's plane, sends sound back: draws the standing wave before it";
@@ -158,7 +158,7 @@ fn place(ui: &mut Ui, name: &str, at: &mut DVec3) {
     ui.end_row();
 }
 
-/// What something faces; says whether that changed.
+/// A normal; returns whether it changed.
 fn facing(ui: &mut Ui, normal: &mut DVec3) -> bool {
     let before = normal.normalize_or(DVec3::Z);
     let mut towards = before;

@@ -1,4 +1,4 @@
-//! The steps that bring a board up: its line, its elements, a focus, its emergency stop, and a report.
+//! The bring-up panel: line, elements, a focus, the emergency stop, and a report.
 
 use egui::{RichText, Ui};
 
@@ -10,7 +10,7 @@ use crate::ui::bring_up::{BringUp, Step};
 use crate::ui::panels::heading;
 use crate::ui::{Editor, theme};
 
-/// The steps, once they were begun; before, a button for them.
+/// The steps, or a button that starts them.
 pub fn show(editor: &mut Editor, board: &BoardShown, ui: &mut Ui, ask: &mut impl FnMut(BoardCommand)) {
     let Some(mut run) = editor.board.bring_up.take() else { return begin(editor, board, ui, ask) };
     heading(ui, &format!("Bring-up, step {}", run.step.title()));
@@ -30,12 +30,12 @@ pub fn show(editor: &mut Editor, board: &BoardShown, ui: &mut Ui, ask: &mut impl
     if ends {
         ask(BoardCommand::Stop);
     }
-    // Below the buttons, which stay where they are while it grows.
+    // Below the buttons, which keep their position while it grows.
     findings(ui, &run.report.findings);
     if let (Step::Line, Some(surveyed)) = (run.step, &board.surveyed) {
         findings(ui, &surveyed.findings);
     }
-    // Commands are carried out after the panel was drawn, and find it here.
+    // Commands run after the panel is drawn, and need it here.
     editor.board.bring_up = (!ends).then_some(run);
 }
 
@@ -49,7 +49,7 @@ fn begin(editor: &mut Editor, board: &BoardShown, ui: &mut Ui, ask: &mut impl Fn
     }
 }
 
-/// What sounds at the beginning of a step.
+/// The sound at the beginning of a step.
 fn enter(step: Step, ask: &mut impl FnMut(BoardCommand)) {
     match step {
         Step::Line => {}

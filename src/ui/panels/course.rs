@@ -1,4 +1,4 @@
-//! The pressure at a point in the course of time, and the lines of its square.
+//! The panel of the pressure at a point over time, with the spectrum of its square.
 
 use egui::Ui;
 use egui_plot::{Line, PlotPoints};
@@ -10,10 +10,10 @@ use crate::ui::{Course, CoursePlace, Editor, Shown, measure, section, theme};
 
 /// Points of the screen.
 const HEIGHT: f32 = 92.0;
-/// Hz, up to which lines are shown.
+/// Limit of displayed lines, Hz.
 pub const BAND: f64 = 1000.0;
 
-/// Where the course is looked at.
+/// Position of the time course.
 pub fn place(editor: &Editor, shown: &Shown) -> Option<DVec3> {
     let at = match editor.course.place {
         CoursePlace::Focus => section::focus(editor, shown),

@@ -1,4 +1,4 @@
-//! The board that plays: connecting to it, sending to it, trying its elements, and how the line fares.
+//! The Device page: connecting to a board, sending to it, testing its elements, and the state of its line.
 
 use egui::{RichText, Ui};
 
@@ -107,7 +107,7 @@ fn calibration(editor: &mut Editor, ui: &mut Ui) {
     ui.end_row();
 }
 
-/// Ports to choose from, and where they can be typed a field for any other.
+/// A menu of ports, and a field for others where they can be typed.
 fn port(editor: &mut Editor, board: &BoardShown, ui: &mut Ui, ask: &mut impl FnMut(BoardCommand)) {
     let tip = "Serial port of the board";
     let label = caption(ui, "Port").on_hover_text(tip);
@@ -146,7 +146,7 @@ fn port(editor: &mut Editor, board: &BoardShown, ui: &mut Ui, ask: &mut impl FnM
     ui.end_row();
 }
 
-/// A menu of the ports that there are.
+/// A menu of the available ports.
 fn listed(
     editor: &mut Editor,
     board: &BoardShown,
@@ -188,7 +188,7 @@ fn state(board: &BoardShown, profile: Profile, ui: &mut Ui) {
             let tip = "This board sends no answers, so its presence and state are unknown";
             ui.label(RichText::new("port open, unconfirmed").strong()).on_hover_text(tip);
         }
-        // A board may be away for hours: nothing turns meanwhile.
+        // A board may be missing for hours: no spinner meanwhile.
         Some(State::Lost(_)) => {
             ui.label(RichText::new("lost, searching").color(theme::error(ui.visuals())));
         }
@@ -240,7 +240,7 @@ fn sending(
     }
 }
 
-/// Why nothing can be sent now.
+/// The reason for not being able to send.
 fn obstacle(health: &Health) -> Option<String> {
     match &health.state {
         State::Ready => None,
@@ -249,13 +249,13 @@ fn obstacle(health: &Health) -> Option<String> {
     }
 }
 
-/// A button, or the reason that there is for not having it. Whether it was clicked.
+/// A button, or the reason for its absence. Returns whether it was clicked.
 fn button(ui: &mut Ui, name: &str, tip: &str, obstacle: Option<&str>) -> bool {
     let button = ui.add_enabled(obstacle.is_none(), egui::Button::new(name)).on_hover_text(tip);
     button.on_disabled_hover_text(obstacle.unwrap_or_default()).clicked()
 }
 
-/// The board's carrier (Hz), if the scene is made for another.
+/// The board's carrier (Hz), if it differs from the scene's frequency.
 fn other_carrier(editor: &Editor, board: &BoardShown) -> Option<f64> {
     let carrier = board.found.and_then(|found| found.carrier)?;
     crate::device::levels::carrier_notice(carrier, editor.scene().array.frequency).map(|_| carrier)
@@ -325,7 +325,7 @@ fn line(board: &BoardShown, profile: Profile, health: &Health, ui: &mut Ui) {
     }
 }
 
-/// What the board makes of the drive.
+/// The drive as played by the board.
 fn played(editor: &mut Editor, board: &BoardShown, ui: &mut Ui) {
     heading(ui, "Quantised scene");
     let levels = u32::from(editor.board.profile.levels());
@@ -384,7 +384,7 @@ mod tests {
         let mut has_fonts = false;
         let draw = move |ui: &mut Ui, editor: &mut Editor| match std::mem::replace(&mut has_fonts, true) {
             true => show(editor, &shown, ui, &mut theirs.borrow_mut()),
-            // They are there from the next frame on.
+            // Available from the next frame on.
             false => theme::install(ui.ctx()),
         };
         let editor = Editor::new(Document::new(Scene::default(), "scene"));
@@ -414,7 +414,7 @@ mod tests {
         panel.get_by_label("Connect").click();
         panel.run_steps(2);
         assert_eq!(asked.take(), [Command::Board(BoardCommand::Connect)]);
-        // What its bring-up has saved is there as long as the page.
+        // The bring-up's files live as long as the page.
         panel.state_mut().board.calibration = "calibration.csv".to_owned();
         panel.run_steps(2);
         assert!(panel.query_by_label("Calibration").is_some());

@@ -1,4 +1,4 @@
-//! Phase and amplitude of every element.
+//! The Drive page: phase and amplitude of every element.
 
 use egui::{Color32, Sense, Ui};
 
@@ -8,7 +8,7 @@ use crate::studio::probe::Reading;
 use crate::ui::panels::{choice, fact, form, heading};
 use crate::ui::{Editor, Shown, Sound, element_map};
 
-/// Phases per period that boards play.
+/// Numbers of phases per period of boards.
 const LEVELS: [(Option<u32>, &str); 8] = [
     (None, "ideal"),
     (Some(8), "8 phases"),
@@ -46,7 +46,7 @@ pub fn show(editor: &mut Editor, shown: &Shown, ui: &mut Ui) {
     strip(ui, &viridis, ["0", "0.5", "1"]);
 }
 
-/// The colours of a map with what they mean.
+/// The colours of a map with labels.
 fn strip(ui: &mut Ui, table: &[[u8; 4]; 256], labels: [&str; 3]) {
     const SIZE: egui::Vec2 = egui::vec2(224.0, 8.0);
     let (rect, _) = ui.allocate_exact_size(SIZE + egui::vec2(0.0, 16.0), Sense::hover());
@@ -65,7 +65,7 @@ fn strip(ui: &mut Ui, table: &[[u8; 4]; 256], labels: [&str; 3]) {
 }
 
 fn map(editor: &Editor, sound: &Sound, ui: &mut Ui, name: &str, colour: impl Fn(usize) -> [u8; 4]) {
-    // Until the scene is solved again, the drive may be that of another array.
+    // Until the scene is solved again, the drive may belong to another array.
     if sound.drive().phases.len() != editor.scene().elements() {
         return;
     }

@@ -1,4 +1,4 @@
-//! The liquid and its surface depression.
+//! The Liquid page: the liquid and its surface depression.
 
 use egui::Ui;
 
@@ -48,7 +48,7 @@ pub fn show(editor: &mut Editor, shown: &Shown, ui: &mut Ui) {
     caustic(editor, shown, ui);
 }
 
-/// The screen on which light falls that the surface bends.
+/// The screen of caustics.
 fn caustic(editor: &mut Editor, shown: &Shown, ui: &mut Ui) {
     heading(ui, "Light on a screen");
     let liquid = &mut editor.document.scene.liquid;

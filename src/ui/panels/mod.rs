@@ -27,13 +27,13 @@ pub use target::{point, sampling};
 use crate::ui::number::{self, Look};
 use crate::ui::{Command, Editor, Panel, Shown, segments, theme};
 
-/// How a number is shown: so many times as large, with this behind it.
+/// Display of a number: factor and suffix.
 #[derive(Clone, Copy)]
 pub struct Unit {
     per: f64,
     suffix: &'static str,
     decimals: usize,
-    /// What a point of dragging changes, in the unit shown.
+    /// Change per point of dragging, in the displayed unit.
     speed: f64,
 }
 
@@ -60,7 +60,7 @@ pub fn show(editor: &mut Editor, shown: &Shown, ui: &mut Ui, commands: &mut Vec<
     });
     ui.separator();
     ScrollArea::vertical().auto_shrink([false, false]).id_salt(editor.panel as u8).show(ui, |ui| {
-        // The scroll bar lies over the panel.
+        // The scroll bar covers the panel.
         ui.set_max_width(ui.available_width() - ui.spacing().scroll.bar_width);
         match editor.panel {
             Panel::Scene => scene::show(editor, shown, ui),
@@ -97,8 +97,8 @@ pub fn value<R>(ui: &mut Ui, add: impl FnOnce(&mut Ui) -> R) -> R {
     ui.with_layout(Layout::right_to_left(Align::Center), add).inner
 }
 
-/// A row with a number that can be edited. What is no number changes nothing, and what is out of range becomes the nearest that
-/// is not; either is said.
+/// A row with an editable number. Unreadable text changes nothing, and values out of range are clamped; both with a
+/// message.
 pub fn number(
     ui: &mut Ui,
     (name, tip): (&str, &str),
@@ -145,7 +145,7 @@ fn bare_count(ui: &mut Ui, value: &mut u32, range: RangeInclusive<u32>) -> Respo
     response
 }
 
-/// A row with a value that is only shown; a click copies it.
+/// A row with a read-only value; a click copies it.
 pub fn fact(ui: &mut Ui, (name, tip): (&str, &str), value: impl Into<String>) {
     caption(ui, name).on_hover_text(tip);
     self::value(ui, |ui| {
@@ -176,7 +176,7 @@ fn choice<T: Copy + PartialEq>(ui: &mut Ui, (name, tip): (&str, &str), value: &m
     ui.end_row();
 }
 
-/// A number that follows from something else unless it is given.
+/// A derived number that can be overridden.
 fn given(
     ui: &mut Ui,
     (name, tip): (&str, &str),
@@ -193,7 +193,7 @@ fn given(
             bare_number(ui, number, unit, range).accessible_name(name);
         } else {
             *value = None;
-            // As far in as the numbers in fields.
+            // Indented like the numbers in fields.
             ui.add_space(ui.spacing().button_padding.x);
             ui.label(format!("{:.*}{}", unit.decimals, otherwise * unit.per, unit.suffix));
         }
@@ -201,7 +201,7 @@ fn given(
     ui.end_row();
 }
 
-/// A plot from 0 upwards that shows all there is and follows no pointer, so high in points.
+/// A static plot from 0 upwards that shows all values, of this height in points.
 fn still_plot(id: &str, height: f32) -> Plot<'_> {
     Plot::new(id)
         .height(height)
@@ -214,7 +214,7 @@ fn still_plot(id: &str, height: f32) -> Plot<'_> {
         .show_grid(true)
 }
 
-/// What would be written as -0.00 is 0.
+/// Turns -0.00 into 0.
 fn without_sign_on_zero(value: f64) -> f64 {
     if value.abs() < 5e-3 { 0.0 } else { value }
 }
@@ -222,7 +222,7 @@ fn without_sign_on_zero(value: f64) -> f64 {
 /// Three numbers in mm, z not below `lowest` mm.
 fn coordinates(ui: &mut Ui, name: &str, at: &mut DVec3, lowest: f64) {
     ui.spacing_mut().item_spacing.x = 4.0;
-    // Wide enough for most: rows of points stand in columns.
+    // Wide enough for most numbers, so that rows of points align.
     ui.spacing_mut().interact_size.x = 46.0;
     for (axis, value) in ["x", "y", "z"].into_iter().zip(at.as_mut()) {
         let mut shown = without_sign_on_zero(*value * 1e3);

@@ -1,4 +1,4 @@
-//! What makes a hand feel the sound: waveform, law, tones and a waveform from a file.
+//! The panel of the modulation: waveform, law, tones and a waveform file.
 
 use egui::Ui;
 
@@ -54,7 +54,7 @@ pub fn show(editor: &mut Editor, ui: &mut Ui) {
     }
 }
 
-/// Takes another waveform; says whether a file has to be asked for first.
+/// Selects a waveform; returns whether a file is required first.
 fn choose(modulation: &mut Modulation, shape: Envelope) -> bool {
     if shape == Envelope::File && modulation.wave.get().is_none() {
         return true;

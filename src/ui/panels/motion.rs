@@ -1,4 +1,4 @@
-//! How the sound is modulated and the targets move, and what the frames of a cycle reach.
+//! The Motion page: modulation, motion of targets, and the pressures reached in the frames of a cycle.
 
 use egui::Ui;
 
@@ -63,7 +63,7 @@ fn settings(editor: &mut Editor, ui: &mut Ui) {
     }
 }
 
-/// A step for every target where they take turns, and for no other.
+/// Assigns a step to every target if they take turns, otherwise to none.
 fn take_turns(scene: &mut Scene) {
     let steps = scene.motion.path == MotionPath::Steps;
     for (index, target) in (0..).zip(&mut scene.targets) {

@@ -1,4 +1,4 @@
-//! Other programs that edit the scene: whether they are listened to, where, and how much they say.
+//! The panel of live control by other programs: on or off, addresses, and counts.
 
 use egui::{RichText, Ui};
 

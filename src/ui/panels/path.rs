@@ -1,4 +1,4 @@
-//! A path and how fast it goes by: of the scene's motion, or of a target's own.
+//! The panel of a motion's path and speed, for the scene or a target.
 
 use std::f64::consts::TAU;
 
@@ -11,7 +11,7 @@ use crate::ui::panels::{
     DEGREES, MM, PLAIN, Unit, bare_number, choice, coordinates, count, fact, form, heading, number,
 };
 
-/// Steps are the last: a target's own motion has none.
+/// Steps are last, since a target's own motion cannot have them.
 const PATHS: [(MotionPath, &str); 10] = [
     (MotionPath::None, "none"),
     (MotionPath::Outline, "outline"),
@@ -26,32 +26,32 @@ const PATHS: [(MotionPath, &str); 10] = [
 ];
 /// Of a cycle, between two keyframes.
 const APART: f64 = 1e-4;
-/// m: where a path through points first goes.
+/// Initial points of a path, m.
 const FIRST_POINTS: [DVec3; 3] = [DVec3::ZERO, DVec3::new(0.02, 0.0, 0.0), DVec3::new(0.02, 0.02, 0.0)];
-/// Where keyframes first are: at their times in a cycle.
+/// Initial keyframes: times in a cycle and offsets.
 const FIRST_KEYFRAMES: [(f64, DVec3); 2] = [(0.0, DVec3::ZERO), (0.5, DVec3::new(0.02, 0.0, 0.0))];
 const PERCENT: Unit = Unit { per: 100.0, suffix: " %", decimals: 2, speed: 0.1 };
 const HERTZ: Unit = Unit { per: 1.0, suffix: " Hz", decimals: 2, speed: 0.1 };
 const SPEED: Unit = Unit { per: 1.0, suffix: " m/s", decimals: 2, speed: 0.05 };
 
-/// What follows from a motion and from the others of its scene.
+/// Values derived from a motion and the others of its scene.
 #[derive(Clone, Copy)]
 pub struct Figures {
-    /// m, of one repetition of the path.
+    /// Length of a repetition, m.
     length: f64,
-    /// Repetitions per second that it asks for.
+    /// Requested repetitions per second.
     asked: f64,
     /// Repetitions per cycle.
     rounds: u64,
     /// Cycles and frames per second.
     rate: f64,
     frames_per_second: f64,
-    /// One repetition of it is the cycle.
+    /// Whether one repetition of it is the cycle.
     leads: bool,
 }
 
 impl Figures {
-    /// Of a target's motion, or of the scene's; `None` where it moves nothing.
+    /// For a target's motion, or the scene's; `None` if it moves no target.
     pub fn of(scene: &Scene, target: Option<usize>) -> Option<Self> {
         let cycle = motion::cycle(scene)?;
         let index = cycle.groups.iter().position(|group| group.target == target)?;
@@ -67,7 +67,7 @@ impl Figures {
     }
 }
 
-/// Path, size and tempo of a target's own motion, or of the scene's, which alone may go in steps.
+/// Path, size and tempo of a target's own motion, or of the scene's, which alone can have steps.
 pub fn settings(motion: &mut Motion, figures: Option<Figures>, is_own: bool, ui: &mut Ui) {
     form(ui, "motion", |ui| {
         let tip =
@@ -107,7 +107,7 @@ pub fn settings(motion: &mut Motion, figures: Option<Figures>, is_own: bool, ui:
     }
 }
 
-/// How fast it goes by: the number that is given is kept, and the other one follows.
+/// Rate and speed: the given one is kept, the other follows.
 fn tempo(motion: &mut Motion, figures: Figures, ui: &mut Ui) {
     let Figures { length, asked, rounds, rate, frames_per_second, leads } = figures;
     let mut rounds_per_second = asked;
@@ -133,7 +133,7 @@ fn tempo(motion: &mut Motion, figures: Figures, ui: &mut Ui) {
     }
 }
 
-/// Another path, with what it needs: points to visit, a tempo that makes sense.
+/// Selects a path, with its required points and a sensible tempo.
 fn choose(motion: &mut Motion, path: MotionPath) {
     if path == motion.path {
         return;

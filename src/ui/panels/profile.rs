@@ -1,4 +1,4 @@
-//! The pressure along the strokes of a shape, from their first end to their last.
+//! The plot of the pressure along a shape's strokes.
 
 use egui::Ui;
 use egui_plot::{HLine, Line, PlotPoints};
@@ -7,9 +7,9 @@ use crate::scene::Part;
 use crate::ui::panels::{heading, still_plot};
 use crate::ui::{Sound, theme};
 
-/// Places (mm) along all strokes, one after the other, and the pressure there over its target's mean; a curve for each stroke.
+/// Positions (mm) along all strokes in sequence, with the pressure relative to the target's mean; a curve per stroke.
 pub fn curves(sound: &Sound) -> Vec<Vec<[f64; 2]>> {
-    /// Wavelengths between neighbours: samples that are farther apart belong to different strokes.
+    /// Wavelengths: samples farther apart belong to different strokes.
     const NEIGHBOURS: f64 = 0.27;
     let relative = |index: usize| sound.readings[index].peak() / sound.foci[index].target;
     let samples: Vec<_> =
@@ -33,7 +33,7 @@ pub fn curves(sound: &Sound) -> Vec<Vec<[f64; 2]>> {
     curves
 }
 
-/// Draws them, where there are strokes.
+/// Draws them, if there are strokes.
 pub fn show(sound: &Sound, ui: &mut Ui) {
     const HEIGHT: f32 = 84.0;
     let curves = curves(sound);

@@ -1,4 +1,4 @@
-//! Targets, plane, air and array.
+//! The Scene page: targets, plane, air and array.
 
 use egui::{RichText, Sense, Ui};
 use glam::DVec3;
@@ -79,7 +79,7 @@ fn targets(editor: &mut Editor, ui: &mut Ui) {
     }
 }
 
-/// A target in the list. Gives out from where to where one is to go that was dropped here.
+/// A target in the list. Returns the move of a target dropped here.
 fn row(editor: &mut Editor, index: usize, several: bool, ui: &mut Ui) -> Option<(usize, usize)> {
     let chosen = editor.selection.contains(&index);
     let target = &editor.scene().targets[index];
@@ -92,7 +92,7 @@ fn row(editor: &mut Editor, index: usize, several: bool, ui: &mut Ui) -> Option<
             .on_hover_text("On; a target that is off stays in the file")
             .accessible_name(format!("Target {} is played", index + 1));
         let text = if *visible { RichText::new(name) } else { RichText::new(name).weak() };
-        // The rest of the row, so that the name stands at its left.
+        // Fills the row, so that the name is left-aligned.
         let mut row = egui::Atoms::new((text, egui::Atom::grow()));
         if !group.is_empty() {
             row.push_right(group);
@@ -142,11 +142,11 @@ fn walk(index: usize, count: usize, response: &egui::Response, ui: &Ui) {
     }
 }
 
-/// The place of a target that is dragged through the list.
+/// Index of a target dragged in the list.
 #[derive(Clone, Copy)]
 struct Dragged(usize);
 
-/// The place of an ear, and the exposure there.
+/// The position of an ear, and its exposure.
 fn listener(editor: &mut Editor, shown: &Shown, ui: &mut Ui) {
     let listener = &mut editor.document.scene.listener;
     let mut is_there = listener.is_some();
@@ -172,7 +172,7 @@ fn listener(editor: &mut Editor, shown: &Shown, ui: &mut Ui) {
     });
 }
 
-/// What several targets share.
+/// The controls for several targets.
 fn together(editor: &mut Editor, count: usize, ui: &mut Ui) {
     ui.label(format!("{count} targets selected"));
     let Some(first) = editor.selection.first().and_then(|&index| editor.scene().targets.get(index)) else {
@@ -199,7 +199,7 @@ fn together(editor: &mut Editor, count: usize, ui: &mut Ui) {
     }
 }
 
-/// The plane of the file, which `render` draws, and the button that takes the one on the screen.
+/// The scene plane, drawn by `render`, and the button that sets it to the displayed one.
 fn plane(editor: &mut Editor, shown: &Shown, ui: &mut Ui) {
     heading(ui, "Scene plane");
     let scene = editor.scene();
@@ -251,7 +251,7 @@ fn array(editor: &mut Editor, ui: &mut Ui) {
             count(ui, ("Columns", "Elements along x"), &mut array.columns, 1..=128);
             count(ui, ("Rows", "Elements along y"), &mut array.rows, 1..=128);
             if before != array.columns {
-                // Numbers count row by row: they would name other elements now.
+                // Numbers count row by row and would now mean other elements.
                 array.off.clear();
             }
             let elements = array.elements() * boards;
@@ -285,7 +285,7 @@ fn array(editor: &mut Editor, ui: &mut Ui) {
     switches(editor, ui);
 }
 
-/// The array as a map of switches. A drag gives every element what it gave the first.
+/// The array as a map of switches. A drag sets every element like the first.
 fn switches(editor: &mut Editor, ui: &mut Ui) {
     let off: std::collections::HashSet<_> = editor.scene().array.off.iter().copied().collect();
     let (response, under) =
@@ -302,7 +302,7 @@ fn switches(editor: &mut Editor, ui: &mut Ui) {
     let switching = ui.data(|data| data.get_temp::<bool>(id));
     if let (true, Some(n), Some(to_off)) = (response.is_pointer_button_down_on(), under, switching) {
         array.off.retain(|&element| element != n);
-        // One has to play.
+        // At least one element must play.
         if to_off && array.off.len() + 1 < elements {
             array.off.push(n);
             array.off.sort_unstable();

@@ -1,4 +1,4 @@
-//! How the phases are found, and how good they are.
+//! The Solver page: the method, its settings and its figures.
 
 use egui::Ui;
 
@@ -20,7 +20,7 @@ pub fn show(editor: &mut Editor, shown: &Shown, ui: &mut Ui, commands: &mut Vec<
     }
 }
 
-/// What a method does, in a sentence.
+/// Description of a method.
 fn describe(method: Method) -> &'static str {
     match method {
         Method::Focus => "Phases from the times of flight to one focal point",
@@ -99,7 +99,7 @@ fn quality(convention: Convention, shown: &Shown, solution: &Solution, ui: &mut 
     }
 }
 
-/// Figures that say something of separate foci.
+/// Figures of separate foci.
 fn foci(quality: &Quality, ui: &mut Ui) {
     fact(
         ui,
@@ -110,7 +110,7 @@ fn foci(quality: &Quality, ui: &mut Ui) {
     fact(ui, ("Relative to a single focus", tip), format!("{:.2}", quality.relative_to_single));
 }
 
-/// Figures that only shapes have; they come when nothing is dragged.
+/// Figures of shapes, computed when nothing is dragged.
 fn shape(figures: Option<&Figures>, ui: &mut Ui) {
     let told = |tell: &dyn Fn(&Figures) -> String| figures.map_or("…".to_owned(), tell);
     let percent = |part: f64| format!("{:.0} %", 100.0 * part);

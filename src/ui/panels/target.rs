@@ -1,4 +1,4 @@
-//! The numbers of one target.
+//! The numbers of a single target.
 
 use egui::{RichText, TextEdit, Ui};
 use glam::DVec3;
@@ -13,9 +13,9 @@ use crate::ui::panels::{
 };
 use crate::ui::theme;
 
-/// m between the focal points that an outline gets when they are first asked for.
+/// Initial spacing of an outline's focal points, m.
 const SPACING: f64 = 0.01;
-/// m, of a broad stroke when it is first asked for.
+/// Initial width of a broad stroke, m.
 const WIDTH: f64 = 0.006;
 pub const GROUP: (&str, &str) = ("Group", "Targets with the same group are selected together on the map");
 /// m
@@ -49,7 +49,7 @@ pub fn show(scene: &mut Scene, index: usize, ui: &mut Ui) {
     own_motion(target, figures, ui);
 }
 
-/// A name that may be empty; `hint` is what stands there then.
+/// A possibly empty name with a placeholder `hint`.
 pub fn label(ui: &mut Ui, (name, tip): (&str, &str), hint: &str, text: &mut String) -> bool {
     let label = caption(ui, name).on_hover_text(tip);
     let field = TextEdit::singleline(text).hint_text(hint).char_limit(MOST_LETTERS).desired_width(150.0);
@@ -59,7 +59,7 @@ pub fn label(ui: &mut Ui, (name, tip): (&str, &str), hint: &str, text: &mut Stri
     changed
 }
 
-/// How it moves where it does not move with the others.
+/// The target's own motion, if any.
 fn own_motion(target: &mut Target, figures: Option<Figures>, ui: &mut Ui) {
     let mut has_own = target.motion.is_some();
     ui.checkbox(&mut has_own, "Own motion")
@@ -124,7 +124,7 @@ fn shape(target: &mut Target, ui: &mut Ui) {
     }
 }
 
-/// What of a bead a point holds.
+/// A point's trap.
 fn holding(target: &mut Target, ui: &mut Ui) {
     let (at, mut kind, mut charge) = match target.shape {
         Shape::Point { at } => (at, None, 1),
@@ -155,7 +155,7 @@ fn holding(target: &mut Target, ui: &mut Ui) {
     };
 }
 
-/// Only letters that the stroke font has, and never no letter at all; what it lacks is said.
+/// A text field that accepts letters of the stroke font only and is never empty; missing letters are reported.
 fn letters(ui: &mut Ui, text: &mut String) {
     let label = caption(ui, "Text");
     let mut edited = text.clone();
@@ -200,7 +200,7 @@ fn pressure(target: &mut Target, pressures: Pressures, ui: &mut Ui) {
     }
 }
 
-/// A way to play a shape: its name, what it means, and what it is at first.
+/// A sampling of a shape: its name, description, and initial value.
 type Choice = (&'static str, &'static str, Sampling);
 
 const OUTLINES: [Choice; 3] = [
@@ -226,11 +226,11 @@ fn areas(shape: &Shape) -> &'static [Choice] {
     }
 }
 
-/// Whether a shape is a stroke, separate focal points, and how many, or one of these areas.
+/// Selects strokes, separate focal points with their number, or one of these areas.
 pub fn sampling(ui: &mut Ui, sampling: &mut Sampling, areas: &[Choice]) {
     let label = caption(ui, "Stroke").on_hover_text("Continuous, separate foci, or an area");
     ui.vertical(|ui| {
-        // In one row they would widen the panel while a shape is drawn, and the map would go from under the pointer.
+        // A single row would widen the panel while a shape is drawn, and shift the map under the pointer.
         for choices in [&OUTLINES, areas] {
             ui.horizontal(|ui| {
                 ui.spacing_mut().item_spacing.x = 2.0;
@@ -260,7 +260,7 @@ pub fn sampling(ui: &mut Ui, sampling: &mut Sampling, areas: &[Choice]) {
     ui.end_row();
 }
 
-/// When it is shown, where targets take turns.
+/// The step of a target in scenes with turns.
 fn step(target: &mut Target, takes_turns: bool, ui: &mut Ui) {
     if !takes_turns && target.step.is_none() {
         return;

@@ -1,4 +1,4 @@
-//! What the pointer does in space: looking around, choosing targets, and dragging them, slices and the clipped box.
+//! Pointer input in the 3D view: orbiting, selecting targets, and dragging targets, slices and the clipping box.
 
 use std::collections::BTreeSet;
 
@@ -12,18 +12,18 @@ use crate::ui::space::{Held, Stage};
 use crate::ui::tool::Tool;
 use crate::ui::{Editor, Shown, canvas, group};
 
-/// Points of the screen within which an outline is meant.
+/// Pick distance of an outline in points.
 const REACH: f32 = 10.0;
-/// What one turn of the wheel's notch does.
+/// Zoom per point of the wheel.
 const ZOOM_PER_POINT: f64 = 1.0 / 240.0;
-/// Of the line of sight, what points down where targets are dragged about at their height.
+/// Downward component of the line of sight beyond which targets are dragged at constant height.
 const FROM_ABOVE: f64 = 0.35;
 /// The thinnest that the box is clipped, as a part of it.
 const THINNEST: f64 = 0.02;
 
-/// Makes room for the view and lets the pointer act on it.
+/// Allocates the view and handles pointer input.
 pub fn interact(editor: &mut Editor, shown: &Shown, ui: &mut Ui) -> Stage {
-    // Targets are drawn on the map: who takes a tool for that gets there.
+    // Drawing tools work on the map: selecting one leaves the 3D view.
     if editor.tool != Tool::Select {
         if editor.space.was_on {
             editor.space.is_on = false;
@@ -42,7 +42,7 @@ pub fn interact(editor: &mut Editor, shown: &Shown, ui: &mut Ui) -> Stage {
         .widget_info(|| egui::WidgetInfo::labeled(egui::Role::Canvas, true, "Canvas: the scene in space"));
     let is_down = ui.input(|input| input.pointer.any_down());
     let scene = editor.document.scene.clone();
-    // The frame in which it is let go counts, too.
+    // The frame of the release counts, too.
     let is_held = is_down || editor.space.is_held() || ui.ctx().text_edit_focused();
     let [block, whole] = editor.space.frame(&scene, shown, is_held);
     let aspect = f64::from(rect.width() / rect.height());
@@ -77,7 +77,7 @@ pub fn interact(editor: &mut Editor, shown: &Shown, ui: &mut Ui) -> Stage {
     stage
 }
 
-/// The middle of what is selected.
+/// The centre of the selection.
 pub fn chosen(editor: &Editor) -> Option<DVec3> {
     let targets = &editor.scene().targets;
     let places = editor.selection.iter().filter_map(|&index| targets.get(index));
@@ -122,7 +122,7 @@ fn look_around(editor: &mut Editor, ui: &Ui, response: &Response, stage: &Stage)
     }
 }
 
-/// What the primary button takes hold of, moves, and lets go.
+/// Handles press, drag and release of the primary button.
 fn hold(editor: &mut Editor, ui: &Ui, response: &Response, stage: &Stage) {
     let is_meant = response.is_pointer_button_down_on() || response.clicked();
     let pressed = is_meant && ui.input(|input| input.pointer.primary_pressed());
@@ -131,7 +131,7 @@ fn hold(editor: &mut Editor, ui: &Ui, response: &Response, stage: &Stage) {
         if pressed && editor.space.held.is_none() {
             let held = take(editor, stage, at, modifiers);
             if let Held::Targets { .. } = held {
-                // The box may grow with what is dragged; what is seen stays where it is.
+                // The box may grow during a drag; the view stays.
                 editor.space.camera = Some(stage.camera);
             }
             editor.space.held = Some(held);
@@ -167,13 +167,13 @@ fn take(editor: &mut Editor, stage: &Stage, at: Pos2, modifiers: egui::Modifiers
             editor.selection = hit;
         }
     }
-    // At its height where one looks down on it, else upright across the line of sight.
+    // At constant height when seen from above, otherwise vertically across the line of sight.
     let forward = stage.camera.axes()[2];
     let across = if forward.z.abs() > FROM_ABOVE { 2 } else { forward.truncate().abs().max_position() };
     grab(editor, stage, Handle::Plane(across), at)
 }
 
-/// Takes hold of what is selected.
+/// Grabs the selection.
 fn grab(editor: &Editor, stage: &Stage, handle: Handle, at: Pos2) -> Held {
     let centre = chosen(editor).unwrap_or(stage.block.centre);
     let from = handle::dragged(handle, stage.ray(at), centre).unwrap_or(centre);
@@ -215,12 +215,12 @@ fn drag(editor: &mut Editor, stage: &Stage, at: Pos2, modifiers: egui::Modifiers
     }
 }
 
-/// The move that brings a place to the grid along the axes that the handle moves it along.
+/// The move that snaps a point to the grid along the handle's axes.
 fn snapped(handle: Handle, centre: DVec3, by: DVec3, grid: f64) -> DVec3 {
     freed(handle, ((centre + by) / grid).round() * grid - centre)
 }
 
-/// What of a move a handle makes: nothing across its axis or along its plane's, whatever rounding leaves.
+/// The part of a move permitted by a handle: exactly zero across its axis or plane.
 fn freed(handle: Handle, by: DVec3) -> DVec3 {
     let is_free = |axis: usize| match handle {
         Handle::Axis(own) | Handle::Slice(own) | Handle::Face(own, _) => axis == own,
@@ -249,7 +249,7 @@ fn slide(editor: &mut Editor, stage: &Stage, handle: Handle, to: DVec3, off: f64
     }
 }
 
-/// A click on nothing chooses nothing.
+/// A click on empty space clears the selection.
 fn choose(editor: &mut Editor, stage: &Stage, at: Option<Pos2>, modifiers: egui::Modifiers) {
     let Some(at) = at else { return };
     let is_on_handle = handle::at(stage, &editor.space, chosen(editor), at).is_some();
@@ -258,7 +258,7 @@ fn choose(editor: &mut Editor, stage: &Stage, at: Option<Pos2>, modifiers: egui:
     }
 }
 
-/// The target whose outline is nearest to a place of the screen.
+/// The target with the outline nearest to a screen position.
 fn target_at(editor: &Editor, stage: &Stage, at: Pos2) -> Option<usize> {
     let distance = |target: &Target| {
         let strokes = outline::strokes(target).unwrap_or_default();

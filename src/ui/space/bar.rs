@@ -1,4 +1,4 @@
-//! The rows above the 3D view: what is seen of the field, and from where.
+//! The rows above the 3D view: representation of the field, and camera.
 
 use std::ops::RangeInclusive;
 
@@ -12,7 +12,7 @@ use crate::ui::{Editor, Shown, segments};
 /// dB
 pub const LEVELS: RangeInclusive<f64> = -40.0..=-0.5;
 
-/// The first row: what is seen.
+/// The first row: the representation of the field.
 pub fn show(editor: &mut Editor, ui: &mut Ui) {
     let space = &mut editor.space;
     let choices = Seen::ALL.map(|seen| (seen, seen.name(), seen.tooltip().to_owned()));
@@ -21,7 +21,7 @@ pub fn show(editor: &mut Editor, ui: &mut Ui) {
         let tip = "Level of the surface, in dB of the largest RMS pressure in the box";
         let label = ui.label("Level").on_hover_text(tip);
         ui.spacing_mut().slider_width = 120.0;
-        // A number that the slider rounded would count as changed.
+        // A value rounded by the slider would count as changed.
         let mut level = space.level;
         let slider = Slider::new(&mut level, LEVELS).show_value(false).step_by(0.5);
         if ui.add(slider).labelled_by(label.id).on_hover_text(tip).changed() {
@@ -38,7 +38,7 @@ pub fn show(editor: &mut Editor, ui: &mut Ui) {
     }
 }
 
-/// The second row: from where, and what stands in space.
+/// The second row: camera and visible objects.
 pub fn places(editor: &mut Editor, ui: &mut Ui) {
     let space = &mut editor.space;
     if ui.button("Home").on_hover_text("Everything, from the front and above (0, or double click)").clicked()
@@ -78,7 +78,7 @@ fn slices(space: &mut SpaceView, middle: [f64; 3], ui: &mut Ui) {
     }
 }
 
-/// Whether the picture on the screen is the final one, for those who wait.
+/// Whether the displayed picture is final.
 pub fn is_settled(editor: &Editor, shown: &Shown) -> bool {
     !editor.space.is_on || shown.space.as_ref().is_some_and(|picture| !picture.is_coarse)
 }

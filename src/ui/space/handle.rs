@@ -1,4 +1,4 @@
-//! Handles in space: the arrows and squares by which targets move, and knobs of slices and of the clipped box.
+//! Handles in the 3D view: arrows and squares that move targets, and knobs of slices and of the clipping box.
 
 use egui::Pos2;
 use glam::DVec3;
@@ -6,15 +6,15 @@ use glam::DVec3;
 use crate::field::volume::Block;
 use crate::ui::space::{SpaceView, Stage};
 
-/// Points of the screen: how long arrows are, where squares lie and how wide they are, and the reach of the pointer.
+/// Length of arrows, position and size of squares, and pick distance, in points.
 pub const ARROW: f64 = 70.0;
 pub const SQUARE: [f64; 2] = [17.0, 33.0];
 const REACH: f32 = 9.0;
-/// The part of an axis or a plane's normal along the line of sight beyond which, or short of which, it cannot be dragged.
+/// Limits of an axis' or plane normal's component along the line of sight for dragging.
 const STEEPEST: f64 = 0.985;
 const FLATTEST: f64 = 0.06;
 
-/// What can be dragged in space.
+/// Draggable handles.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Handle {
     /// Along an axis.
@@ -22,13 +22,13 @@ pub enum Handle {
     /// Across an axis.
     Plane(usize),
     Slice(usize),
-    /// A face of the clipped box: across which axis, and whether it is the upper one.
+    /// A face of the clipping box: its axis, and whether it is the upper one.
     Face(usize, bool),
 }
 
 pub const AXES: [DVec3; 3] = [DVec3::X, DVec3::Y, DVec3::Z];
 
-/// How far along an axis through a point the place is that is nearest to a ray, in the axis' unit. `None` where the ray runs along it.
+/// Position on an axis nearest to a ray, in the axis' unit. `None` for parallel rays.
 pub fn along_axis((start, direction): (DVec3, DVec3), point: DVec3, axis: DVec3) -> Option<f64> {
     let (a, d, w) = (axis.length_squared(), direction.length_squared(), start - point);
     let both = axis.dot(direction);
@@ -38,7 +38,7 @@ pub fn along_axis((start, direction): (DVec3, DVec3), point: DVec3, axis: DVec3)
     Some((w.dot(axis) * d - w.dot(direction) * both) / (a * d - both * both))
 }
 
-/// Where a ray meets a plane. `None` where it runs nearly in it, or away from it.
+/// Intersection of a ray and a plane. `None` if the ray is nearly parallel, or points away.
 pub fn on_plane((start, direction): (DVec3, DVec3), point: DVec3, normal: DVec3) -> Option<DVec3> {
     let slope = direction.dot(normal);
     if slope.abs() < FLATTEST * direction.length() * normal.length() {
@@ -48,7 +48,7 @@ pub fn on_plane((start, direction): (DVec3, DVec3), point: DVec3, normal: DVec3)
     (depth > 0.0).then(|| start + direction * depth)
 }
 
-/// Where a handle of something that stands at a point has been dragged to by a ray.
+/// Position of a handle at a point after dragging to a ray.
 pub fn dragged(handle: Handle, ray: (DVec3, DVec3), point: DVec3) -> Option<DVec3> {
     match handle {
         Handle::Axis(axis) | Handle::Slice(axis) | Handle::Face(axis, _) => {
@@ -58,18 +58,18 @@ pub fn dragged(handle: Handle, ray: (DVec3, DVec3), point: DVec3) -> Option<DVec
     }
 }
 
-/// The corners of the square by which something at a point moves across an axis.
+/// The corners of the square handle of a point across an axis.
 pub fn square(point: DVec3, axis: usize, per_point: f64) -> [DVec3; 4] {
     let [near, far] = SQUARE.map(|off| off * per_point);
     let (a, b) = (AXES[(axis + 1) % 3], AXES[(axis + 2) % 3]);
     [(near, near), (far, near), (far, far), (near, far)].map(|(x, y)| point + a * x + b * y)
 }
 
-/// Where the knob of a slice or a face stands: at the middle of what it moves.
+/// Position of the knob of a slice or face: at its centre.
 pub fn knob(handle: Handle, space: &SpaceView, clip: &Block) -> Option<DVec3> {
     match handle {
         Handle::Slice(axis) => {
-            // At a corner, where it hides nothing.
+            // At a corner, to hide nothing.
             let mut at = clip.low();
             at[(axis + 1) % 3] = clip.high()[(axis + 1) % 3];
             at[axis] = space.slices[axis]?;
@@ -89,7 +89,7 @@ pub fn knobs() -> impl Iterator<Item = Handle> {
     (0..3).map(Handle::Slice).chain((0..6).map(|i| Handle::Face(i / 2, i % 2 == 1)))
 }
 
-/// The handle under a place of the screen; `chosen` is the middle of what is selected.
+/// The handle under a screen position; `chosen` is the centre of the selection.
 pub fn at(stage: &Stage, space: &SpaceView, chosen: Option<DVec3>, at: Pos2) -> Option<Handle> {
     if let Some(point) = chosen {
         let per_point = stage.per_point(point);
@@ -117,7 +117,7 @@ pub fn at(stage: &Stage, space: &SpaceView, chosen: Option<DVec3>, at: Pos2) -> 
     knobs().find(near)
 }
 
-/// Points of the screen from a place to a line.
+/// Distance from a screen position to a line, in points.
 pub fn distance(a: Pos2, b: Pos2, at: Pos2) -> f32 {
     let along = b - a;
     let part = ((at - a).dot(along) / along.length_sq().max(1e-6)).clamp(0.0, 1.0);
@@ -134,7 +134,7 @@ mod tests {
     fn a_ray_drags_along_an_axis_to_the_place_nearest_to_it() {
         let point = dvec3(0.01, 0.02, 0.1);
         for axis in AXES {
-            // A ray past the axis: the place is where their common perpendicular stands.
+            // A skew ray: the point is at the common perpendicular.
             let perpendicular = axis.any_orthonormal_vector();
             let towards = axis.cross(perpendicular) + axis * 0.3;
             let nearest = point + axis * 0.037;

@@ -1,4 +1,4 @@
-//! The 3D view: how space is looked at, and what is made of it to be shown.
+//! The 3D view: its camera, contents and results.
 
 mod act;
 mod bar;
@@ -21,7 +21,7 @@ pub use act::interact;
 pub use bar::{is_settled, places, show as bar};
 pub use paint::paint;
 
-/// What is seen of the field in the box, slices aside.
+/// The representation of the field in the box, apart from slices.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Seen {
     Surface,
@@ -49,11 +49,11 @@ impl Seen {
     }
 }
 
-/// How space is looked at. Nothing of this is part of the scene.
+/// The state of the 3D view; not part of the scene.
 #[derive(Clone, Debug)]
 pub struct SpaceView {
     pub is_on: bool,
-    /// All of the box from [`SpaceView::direction`] if `None`.
+    /// `None`: the whole box from [`SpaceView::direction`].
     pub camera: Option<Camera>,
     /// Azimuth and elevation, rad.
     pub direction: [f64; 2],
@@ -61,12 +61,12 @@ pub struct SpaceView {
     pub seen: Seen,
     /// dB of the peak.
     pub level: f64,
-    /// m: where slices across x, y and z lie.
+    /// Positions of slices across x, y and z, m.
     pub slices: [Option<f64>; 3],
     /// The field on the scene's plane.
     pub has_plane: bool,
     pub is_clipped: bool,
-    /// Corners of what is seen of the box, as parts of it.
+    /// Corners of the clipping box, as fractions of the box.
     pub clip: [DVec3; 2],
     framed: Option<Framed>,
     held: Option<Held>,
@@ -94,7 +94,7 @@ impl Default for SpaceView {
     }
 }
 
-/// The box that is looked at, and what of a scene it is for.
+/// The displayed box, and the part of a scene behind it.
 #[derive(Clone, Debug, PartialEq)]
 struct Framed {
     block: Block,
@@ -105,18 +105,18 @@ struct Framed {
     boards: Vec<Board>,
 }
 
-/// What the pointer holds.
+/// The object of a drag.
 #[derive(Clone, Debug)]
 enum Held {
     Orbit,
     Pan,
-    /// Where it was taken hold of (m), and how the targets stood.
+    /// Grabbed point (m), and the targets before.
     Targets {
         handle: Handle,
         from: DVec3,
         before: Vec<(usize, Target)>,
     },
-    /// m from the handle to where it was taken hold of, along its axis.
+    /// Offset of the grabbed point from the handle along its axis, m.
     Slide {
         handle: Handle,
         off: f64,
@@ -150,13 +150,13 @@ impl Stage {
         Some(self.rect.min + egui::vec2(at.x as f32, at.y as f32))
     }
 
-    /// Where the ray under a place of the screen starts, and its direction.
+    /// Origin and direction of the ray under a screen position.
     fn ray(&self, at: egui::Pos2) -> (DVec3, DVec3) {
         let offset = at - self.rect.min;
         self.projection().ray(DVec2::new(offset.x.into(), offset.y.into()))
     }
 
-    /// m per point of the screen at a place.
+    /// m per point of the screen at a position.
     fn per_point(&self, point: DVec3) -> f64 {
         let projection = self.projection();
         projection.screen(point).map_or(0.0, |(_, depth)| projection.per_pixel(depth))
@@ -167,18 +167,18 @@ impl Stage {
 #[derive(Debug)]
 pub struct SpaceShown {
     pub texture: Texture,
-    /// What it was made for.
+    /// The view that it was made for.
     pub stage: Stage,
     /// Pa RMS: the largest value in the box.
     pub peak: f64,
     /// A finer one is on its way.
     pub is_coarse: bool,
-    /// ms that it took, and its field, if that was made anew.
+    /// Times of the picture and, if recomputed, its field, ms.
     pub milliseconds: [f64; 2],
 }
 
 impl SpaceView {
-    /// All of the box, from where one looked at it first.
+    /// Resets the camera to the whole box.
     pub fn go_home(&mut self) {
         (self.camera, self.direction) = (None, Standard::Iso.direction());
     }
@@ -193,17 +193,17 @@ impl SpaceView {
         (self.was_on, self.held) = (false, None);
     }
 
-    /// Whether the pointer holds something.
+    /// Whether a drag is in progress.
     pub fn is_held(&self) -> bool {
         self.held.is_some()
     }
 
-    /// Lets go of what the pointer holds, and says whether that was an edit.
+    /// Ends a drag, and returns whether it was an edit.
     pub fn let_go(&mut self) -> bool {
         matches!(self.held.take(), Some(Held::Targets { .. }))
     }
 
-    /// What of the box is seen.
+    /// The visible part of the box.
     fn clipped(&self, block: &Block) -> Block {
         if !self.is_clipped {
             return *block;
@@ -220,7 +220,7 @@ impl SpaceView {
         }
     }
 
-    /// What stands in space, in the colours of the view.
+    /// The displayed objects, in the colours of the view.
     pub fn look(&self, editor: &Editor, scale: f64) -> Look {
         Look {
             body: self.body(),
@@ -235,9 +235,10 @@ impl SpaceView {
         }
     }
 
-    /// The box of a scene, and what is around all of it. It is kept while targets move within it, so that nothing slides away under the pointer.
+    /// The box of a scene, and what is around all of it. It is kept while targets move within it, so that the view
+    /// does not shift under the pointer.
     fn frame(&mut self, scene: &Scene, shown: &Shown, is_held: bool) -> [Block; 2] {
-        /// How many times as large as needed it stays.
+        /// Limit of its size relative to the required one.
         const MOST_FREE: f64 = 3.0;
         let Some(sound) = &shown.sound else {
             let usual = Block { centre: DVec3::Z * 0.1, size: DVec3::splat(0.2) };

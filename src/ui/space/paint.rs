@@ -1,4 +1,4 @@
-//! What is drawn of space: the picture, names of its axes, handles, the colour bar and what is to be known of it.
+//! Painting of the 3D view: picture, names of axes, handles, colour bar and notes.
 
 use egui::{Align2, Color32, FontId, Mesh, Painter, Pos2, Rect, Shape, Stroke, StrokeKind, Ui, pos2, vec2};
 use glam::DVec3;
@@ -58,7 +58,7 @@ fn axes(editor: &Editor, painter: &Painter, stage: &Stage) {
     let ground = theme::ground(editor.view.is_light).gamma_multiply(0.7);
     for label in labels::labels(&stage.block, &stage.projection(), 1.0) {
         let at = stage.rect.min + vec2(label.at.x as f32, label.at.y as f32);
-        // Whatever is behind.
+        // For contrast on any background.
         let galley = painter.layout_no_wrap(label.text, font.clone(), ink);
         let rect = Align2::CENTER_CENTER.anchor_size(at, galley.size());
         painter.rect_filled(rect.expand2(vec2(3.0, 0.0)), 3.0, ground);
@@ -66,7 +66,7 @@ fn axes(editor: &Editor, painter: &Painter, stage: &Stage) {
     }
 }
 
-/// What is selected.
+/// The outlines of the selection.
 fn outlines(editor: &Editor, painter: &Painter, stage: &Stage) {
     for &index in &editor.selection {
         let Some(target) = editor.scene().targets.get(index) else { continue };
@@ -81,7 +81,7 @@ fn outlines(editor: &Editor, painter: &Painter, stage: &Stage) {
     }
 }
 
-/// The handles of what is selected: arrows along the axes, squares across them.
+/// The handles of the selection: arrows along the axes, squares across them.
 fn arrows(painter: &Painter, stage: &Stage, point: DVec3) {
     let per_point = stage.per_point(point);
     let Some(middle) = stage.screen(point) else { return };
@@ -114,7 +114,7 @@ fn arrows(painter: &Painter, stage: &Stage, point: DVec3) {
     painter.circle(middle, 3.2, theme::CHOSEN, Stroke::new(1.0, theme::MARK_EDGE));
 }
 
-/// Where slices and the faces of the clipped box are taken hold of.
+/// The knobs of slices and of the clipping box's faces.
 fn knobs(editor: &Editor, painter: &Painter, stage: &Stage) {
     for knob in handle::knobs() {
         let Some(at) = handle::knob(knob, &editor.space, &stage.clip).and_then(|point| stage.screen(point))
@@ -144,7 +144,7 @@ fn knobs(editor: &Editor, painter: &Painter, stage: &Stage) {
     }
 }
 
-/// What the picture shows, in words.
+/// Description of the picture.
 fn describe(editor: &Editor, picture: &SpaceShown, painter: &Painter, stage: &Stage) {
     if picture.peak <= 0.0 {
         return;
@@ -168,7 +168,7 @@ fn describe(editor: &Editor, picture: &SpaceShown, painter: &Painter, stage: &St
     marks::chip(painter, corner, Align2::LEFT_TOP, &text, 13.0, theme::MARK);
 }
 
-/// The colours, and where the surface is.
+/// The colour bar, with the level of the isosurface.
 fn bar(editor: &Editor, picture: &SpaceShown, ui: &Ui, stage: &Stage) {
     const TICKS: usize = 5;
     let painter = ui.painter();

@@ -1,4 +1,4 @@
-//! One question and its answer, where there is no session yet.
+//! A single request and its reply, outside a session.
 
 use web_time::{Duration, Instant};
 
@@ -6,9 +6,9 @@ use crate::device::link::LinkError;
 use crate::device::native::packet::{Kind, Outcome, Packet, REPLY, Reply, Splitter};
 use crate::device::port::{Port, PortError};
 
-/// How often a packet is sent that has to be taken.
+/// Attempts to send a required packet.
 const ATTEMPTS: u32 = 4;
-/// What an answer takes at most: an adapter may hold it back for 16 ms, and a busy computer for longer.
+/// Time limit of an answer: an adapter may delay it by 16 ms, a busy computer by more.
 const ANSWER: Duration = Duration::from_millis(100);
 
 /// The host's end of a line to native devices.
@@ -18,7 +18,7 @@ pub struct Asker {
     seq: u8,
     /// When something was answered last.
     pub heard_at: Instant,
-    /// Bytes came that may have been no answer.
+    /// Whether any bytes arrived, even if no valid answer.
     pub heard: bool,
 }
 
@@ -30,14 +30,14 @@ impl Asker {
     /// The answer to one packet, if there is one in time.
     ///
     /// # Errors
-    /// A port that is gone or stuck.
+    /// A vanished or stuck port.
     pub async fn ask(&mut self, port: &mut Port, packet: &Packet) -> Result<Option<Reply>, PortError> {
         const LOOK: Duration = Duration::from_millis(5);
         self.seq = self.seq.wrapping_add(1);
         port.write(&packet.clone().numbered(self.seq).to_line()).await?;
         let until = Instant::now() + port.backlog() + ANSWER;
         while Instant::now() < until {
-            // Any answer of its kind will do: that of an earlier attempt may come late.
+            // Any answer to this packet type counts: that of an earlier attempt may arrive late.
             let is_it = |reply: &Reply| (reply.code, reply.address) == (packet.code + REPLY, packet.address);
             if let Some(reply) = self.replies(port, LOOK).await?.into_iter().find(is_it) {
                 return Ok(Some(reply));
@@ -46,10 +46,10 @@ impl Asker {
         Ok(None)
     }
 
-    /// The answer to a packet that has to be taken.
+    /// Sends a required packet and returns its answer.
     ///
     /// # Errors
-    /// A port that is gone, a device that refuses or does not answer.
+    /// A vanished port, a device that refuses or does not answer.
     pub async fn order(&mut self, port: &mut Port, packet: &Packet) -> Result<Reply, LinkError> {
         for _ in 0..ATTEMPTS {
             match self.ask(port, packet).await? {
@@ -65,10 +65,10 @@ impl Asker {
         Err(LinkError::Silent(port.name().to_owned()))
     }
 
-    /// What has been answered by now, or is within `timeout`.
+    /// The answers available now or within `timeout`.
     ///
     /// # Errors
-    /// A port that is gone.
+    /// A vanished port.
     pub async fn replies(&mut self, port: &mut Port, timeout: Duration) -> Result<Vec<Reply>, PortError> {
         let bytes = port.read(timeout).await?;
         self.heard |= !bytes.is_empty();
@@ -80,12 +80,12 @@ impl Asker {
         Ok(replies)
     }
 
-    /// A device that may have been left in any state becomes silent, with nothing of what it was told before. Its answer to RESET.
+    /// Silences and resets a device in any state. Returns its answer to RESET.
     ///
     /// # Errors
-    /// As [`Self::order`]; a device that goes on sounding.
+    /// As [`Self::order`]; or a device that does not become silent.
     pub async fn reset(&mut self, port: &mut Port, address: u8) -> Result<Reply, LinkError> {
-        /// A muted device is silent within this: its ramp takes 6.4 ms, and RESET is refused until it has ended.
+        /// Time for a muted device to become silent: its ramp takes 6.4 ms, and RESET is refused until it has ended.
         const FADED: Duration = Duration::from_millis(300);
         self.order(port, &Packet::mute().to(address)).await?;
         let until = Instant::now() + FADED;

@@ -1,4 +1,4 @@
-//! Finding native devices, bringing them to a known state, and agreeing on a bit rate.
+//! Connects to native devices: search, reset to a known state, and choice of the bit rate.
 
 use std::collections::VecDeque;
 
@@ -18,11 +18,11 @@ use crate::device::profile::Profile;
 const VERSION: u8 = 2;
 
 impl<'a> Session<'a> {
-    /// Finds the devices, silences them, and takes from them what an earlier program may have left.
+    /// Finds the devices, silences them, and resets the state of earlier programs.
     pub async fn connect(settings: &Settings, shared: &'a Shared) -> Result<Self, LinkError> {
         let port = Port::open(&settings.port, Profile::Native.baud()).await?;
         let name = port.name().to_owned();
-        // A delimiter first, to end what the line may have left there.
+        // A delimiter first, to end an incomplete packet on the line.
         let silence = [vec![0], Packet::mute().to(BROADCAST).to_line()].concat();
         let mut board = Sounding::new(port, silence, shared);
         let mut asker = Asker::new();
@@ -93,7 +93,7 @@ impl<'a> Session<'a> {
             return Ok(());
         }
         let packet = agreeable(&self.info, baud)?;
-        // On a shared line all change at once; what was lost is told by the silence afterwards.
+        // On a shared line all change at once; a loss shows as silence afterwards.
         match self.devices.len() {
             1 => drop(self.asker.order(&mut self.board.port, &packet).await?),
             _ => drop(self.board.port.write(&packet.to(BROADCAST).to_line()).await?),
@@ -106,7 +106,7 @@ impl<'a> Session<'a> {
     }
 }
 
-/// Asks who is there until it answers; a device that was left at another bit rate comes back to the usual one after 0.8 s.
+/// Repeats INFO until it is answered; a device left at another bit rate returns to the default after 0.8 s.
 ///
 /// # Errors
 /// No answer, or one of another board or of another version.
@@ -146,7 +146,7 @@ fn expected(info: Info) -> Result<Info, LinkError> {
 /// The packet that changes a device's bit rate.
 ///
 /// # Errors
-/// More than the device takes.
+/// More than the device supports.
 pub fn agreeable(info: &Info, baud: u32) -> Result<Packet, LinkError> {
     let largest = 100_000 * u32::from(info.largest_baud);
     if baud > largest {

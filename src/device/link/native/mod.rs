@@ -1,7 +1,7 @@
-//! Sending to native devices: numbered packets, at most four of them unanswered, and what got lost is sent again.
+//! The link to native devices: numbered packets, at most four of them unacknowledged, and retransmission of lost
+//! ones.
 //!
-//! A wish becomes tasks: packets in an order that keeps its promises. A first frame stands, then ENABLE is in place, then everything
-//! else follows.
+//! A wish becomes tasks, packets in a fixed order: the first frame, then ENABLE, then everything else.
 
 mod ask;
 mod connect;
@@ -24,13 +24,13 @@ use crate::device::profile::Profile;
 const WINDOW: usize = 4;
 /// In 64 periods: the device mutes itself after 200 ms of silence.
 const WATCHDOG: u16 = 125;
-/// The longest that the line is quiet.
+/// The longest pause on the line.
 const KEEP_ALIVE: Duration = Duration::from_millis(50);
-/// What an answer takes at most, unless a board turns out to be slower.
+/// Time limit of an answer, unless a board turns out to be slower.
 const ANSWER: Duration = Duration::from_millis(100);
 /// Without any answer for so long the board is lost.
 const SILENT: Duration = Duration::from_millis(1500);
-/// How often a packet is sent before the board is given up.
+/// Attempts to send a packet before the board counts as lost.
 const ATTEMPTS: u32 = 12;
 
 /// Which frame of which wish.
@@ -49,7 +49,7 @@ pub async fn run(settings: &Settings, shared: &Shared) -> Result<(), LinkError> 
     }
 }
 
-/// A packet that has to be taken.
+/// A packet that must be accepted.
 #[derive(Clone, Debug)]
 struct Task {
     packet: Packet,
@@ -75,14 +75,14 @@ struct Sent {
     seq: u8,
     code: u8,
     purpose: Purpose,
-    /// When its last byte will have left.
+    /// Time at which its last byte leaves.
     gone: Instant,
 }
 
 /// One of the devices on the line, as its answers show it.
 #[derive(Clone, Copy, Debug, Default)]
 struct Device {
-    /// The slot that is being played, which cannot be written.
+    /// The slot being played, which cannot be written.
     slot: u8,
     /// Since power-up.
     periods: u32,
@@ -107,22 +107,22 @@ struct Session<'a> {
     /// After its last byte, a packet is answered within this, or lost.
     patience: Duration,
     ready_at: Instant,
-    /// The wish that tasks and frames are made from.
+    /// The generation of the wish behind tasks and frames.
     generation: u64,
     /// The modulation that the devices have.
     modulation: Table,
-    /// How the motion that is wanted is played, once the player has stopped.
+    /// The playback of the wanted motion, pending until the player has stopped.
     storing: Option<Way>,
     /// Frames are sent one by one, not uploaded.
     live: bool,
-    /// The devices play a range of slots.
+    /// Whether the devices play a range of slots.
     playing: bool,
-    /// The frame of a stream that was sent last and not refused since.
+    /// The last streamed frame that was not refused.
     frame: Option<Key>,
     live_slot: u8,
-    /// Something of this wish is in place, so that the devices may be switched on.
+    /// Some content of this wish is in place, so the devices may be switched on.
     placed: bool,
-    /// ENABLE is on its way, or waits to be.
+    /// ENABLE is pending.
     enabling: bool,
     /// A wish that the emergency stop has ended.
     ended: Option<u64>,
@@ -173,7 +173,7 @@ impl Session<'_> {
         quiet.then(|| (Packet::status().to(self.next_to_ask()), Purpose::Ping))
     }
 
-    /// All devices are asked in turn, so that none of their watchdogs trips.
+    /// Polls all devices in turn, so that no watchdog trips.
     fn next_to_ask(&self) -> u8 {
         self.seq % self.devices.len() as u8
     }
@@ -183,7 +183,7 @@ impl Session<'_> {
         let (address, seq, code) = (packet.address, self.seq, packet.code);
         let mut line = packet.numbered(seq).to_line();
         if self.on_the_way.is_empty() {
-            // Ends what noise may have begun while the line was idle.
+            // Ends a packet possibly begun by noise on the idle line.
             line.insert(0, 0);
         }
         let gone = self.board.port.write(&line).await?;
@@ -201,7 +201,7 @@ impl Session<'_> {
         Ok(())
     }
 
-    /// Waits for answers, or for something to do.
+    /// Waits for answers or new work.
     async fn listen(&mut self, wanted: &Wanted) -> Result<(), LinkError> {
         if self.on_the_way.is_empty() {
             let next = wanted.content.as_deref().filter(|_| self.live);
@@ -225,7 +225,8 @@ impl Session<'_> {
 
     fn answered(&mut self, reply: &Reply, wanted: &Wanted) -> Result<(), LinkError> {
         if reply.code == REPLY {
-            // Spoiled: the answers come in order, so it is the first, and if it is not, sending it twice does no harm.
+            // Spoiled: answers come in order, so it is the first unanswered packet; if not, sending it twice is
+            // harmless.
             return self.lose(0);
         }
         let is_it = |sent: &Sent| {
@@ -237,7 +238,7 @@ impl Session<'_> {
             self.patience = (2 * self.patience).min(SILENT / 2);
             return Ok(());
         }
-        // A device answers in order: what it has left out was lost.
+        // A device answers in order: skipped packets were lost.
         while let Some(place) = self.on_the_way.iter().position(|sent| sent.address == reply.address) {
             if self.on_the_way.get(place).is_some_and(is_it) {
                 break;
@@ -259,13 +260,13 @@ impl Session<'_> {
         Ok(())
     }
 
-    /// What an answer says of its device's state.
+    /// Processes the device's state in an answer.
     fn see(&mut self, reply: &Reply) -> Result<(), LinkError> {
         let flags = reply.flags;
         let Some(device) = self.devices.get_mut(usize::from(reply.address)) else { return Ok(()) };
         if let Body::Status(status) = reply.body {
             device.slot = status.slot;
-            // A counter that goes back was begun anew, and so was everything else.
+            // A decreasing counter means that the device has restarted.
             let restarted = status.periods.wrapping_sub(device.periods) > u32::MAX / 2;
             device.periods = status.periods;
             if restarted {
@@ -274,7 +275,7 @@ impl Session<'_> {
         }
         let fell_silent = std::mem::replace(&mut device.enabled, flags.enabled) && !flags.enabled;
         let is_ended = self.ended == Some(self.generation);
-        // Until ENABLE it is held: of a press before this wish nothing more is to be heard.
+        // It is held until ENABLE: reports of a press before this wish are ignored.
         if !is_ended && (flags.emergency_stop || (fell_silent && flags.stopped)) {
             self.ended = Some(self.generation);
             self.shared.note(|figures| (figures.health.stopped, figures.health.in_place) = (true, false));
@@ -336,11 +337,11 @@ impl Session<'_> {
         }
     }
 
-    /// Sends it again, if it is still wanted.
+    /// Sends it again if still wanted.
     fn refused(&mut self, sent: Sent) -> Result<(), LinkError> {
         self.shared.note(|figures| figures.health.refused += 1);
         match sent.purpose {
-            // A newer one may be on its way already; then that one is the frame.
+            // A newer frame may already be pending and then replaces it.
             Purpose::Frame(key) if self.frame == Some(key) => self.frame = None,
             Purpose::Task(mut task) => {
                 task.attempts += 1;
@@ -359,7 +360,7 @@ impl Session<'_> {
     }
 }
 
-/// Whether a packet is of no use to a newer wish.
+/// Whether a packet is useless for a newer wish.
 fn serves_one_wish(packet: &Packet) -> bool {
     matches!(
         Kind::of_code(packet.code),

@@ -1,18 +1,18 @@
-//! How a native board plays a motion: from its own store, or frame by frame over the line.
+//! Playback of a motion on a native board: from its own store, or streamed frame by frame.
 
-/// Largest part of a cycle by which a stored one may be longer or shorter than the one asked for.
+/// Tolerated relative deviation of a stored cycle's duration.
 const CYCLE_TOLERANCE: f64 = 1e-2;
-/// Of what the line carries, a stream takes no more than this: the rest is for packets that are sent again.
+/// Part of the line's capacity for a stream: the rest is for retransmissions.
 const LINE_SHARE: f64 = 0.9;
 /// Most periods that a slot is played for.
 const LONGEST_SLOT: f64 = 65_535.0;
 
-/// What a motion asks of a board, and what the board and its line have.
+/// The requirements of a motion, and the capabilities of board and line.
 #[derive(Clone, Copy, Debug)]
 pub struct Motion {
     /// Of one cycle.
     pub frames: usize,
-    /// Frames per second that are asked for.
+    /// Requested frames per second.
     pub rate: f64,
     /// Of the board's store.
     pub slots: usize,
@@ -24,14 +24,14 @@ pub struct Motion {
 
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Way {
-    /// So many frames of a cycle, evenly chosen, lie in the board and are played for `divider` periods each.
+    /// `count` frames of a cycle, evenly chosen, are stored on the board and played for `divider` periods each.
     Stored { count: usize, divider: u16 },
     /// Whichever frame is due is sent.
     Streamed,
 }
 
 impl Motion {
-    /// Stored wherever the board can hold a cycle; streamed where a thinned cycle would lose frames that the line carries.
+    /// Stored if the board holds a full cycle; streamed if decimation would lose frames that the line can carry.
     pub fn way(&self) -> Way {
         let whole = self.frames <= self.slots;
         match self.stored() {
@@ -40,7 +40,7 @@ impl Motion {
         }
     }
 
-    /// Frames per second that are played.
+    /// Played frames per second.
     pub fn played(&self, way: Way) -> f64 {
         match way {
             Way::Stored { divider, .. } => self.carrier / f64::from(divider),
@@ -48,8 +48,8 @@ impl Motion {
         }
     }
 
-    /// As many frames as last a cycle to [`CYCLE_TOLERANCE`]; if there is no such number above half of what fits, the one that
-    /// comes nearest.
+    /// The number of frames that keeps the cycle within [`CYCLE_TOLERANCE`]; if none above half of the store does,
+    /// the closest.
     fn stored(&self) -> Option<Way> {
         let cycle = self.carrier * self.frames as f64 / self.rate;
         let most = self.frames.min(self.slots);
@@ -74,13 +74,13 @@ impl Motion {
     }
 }
 
-/// Which of `frames` stands in each of `count` slots, evenly chosen.
+/// The frame of each of `count` slots, evenly chosen.
 pub fn chosen(frames: usize, count: usize) -> impl Iterator<Item = usize> {
     (0..count).map(move |slot| slot * frames / count)
 }
 
-/// The silencer's phase step (1/256 of a unit per period) that lets delays follow from frame to frame within `divider` periods, and
-/// no smaller than `least`.
+/// The silencer's phase step (1/256 of a unit per period) with which delays settle within `divider` periods, at least
+/// `least`.
 pub fn phase_step(delays: &[Vec<u8>], divider: u16, least: u16) -> u16 {
     let turn = |a: u8, b: u8| u16::from(a.wrapping_sub(b).min(b.wrapping_sub(a)));
     let next = delays.iter().cycle().skip(1);

@@ -1,4 +1,4 @@
-//! What a native board and its line can do: who it is, what its store keeps, and which bit rates carry everything.
+//! The survey of a native board and its line: identification, store, and error-free bit rates.
 
 use std::collections::VecDeque;
 use std::path::Path;
@@ -17,15 +17,15 @@ use crate::device::task;
 
 /// Bit rates that adapters have, slowest first.
 pub const RATES: [u32; 7] = [115_200, 230_400, 460_800, 921_600, 1_000_000, 2_000_000, 3_000_000];
-/// How long frames are sent at a rate.
+/// Duration of a trial at a rate.
 const TRIAL: Duration = Duration::from_millis(400);
-/// A device that was left at another rate is back at the usual one after 0.82 s.
+/// Time for a device left at another rate to return to the default: 0.82 s.
 const FALLBACK: Duration = Duration::from_millis(900);
 
-/// What is found, in this order.
+/// Findings, in this order.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Discovery {
-    /// Who answers, and its counters before anything was tried.
+    /// Identification, and initial counters.
     Board(Info, Status),
     Rate(Trial),
 }
@@ -50,7 +50,7 @@ pub struct Figures {
     pub sent: u32,
     /// Not answered, spoiled or refused.
     pub lost: u32,
-    /// Slots whose contents, read back, were others than those sent.
+    /// Slots with contents other than sent.
     pub wrong: u32,
     pub frames_per_second: f64,
     /// From a frame's last byte to its answer, the median.
@@ -64,11 +64,11 @@ impl Trial {
     }
 }
 
-/// Surveys the device of address 0 and tells what it finds; the fastest rate at which nothing was lost. The device is silent
-/// meanwhile, and in the state of power-up afterwards.
+/// Surveys the device of address 0, reports findings, and returns the fastest error-free rate. The device is silent
+/// meanwhile, and in power-up state afterwards.
 ///
 /// # Errors
-/// A port that is not there, or no native device that answers.
+/// A missing port, or no answer from a native device.
 pub async fn survey(path: &Path, tell: &mut dyn FnMut(Discovery)) -> Result<Option<u32>, LinkError> {
     let mut port = Port::open(path, Profile::Native.baud()).await?;
     let mut asker = Asker::new();
@@ -90,7 +90,7 @@ pub async fn survey(path: &Path, tell: &mut dyn FnMut(Discovery)) -> Result<Opti
     Ok(fastest)
 }
 
-/// One rate: agreed upon, tried, and what it left in the store read back.
+/// One rate: agreed upon, tried, and verified by reading back the store.
 async fn at_rate(
     port: &mut Port,
     asker: &mut Asker,
@@ -108,7 +108,7 @@ async fn at_rate(
     Burst::new(info).run(port, asker).await.map(TrialOutcome::Tried)
 }
 
-/// Frames into slots that do not play, as fast as answers allow.
+/// Frames into idle slots, as fast as answers allow.
 struct Burst {
     slots: u8,
     figures: Figures,
@@ -134,7 +134,7 @@ impl Burst {
         }
     }
 
-    /// Slot 0 plays, and the others take turns.
+    /// Slot 0 plays, the others are written in turn.
     fn slot(&self, number: u32) -> u8 {
         1 + (number % u32::from(self.slots.max(1))) as u8
     }
@@ -142,7 +142,7 @@ impl Burst {
     async fn run(mut self, port: &mut Port, asker: &mut Asker) -> Result<Figures, LinkError> {
         let begun = Instant::now();
         let mut written: Vec<u32> = Vec::new();
-        // A line that carries nothing is not tried for longer.
+        // The trial ends early on a dead line.
         while begun.elapsed() < TRIAL && self.figures.lost < 2 * WINDOW as u32 {
             while self.on_the_way.len() < WINDOW && port.backlog() < LEAD {
                 self.send(port).await?;
@@ -186,7 +186,7 @@ impl Burst {
         for reply in asker.replies(port, Duration::from_millis(1)).await? {
             let place = self.on_the_way.iter().position(|frame| frame.seq == reply.seq);
             let Some(place) = place.filter(|_| reply.code == Kind::Frame.code() + REPLY) else { continue };
-            // What was sent before it and has no answer was lost.
+            // Unanswered packets before it were lost.
             self.figures.lost += place as u32;
             let Some(frame) = self.on_the_way.drain(..=place).next_back() else { continue };
             self.round_trips.note(Instant::now().saturating_duration_since(frame.gone));
@@ -212,7 +212,7 @@ fn pattern(number: u32) -> [[u8; 2]; 256] {
     })
 }
 
-/// Back at the rate of power-up: by agreement, or else by waiting for it.
+/// Returns to the power-up rate: by agreement, or by waiting.
 async fn come_back(port: &mut Port, asker: &mut Asker, info: &Info) -> Result<(), LinkError> {
     let usual = Profile::Native.baud();
     let agreed = asker.ask(port, &connect::agreeable(info, usual)?).await?;

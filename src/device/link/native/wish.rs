@@ -1,4 +1,4 @@
-//! From what is wanted to the packets that bring the devices to it.
+//! From the wanted state to the packets that establish it.
 
 use crate::device::envelope::Table;
 use crate::device::health::FrameRates;
@@ -9,9 +9,9 @@ use crate::device::link::{Content, Wanted};
 use crate::device::native::packet::{Kind, Packet};
 use crate::scene::Modulation;
 
-/// Slots that the frames of a stream take turns in.
+/// Slots used in turn by streamed frames.
 const LIVE: u8 = 4;
-/// The silencer's steps of power-up: a change takes some periods instead of making a click.
+/// The silencer's power-up steps: changes take some periods, without a click.
 const SILENCER: (u16, u16) = (0x0300, 0x0600);
 
 impl Session<'_> {
@@ -25,7 +25,7 @@ impl Session<'_> {
         if let (Some(_), Err(why)) = (&wanted.content, Table::new(&wanted.modulation, self.carrier())) {
             self.shared.notice(&format!("the sound is steady: {why}"));
         }
-        // What an earlier wish has not brought over yet is not wanted any more.
+        // Pending tasks of an earlier wish are dropped.
         self.tasks.retain(|task| !serves_one_wish(&task.packet));
         (self.live, self.placed, self.enabling, self.storing) = (false, false, false, None);
         let rates = match wanted.content.as_deref() {
@@ -42,7 +42,7 @@ impl Session<'_> {
         self.shared.note(|figures| figures.health.rates = rates);
     }
 
-    /// Decides how a motion is played, and what of it.
+    /// Chooses the playback of a motion.
     fn set_moving(&mut self, frames: usize, rate: f64) -> FrameRates {
         let motion = Motion {
             frames,
@@ -74,10 +74,10 @@ impl Session<'_> {
         rates
     }
 
-    /// Frames come one by one from now on.
+    /// Streams frames from now on.
     fn stream(&mut self) {
         self.live = true;
-        // Until STOP was taken the slots that play are busy.
+        // Until STOP is acknowledged, the playing slots are busy.
         if self.playing {
             self.push_to_all(&Packet::stop());
             let (phase_step, amplitude_step) = SILENCER;
@@ -85,7 +85,7 @@ impl Session<'_> {
         }
     }
 
-    /// The frame that is due, if it was not sent yet. The first of a wish is alone until the devices are switched on.
+    /// The due frame, unless already sent. The first frame of a wish stands alone until the devices are switched on.
     pub(super) fn due_frame(&mut self, content: &Content, wanted: &Wanted) -> Option<(Packet, Purpose)> {
         if !self.live || self.enabling || self.ended == Some(self.generation) {
             return None;
@@ -113,7 +113,7 @@ impl Session<'_> {
         }
     }
 
-    /// What several devices begin in the same period.
+    /// A packet that takes effect on several devices in the same period.
     fn together(&self, packet: Packet) -> Packet {
         if self.in_step { packet.in_step() } else { packet }
     }
@@ -140,7 +140,7 @@ impl Session<'_> {
         self.modulation = table;
     }
 
-    /// Whether a newer packet of its kind may have gone ahead of it.
+    /// Whether a newer packet of its kind has superseded it.
     pub(super) fn is_outdated(&self, packet: &Packet) -> bool {
         let Table { values, step } = self.modulation;
         let is = |kind| Kind::of_code(packet.code) == Some(kind);
@@ -148,8 +148,8 @@ impl Session<'_> {
             || (is(Kind::Rate) && packet.arguments[..3] != step.to_le_bytes()[..3])
     }
 
-    /// Brings a motion into the store, once the player stands still. Its first frame is played meanwhile, from a slot of its own
-    /// that is not written again.
+    /// Writes a motion into the store, once the player has stopped. Its first frame is played meanwhile from a
+    /// separate slot.
     pub(super) fn store(&mut self, wanted: &Wanted) {
         let Some(Way::Stored { count, divider }) = self.storing.take() else { return };
         let Some(Content::Motion { frames, .. }) = wanted.content.as_deref() else { return };
@@ -200,7 +200,7 @@ impl Session<'_> {
         self.enabling = true;
     }
 
-    /// Whether no device has still to hear of STOP.
+    /// Whether all devices have acknowledged STOP.
     pub(super) fn all_stopped(&self) -> bool {
         let is_stop = |packet: &Packet| Kind::of_code(packet.code) == Some(Kind::Stop);
         let waits = self.tasks.iter().any(|task| is_stop(&task.packet));

@@ -1,4 +1,5 @@
-//! Sending to boards that do not answer: frames as fast as the line takes them, and modulation by exchanging buffers in time.
+//! The link to boards without acknowledgements: frames as fast as the line allows, and modulation by timed buffer
+//! swaps.
 
 mod rhythm;
 
@@ -13,7 +14,7 @@ use crate::device::profile::Profile;
 use crate::device::stock::{self, Modulated};
 use crate::device::task;
 
-/// A frame that does not change is sent again after this, in case a byte was damaged on its way.
+/// Repetition interval of an unchanged frame, in case a byte was damaged.
 const REFRESH: Duration = Duration::from_millis(250);
 
 pub async fn run(settings: &Settings, shared: &Shared) -> Result<(), LinkError> {
@@ -54,7 +55,7 @@ struct Session<'a> {
     sent: Option<(u64, usize)>,
     sent_at: Instant,
     ready_at: Instant,
-    /// The modulation that the board was told of, and what the user was.
+    /// The modulation sent to the board, and the notice given to the user.
     told: Option<(Modulated, Option<String>)>,
     told_rates: Option<FrameRates>,
 }
@@ -117,7 +118,7 @@ impl Session<'_> {
         Ok(())
     }
 
-    /// What becomes of a modulation of so many Hz.
+    /// The effect of a modulation of this frequency, as text.
     fn in_words(&self, modulated: Modulated, content: &Content, asked: f64) -> Option<String> {
         let name = self.profile.name();
         match modulated {
@@ -141,7 +142,7 @@ impl Session<'_> {
         }
     }
 
-    /// What a modulation leaves of a motion.
+    /// The effect of a modulation on a motion, as text.
     fn motion_in_words(&self, frequency: f64, content: &Content) -> String {
         let Content::Motion { rate, .. } = content else { return String::new() };
         let rhythm = self.rhythm(frequency);
@@ -182,11 +183,11 @@ impl Session<'_> {
         }
     }
 
-    /// One look at what is due, and then a wait until something else may be.
+    /// Sends due content, then waits for the next.
     async fn steady(&mut self, content: &Content, wanted: &Wanted) -> Result<(), LinkError> {
         let backlog = self.board.port.backlog();
         if backlog > LEAD {
-            // What is newest then is sent.
+            // The newest content is sent afterwards.
             task::sleep(backlog - LEAD).await;
             return Ok(());
         }
@@ -211,14 +212,14 @@ impl Session<'_> {
         self.look().await
     }
 
-    /// Whether the port is still there. What a board says is an echo at most.
+    /// Checks the port. A board's bytes are at most an echo.
     async fn look(&mut self) -> Result<(), LinkError> {
         self.board.port.read(Duration::ZERO).await?;
         Ok(())
     }
 
-    /// Exchanges sound and darkness until something else is wanted. Frames are loaded in the dark, where it is left too, so that what
-    /// comes next lengthens a pause and nothing else.
+    /// Alternates sound and silence until another wish. Frames are loaded during silence, where it also ends, so that
+    /// the next content only lengthens a pause.
     async fn alternate(
         &mut self,
         content: &Content,
@@ -259,7 +260,7 @@ impl Session<'_> {
         }
     }
 
-    /// Plays the frames that are due while it sounds, as far as there is time. Says whether the hidden buffer is still dark.
+    /// Plays due frames during sound, as time allows. Returns whether the hidden buffer is still silent.
     async fn stream(
         &mut self,
         content: &Content,
@@ -289,7 +290,7 @@ impl Session<'_> {
         }
     }
 
-    /// Puts a frame into the hidden buffer, if there is one, and says when it is there.
+    /// Loads a frame into the hidden buffer, if there is one, and returns its completion time.
     async fn load(&mut self, levels: &Levels) -> Result<Instant, LinkError> {
         match stock::swap(self.profile) {
             Some(_) => self.write(&stock::load(levels)).await,
@@ -297,7 +298,7 @@ impl Session<'_> {
         }
     }
 
-    /// Shows what the hidden buffer holds, which are these levels.
+    /// Shows the hidden buffer, which holds these levels.
     async fn show(&mut self, levels: &Levels, pulses: &mut Pulses) -> Result<(), LinkError> {
         match stock::swap(self.profile) {
             Some(swap) => self.write(&[swap]).await?,
@@ -313,7 +314,7 @@ impl Session<'_> {
         Ok(())
     }
 
-    /// Whether it is still wanted then: waits less exactly than the clock is read.
+    /// Returns whether the wish still holds then: waits are less exact than the clock.
     async fn wait_until(&self, due: Instant, wanted: &Wanted) -> bool {
         let rest = due.saturating_duration_since(Instant::now());
         self.shared.wait(wanted.generation, rest.saturating_sub(task::WATCHFUL)).await;
@@ -326,20 +327,20 @@ impl Session<'_> {
     }
 }
 
-/// What was loaded of a motion whose sound is switched on and off.
+/// The loaded frames of a motion under modulation.
 struct Pulses {
     rhythm: Rhythm,
-    /// Number of the frame that sounds next, or sounds.
+    /// Number of the current or next frame.
     hidden: Option<usize>,
     since_load: u32,
     loaded_at: Instant,
-    /// When sound or darkness began.
+    /// Start of the current sound or silence.
     shown: Option<Instant>,
 }
 
 impl Pulses {
-    /// Whether a frame has to be loaded: one that is new, after as many pulses as its loading leaves out; or the same once more, where
-    /// that leaves out no pulse.
+    /// Whether to load a frame: a new one, after as many pulses as its loading skips; or the same again if that skips
+    /// no pulse.
     fn needs(&mut self, number: usize) -> bool {
         let lost = self.rhythm.lost();
         let again = lost == 0 && self.loaded_at.elapsed() > REFRESH;

@@ -1,44 +1,44 @@
-//! When a board that cannot modulate is switched on and off from here, and what a new frame costs.
+//! The timing of modulation from the computer: switching times, and pulses skipped for a new frame.
 
 use web_time::{Duration, Instant};
 
 /// Hz; a half period has to end.
 const SLOWEST: f64 = 0.01;
 
-/// Sound and darkness of the same length in turn, and how long the line needs for what changes.
+/// Alternating sound and silence of equal duration, and the line's time for changes.
 #[derive(Clone, Copy, Debug)]
 pub struct Rhythm {
     pub half: Duration,
-    /// A frame into the hidden buffer; nothing where there is none.
+    /// Loading time of a frame into the hidden buffer; zero without one.
     pub load: Duration,
-    /// What makes it sound, or ends it: a swap, or a whole frame.
+    /// Time for switching the sound: a swap, or a whole frame.
     pub show: Duration,
 }
 
 impl Rhythm {
-    /// So many periods per second (Hz).
+    /// For a frequency in Hz.
     pub fn new(frequency: f64, load: Duration, show: Duration) -> Self {
         Self { half: Duration::from_secs_f64(0.5 / frequency.max(SLOWEST)), load, show }
     }
 
-    /// Pulses that are left out while a frame is loaded: sound begins in time again.
+    /// Pulses skipped while a frame is loaded, until sound begins in phase again.
     pub fn lost(&self) -> u32 {
         let halves = (self.load + self.show).as_secs_f64() / self.half.as_secs_f64();
         (0.5 * (halves - 1.0)).ceil().max(0.0) as u32
     }
 
-    /// Whether the line takes another frame, and the darkness after it, before `dark_at`.
+    /// Whether the line can carry another frame, and the silence after it, before `dark_at`.
     pub fn streams(&self, now: Instant, dark_at: Instant) -> bool {
         now + 2 * (self.load + self.show) <= dark_at
     }
 
-    /// The first pulse from `due` on that does not begin before `ready`.
+    /// The first pulse from `due` on that begins at `ready` or later.
     pub fn next_pulse(&self, due: Instant, ready: Instant) -> Instant {
         let missed = ready.saturating_duration_since(due).as_secs_f64() / (2.0 * self.half.as_secs_f64());
         due + (2 * self.half).mul_f64(missed.ceil())
     }
 
-    /// Of a motion's frames per second, those that are heard. A frame has as many pulses as it cost at least.
+    /// Audible frames per second of a motion. Each frame has at least as many pulses as its loading skips.
     pub fn frames_per_second(&self, asked: f64) -> f64 {
         let pulses = 0.5 / self.half.as_secs_f64();
         let most = match self.lost() {
