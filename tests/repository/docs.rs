@@ -128,7 +128,7 @@ fn the_interface_is_the_one_that_is_listed() {
 
 #[test]
 fn the_readme_has_the_rows_that_the_report_writes() {
-    let list: Table = toml::from_str(&text("benches/report/figures.toml")).unwrap();
+    let list: toml::Table = toml::from_str(&text("benches/report/figures.toml")).unwrap();
     let names: Vec<_> =
         list["figure"].as_array().unwrap().iter().map(|figure| figure["name"].as_str().unwrap()).collect();
     let readme = text("README.md");
