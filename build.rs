@@ -1,4 +1,4 @@
-//! Tells the program which compiler built it, for the head of `sonoglyph bench`'s report, and from which commit.
+//! Tells the program which compiler built it, for what `sonoglyph bench` writes, and from which commit.
 
 use std::process::Command;
 

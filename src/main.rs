@@ -47,7 +47,6 @@ fn go_on(next: Next) -> anyhow::Result<()> {
     match next {
         Next::Exit => Ok(()),
         Next::Window(scene, renderer) => open(scene.as_deref(), renderer),
-        Next::Bench(options) => sonoglyph::bench::run(&options),
     }
 }
 

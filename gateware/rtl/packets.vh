@@ -1,5 +1,5 @@
-// The single table of packets, answers and figures shared by both ends. The test in tests/gateware compares it with
-// the table in Rust; doc/protocol.md explains it.
+// The single table of packets, answers and figures shared by both ends. The test in tests/device/gateware compares it
+// with the table in Rust; doc/protocol.md explains it.
 `ifndef PACKETS_VH
 `define PACKETS_VH
 

@@ -389,10 +389,7 @@ impl Scene {
         let (points, shape) = places(points)?;
         let drives = Self::played(slf, drive, false, progress)?;
         let scene = Arc::clone(&slf.get().scene);
-        let read = move |_: &Gauge| {
-            let readings = probe::readings(&Aperture::new(&scene), &drives, &points);
-            readings.into_iter().map(|reading| reading.pressure).collect::<Vec<_>>()
-        };
+        let read = move |_: &Gauge| probe::pressures(&Aperture::new(&scene), &drives, &points);
         work::run(slf.py(), progress, read)?.into_pyarray(slf.py()).reshape(shape)
     }
 

@@ -26,12 +26,13 @@ use std::f64::consts::TAU;
 use std::sync::Arc;
 
 use glam::{DVec2, DVec3};
+use num_complex::Complex64;
 
 use crate::scene::{Placed, Reflector, Scene};
 
-pub use air::{Air, viscosity};
-use row::Elements;
+use row::Rows;
 
+pub use air::{Air, viscosity};
 pub use derivatives::{Along, Derivatives};
 pub use element::Element;
 pub use emitters::Emitters;
@@ -181,39 +182,26 @@ impl Aperture {
     /// H: one row of complex pressures (Pa, peak) per point, one column per driven element; including reflections.
     pub fn transfer(&self, points: &[DVec3]) -> Transfer {
         let mut transfer = Transfer::zeros(points.len(), self.driven.len());
-        let [face] = &self.faces[..] else {
-            self.add_up(points, &mut transfer);
-            return transfer;
-        };
-        if face.gain != 1.0 {
-            self.add_up(points, &mut transfer);
-            return transfer;
-        }
-        let elements = Elements::new(&self.element, face, &self.driven);
-        for (index, &point) in points.iter().enumerate() {
-            let (re, im) = transfer.row_mut(index);
-            elements.fill(face.pose.local(point), re, im);
-        }
+        Rows::new(self).fill(points, &mut transfer);
         transfer
     }
 
-    /// The transfer of several faces.
-    fn add_up(&self, points: &[DVec3], transfer: &mut Transfer) {
-        let (mut wave_re, mut wave_im) = (Vec::new(), Vec::new());
-        for face in &self.faces {
-            let columns = face.among(&self.driven);
-            let elements = Elements::new(&self.element, face, &self.driven[columns.clone()]);
-            wave_re.resize(elements.room(), 0.0);
-            wave_im.resize(elements.room(), 0.0);
-            for (index, &point) in points.iter().enumerate() {
-                elements.fill(face.pose.local(point), &mut wave_re, &mut wave_im);
-                let (re, im) = transfer.row_mut(index);
-                let pairs = re[columns.clone()].iter_mut().zip(&wave_re);
-                for (sum, wave) in pairs.chain(im[columns.clone()].iter_mut().zip(&wave_im)) {
-                    *sum += face.gain * wave;
-                }
-            }
-        }
+    /// [`Transfer::in_turn`] at many points, without room for their transfer.
+    ///
+    /// # Panics
+    /// Other than a value per driven element and drive.
+    pub fn pressures(&self, points: &[DVec3], drives: &[Complex64]) -> Vec<Complex64> {
+        /// Rows of some hundred elements that stay in the nearest cache.
+        const RUN: usize = 8;
+        let rows = Rows::new(self);
+        let mut transfer = Transfer::zeros(RUN.min(points.len()), self.driven.len());
+        let drives: Vec<_> =
+            drives.chunks(self.driven.len().max(1)).map(|drive| transfer.played(drive)).collect();
+        let of_run = |points: &[DVec3]| {
+            rows.fill(points, &mut transfer);
+            transfer.taking_turns(&drives)
+        };
+        points.chunks(RUN).flat_map(of_run).collect()
     }
 
     /// The resolution (m) near a point: λ/(2 NA), NA the sine of half the angle subtended by the wider side of the
@@ -278,5 +266,32 @@ mod tests {
         let na = (0.075f64 / 0.1).atan().sin();
         let expected = aperture.wavelength() / (2.0 * na);
         assert!((aperture.resolution()(DVec3::new(0.0, 0.0, 0.1)) - expected).abs() < 1e-12);
+    }
+
+    #[test]
+    fn pressures_are_the_transfer_times_drives_in_turn() {
+        let mut scene =
+            Scene { array: Array { rows: 3, columns: 7, ..Array::default() }, ..Scene::default() };
+        let mirror = Reflector { point: DVec3::Z * 0.2, normal: -DVec3::Z, coefficient: 0.7 };
+        for reflectors in [vec![], vec![mirror]] {
+            scene.reflectors = reflectors;
+            let aperture = Aperture::new(&scene);
+            let points: Vec<_> =
+                (0..37).map(|i| DVec3::new(0.002 * f64::from(i) - 0.03, 0.01, 0.12)).collect();
+            let drives: Vec<_> = (0..42).map(|n| Complex64::from_polar(1.0, f64::from(n * n))).collect();
+            for drives in [&drives[..21], &drives] {
+                let expected = aperture.transfer(&points).in_turn(drives);
+                assert_eq!(aperture.pressures(&points, drives), expected);
+                for (row, expected) in expected.iter().enumerate() {
+                    let of_drive = |drive: &[Complex64]| {
+                        aperture.transfer(&points).row(row).zip(drive).map(|(h, u)| h * u).sum::<Complex64>()
+                    };
+                    let squares = drives.chunks(21).map(|drive| of_drive(drive).norm_sqr());
+                    let rms = (squares.sum::<f64>() / (drives.len() / 21) as f64).sqrt();
+                    assert!((expected.norm() - rms).abs() < 1e-9 * rms);
+                    assert!((expected / of_drive(&drives[..21])).arg().abs() < 1e-9);
+                }
+            }
+        }
     }
 }

@@ -1,12 +1,13 @@
-//! The transfer from many elements to one point: [`Element::transfer`] in vector registers, in f64.
+//! Rows of the transfer matrix, many elements to one point: [`Element::transfer`] in vector registers, in f64.
 
 use std::f64::consts::PI;
+use std::ops::Range;
 
 use glam::DVec3;
 use num_complex::Complex64;
 
 use crate::acoustics::element::NEAREST;
-use crate::acoustics::{Element, Face};
+use crate::acoustics::{Aperture, Element, Face, Transfer};
 use crate::scene::ElementModel;
 use crate::simd::{Instructions, Isa, Kernel, fused64, lanes};
 
@@ -72,6 +73,8 @@ pub struct Elements<'a> {
     /// The largest distance (m) of an element from the origin.
     reach: f64,
     half_ka: f64,
+    /// 1/m: k/π, and what rounding takes from it.
+    half_turns_per_metre: [f64; 2],
     /// 2 J1(x)/x in sin²θ, x = ka sinθ, as far as it is a series.
     directivity: [f64; MANY_TERMS],
 }
@@ -95,7 +98,17 @@ impl<'a> Elements<'a> {
             ElementModel::Piston | ElementModel::ExactPiston => element.wavenumber * element.radius / 2.0,
         };
         let directivity = directivity(half_ka * half_ka, if half_ka <= FEW { FEW_TERMS } else { MANY_TERMS });
-        Self { element, places, normals, count: driven.len(), reach, half_ka, directivity }
+        let half_turns_per_metre = over_pi(element.wavenumber);
+        Self {
+            element,
+            places,
+            normals,
+            count: driven.len(),
+            reach,
+            half_ka,
+            half_turns_per_metre,
+            directivity,
+        }
     }
 
     /// Values that [`Elements::fill`] writes of each part: whole blocks.
@@ -117,18 +130,24 @@ impl<'a> Elements<'a> {
             }
             return;
         }
-        let whole = self.room();
-        let row = Row { elements: self, point, re: &mut re[..whole], im: &mut im[..whole] };
-        match (half_ka <= FEW, self.normals.is_some()) {
-            (true, false) => Isa::best().run(Series::<FEW_TERMS, true>(row)),
-            (false, false) => Isa::best().run(Series::<MANY_TERMS, true>(row)),
-            (true, true) => Isa::best().run(Series::<FEW_TERMS, false>(row)),
-            (false, true) => Isa::best().run(Series::<MANY_TERMS, false>(row)),
+        match (half_ka <= FEW, self.normals.is_none()) {
+            (true, true) => self.series::<FEW_TERMS, true>(point, re, im),
+            (false, true) => self.series::<MANY_TERMS, true>(point, re, im),
+            (true, false) => self.series::<FEW_TERMS, false>(point, re, im),
+            (false, false) => self.series::<MANY_TERMS, false>(point, re, im),
         }
         // Padding contributes zero.
         re[self.count..].fill(0.0);
         im[self.count..].fill(0.0);
         self.mend(point, re, im);
+    }
+
+    fn series<const TERMS: usize, const FLAT: bool>(&self, point: DVec3, re: &mut [f64], im: &mut [f64]) {
+        if self.element.attenuation == 0.0 {
+            Isa::best().run(Row::<TERMS, FLAT, false> { elements: self, point, re, im });
+        } else {
+            Isa::best().run(Row::<TERMS, FLAT, true> { elements: self, point, re, im });
+        }
     }
 
     /// The transfer of one element.
@@ -153,74 +172,123 @@ impl<'a> Elements<'a> {
     }
 }
 
-struct Row<'a> {
+/// The elements of all faces, ready for the transfer to many points.
+#[derive(Debug)]
+pub struct Rows<'a> {
+    /// Each with its columns of the transfer.
+    faces: Vec<(&'a Face, Range<usize>, Elements<'a>)>,
+}
+
+impl<'a> Rows<'a> {
+    pub fn new(aperture: &'a Aperture) -> Self {
+        let of_face = |face: &'a Face| {
+            let columns = face.among(&aperture.driven);
+            let elements = Elements::new(&aperture.element, face, &aperture.driven[columns.clone()]);
+            (face, columns, elements)
+        };
+        Self { faces: aperture.faces.iter().map(of_face).collect() }
+    }
+
+    /// Writes a row per point. `transfer` has room for as many points or more, and may hold other rows.
+    pub fn fill(&self, points: &[DVec3], transfer: &mut Transfer) {
+        transfer.points = points.len();
+        if let [(face, _, elements)] = &self.faces[..]
+            && face.gain == 1.0
+        {
+            for (index, &point) in points.iter().enumerate() {
+                let (re, im) = transfer.row_mut(index);
+                elements.fill(face.pose.local(point), re, im);
+            }
+            return;
+        }
+        transfer.clear();
+        for (face, columns, elements) in &self.faces {
+            let (mut wave_re, mut wave_im) = (vec![0.0; elements.room()], vec![0.0; elements.room()]);
+            for (index, &point) in points.iter().enumerate() {
+                elements.fill(face.pose.local(point), &mut wave_re, &mut wave_im);
+                let (re, im) = transfer.row_mut(index);
+                let pairs = re[columns.clone()].iter_mut().zip(&wave_re);
+                for (sum, wave) in pairs.chain(im[columns.clone()].iter_mut().zip(&wave_im)) {
+                    *sum += face.gain * wave;
+                }
+            }
+        }
+    }
+}
+
+/// A row of the transfer: of a flat board or a curved one, with absorption or without.
+struct Row<'a, const TERMS: usize, const FLAT: bool, const ABSORBS: bool> {
     elements: &'a Elements<'a>,
     point: DVec3,
     re: &'a mut [f64],
     im: &'a mut [f64],
 }
 
-/// The row of a flat board, or of a curved one.
-struct Series<'a, const TERMS: usize, const FLAT: bool>(Row<'a>);
-
-impl<const TERMS: usize, const FLAT: bool> Kernel for Series<'_, TERMS, FLAT> {
+impl<const TERMS: usize, const FLAT: bool, const ABSORBS: bool> Kernel for Row<'_, TERMS, FLAT, ABSORBS> {
     type Output = ();
 
+    /// S · D(θ)/r · e^{-αr} · (sin kr + j cos kr), which is j e^{-jkr}. One plain loop: of blocks of lanes with stores between them the
+    /// compiler makes twice the instructions.
     #[inline(always)]
     fn run<I: Instructions>(self) {
-        row::<I, TERMS, FLAT>(self.0);
+        let Self { elements, point, re, im } = self;
+        let element = elements.element;
+        let count = elements.room();
+        let [xs, ys, zs] = elements.places.each_ref().map(|values| &values[..count]);
+        let [nxs, nys, nzs] =
+            elements.normals.as_ref().unwrap_or(&elements.places).each_ref().map(|values| &values[..count]);
+        let (re, im) = (&mut re[..count], &mut im[..count]);
+        let z = if FLAT { point.z.max(NEAREST) } else { point.z };
+        // e^{-αr} relative to what it is at the origin.
+        let middle = point.with_z(z).length();
+        let strength = element.strength * (-element.attenuation * middle).exp();
+        let directivity: [f64; TERMS] = std::array::from_fn(|n| elements.directivity[n]);
+        let [turning, turning_rest] = elements.half_turns_per_metre;
+        let attenuation = element.attenuation;
+        for n in 0..count {
+            let (dx, dy) = (point.x - xs[n], point.y - ys[n]);
+            let dz = if FLAT { z } else { z - zs[n] };
+            let r2 = fused64::<I>(dx, dx, fused64::<I>(dy, dy, dz * dz));
+            let r = r2.sqrt();
+            let inverse = 1.0 / r;
+            let height =
+                if FLAT { dz } else { fused64::<I>(dx, nxs[n], fused64::<I>(dy, nys[n], dz * nzs[n])) };
+            let cos = height * inverse;
+            let mut amplitude =
+                strength * inverse * value::<I, TERMS>(&directivity, fused64::<I>(-cos, cos, 1.0));
+            if ABSORBS {
+                amplitude *= value::<I, 9>(&DECAY, attenuation * (middle - r));
+            }
+            // kr = π (whole + f)
+            let rounded = fused64::<I>(r, turning, ROUNDER);
+            let f = fused64::<I>(r, turning_rest, fused64::<I>(r, turning, ROUNDER - rounded));
+            // What rounding took from the root.
+            let f = if I::FMA { ((-r).mul_add(r, r2) * inverse).mul_add(turning / 2.0, f) } else { f };
+            let f2 = f * f;
+            // An odd number of half-turns changes both signs.
+            let amplitude = f64::from_bits(amplitude.to_bits() ^ (rounded.to_bits() << 63));
+            re[n] = amplitude * f * value::<I, 9>(&SINE, f2);
+            im[n] = amplitude * value::<I, 9>(&COSINE, f2);
+        }
     }
 }
 
-/// S · D(θ)/r · j e^{-jkr} · e^{-αr}.
+/// A quotient by π and what rounding takes from it.
+fn over_pi(x: f64) -> [f64; 2] {
+    /// π less its f64.
+    const REST: f64 = 1.224_646_799_147_353_2e-16;
+    let quotient = x / PI;
+    [quotient, ((-quotient).mul_add(PI, x) - quotient * REST) / PI]
+}
+
+/// The polynomial's value.
 #[inline(always)]
-fn row<I: Instructions, const TERMS: usize, const FLAT: bool>(Row { elements, point, re, im }: Row<'_>) {
-    let element = elements.element;
-    let z = if FLAT { point.z.max(NEAREST) } else { point.z };
-    let half_turns_per_metre = element.wavenumber / PI;
-    // e^{-αr} relative to its value at the origin.
-    let middle = point.with_z(z).length();
-    let strength = element.strength * (-element.attenuation * middle).exp();
-    let directivity: [f64; TERMS] = std::array::from_fn(|n| elements.directivity[n]);
-    let [xs, ys, zs] = elements.places.each_ref().map(|values| values.as_chunks::<LANES>().0);
-    let normals = elements.normals.as_ref();
-    let normals = normals.map(|normals| normals.each_ref().map(|values| values.as_chunks::<LANES>().0));
-    let (res, _) = re.as_chunks_mut::<LANES>();
-    let (ims, _) = im.as_chunks_mut::<LANES>();
-    for (block, ((x, y), (re, im))) in xs.iter().zip(ys).zip(res.iter_mut().zip(ims)).enumerate() {
-        let dx = lanes::<LANES>(|i| point.x - x[i]);
-        let dy = lanes::<LANES>(|i| point.y - y[i]);
-        let dz = if FLAT { [z; LANES] } else { lanes::<LANES>(|i| z - zs[block][i]) };
-        let dy2 = lanes::<LANES>(|i| fused64::<I>(dy[i], dy[i], dz[i] * dz[i]));
-        let r2 = lanes::<LANES>(|i| fused64::<I>(dx[i], dx[i], dy2[i]));
-        let r = lanes::<LANES>(|i| r2[i].sqrt());
-        let inverse = lanes::<LANES>(|i| 1.0 / r[i]);
-        let height = match &normals {
-            Some([nx, ny, nz]) if !FLAT => {
-                let (nx, ny, nz) = (&nx[block], &ny[block], &nz[block]);
-                lanes::<LANES>(|i| fused64::<I>(dx[i], nx[i], fused64::<I>(dy[i], ny[i], dz[i] * nz[i])))
-            }
-            _ => dz,
-        };
-        let cos = lanes::<LANES>(|i| height[i] * inverse[i]);
-        let sin2 = lanes::<LANES>(|i| fused64::<I>(-cos[i], cos[i], 1.0));
-        let pattern = horner::<I, TERMS>(&directivity, &sin2);
-        let nearer = lanes::<LANES>(|i| element.attenuation * (middle - r[i]));
-        let decayed = horner::<I, 9>(&DECAY, &nearer);
-        let amplitude = lanes::<LANES>(|i| strength * inverse[i] * pattern[i] * decayed[i]);
-        // arg H = π/2 - kr, in half-turns.
-        let half_turns = lanes::<LANES>(|i| fused64::<I>(-r[i], half_turns_per_metre, 0.5));
-        let rounded = lanes::<LANES>(|i| half_turns[i] + ROUNDER);
-        let f = lanes::<LANES>(|i| half_turns[i] - (rounded[i] - ROUNDER));
-        let f2 = lanes::<LANES>(|i| f[i] * f[i]);
-        // An odd number of half-turns changes both signs.
-        let amplitude =
-            lanes::<LANES>(|i| f64::from_bits(amplitude[i].to_bits() ^ (rounded[i].to_bits() << 63)));
-        let cosine = horner::<I, 9>(&COSINE, &f2);
-        let sine = horner::<I, 9>(&SINE, &f2);
-        *re = lanes(|i| amplitude[i] * cosine[i]);
-        *im = lanes(|i| amplitude[i] * f[i] * sine[i]);
+fn value<I: Instructions, const N: usize>(coefficients: &[f64; N], x: f64) -> f64 {
+    let mut sum = coefficients[N - 1];
+    for i in (0..N - 1).rev() {
+        sum = fused64::<I>(sum, x, coefficients[i]);
     }
+    sum
 }
 
 /// The polynomial's value in every lane.
@@ -270,7 +338,6 @@ fn shifted_chebyshev(degree: usize) -> [f64; TAYLOR_TERMS] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::acoustics::Aperture;
     use crate::scene::Scene;
 
     #[test]

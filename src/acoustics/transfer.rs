@@ -96,6 +96,11 @@ impl Transfer {
         (0..self.points).map(|point| self.row(point))
     }
 
+    pub(super) fn clear(&mut self) {
+        self.values.re.fill(0.0);
+        self.values.im.fill(0.0);
+    }
+
     /// Real and imaginary parts of a row, to be filled; the padding must stay 0.
     pub(super) fn row_mut(&mut self, point: usize) -> (&mut [f64], &mut [f64]) {
         let row = point * self.stride..(point + 1) * self.stride;
@@ -112,12 +117,7 @@ impl Transfer {
     /// # Panics
     /// Other than a value per element.
     pub fn pressure(&self, excitation: &[Complex64]) -> Vec<Complex64> {
-        assert_eq!(excitation.len(), self.elements, "a value per element");
-        let mut played = self.excitation();
-        for (element, &u) in excitation.iter().enumerate() {
-            played.set(element, u);
-        }
-        Isa::best().run(Forward { transfer: self, played: &played })
+        Isa::best().run(Forward { transfer: self, played: &self.played(excitation) })
     }
 
     /// |p| (peak) at every point: the root of the mean square of |H u| over drives that take turns, given one after the other.
@@ -125,13 +125,7 @@ impl Transfer {
     /// # Panics
     /// Other than a value per element and drive.
     pub fn moduli(&self, drives: &[Complex64]) -> Vec<f64> {
-        let count = drives.len() / self.elements;
-        let mut squares = vec![0.0; self.points];
-        for excitation in drives.chunks(self.elements) {
-            let pressure = self.pressure(excitation);
-            squares.iter_mut().zip(pressure).for_each(|(sum, p)| *sum += p.norm_sqr());
-        }
-        squares.into_iter().map(|sum| (sum / count as f64).sqrt()).collect()
+        self.in_turn(drives).into_iter().map(Complex64::norm).collect()
     }
 
     /// H u; of several drives in turn, the modulus of [`Self::moduli`] with the phase of the first.
@@ -139,10 +133,33 @@ impl Transfer {
     /// # Panics
     /// Other than a value per element and drive.
     pub fn in_turn(&self, drives: &[Complex64]) -> Vec<Complex64> {
-        let mut pressures = self.pressure(&drives[..self.elements]);
-        if drives.len() > self.elements {
-            let louder = |(p, modulus): (&mut Complex64, f64)| *p = Complex64::from_polar(modulus, p.arg());
-            pressures.iter_mut().zip(self.moduli(drives)).for_each(louder);
+        let played: Vec<_> = drives.chunks(self.elements.max(1)).map(|drive| self.played(drive)).collect();
+        self.taking_turns(&played)
+    }
+
+    /// A drive, with nothing up to the end of a row.
+    pub(super) fn played(&self, excitation: &[Complex64]) -> Phasors {
+        assert_eq!(excitation.len(), self.elements, "a value per element");
+        let mut played = self.excitation();
+        for (element, &u) in excitation.iter().enumerate() {
+            played.set(element, u);
+        }
+        played
+    }
+
+    /// [`Self::in_turn`] of [`Self::played`].
+    pub(super) fn taking_turns(&self, drives: &[Phasors]) -> Vec<Complex64> {
+        let of_drive = |played| Isa::best().run(Forward { transfer: self, played });
+        let [first, others @ ..] = drives else { return vec![Complex64::ZERO; self.points] };
+        let mut pressures = of_drive(first);
+        if !others.is_empty() {
+            let mut squares: Vec<_> = pressures.iter().map(Complex64::norm_sqr).collect();
+            for drive in others {
+                squares.iter_mut().zip(of_drive(drive)).for_each(|(sum, p)| *sum += p.norm_sqr());
+            }
+            for (p, square) in pressures.iter_mut().zip(squares) {
+                *p = Complex64::from_polar((square / drives.len() as f64).sqrt(), p.arg());
+            }
         }
         pressures
     }

@@ -1,63 +1,51 @@
-//! `sonoglyph bench`: time against error, measured beside a baseline in the same run.
+//! `sonoglyph bench`: time against error on this machine, beside a baseline in the same run. `benches/report` measures more with it.
 
-mod conditions;
-mod dent;
-mod field;
-mod figures;
-mod foci;
-#[cfg(all(unix, feature = "serial"))]
-mod link;
-mod page;
-mod shapes;
-mod solve;
-mod stability;
-mod time;
-#[cfg(feature = "window")]
-mod window;
+pub mod conditions;
+pub mod drawings;
+pub mod field;
+pub mod foci;
+pub mod shapes;
+pub mod solve;
+pub mod stability;
+pub mod time;
 
 use std::path::{Path, PathBuf};
 
 use anyhow::Context;
+use clap::{Args, ValueEnum};
 use comfy_table::{CellAlignment, Table};
-use serde_json::{Map, Value};
+use serde_json::Value;
 
 use crate::echo;
 use crate::picture::chart::Chart;
 use crate::picture::export;
-use crate::studio::output::{self, Files, note, say, warn};
-use conditions::Conditions;
+use crate::studio::output::{self, Files, note, say};
 
-/// What is measured, and what is made of it.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Options {
-    pub subject: Subject,
-    /// Where every record goes as JSON.
-    pub json: Option<PathBuf>,
-    /// The folder of the charts, and of the page that holds them.
-    pub plots: Option<PathBuf>,
-    /// Fewer cases: fewer sizes, planes, arrays, tolerances and sets of foci.
-    pub quick: bool,
+#[derive(Debug, Args)]
+pub struct BenchArgs {
+    /// Subject of the measurements
+    #[arg(value_enum, default_value_t = Subject::All)]
+    subject: Subject,
+    /// Write every record as JSON
+    #[arg(long, value_name = "FILE")]
+    json: Option<PathBuf>,
+    /// Write charts as PNG into a folder
+    #[arg(long, value_name = "DIR")]
+    plots: Option<PathBuf>,
 }
 
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Subject {
-    /// Maps of the field, and depressions and means beside them.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum Subject {
+    /// Maps by every evaluator, within several tolerances
     Field,
-    /// Solver methods.
+    /// Solver methods on random sets of foci
     Solve,
-    /// Solver methods on sets of foci that are hard to solve.
-    Stability,
-    /// Drives of drawings.
+    /// Drives of drawings, beside separate foci
     Shapes,
-    /// Frames of the window.
-    Window,
-    /// Links to virtual boards.
-    Link,
+    /// Solver methods on sets of foci that are hard to solve
+    Stability,
     All,
 }
-
-/// Measures one subject; `true` asks for fewer cases.
-type Measure = fn(bool) -> anyhow::Result<Report>;
 
 /// What a benchmark found.
 #[derive(Debug)]
@@ -71,149 +59,78 @@ pub struct Report {
     pub charts: Vec<(String, Chart)>,
 }
 
-/// A part of the whole report.
-#[derive(Debug)]
-struct Section {
-    /// Its key in the JSON.
-    name: &'static str,
-    title: &'static str,
-    /// What was found, or why nothing was.
-    found: Result<Report, String>,
-}
+/// A subject, its key in the JSON, the names of its charts, and who measures it.
+type Part = (Subject, &'static str, &'static [&'static str], fn() -> anyhow::Result<Report>);
 
-/// Subject, key in the JSON, title, and who measures it.
-fn subjects() -> [(Subject, &'static str, &'static str, Measure); 7] {
-    [
-        (Subject::Field, "field", "Maps of the field", field::run),
-        (Subject::Field, "dent", "Depressions, radiation pressure and means over a cycle", dent::run),
-        (Subject::Solve, "solve", "Solver methods", solve::run),
-        (Subject::Stability, "stability", "Foci that are hard to solve", stability::run),
-        (Subject::Shapes, "shapes", "Drives of drawings", shapes::run),
-        (Subject::Window, "window", "Frames of the window", window()),
-        (Subject::Link, "link", "Links to boards", link()),
-    ]
-}
+const PARTS: [Part; 4] = [
+    (Subject::Field, "field", &["field-error"], field::run),
+    (Subject::Solve, "solve", &["solve-loss-8", "solve-loss-32"], solve::run),
+    (Subject::Shapes, "shapes", &["shapes-side-lobe"], shapes::run),
+    (Subject::Stability, "stability", &[], || stability::run(false)),
+];
 
-#[cfg(feature = "window")]
-fn window() -> Measure {
-    window::run
-}
-
-#[cfg(not(feature = "window"))]
-fn window() -> Measure {
-    |_| anyhow::bail!("this program was built without its window")
-}
-
-#[cfg(all(unix, feature = "serial"))]
-fn link() -> Measure {
-    link::run
-}
-
-#[cfg(not(all(unix, feature = "serial")))]
-fn link() -> Measure {
-    |_| anyhow::bail!("links are measured on a Unix system, by a program built with serial links")
-}
-
-/// Measures what is asked for, prints it, and writes the JSON, the charts and the page.
+/// Measures what is asked for, prints it, and writes the JSON and the charts.
 ///
 /// # Errors
-/// What cannot be written; what cannot be measured, unless everything is asked for: then the report says why it is missing.
-pub fn run(options: &Options) -> anyhow::Result<()> {
+/// What cannot be written or measured.
+pub fn run(args: &BenchArgs) -> anyhow::Result<()> {
+    let parts = PARTS.iter().filter(|part| [Subject::All, part.0].contains(&args.subject));
     let mut files = Files::new();
-    if let Some(path) = &options.json {
+    if let Some(path) = &args.json {
         files.writes(path)?;
     }
-    if let Some(folder) = &options.plots {
+    if let Some(folder) = &args.plots {
         std::fs::create_dir_all(folder)
             .with_context(|| format!("{}: cannot make the folder", folder.display()))?;
-        files.writes(&folder.join(page::NAME))?;
+        let charts = parts.clone().flat_map(|part| part.2);
+        charts.map(|name| folder.join(name).with_extension("png")).try_for_each(|path| files.keeps(&path))?;
     }
-    let conditions = Conditions::now();
-    let mut sections = Vec::new();
-    for (subject, name, title, measure) in subjects() {
-        if ![Subject::All, subject].contains(&options.subject) {
-            continue;
+    let mut value = conditions::json();
+    for (_, name, _, measure) in parts {
+        note(&format!("measuring: {name}"));
+        let report = measure()?;
+        report.show()?;
+        if let Some(folder) = &args.plots {
+            let file = |name: &str| folder.join(name).with_extension("png");
+            report.charts.iter().try_for_each(|(name, chart)| draw(&file(name), chart))?;
         }
-        note(&format!("measuring: {}", title.to_lowercase()));
-        let found = match measure(options.quick) {
-            Ok(report) => {
-                show(&report)?;
-                Ok(report)
-            }
-            Err(error) if options.subject == Subject::All => {
-                warn(&format!("{name} is missing from the report: {error:#}"));
-                Err(format!("{error:#}"))
-            }
-            Err(error) => return Err(error),
-        };
-        sections.push(Section { name, title, found });
+        value[*name] = report.records.into();
     }
-    let value = json(&conditions, &sections);
-    if let Some(path) = &options.json {
-        output::write(path, serde_json::to_string_pretty(&value)?.as_bytes())?;
+    match &args.json {
+        Some(path) => output::write(path, serde_json::to_string_pretty(&value)?.as_bytes()),
+        None => Ok(()),
     }
-    if let Some(folder) = &options.plots {
-        write_page(folder, &conditions, &sections, &value, &mut files)?;
-    }
-    Ok(())
 }
 
-fn show(report: &Report) -> anyhow::Result<()> {
-    let mut table = Table::new();
-    table.set_header(&report.header);
-    table.add_rows(&report.rows);
-    for (index, column) in table.column_iter_mut().enumerate() {
-        if report.holds_numbers(index) {
-            column.set_cell_alignment(CellAlignment::Right);
-        }
-    }
-    say!("{table}")?;
-    for line in &report.notes {
-        say!("{line}")?;
-    }
-    Ok(())
+fn draw(path: &Path, chart: &Chart) -> anyhow::Result<()> {
+    output::write(path, &export::png(&chart.draw()?)?)?;
+    say!("{}", echo::path(path))
 }
 
 impl Report {
+    /// On standard output, without columns that nothing stands in.
+    ///
+    /// # Errors
+    /// Standard output that takes nothing.
+    pub fn show(&self) -> anyhow::Result<()> {
+        let mut table = Table::new();
+        let is_shown = |column: &usize| self.rows.iter().any(|row| row[*column] != "-");
+        let columns: Vec<_> = (0..self.header.len()).filter(is_shown).collect();
+        table.set_header(columns.iter().map(|&column| self.header[column]));
+        table.add_rows(self.rows.iter().map(|row| columns.iter().map(|&column| &row[column])));
+        for (&index, column) in columns.iter().zip(table.column_iter_mut()) {
+            if self.holds_numbers(index) {
+                column.set_cell_alignment(CellAlignment::Right);
+            }
+        }
+        say!("{table}")?;
+        self.notes.iter().try_for_each(|line| say!("{line}"))
+    }
+
     /// Whether a column's cells are to stand at the right.
-    fn holds_numbers(&self, column: usize) -> bool {
+    pub fn holds_numbers(&self, column: usize) -> bool {
         let is_number =
             |cell: &String| cell == "exact" || cell.starts_with(|c: char| c.is_ascii_digit() || c == '-');
         self.rows.iter().filter_map(|row| row.get(column)).all(is_number)
     }
-}
-
-/// Conditions and figures, and the records of every section by its name; `missing` says why there are none.
-fn json(conditions: &Conditions, sections: &[Section]) -> Value {
-    let mut value = conditions.json();
-    let mut missing = Map::new();
-    for section in sections {
-        match &section.found {
-            Ok(report) => value[section.name] = report.records.clone().into(),
-            Err(reason) => drop(missing.insert(section.name.to_owned(), reason.clone().into())),
-        }
-    }
-    value["missing"] = missing.into();
-    value["figures"] = figures::measured(&value).iter().map(figures::Measured::json).collect();
-    value
-}
-
-fn write_page(
-    folder: &Path,
-    conditions: &Conditions,
-    sections: &[Section],
-    value: &Value,
-    files: &mut Files,
-) -> anyhow::Result<()> {
-    for (name, chart) in
-        sections.iter().filter_map(|section| section.found.as_ref().ok()).flat_map(|r| &r.charts)
-    {
-        let path = folder.join(name).with_extension("png");
-        files.keeps(&path)?;
-        output::write(&path, &export::png(&chart.draw()?)?)?;
-        say!("{}", echo::path(&path))?;
-    }
-    let path = folder.join(page::NAME);
-    output::write(&path, page::html(conditions, sections, &figures::measured(value))?.as_bytes())?;
-    say!("{}", echo::path(&path))
 }

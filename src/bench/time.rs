@@ -85,6 +85,13 @@ impl Times {
         Spread::of(self.0.iter().zip(&other.0).map(|(own, other)| own.cpu / other.cpu).collect())
     }
 
+    /// The mean of several works, round by round.
+    pub fn mean(works: &[&Self]) -> Self {
+        let rounds = works.iter().map(|work| work.0.len()).min().unwrap_or_default();
+        let round = |round: usize| Spent::mean(&works.iter().map(|work| work.0[round]).collect::<Vec<_>>());
+        (0..rounds).map(round).collect()
+    }
+
     /// All of these times a factor.
     pub fn scaled(&self, factor: f64) -> Self {
         let scaled = |spent: &Spent| Spent { cpu: spent.cpu * factor, wall: spent.wall * factor };

@@ -7,7 +7,7 @@ use anyhow::bail;
 use crate::cli::{RenderArgs, View, progress, read_scene, render};
 use crate::field::{Colouring, Quantity, Request, Stages, missed};
 use crate::solver::frames;
-use crate::studio::animate::{self, Film, RATES, Target, times_of};
+use crate::studio::animate::{self, Film, Target, times_of};
 use crate::studio::evaluator::{self, Backend};
 use crate::studio::motion::SOLVING;
 use crate::studio::opening::stem;
@@ -18,15 +18,6 @@ use crate::studio::{liquid, map, motion};
 
 /// Pixels that a film of a shaded surface is wide.
 const SHADED_WIDTH: usize = 800;
-
-/// Frames per second.
-pub fn parse_rate(text: &str) -> Result<f64, String> {
-    let [least, most] = RATES;
-    match text.trim().parse::<f64>() {
-        Ok(rate) if (least..=most).contains(&rate) => Ok(rate),
-        _ => Err(format!("give a number of frames per second from {least:.3} to {most}")),
-    }
-}
 
 pub fn run(args: &RenderArgs) -> anyhow::Result<()> {
     let target = Target::of(&args.output)?;

@@ -3,6 +3,7 @@
 use std::fmt;
 use std::io::{self, Write};
 use std::path::Path;
+use std::str::FromStr;
 
 use clap::CommandFactory;
 use clap::error::Error;
@@ -85,29 +86,46 @@ fn shown(error: &Error) -> String {
     text[..text.floor_char_boundary(MOST)].to_owned()
 }
 
+/// Parses a number from one to another.
+pub fn between([least, most]: [f64; 2], unit: &str) -> impl Fn(&str) -> Result<f64, String> + Clone + use<> {
+    let wanted = format!("give a number from {least} to {most} {unit}");
+    move |text| number(text).filter(|number| (least..=most).contains(number)).ok_or_else(|| wanted.clone())
+}
+
+/// Parses a number above 0, `what` it is with its unit.
+pub fn above_zero(most: f64, what: &str) -> impl Fn(&str) -> Result<f64, String> + Clone + use<> {
+    let wanted = format!("give {what} above 0, {most} at most");
+    move |text| number(text).filter(|number| *number > 0.0 && *number <= most).ok_or_else(|| wanted.clone())
+}
+
+/// Parses a number of seconds above 0.
+pub fn seconds(most: f64) -> impl Fn(&str) -> Result<f64, String> + Clone + use<> {
+    above_zero(most, "a number of seconds")
+}
+
+fn number(text: &str) -> Option<f64> {
+    text.trim().parse().ok()
+}
+
+/// So many numbers with commas between them.
+pub fn numbers<T: FromStr, const N: usize>(text: &str) -> Option<[T; N]> {
+    let numbers: Result<Vec<T>, _> = text.split(',').map(|number| number.trim().parse()).collect();
+    numbers.ok()?.try_into().ok()
+}
+
 /// A place, X,Y,Z in metres.
 pub fn parse_place(text: &str) -> Result<DVec3, String> {
     /// m; what lies beyond is a slip of the unit.
     const FARTHEST: f64 = 1e6;
-    let numbers: Result<Vec<f64>, _> = text.split(',').map(|number| number.trim().parse()).collect();
-    match numbers.as_deref().ok() {
-        Some(&[x, y, z]) if [x, y, z].iter().all(|length| length.abs() <= FARTHEST) => {
-            Ok(DVec3::new(x, y, z))
-        }
-        Some(_) | None => Err("give three numbers in metres: X,Y,Z".to_owned()),
-    }
+    numbers(text)
+        .map(DVec3::from_array)
+        .filter(|place| place.abs().max_element() <= FARTHEST && place.is_finite())
+        .ok_or_else(|| "give three numbers in metres: X,Y,Z".to_owned())
 }
 
 /// The place of an ear.
 pub fn parse_listener(text: &str) -> Result<Listener, String> {
     parse_place(text).map(|at| Listener { at })
-}
-
-/// A time of flight, s.
-pub fn parse_flight(text: &str) -> Result<f64, String> {
-    const LONGEST: f64 = 600.0;
-    let seconds = text.trim().parse::<f64>().ok().filter(|seconds| *seconds > 0.0 && *seconds <= LONGEST);
-    seconds.ok_or_else(|| format!("give a number of seconds above 0, {LONGEST} at most"))
 }
 
 /// A time of search, s.

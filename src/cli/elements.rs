@@ -4,9 +4,9 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use crate::cli::read_scene;
+use crate::cli::{read_scene, write_or_print};
 use crate::studio::elements;
-use crate::studio::output::{self, Files};
+use crate::studio::output::Files;
 
 #[derive(Debug, Args)]
 pub struct ElementsArgs {
@@ -23,9 +23,5 @@ pub fn run(args: &ElementsArgs) -> anyhow::Result<()> {
     if let Some(path) = &args.output {
         files.writes(path)?;
     }
-    let text = elements::of_scene(&scene);
-    match &args.output {
-        Some(path) => output::write(path, text.as_bytes()),
-        None => output::print(format_args!("{text}")),
-    }
+    write_or_print(args.output.as_deref(), &elements::of_scene(&scene))
 }

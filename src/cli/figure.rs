@@ -5,10 +5,11 @@ use std::path::Path;
 use anyhow::bail;
 use clap::Args;
 
+use crate::cli::arguments::{between, numbers};
 use crate::cli::{RenderArgs, View};
 use crate::field::{Quantity, Request, Scale, Stages, missed};
 use crate::picture::figure::Paper;
-use crate::picture::numbers;
+use crate::picture::numbers::npy;
 use crate::studio::convention::Convention;
 use crate::studio::evaluator::Backend;
 use crate::studio::figure::{self, DENSITIES, WIDTHS, Wish};
@@ -23,10 +24,10 @@ pub struct FigureArgs {
     #[arg(long, conflicts_with_all = ["size", "motion", "waves"])]
     pub figure: bool,
     /// Width of the figure in mm [default: 85, a column]
-    #[arg(long, value_name = "W", requires = "figure", value_parser = parse_width)]
+    #[arg(long, value_name = "W", requires = "figure", value_parser = between(WIDTHS, "mm"))]
     width_mm: Option<f64>,
     /// Dots per inch of the map, and of a PNG [default: 300]
-    #[arg(long, value_name = "D", requires = "figure", value_parser = parse_density)]
+    #[arg(long, value_name = "D", requires = "figure", value_parser = between(DENSITIES, "dots per inch"))]
     dpi: Option<f64>,
     /// Colours by decibels of the largest value
     #[arg(long, requires = "figure")]
@@ -57,27 +58,10 @@ pub struct FigureArgs {
     peak: bool,
 }
 
-fn number_within(text: &str, [least, most]: [f64; 2], unit: &str) -> Result<f64, String> {
-    match text.trim().parse::<f64>() {
-        Ok(number) if (least..=most).contains(&number) => Ok(number),
-        _ => Err(format!("give a number from {least} to {most} {unit}")),
-    }
-}
-
-fn parse_width(text: &str) -> Result<f64, String> {
-    number_within(text, WIDTHS, "mm")
-}
-
-fn parse_density(text: &str) -> Result<f64, String> {
-    number_within(text, DENSITIES, "dots per inch")
-}
-
 fn parse_range(text: &str) -> Result<[f64; 2], String> {
-    let numbers: Result<Vec<f64>, _> = text.split(',').map(|number| number.trim().parse()).collect();
-    match numbers.as_deref() {
-        Ok(&[low, high]) if low < high && low.is_finite() && high.is_finite() => Ok([low, high]),
-        _ => Err("give two numbers, the smaller first: A,B".to_owned()),
-    }
+    numbers(text)
+        .filter(|&[low, high]: &[f64; 2]| low < high && low.is_finite() && high.is_finite())
+        .ok_or_else(|| "give two numbers, the smaller first: A,B".to_owned())
 }
 
 fn parse_level(text: &str) -> Result<f64, String> {
@@ -166,7 +150,7 @@ pub(in crate::cli) fn write(
     let bytes = drawn.figure.write(format)?;
     if let Some(data) = data {
         let shape = [drawn.map.height as u64, drawn.map.width as u64];
-        output::write(data, &numbers::npy(&shape, &drawn.map.values)?)?;
+        output::write(data, &npy(&shape, &drawn.map.values)?)?;
     }
     output::write(output, &bytes)?;
     let [width, height] = drawn.figure.size();

@@ -1,17 +1,13 @@
 //! `sonoglyph levitate`: a bead that is released in the sound of a scene, or carried along its motion.
 
-use std::fmt::Write;
 use std::path::PathBuf;
 
 use anyhow::bail;
 use clap::Args;
 use glam::DVec3;
-use serde_json::{Value, json};
 
 use crate::cli::{arguments, progress, read_scene};
-use crate::force::Flight;
-use crate::scene::Scene;
-use crate::studio::flight::Course;
+use crate::studio::flight::{self, Course};
 use crate::studio::levitation;
 use crate::studio::motion::SOLVING;
 use crate::studio::output::{self, Files, say, warn};
@@ -21,8 +17,6 @@ const FLYING: &str = "the flight of the bead";
 /// s of a flight where nothing moves, and rounds where something does.
 const SECONDS: f64 = 1.0;
 const ROUNDS: f64 = 2.0;
-/// Moments of a table, at most.
-const MOST_MOMENTS: usize = 2_000_000;
 
 #[derive(Debug, Args)]
 pub struct LevitateArgs {
@@ -35,7 +29,7 @@ pub struct LevitateArgs {
     #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true, value_parser = arguments::parse_place)]
     from: Option<DVec3>,
     /// s that it is followed; by default 1, or two rounds of a motion
-    #[arg(long, value_name = "S", allow_negative_numbers = true, value_parser = arguments::parse_flight)]
+    #[arg(long, value_name = "S", allow_negative_numbers = true, value_parser = arguments::seconds(600.0))]
     seconds: Option<f64>,
     /// Also find how fast the motion may be so that the bead is not lost
     #[arg(long)]
@@ -71,84 +65,15 @@ pub fn run(args: &LevitateArgs) -> anyhow::Result<()> {
     let flight = course.fly(from, seconds, 1.0, &progress::begin(FLYING));
     let fastest = args.fastest.then(|| course.fastest());
     if let Some(path) = &args.output {
-        output::write(path, table(&flight).as_bytes())?;
+        output::write(path, flight::table(&flight).as_bytes())?;
     }
     if args.json {
-        return say!("{:#}", answer(&flight, from, fastest));
+        return say!("{:#}", flight::answer(&flight, from, fastest));
     }
-    say!("{}", words(&scene, &flight, from))?;
+    say!("{}", flight::words(&scene, &flight, from))?;
     if let Some(fastest) = fastest {
         let round = course.round().recip();
-        say!("{:<14}  {}", "motion", limit(fastest, round))?;
+        say!("{:<14}  {}", "motion", flight::limit(fastest, round))?;
     }
     Ok(())
-}
-
-fn words(scene: &Scene, flight: &Flight, from: DVec3) -> String {
-    let mm = |place: DVec3| {
-        let [x, y, z] = place.to_array().map(|length| format!("{:.2}", length * 1e3));
-        format!("({x}, {y}, {z}) mm")
-    };
-    let bead = &scene.bead;
-    let mut text = format!("{:<14}  {}, radius {:.3} mm\n", "bead", bead.material.title(), bead.radius * 1e3);
-    let _ = writeln!(text, "{:<14}  {}, at rest", "released", mm(from));
-    let Some(last) = flight.moments.last() else { return text };
-    let end = if flight.is_lost {
-        format!("lost after {:.4} s at {}", last.time, mm(last.at))
-    } else {
-        format!(
-            "stays: after {:.4} s at {}, never more than {:.2} mm from its place",
-            last.time,
-            mm(last.at),
-            flight.farthest * 1e3
-        )
-    };
-    let _ = write!(text, "{:<14}  {end}", "flight");
-    text
-}
-
-fn limit(fastest: Option<[f64; 2]>, round: f64) -> String {
-    match fastest {
-        None => "the bead is lost at any speed that was tried".to_owned(),
-        Some([stays, lost]) if lost.is_infinite() => {
-            format!("the bead stays at {stays:.0} times the speed: {:.1} rounds per second", stays * round)
-        }
-        Some([stays, lost]) => format!(
-            "the bead stays up to {stays:.3} times the speed ({:.3} rounds per second), and is lost at {lost:.3}",
-            stays * round
-        ),
-    }
-}
-
-fn answer(flight: &Flight, from: DVec3, fastest: Option<Option<[f64; 2]>>) -> Value {
-    let last = flight.moments.last();
-    let mut value = json!({
-        "released": from.to_array(),
-        "stays": !flight.is_lost,
-        "seconds": last.map(|last| last.time),
-        "at": last.map(|last| last.at.to_array()),
-        "farthest": flight.farthest,
-    });
-    if let Some(fastest) = fastest {
-        let finite = |value: f64| value.is_finite().then_some(value);
-        value["fastest"] = json!({
-            "stays": fastest.map(|[stays, _]| stays),
-            "lost": fastest.and_then(|[_, lost]| finite(lost)),
-        });
-    }
-    value
-}
-
-/// Every moment, or as many of them as fit.
-fn table(flight: &Flight) -> String {
-    let mut text = "time,x,y,z,vx,vy,vz,wanted_x,wanted_y,wanted_z\n".to_owned();
-    let apart = flight.moments.len().div_ceil(MOST_MOMENTS).max(1);
-    for moment in flight.moments.iter().step_by(apart) {
-        let _ = write!(text, "{}", moment.time);
-        for value in [moment.at, moment.velocity, moment.wanted].iter().flat_map(|vector| vector.to_array()) {
-            let _ = write!(text, ",{value}");
-        }
-        text.push('\n');
-    }
-    text
 }

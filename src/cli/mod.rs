@@ -25,7 +25,7 @@ use std::path::{Path, PathBuf};
 use clap::{Args, Parser, Subcommand, ValueEnum};
 
 use crate::acoustics::Aperture;
-use crate::bench::{self, Subject};
+use crate::bench::{self, BenchArgs};
 pub use crate::cli::arguments::BadArguments;
 use crate::cli::boards::serve::{self, ServeArgs};
 use crate::cli::boards::{BoardArgs, CheckArgs, SendArgs};
@@ -39,6 +39,7 @@ use crate::cli::volume::VolumeArgs;
 use crate::field::Quantity;
 use crate::picture::ColourMap;
 use crate::scene::{Listener, Method, Scene};
+use crate::studio::animate::RATES;
 use crate::studio::evaluator::{Backend, Renderer};
 use crate::studio::output::Files;
 use crate::studio::still::{Diagram, Moment, Size};
@@ -117,13 +118,13 @@ enum Command {
     ///   sonoglyph probe scene.toml --points points.csv --time --spectrum lines.csv -o course.csv
     #[command(verbatim_doc_comment)]
     Probe(ProbeArgs),
-    /// Measure time against error, beside a baseline in the same run
+    /// Measure time against error on this machine, beside a baseline in the same run
     ///
-    /// With --plots a page, DIR/report.html, holds everything: machine, figures of the README, charts and tables. Examples:
+    /// Examples:
     ///
-    ///   sonoglyph bench all --plots plots/ --json bench.json
+    ///   sonoglyph bench field
     ///
-    ///   sonoglyph bench field --quick
+    ///   sonoglyph bench all --json bench.json --plots plots/
     #[command(verbatim_doc_comment)]
     Bench(BenchArgs),
     /// Solve scenes that come as JSON lines, and answer with JSON lines in the same order
@@ -232,7 +233,8 @@ struct RenderArgs {
     /// How a surface depression is shown, or all of space
     #[arg(long, value_enum, default_value_t = View::Flat)]
     view: View,
-    #[arg(long, value_parser = parse_method, help = method_help("Solver method, instead of the scene's"))]
+    /// Solver method, instead of the scene's
+    #[arg(long, value_enum)]
     method: Option<Method>,
     #[command(flatten)]
     backend: BackendArgs,
@@ -268,7 +270,7 @@ struct RenderArgs {
     #[arg(long, value_name = "S", requires = "waves")]
     seconds: Option<f64>,
     /// Frames of --motion or --waves that are shown per second [default: as many as there really are, at most 50]
-    #[arg(long, value_name = "N", value_parser = animate::parse_rate)]
+    #[arg(long, value_name = "N", value_parser = arguments::between(RATES, "frames per second"))]
     fps: Option<f64>,
     /// Still picture of a scene with motion: a frame, counted from 1, or the mean of a cycle
     ///
@@ -290,7 +292,8 @@ struct RenderArgs {
 struct SolveArgs {
     /// Scene file
     scene: PathBuf,
-    #[arg(long, value_parser = solve::parse_methods, help = method_help("Solver method, instead of the scene's, or `all` to compare them"))]
+    /// Solver method, instead of the scene's
+    #[arg(long, value_parser = solve::methods())]
     method: Option<solve::Methods>,
     /// Print JSON; an array of objects for `--method all`
     #[arg(long)]
@@ -350,7 +353,8 @@ enum Probed {
 
 #[derive(Debug, Args)]
 struct BatchArgs {
-    #[arg(long, value_parser = parse_method, help = method_help("Solver method, instead of the scenes'"))]
+    /// Solver method, instead of the scenes'
+    #[arg(long, value_enum)]
     method: Option<Method>,
     /// Leave out bound, certified, rank and condition, which take longer than the drive
     #[arg(long)]
@@ -369,33 +373,9 @@ struct BatchArgs {
     size: u16,
 }
 
-#[derive(Debug, Args)]
-struct BenchArgs {
-    /// Subject of the measurements
-    #[arg(value_enum, default_value_t = Subject::All)]
-    subject: Subject,
-    /// Write every record as JSON
-    #[arg(long, value_name = "FILE")]
-    json: Option<PathBuf>,
-    /// Write charts as PNG into a folder, and the page report.html that holds them
-    #[arg(long, value_name = "DIR")]
-    plots: Option<PathBuf>,
-    /// Fewer cases: fewer sizes, planes, arrays, tolerances and sets of foci
-    #[arg(long)]
-    quick: bool,
-}
-
-impl From<BenchArgs> for bench::Options {
-    fn from(args: BenchArgs) -> Self {
-        let BenchArgs { subject, json, plots, quick } = args;
-        Self { subject, json, plots, quick }
-    }
-}
-
 #[derive(Clone, Copy, Debug, Args)]
 struct BackendArgs {
-    /// Evaluator of the field. `auto`: for maps the GPU if there is one that is not software, else the CPU; for points
-    /// the f64 reference
+    /// Evaluator of the field
     #[arg(long, value_enum, default_value_t = Backend::Auto)]
     backend: Backend,
 }
@@ -409,20 +389,6 @@ enum View {
     /// Space: the field's surface or projection, boards, targets and the scene's plane
     #[value(name = "3d")]
     Space,
-}
-
-/// What an option says, and every method by its full name.
-fn method_help(says: &str) -> String {
-    let methods = Method::ALL.map(|method| format!("{} ({})", method.name(), method.title()));
-    format!("{says}: {}", methods.join(", "))
-}
-
-fn parse_method(name: &str) -> Result<Method, String> {
-    let names = || Method::ALL.map(Method::name).join(", ");
-    Method::ALL
-        .into_iter()
-        .find(|method| method.name() == name)
-        .ok_or_else(|| format!("the methods are {}", names()))
 }
 
 /// Runs the command line that the program was given.
@@ -450,7 +416,7 @@ pub fn run() -> anyhow::Result<Next> {
         Cli { command: Some(Command::Solve(args)), .. } => solve::run(&args),
         Cli { command: Some(Command::Probe(args)), .. } => probe::run(&args),
         Cli { command: Some(Command::Batch(args)), .. } => batch::run(&args),
-        Cli { command: Some(Command::Bench(args)), .. } => return Ok(Next::Bench(args.into())),
+        Cli { command: Some(Command::Bench(args)), .. } => bench::run(&args),
         Cli { command: Some(Command::Elements(args)), .. } => elements::run(&args),
         Cli { command: Some(Command::Levitate(args)), .. } => levitate::run(&args),
         Cli { command: Some(Command::Devices), .. } => devices::run(),
@@ -472,8 +438,6 @@ pub enum Next {
     Exit,
     /// The window on this scene, or on an example.
     Window(Option<PathBuf>, Renderer),
-    /// Measurements, the window's frames among them.
-    Bench(bench::Options),
 }
 
 /// The scene in a file, with the method that the command line may ask for instead; its file and its pictures are never written.
@@ -486,4 +450,12 @@ fn read_scene(path: &Path, method: Option<Method>, files: &mut Files) -> anyhow:
     }
     reach::cut_short(&Aperture::new(&scene)).iter().for_each(|warning| output::warn(&warning.to_string()));
     Ok(scene)
+}
+
+/// To the file that is named, or else to standard output.
+fn write_or_print(path: Option<&Path>, text: &str) -> anyhow::Result<()> {
+    match path {
+        Some(path) => output::write(path, text.as_bytes()),
+        None => output::print(format_args!("{text}")),
+    }
 }

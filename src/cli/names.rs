@@ -1,44 +1,12 @@
-//! What the command line calls values of the layers below: one list for parsing and for help.
+//! What the command line calls values that the layers above declare by name.
 
 use clap::ValueEnum;
 use clap::builder::PossibleValue;
 
-use crate::bench::Subject;
 use crate::field::Quantity;
 use crate::picture::ColourMap;
-use crate::studio::evaluator::{Backend, Renderer};
+use crate::scene::Method;
 use crate::studio::still::Diagram;
-
-impl ValueEnum for Backend {
-    fn value_variants<'a>() -> &'a [Self] {
-        &[Self::Auto, Self::Gpu, Self::Cpu, Self::Reference]
-    }
-
-    fn to_possible_value(&self) -> Option<PossibleValue> {
-        Some(match self {
-            Self::Auto => PossibleValue::new("auto"),
-            Self::Gpu => PossibleValue::new("gpu"),
-            Self::Cpu => PossibleValue::new("cpu"),
-            Self::Reference => PossibleValue::new("reference").help("f64 and slow"),
-        })
-    }
-}
-
-impl ValueEnum for Renderer {
-    fn value_variants<'a>() -> &'a [Self] {
-        &[Self::Auto, Self::Wgpu, Self::Glow]
-    }
-
-    fn to_possible_value(&self) -> Option<PossibleValue> {
-        Some(match self {
-            Self::Auto => PossibleValue::new("auto").help("wgpu where there is a GPU, else glow"),
-            Self::Wgpu => {
-                PossibleValue::new("wgpu").help("The device that computes the field draws the window too")
-            }
-            Self::Glow => PossibleValue::new("glow").help("OpenGL; the CPU computes the field"),
-        })
-    }
-}
 
 /// Every quantity, and what is not one.
 const DIAGRAMS: [Diagram; Quantity::ALL.len() + 2] = {
@@ -69,6 +37,16 @@ impl ValueEnum for Diagram {
     }
 }
 
+impl ValueEnum for Method {
+    fn value_variants<'a>() -> &'a [Self] {
+        &Self::ALL
+    }
+
+    fn to_possible_value(&self) -> Option<PossibleValue> {
+        Some(PossibleValue::new(self.name()).help(self.title()))
+    }
+}
+
 impl ValueEnum for ColourMap {
     fn value_variants<'a>() -> &'a [Self] {
         &Self::OF_AMOUNTS
@@ -76,24 +54,5 @@ impl ValueEnum for ColourMap {
 
     fn to_possible_value(&self) -> Option<PossibleValue> {
         Some(PossibleValue::new(self.name()))
-    }
-}
-
-impl ValueEnum for Subject {
-    fn value_variants<'a>() -> &'a [Self] {
-        &[Self::Field, Self::Solve, Self::Stability, Self::Shapes, Self::Window, Self::Link, Self::All]
-    }
-
-    fn to_possible_value(&self) -> Option<PossibleValue> {
-        let (name, help) = match self {
-            Self::Field => ("field", "Maps: of one drive, of means, and of surface depressions"),
-            Self::Solve => ("solve", "Solver methods"),
-            Self::Stability => ("stability", "Solver methods on sets of foci that are hard to solve"),
-            Self::Shapes => ("shapes", "Drives of drawings, call by call, beside separate foci"),
-            Self::Window => ("window", "Frames of the window"),
-            Self::Link => ("link", "Links to virtual boards"),
-            Self::All => return Some(PossibleValue::new("all")),
-        };
-        Some(PossibleValue::new(name).help(help))
     }
 }

@@ -1,23 +1,22 @@
 //! `sonoglyph solve`: the drive of a scene and its quality, as a table, JSON or CSV.
 
+use clap::ValueEnum;
+use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use comfy_table::{CellAlignment, Table};
 use glam::DVec3;
-use serde_json::{Value, json};
 
 use crate::acoustics::Aperture;
-use crate::cli::{COLUMN, SolveArgs, parse_method, read_scene};
-use crate::drive::{Drive, delay_level};
-use crate::field::{Evaluator, NoSideLobe, SideLobe, Stages, side_lobe};
+use crate::cli::{COLUMN, SolveArgs, read_scene};
+use crate::field::{Evaluator, NoSideLobe, SideLobe, Stages};
 use crate::picture::sheet::{pascals, pascals_at_most};
 use crate::rounding::{percent, percent_at_least, percent_at_most};
 use crate::scene::{Amplitudes, Focus, Method, Pressures, Scene, check};
-use crate::solver::levels::{self, Reached};
+use crate::solver::levels;
 use crate::solver::{self, Limits, Problem, Solution, SolveError, room};
+use crate::studio::findings::{Findings, Played};
 use crate::studio::json;
 use crate::studio::levitation::{self, Held};
 use crate::studio::output::{self, Files, say, warn};
-use crate::studio::probe::{self, Reading};
-use crate::studio::reach;
 
 /// What is said in place of figures that compare pressures at the foci, and the rows that do.
 const SILENT: &str = "no sound reaches the foci";
@@ -40,11 +39,10 @@ pub enum Methods {
     All,
 }
 
-pub fn parse_methods(name: &str) -> Result<Methods, String> {
-    if name == "all" {
-        return Ok(Methods::All);
-    }
-    parse_method(name).map(Methods::One).map_err(|error| format!("{error}, all"))
+pub fn methods() -> impl TypedValueParser<Value = Methods> {
+    let names = Method::ALL.iter().filter_map(ValueEnum::to_possible_value);
+    PossibleValuesParser::new(names.chain([PossibleValue::new("all").help("Every method, side by side")]))
+        .map(|name| Method::from_str(&name, false).map_or(Methods::All, Methods::One))
 }
 
 pub(in crate::cli) fn run(args: &SolveArgs) -> anyhow::Result<()> {
@@ -84,7 +82,8 @@ pub(in crate::cli) fn run(args: &SolveArgs) -> anyhow::Result<()> {
     let room = room::of_limits(&scene, solution.foci.len()).map_err(in_file)?;
     let problem = Problem::of_scene(&scene, &aperture, solution.foci.clone());
     solution.judge(&scene, &problem);
-    let findings = Findings::new(&scene, &problem, Limits::new(&problem), &mut stages(), solution);
+    let findings =
+        Findings::new(&scene, &problem, Limits::new(&problem), &mut Stages::new(Evaluator::Cpu), solution);
     drop(room);
     findings.warnings.iter().for_each(|warning| warn(warning));
     let played = args.levels.map(|levels| Played::new(&problem, &findings.solution, levels));
@@ -104,124 +103,42 @@ pub(in crate::cli) fn run(args: &SolveArgs) -> anyhow::Result<()> {
         }
         say!("{}", serde_json::to_string_pretty(&value)?)?;
     } else {
-        findings.print(&scene)?;
+        print(&findings, &scene)?;
         for Held { target, hold } in &held {
             say!("{:<COLUMN$}{}", format!("trap, target {}", target + 1), levitation::verdict(hold))?;
         }
         if let Some(played) = &played {
-            played.print(scene.solver.pressures, findings.solution.quality.is_silent())?;
+            print_played(played, scene.solver.pressures, findings.solution.quality.is_silent())?;
         }
     }
     Ok(())
 }
 
-/// The stages of the map that side lobes are searched on.
-fn stages() -> Stages {
-    Stages::new(Evaluator::Cpu)
-}
-
-/// A solution, and what is known of it beside its own quality.
-struct Findings {
-    solution: Solution,
-    limits: Limits,
-    side_lobe: Result<SideLobe, NoSideLobe>,
-    heard: Option<Reading>,
-    /// What the user should know of all that, a sentence each.
-    warnings: Vec<String>,
-}
-
-impl Findings {
-    /// `limits` are those of the problem.
-    fn new(
-        scene: &Scene,
-        problem: &Problem<'_>,
-        limits: Limits,
-        stages: &mut Stages,
-        solution: Solution,
-    ) -> Self {
-        let points: Vec<_> = solution.foci.iter().map(|focus| focus.position).collect();
-        let aperture = problem.aperture;
-        let side_lobe = side_lobe::loudest(stages, aperture, &scene.plane, &solution.drives(), &points);
-        let heard =
-            scene.listener.as_ref().map(|listener| probe::reading(aperture, &solution.drives(), listener.at));
-        let of_drive = solution.warnings.iter().cloned().chain(limits.warning(problem));
-        let mut warnings: Vec<_> = of_drive.map(|warning| warning.to_string()).collect();
-        if scene.solver.pressures == Pressures::Pascal && limits.bound < 1.0 {
-            warnings.push(format!(
-                "no drive of this array brings every focus to more than {} of what is asked",
-                percent_at_most(limits.bound, 2)
-            ));
-        }
-        warnings.extend(heard.and_then(|heard| heard.warning()));
-        warnings.extend(reach::of_targets(scene).iter().map(ToString::to_string));
-        Self { solution, limits, side_lobe, heard, warnings }
+/// What a board with few phase levels makes of the drive.
+fn print_played(played: &Played, pressures: Pressures, is_silent: bool) -> anyhow::Result<()> {
+    say!(
+        "\nOn {} phase levels (rounding leaves {} of the mean on the average):",
+        played.levels,
+        percent(levels::expected_part(played.levels))
+    )?;
+    if is_silent {
+        return say!("{SILENT}");
     }
-}
-
-/// What a board with few phase levels makes of a drive.
-struct Played {
-    levels: u32,
-    ideal: Reached,
-    rounded: Reached,
-    refined: (Drive, Reached),
-}
-
-impl Played {
-    fn new(problem: &Problem<'_>, solution: &Solution, levels: u32) -> Self {
-        let reached = |drive: &Drive| Reached::new(problem, drive);
-        let refined = levels::refined(problem, &solution.drive, levels);
-        Self {
-            levels,
-            ideal: reached(&solution.drive),
-            rounded: reached(&solution.drive.at_levels(levels)),
-            refined: (refined.clone(), reached(&refined)),
-        }
-    }
-
-    fn print(&self, pressures: Pressures, is_silent: bool) -> anyhow::Result<()> {
+    let of_target = |part: f64| match pressures {
+        Pressures::Relative => pascals(part),
+        Pressures::Pascal => format!("{} of its target", percent(part)),
+    };
+    for (name, reached) in [("rounded", played.rounded), ("refined", played.refined.1)] {
         say!(
-            "\nOn {} phase levels (rounding leaves {} of the mean on the average):",
-            self.levels,
-            percent(levels::expected_part(self.levels))
+            "{name:<COLUMN$}mean {} ({}), weakest {} ({}), std/mean {}",
+            pascals(reached.mean_pressure),
+            percent(reached.mean_pressure / played.ideal.mean_pressure),
+            of_target(reached.weakest),
+            percent(reached.weakest / played.ideal.weakest),
+            percent(reached.spread)
         )?;
-        if is_silent {
-            return say!("{SILENT}");
-        }
-        let of_target = |part: f64| match pressures {
-            Pressures::Relative => pascals(part),
-            Pressures::Pascal => format!("{} of its target", percent(part)),
-        };
-        for (name, reached) in [("rounded", self.rounded), ("refined", self.refined.1)] {
-            say!(
-                "{name:<COLUMN$}mean {} ({}), weakest {} ({}), std/mean {}",
-                pascals(reached.mean_pressure),
-                percent(reached.mean_pressure / self.ideal.mean_pressure),
-                of_target(reached.weakest),
-                percent(reached.weakest / self.ideal.weakest),
-                percent(reached.spread)
-            )?;
-        }
-        Ok(())
     }
-
-    fn json(&self) -> Value {
-        let reached = |reached: Reached| {
-            json!({
-                "mean_pressure": reached.mean_pressure,
-                "min_pressure": reached.weakest,
-                "spread": reached.spread,
-            })
-        };
-        let delays: Vec<_> =
-            self.refined.0.phases.iter().map(|&phase| delay_level(phase, self.levels)).collect();
-        json!({
-            "levels": self.levels,
-            "expected_part": levels::expected_part(self.levels),
-            "rounded": reached(self.rounded),
-            "refined": reached(self.refined.1),
-            "delays": delays,
-        })
-    }
+    Ok(())
 }
 
 fn compare(
@@ -247,7 +164,7 @@ fn compare(
     // The limits are those of foci and array alone, and the stages of the map know all but the drive: both serve every method.
     let _room = room::of_limits(scene, first.foci.len()).map_err(in_file)?;
     let problem = Problem::new(&aperture, first.foci.clone());
-    let (limits, mut stages) = (Limits::new(&problem), stages());
+    let (limits, mut stages) = (Limits::new(&problem), Stages::new(Evaluator::Cpu));
     let findings: Vec<_> = solutions
         .into_iter()
         .map(|solution| Findings::new(scene, &problem, limits, &mut stages, solution))
@@ -340,134 +257,110 @@ fn millimetres(point: DVec3) -> [String; 3] {
     (point * 1e3).to_array().map(|coordinate| format!("{:.2}", (coordinate * 1e2).round() / 1e2 + 0.0))
 }
 
-impl Findings {
-    fn print(&self, scene: &Scene) -> anyhow::Result<()> {
-        let Self { solution, limits, .. } = self;
-        let quality = &solution.quality;
-        if solution.foci.iter().any(|focus| focus.is_separate()) {
-            say!("{}", foci_table(scene, solution))?;
+fn print(findings: &Findings, scene: &Scene) -> anyhow::Result<()> {
+    let Findings { solution, limits, .. } = findings;
+    let quality = &solution.quality;
+    if solution.foci.iter().any(|focus| focus.is_separate()) {
+        say!("{}", foci_table(scene, solution))?;
+    }
+    let no_more = match scene.solver.pressures {
+        Pressures::Relative => {
+            format!(
+                "{}: no drive brings every focus to more than this times its target",
+                pascals_at_most(limits.bound)
+            )
         }
-        let no_more = match scene.solver.pressures {
-            Pressures::Relative => {
-                format!(
-                    "{}: no drive brings every focus to more than this times its target",
-                    pascals_at_most(limits.bound)
-                )
-            }
-            Pressures::Pascal => {
-                format!(
-                    "{}: no drive brings every focus to more of its target",
-                    percent_at_most(limits.bound, 2)
-                )
-            }
-        };
-        let at_full = if solution.turned_down < 1.0 { ", at full drive" } else { "" };
-        let mut rows = vec![
-            (
-                "method",
-                format!(
-                    "{}, {} iterations, {:.2} ms",
-                    solution.method.name(),
-                    solution.iterations,
-                    solution.seconds * 1e3
-                ),
+        Pressures::Pascal => {
+            format!("{}: no drive brings every focus to more of its target", percent_at_most(limits.bound, 2))
+        }
+    };
+    let at_full = if solution.turned_down < 1.0 { ", at full drive" } else { "" };
+    let mut rows = vec![
+        (
+            "method",
+            format!(
+                "{}, {} iterations, {:.2} ms",
+                solution.method.name(),
+                solution.iterations,
+                solution.seconds * 1e3
             ),
-            ("elements driven", drive_row(scene, solution)),
-            ("mean pressure", pascals(quality.mean_pressure)),
-            ("weakest focus", pascals(quality.min_pressure)),
-            (UNIFORMITY, percent(quality.spread)),
-            ("efficiency", percent(quality.efficiency)),
-            ("relative to single", format!("{:.4}", quality.relative_to_single)),
-            ("upper bound", no_more),
-            (
-                "fraction of the bound",
-                format!(
-                    "at least {}, guaranteed{at_full}",
-                    percent_at_least(solution.certified(limits.bound), 2)
-                ),
+        ),
+        ("elements driven", drive_row(scene, solution)),
+        ("mean pressure", pascals(quality.mean_pressure)),
+        ("weakest focus", pascals(quality.min_pressure)),
+        (UNIFORMITY, percent(quality.spread)),
+        ("efficiency", percent(quality.efficiency)),
+        ("relative to single", format!("{:.4}", quality.relative_to_single)),
+        ("upper bound", no_more),
+        (
+            "fraction of the bound",
+            format!(
+                "at least {}, guaranteed{at_full}",
+                percent_at_least(solution.certified(limits.bound), 2)
             ),
-            ("peak side lobe", self.side_lobe_row()),
-            ("residual", format!("{:.2e}", quality.residual)),
+        ),
+        ("peak side lobe", side_lobe_row(&findings.side_lobe)),
+        ("residual", format!("{:.2e}", quality.residual)),
+        (
+            "rank, condition",
+            format!("{} of {} foci, {:.2e}", limits.rank, solution.foci.len(), limits.condition),
+        ),
+    ];
+    if let Some(figures) = &solution.figures {
+        let [x, y, z] = millimetres(figures.side_lobe_position);
+        let figures = [
             (
-                "rank, condition",
-                format!("{} of {} foci, {:.2e}", limits.rank, solution.foci.len(), limits.condition),
+                "evenness",
+                format!("{}, weakest over mean; {:.1} dB", percent(figures.evenness), figures.ripple_db),
             ),
+            (
+                "loudest elsewhere",
+                format!("{} of the mean, at ({x}, {y}, {z}) mm", percent(figures.side_lobe)),
+            ),
+            ("strength", format!("{} of the strongest drive's mean", percent(figures.strength))),
         ];
-        if let Some(figures) = &solution.figures {
-            let [x, y, z] = millimetres(figures.side_lobe_position);
-            let figures = [
-                (
-                    "evenness",
-                    format!("{}, weakest over mean; {:.1} dB", percent(figures.evenness), figures.ripple_db),
-                ),
-                (
-                    "loudest elsewhere",
-                    format!("{} of the mean, at ({x}, {y}, {z}) mm", percent(figures.side_lobe)),
-                ),
-                ("strength", format!("{} of the strongest drive's mean", percent(figures.strength))),
-            ];
-            rows.splice(5..5, figures);
-        }
-        if let Some(areas) = solution.figures.as_ref().and_then(|figures| figures.areas) {
-            let what = if scene.aims_at_depression() { "the depression" } else { "|p|²" };
-            let contrast = format!("{:.1}, mean of {what} inside over that around", areas.contrast);
-            let error = format!("{} of {what} from what is drawn, squared", percent(areas.error));
-            rows.splice(5..5, [("contrast", contrast), ("error", error)]);
-        }
-        let of = |is_one: &dyn Fn(&Focus) -> bool| solution.foci.iter().filter(|focus| is_one(focus)).count();
-        let areas = of(&Focus::is_of_area);
-        let strokes = of(&|focus| !focus.is_separate()) - areas;
-        for (name, samples) in [("areas", areas), ("continuous strokes", strokes)] {
-            if samples > 0 {
-                rows.insert(1, (name, format!("{samples} samples")));
-            }
-        }
-        if let Some(heard) = &self.heard {
-            let [x, y, z] = millimetres(heard.position);
-            rows.push((
-                "listener",
-                format!(
-                    "{:.1} dB re 20 µPa ({} RMS) at ({x}, {y}, {z}) mm",
-                    heard.spl(),
-                    pascals(heard.rms())
-                ),
-            ));
-        }
-        for (name, value) in rows {
-            let is_void = quality.is_silent() && COMPARED.contains(&name);
-            let value = if is_void { format!("-, {SILENT}") } else { value };
-            say!("{name:<COLUMN$}{value}")?;
-        }
-        Ok(())
+        rows.splice(5..5, figures);
     }
-
-    fn side_lobe_row(&self) -> String {
-        match &self.side_lobe {
-            Ok(lobe) => {
-                let [x, y, z] = millimetres(lobe.position);
-                format!(
-                    "{} of the mean, the loudest beside the foci on the plane: {} at ({x}, {y}, {z}) mm",
-                    percent(lobe.part),
-                    pascals(lobe.pressure)
-                )
-            }
-            Err(why) => format!("-, {why}"),
+    if let Some(areas) = solution.figures.as_ref().and_then(|figures| figures.areas) {
+        let what = if scene.aims_at_depression() { "the depression" } else { "|p|²" };
+        let contrast = format!("{:.1}, mean of {what} inside over that around", areas.contrast);
+        let error = format!("{} of {what} from what is drawn, squared", percent(areas.error));
+        rows.splice(5..5, [("contrast", contrast), ("error", error)]);
+    }
+    let of = |is_one: &dyn Fn(&Focus) -> bool| solution.foci.iter().filter(|focus| is_one(focus)).count();
+    let areas = of(&Focus::is_of_area);
+    let strokes = of(&|focus| !focus.is_separate()) - areas;
+    for (name, samples) in [("areas", areas), ("continuous strokes", strokes)] {
+        if samples > 0 {
+            rows.insert(1, (name, format!("{samples} samples")));
         }
     }
+    if let Some(heard) = &findings.heard {
+        let [x, y, z] = millimetres(heard.position);
+        rows.push((
+            "listener",
+            format!("{:.1} dB re 20 µPa ({} RMS) at ({x}, {y}, {z}) mm", heard.spl(), pascals(heard.rms())),
+        ));
+    }
+    for (name, value) in rows {
+        let is_void = quality.is_silent() && COMPARED.contains(&name);
+        let value = if is_void { format!("-, {SILENT}") } else { value };
+        say!("{name:<COLUMN$}{value}")?;
+    }
+    Ok(())
+}
 
-    /// The object that design and other programs know.
-    fn json(&self, aperture: &Aperture) -> Value {
-        let mut value = json::solution(&self.solution, Some(&self.limits));
-        json::add_widths(&mut value, aperture, &self.solution);
-        // Named as programs have read it since before it was called a side lobe; `side_lobe` is that of drawings.
-        let lobe = self.side_lobe.as_ref().ok();
-        value["quality"]["ghost"] = json!(lobe.map(|lobe| lobe.part));
-        value["quality"]["ghost_position"] = json!(lobe.map(|lobe| lobe.position.to_array()));
-        if let Some(heard) = &self.heard {
-            value["listener"] =
-                json!({ "position": heard.position.to_array(), "rms": heard.rms(), "spl": heard.spl() });
+fn side_lobe_row(found: &Result<SideLobe, NoSideLobe>) -> String {
+    match found {
+        Ok(lobe) => {
+            let [x, y, z] = millimetres(lobe.position);
+            format!(
+                "{} of the mean, the loudest beside the foci on the plane: {} at ({x}, {y}, {z}) mm",
+                percent(lobe.part),
+                pascals(lobe.pressure)
+            )
         }
-        value
+        Err(why) => format!("-, {why}"),
     }
 }
 

@@ -3,6 +3,7 @@
 use anyhow::{Context, anyhow, bail};
 use clap::Args;
 
+use crate::cli::arguments::{between, numbers};
 use crate::cli::{RenderArgs, View, read_scene, render};
 use crate::echo;
 use crate::field::Quantity;
@@ -25,7 +26,7 @@ pub struct SpaceArgs {
     #[arg(long, value_name = "VIEW|A,E", allow_hyphen_values = true, value_parser = parse_camera)]
     camera: Option<[f64; 2]>,
     /// Level of the surface of equal RMS pressure, in dB of the peak [default: -6]
-    #[arg(long, value_name = "DB", allow_hyphen_values = true, value_parser = parse_level, conflicts_with = "projection")]
+    #[arg(long, value_name = "DB", allow_hyphen_values = true, value_parser = between(LEVELS, "dB"), conflicts_with = "projection")]
     iso: Option<f64>,
     /// The largest RMS pressure along every line of sight, instead of a surface
     #[arg(long)]
@@ -42,24 +43,13 @@ fn parse_camera(text: &str) -> Result<[f64; 2], String> {
     if let Some(standard) = Standard::ALL.into_iter().find(|standard| standard.name() == text) {
         return Ok(standard.direction());
     }
-    let numbers: Result<Vec<f64>, _> = text.split(',').map(|number| number.trim().parse()).collect();
-    match numbers.as_deref() {
-        Ok(&[azimuth, elevation]) if azimuth.abs() <= 360.0 && elevation.abs() <= 90.0 => {
-            Ok([azimuth.to_radians(), elevation.to_radians()])
-        }
-        _ => Err(
+    numbers(text)
+        .filter(|&[azimuth, elevation]: &[f64; 2]| azimuth.abs() <= 360.0 && elevation.abs() <= 90.0)
+        .map(|direction| direction.map(f64::to_radians))
+        .ok_or_else(|| {
             "give iso, top, front, side, or an azimuth from -360 to 360 and an elevation from -90 to 90 degrees: A,E"
-                .to_owned(),
-        ),
-    }
-}
-
-fn parse_level(text: &str) -> Result<f64, String> {
-    let [least, most] = LEVELS;
-    match text.trim().parse::<f64>() {
-        Ok(level) if (least..=most).contains(&level) => Ok(level),
-        _ => Err(format!("give a number of dB from {least} to {most}")),
-    }
+                .to_owned()
+        })
 }
 
 fn parse_slice(text: &str) -> Result<(usize, f64), String> {

@@ -1,6 +1,5 @@
 //! `sonoglyph probe --time`: the pressure at points in the course of time, and the lines of |p|².
 
-use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, bail};
@@ -8,7 +7,8 @@ use clap::Args;
 use glam::DVec3;
 use num_complex::Complex64;
 
-use crate::cli::progress;
+use crate::cli::arguments::{above_zero, seconds};
+use crate::cli::{progress, write_or_print};
 use crate::drive::Drive;
 use crate::scene::{Scene, motion};
 use crate::solver;
@@ -27,30 +27,18 @@ pub struct TimeArgs {
     #[arg(long)]
     pub time: bool,
     /// s of --time; by default until modulation and motion repeat themselves together
-    #[arg(long, value_name = "S", requires = "time", allow_negative_numbers = true, value_parser = parse_span)]
+    #[arg(long, value_name = "S", requires = "time", allow_negative_numbers = true, value_parser = seconds(3600.0))]
     span: Option<f64>,
     /// Instants per second of --time; by default 32 per period of the modulation and 4 per frame, at least
-    #[arg(long, value_name = "HZ", requires = "time", allow_negative_numbers = true, value_parser = parse_rate)]
+    #[arg(long, value_name = "HZ", requires = "time", allow_negative_numbers = true, value_parser = above_zero(1e6, "a frequency in Hz"))]
     rate: Option<f64>,
     /// Also write the lines of |p|²: columns x, y, z (m), frequency (Hz), square (Pa²; amplitude of the cosine, at 0 Hz the mean),
     /// phase (rad)
     #[arg(long, value_name = "FILE.csv", requires = "time")]
     pub spectrum: Option<PathBuf>,
     /// Highest frequency of --spectrum in Hz
-    #[arg(long, value_name = "HZ", default_value_t = 1000.0, requires = "spectrum", allow_negative_numbers = true, value_parser = parse_rate)]
+    #[arg(long, value_name = "HZ", default_value_t = 1000.0, requires = "spectrum", allow_negative_numbers = true, value_parser = above_zero(1e6, "a frequency in Hz"))]
     band: f64,
-}
-
-fn parse_span(text: &str) -> Result<f64, String> {
-    const LONGEST: f64 = 3600.0;
-    let span = text.parse::<f64>().ok().filter(|span| *span > 0.0 && *span <= LONGEST);
-    span.ok_or_else(|| format!("give a number of seconds above 0, {LONGEST} at most"))
-}
-
-fn parse_rate(text: &str) -> Result<f64, String> {
-    const FASTEST: f64 = 1e6;
-    let rate = text.parse::<f64>().ok().filter(|rate| *rate > 0.0 && *rate <= FASTEST);
-    rate.ok_or_else(|| format!("give a frequency in Hz above 0, {FASTEST} at most"))
 }
 
 /// The drives that are played one after the other: of all frames of a motion, or those that take turns.
@@ -93,29 +81,12 @@ pub fn write(
     }
     tell(&course, args, span);
     let frames: Vec<Vec<Complex64>> = drives.iter().map(pressure).collect::<Result<_, _>>()?;
-    let (mut table, mut spectrum) =
-        (String::from("x,y,z,time,re,im,square\n"), String::from("x,y,z,frequency,square,phase\n"));
-    for (index, point) in points.iter().enumerate() {
-        let of_frames: Vec<_> = frames.iter().map(|frame| frame[index]).collect();
-        let [x, y, z] = point.to_array();
-        for time in (0..instants as usize).map(|instant| instant as f64 / rate) {
-            let p = course.pressure(&of_frames, time);
-            let _ = writeln!(table, "{x:?},{y:?},{z:?},{time:?},{:?},{:?},{:?}", p.re, p.im, p.norm_sqr());
-        }
-        if args.spectrum.is_some() {
-            for line in course.spectrum(&of_frames, args.band).map_err(anyhow::Error::msg)? {
-                let (frequency, square, phase) = (line.frequency, line.amplitude, line.phase);
-                let _ = writeln!(spectrum, "{x:?},{y:?},{z:?},{frequency:?},{square:?},{phase:?}");
-            }
-        }
-    }
+    let band = args.spectrum.as_ref().map(|_| args.band);
+    let [table, spectrum] = course.tables(points, &frames, (instants as usize, rate), band)?;
     if let Some(path) = &args.spectrum {
         output::write(path, spectrum.as_bytes())?;
     }
-    match to {
-        Some(path) => output::write(path, table.as_bytes()),
-        None => output::print(format_args!("{table}")),
-    }
+    write_or_print(to, &table)
 }
 
 /// Says what is seen of the course.

@@ -6,6 +6,7 @@ use anyhow::bail;
 use clap::Args;
 use glam::{DVec3, UVec3};
 
+use crate::cli::arguments::numbers;
 use crate::cli::{RenderArgs, View, read_scene, render};
 use crate::field::Stages;
 use crate::field::volume::{Block, MOST_POINTS_ALONG};
@@ -32,18 +33,14 @@ pub struct VolumeArgs {
 }
 
 fn parse_counts(text: &str) -> Result<UVec3, String> {
-    let counts: Result<Vec<u32>, _> = text.split(',').map(|count| count.trim().parse()).collect();
-    match counts.as_deref() {
-        Ok(&[x, y, z]) if [x, y, z].iter().all(|count| (1..=MOST_POINTS_ALONG).contains(count)) => {
-            Ok(UVec3::new(x, y, z))
-        }
-        _ => Err(format!("give three numbers of points, each from 1 to {MOST_POINTS_ALONG}: NX,NY,NZ")),
-    }
+    numbers(text)
+        .filter(|counts: &[u32; 3]| counts.iter().all(|count| (1..=MOST_POINTS_ALONG).contains(count)))
+        .map(UVec3::from_array)
+        .ok_or_else(|| format!("give three numbers of points, each from 1 to {MOST_POINTS_ALONG}: NX,NY,NZ"))
 }
 
 fn parse_block(text: &str) -> Result<Block, String> {
-    let numbers: Result<Vec<f64>, _> = text.split(',').map(|number| number.trim().parse()).collect();
-    let Some(&[sx, sy, sz, x, y, z]) = numbers.as_deref().ok() else {
+    let Some([sx, sy, sz, x, y, z]) = numbers(text) else {
         return Err("give six numbers in metres, size and centre: SX,SY,SZ,CX,CY,CZ".to_owned());
     };
     let [least, most] = SIDES;

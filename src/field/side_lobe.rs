@@ -23,6 +23,7 @@
 use std::f64::consts::SQRT_2;
 
 use glam::{DVec2, DVec3};
+use num_complex::Complex64;
 use rayon::prelude::*;
 
 use crate::acoustics::{Aperture, Face, Pose};
@@ -107,7 +108,7 @@ pub fn loudest(
     };
     let pressures = |places: &[DVec2]| {
         let points: Vec<_> = places.iter().map(|&place| at(place)).collect();
-        let of_run = |points: &[DVec3]| aperture.transfer(points).moduli(&played);
+        let of_run = |points| aperture.pressures(points, &played).into_iter().map(Complex64::norm);
         points.par_chunks(RUN).flat_map_iter(of_run).collect()
     };
     let samples = sampled(stages, aperture, plane, drives)?;

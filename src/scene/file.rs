@@ -183,6 +183,9 @@ impl SceneTable {
 }
 
 #[cfg(test)]
+mod documented;
+
+#[cfg(test)]
 mod tests {
     use super::*;
     use crate::scene::{Area, Sampling, Zone};

@@ -5,24 +5,28 @@ use crate::field::{Evaluator, FieldError, Stages};
 use crate::field::{GpuError, gpu::adapter};
 use crate::studio::output::note;
 
-/// The choice of the field evaluator.
+/// The choice of the field evaluator; names and help of the command line.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
 pub enum Backend {
-    /// A hardware GPU if available, otherwise the CPU.
+    /// Maps: a hardware GPU if there is one, otherwise the CPU; points: the f64 reference
     Auto,
     Gpu,
     Cpu,
-    /// f64 and slow.
+    /// f64 and slow
     Reference,
 }
 
 /// The renderer of the window.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
 pub enum Renderer {
-    /// wgpu with a hardware GPU, otherwise OpenGL.
+    /// wgpu with a hardware GPU, otherwise OpenGL
     #[default]
     Auto,
+    /// The device that computes the field draws the window too
     Wgpu,
+    /// OpenGL; the CPU computes the field
     Glow,
 }
 

@@ -1,7 +1,10 @@
 //! Simulated flights of a scene's bead: released in its traps, or carried along its motion.
 
+use std::fmt::Write;
+
 use anyhow::{anyhow, bail};
 use glam::DVec3;
+use serde_json::{Value, json};
 
 use crate::acoustics::{Air, Aperture, viscosity};
 use crate::force::{Carriage, Drag, Flight, Levitation};
@@ -15,6 +18,8 @@ const ROUNDS: f64 = 2.0;
 /// Limit of speed factors tried, and bisection steps of that range.
 const FASTEST: f64 = 1024.0;
 const HALVINGS: usize = 6;
+/// Moments of a table, at most.
+const MOST_MOMENTS: usize = 2_000_000;
 
 /// The fields of a scene in sequence, with the position of one of its targets in each.
 #[derive(Debug)]
@@ -112,4 +117,76 @@ fn place(foci: &[Focus], target: Option<usize>) -> Option<DVec3> {
     let own: Vec<_> =
         foci.iter().filter(|focus| of(focus) == Some(index)).map(|focus| focus.position).collect();
     (!own.is_empty()).then(|| own.iter().sum::<DVec3>() / own.len() as f64)
+}
+
+/// A flight from a place, in words.
+pub fn words(scene: &Scene, flight: &Flight, from: DVec3) -> String {
+    let mm = |place: DVec3| {
+        let [x, y, z] = place.to_array().map(|length| format!("{:.2}", length * 1e3));
+        format!("({x}, {y}, {z}) mm")
+    };
+    let bead = &scene.bead;
+    let mut text = format!("{:<14}  {}, radius {:.3} mm\n", "bead", bead.material.title(), bead.radius * 1e3);
+    let _ = writeln!(text, "{:<14}  {}, at rest", "released", mm(from));
+    let Some(last) = flight.moments.last() else { return text };
+    let end = if flight.is_lost {
+        format!("lost after {:.4} s at {}", last.time, mm(last.at))
+    } else {
+        format!(
+            "stays: after {:.4} s at {}, never more than {:.2} mm from its place",
+            last.time,
+            mm(last.at),
+            flight.farthest * 1e3
+        )
+    };
+    let _ = write!(text, "{:<14}  {end}", "flight");
+    text
+}
+
+/// What [`Course::fastest`] found, in words; `round`: rounds per second as the scene has them.
+pub fn limit(fastest: Option<[f64; 2]>, round: f64) -> String {
+    match fastest {
+        None => "the bead is lost at any speed that was tried".to_owned(),
+        Some([stays, lost]) if lost.is_infinite() => {
+            format!("the bead stays at {stays:.0} times the speed: {:.1} rounds per second", stays * round)
+        }
+        Some([stays, lost]) => format!(
+            "the bead stays up to {stays:.3} times the speed ({:.3} rounds per second), and is lost at {lost:.3}",
+            stays * round
+        ),
+    }
+}
+
+/// A flight for programs, and what [`Course::fastest`] found if it was asked for.
+pub fn answer(flight: &Flight, from: DVec3, fastest: Option<Option<[f64; 2]>>) -> Value {
+    let last = flight.moments.last();
+    let mut value = json!({
+        "released": from.to_array(),
+        "stays": !flight.is_lost,
+        "seconds": last.map(|last| last.time),
+        "at": last.map(|last| last.at.to_array()),
+        "farthest": flight.farthest,
+    });
+    if let Some(fastest) = fastest {
+        let finite = |value: f64| value.is_finite().then_some(value);
+        value["fastest"] = json!({
+            "stays": fastest.map(|[stays, _]| stays),
+            "lost": fastest.and_then(|[_, lost]| finite(lost)),
+        });
+    }
+    value
+}
+
+/// Every moment as CSV, or as many of them as fit.
+pub fn table(flight: &Flight) -> String {
+    let mut text = "time,x,y,z,vx,vy,vz,wanted_x,wanted_y,wanted_z\n".to_owned();
+    let apart = flight.moments.len().div_ceil(MOST_MOMENTS).max(1);
+    for moment in flight.moments.iter().step_by(apart) {
+        let _ = write!(text, "{}", moment.time);
+        for value in [moment.at, moment.velocity, moment.wanted].iter().flat_map(|vector| vector.to_array()) {
+            let _ = write!(text, ",{value}");
+        }
+        text.push('\n');
+    }
+    text
 }

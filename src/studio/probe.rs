@@ -30,19 +30,17 @@ pub struct Reading {
 }
 
 /// The sound of drives in turn at points in front of the array.
-///
-/// # Panics
-/// No drive.
 pub fn readings(aperture: &Aperture, drives: &[Drive], points: &[DVec3]) -> Vec<Reading> {
-    /// Points processed together, so that their transfers stay in the cache.
-    const RUN: usize = 64;
+    let pressures = pressures(aperture, drives, points);
+    points.iter().zip(pressures).map(|(&position, pressure)| Reading { position, pressure }).collect()
+}
+
+/// The pressures of [`readings`].
+pub fn pressures(aperture: &Aperture, drives: &[Drive], points: &[DVec3]) -> Vec<Complex64> {
+    /// Points per task of a thread.
+    const RUN: usize = 128;
     let played: Vec<_> = drives.iter().flat_map(|drive| drive.excitation(&aperture.driven)).collect();
-    let read = |points: &[DVec3]| {
-        let pressures = aperture.transfer(points).in_turn(&played);
-        let at = |(&position, pressure)| Reading { position, pressure };
-        points.iter().zip(pressures).map(at).collect::<Vec<_>>()
-    };
-    points.par_chunks(RUN).flat_map_iter(read).collect()
+    points.par_chunks(RUN).flat_map_iter(|points| aperture.pressures(points, &played)).collect()
 }
 
 /// The same at one point.
@@ -75,6 +73,49 @@ pub fn values(
     let excitations: Vec<_> = drives.iter().map(|drive| drive.excitation(&aperture.driven)).collect();
     let means = around.means(&transfer, &excitations, (quantity, &constants));
     means.into_iter().map(|mean| quantity.exact_value(mean)).collect()
+}
+
+/// As loud as the mean square of all, with the phase of the first.
+pub fn mean(drives: &[Vec<Complex64>]) -> Vec<Complex64> {
+    if let [one] = drives {
+        return one.clone();
+    }
+    let modulus = |index: usize| {
+        let squares = drives.iter().map(|pressures| pressures[index].norm_sqr()).sum::<f64>();
+        (squares / drives.len() as f64).sqrt()
+    };
+    let first = drives.iter().take(1).flatten().enumerate();
+    first.map(|(index, p)| Complex64::from_polar(modulus(index), p.arg())).collect()
+}
+
+/// A row per point: where it is, and its pressure.
+pub fn pressures_csv(points: &[DVec3], pressures: &[Complex64]) -> String {
+    let of = |(&position, &pressure): (&DVec3, &Complex64)| {
+        let rms = Reading { position, pressure }.rms();
+        row(position.to_array().into_iter().chain([pressure.re, pressure.im, rms]))
+    };
+    "x,y,z,re,im,rms\n".to_owned() + &points.iter().zip(pressures).map(of).collect::<String>()
+}
+
+/// A row per point: where it is, the potential (J), the force (N) and the symmetric part of the stiffness (N/m).
+pub fn forces_csv(levitation: &Levitation, points: &[DVec3]) -> String {
+    let rows = points.par_iter().map(|&point| {
+        let forces = levitation.forces(point);
+        let k = forces.symmetric();
+        let stiffness = [k.x_axis.x, k.x_axis.y, k.x_axis.z, k.y_axis.y, k.y_axis.z, k.z_axis.z];
+        row(point
+            .to_array()
+            .into_iter()
+            .chain([forces.gorkov])
+            .chain(forces.force.to_array())
+            .chain(stiffness))
+    });
+    "x,y,z,gorkov,fx,fy,fz,kxx,kxy,kxz,kyy,kyz,kzz\n".to_owned() + &rows.collect::<String>()
+}
+
+/// A line of CSV, to the last digit.
+fn row(values: impl Iterator<Item = f64>) -> String {
+    values.map(|value| format!("{value:?}")).collect::<Vec<_>>().join(",") + "\n"
 }
 
 impl Reading {

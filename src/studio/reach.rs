@@ -193,7 +193,7 @@ fn grating_lobe(aperture: &Aperture, at: DVec3) -> Option<f64> {
         .row(0)
         .map(|wave| wave.conj() / wave.norm().max(f64::MIN_POSITIVE))
         .collect();
-    let lobes = aperture.transfer(&places).pressure(&steered);
+    let lobes = aperture.pressures(&places, &steered);
     let loudest = lobes.iter().map(|pressure| pressure.norm()).fold(0.0, f64::max);
     (loudest > 0.0).then(|| loudest / single_focus(aperture, at))
 }

@@ -4,7 +4,9 @@
 //! the lines of the product are those of an endless sound: no window, and no leakage between lines.
 
 use std::f64::consts::PI;
+use std::fmt::Write;
 
+use glam::DVec3;
 use num_complex::Complex64;
 use rustfft::FftPlanner;
 
@@ -108,8 +110,38 @@ impl Course {
         of_frames[self.frame(time)] * self.modulation.envelope(time)
     }
 
-    /// The lines of |p|² (Pa², p the complex peak pressure) up to a frequency (Hz), at a point with these pressures
-    /// of all frames; lines weaker than 1e-9 of the mean are left out.
+    /// CSV of so many instants, so many per second, at points, and of the lines of |p|² up to a frequency (Hz) if they are wanted.
+    /// `frames`: of every frame the pressures at these points.
+    ///
+    /// # Errors
+    /// More lines than can be told apart.
+    pub fn tables(
+        &self,
+        points: &[DVec3],
+        frames: &[Vec<Complex64>],
+        (instants, rate): (usize, f64),
+        band: Option<f64>,
+    ) -> anyhow::Result<[String; 2]> {
+        let (mut table, mut spectrum) =
+            (String::from("x,y,z,time,re,im,square\n"), String::from("x,y,z,frequency,square,phase\n"));
+        for (index, point) in points.iter().enumerate() {
+            let of_frames: Vec<_> = frames.iter().map(|frame| frame[index]).collect();
+            let [x, y, z] = point.to_array();
+            for time in (0..instants).map(|instant| instant as f64 / rate) {
+                let p = self.pressure(&of_frames, time);
+                let _ =
+                    writeln!(table, "{x:?},{y:?},{z:?},{time:?},{:?},{:?},{:?}", p.re, p.im, p.norm_sqr());
+            }
+            let lines = band.map_or(Ok(Vec::new()), |band| self.spectrum(&of_frames, band));
+            for Line { frequency, amplitude, phase } in lines.map_err(anyhow::Error::msg)? {
+                let _ = writeln!(spectrum, "{x:?},{y:?},{z:?},{frequency:?},{amplitude:?},{phase:?}");
+            }
+        }
+        Ok([table, spectrum])
+    }
+
+    /// The lines of |p|² (Pa², p the complex peak pressure) up to a frequency (Hz), at a point at which these are the pressures of
+    /// all frames; lines weaker than 1e-9 of the mean are left out.
     ///
     /// # Errors
     /// Too many lines.

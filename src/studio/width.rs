@@ -102,7 +102,7 @@ impl<'a> Field<'a> {
 
     /// |p| (Pa, peak).
     fn pressures(&self, points: &[DVec3]) -> Vec<f64> {
-        self.aperture.transfer(points).moduli(&self.played)
+        self.aperture.pressures(points, &self.played).into_iter().map(Complex64::norm).collect()
     }
 
     /// Ascends in steps along the axes, halved when no neighbour is louder.

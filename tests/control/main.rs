@@ -7,7 +7,7 @@
 mod board;
 mod doors;
 mod flood;
-#[path = "../fuzz/mutation.rs"]
+#[path = "../scenes/fuzz/mutation.rs"]
 #[expect(dead_code, reason = "the fuzz targets have a dictionary")]
 mod mutation;
 mod words;

@@ -3,7 +3,11 @@
 #![expect(clippy::unwrap_used, reason = "a test's helper may panic")]
 
 mod field;
+mod gateware;
+mod native;
 mod published;
+#[path = "../requirement/mod.rs"]
+mod requirement;
 
 use std::f64::consts::{PI, TAU};
 

@@ -4,13 +4,16 @@
 #![cfg(target_os = "linux")]
 #![expect(clippy::unwrap_used, reason = "a test's helper may panic")]
 
+#[path = "../dice/mod.rs"]
+#[expect(dead_code, reason = "other tests throw more")]
+mod dice;
 mod disk;
 mod gpu;
+mod hostile;
 #[cfg(feature = "serial")]
 mod line;
 mod memory;
 mod place;
-#[path = "../program/mod.rs"]
 mod program;
 #[path = "../requirement/mod.rs"]
 mod requirement;

@@ -4,7 +4,7 @@ use std::fs;
 use std::os::unix::process::ExitStatusExt;
 use std::path::Path;
 use std::process::Stdio;
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
 use crate::{Running, folder, listing, program, succeed};
 
@@ -88,10 +88,10 @@ fn a_batch_ends_when_nobody_reads_its_answers_or_a_signal_comes() {
     let out = folder.path().join("out");
     crate::eventually("the first answer", || out.exists() && listing(&out).len() > 3);
     batch.signal("TERM");
-    let begun = Instant::now();
     assert!(!batch.ended().success());
-    assert!(begun.elapsed() < Duration::from_secs(30));
-    for name in listing(&out) {
+    let written = listing(&out);
+    assert!(written.len() < 20_000, "it went on to the last line");
+    for name in written {
         let bytes = fs::read(out.join(&name)).unwrap();
         assert_eq!(
             npyz::NpyFile::new(&bytes[..]).unwrap().into_vec::<f32>().unwrap().len(),

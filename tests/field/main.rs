@@ -5,20 +5,24 @@
 
 mod caustic;
 mod depression;
-#[path = "../scenes/dice.rs"]
+#[path = "../dice/mod.rs"]
 mod dice;
 mod drag;
 mod evaluators;
 mod force;
+mod growth;
 mod model;
 mod plan;
 mod quantities;
+mod reference;
 #[path = "../requirement/mod.rs"]
 mod requirement;
 mod side_lobe;
 mod space;
 mod stages;
+mod surface;
 mod texels;
+mod time_course;
 mod transfer;
 mod truth;
 mod tunings;

@@ -3,7 +3,10 @@
 #![cfg(all(unix, feature = "serial"))]
 #![expect(clippy::unwrap_used, reason = "a test's helper may panic")]
 
+mod commands;
 mod motions;
+#[path = "../requirement/mod.rs"]
+mod requirement;
 
 use std::sync::mpsc::{Receiver, sync_channel};
 use std::time::{Duration, Instant};
@@ -19,7 +22,7 @@ use sonoglyph::device::stock;
 use sonoglyph::device::task::finish;
 
 /// Nothing here waits for longer, however slow the machine is.
-const PATIENCE: Duration = Duration::from_secs(20);
+const PATIENCE: Duration = Duration::from_secs(60);
 
 /// A frame that says of itself which it is, in every element: a torn one would hold two numbers.
 fn numbered(profile: Profile, number: u16) -> Levels {

@@ -10,13 +10,25 @@ mod ports;
 mod send;
 pub mod serve;
 
+#[cfg(feature = "serial")]
+use std::path::Path;
 use std::path::PathBuf;
 
+#[cfg(feature = "serial")]
+use anyhow::Context;
 use clap::Args;
 
-use crate::cli::parse_method;
+use crate::cli::arguments::seconds;
+#[cfg(all(unix, feature = "serial"))]
+pub use crate::cli::boards::board::run as board;
+#[cfg(feature = "serial")]
+pub use crate::cli::boards::{check::run as check, ports::run as ports, send::run as send};
+#[cfg(not(feature = "serial"))]
+pub use crate::cli::boards::{without_ports as check, without_ports as send};
 #[cfg(all(unix, feature = "serial"))]
 use crate::device::board::faults::Faults;
+#[cfg(feature = "serial")]
+use crate::device::calibration::Calibration;
 use crate::device::profile::Profile;
 use crate::scene::Method;
 
@@ -34,13 +46,13 @@ pub struct SendArgs {
     #[arg(long, value_parser = clap::value_parser!(u32).range(1200..=12_000_000))]
     baud: Option<u32>,
     /// Solver method, instead of the scene's
-    #[arg(long, value_parser = parse_method)]
+    #[arg(long, value_enum)]
     method: Option<Method>,
     /// Go on until Ctrl-C
     #[arg(long = "loop")]
     repeat: bool,
     /// Go on for so long
-    #[arg(long, value_name = "S", value_parser = parse_seconds)]
+    #[arg(long, value_name = "S", value_parser = seconds(1e9))]
     seconds: Option<f64>,
     /// CSV with the columns element, offset (degrees), gain (0 to 1), off (0 or 1), a row for every element
     #[arg(long, value_name = "FILE.csv")]
@@ -93,7 +105,7 @@ pub struct BoardArgs {
     #[arg(long, value_name = "LIST", value_parser = parse_faults)]
     faults: Option<Faults>,
     /// End after so long
-    #[arg(long, value_name = "S", value_parser = parse_seconds)]
+    #[arg(long, value_name = "S", value_parser = seconds(1e9))]
     seconds: Option<f64>,
     /// Write the field that was played last as PNG
     #[arg(short, long, value_name = "FIELD.png")]
@@ -106,12 +118,6 @@ pub struct BoardArgs {
 fn parse_profile(name: &str) -> Result<Profile, String> {
     let names = || Profile::choices().map(Profile::name).collect::<Vec<_>>().join(", ");
     Profile::of_name(name).ok_or_else(|| format!("the boards are {}", names()))
-}
-
-fn parse_seconds(text: &str) -> Result<f64, String> {
-    const LONGEST: f64 = 1e9;
-    let seconds = text.parse::<f64>().ok().filter(|seconds| *seconds > 0.0 && *seconds <= LONGEST);
-    seconds.ok_or_else(|| "give a number of seconds above 0".to_owned())
 }
 
 #[cfg(all(unix, feature = "serial"))]
@@ -128,39 +134,22 @@ fn parse_faults(text: &str) -> Result<Faults, String> {
     Ok(text.to_owned())
 }
 
+/// What is known of a board's elements.
 #[cfg(feature = "serial")]
-pub fn send(args: &SendArgs) -> anyhow::Result<()> {
-    send::run(args)
-}
-
-#[cfg(feature = "serial")]
-pub fn check(args: &CheckArgs) -> anyhow::Result<()> {
-    check::run(args)
-}
-
-#[cfg(feature = "serial")]
-pub fn ports() -> anyhow::Result<()> {
-    ports::run()
-}
-
-#[cfg(all(unix, feature = "serial"))]
-pub fn board(args: &BoardArgs) -> anyhow::Result<()> {
-    board::run(args)
-}
-
-#[cfg(not(feature = "serial"))]
-pub fn send(_: &SendArgs) -> anyhow::Result<()> {
-    ports()
-}
-
-#[cfg(not(feature = "serial"))]
-pub fn check(_: &CheckArgs) -> anyhow::Result<()> {
-    ports()
+fn calibration(path: Option<&Path>, profile: Profile) -> anyhow::Result<Calibration> {
+    let Some(path) = path else { return Ok(Calibration::default()) };
+    Calibration::read(path, profile.elements()).with_context(|| path.display().to_string())
 }
 
 #[cfg(not(feature = "serial"))]
 pub fn ports() -> anyhow::Result<()> {
     anyhow::bail!("this program was built without serial links; `cargo build --features serial` has them")
+}
+
+/// What is done with a port where there are none.
+#[cfg(not(feature = "serial"))]
+pub fn without_ports<T>(_: &T) -> anyhow::Result<()> {
+    ports()
 }
 
 #[cfg(not(all(unix, feature = "serial")))]

@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 
 use anyhow::{Context, bail};
 
-use crate::cli::boards::SendArgs;
+use crate::cli::boards::{SendArgs, calibration};
 use crate::cli::{interrupt, progress, read_scene};
 use crate::device::calibration::Calibration;
 use crate::device::envelope;
@@ -40,7 +40,7 @@ pub fn run(args: &SendArgs) -> anyhow::Result<()> {
     if let Err(error) = envelope::playable(args.profile, &scene.modulation) {
         bail!("{name}: {error}");
     }
-    let calibration = calibration(args)?;
+    let calibration = calibration(args.calibration.as_deref(), args.profile)?;
     let interrupted = interrupt::watch()?;
     let settings = Settings { port: args.port.clone(), profile: args.profile, baud: args.baud };
     note(&args.profile.bandwidth(settings.baud()));
@@ -141,11 +141,6 @@ fn part(scene: &Scene, board: Option<usize>) -> anyhow::Result<Range<usize>> {
         Some(number) if (1..=boards).contains(&number) => Ok(each * (number - 1)..each * number),
         Some(number) => bail!("--board {number}: the scene has {boards}, counted from 1"),
     }
-}
-
-fn calibration(args: &SendArgs) -> anyhow::Result<Calibration> {
-    let Some(path) = &args.calibration else { return Ok(Calibration::default()) };
-    Calibration::read(path, args.profile.elements()).with_context(|| path.display().to_string())
 }
 
 /// The scene is made for what the board plays.

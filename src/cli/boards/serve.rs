@@ -108,18 +108,13 @@ fn settings(args: &ServeArgs) -> Settings {
 fn board(args: &ServeArgs, scene: &Scene, interrupted: &Interrupted) -> anyhow::Result<Option<Board>> {
     use anyhow::Context;
 
-    use crate::device::calibration::Calibration;
+    use crate::cli::boards::calibration;
     use crate::device::link;
 
     let (Some(port), Some(profile)) = (args.port.clone(), args.profile) else { return Ok(None) };
     let name = args.scene.as_ref().map_or_else(|| "the scene".to_owned(), |path| path.display().to_string());
     profile.drives(scene).context(name)?;
-    let calibration = match &args.calibration {
-        Some(path) => {
-            Calibration::read(path, profile.elements()).with_context(|| path.display().to_string())?
-        }
-        None => Calibration::default(),
-    };
+    let calibration = calibration(args.calibration.as_deref(), profile)?;
     let settings = link::Settings { port, profile, baud: args.baud };
     Board::open(settings, calibration, || interrupted.is_set())
 }

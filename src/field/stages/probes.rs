@@ -21,6 +21,8 @@ const FAINTEST: f64 = 1e-18;
 const FAINT: f64 = 0.01;
 /// The largest error of all pixels is less than this times the largest of the probes.
 pub(super) const MARGIN: f64 = 3.0;
+/// Sums in f32 are off by this part of the peak where the map is loudest, which may lie between the probes.
+const ROUNDING: f64 = 4.0 * f32::EPSILON as f64;
 
 /// Pixels, or cells of a liquid, with their f64 transfer from every element.
 #[derive(Debug)]
@@ -94,7 +96,7 @@ impl Probes {
         match peak {
             0.0 if off < FAINTEST => 0.0,
             0.0 => f64::INFINITY,
-            peak => MARGIN * off / f64::from(peak),
+            peak => (MARGIN * off / f64::from(peak)).max(ROUNDING),
         }
     }
 

@@ -14,9 +14,6 @@ use crate::solver::shape::real::Waves;
 use crate::solver::shape::region::{self, Area};
 use crate::solver::shape::{Surroundings, strongest, wanted};
 
-/// Points with transfers computed at once.
-const CHUNK: usize = 256;
-
 /// Figures of a drive, independent of its scale.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Figures {
@@ -121,7 +118,7 @@ fn mean(values: &[f64]) -> f64 {
 
 /// |p| (Pa) at points.
 fn moduli(aperture: &Aperture, points: &[DVec3], u: &[Complex64]) -> Vec<f64> {
-    points.chunks(CHUNK).flat_map(|chunk| aperture.transfer(chunk).moduli(u)).collect()
+    aperture.pressures(points, u).into_iter().map(Complex64::norm).collect()
 }
 
 /// Points between neighbouring samples of a stroke, with target values.

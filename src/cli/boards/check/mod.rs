@@ -5,10 +5,10 @@ mod answers;
 use std::path::Path;
 use std::time::{Duration, Instant};
 
-use anyhow::{Context, bail};
+use anyhow::bail;
 
-use crate::cli::boards::CheckArgs;
 use crate::cli::boards::check::answers::{Answer, Answers};
+use crate::cli::boards::{CheckArgs, calibration};
 use crate::cli::interrupt::{self, Interrupted};
 use crate::device::calibration::Calibration;
 use crate::device::health::{Found, Health, State};
@@ -39,18 +39,13 @@ pub fn run(args: &CheckArgs) -> anyhow::Result<()> {
         files.writes(path)?;
     }
     let elements = args.profile.elements();
-    let calibration = match &args.calibration {
-        Some(path) if path.exists() => {
-            Calibration::read(path, elements).with_context(|| path.display().to_string())?
-        }
-        Some(_) | None => Calibration::default(),
-    };
+    let known = args.calibration.as_deref().filter(|path| path.exists());
     let mut check = Check {
         report: Report::default(),
         answers: Answers::new(args.listen),
         interrupted: interrupt::watch()?,
         profile: args.profile,
-        calibration,
+        calibration: calibration(known, args.profile)?,
     };
     let baud = check.line(args)?;
     check.board(args, baud)?;

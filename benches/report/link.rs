@@ -1,0 +1,202 @@
+//! What a link carries to virtual boards, which take bytes no faster than their bit rate.
+
+use std::collections::HashSet;
+use std::sync::mpsc::{Receiver, sync_channel};
+use std::time::{Duration, Instant};
+
+use anyhow::{Context, bail};
+use serde_json::{Value, json};
+
+use sonoglyph::bench::Report;
+use sonoglyph::device::board::{Board, Setup, Shown};
+use sonoglyph::device::levels::{Level, Levels};
+use sonoglyph::device::link::{Content, Event, Link, Settings};
+use sonoglyph::device::profile::Profile;
+use sonoglyph::scene::{Envelope, Modulation};
+
+/// Frames that differ in every element.
+const FRAMES: u16 = 200;
+/// Faster than any line.
+const FASTEST: f64 = 20_000.0;
+/// As often as a screen shows a new frame while something is dragged.
+const DRAG: Duration = Duration::from_micros(16_667);
+/// Shown frames that are kept until they are looked at.
+const KEPT: usize = 1 << 20;
+
+pub fn run(quick: bool) -> anyhow::Result<Report> {
+    let lasts = Duration::from_secs(if quick { 3 } else { 30 });
+    let mut rows = Rows::default();
+    for (profile, baud) in
+        [(Profile::Native, 3_000_000), (Profile::Native, 2_000_000), (Profile::SonicSurface, 230_400)]
+    {
+        rows.carried(profile, baud, lasts)?;
+    }
+    for (profile, baud) in [(Profile::Native, 2_000_000), (Profile::SonicSurface, 230_400)] {
+        rows.delay(profile, baud, lasts / 6)?;
+    }
+    rows.modulation(Profile::SonicSurface, 200.0, lasts / 6)?;
+    Ok(Report {
+        header: vec!["board", "baud", "measured", "value", "of what is possible"],
+        rows: rows.cells,
+        notes: vec![
+            "Virtual boards on pseudo-terminals, which take bytes no faster than their bit rate; what is possible is what the \
+             line carries."
+                .to_owned(),
+        ],
+        records: rows.records,
+        charts: Vec::new(),
+    })
+}
+
+/// A virtual board, and a link that has found it.
+struct Pair {
+    link: Link,
+    _board: Board,
+    shown: Receiver<Shown>,
+}
+
+impl Pair {
+    fn new(profile: Profile, baud: u32) -> anyhow::Result<Self> {
+        let (sender, shown) = sync_channel(KEPT);
+        // What does not fit would be seen as lost.
+        let watch = move |frame: &Shown| drop(sender.try_send(frame.clone()));
+        let board = Board::start(Setup::new(profile), Box::new(watch))?;
+        let settings = Settings { port: board.path().to_owned(), profile, baud: Some(baud) };
+        let link = Link::open(settings, Box::new(|| {}))?;
+        match link.event_within(Duration::from_secs(10)) {
+            Some(Event::Ready(_)) => Ok(Self { link, _board: board, shown }),
+            other => bail!("the virtual board was not found: {other:?}"),
+        }
+    }
+
+    fn next(&self) -> anyhow::Result<Shown> {
+        self.shown.recv_timeout(Duration::from_secs(10)).context("the virtual board shows nothing")
+    }
+}
+
+/// Elements that differ from their neighbours, and frames from each other.
+fn frame(profile: Profile, number: u16) -> Levels {
+    let Some(full) = profile.level(1.0, 0.0) else { return Levels::off(profile) };
+    let level = |n: usize| {
+        let mixed = (n as u32).wrapping_mul(2_654_435_769).wrapping_add(u32::from(number) * 40_503) >> 16;
+        Level { delay: (mixed % u32::from(profile.levels())) as u16, amplitude: full.amplitude }
+    };
+    Levels { profile, elements: (0..profile.elements()).map(|n| Some(level(n))).collect() }
+}
+
+#[derive(Default)]
+struct Rows {
+    cells: Vec<Vec<String>>,
+    records: Vec<Value>,
+}
+
+impl Rows {
+    fn add(&mut self, profile: Profile, baud: u32, measured: &str, value: String, part: String) {
+        self.cells.push(vec![profile.name().to_owned(), baud.to_string(), measured.to_owned(), value, part]);
+    }
+
+    /// Frames per second, and whether each is one of those that were sent.
+    fn carried(&mut self, profile: Profile, baud: u32, lasts: Duration) -> anyhow::Result<()> {
+        let pair = Pair::new(profile, baud)?;
+        let frames: Vec<_> = (0..FRAMES).map(|n| frame(profile, n)).collect();
+        let mut sent: HashSet<_> = frames.iter().cloned().collect();
+        // A link that is lost begins with silence when it is back.
+        sent.insert(Levels::off(profile));
+        pair.link.show(Content::Motion { frames, rate: FASTEST });
+        // The first ones wait for the line to be idle.
+        for _ in 0..10 {
+            pair.next()?;
+        }
+        let begun = pair.next()?.at;
+        let (mut count, mut torn, mut last) = (0u32, 0u32, begun);
+        while last < begun + lasts {
+            let shown = pair.next()?;
+            count += 1;
+            torn += u32::from(!sent.contains(&shown.levels));
+            last = shown.at;
+        }
+        let rate = f64::from(count) / (last - begun).as_secs_f64();
+        let possible = profile.frames_per_second(baud);
+        let health = pair.link.health();
+        let (refused, lost) = (health.refused, health.found - 1);
+        let part = format!(
+            "{:.1} % of {possible:.0}; {torn} of {count} torn, {refused} refused, lost {lost} times",
+            100.0 * rate / possible
+        );
+        self.add(profile, baud, "frames/s", format!("{rate:.1}"), part);
+        self.records.push(json!({
+            "board": profile.name(), "baud": baud, "measured": "frames/s", "frames_per_second": rate, "possible": possible,
+            "part": rate / possible, "frames": count, "torn": torn, "refused": refused, "lost": lost, "seconds": lasts.as_secs_f64(),
+        }));
+        Ok(())
+    }
+
+    /// From a new frame to its last byte on the line, a new one for every frame of a screen.
+    fn delay(&mut self, profile: Profile, baud: u32, lasts: Duration) -> anyhow::Result<()> {
+        let pair = Pair::new(profile, baud)?;
+        let begun = Instant::now();
+        let mut delays = Vec::new();
+        let mut number = 0;
+        while begun.elapsed() < lasts {
+            let levels = frame(profile, number);
+            number = (number + 1) % FRAMES;
+            let asked = Instant::now();
+            pair.link.show(Content::Still(levels.clone()));
+            let shown = loop {
+                let shown = pair.next()?;
+                if shown.levels == levels {
+                    break shown;
+                }
+            };
+            delays.push(shown.at.saturating_duration_since(asked).as_secs_f64() * 1e3);
+            std::thread::sleep((asked + DRAG).saturating_duration_since(Instant::now()));
+        }
+        delays.sort_by(f64::total_cmp);
+        let at = |part: usize| delays[(delays.len() * part / 100).min(delays.len() - 1)];
+        let frame = 1e3 / profile.frames_per_second(baud);
+        let value = format!("{:.2} ms, 95 % within {:.2} ms", at(50), at(95));
+        self.add(profile, baud, "new frame to last byte", value, format!("a frame takes {frame:.2} ms"));
+        self.records.push(json!({
+            "board": profile.name(), "baud": baud, "measured": "delay", "delay_median_ms": at(50), "delay_95_ms": at(95),
+            "frame_ms": frame,
+        }));
+        Ok(())
+    }
+
+    /// Half periods between the swaps that a board sees.
+    fn modulation(&mut self, profile: Profile, frequency: f64, lasts: Duration) -> anyhow::Result<()> {
+        let baud = profile.baud();
+        let pair = Pair::new(profile, baud)?;
+        pair.link.modulate(Modulation { shape: Envelope::Square, frequency, ..Modulation::default() });
+        pair.link.show(Content::Still(frame(profile, 1)));
+        // Loading both buffers comes first.
+        for _ in 0..10 {
+            pair.next()?;
+        }
+        let mut before = pair.next()?.at;
+        let (begun, mut halves) = (before, Vec::new());
+        while before < begun + lasts {
+            let at = pair.next()?.at;
+            halves.push(at.saturating_duration_since(before).as_secs_f64());
+            before = at;
+        }
+        halves.sort_by(f64::total_cmp);
+        let median = halves[halves.len() / 2];
+        let mut off: Vec<_> = halves.iter().map(|half| (half - median).abs() * 1e3).collect();
+        off.sort_by(f64::total_cmp);
+        let (jitter, error) = (off[off.len() * 95 / 100], (2.0 * median * frequency - 1.0).abs());
+        let value = format!("{:.2} Hz, half periods ± {jitter:.3} ms (95 %)", 0.5 / median);
+        self.add(
+            profile,
+            baud,
+            "modulation by swaps",
+            value,
+            format!("{:.2} % off {frequency} Hz", 100.0 * error),
+        );
+        self.records.push(json!({
+            "board": profile.name(), "baud": baud, "measured": "modulation", "asked_hertz": frequency, "median_hertz": 0.5 / median,
+            "error": error, "jitter_ms": jitter,
+        }));
+        Ok(())
+    }
+}

@@ -1,0 +1,8 @@
+//! Links that hold a scene.
+
+#![no_main]
+
+#[path = "../../tests/scenes/fuzz/targets/mod.rs"]
+mod targets;
+
+libfuzzer_sys::fuzz_target!(|bytes: &[u8]| targets::run("link", bytes));

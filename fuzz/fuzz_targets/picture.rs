@@ -1,0 +1,8 @@
+//! Pictures whose brightness is a target.
+
+#![no_main]
+
+#[path = "../../tests/scenes/fuzz/targets/mod.rs"]
+mod targets;
+
+libfuzzer_sys::fuzz_target!(|bytes: &[u8]| targets::run("picture", bytes));

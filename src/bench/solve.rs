@@ -1,0 +1,332 @@
+//! `sonoglyph bench solve`: every method on random sets of foci.
+
+use std::hint::black_box;
+
+use glam::DVec3;
+use serde_json::json;
+
+use crate::acoustics::Aperture;
+use crate::bench::time::{ROUNDS, Spent, Spread, Times, digits};
+use crate::bench::{Report, foci};
+use crate::drive::Drive;
+use crate::picture::chart::{Chart, Series};
+use crate::scene::{Focus, Method, Scene};
+use crate::solver::{self, Excitation, Problem, Quality, SolveError};
+
+/// Foci of a set, and sets of as many.
+const SIZES: [usize; 2] = [8, 32];
+const SETS: usize = 4;
+/// Iterations of weighted Gerchberg-Saxton as published, the baseline of time and quality.
+const BASELINE_ITERATIONS: u32 = 200;
+
+/// Sets of foci that are measured together.
+#[derive(Debug)]
+pub struct Workload {
+    pub name: &'static str,
+    pub aperture: Aperture,
+    pub sets: Vec<Vec<Focus>>,
+    /// Iterations of `best` besides its own default.
+    pub budgets: &'static [u32],
+    /// Whether it is said how good the drives are, not only what they cost: that takes longer than solving.
+    pub is_judged: bool,
+}
+
+impl Workload {
+    /// Random sets of so many foci, up to `depth` (m) above a plane.
+    pub fn random(name: &'static str, foci: usize, depth: f64, sets: usize) -> Self {
+        let sets = (0..sets).map(|set| foci::random(foci, depth, set as u64)).collect();
+        Self { name, aperture: aperture(16), sets, budgets: &[], is_judged: true }
+    }
+}
+
+/// So many elements a side, 10 mm apart, in air at 340 m/s.
+pub fn aperture(side: u32) -> Aperture {
+    let mut scene = Scene::default();
+    (scene.array.rows, scene.array.columns, scene.array.pitch) = (side, side, 0.01);
+    scene.medium.sound_speed = Some(340.0);
+    Aperture::new(&scene)
+}
+
+#[derive(Debug)]
+pub struct Record {
+    pub workload: &'static str,
+    pub elements: usize,
+    pub foci: usize,
+    pub method: String,
+    /// Of one whole solve, transfer included; a round is a set, or one of several with the only set.
+    pub times: Times,
+    /// CPU time of the baseline over this.
+    ratio: Spread,
+    /// The weakest focus over the baseline's, set by set.
+    strength: Spread,
+    /// Means over the sets (Pa, peak), but for the spread, which is the largest.
+    mean: f64,
+    weakest: f64,
+    pub spread: f64,
+    relative_to_single: f64,
+    /// Smallest and mean, where the workload is judged.
+    pub certified: Option<[f64; 2]>,
+}
+
+/// From a set's number and its problem.
+type Solve<'a> = Box<dyn Fn(usize, &Problem<'_>) -> Result<Excitation, SolveError> + 'a>;
+
+/// A method with its iterations, and what it has taken and found.
+struct Candidate<'a> {
+    solve: Solve<'a>,
+    found: Found,
+}
+
+/// What a method took, and what it found of every set.
+#[derive(Debug)]
+pub struct Found {
+    pub name: String,
+    pub times: Times,
+    pub qualities: Vec<Quality>,
+}
+
+/// # Errors
+/// A method that fails.
+pub fn run() -> anyhow::Result<Report> {
+    let mut records = Vec::new();
+    for foci in SIZES {
+        records.extend(measure(&Workload::random("plane", foci, 0.0, SETS))?);
+    }
+    let charts = SIZES.map(|foci| (format!("solve-loss-{foci}"), loss(&records, foci))).into();
+    Ok(report(&records, charts))
+}
+
+pub fn report(records: &[Record], charts: Vec<(String, Chart)>) -> Report {
+    Report {
+        header: vec![
+            "foci", "elements", "M", "method", "CPU ms (wall)", "x", "quartiles", "mean Pa", "weakest Pa", "to baseline",
+            "spread", "to single", "certified", "least",
+        ],
+        rows: records.iter().map(row).collect(),
+        notes: vec![
+            format!(
+                "One whole solve, transfer included, on one core: medians. x: how many times faster than the baseline, `wgs \
+                 {BASELINE_ITERATIONS}`, which takes turns with the others; to baseline: the weakest focus over the baseline's."
+            ),
+            "Pressures are those of the uniform drive, means over the sets; spread is the largest of all sets. certified: the \
+             part of what no drive can exceed that the weakest focus surely has, mean and least over the sets. `best, moved` \
+             goes on from foci that stood 0.5 mm away."
+                .to_owned(),
+        ],
+        charts,
+        records: records.iter().map(json).collect(),
+    }
+}
+
+/// Time against loss of random sets on a plane: a series per method, whatever its iterations, in the order of time.
+pub fn loss(records: &[Record], foci: usize) -> Chart {
+    let sets = records.iter().filter(|record| (record.workload, record.foci) == ("plane", foci));
+    let point =
+        |record: &Record| (1.0 - record.certified.map_or(f64::NAN, |parts| parts[1]), record.times.cpu_ms());
+    let mut series = by_method(sets, |record| family(&record.method), point);
+    series.iter_mut().for_each(|series| series.points.sort_by(|a, b| a.1.total_cmp(&b.1)));
+    Chart {
+        title: format!("Time against loss: {foci} random foci on a plane, 256 elements"),
+        x_label: "1 - certified part of the best possible, mean".to_owned(),
+        y_label: "CPU-ms per solve".to_owned(),
+        series,
+        levels: Vec::new(),
+    }
+}
+
+/// A series for every name that records have.
+pub fn by_method<'a>(
+    records: impl Iterator<Item = &'a Record>,
+    name: impl Fn(&'a Record) -> &'a str,
+    point: impl Fn(&'a Record) -> (f64, f64),
+) -> Vec<Series> {
+    let mut all: Vec<Series> = Vec::new();
+    for record in records {
+        match all.iter_mut().find(|series| series.name == name(record)) {
+            Some(series) => series.points.push(point(record)),
+            None => all.push(Series { name: name(record).to_owned(), points: vec![point(record)] }),
+        }
+    }
+    all
+}
+
+/// `best 60` is `best` with other iterations; `best, moved` is not.
+fn family(method: &str) -> &str {
+    match method.split_once(' ') {
+        Some((name, _)) if !name.ends_with(',') => name,
+        Some(_) | None => method,
+    }
+}
+
+/// # Errors
+/// A method that fails.
+pub fn measure(workload: &Workload) -> Result<Vec<Record>, SolveError> {
+    let Workload { name, aperture, sets, is_judged, .. } = workload;
+    let problems: Vec<_> = sets.iter().map(|foci| Problem::new(aperture, foci.clone())).collect();
+    let mut candidates = candidates(workload)?;
+    // One set alone is solved again and again.
+    for (set, foci) in sets.iter().enumerate().cycle().take(sets.len().max(ROUNDS)) {
+        for Candidate { solve, found } in &mut candidates {
+            found.times.push(Spent::on(|_| {
+                let problem = Problem::new(aperture, foci.clone());
+                let excitation = solve(set, &problem)?;
+                black_box(Drive::uniform(aperture.positions.len(), &aperture.driven, &excitation.values));
+                Ok::<_, SolveError>(())
+            })?);
+        }
+    }
+    for Candidate { solve, found } in &mut candidates {
+        for (set, problem) in problems.iter().enumerate() {
+            found.qualities.push(quality(problem, &solve(set, problem)?));
+        }
+    }
+    let bounds = is_judged.then(|| problems.iter().map(solver::bound).collect::<Vec<_>>());
+    let place = (*name, aperture.positions.len(), sets[0].len());
+    let found: Vec<_> = candidates.into_iter().map(|candidate| candidate.found).collect();
+    Ok(records(place, &found, bounds.as_deref()))
+}
+
+/// The baseline first.
+fn candidates(workload: &Workload) -> Result<Vec<Candidate<'_>>, SolveError> {
+    let candidate = |name: String, method: Method, iterations: u32| {
+        let solve: Solve<'_> = Box::new(move |_, problem| solver::excite(problem, method, iterations));
+        Candidate { solve, found: Found::of(name) }
+    };
+    let mut all = vec![candidate(format!("wgs {BASELINE_ITERATIONS}"), Method::Wgs, BASELINE_ITERATIONS)];
+    for method in Method::ALL.into_iter().filter(|&method| method != Method::Focus) {
+        all.push(candidate(method.name().to_owned(), method, 0));
+    }
+    all.extend(
+        workload.budgets.iter().map(|&budget| candidate(format!("best {budget}"), Method::Best, budget)),
+    );
+    if workload.is_judged {
+        all.push(moved(workload)?);
+    }
+    Ok(all)
+}
+
+/// `best` with a warm start: from the solution for foci that stood 0.5 mm away.
+fn moved(workload: &Workload) -> Result<Candidate<'_>, SolveError> {
+    let moved = |focus: &Focus| Focus { position: focus.position + 0.0005 * DVec3::X, ..*focus };
+    let mut before = Vec::new();
+    for foci in &workload.sets {
+        let problem = Problem::new(&workload.aperture, foci.iter().map(moved).collect());
+        before.push(solver::excite(&problem, Method::Best, 0)?);
+    }
+    let solve: Solve<'_> = Box::new(move |set, problem| Ok(solver::excite_from(problem, &before[set])));
+    Ok(Candidate { solve, found: Found::of("best, moved".to_owned()) })
+}
+
+impl Found {
+    /// Nothing yet.
+    fn of(name: String) -> Self {
+        Self { name, times: Times::default(), qualities: Vec::new() }
+    }
+}
+
+/// Of workload, elements and foci; what was found first is the baseline.
+pub fn records(
+    (workload, elements, foci): (&'static str, usize, usize),
+    found: &[Found],
+    bounds: Option<&[f64]>,
+) -> Vec<Record> {
+    let baseline = &found[0];
+    let record = |Found { name, times, qualities }: &Found| {
+        let count = qualities.len() as f64;
+        let average = |of: fn(&Quality) -> f64| qualities.iter().map(of).sum::<f64>() / count;
+        let strength = qualities
+            .iter()
+            .zip(&baseline.qualities)
+            .map(|(own, other)| own.min_pressure / other.min_pressure);
+        let certified = |bounds: &[f64]| {
+            let parts = qualities.iter().zip(bounds).map(|(quality, bound)| quality.min_pressure / bound);
+            [parts.clone().fold(f64::INFINITY, f64::min), parts.sum::<f64>() / count]
+        };
+        Record {
+            workload,
+            elements,
+            foci,
+            method: name.clone(),
+            times: times.clone(),
+            ratio: baseline.times.over(times),
+            strength: Spread::of(strength.collect()),
+            mean: average(|quality| quality.mean_pressure),
+            weakest: average(|quality| quality.min_pressure),
+            spread: qualities.iter().map(|quality| quality.spread).fold(0.0, f64::max),
+            relative_to_single: average(|quality| quality.relative_to_single),
+            certified: bounds.map(certified),
+        }
+    };
+    found.iter().map(record).collect()
+}
+
+/// Of the uniform drive.
+pub fn quality(problem: &Problem<'_>, excitation: &Excitation) -> Quality {
+    let Aperture { positions, driven, .. } = problem.aperture;
+    let drive = Drive::uniform(positions.len(), driven, &excitation.values);
+    Quality::new(problem, excitation, &problem.transfer.pressure(&drive.excitation(driven)))
+}
+
+fn row(record: &Record) -> Vec<String> {
+    let certified = |i: usize| record.certified.map_or("-".to_owned(), |parts| format!("{:.3}", parts[i]));
+    vec![
+        record.workload.to_owned(),
+        record.elements.to_string(),
+        record.foci.to_string(),
+        record.method.clone(),
+        record.times.text(),
+        record.ratio.text(),
+        record.ratio.quartiles_text(),
+        digits(record.mean),
+        digits(record.weakest),
+        record.strength.text(),
+        format!("{:.1e}", record.spread),
+        format!("{:.3}", record.relative_to_single),
+        certified(1),
+        certified(0),
+    ]
+}
+
+fn json(record: &Record) -> serde_json::Value {
+    json!({
+        "workload": record.workload,
+        "elements": record.elements,
+        "foci": record.foci,
+        "method": record.method,
+        "time": record.times.json(),
+        "time_ratio": record.ratio.json(),
+        "strength_ratio": record.strength.json(),
+        "mean_pressure": record.mean,
+        "min_pressure": record.weakest,
+        "spread": record.spread,
+        "relative_to_single": record.relative_to_single,
+        "certified_least": record.certified.map(|parts| parts[0]),
+        "certified_mean": record.certified.map(|parts| parts[1]),
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn methods_stand_beside_the_baseline_and_below_the_bound() {
+        let records = measure(&Workload::random("plane", 4, 0.0, 2)).unwrap();
+        let of = |method: &str| records.iter().find(|record| record.method == method).unwrap();
+        assert_eq!(of("wgs 200").ratio.quartiles, [1.0; 2]);
+        assert_eq!(of("wgs 200").strength.quartiles, [1.0; 2]);
+        assert!(of("best").strength.median > of("naive").strength.median, "{records:?}");
+        for record in &records {
+            let [least, mean] = record.certified.unwrap();
+            assert!(0.0 < least && least <= mean && mean <= 1.0 + 1e-9, "{record:?}");
+        }
+    }
+
+    #[test]
+    fn iterations_make_no_other_method() {
+        assert_eq!(
+            ["best", "best 60", "best, moved", "wgs 200"].map(family),
+            ["best", "best", "best, moved", "wgs"]
+        );
+    }
+}

@@ -1,0 +1,108 @@
+//! What is known of a solution beside its own quality, for people and for programs.
+
+use serde_json::{Value, json};
+
+use crate::acoustics::Aperture;
+use crate::drive::{Drive, delay_level};
+use crate::field::{NoSideLobe, SideLobe, Stages, side_lobe};
+use crate::rounding::percent_at_most;
+use crate::scene::{Pressures, Scene};
+use crate::solver::levels::{self, Reached};
+use crate::solver::{Limits, Problem, Solution};
+use crate::studio::probe::{self, Reading};
+use crate::studio::{json, reach};
+
+/// A solution, and what is known of it beside its own quality.
+#[derive(Debug)]
+pub struct Findings {
+    pub solution: Solution,
+    pub limits: Limits,
+    pub side_lobe: Result<SideLobe, NoSideLobe>,
+    pub heard: Option<Reading>,
+    /// What the user should know of all that, a sentence each.
+    pub warnings: Vec<String>,
+}
+
+impl Findings {
+    /// `limits` are those of the problem, and `stages` those of the map that side lobes are searched on.
+    pub fn new(
+        scene: &Scene,
+        problem: &Problem<'_>,
+        limits: Limits,
+        stages: &mut Stages,
+        solution: Solution,
+    ) -> Self {
+        let points: Vec<_> = solution.foci.iter().map(|focus| focus.position).collect();
+        let aperture = problem.aperture;
+        let side_lobe = side_lobe::loudest(stages, aperture, &scene.plane, &solution.drives(), &points);
+        let heard =
+            scene.listener.as_ref().map(|listener| probe::reading(aperture, &solution.drives(), listener.at));
+        let of_drive = solution.warnings.iter().cloned().chain(limits.warning(problem));
+        let mut warnings: Vec<_> = of_drive.map(|warning| warning.to_string()).collect();
+        if scene.solver.pressures == Pressures::Pascal && limits.bound < 1.0 {
+            warnings.push(format!(
+                "no drive of this array brings every focus to more than {} of what is asked",
+                percent_at_most(limits.bound, 2)
+            ));
+        }
+        warnings.extend(heard.and_then(|heard| heard.warning()));
+        warnings.extend(reach::of_targets(scene).iter().map(ToString::to_string));
+        Self { solution, limits, side_lobe, heard, warnings }
+    }
+
+    /// The object that design and other programs know.
+    pub fn json(&self, aperture: &Aperture) -> Value {
+        let mut value = json::solution(&self.solution, Some(&self.limits));
+        json::add_widths(&mut value, aperture, &self.solution);
+        // Named as programs have read it since before it was called a side lobe; `side_lobe` is that of drawings.
+        let lobe = self.side_lobe.as_ref().ok();
+        value["quality"]["ghost"] = json!(lobe.map(|lobe| lobe.part));
+        value["quality"]["ghost_position"] = json!(lobe.map(|lobe| lobe.position.to_array()));
+        if let Some(heard) = &self.heard {
+            value["listener"] =
+                json!({ "position": heard.position.to_array(), "rms": heard.rms(), "spl": heard.spl() });
+        }
+        value
+    }
+}
+
+/// What a board with few phase levels makes of a drive.
+#[derive(Debug)]
+pub struct Played {
+    pub levels: u32,
+    pub ideal: Reached,
+    pub rounded: Reached,
+    pub refined: (Drive, Reached),
+}
+
+impl Played {
+    pub fn new(problem: &Problem<'_>, solution: &Solution, levels: u32) -> Self {
+        let reached = |drive: &Drive| Reached::new(problem, drive);
+        let refined = levels::refined(problem, &solution.drive, levels);
+        Self {
+            levels,
+            ideal: reached(&solution.drive),
+            rounded: reached(&solution.drive.at_levels(levels)),
+            refined: (refined.clone(), reached(&refined)),
+        }
+    }
+
+    pub fn json(&self) -> Value {
+        let reached = |reached: Reached| {
+            json!({
+                "mean_pressure": reached.mean_pressure,
+                "min_pressure": reached.weakest,
+                "spread": reached.spread,
+            })
+        };
+        let delays: Vec<_> =
+            self.refined.0.phases.iter().map(|&phase| delay_level(phase, self.levels)).collect();
+        json!({
+            "levels": self.levels,
+            "expected_part": levels::expected_part(self.levels),
+            "rounded": reached(self.rounded),
+            "refined": reached(self.refined.1),
+            "delays": delays,
+        })
+    }
+}

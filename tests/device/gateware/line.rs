@@ -1,0 +1,118 @@
+//! The line: clocks that differ, rates that change, and bytes that are damaged on the way.
+
+use sonoglyph::device::native::packet::{Body, Outcome, Packet};
+
+use crate::gateware::dice::Dice;
+use crate::gateware::twins::{Twins, WINDOW};
+
+#[test]
+fn a_host_whose_clock_is_4_percent_off_is_understood() {
+    for error in [-0.04, -0.02, 0.02, 0.04] {
+        let Some(mut twins) = Twins::start(7) else { return };
+        twins.simulated.baud(2e6 * (1.0 + error));
+        let mut dice = Dice::new(4);
+        for _ in 0..8 {
+            twins.order(Packet::frame(1 + dice.below(60) as u8, &dice.pairs(), false));
+        }
+        let Body::Status(status) = twins.ask(Packet::status()).body else { panic!() };
+        assert_eq!((status.spoiled, status.good), (0, 9), "{error}");
+    }
+}
+
+#[test]
+fn a_host_of_another_rate_is_not_understood_and_does_no_harm() {
+    let Some(mut twins) = Twins::start(7) else { return };
+    twins.simulated.baud(1.4e6);
+    let mut dice = Dice::new(5);
+    for _ in 0..10 {
+        twins.simulated.send(&Packet::frame(1, &dice.pairs(), true).to_line());
+    }
+    // Nothing goes through the gate: the twins would say so. Answers cannot be read at this rate.
+    for period in twins.simulated.run(2000) {
+        assert_eq!((period.gate, period.outputs_on), (None, false));
+    }
+}
+
+#[test]
+fn the_rate_changes_after_the_answer() {
+    let Some(mut twins) = Twins::start(7) else { return };
+    // From 640 kbaud to the fastest that the device takes, 10.24 Mbaud.
+    for increment in [1024, 4800, 6400, 16_384] {
+        twins.order(Packet::baud(increment));
+        twins.simulated.baud(twins.twin.model.baud());
+        twins.run(3);
+        twins.order(Packet::frame(1, &[[3, 4]; 256], false));
+    }
+    // As many short packets as may be unanswered, at once: none is lost, though they come faster than periods.
+    for _ in 0..20 {
+        (0..WINDOW).for_each(|_| twins.send(Packet::status()));
+        twins.settle();
+    }
+    assert_eq!(twins.twin.answers.len(), 8 + 20 * WINDOW);
+    assert_eq!(twins.ask(Packet::baud(63)).outcome, Outcome::Argument);
+    assert_eq!(twins.ask(Packet::baud(16_385)).outcome, Outcome::Argument);
+}
+
+#[test]
+fn the_rate_falls_back_when_nothing_good_comes_for_long() {
+    let Some(mut twins) = Twins::start(5) else { return };
+    twins.order(Packet::baud(6400));
+    twins.simulated.baud(twins.twin.model.baud());
+    twins.order(Packet::status());
+    // Bytes that are no packet do not hold it up.
+    for _ in 0..32 {
+        assert_eq!(twins.twin.model.baud(), 4e6);
+        twins.simulated.send(&[1, 2, 3, 0]);
+        twins.run(1024);
+    }
+    assert_eq!(twins.twin.model.baud(), 2e6);
+    twins.simulated.baud(2e6);
+    twins.order(Packet::info());
+}
+
+/// Damages a line's bytes, but keeps its last delimiter.
+fn damaged(dice: &mut Dice, line: &[u8]) -> Vec<u8> {
+    let mut bytes = line.to_vec();
+    let at = dice.below(line.len() as u64 - 1) as usize;
+    match dice.below(4) {
+        0 => drop(bytes.remove(at)),
+        1 => bytes[at] ^= 1 << dice.below(8),
+        2 => bytes.insert(at, dice.byte()),
+        _ => {
+            let end = (at + 1 + dice.below(40) as usize).min(line.len() - 1);
+            bytes[at..end].iter_mut().for_each(|byte| *byte = dice.byte());
+        }
+    }
+    bytes
+}
+
+#[test]
+fn a_damaged_frame_is_never_played_and_the_next_one_is() {
+    let Some(mut twins) = Twins::start(7) else { return };
+    let mut dice = Dice::new(6);
+    twins.order(Packet::silencer(0xFFFF, 0xFFFF));
+    twins.order(Packet::enable(1000));
+    for round in 0..40 {
+        let slot = 1 + round % 2;
+        twins.order(Packet::frame(slot, &dice.pairs(), true));
+        // The twin that the bytes below do not reach goes on with the frame before.
+        let broken = twins.twin.numbered(Packet::frame(3 - slot, &dice.pairs(), true));
+        let bytes = damaged(&mut dice, &broken.to_line());
+        if bytes == broken.to_line() {
+            continue;
+        }
+        let before = twins.twin.spoiled;
+        twins.simulated.send(&bytes);
+        twins.run(130);
+        assert!(twins.twin.spoiled > before, "nothing is said about a damaged frame");
+    }
+    // And noise that is no bytes at all: the host sends far too slowly for a moment.
+    twins.simulated.baud(150e3);
+    twins.simulated.send(&[0x55, 0x00]);
+    twins.run(20);
+    twins.simulated.baud(2e6);
+    twins.simulated.send(&[0]);
+    twins.run(20);
+    let Body::Status(status) = twins.ask(Packet::status()).body else { panic!() };
+    assert!(status.framing_errors > 0 && status.spoiled == twins.twin.spoiled, "{status:?}");
+}

@@ -1,0 +1,113 @@
+//! Lists of the wrong length in scenes and settings.
+
+use std::fs;
+use std::path::Path;
+
+use toml::{Table, Value};
+
+use crate::hostile::{folder_with, refused};
+use crate::program;
+
+/// Every place of a list of numbers in a document: the keys and indices that lead there.
+fn lists(value: &Value, path: &mut Vec<String>, found: &mut Vec<Vec<String>>) {
+    match value {
+        Value::Table(table) => {
+            for (key, value) in table {
+                path.push(key.clone());
+                lists(value, path, found);
+                path.pop();
+            }
+        }
+        Value::Array(array) => {
+            // Of any length are only those of numbers of elements and of pressures along a path.
+            let is_vector = array.iter().all(|value| value.is_float() || value.is_integer());
+            let is_free = path.last().is_some_and(|key| ["off", "pressures"].contains(&key.as_str()));
+            if is_vector && !array.is_empty() && !is_free {
+                found.push(path.clone());
+            }
+            for (index, value) in array.iter().enumerate() {
+                path.push(index.to_string());
+                lists(value, path, found);
+                path.pop();
+            }
+        }
+        _ => {}
+    }
+}
+
+fn at<'a>(value: &'a mut Value, path: &[String]) -> &'a mut Vec<Value> {
+    let inside = path.iter().fold(value, |value, key| match value {
+        Value::Table(table) => table.get_mut(key).unwrap(),
+        Value::Array(array) => &mut array[key.parse::<usize>().unwrap()],
+        _ => panic!("{path:?}"),
+    });
+    inside.as_array_mut().unwrap()
+}
+
+#[test]
+fn a_value_too_many_or_too_few_is_refused_in_every_list_of_every_kind_of_scene() {
+    let every_list = "format = 1\n[[target]]\nkind = \"path\"\nvertices = [[0, 0, 0.1], [0.01, 0, 0.1]]\n\
+        [[target]]\nkind = \"circle\"\nnormal = [0, 0, 1]\n[[target]]\nkind = \"line\"\nfrom = [0, 0, 0.1]\nto = [0.01, 0, 0.1]\n[target.motion]\npath = \"points\"\n\
+        points = [[0, 0, 0.01]]\n[[quiet]]\nat = [0, 0.04, 0.1]\nnormal = [0, 0, 1]\n[plane]\ncentre = [0, 0, 0.1]\n\
+        x_axis = [1, 0, 0]\ny_axis = [0, 1, 0]\nsize = [0.1, 0.1]\n[listener]\nat = [0, -0.3, 0.4]\n[motion]\n\
+        path = \"points\"\npoints = [[0, 0, 0.01]]\n";
+    let name = Path::new("a.toml");
+    sonoglyph::scene::file::parse(every_list, name).unwrap();
+    let document = Value::Table(every_list.parse::<Table>().unwrap());
+    let mut found = Vec::new();
+    lists(&document, &mut Vec::new(), &mut found);
+    assert_eq!(found.len(), 14, "{found:?}");
+    for path in &found {
+        for longer in [true, false] {
+            let mut changed = document.clone();
+            let list = at(&mut changed, path);
+            if longer {
+                list.push(Value::Integer(9));
+            } else {
+                drop(list.pop());
+            }
+            let text = toml::to_string(&changed).unwrap();
+            let error = sonoglyph::scene::file::parse(&text, name).unwrap_err().to_string();
+            let key = path.iter().rev().find(|key| key.parse::<usize>().is_err()).unwrap();
+            assert!(error.starts_with("a.toml:") && error.contains(key.as_str()), "{path:?}: {error}");
+        }
+    }
+}
+
+#[test]
+fn a_surplus_value_is_refused_with_its_line_and_its_key() {
+    for (body, line, part) in [
+        ("[[target]]\nat = [0, 0, 0.1, 9]", 3, "target[1].at: the list has more values"),
+        ("[[target]]\n[plane]\nsize = [0.1, 0.1, 0.1]", 4, "plane.size: the list has more values"),
+        (
+            "[[target]]\n[motion]\npath = \"points\"\npoints = [[0, 0, 0.01], [0, 0, 0.02, 3]]",
+            5,
+            "motion.points[2]: the list",
+        ),
+        (
+            "[[target]]\nkind = \"path\"\nvertices = [[0, 0, 0.1, 1], [0.01, 0, 0.1]]",
+            4,
+            "target[1].vertices[1]: the list",
+        ),
+        ("medium = [20, 50, 101325]\n[[target]]", 2, "medium: invalid type: sequence, expected a table"),
+    ] {
+        let folder = folder_with(&[("a.toml", &format!("format = 1\n{body}\n"))]);
+        for args in [&["solve", "a.toml"][..], &["render", "a.toml", "-o", "x.png"]] {
+            let message = refused(folder.path(), &mut program(folder.path(), args));
+            assert!(
+                message.contains(&format!("a.toml:{line}: ")) && message.contains(part),
+                "{body}: {message}"
+            );
+        }
+    }
+}
+
+#[test]
+fn a_surplus_value_on_a_line_of_a_batch_is_answered() {
+    let line = r#"{"target": [{"at": [0, 0, 0.1, 9]}]}"#;
+    let folder = folder_with(&[("lines", line)]);
+    let lines = fs::File::open(folder.path().join("lines")).unwrap();
+    let output = program(folder.path(), &["batch"]).stdin(lines).output().unwrap();
+    let said = String::from_utf8(output.stdout).unwrap();
+    assert!(said.contains("more values than are asked for"), "{said}");
+}

@@ -1,0 +1,247 @@
+//! Depressions against the reference values of an endless bath, and the light that a Gaussian one bends against its closed forms and
+//! against counted rays.
+
+use std::f64::consts::PI;
+
+use serde_json::Value;
+use sonoglyph::scene::Liquid;
+use sonoglyph::surface::{Light, Rays, Tank, caustic};
+
+/// Pressure for every cell from its place (m) from the middle.
+fn load(tank: &Tank, at: impl Fn(f64, f64) -> f64) -> Vec<f64> {
+    let place = |axis: usize, i: usize| (i as f64 + 0.5 - tank.counts[axis] as f64 / 2.0) * tank.step[axis];
+    (0..tank.len()).map(|i| at(place(0, i % tank.counts[0]), place(1, i / tank.counts[0]))).collect()
+}
+
+fn reference() -> Value {
+    serde_json::from_str(include_str!("../reference/liquid_dent.json")).unwrap()
+}
+
+fn liquid() -> Liquid {
+    let given = &reference()["liquid"];
+    Liquid {
+        density: given["density"].as_f64(),
+        surface_tension: given["surface_tension"].as_f64(),
+        gravity: given["gravity"].as_f64().unwrap(),
+        ..Liquid::default()
+    }
+}
+
+#[test]
+fn gaussian_loads_dent_as_the_reference_says() {
+    let tank = Tank::new([151, 135], [0.0008, 0.0009]);
+    for case in reference()["gaussian"].as_array().unwrap() {
+        let [p0, w, centre] = ["p0", "w", "centre"].map(|key| case[key].as_f64().unwrap());
+        let pressure = load(&tank, |x, y| p0 * (-(x * x + y * y) / (w * w)).exp());
+        let dent = tank.dent(&liquid(), &pressure);
+        let deepest = dent.depth[67 * 151 + 75];
+        assert!((deepest / centre - 1.0).abs() < 1e-6, "{case}: {deepest}");
+        assert!((dent.volume * liquid().density() * liquid().gravity / dent.force - 1.0).abs() < 1e-12);
+        assert!((dent.force / (p0 * PI * w * w) - 1.0).abs() < 1e-6);
+    }
+}
+
+#[test]
+fn discs_dent_as_the_reference_says() {
+    const STEP: f64 = 0.0001;
+    /// Parts of a cell, along each axis, of which those within the disc count.
+    const PARTS: usize = 8;
+    let tank = Tank::new([801, 801], [STEP, STEP]);
+    for case in reference()["disk"].as_array().unwrap() {
+        let [p0, a, r, depth] = ["p0", "a", "r", "depth"].map(|key| case[key].as_f64().unwrap());
+        let pressure = load(&tank, |x, y| {
+            if (x.hypot(y) - a).abs() > STEP {
+                return if x.hypot(y) < a { p0 } else { 0.0 };
+            }
+            let part = |place: f64, i: usize| place + STEP * ((i as f64 + 0.5) / PARTS as f64 - 0.5);
+            let inside =
+                (0..PARTS * PARTS).filter(|i| part(x, i % PARTS).hypot(part(y, i / PARTS)) < a).count();
+            p0 * inside as f64 / (PARTS * PARTS) as f64
+        });
+        let found = tank.dent(&liquid(), &pressure).depth[400 * 801 + 400 + (r / STEP).round() as usize];
+        assert!((found / depth - 1.0).abs() < 1e-4, "{case}: {found}");
+    }
+}
+
+/// A depression d0 e^(-r²/w²) of water in the middle of a square screen, under light that comes through it.
+#[derive(Clone, Copy)]
+struct Gaussian {
+    /// Side of the screen (m), and its pixels along it.
+    side: f64,
+    pixels: usize,
+    /// Rays to a pixel, along each axis.
+    rays: f64,
+    /// Of the surface from which light comes, of the screen's.
+    reach: f64,
+    /// Where the screen lies (m) to the right of and above the depression.
+    aside: [f64; 2],
+    /// m that a slope of 1 displaces light by.
+    throw: f64,
+}
+
+const DEEP: f64 = 1e-3;
+const WIDE: f64 = 3.88e-3;
+const INDEX: f64 = 1.333;
+
+impl Default for Gaussian {
+    fn default() -> Self {
+        Self { side: 0.03, pixels: 150, rays: 2.0, reach: 1.6, aside: [0.0; 2], throw: 0.0 }
+    }
+}
+
+impl Gaussian {
+    /// Where the light of a place lands; lengths in m from the depression.
+    fn landing(&self, [x, y]: [f64; 2]) -> [f64; 2] {
+        let along = 1.0 + self.throw * 2.0 * DEEP / (WIDE * WIDE) * (-(x * x + y * y) / (WIDE * WIDE)).exp();
+        [x * along, y * along]
+    }
+
+    fn pixel(&self) -> f64 {
+        self.side / self.pixels as f64
+    }
+
+    fn light(&self) -> (Vec<f32>, Light) {
+        let half = self.reach * self.side / 2.0;
+        let count = (2.0 * half / self.pixel() * self.rays).ceil() as usize + 1;
+        let step = 2.0 * half / (count - 1) as f64;
+        let place = |i: usize| step * i as f64 - half;
+        let slope =
+            |x: f64, y: f64| -2.0 * DEEP * x / (WIDE * WIDE) * (-(x * x + y * y) / (WIDE * WIDE)).exp();
+        let all = |of: &dyn Fn(f64, f64) -> f64| -> Vec<f32> {
+            (0..count * count).map(|i| of(place(i % count), place(i / count)) as f32).collect()
+        };
+        let slopes = [all(&|x, y| slope(x, y)), all(&|x, y| slope(y, x))];
+        let mut values = vec![0.0; self.pixels * self.pixels];
+        let rays = Rays {
+            counts: [count; 2],
+            first: self.aside.map(|aside| (self.side / 2.0 - half - aside) / self.pixel()),
+            step: [step / self.pixel(); 2],
+            slopes: slopes.each_ref().map(|slopes| &slopes[..]),
+            throw: [self.throw / self.pixel(); 2],
+        };
+        let light = caustic::light(&[rays], self.pixels, &mut values);
+        (values, light)
+    }
+
+    /// The same by counting rays, so many to a pixel along each axis, in f64 and from the formula alone.
+    fn counted(&self, rays: usize) -> Vec<f64> {
+        let step = self.pixel() / rays as f64;
+        let reach = (self.reach * self.side / 2.0 / step) as i64;
+        let mut counts = vec![0.0; self.pixels * self.pixels];
+        for i in -reach..reach {
+            for j in -reach..reach {
+                let landing = self.landing([i, j].map(|i| (i as f64 + 0.5) * step));
+                let [column, row] = [0, 1].map(|axis| {
+                    ((landing[axis] - self.aside[axis] + self.side / 2.0) / self.pixel()).floor()
+                });
+                let on = 0.0..self.pixels as f64;
+                if on.contains(&column) && on.contains(&row) {
+                    counts[row as usize * self.pixels + column as usize] += 1.0 / (rays * rays) as f64;
+                }
+            }
+        }
+        counts
+    }
+}
+
+/// The throw at which the middle of a Gaussian is so much dimmer.
+fn throw(a: f64) -> f64 {
+    a * WIDE * WIDE / (2.0 * DEEP)
+}
+
+#[test]
+fn light_through_a_level_surface_is_undisturbed() {
+    let (values, light) = Gaussian::default().light();
+    assert!(values.iter().all(|value| (value - 1.0).abs() < 1e-6));
+    assert!((light.landed - 150.0 * 150.0).abs() < 1e-6 && !light.crosses, "{light:?}");
+}
+
+#[test]
+fn the_middle_of_a_depression_is_as_dark_or_as_bright_as_its_curvature_says() {
+    for a in [0.5, 2.0, 5.0, -0.3, -0.6] {
+        let gaussian = Gaussian {
+            side: 0.004,
+            pixels: 101,
+            reach: 9.0,
+            rays: 1.0,
+            throw: throw(a),
+            ..Gaussian::default()
+        };
+        let (values, light) = gaussian.light();
+        let (middle, expected) = (f64::from(values[50 * 101 + 50]), (1.0 + a).powi(-2));
+        assert!((middle / expected - 1.0).abs() < 1e-3, "A = {a}: {middle}, not {expected}");
+        assert_eq!(light.crosses, a > 2.2408, "A = {a}");
+    }
+}
+
+#[test]
+fn the_first_caustic_is_where_it_is_to_be() {
+    let crosses =
+        |distance: f64| Gaussian { throw: (INDEX - 1.0) * distance, ..Gaussian::default() }.light().1.crosses;
+    let (mut before, mut behind) = (0.01, 0.2);
+    assert!(!crosses(before) && crosses(behind));
+    while behind - before > 1e-6 {
+        let middle = 0.5 * (before + behind);
+        if crosses(middle) { behind = middle } else { before = middle }
+    }
+    let expected = 1.1204 * WIDE * WIDE / ((INDEX - 1.0) * DEEP);
+    assert!((before / expected - 1.0).abs() < 0.01, "{before} m, not {expected} m");
+}
+
+#[test]
+fn no_light_is_lost_or_won_however_it_folds() {
+    for (a, columns) in [(0.0, 150), (2.0, 150), (5.0, 150), (40.0, 37), (-1.0, 150), (-3.0, 64), (-40.0, 8)]
+    {
+        let gaussian = Gaussian {
+            side: 0.2,
+            pixels: columns,
+            reach: 0.2,
+            rays: 4.0,
+            throw: throw(a),
+            ..Gaussian::default()
+        };
+        let (values, light) = gaussian.light();
+        let sum: f64 = values.iter().map(|&value| f64::from(value)).sum();
+        assert!((light.landed / light.sent - 1.0).abs() < 1e-9, "A = {a}: {light:?}");
+        assert!((sum / light.sent - 1.0).abs() < 1e-6, "A = {a}: {sum} of {light:?}");
+        assert!(values.iter().all(|value| *value >= 0.0));
+    }
+}
+
+#[test]
+fn every_pixel_has_the_light_of_the_rays_that_are_counted_there() {
+    for a in [1.0, 4.0, -0.8, -4.0] {
+        let gaussian = Gaussian {
+            pixels: 60,
+            rays: 4.0,
+            throw: throw(a),
+            aside: [0.002, -0.001],
+            ..Gaussian::default()
+        };
+        let (values, expected) = (gaussian.light().0, gaussian.counted(40));
+        let off = values.iter().zip(&expected).map(|(&value, expected)| (f64::from(value) - expected).abs());
+        let (mean, worst) = (off.clone().sum::<f64>() / 3600.0, off.fold(0.0, f64::max));
+        let brightest = expected.iter().copied().fold(0.0, f64::max);
+        assert!(mean < 0.01 && worst < 0.05 * brightest, "A = {a}: {mean}, {worst} of {brightest}");
+    }
+}
+
+#[test]
+fn a_screen_has_what_a_larger_one_has_there_whoever_draws_it() {
+    let whole = Gaussian { throw: throw(4.0), ..Gaussian::default() };
+    // Its lower left quarter, but for a row and a column of pixels; as many rays, from as far.
+    let part =
+        Gaussian { side: whole.side * 0.5, pixels: 75, reach: 3.2, aside: [-whole.side * 0.25; 2], ..whole };
+    let (of_whole, of_part) = (whole.light().0, part.light().0);
+    for row in 0..75 {
+        for column in 0..75 {
+            let (one, other) = (of_whole[row * 150 + column], of_part[row * 75 + column]);
+            assert!((one - other).abs() < 1e-4 * one.max(1.0), "{column}, {row}: {one} {other}");
+        }
+    }
+    let by = |threads: usize| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        pool.install(|| whole.light())
+    };
+    assert_eq!(by(1), by(3));
+}

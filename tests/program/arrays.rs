@@ -1,0 +1,127 @@
+//! Arrays as scene files place them: what is refused, and what the program makes of the rest.
+
+use std::fs;
+use std::path::Path;
+
+use serde_json::Value;
+use sonoglyph::scene::file;
+
+use crate::process::{folder_with, refuse, run, succeed};
+
+const CURVED: &str = "format = 1\n[array]\nelements = \"e.csv\"\n[[target]]\nat = [0.0, 0.0, 0.1]\n";
+const ELEMENTS: &str = "x,y,z,nx,ny,nz\n0,0,0,0,0,2\n0.03,0,0.01,-0.3,0,1\n-0.03,0,0.01,0.3,0,1\n";
+
+#[test]
+fn elements_come_from_a_table_and_go_to_one() {
+    let folder = folder_with(&[("a.toml", CURVED), ("e.csv", ELEMENTS)]);
+    succeed(folder.path(), &["elements", "a.toml", "-o", "b.csv"]);
+    fs::write(folder.path().join("b.toml"), CURVED.replace("e.csv", "b.csv")).unwrap();
+    let solved = |scene: &str| -> Value {
+        serde_json::from_str(&succeed(folder.path(), &["solve", scene, "--json"])).unwrap()
+    };
+    let (a, b) = (solved("a.toml"), solved("b.toml"));
+    assert_eq!(a["elements"], 3);
+    // Directions are made unit vectors once more.
+    for (a, b) in a["phases"].as_array().unwrap().iter().zip(b["phases"].as_array().unwrap()) {
+        assert!((a.as_f64().unwrap() - b.as_f64().unwrap()).abs() < 1e-12, "{a} is not {b}");
+    }
+    fs::write(
+        folder.path().join("p.toml"),
+        CURVED.replace("e.csv", "preset:tinylev-72").replace("0.1]", "0.0]"),
+    )
+    .unwrap();
+    assert_eq!(solved("p.toml")["elements"], 72);
+    assert!(succeed(folder.path(), &["elements", "p.toml"]).lines().count() == 73);
+}
+
+#[test]
+fn tables_and_boards_that_make_no_sense_are_refused_with_line_and_column() {
+    let folder = folder_with(&[
+        ("a.toml", CURVED),
+        ("e.csv", "x,y,z,nx,ny,nz\n0,0,0,0,0,1\n0,zero,0,0,0,1\n"),
+        ("none.toml", &CURVED.replace("e.csv", "none.csv")),
+        ("preset.toml", &CURVED.replace("e.csv", "preset:none")),
+        ("over.toml", "format = 1\n[[board]]\n[[board]]\nat = [0.05, 0, 0]\n"),
+        ("series.toml", "format = 1\n[array]\nreflectivity = 1\n[[reflector]]\n"),
+        ("p.csv", "x,y,z\n0,0,0.1\n"),
+        ("two.toml", "format = 1\n[[board]]\n[[board]]\nat = [0, 0, 0.3]\n[[target]]\n"),
+    ]);
+    for (args, words) in [
+        (&["solve", "a.toml"][..], &["a.toml:3: array.elements = \"e.csv\"", "e.csv:3: y = `zero`"][..]),
+        (&["solve", "none.toml"], &["none.toml:3: array.elements", "none.csv"]),
+        (&["solve", "preset.toml"], &["preset.toml:3", "tinylev-72"]),
+        (&["probe", "over.toml", "--points", "p.csv"], &["over.toml:4: board[2].at", "overlaps board 1"]),
+        (
+            &["probe", "series.toml", "--points", "p.csv"],
+            &["series.toml:3: array.reflectivity", "not converge"],
+        ),
+        (
+            &["send", "two.toml", "--port", "/dev/null", "--profile", "sonicsurface", "--board", "3"],
+            &["--board 3", "the scene has 2"],
+        ),
+        (
+            &["send", "two.toml", "--port", "/dev/null", "--profile", "sonicsurface"],
+            &["2 boards of 16 x 16", "sonicsurface"],
+        ),
+    ] {
+        let message = refuse(folder.path(), args);
+        assert!(words.iter().all(|word| message.contains(word)), "{args:?}: {message}");
+    }
+}
+
+#[test]
+fn boards_that_face_away_and_slow_series_are_named() {
+    let folder = folder_with(&[
+        ("away.toml", "format = 1\n[[board]]\n[[board]]\nat = [0, 0, 0.3]\n[[target]]\nat = [0, 0, 0.1]\n"),
+        (
+            "slow.toml",
+            "format = 1\n[array]\nrows = 2\ncolumns = 2\nreflectivity = 1\n[liquid]\nreflects = true\n[[target]]\n",
+        ),
+    ]);
+    for (scene, words) in [("away.toml", "Board 2 faces away"), ("slow.toml", "converge slowly")] {
+        let output = run(folder.path(), &["solve", scene]);
+        let said = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert!(output.status.success() && said.contains(words), "{scene}: {said}");
+    }
+}
+
+fn refused(text: &str) -> String {
+    file::parse(&format!("format = 1\n{text}"), Path::new("a.toml")).unwrap_err().to_string()
+}
+
+#[test]
+fn what_cannot_stand_is_refused_where_it_is_written() {
+    for (text, start, what) in [
+        ("[[board]]\n[[board]]\nat = [0.1, 0, 0]", "a.toml:4: board[2].at = ", "overlaps board 1"),
+        ("[[board]]\n[[board]]\nnormal = [1, 0, 0]\nx_axis = [0, 1, 0]", "a.toml:3: board[2].at", "overlaps"),
+        ("[[board]]\nnormal = [0, 0, 0]", "a.toml:3: board[1].normal", "must be a direction"),
+        ("[[board]]\nnormal = [2, 0, 0]", "a.toml:2: board[1].x_axis", "runs along `normal`"),
+        ("[[reflector]]\npoint = [0, 0, -0.1]", "a.toml:3: reflector[1].point", "board 1 lies behind it"),
+        ("[[reflector]]\npoint = [0, 0, 0]\nnormal = [1, 0, 0]", "a.toml:3: reflector[1]", "is cut by it"),
+        ("[[reflector]]\npoint = [0, 0, 0]\nnormal = [0, 0, 1]", "a.toml:3: reflector[1]", "lies in it"),
+        ("[[reflector]]\ncoefficient = 1.5", "a.toml:3: reflector[1].coefficient = 1.5", "from -1 to 1"),
+        ("[array]\nreflectivity = 2", "a.toml:3: array.reflectivity = 2", "from -1 to 1"),
+        ("[array]\nreflectivity = -1\n[[reflector]]", "a.toml:3: array.reflectivity = -1", "not converge"),
+        ("[liquid]\nreflects = true\n[plane]\ny_axis = [0, 0, 1]", "a.toml:3: liquid.reflects", "level"),
+        ("[array]\nrows = 200\ncolumns = 200\n[[board]]\n[[board]]\nat = [9, 0, 0]", "a.toml:", "80000"),
+        ("[array]\noff = [600]\n[[board]]\n[[board]]\nat = [9, 0, 0]", "a.toml:3: array.off[1]", "0 to 511"),
+        (
+            "[[board]]\n[[board]]\nat = [0, 0, 1]\n[[target]]\nat = [0, 0, -1]",
+            "a.toml:5: target[1]",
+            "every board",
+        ),
+    ] {
+        let error = refused(text);
+        assert!(error.starts_with(start) && error.contains(what), "{text}: {error}");
+    }
+}
+
+#[test]
+fn boards_that_stand_side_by_side_do_not_overlap() {
+    let text = "format = 1\n[[board]]\n[[board]]\nat = [0.168, 0, 0]\n[[board]]\nat = [0, 0, 0.001]\n";
+    assert!(file::parse(text, Path::new("a.toml")).is_ok());
+    let scene = file::parse(&text.replace("0.001", "0.2"), Path::new("a.toml")).unwrap();
+    assert_eq!(scene.elements(), 768);
+    let again = file::parse(&file::write(&scene), Path::new("b.toml")).unwrap();
+    assert_eq!(again, scene);
+}

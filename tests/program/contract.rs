@@ -1,0 +1,419 @@
+//! The program as its users and their scripts call it: the contract, and what bad input gets.
+
+use std::f64::consts::{SQRT_2, TAU};
+use std::fs;
+use std::path::Path;
+
+use num_complex::Complex64;
+use serde_json::Value;
+
+use crate::process::{POINT, example, folder_with, program, refuse, run, succeed};
+
+#[test]
+fn solve_prints_the_json_that_other_programs_read() {
+    let folder = folder_with(&[]);
+    let text = succeed(folder.path(), &["solve", &example("points-4"), "--json"]);
+    let value: Value = serde_json::from_str(&text).unwrap();
+    let keys = |value: &Value| value.as_object().unwrap().keys().cloned().collect::<Vec<_>>();
+    let sorted = |mut keys: Vec<&'static str>| {
+        keys.sort_unstable();
+        keys
+    };
+    assert_eq!(
+        keys(&value),
+        sorted(vec![
+            "method",
+            "elements",
+            "foci",
+            "quality",
+            "seconds",
+            "iterations",
+            "phases",
+            "amplitudes"
+        ])
+    );
+    assert_eq!(keys(&value["foci"][0]), sorted(vec!["position", "target", "pressure", "phase"]));
+    assert_eq!(
+        keys(&value["quality"]),
+        sorted(vec![
+            "mean_pressure",
+            "min_pressure",
+            "spread",
+            "efficiency",
+            "relative_to_single",
+            "bound",
+            "certified",
+            "ghost",
+            "ghost_position",
+            "widths",
+            "residual",
+            "evenness",
+            "side_lobe",
+            "side_lobe_position",
+            "strength",
+            "rank",
+            "condition"
+        ])
+    );
+    assert_eq!(value["method"], "weighted");
+    assert_eq!(value["elements"], 256);
+    assert_eq!(value["iterations"], 7);
+    assert_eq!(value["foci"].as_array().unwrap().len(), 4);
+    assert_eq!(value["phases"].as_array().unwrap().len(), 256);
+    assert_eq!(value["amplitudes"].as_array().unwrap().len(), 256);
+    let pressures: Vec<_> =
+        value["foci"].as_array().unwrap().iter().map(|f| f["pressure"].as_f64().unwrap()).collect();
+    let mean = pressures.iter().sum::<f64>() / 4.0;
+    assert!((value["quality"]["mean_pressure"].as_f64().unwrap() / mean - 1.0).abs() < 1e-12);
+    let weakest = pressures.iter().copied().fold(f64::INFINITY, f64::min);
+    assert!((value["quality"]["evenness"].as_f64().unwrap() - weakest / mean).abs() < 1e-12);
+}
+
+#[test]
+fn solve_answers_in_the_pascals_asked_for() {
+    let text = |pressure: f64| {
+        format!("{POINT}pressures = \"pascal\"\n[[target]]\nat = [-0.02, 0, 0.1]\npressure = {pressure}\n")
+            .replace("method = \"focus\"\n", "")
+            .replace("0.1]\n[solver]", "0.1]\npressure = 300\n[solver]")
+    };
+    let folder = folder_with(&[("quiet.toml", &text(600.0)), ("loud.toml", &text(60000.0))]);
+    let args = ["solve", "quiet.toml", "--json", "--csv", "drive.csv"];
+    let quiet: Value = serde_json::from_str(&succeed(folder.path(), &args)).unwrap();
+    let amplitude = quiet["amplitudes"][0].as_f64().unwrap();
+    assert!(0.05 < amplitude && amplitude < 0.9, "{amplitude}");
+    for (focus, asked) in quiet["foci"].as_array().unwrap().iter().zip([300.0, 600.0]) {
+        assert_eq!(focus["target"], asked);
+        assert!((focus["pressure"].as_f64().unwrap() / asked - 1.0).abs() < 1e-3, "{focus}");
+    }
+    let row = fs::read_to_string(folder.path().join("drive.csv")).unwrap().lines().nth(1).unwrap().to_owned();
+    let written: f64 = row.split(',').next_back().unwrap().parse().unwrap();
+    assert!((written / amplitude - 1.0).abs() < 1e-12, "{row} is what is played");
+    // What is rendered is what is played: the loudest pixel is the louder focus.
+    succeed(folder.path(), &["render", "quiet.toml", "-o", "a.png", "--size", "200", "--data", "a.npy"]);
+    let bytes = fs::read(folder.path().join("a.npy")).unwrap();
+    let values: Vec<f32> = npyz::NpyFile::new(&bytes[..]).unwrap().into_vec().unwrap();
+    let peak = f64::from(values.iter().copied().fold(0.0, f32::max)) * 2f64.sqrt();
+    assert!((peak / 600.0 - 1.0).abs() < 0.03, "{peak}");
+    let output = run(folder.path(), &["solve", "loud.toml"]);
+    let (said, warned) = (String::from_utf8_lossy(&output.stdout), String::from_utf8_lossy(&output.stderr));
+    assert!(warned.contains("30150.0 Pa") && warned.contains("full drive is played"), "{warned}");
+    assert!(warned.contains("no drive of this array brings every focus to more than"), "{warned}");
+    assert!(said.contains("each at 100.00 % of full drive"), "{said}");
+}
+
+#[test]
+fn solve_says_how_loud_it_is_for_a_listener() {
+    let folder =
+        folder_with(&[("a.toml", POINT), ("b.toml", &format!("{POINT}[listener]\nat = [0, 0, 9]\n"))]);
+    let heard = |args: &[&str]| -> Value {
+        serde_json::from_str::<Value>(&succeed(folder.path(), &[args, &["--json"]].concat())).unwrap()["listener"].clone()
+    };
+    assert_eq!(heard(&["solve", "a.toml"]), Value::Null);
+    assert_eq!(heard(&["solve", "b.toml"])["position"][2], 9.0);
+    let aside = heard(&["solve", "b.toml", "--listener", "-0.5, 0.1,0.3"]);
+    assert_eq!(aside["position"][0], -0.5);
+    let (rms, spl) = (aside["rms"].as_f64().unwrap(), aside["spl"].as_f64().unwrap());
+    assert!((spl - 20.0 * (rms / 20e-6).log10()).abs() < 1e-9, "{aside}");
+    fs::write(folder.path().join("ear.csv"), "x,y,z\n-0.5,0.1,0.3\n").unwrap();
+    let probed = succeed(folder.path(), &["probe", "b.toml", "--points", "ear.csv"]);
+    let probed: f64 = probed.lines().nth(1).unwrap().split(',').next_back().unwrap().parse().unwrap();
+    assert!((probed / rms - 1.0).abs() < 1e-12, "{probed} is not {rms}");
+    let output = run(folder.path(), &["solve", "a.toml", "--listener", "0,0,0.5"]);
+    let (said, warned) = (String::from_utf8_lossy(&output.stdout), String::from_utf8_lossy(&output.stderr));
+    assert!(said.contains("dB re 20 µPa") && warned.contains("louder than 110 dB"), "{said} {warned}");
+}
+
+#[test]
+fn solve_compares_methods_and_writes_the_drive() {
+    let folder = folder_with(&[("a.toml", POINT)]);
+    let all: Value =
+        serde_json::from_str(&succeed(folder.path(), &["solve", "a.toml", "--method", "all", "--json"]))
+            .unwrap();
+    assert_eq!(all.as_array().unwrap().len(), 9);
+    let table = succeed(folder.path(), &["solve", &example("circle"), "--method", "all"]);
+    assert!(table.contains("weighted") && table.contains("best") && !table.contains("focus "), "{table}");
+    succeed(folder.path(), &["solve", "a.toml", "--csv", "drive.csv"]);
+    let csv = fs::read_to_string(folder.path().join("drive.csv")).unwrap();
+    assert_eq!(csv.lines().next(), Some("element,x,y,phase,amplitude"));
+    assert_eq!(csv.lines().count(), 257);
+}
+
+#[test]
+fn probe_answers_in_pascals_and_takes_a_drive_from_a_file() {
+    let points = "x,y,z\n0.01,0.02,0.1\n0,0.02,0.15\n";
+    let folder = folder_with(&[("a.toml", POINT), ("points.csv", points)]);
+    let solved: Value =
+        serde_json::from_str(&succeed(folder.path(), &["solve", "a.toml", "--json", "--csv", "d.csv"]))
+            .unwrap();
+    let answer = succeed(folder.path(), &["probe", "a.toml", "--points", "points.csv"]);
+    let rows: Vec<Vec<f64>> =
+        answer.lines().skip(1).map(|line| line.split(',').map(|v| v.parse().unwrap()).collect()).collect();
+    assert_eq!(answer.lines().next(), Some("x,y,z,re,im,rms"));
+    assert_eq!(rows.len(), 2);
+    let pressure = solved["foci"][0]["pressure"].as_f64().unwrap();
+    assert!((rows[0][3].hypot(rows[0][4]) / pressure - 1.0).abs() < 1e-12);
+    assert!((rows[0][5] * 2f64.sqrt() / pressure - 1.0).abs() < 1e-12);
+    for backend in ["auto", "cpu", "reference"] {
+        let args = [
+            "probe",
+            "a.toml",
+            "--points",
+            "points.csv",
+            "--drive",
+            "d.csv",
+            "--backend",
+            backend,
+            "-o",
+            "out.csv",
+        ];
+        succeed(folder.path(), &args);
+        let out = fs::read_to_string(folder.path().join("out.csv")).unwrap();
+        let re: f64 = out.lines().nth(1).unwrap().split(',').nth(3).unwrap().parse().unwrap();
+        assert!((re - rows[0][3]).abs() < 2e-5 * pressure, "{backend}");
+    }
+}
+
+#[test]
+fn render_writes_pictures_and_the_numbers_behind_them() {
+    let folder = folder_with(&[("a.toml", &format!("{POINT}[plane]\nsize = [0.2, 0.1]\n"))]);
+    let args = ["render", "a.toml", "-o", "a.png", "--size", "64", "--data", "a.npy"];
+    succeed(folder.path(), &args);
+    let picture = image::open(folder.path().join("a.png")).unwrap().to_rgb8();
+    assert_eq!((picture.width(), picture.height()), (64, 32), "W alone keeps the plane's shape");
+    let bytes = fs::read(folder.path().join("a.npy")).unwrap();
+    let npy = npyz::NpyFile::new(&bytes[..]).unwrap();
+    assert_eq!(npy.shape(), [32, 64]);
+    let values: Vec<f32> = npy.into_vec().unwrap();
+    // Column 35 of 64 over 0.2 m is the pixel around x = 10.9 mm, row 22 of 32 over 0.1 m the one of y = 20 mm.
+    let peak = values.iter().copied().fold(0.0, f32::max);
+    let at = values.iter().position(|&value| value == peak).unwrap();
+    assert!([34, 35].contains(&(at % 64)) && at / 64 == 22, "{at}");
+    let brightest = |x: u32, y: u32| picture.get_pixel(x, y).0.iter().map(|&v| u32::from(v)).sum::<u32>();
+    assert!(brightest((at % 64) as u32, 31 - (at / 64) as u32) > 600, "row 0 is the bottom of the picture");
+}
+
+/// Shape and values of a file that a command has written for numpy.
+fn npy(path: &Path) -> (Vec<u64>, Vec<f32>) {
+    let bytes = fs::read(path).unwrap();
+    assert!(String::from_utf8_lossy(&bytes[..80]).contains("'<f4'"));
+    let npy = npyz::NpyFile::new(&bytes[..]).unwrap();
+    (npy.shape().to_vec(), npy.into_vec().unwrap())
+}
+
+#[test]
+fn intensity_and_velocity_are_those_of_the_probed_pressures() {
+    const MEDIUM: &str = "[medium]\nsound_speed = 340.0\ndensity = 1.2\n[plane]\ncentre = [0.01, 0.01, 0.1]\nsize = [0.04, 0.02]\n";
+    let folder = folder_with(&[("a.toml", &format!("{POINT}{MEDIUM}"))]);
+    let (width, height, hair) = (40, 20, 1e-6);
+    let map = |quantity: &str| {
+        let args =
+            ["render", "a.toml", "-o", "a.png", "--size", "40", "--data", "a.npy", "--quantity", quantity];
+        let said = succeed(folder.path(), &args);
+        let (shape, values) = npy(&folder.path().join("a.npy"));
+        assert_eq!(shape, [height, width], "{quantity}");
+        (said, values)
+    };
+    let ((said, intensity), (also_said, velocity)) = (map("intensity"), map("velocity"));
+    assert!(said.contains("intensity up to") && said.contains("W/m²"), "{said}");
+    assert!(also_said.contains("velocity up to") && also_said.contains("m/s"), "{also_said}");
+    let peak = |values: &[f32]| f64::from(values.iter().copied().fold(0.0, f32::max));
+    // Beside the focus, where the sound runs askew, and at it: columns of 1 mm from -10 mm, rows from 0 mm.
+    for (column, row) in [(5, 12), (20, 19), (33, 2)] {
+        let [x, y, z] = [-0.0095 + 1e-3 * column as f64, 0.0005 + 1e-3 * row as f64, 0.1];
+        let mut points = format!("x,y,z\n{x},{y},{z}\n");
+        for axis in 0..3 {
+            for side in [hair, -hair] {
+                let mut at = [x, y, z];
+                at[axis] += side;
+                points += &format!("{},{},{}\n", at[0], at[1], at[2]);
+            }
+        }
+        fs::write(folder.path().join("points.csv"), points).unwrap();
+        let answer = succeed(folder.path(), &["probe", "a.toml", "--points", "points.csv"]);
+        let number = |line: &str, column: usize| line.split(',').nth(column).unwrap().parse::<f64>().unwrap();
+        let p: Vec<_> =
+            answer.lines().skip(1).map(|line| Complex64::new(number(line, 3), number(line, 4))).collect();
+        // jωρV = -∇P
+        let resistance = -Complex64::I * TAU * 40e3 * 1.2;
+        let v = [1, 3, 5].map(|i| (p[i] - p[i + 1]) / (2.0 * hair) / resistance);
+        let expected =
+            v.map(|v| 0.5 * (p[0] * v.conj()).re).iter().map(|flow| flow * flow).sum::<f64>().sqrt();
+        let pixel = row * width as usize + column;
+        let off = (f64::from(intensity[pixel]) - expected).abs();
+        assert!(off < 2e-3 * peak(&intensity), "{column}, {row}: {} W/m², not {expected}", intensity[pixel]);
+        let expected = v[2].norm() / SQRT_2;
+        let off = (f64::from(velocity[pixel]) - expected).abs();
+        assert!(off < 2e-3 * peak(&velocity), "{column}, {row}: {} m/s, not {expected}", velocity[pixel]);
+    }
+}
+
+#[test]
+fn every_backend_renders_the_same_numbers() {
+    let folder = folder_with(&[("a.toml", POINT)]);
+    let mut fields: Vec<Vec<f32>> = Vec::new();
+    for backend in ["reference", "cpu", "auto", "gpu"] {
+        let args =
+            ["render", "a.toml", "-o", "a.png", "--size", "48x40", "--data", "a.npy", "--backend", backend];
+        let output = run(folder.path(), &args);
+        let said = String::from_utf8_lossy(&output.stderr);
+        if backend == "gpu" {
+            let done = if output.status.success() { Ok(()) } else { Err(said) };
+            let Some(()) = crate::requirement::found("gpu", done) else { continue };
+        } else {
+            assert!(output.status.success(), "{backend}: {said}");
+        }
+        let bytes = fs::read(folder.path().join("a.npy")).unwrap();
+        fields.push(npyz::NpyFile::new(&bytes[..]).unwrap().into_vec().unwrap());
+    }
+    let peak = fields[0].iter().copied().fold(0.0, f32::max);
+    for field in &fields[1..] {
+        for (a, b) in fields[0].iter().zip(field) {
+            assert!((a - b).abs() < 2e-5 * peak);
+        }
+    }
+}
+
+#[test]
+fn render_fills_a_folder_and_draws_every_quantity() {
+    let folder = folder_with(&[("a.toml", POINT), ("b.toml", POINT)]);
+    succeed(folder.path(), &["render", "a.toml", "b.toml", "-o", "out/", "--size", "32"]);
+    assert_eq!(fs::read_dir(folder.path().join("out")).unwrap().count(), 2);
+    for (quantity, size) in [("phase", (32, 32)), ("drive", (400, 210)), ("sheet", (400, 390))] {
+        let width = size.0.to_string();
+        succeed(
+            folder.path(),
+            &["render", "a.toml", "-o", "q.png", "--quantity", quantity, "--size", &width, "-v"],
+        );
+        let picture = image::open(folder.path().join("q.png")).unwrap();
+        assert_eq!((picture.width(), picture.height()), size, "{quantity}");
+    }
+}
+
+#[test]
+fn no_arguments_draw_the_example_even_without_a_driver_and_a_display() {
+    let folder = folder_with(&[]);
+    let output = program(folder.path(), &[])
+        .env("VK_DRIVER_FILES", "/nonexistent/icd.json")
+        .env("VK_ICD_FILENAMES", "/nonexistent/icd.json")
+        .env_remove("DISPLAY")
+        .env_remove("WAYLAND_DISPLAY")
+        .output()
+        .unwrap();
+    let (said, noted) = (String::from_utf8_lossy(&output.stdout), String::from_utf8_lossy(&output.stderr));
+    assert!(output.status.success(), "{noted}");
+    assert!(said.contains("sonoglyph.png") && said.contains("render"), "{said}");
+    assert!(noted.contains("the CPU computes the field"), "{noted}");
+    assert!(image::open(folder.path().join("sonoglyph.png")).unwrap().width() > 1000);
+    let gpu = program(folder.path(), &["render", &example("line"), "-o", "a.png", "--backend", "gpu"])
+        .env("VK_DRIVER_FILES", "/nonexistent/icd.json")
+        .env("VK_ICD_FILENAMES", "/nonexistent/icd.json")
+        .output()
+        .unwrap();
+    assert_eq!(gpu.status.code(), Some(2), "an absent GPU that was asked for is an error");
+    assert!(String::from_utf8_lossy(&gpu.stderr).contains("no usable GPU adapter"));
+}
+
+#[test]
+fn bad_scenes_are_refused_with_file_line_and_value() {
+    for (text, parts) in [
+        ("format = 1\n[array\n", &["bad.toml:2"][..]),
+        ("format = 1\n[array]\npich = 0.01\n", &["bad.toml:3", "pich"]),
+        ("format = 1\n[array]\npitch = nan\n", &["bad.toml:3", "array.pitch = nan"]),
+        ("format = 1\n[array]\nrows = 0\n", &["bad.toml:3", "array.rows = 0"]),
+        ("format = 1\n[array]\nrows = 10000\ncolumns = 1000\n", &["bad.toml:3", "10000000 elements"]),
+        ("format = 1\n[[target]]\nat = [0, 0, 0]\n", &["bad.toml:2", "on or behind the array"]),
+        ("format = 1\n", &["bad.toml", "no target"]),
+        (
+            "format = 1\n[[target]]\npressure = -3\n",
+            &["bad.toml:3", "target[1].pressure = -3", "leave the target out"],
+        ),
+        ("format = 1\n[solver]\namplitudes = \"any\"\n", &["bad.toml:3", "uniform"]),
+        ("format = 1\n[solver]\nquiet = -0.1\n", &["bad.toml:3", "solver.quiet = -0.1", "from 0 to 1"]),
+        ("format = 1\n[solver]\nsearch = 1e9\n", &["bad.toml:3", "solver.search = 1e9", "3600 s"]),
+        ("format = 1\n[[quiet]]\nat = [0, 0, -1]\n", &["bad.toml:3", "quiet[1].at = [0, 0, -1]", "behind"]),
+        ("format = 1\n[[quiet]]\nradius = -1\n", &["bad.toml:3", "quiet[1].radius = -1", "length"]),
+        ("format = 1\n[listener]\nat = [0, 0, 0]\n", &["bad.toml:3", "listener.at", "behind the array"]),
+        ("format = 1\n[[target]]\nkind = \"circle\"\npoints = 1000000\n", &["bad.toml:4", "1000000"]),
+        ("format = 1\n[[target]]\nkind = \"text\"\ntext = \"H→T\"\n", &["bad.toml:4", "→"]),
+    ] {
+        let folder = folder_with(&[("bad.toml", text)]);
+        for args in [&["render", "bad.toml", "-o", "a.png"][..], &["solve", "bad.toml", "--json"]] {
+            let message = refuse(folder.path(), args);
+            for part in parts {
+                assert!(message.contains(part), "{text}: {message}");
+            }
+            assert_eq!(message.trim_end().lines().count(), 1, "{message}");
+        }
+    }
+}
+
+#[test]
+fn bad_arguments_and_files_are_refused() {
+    let folder = folder_with(&[
+        ("a.toml", POINT),
+        ("two.toml", "format = 1\n[[target]]\n[[target]]\nat = [0.02, 0, 0.1]\n"),
+        ("points.csv", "x,y,z\n0,0,0.1\n"),
+        ("no-z.csv", "x,y\n0,0\n"),
+        ("word.csv", "x,y,z\n0,0,0.1\n0,zero,0.1\n"),
+        ("short.csv", "x,y,z\n0,0\n"),
+        ("empty.csv", "x,y,z\n"),
+        ("drive.csv", "phase\n0\n0\n"),
+    ]);
+    for (args, part) in [
+        (&["render", "none.toml", "-o", "x.png"][..], "none.toml"),
+        (&["render", "a.toml", "-o", "no/such/folder/x.png"], "no/such/folder/x.png"),
+        (&["render", "a.toml", "two.toml", "-o", "a.toml"], "need a folder"),
+        (&["render", "a.toml", "-o", "x.png", "--size", "0"], "pixels"),
+        (&["render", "a.toml", "-o", "x.png", "--size", "20000x20000"], "3051 MiB"),
+        (&["render", "a.toml", "-o", "x.png", "--size", "16384x16384"], "MiB"),
+        (&["render", "a.toml", "-o", "x.png", "--quantity", "sheet", "--size", "20"], "no room"),
+        (&["render", "a.toml", "-o", "x.png", "--tolerance", "-1"], "tolerance"),
+        (&["render", "a.toml", "-o", "x.png", "--quantity", "colour"], "colour"),
+        (&["solve", "a.toml", "--method", "magic"], "weighted"),
+        (&["solve", "two.toml", "--method", "focus"], "`weighted`"),
+        (&["solve", "a.toml", "--listener", "0,-0.3,-0.1"], "behind the array"),
+        (&["solve", "a.toml", "--listener", "0,0.3"], "three numbers"),
+        (&["solve", "a.toml", "--csv", "no/such/folder/x.csv"], "no/such/folder/x.csv"),
+        (&["probe", "a.toml", "--points", "none.csv"], "none.csv"),
+        (&["probe", "a.toml", "--points", "no-z.csv"], "no-z.csv:1: the column `z` is missing"),
+        (&["probe", "a.toml", "--points", "word.csv"], "word.csv:3: y = `zero`"),
+        (&["probe", "a.toml", "--points", "short.csv"], "short.csv"),
+        (&["probe", "a.toml", "--points", "empty.csv"], "there are no points"),
+        (
+            &["probe", "a.toml", "--points", "points.csv", "--drive", "drive.csv"],
+            "element 2 of 256 is missing",
+        ),
+        (&["dance"], "dance"),
+        (&["--renderer", "bad"], "auto, wgpu, glow"),
+    ] {
+        let message = refuse(folder.path(), args);
+        assert!(message.contains(part), "{args:?}: {message}");
+    }
+}
+
+#[test]
+fn devices_says_what_would_be_used() {
+    let said = succeed(folder_with(&[]).path(), &["devices"]);
+    assert!(said.contains("CPU evaluator") && said.contains("auto"), "{said}");
+}
+
+#[test]
+fn bench_writes_a_table_the_json_and_charts() {
+    let folder = tempfile::tempdir().unwrap();
+    let bench = |args: &[&str]| succeed(folder.path(), &[&["bench"], args].concat());
+    let table = bench(&["stability", "--json", "bench.json"]);
+    assert!(table.contains("condition") && table.contains("112 of 112 solutions"), "{table}");
+    let json: Value =
+        serde_json::from_str(&fs::read_to_string(folder.path().join("bench.json")).unwrap()).unwrap();
+    let sets = json["stability"].as_array().unwrap();
+    assert!(sets.len() == 112 && sets.iter().all(|record| record["sound"] == true), "{sets:?}");
+    assert!(json["machine"]["threads"].as_u64() > Some(0) && json["shapes"].is_null(), "{json}");
+    assert!(json["command"].as_str().unwrap().starts_with("sonoglyph bench stability"), "{json}");
+    let table = bench(&["shapes", "--plots", "plots"]);
+    assert!(table.contains("stroke, dragged") && table.contains("plots/shapes-side-lobe.png"), "{table}");
+    assert!(image::open(folder.path().join("plots/shapes-side-lobe.png")).unwrap().width() > 1000);
+    for (option, path) in [("--json", "no/bench.json"), ("--plots", "bench.json")] {
+        let message = refuse(folder.path(), &["bench", "solve", option, path]);
+        assert!(message.contains(path), "{message}");
+    }
+}

@@ -1,0 +1,83 @@
+//! What the help shows.
+
+use std::fs;
+use std::path::Path;
+
+use crate::process::{folder_with, refuse, succeed};
+
+#[test]
+fn help_names_every_quantity_and_who_draws_the_window() {
+    let folder = folder_with(&[]);
+    let render = succeed(folder.path(), &["render", "--help"]);
+    for quantity in
+        ["rms", "phase", "radiation", "depression", "instantaneous", "intensity", "velocity", "caustic"]
+    {
+        assert!(render.contains(&format!("- {quantity}:")), "{quantity}: {render}");
+    }
+    let all = succeed(folder.path(), &["--help"]);
+    assert!(["--renderer", "wgpu", "glow"].iter().all(|word| all.contains(word)), "{all}");
+}
+
+#[test]
+fn help_shows_every_command_with_an_example() {
+    let folder = folder_with(&[]);
+    let help = succeed(folder.path(), &["--help"]);
+    for command in [
+        "render", "solve", "probe", "batch", "devices", "bench", "ports", "send", "serve", "board",
+        "elements",
+    ] {
+        assert!(help.contains(command), "{help}");
+        let own = succeed(folder.path(), &[command, "--help"]);
+        assert!(
+            ["devices", "ports"].contains(&command) || own.contains(&format!("sonoglyph {command} ")),
+            "{own}"
+        );
+    }
+}
+
+/// The commands that `--help` lists.
+fn commands(folder: &Path) -> Vec<String> {
+    let help = succeed(folder, &["--help"]);
+    let list = help.split_once("\nCommands:\n").unwrap().1.split_once("\n\nArguments:").unwrap().0;
+    let named = |line: &str| {
+        let name = line.strip_prefix("  ").filter(|line| !line.starts_with(' '));
+        name.and_then(|line| line.split_whitespace().next()).map(str::to_owned)
+    };
+    list.lines().filter_map(named).filter(|name| name != "help").collect()
+}
+
+#[test]
+fn completions_of_every_shell_name_every_command() {
+    let folder = folder_with(&[]);
+    let commands = commands(folder.path());
+    assert!(commands.len() >= 14, "{commands:?}");
+    for shell in ["bash", "zsh", "fish", "powershell", "elvish"] {
+        let script = succeed(folder.path(), &["completions", shell]);
+        for word in commands.iter().map(String::as_str).chain(["renderer", "quantity", "depression"]) {
+            assert!(script.contains(word), "{shell} lacks {word}");
+        }
+    }
+    let refused = refuse(folder.path(), &["completions", "tcsh"]);
+    assert!(refused.contains("tcsh") && refused.contains("zsh"), "{refused}");
+}
+
+#[test]
+fn every_command_has_a_manual_page() {
+    let folder = folder_with(&[]);
+    let program = succeed(folder.path(), &["manual"]);
+    assert!(program.contains(".TH sonoglyph 1"), "{program}");
+    fs::create_dir(folder.path().join("man")).unwrap();
+    succeed(folder.path(), &["manual", "-o", "man"]);
+    assert_eq!(fs::read_to_string(folder.path().join("man/sonoglyph.1")).unwrap(), program);
+    let commands = commands(folder.path());
+    for command in &commands {
+        assert!(program.contains(&format!("sonoglyph\\-{command}(1)")), "{command}: {program}");
+        let page = succeed(folder.path(), &["manual", command]);
+        assert!(page.contains(&format!(".TH sonoglyph-{command} 1")), "{page}");
+        let written = folder.path().join(format!("man/sonoglyph-{command}.1"));
+        assert_eq!(fs::read_to_string(written).unwrap(), page);
+    }
+    assert_eq!(fs::read_dir(folder.path().join("man")).unwrap().count(), commands.len() + 1);
+    let refused = refuse(folder.path(), &["manual", "draw"]);
+    assert!(refused.contains("draw: no such command") && refused.contains("render, solve"), "{refused}");
+}

@@ -1,0 +1,22 @@
+//! The program as its users and their scripts call it, a module per command or per thing that commands make.
+
+#![expect(clippy::unwrap_used, reason = "a test's helper may panic")]
+
+mod arrays;
+mod batch;
+mod contract;
+mod examples;
+mod figures;
+#[cfg(unix)]
+mod film;
+mod force;
+mod help;
+mod liquid;
+mod motion;
+mod plots;
+mod process;
+#[path = "../requirement/mod.rs"]
+mod requirement;
+mod shape;
+mod time_course;
+mod volume;

@@ -1,0 +1,327 @@
+//! Motion as its users and their scripts call it: `solve --motion`, `render --motion`, and what bad input gets.
+
+use std::fs;
+use std::path::Path;
+
+use serde_json::Value;
+
+use crate::process::{folder_with, refuse, run, succeed};
+
+/// Two foci that run along a square, with an element that is off.
+const SQUARE: &str = "format = 1\n[array]\noff = [3]\n[[target]]\nat = [-0.02, 0, 0.1]\n[[target]]\nat = [0.02, 0, 0.1]\n\
+                      [plane]\nsize = [0.12, 0.06]\n[motion]\npath = \"square\"\nsize = 0.02\nrate = 2\nframes = 12\n";
+/// One focus that takes turns on the left and on the right.
+const STEPS: &str = "format = 1\n[[target]]\nat = [-0.03, 0, 0.1]\nstep = 0\n[[target]]\nat = [0.03, 0.01, 0.1]\n\
+                     pressure = 0.5\nstep = 1\n[solver]\nmethod = \"focus\"\n[motion]\npath = \"steps\"\nrate = 1\nframes = 4\n";
+
+/// A focus that goes out and back in time and gets quieter, and one beside it that stands.
+const KEYFRAMES: &str = "format = 1\n[[target]]\nat = [0, 0, 0.1]\n[target.motion]\npath = \"keyframes\"\nrate = 2\n\
+                         frames = 8\nkeyframes = [{ time = 0 }, { time = 0.25, at = [0.02, 0, 0], easing = \"smooth\" },\n\
+                         { time = 0.75, at = [0, 0.01, 0.02], pressure = 0.5, easing = \"hold\" }]\n\
+                         [[target]]\nat = [-0.04, 0, 0.1]\n";
+
+fn numbers(value: &Value) -> Vec<f64> {
+    value.as_array().unwrap().iter().map(|v| v.as_f64().unwrap()).collect()
+}
+
+#[test]
+fn keyframes_are_gone_through_in_their_times_and_pressures() {
+    let folder = folder_with(&[("a.toml", KEYFRAMES)]);
+    let text = succeed(folder.path(), &["solve", "a.toml", "--motion", "--json"]);
+    let value: Value = serde_json::from_str(&text).unwrap();
+    let frames = value["frames"].as_array().unwrap();
+    // Worked out by hand: linear to the second, smooth to the third, which holds.
+    let half = [0.01, 0.005, 0.01];
+    let quarter = |from: f64, to: f64| from + (to - from) * (3.0 / 16.0 - 2.0 / 64.0);
+    let wanted = [
+        ([0.0, 0.0, 0.0], 1.0),
+        ([0.01, 0.0, 0.0], 1.0),
+        ([0.02, 0.0, 0.0], 1.0),
+        ([quarter(0.02, 0.0), quarter(0.0, 0.01), quarter(0.0, 0.02)], quarter(1.0, 0.5)),
+        (half, 0.75),
+        ([quarter(0.0, 0.02), quarter(0.01, 0.0), quarter(0.02, 0.0)], quarter(0.5, 1.0)),
+        ([0.0, 0.01, 0.02], 0.5),
+        ([0.0, 0.01, 0.02], 0.5),
+    ];
+    assert_eq!(frames.len(), wanted.len());
+    for (i, (frame, ([x, y, z], loud))) in frames.iter().zip(wanted).enumerate() {
+        let place = numbers(&frame["foci"][0]);
+        let there = place.iter().zip([x, y, 0.1 + z]).all(|(a, b)| (a - b).abs() < 1e-12);
+        assert!(there, "frame {i}: {place:?}");
+        assert_eq!(numbers(&frame["foci"][1]), [-0.04, 0.0, 0.1]);
+        // Levelled foci stand in the proportion that is asked for.
+        let pressures = numbers(&frame["pressures"]);
+        assert!((pressures[0] / pressures[1] / loud - 1.0).abs() < 0.02, "frame {i}: {pressures:?}");
+    }
+    let bad = KEYFRAMES.replace("time = 0.75", "time = 0.2");
+    let folder = folder_with(&[("a.toml", &bad)]);
+    let message = refuse(folder.path(), &["solve", "a.toml", "--motion"]);
+    assert!(
+        message.contains("a.toml:9: target[1].motion.keyframes[3].time = 0.2: must be later"),
+        "{message}"
+    );
+}
+
+#[test]
+fn every_frame_is_in_the_json_and_in_the_csv_and_plays_what_it_says() {
+    let folder = folder_with(&[("a.toml", SQUARE), ("points.csv", "x,y,z\n-0.03,-0.01,0.1\n")]);
+    let text = succeed(folder.path(), &["solve", "a.toml", "--motion", "--json", "--csv", "frames.csv"]);
+    let value: Value = serde_json::from_str(&text).unwrap();
+    for (key, expected) in [("frames_per_second", 24.0), ("length", 0.08), ("speed", 0.16), ("rate", 2.0)] {
+        assert!((value[key].as_f64().unwrap() - expected).abs() < 1e-9, "{key}: {}", value[key]);
+    }
+    let frames = value["frames"].as_array().unwrap();
+    assert_eq!((frames.len(), &value["path"]), (12, &Value::from("square")));
+    let weakest = frames.iter().flat_map(|frame| numbers(&frame["pressures"])).fold(f64::INFINITY, f64::min);
+    assert_eq!(value["min_pressure"].as_f64(), Some(weakest));
+
+    let csv = fs::read_to_string(folder.path().join("frames.csv")).unwrap();
+    let mut lines = csv.lines();
+    assert!(lines.next().unwrap().starts_with("frame,time,phase_0,phase_1,"));
+    let rows: Vec<Vec<f64>> =
+        lines.map(|line| line.split(',').map(|cell| cell.parse().unwrap()).collect()).collect();
+    assert_eq!(rows.len(), 12);
+    for (index, (row, frame)) in rows.iter().zip(frames).enumerate() {
+        assert_eq!(row.len(), 258);
+        assert!(row[5].is_nan(), "an element that is off has no phase");
+        assert!(
+            (row[1] - index as f64 / 24.0).abs() < 1e-12
+                && (frame["time"].as_f64().unwrap() - row[1]).abs() < 1e-12
+        );
+        let phases = numbers(&frame["phases"]);
+        assert!((0..256).all(|n| n == 3 || (phases[n] - row[2 + n]).abs() < 1e-12));
+    }
+
+    // The first frame's drive, played by another command, makes the first focus as loud as it says.
+    let drive: String = std::iter::once("phase,amplitude\n".to_owned())
+        .chain(
+            (0..256).map(|n| if n == 3 { "0,0\n".to_owned() } else { format!("{:?},1\n", rows[0][2 + n]) }),
+        )
+        .collect();
+    fs::write(folder.path().join("drive.csv"), drive).unwrap();
+    let answer =
+        succeed(folder.path(), &["probe", "a.toml", "--points", "points.csv", "--drive", "drive.csv"]);
+    let rms: f64 = answer.lines().nth(1).unwrap().split(',').next_back().unwrap().parse().unwrap();
+    let said = numbers(&frames[0]["pressures"])[0];
+    assert!((rms * 2f64.sqrt() / said - 1.0).abs() < 1e-9, "{rms} and {said}");
+}
+
+#[test]
+fn the_table_says_how_fast_the_focus_is_and_what_can_play_it() {
+    let fast = SQUARE.replace("rate = 2", "rate = 4000");
+    let folder = folder_with(&[("a.toml", SQUARE), ("fast.toml", &fast)]);
+    let table = succeed(folder.path(), &["solve", "a.toml", "--motion"]);
+    for part in ["80.0 mm a cycle", "24 frames/s", "SonicSurface", "0.160 m/s; 5 to 8 m/s", "phase per frame"]
+    {
+        assert!(table.contains(part), "{part}: {table}");
+    }
+    let output = run(folder.path(), &["solve", "fast.toml", "--motion"]);
+    let warning = String::from_utf8(output.stderr).unwrap();
+    assert!(
+        output.status.success() && warning.contains("48000 frames/s are more than the 40000"),
+        "{warning}"
+    );
+}
+
+/// The brightest pixel, from the top left.
+fn brightest(rgb: &image::RgbImage) -> (u32, u32) {
+    let light = |pixel: &image::Rgb<u8>| pixel.0.iter().map(|&v| u32::from(v)).sum::<u32>();
+    let (x, y, _) = rgb.enumerate_pixels().max_by_key(|(.., pixel)| light(pixel)).unwrap();
+    (x, y)
+}
+
+#[test]
+fn animations_show_the_focus_where_it_is_in_colours_that_all_frames_share() {
+    let folder = folder_with(&[("a.toml", STEPS)]);
+    let args = |output| ["render", "a.toml", "--motion", "-o", output, "--size", "100", "--colours", "grey"];
+    for (output, count) in [("a.gif", 4), ("a.png", 4), ("a.apng", 4), ("frames/", 4)] {
+        let said = succeed(folder.path(), &args(output));
+        assert!(said.contains(&format!("{count} frames of 100 x 100 pixels")), "{said}");
+        assert!(said.contains("a cycle takes 1.000 s, and so it does here"), "{said}");
+    }
+    let bytes = fs::read(folder.path().join("a.png")).unwrap();
+    assert_eq!(bytes, fs::read(folder.path().join("a.apng")).unwrap());
+    let decoder = image::codecs::png::PngDecoder::new(std::io::Cursor::new(bytes)).unwrap();
+    let frames: Vec<image::RgbImage> = image::AnimationDecoder::into_frames(decoder.apng().unwrap())
+        .map(|frame| image::DynamicImage::from(frame.unwrap().into_buffer()).to_rgb8())
+        .collect();
+    let mut gif = gif_frames(&folder.path().join("a.gif"));
+    assert_eq!((frames.len(), gif.len()), (4, 4));
+    let mut peaks = Vec::new();
+    for (index, frame) in frames.iter().enumerate() {
+        let path = folder.path().join(format!("frames/a-{}.png", index + 1));
+        assert_eq!(&image::open(path).unwrap().to_rgb8(), frame);
+        assert_eq!(gif.remove(0), frame.as_raw()[..], "frame {index} of the GIF");
+        let (x, y) = brightest(frame);
+        // 2 mm a pixel, y upwards.
+        let (wanted_x, wanted_y) = if index < 2 { (35, 50) } else { (65, 45) };
+        assert!(x.abs_diff(wanted_x) <= 1 && y.abs_diff(wanted_y) <= 1, "frame {index}: {x}, {y}");
+        peaks.push(frame.get_pixel(x, y)[0]);
+    }
+    assert!(peaks.contains(&255) && peaks.iter().any(|&peak| peak < 255), "one range for all: {peaks:?}");
+}
+
+/// r, g, b of every frame.
+fn gif_frames(path: &Path) -> Vec<Vec<u8>> {
+    let mut options = gif::DecodeOptions::new();
+    options.set_color_output(gif::ColorOutput::RGBA);
+    let mut decoder = options.read_info(fs::File::open(path).unwrap()).unwrap();
+    let mut frames = Vec::new();
+    while let Some(frame) = decoder.read_next_frame().unwrap() {
+        frames.push(frame.buffer.chunks(4).flat_map(|pixel| pixel[..3].to_vec()).collect());
+    }
+    frames
+}
+
+/// Two foci run along a square beside a point that stands, and a target goes round by itself.
+const OUTLINE: &str = "format = 1\n[[target]]\nkind = \"rectangle\"\n[[target]]\nat = [0, 0, 0.1]\n\
+                       [[target]]\nat = [-0.06, 0, 0.1]\n[target.motion]\npath = \"circle\"\nsize = 0.02\nrate = 90\n\
+                       [motion]\npath = \"outline\"\nfoci = 2\nframes = 16\n";
+
+#[test]
+fn foci_run_along_the_drawn_strokes() {
+    let folder = folder_with(&[("a.toml", OUTLINE)]);
+    let output = run(folder.path(), &["solve", "a.toml", "--motion", "--json"]);
+    let warning = String::from_utf8(output.stderr).unwrap();
+    assert!(warning.contains("target 3 goes round 75.000 times a second, not 90.000"), "{warning}");
+    let value: Value = serde_json::from_slice(&output.stdout).unwrap();
+    for (key, expected) in [("rate", 37.5), ("length", 0.16), ("speed", 6.0), ("frames_per_second", 600.0)] {
+        assert!((value[key].as_f64().unwrap() - expected).abs() < 1e-9, "{key}: {}", value[key]);
+    }
+    let own = &value["own_motions"][0];
+    assert_eq!((own["target"].as_u64(), own["rounds"].as_u64()), (Some(2), Some(2)));
+    assert_eq!((own["rate"].as_f64(), own["asked_rate"].as_f64()), (Some(75.0), Some(90.0)));
+    for frame in value["frames"].as_array().unwrap() {
+        let foci: Vec<_> = frame["foci"].as_array().unwrap().iter().map(numbers).collect();
+        assert_eq!((foci.len(), &foci[0]), (4, &vec![0.0, 0.0, 0.1]));
+        assert!(((foci[1][0] + 0.06).hypot(foci[1][1]) - 0.01).abs() < 1e-9);
+        let (a, b) = (&foci[2], &foci[3]);
+        assert!((a[0].abs().max(a[1].abs()) - 0.02).abs() < 1e-9, "{a:?}");
+        assert!((a[0] + b[0]).abs() < 1e-9 && (a[1] + b[1]).abs() < 1e-9, "{a:?} and {b:?}");
+    }
+    let table = succeed(folder.path(), &["solve", "a.toml", "--motion"]);
+    for part in
+        ["160.0 mm a cycle", "37.5 cycles/s of 16", "target 3: circle, 62.8 mm, 2 times a cycle: 75 Hz"]
+    {
+        assert!(table.contains(part), "{part}: {table}");
+    }
+}
+
+#[test]
+fn the_mean_of_foci_that_run_is_the_shape() {
+    let scene = OUTLINE.split("[[target]]\nat").next().unwrap();
+    for foci in [1, 4] {
+        let text = format!("{scene}[motion]\npath = \"outline\"\nfoci = {foci}\n");
+        let folder = folder_with(&[("a.toml", &text)]);
+        let args =
+            ["render", "a.toml", "--frame", "mean", "-o", "a.png", "--size", "100", "--colours", "grey"];
+        succeed(folder.path(), &args);
+        let picture = image::open(folder.path().join("a.png")).unwrap().to_rgb8();
+        // 2 mm a pixel: the sides are 10 pixels from the middle.
+        let light = |x: u32, y: u32| f64::from(picture.get_pixel(x, y)[0]);
+        let sides: Vec<_> =
+            (42..58).flat_map(|i| [light(i, 40), light(i, 60), light(40, i), light(60, i)]).collect();
+        let mean = sides.iter().sum::<f64>() / sides.len() as f64;
+        assert!(sides.iter().all(|side| (side / mean - 1.0).abs() < 0.25), "{foci}: {sides:?}");
+        for (x, y) in [(50, 50), (50, 70), (30, 30), (70, 50)] {
+            assert!(
+                light(x, y) < 0.4 * mean,
+                "{foci} foci: {} at {x}, {y}, {mean} along the sides",
+                light(x, y)
+            );
+        }
+    }
+}
+
+#[test]
+fn what_is_too_fast_for_viewers_is_slowed_down_and_says_so() {
+    let folder = folder_with(&[("a.toml", &SQUARE.replace("rate = 2", "rate = 50"))]);
+    let args = ["render", "a.toml", "--motion", "-o", "a.gif", "--size", "32", "--quantity", "phase"];
+    let said = succeed(folder.path(), &args);
+    assert!(said.contains("a cycle takes 0.020 s, shown slowed down 12.0 x"), "{said}");
+    assert!(!said.contains("RMS"), "a map of phases has no range: {said}");
+}
+
+#[test]
+fn a_still_view_of_steps_is_the_first() {
+    let folder = folder_with(&[("a.toml", STEPS)]);
+    succeed(folder.path(), &["render", "a.toml", "-o", "still.png", "--size", "100"]);
+    let still = image::open(folder.path().join("still.png")).unwrap().to_rgb8();
+    assert!(brightest(&still).0.abs_diff(35) <= 1);
+    let solved = succeed(folder.path(), &["solve", "a.toml", "--json"]);
+    let value: Value = serde_json::from_str(&solved).unwrap();
+    assert_eq!(value["foci"].as_array().unwrap().len(), 1);
+}
+
+#[test]
+fn a_scene_that_does_not_move_is_one_frame_with_a_word() {
+    let folder = folder_with(&[("a.toml", "format = 1\n[[target]]\n")]);
+    let output = run(folder.path(), &["render", "a.toml", "--motion", "-o", "a.gif", "--size", "16"]);
+    let (said, noted) = (String::from_utf8_lossy(&output.stdout), String::from_utf8_lossy(&output.stderr));
+    assert!(output.status.success() && said.contains("1 frame of 16 x 16"), "{said}{noted}");
+    assert!(noted.contains("nothing moves"), "{noted}");
+}
+
+#[test]
+fn bad_motion_is_refused_with_file_line_and_value() {
+    let motion = |text: &str| format!("format = 1\n[[target]]\nat = [0, 0, 0.01]\n[motion]\n{text}\n");
+    for (text, parts) in [
+        (motion("frames = 0"), &["bad.toml:5", "motion.frames = 0"][..]),
+        (
+            motion("path = \"circle\"\nframes = 1000000"),
+            &["bad.toml:6", "1000000 frames of 256 elements", "GiB"],
+        ),
+        (motion("path = \"spiral\""), &["bad.toml:5", "spiral", "figure-eight"]),
+        (motion("path = \"points\""), &["bad.toml:4", "needs the offsets"]),
+        (
+            motion("path = \"points\"\npoints = [[0, 0, -0.02]]"),
+            &["bad.toml:6", "in frame 1 of 64", "behind"],
+        ),
+        (motion("path = \"steps\""), &["bad.toml:5", "no target has `step = 0`"]),
+        (motion("sizes = 1"), &["bad.toml:5", "sizes"]),
+        (motion("rate = 1\nspeed = 1"), &["bad.toml:6", "motion.speed = 1", "not both"]),
+        (motion("path = \"outline\""), &["bad.toml:5", "no outline to run along"]),
+        (
+            "format = 1\n[[target]]\n[target.motion]\npath = \"steps\"\n".to_owned(),
+            &["bad.toml:4", "target[1].motion.path = \"steps\""],
+        ),
+        (
+            "format = 1\n[[target]]\nstep = 0\n".to_owned(),
+            &["bad.toml:3", "target[1].step = 0", "path = \"steps\""],
+        ),
+        ("format = 1\n[[target]]\nstep = -1\n".to_owned(), &["bad.toml:3", "-1"]),
+    ] {
+        let folder = folder_with(&[("bad.toml", &text)]);
+        for args in
+            [&["render", "bad.toml", "--motion", "-o", "a.gif"][..], &["solve", "bad.toml", "--motion"]]
+        {
+            let message = refuse(folder.path(), args);
+            for part in parts {
+                assert!(message.contains(part), "{text}: {message}");
+            }
+        }
+    }
+}
+
+#[test]
+fn bad_arguments_are_refused() {
+    let folder = folder_with(&[("a.toml", SQUARE), ("file", "")]);
+    let render = |rest: &[&'static str]| [&["render", "a.toml", "--motion", "-o"][..], rest].concat();
+    for (args, part) in [
+        (render(&["a.avi"]), "a.avi: an animation goes into FILE.gif"),
+        (render(&["a"]), "FOLDER/"),
+        (render(&["no/a.gif"]), "no/a.gif: cannot write"),
+        (render(&["file/"]), "cannot make the folder"),
+        (render(&["a.gif", "--size", "70000x2"]), "65535"),
+        (render(&["a.gif", "--quantity", "sheet"]), "rms, phase, radiation, depression"),
+        (render(&["a.gif", "--data", "a.npy"]), "--data"),
+        (render(&["a.gif", "--method", "focus"]), "2"),
+        (vec!["render", "a.toml", "a.toml", "--motion", "-o", "a.gif"], "2 are given"),
+        (vec!["solve", "a.toml", "--motion", "--method", "all"], "name one method"),
+        (vec!["solve", "a.toml", "--motion", "--levels", "16"], "--levels"),
+        (vec!["solve", "a.toml", "--motion", "--csv", "no/a.csv"], "no/a.csv"),
+    ] {
+        let message = refuse(folder.path(), &args);
+        assert!(message.contains(part), "{args:?}: {message}");
+    }
+}

@@ -1,0 +1,196 @@
+//! `probe --time`, and scenes whose modulation is named in a file.
+
+use std::fs;
+
+use tempfile::TempDir;
+
+use crate::process::{refuse, run, succeed};
+
+const POINTS: &str = "x,y,z\n0.015,0,0.1\n0,0,0.12\n";
+const SCENE: &str = "format = 1\n[[target]]\nat = [0, 0, 0.1]\n[solver]\nmethod = \"focus\"\n";
+
+fn folder_with(scene: &str) -> TempDir {
+    let folder = tempfile::tempdir().unwrap();
+    fs::write(folder.path().join("a.toml"), scene).unwrap();
+    fs::write(folder.path().join("points.csv"), POINTS).unwrap();
+    folder
+}
+
+fn rows(text: &str, head: &str) -> Vec<Vec<f64>> {
+    let mut lines = text.lines();
+    assert_eq!(lines.next(), Some(head));
+    lines.map(|line| line.split(',').map(|cell| cell.parse().unwrap()).collect()).collect()
+}
+
+const PLAIN: [&str; 4] = ["probe", "a.toml", "--points", "points.csv"];
+const HEAD: &str = "x,y,z,time,re,im,square";
+
+#[test]
+fn a_modulated_focus_swings_about_what_plain_probe_says() {
+    let folder = folder_with(&format!("{SCENE}[modulation]\nshape = \"sine\"\nfrequency = 100\n"));
+    let steady = rows(&succeed(folder.path(), &PLAIN), "x,y,z,re,im,rms");
+    let time = [&PLAIN[..], &["--time", "--spectrum", "lines.csv"]].concat();
+    let course = rows(&succeed(folder.path(), &time), HEAD);
+    // A period in 32 steps.
+    assert_eq!(course.len(), 2 * 32);
+    for (index, row) in course.iter().enumerate() {
+        let (point, step) = (&steady[index / 32], (index % 32) as f64);
+        assert_eq!(row[..3], point[..3]);
+        assert!((row[3] - step / 3200.0).abs() < 1e-12);
+        let envelope = (1.0 + (std::f64::consts::TAU * step / 32.0).sin()) / 2.0;
+        for part in [0, 1] {
+            let error = row[4 + part] - point[3 + part] * envelope;
+            assert!(error.abs() < 1e-9 * point[5], "{row:?}");
+        }
+        assert!((row[6] - row[4].powi(2) - row[5].powi(2)).abs() < 1e-9 * row[6].max(1e-9));
+    }
+    let text = fs::read_to_string(folder.path().join("lines.csv")).unwrap();
+    let lines = rows(&text, "x,y,z,frequency,square,phase");
+    assert_eq!(lines.len(), 2 * 3);
+    for (line, (frequency, part)) in lines.iter().zip([(0.0, 0.375), (100.0, 0.5), (200.0, 0.125)].repeat(2))
+    {
+        let point = steady.iter().find(|point| point[..3] == line[..3]).unwrap();
+        let square = point[3].powi(2) + point[4].powi(2);
+        assert!((line[3] - frequency).abs() < 1e-9 && (line[4] / square - part).abs() < 1e-6, "{line:?}");
+    }
+}
+
+#[test]
+fn a_moving_focus_is_heard_frame_by_frame() {
+    let scene = format!("{SCENE}[motion]\npath = \"circle\"\nsize = 0.03\nrate = 5\nframes = 8\n");
+    let folder = folder_with(&scene);
+    let output = run(folder.path(), &[&PLAIN[..], &["--time", "-o", "course.csv"]].concat());
+    assert!(output.status.success() && output.stdout.is_empty());
+    let said = String::from_utf8(output.stderr).unwrap();
+    assert!(said.contains("40.000 frames/s, 5.000 cycles/s"), "{said}");
+    let course = rows(&fs::read_to_string(folder.path().join("course.csv")).unwrap(), HEAD);
+    // Four instants in each of the frames.
+    assert_eq!(course.len(), 2 * 8 * 4);
+    for frame in 0..8 {
+        let (sin, cos) = (std::f64::consts::TAU * frame as f64 / 8.0).sin_cos();
+        let at = format!("at = [{:?}, {:?}, 0.1]", 0.015 * cos, 0.015 * sin);
+        let alone = folder_with(&SCENE.replace("at = [0, 0, 0.1]", &at));
+        let alone = rows(&succeed(alone.path(), &PLAIN), "x,y,z,re,im,rms");
+        for (point, alone) in alone.iter().enumerate() {
+            for instant in 0..4 {
+                let row = &course[point * 32 + frame * 4 + instant];
+                assert!((row[3] - (4.0 * frame as f64 + instant as f64) / 160.0).abs() < 1e-12);
+                let rms = (row[6] / 2.0).sqrt();
+                assert!((rms / alone[5] - 1.0).abs() < 1e-9, "frame {frame}: {rms} and {}", alone[5]);
+            }
+        }
+    }
+    let some = [&PLAIN[..], &["--time", "--span", "0.05", "--rate", "100"]].concat();
+    assert_eq!(rows(&succeed(folder.path(), &some), HEAD).len(), 2 * 5);
+}
+
+#[test]
+fn drives_that_take_turns_are_heard_a_thousand_times_a_second() {
+    let line = "kind = \"line\"\nfrom = [-0.02, 0, 0.1]\nto = [0.02, 0, 0.1]\n";
+    let folder = folder_with(&format!("format = 1\n[[target]]\n{line}[solver]\nframes = 2\n"));
+    let course = rows(&succeed(folder.path(), &[&PLAIN[..], &["--time"]].concat()), HEAD);
+    let steady = rows(&succeed(folder.path(), &PLAIN), "x,y,z,re,im,rms");
+    assert_eq!(course.len(), 2 * 2 * 4, "2 ms");
+    for (point, rows) in steady.iter().zip(course.chunks(8)) {
+        let mean = rows.iter().map(|row| row[6]).sum::<f64>() / 8.0;
+        assert!(((mean / 2.0).sqrt() / point[5] - 1.0).abs() < 1e-9);
+    }
+}
+
+#[test]
+fn plain_probe_is_the_same_whatever_the_modulation() {
+    let plain = succeed(folder_with(SCENE).path(), &PLAIN);
+    let folder = folder_with(&format!("{SCENE}[modulation]\nshape = \"square\"\nlaw = \"power\"\n"));
+    assert_eq!(succeed(folder.path(), &PLAIN), plain);
+    // A steady sound has one instant.
+    let course = rows(&succeed(folder_with(SCENE).path(), &[&PLAIN[..], &["--time"]].concat()), HEAD);
+    assert_eq!(course.len(), 2);
+}
+
+#[test]
+fn what_makes_no_sense_is_refused() {
+    let folder = folder_with(SCENE);
+    for (args, part) in [
+        (&["--span", "1"][..], "--time"),
+        (&["--time", "--span", "-1"], "give a number of seconds above 0"),
+        (&["--time", "--rate", "nan"], "give a frequency in Hz above 0"),
+        (&["--time", "--band", "10"], "--spectrum"),
+        (&["--time", "--spectrum", "points.csv"], "points.csv"),
+        (&["--time", "--spectrum", "b.csv", "-o", "b.csv"], "twice"),
+        (&["--time", "--span", "3600", "--rate", "1000"], "more than the 2000000 rows"),
+    ] {
+        let message = refuse(folder.path(), &[&PLAIN[..], args].concat());
+        assert!(message.contains(part), "{args:?}: {message}");
+    }
+}
+
+/// A WAV file with these samples of 16 bits at 1 kHz.
+fn wav(samples: &[i16]) -> Vec<u8> {
+    let data: Vec<u8> = samples.iter().flat_map(|sample| sample.to_le_bytes()).collect();
+    let mut bytes = b"RIFF".to_vec();
+    bytes.extend((36 + data.len() as u32).to_le_bytes());
+    bytes.extend(b"WAVEfmt ");
+    bytes.extend(16u32.to_le_bytes());
+    for half in [1u16, 1] {
+        bytes.extend(half.to_le_bytes());
+    }
+    bytes.extend(1000u32.to_le_bytes());
+    bytes.extend(2000u32.to_le_bytes());
+    for half in [2u16, 16] {
+        bytes.extend(half.to_le_bytes());
+    }
+    bytes.extend(b"data");
+    bytes.extend((data.len() as u32).to_le_bytes());
+    bytes.extend(data);
+    bytes
+}
+
+#[test]
+fn a_waveform_beside_the_scene_is_the_envelope() {
+    let modulation = "[modulation]\nshape = \"file\"\nlaw = \"power\"\nfile = \"sounds/buzz.wav\"\n";
+    let folder = folder_with(&format!("{SCENE}{modulation}"));
+    let missing = refuse(folder.path(), &PLAIN);
+    assert!(
+        missing.contains("a.toml:9: modulation.file = \"sounds/buzz.wav\": ")
+            && missing.contains("no such file")
+    );
+    fs::create_dir(folder.path().join("sounds")).unwrap();
+    let buzz = folder.path().join("sounds/buzz.wav");
+    fs::write(&buzz, wav(&[0, 16384, -16384, -32768])).unwrap();
+    // From elsewhere, too.
+    let elsewhere = tempfile::tempdir().unwrap();
+    let scene = folder.path().join("a.toml").display().to_string();
+    let points = folder.path().join("points.csv").display().to_string();
+    let plain = ["probe", &scene, "--points", &points];
+    let steady = rows(&succeed(elsewhere.path(), &plain), "x,y,z,re,im,rms");
+    let course =
+        rows(&succeed(elsewhere.path(), &[&plain[..], &["--time", "--rate", "2000"]].concat()), HEAD);
+    // Half way between samples it is half way between their values.
+    let parts = [0.5, 0.625, 0.75, 0.5, 0.25, 0.125, 0.0, 0.25];
+    assert_eq!(course.len(), 2 * parts.len());
+    for (row, part) in course.iter().zip(parts) {
+        let square = steady[0][3].powi(2) + steady[0][4].powi(2);
+        assert!((row[6] / square - part).abs() < 1e-9, "{row:?}: {part}");
+    }
+    // What is read is not written, and what is no waveform is named.
+    let own = buzz.display().to_string();
+    let message = refuse(folder.path(), &[&PLAIN[..], &["--time", "-o", &own]].concat());
+    assert!(message.contains("buzz.wav"), "{message}");
+    fs::write(&buzz, "no sound").unwrap();
+    let message = refuse(folder.path(), &PLAIN);
+    assert!(message.contains("a.toml:9: ") && message.contains("no WAV file"), "{message}");
+}
+
+#[test]
+fn a_board_that_cannot_play_a_modulation_is_not_sent_it() {
+    let tones = "[modulation]\nshape = \"tones\"\ntones = [{ frequency = 199, depth = 0.5 }, { frequency = 200, depth = 0.5 }]\n";
+    let folder = folder_with(&format!("{SCENE}{tones}"));
+    for (profile, part) in [
+        ("sonicsurface", "is switched on and off at one frequency"),
+        ("native", "200 Hz is 200 times the common frequency of these tones"),
+    ] {
+        let message =
+            refuse(folder.path(), &["send", "a.toml", "--port", "/dev/nowhere", "--profile", profile]);
+        assert!(message.contains("a.toml: ") && message.contains(part), "{message}");
+    }
+}

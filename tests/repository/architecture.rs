@@ -1,0 +1,471 @@
+//! The rules of ARCHITECTURE.md that a compiler does not hold: layers, file heads, sizes and names.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::fs;
+use std::path::{Path, PathBuf};
+
+/// The layers, the uppermost first, with the outside crates each may name. A module uses itself and what stands above.
+const LAYERS: &[(&str, &[&str])] = &[
+    ("echo", &[]),
+    ("shelf", &[]),
+    ("source", &["rustix", "tempfile"]),
+    ("memory", &[]),
+    ("gauge", &[]),
+    ("scene", &["serde", "toml", "toml_edit", "glam", "thiserror"]),
+    ("table", &["csv", "thiserror"]),
+    ("rounding", &[]),
+    ("simd", &[]),
+    ("acoustics", &["glam", "num_complex", "libm"]),
+    ("drive", &["num_complex", "serde"]),
+    ("force", &["glam", "num_complex", "rayon"]),
+    ("surface", &["num_complex", "rayon", "rustdct"]),
+    ("solver", &["faer", "glam", "num_complex", "rayon", "serde", "thiserror", "web_time"]),
+    ("field", &["bytemuck", "glam", "num_complex", "rayon", "thiserror"]),
+    ("field::gpu", &["bytemuck", "glam", "naga", "num_complex", "pollster", "thiserror", "wgpu"]),
+    (
+        "picture",
+        &[
+            "base64",
+            "color_quant",
+            "colorous",
+            "gif",
+            "glam",
+            "image",
+            "miniz_oxide",
+            "npyz",
+            "num_complex",
+            "pdf_writer",
+            "plotters",
+            "plotters_backend",
+            "png",
+            "rayon",
+            "subsetter",
+            "thiserror",
+            "tiny_skia",
+            "ttf_parser",
+        ],
+    ),
+    ("import", &["glam", "image", "thiserror", "usvg"]),
+    (
+        "device",
+        &[
+            "cobs",
+            "crc",
+            "js_sys",
+            "pollster",
+            "rustix",
+            "serialport",
+            "thiserror",
+            "wasm_bindgen",
+            "wasm_bindgen_futures",
+            "web_time",
+        ],
+    ),
+    ("web", &["console_error_panic_hook", "js_sys", "wasm_bindgen", "wasm_bindgen_futures", "web_time"]),
+    (
+        "studio",
+        &[
+            "anyhow",
+            "base64",
+            "clap",
+            "glam",
+            "hound",
+            "miniz_oxide",
+            "num_complex",
+            "rayon",
+            "rustfft",
+            "rustix",
+            "serde_json",
+            "signal_hook",
+            "tempfile",
+            "thiserror",
+            "web_time",
+        ],
+    ),
+    (
+        "control",
+        &[
+            "anyhow",
+            "getrandom",
+            "glam",
+            "rosc",
+            "serde",
+            "serde_json",
+            "thiserror",
+            "tungstenite",
+            "web_time",
+        ],
+    ),
+    ("ui", &["egui", "egui_plot", "glam", "serde"]),
+    (
+        "app",
+        &[
+            "anyhow",
+            "base64",
+            "console_error_panic_hook",
+            "ctrlc",
+            "eframe",
+            "egui",
+            "futures_channel",
+            "glam",
+            "js_sys",
+            "pollster",
+            "postcard",
+            "rfd",
+            "serde",
+            "serde_json",
+            "signal_hook",
+            "tempfile",
+            "toml",
+            "wasm_bindgen",
+            "wasm_bindgen_futures",
+            "web_sys",
+            "web_time",
+            "wgpu",
+        ],
+    ),
+    ("bench", &["anyhow", "clap", "comfy_table", "cpu_time", "glam", "num_complex", "rayon", "serde_json"]),
+    (
+        "cli",
+        &[
+            "anyhow",
+            "clap",
+            "clap_complete",
+            "clap_mangen",
+            "comfy_table",
+            "glam",
+            "indicatif",
+            "num_complex",
+            "rayon",
+            "serde_json",
+            "signal_hook",
+            "strsim",
+            "tempfile",
+        ],
+    ),
+    ("main", &["anyhow", "libc", "sonoglyph", "windows_sys"]),
+];
+/// Modules that know nothing of each other, whichever stands above: the command line and the window meet in `main` alone.
+const APART: &[(&str, &[&str])] = &[("bench", &["ui", "app"]), ("cli", &["ui", "app"])];
+/// Crates that any layer may name.
+const COMMON: &[&str] = &["std", "crate", "self"];
+const LONGEST_FILE: usize = 500;
+/// Each links the whole library.
+const MOST_TEST_PROGRAMS: usize = 10;
+const BAD_NAMES: &[&str] = &["utils", "util", "common", "helpers", "helper", "manager", "misc", "wrapper"];
+
+fn rust_files(folder: &Path) -> Vec<PathBuf> {
+    let mut files = Vec::new();
+    for entry in fs::read_dir(folder).unwrap() {
+        let path = entry.unwrap().path();
+        if path.is_dir() {
+            files.extend(rust_files(&path));
+        } else if path.extension().is_some_and(|extension| extension == "rs") {
+            files.push(path);
+        }
+    }
+    files.sort();
+    files
+}
+
+fn root() -> &'static Path {
+    Path::new(env!("CARGO_MANIFEST_DIR"))
+}
+
+/// `src/field/gpu/mod.rs` is `field::gpu`.
+fn module_of(path: &Path) -> String {
+    let inside = path.strip_prefix(root().join("src")).unwrap().with_extension("");
+    let mut parts: Vec<_> = inside.iter().map(|part| part.to_str().unwrap()).collect();
+    if parts.last() == Some(&"mod") {
+        parts.pop();
+    }
+    parts.join("::")
+}
+
+/// The innermost layer that a module is in.
+fn layer_of(module: &str) -> Option<usize> {
+    let inside = |layer: &str| module == layer || module.starts_with(&format!("{layer}::"));
+    (0..LAYERS.len()).filter(|&i| inside(LAYERS[i].0)).max_by_key(|&i| LAYERS[i].0.len())
+}
+
+/// Code without comments and strings, line by line.
+fn code_lines(text: &str) -> impl Iterator<Item = (usize, String)> {
+    let strip = |line: &str| {
+        let mut code = String::new();
+        let mut in_string = false;
+        for part in line.split("//").next().unwrap_or_default().split('"') {
+            if !in_string {
+                code.push_str(part);
+            }
+            in_string = !in_string;
+        }
+        code
+    };
+    text.lines().map(strip).collect::<Vec<_>>().into_iter().enumerate().map(|(i, line)| (i + 1, line))
+}
+
+/// First segments of every path in a line of code, and the second where the first is `crate`.
+fn paths(line: &str) -> Vec<String> {
+    let mut paths = Vec::new();
+    let is_word = |c: char| c.is_alphanumeric() || c == '_';
+    let mut rest = line;
+    while let Some(at) = rest.find("::") {
+        let before = &rest[..at];
+        let start =
+            before.rfind(|c| !is_word(c)).map_or(0, |i| i + before[i..].chars().next().unwrap().len_utf8());
+        let first = &before[start..];
+        let continues = before[..start].ends_with("::");
+        let after = &rest[at + 2..];
+        let second: String = after.chars().take_while(|&c| is_word(c)).collect();
+        if !continues && first.starts_with(char::is_lowercase) {
+            let through_crate = first == "crate";
+            paths.push(if through_crate { format!("crate::{second}") } else { first.to_owned() });
+        }
+        // Skip the rest of this path.
+        rest = after.trim_start_matches(|c| is_word(c) || c == ':');
+    }
+    paths
+}
+
+/// Whether a module may not name another, though the table would let it.
+fn are_apart(own: &str, used: &str) -> bool {
+    APART.iter().any(|(module, others)| own == *module && others.contains(&used))
+}
+
+/// What a file does that its layer may not, one line each.
+fn violations(path: &Path, text: &str) -> Vec<String> {
+    let outside = outside();
+    let module = module_of(path);
+    let shown = path.strip_prefix(root()).unwrap().display().to_string();
+    let Some(layer) = layer_of(&module) else { return vec![format!("{shown}: is in no layer")] };
+    let mut found = Vec::new();
+    let (_, crates) = LAYERS[layer];
+    let modules: Vec<_> = LAYERS.iter().map(|(name, _)| name.split("::").next().unwrap()).collect();
+    let own = module.split("::").next().unwrap();
+    for (number, line) in code_lines(text) {
+        if line.contains("use crate::{") || (line.contains("super::") && line.trim() != "use super::*;") {
+            found.push(format!("{shown}:{number}: write whole paths from `crate`"));
+        }
+        for name in paths(&line) {
+            if let Some(used) = name.strip_prefix("crate::") {
+                let upwards =
+                    LAYERS.iter().position(|(layer, _)| *layer == used).is_some_and(|used| used <= layer);
+                if modules.contains(&used) && used != own && !upwards {
+                    found.push(format!("{shown}:{number}: `{own}` uses `{used}`, which is not above it"));
+                }
+                if are_apart(own, used) {
+                    found.push(format!(
+                        "{shown}:{number}: `{own}` uses `{used}`, and is to know nothing of it"
+                    ));
+                }
+            }
+        }
+        let declared = line
+            .trim_start()
+            .trim_start_matches("pub ")
+            .strip_prefix("use ")
+            .and_then(|used| used.split("::").next());
+        let named = declared.map(str::trim_end).into_iter().map(str::to_owned).chain(paths(&line));
+        for name in named {
+            if outside.contains(&name) && !crates.contains(&name.as_str()) && !COMMON.contains(&name.as_str())
+            {
+                found.push(format!(
+                    "{shown}:{number}: `{}` names `{name}`, which it may not",
+                    LAYERS[layer].0
+                ));
+            }
+        }
+    }
+    found.dedup();
+    found
+}
+
+/// The crates that Cargo.toml names, as code writes them.
+fn outside() -> BTreeSet<String> {
+    let manifest: toml::Table =
+        toml::from_str(&fs::read_to_string(root().join("Cargo.toml")).unwrap()).unwrap();
+    let systems = manifest["target"].as_table().unwrap().values();
+    [&manifest["dependencies"]]
+        .into_iter()
+        .chain(systems.map(|system| &system["dependencies"]))
+        .flat_map(|crates| crates.as_table().unwrap().keys())
+        .map(|name| name.replace('-', "_"))
+        .chain(["sonoglyph".to_owned()])
+        .collect()
+}
+
+#[test]
+fn every_module_uses_only_what_stands_above_it() {
+    let mut found = Vec::new();
+    for path in rust_files(&root().join("src")) {
+        if !path.ends_with("src/lib.rs") {
+            found.extend(violations(&path, &fs::read_to_string(&path).unwrap()));
+        }
+    }
+    assert!(found.is_empty(), "{}", found.join("\n"));
+}
+
+#[test]
+fn the_rule_finds_what_breaks_it() {
+    let in_file = |path: &str, text: &str| violations(&root().join("src").join(path), text);
+    for (path, text) in [
+        ("solver/gs.rs", "use crate::field::Samples;"),
+        ("scene/mod.rs", "let x = crate::cli::run();"),
+        ("studio/map.rs", "use crate::cli::run;"),
+        ("studio/map.rs", "use crate::ui::view::Lens;"),
+        ("app/mod.rs", "use crate::cli::run;"),
+        ("ui/mod.rs", "crate::cli::run()"),
+        ("cli/mod.rs", "use crate::ui::view::Lens;"),
+        ("cli/mod.rs", "crate::app::run(None)"),
+        ("solver/mod.rs", "#[derive(clap::ValueEnum)]"),
+        ("solver/mod.rs", "use wgpu::Device;"),
+        ("field/cpu.rs", "fn f(d: &wgpu::Device) {}"),
+        ("picture/mod.rs", "pub use clap::Parser;"),
+        ("solver/mod.rs", "use crate::{field, scene};"),
+        ("utilities.rs", ""),
+    ] {
+        assert_eq!(in_file(path, text).len(), 1, "{path}: {text}");
+    }
+    for (path, text) in [
+        ("solver/mod.rs", "use crate::acoustics::Aperture;\nuse faer::Mat;"),
+        ("solver/mod.rs", "// like wgpu::Device and crate::field::Samples"),
+        ("field/gpu/mod.rs", "let d: wgpu::Device = crate::field::gpu::open();"),
+        ("cli/mod.rs", "let f = crate::field::cpu::pressure;"),
+        ("cli/mod.rs", "use crate::studio::map;"),
+        ("app/mod.rs", "use crate::studio::map;\nuse crate::ui::Editor;"),
+    ] {
+        assert_eq!(in_file(path, text), Vec::<String>::new(), "{path}: {text}");
+    }
+}
+
+/// The modules below `crate` that a text names, with what stands in braces multiplied out: `a::b::{c, d}` is `a::b::c` and `a::b::d`.
+fn named_modules(text: &str) -> BTreeSet<String> {
+    let is_path = |c: char| c.is_alphanumeric() || c == '_' || c == ':';
+    let code: String = code_lines(text).map(|(_, line)| line + "\n").collect();
+    let mut named = BTreeSet::new();
+    for rest in code.split("crate::").skip(1) {
+        let path: String = rest.chars().take_while(|&c| is_path(c)).collect();
+        match rest[path.len()..].strip_prefix('{') {
+            Some(inner) => {
+                let inner = inner.split('}').next().unwrap();
+                named.extend(inner.split(',').map(|name| format!("{path}{}", name.trim())));
+            }
+            None => {
+                named.insert(path);
+            }
+        }
+    }
+    named
+}
+
+/// From each file to the files that it names. `mod.rs` is left out: it holds what its folder shares, and the folder's parts at once.
+fn arrows(files: &BTreeMap<String, String>) -> BTreeMap<&str, BTreeSet<&str>> {
+    let file_of = |path: &str| {
+        let within = |module: &&String| path == **module || path.starts_with(&format!("{module}::"));
+        files.keys().filter(within).max_by_key(|module| module.len()).map(String::as_str)
+    };
+    let targets = |module: &str, text: &str| {
+        named_modules(text).iter().filter_map(|path| file_of(path)).filter(|file| *file != module).collect()
+    };
+    files.iter().map(|(module, text)| (module.as_str(), targets(module, text))).collect()
+}
+
+/// What is left when files that name no other are taken away, again and again.
+fn circles(files: &BTreeMap<String, String>) -> BTreeSet<&str> {
+    let mut arrows = arrows(files);
+    loop {
+        let free: Vec<_> = arrows.iter().filter(|(_, to)| to.is_empty()).map(|(from, _)| *from).collect();
+        if free.is_empty() {
+            return arrows.into_keys().collect();
+        }
+        for file in free {
+            arrows.remove(file);
+            arrows.values_mut().for_each(|to| {
+                to.remove(file);
+            });
+        }
+    }
+}
+
+#[test]
+fn no_files_name_each_other_in_a_circle() {
+    let files: BTreeMap<_, _> = rust_files(&root().join("src"))
+        .into_iter()
+        .filter(|path| !path.ends_with("mod.rs") && path.parent().unwrap() != root().join("src"))
+        .map(|path| (module_of(&path), fs::read_to_string(&path).unwrap()))
+        .collect();
+    assert_eq!(circles(&files), BTreeSet::new());
+    assert!(arrows(&files).values().map(BTreeSet::len).sum::<usize>() > 100);
+
+    let files = [
+        ("a::x", "use crate::a::{y, z};"),
+        ("a::y", "crate::b::f()"),
+        ("a::z", ""),
+        ("b", "use crate::a::x::N;"),
+    ];
+    let files = files.map(|(module, text)| (module.to_owned(), text.to_owned())).into();
+    assert_eq!(circles(&files), ["a::x", "a::y", "b"].into());
+}
+
+/// What is named in no source, and why.
+const NOWHERE: &[(&str, &str)] = &[
+    ("SystemTime", "the clock on the wall jumps: `Instant` does not"),
+    ("UNIX_EPOCH", "the clock on the wall jumps: `Instant` does not"),
+    (
+        "println!",
+        "it panics where nobody reads or the disk is full: `say!`, `note`, `warn` and `mention` do not",
+    ),
+    ("print!", "it panics where nobody reads or the disk is full: `output::print` does not"),
+    ("fs::write(", "what it writes may stay half written: `output` writes files whole"),
+    ("File::create(", "what is written to it may stay half written: `output` writes files whole"),
+];
+
+/// The code of a file without its tests, which stand at its end.
+fn without_tests(text: &str) -> &str {
+    text.split("#[cfg(test)]\nmod tests {").next().unwrap_or_default()
+}
+
+#[test]
+fn nothing_hangs_on_the_wall_clock_panics_in_print_or_writes_half_a_file() {
+    let mut found = Vec::new();
+    for path in rust_files(&root().join("src")) {
+        let text = fs::read_to_string(&path).unwrap();
+        for (number, line) in code_lines(without_tests(&text)) {
+            let named = NOWHERE.iter().filter(|(name, _)| {
+                line.match_indices(name).any(|(at, _)| !line[..at].ends_with(char::is_alphanumeric))
+            });
+            found.extend(named.map(|(name, why)| format!("{}:{number}: {name}: {why}", path.display())));
+        }
+    }
+    assert!(found.is_empty(), "{}", found.join("\n"));
+    let line = "    println!(now = SystemTime::now());";
+    assert!(
+        NOWHERE.iter().filter(|(name, _)| line.contains(name)).count() >= 2,
+        "the rule finds what breaks it"
+    );
+}
+
+#[test]
+fn every_file_says_what_it_holds_and_stays_short() {
+    for folder in ["src", "tests", "benches", "fuzz/fuzz_targets"] {
+        for path in rust_files(&root().join(folder)) {
+            let text = fs::read_to_string(&path).unwrap();
+            assert!(text.starts_with("//! "), "{}: opens without a //! line", path.display());
+            assert!(
+                text.lines().count() <= LONGEST_FILE,
+                "{}: more than {LONGEST_FILE} lines",
+                path.display()
+            );
+            let name = path.file_stem().unwrap().to_str().unwrap();
+            assert!(!BAD_NAMES.contains(&name), "{}: the name says nothing", path.display());
+        }
+    }
+}
+
+#[test]
+fn tests_are_modules_of_few_programs() {
+    let is_program = |path: &PathBuf| path.is_file() || path.join("main.rs").exists();
+    let entries = fs::read_dir(root().join("tests")).unwrap().map(|entry| entry.unwrap().path());
+    let programs: Vec<_> = entries.filter(is_program).collect();
+    assert!((1..=MOST_TEST_PROGRAMS).contains(&programs.len()), "{programs:?}");
+}

@@ -1,0 +1,139 @@
+//! What the documents say of boards, quantities and the interface is what the program does, and their links lead somewhere.
+//!
+//! What `docs/scene.md` says stands beside what reads scene files: `src/scene/file/documented.rs`.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+use sonoglyph::device::profile::{Profile, Strength};
+use sonoglyph::field::Quantity;
+use sonoglyph::field::quantity::Unit;
+
+fn text(path: &str) -> String {
+    std::fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join(path)).unwrap()
+}
+
+#[test]
+fn boards_are_documented_with_their_facts() {
+    let text = text("docs/boards.md");
+    let table = text.split("## Which\n").nth(1).unwrap().split("##").next().unwrap();
+    let said: Vec<Vec<_>> = table
+        .lines()
+        .filter(|line| line.starts_with("| `") && !line.contains("--profile"))
+        .map(|line| line.trim_matches('|').split('|').map(str::trim).collect())
+        .map(|cells: Vec<&str>| [&cells[..1], &cells[2..]].concat())
+        .collect();
+    let facts = Profile::ALL.map(|profile| {
+        let amplitude = match profile.strength() {
+            Strength::Fixed => "on, off".to_owned(),
+            Strength::Linear(steps) | Strength::Duty(steps) => format!("{steps} steps"),
+        };
+        let frames = profile.frames_per_second(profile.baud()).floor();
+        let (elements, levels) = (profile.elements().to_string(), profile.levels().to_string());
+        let (baud, frames) = (profile.baud().to_string(), frames.to_string());
+        [format!("`{}`", profile.name()), elements, levels, amplitude, baud, frames]
+    });
+    assert_eq!(said, facts);
+}
+
+#[test]
+fn quantities_are_documented_with_their_units() {
+    let model = text("docs/model.md");
+    let table = model.split("| quantity | value |").nth(1).unwrap().split("\n\n").next().unwrap();
+    let said: BTreeMap<_, _> = table
+        .lines()
+        .filter_map(|line| line.strip_prefix("| `")?.split_once("` | "))
+        .map(|(name, value)| (name.to_owned(), value.to_owned()))
+        .collect();
+    let names = Quantity::ALL.map(|quantity| quantity.declaration().name.to_owned());
+    assert_eq!(said.keys().collect::<BTreeSet<_>>(), names.iter().collect());
+    let commands = text("docs/commands.md");
+    for (quantity, name) in Quantity::ALL.into_iter().zip(names) {
+        let unit = match quantity.declaration().unit {
+            Unit::Pascal => "Pa",
+            Unit::Radian => "rad",
+            Unit::Metre => "m",
+            Unit::WattPerSquareMetre => "W/m²",
+            Unit::MetrePerSecond => "m/s",
+            Unit::Joule => "J",
+            Unit::Newton => "N",
+            Unit::Undisturbed => "×",
+        };
+        let value = &said[&name];
+        assert!(value.split([' ', ',']).any(|word| word == unit), "{name} in {unit}: {value}");
+        assert!(commands.contains(&format!("`{name}`")), "{name} is in docs/commands.md");
+    }
+}
+
+/// All Markdown files below a folder but those of builds.
+fn documents(folder: &Path) -> Vec<PathBuf> {
+    let entries = std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path());
+    let (folders, files): (Vec<_>, Vec<_>) = entries.partition(|path| path.is_dir());
+    let ours = |folder: &PathBuf| {
+        folder.file_name().is_some_and(|name| name != "target" && !name.as_encoded_bytes().starts_with(b"."))
+    };
+    let markdown = files.into_iter().filter(|file| file.extension().is_some_and(|kind| kind == "md"));
+    markdown
+        .chain(folders.iter().filter(|folder| ours(folder)).flat_map(|folder| documents(folder)))
+        .collect()
+}
+
+#[test]
+fn links_between_documents_lead_somewhere() {
+    let documents = documents(Path::new(env!("CARGO_MANIFEST_DIR")));
+    assert!(documents.len() > 8, "{documents:?}");
+    for document in documents {
+        let text = std::fs::read_to_string(&document).unwrap();
+        for link in text.split("](").skip(1).filter_map(|rest| rest.split([')', '#']).next()) {
+            let is_there = document.with_file_name(link).exists() || link.contains("://");
+            assert!(is_there, "{}: {link}", document.display());
+        }
+    }
+}
+
+#[test]
+fn the_interface_is_the_one_that_is_listed() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let mut cargo = Command::new(env!("CARGO"));
+    cargo.args([
+        "rustdoc",
+        "--locked",
+        "--quiet",
+        "--lib",
+        "--",
+        "-Zunstable-options",
+        "--output-format",
+        "json",
+    ]);
+    // JSON is what rustdoc writes for tools, and not yet promised to stay.
+    let run = cargo.current_dir(root).env("RUSTDOC", root.join("tests/repository/rustdoc")).output().unwrap();
+    assert!(run.status.success(), "{}", String::from_utf8_lossy(&run.stderr));
+    let json = public_api::Builder::from_rustdoc_json(root.join("target/doc/sonoglyph.json"));
+    let json = json.omit_auto_derived_impls(true).omit_auto_trait_impls(true).omit_blanket_impls(true);
+    let items: String = json.build().unwrap().items().map(|item| format!("{item}\n")).collect();
+    let (listed, now) = (root.join("docs/interface.txt"), root.join("target/interface.txt"));
+    std::fs::write(&now, &items).unwrap();
+    let before = std::fs::read_to_string(&listed).unwrap_or_default();
+    let (before, after): (BTreeSet<_>, BTreeSet<_>) = (before.lines().collect(), items.lines().collect());
+    let (gone, new): (Vec<_>, Vec<_>) =
+        (before.difference(&after).collect(), after.difference(&before).collect());
+    assert!(
+        gone.is_empty() && new.is_empty(),
+        "the library's interface has changed; if it is to, copy {} to {}\ngone: {gone:#?}\nnew: {new:#?}",
+        now.display(),
+        listed.display()
+    );
+}
+
+#[test]
+fn the_readme_has_the_rows_that_the_report_writes() {
+    let list: toml::Table = toml::from_str(&text("benches/report/figures.toml")).unwrap();
+    let names: Vec<_> =
+        list["figure"].as_array().unwrap().iter().map(|figure| figure["name"].as_str().unwrap()).collect();
+    let readme = text("README.md");
+    let (_, rest) = readme.split_once("<!-- figures -->\n").unwrap();
+    let (table, _) = rest.split_once("<!-- /figures -->\n").unwrap();
+    let cells = table.lines().filter_map(|line| line.strip_prefix("| ")?.split(" | ").next());
+    assert_eq!(cells.skip(1).collect::<Vec<_>>(), names);
+}

@@ -1,0 +1,93 @@
+//! Flights of beads, against closed forms.
+
+use std::f64::consts::TAU;
+
+use glam::DVec3;
+use sonoglyph::acoustics::{Air, Aperture, viscosity};
+use sonoglyph::drive::Drive;
+use sonoglyph::force::{Carriage, Drag, Levitation};
+use sonoglyph::gauge::Gauge;
+use sonoglyph::scene::{Bead, Board, Scene};
+
+use crate::force::focused;
+
+/// Half a turn between two facing boards: a standing wave whose pressure is least in the middle.
+fn facing() -> Scene {
+    let above = Board { at: DVec3::Z * 0.2, normal: DVec3::NEG_Z, ..Board::default() };
+    Scene { boards: vec![Board::default(), above], ..Scene::default() }
+}
+
+fn drag(scene: &Scene, levitation: &Levitation) -> Drag {
+    let air = Air::new(&scene.medium, scene.array.frequency);
+    Drag::new(&levitation.sphere, viscosity(&scene.medium), air.density)
+}
+
+/// Lets a bead go in a field that stays, and gives out its way from the place where it was wanted, with the time.
+fn fly(
+    scene: &Scene,
+    levitation: &Levitation,
+    wanted: DVec3,
+    from: DVec3,
+    seconds: f64,
+) -> Vec<(f64, DVec3, DVec3)> {
+    let carriage = Carriage {
+        fields: std::slice::from_ref(levitation),
+        wanted: &[wanted],
+        span: f64::INFINITY,
+        drag: drag(scene, levitation),
+    };
+    let flight = carriage.fly(from, seconds, &Gauge::default());
+    assert!(!flight.is_lost);
+    flight.moments.iter().map(|moment| (moment.time, moment.at - wanted, moment.velocity)).collect()
+}
+
+#[test]
+fn a_bead_swings_in_a_standing_wave_with_the_period_of_its_stiffness() {
+    let mut scene = facing();
+    scene.bead = Bead { radius: 0.0004, ..Bead::default() };
+    let aperture = Aperture::new(&scene);
+    let at = DVec3::new(0.0, 0.0, 0.1);
+    let drive = focused(&aperture, at, |place| if place.z > 0.1 { TAU / 2.0 } else { 0.0 });
+    let levitation = Levitation::new(&scene, &aperture, &[drive]);
+    let hold = levitation.hold(at);
+    assert!(hold.holds(), "{hold:?}");
+    let inertia = levitation.sphere.inertia();
+    let decay = drag(&scene, &levitation).slow / (2.0 * inertia);
+    for mode in [hold.modes[0], hold.modes[2]] {
+        let period = TAU / (mode.stiffness / inertia - decay * decay).sqrt();
+        let way = mode.direction * 2e-6;
+        let flight = fly(&scene, &levitation, hold.rest, hold.rest + way, 6.1 * period);
+        // Where it passes its rest, by the straight line between two moments.
+        let passes: Vec<_> = flight
+            .windows(2)
+            .filter_map(|pair| {
+                let [a, b] = [pair[0].1.dot(way), pair[1].1.dot(way)];
+                (a > 0.0 && b <= 0.0).then(|| pair[0].0 + (pair[1].0 - pair[0].0) * a / (a - b))
+            })
+            .collect();
+        assert_eq!(passes.len(), 6);
+        let found = (passes[5] - passes[0]) / 5.0;
+        assert!((found / period - 1.0).abs() < 1e-3, "{found} s, and {period} s");
+    }
+}
+
+#[test]
+fn a_bead_in_silence_falls_as_fast_as_drag_lets_it() {
+    let scene = Scene { bead: Bead { radius: 2e-5, ..Bead::default() }, ..Scene::default() };
+    let aperture = Aperture::new(&scene);
+    let count = aperture.positions.len();
+    let silent = Drive { amplitudes: vec![0.0; count], phases: vec![0.0; count] };
+    let levitation = Levitation::new(&scene, &aperture, &[silent]);
+    let at = DVec3::new(0.0, 0.0, 0.1);
+    let drag = drag(&scene, &levitation);
+    let flight = fly(&scene, &levitation, at, at, 0.02);
+    // Slow as it is, what its speed adds to Stokes' drag is 1 %.
+    let speed = -flight.last().unwrap().2.z;
+    let balanced = drag.slow * speed * (1.0 + 0.15 * (drag.reynolds * speed).powf(0.687));
+    assert!((balanced / levitation.load - 1.0).abs() < 1e-9, "{balanced} {}", levitation.load);
+    // It gathers speed within its relaxation time, nearly as Stokes' drag alone has it.
+    let relaxation = levitation.sphere.inertia() / drag.slow;
+    let (time, _, velocity) = flight[flight.iter().position(|(time, ..)| *time > relaxation).unwrap()];
+    let expected = levitation.load / drag.slow * (1.0 - (-time / relaxation).exp());
+    assert!((-velocity.z / expected - 1.0).abs() < 0.02, "{velocity} {expected}");
+}

@@ -1,0 +1,266 @@
+//! The methods and figures of the solver against their definitions, written out plainly.
+
+use glam::{DVec3, dvec3};
+use num_complex::Complex64;
+use sonoglyph::acoustics::Aperture;
+use sonoglyph::scene::{Focus, Method, Scene, Shape, Target};
+use sonoglyph::solver::levels::Reached;
+use sonoglyph::solver::{self, Limits, Problem, warning};
+
+const PLACES: [DVec3; 4] =
+    [dvec3(-0.02, 0.004, 0.1), dvec3(-0.013, 0.004, 0.11), dvec3(0.02, 0.01, 0.12), dvec3(0.024, 0.008, 0.1)];
+const TARGETS: [f64; 4] = [1.0, 0.5, 2.0, 1.5];
+
+/// Foci of which some disturb each other, with targets of their own.
+fn problem(aperture: &Aperture) -> Problem<'_> {
+    let focus = |(&position, &target): (&DVec3, &f64)| Focus::new(position, target);
+    Problem::new(aperture, PLACES.iter().zip(&TARGETS).map(focus).collect())
+}
+
+fn aperture() -> Aperture {
+    let mut scene = Scene::default();
+    scene.array.off = vec![7, 100];
+    Aperture::new(&scene)
+}
+
+/// What a method finds in so many iterations.
+fn found(problem: &Problem<'_>, method: Method, iterations: u32) -> Vec<Complex64> {
+    solver::excite(problem, method, iterations).unwrap().values
+}
+
+/// The same phases, each with this modulus.
+fn with_moduli(values: &[Complex64], moduli: impl Iterator<Item = f64>) -> Vec<Complex64> {
+    values.iter().zip(moduli).map(|(value, modulus)| value / value.norm() * modulus).collect()
+}
+
+fn assert_same(got: &[Complex64], expected: &[Complex64], what: &str) {
+    let largest = expected.iter().map(|value| value.norm()).fold(0.0, f64::max);
+    assert_eq!(got.len(), expected.len());
+    for (n, (got, expected)) in got.iter().zip(expected).enumerate() {
+        assert!((got - expected).norm() < 1e-9 * largest, "{what}, element {n}: {got} is not {expected}");
+    }
+}
+
+fn spread(moduli: &[f64]) -> f64 {
+    let mean = moduli.iter().sum::<f64>() / moduli.len() as f64;
+    let variance = moduli.iter().map(|modulus| (modulus - mean).powi(2)).sum::<f64>() / moduli.len() as f64;
+    variance.sqrt() / mean
+}
+
+fn relative(problem: &Problem<'_>, values: &[Complex64]) -> Vec<f64> {
+    problem.transfer.pressure(values).iter().zip(TARGETS).map(|(p, target)| p.norm() / target).collect()
+}
+
+#[test]
+fn naive_is_the_sum_of_what_every_focus_sends_back() {
+    let aperture = aperture();
+    let problem = problem(&aperture);
+    assert_same(
+        &found(&problem, Method::Naive, 0),
+        &problem.transfer.back(&TARGETS.map(Complex64::from)),
+        "naive",
+    );
+}
+
+#[test]
+fn gerchberg_and_saxton_go_there_and_back() {
+    let aperture = aperture();
+    let problem = problem(&aperture);
+    let (transfer, ones) = (&problem.transfer, || std::iter::repeat(1.0));
+    let mut u = with_moduli(&transfer.back(&TARGETS.map(Complex64::from)), ones());
+    for iterations in 1..4 {
+        let p = with_moduli(&transfer.pressure(&u), TARGETS.into_iter());
+        u = with_moduli(&transfer.back(&p), ones());
+        assert_same(&found(&problem, Method::Gs, iterations), &u, &format!("{iterations} iterations"));
+    }
+}
+
+/// Plasencia et al. 2020: a focus sends back what it is to get divided by the power that it hears, and at last what it gets too
+/// much or too little of is corrected.
+#[test]
+fn gs_pat_iterates_on_foci_and_corrects_at_last() {
+    let aperture = aperture();
+    let problem = problem(&aperture);
+    let transfer = &problem.transfer;
+    let power: Vec<f64> = transfer.rows().map(|row| row.map(|h| h.norm_sqr()).sum()).collect();
+    let back = |p: &[Complex64]| {
+        transfer.back(&p.iter().zip(&power).map(|(p, power)| p / power).collect::<Vec<_>>())
+    };
+    let mut p = TARGETS.map(Complex64::from).to_vec();
+    for iterations in 1..4 {
+        p = with_moduli(&transfer.pressure(&back(&p)), TARGETS.into_iter());
+        let made = transfer.pressure(&back(&p));
+        let corrected: Vec<_> =
+            made.iter().zip(TARGETS).map(|(made, target)| made * (target / made.norm()).powi(2)).collect();
+        let expected = back(&corrected);
+        assert_same(&found(&problem, Method::Gspat, iterations), &expected, &format!("{iterations}"));
+    }
+}
+
+/// Di Leonardo et al. 2007, damped: weights grow by the root of what a focus gets too little.
+#[test]
+fn weighted_iteration_turns_up_what_is_too_weak_until_foci_are_level() {
+    let aperture = aperture();
+    let problem = problem(&aperture);
+    let (transfer, ones) = (&problem.transfer, || std::iter::repeat(1.0));
+    let mut weights = TARGETS;
+    let mut u = with_moduli(&transfer.back(&TARGETS.map(Complex64::from)), ones());
+    for iterations in 1..4 {
+        let reached = relative(&problem, &u);
+        let mean = reached.iter().sum::<f64>() / 4.0;
+        for (weight, reached) in weights.iter_mut().zip(reached) {
+            *weight *= (mean / reached).sqrt();
+        }
+        u = with_moduli(&transfer.back(&with_moduli(&transfer.pressure(&u), weights.into_iter())), ones());
+        assert_same(&found(&problem, Method::Wgs, iterations), &u, &format!("{iterations} iterations"));
+    }
+    let plain = relative(&problem, &found(&problem, Method::Gs, 100));
+    let weighted = relative(&problem, &found(&problem, Method::Wgs, 100));
+    assert!(spread(&plain) > 0.2 && spread(&weighted) < 0.02, "{plain:?} {weighted:?}");
+}
+
+#[test]
+fn the_greedy_search_ends_where_no_element_can_do_better_by_itself() {
+    let aperture = aperture();
+    let problem = problem(&aperture);
+    let transfer = &problem.transfer;
+    let u = found(&problem, Method::Greedy, 300);
+    let turn = |step: usize| Complex64::from_polar(1.0, std::f64::consts::TAU * step as f64 / 16.0);
+    assert!(u.iter().all(|u| (0..16).any(|step| (u - turn(step)).norm() < 1e-12)), "on 16 phases");
+    // What the foci are to reach is what weighted iteration makes of them on the average.
+    let level = relative(&problem, &found(&problem, Method::Wgs, 20)).iter().sum::<f64>() / 4.0;
+    let miss = |pressure: &dyn Fn(usize) -> Complex64| -> f64 {
+        (0..4).map(|m| (pressure(m).norm() / TARGETS[m] - level).powi(2)).sum()
+    };
+    let made = transfer.pressure(&u);
+    let reached = miss(&|m| made[m]);
+    for (n, before) in u.iter().enumerate() {
+        for step in 0..16 {
+            let changed = miss(&|m| made[m] + transfer.at(m, n) * (turn(step) - before));
+            assert!(changed >= reached * (1.0 - 1e-9), "element {n}, step {step}: {changed} < {reached}");
+        }
+    }
+    let relative = relative(&problem, &u);
+    assert!(relative.iter().all(|p| (p / level - 1.0).abs() < 0.12), "{relative:?} about {level}");
+}
+
+#[test]
+fn a_longer_search_is_never_weaker() {
+    let aperture = aperture();
+    let problem = problem(&aperture);
+    let weakest = |batches: usize| {
+        relative(&problem, &solver::search(&problem, batches).values)
+            .into_iter()
+            .fold(f64::INFINITY, f64::min)
+    };
+    let reached = [1, 2, 4, 8].map(weakest);
+    assert!(reached.windows(2).all(|pair| pair[1] >= pair[0] * (1.0 - 1e-12)), "{reached:?}");
+    let best =
+        relative(&problem, &found(&problem, Method::Best, 0)).into_iter().fold(f64::INFINITY, f64::min);
+    assert!(reached[3] > 0.98 * best, "{reached:?} and {best}");
+}
+
+#[test]
+fn figures_are_those_of_their_definitions() {
+    let target = |(&at, &pressure): (&DVec3, &f64)| Target { pressure, ..Target::new(Shape::Point { at }) };
+    let mut scene = Scene { targets: PLACES.iter().zip(&TARGETS).map(target).collect(), ..Scene::default() };
+    for method in [Method::Naive, Method::Pinv, Method::Gs] {
+        scene.solver.method = method;
+        let aperture = Aperture::new(&scene);
+        let problem = problem(&aperture);
+        let solution = solver::solve(&scene).unwrap();
+        let free = found(&problem, method, 0);
+        let played = solution.drive.excitation(&aperture.driven);
+        let moduli: Vec<_> = problem.transfer.pressure(&played).iter().map(|p| p.norm()).collect();
+        let near = |got: f64, expected: f64, what: &str| {
+            assert!((got - expected).abs() < 1e-9 * expected + 1e-12, "{method:?} {what}: {got}, {expected}");
+        };
+        let quality = &solution.quality;
+        near(quality.mean_pressure, moduli.iter().sum::<f64>() / 4.0, "mean");
+        near(quality.min_pressure, moduli.iter().copied().fold(f64::INFINITY, f64::min), "weakest");
+        near(quality.spread, spread(&relative(&problem, &played)), "spread");
+        let reached = Reached::new(&problem, &solution.drive);
+        near(reached.mean_pressure, quality.mean_pressure, "mean of the drive");
+        near(reached.spread, quality.spread, "spread of the drive");
+        let weakest = relative(&problem, &played).into_iter().fold(f64::INFINITY, f64::min);
+        near(reached.weakest, weakest, "weakest of the drive");
+        let largest = free.iter().map(|u| u.norm_sqr()).fold(0.0, f64::max);
+        near(
+            quality.efficiency,
+            free.iter().map(|u| u.norm_sqr()).sum::<f64>() / 256.0 / largest,
+            "efficiency",
+        );
+        // Of each focus, what it would get of a time-of-flight focus, and a share of the power.
+        let alone = problem.transfer.rows().map(|row| row.map(|h| h.norm()).sum::<f64>());
+        let parts: f64 = moduli.iter().zip(alone).map(|(p, alone)| p / (alone / 2.0)).sum();
+        near(quality.relative_to_single, parts / 4.0, "relative to single");
+        // Measured where the targets' scale fits the moduli best: an excitation may have any.
+        let made = problem.transfer.pressure(&free);
+        let power: f64 = TARGETS.iter().map(|target| target * target).sum();
+        let scale = power / made.iter().zip(TARGETS).map(|(p, target)| p.norm() * target).sum::<f64>();
+        let off = |(p, target): (&Complex64, f64)| match method {
+            // With its phases.
+            Method::Pinv => (p * scale - target).norm_sqr(),
+            _ => (p.norm() * scale - target).powi(2),
+        };
+        let residual = (made.iter().zip(TARGETS).map(off).sum::<f64>() / power).sqrt();
+        if method == Method::Pinv {
+            assert!(quality.residual < 1e-12 && residual < 1e-12, "{residual}, {quality:?}");
+        } else {
+            near(quality.residual, residual, "residual");
+        }
+    }
+}
+
+#[test]
+fn as_many_foci_as_elements_may_still_be_too_many() {
+    let mut scene = Scene::default();
+    (scene.array.rows, scene.array.columns) = (2, 2);
+    let aperture = Aperture::new(&scene);
+    let limits = |places: [DVec3; 4]| {
+        let foci = places.map(|position| Focus::new(position, 1.0)).to_vec();
+        let problem = Problem::new(&aperture, foci);
+        let limits = Limits::new(&problem);
+        (limits.rank, limits.warning(&problem))
+    };
+    assert_eq!(limits(PLACES), (4, None));
+    let [a, b, c, _] = PLACES;
+    let (rank, warning) = limits([a, b, c, a]);
+    assert!(
+        rank == 3 && warning.is_some_and(|text| text.to_string().contains("4 foci have only 3")),
+        "rank {rank}"
+    );
+}
+
+#[test]
+fn one_focus_reaches_its_bound_and_rounding_never_passes_it() {
+    for place in PLACES {
+        let mut scene = Scene { targets: vec![Target::new(Shape::Point { at: place })], ..Scene::default() };
+        scene.solver.method = Method::Focus;
+        let solution = solver::solve(&scene).unwrap();
+        let aperture = Aperture::new(&scene);
+        let bound = solver::bound(&Problem::new(&aperture, solution.foci.clone()));
+        let certified = solution.certified(bound);
+        assert!(certified <= 1.0 && certified > 1.0 - 1e-11, "{certified}");
+    }
+}
+
+#[test]
+fn warnings_count_pairs_and_name_the_closest() {
+    let aperture = aperture();
+    let at = |millimetres: f64| Focus::new(dvec3(1e-3 * millimetres, 0.0, 0.1), 1.0);
+    let warnings = |places: &[f64]| {
+        let foci: Vec<_> = places.iter().map(|&place| at(place)).collect();
+        warning::of_foci(&aperture, &foci).iter().map(ToString::to_string).collect::<Vec<_>>()
+    };
+    assert_eq!(warnings(&[-30.0, 0.0, 30.0]), Vec::<String>::new());
+    let close = warnings(&[0.0, 2.5, 1.0, 40.0]);
+    let resolution = 1e3 * aperture.resolution()(at(1.75).position);
+    assert!(close.len() == 1 && close[0].starts_with("3 pairs"), "{close:?}");
+    assert!(close[0].contains("1.00 mm apart"), "{close:?}");
+    assert!(close[0].contains(&format!("{resolution:.1}")), "{close:?}, {resolution} mm");
+    let coincident = warnings(&[0.0, 40.0, 0.0]);
+    assert!(coincident.len() == 1 && coincident[0].starts_with("1 pairs of foci coincide"), "{coincident:?}");
+    let both = warnings(&[0.0, 1.0, 0.0]);
+    assert!(both.len() == 2 && both[1].starts_with("2 pairs of foci are closer"), "{both:?}");
+}

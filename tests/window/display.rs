@@ -1,0 +1,110 @@
+//! The real window on a real X server: drawn in, saved from and closed with pointer and keys.
+
+use std::io::{BufRead, BufReader};
+use std::process::{Child, Command, Stdio};
+use std::thread::sleep;
+use std::time::{Duration, Instant};
+
+use sonoglyph::scene::{Shape, file};
+
+/// A program that ends with the test.
+struct Running(Child);
+
+impl Drop for Running {
+    fn drop(&mut self) {
+        let _ = self.0.kill();
+        let _ = self.0.wait();
+    }
+}
+
+/// An X server and the number of its display. `None` where there is none, said aloud.
+fn display() -> Option<(Running, String)> {
+    for program in ["Xvfb", "xdotool"] {
+        let is_there = Command::new(program).arg("-version").output();
+        crate::requirement::found("display", is_there.map_err(|error| format!("{program}: {error}")))?;
+    }
+    let mut server = Command::new("Xvfb")
+        .args(["-displayfd", "1", "-screen", "0", "1280x800x24", "-nolisten", "tcp"])
+        .stdout(Stdio::piped())
+        .stderr(Stdio::null())
+        .spawn()
+        .unwrap();
+    let mut number = String::new();
+    BufReader::new(server.stdout.take().unwrap()).read_line(&mut number).unwrap();
+    Some((Running(server), format!(":{}", number.trim())))
+}
+
+/// Does something to the window, and gives it time to draw.
+fn xdotool(display: &str, args: &[&str]) -> String {
+    let output = Command::new("xdotool").args(args).env("DISPLAY", display).output().unwrap();
+    sleep(Duration::from_millis(400));
+    String::from_utf8_lossy(&output.stdout).trim().to_owned()
+}
+
+#[test]
+fn somebody_draws_saves_and_leaves() {
+    let Some((_server, display)) = display() else { return };
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("drawn.toml");
+    let program = Command::new(env!("CARGO_BIN_EXE_sonoglyph"))
+        .current_dir(folder.path())
+        .env("DISPLAY", &display)
+        .env_remove("WAYLAND_DISPLAY")
+        .env("XDG_RUNTIME_DIR", folder.path())
+        .env("XDG_STATE_HOME", folder.path())
+        .env("NODEVICE_SELECT", "1")
+        .spawn()
+        .unwrap();
+    let mut program = Running(program);
+    let start = Instant::now();
+    let window = loop {
+        let found = xdotool(&display, &["search", "--name", "Sonoglyph"]);
+        if let Some(window) = found.lines().last() {
+            break window.to_owned();
+        }
+        assert!(program.0.try_wait().unwrap().is_none(), "the program ended without a window");
+        assert!(start.elapsed() < Duration::from_secs(60), "no window opens");
+    };
+    sleep(Duration::from_secs(2));
+    // Without a window manager nobody gives the window the keyboard.
+    xdotool(&display, &["windowfocus", &window]);
+    let act = |args: &[&str]| xdotool(&display, args);
+    act(&["key", "ctrl+a"]);
+    act(&["key", "Delete"]);
+    act(&["key", "t"]);
+    act(&["mousemove", "450", "300", "click", "1"]);
+    for letter in ["shift+h", "shift+i", "shift+t"] {
+        act(&["key", letter]);
+    }
+    act(&["key", "Return"]);
+    act(&["key", "c"]);
+    act(&["mousemove", "450", "550"]);
+    act(&["mousedown", "1"]);
+    act(&["mousemove", "480", "550"]);
+    act(&["mousemove", "510", "550"]);
+    act(&["mouseup", "1"]);
+    act(&["key", "ctrl+shift+s"]);
+    act(&["key", "ctrl+a"]);
+    act(&["type", path.to_str().unwrap()]);
+    act(&["key", "Return"]);
+    let start = Instant::now();
+    while !path.exists() {
+        assert!(start.elapsed() < Duration::from_secs(60), "nothing was saved");
+        sleep(Duration::from_millis(200));
+    }
+    act(&["key", "ctrl+q"]);
+    let start = Instant::now();
+    let status = loop {
+        if let Some(status) = program.0.try_wait().unwrap() {
+            break status;
+        }
+        assert!(start.elapsed() < Duration::from_secs(60), "the window does not close");
+        sleep(Duration::from_millis(100));
+    };
+    assert!(status.success(), "{status}");
+    let scene = file::read(&path).unwrap();
+    let [text, circle] = &scene.targets[..] else { panic!("{:?}", scene.targets) };
+    assert!(matches!(&text.shape, Shape::Text { text, .. } if text == "HIT"), "{text:?}");
+    let Shape::Circle { radius, .. } = circle.shape else { panic!("{circle:?}") };
+    assert!((0.01..0.03).contains(&radius), "{radius}");
+}
