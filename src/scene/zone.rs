@@ -73,7 +73,7 @@ impl Zone {
         Self { area, at, normal: DVec3::Z, angle: 0.0, weight: 1.0 }
     }
 
-    /// Points (m) on a square grid in the zone, including its centre, `spacing` m apart, or coarser to keep at most
+    /// Points (m) on a square grid in the zone, including its centre, `spacing` m apart, or coarser to limit them to
     /// 4096.
     pub fn points(&self, spacing: f64) -> Vec<DVec3> {
         let half = self.area.half();

@@ -20,8 +20,7 @@ const RATES: std::ops::RangeInclusive<u32> = 1..=1_000_000;
 /// The waveform of a file.
 ///
 /// # Errors
-/// An error with the file's name: unreadable, an unsupported kind of WAV, empty or too long, or a value outside -1 to
-/// 1.
+/// An error with the file's name: unreadable, unsupported, empty or too long, or with a value outside -1 to 1.
 pub fn read(path: &Path) -> Result<Wave, String> {
     let named = |error: String| format!("{}: {error}", path.display());
     let bytes = source::read(path, MOST_BYTES).map_err(|error| named(error.to_string()))?;
