@@ -1,4 +1,4 @@
-// What becomes of the sound between two interpolations: it is kept.
+// Between two interpolations: the sound is stored.
 
 @group(0) @binding(3) var<storage, read_write> wide: array<vec2f>;
 

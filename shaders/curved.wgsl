@@ -1,5 +1,5 @@
-// The far field of one element of a curved board at four points: S D(θ)/r e^{-αr} e^{j(φ - k(r - |z|))}. The second vector holds the
-// element's height above the board's own plane and the direction in which it radiates.
+// The far field of one element of a curved board at four points: S D(θ)/r e^{-αr} e^{j(φ - k(r - |z|))}. The second
+// vector holds the element's height above the board's own plane and its direction of radiation.
 
 fn wave(x: vec4f, y: vec4f, z: vec4f, element: vec4f, tilt: vec4f) -> Phasor {
     let dx = x - element.x;

@@ -1,14 +1,14 @@
-// Values where the sound is known at the pixels themselves.
+// Values where the sound is known at the pixels.
 
 struct DirectParams {
     columns: u32,
-    // Sounds in all.
+    // Total number of sounds.
     count: u32,
     first_pixel: u32,
 }
 
 @group(0) @binding(0) var<uniform> params: DirectParams;
-// One part of the sound after the other.
+// Parts of the sound in sequence.
 @group(0) @binding(1) var<storage, read> parts: array<vec2f>;
 
 fn part(place: u32, i: u32) -> vec2f {

@@ -17,7 +17,7 @@ fn wave(x: vec4f, y: vec4f, z: vec4f, element: vec4f, tilt: vec4f) -> Phasor {
         let node = nodes[i];
         let rim2 = rho * node.y + beyond * beyond;
         let inverse = 1.0 / (sqrt(rim2 + z * z) + z);
-        // Small enough for a sinc of 1, large enough to divide by.
+        // Small enough for a sinc of 1, large enough as a divisor.
         let h = max(rim2 * inverse * params.turns_per_metre, vec4f(1e-6));
         let turned = phasor(0.5 * h);
         let weight = (params.radius - rho * node.x) * inverse * turned.im / (PI * h);

@@ -1,23 +1,25 @@
-// Complex pressure (Pa, peak) at many points by direct summation over the elements, added to what is there.
+// Complex pressure (Pa, peak) at many points by direct summation over the elements, added to the existing values.
 //
-// Sample i stands at columns[i % width] + rows[i / width]; the fourth component is the part of a turn that its height
-// above the array makes, which is common to all elements and applied last. Every invocation takes four samples, or eight, a
-// workgroup's width apart: one element is then read once for all of them, which on software drivers is worth a factor of four.
+// Sample i is at columns[i % width] + rows[i / width]; the fourth component is the fraction of a turn of its height
+// above the array, which is common to all elements and applied last. Every invocation computes four or eight samples,
+// a workgroup's width apart: each element is then read once for all of them, which gains a factor of four on software
+// drivers.
 
 @group(0) @binding(2) var<storage, read> columns: array<vec4f>;
 @group(0) @binding(3) var<storage, read> rows: array<vec4f>;
 @group(0) @binding(4) var<storage, read_write> pressure: array<vec2f>;
 
 fn sample(offset: u32) -> vec4f {
-    // Beyond the end the last sample is computed again and not written.
+    // Beyond the end the last sample is recomputed and not written.
     let index = params.first + min(offset, params.count - 1u);
     return columns[index % params.columns] + rows[index / params.columns];
 }
 
-// Four sums, turned by what is common and added to what is there.
+// Four sums, rotated by the common phase and added to the existing values.
 fn write(offset: u32, z: vec4f, turns: vec4f, sum: Phasor) {
     let nearest = vec4f(-NEAREST * params.turns_per_metre);
-    // The array stands in a baffle: nothing goes backwards. Of a curved one every element looks to that itself, and the way is |z|.
+    // The array has a baffle: nothing is radiated backwards. On a curved board every element checks this itself, and
+    // the path is |z|.
     var way = select(turns, -turns, z >= vec4f(0.0));
     var in_front = vec4f(params.gain);
     if IS_FLAT {
@@ -64,7 +66,8 @@ fn field_main(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_ind
 
     var low = Phasor(vec4f(0.0), vec4f(0.0));
     var high = Phasor(vec4f(0.0), vec4f(0.0));
-    // group.z is 0. Of a loop that uniforms alone end, lavapipe makes a program of its own in every run, and keeps it.
+    // group.z is 0. lavapipe specialises on loops that end by uniforms alone at every dispatch, and leaks the
+    // variants.
     let last_element = params.last_element + group.z;
     for (var n = params.first_element; n < last_element; n++) {
         let element = elements[n * VECTORS];

@@ -1,13 +1,13 @@
-// What the panels want to know of a map: the parts of the sound at the probes, one part after the other, and the peak at the end.
+// The results of a map for panels: the parts of the sound at the probes in sequence, and the peak at the end.
 
 struct GatherParams {
-    // Probes whose sound is made here, and those of the whole map.
+    // Probes computed here, and those of the whole map.
     probes: u32,
     all: u32,
     parts: u32,
-    // The part that takes the weights of slopes.
+    // The part with the weights of slopes.
     sloped: u32,
-    // Samples that a sound is made of, from one to the next, and from one part to the next.
+    // Number of samples of a sound, their stride, and the stride of parts.
     taps: u32,
     tap_stride: u32,
     part_stride: u32,
@@ -15,7 +15,7 @@ struct GatherParams {
 
 @group(0) @binding(0) var<uniform> params: GatherParams;
 @group(0) @binding(1) var<storage, read> samples: array<vec2f>;
-// Of every probe its number, the place of its first sample, and the bits of its weights, of values and of slopes.
+// For every probe its index, its first sample, and the bits of its weights, of values and of slopes.
 @group(0) @binding(2) var<storage, read> probes: array<u32>;
 // Bits of a float.
 @group(0) @binding(3) var<storage, read> peak: u32;
@@ -34,7 +34,7 @@ fn gather_main(@builtin(global_invocation_id) id: vec3u) {
     var weight = probe + 2u + select(0u, params.taps, part == params.sloped);
     var at = probes[probe + 1u] + part * params.part_stride;
     var sum = vec2f(0.0);
-    // Not of uniforms alone, as in the field's.
+    // Not on uniforms alone, as in the field's.
     let taps = params.taps + id.z;
     for (var tap = 0u; tap < taps; tap++) {
         sum += bitcast<f32>(probes[weight]) * samples[at];

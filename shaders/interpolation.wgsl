@@ -1,32 +1,32 @@
-// From samples to pixels along one axis: every pixel is a weighted sum of neighbouring samples. `across.wgsl` or `form.wgsl`
-// says what becomes of it.
+// From samples to pixels along one axis: every pixel is a weighted sum of neighbouring samples. `across.wgsl` or
+// `form.wgsl` processes the result.
 //
-// An invocation makes four neighbouring pixels of a line, or 16, from the samples that any of them needs, with weight 0 for the
-// others. A sample is then read once for all of them; neighbouring invocations make neighbouring lines. Where one part of the sound
-// is all, it may make them on four lines, a workgroup's width apart, and read a weight once for these: on software drivers reading is
-// what takes the time.
+// An invocation makes four neighbouring pixels of a line, or 16, from all samples that any of them needs, with weight
+// 0 for the others. Each sample is then read once for all of them; neighbouring invocations make neighbouring lines.
+// With a single part of the sound, an invocation may make them on four lines, a workgroup's width apart, and read
+// each weight once: on software drivers reading dominates.
 
 struct InterpolationParams {
     pixels: u32,
     lines: u32,
-    // Samples that a block of pixels needs.
+    // Samples required by a block of pixels.
     span: u32,
-    // From the weights of values to those of slopes.
+    // Offset from the weights of values to those of slopes.
     slopes: u32,
-    // From one sample to the next along the axis, from one line to the next, and from one part of the sound to the next.
+    // Strides of samples along the axis, of lines, and of parts of the sound.
     tap_stride: u32,
     line_stride: u32,
     part_stride: u32,
     first_pixel: u32,
-    // From one pixel to the next along the axis, and from one line to the next.
+    // Strides of pixels along the axis, and of lines.
     pixel_stride: u32,
     pixel_line_stride: u32,
 }
 
 @group(0) @binding(0) var<uniform> params: InterpolationParams;
 @group(0) @binding(1) var<storage, read> samples: array<vec2f>;
-// Of every block its first sample, and then the bits of a weight of every pixel for every sample. One buffer, since adapters need
-// not have more than four in a program.
+// For every block its first sample, then the bits of a weight of every pixel for every sample. One buffer, since
+// adapters may be limited to four per program.
 @group(0) @binding(2) var<storage, read> weights: array<vec4u>;
 
 // Of four pixels.
@@ -35,7 +35,7 @@ struct Four {
     im: vec4f,
 }
 
-// One part of the sound at a block.
+// A part of the sound at a block.
 struct Sums {
     four0: Four,
     four1: Four,
@@ -79,9 +79,9 @@ fn interpolation_main(@builtin(workgroup_id) group: vec3u, @builtin(local_invoca
     var weight = group.y * (1u + params.span * fours);
     let start = weights[weight].x * params.tap_stride;
     weight++;
-    // Beyond the end the last line is made again and not written.
+    // Beyond the end the last line is recomputed and not written.
     let last = params.lines - 1u;
-    // Places of the four parts, or of four lines.
+    // Indices of the four parts, or of four lines.
     var p_at = start + min(line, last) * params.line_stride;
     var x_at = p_at + ALONG_X * params.part_stride;
     var y_at = p_at + ALONG_Y * params.part_stride;
@@ -97,7 +97,7 @@ fn interpolation_main(@builtin(workgroup_id) group: vec3u, @builtin(local_invoca
     var x = nothing;
     var y = nothing;
     var n = nothing;
-    // Not of uniforms alone, as in the field's.
+    // Not on uniforms alone, as in the field's.
     let span = params.span + group.z;
     for (var tap = 0u; tap < span; tap++) {
         let values = weights_at(weight);
@@ -133,7 +133,7 @@ fn interpolation_main(@builtin(workgroup_id) group: vec3u, @builtin(local_invoca
     }
 }
 
-// A block whose only part of the sound this is.
+// A block with a single part of the sound.
 fn put_alone(pixel: u32, line: u32, sums: Sums) {
     put_block(pixel, line, sums, sums, sums, sums);
 }

@@ -1,4 +1,4 @@
-// What one run of the field needs besides its buffers. `src/field/gpu/program.rs` holds the same struct; a test
+// Parameters of one run of the field besides its buffers. `src/field/gpu/program.rs` holds the same struct; a test
 // compares the two.
 
 struct Params {
@@ -8,7 +8,7 @@ struct Params {
     decay: array<vec4f, 4>,
     decay_scale: vec2f,
     turns_per_metre: f32,
-    // The run adds the elements first_element .. last_element to what the samples hold already.
+    // The run adds the elements first_element .. last_element to the samples' existing values.
     first_element: u32,
     last_element: u32,
     columns: u32,
@@ -18,7 +18,7 @@ struct Params {
     nodes: u32,
     radius: f32,
     piston_scale: f32,
-    // On what is added.
+    // Factor on the added values.
     gain: f32,
 }
 
@@ -46,7 +46,7 @@ fn decay(distance: vec4f) -> vec4f {
     return four_terms(sum, s, params.decay[0]);
 }
 
-// Four more steps of Horner's rule.
+// Four steps of Horner's rule.
 fn four_terms(sum: vec4f, s: vec4f, coefficients: vec4f) -> vec4f {
     return (((sum * s + coefficients.w) * s + coefficients.z) * s + coefficients.y) * s + coefficients.x;
 }

@@ -1,6 +1,6 @@
 // Cosine and sine of an angle in turns.
 //
-// The language promises nothing for sin and cos of large angles and little for small ones, so the angle is reduced
+// The language guarantees little for sin and cos of small angles and nothing for large ones, so the angle is reduced
 // exactly (t - round(t)) and both are polynomials, the same as on the CPU.
 
 struct Phasor {

@@ -2,11 +2,11 @@
 
 struct PictureParams {
     width: u32,
-    // The place of 0 and how many places lie between it and `full`; on a logarithmic scale, the place of `full` and how many
-    // places lie in an octave.
+    // The index of 0 and the number of indices between it and `full`; on a logarithmic scale, the index of `full` and
+    // the number of indices per octave.
     zero: f32,
     spread: f32,
-    // The value that gets the last colour; 0 for the peak.
+    // The value of the last colour; 0 for the peak.
     full: f32,
 }
 
@@ -14,7 +14,7 @@ struct PictureParams {
 @group(0) @binding(1) var<storage, read> values: array<f32>;
 // Bits of a float.
 @group(0) @binding(2) var<storage, read> peak: u32;
-// A texture, since software drivers read one faster than a buffer.
+// A texture, since software drivers read textures faster than buffers.
 @group(0) @binding(3) var colours: texture_2d<f32>;
 @group(0) @binding(4) var picture: texture_storage_2d<rgba8unorm, write>;
 

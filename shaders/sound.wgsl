@@ -1,5 +1,5 @@
-// Pressure, and its slopes along the plane's axes and its normal. `src/field/gpu/program.rs` writes which of them a program needs
-// and where they lie, one after the other: PRESSURE, ALONG_X, ALONG_Y and NORMAL, or NOWHERE.
+// Pressure, and its slopes along the plane's axes and its normal. `src/field/gpu/program.rs` defines which of them a
+// program needs, and their indices: PRESSURE, ALONG_X, ALONG_Y and NORMAL, or NOWHERE.
 struct Sound {
     p: vec2f,
     x: vec2f,

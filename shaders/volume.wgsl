@@ -1,10 +1,10 @@
-// A picture of space, ray by ray: the twin of src/field/volume/march.rs. Written in front of it are its constants, whether there is a
-// surface or a projection, and by which rays a pixel is seen.
+// 3D pictures by ray marching: the twin of src/field/volume/march.rs. Its constants, the choice of isosurface or
+// projection, and the rays per pixel are prepended.
 
 struct ShotParams {
-    // m from the middle of the clipped box.
+    // m from the centre of the clipping box.
     eye: vec3f,
-    // m by which rays start aside, and by which they spread per m, for a pixel beside the middle.
+    // Offset (m) of a ray's start, and its spread per m, for a pixel beside the centre.
     aside: f32,
     right: vec3f,
     spread: f32,
@@ -51,14 +51,14 @@ struct Grid {
     step: f32,
 }
 
-// What a ray has met, the nearest first.
+// Hits of a ray, nearest first.
 struct Met {
     count: u32,
     depths: array<f32, MOST_MET>,
     colours: array<vec4f, MOST_MET>,
 }
 
-// A colour at a depth; nothing where that is FARTHEST.
+// A colour at a depth; none at FARTHEST.
 struct Hit {
     depth: f32,
     colour: vec4f,
@@ -71,7 +71,7 @@ const FARTHEST: f32 = 3.0e38;
 // The largest value of every brick.
 @group(0) @binding(2) var<storage, read> bricks: array<f32>;
 @group(0) @binding(3) var<storage, read> things: array<Thing>;
-// For every tile where its list begins, and at last where all end; then the lists.
+// The start of each tile's list, then the end of the last; then the lists.
 @group(0) @binding(4) var<storage, read> tiles: array<u32>;
 @group(0) @binding(5) var colours: texture_2d<f32>;
 @group(0) @binding(6) var picture: texture_storage_2d<rgba8unorm, write>;
@@ -94,7 +94,7 @@ fn add(met: ptr<function, Met>, hit: Hit) {
     (*met).count = min((*met).count + 1u, MOST_MET);
 }
 
-// How far one sees.
+// Limit of depth.
 fn solid(met: ptr<function, Met>) -> f32 {
     for (var i = 0u; i < MOST_MET; i++) {
         if i >= (*met).count {
@@ -107,12 +107,12 @@ fn solid(met: ptr<function, Met>) -> f32 {
     return FARTHEST;
 }
 
-// A colour of the table, by a part of the peak.
+// A colour of the table at a fraction of the peak.
 fn tint(part: f32) -> vec3f {
     return textureLoad(colours, vec2u(u32(clamp(part, 0.0, 1.0) * 255.0 + 0.5), 0u), 0).xyz;
 }
 
-// Steps of the lattice from its first point.
+// Lattice coordinates in steps from the first point.
 fn steps(point: vec3f) -> vec3f {
     return (point - params.first) * params.per_metre;
 }
@@ -143,7 +143,7 @@ fn cover(colour: vec4f, part: f32) -> vec4f {
     return vec4f(colour.xyz, colour.w * clamp(part, 0.0, 1.0));
 }
 
-// From what varies evenly along a line on the picture.
+// Depth from quantities linear along a line in the picture.
 fn depth_of(even: f32) -> f32 {
     return select(even, 1.0 / even, params.spread > 0.0);
 }
@@ -214,7 +214,7 @@ fn in_steps(ray: Ray) -> Grid {
     );
 }
 
-// The largest value in the brick that a ray is in a little beyond a depth, and how far it stays there.
+// The largest value in the brick of a ray just beyond a depth, and the exit depth.
 fn brick(grid: Grid, depth: f32) -> vec2f {
     let place = grid.start + grid.direction * (depth + NUDGE * grid.step);
     let brick = clamp(floor(place * (1.0 / BRICK)), vec3f(0.0), vec3f(params.bricks - 1u));
@@ -224,7 +224,7 @@ fn brick(grid: Grid, depth: f32) -> vec2f {
     return vec2f(bricks[number], min(min(exits.x, exits.y), exits.z));
 }
 
-// A colour in the light that comes from above the eye's left.
+// A colour lit from above the eye's left.
 fn lit(colour: vec3f, slope: vec3f, direction: vec3f) -> vec3f {
     let towards = -direction / length(direction);
     let outward = -slope / max(length(slope), 1e-20);
@@ -320,7 +320,7 @@ fn colour_at(at: vec2f, tile: u32) -> vec3f {
     let ray = Ray(params.eye + across * params.aside, params.forward + across * params.spread);
     var met: Met;
     met.count = 0u;
-    // The nearest that shines through.
+    // The nearest translucent hit.
     var shining = FARTHEST;
     var shine = vec4f(0.0);
     for (var i = tiles[tile]; i < tiles[tile + 1u]; i++) {

@@ -1,4 +1,4 @@
-// Another copy of the program beside the page, for what takes long. The first message is the compiled program.
+// A second instance of the program for long computations. The first message is the compiled module.
 import { initSync, work } from "./sonoglyph.js";
 
 let ready = false;

@@ -1,4 +1,4 @@
-// answers with status, as bytes to the line: COBS, CRC, order, four at most, and what stands in them.
+// answers with status, as bytes on the line: COBS, CRC, order, at most four, and their contents.
 `include "check.vh"
 `include "packets.vh"
 module answers_bench;
@@ -25,7 +25,7 @@ module answers_bench;
         .index(index), .value(value), .send(send), .sent(sent), .line_ready(line_open), .idle(idle)
     );
 
-    // Undoes COBS of one answer after the other.
+    // Decodes COBS, answer by answer.
     reg [7:0]   left = 0;
     reg [159:0] coming = 0, got [0:15];
     integer     lengths [0:15];
@@ -135,7 +135,7 @@ module answers_bench;
         expect_answer(1, {8'h80, {5'd0, own}, 8'd0, 8'd1, 8'hD1, 8'd33, 8'd0, 16'h0100, 16'h0100, 32'h00020000});
         expect_answer(2, {8'hB0, {5'd0, own}, 8'd0, 8'd2, 8'hD1, 8'd33, 8'd0, 16'h0200, 16'h0100, 32'h00020000});
 
-        // Six are asked for while the line is shut: four are kept, all are counted.
+        // Six are requested while the line is blocked: four are kept, all are counted.
         question(8'hFF, 8'd1, `RESULT_UNKNOWN);
         spoil(1);
         question(`TYPE_STOP, 8'd2, `RESULT_OK);
@@ -151,7 +151,7 @@ module answers_bench;
         drain;
         expect_answer(7, {8'h82, {5'd0, own}, 8'd4, 8'd0, 8'hD1, 8'd33, 8'd2, 16'h0600, 16'h0400, 32'h00020000});
 
-        // A packet that is spoiled while an answer is being written is answered after it.
+        // A packet spoiled while an answer is being written is answered after it.
         {packet_type, packet_seq, result, ask} = {`TYPE_STATUS, 8'd5, `RESULT_OK, 1'b1};
         repeat (3) @(negedge clk);
         {spoiled, by_line} = 2'b10;
@@ -172,7 +172,7 @@ module answers_bench;
         expect_old_answer(10, {8'h81, 8'd99, `RESULT_UNKNOWN, 8'h11, 8'd2, 8'd7, 8'd63, `GATEWARE_VERSION, 32'h56340012, 8'd255, 8'd30});
         expect_answer(11, {8'h87, {5'd0, own}, 8'd6, 8'd0, 8'hD1, 8'd33, 8'd2, 16'h0700, 16'h0600, 32'hEFCDAB89});
         expect_answer(12, {8'h87, {5'd0, own}, 8'd7, 8'd5, 8'hD1, 8'd33, 8'd2, 16'h0800, 16'h0600, 32'h00020000});
-        // A silent device counts what was spoiled, and says nothing.
+        // A silent device counts spoiled packets without answering.
         silent = 1;
         spoil(1);
         old = 1;

@@ -1,4 +1,5 @@
-// emergency: presses from a tenth of a clock to 10 ms, at many times of a clock, are caught at once and until they are let go of.
+// emergency: presses from a tenth of a clock to 10 ms, at many phases of the clock, are caught at once and held until
+// released.
 `include "check.vh"
 `timescale 1ns/1ps
 module emergency_bench;
@@ -55,7 +56,7 @@ module emergency_bench;
             press(phase / 10.0, 1000);
         end
         press(3.3, 10000000);
-        // Nothing lets go while it is pressed.
+        // No release while pressed.
         estop_n = 0;
         release_it;
         repeat (4) @(negedge clk);

@@ -1,5 +1,5 @@
-// follower and ticks behind a leader with a clock of its own, faster and slower than ours, at rest and while it sounds: it begins its
-// periods with the leader's, knows which are marked, and believes no noise.
+// follower and ticks behind a leader with its own clock, faster and slower than ours, at rest and while sounding:
+// periods begin with the leader's, marks are recognised, and noise is rejected.
 `include "check.vh"
 `timescale 1ns/1ps
 module follower_case #(

@@ -31,7 +31,7 @@ module gate_bench;
     reg [7:0] payload [0:511];
     always @(posedge clk) read_data <= payload[read_address];
 
-    // What was done: strobes (with how often), and sums that tell which bytes went where.
+    // The effects: strobes (with counts), and sums that identify the destinations of bytes.
     wire [7:0] strobes = {restart, enable, mute, baud, stop, rate, silencer, play};
     reg  [7:0] told;
     integer phases, amplitudes, envelopes, widths, offsets, gains, tellings, passes, wrong, answers, lettings, restores, digests, since_letting;

@@ -1,4 +1,5 @@
-// lanes through 32 shift registers: all outputs at all levels are the written pulses, while other pulses are written beside them.
+// lanes through 32 shift registers: all outputs at all levels equal the written pulses, while other pulses are being
+// written.
 `include "check.vh"
 module lanes_case #(parameter PHASE_BITS = 7, parameter PERIOD_BITS = 10) (input wire clk, input wire reset, output reg finished);
     integer errors = 0;

@@ -1,4 +1,4 @@
-// player: slots for so many periods each, loops, what waits, and which slots are busy.
+// player: slots for a number of periods each, loops, waiting commands, and busy slots.
 `include "check.vh"
 module player_bench;
     `include "bench.vh"
@@ -30,7 +30,7 @@ module player_bench;
             `CHECK("waiting", waiting, 1'b1)
         end
     endtask
-    // The slots from `from` to `to` alone, of all, are busy besides the one that is played.
+    // Only the slots from `from` to `to` are busy, besides the playing one.
     task busy_in(input integer from, input integer to);
         integer i;
         for (i = 0; i < 64; i = i + 1) begin
@@ -58,7 +58,7 @@ module player_bench;
         period(5);
         `CHECK("several at the end", several, 1'b0)
         busy_in(5, 5);
-        // For ever; what comes later waits for the end of the loop, and a newer one replaces it.
+        // Endlessly; later commands wait for the end of the loop, and newer ones replace them.
         ask(8, 9, 1, 0, 1);
         period(8);
         period(9);
@@ -77,7 +77,7 @@ module player_bench;
         period(40);
         `CHECK("several of one", several, 1'b0)
         period(40);
-        // STOP forgets what waits and stays.
+        // STOP cancels a waiting command and stays.
         ask(50, 55, 7, 0, 1);
         stop = 1;
         @(negedge clk) stop = 0;
@@ -107,7 +107,7 @@ module player_bench;
         in_step = 1;
         period(9);
         `CHECK("waiting in step still", waits_in_step, 1'b0)
-        // A boundary in step takes what waits for it alone.
+        // A boundary in step only takes commands waiting for it.
         ask(10, 11, 1, 0, 0);
         period(10);
         ask(20, 20, 1, 0, 1);

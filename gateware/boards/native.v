@@ -1,4 +1,5 @@
-// What all boards share: the device, its reset, and what it must know of its clock, which is oscillator * MULTIPLY / DIVIDE.
+// Common to all boards: the device, its reset, and the parameters of its clock, which is oscillator * MULTIPLY /
+// DIVIDE.
 `default_nettype none
 
 module native #(
@@ -48,8 +49,8 @@ module native #(
     );
     assign oe_n = oe_n_inside || !locked;
 
-    // SCLK rises in the middle of a bit. Where a bit is one clock that is the middle of the clock; where it takes more, SCLK is high for
-    // the whole clock from the bit's middle on, since 74HC595 need longer pulses than half a clock.
+    // SCLK rises in the middle of a bit. For bits of one clock this is the middle of the clock; for longer bits, SCLK
+    // is high for a whole clock from the bit's middle, since 74HC595 need pulses longer than half a clock.
     assign sclk = PHASE_BITS < 7 ? {shift, shift} : {shift, 1'b0};
 endmodule
 

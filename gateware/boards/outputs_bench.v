@@ -1,5 +1,5 @@
-// The ULX3S' top with models of its PLL and output registers: what the shift registers get, to the nanosecond, a clock that is lost, and
-// the PLL's reset. `boards/bench` runs it for all numbers of phase bits.
+// The ULX3S' top module with models of its PLL and output registers: the shift registers' signals to the nanosecond,
+// a loss of the clock, and the PLL's reset. `boards/bench` runs it for all numbers of phase bits.
 `default_nettype none
 `timescale 1ns / 1ps
 
@@ -39,7 +39,7 @@ module outputs_bench;
         .clk_25mhz(clk_25mhz), .ftdi_txd(1'b1), .ftdi_rxd(txd), .estop_n(1'b1), .sync_in(1'b0), .address(3'd0),
         .data(data), .sclk(sclk), .rclk(rclk), .oe_n(oe_n), .sync(sync), .led(led), .wifi_gpio0(wifi_gpio0)
     );
-    // Nothing sounds: data 0 changes with every bit instead, as it might.
+    // Outputs are silent: data 0 toggles with every bit instead, the worst case.
     reg bit_now = 0;
     localparam CLOCKS = PHASE_BITS == 5 ? 4 : PHASE_BITS == 6 ? 2 : 1;
     integer clocks = 0;
@@ -79,7 +79,7 @@ module outputs_bench;
         $finish_and_return(1);
     end
 
-    // Clocks, in halves, that each has to be.
+    // Required duration of each, in half clocks.
     real half;
     task expect_halves(input [8*12-1:0] name, input real ns, input integer halves);
         if (ns < halves * half - 0.1 || ns > halves * half + 0.1) begin
@@ -103,7 +103,7 @@ module outputs_bench;
         if (board.reset || !oe_n || !wifi_gpio0) begin $display("reset, or outputs on, after power-up"); $finish_and_return(1); end
         lost = 1;
         #100 if (!board.reset || !oe_n) begin $display("a lost clock does not reset"); $finish_and_return(1); end
-        // Not for the whole time that it would take.
+        // Shortened.
         board.native.power_up.waited = 21'h1FFFE0;
         @(posedge board.pll_reset) lost = 0;
         #5000 if (board.reset || board.pll_reset) begin $display("the clock does not come back after the PLL's reset"); $finish_and_return(1); end

@@ -1,5 +1,6 @@
-// Reset until the clock has been good for 15 clocks, at power-up and whenever it was lost; and the PLL's own reset: a PLL that has lost
-// its lock need not find it again by itself, so it is reset after 2^21 cycles of the oscillator without lock (50 to 80 ms), until it has.
+// Reset until the clock has been good for 15 clocks, at power-up and after every loss; and the PLL's own reset: a PLL
+// that loses its lock need not regain it by itself, so it is reset after 2^21 cycles of the oscillator without lock
+// (50 to 80 ms), repeatedly.
 `default_nettype none
 
 module power_up (
@@ -18,7 +19,7 @@ module power_up (
         else if (reset) good <= good + 4'd1;
     end
 
-    // The oscillator is the only clock that surely runs.
+    // Only the oscillator is guaranteed to run.
     reg [20:0] waited = 21'd0;
     reg [1:0]  locked_inside = 2'd0;
     always @(posedge oscillator) begin

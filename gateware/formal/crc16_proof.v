@@ -1,4 +1,4 @@
-// crc16 is eight steps of the division, for every register and every byte.
+// crc16 equals eight steps of the division, for every register and every byte.
 `default_nettype none
 module crc16_proof (input wire clk, input wire [15:0] from, input wire [7:0] data);
     wire [15:0] to;

@@ -1,4 +1,4 @@
-// crc32 is eight steps of the division, for every register and every byte.
+// crc32 equals eight steps of the division, for every register and every byte.
 `default_nettype none
 module crc32_proof (input wire clk, input wire [31:0] from, input wire [7:0] data);
     wire [31:0] to;

@@ -1,5 +1,6 @@
-// receiver and gate, with any bytes at any time (payloads too are anything, instead of a memory): nothing is written, told or committed but for a packet with the right CRC for this
-// device or all, and but in the gate's time; and what is for all is not answered. The CRC is computed here anew, bit by bit.
+// receiver and gate, with any bytes at any time (payloads are arbitrary, too, instead of a memory): writes, signals
+// and commits happen only for packets with the right CRC for this device or for all, and only in the gate's time; and
+// broadcasts are not answered. The CRC is recomputed here bit by bit.
 `include "packets.vh"
 `default_nettype none
 module door_proof (
@@ -45,7 +46,7 @@ module door_proof (
         .write_width(write_width), .write_offset(write_offset), .write_gain(write_gain)
     );
 
-    // COBS and CRC once more, as their definitions have them.
+    // COBS and CRC again, by their definitions.
     function [31:0] longer(input [31:0] start, input [7:0] value);
         integer i;
         begin
@@ -77,7 +78,7 @@ module door_proof (
         if (reset || (valid && data == 8'd0)) {left, begun, no_zero, bad, count, crc} <= {8'd0, 1'b0, 1'b0, 1'b0, 10'd0, 32'hFFFFFFFF};
     end
 
-    // Right packets that have not passed; whether the gate has been opened for one.
+    // Correct packets not yet passed; whether the gate has been opened for one.
     reg [7:0] credit;
     reg       opened;
     wire      tells = let_go || restart || enable || mute || baud || stop || rate || silencer || play;

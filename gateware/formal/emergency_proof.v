@@ -1,5 +1,6 @@
-// emergency and safety, with ENABLE and RESET as the gate's proof has them: a low `estop_n` of any one clock, and the outputs are off
-// from that clock on until it is let go of, and nothing is enabled two clocks of the synchroniser and one later, until the next ENABLE.
+// emergency and safety, with ENABLE and RESET as in the gate's proof: after a low `estop_n` of a single clock, the
+// outputs are off from that clock on until released, and nothing is enabled from three clocks later (two of the
+// synchroniser) until the next ENABLE.
 `default_nettype none
 module emergency_proof (
     input wire clk,
@@ -12,7 +13,7 @@ module emergency_proof (
     reg reset = 1'b1;
     always @(posedge clk) reset <= 1'b0;
 
-    // The gate lets go, and enables or restarts four clocks later.
+    // The gate releases the stop, and enables or restarts four clocks later.
     reg [3:0] since = 4'd0;
     reg       enables;
     wire      let_go = any_let_go && since == 4'd0 && !reset;
@@ -33,7 +34,7 @@ module emergency_proof (
     );
     wire oe_n = !on || caught || !estop_n;
 
-    // Pressed at any clock since it was let go of last, and how many clocks ago.
+    // Pressed at any clock since the last release, and clocks since then.
     reg       was_pressed = 1'b0;
     reg [2:0] clocks;
     always @(posedge clk) begin

@@ -1,4 +1,5 @@
-// gate with any packet at any time: what each effect needs. Deep enough to write a memory's first cells and, for short packets, to end.
+// gate with any packet at any time: preconditions of each effect. Deep enough to write a memory's first cells and to
+// complete short packets.
 `include "packets.vh"
 `default_nettype none
 module gate_proof (
@@ -20,7 +21,7 @@ module gate_proof (
     reg reset = 1'b1;
     always @(posedge clk) reset <= 1'b0;
 
-    // The packet in front stays while it is worked on.
+    // The front packet is stable while processed.
     reg [49:0] packet;
     wire       at_work, done, passed, answer;
     always @(posedge clk) if (!at_work) packet <= {any_type, any_arguments, any_length};
@@ -64,7 +65,7 @@ module gate_proof (
         if (let_go || restore || digest) assert (at_work && (checked || passed) && !tells);
         if (write_phase || write_amplitude) assert (to_slot && arguments[7:6] == 2'd0);
         if (enable) assert (packet_type == `TYPE_ENABLE && (arguments[15:0] != 0 || arguments[23:16] == `CONFIRM));
-        // It is known then that it has let go, and nothing lets go that does not then enable or restart.
+        // The release is known by then, and every release is followed by an enable or a restart.
         if (enable || restart) assert (let == 3'd4);
         if (let == 3'd4) assert (enable || restart);
         if (restart) assert (packet_type == `TYPE_RESET && length == 10'd0);

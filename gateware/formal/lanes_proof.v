@@ -1,6 +1,6 @@
-// ticks, sweep and lanes in small (8 channels, 64 clocks per period): no lane reads the bank that is being written (which stands as an
-// assertion in lane.v), and the banks never change in the middle of a sweep, so that every period is of one piece, also
-// of a follower that waits at its end or leaves out its last level. And no bit is shifted twice.
+// ticks, sweep and lanes, reduced (8 channels, 64 clocks per period): no lane reads the bank being written (an
+// assertion in lane.v), and the banks never change during a sweep, so that every period is consistent, also on a
+// follower that waits at its end or skips its last level. No bit is shifted twice.
 `default_nettype none
 module lanes_proof (input wire clk, input wire [7:0] phase, input wire [7:0] amplitude, input wire waits, input wire skip, input wire any_mark);
     reg reset = 1'b1;
@@ -45,7 +45,7 @@ module lanes_proof (input wire clk, input wire [7:0] phase, input wire [7:0] amp
         if (write) assert (sweeping && bank == bank_of_sweep && channel == written[2:0]);
         if (open) assert (written == 4'd8);
         if (sweeping) assert (bank == bank_of_sweep);
-        // A period begins at the registers with a latch, and exactly then.
+        // A period begins at the registers exactly with a latch.
         if (last_before) assert (latch && !latch_before && sync && !sync_before);
         if (sync && !sync_before) assert (last_before);
         if (latch && !latch_before && seen) assert (shifted == 4'd8);

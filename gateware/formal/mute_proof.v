@@ -1,5 +1,5 @@
-// safety and sweep in small (8 channels, 32 clocks per period, a mute that takes 2 periods): once it has tripped, nothing is heard from
-// the second sweep on, whatever the frames and the silencer's steps are, until ENABLE.
+// safety and sweep, reduced (8 channels, 32 clocks per period, a mute of 2 periods): after a trip, outputs are silent
+// from the second sweep on, for any frames and silencer steps, until ENABLE.
 `default_nettype none
 module mute_proof (
     input wire        clk,
@@ -35,7 +35,7 @@ module mute_proof (
         .sounds(sounds)
     );
 
-    // Sweeps since it tripped.
+    // Sweeps since the trip.
     reg [3:0] muted = 4'd0;
     always @(posedge clk) begin
         if (!tripped) muted <= 4'd0;

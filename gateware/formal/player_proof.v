@@ -1,5 +1,5 @@
-// player with anything asked for at any time: the slot stays within first and last (an assertion in player.v), it moves at boundaries
-// only, a slot that is played is busy, and what is in step is taken at no boundary that is not.
+// player with any commands at any time: the slot stays within first and last (an assertion in player.v), it changes
+// at boundaries only, a playing slot is busy, and commands in step are taken at boundaries in step only.
 `default_nettype none
 module player_proof (
     input wire        clk,
@@ -24,7 +24,7 @@ module player_proof (
         .play_divider(divider), .play_loops(loops), .play_when(when_asked), .stop(stop),
         .query(query), .busy(busy), .slot(slot), .several(several), .waiting(waiting), .waits_in_step(waits_in_step)
     );
-    // As the gate's proof has it.
+    // As in the gate's proof.
     always @* if (play) assume (first <= last && divider != 16'd0 && when_asked <= 2'd2);
     always @* if (play) assume (!boundary && !stop && !reset);
 
@@ -38,7 +38,7 @@ module player_proof (
     always @(posedge clk) if (!reset && !reset_before) begin
         if (slot != slot_before) assert (boundary_before);
         if (query == slot) assert (busy);
-        // What is played next was busy before: it cannot have been written in between.
+        // The next slot was busy before: it cannot have been written in between.
         if (slot != slot_before && query_before == slot && !play_before) assert (busy_before);
         if (waited_before && !play_before && !stop_before) assert (boundary_before && in_step_before ? !waiting : waits_in_step);
         cover (waited_before && !waiting && boundary_before);

@@ -1,5 +1,5 @@
-// safety: only ENABLE switches on; the watchdog trips at its period, the emergency stop at once, and what has tripped stays off until
-// ENABLE or RESET.
+// safety: only ENABLE switches on; the watchdog trips in its period, the emergency stop at once, and a tripped device
+// stays off until ENABLE or RESET.
 `default_nettype none
 module safety_proof (
     input wire        clk,
@@ -14,7 +14,7 @@ module safety_proof (
     reg reset = 1'b1;
     always @(posedge clk) reset <= 1'b0;
 
-    // As in the device: a period is counted in one clock and looked at in the next, and packets come at another time.
+    // As in the device: a period is counted in one clock and evaluated in the next, and packets come at other times.
     reg boundary = 1'b0;
     always @(posedge clk) boundary <= period && !boundary && !reset;
     wire count = period && !boundary;

@@ -1,5 +1,5 @@
-// silencer, for any numbers: without a target the amplitude falls by a whole step or to nothing, so that a mute of 0x0100 per period
-// is over after 255 periods; and nothing ever goes by more than a step.
+// silencer, for any numbers: without a target the amplitude falls by a full step or to zero, so that a mute of 0x0100
+// per period ends after 255 periods; and no value changes by more than a step.
 `default_nettype none
 module silencer_proof (
     input wire        clk,
@@ -17,7 +17,7 @@ module silencer_proof (
         .phase(phase), .amplitude(amplitude), .phase_next(phase_next), .amplitude_next(amplitude_next)
     );
 
-    // What went in two clocks ago; the steps are looked at a clock later than the rest.
+    // The input two clocks ago; the steps are evaluated a clock later than the rest.
     reg [1:0]  age = 2'd0;
     reg [15:0] phase_1, phase_2, amplitude_1, amplitude_2, phase_step_1, amplitude_step_1;
     reg [7:0]  phase_target_1, phase_target_2, amplitude_target_1, amplitude_target_2;
@@ -35,7 +35,7 @@ module silencer_proof (
     always @(posedge clk) if (age == 2'd2) begin
         assert (gone <= amplitude_step_1 && turned_by <= phase_step_1);
         if (amplitude_target_2 == 8'd0) assert (amplitude_next == (amplitude_2 > amplitude_step_1 ? amplitude_2 - amplitude_step_1 : 16'd0));
-        // Never further away than before.
+        // Never farther away than before.
         assert ((after[15] ? -after : after) <= (before[15] ? -before : before));
         cover (amplitude_target_2 == 8'd0 && amplitude_next == 16'd0 && amplitude_2 == amplitude_step_1);
         cover (before == 16'h8000 && turned[15]);

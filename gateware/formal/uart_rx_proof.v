@@ -1,4 +1,4 @@
-// uart_rx at four clocks per bit: a byte comes only after a start bit and a stop bit, and is what stood on the line between them.
+// uart_rx at four clocks per bit: every byte has a start bit and a stop bit, and equals the line between them.
 `default_nettype none
 module uart_rx_proof (input wire clk, input wire rxd);
     reg reset = 1'b1;

@@ -1,5 +1,5 @@
-// Writes answers, 16 bytes and their CRC, into a store for four of them, and sends them one after the other, with COBS, to the UART. One
-// in version 1's form has 14 bytes and its own CRC. An answer for which there is no room is dropped.
+// Writes answers, 16 bytes and their CRC, into a store for four of them, and sends them in sequence, COBS-encoded, to
+// the UART. Answers in version 1's form have 14 bytes and their own CRC. Answers without room are dropped.
 `default_nettype none
 
 module answers (

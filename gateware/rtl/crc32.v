@@ -1,5 +1,5 @@
-// One byte's step of CRC-32: zlib's, lowest bit first, start 0xFFFFFFFF. Whoever sends it turns all bits over, so that over body and
-// CRC the register ends at 0xDEBB20E3.
+// One byte's step of CRC-32: zlib's, lowest bit first, start 0xFFFFFFFF. The sender inverts all bits, so that over
+// body and CRC the register ends at 0xDEBB20E3.
 `default_nettype none
 
 module crc32 (
@@ -7,7 +7,7 @@ module crc32 (
     input  wire [7:0]  data,
     output wire [31:0] to
 );
-    // What eight steps make of each bit alone; the division is linear.
+    // The effect of eight steps on each single bit; the division is linear.
     wire [7:0] mixed = from[7:0] ^ data;
     assign to = {8'h00, from[31:8]}
         ^ ({32{mixed[0]}} & 32'h77073096) ^ ({32{mixed[1]}} & 32'hEE0E612C)

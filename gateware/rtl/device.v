@@ -1,5 +1,5 @@
-// The device: bytes come in, 256 pulse trains go out through 32 shift registers. One clock of 8 * 2^max(PHASE_BITS, 7) per period
-// of the carrier. doc/protocol.md says what it does.
+// The device: bytes come in, 256 pulse trains go out through 32 shift registers. One clock of 8 * 2^max(PHASE_BITS,
+// 7) per period of the carrier. doc/protocol.md defines its behaviour.
 `include "packets.vh"
 `default_nettype none
 
@@ -15,7 +15,7 @@ module device #(
     input  wire        reset,
     input  wire        rxd,
     output wire        txd,
-    // It is used with the clock and without, on purpose.
+    // Deliberately used both synchronously and asynchronously.
     /* verilator lint_off SYNCASYNCNET */
     input  wire        estop_n,     // low: emergency stop; pull it down, so that an open wire stops
     /* verilator lint_on SYNCASYNCNET */
@@ -57,7 +57,7 @@ module device #(
         .follows(follows), .marked(marked), .hold(hold), .skip(skip), .skipped(skips)
     );
 
-    // After a reset, store and tables are restored before anything is heeded.
+    // After a reset, store and tables are restored before any packet is accepted.
     wire                 waking, restore_starts, restored, restore_write;
     wire [SLOT_BITS+7:0] restore_place;
     wire [7:0]           restore_width;
@@ -170,7 +170,7 @@ module device #(
         .clk(clk), .reset(asleep), .increment(increment), .valid(send), .data(sent), .ready(line_ready), .txd(txd)
     );
 
-    // What is played.
+    // Playback.
     safety safety (
         .clk(clk), .reset(asleep), .restart(restart), .count(count), .boundary(boundary), .emergency(emergency_now),
         .good_packet(passed), .enable(enable), .enable_watchdog(arguments[15:0]), .mute(mute),
@@ -184,7 +184,7 @@ module device #(
         .slot(slot), .several(several), .waiting(play_waits), .waits_in_step(play_in_step)
     );
 
-    // What it is played from. All memories are written by the gate and restored; they are read by sweeps and digests.
+    // The memories behind it: written by the gate and by restore, read by sweeps and digests.
     wire       digesting;
     wire [7:0] digest_address;
     wire [7:0] place = restore_write ? restore_place[7:0] : write_address;
@@ -206,7 +206,7 @@ module device #(
         .phase(phase), .amplitude(amplitude)
     );
 
-    // From that to pulses.
+    // From there to pulses.
     wire                  pulse_write;
     wire [7:0]            offset, gain, width_read, pulse_channel;
     wire [PHASE_BITS-1:0] pulse_rise, pulse_width;
@@ -234,7 +234,7 @@ module device #(
         .data(data), .shift(shift), .latch(latch), .sync(sync)
     );
 
-    // The emergency stop needs no clock.
+    // The emergency stop is asynchronous.
     assign oe_n = !on || caught || !estop_n;
 
     reg packet_parity;

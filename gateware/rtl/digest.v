@@ -1,4 +1,5 @@
-// The CRC-32 of a slot or a table, as the packet that writes it would carry its bytes. It reads the memories while no sweep does.
+// The CRC-32 of a slot or a table, in the byte order of the packet that writes it. It reads the memories while no
+// sweep runs.
 `include "packets.vh"
 `default_nettype none
 

@@ -1,5 +1,5 @@
-// The emergency stop. A press of any length is caught without the clock and stays caught until it is let go of; `stopped` and
-// `pressed` are the same in our clock, two clocks later.
+// The emergency stop. A press of any length is caught asynchronously and held until released; `stopped` and `pressed`
+// are its synchronised versions, two clocks later.
 `default_nettype none
 
 module emergency (
@@ -13,7 +13,7 @@ module emergency (
 );
     wire released;
     synchroniser synchronise_stopped (.clk(clk), .reset(1'b0), .from_outside(caught), .synchronised(stopped));
-    // Pressed until it is known that it is not.
+    // Pressed until known otherwise.
     synchroniser #(.AFTER_RESET(1'b0)) synchronise_pressed (
         .clk(clk), .reset(reset), .from_outside(estop_n), .synchronised(released)
     );

@@ -1,5 +1,5 @@
-// Finds the periods of another device, the leader, at `sync_in`, and says what our own periods need to begin with them: to wait at
-// their end, or to leave out a level.
+// Detects the periods of another device, the leader, at `sync_in`, and determines the correction of our own periods:
+// to wait at their end, or to skip a level.
 `default_nettype none
 
 module follower #(

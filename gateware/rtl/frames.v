@@ -1,4 +1,4 @@
-// The frame store: 2^SLOT_BITS slots of 256 phases and amplitudes, which can be written apart.
+// The frame store: 2^SLOT_BITS slots of 256 phases and amplitudes, which can be written separately.
 `default_nettype none
 
 module frames #(

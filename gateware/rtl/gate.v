@@ -1,5 +1,5 @@
-// Lets at most one packet per period take effect, between the end of the sweep and the next boundary: checks it, then writes what it
-// carries into the memories, or tells the module that it is for, and has it answered.
+// Lets at most one packet per period take effect, between the end of the sweep and the next boundary: checks it, then
+// writes its payload into the memories, or signals the responsible module, and requests the answer.
 `include "packets.vh"
 `default_nettype none
 
@@ -28,7 +28,7 @@ module gate #(
     output wire                 answer,         // until `answered`
     input  wire                 answered,
 
-    // Who is told for one clock; the arguments say what.
+    // Signals for one clock, with the arguments.
     output wire                 let_go,         // of the emergency stop
     output wire                 enable,
     output wire                 mute,
@@ -44,13 +44,13 @@ module gate #(
     output wire [1:0]           play_when,
     output wire                 restart,        // all is as after power-up
 
-    // Who takes longer.
+    // Operations that take longer.
     output wire                 restore,
     input  wire                 restored,
     output wire                 digest,
     input  wire                 digested,
 
-    // Who is written.
+    // Memories to write.
     output wire                 write_phase,
     output wire                 write_amplitude,
     output wire                 write_envelope,
@@ -67,7 +67,7 @@ module gate #(
     reg [15:0] loops;
     reg [7:0]  when_asked;
 
-    // What the packet is.
+    // Decoding of the packet.
     wire is_enable   = packet_type == `TYPE_ENABLE;
     wire is_baud     = packet_type == `TYPE_BAUD;
     wire is_reset    = packet_type == `TYPE_RESET;
@@ -106,7 +106,7 @@ module gate #(
         endcase
     end
 
-    // What is wrong with it.
+    // Refusals.
     wire [7:0]  a0 = arguments[7:0];
     wire [7:0]  a1 = arguments[15:8];
     wire [15:0] low = arguments[15:0];
@@ -156,7 +156,7 @@ module gate #(
                 index <= 10'd0;
                 if (restored) state <= LET_GO;
             end
-            // Until what has caught the emergency stop is known to have let go, so that it does not trip at once.
+            // Waits until the emergency stop is known to be released, so that it does not trip at once.
             LET_GO: if (index == 10'd3) state <= COMMIT;
             COMMIT: state <= ANSWER;
             DIGEST: if (digested) state <= ANSWER;
@@ -192,7 +192,7 @@ module gate #(
     assign play_loops   = is_play ? loops : 16'd0;
     assign play_when    = is_play ? when_asked[1:0] : arguments[17] ? `WHEN_IN_STEP : `WHEN_AT_ONCE;
 
-    // Of pairs, the even bytes are phases and offsets, the odd ones amplitudes and gains.
+    // In pairs, even bytes are phases and offsets, odd bytes amplitudes and gains.
     wire       write = state == COPY && index != 10'd0;
     wire [8:0] place = read_address - 9'd1;
     assign write_phase     = write && (is_phases || (is_frame && !place[0]));

@@ -1,5 +1,5 @@
-// The pulses of the eight channels of one shift register, in two banks of which one is written while the other is played, and the
-// comparator that makes them into bits, three clocks after `read_address`.
+// The pulses of the eight channels of one shift register, in two banks, one written while the other is played, and
+// the comparator that turns them into bits, three clocks after `read_address`.
 `default_nettype none
 
 module lane #(

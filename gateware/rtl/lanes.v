@@ -1,5 +1,6 @@
-// 32 lanes, each of which fills one 74x595 with a bit per channel and level. Channel 8 i + q comes out at Qq of register i, so
-// channel 7 of the eight goes first. A level is shifted while the level before it stands at the outputs; then `latch` rises.
+// 32 lanes, each of which fills one 74x595 with a bit per channel and level. Channel 8 i + q is Qq of register i, so
+// channel 7 of the eight is shifted first. A level is shifted in while the previous one is at the outputs; then
+// `latch` rises.
 `default_nettype none
 
 module lanes #(
@@ -21,7 +22,7 @@ module lanes #(
     output wire                   latch,
     output wire                   sync              // high with level 0 at the outputs, and with level 1 if the period is marked
 );
-    // A bit takes 2^SLOW clocks and is shifted half-way through.
+    // A bit takes 2^SLOW clocks and is shifted at its middle.
     localparam SLOW = PERIOD_BITS - PHASE_BITS - 3;
     localparam [SLOW:0] HALF = (1 << SLOW) >> 1;
 
@@ -54,7 +55,7 @@ module lanes #(
         end
     endgenerate
 
-    // What accompanies the data, as late as they are.
+    // Signals delayed together with the data.
     reg [2:0] shifts, latches, syncs;
     always @(posedge clk) begin
         shifts <= {shifts[1:0], half && !hold};

@@ -1,5 +1,5 @@
-// The bit rate of the line: the power-up rate, what BAUD asked for once the answers so far have gone out, and the power-up rate
-// again after a long time without a good packet.
+// The bit rate of the line: the power-up rate, the rate of BAUD once earlier answers have been sent, and the power-up
+// rate again after a long time without a good packet.
 `default_nettype none
 
 module line_rate #(

@@ -1,12 +1,12 @@
-// The one table of packets, answers and figures that both ends must agree on. The test in tests/device/gateware compares it with the
-// table in Rust; doc/protocol.md explains it.
+// The single table of packets, answers and figures shared by both ends. The test in tests/device/gateware compares it with
+// the table in Rust; doc/protocol.md explains it.
 `ifndef PACKETS_VH
 `define PACKETS_VH
 
 `define PROTOCOL_VERSION 8'd2
 `define GATEWARE_VERSION 8'd2
 
-// Packets to the device, and how many payload bytes each has.
+// Packets to the device, and their payload bytes.
 `define TYPE_INFO 8'h01
 `define TYPE_STATUS 8'h02
 `define TYPE_ENABLE 8'h03
@@ -41,7 +41,7 @@
 `define PAYLOAD_WIDTHS 10'd256
 `define PAYLOAD_CALIBRATION 10'd512
 
-// Answers: the packet's type with this bit turned over; of a spoiled packet, this bit alone.
+// Answers: the packet's type with this bit inverted; for a spoiled packet, this bit alone.
 `define TYPE_ANSWER 8'h80
 
 // Results.
@@ -63,13 +63,13 @@
 `define FLAG_STOPPED 6
 `define FLAG_FOLLOWS 7
 
-// The address that all devices heed and no device answers.
+// The address accepted by all devices and answered by none.
 `define BROADCAST 8'hFF
-// When a PLAY is taken: with the next period, at the end of the loop that runs, or with a period that the leader marks.
+// When a PLAY is taken: at the next period, at the end of the running loop, or at a period marked by the leader.
 `define WHEN_AT_ONCE 2'd0
 `define WHEN_AFTER_LOOP 2'd1
 `define WHEN_IN_STEP 2'd2
-// Of what DIGEST tells the CRC.
+// Tables of DIGEST.
 `define DIGEST_SLOT 2'd0
 `define DIGEST_ENVELOPE 2'd1
 `define DIGEST_WIDTHS 2'd2
@@ -77,13 +77,13 @@
 
 // ENABLE without a watchdog needs this as its third argument.
 `define CONFIRM 8'h5A
-// Periods without a good packet after which the line falls back to its first rate: this power of two.
+// Log2 of the periods without a good packet after which the line reverts to its first rate.
 `define FALLBACK_BITS 15
 // Limits of BAUD's increment.
 `define SLOWEST_INCREMENT 16'd64
 `define FASTEST_INCREMENT 16'd16384
 
-// Largest changes per period after power-up, in 1/256 of a unit, and the slowest way down when muted.
+// Largest changes per period after power-up, in 1/256 of a unit, and the smallest mute step.
 `define FIRST_PHASE_STEP 16'h0300
 `define FIRST_AMPLITUDE_STEP 16'h0600
 `define MUTE_STEP 16'h0100
@@ -91,7 +91,7 @@
 // Pulse widths in 1/256 period after power-up, round(256/pi * asin(a/255)), amplitude 255 first.
 `define FIRST_WIDTHS 2048'h8079767372706e6d6c6a69686766656463626160605f5e5d5c5c5b5a595958575756555554545352525151504f4f4e4e4d4d4c4c4b4b4a4949484847474646454545444443434242414140403f3f3f3e3e3d3d3c3c3b3b3b3a3a393939383837373636363535343434333332323231313130302f2f2f2e2e2d2d2d2c2c2c2b2b2a2a2a292929282828272726262625252524242423232322222221212020201f1f1f1e1e1e1d1d1d1c1c1c1b1b1b1a1a1a1919191818181717171616161515151414141313131212121111111010100f0f0f0e0e0e0d0d0d0d0c0c0c0b0b0b0a0a0a090909080808070707060606050505040404040303030202020101010000
 
-// The widest pulse that is played.
+// The widest pulse.
 `define WIDEST 8'd128
 
 `endif

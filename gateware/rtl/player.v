@@ -1,5 +1,5 @@
-// Which slot is played: one, or a range of them in a loop, from a timer of its own that counts periods. What is asked for waits
-// for the next boundary, for the end of the loop that runs, or for a boundary that is in step with other devices.
+// The player of slots: one, or a range in a loop, by its own timer in periods. Commands wait for the next boundary,
+// for the end of the running loop, or for a boundary in step with other devices.
 `include "packets.vh"
 `default_nettype none
 

@@ -1,4 +1,4 @@
-// Where a pulse rises and how many levels it is wide, from its middle and its width in 1/256 period.
+// The rising level and the width in levels of a pulse, from its centre and its width in 1/256 period.
 `include "packets.vh"
 `default_nettype none
 

@@ -1,4 +1,4 @@
-// A block RAM: one port writes, one reads, a clock later. What it holds at first is not relied upon.
+// A block RAM: one port writes, one reads, a clock later. Its initial content is never used.
 `default_nettype none
 
 module ram #(

@@ -1,5 +1,6 @@
-// From bytes to packets: undoes COBS, checks the CRC, and keeps up to four good packets for this device until they are done with.
-// What a packet carries lies in a buffer of its own, so nothing takes effect before the CRC was right. INFO of version 1 is recognised.
+// From bytes to packets: undoes COBS, checks the CRC, and keeps up to four good packets for this device until
+// processed. Payloads are buffered, so no part of a packet takes effect before its CRC is verified. INFO of version 1
+// is recognised.
 `include "packets.vh"
 `default_nettype none
 
@@ -34,7 +35,7 @@ module receiver (
     localparam [9:0] OLD_INFO = 10'd8;
     localparam [15:0] OLD_RESIDUE = 16'h1D0F;
 
-    // The packet that is coming in.
+    // The packet being received.
     reg [7:0]  left;        // bytes until the next code of COBS
     reg        whole;       // the block holds 254 bytes: no zero follows it
     reg        empty;       // nothing has come since the last delimiter
@@ -45,7 +46,7 @@ module receiver (
     reg [15:0] old_crc;
     reg [55:0] header;      // type lowest, address, seq, arguments
 
-    // The packets that wait.
+    // Waiting packets.
     reg [1:0]  first, next;
     reg [2:0]  waiting;
     reg [58:0] headers [0:3];

@@ -1,5 +1,5 @@
-// Writes what the frame store and all tables hold after power-up, a cell per clock, after a reset and when asked. It ends when the
-// gate would open, so that no sweep runs.
+// Writes the power-up content of the frame store and all tables, a cell per clock, after a reset and on request. It
+// ends when the gate would open, so that no sweep runs.
 `include "packets.vh"
 `default_nettype none
 

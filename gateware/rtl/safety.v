@@ -1,5 +1,5 @@
-// Whether anything may sound: on by ENABLE, off by MUTE, by the watchdog and by the emergency stop. The latter two trip, and only
-// ENABLE or RESET gets out of that.
+// Whether outputs may be on: on by ENABLE, off by MUTE, by the watchdog and by the emergency stop. The latter two
+// trip, until ENABLE or RESET.
 `include "packets.vh"
 `default_nettype none
 

@@ -1,5 +1,5 @@
-// Lets phase and amplitude of a channel go towards their targets by a limited step per period. Phase takes the shorter way round.
-// The answer comes two clocks later.
+// Moves phase and amplitude of a channel towards their targets by a limited step per period, the phase along the
+// shorter way. The result comes two clocks later.
 `default_nettype none
 
 module silencer (

@@ -1,4 +1,4 @@
-// What the device says of itself: counters, and the 16 bytes of an answer before its CRC, one by one, or the 14 of version 1.
+// The device's status: counters, and the 16 bytes of an answer before its CRC, one by one, or the 14 of version 1.
 `include "packets.vh"
 `default_nettype none
 
@@ -50,7 +50,7 @@ module status #(
     wire digested = !about_spoiled && packet_type == `TYPE_DIGEST && result == `RESULT_OK;
     wire [31:0] last = digested ? digest : periods;
 
-    // Version 1 has no address, and so what follows is one place earlier.
+    // Version 1 has no address, so all later bytes are one position earlier.
     wire [4:0] place = about_old && index != 5'd0 ? index + 5'd1 : index;
     always @(posedge clk) begin
         case (place)

@@ -1,5 +1,5 @@
-// Once per period, over all channels, a channel per clock: calibration, silencer, modulation and pulse width make pulses for the
-// lanes from the frame that is played.
+// Once per period, over all channels, a channel per clock: calibration, silencer, modulation and pulse width turn the
+// current frame into pulses for the lanes.
 `include "packets.vh"
 `default_nettype none
 
@@ -38,8 +38,8 @@ module sweep #(
     output reg  [PHASE_BITS-1:0]   pulse_width,
     output reg                     sounds           // something is to be heard in the next period
 );
-    // `step` counts clocks. Channel n leaves the silencer at n + 5 and its width is known at n + 7; before channel 0 and after the last,
-    // the highest bit of the difference is set. There must be eight channels or more for that.
+    // `step` counts clocks. Channel n leaves the silencer at n + 5 and its width is known at n + 7; before channel 0
+    // and after the last, the highest bit of the difference is set. This requires at least eight channels.
     localparam [CHANNEL_BITS:0] CHANNELS = 1 << CHANNEL_BITS;
     localparam [CHANNEL_BITS:0] SILENCED = 5;
     localparam [CHANNEL_BITS:0] PULSED = 7;
@@ -54,7 +54,7 @@ module sweep #(
     reg [15:0] phase_step, amplitude_step;
     wire       hurry = !enabled && amplitude_step < MUTE_STEP;
 
-    // Clock 1: what the memories hold.
+    // Clock 1: the memories' outputs.
     wire [7:0]  own_place;
     wire [31:0] state;
     generate
@@ -82,7 +82,7 @@ module sweep #(
         .read_data(gain)
     );
 
-    // Clocks 2 and 3: calibrated. After RESET the silencer begins at nothing, whatever its memory holds.
+    // Clocks 2 and 3: calibrated. After RESET the silencer starts at zero, independently of its memory.
     reg        fresh;
     reg [7:0]  phase_2, phase_3, amplitude_2;
     reg [8:0]  gain_2;
@@ -121,7 +121,7 @@ module sweep #(
         .read_data(state)
     );
 
-    // Clocks 6 and 7: modulated, and its width looked up. No amplitude is no width, whatever the table says.
+    // Clocks 6 and 7: modulated, and its width looked up. Zero amplitude has zero width, independently of the table.
     reg [7:0]  phase_6, phase_7;
     reg [7:0]  amplitude_6, below_6;
     reg [8:0]  envelope_held;

@@ -1,4 +1,4 @@
-// Brings an input that knows nothing of our clock into it, two clocks later. `AFTER_RESET` is what the input is taken for at first.
+// Synchronises an asynchronous input to our clock, two clocks later. `AFTER_RESET` is its assumed initial value.
 `default_nettype none
 
 module synchroniser #(

@@ -1,4 +1,4 @@
-// Divides the clock into periods, and each period into what happens when:
+// Divides the clock into periods, and each period into its events:
 //
 //     tick 0      level 0 of the period appears at the registers
 //     tick 63     a period more is counted
@@ -6,8 +6,8 @@
 //     tick 65     the sweep over all channels begins
 //     gate        it has ended, and one packet may take effect
 //
-// The lanes work ahead of the registers, by one level and their own three clocks; `bank` says which half of their memory they read. A
-// follower's lanes wait at the end of their period, or leave out its last level.
+// The lanes work ahead of the registers, by one level and their own three clocks; `bank` selects the half of their
+// memory to read. A follower's lanes wait at the end of their period, or skip its last level.
 `default_nettype none
 
 module ticks #(

@@ -1,5 +1,5 @@
-// UART receiver, 8N1. The bit clock is a sum of 16 bits: a bit takes 65536 / increment clocks. Every bit is sampled once, in its
-// middle; a start bit that is over by then was noise, and a stop bit that is low is a framing error.
+// UART receiver, 8N1. The bit clock is a 16-bit accumulator: a bit takes 65536 / increment clocks. Every bit is
+// sampled once, in its middle; a start bit that has ended by then is noise, and a low stop bit is a framing error.
 `default_nettype none
 
 module uart_rx (

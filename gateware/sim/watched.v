@@ -1,5 +1,5 @@
-// The device with what the test bench wants to see of its inside: when a period ends, what passes through the gate, and whether it
-// heeds the line and follows a leader.
+// The device with internal signals for the test bench: the end of a period, packets passing the gate, and whether it
+// accepts packets and follows a leader.
 `default_nettype none
 
 module watched #(

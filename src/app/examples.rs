@@ -34,7 +34,7 @@ pub const EXAMPLES: &[Example] = &[
     example!("hit-vertical", "HIT, standing upright"),
     example!("hit-letter-by-letter", "HIT, letter by letter"),
     example!("focus-centre", "One focus"),
-    example!("focus-off-centre", "One focus beside the axis"),
+    example!("focus-off-centre", "One focus off the axis"),
     example!("points-2", "Two foci"),
     example!("points-4", "Four foci"),
     example!("five-points", "Five foci"),

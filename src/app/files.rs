@@ -423,7 +423,7 @@ impl Window {
             true => self.workshop.spacing.picture(),
             false => self.workshop.mapping.picture(),
         };
-        Ok(export::png(&picture.context("there is no picture")?)?)
+        Ok(export::png(&picture.context("no picture is shown")?)?)
     }
 
     fn numbers_npy(&mut self) -> anyhow::Result<Vec<u8>> {

@@ -374,7 +374,7 @@ impl Window {
             ctx.request_repaint_after_secs(seconds as f32);
         }
         if let Some(trouble) = recovery.trouble().filter(|trouble| Some(*trouble) != before.as_deref()) {
-            let text = format!("A crash would take what is not saved: {trouble}");
+            let text = format!("A crash would take unsaved changes: {trouble}");
             self.shown.notice = Some(Notice { text, is_error: true });
         }
     }

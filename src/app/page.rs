@@ -200,7 +200,7 @@ fn keep(path: &Path, bytes: Option<&[u8]>) -> io::Result<()> {
         return stored.and_then(Result::ok).ok_or_else(full);
     }
     remember(path, bytes);
-    download(path, bytes).map_err(|_| io::Error::other("the browser takes no file"))
+    download(path, bytes).map_err(|_| io::Error::other("the browser refuses the file"))
 }
 
 /// Keeps a small file across page loads.

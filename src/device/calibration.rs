@@ -73,7 +73,7 @@ impl Calibration {
             let (number, element) =
                 Element::of(row.required, elements).map_err(|reason| table.refusal(reason))?;
             if rows.insert(number, element).is_some() {
-                return Err(table.refusal(format!("element {number} stands here a second time")).into());
+                return Err(table.refusal(format!("element {number} is listed twice")).into());
             }
         }
         let missing: Vec<_> = (0..elements).filter(|element| !rows.contains_key(element)).collect();

@@ -128,7 +128,7 @@ pub fn notices(profile: Profile, drive: &Drive, calibration: &Calibration, frequ
     let weaker = drive.amplitudes.iter().any(|&amplitude| amplitude > 0.0 && amplitude < 1.0 - 1e-9);
     if profile.strength() == Strength::Fixed && (weaker || calibration.has_gains()) {
         notices.push(format!(
-            "{} has no amplitudes: elements that are to play softly play fully",
+            "{} has no amplitudes: elements with reduced amplitude play fully",
             profile.name()
         ));
     }

@@ -1,8 +1,8 @@
 //! Boards: their levels, their bytes, and the line to them.
 //!
-//! A drive becomes [`levels::Levels`] (what an element is told, or that it is off), a frame of bytes or packets, and
-//! goes over a [`link`] to a board. Every board has a twin here that understands the same bytes: a type in [`stock`],
-//! or [`native::model::Model`]; [`board`] puts it at the other end of a line.
+//! A drive becomes [`levels::Levels`] (the level of each element, or off), a frame of bytes or packets, and goes over
+//! a [`link`] to a board. Every board has a twin here that understands the same bytes: a type in [`stock`], or
+//! [`native::model::Model`]; [`board`] puts it at the other end of a line.
 //!
 //! `docs/adding-a-board.md` is the guide to adding a board.
 

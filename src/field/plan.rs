@@ -50,8 +50,9 @@ pub fn promised(tolerance: f64) -> f64 {
 /// The warning about a map whose error, relative to its peak, exceeds its tolerance.
 pub fn missed(error: f64, tolerance: f64) -> Option<String> {
     let promised = promised(tolerance);
-    (error > promised)
-        .then(|| format!("the map's error may be {error:.1e} of its peak, more than the {promised:e} wanted"))
+    (error > promised).then(|| {
+        format!("the map's error may be {error:.1e} of its peak, above the tolerance of {promised:e}")
+    })
 }
 
 /// Costs of an evaluator, in evaluations of one sample-element pair.

@@ -63,7 +63,7 @@ pub enum NoSideLobe {
     NoFocus,
     #[error("the plane is too large to be searched in steps of an eighth of a wavelength")]
     TooLarge,
-    #[error("nothing on the plane is louder than its surroundings but the foci")]
+    #[error("the plane has no local maximum besides the foci")]
     NoMaximum,
     #[error("no sound reaches the plane")]
     Silent,
@@ -291,8 +291,8 @@ mod tests {
 
     #[test]
     fn a_narrow_array_has_a_loud_side_lobe_along_the_beam() {
-        // Of 6 x 16 the short side cancels nothing where the long one does: the first minimum has nearly half the focus'
-        // pressure, and what follows it towards the array is no part of the focus.
+        // For 6 x 16 the short side does not cancel where the long one does: the first minimum has nearly half the
+        // focal pressure, and the maximum behind it towards the array is not part of the focus.
         let focus = DVec3::new(0.0, 0.0, 0.2);
         let scene = Scene::default();
         let plane = Plane { centre: focus, y_axis: DVec3::Z, size: glam::dvec2(0.04, 0.3), ..scene.plane };

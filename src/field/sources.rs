@@ -66,7 +66,7 @@ pub struct Wave {
     pub is_flat: bool,
 }
 
-/// Coefficients for s in [-1, 1], lowest first, padded with zeros up to the room that there is.
+/// Coefficients for s in [-1, 1], lowest first, zero-padded.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Polynomial<const MOST: usize> {
     pub coefficients: [f32; MOST],

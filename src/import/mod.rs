@@ -53,7 +53,7 @@ pub enum ImportError {
     NoPaths { has_text: bool },
     #[error("the picture cannot be read: {0}")]
     Picture(String),
-    #[error("the picture is blank: nothing on it is darker than its paper")]
+    #[error("the picture is blank: it has no strokes")]
     Blank,
     #[error(
         "the picture has no dark strokes on light paper: it seems to be a photograph or a painted surface"

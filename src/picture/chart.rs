@@ -251,7 +251,7 @@ mod tests {
 
     #[test]
     fn every_range_has_some_ticks_and_none_too_many() {
-        // What is drawn spans at least the margin on both sides.
+        // The content spans at least the margin on both sides.
         for (low, high) in [(1.2, 2.7), (2.1, 8.5), (0.7, 30.0), (3.0, 4e3), (1e-7, 1e-2), (1e-17, 1.0)] {
             let ticks = ticks((low, high));
             assert!((2..=12).contains(&ticks.len()), "{low} to {high}: {ticks:?}");

@@ -23,7 +23,7 @@ pub enum GreyError {
     UnknownFormat,
     #[error("the picture cannot be read: {0}")]
     Broken(#[from] image::ImageError),
-    #[error("the picture is black or transparent all over: nothing is wanted")]
+    #[error("the picture is black or transparent all over: it prescribes no sound")]
     Black,
 }
 

@@ -131,7 +131,7 @@ fn off(scene: &Scene) -> Result<(), KeyError> {
     }
     let off: std::collections::BTreeSet<_> = array.off.iter().collect();
     if off.len() == elements {
-        return refuse("off", "every element is off: nothing is left to drive");
+        return refuse("off", "every element is off: at least one must be driven");
     }
     Ok(())
 }
@@ -281,8 +281,7 @@ fn aim(scene: &Scene) -> Result<(), KeyError> {
         return Ok(());
     }
     if !scene.is_home() || !scene.mirrors().is_empty() {
-        let message =
-            "a depression is drawn by one board in rows and columns in z = 0, whose sound nothing reflects";
+        let message = "a depression needs a single board of rows and columns in z = 0, without reflectors";
         return refuse("target", message);
     }
     let normal = scene.plane.axes().map_or(DVec3::Z, |(x, y)| x.cross(y));
@@ -344,7 +343,7 @@ fn shape(shape: &Shape) -> Result<(), KeyError> {
         }
         Shape::Text { text, at, height } => {
             if text.trim().is_empty() {
-                return refuse("text", "there is nothing to write");
+                return refuse("text", "the text is empty");
             }
             // Every letter has at least one focal point.
             if text.chars().count() > MOST_FOCI {
@@ -466,7 +465,7 @@ fn keyframes(keyframes: &[Keyframe]) -> Result<(), KeyError> {
                 return refuse("time", "must be a part of the cycle, from 0 to less than 1");
             }
             if before.is_some_and(|before| time <= before) {
-                return refuse("time", "must be later than that of the keyframe before");
+                return refuse("time", "must be later than the previous keyframe");
             }
             point("at", at)?;
             within("pressure", pressure, *FACTORS.start(), *FACTORS.end(), "times the target's own")
@@ -482,7 +481,7 @@ fn no_steps(own: &Motion) -> Result<(), KeyError> {
     if own.path != MotionPath::Steps {
         return Ok(());
     }
-    refuse("path", "a single target takes no turns: `path = \"steps\"` stands in the scene's [motion]")
+    refuse("path", "a single target cannot have steps: `path = \"steps\"` belongs to the scene's [motion]")
 }
 
 /// Checks the position of a listener.

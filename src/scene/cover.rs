@@ -65,7 +65,7 @@ impl Cover {
         let is_black = cover.sums.last().is_none_or(|&sum| sum <= 0.0);
         match (&target.shape, target.sampling) {
             (Shape::Picture { .. }, _) if is_black => {
-                refuse("file", "the picture is black: nothing is wanted")
+                refuse("file", "the picture is black: it prescribes no sound")
             }
             (Shape::Path { .. }, Sampling::Fill) if is_black => refuse("fill", "the path encloses no area"),
             _ => Ok(Some(cover)),

@@ -56,7 +56,7 @@ fn parse_tables(text: &str) -> Result<SceneTable, toml::de::Error> {
 /// Like [`read`], from the same tables and keys in any format that serde reads.
 ///
 /// # Errors
-/// As [`read`], but for files; the message names the key.
+/// As [`read`], except file errors; the message names the key.
 pub fn from_tables<'de, D: Deserializer<'de>>(tables: D) -> Result<Scene, D::Error> {
     SceneTable::deserialize(Strict(tables))?.into_scene().and_then(checked).map_err(D::Error::custom)
 }

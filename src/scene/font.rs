@@ -120,7 +120,7 @@ fn parse_stroke(text: &str) -> Result<Stroke, String> {
         let vertex = dvec2(number(x)?, number(y)?);
         match (is_control, control.take()) {
             (true, None) if !stroke.is_empty() => control = Some(vertex),
-            (true, _) => return Err(format!("control point `{word}` does not stand between two vertices")),
+            (true, _) => return Err(format!("control point `{word}` is not between two vertices")),
             (false, None) => stroke.push(vertex),
             (false, Some(control)) => {
                 let start = stroke[stroke.len() - 1];

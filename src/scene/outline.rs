@@ -1,9 +1,9 @@
 //! From shapes and letters to focal points, evenly spaced along the outline including its corners.
 //!
-//! An outline is a set of strokes. Strokes are cut at their corners (ends, sharp turns, and places where strokes
-//! meet) into [`run::Run`]s; every corner becomes one focal point, and the inside of a run is divided evenly by arc
-//! length. A continuous stroke gets its samples the same way, as many as the wavelength requires, and an area those
-//! of its [`Cover`].
+//! An outline is a set of strokes. Strokes are cut at their corners (ends, sharp turns, and junctions of strokes)
+//! into [`run::Run`]s; every corner becomes one focal point, and the inside of a run is divided evenly by arc length.
+//! A continuous stroke gets its samples the same way, as many as the wavelength requires, and an area those of its
+//! [`Cover`].
 
 use std::f64::consts::TAU;
 
@@ -130,7 +130,7 @@ fn traps_beside_points(scene: &Scene, foci: &[Vec<Focus>]) -> Result<(), KeyErro
     if is_alone {
         return Ok(());
     }
-    let message = "traps stand beside points and separate focal points alone: give strokes `points` or `spacing`, and leave out \
+    let message = "traps stand beside points and separate focal points only: give strokes `points` or `spacing`, and leave out \
                    areas, `[[quiet]]`, `solver.frames` and `solver.target`";
     Err(KeyError::new([Key::from("target"), Key::from(index), Key::from("trap")], message))
 }
@@ -303,7 +303,9 @@ fn too_many(target: &Target, wanted: usize) -> KeyError {
         Sampling::Whole | Sampling::Fill | Sampling::Stroke(_) => KeyError::new([], asked),
         Sampling::Continuous => KeyError::new(
             [],
-            format!("its corners alone need {wanted} focal points beside those of other targets, {most}"),
+            format!(
+                "its corners alone need {wanted} focal points in addition to those of other targets, {most}"
+            ),
         ),
     }
 }

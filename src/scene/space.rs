@@ -86,7 +86,7 @@ impl Front {
     pub fn behind(&self) -> &'static str {
         match &self.0[..] {
             [face] if *face == (DVec3::ZERO, DVec3::Z) => {
-                "on or behind the array, which stands in z = 0 and radiates towards +z"
+                "on or behind the array, which lies in z = 0 and radiates towards +z"
             }
             [_] => "on or behind the array",
             _ => "on or behind every board of the array",
@@ -107,7 +107,7 @@ pub struct Reflector {
     pub point: DVec3,
     /// Towards the sound.
     pub normal: DVec3,
-    /// Of the pressure's amplitude: 1 rigid, -1 soft.
+    /// Pressure reflection coefficient: 1 rigid, -1 soft.
     pub coefficient: f64,
 }
 

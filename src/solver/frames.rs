@@ -194,7 +194,7 @@ impl Found {
 struct Link {
     found: Found,
     weights: Option<Vec<f64>>,
-    /// The weakest pressure/target, times the largest target, over the sum of |h| at the foci: comparable for all
+    /// The weakest pressure/target, times the largest target, over the RMS transfer to the foci: comparable for all
     /// positions and target levels.
     part: f64,
     /// The most that this was since the last search.

@@ -12,7 +12,7 @@ pub enum Warning {
     Coincident(usize),
     /// Distance of the closest pair and the array's resolution there, m.
     #[error(
-        "{pairs} pairs of foci are closer than the array resolves: the closest stand {:.2} mm apart, and λ/(2 NA) is \
+        "{pairs} pairs of foci are closer than the array resolves: the closest are {:.2} mm apart, and λ/(2 NA) is \
          {:.2} mm there; they blur into one, and inverse methods waste power on them",
         .distance * 1e3,
         .resolution * 1e3
@@ -24,8 +24,7 @@ pub enum Warning {
     MoreFociThanElements { foci: usize, elements: usize },
     /// Mean over the foci, Pa (peak).
     #[error(
-        "the foci are to get {asked:.1} Pa (mean, peak), and full drive brings them {brought:.1} Pa, {:.1} % of it: full drive is \
-         played",
+        "the foci need {asked:.1} Pa (mean, peak), but full drive reaches {brought:.1} Pa, {:.1} % of it: full drive is played",
         100.0 * .brought / .asked
     )]
     TooLoud { asked: f64, brought: f64 },

@@ -117,7 +117,7 @@ fn checked(found: Vec<(u64, Placed)>) -> Result<Vec<Placed>, TableError> {
         }
         // As files have it, -0 is 0.
         if let Some(first) = seen.insert((at + 0.0).to_array().map(f64::to_bits), placed.len()) {
-            return Err(refusal(line, format!("the element stands in the place of element {first}")));
+            return Err(refusal(line, format!("the element coincides with element {first}")));
         }
         placed.push(Placed { at, normal });
     }
@@ -161,10 +161,7 @@ mod tests {
             ("x,y,z,nx,ny\n", "1: the column `nz` is missing"),
             ("x,y,z,nx,ny,nz\n", "1: there are no elements"),
             ("x,y,z,nx,ny,nz\n0,0,0,0,0,1\n0,0,1,0,0,0\n", "3: nx, ny, nz = 0, 0, 0: must be a direction"),
-            (
-                "x,y,z,nx,ny,nz\n0,0,0,0,0,1\n0,-0,0,0,1,0\n",
-                "3: the element stands in the place of element 0",
-            ),
+            ("x,y,z,nx,ny,nz\n0,0,0,0,0,1\n0,-0,0,0,1,0\n", "3: the element coincides with element 0"),
             ("x,y,z,nx,ny,nz\n0,0,1000,0,0,1\n", "2: x, y, z = 0, 0, 1000: must be metres"),
             ("x,y,z,nx,ny,nz\n0,0,one,0,0,1\n", "2: z = `one`: not a finite number"),
             ("0,0,0\n1,2\n", "2: 2 columns: a place has three"),

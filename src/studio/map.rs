@@ -83,7 +83,7 @@ fn how(stages: &Stages, quantity: Quantity, map: &Map, start: Instant) -> String
     let milliseconds = start.elapsed().as_secs_f64() * 1e3;
     let whose = if quantity.declaration().of_light { "the radiation pressure's peak" } else { "the peak" };
     let error = match map.peak {
-        0.0 => "silent: nothing as loud as f32 can square".to_owned(),
+        0.0 => "silent: every pressure underflows when squared in f32".to_owned(),
         _ => format!(
             "error up to {:.1e} of {whose}, estimated from places that were compared with f64",
             map.error

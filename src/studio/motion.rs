@@ -59,7 +59,7 @@ fn warn_of_shortfall(sequence: &Sequence) {
         && part(worst) < 0.999
     {
         warn(&format!(
-            "in the worst frame the foci are to get {} (mean, peak), and full drive brings them {}",
+            "in the worst frame the foci need {} (mean, peak), but full drive reaches {}",
             pascals(asked(worst)),
             pascals(worst.mean_pressure())
         ));

@@ -49,13 +49,13 @@ pub enum Warning {
     Far { name: String, pressure: f64, best: f64 },
     /// The pitch in wavelengths, and the lobe over the focus.
     #[error(
-        "{name} is beyond the steering range: the elements stand {pitch:.2} wavelengths apart, and a grating lobe beside it has \
-         {:.0} % of its pressure",
+        "{name} is beyond the steering range: the elements are {pitch:.2} wavelengths apart, and a grating lobe reaches {:.0} \
+         % of its pressure",
         100.0 * .lobe
     )]
     GratingLobe { name: String, pitch: f64, lobe: f64 },
     /// The board's number, from 1.
-    #[error("Board {0} faces away from every target: it sends nothing there")]
+    #[error("Board {0} faces away from every target and contributes nothing")]
     TurnedAway(usize),
     /// Remainder of a truncated series of reflections, relative to the direct sound.
     #[error(

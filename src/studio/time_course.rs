@@ -270,7 +270,7 @@ fn swing(tones: &[(f64, f64, f64)]) -> Vec<Term> {
     [(0.0, Complex64::from(middle))].into_iter().chain(tones.iter().flat_map(of_tone)).collect()
 }
 
-/// What is left of the power in the second half of a square wave's period.
+/// The remaining power in the second half of a square wave's period.
 fn low_square(modulation: &Modulation) -> f64 {
     match modulation.law {
         Law::Amplitude => (1.0 - modulation.depth).powi(2),
@@ -278,7 +278,7 @@ fn low_square(modulation: &Modulation) -> f64 {
     }
 }
 
-/// 1 in the first half of a period, and the square of what is left in the second.
+/// 1 in the first half of a period, and the square of the remainder in the second.
 fn square_wave(modulation: &Modulation, reach: f64) -> Vec<Term> {
     let low = low_square(modulation);
     let frequency = modulation.frequency;

@@ -94,7 +94,7 @@ impl Video {
         command.stdin(Stdio::piped()).stdout(stdout).stderr(complaints.try_clone().context(no_file)?);
         let mut program = command.spawn().map_err(|error| match error.kind() {
             ErrorKind::NotFound => anyhow!(
-                "videos need the program `{PROGRAM}`, and PATH has none; GIF, animated PNG and a PNG per frame need no other program"
+                "videos need the program `{PROGRAM}`, which is not on PATH; GIF, animated PNG and a PNG per frame work without it"
             ),
             _ => anyhow!("{PROGRAM} cannot be started: {error}"),
         })?;

@@ -56,7 +56,7 @@ fn settings(editor: &mut Editor, ui: &mut Ui) {
     ui.label("Compare with");
     for (with, name, tip) in [
         (With::Method, "Method", "The scene solved by another method"),
-        (With::Levels, "Phase levels", "The drive as a board with so many phase levels plays it"),
+        (With::Levels, "Phase levels", "The drive on a board with this number of phase levels"),
         (With::Plane, "Plane", "Another plane of the same field"),
     ] {
         ui.selectable_value(&mut compare.with, with, name).on_hover_text(tip);

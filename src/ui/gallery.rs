@@ -93,7 +93,7 @@ fn hints(editor: &mut Editor, ui: &mut Ui) {
             ui.label(text);
         });
     }
-    if ui.button("Got it").on_hover_text("Puts the hints away for good").clicked() {
+    if ui.button("Got it").on_hover_text("Hides the hints for good").clicked() {
         editor.hints = false;
     }
 }

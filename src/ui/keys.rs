@@ -24,7 +24,7 @@ pub const HELP: &[(&str, &str)] = &[
         "Tab to the map",
         "Arrows move a cross (Ctrl: 0.1 mm), Enter draws or selects there, , and . select the next",
     ),
-    ("Esc", "Stop what is under way, select nothing"),
+    ("Esc", "Cancel the current action, clear the selection"),
     ("D, then drag", "Measure along a line; Esc removes it"),
     ("Esc Esc", "Stop the board"),
     ("Wheel", "Zoom where the pointer is"),
@@ -34,7 +34,7 @@ pub const HELP: &[(&str, &str)] = &[
     ("Shift over the map", "Move the line profile"),
     ("Ctrl while dragging", "Free of grid and guides"),
     ("Alt and drag", "Drag a copy"),
-    ("Right click", "Menu of what is selected"),
+    ("Right click", "Menu of the selection"),
     ("Click in the list", "Select one target of a group"),
 ];
 

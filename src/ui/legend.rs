@@ -138,12 +138,12 @@ fn choices(view: &mut View, map: &Map, ui: &mut Ui) {
     } else {
         label(ui, "Brightness");
         ui.checkbox(&mut view.fades, "Follows amplitude")
-            .on_hover_text("Phases are dark where the pressure is low, where they mean little");
+            .on_hover_text("Phases are dark at low pressure, where they mean little");
         ui.end_row();
     }
     label(ui, "Ground");
     let mut is_light = view.is_light;
-    let tip = "White where there is no sound, as in print; on by default in the light theme";
+    let tip = "Silence is white, as in print; on by default in the light theme";
     if ui.checkbox(&mut is_light, "Light").on_hover_text(tip).accessible_name("Light ground").changed() {
         let of_theme = !ui.visuals().dark_mode;
         view.ground = (is_light != of_theme).then_some(is_light);

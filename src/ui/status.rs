@@ -61,7 +61,7 @@ fn details(editor: &Editor, shown: &Shown, map: &Map, ui: &mut Ui) {
             if let Some(sound) = &shown.sound {
                 let foci = sound.foci.iter().filter(|focus| focus.is_separate()).count();
                 fact(ui, ("Foci", "Points at which the waves of all elements arrive in step"), foci.to_string());
-                let tip = "Places along continuous strokes and in areas at which the pressure is levelled";
+                let tip = "Points along continuous strokes and in areas where pressure is levelled";
                 fact(ui, ("Samples", tip), (sound.foci.len() - foci).to_string());
             }
         });

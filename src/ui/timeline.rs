@@ -82,7 +82,7 @@ fn controls(editor: &mut Editor, shown: &Shown, ui: &mut Ui, clock: Clock) {
         playback.frame.get_or_insert(0);
     }
     let rest = ui.add_enabled(playback.frame.is_some(), Button::new("At rest"));
-    if rest.on_hover_text("Show the targets where they stand in the scene").clicked() {
+    if rest.on_hover_text("Show the targets at their positions in the scene").clicked() {
         playback.playing = false;
         playback.frame = None;
     }

@@ -82,20 +82,20 @@ impl Tool {
     pub fn tooltip(self) -> &'static str {
         match self {
             Self::Select => {
-                "Click to select, shift-click for more, drag to move, pull a handle to resize, drag over nothing for \
-                 a rubber band"
+                "Click to select, shift-click for more, drag to move, pull a handle to resize, drag over empty space to select \
+                 a rectangle"
             }
             Self::Point => "Click to place a focal point; hold and drag it about",
             Self::Line => "Drag from end to end",
             Self::Circle => "Drag from the centre outwards",
             Self::Rectangle => "Drag from corner to corner",
             Self::Triangle => "Drag from the centre outwards",
-            Self::Polygon => "Drag from the centre outwards; the number of sides stands in the Scene panel",
+            Self::Polygon => "Drag from the centre outwards; the number of sides is on the Scene page",
             Self::Freehand => "Draw with the button held",
-            Self::Text => "Click where the text is to stand, then type; Enter ends",
+            Self::Text => "Click at the position of the text, then type; Enter ends",
             Self::Brush => {
-                "Drag to paint the wanted pressure, as a picture in the plane or on the one that is selected; its size \
-                 and brightness stand above the map"
+                "Drag to paint target pressure, as a picture in the plane or on the selected one; size and brightness are \
+                 above the map"
             }
             Self::Erase => {
                 "Click or drag over targets to delete them; pictures are wiped as wide as the brush is"

@@ -111,7 +111,7 @@ fn oscillation(editor: &mut Editor, ui: &mut Ui) {
     }
     // A value rounded by the slider would count as changed.
     let mut degrees = (oscillation.part * 360.0).round();
-    let tip = "Moment in the period of the sound";
+    let tip = "Phase within the period of the sound";
     let slider = Slider::new(&mut degrees, 0.0..=360.0).max_decimals(0).show_value(false);
     ui.spacing_mut().slider_width = 100.0;
     let slid = ui.add(slider).accessible_name("Moment").on_hover_text(tip).changed();
@@ -180,7 +180,7 @@ fn free_plane(plane: &mut FreePlane, ui: &mut Ui) {
         number(name, "A point of the plane", value, MM, 10.0);
     }
     let most = std::f64::consts::TAU;
-    let tip = "0° lies parallel to the array, 90° stands upright";
+    let tip = "0° is parallel to the array, 90° is vertical";
     number("tilt", tip, &mut plane.tilt, DEGREES, most);
     number("turn", "About the array's axis, counter-clockwise", &mut plane.turn, DEGREES, most);
 }

@@ -207,7 +207,7 @@ fn every_command_is_found_by_its_name_and_the_help_names_its_keys() {
     press(&mut screen, Modifiers::COMMAND, Key::P);
     screen.event(Event::Text("viridis nonsense".to_owned()));
     rest(&mut screen);
-    assert!(screen.query_by_label("No command has such a name").is_some());
+    assert!(screen.query_by_label("No command matches").is_some());
     key(&mut screen, Key::Escape);
     assert_eq!(screen.state().editor().dialog, None);
     key(&mut screen, Key::F1);

@@ -76,7 +76,7 @@ pub enum LinkError {
     NoAnswer(String),
     #[error("{0} stopped answering")]
     Silent(String),
-    #[error("what answers at {0} is no native board, or speaks at another bit rate")]
+    #[error("{0} has no native board, or one at another bit rate")]
     OtherBoard(String),
     #[error("the board speaks version {theirs} of the protocol, this program version {ours}")]
     OtherVersion { theirs: u8, ours: u8 },

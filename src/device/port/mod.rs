@@ -36,10 +36,7 @@ const VIRTUAL: &str = "virtual:";
 
 #[derive(Debug, thiserror::Error)]
 pub enum PortError {
-    #[cfg_attr(
-        not(target_arch = "wasm32"),
-        error("there is no port {0}; `sonoglyph ports` lists those there are")
-    )]
+    #[cfg_attr(not(target_arch = "wasm32"), error("there is no port {0}; `sonoglyph ports` lists the ports"))]
     #[cfg_attr(target_arch = "wasm32", error("there is no port {0} that this page may use"))]
     Missing(String),
     #[cfg_attr(
@@ -59,7 +56,7 @@ pub enum PortError {
     Baud { path: String, baud: u32, error: io::Error },
     #[error("{path} was lost: {error}")]
     Lost { path: String, error: io::Error },
-    #[error("{0} takes no bytes: nothing drains it")]
+    #[error("{0} takes no bytes: the other end does not read")]
     Stalled(String),
 }
 

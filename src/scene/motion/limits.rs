@@ -43,7 +43,7 @@ pub fn check_steps(scene: &Scene) -> Result<(), KeyError> {
             None,
             "path",
             format!(
-                "no target has `step = {missing}`: steps are counted from 0, and hidden targets have none"
+                "no target has `step = {missing}`: the steps of visible targets must be consecutive from 0"
             ),
         );
     }
@@ -58,8 +58,7 @@ pub fn check_turns(scene: &Scene, moves: bool) -> Result<(), KeyError> {
     if scene.solver.frames == 1 || !moves {
         return Ok(());
     }
-    let message =
-        "drives take turns where nothing moves, and something does: every frame of a motion is one drive";
+    let message = "several drives take turns only where nothing moves: every frame of a motion is one drive";
     Err(KeyError::new([Key::from("solver"), Key::from("frames")], message))
 }
 
@@ -68,10 +67,9 @@ pub fn check_group(group: &Group<'_>, runs: bool, frames: u64) -> Result<(), Key
     let Group { target, motion, length, rounds } = *group;
     if runs && length == 0.0 {
         let message = match target {
-            Some(_) => "this target has no outline to run along: a point stands still",
+            Some(_) => "this target has no outline to run along: it is a point",
             None => {
-                "there is no outline to run along: points, hidden targets and targets with a motion of their own have \
-                 none"
+                "there is no outline to run along: points, hidden targets and targets with their own motion do not count"
             }
         };
         return refuse(target, "path", message);

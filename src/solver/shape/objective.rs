@@ -386,7 +386,7 @@ mod tests {
         table
     }
 
-    /// A few samples of a stroke, and a grid and a table that are to be quiet.
+    /// A few samples of a stroke, and a quiet grid and table.
     fn objective<T: Real>(aperture: &Aperture, drives: usize, weights: Weights) -> Objective<T> {
         const SCALE: f64 = 1e-2;
         let stroke: Vec<_> = (0..9).map(|i| DVec3::new(2e-3 * f64::from(i), 1e-3, 0.05)).collect();

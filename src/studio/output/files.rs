@@ -74,7 +74,7 @@ impl Files {
     /// Notes a file that is read.
     ///
     /// # Errors
-    /// It is to be written, too.
+    /// It is also an output.
     pub fn reads(&mut self, path: &Path) -> anyhow::Result<()> {
         let own = Identity::of(path);
         if let Some((output, _)) = self.outputs.iter().find(|(_, other)| *other == own && !own.is_stream()) {

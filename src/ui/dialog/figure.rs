@@ -159,7 +159,7 @@ fn settings(editor: &mut Editor, ui: &mut Ui) {
     ui.horizontal_wrapped(|ui| {
         if is_shaded {
             ui.checkbox(&mut form.colour_bar, "Depth bar");
-            ui.checkbox(&mut form.scale_bar, "Scale bar").on_hover_text("Of lengths to the right");
+            ui.checkbox(&mut form.scale_bar, "Scale bar").on_hover_text("Scale of horizontal lengths");
             return;
         }
         ui.checkbox(&mut form.colour_bar, "Colour bar");
@@ -168,6 +168,6 @@ fn settings(editor: &mut Editor, ui: &mut Ui) {
         ui.add_enabled(has_contours, contours).on_hover_text("At the view's level");
         ui.checkbox(&mut form.targets, "Targets");
         ui.checkbox(&mut form.widths, "Widths").on_hover_text("-6 dB widths of separate foci (FWHM)");
-        ui.checkbox(&mut form.is_light, "Light ground").on_hover_text("White where there is no sound");
+        ui.checkbox(&mut form.is_light, "Light ground").on_hover_text("Silence is white");
     });
 }

@@ -196,11 +196,11 @@ pub(super) fn show(
     let asked = answer(ui, (purpose.verb(), wanted), |ui| {
         browses = match (IN_PAGE, purpose.reads()) {
             (false, _) => {
-                let tip = "Ask the desktop for a file in its own dialog";
+                let tip = "Open the desktop's file dialog";
                 ui.button("Desktop dialog…").on_hover_text(tip).clicked()
             }
             (true, true) => {
-                ui.button("From this computer…").on_hover_text("Take a file into the page").clicked()
+                ui.button("From this computer…").on_hover_text("Load a file into the page").clicked()
             }
             (true, false) => false,
         };

@@ -98,7 +98,7 @@ pub(super) fn show(editor: &mut Editor, shown: &Shown, ui: &mut Ui) -> bool {
             let label = ui.label("Duration");
             let mut seconds = schedule.pictures as f64 / schedule.rate();
             let field = DragValue::new(&mut seconds).range(0.01..=LONGEST).speed(0.01).max_decimals(3);
-            let tip = "Of the waves, from the moment that the sound begins";
+            let tip = "Duration of the waves from the onset of the sound";
             if ui.add(field.suffix(" s")).labelled_by(label.id).on_hover_text(tip).changed() {
                 form.seconds = Some(seconds);
             }

@@ -46,7 +46,7 @@ pub(super) fn show(
             }
         }
         if found.is_empty() {
-            ui.weak("No command has such a name");
+            ui.weak("No command matches");
         }
     });
     let entered =

@@ -49,7 +49,7 @@ pub fn show(editor: &mut Editor, shown: &Shown, ui: &mut Ui) {
     }
     form(ui, "bead place", |ui| {
         let places = [(BeadPlace::Target, "target"), (BeadPlace::Pointer, "pointer")];
-        let tip = "Target: the selected one, or else the first trap or focus. Pointer: where it was last on the map";
+        let tip = "Target: the selected one, or else the first trap or focus. Pointer: its last position on the map";
         choice(ui, ("Place", tip), &mut editor.bead.place, &places);
     });
     match &shown.levitated {
@@ -97,7 +97,8 @@ fn figures(levitated: &Levitated, ui: &mut Ui) {
         fact(ui, ("Force", "Of the sound, along x, y and z"), format!("{x}, {y}, {z} µN"));
         fact(ui, ("Weight", "Less the buoyancy of the air"), format!("{} µN", micro(*load)));
         let [weak, middle, strong] = hold.modes.map(|mode| format!("{:.3}", mode.stiffness * 1e3));
-        let tip = "From the weakest direction to the strongest, where the bead rests or else where it is put";
+        let tip =
+            "Principal stiffnesses in ascending order, at the equilibrium or else at the bead's position";
         fact(ui, ("Stiffness", tip), format!("{weak}, {middle}, {strong} mN/m"));
     });
     if let Some(warning) = warning {
@@ -110,7 +111,9 @@ fn figures(levitated: &Levitated, ui: &mut Ui) {
         }
     })
     .response
-    .on_hover_text("Of the sound, along each axis through the place. Grey: the weight, which the force along z has to carry");
+    .on_hover_text(
+        "Radiation force along each axis through the point. Grey: the weight, to be balanced along z",
+    );
     let plot = still_plot("force along axes", HEIGHT).grid_spacing(8.0..=120.0);
     plot.show(ui, |plot| {
         let ends = curves[2].first().zip(curves[2].last());

@@ -28,7 +28,7 @@ const TURN: f64 = FRAC_PI_2 / 6.0;
 pub fn known(editor: &mut Editor, ui: &mut Ui) {
     ui.horizontal(|ui| {
         published(editor, ui);
-        let tip = "Elements that stand and face anywhere, from CSV or a PAT file of OpenMPD";
+        let tip = "Elements at arbitrary positions, from CSV or a PAT file of OpenMPD";
         if ui.button("From a table…").on_hover_text(tip).clicked() {
             editor.dialog = Some(Dialog::path(Purpose::Elements, &editor.document));
         }
@@ -55,7 +55,7 @@ fn published(editor: &mut Editor, ui: &mut Ui) {
         }
     })
     .response
-    .on_hover_text("Takes rows, columns, places and strength of a published array");
+    .on_hover_text("Takes rows, columns, positions and strength of a published array");
 }
 
 pub fn show(editor: &mut Editor, ui: &mut Ui) {
@@ -91,7 +91,7 @@ pub fn show(editor: &mut Editor, ui: &mut Ui) {
         keep_off(scene);
     }
     ui.horizontal(|ui| {
-        if ui.button("Add board").on_hover_text("The same array once more").clicked() {
+        if ui.button("Add board").on_hover_text("A copy of the array").clicked() {
             add(scene, |last| Board { at: last.at + DVec3::X * 0.2, ..last });
         }
         let tip = "The same array face to face with the last board, 20 cm away";
@@ -123,10 +123,10 @@ fn keep_off(scene: &mut Scene) {
 /// The reflectors.
 pub fn reflectors(editor: &mut Editor, ui: &mut Ui) {
     let scene = &mut editor.document.scene;
-    let tip = "The liquid's surface, which is the scene's plane, sends sound back: draws the standing wave before it";
+    let tip = "The liquid's surface, the scene plane, reflects sound: shows the standing wave in front of it";
     ui.checkbox(&mut scene.liquid.reflects, "Liquid's surface").on_hover_text(tip);
     form(ui, "reflectivity", |ui| {
-        let tip = "Of the array's own face: 1 sends back all that comes from a parallel reflector";
+        let tip = "Pressure reflection coefficient of the array's face, for parallel reflectors";
         number(ui, ("Array's face", tip), &mut scene.array.reflectivity, PLAIN, -1.0..=1.0);
     });
     let mut removed = None;
@@ -136,7 +136,7 @@ pub fn reflectors(editor: &mut Editor, ui: &mut Ui) {
             form(ui, "place", |ui| {
                 place(ui, &name, &mut reflector.point);
                 facing(ui, &mut reflector.normal);
-                let tip = "Of the pressure's amplitude: 1 rigid, -1 soft";
+                let tip = "Pressure reflection coefficient: 1 rigid, -1 soft";
                 number(ui, ("Coefficient", tip), &mut reflector.coefficient, PLAIN, -1.0..=1.0);
             });
         });
@@ -153,7 +153,7 @@ pub fn reflectors(editor: &mut Editor, ui: &mut Ui) {
 }
 
 fn place(ui: &mut Ui, name: &str, at: &mut DVec3) {
-    caption(ui, name).on_hover_text("x, y and z of its place");
+    caption(ui, name).on_hover_text("x, y and z of its position");
     ui.horizontal(|ui| coordinates(ui, name, at, LOWEST));
     ui.end_row();
 }

@@ -37,7 +37,8 @@ pub fn show(editor: &mut Editor, shown: &Shown, ui: &mut Ui) {
             (CoursePlace::Pointer, "pointer"),
             (CoursePlace::Listener, "listener"),
         ];
-        let tip = "Focus: where the selected target, or the first, stands in the scene. Pointer: where it was last on the map";
+        let tip =
+            "Focus: the position of the selected or the first target. Pointer: its last position on the map";
         choice(ui, ("Place", tip), &mut editor.course.place, &places);
     });
     let Some(course) = &shown.course else {
@@ -67,7 +68,7 @@ fn plots(editor: &Editor, course: &Course, ui: &mut Ui) {
         fact(ui, ("Mean pressure", tip), convention.pressure(course.mean().max(0.0).sqrt()));
         if let Some(line) = course.strongest() {
             let part = 100.0 * line.amplitude / course.mean().max(f64::MIN_POSITIVE);
-            let tip = "Of |p|², beside its mean: amplitude as a part of the mean";
+            let tip = "Lines of |p|²: amplitude relative to the mean";
             fact(ui, ("Strongest line", tip), format!("{part:.1} % at {} Hz", hertz(line.frequency)));
         }
     });

@@ -372,7 +372,7 @@ mod tests {
 
     type Asked = Rc<RefCell<Vec<Command>>>;
 
-    /// The panel where ports come from there, with one that is called `names`, and what it asks for.
+    /// The panel with ports from this source and of these names, and its commands.
     fn panel(ports_from: Ports, names: &[&str]) -> (Harness<'static, Editor>, Asked) {
         let mut shown = Shown::default();
         shown.board.ports_from = ports_from;

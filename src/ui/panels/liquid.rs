@@ -77,7 +77,7 @@ fn caustic(editor: &mut Editor, shown: &Shown, ui: &mut Ui) {
     form(ui, "light", |ui| {
         let tip = "On a screen of the scene plane's size, of the light of the same area of the surface";
         fact(ui, ("Light on the screen", tip), liquid::landed(light));
-        let tip = "Where rays cross before the screen, lines of light appear";
+        let tip = "Crossing rays produce bright lines on the screen";
         fact(ui, ("Rays cross", tip), if light.crosses { "yes" } else { "no" }.to_owned());
     });
 }

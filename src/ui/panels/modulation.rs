@@ -29,7 +29,7 @@ pub fn show(editor: &mut Editor, ui: &mut Ui) {
         match modulation.shape {
             Envelope::Off | Envelope::Tones => {}
             Envelope::Sine | Envelope::Square => {
-                let tip = "Of the modulation; skin is most sensitive near 200 Hz";
+                let tip = "Modulation frequency; skin is most sensitive near 200 Hz";
                 number(ui, ("Frequency", tip), &mut modulation.frequency, HERTZ, FREQUENCIES);
                 depth(modulation, ui);
             }

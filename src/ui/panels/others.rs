@@ -23,8 +23,8 @@ pub fn show(shown: &Shown, ui: &mut Ui, commands: &mut Vec<Command>) {
     }
     form(ui, "others", |ui| {
         fact(ui, ("Packets", "Packets and messages that came"), serving.packets.to_string());
-        fact(ui, ("Changes", "That changed the scene or what is played"), serving.changes.to_string());
-        let tip = "Malformed, asking for what cannot be, or from strangers";
+        fact(ui, ("Changes", "Messages that changed the scene or its playback"), serving.changes.to_string());
+        let tip = "Malformed, impossible or unauthorised messages";
         fact(ui, ("Refused", tip), serving.refused.to_string());
     });
 }

@@ -151,7 +151,7 @@ fn listener(editor: &mut Editor, shown: &Shown, ui: &mut Ui) {
     let listener = &mut editor.document.scene.listener;
     let mut is_there = listener.is_some();
     ui.checkbox(&mut is_there, "Exposure at a listener")
-        .on_hover_text("Sound pressure level at a place that matters, such as the ear of a bystander");
+        .on_hover_text("Sound pressure level at a point, such as a bystander's ear");
     if !is_there {
         *listener = None;
         return;

@@ -45,7 +45,7 @@ fn settings(editor: &mut Editor, ui: &mut Ui) {
         count(ui, ("Iterations", tip), &mut solver.iterations, 0..=10_000);
         let amplitudes = [(Amplitudes::Uniform, "uniform"), (Amplitudes::Free, "per element")];
         choice(ui, ("Amplitudes", "Uniform on most boards"), &mut solver.amplitudes, &amplitudes);
-        let tip = "Weight of silence beside the drawing: 0 strongest drive, 1 lowest side lobes";
+        let tip = "Trade-off: 0 strongest drive, 1 lowest side lobes";
         number(ui, ("Quiet", tip), &mut solver.quiet, PLAIN, 0.0..=1.0);
         let tip =
             "Drives played in turn, whose mean intensity has the drawn shape: their side lobes average out";
@@ -121,7 +121,7 @@ fn shape(figures: Option<&Figures>, ui: &mut Ui) {
         format!("{x:.0}, {y:.0}, {z:.0} mm")
     });
     let tip = format!(
-        "Loudest place of the plane more than 8 mm beside the drawing, relative to the drawing's mean: at {place}"
+        "Largest pressure on the plane more than 8 mm from the drawing, relative to the drawing's mean: at {place}"
     );
     fact(ui, ("Peak side lobe", &tip), told(&|it| percent(it.side_lobe)));
     let tip = "Mean pressure relative to the strongest drive";
@@ -129,7 +129,7 @@ fn shape(figures: Option<&Figures>, ui: &mut Ui) {
     if let Some(areas) = figures.and_then(|figures| figures.areas) {
         let tip = "Mean of pressure squared inside the areas over that around them, or of the depression";
         fact(ui, ("Contrast", tip), format!("{:.1}", areas.contrast));
-        let tip = "Σ (s I - T)²/Σ T²: how far pressure squared, or the depression, is from what is drawn";
+        let tip = "Σ (s I - T)²/Σ T²: relative squared error of squared pressure, or of the depression";
         fact(ui, ("Error", tip), format!("{:.1} %", 100.0 * areas.error));
     }
 }

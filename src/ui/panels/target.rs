@@ -63,7 +63,7 @@ pub fn label(ui: &mut Ui, (name, tip): (&str, &str), hint: &str, text: &mut Stri
 fn own_motion(target: &mut Target, figures: Option<Figures>, ui: &mut Ui) {
     let mut has_own = target.motion.is_some();
     ui.checkbox(&mut has_own, "Own motion")
-        .on_hover_text("Instead of the scene's motion; with the path \"none\" the target stands still");
+        .on_hover_text("Instead of the scene's motion; with the path \"none\" the target is at rest");
     if !has_own {
         target.motion = None;
         return;
@@ -140,7 +140,7 @@ fn holding(target: &mut Target, ui: &mut Ui) {
     };
     let traps = Trap::ALL.map(|trap| (Some(trap), trap.title()));
     let choices: Vec<_> = std::iter::once((None, "focus only")).chain(traps).collect();
-    choice(ui, ("Trap", "What the sound is to be like so that it holds a bead"), &mut kind, &choices);
+    choice(ui, ("Trap", "The kind of trap that holds a bead"), &mut kind, &choices);
     if kind == Some(Trap::Vortex) {
         let mut turns = f64::from(charge);
         let most = f64::from(Trap::MOST_TURNS);

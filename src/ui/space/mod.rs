@@ -42,7 +42,7 @@ impl Seen {
 
     fn tooltip(self) -> &'static str {
         match self {
-            Self::Surface => "The surface on which the RMS pressure is so many dB below its peak",
+            Self::Surface => "The isosurface of RMS pressure at this level below its peak",
             Self::Projection => "The largest RMS pressure along every line of sight",
             Self::Slices => "Slices alone",
         }

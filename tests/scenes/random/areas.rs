@@ -174,7 +174,7 @@ fn the_brightness_of_a_picture_is_the_wanted_pressure_squared() {
     }
     let black = picture(3, 3, |_, _| 0.0);
     let error = outline::foci(&Scene { targets: vec![black], ..Scene::default() }).unwrap_err();
-    assert_eq!(error.to_string(), "target[1].file: the picture is black: nothing is wanted");
+    assert_eq!(error.to_string(), "target[1].file: the picture is black: it prescribes no sound");
 }
 
 fn parse(text: &str) -> Result<Scene, String> {

@@ -292,7 +292,7 @@ impl Session<'_> {
             }
             if !flags.stopped && !is_ended {
                 self.shared.notice(
-                    "nothing reached the board for 200 ms and it fell silent; it is switched on again",
+                    "no packet reached the board for 200 ms and its watchdog silenced it; it is switched on again",
                 );
             }
         }
