@@ -73,8 +73,8 @@ impl Zone {
         Self { area, at, normal: DVec3::Z, angle: 0.0, weight: 1.0 }
     }
 
-    /// Points (m) on a square grid in the zone, including its centre, `spacing` m apart, or coarser to limit them to
-    /// 4096.
+    /// Points (m) on a square grid in the zone, including its centre, `spacing` m apart, or more where
+    /// there would be over 4096 points.
     pub fn points(&self, spacing: f64) -> Vec<DVec3> {
         let half = self.area.half();
         let thinnest = (4.0 * half.x * half.y / MOST_POINTS).sqrt();
