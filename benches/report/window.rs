@@ -290,8 +290,11 @@ fn hover() -> usize {
     1 + screen.frames_that_follow()
 }
 
+/// Of the second after the one in which the window has come to rest.
 fn idle() -> usize {
-    Screen::new(Scene::default(), SIZE).frames_that_follow()
+    let mut screen = Screen::new(Scene::default(), SIZE);
+    screen.frames_that_follow();
+    screen.frames_that_follow()
 }
 
 /// From nothing to a frame with a map of eight foci on it.
