@@ -5,6 +5,9 @@
 mod arrays;
 mod batch;
 mod contract;
+#[path = "../dice/mod.rs"]
+#[expect(dead_code, reason = "other tests throw more")]
+mod dice;
 mod examples;
 mod figures;
 #[cfg(unix)]

@@ -1,10 +1,11 @@
 //! Figures that say "at least" or "no more than" are rounded outwards, in the text as JSON has them in full.
 
-use crate::figures::program::{Dice, folder, number_after, scenes, solved};
+use crate::dice::Dice;
+use crate::figures::program::{folder, number_after, scenes, solved};
 use crate::process::output_of;
 
 /// Three to eight foci, for some of which pascals are asked.
-fn scene(number: u64) -> String {
+fn scene(number: usize) -> String {
     let mut dice = Dice::new(0xB0D, number);
     let in_pascals = dice.one_of(&[true, false]);
     let mut scene = "format = 1\n".to_owned();

@@ -1,7 +1,8 @@
 //! The deepest place and the steepest slope that are printed, against the largest of a continuous surface and of any map.
 
+use crate::dice::Dice;
 use crate::figures::judge::{HEAD, Sources, Surface};
-use crate::figures::program::{Dice, folder, number_after, scenes, solved};
+use crate::figures::program::{folder, number_after, scenes, solved};
 use crate::process::output_of;
 
 struct Case {
@@ -14,7 +15,7 @@ struct Case {
 }
 
 /// One to four foci under a liquid, not all of them on the plane.
-fn case(number: u64) -> Case {
+fn case(number: usize) -> Case {
     let mut dice = Dice::new(0x5EED, number);
     let strength = dice.between(2.0, 5.0);
     let (density, tension) = (dice.between(700.0, 1300.0), dice.between(0.02, 0.075));

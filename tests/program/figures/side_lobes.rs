@@ -3,8 +3,9 @@
 use rayon::prelude::*;
 use serde_json::Value;
 
+use crate::dice::Dice;
 use crate::figures::judge::{HEAD, Point, Sources, WAVELENGTH};
-use crate::figures::program::{Dice, folder, scenes, solved};
+use crate::figures::program::{folder, scenes, solved};
 
 struct Case {
     scene: String,
@@ -14,7 +15,7 @@ struct Case {
 }
 
 /// Foci on a plane that cuts off much of what is around them.
-fn case(number: u64) -> Case {
+fn case(number: usize) -> Case {
     let mut dice = Dice::new(0x10BE, number);
     let centre = [dice.between(-0.02, 0.02), dice.between(-0.02, 0.02), dice.between(0.08, 0.2)];
     let axes =
