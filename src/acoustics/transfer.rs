@@ -60,6 +60,8 @@ impl FromIterator<Complex64> for Phasors {
 }
 
 /// A matrix of transfer values: Pa per unit of drive, a row per point and a column per driven element.
+///
+/// Its products panic if they are given more or fewer values than their comments say.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Transfer {
     pub points: usize,
@@ -112,26 +114,18 @@ impl Transfer {
         Phasors::zeros(self.stride)
     }
 
-    /// H u: the pressure at every point.
-    ///
-    /// # Panics
-    /// Other than a value per element.
+    /// H u, the pressure at every point; u has a value per element.
     pub fn pressure(&self, excitation: &[Complex64]) -> Vec<Complex64> {
         Isa::best().run(Forward { transfer: self, played: &self.played(excitation) })
     }
 
-    /// |p| (peak) at every point: the root of the mean square of |H u| over drives that take turns, given one after the other.
-    ///
-    /// # Panics
-    /// Other than a value per element and drive.
+    /// |p| (peak) at every point: the root mean square of |H u| over drives that take turns, given one after the other
+    /// with a value per element.
     pub fn moduli(&self, drives: &[Complex64]) -> Vec<f64> {
         self.in_turn(drives).into_iter().map(Complex64::norm).collect()
     }
 
-    /// H u; of several drives in turn, the modulus of [`Self::moduli`] with the phase of the first.
-    ///
-    /// # Panics
-    /// Other than a value per element and drive.
+    /// H u; of several drives as in [`Self::moduli`], their modulus with the phase of the first.
     pub fn in_turn(&self, drives: &[Complex64]) -> Vec<Complex64> {
         let played: Vec<_> = drives.chunks(self.elements.max(1)).map(|drive| self.played(drive)).collect();
         self.taking_turns(&played)
@@ -164,10 +158,7 @@ impl Transfer {
         pressures
     }
 
-    /// H* p, the conjugate field at every element.
-    ///
-    /// # Panics
-    /// Other than a value per point.
+    /// H* p, the conjugate field at every element; p has a value per point.
     pub fn back(&self, pressure: &[Complex64]) -> Vec<Complex64> {
         assert_eq!(pressure.len(), self.points, "a value per point");
         let mut heard = self.excitation();
@@ -191,9 +182,6 @@ impl Transfer {
     }
 
     /// H D H*, D the diagonal of `weights` (one per element), row by row.
-    ///
-    /// # Panics
-    /// Other than a weight per element.
     pub fn gram(&self, weights: Option<&[f64]>) -> Phasors {
         assert!(weights.is_none_or(|weights| weights.len() == self.elements), "a weight per element");
         let mut scaled = None;
