@@ -139,20 +139,21 @@ fn table(runs: &[Value]) -> anyhow::Result<String> {
 fn origin(runs: &[Value]) -> String {
     let of = |key: &str| {
         let mut all: Vec<_> = runs.iter().filter_map(|run| run.pointer(key)).map(shown).collect();
+        all.sort();
         all.dedup();
         all.join("; ")
     };
     let build =
         if runs.iter().all(|run| run["optimised"] == true) { "" } else { ", in part of development builds" };
     format!(
-        "Medians of {} runs{build}: sonoglyph {}; {}, {} threads, {}; GPU adapters: {}; {}.",
+        "Medians of {} runs{build}: sonoglyph {}; {}.\n{}, {} threads, {}; GPU adapters: {}.",
         runs.len(),
         of("/version"),
+        of("/date"),
         of("/machine/processor"),
         of("/machine/threads"),
         of("/machine/instructions"),
         of("/machine/adapters"),
-        of("/date"),
     )
 }
 

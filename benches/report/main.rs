@@ -117,7 +117,9 @@ fn main() -> anyhow::Result<()> {
         .with_context(|| format!("{}: cannot make the folder", args.output.display()))?;
     let mut run = conditions::json();
     run["load"] = json!(load());
-    run["date"] = json!(Timestamp::now().strftime("%Y-%m-%d %H:%M UTC").to_string());
+    let now = Timestamp::now();
+    run["date"] = json!(now.strftime("%Y-%m-%d").to_string());
+    run["time"] = json!(now.strftime("%H:%M UTC").to_string());
     let subjects = if args.subjects.is_empty() { Subject::value_variants() } else { &args.subjects };
     let mut sections = Vec::new();
     for &subject in subjects {
