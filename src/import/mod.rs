@@ -12,6 +12,8 @@ mod trace;
 
 use glam::DVec2;
 
+use crate::echo;
+
 pub use line::Line;
 pub use placement::Placement;
 
@@ -51,7 +53,7 @@ pub enum ImportError {
     Svg(String),
     #[error("the SVG holds no path that is painted{}", if *.has_text { "; its text has to be turned into paths first" } else { "" })]
     NoPaths { has_text: bool },
-    #[error("the picture cannot be read: {0}")]
+    #[error("the picture cannot be read: {}", echo::line(.0.trim_end()))]
     Picture(String),
     #[error("the picture is blank: it has no strokes")]
     Blank,

@@ -6,6 +6,7 @@ use image::codecs::png::PngEncoder;
 use image::imageops::{self, FilterType};
 use image::{ExtendedColorType, ImageBuffer, ImageEncoder, ImageFormat, ImageReader, Limits, Luma};
 
+use crate::echo;
 use crate::scene::Grey;
 
 /// Limits of decoded pixels per side, and of bytes.
@@ -21,7 +22,7 @@ const LUMA: [f32; 3] = [0.2126, 0.7152, 0.0722];
 pub enum GreyError {
     #[error("this is neither a PNG, JPEG nor BMP picture")]
     UnknownFormat,
-    #[error("the picture cannot be read: {0}")]
+    #[error("the picture cannot be read: {}", echo::line(.0.to_string().trim_end()))]
     Broken(#[from] image::ImageError),
     #[error("the picture is black or transparent all over: it prescribes no sound")]
     Black,

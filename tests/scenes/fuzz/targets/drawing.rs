@@ -6,6 +6,8 @@ use sonoglyph::import::{self, Drawing, Placement};
 use sonoglyph::scene::check::MOST_FOCI;
 use sonoglyph::scene::{Sampling, Scene, file, outline};
 
+use super::is_one_line;
+
 /// Points that a drawing keeps.
 const MOST_POINTS: usize = 20_000;
 
@@ -17,7 +19,7 @@ pub fn run(bytes: &[u8]) {
                 becomes_a_scene(&drawing, sampling);
             }
         }
-        Err(error) => assert!(!error.to_string().trim().is_empty()),
+        Err(error) => is_one_line(&error.to_string()),
     }
 }
 
