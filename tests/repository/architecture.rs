@@ -45,12 +45,13 @@ const LAYERS: &[(&str, &[&str])] = &[
             "ttf_parser",
         ],
     ),
-    ("import", &["glam", "image", "thiserror", "usvg"]),
+    ("import", &["glam", "image", "kurbo", "thiserror", "usvg"]),
     (
         "device",
         &[
             "cobs",
             "crc",
+            "fastrand",
             "js_sys",
             "pollster",
             "rustix",

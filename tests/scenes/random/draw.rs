@@ -10,6 +10,7 @@ use sonoglyph::scene::{
 };
 
 use crate::dice::Dice;
+use crate::random::space;
 
 /// Cells of a dent, six per wavelength and 14 capillary lengths beyond the plane on every side: as many as there is time for.
 const MOST_CELLS: f64 = 3_000.0;
@@ -21,6 +22,8 @@ pub enum Family {
     Usual,
     /// Every number from its smallest to its largest legal value, evenly in the logarithm.
     Wide,
+    /// Usual scenes with boards and reflectors in space, or with a table of elements.
+    Spatial,
     /// Like the usual ones, but for foci that no array can tell apart, reach or hear.
     Ill,
 }
@@ -39,11 +42,13 @@ impl Case {
         let family = match number % 10 {
             0 => Family::Ill,
             1 | 2 => Family::Wide,
+            9 => Family::Spatial,
             _ => Family::Usual,
         };
         let scene = match family {
             Family::Wide => scene(&mut dice, number, true),
             Family::Usual => scene(&mut dice, number, false),
+            Family::Spatial => space::placed(&scene(&mut dice, number, false), &mut dice),
             Family::Ill => {
                 let mut scene = scene(&mut dice, number, false);
                 spoil(&mut scene, &mut dice, number / 10);

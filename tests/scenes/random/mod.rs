@@ -12,6 +12,7 @@ mod files;
 mod liquids;
 mod oracle;
 mod solving;
+mod space;
 mod strokes;
 mod tally;
 
@@ -44,6 +45,7 @@ fn holds(case: &Case, evaluators: &mut Evaluators, two: &ThreadPool) {
     let peak = fields::hold(evaluators, &solved, &mut dice);
     // Each scene is moved in one way, and all of them in all.
     let moved = match dice.whole(0, 3) {
+        0 | 1 if !solved.scene.is_home() => Moved::turned(&solved.scene, &mut dice),
         0 => Moved::translated(&solved.scene, false),
         1 => Moved::translated(&solved.scene, true),
         _ => Moved::mirrored(&solved.scene),
@@ -148,6 +150,10 @@ fn everything_was_drawn() {
         ("maps by CpuInF64, asked of the CPU", 50),
         ("ultraino-mega64", 5000),
         ("sonicsurface-2", 9000),
+        ("several boards", 300),
+        ("reflectors", 300),
+        ("reflections between a board and a reflector", 50),
+        ("tables of elements", 200),
         ("refused: no focus, or one behind the array", 100),
     ];
     for (what, least) in drawn.into_iter().chain(by_gpu) {

@@ -2,17 +2,18 @@
 
 use std::f64::consts::PI;
 
-use glam::DVec3;
+use glam::{DQuat, DVec3, EulerRot};
 use num_complex::Complex64;
 use rayon::ThreadPool;
 use sonoglyph::acoustics::Aperture;
 use sonoglyph::drive::Drive;
 use sonoglyph::scene::{
-    Amplitudes, ElementModel, Focus, Method, Motion, Pressures, Scene, Shape, Target, motion,
+    Amplitudes, Board, ElementModel, Elements, Focus, Method, Motion, Placed, Pressures, Scene, Shape, Target, motion,
 };
 use sonoglyph::solver::frames::follow;
 use sonoglyph::solver::{Limits, Problem, Solution, SolveError, solve};
 
+use crate::dice::Dice;
 use crate::random::draw::{Case, Family};
 use crate::random::oracle::Oracle;
 use crate::random::tally::{count, within};
@@ -139,12 +140,11 @@ impl Solved {
     /// P = Σ H u by the oracle, at every focus.
     fn pressures_are_those_of_the_field(&self) {
         let Self { scene, oracle, solution, .. } = self;
-        let reach = oracle.elements.iter().map(|at| at.length()).fold(0.0, f64::max);
         for (focus, p) in solution.foci.iter().zip(&solution.pressures) {
             let Some((expected, moduli)) = oracle.pressure(&solution.drive, focus.position) else { continue };
             let rounding = match scene.array.element {
                 ElementModel::ExactPiston => DISK,
-                _ => rounding(oracle, reach + focus.position.length()),
+                _ => rounding(oracle, oracle.reach + focus.position.length()),
             };
             within("pressure at a focus", (expected - p).norm(), rounding * moduli + f64::MIN_POSITIVE);
         }
@@ -185,7 +185,7 @@ impl Solved {
         count("turned down to the pascals asked for");
     }
 
-    fn nothing_beats_the_bound(&self, dice: &mut crate::dice::Dice) {
+    fn nothing_beats_the_bound(&self, dice: &mut Dice) {
         let Self { aperture, solution, .. } = self;
         let problem = Problem::new(aperture, solution.foci.clone());
         let limits = Limits::new(&problem);
@@ -237,16 +237,49 @@ pub struct Moved {
 impl Moved {
     /// x becomes -x.
     pub fn mirrored(scene: &Scene) -> Self {
-        let columns = scene.array.columns as usize;
-        let other = |n: usize| n / columns * columns + columns - 1 - n % columns;
+        let (columns, each) = (scene.array.columns as usize, scene.array.elements());
+        let is_table = scene.array.placed.get().is_some();
+        let other = |n: usize| if is_table { n } else { n / each * each + mirrored(n % each, columns) };
+        let mirror = DVec3::new(-1.0, 1.0, 1.0);
         let mut moved = scene.clone();
         moved.array.off = scene.array.off.iter().map(|&n| other(n)).collect();
-        let mirror = DVec3::new(-1.0, 1.0, 1.0);
+        if let Some(placed) = scene.array.placed.get() {
+            let image = |it: &Placed| Placed { at: it.at * mirror, normal: it.normal * mirror };
+            moved.array.placed = Elements::new(placed.iter().map(image).collect(), None);
+        }
+        for board in &mut moved.boards {
+            // A board's own axes stay right-handed: its elements are mirrored too.
+            *board = Board { at: board.at * mirror, normal: board.normal * mirror, x_axis: -(board.x_axis * mirror) };
+        }
+        for reflector in &mut moved.reflectors {
+            (reflector.point, reflector.normal) = (reflector.point * mirror, reflector.normal * mirror);
+        }
         Self {
             scene: moved,
-            element: (0..scene.array.elements()).map(|n| Some(other(n))).collect(),
+            element: (0..scene.elements()).map(|n| Some(other(n))).collect(),
             place: Box::new(move |at| at * mirror),
             direction: Box::new(move |at| at * mirror),
+        }
+    }
+
+    /// Boards and reflectors turned about the origin and moved, with all the rest.
+    pub fn turned(scene: &Scene, dice: &mut Dice) -> Self {
+        let mut angle = || dice.between(-PI, PI);
+        let turn = DQuat::from_euler(EulerRot::ZXZ, angle(), angle(), angle());
+        let by = DVec3::new(dice.between(-0.1, 0.1), dice.between(-0.1, 0.1), dice.between(-0.1, 0.1));
+        let mut moved = scene.clone();
+        moved.boards = scene.standing();
+        for board in &mut moved.boards {
+            *board = Board { at: turn * board.at + by, normal: turn * board.normal, x_axis: turn * board.x_axis };
+        }
+        for reflector in &mut moved.reflectors {
+            (reflector.point, reflector.normal) = (turn * reflector.point + by, turn * reflector.normal);
+        }
+        Self {
+            scene: moved,
+            element: (0..scene.elements()).map(Some).collect(),
+            place: Box::new(move |at| turn * at + by),
+            direction: Box::new(move |direction| turn * direction),
         }
     }
 
@@ -272,6 +305,11 @@ impl Moved {
         let of = |values: &[f64]| self.element.iter().map(|n| n.map_or(0.0, |n| values[n])).collect();
         Drive { amplitudes: of(&drive.amplitudes), phases: of(&drive.phases) }
     }
+}
+
+/// The element of a board at the mirrored place.
+fn mirrored(element: usize, columns: usize) -> usize {
+    element / columns * columns + columns - 1 - element % columns
 }
 
 /// A moved scene is solved as well as the other.
