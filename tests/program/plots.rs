@@ -182,7 +182,7 @@ fn a_shaded_surface_has_scale_bars_instead_of_axes() {
         error
     };
     assert!(refused(&[]).contains("--quantity depression"));
-    assert!(refused(&["--quantity", "depression", "--contours=-6"]).contains("--contours is of flat maps"));
+    assert!(refused(&["--quantity", "depression", "--contours=-6"]).contains("--contours applies to flat maps"));
 }
 
 #[test]

@@ -124,7 +124,7 @@ fn 3d_pictures_have_named_and_numeric_directions() {
 fn invalid_3d_views_are_refused() {
     let folder = folder_with(&[("s.toml", POINT)]);
     for (args, message) in [
-        (&["--camera", "top"][..], "--camera is of space: add --view 3d"),
+        (&["--camera", "top"][..], "--camera applies to 3D views: add --view 3d"),
         (&["--view", "3d", "--camera", "below"], "give iso, top, front, side"),
         (&["--view", "3d", "--iso", "3"], "from -60 to -0.1"),
         (&["--view", "3d", "--iso", "-3", "--projection"], "cannot be used with"),
