@@ -20,7 +20,7 @@ const SCENE: &str = "format = 1\n[[target]]\nat = [0.01, 0.02, 0.1]\n[[target]]\
 fn eventually(what: &str, mut condition: impl FnMut() -> bool) {
     let until = Instant::now() + PATIENCE;
     while !condition() {
-        assert!(Instant::now() < until, "{what} did not come");
+        assert!(Instant::now() < until, "timed out waiting for {what}");
         std::thread::sleep(std::time::Duration::from_millis(5));
     }
 }

@@ -16,7 +16,7 @@ fn solved(scene: &str, args: &[&str]) -> Value {
     serde_json::from_str(&text).unwrap()
 }
 
-/// |p| of the default array's drive at points on the plane z = 0.1 m, to any scale: far-field pistons without absorption.
+/// |p| of the default array's drive at points on the plane z = 0.1 m, to any scale: far-field pistons, no absorption.
 fn judged(solution: &Value, points: &[[f64; 2]]) -> Vec<f64> {
     const PITCH: f64 = 0.0105;
     const RADIUS: f64 = 0.005;
