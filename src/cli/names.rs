@@ -1,4 +1,4 @@
-//! What the command line calls values that the layers above declare by name.
+//! Argument values for quantities, methods and colour maps, with the names that their layers declare.
 
 use clap::ValueEnum;
 use clap::builder::PossibleValue;
@@ -8,7 +8,7 @@ use crate::picture::ColourMap;
 use crate::scene::Method;
 use crate::studio::still::Diagram;
 
-/// Every quantity, and what is not one.
+/// Every quantity, and the pages.
 const DIAGRAMS: [Diagram; Quantity::ALL.len() + 2] = {
     let mut all = [Diagram::Drive; Quantity::ALL.len() + 2];
     let mut i = 0;

@@ -1,4 +1,4 @@
-//! The program as its users and their scripts call it, a module per command or per thing that commands make.
+//! The program as users and scripts call it: a module per command or kind of output.
 
 #![expect(clippy::unwrap_used, reason = "a test's helper may panic")]
 

@@ -1,11 +1,11 @@
-//! The table of packets in Verilog and the one in Rust hold the same numbers.
+//! The packet tables in Verilog and in Rust hold the same numbers.
 
 use std::collections::BTreeMap;
 use std::path::Path;
 
 use sonoglyph::device::native::packet::{Kind, Outcome, REPLY};
 
-/// The numbers that `packets.vh` defines under a prefix, by the rest of their names.
+/// The numbers defined in `packets.vh` under a prefix, by the rest of their names.
 fn defined(prefix: &str) -> BTreeMap<String, usize> {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("gateware/rtl/packets.vh");
     let text = std::fs::read_to_string(path).unwrap();

@@ -1,4 +1,4 @@
-//! Poison in pictures, files of numbers, animations, charts and views of a liquid.
+//! Invalid numbers in pictures, numeric files, animations, charts and shaded surfaces.
 
 use glam::DVec2;
 use sonoglyph::picture::animation::{Animation, AnimationError, Colours, Format, Pace};
@@ -22,7 +22,7 @@ fn pictures_have_four_bytes_a_pixel() {
         );
     }
     let bytes = numbers::npy(&[2], &[f32::NAN, f32::INFINITY]).unwrap();
-    assert!(bytes.ends_with(&f32::INFINITY.to_le_bytes()), "numbers are written as they are");
+    assert!(bytes.ends_with(&f32::INFINITY.to_le_bytes()), "numbers are written unchanged");
 }
 
 #[test]
@@ -46,7 +46,7 @@ fn animations_have_frames_and_sides() {
 }
 
 #[test]
-fn charts_leave_out_what_has_no_logarithm() {
+fn charts_leave_out_values_without_a_logarithm() {
     let chart = |points: Vec<(f64, f64)>| Chart {
         title: "poison".to_owned(),
         x_label: "x".to_owned(),
@@ -64,7 +64,7 @@ fn charts_leave_out_what_has_no_logarithm() {
 }
 
 #[test]
-fn reliefs_of_anything_are_pictures() {
+fn reliefs_of_any_numbers_are_pictures() {
     for poison in POISON {
         let mut depth = vec![1e-5f32; 12];
         depth[5] = poison as f32;
