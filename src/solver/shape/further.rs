@@ -18,7 +18,7 @@ pub fn best_within(problem: &Problem<'_>, surroundings: &Surroundings, time: Dur
     while let Some(better) = search.advance() {
         best = Some(better);
     }
-    let mut number = Start::ALL.len();
+    let mut number = Start::VARIANTS.len();
     while best.is_some() && gauge.lasts(start.elapsed(), time) {
         search.further(number);
         best = Some(search.give());

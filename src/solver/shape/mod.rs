@@ -247,7 +247,7 @@ impl<'a> Search<'a> {
         if value(&best) <= value(&self.ways[1]) {
             self.ways[1] = best;
         }
-        if start + 2 < Start::ALL.len() {
+        if start + 2 < Start::VARIANTS.len() {
             self.stage = Stage::Other(start + 1);
             return;
         }

@@ -1,6 +1,7 @@
 //! Reproducible random numbers and packets.
 
 use sonoglyph::device::native::packet::{BROADCAST, Kind, Packet, Table};
+use strum::VariantArray;
 
 pub struct Dice(u64);
 
@@ -85,8 +86,8 @@ impl Dice {
 
     /// Of any kind, with the right length and arguments 0. BAUD is left out, as it changes the host's rate, too.
     fn of_any_kind(&mut self) -> Packet {
-        let kinds = Kind::ALL.map(|kind| if kind == Kind::Baud { Kind::Stop } else { kind });
-        let kind = kinds[self.below(16) as usize];
+        let kind = Kind::VARIANTS[self.below(16) as usize];
+        let kind = if kind == Kind::Baud { Kind::Stop } else { kind };
         Packet::new(kind, [0; 4], vec![0; kind.payload()])
     }
 
