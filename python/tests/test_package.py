@@ -317,6 +317,8 @@ def test_pictures_of_notebooks_are_pictures():
 
 def test_ctrl_c_ends_long_work_and_other_threads_run_meanwhile():
     scene = five()
+    # Ignored where the tests run in the background.
+    signal.signal(signal.SIGINT, signal.default_int_handler)
     ticks = []
     timer = threading.Timer(0.3, os.kill, (os.getpid(), signal.SIGINT))
     ticking = threading.Thread(target=lambda: [ticks.append(time.sleep(0.01)) for _ in range(20)])

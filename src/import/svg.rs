@@ -117,7 +117,7 @@ fn flatten(path: &Path, lines: &mut Vec<Line>) {
     };
     let size = path.abs_bounding_box();
     let tolerance = FINENESS * f64::from(size.width().max(size.height())).max(1e-6);
-    kurbo::flatten(&placed(path), tolerance, |element| match element {
+    kurbo::flatten(placed(path), tolerance, |element| match element {
         PathEl::MoveTo(to) => {
             end(&mut line);
             line.points.push(DVec2::new(to.x, to.y));

@@ -1,5 +1,6 @@
 //! The further search for a shape's drive, from additional starts.
 
+use strum::VariantArray;
 use web_time::{Duration, Instant};
 
 use crate::gauge::Gauge;

@@ -27,6 +27,7 @@ use std::f64::consts::TAU;
 use std::time::Duration;
 
 use num_complex::Complex64;
+use strum::VariantArray;
 
 use crate::scene::{Focus, Plane};
 use crate::solver::descent::{Descent, Function};

@@ -180,7 +180,7 @@ fn flow_is_the_models(stages: &mut Stages, solved: &Solved, size: (usize, usize)
 
 /// Every invariant of the field of a solved scene; the largest |P| (Pa) on its plane.
 pub fn hold(evaluators: &mut Evaluators, solved: &Solved, dice: &mut Dice) -> f64 {
-    let Solved { scene, solution, .. } = solved;
+    let Solved { solution, .. } = solved;
     let size = (dice.whole(1, 40) as usize, dice.whole(1, 40) as usize);
     let (by_cpu, by) = map(&mut evaluators.cpu, solved, &solution.drive, size, dice);
     count(&format!("maps by {by:?}, asked of the CPU"));
