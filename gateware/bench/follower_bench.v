@@ -104,7 +104,7 @@ module follower_bench;
         repeat (4) @(negedge clk);
         reset = 0;
         periods(4);
-        `CHECK("follows nobody", follows, 6'd0)
+        `CHECK("follows no leader", follows, 6'd0)
         silent = 0;
         periods(6);
         `CHECK("follows", follows, 6'b111111)

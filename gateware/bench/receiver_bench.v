@@ -1,6 +1,5 @@
 // receiver: up to four good packets wait with their content; corrupted ones are counted; packets for other devices
 // and replies are ignored. INFO of version 1 is recognised. The fuzz test covers more.
-// another device or a reply passes unheeded. INFO of version 1 is told. The fuzz test goes further.
 `include "check.vh"
 module receiver_bench;
     `include "bench.vh"
@@ -24,7 +23,7 @@ module receiver_bench;
         if (spoiled) spoils = spoils + 1;
         if (spoiled && by_line) lines = lines + 1;
         if (old_info) olds = olds + 1;
-        if (old_info) `CHECK("what is told as spoiled too", spoiled, 1'b1)
+        if (old_info) `CHECK("INFO of version 1 counts as spoiled", spoiled, 1'b1)
     end
 
     // A packet with this number of bytes before its CRC, generated from a seed; odd seeds give many zeros.
