@@ -98,13 +98,13 @@ impl Extent {
 }
 
 /// # Errors
-/// A drawing that cannot be solved.
+/// A shape that cannot be solved.
 pub fn run() -> anyhow::Result<Report> {
     on(&DRAWINGS[..COUNT])
 }
 
 /// # Errors
-/// A drawing that cannot be solved.
+/// A shape that cannot be solved.
 pub fn on(drawings: &[Drawing]) -> anyhow::Result<Report> {
     let summaries = measure(drawings)?;
     let names: Vec<_> = drawings.iter().map(|drawing| drawing.name).collect();

@@ -34,7 +34,7 @@ pub fn begin(name: &'static str) -> Gauge {
         let expected = elapsed.div_f64(part);
         if bar.is_hidden() && expected.as_secs_f64() > LONG && !is_noted.swap(true, Ordering::Relaxed) {
             note(&format!(
-                "{name}: {:.0} % are done; they take about {} in all",
+                "{name}: {:.0} % done, about {} in all",
                 100.0 * part,
                 HumanDuration(expected)
             ));

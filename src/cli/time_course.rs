@@ -74,7 +74,7 @@ pub fn write(
     }
     if drives.len().saturating_mul(points.len()) > MOST_PRESSURES {
         bail!(
-            "{} frames at {} points are more than memory is asked for: take fewer points",
+            "{} frames at {} points exceed the memory limit: take fewer points",
             drives.len(),
             points.len()
         );
@@ -96,7 +96,7 @@ fn note_rates(course: &Course, args: &TimeArgs, span: f64) {
         note(&format!("{rate:.3} frames/s, {:.3} cycles/s", course.cycles_per_second()));
     }
     match course.period() {
-        _ if span == 0.0 => note("the sound is steady: one instant holds for all"),
+        _ if span == 0.0 => note("the sound is steady: a single instant is written"),
         None if args.span.is_none() && rate > 0.0 => {
             note(
                 "modulation and motion have no common period: the table covers the longer one, and does not repeat",

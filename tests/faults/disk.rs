@@ -67,7 +67,7 @@ fn a_full_device_gives_an_error_and_stays_a_device() {
 fn a_disk_that_fills_up_keeps_the_old_file() {
     let can_mount = Command::new("unshare").args(["-rm", "true"]).status();
     if !can_mount.is_ok_and(|status| status.success()) {
-        eprintln!("NOT TESTED ON A SMALL DISK: this machine lets nobody mount one");
+        eprintln!("NOT TESTED ON A SMALL DISK: mounting is not permitted here");
         return;
     }
     let folder = folder();

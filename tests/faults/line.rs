@@ -1,5 +1,4 @@
-//! Programs that are stopped, killed or joined by another while they play: the board falls silent, and no frame is
-//! torn.
+//! Senders that are stopped, killed or joined by another: the board falls silent, and no frame is torn.
 
 use std::io::{BufRead, BufReader};
 use std::process::Stdio;

@@ -1,11 +1,10 @@
-//! Faults around the program: full disks, read-only folders, signals, lost drivers and boards, little memory. The real
-//! program runs under the real fault.
+//! The real program under real faults: full disks, signals, lost drivers and boards, little memory, hostile input.
 
 #![cfg(target_os = "linux")]
 #![expect(clippy::unwrap_used, reason = "a test's helper may panic")]
 
 #[path = "../dice/mod.rs"]
-#[expect(dead_code, reason = "other tests throw more")]
+#[expect(dead_code, reason = "used by other test binaries")]
 mod dice;
 mod disk;
 mod gpu;

@@ -1,5 +1,4 @@
-//! The field: evaluators against the f64 reference, tolerances of plans, quantities against an independent model, and
-//! the caching of stages.
+//! The field: evaluators, plans and quantities against f64 references, volumes, and the caching of stages.
 
 #![expect(clippy::unwrap_used, reason = "a test's helper may panic")]
 

@@ -1,5 +1,4 @@
-//! Every quantity in f64 from its formula, independently of `field::quantity`: pressures by the reference, slopes by
-//! differences over a ten-thousandth of a wavelength.
+//! Every quantity in f64 from its formula, independently of `field::quantity`; slopes by differences over λ/10000.
 
 use std::f64::consts::SQRT_2;
 

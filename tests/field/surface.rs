@@ -1,5 +1,4 @@
-//! Depressions against reference values of an infinite bath, and light refracted by a Gaussian depression against
-//! closed forms and counted rays.
+//! Depressions against reference values, and refracted light against closed forms and counted rays.
 
 use std::f64::consts::PI;
 

@@ -392,7 +392,7 @@ fn the_largest_error_of_all_pixels_is_within_the_tolerance() {
     for (key, ratios) in all.into_inner().unwrap() {
         let worst = |of: fn(&(f64, f64)) -> f64| ratios.iter().map(of).fold(0.0, f64::max);
         println!(
-            "{key:?}: {} maps, true/tolerance {:.2}, true/said {:.2}",
+            "{key:?}: {} maps, true/tolerance {:.2}, true/stated {:.2}",
             ratios.len(),
             worst(|r| r.0),
             worst(|r| r.1)

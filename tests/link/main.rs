@@ -1,5 +1,4 @@
-//! The link with virtual boards over pseudo-terminals: frames arrive whole or not at all, and every fault is recovered
-//! from.
+//! The link with virtual boards over pseudo-terminals: whole frames only, and recovery from every fault.
 
 #![cfg(all(unix, feature = "serial"))]
 #![expect(clippy::unwrap_used, reason = "a test's helper may panic")]

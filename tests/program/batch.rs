@@ -162,7 +162,7 @@ fn invalid_lines_are_answered_in_their_place() {
     let deep = format!("{{\"id\": 1, \"target\": {}1", "[".repeat(100_000)).into_bytes();
     let lines: [(&[u8], &str); 10] = [
         (SMALL.as_bytes(), "-"),
-        (&bytes, "no text"),
+        (&bytes, "not UTF-8"),
         (&long, "more than 1 MiB"),
         (&deep, "recursion limit"),
         (br#"{"target": [{"at": [0, 0, -1]}]}"#, "target[1]"),

@@ -6,7 +6,7 @@ mod arrays;
 mod batch;
 mod contract;
 #[path = "../dice/mod.rs"]
-#[expect(dead_code, reason = "other tests throw more")]
+#[expect(dead_code, reason = "used by other test binaries")]
 mod dice;
 mod examples;
 mod figures;

@@ -1,5 +1,4 @@
-//! Views of the map without a display: contours, instantaneous pressure, colour scales, a shaded depression and an
-//! oblique plane, against their fields.
+//! Views of the map: contours, instantaneous pressure, colour scales, a shaded depression and an oblique plane.
 
 use std::f64::consts::SQRT_2;
 

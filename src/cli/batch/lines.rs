@@ -37,7 +37,7 @@ fn read(input: &mut impl BufRead) -> std::io::Result<Option<Result<String, Strin
         input.skip_until(b'\n')?;
         return Ok(Some(Err(format!("a line of more than {} MiB", LONGEST >> 20))));
     }
-    Ok(Some(String::from_utf8(bytes).map_err(|error| format!("no text: {error}"))))
+    Ok(Some(String::from_utf8(bytes).map_err(|error| format!("not UTF-8: {error}"))))
 }
 
 #[cfg(test)]
@@ -54,7 +54,7 @@ mod tests {
         bytes.extend(vec![b'y'; LONGEST as usize - 1]);
         bytes.extend(b"\n{}");
         let lines: Vec<_> = lines(Cursor::new(bytes)).collect();
-        assert!(lines[0].text.as_ref().unwrap_err().starts_with("no text"));
+        assert!(lines[0].text.as_ref().unwrap_err().starts_with("not UTF-8"));
         assert_eq!([&lines[1], &lines[2]].map(|line| line.text.as_deref()), [Ok("\n"), Ok(" \r\n")]);
         assert!(lines[3].text.as_ref().unwrap_err().contains("1 MiB"));
         assert_eq!((lines[4].number, lines[4].text.as_deref()), (5, Ok("{}\n")));

@@ -73,7 +73,7 @@ impl Task {
         }
         // The line number is that of the input, not of its JSON, which has a single line.
         let misplaced = |error: serde_json::Error| {
-            anyhow!(format!("no JSON: {error}").replace("line 1 column", "column"))
+            anyhow!(format!("invalid JSON: {error}").replace("line 1 column", "column"))
         };
         let mut tables: Value = serde_json::from_str(text.trim_end()).map_err(misplaced)?;
         let Some(keys) = tables.as_object_mut() else { bail!("a scene is an object, {{…}}") };
@@ -153,9 +153,9 @@ mod tests {
         for (text, part) in [
             (r#"{"target": [{"kind": "point", "at": [0, 0, -1]}]}"#, "target[1]: the focal point"),
             (r#"{"colour": 3}"#, "unknown field `colour`"),
-            ("[1, 2\n", "no JSON: EOF while parsing a list at column 5"),
+            ("[1, 2\n", "invalid JSON: EOF while parsing a list at column 5"),
             ("[]", "a scene is an object"),
-            (r#"{"array": {"pitch": 1e999}}"#, "no JSON"),
+            (r#"{"array": {"pitch": 1e999}}"#, "invalid JSON"),
             (r#"{"format": 2}"#, "format: this program reads format 1"),
             (r#"{"format": 1}"#, "target: the scene has no target"),
         ] {
@@ -164,9 +164,9 @@ mod tests {
             assert!(error.starts_with("line 7: ") && error.contains(part), "{error}: {part}");
             assert_eq!((answer["line"].as_u64(), answer.get("id")), (Some(7), None));
         }
-        let unread = Line { number: 2, text: Err("no text".to_owned()) };
+        let unread = Line { number: 2, text: Err("not UTF-8".to_owned()) };
         let answer = Task::default().answer(&unread, &mut Stages::new(Evaluator::Cpu));
-        assert_eq!(answer, json!({ "line": 2, "error": "line 2: no text" }));
+        assert_eq!(answer, json!({ "line": 2, "error": "line 2: not UTF-8" }));
     }
 
     #[test]

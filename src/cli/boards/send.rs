@@ -21,7 +21,7 @@ use crate::studio::output::{Files, mention, note, say, warn};
 
 /// Default playing time of a scene at rest.
 const AT_REST: Duration = Duration::from_secs(1);
-/// Limit of the wait for a lost board, except with --loop.
+/// Limit of the wait for a lost board, unless it plays endlessly.
 const LOST_TIMEOUT: Duration = Duration::from_secs(10);
 /// Limit of the wait for the first frame; then the time of --seconds starts anyway.
 const START_TIMEOUT: Duration = Duration::from_millis(300);
@@ -161,7 +161,7 @@ fn content(
 ) -> anyhow::Result<(Content, Duration)> {
     let profile = settings.profile;
     let levels = |drive: &Drive| Levels::new(profile, &drive.part(part.clone()), calibration);
-    let tell = |drive: &Drive| {
+    let warn_of = |drive: &Drive| {
         let drive = &drive.part(part.clone());
         // The scene already has the carrier of a native board.
         let frequency = if profile.answers() { profile.carrier() } else { scene.array.frequency };
@@ -170,14 +170,14 @@ fn content(
     let Some(cycle) = motion::cycle(scene) else {
         let solution = solver::solve(scene).map_err(|error| anyhow::anyhow!("{name}: {error}"))?;
         solution.warnings.iter().for_each(|warning| warn(&warning.to_string()));
-        tell(&solution.drive);
+        warn_of(&solution.drive);
         let frames = solution.drives().iter().map(levels).collect::<Result<_, _>>()?;
         return Ok((Content::in_turn(frames, profile.turns_per_second(settings.baud())), AT_REST));
     };
     let sequence = follow(scene, name, &progress::begin(SOLVING))?;
     let loudness = |drive: &&Drive| drive.amplitudes.iter().sum::<f64>();
     let softest = sequence.frames.iter().map(|frame| &frame.drive);
-    softest.min_by(|a, b| loudness(a).total_cmp(&loudness(b))).iter().for_each(|drive| tell(drive));
+    softest.min_by(|a, b| loudness(a).total_cmp(&loudness(b))).iter().for_each(|drive| warn_of(drive));
     let frames = sequence.frames.iter().map(|frame| levels(&frame.drive)).collect::<Result<_, _>>()?;
     let content = Content::Motion { frames, rate: cycle.frames_per_second() };
     Ok((content, Duration::from_secs_f64(1.0 / cycle.rate)))

@@ -1,5 +1,4 @@
-//! Harmful input: outputs that are inputs, surplus values, endless files, escape sequences, tables beyond memory. Each
-//! is refused with one short message and status 2, and no file changes.
+//! Harmful input is refused with one short message and status 2, and no file changes.
 
 #[cfg(feature = "serial")]
 mod boards;

@@ -133,9 +133,7 @@ impl Check {
         let elements = self.profile.elements();
         let columns = self.profile.shape().map_or(16, |[columns, _]| columns as usize);
         if self.answers.listen() {
-            say!(
-                "One element sounds at a time. Enter: heard. n: silent. r: again. b: one back. q: no more."
-            )?;
+            say!("One element plays at a time. Enter: audible, n: silent, r: repeat, b: back, q: skip the rest.")?;
         }
         let mut element = 0;
         let mut silent = Vec::new();
@@ -169,7 +167,7 @@ impl Check {
         match (self.answers.listen(), silent.is_empty()) {
             (false, _) => self.note(
                 Verdict::Passed,
-                format!("{elements} elements were played one by one; --listen asks which of them are heard"),
+                format!("{elements} elements were played one by one; --listen asks which are audible"),
             ),
             (true, true) => {
                 self.note(Verdict::Passed, format!("{element} of {elements} elements were heard"))
@@ -219,9 +217,9 @@ impl Check {
         if !self.answers.listen() {
             return self.note(Verdict::Noted, "emergency stop: not tried; --listen asks you to press it");
         }
-        say!("Press the emergency stop and release it, then Enter; q leaves this out.")?;
+        say!("Press the emergency stop and release it, then Enter; q skips this step.")?;
         if self.answers.ask("emergency stop: ", &self.interrupted)? == Answer::End {
-            return self.note(Verdict::Noted, "emergency stop: left out");
+            return self.note(Verdict::Noted, "emergency stop: skipped");
         }
         let until = Instant::now() + TIMEOUT;
         while !link.health().stopped {
