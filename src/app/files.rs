@@ -185,8 +185,12 @@ impl Window {
         let own = || self.editor.document.path().and_then(Path::parent).map(Path::to_owned);
         let last = || self.shown.folder.as_ref().map(|folder| folder.path.clone());
         let recent = || self.shown.recent.first().and_then(|path| path.parent()).map(Path::to_owned);
-        let folder =
-            folder.or_else(last).or_else(own).or_else(folders::here).or_else(recent).or_else(std::env::home_dir);
+        let folder = folder
+            .or_else(last)
+            .or_else(own)
+            .or_else(folders::here)
+            .or_else(recent)
+            .or_else(std::env::home_dir);
         self.send(ctx, move |_| Outcome::Listed(folders::list(&folder.unwrap_or_default())));
     }
 

@@ -42,7 +42,9 @@ fn is_false(value: &bool) -> bool {
 }
 
 /// The direction of the light of caustics, along the normal of the level surface.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, EnumString, IntoStaticStr, VariantArray, VariantNames)]
+#[derive(
+    Clone, Copy, Debug, Default, PartialEq, Eq, EnumString, IntoStaticStr, VariantArray, VariantNames,
+)]
 #[strum(serialize_all = "lowercase", const_into_str)]
 pub enum Light {
     /// From below through the liquid.
@@ -169,10 +171,8 @@ mod tests {
         let oil = Liquid { name: LiquidName::VegetableOil, density: Some(925.0), ..Liquid::default() };
         assert_eq!((oil.density(), oil.surface_tension()), (925.0, 0.033));
         let names = <LiquidName as VariantArray>::VARIANTS;
-        let lengths: Vec<_> = names
-            .iter()
-            .map(|&name| Liquid { name, ..Liquid::default() }.capillary_length() * 1e3)
-            .collect();
+        let lengths: Vec<_> =
+            names.iter().map(|&name| Liquid { name, ..Liquid::default() }.capillary_length() * 1e3).collect();
         let [water, glycerol, silicone, vegetable, ethanol] = lengths[..] else { panic!("{names:?}") };
         // mm; of water 2.727, and the rest in the order of σ/ρ.
         assert!((water - 2.727).abs() < 1e-3, "{water}");

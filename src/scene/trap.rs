@@ -8,7 +8,9 @@ use strum::{EnumString, IntoStaticStr, VariantArray, VariantNames};
 use crate::scene::range::{KeyError, refuse};
 
 /// The kind of a trap, relative to its axis.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, EnumString, IntoStaticStr, VariantArray, VariantNames)]
+#[derive(
+    Clone, Copy, Debug, Default, PartialEq, Eq, EnumString, IntoStaticStr, VariantArray, VariantNames,
+)]
 #[strum(serialize_all = "lowercase", const_into_str)]
 pub enum Trap {
     /// A plain focus, which holds beads denser or stiffer than air only in standing waves.

@@ -239,7 +239,8 @@ pub fn tools(editor: &mut Editor, columns: usize, ui: &mut Ui) {
 fn button(editor: &mut Editor, tool: Tool, ui: &mut Ui) {
     let (rect, response) = ui.allocate_exact_size(vec2(TOOL, TOOL), Sense::click());
     let chosen = editor.tool == tool;
-    response.widget_info(|| egui::WidgetInfo::selected(egui::Role::RadioButton, true, chosen, tool.into_str()));
+    response
+        .widget_info(|| egui::WidgetInfo::selected(egui::Role::RadioButton, true, chosen, tool.into_str()));
     if response.clicked() {
         editor.tool = tool;
     }

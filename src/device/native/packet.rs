@@ -243,7 +243,12 @@ mod tests {
             Packet::calibration(&pairs),
         ];
         for (kind, packet) in Kind::VARIANTS.iter().zip(packets) {
-            assert_eq!((packet.code, packet.payload.len()), (kind.code(), kind.payload()), "{}", kind.into_str());
+            assert_eq!(
+                (packet.code, packet.payload.len()),
+                (kind.code(), kind.payload()),
+                "{}",
+                kind.into_str()
+            );
             let packet = packet.to(5).numbered(200);
             let line = packet.to_line();
             assert!(!body_of(&line).contains(&0));

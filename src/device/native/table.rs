@@ -77,5 +77,4 @@ impl Outcome {
     pub fn code(self) -> u8 {
         self as u8
     }
-
 }

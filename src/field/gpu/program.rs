@@ -281,7 +281,8 @@ fn places(parts: u8) -> String {
         Some(place) => format!("{place}u"),
         None => "NOWHERE".to_owned(),
     };
-    let [pressure, along_x, along_y, normal] = [Part::Pressure, Part::AlongX, Part::AlongY, Part::Normal].map(place);
+    let [pressure, along_x, along_y, normal] =
+        [Part::Pressure, Part::AlongX, Part::AlongY, Part::Normal].map(place);
     format!(
         "const NOWHERE: u32 = 0xffffffffu;\n\
          const PRESSURE: u32 = {pressure};\n\

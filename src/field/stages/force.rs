@@ -80,7 +80,8 @@ impl OfBead {
         &mut self,
         request: &Request,
         exact: bool,
-        progress: &Gauge) -> Result<Map, FieldError> {
+        progress: &Gauge,
+    ) -> Result<Map, FieldError> {
         let (x, y) = request.plane.axes().ok_or(FieldError::NoPlane)?;
         let Request { aperture, air, bead, drives, .. } = request;
         let levitation = Levitation::in_air(aperture, (air, bead), drives, 0.0);

@@ -102,11 +102,7 @@ struct FrameKey {
 }
 
 impl Ground {
-    fn job<'a>(
-        &'a mut self,
-        request: &'a Request,
-        exact: bool,
-        costs: Costs) -> Result<Job<'a>, FieldError> {
+    fn job<'a>(&'a mut self, request: &'a Request, exact: bool, costs: Costs) -> Result<Job<'a>, FieldError> {
         let of_liquid = request.quantity.declaration().of_liquid;
         let wanted = SiteKey::new(request, exact);
         let Self { site, refined, frame, excitations, work } = self;
@@ -403,11 +399,7 @@ fn is_double(by: By) -> bool {
 
 impl Job<'_> {
     /// On the CPU, in f64 where f32 does not keep the tolerance, and pixel by pixel where samples do not.
-    fn by_cpu(
-        &self,
-        cpu: &mut OnCpu,
-        exact: bool,
-        mut values: Vec<f32>) -> Result<Map, FieldError> {
+    fn by_cpu(&self, cpu: &mut OnCpu, exact: bool, mut values: Vec<f32>) -> Result<Map, FieldError> {
         let mut make = |job: &Job<'_>, by: By, values: &mut Vec<f32>| {
             let made = cpu.values(job, is_double(by), values);
             (job.probes.error((job.request, job.excitations), &made.at_probes, made.relative_to), made, by)

@@ -36,16 +36,11 @@ impl OnGpu {
         match self.0 {}
     }
 
-    pub(super) fn picture(
-        &mut self,
-        _: &Job<'_>,
-        _: &Colouring) -> Result<Option<Texture>, GpuError> {
+    pub(super) fn picture(&mut self, _: &Job<'_>, _: &Colouring) -> Result<Option<Texture>, GpuError> {
         match self.0 {}
     }
 
-    pub(super) fn figures(
-        &mut self,
-        _: &Job<'_>) -> Result<Option<(Map, Option<f64>)>, GpuError> {
+    pub(super) fn figures(&mut self, _: &Job<'_>) -> Result<Option<(Map, Option<f64>)>, GpuError> {
         match self.0 {}
     }
 }

@@ -150,11 +150,7 @@ impl OnCpu {
     }
 
     /// Computes the values of all pixels.
-    pub(super) fn values(
-        &mut self,
-        job: &Job<'_>,
-        double: bool,
-        values: &mut Vec<f32>) -> Made {
+    pub(super) fn values(&mut self, job: &Job<'_>, double: bool, values: &mut Vec<f32>) -> Made {
         let (width, height) = job.request.size;
         values.resize(width * height, 0.0);
         match job.frame {
@@ -175,7 +171,8 @@ impl OnCpu {
         job: &Job<'_>,
         (raster, weights): (&Raster, Option<&Weights>),
         double: bool,
-        values: &mut [f32]) -> Made {
+        values: &mut [f32],
+    ) -> Made {
         let request = job.request;
         let (parts, constants) = (job.key.parts, request.constants().narrow());
         let declaration = request.quantity.declaration();
@@ -250,7 +247,8 @@ impl OnCpu {
         drive: usize,
         key: &SampledKey,
         (raster, weights): (&Raster, Option<&Weights>),
-        rows: Range<usize>) {
+        rows: Range<usize>,
+    ) {
         let parts = job.key.parts;
         let Self { superposition, samples, at_pixels, between, work, .. } = self;
         let width = raster.width;
@@ -303,7 +301,8 @@ impl OnCpu {
         job: &Job<'_>,
         [across, up]: &[Resampling; 2],
         double: bool,
-        values: &mut [f32]) -> Made {
+        values: &mut [f32],
+    ) -> Made {
         let Some(filled) = &job.site.cells else { unreachable!("pixels of cells without cells") };
         let key = FormedKey::new(job, double);
         self.fill_cells(job, filled, &key);
@@ -366,11 +365,7 @@ impl OnCpu {
     }
 
     /// The liquid's response to a steady pressure, for quantities that show it.
-    fn response(
-        &mut self,
-        job: &Job<'_>,
-        filled: &Filled,
-        key: &FormedKey) -> Option<&Dent> {
+    fn response(&mut self, job: &Job<'_>, filled: &Filled, key: &FormedKey) -> Option<&Dent> {
         if !job.request.quantity.declaration().of_liquid {
             return None;
         }
@@ -393,11 +388,7 @@ impl OnCpu {
     }
 
     /// The radiation pressure on the plane, from the cells or, without cells, from the pixels.
-    pub(super) fn pressed(
-        &mut self,
-        job: &Job<'_>,
-        values: &[f32],
-        double: bool) -> Pressed {
+    pub(super) fn pressed(&mut self, job: &Job<'_>, values: &[f32], double: bool) -> Pressed {
         let (size, part) = (job.request.plane.size, job.request.part);
         let Some(filled) = &job.site.cells else {
             let area = size.x * size.y / values.len() as f64;

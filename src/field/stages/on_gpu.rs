@@ -135,7 +135,8 @@ impl OnGpu {
     pub(super) fn picture(
         &mut self,
         job: &Job<'_>,
-        colouring: &Colouring) -> Result<Option<Texture>, GpuError> {
+        colouring: &Colouring,
+    ) -> Result<Option<Texture>, GpuError> {
         let most = self.gpu.device().limits().max_texture_dimension_2d as usize;
         let (width, height) = job.request.size;
         if width.max(height) > most || !self.form(job)? {
@@ -150,9 +151,7 @@ impl OnGpu {
     }
 
     /// A map without its values, once its figures have been read back; never blocks.
-    pub(super) fn figures(
-        &mut self,
-        job: &Job<'_>) -> Result<Option<(Map, Option<f64>)>, GpuError> {
+    pub(super) fn figures(&mut self, job: &Job<'_>) -> Result<Option<(Map, Option<f64>)>, GpuError> {
         if !self.form(job)? {
             return Ok(None);
         }

@@ -54,7 +54,8 @@ impl Superposition {
         grid: &Grid,
         drives: Range<usize>,
         part: Part,
-        double: bool) -> Vec<Vec<Complex32>> {
+        double: bool,
+    ) -> Vec<Vec<Complex32>> {
         self.work.superposition += 1;
         let aperture = &job.request.aperture;
         let played = &job.request.counted()[drives.clone()];
@@ -117,7 +118,8 @@ pub(super) fn sampled(
     job: &Job<'_>,
     grid: &Grid,
     drives: Range<usize>,
-    double: bool) -> Vec<Samples> {
+    double: bool,
+) -> Vec<Samples> {
     let mut needs = |normal: bool| {
         let part = Part::of(job.key.parts).find(|&part| (part == Part::Normal) == normal);
         let half = usize::from(normal);

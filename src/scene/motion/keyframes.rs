@@ -34,7 +34,9 @@ fn is_unchanged(pressure: &f64) -> bool {
 }
 
 /// The interpolation from a keyframe to the next.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, EnumString, IntoStaticStr, VariantArray, VariantNames)]
+#[derive(
+    Clone, Copy, Debug, Default, PartialEq, Eq, EnumString, IntoStaticStr, VariantArray, VariantNames,
+)]
 #[strum(serialize_all = "kebab-case", const_into_str)]
 pub enum Easing {
     /// At constant speed.

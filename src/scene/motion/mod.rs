@@ -136,7 +136,9 @@ impl MotionTable {
 
 /// Paths are parallel to the array and traversed at constant speed, counter-clockwise. All except `points` and
 /// `keyframes` are centred on the targets' positions.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, EnumString, IntoStaticStr, VariantArray, VariantNames)]
+#[derive(
+    Clone, Copy, Debug, Default, PartialEq, Eq, EnumString, IntoStaticStr, VariantArray, VariantNames,
+)]
 #[strum(serialize_all = "kebab-case", const_into_str)]
 pub enum MotionPath {
     #[default]

@@ -32,7 +32,10 @@ pub enum Kind {
 impl Kind {
     /// Those that can be written here.
     pub fn writable() -> impl Iterator<Item = Self> {
-        Self::VARIANTS.iter().copied().filter(|kind| video::IS_WRITTEN || matches!(kind, Self::Gif | Self::Apng))
+        Self::VARIANTS
+            .iter()
+            .copied()
+            .filter(|kind| video::IS_WRITTEN || matches!(kind, Self::Gif | Self::Apng))
     }
 
     /// Of a file's name, the usual one first.

@@ -9,8 +9,7 @@ use strum::VariantArray;
 use crate::scene::check::FACTORS;
 use crate::scene::{Easing, Keyframe, Motion, MotionPath, Scene, Tempo, motion};
 use crate::ui::panels::{
-    DEGREES, MM, PLAIN, Unit, bare_number, choice, coordinates, count, fact, form, heading, number,
-    variants,
+    DEGREES, MM, PLAIN, Unit, bare_number, choice, coordinates, count, fact, form, heading, number, variants,
 };
 
 /// Of a cycle, between two keyframes.

@@ -294,8 +294,9 @@ fn a_turn_changes_no_modulus(
 /// above n. That source and receiver at any two places may be exchanged holds of points alone: a piston's directivity stays behind.
 fn elements_and_points_change_places(solved: &Solved, dice: &mut Dice) {
     let Solved { scene, aperture, oracle, .. } = solved;
-    let element =
-        |dice: &mut Dice| aperture.positions[dice.whole(0, aperture.positions.len() as u32 - 1) as usize].with_z(0.0);
+    let element = |dice: &mut Dice| {
+        aperture.positions[dice.whole(0, aperture.positions.len() as u32 - 1) as usize].with_z(0.0)
+    };
     let (n, m) = (element(dice), element(dice));
     let up = DVec3::Z * dice.magnitude(1e-4, 40.0 * oracle.wavelength().max(1e-4));
     let there = aperture.element.transfer(m - n + up);

@@ -51,7 +51,9 @@ pub fn hold(evaluators: &mut Evaluators, solved: &Solved, peak: f64, dice: &mut 
         return count("averages left out: too faint for squares in f32");
     }
     let radius = solved.aperture.element.radius;
-    if scene.array.element == ElementModel::Piston && radius > WIDEST * solved.oracle.height(scene.plane.centre) {
+    if scene.array.element == ElementModel::Piston
+        && radius > WIDEST * solved.oracle.height(scene.plane.centre)
+    {
         return count("averages left out: elements wider than they are far away");
     }
     let cells = Cells::new(&solved.aperture, &scene.plane, 0.0, FINEST);

@@ -121,7 +121,8 @@ impl Oracle {
 
     /// m, largest distance of a point from a board's axis, and of the elements from it.
     pub fn across(&self, point: DVec3) -> f64 {
-        let aside = self.faces.iter().map(|(at, normal)| (point - at).reject_from_normalized(*normal).length());
+        let aside =
+            self.faces.iter().map(|(at, normal)| (point - at).reject_from_normalized(*normal).length());
         self.extent + aside.fold(0.0, f64::max)
     }
 

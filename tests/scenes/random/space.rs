@@ -51,7 +51,11 @@ fn attempt(scene: &Scene, dice: &mut Dice) -> Scene {
     }
     for number in 0..dice.whole(0, 3) {
         let board = match number {
-            0 => Board { at: direction(dice) * 0.1 * middle.z, normal: tilted(DVec3::Z, 0.3, dice), ..any_turn(dice) },
+            0 => Board {
+                at: direction(dice) * 0.1 * middle.z,
+                normal: tilted(DVec3::Z, 0.3, dice),
+                ..any_turn(dice)
+            },
             _ => {
                 let normal = direction(dice);
                 let distance = middle.z * dice.between(1.0, 3.0);
