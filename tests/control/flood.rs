@@ -80,7 +80,12 @@ fn packet(corpus: &[Vec<u8>], words: &[Vec<u8>], seed: u64) -> Vec<u8> {
 /// Resident memory of this process, bytes.
 fn resident() -> usize {
     let pages = std::fs::read_to_string("/proc/self/statm").expect("Linux reports memory in /proc");
-    pages.split(' ').nth(1).and_then(|pages| pages.parse::<usize>().ok()).expect("statm holds a number of pages") * 4096
+    pages
+        .split(' ')
+        .nth(1)
+        .and_then(|pages| pages.parse::<usize>().ok())
+        .expect("statm holds a number of pages")
+        * 4096
 }
 
 /// Handles a packet like the sockets' threads.

@@ -245,7 +245,11 @@ fn a_device_heeds_its_address_and_broadcasts() {
     for other in [0, 2, 4, 8, 254] {
         assert_eq!(model.hear(&Packet::enable(10).to(other)), None);
     }
-    assert_eq!(model.hear(&Packet { code: 0x83, ..Packet::status().to(3) }), None, "a reply is not a command");
+    assert_eq!(
+        model.hear(&Packet { code: 0x83, ..Packet::status().to(3) }),
+        None,
+        "a reply is not a command"
+    );
     let reply = model.hear(&Packet::status().to(3)).unwrap();
     let Body::Status(counts) = reply.body else { panic!() };
     assert_eq!((reply.address, counts.good, reply.flags.enabled), (3, 1, false));

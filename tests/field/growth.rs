@@ -22,7 +22,12 @@ const ALLOWED: usize = 16 << 20;
 fn resident() -> usize {
     const PAGE: usize = 4096;
     let pages = fs::read_to_string("/proc/self/statm").expect("Linux reports memory in /proc");
-    pages.split(' ').nth(1).and_then(|pages| pages.parse::<usize>().ok()).expect("statm holds a number of pages") * PAGE
+    pages
+        .split(' ')
+        .nth(1)
+        .and_then(|pages| pages.parse::<usize>().ok())
+        .expect("statm holds a number of pages")
+        * PAGE
 }
 
 fn frame(stages: &mut Stages, scene: &Scene, number: usize) {
@@ -67,8 +72,11 @@ fn a_drag_takes_no_more_memory_from_frame_to_frame() {
 /// Runs a test again in its own process, with the variable `marker` set.
 fn repeated_alone(test: &str, marker: &str) {
     let mut command = Command::new(std::env::current_exe().expect("the path of the test binary"));
-    let output =
-        command.args([test, "--exact", "--nocapture"]).env(marker, "1").output().expect("the test binary starts");
+    let output = command
+        .args([test, "--exact", "--nocapture"])
+        .env(marker, "1")
+        .output()
+        .expect("the test binary starts");
     let said = [output.stdout, output.stderr].concat();
     let said = String::from_utf8_lossy(&said);
     assert!(output.status.success() && said.contains("1 passed"), "{said}");

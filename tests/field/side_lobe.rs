@@ -94,7 +94,11 @@ fn the_main_lobe_along_the_beam_is_no_side_lobe() {
     assert!(found.part < 0.3, "{found:?}");
     let loudest = maxima(&scene, &solution);
     let louder = loudest.iter().filter(|(_, pressure)| *pressure > 1.01 * found.pressure);
-    assert!(louder.clone().count() == 1, "louder than the side lobe is only the focus: {:?}", louder.collect::<Vec<_>>());
+    assert!(
+        louder.clone().count() == 1,
+        "louder than the side lobe is only the focus: {:?}",
+        louder.collect::<Vec<_>>()
+    );
 }
 
 #[test]

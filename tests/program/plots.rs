@@ -90,7 +90,11 @@ fn all_three_formats_hold_the_same_map_and_text_stays_text() {
     };
     let corners =
         (0..png.width() - map.width()).flat_map(|x| (0..png.height() - map.height()).map(move |y| (x, y)));
-    assert_eq!(corners.filter(|&(left, top)| inside(left, top)).count(), 1, "the PNG holds the map at the same resolution");
+    assert_eq!(
+        corners.filter(|&(left, top)| inside(left, top)).count(),
+        1,
+        "the PNG holds the map at the same resolution"
+    );
     for word in ["A focus & <more>", "x / mm", "y / mm", "−50", "RMS pressure / kPa", "0"] {
         assert!(words.iter().any(|own| own == word), "{word}: {words:?}");
     }
@@ -182,7 +186,9 @@ fn a_shaded_surface_has_scale_bars_instead_of_axes() {
         error
     };
     assert!(refused(&[]).contains("--quantity depression"));
-    assert!(refused(&["--quantity", "depression", "--contours=-6"]).contains("--contours applies to flat maps"));
+    assert!(
+        refused(&["--quantity", "depression", "--contours=-6"]).contains("--contours applies to flat maps")
+    );
 }
 
 #[test]

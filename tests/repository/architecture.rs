@@ -411,10 +411,7 @@ fn no_files_refer_to_each_other_in_a_circle() {
 const NOWHERE: &[(&str, &str)] = &[
     ("SystemTime", "the system clock may jump: use `Instant`"),
     ("UNIX_EPOCH", "the system clock may jump: use `Instant`"),
-    (
-        "println!",
-        "it panics on closed pipes and full disks: use `say!`, `note`, `warn` or `mention`",
-    ),
+    ("println!", "it panics on closed pipes and full disks: use `say!`, `note`, `warn` or `mention`"),
     ("print!", "it panics on closed pipes and full disks: use `output::print`"),
     ("fs::write(", "it may leave a partial file: use `output`"),
     ("File::create(", "it may leave a partial file: use `output`"),
@@ -439,10 +436,7 @@ fn no_source_uses_forbidden_names() {
     }
     assert!(found.is_empty(), "{}", found.join("\n"));
     let line = "    println!(now = SystemTime::now());";
-    assert!(
-        NOWHERE.iter().filter(|(name, _)| line.contains(name)).count() >= 2,
-        "the rule finds violations"
-    );
+    assert!(NOWHERE.iter().filter(|(name, _)| line.contains(name)).count() >= 2, "the rule finds violations");
 }
 
 #[test]

@@ -27,7 +27,11 @@ const POINT: &str = "format = 1\n[[target]]\nkind = \"point\"\nat = [0.0, 0.0, 0
 fn until(screen: &mut Screen, what: &str, condition: impl Fn(&Screen) -> bool) {
     let start = Instant::now();
     while !condition(screen) {
-        assert!(start.elapsed() < PATIENCE, "timed out waiting for {what}; {:?}", screen.state().shown().board);
+        assert!(
+            start.elapsed() < PATIENCE,
+            "timed out waiting for {what}; {:?}",
+            screen.state().shown().board
+        );
         std::thread::sleep(Duration::from_millis(5));
         screen.step();
     }

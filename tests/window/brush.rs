@@ -89,7 +89,11 @@ fn a_stroke_of_the_brush_is_a_picture_with_loud_sound() {
     sweep(&mut screen, Tool::Brush, [0.0, -30.0], [0.0, -30.0]);
     assert_eq!((only(&screen).0, painted(&screen, 0.0, -30.0)), ("painting.png", 1.0), "on the same picture");
     press(&mut screen, Modifiers::COMMAND, Key::Z);
-    assert_eq!([painted(&screen, 0.0, -30.0), painted(&screen, 0.0, 10.0)], [0.0, 1.0], "a stroke is one undo step");
+    assert_eq!(
+        [painted(&screen, 0.0, -30.0), painted(&screen, 0.0, 10.0)],
+        [0.0, 1.0],
+        "a stroke is one undo step"
+    );
     press(&mut screen, Modifiers::COMMAND, Key::Z);
     assert!(scene(&screen).targets.is_empty());
     press(&mut screen, Modifiers::COMMAND, Key::Y);

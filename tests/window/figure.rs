@@ -12,7 +12,8 @@ fn a_figure_is_previewed_written_and_copied() {
     screen.get_by_label("Figure…").click();
     rest(&mut screen);
     let size = |screen: &Screen| {
-        let preview = screen.state().shown().figure.as_ref().expect("the dialog has a preview").as_ref().unwrap();
+        let preview =
+            screen.state().shown().figure.as_ref().expect("the dialog has a preview").as_ref().unwrap();
         preview.size
     };
     assert!((size(&screen)[0] - 85.0).abs() < 0.2, "{:?}", size(&screen));

@@ -49,7 +49,11 @@ fn place(socket: &UdpSocket, number: usize, at: [f32; 3]) {
 fn until(screen: &mut Screen, what: &str, condition: impl Fn(&Screen) -> bool) {
     let start = Instant::now();
     while !condition(screen) {
-        assert!(start.elapsed() < PATIENCE, "timed out waiting for {what}; {:?}", screen.state().shown().serving);
+        assert!(
+            start.elapsed() < PATIENCE,
+            "timed out waiting for {what}; {:?}",
+            screen.state().shown().serving
+        );
         std::thread::sleep(Duration::from_millis(5));
         screen.step();
     }

@@ -38,7 +38,10 @@ fn centre(screen: &Screen) -> DVec3 {
 /// Asserts that the scene was not edited since the view was opened.
 fn undo_leads_to_the_example(screen: &mut Screen) {
     press(screen, Modifiers::COMMAND, Key::Z);
-    assert!(matches!(scene(screen).targets[0].shape, Shape::Text { .. }), "the camera is not part of the scene");
+    assert!(
+        matches!(scene(screen).targets[0].shape, Shape::Text { .. }),
+        "the camera is not part of the scene"
+    );
 }
 
 /// A place without scenery: the upper left corner, below the texts.
@@ -79,7 +82,10 @@ fn a_moving_view_is_coarse_and_a_resting_one_is_not_redrawn() {
         heard.fetch_max(info.current_cumulative_pass_nr + 1, Ordering::Relaxed);
     });
     screen.step();
-    assert!(asked.load(Ordering::Relaxed) < screen.ctx.cumulative_pass_nr(), "an idle view requests no frames");
+    assert!(
+        asked.load(Ordering::Relaxed) < screen.ctx.cumulative_pass_nr(),
+        "an idle view requests no frames"
+    );
     assert!(!screen.state().is_busy());
 }
 

@@ -78,7 +78,11 @@ fn winding(map: &Map, line: &Line, centre: DVec2) -> i32 {
 fn a_contour_surrounds_the_focus_at_its_level() {
     let focus = DVec3::new(0.02, -0.01, 0.1);
     let mut screen = open(focused(&[focus]));
-    assert_eq!((screen.state().work().contours, map(&screen).contours.len()), (0, 0), "no contours by default");
+    assert_eq!(
+        (screen.state().work().contours, map(&screen).contours.len()),
+        (0, 0),
+        "no contours by default"
+    );
     choose(&mut screen, "Contours");
     for (level, largest_error) in [(-6.0f64, 0.01), (-3.0, 0.01), (-20.0, 0.03)] {
         screen.state_mut().editor_mut().view.contour_level = level;
@@ -135,10 +139,7 @@ fn one_convention_holds_for_the_whole_window() {
     }
     choose(&mut screen, "Lock");
     let full = screen.state().editor().view.full.unwrap();
-    assert!(
-        (full / map(&screen).largest - 1.0).abs() < 1e-9,
-        "the range does not depend on the convention"
-    );
+    assert!((full / map(&screen).largest - 1.0).abs() < 1e-9, "the range does not depend on the convention");
 }
 
 /// The exported map, row by row from the smallest y.

@@ -124,7 +124,10 @@ fn standard_input_and_output_are_files_like_others() {
     let said = String::from_utf8(output.stdout).unwrap();
     assert!(said.lines().nth(1).unwrap().contains("writing it would destroy it"), "{said}");
     assert_eq!(fs::read(folder.path().join("out/2.npy")).unwrap(), before);
-    assert!(contents(folder.path()).iter().any(|(name, _)| name.ends_with("out/1.npy")), "the other line is solved");
+    assert!(
+        contents(folder.path()).iter().any(|(name, _)| name.ends_with("out/1.npy")),
+        "the other line is solved"
+    );
 }
 
 #[test]

@@ -87,7 +87,10 @@ fn maps_without_pixels_or_valid_drives_panic() {
             assert_eq!(refused(Request { moment: poison, ..request.clone() }), expected, "{poison}");
         }
         let values = &stages.map(&request).unwrap().values;
-        assert!(values.iter().all(|value| value.is_finite()), "{quantity:?}: the stages still work afterwards");
+        assert!(
+            values.iter().all(|value| value.is_finite()),
+            "{quantity:?}: the stages still work afterwards"
+        );
     }
 }
 
