@@ -223,9 +223,7 @@ fn charts(records: &[Record]) -> Vec<(String, Chart)> {
         (
             "depression-error".to_owned(),
             chart(
-                format!(
-                    "Time against error: depression and pressure, {SIZE} x {SIZE} pixels, 256 elements"
-                ),
+                format!("Time against error: depression and pressure, {SIZE} x {SIZE} pixels, 256 elements"),
                 "error relative to the peak",
                 side_by_side(&[(FIELD, 1), (DEPRESSION, 1), (DEPRESSION, FRAMES)], &|record| {
                     (record.size == SIZE).then_some(record.error)

@@ -83,9 +83,7 @@ pub fn run(args: &RenderArgs) -> anyhow::Result<()> {
     let start = Instant::now();
     film.begin = progress::begin;
     if quantity.declaration().of_liquid && !args.waves {
-        note(
-            "every frame shows the surface at equilibrium under its sound; --waves shows the transient",
-        );
+        note("every frame shows the surface at equilibrium under its sound; --waves shows the transient");
     }
     let shot = film.shoot(&target, &stem(path), &|_| Ok(()))?;
     if let Some(missed) = missed(film.error, scene.plane.tolerance) {

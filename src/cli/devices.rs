@@ -20,11 +20,12 @@ pub fn run() -> anyhow::Result<()> {
     say!("  always available")?;
     say!("`--backend auto` would use:")?;
     match adapters.first() {
-        Some(info) if info.kind != Kind::Software => say!("  {} for maps, since it is a hardware GPU", info.name)?,
-        Some(info) => say!(
-            "  the CPU evaluator for maps, since {} is software on the same CPU, and slower",
-            info.name
-        )?,
+        Some(info) if info.kind != Kind::Software => {
+            say!("  {} for maps, since it is a hardware GPU", info.name)?
+        }
+        Some(info) => {
+            say!("  the CPU evaluator for maps, since {} is software on the same CPU, and slower", info.name)?
+        }
         None => say!("  the CPU evaluator for maps, since there is no GPU adapter")?,
     }
     say!("  the f64 reference for points")

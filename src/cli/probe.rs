@@ -64,9 +64,7 @@ pub fn run(args: &ProbeArgs) -> anyhow::Result<()> {
     }
     let pressures = probe::mean(&drives.iter().map(pressure).collect::<Result<Vec<_>, _>>()?);
     if drives.len() > 1 {
-        note(
-            "`re` and `im` have the RMS modulus of all drives in turn, and the phase of the first",
-        );
+        note("`re` and `im` have the RMS modulus of all drives in turn, and the phase of the first");
     }
     write_or_print(args.output.as_deref(), &probe::pressures_csv(&samples.columns, &pressures))
 }

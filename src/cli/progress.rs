@@ -33,11 +33,7 @@ pub fn begin(name: &'static str) -> Gauge {
         bar.set_position((part * STEPS) as u64);
         let expected = elapsed.div_f64(part);
         if bar.is_hidden() && expected.as_secs_f64() > LONG && !is_noted.swap(true, Ordering::Relaxed) {
-            note(&format!(
-                "{name}: {:.0} % done, about {} in all",
-                100.0 * part,
-                HumanDuration(expected)
-            ));
+            note(&format!("{name}: {:.0} % done, about {} in all", 100.0 * part, HumanDuration(expected)));
         }
     })
 }

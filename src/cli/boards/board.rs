@@ -137,8 +137,9 @@ impl SingleFaults {
             self.first_frame = Some(Instant::now());
         }
         let Some(first) = self.first_frame else { return };
-        let now =
-            |lasts: Duration| !lasts.is_zero() && (FAULTS_AFTER..FAULTS_AFTER + lasts).contains(&first.elapsed());
+        let now = |lasts: Duration| {
+            !lasts.is_zero() && (FAULTS_AFTER..FAULTS_AFTER + lasts).contains(&first.elapsed())
+        };
         board.stall(now(self.setup.faults.stall));
         board.unplug(now(self.setup.faults.unplug));
         board.press(now(self.setup.faults.press));

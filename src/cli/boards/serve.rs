@@ -99,7 +99,9 @@ fn settings(args: &ServeArgs) -> Settings {
     let default = Settings { listen, token: args.token.clone(), ..Settings::default() };
     match (osc, websocket, ultraino) {
         (None, None, None) => default,
-        (Some(_), _, _) | (_, Some(_), _) | (_, _, Some(_)) => Settings { osc, websocket, ultraino, ..default },
+        (Some(_), _, _) | (_, Some(_), _) | (_, _, Some(_)) => {
+            Settings { osc, websocket, ultraino, ..default }
+        }
     }
 }
 

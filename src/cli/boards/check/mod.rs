@@ -133,7 +133,9 @@ impl Check {
         let elements = self.profile.elements();
         let columns = self.profile.shape().map_or(16, |[columns, _]| columns as usize);
         if self.answers.listen() {
-            say!("One element plays at a time. Enter: audible, n: silent, r: repeat, b: back, q: skip the rest.")?;
+            say!(
+                "One element plays at a time. Enter: audible, n: silent, r: repeat, b: back, q: skip the rest."
+            )?;
         }
         let mut element = 0;
         let mut silent = Vec::new();
