@@ -75,7 +75,7 @@ fn wait_for(link: &Link, wanted: impl Fn(&Event) -> bool) -> Event {
             return event;
         }
     }
-    panic!("the event did not come; {:?}", link.health());
+    panic!("timed out waiting for an event; {:?}", link.health());
 }
 
 impl Pair {

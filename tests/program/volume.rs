@@ -94,7 +94,7 @@ fn impossible_volumes_are_refused() {
 }
 
 #[test]
-fn views_in_space_have_named_and_numeric_directions() {
+fn pictures_of_space_have_named_and_numeric_directions() {
     let folder = folder_with(&[("s.toml", POINT)]);
     let draw = |args: &[&str], name: &str| {
         let all = [&["render", "s.toml", "--view", "3d", "--size", "160x128", "-o", name], args].concat();
