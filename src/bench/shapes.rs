@@ -44,7 +44,7 @@ impl Work {
     fn name(self) -> String {
         match self {
             Self::Stroke => "stroke".to_owned(),
-            Self::Foci(distance, method) => format!("{}, foci {distance} mm apart", method.name()),
+            Self::Foci(distance, method) => format!("{}, foci {distance} mm apart", method.into_str()),
             Self::Dragged => "stroke, dragged".to_owned(),
         }
     }

@@ -4,6 +4,7 @@ use std::hint::black_box;
 
 use glam::DVec3;
 use serde_json::json;
+use strum::VariantArray;
 
 use crate::acoustics::Aperture;
 use crate::bench::time::{ROUNDS, Spent, Spread, Times, digits};
@@ -193,8 +194,8 @@ fn candidates(workload: &Workload) -> Result<Vec<Candidate<'_>>, SolveError> {
         Candidate { solve, found: Found::of(name) }
     };
     let mut all = vec![candidate(format!("wgs {BASELINE_ITERATIONS}"), Method::Wgs, BASELINE_ITERATIONS)];
-    for method in Method::ALL.into_iter().filter(|&method| method != Method::Focus) {
-        all.push(candidate(method.name().to_owned(), method, 0));
+    for &method in Method::VARIANTS.iter().filter(|method| **method != Method::Focus) {
+        all.push(candidate(method.into_str().to_owned(), method, 0));
     }
     all.extend(
         workload.budgets.iter().map(|&budget| candidate(format!("best {budget}"), Method::Best, budget)),

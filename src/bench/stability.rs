@@ -4,6 +4,7 @@ use std::f64::consts::TAU;
 
 use glam::DVec3;
 use serde_json::json;
+use strum::VariantArray;
 
 use crate::acoustics::Aperture;
 use crate::bench::time::{Spent, digits};
@@ -49,7 +50,7 @@ pub fn run(is_thorough: bool) -> anyhow::Result<Report> {
         let problem = Problem::new(&case.aperture, case.foci.clone());
         let is_searched = is_thorough && case.foci.len() <= MOST_SEARCHED;
         let strongest = is_searched.then(|| weakest(&problem, &solver::search(&problem, SEARCHES).values));
-        for method in Method::ALL.into_iter().filter(|&method| method != Method::Focus) {
+        for &method in Method::VARIANTS.iter().filter(|method| **method != Method::Focus) {
             records.push(measure(&case, &problem, method, strongest)?);
         }
     }
@@ -202,7 +203,7 @@ fn row(record: &Record) -> Vec<String> {
     vec![
         record.case.to_owned(),
         record.foci.to_string(),
-        record.method.name().to_owned(),
+        record.method.into_str().to_owned(),
         digits(record.cpu * 1e3),
         if record.is_sound { "yes" } else { "NO" }.to_owned(),
         record.rank.to_string(),
@@ -219,7 +220,7 @@ fn json(record: &Record) -> serde_json::Value {
     json!({
         "set": record.case,
         "foci": record.foci,
-        "method": record.method.name(),
+        "method": record.method.into_str(),
         "cpu_ms": record.cpu * 1e3,
         "sound": record.is_sound,
         "rank": record.rank,

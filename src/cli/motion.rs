@@ -54,7 +54,7 @@ fn warn_of_rate(scene: &Scene) {
 
 fn print(scene: &Scene, sequence: &Sequence) -> anyhow::Result<()> {
     let (summary, count) = (Summary::new(sequence), sequence.frames.len());
-    let mut rows = vec![("path", scene.motion.path.name().to_owned())];
+    let mut rows = vec![("path", scene.motion.path.into_str().to_owned())];
     match motion::cycle(scene) {
         Some(cycle) => moving(&cycle, scene.array.frequency, &mut rows),
         None => rows.push(("frames", count.to_string())),
@@ -64,7 +64,7 @@ fn print(scene: &Scene, sequence: &Sequence) -> anyhow::Result<()> {
             "method",
             format!(
                 "{}, {:.3} ms per frame{}",
-                scene.solver.method.name(),
+                scene.solver.method.into_str(),
                 summary.seconds * 1e3,
                 match count - summary.searched {
                     0 => String::new(),
@@ -119,7 +119,7 @@ fn moving(cycle: &Cycle<'_>, carrier: f64, rows: &mut Vec<(&'static str, String)
     }
     for (group, target) in cycle.groups.iter().filter_map(|group| Some((group, group.target?))) {
         let Group { motion, length, rounds, .. } = group;
-        let (path, rate) = (motion.path.name(), cycle.played(group));
+        let (path, rate) = (motion.path.into_str(), cycle.played(group));
         let times = if *rounds == 1 { "once".to_owned() } else { format!("{rounds} times") };
         rows.push((
             "own motion",

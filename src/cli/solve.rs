@@ -4,6 +4,7 @@ use clap::ValueEnum;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use comfy_table::{CellAlignment, Table};
 use glam::DVec3;
+use strum::VariantArray;
 
 use crate::acoustics::Aperture;
 use crate::cli::{COLUMN, SolveArgs, read_scene};
@@ -40,7 +41,7 @@ pub enum Methods {
 }
 
 pub fn methods() -> impl TypedValueParser<Value = Methods> {
-    let names = Method::ALL.iter().filter_map(ValueEnum::to_possible_value);
+    let names = Method::VARIANTS.iter().filter_map(ValueEnum::to_possible_value);
     PossibleValuesParser::new(names.chain([PossibleValue::new("all").help("Every method, side by side")]))
         .map(|name| Method::from_str(&name, false).map_or(Methods::All, Methods::One))
 }
@@ -147,7 +148,7 @@ fn compare(
     in_file: &dyn Fn(SolveError) -> anyhow::Error,
 ) -> anyhow::Result<()> {
     let mut solutions = Vec::new();
-    for method in Method::ALL {
+    for &method in Method::VARIANTS {
         let mut scene = scene.clone();
         // An iteration count is meant for the scene's own method.
         scene.solver.iterations = if scene.solver.method == method { scene.solver.iterations } else { 0 };
@@ -189,7 +190,7 @@ fn report_warnings(findings: &[Findings]) {
         let concerned: Vec<_> = findings
             .iter()
             .filter(|other| other.warnings.contains(warning))
-            .map(|other| other.solution.method.name())
+            .map(|other| other.solution.method.into_str())
             .collect();
         if concerned.len() == findings.len() {
             warn(warning);
@@ -217,7 +218,7 @@ fn comparison(findings: &[Findings]) -> Table {
     for Findings { solution, limits, side_lobe, heard, .. } in findings {
         let quality = &solution.quality;
         let mut row = vec![
-            solution.method.name().to_owned(),
+            solution.method.into_str().to_owned(),
             pascals(quality.mean_pressure),
             pascals(quality.min_pressure),
             if quality.is_silent() { "-".to_owned() } else { percent(quality.spread) },
@@ -280,7 +281,7 @@ fn print(findings: &Findings, scene: &Scene) -> anyhow::Result<()> {
             "method",
             format!(
                 "{}, {} iterations, {:.2} ms",
-                solution.method.name(),
+                solution.method.into_str(),
                 solution.iterations,
                 solution.seconds * 1e3
             ),

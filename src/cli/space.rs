@@ -40,7 +40,7 @@ pub struct SpaceArgs {
 }
 
 fn parse_camera(text: &str) -> Result<[f64; 2], String> {
-    if let Some(standard) = Standard::ALL.into_iter().find(|standard| standard.name() == text) {
+    if let Ok(standard) = text.parse::<Standard>() {
         return Ok(standard.direction());
     }
     numbers(text)

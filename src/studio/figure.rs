@@ -94,7 +94,7 @@ impl Default for Wish {
 /// An unknown or missing extension.
 pub fn format(path: &Path) -> anyhow::Result<Format> {
     let ending = path.extension().unwrap_or_default().to_string_lossy().to_lowercase();
-    Format::ALL.into_iter().find(|format| format.ending() == ending).with_context(|| {
+    ending.parse().ok().with_context(|| {
         format!("{}: figures are written as .png, .svg and .pdf, by the ending", echo::path(path))
     })
 }

@@ -164,7 +164,7 @@ fn liquid(scene: &Scene) -> String {
     let name = if given {
         format!("liquid of {:.0} kg/m³ and {:.1} mN/m", liquid.density(), liquid.surface_tension() * 1e3)
     } else {
-        liquid.name.name().replace('-', " ")
+        liquid.name.into_str().replace('-', " ")
     };
     format!("{name} {height:.0} mm from the array")
 }
@@ -189,7 +189,7 @@ fn envelope(scene: &Scene) -> String {
     let what = match modulation.shape {
         Envelope::Off => "no modulation".to_owned(),
         Envelope::Sine | Envelope::Square => {
-            format!("{} modulation at {frequency} Hz", modulation.shape.name())
+            format!("{} modulation at {frequency} Hz", modulation.shape.into_str())
         }
         Envelope::Tones => {
             let all: Vec<_> = tones.iter().map(|tone| tone.frequency.to_string()).collect();

@@ -6,6 +6,7 @@ use egui::{
     UiBuilder, WidgetInfo, pos2, vec2,
 };
 use glam::{DVec2, DVec3};
+use strum::VariantArray;
 
 use crate::field::Quantity;
 use crate::picture::ColourMap;
@@ -68,7 +69,7 @@ fn settings(editor: &mut Editor, ui: &mut Ui) {
                 .height(320.0)
                 .selected_text(compare.method.title());
             let response = combo.show_ui(ui, |ui| {
-                for method in Method::ALL {
+                for &method in Method::VARIANTS {
                     ui.selectable_value(&mut compare.method, method, method.title());
                 }
             });
@@ -84,7 +85,7 @@ fn settings(editor: &mut Editor, ui: &mut Ui) {
         With::Plane => {
             for other in [Cut::Xy, Cut::Xz, Cut::Yz, Cut::Own].into_iter().filter(|other| *other != cut) {
                 let chosen = compare.cut == other;
-                let label = ui.selectable_label(chosen, format!("Beside: {}", other.name()));
+                let label = ui.selectable_label(chosen, format!("Beside: {}", other.into_str()));
                 if label.on_hover_text(other.tooltip()).clicked() {
                     (compare.cut, compare.centre) = (other, None);
                 }

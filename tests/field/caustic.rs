@@ -7,6 +7,7 @@ use sonoglyph::drive::Drive;
 use sonoglyph::field::{Evaluator, Quantity, Request, Stages};
 use sonoglyph::scene::{Light, Plane, Scene};
 use sonoglyph::surface::Tank;
+use strum::VariantArray;
 
 use crate::{evaluators, three_foci};
 
@@ -77,7 +78,7 @@ fn brightest(values: &[f32]) -> f64 {
 
 #[test]
 fn every_pixel_has_the_light_of_the_rays_that_end_there() {
-    for light in Light::ALL {
+    for &light in Light::VARIANTS {
         for evaluator in evaluators() {
             let mut request = request((60, 50));
             request.liquid.light = light;
@@ -178,7 +179,7 @@ fn a_screen_may_be_far_away_or_at_the_surface() {
         Scene { plane: Plane { size: DVec2::new(0.06, 0.05), ..Plane::default() }, ..Scene::default() };
     let drives = three_foci().1;
     for (screen, tolerance) in [(1e-9, 1e-3), (1e-3, 1.0), (1.0, 1e-5), (100.0, 1e-3)] {
-        for light in Light::ALL {
+        for &light in Light::VARIANTS {
             let mut request = Request::new(&scene, drives.clone(), Quantity::Caustic, (70, 60));
             (request.liquid.screen, request.liquid.light) = (screen, light);
             request.plane.tolerance = tolerance;

@@ -148,7 +148,7 @@ const LAYERS: &[(&str, &[&str])] = &[
 /// Modules that know nothing of each other, whichever stands above: the command line and the window meet in `main` alone.
 const APART: &[(&str, &[&str])] = &[("bench", &["ui", "app"]), ("cli", &["ui", "app"])];
 /// Crates that any layer may name.
-const COMMON: &[&str] = &["std", "crate", "self"];
+const COMMON: &[&str] = &["std", "crate", "self", "strum"];
 const LONGEST_FILE: usize = 500;
 /// Each links the whole library.
 const MOST_TEST_PROGRAMS: usize = 10;

@@ -13,6 +13,7 @@ use sonoglyph::scene::{
 };
 use sonoglyph::solver::levels::{self, Reached};
 use sonoglyph::solver::{self, Limits, Problem, Solution, SolveError, Warning, frames};
+use strum::VariantArray;
 
 fn scene(points: &[DVec3]) -> Scene {
     let target = |&at: &DVec3| Target::new(Shape::Point { at });
@@ -43,7 +44,7 @@ fn certified(scene: &Scene, solution: &Solution) -> f64 {
 }
 
 fn several() -> impl Iterator<Item = Method> {
-    Method::ALL.into_iter().filter(|&method| method != Method::Focus)
+    Method::VARIANTS.iter().copied().filter(|&method| method != Method::Focus)
 }
 
 fn assert_sound(solution: &Solution) {
@@ -464,7 +465,7 @@ proptest! {
             Target { pressure, ..Target::new(Shape::Point { at: DVec3::new(x, y, z) }) }
         };
         let mut scene = Scene { array, targets: foci.iter().map(target).collect(), ..Scene::default() };
-        scene.solver.method = if foci.len() > 1 { Method::ALL[method.max(1)] } else { Method::ALL[method] };
+        scene.solver.method = Method::VARIANTS[if foci.len() > 1 { method.max(1) } else { method }];
         scene.solver.pressures = if pascal { Pressures::Pascal } else { Pressures::Relative };
         scene.solver.amplitudes = if free { Amplitudes::Free } else { Amplitudes::Uniform };
         let scene = file::parse(&file::write(&scene), "any.toml".as_ref()).unwrap();

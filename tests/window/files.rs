@@ -166,8 +166,8 @@ fn a_motion_is_written_and_can_be_called_off() {
 
 /// Asks for the file by hand, and goes on at once.
 fn export_motion(screen: &mut Screen, path: &Path) {
-    let kind = Kind::ALL.into_iter().find(|kind| path.extension().unwrap() == kind.endings()[0]).unwrap();
-    let purpose = Purpose::Export(sonoglyph::ui::Export::Motion(kind));
+    let kind = Kind::VARIANTS.iter().find(|kind| path.extension().unwrap() == kind.endings()[0]).unwrap();
+    let purpose = Purpose::Export(sonoglyph::ui::Export::Motion(*kind));
     let text = path.display().to_string();
     screen.state_mut().editor_mut().dialog = Some(Dialog::Path { purpose, text });
     rest(screen);

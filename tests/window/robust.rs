@@ -194,7 +194,7 @@ fn a_thousand_random_commands_do_no_harm_and_can_all_be_taken_back() {
             screen.query_by_label("Canvas: the field on the plane").map_or(window, |node| node.rect());
         match dice.below(12) {
             0..4 => {
-                let tool = Tool::ALL[dice.below(Tool::ALL.len())];
+                let tool = Tool::VARIANTS[dice.below(Tool::VARIANTS.len())];
                 screen.key_press(tool.key());
                 screen.step();
                 let (from, to) = (dice.place(canvas), dice.place(canvas));

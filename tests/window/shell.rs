@@ -226,8 +226,8 @@ fn everything_is_within_reach_in_a_small_window_and_at_twice_the_scale() {
         let window = Rect::from_min_size(Pos2::ZERO, size);
         let map = lens(&screen).rect;
         assert!(map.width() >= 300.0 && map.height() >= 180.0, "{map:?} of {window:?}");
-        for tool in Tool::ALL {
-            let rect = screen.get_by_role_and_label(Role::RadioButton, tool.name()).rect();
+        for tool in Tool::VARIANTS {
+            let rect = screen.get_by_role_and_label(Role::RadioButton, tool.into_str()).rect();
             assert!(window.contains_rect(rect), "{tool:?}: {rect:?}");
         }
         assert!(screen.query_by_label("Targets").is_none());

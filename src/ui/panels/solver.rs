@@ -6,7 +6,7 @@ use crate::rounding::percent_at_least;
 use crate::scene::{Aim, Amplitudes, Method, Pressures};
 use crate::solver::{Figures, Quality, Solution};
 use crate::studio::convention::Convention;
-use crate::ui::panels::{PLAIN, choice, count, fact, form, heading, number, profile};
+use crate::ui::panels::{PLAIN, choice, count, fact, form, heading, number, profile, variants};
 use crate::ui::{Command, Editor, Shown, theme};
 
 pub fn show(editor: &mut Editor, shown: &Shown, ui: &mut Ui, commands: &mut Vec<Command>) {
@@ -39,7 +39,7 @@ fn settings(editor: &mut Editor, ui: &mut Ui) {
     let solver = &mut editor.document.scene.solver;
     heading(ui, "Method");
     form(ui, "solver", |ui| {
-        let names = Method::ALL.map(|method| (method, method.title()));
+        let names = variants(Method::title);
         choice(ui, ("Method", describe(solver.method)), &mut solver.method, &names);
         let tip = "0: the default of the method";
         count(ui, ("Iterations", tip), &mut solver.iterations, 0..=10_000);

@@ -180,7 +180,7 @@ fn bar(editor: &Editor, picture: &SpaceShown, ui: &Ui, stage: &Stage) {
     let full = picture.peak * convention.factor(Quantity::Rms);
     let (factor, unit) = Quantity::Rms.declaration().unit.scaled(full);
     let font = FontId::proportional(12.0);
-    let title = format!("{unit} {}", convention.name());
+    let title = format!("{unit} {}", convention.into_str());
     painter.text(pos2(left, stage.rect.top() - 2.0), Align2::LEFT_TOP, title, font.clone(), ink);
     let table = editor.view.colours.on(editor.view.is_light);
     let mut mesh = Mesh::default();

@@ -1,6 +1,7 @@
 //! Random numbers that are the same in every run, and random packets.
 
 use sonoglyph::device::native::packet::{BROADCAST, Kind, Packet, Table};
+use strum::VariantArray;
 
 pub struct Dice(u64);
 
@@ -85,8 +86,8 @@ impl Dice {
 
     /// Of a length that is right and arguments 0. BAUD is left out: it would have to change the host's rate too.
     fn of_any_kind(&mut self) -> Packet {
-        let kinds = Kind::ALL.map(|kind| if kind == Kind::Baud { Kind::Stop } else { kind });
-        let kind = kinds[self.below(16) as usize];
+        let kind = Kind::VARIANTS[self.below(16) as usize];
+        let kind = if kind == Kind::Baud { Kind::Stop } else { kind };
         Packet::new(kind, [0; 4], vec![0; kind.payload()])
     }
 

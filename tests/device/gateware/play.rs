@@ -2,6 +2,7 @@
 
 use sonoglyph::device::native::model::Pulse;
 use sonoglyph::device::native::packet::{Outcome, Packet, Table};
+use strum::VariantArray;
 
 use crate::gateware::dice::Dice;
 use crate::gateware::twins::{Twins, WINDOW};
@@ -38,7 +39,7 @@ fn random_session(phase_bits: u8, periods: u32) {
         twins.twin.sounding,
         twins.twin.periods
     );
-    for outcome in Outcome::ALL {
+    for &outcome in Outcome::VARIANTS {
         let count = twins.twin.answers.iter().filter(|reply| reply.outcome == outcome).count();
         assert_eq!(count > 0, outcome != Outcome::Crc, "{count} times {outcome:?}");
     }

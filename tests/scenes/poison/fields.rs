@@ -14,6 +14,7 @@ use sonoglyph::field::{
 };
 use sonoglyph::scene::{Bead, Plane, Scene};
 use sonoglyph::studio::probe;
+use strum::VariantArray;
 
 use crate::poison::{POISON, SIZES, numbers, panics};
 
@@ -96,7 +97,7 @@ fn formulae_take_any_number() {
     let air = Air::new(&Scene::default().medium, 40e3);
     for quantity in Quantity::ALL {
         for poison in POISON {
-            for part in Part::ALL {
+            for &part in Part::VARIANTS {
                 let mut sound =
                     Sound { p: Complex32::ONE, x: Complex32::I, y: Complex32::I, n: Complex32::ONE };
                 *sound.part_mut(part) = Complex32::new(poison as f32, poison as f32);

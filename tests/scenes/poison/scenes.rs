@@ -8,6 +8,7 @@ use sonoglyph::scene::{
     Shape, Target, Tempo, Tone, Wave, Zone, font, motion, outline, wave::Samples,
 };
 use sonoglyph::solver::{self, SolveError};
+use strum::VariantArray;
 
 use crate::poison::{POISON, SIZES, panics};
 
@@ -232,7 +233,7 @@ fn envelopes_and_paths_stay_in_their_range() {
     scene.modulation.tones =
         vec![Tone { depth: 0.5, ..Tone::default() }, Tone { depth: 0.5, frequency: 1.5, phase: 9.0 }];
     for (shape, law) in
-        Envelope::ALL.into_iter().flat_map(|shape| [(shape, Law::Amplitude), (shape, Law::Power)])
+        Envelope::VARIANTS.iter().flat_map(|&shape| [(shape, Law::Amplitude), (shape, Law::Power)])
     {
         (scene.modulation.shape, scene.modulation.law) = (shape, law);
         for time in crate::poison::numbers().filter(|time| time.abs() <= 1e300) {

@@ -8,6 +8,7 @@ use sonoglyph::scene::{
     Amplitudes, Array, Easing, ElementModel, Envelope, Keyframe, Law, Liquid, LiquidName, Listener, Medium,
     Method, Modulation, Motion, MotionPath, Plane, Pressures, Sampling, Scene, Shape, Solver, Target, Tempo,
 };
+use strum::VariantArray;
 
 use crate::dice::Dice;
 
@@ -203,7 +204,7 @@ fn liquid(dice: &mut Dice, size: DVec2, wavelength: f64) -> Liquid {
     };
     for _ in 0..30 {
         let named = Liquid {
-            name: dice.one_of(&LiquidName::ALL),
+            name: dice.one_of(LiquidName::VARIANTS),
             gravity: dice.between(1.0, 20.0),
             depth: dice.magnitude(1e-3, 1.0),
             ..Liquid::default()
@@ -224,7 +225,7 @@ fn liquid(dice: &mut Dice, size: DVec2, wavelength: f64) -> Liquid {
 
 fn solver(dice: &mut Dice) -> Solver {
     Solver {
-        method: if dice.of(0.2) { Method::Best } else { dice.one_of(&Method::ALL) },
+        method: if dice.of(0.2) { Method::Best } else { dice.one_of(Method::VARIANTS) },
         iterations: dice.one_of(&[0, 0, 0, 1, 3, 12]),
         pressures: dice.one_of(&[Pressures::Relative, Pressures::Relative, Pressures::Pascal]),
         amplitudes: dice.one_of(&[Amplitudes::Uniform, Amplitudes::Uniform, Amplitudes::Free]),
@@ -309,7 +310,7 @@ fn keyframes(dice: &mut Dice, size: f64) -> Vec<Keyframe> {
         time: (f64::from(i) + dice.between(0.0, 0.9)) / f64::from(count),
         at: DVec3::new(if i == 0 { size } else { -size * dice.unit() }, size * dice.unit(), 0.0),
         pressure: dice.magnitude(0.3, 1.0),
-        easing: if i == 0 { Easing::Linear } else { dice.one_of(&Easing::ALL) },
+        easing: if i == 0 { Easing::Linear } else { dice.one_of(Easing::VARIANTS) },
     };
     (0..count).map(keyframe).collect()
 }

@@ -48,7 +48,7 @@ pub fn solved(case: &Case, two: &ThreadPool) -> Option<Solved> {
             return None;
         }
     };
-    count(scene.solver.method.name());
+    count(scene.solver.method.into_str());
     let (aperture, oracle) = (Aperture::new(&scene), Oracle::new(&scene));
     let solved = Solved { scene, aperture, oracle, solution };
     solved.is_the_same_on_two_threads(two);
@@ -296,7 +296,7 @@ pub fn moves_change_no_quality(solved: &Solved, moved: &Moved) {
     let moduli = |solution: &Solution| solution.pressures.iter().map(|p| p.norm()).collect::<Vec<_>>();
     let (before, after) = (moduli(solution), moduli(&other));
     let sum = before.iter().sum::<f64>().max(f64::MIN_POSITIVE);
-    let what = format!("moved, {}", method.name());
+    let what = format!("moved, {}", method.into_str());
     if method == Method::Greedy {
         // It takes the elements one after the other, in another order now: that it is not three times as loud is all there is to say.
         within(&what, (after.iter().sum::<f64>() / sum - 1.0).abs(), 2.0);

@@ -5,6 +5,7 @@ use sonoglyph::acoustics::Aperture;
 use sonoglyph::force::{Levitation, Outcome};
 use sonoglyph::scene::{Board, Scene, Shape, Target, Trap, outline};
 use sonoglyph::solver::{self, Problem, trap};
+use strum::VariantArray;
 
 use crate::dice::Dice;
 use crate::force::{focused, still_air};
@@ -86,7 +87,7 @@ fn one_trap_starts_from_its_signature() {
     for (u, phase) in own.iter().zip(known.phases) {
         assert!((u - num_complex::Complex64::cis(phase)).norm() < 1e-12);
     }
-    for kind in Trap::ALL {
+    for &kind in Trap::VARIANTS {
         scene.targets = vec![target(at, kind)];
         let [before, after] = weakest(&scene);
         assert!(after >= before && after > 0.0, "{kind:?}: {before} {after}");

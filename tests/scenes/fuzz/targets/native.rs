@@ -64,8 +64,9 @@ fn answers_every_packet(bytes: &[u8]) {
     let mut model = Model::new(5 + bits % 4).with_address(bits >> 4 & 7);
     model.follow(bits >> 7 == 1);
     for &[kind, seq, a, b, c, d, fill, periods] in script.as_chunks().0 {
-        let code = Kind::ALL.get(usize::from(kind) % 32).map_or(kind, |kind| kind.code());
-        let length = Kind::of_code(code).map_or(usize::from(fill), Kind::payload);
+        let known = (0..REPLY).filter_map(Kind::from_repr).nth(usize::from(kind) % 32);
+        let code = known.map_or(kind, Kind::code);
+        let length = Kind::from_repr(code).map_or(usize::from(fill), Kind::payload);
         // One in sixteen is too short.
         let length = if fill % 16 == 7 { length.saturating_sub(1) } else { length };
         let payload = (0..length).map(|n| fill.wrapping_mul(n.to_le_bytes()[0] | 1)).collect();
