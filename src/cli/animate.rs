@@ -6,6 +6,7 @@ use anyhow::bail;
 
 use crate::cli::{RenderArgs, View, progress, read_scene, render};
 use crate::field::{Colouring, Quantity, Request, Stages, missed};
+use crate::rounding::milliseconds;
 use crate::solver::frames;
 use crate::studio::animate::{self, Film, Target, times_of};
 use crate::studio::evaluator::{self, Backend};
@@ -100,10 +101,10 @@ pub fn run(args: &RenderArgs) -> anyhow::Result<()> {
         let frames = shot.frames();
         let each = drawing / frames as f64;
         say!(
-            "  {:.1} ms for all drives; {:.1} ms for {frames} frames, {:.2} ms for each",
-            solving * 1e3,
-            drawing * 1e3,
-            each * 1e3
+            "  {} for all drives; {} for {frames} frames, {} for each",
+            milliseconds(solving, 1),
+            milliseconds(drawing, 1),
+            milliseconds(each, 2)
         )?;
     }
     Ok(())

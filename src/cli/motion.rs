@@ -6,7 +6,7 @@ use anyhow::bail;
 
 use crate::cli::solve::Methods;
 use crate::cli::{COLUMN, SolveArgs, progress, read_scene};
-use crate::picture::sheet::pascals;
+use crate::rounding::{millimetres, milliseconds, pascals};
 use crate::scene::motion::{Cycle, Group};
 use crate::scene::{Scene, motion};
 use crate::solver::frames::Sequence;
@@ -63,9 +63,9 @@ fn print(scene: &Scene, sequence: &Sequence) -> anyhow::Result<()> {
         (
             "method",
             format!(
-                "{}, {:.3} ms per frame{}",
+                "{}, {} per frame{}",
                 scene.solver.method.into_str(),
-                summary.seconds * 1e3,
+                milliseconds(summary.seconds, 3),
                 match count - summary.searched {
                     0 => String::new(),
                     followed =>
@@ -105,7 +105,7 @@ fn moving(cycle: &Cycle<'_>, carrier: f64, rows: &mut Vec<(&'static str, String)
     let (from, to) = FELT_MOST;
     let of_scene = cycle.groups.iter().find(|group| group.target.is_none() && group.length > 0.0);
     if let (Some(group), Some((_, path))) = (of_scene, rows.first_mut()) {
-        *path += &format!(", {:.1} mm a cycle", group.length * 1e3);
+        *path += &format!(", {} mm a cycle", millimetres(group.length, 1));
     }
     let (frames, rate) = (cycle.frames, cycle.frames_per_second());
     rows.push((
@@ -124,9 +124,9 @@ fn moving(cycle: &Cycle<'_>, carrier: f64, rows: &mut Vec<(&'static str, String)
         rows.push((
             "own motion",
             format!(
-                "target {}: {path}, {:.1} mm, {times} a cycle: {} Hz, {:.3} m/s",
+                "target {}: {path}, {} mm, {times} a cycle: {} Hz, {:.3} m/s",
                 target + 1,
-                length * 1e3,
+                millimetres(*length, 1),
                 figure(rate),
                 length * rate
             ),

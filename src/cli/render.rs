@@ -10,6 +10,7 @@ use crate::cli::figure::{FigureArgs, write as write_figure};
 use crate::cli::{RenderArgs, View, progress, read_scene};
 use crate::echo;
 use crate::field::{Evaluator, Stages};
+use crate::rounding::milliseconds;
 use crate::studio::opening::stem;
 use crate::studio::output::{self, Files, say};
 use crate::studio::still::{self, Diagram, LARGEST_SIDE, Look, Moment, Size, Solved};
@@ -116,7 +117,10 @@ pub fn run(args: &RenderArgs) -> anyhow::Result<()> {
         bar.suspend(|| {
             say!("{}", rendered.line(output))?;
             match args.verbose {
-                true => say!("  {}; {:.0} ms in all", rendered.how, start.elapsed().as_secs_f64() * 1e3),
+                true => {
+                    let whole = milliseconds(start.elapsed().as_secs_f64(), 0);
+                    say!("  {}; {whole} in all", rendered.how)
+                }
                 false => Ok(()),
             }
         })?;

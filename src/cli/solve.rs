@@ -9,8 +9,9 @@ use strum::VariantArray;
 use crate::acoustics::Aperture;
 use crate::cli::{COLUMN, SolveArgs, read_scene};
 use crate::field::{Evaluator, NoSideLobe, SideLobe, Stages};
-use crate::picture::sheet::{pascals, pascals_at_most};
-use crate::rounding::{percent, percent_at_least, percent_at_most};
+use crate::rounding::{
+    millimetres, milliseconds, pascals, pascals_at_most, percent, percent_at_least, percent_at_most,
+};
 use crate::scene::{Amplitudes, Focus, Method, Pressures, Scene, check};
 use crate::solver::levels;
 use crate::solver::{self, Limits, Problem, Solution, SolveError, room};
@@ -253,9 +254,8 @@ fn drive_row(scene: &Scene, solution: &Solution) -> String {
     format!("{driven} of {}{how}", solution.drive.phases.len())
 }
 
-fn millimetres(point: DVec3) -> [String; 3] {
-    // What rounds to zero is zero, not "-0.00".
-    (point * 1e3).to_array().map(|coordinate| format!("{:.2}", (coordinate * 1e2).round() / 1e2 + 0.0))
+fn coordinates(point: DVec3) -> [String; 3] {
+    point.to_array().map(|coordinate| millimetres(coordinate, 2))
 }
 
 fn print(findings: &Findings, scene: &Scene) -> anyhow::Result<()> {
@@ -280,10 +280,10 @@ fn print(findings: &Findings, scene: &Scene) -> anyhow::Result<()> {
         (
             "method",
             format!(
-                "{}, {} iterations, {:.2} ms",
+                "{}, {} iterations, {}",
                 solution.method.into_str(),
                 solution.iterations,
-                solution.seconds * 1e3
+                milliseconds(solution.seconds, 2)
             ),
         ),
         ("elements driven", drive_row(scene, solution)),
@@ -308,7 +308,7 @@ fn print(findings: &Findings, scene: &Scene) -> anyhow::Result<()> {
         ),
     ];
     if let Some(figures) = &solution.figures {
-        let [x, y, z] = millimetres(figures.side_lobe_position);
+        let [x, y, z] = coordinates(figures.side_lobe_position);
         let figures = [
             (
                 "evenness",
@@ -337,7 +337,7 @@ fn print(findings: &Findings, scene: &Scene) -> anyhow::Result<()> {
         }
     }
     if let Some(heard) = &findings.heard {
-        let [x, y, z] = millimetres(heard.position);
+        let [x, y, z] = coordinates(heard.position);
         rows.push((
             "listener",
             format!("{:.1} dB re 20 µPa ({} RMS) at ({x}, {y}, {z}) mm", heard.spl(), pascals(heard.rms())),
@@ -354,7 +354,7 @@ fn print(findings: &Findings, scene: &Scene) -> anyhow::Result<()> {
 fn side_lobe_row(found: &Result<SideLobe, NoSideLobe>) -> String {
     match found {
         Ok(lobe) => {
-            let [x, y, z] = millimetres(lobe.position);
+            let [x, y, z] = coordinates(lobe.position);
             format!(
                 "{} of the mean, the loudest beside the foci on the plane: {} at ({x}, {y}, {z}) mm",
                 percent(lobe.part),
@@ -374,7 +374,7 @@ fn foci_table(scene: &Scene, solution: &Solution) -> Table {
     foci.set_header(["focus", "x / mm", "y / mm", "z / mm", target, "pressure (peak)", "phase / rad"]);
     let separate = solution.foci.iter().zip(&solution.pressures).filter(|(focus, _)| focus.is_separate());
     for (index, (focus, pressure)) in separate.enumerate() {
-        let [x, y, z] = millimetres(focus.position);
+        let [x, y, z] = coordinates(focus.position);
         foci.add_row([
             (index + 1).to_string(),
             x,

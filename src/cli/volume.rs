@@ -10,6 +10,7 @@ use crate::cli::arguments::numbers;
 use crate::cli::{RenderArgs, View, read_scene, render};
 use crate::field::Stages;
 use crate::field::volume::{Block, MOST_POINTS_ALONG};
+use crate::rounding::milliseconds;
 use crate::studio::evaluator;
 use crate::studio::output::{Files, say, warn};
 use crate::studio::space::SIDES;
@@ -78,7 +79,7 @@ pub(in crate::cli) fn run(args: &RenderArgs, counts: UVec3) -> anyhow::Result<()
     written.missed.iter().for_each(|missed| warn(&format!("{}: {missed}", solved.name)));
     say!("{}", written.line)?;
     if args.verbose {
-        say!("  {:.0} ms for the volume", start.elapsed().as_secs_f64() * 1e3)?;
+        say!("  {} for the volume", milliseconds(start.elapsed().as_secs_f64(), 0))?;
     }
     Ok(())
 }

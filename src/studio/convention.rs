@@ -5,7 +5,7 @@ use std::f64::consts::{FRAC_1_SQRT_2, SQRT_2};
 use strum::{IntoStaticStr, VariantArray};
 
 use crate::field::Quantity;
-use crate::picture::sheet::pascals;
+use crate::rounding::pascals;
 
 /// Convention for the amplitude of a sinusoidal pressure.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, IntoStaticStr, VariantArray)]

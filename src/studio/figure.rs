@@ -15,6 +15,7 @@ use crate::picture::figure::surface::{self, Measure, Surface};
 use crate::picture::figure::{Axis, Bar, Content, Figure, Format, Paper, round_step};
 use crate::picture::relief::Relief;
 use crate::picture::{ColourMap, Picture, colour, sheet};
+use crate::rounding::millimetres;
 use crate::scene::{Focus, Sampling, Scene, Target, outline};
 use crate::studio::convention::Convention;
 use crate::studio::evaluator::or_by_cpu;
@@ -288,7 +289,7 @@ fn lengths(foci: &[Focus], request: &Request) -> Vec<([[f64; 2]; 2], String)> {
         shown.take(MOST_WIDTHS).flat_map(|focus| width::spans(aperture, drives, focus.position, [x, y]));
     spans
         .filter_map(|[from, to]| {
-            let text = format!("{:.1} mm", from.distance(to) * 1e3);
+            let text = format!("{} mm", millimetres(from.distance(to), 1));
             Some(([place(from)?, place(to)?], text))
         })
         .collect()

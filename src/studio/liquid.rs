@@ -5,9 +5,8 @@ use glam::DVec2;
 use crate::echo;
 use crate::field::{Depression, Pressed, Quantity};
 use crate::picture::relief::{self, Relief, Words};
-use crate::picture::sheet::pascals_at_most;
 use crate::picture::{Picture, PictureError};
-use crate::rounding::{at_most, digits, percent_at_least};
+use crate::rounding::{at_most, digits, milliseconds, pascals_at_most, percent_at_least};
 use crate::scene::{self, Envelope, Law, Liquid, Modulation, Plane, Scene};
 use crate::studio::map::{DrawnMap, SILENT, extent};
 use crate::studio::output::warn;
@@ -110,7 +109,7 @@ pub fn frame(
 ) -> Result<Picture, PictureError> {
     let when = match moment {
         Moment::Frame(index, count) => format!("Frame {} of {count}", index + 1),
-        Moment::Time(seconds) => format!("{:.1} ms after the sound begins", seconds * 1e3),
+        Moment::Time(seconds) => format!("{} after the sound begins", milliseconds(seconds, 1)),
     };
     let depth = |depth: f32| Quantity::Depression.with_unit(depth.into());
     let all = match moment {

@@ -14,7 +14,7 @@ use crate::scene::{Method, Scene};
 use crate::ui::beside::{Compare, Difference, With};
 use crate::ui::canvas::{self, Canvas};
 use crate::ui::view::{Axes, Cut, Lens, View, Window};
-use crate::ui::{Editor, Map, Shown, Sound, edit, legend, marks, theme};
+use crate::ui::{Editor, Map, Shown, Sound, edit, legend, marks, measure, theme};
 
 /// Zoom per point of wheel or pinch, as on the canvas.
 const ZOOM_PER_POINT: f64 = 1.0 / 240.0;
@@ -318,8 +318,8 @@ fn words(
     let corner = rect.left_top() + vec2(10.0, 8.0);
     let first = marks::chip(painter, corner, Align2::LEFT_TOP, &format!("{name}{value}"), 13.0, theme::MARK);
     if let Some(point) = point {
-        let [x, y, z] = (point * 1e3).to_array();
-        let text = format!("x {x:.1}   y {y:.1}   z {z:.1} mm");
+        let [x, y, z] = point.to_array().map(measure::mm);
+        let text = format!("x {x}   y {y}   z {z} mm");
         marks::chip(
             painter,
             first.left_bottom() + vec2(0.0, 9.0),

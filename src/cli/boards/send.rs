@@ -14,6 +14,7 @@ use crate::device::health::{Found, Health, State};
 use crate::device::levels::{self, Levels};
 use crate::device::link::{Content, Event, Link, Settings};
 use crate::drive::Drive;
+use crate::rounding;
 use crate::scene::{Scene, motion};
 use crate::solver;
 use crate::studio::motion::{SOLVING, follow};
@@ -185,7 +186,8 @@ fn content(
 
 /// How a link fares, in a line.
 fn line(health: &Health) -> String {
-    let milliseconds = |duration: Duration| duration.as_secs_f64() * 1e3;
+    let milliseconds =
+        |duration: Duration, decimals| rounding::milliseconds(duration.as_secs_f64(), decimals);
     let mut line = format!(
         "{} frames, {:.1} frames/s on the line, {:.1} kB/s, {} retransmissions",
         health.frames,
@@ -198,16 +200,16 @@ fn line(health: &Health) -> String {
     }
     if let Some(spread) = health.round_trip {
         line += &format!(
-            ", answers after {:.2} ms (jitter {:.2} ms)",
-            milliseconds(spread.median),
-            milliseconds(spread.jitter)
+            ", answers after {} (jitter {})",
+            milliseconds(spread.median, 2),
+            milliseconds(spread.jitter, 2)
         );
     }
     if let Some(spread) = health.swaps {
         line += &format!(
-            ", modulated at {:.2} Hz (jitter {:.3} ms)",
+            ", modulated at {:.2} Hz (jitter {})",
             0.5 / spread.median.as_secs_f64(),
-            milliseconds(spread.jitter)
+            milliseconds(spread.jitter, 3)
         );
     }
     line

@@ -3,8 +3,7 @@
 use egui::Ui;
 
 use crate::field::Quantity;
-use crate::picture::sheet::pascals_at_most;
-use crate::rounding::digits;
+use crate::rounding::{digits, pascals_at_most};
 use crate::scene::{Light, LiquidName};
 use crate::studio::liquid;
 use crate::ui::panels::{MM, Unit, choice, fact, form, given, heading, number, variants};

@@ -5,6 +5,7 @@ use sonoglyph::picture::animation::{Animation, AnimationError, Colours, Format, 
 use sonoglyph::picture::chart::{Chart, Level, Series};
 use sonoglyph::picture::relief::{self, Relief, Words};
 use sonoglyph::picture::{ColourMap, Picture, export, numbers, sheet};
+use sonoglyph::rounding;
 use sonoglyph::scene::Plane;
 
 use crate::poison::{POISON, SIZES, panics};
@@ -82,6 +83,6 @@ fn sizes_of_pages_are_bounded() {
         let plane = Plane { size: DVec2::new(poison, 0.1), ..Plane::default() };
         let (width, height) = sheet::map_size(&plane, 1600, 1000);
         assert!(width <= 1600 && height <= 1000, "{poison}: {width} x {height}");
-        assert!(!sheet::pascals(poison).is_empty());
+        assert!(!rounding::pascals(poison).is_empty());
     }
 }
