@@ -24,7 +24,10 @@ pub fn run() -> anyhow::Result<()> {
             say!("  {} for maps, since it is a hardware GPU", info.name)?;
         }
         Some(info) => {
-            say!("  the CPU evaluator for maps, since {} is software on the same CPU, and slower", info.name)?;
+            say!(
+                "  the CPU evaluator for maps, since {} is software on the same CPU, and slower",
+                info.name
+            )?;
         }
         None => say!("  the CPU evaluator for maps, since there is no GPU adapter")?,
     }

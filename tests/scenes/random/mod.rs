@@ -28,7 +28,7 @@ use sonoglyph::field::{Evaluator, Stages};
 use sonoglyph::scene::file;
 
 use crate::requirement::found;
-use draw::Case;
+use draw::{Case, Family};
 use fields::Evaluators;
 use solving::Moved;
 
@@ -46,7 +46,7 @@ fn holds(case: &Case, evaluators: &mut Evaluators, two: &ThreadPool) {
     let peak = fields::hold(evaluators, &solved, &mut dice);
     // Each scene is moved in one way, and all of them in all.
     let moved = match dice.whole(0, 3) {
-        0 | 1 if !solved.scene.is_home() => Moved::turned(&solved.scene, &mut dice),
+        0 | 1 if case.family == Family::Spatial => Moved::turned(&solved.scene, &mut dice),
         0 => Moved::translated(&solved.scene, false),
         1 => Moved::translated(&solved.scene, true),
         _ => Moved::mirrored(&solved.scene),
